@@ -58,7 +58,8 @@ pub(crate) struct BakeArguments {
     /// neighbours]
     #[arg(long, value_name = "NAME", value_parser = interpolation_parser())]
     reconstruct: Option<Interpolation>,
-    /// Number of rays that gather indirect light at a point
+    /// Number of rays that gather indirect light at a point; --method radiosity has 128 rays per element
+    /// instead
     #[arg(long, value_name = "N", hide_short_help = true, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=65536))]
     pub(crate) rays: u32,
     #[command(flatten)]

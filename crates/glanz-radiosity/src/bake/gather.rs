@@ -14,6 +14,7 @@ use super::direct::DirectMap;
 use super::lookup::SurfaceIndex;
 use super::progress::BakeProgress;
 use super::receiver::BakeReceiver;
+use super::settings::MAX_LINK_BYTES;
 use super::state::{BakeState, GatherCache};
 use super::visibility::Visibility;
 use super::{BakeError, BakeMethod, BakeSettings};
@@ -22,9 +23,18 @@ use crate::elements::{Element, Elements};
 
 mod path;
 
+/// Elements whose rays are traced between two reports of progress.
+const ELEMENTS_AT_ONCE: usize = 256;
+
 /// Rays from an element, and from one of the smaller elements of the hierarchical solver.
 const RAYS_PER_ELEMENT: usize = 256;
 const RAYS_PER_SMALL_ELEMENT: usize = 128;
+
+/// Largest number of links between elements: an element has at most one for each of its rays.
+const MAX_LINKS: usize = MAX_LINK_BYTES / size_of::<ElementLink>();
+
+/// Largest number of elements of the hierarchical solver: their rays make no more links than allowed.
+pub(super) const MAX_SMALL_ELEMENTS: usize = MAX_LINKS / RAYS_PER_SMALL_ELEMENT;
 
 /// Rays that decide whether a point lies inside a solid.
 const INSIDE_RAYS: usize = 16;
@@ -156,16 +166,13 @@ impl<'a> FinalGather<'a> {
     }
 
     /// Gathers light between elements until it no longer changes.
+    ///
+    /// # Errors
+    /// [`BakeError::Memory`] if the elements have too many links.
     pub(super) fn solve(&mut self, progress: &mut BakeProgress<'_>) -> Result<(), BakeError> {
-        let list = &self.elements.list;
-        let mut rows: Vec<ElementRow> = Vec::with_capacity(list.len());
-        for group in list.chunks(256) {
-            // States contain nothing of this phase.
-            progress.report(rows.len() as f64 / list.len() as f64, BakeState::default)?;
-            let found: Vec<ElementRow> = group.par_iter().map(|element| self.row(element)).collect();
-            rows.extend(found);
-        }
+        let rows = self.rows(MAX_LINKS, progress)?;
         for _ in 0..MAX_ROUNDS {
+            progress.report(1.0, BakeState::default)?;
             let (mut change, mut most) = (0.0_f32, 0.0_f32);
             for (i, row) in rows.iter().enumerate() {
                 let mut light = row.direct;
@@ -182,6 +189,31 @@ impl<'a> FinalGather<'a> {
         }
         self.mark_lit_charts();
         Ok(())
+    }
+
+    /// Traces the rays of all elements.
+    ///
+    /// # Errors
+    /// [`BakeError::Memory`] if they make more than `max_links` links.
+    pub(super) fn rows(
+        &self,
+        max_links: usize,
+        progress: &mut BakeProgress<'_>,
+    ) -> Result<Vec<ElementRow>, BakeError> {
+        let list = &self.elements.list;
+        let mut rows: Vec<ElementRow> = Vec::with_capacity(list.len());
+        let mut links = 0;
+        for group in list.chunks(ELEMENTS_AT_ONCE) {
+            // States contain nothing of this phase.
+            progress.report(rows.len() as f64 / list.len() as f64, BakeState::default)?;
+            let found: Vec<ElementRow> = group.par_iter().map(|element| self.row(element)).collect();
+            links += found.iter().map(|row| row.links.len()).sum::<usize>();
+            if links > max_links {
+                return Err(BakeError::Memory(list.len()));
+            }
+            rows.extend(found);
+        }
+        Ok(rows)
     }
 
     /// Marks charts with lit elements, once the light of the elements is known.
@@ -320,8 +352,12 @@ fn element_center(element: &Element) -> ParametricPoint {
     ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv: patch.domain.center() }
 }
 
+/// Number of another element, and the factor on its indirect irradiance.
+type ElementLink = (u32, Spectrum);
+
 /// Indirect irradiance of an element: a constant and a linear function of that of others.
-struct ElementRow {
+#[derive(Debug)]
+pub(super) struct ElementRow {
     direct: Spectrum,
-    links: Vec<(u32, Spectrum)>,
+    pub(super) links: Vec<ElementLink>,
 }

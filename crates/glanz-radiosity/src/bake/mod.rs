@@ -61,8 +61,12 @@ const CHARTS_AT_ONCE: usize = 64;
 /// transmits light. `sink`: see [`resume`].
 ///
 /// # Errors
-/// [`BakeError::Density`] and [`BakeError::TooMany`] for an invalid or too high number of texels per metre, [`BakeError::Elements`] if the
-/// scene cannot be divided, [`BakeError::Interrupted`] if `cancel` is raised.
+/// [`BakeError::Density`] and [`BakeError::TooMany`] for an invalid or too high number of texels per metre, [`BakeError::Memory`] if the
+/// light between the elements takes too much memory, [`BakeError::Interrupted`] if `cancel` is raised.
+///
+/// With [`BakeMethod::Radiosity`] also [`BakeError::Interpolation`] for an exponent that the interpolation refuses, or with which its
+/// equations have no solution, [`BakeError::Elements`] if the scene has more faces than can be stored, and [`BakeError::Solver`] for a
+/// density that makes the shortest sides of elements 0 or infinite.
 pub fn bake(
     elements: &Elements<'_>,
     settings: &BakeSettings,
@@ -86,12 +90,12 @@ pub fn resume(
     sink: &mut dyn ProgressSink<BakeState>,
     cancel: &CancelFlag,
 ) -> Result<Vec<LightMap>, BakeError> {
+    if let BakeMethod::Radiosity { reconstruction } = settings.method {
+        reconstruction.check()?;
+    }
     let density = settings.density;
     if !(density > 0.0 && density.is_finite()) {
         return Err(BakeError::Density(density));
-    }
-    if let BakeMethod::Radiosity { reconstruction } = settings.method {
-        reconstruction.check()?;
     }
     let charts = charts(&elements.surfaces, density);
     let texels = charts.iter().map(Chart::texels).sum();

@@ -272,6 +272,35 @@ fn state_of_the_other_method_is_refused() {
     }
 }
 
+/// Cancels a bake at the second report of its phase before the last one, after all rays between elements were traced.
+struct SweepStopper {
+    phase: u32,
+    reports: usize,
+    cancel: CancelFlag,
+}
+
+impl ProgressSink<BakeState> for SweepStopper {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        self.reports += usize::from(progress.step[0] == self.phase);
+        if self.reports == 2 {
+            self.cancel.cancel();
+        }
+    }
+}
+
+#[test]
+fn sweeps_over_elements_can_be_cancelled() {
+    // So few elements that the rays of all are traced between two reports.
+    let scene = room();
+    let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
+    assert!(elements.list.len() < 256);
+    let cancel = CancelFlag::default();
+    let mut stopper = SweepStopper { phase: 2, reports: 0, cancel: cancel.clone() };
+    let ended = resume(BakeState::default(), &elements, &COARSE, &mut stopper, &cancel);
+    assert_eq!(ended.err(), Some(BakeError::Interrupted(Interrupted)));
+    assert_eq!(stopper.reports, 2);
+}
+
 #[test]
 fn exponents_that_an_interpolation_refuses_are_errors() {
     let scene = room();

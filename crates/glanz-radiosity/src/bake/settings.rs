@@ -9,12 +9,16 @@ use crate::solve::hierarchical::HierarchicalError;
 /// Largest number of texels over all charts.
 pub(super) const MAX_TEXELS: usize = 1 << 24;
 
+/// Largest memory of the light that elements exchange, bytes.
+pub(super) const MAX_LINK_BYTES: usize = 2 << 30;
+
 /// Accuracy and method of light maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BakeSettings {
     /// Smallest number of texels per metre, above 0.
     pub density: f64,
-    /// Number of rays of a final gather.
+    /// Number of rays of a final gather. With [`BakeMethod::Radiosity`] an element has 128 rays, which have this number of directions if it
+    /// is less.
     pub rays: u32,
     /// Largest number of shadow rays from a texel to a light.
     pub shadow_rays: u32,
@@ -34,7 +38,8 @@ pub enum BakeMethod {
     /// Final gather: rays over the hemisphere from points of each chart.
     #[default]
     Gather,
-    /// Hierarchical solver, with elements as large as its error bound allows: a preview in a tenth of the time.
+    /// Hierarchical solver, with elements as large as its error bound allows: a preview in a tenth of the time. The elements of a scene
+    /// that needs more of them than memory allows (about 800 000) are larger.
     Radiosity {
         /// Interpolation of the light of elements on texels.
         reconstruction: Interpolation,
@@ -89,6 +94,12 @@ pub enum BakeError {
     /// Texels per metre that make more texels than can be stored, and the number of these.
     #[error("{0} texels per metre make {1} texels, more than {MAX_TEXELS}; choose a lower density")]
     TooMany(f64, usize),
+    /// The light that this number of elements exchange would take more memory than allowed.
+    #[error(
+        "light between {0} elements takes more than {gib} GiB of memory; choose longer elements or a scene with fewer faces",
+        gib = MAX_LINK_BYTES >> 30
+    )]
+    Memory(usize),
     /// The state to resume from belongs to other elements or another method.
     #[error(
         "the saved state belongs to other elements or another method; resume with the scene and the settings that it was saved with"
@@ -97,6 +108,9 @@ pub enum BakeError {
     /// The scene cannot be divided into elements.
     #[error(transparent)]
     Elements(#[from] ElementError),
+    /// The interpolation refuses its exponent, or has no solution with it.
+    #[error(transparent)]
+    Interpolation(#[from] ReconstructError),
     /// The solver refuses its settings.
     #[error(transparent)]
     Solver(#[from] HierarchicalError),
@@ -104,6 +118,3 @@ pub enum BakeError {
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }
-    /// The interpolation refuses its exponent, or has no solution with it.
-    #[error(transparent)]
-    Interpolation(#[from] ReconstructError),

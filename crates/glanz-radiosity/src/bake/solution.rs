@@ -5,7 +5,7 @@ use glanz_math::DVec2;
 use glanz_scene::{Light, ParametricPoint};
 use rayon::prelude::*;
 
-use super::gather::FinalGather;
+use super::gather::{FinalGather, MAX_SMALL_ELEMENTS};
 use super::progress::BakeProgress;
 use super::{BakeError, BakeSettings, BakeState};
 use crate::elements::{Element, ElementSettings, Elements, ParameterPatch, Patch};
@@ -83,6 +83,7 @@ pub(super) fn refined<'a>(
     let solver = HierarchicalSettings {
         bound: BOUND,
         side: SHORTEST_SIDE / settings.density,
+        elements: MAX_SMALL_ELEMENTS,
         leaf_form_factors: false,
         ..HierarchicalSettings::default()
     };

@@ -343,6 +343,25 @@ fn invalid_density_is_refused_and_a_bake_can_be_cancelled() {
     assert_eq!(run(1.0, &open), Ok(()));
 }
 
+#[test]
+fn too_many_links_between_elements_are_refused() {
+    let scene = scene(walls(DVec3::ONE).into_iter().map(|wall| (wall, 0.5, 1.0)).collect());
+    let elements = Elements::new(&scene, &ElementSettings { side: 0.5 }).unwrap();
+    let charts = charts(&elements.surfaces, COARSE.density);
+    let (mut sink, cancel) = (Silent, CancelFlag::default());
+    let mut progress = BakeProgress::new(&mut sink, &cancel, 3);
+    let state = BakeState::default();
+    let direct = direct::light_on_charts(&elements, &charts, &COARSE, &state, &mut progress).unwrap();
+    let index = SurfaceIndex::new(&elements, &charts);
+    let gather = FinalGather::new(&elements, &index, &charts, &direct, &COARSE);
+    let rows = gather.rows(usize::MAX, &mut progress).unwrap();
+    let links: usize = rows.iter().map(|row| row.links.len()).sum();
+    // The elements of each wall exchange light with those of the five others.
+    assert!(links > 24 * 10, "{links}");
+    assert!(gather.rows(links, &mut progress).is_ok());
+    assert_eq!(gather.rows(links - 1, &mut progress).err(), Some(BakeError::Memory(elements.list.len())));
+}
+
 /// Tests of the nightly run.
 mod heavy {
     use super::*;

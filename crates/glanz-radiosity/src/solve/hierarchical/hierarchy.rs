@@ -197,6 +197,11 @@ impl<'a> ElementHierarchy<'a> {
         }
     }
 
+    /// Number of leaves.
+    pub(super) fn leaves(&self) -> usize {
+        self.nodes.iter().filter(|node| node.count == 0).count()
+    }
+
     /// A node and its ancestors.
     pub(super) fn path(&self, number: usize) -> impl Iterator<Item = usize> + '_ {
         std::iter::successors(Some(number), |&node| self.nodes[node].parent.map(|parent| parent as usize))

@@ -67,6 +67,9 @@ pub struct HierarchicalSettings {
     pub sweeps: u32,
     /// Largest number of links, approximately; the solver ends early when it is exceeded.
     pub links: usize,
+    /// Largest number of elements, each of which takes about 2 KiB of memory; the solver ends early before dividing more. The start
+    /// elements may be more.
+    pub elements: usize,
     /// Whether the last solution uses form factors of each leaf. Without them links distribute light evenly over their leaves, which
     /// suffices to find where elements have to be small.
     pub leaf_form_factors: bool,
@@ -81,6 +84,7 @@ impl Default for HierarchicalSettings {
             tolerance: 1e-4,
             sweeps: 200,
             links: 1 << 25,
+            elements: 1 << 22,
             leaf_form_factors: true,
         }
     }
@@ -138,7 +142,7 @@ pub struct HierarchicalSolution<'a> {
     pub irradiance: Vec<Spectrum>,
     /// Bounds on its errors.
     pub errors: LinkErrors,
-    /// Whether all rounds were completed; `false` if it was cancelled or there were too many links.
+    /// Whether all rounds were completed; `false` if it was cancelled or there were too many links or elements.
     pub finished: bool,
     /// Work of the solver.
     pub effort: SolverEffort,
@@ -193,7 +197,11 @@ pub fn hierarchical_with_exitance<'a>(
         let is_last = round + 1 >= rounds;
         let coarser = if is_last { 1.0 } else { BOUND_RATIO.powi(round as i32 + 1 - rounds as i32) };
         let before = (round >= rounds).then_some(solver.refinement.links.len());
-        let goal = RefinementGoal { error: bound * coarser * solver.hierarchy.flux(), links: settings.links };
+        let goal = RefinementGoal {
+            error: bound * coarser * solver.hierarchy.flux(),
+            links: settings.links,
+            elements: settings.elements,
+        };
         let mut pause = || report_round(round);
         solver.refinement.refine(&mut solver.hierarchy, &goal, &mut pause);
         if before == Some(solver.refinement.links.len()) {

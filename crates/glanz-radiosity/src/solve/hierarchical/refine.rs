@@ -22,7 +22,7 @@ struct OpenLink {
 pub(super) struct Refinement {
     pub(super) links: Vec<Link>,
     pub(super) rays: u64,
-    /// Whether refinement ended early, because of the number of links or because it was cancelled.
+    /// Whether refinement ended early, because of the number of links or elements, or because it was cancelled.
     pub(super) stopped: bool,
 }
 
@@ -33,6 +33,8 @@ pub(super) struct RefinementGoal {
     pub(super) error: f64,
     /// Largest number of links, approximately.
     pub(super) links: usize,
+    /// Largest number of elements.
+    pub(super) elements: usize,
 }
 
 /// Result of the division of a link.
@@ -144,6 +146,11 @@ impl Refinement {
             whole.retain(|&node| hierarchy.nodes[node as usize].children().is_empty());
             whole.sort_unstable();
             whole.dedup();
+            // Each element that is divided leaves four.
+            self.stopped |= !whole.is_empty() && hierarchy.leaves() + 3 * whole.len() > goal.elements;
+            if self.stopped {
+                break;
+            }
             hierarchy.divide(&whole);
             let mut next = Vec::new();
             for chunk in open.chunks(LINKS_AT_ONCE) {

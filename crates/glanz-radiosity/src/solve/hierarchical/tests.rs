@@ -288,6 +288,20 @@ fn black_surfaces_have_irradiance() {
 }
 
 #[test]
+fn solver_ends_early_instead_of_making_too_many_elements() {
+    let scene = room(0.5, Vec::new());
+    let start = whole(&scene).list.len();
+    for limit in [0, start + 2, 50, 400] {
+        let settings =
+            HierarchicalSettings { elements: limit, bound: 1e-4, ..HierarchicalSettings::default() };
+        let solved = hierarchical(whole(&scene), &settings, &mut Silent, &CancelFlag::default()).unwrap();
+        let count = solved.elements.list.len();
+        assert!(count <= limit.max(start) && !solved.finished, "{count} {limit}");
+        assert!(solved.radiosity.iter().all(|light| light.is_finite()));
+    }
+}
+
+#[test]
 fn invalid_settings_are_refused() {
     let scene = room(0.5, Vec::new());
     for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
