@@ -5,6 +5,8 @@
 
 #[path = "../../crates/glanz-geometry/benches/mesh/landscape.rs"]
 mod landscape;
+#[path = "../../crates/glanz-geometry/benches/streams/processor_time.rs"]
+mod processor_time;
 
 use std::fs::{File, read_to_string};
 use std::io::{BufWriter, Write as _};
@@ -15,6 +17,7 @@ use glanz_geometry::RaySurface;
 use glanz_geometry::mesh::Mesh;
 use glanz_math::Ray;
 use landscape::{Model, bounced_rays, camera_rays, displaced_sphere, random_rays, wavy_grid};
+use processor_time::processor_time;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -51,12 +54,6 @@ fn query(mesh: &Mesh, rays: &[Ray], any: bool) -> (u64, f64) {
         }
     }
     (hits, sum)
-}
-
-/// Processor time of this thread, nanoseconds.
-fn processor_time() -> u64 {
-    let times = read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    times.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or_default()
 }
 
 fn measure(mesh: &Mesh, rays: &[Ray], any: bool, threads: usize) -> (u128, u64, u64, f64) {

@@ -5,8 +5,14 @@
 //! a sum: of the ray parameters (closest, all) or of the grey levels (picture). `SET compare 1` reads the ray parameters that
 //! the other side has written.
 
+#[path = "../../crates/glanz-geometry/benches/freeform/camera_rays.rs"]
+mod camera_rays;
 #[path = "../../crates/glanz-geometry/benches/freeform/models.rs"]
 mod models;
+#[path = "../../crates/glanz-geometry/benches/streams/processor_time.rs"]
+mod processor_time;
+#[path = "../../crates/glanz-geometry/benches/streams/ray_sets.rs"]
+mod ray_sets;
 mod tessellate;
 
 use std::fmt::Write as _;
@@ -16,10 +22,13 @@ use std::io::{BufWriter, Write as _};
 use std::path::Path;
 use std::time::Instant;
 
+use camera_rays::{camera_rays, shuffled};
 use glanz_geometry::freeform::SurfacePatch;
 use glanz_geometry::{BoundedRay, RaySurface, Surface};
 use glanz_math::Ray;
-use models::{Failure, Model, NAMES, Source, camera_rays, freeform, holes, random_lines, shuffled, tiles};
+use models::{Failure, Model, NAMES, Source, holes};
+use processor_time::processor_time;
+use ray_sets::{random_lines, tiles};
 use tessellate::{Cells, Deviation, Mesh, deviation, fewest_cells, tessellate};
 
 /// Bounds on the tessellation: distance from the surface relative to the diagonal of its box, angle of the normal in degrees.
@@ -57,12 +66,6 @@ fn write_rays(path: &Path, rays: &[Ray]) -> Result<(), Failure> {
         file.write_all(&(x as f32).to_le_bytes())?;
     }
     Ok(file.flush()?)
-}
-
-/// Processor time of this thread, nanoseconds.
-fn processor_time() -> u64 {
-    let times = read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    times.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or_default()
 }
 
 /// Processor time of `work`, seconds: the median of three means.
@@ -188,7 +191,7 @@ fn compare(surface: &Surface, rays: &[Ray], size: f64, dump: &Path) -> Result<St
 
 /// Sizes and build times of both sides, as JSON without its last brace.
 fn about(model: &Model, surface: &Surface, mesh: &Mesh, cells: &[Cells]) -> Result<String, Failure> {
-    let Some(freeform) = freeform(surface) else { return Err("not a freeform surface".into()) };
+    let Surface::Freeform(freeform) = surface else { return Err("not a freeform surface".into()) };
     let pieces = freeform.patches();
     let deviations =
         pieces.iter().zip(cells).map(|(p, &cells)| deviation(p.patch(), cells, 5, usize::MAX, |_| false));
@@ -303,7 +306,7 @@ fn run() -> Result<(), Failure> {
         let set = sets.iter().find(|known| known.name == set).ok_or("no such set of rays")?;
         let rays = &set.rays;
         if query == "compare" {
-            let undecided = freeform(&surface).map_or(0, |f| f.undecided());
+            let undecided = if let Surface::Freeform(freeform) = &surface { freeform.undecided() } else { 0 };
             let text = compare(&surface, rays, size, &folder.join("t"))?;
             writeln!(out, "{}, \"undecided\": {undecided}}}", text.trim_end_matches('}'))?;
         } else {

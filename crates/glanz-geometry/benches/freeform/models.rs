@@ -1,5 +1,4 @@
-//! Freeform surfaces and rays for measurements, shared with `peers/freeform`. All of them are computed; only the
-//! order of shuffled rays is random.
+//! Freeform surfaces for measurements, shared with `peers/freeform`. All of them are computed, but for the teapot.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
@@ -10,7 +9,7 @@ use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
 use glanz_math::glam::DVec4;
-use glanz_math::{Bounds3, DVec2, DVec3, Ray};
+use glanz_math::{DVec2, DVec3};
 
 /// An error of building a model.
 pub(crate) type Failure = Box<dyn std::error::Error>;
@@ -101,14 +100,6 @@ impl Model {
             Some(region) => freeform.trimmed(region.clone()),
             None => freeform,
         })
-    }
-}
-
-/// The freeform surface within.
-pub(crate) fn freeform(surface: &Surface) -> Option<&Freeform> {
-    match surface {
-        Surface::Freeform(freeform) => Some(freeform),
-        _ => None,
     }
 }
 
@@ -234,74 +225,4 @@ fn newell(text: &str) -> Result<Vec<TensorPatch>, Failure> {
         Ok(TensorPatch::try_new(3, 3, points)?)
     };
     indices.chunks_exact(16).map(patch).collect()
-}
-
-/// Camera rays line by line, from obliquely above, the box filling the picture. Their numbers are `f32` values, so that
-/// single-precision programs trace the same rays.
-pub(crate) fn camera_rays(bounds: &Bounds3, width: u32, height: u32) -> Vec<Ray> {
-    let (center, size) = (bounds.center(), bounds.diagonal().length());
-    let eye = center + DVec3::new(0.5, -1.0, 0.9).normalize() * (1.1 * size);
-    let forward = (center - eye).normalize();
-    let right = forward.cross(DVec3::Z).normalize();
-    let up = right.cross(forward);
-    let aspect = f64::from(height) / f64::from(width);
-    let short = |v: DVec3| v.as_vec3().as_dvec3();
-    let pixel = |i: u32, of: u32| (f64::from(i) + 0.5) / f64::from(of) - 0.5;
-    let ray = |x, y| {
-        let direction = forward + right * pixel(x, width) - up * (aspect * pixel(y, height));
-        Ray::new(short(eye), short(direction.normalize()))
-    };
-    (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| ray(x, y)).collect()
-}
-
-/// The same rays in random order: Fisher and Yates with splitmix64.
-pub(crate) fn shuffled(mut rays: Vec<Ray>) -> Vec<Ray> {
-    let mut state = 1_u64;
-    for i in (1..rays.len()).rev() {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut x = state;
-        x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        rays.swap(i, ((x ^ (x >> 31)) % (i as u64 + 1)) as usize);
-    }
-    rays
-}
-
-/// Side of a tile, pixels.
-#[allow(dead_code, reason = "not every program has tiles")]
-pub(crate) const TILE: usize = 64;
-
-/// The rays of a picture of this size, given line by line, tile by tile.
-#[allow(dead_code, reason = "not every program has tiles")]
-pub(crate) fn tiles(lines: &[Ray], [width, height]: [usize; 2]) -> Vec<Ray> {
-    let corners = (0..height).step_by(TILE).flat_map(|y| (0..width).step_by(TILE).map(move |x| (x, y)));
-    let pixels = corners.flat_map(|(x, y)| {
-        (y..(y + TILE).min(height))
-            .flat_map(move |row| (x..(x + TILE).min(width)).map(move |column| row * width + column))
-    });
-    pixels.filter_map(|pixel| lines.get(pixel).copied()).collect()
-}
-
-/// Lines through two points of a ball around the surface.
-#[allow(dead_code, reason = "not every program has lines")]
-pub(crate) fn random_lines(bounds: &Bounds3, count: usize) -> Vec<Ray> {
-    let mut state = 1_u64;
-    let mut unit = || {
-        state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-        (state >> 11) as f64 / (1_u64 << 53) as f64
-    };
-    let (center, radius) = (bounds.center(), 0.5 * bounds.diagonal().length());
-    let mut point = || loop {
-        let p = 2.0 * DVec3::new(unit(), unit(), unit()) - 1.0;
-        if p.length_squared() <= 1.0 {
-            return center + radius * p;
-        }
-    };
-    (0..count)
-        .map(|_| {
-            let (a, b) = (point(), point());
-            let direction = (b - a).normalize();
-            Ray::new(a - 2.0 * radius * direction, direction)
-        })
-        .collect()
 }

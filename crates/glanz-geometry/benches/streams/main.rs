@@ -3,16 +3,21 @@
 //! Both ways take turns in one run, on one thread, so that the ratio of their processor times holds on a busy machine as well. Rays are those
 //! of a camera in tiles of 64 x 64 pixels, the same in random order, and random lines through the surface, in batches of 4096.
 
+#[path = "../freeform/camera_rays.rs"]
+mod camera_rays;
 #[path = "../freeform/models.rs"]
-#[allow(dead_code, reason = "it serves several programs")]
 mod models;
+mod processor_time;
+mod ray_sets;
 
-use std::fs::read_to_string;
 use std::hint::black_box;
 use std::io::Write;
 
+use camera_rays::{camera_rays, shuffled};
 use glanz_geometry::{BoundedRay, RaySurface, Surface};
-use models::{Failure, Model, NAMES, TILE, camera_rays, random_lines, shuffled, tiles};
+use models::{Failure, Model, NAMES};
+use processor_time::processor_time;
+use ray_sets::{TILE, random_lines, tiles};
 
 /// Size of the picture, pixels.
 const PICTURE: [usize; 2] = [960, 512];
@@ -34,12 +39,6 @@ fn is_asked(name: &str, kind: &[&str], words: &[String]) -> bool {
 fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
-}
-
-/// Processor time of this thread, nanoseconds.
-fn processor_time() -> u64 {
-    let times = read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    times.split_whitespace().next().and_then(|time| time.parse().ok()).unwrap_or_default()
 }
 
 /// Seconds of both ways, which take turns.
