@@ -1,11 +1,11 @@
-//! Rays in memory, prepared for boxes eight at a time.
+//! Rays of a stream in memory, prepared for boxes eight at a time.
 
 use super::node::{CARRY, FLATTEST, NEAR, ParameterScale, U32, UnitFrame, UnitRay};
 use super::simd::Simd;
 use super::simd::lanes::{LANES, first_lanes};
 use crate::batch::BoundedRay;
 
-/// A [`UnitRay`] in memory, in one cache line.
+/// A ray of a stream, prepared for boxes: the numbers of its [`UnitRay`] once each instead of once per lane, in one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct CompactRay {
@@ -13,7 +13,8 @@ pub(crate) struct CompactRay {
     pub(super) near: [f32; 3],
     pub(super) far: [f32; 3],
     pub(super) end: f32,
-    /// A number for the visitor of the leaves.
+    /// The position at which the visitor of the leaves keeps its own data of the ray; see
+    /// [`StreamVisitor::prepare`](super::stream::StreamVisitor::prepare).
     pub(crate) slot: u32,
     pub(super) scale: ParameterScale,
 }

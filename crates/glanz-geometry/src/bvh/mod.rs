@@ -20,8 +20,9 @@
 //! ```
 //!
 //! Files: `build` (the binary tree), `collapse` (eight-wide nodes from it), `node` (a ray against a node), `traversal`
-//! (nearest first), `query` (closest hit, any hit and all hits of a surface), `stream` and `compact_ray` (many rays at
-//! once), `batch` (the same for callers of other crates), `simd` (vector instructions and all the unsafe code).
+//! (nearest first), `query` (closest hit, any hit and all hits of a surface), `stream`, `single_ray_traversal` and
+//! `compact_ray` (many rays at once), `batch` (the same for callers of other crates), `simd` (vector instructions and all the
+//! unsafe code).
 
 mod batch;
 mod build;
@@ -30,6 +31,7 @@ mod compact_ray;
 mod node;
 pub(crate) mod query;
 pub(crate) mod simd;
+mod single_ray_traversal;
 pub(crate) mod stream;
 mod traversal;
 

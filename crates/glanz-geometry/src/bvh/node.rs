@@ -58,21 +58,17 @@ impl WideNode {
     /// The children whose boxes the ray may meet, as bits, and the entries of the ray into them.
     #[inline(always)]
     pub(crate) fn intersect<S: Simd>(&self, simd: S, ray: &UnitRay<S>) -> (u32, S::F32) {
-        let [x, y, z] = [self.slab(simd, ray, 0), self.slab(simd, ray, 1), self.slab(simd, ray, 2)];
-        // The second operand of `max` wins a tie, so that zero is never a negative one: its bits are sorted.
-        let near = simd.max(simd.max(x.0, y.0), simd.max(z.0, simd.splat(0.0)));
-        let far = simd.min(simd.min(x.1, y.1), simd.min(z.1, ray.end));
-        (simd.at_most(near, far), near)
+        self.ordered_planes(simd, ray.far_side).intersect(simd, ray)
     }
 
-    /// The planes in the order in which rays of an octant cross them.
+    /// The planes in the order in which rays of an octant of directions cross them; see [`far_sides`].
     #[inline(always)]
-    pub(super) fn planes_for<S: Simd>(&self, simd: S, octant: usize) -> OrderedPlanes<S> {
-        let side = |axis: usize| octant >> axis & 1;
+    pub(super) fn ordered_planes<S: Simd>(&self, simd: S, far_side: [usize; 3]) -> OrderedPlanes<S> {
         let [x, y, z] = &self.planes;
+        let [sx, sy, sz] = far_side.map(|side| side & 1);
         OrderedPlanes {
-            near: [simd.load(&x[1 - side(0)]), simd.load(&y[1 - side(1)]), simd.load(&z[1 - side(2)])],
-            far: [simd.load(&x[side(0)]), simd.load(&y[side(1)]), simd.load(&z[side(2)])],
+            near: [simd.load(&x[sx ^ 1]), simd.load(&y[sy ^ 1]), simd.load(&z[sz ^ 1])],
+            far: [simd.load(&x[sx]), simd.load(&y[sy]), simd.load(&z[sz])],
         }
     }
 
@@ -84,17 +80,13 @@ impl WideNode {
         }
         simd.prefetch(&self.children);
     }
+}
 
-    /// Entries and exits of the ray for the slabs between the planes across `axis`.
-    #[inline(always)]
-    fn slab<S: Simd>(&self, simd: S, ray: &UnitRay<S>, axis: usize) -> (S::F32, S::F32) {
-        let side = ray.far_side[axis];
-        let [near, far] = [side ^ 1, side].map(|side| &self.planes[axis][side & 1]);
-        (
-            simd.mul_sub(simd.load(near), ray.inverse[axis], ray.near[axis]),
-            simd.mul_sub(simd.load(far), ray.inverse[axis], ray.far[axis]),
-        )
-    }
+/// Indices of the planes through which rays of an octant of directions leave a box: 1 where the direction is positive, which are
+/// the bits of the octant.
+#[inline(always)]
+pub(super) fn far_sides(octant: usize) -> [usize; 3] {
+    [octant & 1, octant >> 1 & 1, octant >> 2 & 1]
 }
 
 /// The planes of a node in registers, for rays of one octant of directions.
@@ -104,20 +96,23 @@ pub(super) struct OrderedPlanes<S: Simd> {
 }
 
 impl<S: Simd> OrderedPlanes<S> {
-    /// As [`WideNode::intersect`].
+    /// As [`WideNode::intersect`], for a ray of that octant.
     #[inline(always)]
-    pub(super) fn intersect(&self, simd: S, ray: &CompactRay) -> (u32, S::F32) {
-        let CompactRay { inverse, near, far, end, .. } = ray;
-        let inverse = [simd.splat(inverse[0]), simd.splat(inverse[1]), simd.splat(inverse[2])];
-        let x = simd.mul_sub(self.near[0], inverse[0], simd.splat(near[0]));
-        let y = simd.mul_sub(self.near[1], inverse[1], simd.splat(near[1]));
-        let z = simd.mul_sub(self.near[2], inverse[2], simd.splat(near[2]));
-        let entry = simd.max(simd.max(x, y), simd.max(z, simd.splat(0.0)));
-        let x = simd.mul_sub(self.far[0], inverse[0], simd.splat(far[0]));
-        let y = simd.mul_sub(self.far[1], inverse[1], simd.splat(far[1]));
-        let z = simd.mul_sub(self.far[2], inverse[2], simd.splat(far[2]));
-        let exit = simd.min(simd.min(x, y), simd.min(z, simd.splat(*end)));
+    pub(super) fn intersect(&self, simd: S, ray: &UnitRay<S>) -> (u32, S::F32) {
+        let [x, y, z] = [self.slab(simd, ray, 0), self.slab(simd, ray, 1), self.slab(simd, ray, 2)];
+        // The second operand of `max` wins a tie, so that zero is never a negative one: its bits are sorted.
+        let entry = simd.max(simd.max(x.0, y.0), simd.max(z.0, simd.splat(0.0)));
+        let exit = simd.min(simd.min(x.1, y.1), simd.min(z.1, ray.end));
         (simd.at_most(entry, exit), entry)
+    }
+
+    /// Entries and exits of the ray for the slabs between the planes across `axis`.
+    #[inline(always)]
+    fn slab(&self, simd: S, ray: &UnitRay<S>, axis: usize) -> (S::F32, S::F32) {
+        (
+            simd.mul_sub(self.near[axis], ray.inverse[axis], ray.near[axis]),
+            simd.mul_sub(self.far[axis], ray.inverse[axis], ray.far[axis]),
+        )
     }
 }
 
@@ -206,7 +201,7 @@ pub(crate) struct UnitRay<S: Simd> {
     near: [S::F32; 3],
     /// Subtracted for the plane of the exit.
     far: [S::F32; 3],
-    /// Index of the plane of the exit: 1 where the direction is positive.
+    /// Indices of the planes of the exit.
     far_side: [usize; 3],
     /// The end of the ray.
     end: S::F32,
@@ -271,7 +266,7 @@ impl<S: Simd> UnitRay<S> {
             inverse: splat(simd, inverse),
             near: splat(simd, simd.add64(product, pad)),
             far: splat(simd, simd.sub64(product, pad)),
-            far_side: [positive & 1, positive >> 1 & 1, positive >> 2 & 1],
+            far_side: far_sides(positive),
             end: simd.splat(0.0),
             last: 0.0,
             scale: ParameterScale { rate: length * frame.scale, offset: carried + start * CARRY - start },
@@ -327,7 +322,7 @@ impl<S: Simd> UnitRay<S> {
             inverse: [simd.splat(x), simd.splat(y), simd.splat(z)],
             near: [simd.splat(near_x), simd.splat(near_y), simd.splat(near_z)],
             far: [simd.splat(far_x), simd.splat(far_y), simd.splat(far_z)],
-            far_side: ray.inverse.map(|i| usize::from(i > 0.0)),
+            far_side: far_sides(ray.octant()),
             end: simd.splat(ray.end),
             last: ray.end,
             scale: ray.scale,

@@ -3,23 +3,23 @@
 //! The rays of an octant of directions descend together. A node is tested against each ray of its list with its planes in
 //! registers, and the bits of the boxes that the rays meet become the lists of its children. Lists wait on a stack, nearest
 //! child on top, and their rays in memory that is used last in, first out. The rays of short lists traverse the rest of the tree
-//! alone, some of them in turns, so that they reach leaves together.
+//! one by one, but in turns, so that several reach leaves together.
 
 use super::compact_ray::{self, CompactRay};
-use super::node::{NodeChild, UnitRay, WIDTH, WideNode};
+use super::node::{NodeChild, UnitRay, WIDTH, WideNode, far_sides};
 use super::simd::lanes::LANES;
 use super::simd::{Simd, Stack};
-use super::traversal::{ROOM, child, descend, near};
-use super::{Bvh, BvhLeaf, LeafVisitor};
+use super::single_ray_traversal::SingleRayTraversal;
+use super::{Bvh, BvhLeaf};
 use crate::batch::BoundedRay;
 
-/// Length up to which the rays of a list traverse the tree alone.
-const SHORT: usize = 2;
+/// Length up to which the rays of a list traverse the tree one by one.
+const SHORT_LIST_LENGTH: usize = 2;
 
 /// Number of rays that do so in turns: more than a vector, since not all of their leaves are solved.
-const WALKERS: usize = 2 * LANES;
+const TRAVERSALS_IN_TURNS: usize = 2 * LANES;
 
-/// The caller's work at the leaves, for streams. Methods are `#[inline(always)]`: see [`LeafVisitor`].
+/// The caller's work at the leaves, for streams. Methods are `#[inline(always)]`: see [`LeafVisitor`](super::LeafVisitor).
 pub(crate) trait StreamVisitor {
     /// Prepares the rays at the positions `ids` of `rays`, which may meet leaves.
     fn prepare<S: Simd>(&mut self, simd: S, ids: &[u32], rays: &mut [CompactRay]);
@@ -73,17 +73,17 @@ struct PendingChild {
     end: usize,
 }
 
-/// Memory of a stream, reused by all its parts.
+/// Memory of a stream, reused by the next one.
 #[derive(Default)]
 pub(crate) struct StreamScratch {
     rays: Vec<CompactRay>,
     octants: [Vec<u32>; 8],
     arena: ListArena,
     pending: Vec<PendingChild>,
-    /// Subtrees with the rays that traverse them alone.
-    alone: Vec<(NodeChild, u32)>,
-    /// All of them at their ends.
-    walkers: Vec<Walker>,
+    /// Subtrees, each with a ray that traverses it by itself.
+    single_rays: Vec<(NodeChild, u32)>,
+    /// The traversals that take turns; all of them at their ends between calls.
+    traversals: Vec<SingleRayTraversal>,
     /// For each eight rays of a list and each child, the rays that may meet it.
     masks: Vec<u64>,
     met: Vec<u32>,
@@ -105,7 +105,7 @@ impl Bvh {
             if count > 0 {
                 scratch.arena.reserve(count + LANES);
                 scratch.arena.ids[..count].copy_from_slice(&scratch.octants[octant]);
-                scratch.walk(simd, self, octant, count, visit);
+                scratch.traverse(simd, self, octant, count, visit);
             }
         }
         visit.finish(simd, &mut scratch.rays);
@@ -144,7 +144,7 @@ impl StreamScratch {
 
     /// Traverses the tree with the first `count` rays of the arena.
     #[inline(always)]
-    fn walk<S: Simd>(
+    fn traverse<S: Simd>(
         &mut self,
         simd: S,
         bvh: &Bvh,
@@ -153,15 +153,15 @@ impl StreamScratch {
         visit: &mut impl StreamVisitor,
     ) {
         let root = NodeChild::node(0);
-        if count <= SHORT {
+        if count <= SHORT_LIST_LENGTH {
             visit.prepare(simd, self.arena.ids.get(..count).unwrap_or_default(), &mut self.rays);
         }
         self.pending.push(PendingChild { child: root, start: 0, end: count });
         while let Some(PendingChild { child, start, end }) = self.pending.pop() {
-            let Self { rays, arena, alone, .. } = self;
+            let Self { rays, arena, single_rays, .. } = self;
             let ids = arena.ids.get(start..end).unwrap_or_default();
-            if ids.len() <= SHORT {
-                alone.extend(ids.iter().map(|&id| (child, id)));
+            if ids.len() <= SHORT_LIST_LENGTH {
+                single_rays.extend(ids.iter().map(|&id| (child, id)));
             } else if let Some(leaf) = child.as_leaf() {
                 visit.leaf(simd, BvhLeaf(leaf), ids, rays);
             } else if let Some(node) = bvh.nodes.get(child.0 as usize) {
@@ -172,25 +172,25 @@ impl StreamScratch {
                 self.divide(simd, node, counts, start, end);
             }
         }
-        self.walk_alone(simd, bvh, visit);
+        self.traverse_single_rays(simd, bvh, visit);
     }
 
     /// Traverses subtrees with single rays.
     #[inline(always)]
-    fn walk_alone<S: Simd>(&mut self, simd: S, bvh: &Bvh, visit: &mut impl StreamVisitor) {
-        let Self { rays, alone, walkers, .. } = self;
-        if walkers.is_empty() {
-            walkers.resize_with(WALKERS, Walker::new);
+    fn traverse_single_rays<S: Simd>(&mut self, simd: S, bvh: &Bvh, visit: &mut impl StreamVisitor) {
+        let Self { rays, single_rays, traversals, .. } = self;
+        if traversals.is_empty() {
+            traversals.resize_with(TRAVERSALS_IN_TURNS, SingleRayTraversal::new);
         }
-        let mut tasks = alone.drain(..);
+        let mut tasks = single_rays.drain(..);
         let mut open = tasks.len() > 0;
         while open {
             open = false;
-            for group in walkers.chunks_mut(LANES) {
+            for group in traversals.chunks_mut(LANES) {
                 let (mut ids, mut leaves, mut count) = ([0; LANES], [BvhLeaf(0); LANES], 0);
-                for walker in group {
-                    if let Some(leaf) = walker.advance(simd, bvh, rays, &mut tasks, &*visit) {
-                        (ids[count], leaves[count]) = (walker.id, leaf);
+                for traversal in group {
+                    if let Some(leaf) = traversal.advance(simd, bvh, rays, &mut tasks, &*visit) {
+                        (ids[count], leaves[count]) = (traversal.id, leaf);
                         count += 1;
                     }
                 }
@@ -214,12 +214,12 @@ impl StreamScratch {
     ) -> [usize; WIDTH] {
         let Self { rays, arena, masks, .. } = self;
         masks.clear();
-        let planes = node.planes_for(simd, octant);
+        let planes = node.ordered_planes(simd, far_sides(octant));
         for chunk in arena.ids.get(start..end).unwrap_or_default().chunks(LANES) {
             let mut rows = 0;
             for (k, &id) in chunk.iter().enumerate() {
                 if let Some(ray) = rays.get(id as usize) {
-                    let (hits, _) = planes.intersect(simd, ray);
+                    let (hits, _) = planes.intersect(simd, &UnitRay::load(simd, ray));
                     rows |= u64::from(hits) << (8 * k);
                 }
             }
@@ -265,7 +265,7 @@ impl StreamScratch {
         let first = arena.ids.get(start).and_then(|&id| rays.get(id as usize));
         let Some(ray) = first else { return };
         // The order in which the first ray meets the boxes serves all.
-        let entries = node.planes_for(simd, ray.octant()).intersect(simd, ray).1;
+        let entries = node.intersect(simd, &UnitRay::load(simd, ray)).1;
         let entries = simd.store(entries).0;
         let mut stack = Stack::<WIDTH>::new();
         let mut met = 0;
@@ -300,81 +300,6 @@ impl StreamScratch {
                 places[slot] += mask.count_ones() as usize;
             }
         }
-    }
-}
-
-/// A ray that traverses a subtree alone, nearest boxes first, leaf by leaf.
-struct Walker {
-    id: u32,
-    stack: Stack<ROOM>,
-}
-
-impl Walker {
-    fn new() -> Self {
-        Self { id: 0, stack: Stack::new() }
-    }
-
-    /// Goes to the next leaf of the ray, or else of the ray of the next of `tasks`.
-    #[inline(always)]
-    fn advance<S: Simd, V: StreamVisitor>(
-        &mut self,
-        simd: S,
-        bvh: &Bvh,
-        rays: &[CompactRay],
-        tasks: &mut impl Iterator<Item = (NodeChild, u32)>,
-        visit: &V,
-    ) -> Option<BvhLeaf> {
-        let mut unit = UnitRay::load(simd, rays.get(self.id as usize)?);
-        let mut current = self.pop(&unit);
-        loop {
-            let child = match current {
-                Some(child) => child,
-                None => {
-                    let Some((child, id)) = tasks.next() else {
-                        // The next batch may have fewer rays.
-                        self.id = 0;
-                        return None;
-                    };
-                    self.id = id;
-                    unit = UnitRay::load(simd, rays.get(id as usize)?);
-                    child
-                }
-            };
-            if let Some(leaf) = child.as_leaf() {
-                return Some(BvhLeaf(leaf));
-            }
-            let visit = Prefetcher(visit);
-            current = descend::<S, _, true>(simd, bvh, child, &unit, &mut self.stack, &visit);
-            if current.is_none() {
-                current = self.pop(&unit);
-            }
-        }
-    }
-
-    /// The nearest box on the stack that lies before the end of the ray.
-    #[inline(always)]
-    fn pop<S: Simd>(&mut self, unit: &UnitRay<S>) -> Option<NodeChild> {
-        loop {
-            let next = self.stack.pop()?;
-            if unit.reaches(near(next)) {
-                return Some(child(next));
-            }
-        }
-    }
-}
-
-/// The visitor of a stream, as far as the descent of a single ray needs it.
-struct Prefetcher<'a, V>(&'a V);
-
-impl<V: StreamVisitor> LeafVisitor for Prefetcher<'_, V> {
-    #[inline(always)]
-    fn leaf<S: Simd>(&mut self, _: S, _: BvhLeaf, t_max: f64) -> f64 {
-        t_max
-    }
-
-    #[inline(always)]
-    fn prefetch<S: Simd>(&self, simd: S, leaf: BvhLeaf) {
-        self.0.prefetch(simd, leaf);
     }
 }
 

@@ -7,8 +7,8 @@ use super::node::{NodeChild, UnitRay, WIDTH, WideNode};
 use super::simd::{Simd, Stack, Task};
 use super::{Bvh, BvhLeaf};
 
-/// Every level leaves at most all children but one on the stack, and the wide tree is no deeper than the binary one.
-pub(super) const ROOM: usize = MAX_DEPTH * (WIDTH - 1) + 1;
+/// Capacity of the stack: every level leaves at most all children but one on the stack, and the wide tree is no deeper than the binary one.
+pub(super) const STACK_CAPACITY: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 
 /// A stack entry: where the ray enters the box, as the bits of a float that is not negative (they are ordered like
 /// the number), and below that the child.
@@ -55,7 +55,7 @@ impl<V: LeafVisitor> Task for ClosestTraversal<'_, V> {
     fn run<S: Simd>(self, simd: S) {
         let Self { bvh, ray, mut t_max, mut visit } = self;
         let Some(mut unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return };
-        let mut stack = Stack::<ROOM>::new();
+        let mut stack = Stack::<STACK_CAPACITY>::new();
         let Some(mut current) =
             descend::<S, V, true>(simd, bvh, NodeChild::node(0), &unit, &mut stack, &visit)
         else {
@@ -91,7 +91,7 @@ pub(super) fn descend<S: Simd, V: LeafVisitor, const SORTED: bool>(
     bvh: &Bvh,
     node: NodeChild,
     ray: &UnitRay<S>,
-    stack: &mut Stack<ROOM>,
+    stack: &mut Stack<STACK_CAPACITY>,
     visit: &V,
 ) -> Option<NodeChild> {
     let node = bvh.nodes.get(node.0 as usize)?;
@@ -164,7 +164,7 @@ impl<V: LeafVisitor> Task for AnyTraversal<'_, V> {
     fn run<S: Simd>(self, simd: S) -> bool {
         let Self { bvh, ray, t_max, mut visit } = self;
         let Some(unit) = UnitRay::new(simd, &bvh.frame, ray, t_max) else { return false };
-        let mut stack = Stack::<ROOM>::new();
+        let mut stack = Stack::<STACK_CAPACITY>::new();
         let Some(mut current) =
             descend::<S, V, false>(simd, bvh, NodeChild::node(0), &unit, &mut stack, &visit)
         else {
