@@ -1,64 +1,35 @@
-//! Newton's method for eight pairs of a ray and a leaf at once: [`Bicubic::roots`] lane by lane, with the same bits.
+//! Bicubic patches of eight pairs of a ray and a leaf, projected along the rays: [`Bicubic`]'s projection lane by lane, with the
+//! same bits.
 //!
-//! The coefficients of pairs of one patch are broadcast, those of other pairs transposed into lanes; all else is common. Lanes
-//! that need more than Newton's method are left to the search for a single pair.
+//! The coefficients of pairs of one patch are broadcast, those of other pairs transposed into lanes; all else is common.
 
-use super::bicubic::{Bicubic, POWERS};
-use super::contraction::ROUNDED;
-use super::leaf::PatchLeaf;
-use super::projected_bicubic::FEW_STEPS;
-use super::ray_lanes::{RaySpaceLanes, cross, dot2, dot3};
+use super::bicubic::Bicubic;
+use super::pair_lanes::{JetLanes, PairLanes};
 use crate::bvh::simd::Simd;
 use crate::bvh::simd::lanes::LANES;
-
-/// Eight pairs of a ray and a certified leaf.
-pub(super) struct PairLanes<S: Simd> {
-    /// The lanes in use.
-    pub(super) mask: u32,
-    pub(super) rays: RaySpaceLanes<S>,
-    /// The projection of the leaf; see [`LeafProjection`](super::leaf::LeafProjection).
-    pub(super) a: [S::Wide; 2],
-    pub(super) b: [S::Wide; 2],
-    pub(super) q: S::Wide,
-    pub(super) inverse_determinant: S::Wide,
-    pub(super) start: [S::Wide; 2],
-}
-
-/// Results of eight pairs.
-pub(super) struct RootLanes<S: Simd> {
-    /// Pairs with a root.
-    pub(super) converged: u32,
-    /// Pairs without one.
-    pub(super) excluded: u32,
-    /// Arc length along the ray.
-    pub(super) s: S::Wide,
-    /// Parameters in [0, 1]^2.
-    pub(super) at: [S::Wide; 2],
-}
 
 /// The patches of eight pairs.
 pub(super) trait PatchLanes<S: Simd, const COORDINATES: usize> {
     /// Eight consecutive coefficients: the first of two powers of s, of two coordinates, and so on, as they are stored.
     fn coefficients(&self, simd: S, chunk: usize) -> [S::Wide; LANES];
-    /// One number per patch.
-    fn number(&self, simd: S, of: impl PatchNumber) -> S::Wide;
+    /// A constant of each patch.
+    fn constant(&self, simd: S, constant: PatchConstant) -> S::Wide;
 }
 
-/// A number of a patch.
-pub(super) trait PatchNumber: Copy {
-    fn of<const COORDINATES: usize>(self, patch: &Bicubic<COORDINATES>) -> f64;
-}
-
-/// Numbers of a patch by name.
+/// The constants of a patch that the iteration needs.
 #[derive(Clone, Copy)]
-enum Number {
+pub(super) enum PatchConstant {
+    /// A coordinate of its centre.
     Center(usize),
+    /// The bound on its curvature.
     Curvature,
+    /// The bound on the curvature of its weight.
     WeightCurvature,
+    /// The lower or the upper bound on its weight.
     Weight(usize),
 }
 
-impl PatchNumber for Number {
+impl PatchConstant {
     #[inline(always)]
     fn of<const COORDINATES: usize>(self, patch: &Bicubic<COORDINATES>) -> f64 {
         match self {
@@ -98,8 +69,8 @@ impl<S: Simd, const COORDINATES: usize> PatchLanes<S, COORDINATES> for &Bicubic<
     }
 
     #[inline(always)]
-    fn number(&self, simd: S, of: impl PatchNumber) -> S::Wide {
-        simd.splat8(of.of(*self))
+    fn constant(&self, simd: S, constant: PatchConstant) -> S::Wide {
+        simd.splat8(constant.of(*self))
     }
 }
 
@@ -121,64 +92,12 @@ impl<S: Simd, const COORDINATES: usize> PatchLanes<S, COORDINATES> for [&Bicubic
     }
 
     #[inline(always)]
-    fn number(&self, simd: S, of: impl PatchNumber) -> S::Wide {
+    fn constant(&self, simd: S, constant: PatchConstant) -> S::Wide {
         let mut lanes = [0.0; LANES];
         for (lane, patch) in lanes.iter_mut().zip(self) {
-            *lane = of.of(*patch);
+            *lane = constant.of(patch);
         }
         simd.load8(&lanes)
-    }
-}
-
-/// A number per leaf.
-#[inline(always)]
-fn of_leaves<S: Simd>(simd: S, leaves: &[&PatchLeaf; LANES], number: LeafNumber) -> S::Wide {
-    let mut lanes = [0.0; LANES];
-    for (lane, leaf) in lanes.iter_mut().zip(leaves) {
-        *lane = match number {
-            LeafNumber::Middle(axis) => leaf.part.middle()[axis],
-            LeafNumber::Width(axis) => leaf.part.width()[axis],
-            LeafNumber::PerWidth(axis) => 1.0 / leaf.part.width()[axis],
-            LeafNumber::Curvature => leaf.curvature_bound(),
-        };
-    }
-    simd.load8(&lanes)
-}
-
-/// Numbers of a leaf by name.
-#[derive(Clone, Copy)]
-enum LeafNumber {
-    Middle(usize),
-    Width(usize),
-    /// The inverse of the width, which is exact: a product with it is the quotient.
-    PerWidth(usize),
-    Curvature,
-}
-
-/// The parts of eight leaves: see [`DyadicRect`](super::parameter_rect::DyadicRect).
-struct PartLanes<S: Simd> {
-    middle: [S::Wide; 2],
-    half: [S::Wide; 2],
-    per_half: [S::Wide; 2],
-}
-
-impl<S: Simd> PartLanes<S> {
-    #[inline(always)]
-    fn new(simd: S, leaves: &[&PatchLeaf; LANES]) -> Self {
-        Self {
-            middle: [
-                of_leaves(simd, leaves, LeafNumber::Middle(0)),
-                of_leaves(simd, leaves, LeafNumber::Middle(1)),
-            ],
-            half: [
-                of_leaves(simd, leaves, LeafNumber::Width(0)),
-                of_leaves(simd, leaves, LeafNumber::Width(1)),
-            ],
-            per_half: [
-                of_leaves(simd, leaves, LeafNumber::PerWidth(0)),
-                of_leaves(simd, leaves, LeafNumber::PerWidth(1)),
-            ],
-        }
     }
 }
 
@@ -186,22 +105,15 @@ impl<S: Simd> PartLanes<S> {
 const COUNT: usize = 16;
 
 /// Polynomials in (s, t) of eight pairs: the coefficient of s^i t^j at 4 i + j.
-type Polynomial<Wide> = [Wide; COUNT];
+pub(super) type Polynomial<Wide> = [Wide; COUNT];
 
 /// Eight patches projected along their rays.
-struct ProjectedLanes<S: Simd> {
+pub(super) struct ProjectedLanes<S: Simd> {
     /// Distances from two planes through the ray, times weight.
     across: [Polynomial<S::Wide>; 2],
     /// Distance along the ray, times weight.
-    along: Polynomial<S::Wide>,
-    weight: Polynomial<S::Wide>,
-}
-
-/// Value and derivatives of a map of eight pairs.
-pub(super) struct JetLanes<S: Simd> {
-    pub(super) f: [S::Wide; 2],
-    pub(super) fs: [S::Wide; 2],
-    pub(super) ft: [S::Wide; 2],
+    pub(super) along: Polynomial<S::Wide>,
+    pub(super) weight: Polynomial<S::Wide>,
 }
 
 /// A cubic at `x`.
@@ -219,7 +131,7 @@ fn slope<S: Simd>(simd: S, [_, b, c, d]: [S::Wide; 4], x: S::Wide, square: S::Wi
 
 /// The polynomial at `x` by Horner's rule.
 #[inline(always)]
-fn value<S: Simd>(simd: S, rows: &Polynomial<S::Wide>, x: [S::Wide; 2]) -> S::Wide {
+pub(super) fn value<S: Simd>(simd: S, rows: &Polynomial<S::Wide>, x: [S::Wide; 2]) -> S::Wide {
     let mut by_t = [rows[0]; 4];
     for (j, out) in by_t.iter_mut().enumerate() {
         let sum = simd.mul_add8(rows[12 + j], x[0], rows[8 + j]);
@@ -233,7 +145,7 @@ fn value<S: Simd>(simd: S, rows: &Polynomial<S::Wide>, x: [S::Wide; 2]) -> S::Wi
 impl<S: Simd> ProjectedLanes<S> {
     /// The patches along the rays; `from` is the vector from the origin to the centre.
     #[inline(always)]
-    fn new<const COORDINATES: usize>(
+    pub(super) fn new<const COORDINATES: usize>(
         simd: S,
         patches: &impl PatchLanes<S, COORDINATES>,
         pairs: &PairLanes<S>,
@@ -273,7 +185,7 @@ impl<S: Simd> ProjectedLanes<S> {
 
     /// Value and derivatives at `x`.
     #[inline(always)]
-    fn jet(&self, simd: S, x: [S::Wide; 2]) -> JetLanes<S> {
+    pub(super) fn jet(&self, simd: S, x: [S::Wide; 2]) -> JetLanes<S> {
         let [s, t] = x;
         let (s2, t2) = (simd.mul8(s, s), simd.mul8(t, t));
         let (mut f, mut fs, mut ft) = ([s; 2], [s; 2], [s; 2]);
@@ -297,189 +209,4 @@ impl<S: Simd> ProjectedLanes<S> {
 fn chained<S: Simd>(simd: S, c: [S::Wide; 3], axis: [S::Wide; 3]) -> S::Wide {
     let sum = simd.mul8(c[0], axis[0]);
     simd.mul_add8(c[2], axis[2], simd.mul_add8(c[1], axis[1], sum))
-}
-
-/// Bounds of eight pairs; see [`MapBounds`](super::contraction::MapBounds).
-pub(super) struct BoundLanes<S: Simd> {
-    pub(super) noise: S::Wide,
-    pub(super) curvature_bound: S::Wide,
-    pub(super) weights: [S::Wide; 2],
-}
-
-impl<S: Simd> JetLanes<S> {
-    /// The step of Newton's method.
-    #[inline(always)]
-    pub(super) fn newton_step(&self, simd: S, det: S::Wide) -> [S::Wide; 2] {
-        let Self { f, fs, ft } = *self;
-        [simd.div8(cross(simd, f, ft), det), simd.div8(cross(simd, fs, f), det)]
-    }
-
-    /// Lanes in which the end of a step needs no evaluation.
-    #[inline(always)]
-    pub(super) fn ends(
-        &self,
-        simd: S,
-        bounds: &BoundLanes<S>,
-        det: S::Wide,
-        step: [S::Wide; 2],
-        per_unit: [S::Wide; 2],
-    ) -> u32 {
-        let noise = simd.mul8(bounds.noise, bounds.weights[0]);
-        let length_squared = dot2(simd, step, step);
-        let (s2, t2) = (dot2(simd, self.fs, self.fs), dot2(simd, self.ft, self.ft));
-        let rounded = simd.mul8(simd.mul8(simd.splat8(ROUNDED * ROUNDED), s2), t2);
-        let rounded = simd.mul8(simd.mul8(rounded, simd.add8(s2, t2)), length_squared);
-        let relative = [simd.mul8(step[0], per_unit[0]), simd.mul8(step[1], per_unit[1])];
-        let curved = simd.mul8(bounds.curvature_bound, dot2(simd, relative, relative));
-        let clear = simd.mul8(simd.mul8(simd.mul8(noise, noise), det), det);
-        simd.at_most8(curved, noise) & simd.at_most8(rounded, clear)
-    }
-}
-
-/// The roots of eight pairs of a ray and a certified leaf.
-#[inline(always)]
-pub(super) fn roots<S: Simd, const COORDINATES: usize>(
-    simd: S,
-    patches: &impl PatchLanes<S, COORDINATES>,
-    leaves: &[&PatchLeaf; LANES],
-    pairs: &PairLanes<S>,
-) -> RootLanes<S> {
-    let from = [
-        simd.sub8(patches.number(simd, Number::Center(0)), pairs.rays.origin[0]),
-        simd.sub8(patches.number(simd, Number::Center(1)), pairs.rays.origin[1]),
-        simd.sub8(patches.number(simd, Number::Center(2)), pairs.rays.origin[2]),
-    ];
-    let shift = [dot3(simd, pairs.rays.axes[0], from), dot3(simd, pairs.rays.axes[1], from)];
-    let projected = ProjectedLanes::new(simd, patches, pairs, shift);
-    let part = PartLanes::new(simd, leaves);
-    let one = simd.splat8(1.0);
-    let bounds = if COORDINATES == 4 {
-        let away = simd.sqrt8(dot2(simd, shift, shift));
-        let sum = simd.add8(
-            patches.number(simd, Number::Curvature),
-            simd.mul8(patches.number(simd, Number::WeightCurvature), away),
-        );
-        let width = simd.max8(part.half[0], part.half[1]);
-        BoundLanes {
-            noise: simd.mul8(pairs.rays.noise, simd.splat8(POWERS)),
-            curvature_bound: simd.mul8(sum, simd.mul8(width, width)),
-            weights: [patches.number(simd, Number::Weight(0)), patches.number(simd, Number::Weight(1))],
-        }
-    } else {
-        BoundLanes {
-            noise: simd.mul8(pairs.rays.noise, simd.splat8(POWERS)),
-            curvature_bound: of_leaves(simd, leaves, LeafNumber::Curvature),
-            weights: [one; 2],
-        }
-    };
-    let newton = newton(simd, &projected, pairs, &bounds, &part);
-    let x = newton.x;
-    let weight = if COORDINATES == 4 { Some(value(simd, &projected.weight, x)) } else { None };
-    let left = newton.left;
-    let excluded = if left == 0 { 0 } else { left & excludes(simd, pairs, &bounds, &newton, weight, &part) };
-    let along = value(simd, &projected.along, x);
-    let along = match weight {
-        Some(weight) => simd.div8(along, weight),
-        None => along,
-    };
-    let s = simd.add8(dot3(simd, pairs.rays.direction, from), along);
-    let middle = simd.splat8(0.5);
-    let at = [simd.add8(middle, simd.mul8(middle, x[0])), simd.add8(middle, simd.mul8(middle, x[1]))];
-    RootLanes { converged: newton.converged, excluded, s, at }
-}
-
-/// The end of Newton's method for eight pairs.
-struct NewtonLanes<S: Simd> {
-    converged: u32,
-    left: u32,
-    /// The root, or the last point before a step that left the leaf.
-    x: [S::Wide; 2],
-    /// The value at the last point.
-    f: [S::Wide; 2],
-}
-
-/// Newton's method from the projections; see [`ProjectedBicubic::newton`](super::projected_bicubic::ProjectedBicubic::newton).
-#[inline(always)]
-fn newton<S: Simd>(
-    simd: S,
-    map: &ProjectedLanes<S>,
-    pairs: &PairLanes<S>,
-    bounds: &BoundLanes<S>,
-    part: &PartLanes<S>,
-) -> NewtonLanes<S> {
-    let PartLanes { middle, half, per_half } = *part;
-    let (one, minus) = (simd.splat8(1.0), simd.splat8(-1.0));
-    let low = [simd.sub8(middle[0], half[0]), simd.sub8(middle[1], half[1])];
-    let high = [simd.add8(middle[0], half[0]), simd.add8(middle[1], half[1])];
-    let mut x = [one; 2];
-    for k in 0..2 {
-        let start = simd.min8(simd.max8(pairs.start[k], minus), one);
-        x[k] = simd.add8(middle[k], simd.mul8(half[k], start));
-    }
-    let jet = map.jet(simd, x);
-    let step = jet.newton_step(simd, cross(simd, jet.fs, jet.ft));
-    for k in 0..2 {
-        x[k] = simd.min8(simd.max8(simd.sub8(x[k], step[k]), low[k]), high[k]);
-    }
-    let mut end = NewtonLanes { converged: 0, left: 0, x, f: [one; 2] };
-    let mut open = pairs.mask;
-    for _ in 0..FEW_STEPS {
-        let jet = map.jet(simd, x);
-        let det = cross(simd, jet.fs, jet.ft);
-        let step = jet.newton_step(simd, det);
-        let next = [simd.sub8(x[0], step[0]), simd.sub8(x[1], step[1])];
-        let inside = simd.at_most8(low[0], next[0])
-            & simd.at_most8(low[1], next[1])
-            & simd.at_most8(next[0], high[0])
-            & simd.at_most8(next[1], high[1]);
-        let left = open & !inside;
-        let converged = open & inside & jet.ends(simd, bounds, det, step, per_half);
-        for k in 0..2 {
-            end.x[k] = simd.select8(left, x[k], simd.select8(converged, next[k], end.x[k]));
-            end.f[k] = simd.select8(left, jet.f[k], end.f[k]);
-        }
-        end.converged |= converged;
-        end.left |= left;
-        open &= !(left | converged);
-        if open == 0 {
-            break;
-        }
-        x = next;
-    }
-    end
-}
-
-/// Lanes in which the last point before a step out of the leaf proves that there is no root; see
-/// [`Certificate::excludes`](super::contraction::Certificate::excludes).
-#[inline(always)]
-fn excludes<S: Simd>(
-    simd: S,
-    pairs: &PairLanes<S>,
-    bounds: &BoundLanes<S>,
-    newton: &NewtonLanes<S>,
-    weight: Option<S::Wide>,
-    part: &PartLanes<S>,
-) -> u32 {
-    let PairLanes { a, b, q, inverse_determinant: per, .. } = *pairs;
-    let f = match weight {
-        Some(weight) => [simd.div8(newton.f[0], weight), simd.div8(newton.f[1], weight)],
-        None => newton.f,
-    };
-    let simple = [simd.mul8(cross(simd, f, b), per), simd.mul8(cross(simd, a, f), per)];
-    let factor =
-        simd.mul8(simd.mul8(simd.mul8(simd.splat8(2.0), bounds.noise), bounds.weights[1]), simd.abs8(per));
-    let one = simd.splat8(1.0);
-    let ball = simd.div8(simd.mul8(simd.sqrt8(dot2(simd, simple, simple)), q), simd.sub8(one, q));
-    let (mut away, mut unsure) = ([one; 2], [one; 2]);
-    for k in 0..2 {
-        let x = simd.mul8(simd.sub8(newton.x[k], part.middle[k]), part.per_half[k]);
-        away[k] = simd.abs8(simd.sub8(x, simple[k]));
-        let side = if k == 0 { b } else { a };
-        unsure[k] = simd.mul8(simd.sqrt8(dot2(simd, side, side)), factor);
-        if let Some(weight) = weight {
-            unsure[k] = simd.div8(unsure[k], weight);
-        }
-    }
-    let limit = simd.add8(simd.add8(one, ball), simd.max8(unsure[0], unsure[1]));
-    simd.less8(limit, simd.max8(away[0], away[1]))
 }

@@ -9,8 +9,9 @@
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
 //!   near borders. Leaves without a certificate go to `subdivision`.
-//! - Searching for many rays at once: `stream` collects pairs of rays and leaves; `ray_lanes`, `leaf_lanes`, `bicubic_lanes` and
-//!   `net_lanes` are `ray_space`, `leaf`, `bicubic` and `net_search` for eight of them, with the same bits.
+//! - Searching for many rays at once: `stream` collects pairs of a ray and a leaf in a `pair_queue`; `ray_lanes`, `leaf_lanes`,
+//!   `bicubic_lanes` with `newton_lanes`, and `net_lanes` are `ray_space`, `leaf`, `bicubic` and `net_search` for eight of them
+//!   (`pair_lanes`), with the same bits.
 //! - Evaluation: `control_net`, `surface_point`, `area`.
 //!
 //! ```
@@ -43,6 +44,9 @@ mod leaf_builder;
 mod leaf_lanes;
 mod net_lanes;
 mod net_search;
+mod newton_lanes;
+mod pair_lanes;
+mod pair_queue;
 mod parameter_rect;
 mod projected_bicubic;
 mod query;

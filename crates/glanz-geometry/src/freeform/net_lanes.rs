@@ -4,9 +4,9 @@
 //! The control points of eight pairs lie in a buffer in lanes, which neighbouring pairs share. Lanes in which the iteration does more
 //! than Newton's steps inside the leaf are left to the search for a single pair.
 
-use super::bicubic_lanes::{BoundLanes, JetLanes, PairLanes, RootLanes};
 use super::control_net::BINOMIALS;
 use super::leaf::PatchLeaf;
+use super::pair_lanes::{BoundLanes, JetLanes, PairLanes, RootLanes};
 use super::ray_lanes::{cross, dot2, dot3};
 use super::subpatches::Subpatch;
 use crate::bvh::simd::Simd;
@@ -15,8 +15,8 @@ use crate::bvh::simd::lanes::LANES;
 /// Largest degree in one direction; nets of higher degrees are searched one by one.
 const MOST_DEGREE: usize = 9;
 
-/// Steps in a leaf, after which its pair is searched alone.
-const FEW_STEPS: usize = 8;
+/// Largest number of steps of eight pairs; those that need more are searched one by one.
+const MAX_LANE_STEPS: usize = 8;
 
 /// The control points of eight pairs: four coordinates per point.
 #[derive(Default)]
@@ -261,7 +261,7 @@ fn contract<S: Simd>(
     }
     let mut last = simd.splat8(f64::INFINITY);
     let (mut open, mut converged, mut excluded, mut root) = (pairs.mask, 0, 0, x);
-    for _ in 0..FEW_STEPS {
+    for _ in 0..MAX_LANE_STEPS {
         let jet = net.jet(simd, pairs, x);
         let simple = [simd.mul8(cross(simd, jet.f, b), per), simd.mul8(cross(simd, a, jet.f), per)];
         let length = simd.sqrt8(dot2(simd, simple, simple));

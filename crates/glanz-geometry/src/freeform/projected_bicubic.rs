@@ -18,8 +18,8 @@ const CERTIFIED: f64 = 0.85;
 /// Largest shift by rounding of the root of a certified cell, as a fraction of half the cell.
 const MOST_UNCERTAINTY: f64 = 0.0625;
 
-/// Steps of Newton's method from a good start.
-pub(super) const FEW_STEPS: usize = 6;
+/// Largest number of steps of Newton's method from a good start.
+pub(super) const MAX_NEWTON_STEPS: usize = 6;
 
 /// Steps in a certified cell. Cells that contract too slowly for that are left to `subdivision`.
 pub(super) const MOST_STEPS: usize = 24;
@@ -122,7 +122,7 @@ impl<S: Simd> ProjectedBicubic<S> {
         // Two steps are needed most often; there is no branch between them, so that none is mispredicted. A first step
         // that leads outside is clamped, and then is as good as any start. NaN becomes a corner.
         x = (x - self.jet(simd, x).newton_step()).clamp(low, high);
-        for _ in 0..FEW_STEPS {
+        for _ in 0..MAX_NEWTON_STEPS {
             let jet = self.jet(simd, x);
             let step = jet.newton_step();
             let next = x - step;

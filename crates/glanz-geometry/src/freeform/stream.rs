@@ -15,10 +15,12 @@ use glanz_math::{DVec2, DVec3, Ray};
 
 use super::Freeform;
 use super::bicubic::Bicubic;
-use super::bicubic_lanes::{self, PairLanes, RootLanes};
 use super::leaf::PatchLeaf;
 use super::leaf_lanes::{LeafLanes, ProjectionLanes};
 use super::net_lanes::{self, NetBuffer};
+use super::newton_lanes;
+use super::pair_lanes::{PairLanes, RootLanes};
+use super::pair_queue::PairQueue;
 use super::query::{hit, order};
 use super::ray_lanes::{CompactLine, RaySpaceLanes};
 use super::root::SearchScratch;
@@ -31,7 +33,7 @@ use crate::bvh::{BvhLeaf, CompactRay};
 use crate::hit::Hit;
 
 /// Number of rays that are traced together: as many as caches hold.
-const PART: usize = 4096;
+const RAYS_PER_STREAM: usize = 4096;
 
 thread_local! {
     /// The memory of the last batch: giving it back to the system and getting it again would take as long as the rays.
@@ -63,8 +65,8 @@ impl Freeform {
         let mut hits = std::mem::take(&mut memory.hits);
         occluded.clear();
         occluded.reserve(rays.len());
-        // Part by part, so that the memory that is kept does not grow with the batch.
-        for part in rays.chunks(PART) {
+        // Stream by stream, so that the memory that is kept does not grow with the batch.
+        for part in rays.chunks(RAYS_PER_STREAM) {
             self.batch(part, true, &mut hits, &mut memory);
             occluded.extend(hits.iter().map(Option::is_some));
         }
@@ -120,7 +122,7 @@ impl Task for BatchQuery<'_> {
         let Self { surface, rays, any, hits, memory } = self;
         let BatchMemory { stream, lines, queue, net, search, .. } = memory;
         net.clear();
-        for (rays, hits) in rays.chunks(PART).zip(hits.chunks_mut(PART)) {
+        for (rays, hits) in rays.chunks(RAYS_PER_STREAM).zip(hits.chunks_mut(RAYS_PER_STREAM)) {
             lines.clear();
             let (lines, queue, net, search) = (&mut *lines, &mut *queue, &mut *net, &mut *search);
             let mut searcher =
@@ -132,75 +134,6 @@ impl Task for BatchQuery<'_> {
 
 /// What lanes that are not in use compute with.
 const NO_RAY: Ray = Ray::new(DVec3::ZERO, DVec3::X);
-
-/// Room of a queue: a vector that is not full, and another one.
-const ROOM: usize = 2 * LANES;
-
-/// Numbers per pair: the projection of the leaf.
-const FIELDS: usize = 8;
-
-/// Pairs of a ray and a certified leaf, by field.
-struct PairQueue {
-    count: usize,
-    rays: [u32; ROOM],
-    leaves: [u32; ROOM],
-    fields: [[f64; ROOM]; FIELDS],
-}
-
-impl PairQueue {
-    fn new() -> Self {
-        Self { count: 0, rays: [0; ROOM], leaves: [0; ROOM], fields: [[0.0; ROOM]; FIELDS] }
-    }
-
-    /// Appends the pairs in the mask. There must be room for a vector.
-    #[inline(always)]
-    fn push<S: Simd>(
-        &mut self,
-        simd: S,
-        mask: u32,
-        ids: &[u32; LANES],
-        leaves: &[BvhLeaf; LANES],
-        fields: [S::Wide; FIELDS],
-    ) {
-        let at = self.count;
-        let ordinals = leaves.map(|leaf| leaf.ordinal() as u32);
-        for (list, lanes) in [(&mut self.rays, ids), (&mut self.leaves, &ordinals)] {
-            if let Some(slots) = list.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
-                simd.compress_ids(mask, lanes, slots);
-            }
-        }
-        for (list, field) in self.fields.iter_mut().zip(fields) {
-            if let Some(slots) = list.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) {
-                simd.compress8(mask, field, slots);
-            }
-        }
-        self.count = (at + mask.count_ones() as usize).min(LANES - 1 + LANES);
-    }
-
-    /// The first vector, with the spaces of its rays.
-    #[inline(always)]
-    fn pairs<S: Simd>(&self, simd: S, mask: u32, rays: RaySpaceLanes<S>) -> PairLanes<S> {
-        let mut fields = [simd.splat8(0.0); FIELDS];
-        for (field, list) in fields.iter_mut().zip(&self.fields) {
-            if let Some(lanes) = list.first_chunk() {
-                *field = simd.load8(lanes);
-            }
-        }
-        let [ax, ay, bx, by, q, inverse_determinant, s, t] = fields;
-        PairLanes { mask, rays, a: [ax, ay], b: [bx, by], q, inverse_determinant, start: [s, t] }
-    }
-
-    /// Removes the first vector.
-    #[inline(always)]
-    fn pop(&mut self) {
-        self.rays.copy_within(LANES.., 0);
-        self.leaves.copy_within(LANES.., 0);
-        for list in &mut self.fields {
-            list.copy_within(LANES.., 0);
-        }
-        self.count = self.count.saturating_sub(LANES);
-    }
-}
 
 /// The search in the leaves for the rays of a stream.
 struct StreamSearcher<'a> {
@@ -461,8 +394,8 @@ fn solve_bicubic<S: Simd, const COORDINATES: usize>(
         }
     }
     Some(if same {
-        bicubic_lanes::roots(simd, &first, leaves, pairs)
+        newton_lanes::roots(simd, &first, leaves, pairs)
     } else {
-        bicubic_lanes::roots(simd, &patches, leaves, pairs)
+        newton_lanes::roots(simd, &patches, leaves, pairs)
     })
 }

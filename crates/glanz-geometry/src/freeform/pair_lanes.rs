@@ -1,0 +1,74 @@
+//! Eight pairs of a ray and a leaf, and what their solvers share.
+
+use super::contraction::ROUNDED;
+use super::ray_lanes::{RaySpaceLanes, cross, dot2};
+use crate::bvh::simd::Simd;
+
+/// Eight pairs of a ray and a certified leaf.
+pub(super) struct PairLanes<S: Simd> {
+    /// The lanes in use.
+    pub(super) mask: u32,
+    pub(super) rays: RaySpaceLanes<S>,
+    /// The projection of the leaf; see [`LeafProjection`](super::leaf::LeafProjection).
+    pub(super) a: [S::Wide; 2],
+    pub(super) b: [S::Wide; 2],
+    pub(super) q: S::Wide,
+    pub(super) inverse_determinant: S::Wide,
+    pub(super) start: [S::Wide; 2],
+}
+
+/// Results of eight pairs.
+pub(super) struct RootLanes<S: Simd> {
+    /// Pairs with a root.
+    pub(super) converged: u32,
+    /// Pairs without one.
+    pub(super) excluded: u32,
+    /// Arc length along the ray.
+    pub(super) s: S::Wide,
+    /// Parameters in [0, 1]^2.
+    pub(super) at: [S::Wide; 2],
+}
+
+/// Value and derivatives of a map of eight pairs.
+pub(super) struct JetLanes<S: Simd> {
+    pub(super) f: [S::Wide; 2],
+    pub(super) fs: [S::Wide; 2],
+    pub(super) ft: [S::Wide; 2],
+}
+
+/// Bounds of eight pairs; see [`MapBounds`](super::contraction::MapBounds).
+pub(super) struct BoundLanes<S: Simd> {
+    pub(super) noise: S::Wide,
+    pub(super) curvature_bound: S::Wide,
+    pub(super) weights: [S::Wide; 2],
+}
+
+impl<S: Simd> JetLanes<S> {
+    /// The step of Newton's method.
+    #[inline(always)]
+    pub(super) fn newton_step(&self, simd: S, det: S::Wide) -> [S::Wide; 2] {
+        let Self { f, fs, ft } = *self;
+        [simd.div8(cross(simd, f, ft), det), simd.div8(cross(simd, fs, f), det)]
+    }
+
+    /// Lanes in which the end of a step needs no evaluation.
+    #[inline(always)]
+    pub(super) fn ends(
+        &self,
+        simd: S,
+        bounds: &BoundLanes<S>,
+        det: S::Wide,
+        step: [S::Wide; 2],
+        per_unit: [S::Wide; 2],
+    ) -> u32 {
+        let noise = simd.mul8(bounds.noise, bounds.weights[0]);
+        let length_squared = dot2(simd, step, step);
+        let (s2, t2) = (dot2(simd, self.fs, self.fs), dot2(simd, self.ft, self.ft));
+        let rounded = simd.mul8(simd.mul8(simd.splat8(ROUNDED * ROUNDED), s2), t2);
+        let rounded = simd.mul8(simd.mul8(rounded, simd.add8(s2, t2)), length_squared);
+        let relative = [simd.mul8(step[0], per_unit[0]), simd.mul8(step[1], per_unit[1])];
+        let curved = simd.mul8(bounds.curvature_bound, dot2(simd, relative, relative));
+        let clear = simd.mul8(simd.mul8(simd.mul8(noise, noise), det), det);
+        simd.at_most8(curved, noise) & simd.at_most8(rounded, clear)
+    }
+}
