@@ -1,5 +1,7 @@
 //! Known roots, seams and degenerate patches. The contract test of all surfaces shoots many more rays.
 
+mod instruction_sets;
+
 use std::sync::Arc;
 
 use glanz_math::glam::DVec4;
@@ -7,7 +9,6 @@ use glanz_math::{DVec2, DVec3, Ray};
 
 use super::{Freeform, SurfacePatch};
 use crate::bezier::{TensorPatch, TrianglePatch};
-use crate::bvh::simd::Isa;
 use crate::hit::Hit;
 use crate::spline::NurbsSurface;
 use crate::surface::RaySurface;
@@ -327,40 +328,6 @@ fn area_of_a_trimmed_plane_is_that_without_its_holes() {
     // Parameters are six times as dense as the area.
     let expected = 6.0 * (1.0 - 2.0 * std::f64::consts::PI * 0.15 * 0.15);
     assert!((plane.trimmed(plate(0.15)).area() / expected - 1.0).abs() < 1e-3);
-}
-
-#[test]
-fn every_instruction_set_gives_the_same_bits() {
-    let wave = |degree: usize, weight: fn(usize) -> f64| {
-        let points = (0..(degree + 1) * (degree + 1)).map(|k| {
-            let (i, j) = (k / (degree + 1), k % (degree + 1));
-            let p = DVec3::new(i as f64, j as f64, (2.1 * k as f64).sin());
-            (p * weight(k)).extend(weight(k))
-        });
-        let patch = TensorPatch::try_new(degree, degree, points.collect()).unwrap();
-        Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap()
-    };
-    let uneven = |k: usize| 1.0 + 0.5 * (k as f64).cos();
-    for mut surface in [wave(3, |_| 1.0), wave(2, uneven), wave(3, uneven), wave(5, uneven)] {
-        let mut answers = Vec::new();
-        for isa in Isa::all() {
-            surface.bvh = surface.bvh.clone().with_isa(isa);
-            let (mut hits, mut rays) = (Vec::new(), Vec::new());
-            for k in 0..2000 {
-                let (a, b) = (f64::from(k % 50) * 0.1, f64::from(k / 50) * 0.1);
-                let ray = Ray::new(DVec3::new(a, b, 4.0), DVec3::new(0.3 * b, 0.2 * a - 0.4, -4.0));
-                surface.all_hits(&ray, f64::INFINITY, &mut hits);
-                hits.extend(surface.intersect(&ray, f64::INFINITY));
-                rays.push(ray.into());
-            }
-            let mut closest = Vec::new();
-            surface.closest_batch(&rays, &mut closest);
-            hits.extend(closest.into_iter().flatten());
-            answers.push(hits);
-        }
-        assert!(answers[0].len() > 500, "{}", answers[0].len());
-        assert!(answers.windows(2).all(|pair| pair[0] == pair[1]));
-    }
 }
 
 #[test]
