@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 
 use glanz_math::DVec2;
 
-/// Cells per side of the grid for lookup of triangles.
-const CELLS: usize = 64;
+use crate::rectangle_grid::RectangleGrid;
+
+/// Cells per side of the grid for lookup of triangles, unless each of these fills the bounds of the sheet.
+const COLUMNS: usize = 64;
 
 /// A triangle of a face, projected onto the plane of a sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +33,7 @@ impl FlatTriangle {
 pub struct FlatSheet {
     triangles: Vec<FlatTriangle>,
     by_face: BTreeMap<u32, Vec<u32>>,
-    cells: Vec<Vec<u32>>,
+    grid: RectangleGrid,
     size: DVec2,
     shrink: f64,
 }
@@ -44,19 +46,17 @@ impl FlatSheet {
             corners().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
         let size = high - low;
         let mut by_face: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        let mut cells = vec![Vec::new(); CELLS * CELLS];
+        let mut bounds = Vec::with_capacity(triangles.len());
         for (number, triangle) in (0_u32..).zip(&mut triangles) {
             triangle.corners = triangle.corners.map(|p| p - low);
             by_face.entry(triangle.face).or_default().push(number);
-            let [a, b, c] = triangle.corners.map(|p| cell(p, size));
-            let range = |axis: usize| a[axis].min(b[axis]).min(c[axis])..=a[axis].max(b[axis]).max(c[axis]);
-            for y in range(1) {
-                for x in range(0) {
-                    cells[y * CELLS + x].push(number);
-                }
-            }
+            let [a, b, c] = triangle.corners;
+            bounds.push([a.min(b).min(c), a.max(b).max(c)]);
         }
-        Self { triangles, by_face, cells, size, shrink }
+        // Scenes may have as many sheets as triangles, most of which need no grid.
+        let is_filled = bounds.iter().all(|[min, max]| *min == DVec2::ZERO && *max == size);
+        let grid = RectangleGrid::new(size, if is_filled { 1 } else { COLUMNS }, &bounds);
+        Self { triangles, by_face, grid, size, shrink }
     }
 
     /// All triangles.
@@ -89,8 +89,7 @@ impl FlatSheet {
 
     /// The triangles that contain a point.
     pub(super) fn triangles_at(&self, point: DVec2) -> impl Iterator<Item = &FlatTriangle> {
-        let [x, y] = cell(point, self.size);
-        let near = self.cells[y * CELLS + x].iter().filter_map(|&i| self.triangles.get(i as usize));
+        let near = self.grid.near(point).iter().filter_map(|&i| self.triangles.get(i as usize));
         near.filter(move |triangle| weights(&triangle.corners, point).into_iter().all(|w| w >= -1e-9))
     }
 
@@ -103,11 +102,6 @@ impl FlatSheet {
     }
 }
 
-fn cell(point: DVec2, size: DVec2) -> [usize; 2] {
-    let share = (point / size).max(DVec2::ZERO) * CELLS as f64;
-    share.to_array().map(|x| (x as usize).min(CELLS - 1))
-}
-
 /// Barycentric coordinates of a point.
 pub(super) fn weights(corners: &[DVec2; 3], point: DVec2) -> [f64; 3] {
     let [a, b, c] = *corners;
@@ -118,4 +112,28 @@ pub(super) fn weights(corners: &[DVec2; 3], point: DVec2) -> [f64; 3] {
 
 fn blend([u, v, w]: [f64; 3], points: &[DVec2; 3]) -> DVec2 {
     u * points[0] + v * points[1] + w * points[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sheets_of_a_single_triangle_or_of_two_halves_of_a_rectangle_take_little_memory() {
+        let [a, b, c, d] = [DVec2::ZERO, DVec2::X * 3.0, DVec2::new(3.0, 2.0), DVec2::Y * 2.0];
+        let triangle = |face, corners| FlatTriangle { face, corners, parameters: corners };
+        for triangles in [vec![triangle(0, [a, b, c])], vec![triangle(0, [a, b, c]), triangle(1, [a, c, d])]]
+        {
+            let count = triangles.len() as u32;
+            let sheet = FlatSheet::new(triangles, 1.0);
+            assert_eq!(sheet.grid.lists().count(), 1);
+            for i in 0..100 {
+                let point =
+                    DVec2::new(0.03, 0.02) * DVec2::new(f64::from(i) + 0.5, f64::from(i * 7 % 100) + 0.3);
+                let is_below = point.y < 2.0 / 3.0 * point.x;
+                let expected = if is_below { Some(0) } else { (count > 1).then_some(1) };
+                assert_eq!(sheet.parameters(point).map(|(face, _)| face), expected);
+            }
+        }
+    }
 }
