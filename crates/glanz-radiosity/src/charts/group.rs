@@ -15,6 +15,9 @@ const ANGLE_COSINES: [f64; 2] = [0.857_167_300_702, 0.999_998_5];
 /// Largest number of edges that are tried as directions of a chart's sides.
 const MAX_EDGES: usize = 256;
 
+/// Largest number of faces that share an edge and are neighbours there: pairs of more would take too much memory.
+const MAX_SHARING: usize = 64;
+
 /// Points per side at which overlap is tested.
 const OVERLAP_POINTS: u32 = 128;
 
@@ -104,7 +107,7 @@ fn neighbours(faces: &[ChartFace]) -> Vec<Vec<usize>> {
         }
     }
     let mut neighbours = vec![Vec::new(); faces.len()];
-    for sharing in edges.values() {
+    for sharing in edges.values().filter(|sharing| sharing.len() <= MAX_SHARING) {
         for &a in sharing {
             let others = sharing.iter().filter(|&&b| b != a && faces[b].shape == faces[a].shape);
             neighbours[a].extend(others.copied());
@@ -197,4 +200,21 @@ fn overlaps(flat: &FlatSheet) -> bool {
         let share = DVec2::new(f64::from(i) + 0.437, f64::from(j) + 0.561) / f64::from(OVERLAP_POINTS);
         flat.triangles_at(share * flat.size()).nth(1).is_some()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edge_of_many_faces_makes_few_neighbours() {
+        let face = |face: u32| {
+            let corners = vec![DVec3::ZERO, DVec3::Z, DVec3::new(1.0, f64::from(face), 0.0)];
+            ChartFace { face, shape: 0, normal: DVec3::Y, parameters: Vec::new(), corners }
+        };
+        let count =
+            |n: u32| neighbours(&(0..n).map(face).collect::<Vec<_>>()).iter().map(Vec::len).sum::<usize>();
+        assert_eq!((count(2), count(3)), (2, 6));
+        assert!(count(2000) <= 2000 * MAX_SHARING);
+    }
 }
