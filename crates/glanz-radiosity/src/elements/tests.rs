@@ -15,6 +15,13 @@ fn area(elements: &Elements<'_>, surface: u32, back: bool) -> f64 {
     elements.list.iter().filter(of).map(|element| element.area).sum()
 }
 
+/// The solid of points with coordinates of 0 or more whose sum is at most 1.
+fn corner_solid() -> ShapeDescription {
+    let octant: Vec<_> = [-DVec3::X, -DVec3::Y, -DVec3::Z].map(|normal| (normal, 0.0)).into();
+    let half_spaces = [octant, vec![(DVec3::ONE.normalize(), 1.0 / 3.0_f64.sqrt())]].concat();
+    ShapeDescription::from(GeometryDescription::Polyhedron { half_spaces })
+}
+
 #[test]
 fn both_sides_of_every_surface_are_covered() {
     let sphere = ShapeDescription::sphere(0.5);
@@ -24,10 +31,7 @@ fn both_sides_of_every_surface_are_covered() {
         inner_radius: 0.25,
         phi_max: TAU,
     });
-    let octant: Vec<_> = [-DVec3::X, -DVec3::Y, -DVec3::Z].map(|normal| (normal, 0.0)).into();
-    let corner = [octant, vec![(DVec3::ONE.normalize(), 1.0 / 3.0_f64.sqrt())]].concat();
-    let solid = ShapeDescription::from(GeometryDescription::Polyhedron { half_spaces: corner });
-    let scene = scene([sphere, disk, solid].into_iter().map(|shape| (shape, 0.5, 0.0)).collect());
+    let scene = scene([sphere, disk, corner_solid()].into_iter().map(|shape| (shape, 0.5, 0.0)).collect());
     let elements = elements(&scene, 0.2);
     let expected = [PI, PI * (1.0 - 0.0625), 1.5 + 0.5 * 3.0_f64.sqrt()];
     for (surface, placed) in (0_u32..).zip(&elements.surfaces) {
@@ -103,15 +107,9 @@ fn invalid_sides_are_refused() {
 
 #[test]
 fn quarters_of_an_element_fill_it() {
-    let prism = {
-        let side = |k: f64| (DVec3::new((k * TAU / 5.0).cos(), (k * TAU / 5.0).sin(), 0.0), 1.0);
-        let mut half_spaces: Vec<_> = [0.0, 1.0, 2.0, 3.0, 4.0].map(side).into();
-        half_spaces.extend([(DVec3::Z, 1.0), (-DVec3::Z, 1.0)]);
-        ShapeDescription::from(GeometryDescription::Polyhedron { half_spaces })
-    };
     let triangle = ShapeDescription::mesh(vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y], vec![[0, 1, 2]]);
     let square = parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y);
-    for shape in [square, ShapeDescription::sphere(1.0), triangle, prism] {
+    for shape in [square, ShapeDescription::sphere(1.0), triangle, corner_solid()] {
         let scene = scene(vec![(shape, 0.5, 0.0)]);
         let elements = elements(&scene, 0.7);
         for whole in &elements.list {
