@@ -71,7 +71,7 @@ pub struct Chart {
     pub sheet: Arc<Sheet>,
     /// Lower left and upper right corner of the rectangle on the sheet.
     pub window: [DVec2; 2],
-    /// Thin walls on the sheet as line segments; the chart shows what is left of all of them. The charts on both sides of a wall overlap by
+    /// Thin walls on the sheet as line segments; the chart shows the part on the left of each. The charts on both sides of a wall overlap by
     /// some texels, except behind the wall.
     pub walls: Vec<[DVec2; 2]>,
     /// Texels along both axes, at least 2 each.
@@ -94,6 +94,7 @@ impl Chart {
         min + texel / self.last_texel() * (max - min)
     }
 
+    /// Position of the last texel, texels.
     fn last_texel(&self) -> DVec2 {
         DVec2::new(f64::from(self.size[0]) - 1.0, f64::from(self.size[1]) - 1.0)
     }
@@ -119,6 +120,12 @@ impl Chart {
         }
     }
 
+    /// Position in texels of a point of the sheet, regardless of walls and of the window.
+    pub(crate) fn texel_at(&self, sheet: DVec2) -> DVec2 {
+        let [min, max] = self.window;
+        ((sheet - min) / (max - min)).clamp(DVec2::ZERO, DVec2::ONE) * self.last_texel()
+    }
+
     /// Position in texels of a point of a face; `None` if the chart does not show it.
     #[must_use]
     pub fn to_texel(&self, face: u32, uv: DVec2) -> Option<DVec2> {
@@ -134,7 +141,7 @@ impl Chart {
         let share = (point - min) / (max - min);
         let slack = DVec2::splat(1e-9);
         let inside = share.cmpge(-slack).all() && share.cmple(DVec2::ONE + slack).all();
-        inside.then_some(share.clamp(DVec2::ZERO, DVec2::ONE) * self.last_texel())
+        inside.then(|| self.texel_at(point))
     }
 
     /// The part of a polygon of the sheet that the chart shows. The polygon must be convex if a wall crosses it.
@@ -231,8 +238,8 @@ const NEARBY: [[f64; 2]; 20] = [
     [-0.5, -0.95],
 ];
 
-/// Charts of both sides of all faces of `surfaces`, divided at thin walls, with at least `density` texels per metre (up to 4096 texels
-/// along a side).
+/// Charts of both sides of all faces of `surfaces`, divided at thin walls, with at least `density` texels per metre, a finite number above
+/// 0 (up to 4096 texels along a side).
 #[must_use]
 pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
     let mut charts = Vec::new();

@@ -32,7 +32,7 @@ pub fn pack(sizes: &[[u32; 2]], border: u32, limit: u32) -> Packing {
     let widest = grown.iter().flatten().copied().max().unwrap_or(1);
     let mut order: Vec<usize> = (0..grown.len()).collect();
     order.sort_by_key(|&i| (std::cmp::Reverse(grown[i][1]), std::cmp::Reverse(grown[i][0]), i));
-    let mut side = (area.sqrt() as u32).max(widest).clamp(4, limit).next_multiple_of(4).min(limit);
+    let mut side = (area.sqrt() as u32).max(widest).max(4).min(limit).next_multiple_of(4).min(limit);
     loop {
         let (pages, mut slots) = shelves(&grown, &order, side);
         if pages <= 1 || side >= limit {

@@ -128,6 +128,7 @@ fn rectangles_lie_apart_and_fill_their_square() {
         assert!(limit == 256 || f64::from(used) > 0.85 * taken.len() as f64, "{used} {}", taken.len());
     }
     assert_eq!(pack(&[], 2, 64).pages, 1);
+    assert_eq!(pack(&[], 0, 3).side, 3);
 }
 
 #[test]

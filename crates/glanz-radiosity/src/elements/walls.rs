@@ -51,7 +51,7 @@ fn pieces(chart: &Chart, patch: &Patch) -> Option<Vec<ParameterPatch>> {
         corners.iter().map(|&uv| chart.sheet_point(patch.face, uv)).collect::<Option<Vec<DVec2>>>()?;
     let [a, b, c] = *sheet.first_chunk::<3>()?;
     let whole = (b - a).perp_dot(c - a);
-    // A chart shows what is left of its walls.
+    // A chart shows the left side of its walls.
     let sheet = if whole < 0.0 { sheet.into_iter().rev().collect() } else { sheet };
     let shown = chart.clip(&sheet);
     let area: f64 = shown.windows(2).map(|pair| (pair[0] - a).perp_dot(pair[1] - a)).sum();

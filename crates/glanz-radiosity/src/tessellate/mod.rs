@@ -84,12 +84,10 @@ impl ChartTriangulator<'_> {
         let next = u32::try_from(self.triangles.positions.len()).ok()?;
         let number = *self.numbers.entry(key.map(|x| (x + 0.0).to_bits())).or_insert(next);
         if number == next {
-            let [min, max] = self.chart.window;
-            let last = DVec2::new(f64::from(self.chart.size[0]) - 1.0, f64::from(self.chart.size[1]) - 1.0);
             self.triangles.positions.push(position);
             self.triangles.normals.push(normal);
             self.triangles.uvs.push(at.point.uv);
-            self.triangles.texels.push(((sheet - min) / (max - min)).clamp(DVec2::ZERO, DVec2::ONE) * last);
+            self.triangles.texels.push(self.chart.texel_at(sheet));
         }
         Some(number)
     }
@@ -115,21 +113,16 @@ impl ChartTriangulator<'_> {
 
     /// Adds the triangles of a grid over the sheet.
     fn grid(&mut self, [columns, rows]: [u32; 2], tolerance: f64) {
-        let size = match &*self.chart.sheet {
-            Sheet::Square(_) => DVec2::ONE,
-            Sheet::Flat(flat) => flat.size(),
-        };
+        let size = self.chart.sheet.size();
         let at = |i: u32, j: u32| {
             DVec2::new(f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows)) * size
         };
         let (surface, chart) = (self.surface, self.chart);
-        let is_kept = |point: DVec2| {
-            chart.parameters(point).is_some_and(|(face, uv)| surface.at(face, uv, false).is_some())
-        };
         let position = |point: DVec2| {
             let (face, uv) = chart.parameters(point)?;
             Some(surface.at(face, uv, false)?.at.point.position)
         };
+        let is_kept = |point: DVec2| position(point).is_some();
         let kept: Vec<bool> = (0..=rows)
             .flat_map(|j| (0..=columns).map(move |i| (i, j)))
             .map(|(i, j)| is_kept(at(i, j)))
