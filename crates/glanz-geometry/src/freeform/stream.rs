@@ -201,7 +201,7 @@ impl StreamVisitor for StreamSearcher<'_> {
     fn finish<S: Simd>(&mut self, simd: S, rays: &mut [CompactRay]) {
         let count = self.queue.count;
         if count > 0 {
-            simd.outlined(Solve { searcher: &mut *self, rays, mask: first_lanes(count) });
+            simd.outlined(QueueSolver { searcher: &mut *self, rays, mask: first_lanes(count) });
             self.queue.count = 0;
         }
     }
@@ -269,7 +269,11 @@ impl StreamSearcher<'_> {
             let fields = [a[0], a[1], b[0], b[1], q, per, start[0], start[1]];
             self.queue.push(simd, easy, ids, leaves, fields);
             if self.queue.count >= LANES {
-                simd.outlined(Solve { searcher: &mut *self, rays: &mut *rays, mask: first_lanes(LANES) });
+                simd.outlined(QueueSolver {
+                    searcher: &mut *self,
+                    rays: &mut *rays,
+                    mask: first_lanes(LANES),
+                });
                 self.queue.pop();
             }
         }
@@ -319,14 +323,14 @@ impl StreamSearcher<'_> {
     }
 }
 
-/// The roots of the pairs at the front of the queue.
-struct Solve<'a, 'b> {
+/// The search for the roots of the pairs at the front of the queue.
+struct QueueSolver<'a, 'b> {
     searcher: &'a mut StreamSearcher<'b>,
     rays: &'a mut [CompactRay],
     mask: u32,
 }
 
-impl Task for Solve<'_, '_> {
+impl Task for QueueSolver<'_, '_> {
     type Output = ();
 
     #[inline(always)]

@@ -9,14 +9,14 @@ use super::{Random, boxes, slab};
 use crate::batch::BoundedRay;
 
 /// The boxes that each ray of a stream visits.
-struct Visits<'a> {
+struct VisitedBoxes<'a> {
     bvh: &'a Bvh,
     rays: &'a [BoundedRay],
     /// Whether a ray visits a box.
     seen: Vec<Vec<bool>>,
 }
 
-impl StreamVisitor for Visits<'_> {
+impl StreamVisitor for VisitedBoxes<'_> {
     fn prepare<S: Simd>(&mut self, _: S, ids: &[u32], rays: &mut [CompactRay]) {
         for &id in ids {
             rays[id as usize].slot = id + 1;
@@ -49,7 +49,7 @@ impl StreamVisitor for Visits<'_> {
     fn prefetch<S: Simd>(&self, _: S, _: BvhLeaf) {}
 }
 
-impl Task for Visits<'_> {
+impl Task for VisitedBoxes<'_> {
     type Output = Vec<Vec<bool>>;
 
     #[inline(always)]
@@ -72,7 +72,7 @@ pub(super) fn with_ends(random: &mut Random, cloud: &[Bounds3], rays: &[BoundedR
 
 /// Asserts that the stream visits every box that a ray meets before its end.
 pub(super) fn assert_no_box_is_culled(isa: Isa, bvh: &Bvh, cloud: &[Bounds3], rays: &[BoundedRay]) {
-    let visits = Visits { bvh, rays, seen: vec![vec![false; cloud.len()]; rays.len()] };
+    let visits = VisitedBoxes { bvh, rays, seen: vec![vec![false; cloud.len()]; rays.len()] };
     for (bounded, seen) in rays.iter().zip(isa.run(visits)) {
         for (b, seen) in cloud.iter().zip(seen) {
             let met = slab(b, &bounded.ray, bounded.t_max).is_some();
@@ -186,7 +186,8 @@ fn rays_that_end_before_the_tree_visit_no_leaf() {
         })
         .collect();
     for isa in Isa::all() {
-        let visits = Visits { bvh: &bvh, rays: &rays, seen: vec![vec![false; cloud.len()]; rays.len()] };
+        let visits =
+            VisitedBoxes { bvh: &bvh, rays: &rays, seen: vec![vec![false; cloud.len()]; rays.len()] };
         assert!(isa.run(visits).concat().iter().all(|seen| !seen), "{isa:?}");
     }
 }
