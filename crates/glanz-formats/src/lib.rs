@@ -2,10 +2,10 @@
 //!
 //! # Modules
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
-//! [`Description`](glanz_scene::Description), which `glanz-scene` turns into a scene, and [`Diagnostics`]
-//! that point into the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
-//! patches, [`photometry`] the light of luminaires, [`image`] reads and writes pictures, [`glb`] writes models. Whatever bytes come, there is a result or an error: no panic, no hang, and no
-//! more memory than the input warrants.
+//! [`Description`](glanz_scene::Description), which `glanz-scene` resolves to a scene, and [`Diagnostics`]
+//! with positions in the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
+//! patches, [`photometry`] the light of luminaires, [`image`] reads and writes pictures, [`glb`] writes models. Any bytes give a result or an error, without a panic or an endless loop, and without
+//! more memory than the size of the input justifies.
 
 pub mod glb;
 pub mod image;

@@ -1,6 +1,6 @@
-//! Suggestions for words that are not known.
+//! Suggestions for unknown words.
 
-/// The candidate that `word` was most likely meant to be: equal but for case, or at most a third of its letters off.
+/// The candidate most similar to `word`: equal except for case, or with at most a third of its letters changed.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = word.to_lowercase();
     candidates
@@ -43,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn near_words_are_found_and_far_ones_are_not() {
+    fn similar_words_are_found_and_others_are_not() {
         let names = ["radius", "zmin", "phimax"];
         assert_eq!(nearest("raduis", names), Some("radius"));
         assert_eq!(nearest("PhiMax", names), Some("phimax"));

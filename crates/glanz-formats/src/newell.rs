@@ -1,7 +1,7 @@
-//! Lists of bicubic patches in the form in which Martin Newell's teapot is handed down.
+//! Lists of bicubic patches in the format of Martin Newell's teapot.
 //!
 //! Text without a header: the number of patches; per patch sixteen indices of control points, counted from 1; the
-//! number of points; three coordinates per point. Numbers are parted by commas, blanks and line ends alike. Memory is
+//! number of points; three coordinates per point. Numbers are separated by commas, blanks or line ends. Memory is
 //! bounded by the size of the input.
 //!
 //! ```
@@ -18,12 +18,12 @@ use crate::source::line_and_column;
 /// Control points of a bicubic patch.
 pub const POINTS: usize = 16;
 
-/// Patches with common control points.
+/// Patches with shared control points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct NewellMesh {
     /// Control points.
     pub positions: Vec<DVec3>,
-    /// Per patch the indices of its points from 0, four rows of four in the order of the file.
+    /// Indices of the points of each patch, from 0, four rows of four in the order of the file.
     pub patches: Vec<[u32; POINTS]>,
 }
 
@@ -44,18 +44,18 @@ pub struct NewellError {
 #[non_exhaustive]
 pub enum NewellErrorKind {
     /// The file ends too early.
-    #[error("the file ends where {0} should stand")]
+    #[error("the file ends before {0}")]
     End(&'static str),
-    /// Something else than a number.
-    #[error("{found:?} stands where {wanted} should")]
+    /// Something other than the expected number.
+    #[error("expected {wanted}, found {found:?}")]
     Number {
-        /// The number found.
+        /// The text found.
         found: String,
         /// The number expected.
         wanted: &'static str,
     },
-    /// More things than the rest of the file can hold.
-    #[error("{count} {what} are declared, the file has {bytes} bytes left for them")]
+    /// More items than the rest of the file can contain.
+    #[error("{count} {what} are declared; the file has {bytes} bytes left for them")]
     Count {
         /// The items.
         what: &'static str,
@@ -65,7 +65,7 @@ pub enum NewellErrorKind {
         bytes: usize,
     },
     /// A patch refers to a point that does not exist.
-    #[error("patch {patch} refers to point {index}, there are {count}, counted from 1")]
+    #[error("patch {patch} refers to point {index}; there are {count}, counted from 1")]
     Index {
         /// Counted from 1.
         patch: usize,
@@ -77,8 +77,8 @@ pub enum NewellErrorKind {
     /// A coordinate that is infinite or not a number.
     #[error("{0:?} is not finite")]
     NotFinite(String),
-    /// More than the numbers declared.
-    #[error("{0:?} stands behind the last point")]
+    /// Text after the declared numbers.
+    #[error("{0:?} follows the last point")]
     Trailing(String),
 }
 
@@ -122,14 +122,14 @@ pub fn read(bytes: &[u8]) -> Result<NewellMesh, NewellError> {
     }
 }
 
-/// Characters of a word that messages quote.
+/// Largest number of characters of a word in messages.
 const QUOTED: usize = 40;
 
 fn quoted(word: &[u8]) -> String {
     String::from_utf8_lossy(word).chars().take(QUOTED).collect()
 }
 
-/// Reads forward through words.
+/// Reader of successive words.
 #[derive(Clone, Copy)]
 struct TokenReader<'a> {
     bytes: &'a [u8],
@@ -137,7 +137,7 @@ struct TokenReader<'a> {
 }
 
 impl<'a> TokenReader<'a> {
-    /// The next word and where it begins.
+    /// The next word and its offset.
     fn next(&mut self) -> Option<(usize, &'a [u8])> {
         let between = |b: &u8| b.is_ascii_whitespace() || *b == b',';
         let rest = self.bytes.get(self.offset..)?;
@@ -166,7 +166,7 @@ impl<'a> TokenReader<'a> {
         self.parse(wanted).map(|(_, _, value)| value)
     }
 
-    /// Number of items of the given size that follow; an error if the file cannot hold them.
+    /// Number of items of the given size that follow; an error if the file cannot contain them.
     fn count(
         &mut self,
         what: &'static str,
@@ -175,7 +175,7 @@ impl<'a> TokenReader<'a> {
     ) -> Result<u32, NewellError> {
         let (at, _, count) = self.parse::<u32>(wanted)?;
         let bytes = self.bytes.len().saturating_sub(self.offset);
-        // A number takes a digit and what parts it from the one before.
+        // A number has at least a digit and a separator.
         if (count as usize).saturating_mul(2 * numbers) > bytes {
             return Err(self.error(at, NewellErrorKind::Count { what, count, bytes }));
         }
@@ -190,7 +190,7 @@ impl<'a> TokenReader<'a> {
         Err(self.error(at, NewellErrorKind::NotFinite(quoted(word))))
     }
 
-    /// An error at the word `index` words on.
+    /// An error at the word `index` words ahead.
     fn error_at_word(mut self, index: usize, kind: NewellErrorKind) -> NewellError {
         let mut at = self.offset;
         for _ in 0..=index {
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn indices_count_from_one_in_the_file_and_from_zero_after() {
+    fn indices_start_at_one_in_the_file_and_at_zero_in_memory() {
         let mesh = read(text().as_bytes()).unwrap();
         assert_eq!(mesh.patches[0], std::array::from_fn(|i| i as u32));
         assert_eq!(mesh.patches[1], std::array::from_fn(|i| if i == 0 { 16 } else { i as u32 - 1 }));
@@ -229,34 +229,31 @@ mod tests {
     }
 
     #[test]
-    fn no_patches_on_no_points_are_a_list_too() {
+    fn empty_lists_are_valid() {
         assert_eq!(read(b"0 0").unwrap(), NewellMesh::default());
     }
 
     #[test]
-    fn faults_are_told_with_their_place() {
+    fn errors_have_line_and_column() {
         let text = text();
         let replaced = |from: &str, to: &str| text.replacen(from, to, 1);
         for (text, message) in [
-            (String::new(), "1:1: the file ends where the number of patches should stand"),
-            ("two".to_owned(), "1:1: \"two\" stands where the number of patches should"),
-            ("-1".to_owned(), "1:1: \"-1\" stands where the number of patches should"),
-            ("1\n1,2".to_owned(), "1:1: 1 patches are declared, the file has 4 bytes left for them"),
-            (replaced("4,5,", "4,5.5,"), "2:9: \"5.5\" stands where the index of a control point should"),
-            (replaced("4,5,", "4,18,"), "2:9: patch 1 refers to point 18, there are 17, counted from 1"),
-            (replaced("17, 1,", "17, 0,"), "3:5: patch 2 refers to point 0, there are 17, counted from 1"),
+            (String::new(), "1:1: the file ends before the number of patches"),
+            ("two".to_owned(), "1:1: expected the number of patches, found \"two\""),
+            ("-1".to_owned(), "1:1: expected the number of patches, found \"-1\""),
+            ("1\n1,2".to_owned(), "1:1: 1 patches are declared; the file has 4 bytes left for them"),
+            (replaced("4,5,", "4,5.5,"), "2:9: expected the index of a control point, found \"5.5\""),
+            (replaced("4,5,", "4,18,"), "2:9: patch 1 refers to point 18; there are 17, counted from 1"),
+            (replaced("17, 1,", "17, 0,"), "3:5: patch 2 refers to point 0; there are 17, counted from 1"),
             (
                 replaced("17\r\n", "1000000\r\n"),
-                "4:1: 1000000 points are declared, the file has 236 bytes left for them",
+                "4:1: 1000000 points are declared; the file has 236 bytes left for them",
             ),
-            (replaced("3.0,1.5,", "3.0,x,"), "8:5: \"x\" stands where a coordinate should"),
+            (replaced("3.0,1.5,", "3.0,x,"), "8:5: expected a coordinate, found \"x\""),
             (replaced("3.0,1.5,", "3.0,inf,"), "8:5: \"inf\" is not finite"),
             (replaced("3.0,1.5,", "3.0,1e999,"), "8:5: \"1e999\" is not finite"),
-            (format!("{text}7"), "22:1: \"7\" stands behind the last point"),
-            (
-                text.trim_end().trim_end_matches("-16e0").to_owned(),
-                "21:8: the file ends where a coordinate should stand",
-            ),
+            (format!("{text}7"), "22:1: \"7\" follows the last point"),
+            (text.trim_end().trim_end_matches("-16e0").to_owned(), "21:8: the file ends before a coordinate"),
         ] {
             assert_eq!(read(text.as_bytes()).unwrap_err().to_string(), message);
         }

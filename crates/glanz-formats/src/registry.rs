@@ -1,4 +1,4 @@
-//! Recognises the format of a scene file and reads it.
+//! Recognition of the format of a scene file, and reading.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use crate::source::Sources;
 /// Settings of the readers.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Turns every stand-in into an error. Up to 20 errors are collected.
+    /// Treats every substitute as an error. Up to 20 errors are collected.
     pub strict: bool,
     /// Folder for the files that the scene names; by default that of the scene file.
     pub folder: Option<PathBuf>,
-    /// Refuses files outside of that folder, for scenes from untrusted users: names that are absolute or go up,
-    /// and links that lead out. Messages name files relative to the folder then.
+    /// Refuses files outside of this folder, for scenes from untrusted users: names that are absolute or contain `..`,
+    /// and links that lead outside. Messages then name files relative to the folder.
     ///
-    /// The folder has to be one that those people cannot change while it is read.
+    /// These users must not be able to change the folder while it is read.
     pub confined: bool,
 }
 
@@ -30,9 +30,9 @@ pub struct Loaded {
     pub description: Description,
     /// Warnings.
     pub diagnostics: Diagnostics,
-    /// Fingerprint of the bytes of all files, see [`glanz_job::ContentHash`].
+    /// Hash of the bytes of all files, see [`glanz_job::ContentHash`].
     pub content_hash: u128,
-    /// For messages about places of the files that arise later.
+    /// The sources, for later messages about positions in the files.
     pub sources: Sources,
 }
 
@@ -57,7 +57,7 @@ impl SceneFormat {
     /// Recognises a format by the first bytes of a file.
     ///
     /// # Errors
-    /// A few words about what it is instead.
+    /// A description of the actual format.
     pub fn recognise(bytes: &[u8]) -> Result<Self, String> {
         if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
             return Err((*what).to_owned());
@@ -67,7 +67,7 @@ impl SceneFormat {
         }
         let head = bytes.get(..bytes.len().min(4096)).unwrap_or_default();
         if head.contains(&0) {
-            return Err("no scene format that is known".to_owned());
+            return Err("not in a known scene format".to_owned());
         }
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err("empty".to_owned());
@@ -102,7 +102,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let unreadable = |what: String| failure(&name, "missing-file", what);
     match std::fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() => {
-            return Err(unreadable("this is no regular file".to_owned()));
+            return Err(unreadable("this is not a regular file".to_owned()));
         }
         Ok(_) => {}
         Err(error) => return Err(unreadable(format!("the file cannot be read: {error}"))),
@@ -115,7 +115,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     load_bytes(&name, Some(path), bytes.into(), options)
 }
 
-/// True if `path`, with links resolved, is in `folder`.
+/// Whether `path`, with links resolved, is in `folder`.
 fn lies_in(path: &Path, folder: Option<&Path>) -> bool {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     match (real(path), folder.and_then(real)) {
@@ -124,7 +124,7 @@ fn lies_in(path: &Path, folder: Option<&Path>) -> bool {
     }
 }
 
-/// Reads a scene from memory. `name`: what messages call it. Files it refers to are found in [`Options::folder`] only.
+/// Reads a scene from memory. `name`: its name in messages. Files to which it refers are found in [`Options::folder`] only.
 ///
 /// # Errors
 /// Diagnostics with at least one error.
@@ -149,7 +149,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_that_are_no_scenes_are_called_what_they_are() {
+    fn errors_name_the_format_of_files_that_are_not_scenes() {
         for (bytes, message) in [
             (&b""[..], "error: x: the file is empty\n"),
             (b" \n\t", "error: x: the file is empty\n"),
@@ -158,7 +158,7 @@ mod tests {
                 "error: x: the file is a PLY model; a scene refers to it by Shape \"plymesh\"\n",
             ),
             (b"\x89PNG\r\n\x1a\n", "error: x: the file is a picture (PNG), not a scene\n"),
-            (b"Shape\0", "error: x: the file is no scene format that is known\n"),
+            (b"Shape\0", "error: x: the file is not in a known scene format\n"),
         ] {
             let error = load_bytes("x", None, Arc::from(bytes), &Options::default()).unwrap_err();
             assert_eq!(error.to_string(), message);
@@ -170,11 +170,11 @@ mod tests {
         let error = load(Path::new("no/such/scene.pbrt"), &Options::default()).unwrap_err();
         assert!(error.to_string().starts_with("error: no/such/scene.pbrt: the file cannot be read: "));
         let error = load(Path::new("/"), &Options::default()).unwrap_err();
-        assert_eq!(error.to_string(), "error: /: this is no regular file\n");
+        assert_eq!(error.to_string(), "error: /: this is not a regular file\n");
     }
 
     #[test]
-    fn the_fingerprint_follows_the_bytes_and_not_the_name() {
+    fn content_hash_depends_on_the_bytes_and_not_on_the_name() {
         let of = |name, text| load_str(name, text, &Options::default()).unwrap().content_hash;
         assert_eq!(of("a", "WorldBegin"), of("b", "WorldBegin"));
         assert_ne!(of("a", "WorldBegin"), of("a", "WorldBegin "));

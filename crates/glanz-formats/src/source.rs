@@ -1,4 +1,4 @@
-//! The files a scene was read from, and messages about places in them.
+//! The files of a scene, and messages about positions in them.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use glanz_scene::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
 
 /// The files read, in order; the scene file is the first. Index is [`FileId`].
 ///
-/// Bytes of files on disk are let go after reading; an excerpt for a later message reads the file again.
+/// Bytes of files on disk are released after reading; for the excerpt of a later message the file is read again.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<SourceFile>,
@@ -24,7 +24,7 @@ struct SourceFile {
 }
 
 impl Sources {
-    /// The names of the files, as the user would write them.
+    /// The names of the files for messages.
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.files.iter().map(|f| f.name.clone()).collect()
@@ -36,14 +36,14 @@ impl Sources {
         &self.paths
     }
 
-    /// Notes what was read.
+    /// Stores the paths of the files that were read.
     pub(crate) fn set_paths(&mut self, paths: impl IntoIterator<Item = PathBuf>) {
         self.paths = paths.into_iter().collect();
     }
 
-    /// A message about a place of one of the files, with the line if it can still be read.
+    /// A message about a position in one of the files, with the line if it can still be read.
     ///
-    /// For whoever finds fault with a description after it was read. Without `location` the message is about the scene
+    /// It serves errors of a description that are found after reading. Without `location` the message is about the scene
     /// file as a whole.
     #[must_use]
     pub fn diagnostic(
@@ -64,7 +64,7 @@ impl Sources {
         Diagnostic { severity, kind, file, location, message, excerpt, help: None }
     }
 
-    /// Makes the bytes of a file available under a new or, for a name known already, its old number.
+    /// Makes the bytes of a file available under a new number or, for a known name, its old number.
     pub(crate) fn open(&mut self, name: &str, path: Option<&Path>, bytes: &Arc<[u8]>) -> FileId {
         let bytes = Some(Arc::clone(bytes));
         if let Some(i) = self.files.iter().position(|f| f.name == name) {
@@ -75,7 +75,7 @@ impl Sources {
         FileId((self.files.len() - 1) as u32)
     }
 
-    /// Lets go of the bytes of a file that is also on disk.
+    /// Releases the bytes of a file that is also on disk.
     pub(crate) fn close(&mut self, file: FileId) {
         if let Some(source) = self.files.get_mut(file.0 as usize)
             && source.path.is_some()
@@ -159,20 +159,20 @@ pub(crate) struct ReportedError;
 /// The result of a step whose failure is already among the diagnostics.
 pub(crate) type ParseResult<T> = Result<T, ReportedError>;
 
-/// Errors after which reading stops.
+/// Number of errors after which reading ends.
 pub(crate) const MAX_ERRORS: usize = 20;
 
-/// Collects messages while reading.
+/// Collector of messages during reading.
 #[derive(Debug, Default)]
 pub(crate) struct Reporter {
     pub(crate) sources: Sources,
     pub(crate) diagnostics: Diagnostics,
-    /// True if a stand-in is an error.
+    /// Whether a substitute is an error.
     pub(crate) strict: bool,
 }
 
 impl Reporter {
-    /// Reports what makes the scene unusable.
+    /// Reports an error, which makes the scene unusable.
     pub(crate) fn error(
         &mut self,
         place: &Span,
@@ -183,7 +183,7 @@ impl Reporter {
         ReportedError
     }
 
-    /// Like the method above, with a remedy.
+    /// As the method above, with a remedy.
     pub(crate) fn error_with_help(
         &mut self,
         place: &Span,
@@ -195,12 +195,12 @@ impl Reporter {
         ReportedError
     }
 
-    /// Reports what is odd but harmless.
+    /// Reports a harmless irregularity.
     pub(crate) fn warning(&mut self, place: &Span, kind: &'static str, message: impl Into<String>) {
         self.report(Severity::Warning, place, kind, message.into(), None);
     }
 
-    /// Like the method above, with a remedy.
+    /// As the method above, with a remedy.
     pub(crate) fn warning_with_help(
         &mut self,
         place: &Span,
@@ -211,13 +211,13 @@ impl Reporter {
         self.report(Severity::Warning, place, kind, message.into(), help);
     }
 
-    /// Reports that something is shown as something else or not at all; an error where the user wants none of that.
+    /// Reports that something was replaced by a substitute or left out; an error in strict mode.
     pub(crate) fn stand_in(&mut self, place: &Span, kind: &'static str, message: impl Into<String>) {
         let severity = if self.strict { Severity::Error } else { Severity::Warning };
         self.report(severity, place, kind, message.into(), None);
     }
 
-    /// True if the limit of errors is reached.
+    /// Whether the limit of errors is reached.
     pub(crate) fn is_full(&self) -> bool {
         self.diagnostics.count(Severity::Error) >= MAX_ERRORS
     }

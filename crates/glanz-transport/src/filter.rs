@@ -23,7 +23,7 @@ pub enum FilterError {
     #[error("filter radius {0} x {1} must be positive and finite")]
     Radius(f64, f64),
     /// A parameter outside its range.
-    #[error("filter parameter {name} is {value}, it must be {range}")]
+    #[error("filter parameter {name} is {value}; it must be {range}")]
     Parameter {
         /// Its name.
         name: &'static str,

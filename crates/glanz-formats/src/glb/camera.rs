@@ -9,7 +9,7 @@ pub struct GlbCamera {
     pub name: String,
     /// The projection.
     pub projection: Projection,
-    /// Distances of what it sees, metres: nearest and farthest; the nearest is positive in a central projection.
+    /// Range of visible distances, metres: nearest and farthest; the nearest is positive in a central projection.
     pub range: [f32; 2],
     /// Position, metres.
     pub position: [f32; 3],
@@ -32,7 +32,7 @@ pub enum Projection {
 }
 
 impl GlbCamera {
-    /// The camera and its node as the format says them; `number`: its place in the list of cameras.
+    /// The camera and its node as JSON of the format; `number`: index of the camera in the list.
     pub(super) fn values(&self, number: usize) -> (Value, Value) {
         let [near, far] = self.range;
         let camera = match self.projection {
@@ -53,7 +53,7 @@ impl GlbCamera {
         (camera, node)
     }
 
-    /// True if the format can represent it.
+    /// Whether the format can represent it.
     pub(super) fn is_valid(&self) -> bool {
         let [near, far] = self.range;
         let positive = |x: f32| x > 0.0 && x.is_finite();
@@ -71,7 +71,7 @@ impl GlbCamera {
             && far > near
             && far.is_finite()
             && self.position.iter().all(|x| x.is_finite())
-            // A few roundings of numbers of about 1.
+            // A few rounding errors of numbers of about 1.
             && (length - 1.0).abs() < 16.0 * f32::EPSILON
     }
 }

@@ -1,8 +1,8 @@
-//! Models as binary glTF 2.0 (@khr_gltf): triangles, with pictures that already show the light on them.
+//! Models as binary glTF 2.0 (@khr_gltf): triangles, with pictures of the light on them.
 //!
-//! glTF has no light maps. What every viewer shows is a material without shading (`KHR_materials_unlit`) whose base colour is a
-//! picture; the picture's coordinates are the second set, `TEXCOORD_1`, as those of light maps are by custom. Viewers that do not know the
-//! extension shade the base colour. The first set, `TEXCOORD_0`, is the surface's own.
+//! glTF has no light maps. Every viewer supports materials without shading (`KHR_materials_unlit`) whose base colour is a
+//! picture; the coordinates of the picture are the second set, `TEXCOORD_1`, as is customary for light maps. Viewers without support for the
+//! extension shade the base colour. The first set, `TEXCOORD_0`, contains the surface's own coordinates.
 
 use serde_json::{Value, json};
 
@@ -32,10 +32,10 @@ pub struct GlbNode {
     pub parts: Vec<GlbPrimitive>,
 }
 
-/// Triangles with one material. Lists by vertex are of one length.
+/// Triangles with one material. All lists by vertex have the same length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GlbPrimitive {
-    /// Number of the picture that is seen on it; black without.
+    /// Index of its picture; without one it is black.
     pub picture: Option<usize>,
     /// Metres, y up.
     pub positions: Vec<[f32; 3]>,
@@ -43,7 +43,7 @@ pub struct GlbPrimitive {
     pub normals: Vec<[f32; 3]>,
     /// The surface's own coordinates, and those in the picture, (0, 0) its upper left corner; without a picture the latter are not written.
     pub coordinates: [Vec<[f32; 2]>; 2],
-    /// Triples of vertices, counterclockwise seen from the side that is shown.
+    /// Triples of vertices, counterclockwise seen from the visible side.
     pub indices: Vec<[u32; 3]>,
 }
 
@@ -51,16 +51,16 @@ pub struct GlbPrimitive {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GlbError {
-    /// Lists by vertex of different lengths, or a triangle of a vertex that is not there.
+    /// Lists by vertex of different lengths, or a triangle with a vertex that does not exist.
     #[error(
-        "part {1} of \"{0}\" has lists of different lengths, or a triangle of a vertex that is not there"
+        "part {1} of \"{0}\" has lists of different lengths, or a triangle with a vertex that does not exist"
     )]
     Lists(String, usize),
-    /// A picture that is not there.
-    #[error("part {1} of \"{0}\" has a picture that is not there")]
+    /// A picture that does not exist.
+    #[error("part {1} of \"{0}\" refers to a picture that does not exist")]
     Picture(String, usize),
-    /// A camera with an empty picture or range, without a place, or turned by what is no rotation.
-    #[error("the camera \"{0}\" sees nothing, or is nowhere")]
+    /// A camera with an empty picture or range, or with an invalid position or rotation.
+    #[error("the camera \"{0}\" has an empty picture or range, or no valid position and rotation")]
     Camera(String),
     /// More than the format can hold.
     #[error("the model has more than 4 GiB, which this format cannot hold")]
@@ -84,7 +84,7 @@ struct Buffer {
 }
 
 impl Buffer {
-    /// Adds bytes at a place of their own; returns its number.
+    /// Adds bytes as a view of their own; returns its number.
     fn view(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
@@ -207,7 +207,7 @@ pub fn write(model: &GlbModel) -> Result<Vec<u8>, GlbError> {
         document["scenes"] = json!([{ "nodes": (0..nodes.len()).collect::<Vec<usize>>() }]);
     }
     if !textures.is_empty() {
-        // No mipmaps: they would mix what lies side by side in a picture. Light varies slowly enough to do without.
+        // No mipmaps: they would mix neighbouring charts of a picture, and light varies slowly enough without them.
         let sampler = json!({
             "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE
         });
@@ -232,7 +232,7 @@ fn check(part: &GlbPrimitive, model: &GlbModel) -> Result<(), fn(String, usize) 
     Ok(())
 }
 
-/// Header and chunks: JSON, filled with blanks, and the binary part, filled with zeros.
+/// The bytes of a file with its header and chunks: JSON, padded with blanks, and the binary part, padded with zeros.
 fn file(mut json: Vec<u8>, mut bytes: Vec<u8>) -> Result<Vec<u8>, GlbError> {
     json.resize(json.len().next_multiple_of(4), b' ');
     bytes.resize(bytes.len().next_multiple_of(4), 0);

@@ -47,7 +47,7 @@ fn read(file: &[u8]) -> (Value, Vec<u8>) {
 }
 
 #[test]
-fn what_is_written_can_be_read_by_the_rules_of_the_format() {
+fn written_models_are_read_by_the_rules_of_the_format() {
     let (document, bytes) = read(&write(&model()).unwrap());
     assert_eq!(document["asset"]["version"], "2.0");
     assert_eq!(document["nodes"].as_array().unwrap().len(), 1);
@@ -110,7 +110,7 @@ fn an_empty_model_has_no_empty_lists() {
 }
 
 #[test]
-fn models_that_make_no_sense_are_refused() {
+fn invalid_models_are_refused() {
     let mut wrong = model();
     wrong.nodes[0].parts[1].normals.pop();
     assert_eq!(write(&wrong), Err(GlbError::Lists("a \"wall\"".into(), 1)));

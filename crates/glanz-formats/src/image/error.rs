@@ -1,4 +1,4 @@
-//! What can be wrong with an image file.
+//! Errors of image files.
 
 use glanz_light::PixelsError;
 
@@ -8,14 +8,14 @@ use super::Format;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// Neither content nor extension belongs to a format that is read.
-    #[error("this is no image format that can be read (it starts with {start:02x?})")]
+    /// Neither content nor extension is that of a supported format.
+    #[error("this image format is not supported (it starts with {start:02x?})")]
     Unknown {
         /// The first bytes, at most eight.
         start: Vec<u8>,
     },
-    /// The picture has more pixels or samples than will be held.
-    #[error("{format}: {width} x {height} pixels with {channels} channels are more than can be held")]
+    /// The picture has more pixels or samples than the limits allow.
+    #[error("{format}: {width} x {height} pixels with {channels} channels are more than the limit")]
     TooLarge {
         /// Of the file.
         format: Format,
@@ -26,7 +26,7 @@ pub enum ImageError {
         /// Values per pixel.
         channels: u64,
     },
-    /// The header claims far more pixels than the format can pack into the bytes that follow.
+    /// The header declares far more pixels than the format can pack into the bytes that follow.
     #[error("{format}: {width} x {height} pixels are claimed, but the file has only {bytes} bytes")]
     Unbacked {
         /// Of the file.
@@ -48,7 +48,7 @@ pub enum ImageError {
         /// The fault.
         message: String,
     },
-    /// The file is (or may be) right, but uses what is not read.
+    /// The file is (or may be) valid, but uses an unsupported feature.
     #[error("{format}: {message}")]
     Unsupported {
         /// Of the file.
@@ -64,7 +64,7 @@ pub enum ImageError {
         /// The reason.
         message: String,
     },
-    /// Channels that do not make a picture.
+    /// Channels that do not form a picture.
     #[error(transparent)]
     Pixels(#[from] PixelsError),
 }
@@ -73,13 +73,13 @@ fn at(offset: Option<usize>) -> String {
     offset.map(|o| format!(" (at byte {o})")).unwrap_or_default()
 }
 
-/// The most pixels a picture may have: beyond any camera or map in use, within what memory holds.
+/// Largest number of pixels of a picture: more than any camera or map in use has, and within available memory.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// The most values (pixels times channels) a picture may have.
+/// Largest number of values (pixels times channels) of a picture.
 pub const MAX_SAMPLES: u64 = 1 << 30;
 
-/// Up to this many values no proof is asked that the file can back its claim: 64 MiB are allocated at once.
+/// Up to this number of values, 64 MiB, the size is not compared with the length of the file.
 const FREE_SAMPLES: u64 = 1 << 24;
 
 /// Refuses pictures that are too large, and large ones that `bytes` bytes cannot contain even if each of them

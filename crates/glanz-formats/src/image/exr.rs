@@ -15,12 +15,12 @@ use glanz_light::Pixels;
 use super::error::check_size;
 use super::{Format, Image, ImageError};
 
-/// The most values a byte can unpack to: zlib does 1032 to 1, and PXR24 stores 4 bytes in 3. The lossy DWA packs flat
-/// blocks of 64 pixels into one value before that.
+/// Largest number of values that a byte can unpack to: zlib compresses 1032 to 1, and PXR24 stores 4 bytes in 3. Before that, the lossy DWA packs flat
+/// blocks of 64 pixels into one value.
 const RATIO: u64 = 2048;
 const RATIO_DWA: u64 = 64 * 2048;
 
-/// Reads all layers. A channel is called as in the file, after the layer's name and a dot where the layer has one.
+/// Reads all layers. The name of a channel is that in the file, prefixed by the layer's name and a dot if the layer has one.
 /// Layers of another size than the first are named in `skipped_layers`. Integers become the nearest `f32`.
 pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(reading_error)?;
@@ -65,7 +65,7 @@ fn decode(bytes: &[u8]) -> Result<ExrImage<Layers>, ImageError> {
             .from_buffered(Cursor::new(bytes))
     };
     // With overflow checks on, exr 1.74.2 panics on damaged B44 blocks (compression/b44, unpack14); nothing else was
-    // found in millions of damaged files. The closure owns all it changes.
+    // found in millions of damaged files. The closure owns all data that it changes.
     match std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)) {
         Ok(result) => result.map_err(reading_error),
         Err(_) => Err(damaged("the decoder gave up on damaged data".to_owned())),
@@ -88,7 +88,7 @@ fn samples_of(header: &Header) -> u64 {
     pixels.saturating_mul(header.channels.list.len() as u64)
 }
 
-/// Adds the channels of a layer under names that are free.
+/// Adds the channels of a layer under unused names.
 fn add_layer(
     pixels: &mut Pixels,
     layer: Option<&str>,
@@ -109,7 +109,7 @@ fn add_layer(
     Ok(())
 }
 
-/// Collects the attributes that are texts; an earlier layer's wins.
+/// Collects the attributes that are texts; those of earlier layers take precedence.
 fn texts(from: &LayerAttributes, to: &mut BTreeMap<String, String>) {
     for (name, value) in
         [("software", &from.software_name), ("comments", &from.comments), ("owner", &from.owner)]
@@ -125,7 +125,7 @@ fn texts(from: &LayerAttributes, to: &mut BTreeMap<String, String>) {
     }
 }
 
-/// A single layer of 32 bit floats, ZIP compressed, channels sorted by name.
+/// Writes a single layer of 32 bit floats, ZIP compressed, with channels sorted by name.
 pub(super) fn write(pixels: &Pixels, attributes: &BTreeMap<String, String>) -> Result<Vec<u8>, ImageError> {
     let mut list = SmallVec::new();
     for channel in pixels.channels() {
@@ -165,7 +165,7 @@ pub(super) fn write(pixels: &Pixels, attributes: &BTreeMap<String, String>) -> R
     Ok(bytes)
 }
 
-/// Brings the attributes of a single-layer header into the order of their names. The library writes them in the order
+/// Sorts the attributes of a single-layer header by name. The library writes them in the order
 /// of a hash map, which differs from run to run; the same picture must give the same bytes.
 fn sort_attributes(file: &mut [u8]) -> Option<()> {
     const START: usize = 8;
@@ -185,7 +185,7 @@ fn sort_attributes(file: &mut [u8]) -> Option<()> {
     Some(())
 }
 
-/// Names are stored with a zero at their end and at most 255 bytes.
+/// Refuses names that cannot be stored: they end with a zero byte and have at most 255 bytes.
 fn checked_name(name: &str) -> Result<Text, ImageError> {
     if name.is_empty() || name.len() > 255 || name.contains('\0') {
         return Err(not_writable(format!("\"{name}\" cannot be the name of a channel or an attribute")));

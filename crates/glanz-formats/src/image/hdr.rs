@@ -1,4 +1,4 @@
-//! Radiance pictures: three bytes of mantissa and one of exponent a pixel (@wardrgbe).
+//! Radiance pictures: three bytes of mantissa and one of exponent per pixel (@wardrgbe).
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -14,7 +14,7 @@ use super::{Format, Image, ImageError, rgb_of};
 /// Run lengths pack at most 127 values into two bytes.
 const RATIO: u64 = 64;
 
-/// Reads a Radiance picture. The header's exposure is returned as an attribute and not applied, as renderers do.
+/// Reads a Radiance picture. As in other renderers, the header's exposure is returned as an attribute and not applied.
 pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(|e| decoding_error(Format::Hdr, e))?;
     let (width, height) = decoder.dimensions();
@@ -26,8 +26,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     Ok(Image { pixels, format: Format::Hdr, attributes, skipped_layers: Vec::new() })
 }
 
-/// A Radiance picture of R, G, B (or Y). The format has no negative light, no infinity, nothing above 2^127 and
-/// nothing below 2^-128: such values, and those that are not numbers, are brought into range.
+/// A Radiance picture of R, G, B (or Y). The format has no negative light, no infinity, no values above 2^127 or
+/// below 2^-128: such values and NaN are brought into range.
 pub(super) fn write(pixels: &Pixels) -> Result<Vec<u8>, ImageError> {
     let rgb: Vec<image::Rgb<f32>> =
         rgb_of(pixels, Format::Hdr)?.into_iter().map(|p| image::Rgb(into_range(p))).collect();

@@ -1,7 +1,7 @@
-//! Pictures as files.
+//! Picture files.
 //!
-//! [`read`] takes the bytes of a file, recognises the format by content (by extension where the content has no mark)
-//! and returns named planes of linear light. [`write()`] goes the other way. All work is done on bytes in memory.
+//! [`read`] takes the bytes of a file, recognises the format by content (by extension if the content has no signature)
+//! and returns named planes of linear light. [`write()`] converts planes to bytes. Both work on bytes in memory.
 //!
 //! | format | read | written | planes |
 //! |---|---|---|---|
@@ -26,8 +26,8 @@
 //! # }
 //! ```
 //!
-//! Whatever bytes come, [`read`] returns a picture or an [`ImageError`]; the size of a picture is limited by
-//! [`MAX_PIXELS`] and [`MAX_SAMPLES`], and a large one must be backed by bytes.
+//! For any bytes, [`read`] returns a picture or an [`ImageError`]; the size of a picture is limited by
+//! [`MAX_PIXELS`] and [`MAX_SAMPLES`], and that of large ones by the length of the file.
 
 mod error;
 mod exr;
@@ -44,7 +44,7 @@ use glanz_light::{Pixels, Tone};
 
 pub use error::{ImageError, MAX_PIXELS, MAX_SAMPLES};
 
-/// A picture and what its file says about it.
+/// A picture with the data of its file header.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// The planes.
@@ -53,7 +53,7 @@ pub struct Image {
     pub format: Format,
     /// Texts in the file's header, by name.
     pub attributes: BTreeMap<String, String>,
-    /// Layers of an OpenEXR file that are not in `pixels`, because their size is not that of the first layer.
+    /// Layers of an OpenEXR file that are not in `pixels`, because their size differs from that of the first layer.
     pub skipped_layers: Vec<String>,
 }
 
@@ -73,7 +73,7 @@ pub enum Format {
     Jpeg,
     /// Windows bitmap.
     Bmp,
-    /// Truevision TGA. The only format without a mark at its start.
+    /// Truevision TGA, the only format without a signature at its start.
     Tga,
     /// Quite OK image format.
     Qoi,
@@ -82,7 +82,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The format whose mark the bytes begin with. TGA has none and is never found.
+    /// The format whose signature the bytes begin with. TGA has none and is never recognised.
     #[must_use]
     pub fn from_content(bytes: &[u8]) -> Option<Self> {
         const MARKS: &[(&[u8], Format)] = &[
@@ -104,7 +104,7 @@ impl Format {
         }
     }
 
-    /// The format that the file name `path` ends with, in lower or upper case.
+    /// The format by the extension of the file name `path`, in lower or upper case.
     #[must_use]
     pub fn from_path(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -139,8 +139,7 @@ impl fmt::Display for Format {
     }
 }
 
-/// What the integers of a file mean. Formats that store floats are linear, whatever is said here; the channel `A` is
-/// always linear.
+/// Meaning of the integers in a file. Formats that store floats are always linear, as is the channel `A`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Encoding {
     /// Colour for a display, decoded to linear light.
@@ -153,7 +152,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// Linear value of a stored value, both 0 for none and 1 for the most.
+    /// Linear value of a stored value, both in [0, 1].
     #[must_use]
     pub fn decode(self, stored: f32) -> f32 {
         match self {
@@ -164,7 +163,7 @@ impl Encoding {
     }
 }
 
-/// Reads a picture. `bytes`: the whole file; `path`: its name, where known, for formats without a mark.
+/// Reads a picture. `bytes`: the whole file; `path`: its name, where known, for formats without a signature.
 ///
 /// # Errors
 /// Every variant of [`ImageError`] except [`ImageError::NotWritable`].
@@ -179,12 +178,12 @@ pub fn read(bytes: &[u8], path: Option<&Path>, encoding: Encoding) -> Result<Ima
     }
 }
 
-/// The bytes of a file with the picture. `tone` is used where the format stores bytes for a display (PNG) and nowhere
-/// else; `attributes` go into the header of OpenEXR and are dropped by the others. The bytes depend on the arguments
+/// The bytes of a file with the picture. `tone` applies only to formats that store bytes for a display (PNG);
+/// `attributes` are written to the header of OpenEXR and ignored by the other formats. The bytes depend on the arguments
 /// alone.
 ///
 /// # Errors
-/// [`ImageError::NotWritable`] for a format that is only read, or that cannot hold the picture's channels.
+/// [`ImageError::NotWritable`] for a format that is only read, or that cannot store the picture's channels.
 pub fn write(
     pixels: &Pixels,
     format: Format,
@@ -196,11 +195,11 @@ pub fn write(
         Format::Hdr => hdr::write(pixels),
         Format::Pfm => pfm::write(pixels),
         Format::Png => raster::write_png(pixels, tone),
-        _ => Err(ImageError::NotWritable { format, message: "this format is only read".to_owned() }),
+        _ => Err(ImageError::NotWritable { format, message: "this format cannot be written".to_owned() }),
     }
 }
 
-/// The colour of each pixel, or the error that says which channels are missing.
+/// The colour of each pixel, or an error with the missing channels.
 fn rgb_of(pixels: &Pixels, format: Format) -> Result<Vec<[f32; 3]>, ImageError> {
     pixels.to_rgb().ok_or_else(|| ImageError::NotWritable {
         format,

@@ -14,7 +14,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
         let start = offset + bytes[offset..].iter().take_while(|b| b.is_ascii_whitespace()).count();
         let length = bytes[start..].iter().take_while(|b| !b.is_ascii_whitespace()).count();
         let text = std::str::from_utf8(&bytes[start..start + length]).unwrap_or("");
-        // The one white space behind the last word ends the header; what follows is data.
+        // A single white space after the last word ends the header; data follow.
         offset = start + length;
         if text.is_empty() { Err(damaged(start, format!("{what} is missing"))) } else { Ok((text, start)) }
     };
@@ -63,7 +63,7 @@ fn planes(data: &[u8], width: usize, channels: usize, scale: f32) -> Vec<Vec<f32
         .collect()
 }
 
-/// A little-endian PFM of the channels R, G, B, or of Y alone.
+/// Writes a little-endian PFM of the channels R, G, B, or of Y alone.
 pub(super) fn write(pixels: &Pixels) -> Result<Vec<u8>, ImageError> {
     let (width, height) = (pixels.width(), pixels.height());
     let rgb = rgb_of(pixels, Format::Pfm)?;

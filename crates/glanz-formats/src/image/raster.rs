@@ -12,7 +12,7 @@ use image::{
 use super::error::check_size;
 use super::{Encoding, Format, Image, ImageError, MAX_SAMPLES, rgb_of};
 
-/// No format here packs more values into a byte: deflate reaches 1032 to 1, JPEG 512 pixels of 3 values a byte.
+/// Largest number of values per byte of these formats: deflate compresses 1032 to 1, JPEG stores 512 pixels of 3 values in a byte.
 const RATIO: u64 = 2048;
 
 /// Reads one of the formats; integers are scaled to [0, 1] and decoded.
@@ -30,7 +30,7 @@ pub(super) fn read(bytes: &[u8], format: Format, encoding: Encoding) -> Result<I
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), which);
     let mut limits = Limits::no_limits();
-    // A decoder may hold the picture twice, 2 bytes a value.
+    // A decoder may store the picture twice, with 2 bytes per value.
     limits.max_alloc = Some(4 * MAX_SAMPLES);
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(|e| decoding_error(format, e))?;
@@ -75,7 +75,7 @@ fn planes(decoded: &DynamicImage, encoding: Encoding) -> Vec<(&'static str, Vec<
     }
 }
 
-/// An 8 bit sRGB PNG of what `tone` makes of R, G, B (or Y).
+/// An 8 bit sRGB PNG of R, G, B (or Y) after `tone`.
 pub(super) fn write_png(pixels: &Pixels, tone: &Tone) -> Result<Vec<u8>, ImageError> {
     let rgb = rgb_of(pixels, Format::Png)?;
     let values: Vec<u8> = rgb.into_iter().flat_map(|p| tone.to_srgb8(p)).collect();
@@ -86,7 +86,7 @@ pub(super) fn write_png(pixels: &Pixels, tone: &Tone) -> Result<Vec<u8>, ImageEr
     Ok(bytes)
 }
 
-/// The decoder's complaint as ours.
+/// The error of the decoder as [`ImageError`].
 pub(super) fn decoding_error(format: Format, error: image::ImageError) -> ImageError {
     let message = error.to_string();
     match error {

@@ -1,9 +1,9 @@
-//! What the three numbers of `rgb` mean (`ColorSpace`, version 4).
+//! Colour spaces of `rgb` values (`ColorSpace`, version 4).
 
 use glanz_light::rgb::xyz_to_rgb;
 use glanz_math::{DMat3, DVec3};
 
-/// The colour spaces that pbrt knows.
+/// The colour spaces of pbrt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub(crate) enum ColorSpace {
     /// sRGB, linear: Rec. 709.
@@ -18,7 +18,7 @@ pub(crate) enum ColorSpace {
 }
 
 impl ColorSpace {
-    /// The space of a name in a scene.
+    /// The colour space by its name in a scene.
     pub(crate) fn of_name(name: &str) -> Option<Self> {
         Some(match name {
             "srgb" => Self::Rec709,
@@ -40,7 +40,7 @@ impl ColorSpace {
         }
     }
 
-    /// The same colour in linear Rec. 709, white staying white; components outside its gamut become 0.
+    /// The same colour in linear Rec. 709, with white preserved; components outside its gamut become 0.
     ///
     /// The primaries are weighted so that (1, 1, 1) is the space's white of luminance 1, and that white is then taken
     /// for D65 band by band. For ACES, whose white is near D60, this is the simplest of chromatic adaptations.
@@ -78,7 +78,7 @@ mod tests {
         let [r, g, b] = ColorSpace::Rec2020.to_rec709([0.0, 1.0, 0.0]);
         assert_eq!((r, b), (0.0, 0.0));
         assert!((g - 1.1329).abs() < 1e-4);
-        // Half a white more brings red inside the gamut: 0.6 - 0.5876.
+        // Adding half a white brings red into the gamut: 0.6 - 0.5876.
         let [r, _, _] = ColorSpace::Rec2020.to_rec709([0.6, 1.6, 0.6]);
         assert!((r - 0.0124).abs() < 1e-4);
     }

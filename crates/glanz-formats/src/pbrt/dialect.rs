@@ -1,4 +1,4 @@
-//! Which of the two families of pbrt's language a file is written in.
+//! Detection of the dialect of a file: pbrt's language has two families of versions.
 
 use std::sync::Arc;
 
@@ -79,10 +79,10 @@ const V4_TYPES: &[&str] = &["point2", "point3", "vector2", "vector3"];
 const V3_FILTER: &[&str] = &["float xwidth", "float ywidth", "float alpha"];
 const V4_FILTER: &[&str] = &["float xradius", "float yradius", "float sigma"];
 
-/// The first piece of evidence in the file decides; without any it counts as version 3.
+/// Detects the dialect by the first piece of evidence in the file; without any it is version 3.
 ///
-/// Every file that ends its world with `WorldEnd` is of version 3, but nearly all say what they are within their first
-/// lines. Files that this one includes are not looked at.
+/// Every file with `WorldEnd` is of version 3, but nearly all files have evidence in their first
+/// lines. Included files are not examined.
 pub(crate) fn detect(bytes: &Arc<[u8]>) -> Dialect {
     let mut lexer = Lexer::new(Arc::clone(bytes), FileId(0));
     let mut directive = String::new();
@@ -108,7 +108,7 @@ pub(crate) fn detect(bytes: &Arc<[u8]>) -> Dialect {
                 values += 1;
                 last_text = text;
             }
-            // The parser will complain of what is wrong here.
+            // The parser reports the error.
             Ok(_) | Err(_) => {}
         }
     }
@@ -147,7 +147,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_evidence_decides() {
+    fn first_evidence_selects_the_dialect() {
         for (text, dialect) in [
             ("", Dialect::V3),
             ("Shape \"sphere\" \"float radius\" 1", Dialect::V3),

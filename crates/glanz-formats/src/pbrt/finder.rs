@@ -1,4 +1,4 @@
-//! Files that a scene refers to.
+//! Search for the files that a scene refers to.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -6,32 +6,32 @@ use std::path::{Component, Path, PathBuf};
 
 use glanz_job::ContentHash;
 
-/// Finds and reads files, and fingerprints what was read.
+/// Finder and reader of files, with the hash of their contents.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FileFinder {
-    /// Folders to look in, in order: the scene's, those of `SearchPath`.
+    /// Search folders, in order: the scene's, those of `SearchPath`.
     folders: Vec<PathBuf>,
     confinement: Option<Confinement>,
-    /// Everything that was read.
+    /// Hash of all bytes read.
     pub(crate) paths: BTreeSet<PathBuf>,
     pub(crate) hash: ContentHash,
 }
 
-/// The folder that no file may lie outside of.
+/// The folder to which files are confined.
 #[derive(Clone, Debug)]
 struct Confinement {
-    /// As it was given.
+    /// The path as given.
     folder: PathBuf,
-    /// As the system names it, without links.
+    /// The path with links resolved.
     real: PathBuf,
 }
 
 /// Errors of finding a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FindError {
-    /// None of the folders has it.
+    /// The file is in none of the folders.
     Missing,
-    /// It is not in the folder that a scene is confined to: see [`crate::Options::confined`].
+    /// The file is outside the folder to which the scene is confined: see [`crate::Options::confined`].
     Outside,
 }
 
@@ -56,24 +56,24 @@ impl FindError {
 }
 
 impl FileFinder {
-    /// Looks in the folder of the scene first.
+    /// A finder that searches the folder of the scene first.
     pub(crate) fn new(folder: Option<&Path>) -> Self {
         Self { folders: folder.map(Path::to_owned).into_iter().collect(), ..Self::default() }
     }
 
-    /// Finds nothing outside of `folder`.
+    /// Confines the finder to `folder`.
     ///
     /// # Errors
-    /// Those of the file system, if there is no such folder.
+    /// Those of the file system, if the folder does not exist.
     pub(crate) fn confined_to(folder: &Path) -> io::Result<Self> {
         let confinement = Confinement { folder: folder.to_owned(), real: std::fs::canonicalize(folder)? };
         Ok(Self { confinement: Some(confinement), ..Self::new(Some(folder)) })
     }
 
-    /// Looks in `folder` too, after the others.
+    /// Adds a search folder after the others.
     ///
     /// # Errors
-    /// [`FindError::Outside`] if it leads out of the folder that the scene is confined to.
+    /// [`FindError::Outside`] if it is outside the folder to which the scene is confined.
     pub(crate) fn add_folder(&mut self, folder: &str) -> Result<(), FindError> {
         self.check_name(folder)?;
         let base = self.folders.first().cloned().unwrap_or_default();
@@ -84,7 +84,7 @@ impl FileFinder {
         Ok(())
     }
 
-    /// True if a name can denote a file in the folder that the scene is confined to.
+    /// Refuses names that cannot denote a file in the folder to which the scene is confined.
     fn check_name(&self, name: &str) -> Result<(), FindError> {
         let slashed = name.replace('\\', "/");
         let inside = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
@@ -92,14 +92,14 @@ impl FileFinder {
         if self.confinement.is_some() && leads_out() { Err(FindError::Outside) } else { Ok(()) }
     }
 
-    /// A path as messages show it: relative to the folder that the scene is confined to, which is nobody's business.
+    /// A path for messages: relative to the folder to which the scene is confined, so that messages do not reveal the folder.
     pub(crate) fn shown<'a>(&self, path: &'a Path) -> &'a Path {
         self.confinement.as_ref().and_then(|c| path.strip_prefix(&c.folder).ok()).unwrap_or(path)
     }
 
-    /// The file of that name: in the scene's folder as pbrt has it, in the folders of `SearchPath`, beside the file
-    /// that asks for it, or one above the scene's folder, where it is if a part of a scene is opened alone. Backslashes
-    /// count as slashes if there is no such file otherwise.
+    /// The file of this name: in the scene's folder, as in pbrt, in the folders of `SearchPath`, in the folder of the file
+    /// that refers to it, or one above the scene's folder, which is needed if a part of a scene is opened alone. Backslashes
+    /// count as slashes if the file is not found otherwise.
     ///
     /// # Errors
     /// [`FindError`].
@@ -117,7 +117,7 @@ impl FileFinder {
             .flat_map(|name| folders().map(move |f| f.join(name)))
             .find(|path| path.is_file())
             .ok_or(FindError::Missing)?;
-        // A link inside may still lead out.
+        // A link inside may lead outside.
         let is_inside = |real: &Path| std::fs::canonicalize(&path).is_ok_and(|p| p.starts_with(real));
         match &self.confinement {
             Some(confinement) if !is_inside(&confinement.real) => Err(FindError::Outside),
@@ -125,10 +125,10 @@ impl FileFinder {
         }
     }
 
-    /// The bytes of a file, which enter the fingerprint.
+    /// The bytes of a file, which are added to the hash.
     ///
     /// # Errors
-    /// Those of the file system, and [`io::ErrorKind::InvalidInput`] for what is not a regular file.
+    /// Those of the file system, and [`io::ErrorKind::InvalidInput`] for anything but a regular file.
     pub(crate) fn read(&mut self, path: &Path) -> io::Result<Vec<u8>> {
         if !std::fs::metadata(path)?.is_file() {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
@@ -140,5 +140,5 @@ impl FileFinder {
     }
 }
 
-/// Folders of `SearchPath` at most.
+/// Largest number of folders of `SearchPath`.
 const MAX_FOLDERS: usize = 64;

@@ -1,4 +1,4 @@
-//! Words, texts, brackets and numbers of a pbrt file, one at a time.
+//! Lexer of pbrt files: words, texts, brackets and numbers.
 
 use std::sync::Arc;
 
@@ -28,12 +28,12 @@ pub(crate) struct LexError {
     pub(crate) help: Option<String>,
 }
 
-/// Bytes of a word that messages quote at most.
+/// Largest number of bytes of a word in messages.
 const QUOTED: usize = 40;
-/// Bytes a quoted text may have; more means that a closing quote is missing.
+/// Largest number of bytes of a quoted text; a longer one lacks its closing quote.
 const MAX_TEXT: usize = 1 << 16;
 
-/// Reads forward through the bytes of a file; holds no tokens.
+/// Lexer of the bytes of a file, which stores no tokens.
 #[derive(Clone, Debug)]
 pub(crate) struct Lexer {
     bytes: Arc<[u8]>,
@@ -41,18 +41,18 @@ pub(crate) struct Lexer {
     offset: usize,
     line: u32,
     line_start: usize,
-    /// Offset and column of the last column computed on this line, so that a line of megabytes is counted once.
+    /// Offset and column of the last position computed on this line, so that the characters of a very long line are counted once.
     counted: (usize, u32),
 }
 
 impl Lexer {
-    /// Starts at the beginning, behind a byte order mark.
+    /// A lexer at the beginning of the file, after a byte order mark.
     pub(crate) fn new(bytes: Arc<[u8]>, file: FileId) -> Self {
         let offset = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
         Self { bytes, file, offset, line: 1, line_start: offset, counted: (offset, 1) }
     }
 
-    /// Reads on from a place that was passed before.
+    /// A lexer at an earlier position.
     pub(crate) fn resume(bytes: Arc<[u8]>, place: &Span) -> Self {
         let Location { file, line, column } = place.location;
         let before = bytes.get(..place.offset).unwrap_or_default();
@@ -60,7 +60,7 @@ impl Lexer {
         Self { bytes, file, offset: place.offset, line, line_start, counted: (place.offset, column) }
     }
 
-    /// The place of the word `count` words on, passing over brackets and quotes as if they were words.
+    /// The span of the word `count` words ahead; brackets and quoted texts count as words.
     pub(crate) fn word_after(&mut self, count: usize) -> Span {
         for _ in 0..count {
             if self.peek().is_none() {
@@ -99,7 +99,7 @@ impl Lexer {
         None
     }
 
-    /// The place of `length` bytes from here.
+    /// The span of the next `length` bytes.
     pub(crate) fn place(&mut self, length: usize) -> Span {
         self.place_at(self.offset, length)
     }
@@ -114,7 +114,7 @@ impl Lexer {
         Span { location, offset, length }
     }
 
-    /// The next token and its place; `None` at the end.
+    /// The next token and its span; `None` at the end.
     pub(crate) fn next(&mut self) -> Result<Option<(Token, Span)>, LexError> {
         let Some(first) = self.peek() else { return Ok(None) };
         match first {
@@ -142,12 +142,12 @@ impl Lexer {
         rest.iter().position(|&b| ends_word(b)).unwrap_or(rest.len())
     }
 
-    /// Passes over a bracket or an unquoted word.
+    /// Skips a bracket or an unquoted word.
     pub(crate) fn skip_word(&mut self) {
         self.offset = self.bytes.len().min(self.offset + self.word_length().max(1));
     }
 
-    /// The quoted text that starts here; its place covers the quotes.
+    /// The quoted text that starts here; its span includes the quotes.
     pub(crate) fn text(&mut self) -> Result<(String, Span), LexError> {
         let start = self.offset;
         let bytes = Arc::clone(&self.bytes);
@@ -191,7 +191,7 @@ impl Lexer {
         LexError {
             place,
             message: "text without a closing quote".to_owned(),
-            help: Some("texts end on the line they begin on".to_owned()),
+            help: Some("a text must end on the line on which it begins".to_owned()),
         }
     }
 
@@ -209,7 +209,7 @@ impl Lexer {
         }
     }
 
-    /// The integer that starts here; `3.0` is one, too.
+    /// The integer that starts here; `3.0` is also accepted.
     pub(crate) fn integer(&mut self) -> Result<i32, LexError> {
         let length = self.word_length();
         let word = self.bytes.get(self.offset..self.offset + length).unwrap_or_default();
@@ -246,12 +246,12 @@ impl Lexer {
         LexError { place, message, help: None }
     }
 
-    /// Passes over everything up to the next unquoted word that starts with a letter and is not a truth value; such
+    /// Skips everything up to the next unquoted word that starts with a letter and is not a Boolean value; such
     /// a word begins a directive.
     pub(crate) fn skip_to_directive(&mut self) {
         while let Some(b) = self.peek() {
             match b {
-                // A text without end was passed over up to the end of its line.
+                // A text without end was skipped up to the end of its line.
                 b'"' => drop(self.text()),
                 b'[' | b']' => self.offset += 1,
                 _ => {
@@ -271,7 +271,7 @@ fn ends_word(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | b'\n' | b'\r' | 0x0B | 0x0C | b'[' | b']' | b'"' | b'#')
 }
 
-/// Decimal notation only: `inf`, `nan` and their likes are not numbers here.
+/// Parses decimal notation only: `inf`, `nan` and similar words are not numbers here.
 fn parse_float(word: &[u8]) -> Option<f64> {
     if !word.iter().all(|b| matches!(b, b'0'..=b'9' | b'.' | b'+' | b'-' | b'e' | b'E')) {
         return None;
@@ -279,7 +279,7 @@ fn parse_float(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Digits with an optional sign, within `i32`.
+/// Parses digits with an optional sign, within the range of `i32`.
 fn parse_integer(word: &[u8]) -> Option<i32> {
     let (negative, digits) = match word {
         [b'-', rest @ ..] => (true, rest),
@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn a_text_without_end_is_reported_once_and_the_next_line_goes_on() {
+    fn text_without_end_is_reported_once_and_reading_continues_on_the_next_line() {
         let mut l = lexer(b"  \"abc\nWorldBegin");
         let error = l.next().unwrap_err();
         assert_eq!(
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn integers_may_be_written_with_a_point_but_not_with_a_fraction() {
+    fn integers_may_have_a_point_but_no_fraction() {
         assert_eq!(lexer(b"-2147483648").integer().unwrap(), i32::MIN);
         assert_eq!(lexer(b"3.0").integer().unwrap(), 3);
         assert_eq!(lexer(b"3.5").integer().unwrap_err().message, "\"3.5\" is not an integer");
@@ -399,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_is_found_again_from_the_first_of_its_list() {
+    fn value_is_found_again_from_the_first_of_its_list() {
         let bytes: Arc<[u8]> = Arc::from("\u{e4} [ 0 1 # two\n  2.5 ]".as_bytes());
         let mut l = Lexer::new(Arc::clone(&bytes), FileId(0));
         l.peek();
@@ -417,7 +417,7 @@ mod tests {
     }
 
     #[test]
-    fn recovery_stops_at_the_next_directive() {
+    fn recovery_ends_at_the_next_directive() {
         let mut l = lexer(b"1 ] \"Shape\" [ true] 3x -- \"open\nfoo Material \"matte\"");
         l.skip_to_directive();
         assert_eq!(l.next().unwrap().unwrap().0, Token::Word("Material".into()));

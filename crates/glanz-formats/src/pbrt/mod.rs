@@ -1,8 +1,8 @@
 //! pbrt's scene language, versions 1 to 4.
 //!
-//! `lexer` gives words, `parameters` typed lists of them, `parser` the directives and `state` what they change;
-//! `lower` makes a description of it all, as `dialect` tells. `docs/scene-format.md` says what is read and what
-//! stands in for what is not.
+//! `lexer` reads words, `parameters` typed lists of them, `parser` the directives, and `state` holds the graphics state that they change;
+//! `lower` creates the description, by the rules of the `dialect`. `docs/scene-format.md` lists the supported features and the substitutes for
+//! others.
 //!
 //! # Source
 //! @pbrtformat; defaults as documented there for version 3 and version 4.
@@ -27,7 +27,7 @@ use finder::FileFinder;
 use lower::Lowering;
 use parser::Parser;
 
-/// Reads a scene from the bytes of its file. `name`: what messages call it; `path`: where it is, if it is a file.
+/// Reads a scene from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
 pub(crate) fn load(
     name: &str,
     path: Option<&Path>,

@@ -1,4 +1,4 @@
-//! The graphics state: what directives change and `AttributeBegin` saves.
+//! The graphics state, which directives change and `AttributeBegin` saves.
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -10,7 +10,7 @@ use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::Parameter;
 use crate::source::Span;
 
-/// Levels of `AttributeBegin`, `TransformBegin`, `ObjectBegin` and `Import` within each other.
+/// Largest depth of nested `AttributeBegin`, `TransformBegin`, `ObjectBegin` and `Import`.
 pub(crate) const MAX_NESTING: usize = 256;
 
 /// Parameters that shapes, lights, materials, media and textures inherit from `Attribute` (version 4).
@@ -40,16 +40,16 @@ impl Attributes {
 /// The graphics state.
 #[derive(Clone, Debug)]
 pub(crate) struct GraphicsState {
-    /// The current transformation: from the frame of what comes to that of the world or, before `WorldBegin`, from the
-    /// world to the camera. Of animated transformations the one at the start of the exposure.
+    /// The current transformation: from the frame of the following objects to that of the world or, before `WorldBegin`, from the
+    /// world to the camera. For animated transformations, that at the start of the exposure.
     pub(crate) ctm: DMat4,
-    /// True if transformations apply to the start of the exposure.
+    /// Whether transformations apply to the start of the exposure.
     pub(crate) start_active: bool,
-    /// True if normals are reversed.
+    /// Whether normals are reversed.
     pub(crate) reverse_orientation: bool,
-    /// Index of the material; the default one if there was none.
+    /// Index of the material; `None` for the default material.
     pub(crate) material: Option<usize>,
-    /// Light that shapes give off.
+    /// Emission of shapes.
     pub(crate) emission: Option<Rc<EmissionDescription>>,
     /// Colour space of `rgb`.
     pub(crate) color_space: ColorSpace,
@@ -96,26 +96,26 @@ pub(crate) struct BlockLevel {
 pub(crate) struct StateStack {
     pub(crate) now: GraphicsState,
     pub(crate) levels: Vec<BlockLevel>,
-    /// Frames with names, as transformations to the world.
+    /// Named frames, as transformations to the world.
     pub(crate) named_frames: BTreeMap<String, DMat4>,
 }
 
 impl StateStack {
-    /// Applies `matrix` before the transformations so far.
+    /// Multiplies the current transformation by `matrix`, which is applied first.
     pub(crate) fn concatenate(&mut self, matrix: DMat4) {
         if self.now.start_active {
             self.now.ctm *= matrix;
         }
     }
 
-    /// Replaces the transformations so far.
+    /// Replaces the current transformation.
     pub(crate) fn replace(&mut self, matrix: DMat4) {
         if self.now.start_active {
             self.now.ctm = matrix;
         }
     }
 
-    /// Restores what a level saved.
+    /// Restores the state that a level saved.
     pub(crate) fn restore(&mut self, saved: SavedState) {
         match saved {
             SavedState::All(state) => self.now = state,

@@ -23,36 +23,36 @@ pub struct PhotometryError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhotometryErrorKind {
-    /// The text is in a code of two bytes per character.
+    /// The text is encoded with two bytes per character.
     #[error("the file is UTF-16 text")]
     Utf16,
-    /// There is no line `TILT=`.
+    /// The file has no line `TILT=`.
     #[error("there is no line that begins with \"TILT=\"")]
     NoTilt,
-    /// A first line that names no known edition of LM-63.
-    #[error("the edition {0:?} of LM-63 is not known; read as that of 2019")]
+    /// A first line with an unknown edition of LM-63.
+    #[error("the edition {0:?} of LM-63 is unknown; the file is read as that of 2019")]
     Edition(String),
-    /// Tilt data are in another file that could not be had.
+    /// Tilt data in another file that cannot be read.
     #[error("the tilt data in {name:?} cannot be read: {reason}")]
     TiltFile {
         /// Its name.
         name: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
     /// The file ends too early.
     #[error("the file ends before the {0}")]
     End(&'static str),
-    /// Something that is not a finite number.
-    #[error("{text:?} is not a number; here stands the {what}")]
+    /// Text that is not a finite number.
+    #[error("{text:?} is not a number; the {what} is expected here")]
     Number {
         /// The expected item.
         what: &'static str,
         /// The text found.
         text: String,
     },
-    /// A number that cannot be.
-    #[error("the {what} is {value}, it should be {allowed}")]
+    /// A number out of range.
+    #[error("the {what} is {value}; it must be {allowed}")]
     Value {
         /// Which number.
         what: &'static str,
@@ -61,14 +61,14 @@ pub enum PhotometryErrorKind {
         /// The allowed values.
         allowed: &'static str,
     },
-    /// More numbers declared than the file can hold.
-    #[error("{declared} {what} are declared, the file has room for {room}")]
+    /// More declared numbers than the file can contain.
+    #[error("{declared} {what} are declared; the file has room for {room}")]
     Count {
         /// Of what.
         what: &'static str,
         /// Declared.
         declared: f64,
-        /// Present at most.
+        /// The number for which the file has room.
         room: usize,
     },
     /// Angles that do not ascend.
@@ -81,7 +81,7 @@ pub enum PhotometryErrorKind {
         /// The next.
         second: f64,
     },
-    /// Angles over a range that means nothing.
+    /// Angles over an invalid range.
     #[error("the {what} run from {first} to {last}; they should run {allowed}")]
     Range {
         /// Which angles.
@@ -90,7 +90,7 @@ pub enum PhotometryErrorKind {
         first: f64,
         /// Last angle.
         last: f64,
-        /// The ranges that mean something.
+        /// The allowed ranges.
         allowed: &'static str,
     },
     /// An intensity below zero, taken as zero.
@@ -100,24 +100,24 @@ pub enum PhotometryErrorKind {
     #[error("the last plane is at {0} degrees; the first one is taken again at 360")]
     Open(f64),
     /// The planes at 0 and at 360 degrees are one and the same, yet differ.
-    #[error("the planes at 0 and at 360 degrees differ; that at 0 is taken")]
+    #[error("the planes at 0 and at 360 degrees differ; that at 0 is used")]
     Seam,
-    /// Angles and intensities that are no distribution.
+    /// Angles and intensities that do not form a distribution.
     #[error(transparent)]
     Intensity(#[from] IntensityError),
-    /// A luminous opening whose signs mean nothing.
-    #[error("a luminous opening of {0} by {1} by {2} means nothing; taken as a box")]
+    /// A luminous opening whose signs are undefined.
+    #[error("a luminous opening of {0} by {1} by {2} is undefined; it is taken as a box")]
     Opening(f64, f64, f64),
-    /// A factor that the edition keeps for later use.
-    #[error("the field for future use is {0}, not 1; it is passed over")]
+    /// A factor that the edition reserves for future use.
+    #[error("the field for future use is {0}, not 1; it is ignored")]
     FutureUse(f64),
-    /// Numbers behind the last one.
-    #[error("more follows behind the last intensity; it is passed over")]
+    /// Numbers after the last one.
+    #[error("there is more after the last intensity; it is ignored")]
     Trailing,
     /// An empty line in place of a number, taken as zero.
     #[error("the line of the {0} is empty; taken as zero")]
     Empty(&'static str),
-    /// The ten direct ratios are not there.
+    /// The ten direct ratios are missing.
     #[error("the ten direct ratios are missing")]
     NoDirectRatios,
     /// Sets of lamps are listed field by field.
@@ -145,7 +145,7 @@ impl PhotometryErrorKind {
 }
 
 impl PhotometryError {
-    /// The same as a message with the line it is about.
+    /// The error as a diagnostic with its line.
     ///
     /// `file`: its name as the user would write it; `bytes`: what was read.
     #[must_use]

@@ -24,18 +24,18 @@ use super::{
     PhotometryFormat, Tilt,
 };
 
-/// Gives the bytes of the file that a line `TILT=name` names, or says why not.
+/// Reader of the file that a line `TILT=name` names: returns its bytes, or the reason why it cannot be read.
 pub type TiltFiles<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
 
-/// Reads a file whose tilt data, if any, are in it.
+/// Reads a file whose tilt data, if any, are in the file itself.
 ///
 /// # Errors
 /// [`PhotometryError`] with its place.
 pub fn read(bytes: &[u8]) -> Result<PhotometryFile, PhotometryError> {
-    read_with(bytes, &mut |_| Err("the reader was given no way to other files".to_owned()))
+    read_with(bytes, &mut |_| Err("other files cannot be read here".to_owned()))
 }
 
-/// The same, with a way to the file that a line `TILT=name` names.
+/// As [`read`], with a reader for the file that a line `TILT=name` names.
 ///
 /// # Errors
 /// [`PhotometryError`] with its place.
@@ -236,7 +236,7 @@ impl LampFields {
         let (mut ballast_lamp, mut generation) = (1.0, None);
         match year {
             1986 | 1991 if code > 0.0 => ballast_lamp = code,
-            // From 2019 on the field says how the file was made; from 1995 it was kept for later use.
+            // Since 2019 the field is the generation type; since 1995 it was reserved for future use.
             2019 => generation = Some(code),
             _ if code != 1.0 => warnings.push(cursor.here(PhotometryErrorKind::FutureUse(code))),
             _ => {}
@@ -258,7 +258,7 @@ impl LampFields {
     }
 }
 
-/// Angles and intensities as the file has them, factors applied.
+/// Angles and intensities of the file, with factors applied.
 struct IesValues {
     verticals: Vec<f64>,
     horizontals: Vec<f64>,
@@ -319,7 +319,7 @@ impl IesValues {
                 IntensityDistribution::try_new(system, symmetry, &horizontals, from_pole(&verticals), candela)
             }
             AngularSystem::B => {
-                // The axis of type B is the one that horizontal angles count towards: those become polar angles.
+                // In type B, the horizontal angles are measured towards the axis, so they become polar angles.
                 let mut columns: Vec<(f64, usize)> = horizontals.iter().copied().zip(0..).collect();
                 if symmetry == Symmetry::AcrossY {
                     let mirrored = columns.iter().filter(|(h, _)| *h > 0.0).map(|&(h, i)| (-h, i));
@@ -357,7 +357,7 @@ fn symmetry(system: AngularSystem, horizontals: &[f64]) -> Result<Symmetry, &'st
         (0.0, 180.0) => Ok(Symmetry::AcrossY),
         (90.0, 270.0) => Ok(Symmetry::AcrossX),
         (0.0, 360.0) => Ok(Symmetry::None),
-        // Not legal, but found: the plane at 360 was taken to go without saying.
+        // Not allowed, but it occurs: the plane at 360 is omitted.
         (0.0, last) if last < 360.0 && 360.0 - last <= 1.5 * widest => Ok(Symmetry::None),
         _ => Err("0 to 0, 90, 180 or 360, or 90 to 270 for type C"),
     }

@@ -1,8 +1,8 @@
 //! EULUMDAT: the format of Europe, one value per line, intensities in candela per 1000 lumens of the lamps.
 //!
-//! A decimal comma is a decimal point. What is commonly missing or empty is told and mended. Intensities come out in
-//! candela for the first set of lamps; [`Photometry::with_lamps`] changes that. For absolute photometry (a negative
-//! number of lamps) the flux stated is the luminaire's own, and intensities are per 1000 lumens of that.
+//! A decimal comma counts as a decimal point. Values that are often missing or empty are repaired, with a warning. Intensities are
+//! candela for the first set of lamps; [`Photometry::with_lamps`] selects another. For absolute photometry (a negative
+//! number of lamps), the stated flux is that of the luminaire, and intensities are per 1000 lumens of it.
 //!
 //! # Source
 //! @stockmar1990; departure: several sets of lamps are read set by set, and field by field only where the numbers do
@@ -22,7 +22,7 @@ use super::{
 
 const METRES: f64 = 1e-3;
 
-/// Sets of lamps beyond this are no sets of lamps; the format means a handful.
+/// Largest number of sets of lamps, far above that of real files.
 const MAX_SETS: f64 = 1000.0;
 
 /// Reads a file.
@@ -90,7 +90,7 @@ pub fn read(bytes: &[u8]) -> Result<PhotometryFile, PhotometryError> {
     Ok(PhotometryFile { photometry, warnings: lines.warnings })
 }
 
-/// Extents along x, y, z: the length lies along y; a width of 0 stands for a round thing.
+/// Extents along x, y, z: the length is along y; a width of 0 means a round luminaire.
 fn extents(length: f64, width: f64, height: f64) -> [f64; 3] {
     [if width == 0.0 { length } else { width }, length, height]
 }
@@ -109,16 +109,16 @@ fn opening([length, width]: [f64; 2], heights: [f64; 4]) -> LuminousOpening {
 
 struct LdtLamps {
     sets: Vec<LampSet>,
-    /// Of the first set.
+    /// Flux of the first set.
     flux: f64,
 }
 
-/// The planes that are stored under a symmetry.
+/// The planes that are stored for a symmetry.
 struct StoredPlanes {
     symmetry: Symmetry,
-    /// Of the angles listed.
+    /// Planes among the listed angles.
     listed: usize,
-    /// Of the intensities.
+    /// Planes among the intensities.
     count: usize,
 }
 
@@ -144,8 +144,8 @@ impl StoredPlanes {
         Ok(Self { symmetry, listed, count })
     }
 
-    /// The angles of the stored planes in order, those from 270 to 360 as -90 to 0; `None` if they do not bound the
-    /// part that symmetry asks for.
+    /// The angles of the stored planes in order, those from 270 to 360 as -90 to 0; `None` if they do not cover the
+    /// part that the symmetry requires.
     fn azimuths(&self, listed: &[f64]) -> Option<Vec<f64>> {
         let azimuths: Vec<f64> = match self.symmetry {
             Symmetry::AcrossX => {
@@ -185,7 +185,7 @@ impl LdtReader<'_> {
     }
 
     fn empty(&mut self, what: &'static str) {
-        // Each costs a walk through the file to its line.
+        // Every set requires a scan of the file to its line.
         if self.warnings.len() < Diagnostics::PER_KIND {
             self.warnings.push(self.cursor.here(PhotometryErrorKind::Empty(what)));
         }
@@ -241,7 +241,7 @@ impl LdtReader<'_> {
             let watts = number(5, "watts of the lamps")?;
             let lumens = Some(number(2, "flux of the lamps")?);
             sets.push(LampSet { count, lumens, name: text(1), color: text(3), rendering: text(4), watts });
-            // Only the first set is needed for the intensities, so only there it must be above zero.
+            // Only the first set is needed for the intensities, so only its flux must be above zero.
             if let [LampSet { lumens: Some(lumens), .. }] = sets[..]
                 && (lumens <= 0.0 || lumens > MAX_CANDELA)
             {
@@ -310,7 +310,7 @@ impl LdtReader<'_> {
             .map_err(|error| self.cursor.here(PhotometryErrorKind::Intensity(error)))
     }
 
-    /// Warns about content behind the last value.
+    /// Warns about content after the last value.
     fn end(&mut self) {
         while let Some(line) = self.cursor.line() {
             if !line.is_empty() && line != [0x1A] {
@@ -339,7 +339,7 @@ impl NumberReader for LdtReader<'_> {
     }
 }
 
-/// The number that a line begins with, with decimal point or comma.
+/// The number at the beginning of a line, with decimal point or comma.
 fn numeric(line: &str) -> Option<f64> {
     number(&line.split_whitespace().next()?.replace(',', "."))
 }

@@ -1,12 +1,12 @@
-//! Photometric files: how much light a luminaire sends in which direction.
+//! Photometric files: the luminous intensity of luminaires by direction.
 //!
-//! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both give a [`Photometry`], and [`read`] tells one
-//! from the other. [`tm25`] reads ray files. [`mod@write`] writes IES and EULUMDAT files of a distribution. Faults carry line and column, and what is odd but harmless comes as
+//! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both return a [`Photometry`], and [`read`] recognises
+//! the format. [`tm25`] reads ray files. [`mod@write`] writes IES and EULUMDAT files of a distribution. Errors have line and column; harmless irregularities are
 //! warnings of the same form.
 //!
 //! # The luminaire's frame
 //!
-//! Right-handed, z up, origin in the photometric centre; a luminaire mounted as usual shines towards -z.
+//! Right-handed, z up, origin in the photometric centre; a luminaire in its usual position emits towards -z.
 //!
 //! | type | angles | direction |
 //! |---|---|---|
@@ -14,10 +14,10 @@
 //! | A | V up from the horizontal, H clockwise seen from above | (cos V cos H, -cos V sin H, sin V) |
 //! | B | V about y from -z to +x, H out of the plane of V towards -y | (cos H sin V, -sin H, -cos H cos V) |
 //!
-//! So the photometric horizontal of LM-63 is +x in all three, and photometric zero is -z: C at gamma 0, B at (0, 0),
-//! A at V = -90. The beam of a type A file, (0, 0), points along +x. In LM-63 the length of the opening lies along x.
-//! In EULUMDAT it lies along y, since there C0 is the plane across a linear luminaire
-//! (custom after CIE 121; the file does not say).
+//! The photometric horizontal of LM-63 is therefore +x in all three, and photometric zero is -z: C at gamma 0, B at (0, 0),
+//! A at V = -90. The beam of a type A file, (0, 0), points along +x. In LM-63 the length of the opening is along x.
+//! In EULUMDAT it is along y, because C0 is the plane across a linear luminaire
+//! (by convention after CIE 121; the file does not specify it).
 //!
 //! ```
 //! use glanz_formats::photometry;
@@ -53,7 +53,7 @@ pub use glanz_light::intensity::{
 pub use error::{PhotometryError, PhotometryErrorKind};
 pub use tilt::{LampGeometry, Tilt};
 
-/// Names and numbers of the luminaire. Empty where the file has none.
+/// Names and numbers of the luminaire. Empty where missing in the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Names {
     /// Maker of the luminaire.
@@ -64,7 +64,7 @@ pub struct Names {
     pub catalog_number: String,
     /// Number of the measurement report.
     pub report: String,
-    /// When it was issued, and by whom.
+    /// Date and issuer of the file.
     pub issued: String,
 }
 
@@ -101,13 +101,13 @@ pub struct EulumdatExtra {
     pub luminaire_type: u8,
     /// Size of the housing along x, y and z in metres.
     pub housing: [f64; 3],
-    /// True if the housing is round.
+    /// Whether the housing is round.
     pub housing_is_round: bool,
     /// Height of the luminous sides towards C0, C90, C180 and C270 in metres.
     pub side_heights: [f64; 4],
-    /// Share of the flux that goes downwards.
+    /// Fraction of the flux below the horizontal.
     pub downward_fraction: f64,
-    /// Flux of the luminaire over flux of its lamps.
+    /// Flux of the luminaire divided by the flux of its lamps.
     pub light_output_ratio: f64,
     /// Tilt of the luminaire during the measurement in degrees.
     pub measurement_tilt: f64,
@@ -115,20 +115,20 @@ pub struct EulumdatExtra {
     pub direct_ratios: Option<[f64; 10]>,
 }
 
-/// The photometry of a luminaire, whatever file it comes from.
+/// The photometry of a luminaire, from either format.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photometry {
     /// Format of the file.
     pub format: PhotometryFormat,
-    /// Candela by direction, all factors below applied but those of `tilt`.
+    /// Candela by direction, with all factors below applied except those of `tilt`.
     pub distribution: IntensityDistribution,
-    /// One set for LM-63. For EULUMDAT the luminaire can have any one of the sets; the distribution is for the first.
+    /// The sets of lamps: one for LM-63; for EULUMDAT the alternatives of the luminaire, of which the distribution applies to the first.
     pub lamps: Vec<LampSet>,
-    /// Factor on all values of the file; in `distribution` already.
+    /// Factor on all values of the file; included in `distribution`.
     pub multiplier: f64,
-    /// Flux of the lamps with the luminaire's ballast over their rated flux; in `distribution` already.
+    /// Flux of the lamps with the luminaire's ballast divided by their rated flux; included in `distribution`.
     pub ballast_factor: f64,
-    /// The ballast-lamp photometric factor of LM-63 up to 1991, else 1; in `distribution` already.
+    /// The ballast-lamp photometric factor of LM-63 up to 1991, else 1; included in `distribution`.
     pub ballast_lamp_factor: f64,
     /// File generation type of LM-63-2019.
     pub generation: Option<f64>,
@@ -144,11 +144,11 @@ pub struct Photometry {
     pub tilt: Option<Tilt>,
     /// Data that only EULUMDAT has.
     pub eulumdat: Option<EulumdatExtra>,
-    /// True for absolute photometry: the luminaire was measured as a whole and has no rated lamp flux.
+    /// Whether this is absolute photometry: the luminaire was measured as a whole and has no rated lamp flux.
     pub is_absolute: bool,
 }
 
-/// A photometry and what was odd about its file.
+/// A photometry and the warnings about its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhotometryFile {
     /// The photometry.
@@ -157,7 +157,7 @@ pub struct PhotometryFile {
     pub warnings: Vec<PhotometryError>,
 }
 
-/// Reads LM-63 or EULUMDAT, whichever the content is: LM-63 has a line that begins with `TILT=`.
+/// Reads LM-63 or EULUMDAT, recognised by content: LM-63 has a line that begins with `TILT=`.
 ///
 /// # Errors
 /// [`PhotometryError`] with its place.
@@ -165,7 +165,7 @@ pub fn read(bytes: &[u8]) -> Result<PhotometryFile, PhotometryError> {
     if is_ies(bytes) { ies::read(bytes) } else { ldt::read(bytes) }
 }
 
-/// The same, with a way to the file that a line `TILT=name` of LM-63 names.
+/// As [`read`], with a reader for the file that a line `TILT=name` of LM-63 names.
 ///
 /// # Errors
 /// [`PhotometryError`] with its place.
@@ -195,10 +195,10 @@ impl Photometry {
         self.distribution.flux()
     }
 
-    /// Lumens as the header has them; `None` if it states none.
+    /// Luminous flux of the header, lm; `None` if the header has none.
     ///
-    /// EULUMDAT: flux of the first set of lamps times light output ratio, what the luminaire gives. LM-63: rated flux
-    /// of the lamps times ballast factors, what the lamps give; [`Photometry::flux`] over this is the luminaire's
+    /// EULUMDAT: flux of the luminaire, which is that of the first set of lamps times the light output ratio. LM-63: flux
+    /// of the lamps, which is their rated flux times the ballast factors; [`Photometry::flux`] divided by it is the luminaire's
     /// efficiency.
     #[must_use]
     pub fn header_flux(&self) -> Option<f64> {
@@ -209,15 +209,15 @@ impl Photometry {
         }
     }
 
-    /// The same distribution with another flux in lumens; `None` if it has none that could be scaled, or `lumens` is
+    /// The same distribution with another flux in lumens; `None` if it has no flux that could be scaled, or `lumens` is
     /// below zero or not finite.
     #[must_use]
     pub fn scaled_to(&self, lumens: f64) -> Option<Self> {
         self.scaled_by(lumens / self.flux())
     }
 
-    /// The same luminaire with another of the sets of lamps of an EULUMDAT file, which then is the first; `None` if
-    /// there is no such set or it has no flux.
+    /// The same luminaire with another set of lamps of an EULUMDAT file, which becomes the first; `None` if
+    /// the set does not exist or has no flux.
     #[must_use]
     pub fn with_lamps(&self, set: usize) -> Option<Self> {
         let lumens = |set: usize| self.lamps.get(set).and_then(|lamps| lamps.lumens);
@@ -231,8 +231,8 @@ impl Photometry {
         Some(changed)
     }
 
-    /// The same with all intensities times `factor`: dimming, maintenance, or [`Tilt::factor`]. The header stays. `None` if an intensity
-    /// would be negative or no finite number.
+    /// The same photometry with all intensities times `factor`: dimming, maintenance, or [`Tilt::factor`]. The header is unchanged. `None` if an intensity
+    /// would be negative or not finite.
     #[must_use]
     pub fn scaled_by(&self, factor: f64) -> Option<Self> {
         let distribution = self.distribution.scaled(factor)?;
@@ -240,7 +240,7 @@ impl Photometry {
     }
 }
 
-/// Takes intensities below zero as zero; measured noise has such.
+/// Sets intensities below zero, which result from measurement noise, to zero.
 fn clamp_negative(candela: &mut [f64]) -> Option<PhotometryErrorKind> {
     let mut count = 0;
     for value in candela {

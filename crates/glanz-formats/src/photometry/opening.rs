@@ -1,12 +1,12 @@
-//! The luminous opening as LM-63 writes it.
+//! The luminous opening in LM-63.
 
 use glanz_light::intensity::{LuminousOpening, OpeningShape};
 
-/// The opening that LM-63 writes as width, length and height with signs for the shape.
+/// The opening by its width, length and height in LM-63, whose signs denote the shape.
 ///
-/// Length lies along the photometric horizontal (x), width across it (y). `metres` is the unit of the file.
-/// `signs_of_1995` tells whether signs are read by the table of the editions to 1995 or by that from 2002; what
-/// means nothing in one is read by the other. `None` if it means nothing in both.
+/// The length is along the photometric horizontal (x), the width across it (y). `metres`: unit of the file.
+/// `signs_of_1995`: whether signs are those of the editions to 1995 or those from 2002 on; signs that are
+/// undefined in one table are read by the other. `None` if they are undefined in both.
 #[must_use]
 pub(super) fn from_signs(
     width: f64,
@@ -23,7 +23,7 @@ pub(super) fn from_signs(
         by_2002(signs).or_else(|| by_1995(signs))
     }?;
     let (mut w, mut l, mut h) = (width.abs() * metres, length.abs() * metres, height.abs() * metres);
-    // The early table leaves out sizes that equal the diameter.
+    // The early table omits sizes equal to the diameter.
     match shape {
         OpeningShape::Ellipse | OpeningShape::VerticalCylinder if l == 0.0 => l = w,
         OpeningShape::Ellipse | OpeningShape::VerticalCylinder if w == 0.0 => w = l,
@@ -38,7 +38,7 @@ pub(super) fn from_signs(
     Some(LuminousOpening { shape, size: [l, w, h] })
 }
 
-/// Signs of width, length and height from 2002 on; a negative size is round.
+/// The shape by the signs of width, length and height from 2002 on; a negative size is round.
 fn by_2002(signs: (i8, i8, i8)) -> Option<OpeningShape> {
     Some(match signs {
         (0, 0, 0) => OpeningShape::Point,
@@ -54,7 +54,7 @@ fn by_2002(signs: (i8, i8, i8)) -> Option<OpeningShape> {
     })
 }
 
-/// The same up to 1995: "along" is the direction of the larger axis, 0 stands for the same size again.
+/// The shape by the signs up to 1995: "along" is the direction of the larger axis, and 0 means the same size.
 fn by_1995(signs: (i8, i8, i8)) -> Option<OpeningShape> {
     Some(match signs {
         (0, 0, 0) => OpeningShape::Point,
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_of_2002_is_read_by_its_signs() {
+    fn signs_of_2002_select_the_shape() {
         use OpeningShape::*;
         // Width, length, height as in the table; length along x.
         for (w, l, h, shape, size) in [
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn feet_and_the_signs_of_1995_are_known() {
+    fn feet_and_the_signs_of_1995_are_supported() {
         let circle = LuminousOpening { shape: OpeningShape::Ellipse, size: [0.6096, 0.6096, 0.0] };
         assert_eq!(from_signs(-2.0, 0.0, 0.0, 0.3048, true), Some(circle));
         assert_eq!(from_signs(-2.0, 0.0, 0.0, 0.3048, false), Some(circle));

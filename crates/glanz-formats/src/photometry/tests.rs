@@ -1,4 +1,4 @@
-//! Small files of every kind, against closed forms, and damaged copies of them.
+//! Small files of every kind compared with closed forms, and damaged copies of them.
 
 use std::f64::consts::PI;
 
@@ -29,7 +29,7 @@ fn along(azimuth: f64, gamma: f64) -> DVec3 {
 }
 
 #[test]
-fn an_axial_file_is_read_with_all_that_its_header_says() {
+fn axial_file_is_read_with_its_whole_header() {
     let text = ies_text("2 600 1.5 3 1 1 1 -2 -2 0  0.5 1 40", "0,90,180 0 100 100\n100");
     let PhotometryFile { photometry: p, warnings } = read_ies(&text);
     assert_eq!(warnings, []);
@@ -51,7 +51,7 @@ fn an_axial_file_is_read_with_all_that_its_header_says() {
 }
 
 #[test]
-fn every_symmetry_of_type_c_is_mirrored_to_where_it_belongs() {
+fn every_symmetry_of_type_c_is_expanded() {
     // Intensity at gamma 90 by plane; 10 per plane in order of the file, 7 at the poles.
     for (angles, symmetry, at) in [
         ("0 45 90", Symmetry::Quadrants, [10., 20., 30., 20., 10., 20., 30., 20.]),
@@ -82,7 +82,7 @@ fn every_symmetry_of_type_c_is_mirrored_to_where_it_belongs() {
 }
 
 #[test]
-fn types_a_and_b_turn_into_the_luminaires_frame() {
+fn types_a_and_b_are_rotated_to_the_frame_of_the_luminaire() {
     // Value 100 + 10 H + V, with H in {-90, 0, 90} and V in {-90, 0, 90} counted in units of 90.
     let rows = "89 90 91  99 100 101  109 110 111";
     let angles = "-90 0 90  -90 0 90";
@@ -111,7 +111,7 @@ fn types_a_and_b_turn_into_the_luminaires_frame() {
 }
 
 #[test]
-fn types_a_and_b_from_0_to_90_are_alike_on_both_sides() {
+fn types_a_and_b_from_0_to_90_are_symmetric() {
     for kind in [2, 3] {
         let lamp_line = format!("1 1000 1 2 2 {kind} 2 0 0 0 1 1 10");
         let p = read_ies(&ies_text(&lamp_line, "-90 90 0 90 10 10 20 20")).photometry;
@@ -126,7 +126,7 @@ fn types_a_and_b_from_0_to_90_are_alike_on_both_sides() {
 }
 
 #[test]
-fn tilt_is_read_from_the_file_or_another_one_and_applied_to_nothing() {
+fn tilt_is_read_from_the_file_or_another_one_and_not_applied() {
     let body = "1 1000 1 2 1 1 2 0 0 0 1 1 10 0 180 0 5 5";
     let with = |tilt: &str| format!("IESNA91\n[TEST] x\nTILT={tilt}\n{body}");
     let records = "2\n3\n0 45, 90\n1 .9 0.5\n";
@@ -148,13 +148,13 @@ fn tilt_is_read_from_the_file_or_another_one_and_applied_to_nothing() {
     assert_eq!((other, asked), (included, vec!["lamp.tlt".to_owned()]));
     assert_eq!(
         ies::read(named.as_bytes()).unwrap_err().to_string(),
-        "3:1: the tilt data in \"lamp.tlt\" cannot be read: the reader was given no way to other files"
+        "3:1: the tilt data in \"lamp.tlt\" cannot be read: other files cannot be read here"
     );
     assert_eq!(
         ies::read_with(named.as_bytes(), &mut |_| Ok(b"1 2 0".to_vec())).unwrap_err().kind,
         PhotometryErrorKind::TiltFile {
             name: "lamp.tlt".to_owned(),
-            reason: "1:3: 2 tilt angles are declared, the file has room for 1".to_owned()
+            reason: "1:3: 2 tilt angles are declared; the file has room for 1".to_owned()
         }
     );
 }
@@ -182,12 +182,12 @@ fn editions_differ_in_their_factors_and_openings() {
     let odd = of("IES:LM-63-2031\n");
     assert_eq!(
         odd.warnings[0].to_string(),
-        "1:1: the edition \"IES:LM-63-2031\" of LM-63 is not known; read as that of 2019"
+        "1:1: the edition \"IES:LM-63-2031\" of LM-63 is unknown; the file is read as that of 2019"
     );
 }
 
 #[test]
-fn absolute_photometry_and_latin_letters_are_known() {
+fn absolute_photometry_and_latin_letters_are_supported() {
     let body = b"TILT=NONE\n1 -1 1 2 1 1 2 0 0 0 1 1 10 0 180 0 8 8\x1a";
     for (maker, name) in [
         (&b"[MANUFAC] L\xfcster \x80\n"[..], "L\u{fc}ster \u{20ac}"),
@@ -222,7 +222,7 @@ fn ldt_text(symmetry: u8, sets: &str, ratios: bool, planes: usize) -> String {
 const ONE_SET: &str = "1\n2\nT16\n2000\n3000K\n1B\n60\n";
 
 #[test]
-fn every_symmetry_of_eulumdat_is_mirrored_to_where_it_belongs() {
+fn every_symmetry_of_eulumdat_is_expanded() {
     for (symmetry, planes, at) in [
         (0, 8, [10., 20., 30., 40., 50., 60., 70., 80.]),
         (1, 1, [10.; 8]),
@@ -240,7 +240,7 @@ fn every_symmetry_of_eulumdat_is_mirrored_to_where_it_belongs() {
         let mean = at.iter().sum::<f64>() / 8.0;
         close(p.flux(), 4.0 * PI * (2.0 * 7.0 + (mean - 7.0) * 4.0 / PI));
         close(p.header_flux().unwrap(), 1600.0);
-        // Length along y, since C0 lies across.
+        // The length is along y, because C0 is the plane across.
         assert_eq!(p.opening, LuminousOpening { shape: OpeningShape::Rectangle, size: [0.25, 1.1, 0.0] });
         assert_eq!(p.eulumdat.unwrap().direct_ratios, Some([0.5; 10]));
     }
@@ -249,7 +249,7 @@ fn every_symmetry_of_eulumdat_is_mirrored_to_where_it_belongs() {
 #[test]
 fn eulumdat_without_direct_ratios_or_of_several_sets_or_absolute_is_read() {
     let missing = ldt::read(ldt_text(1, ONE_SET, false, 1).as_bytes()).unwrap();
-    // Where they should begin: 26 lines and 6 of the one set go before.
+    // Expected position: after 26 lines and 6 of the only set.
     assert_eq!(missing.warnings[0].to_string(), "33:1: the ten direct ratios are missing");
     let whole = ldt::read(ldt_text(1, ONE_SET, true, 1).as_bytes()).unwrap();
     assert_eq!(missing.photometry.distribution, whole.photometry.distribution);
@@ -272,13 +272,13 @@ fn eulumdat_without_direct_ratios_or_of_several_sets_or_absolute_is_read() {
 }
 
 #[test]
-fn faults_are_told_with_place_and_advice() {
+fn errors_have_a_position_and_a_remedy() {
     let good = ies_text("1 1000 1 3 1 1 2 0 0 0 1 1 10", "0 90 180\n0\n1 2 3");
     let replaced = |from: &str, to: &str| good.replacen(from, to, 1);
     for (text, message) in [
         (replaced("TILT=NONE", "TILTED"), "11:1: there is no line that begins with \"TILT=\""),
-        (replaced("1 2 3", "1 two 3"), "11:3: \"two\" is not a number; here stands the intensity"),
-        (replaced("1 2 3", "1 inf 3"), "11:3: \"inf\" is not a number; here stands the intensity"),
+        (replaced("1 2 3", "1 two 3"), "11:3: \"two\" is not a number; the intensity is expected here"),
+        (replaced("1 2 3", "1 inf 3"), "11:3: \"inf\" is not a number; the intensity is expected here"),
         (replaced("1 2 3", "1 2"), "12:1: the file ends before the intensity"),
         (replaced("0 90 180", "0 90 90"), "9:6: the vertical angle must ascend, but 90 follows 90"),
         (
@@ -287,15 +287,15 @@ fn faults_are_told_with_place_and_advice() {
         ),
         (
             replaced(" 3 1 1 2", " 999999999 1 1 2"),
-            "8:10: 999999999 vertical angles are declared, the file has room for 20",
+            "8:10: 999999999 vertical angles are declared; the file has room for 20",
         ),
         (
             replaced(" 3 1 1 2", " 3 1 4 2"),
-            "8:14: the photometric type is 4, it should be 1 (C), 2 (B) or 3 (A)",
+            "8:14: the photometric type is 4; it must be 1 (C), 2 (B) or 3 (A)",
         ),
         (
             replaced(" 3 1 1 2", " 3.5 1 1 2"),
-            "8:10: the number of angles is 3.5, it should be a whole number from 2",
+            "8:10: the number of angles is 3.5; it must be a whole number from 2",
         ),
     ] {
         assert_eq!(ies::read(text.as_bytes()).unwrap_err().to_string(), message);
@@ -304,7 +304,7 @@ fn faults_are_told_with_place_and_advice() {
     let fault = ies::read(text.as_bytes()).unwrap_err();
     assert_eq!(
         fault.diagnostic(Severity::Error, "a.ies", text.as_bytes()).to_string(),
-        "error: a.ies:11:3: \"two\" is not a number; here stands the intensity\n  11 | 1 two 3\n     |   ^^^\n  \
+        "error: a.ies:11:3: \"two\" is not a number; the intensity is expected here\n  11 | 1 two 3\n     |   ^^^\n  \
          help: a value before it may be missing or one too many\n"
     );
     assert_eq!(ies::read(b"\xff\xfeI\0E\0").unwrap_err().to_string(), "1:1: the file is UTF-16 text");
@@ -312,13 +312,13 @@ fn faults_are_told_with_place_and_advice() {
     let kinds: Vec<PhotometryErrorKind> = odd.warnings.into_iter().map(|w| w.kind).collect();
     assert_eq!(kinds, [PhotometryErrorKind::Negative(1), PhotometryErrorKind::Trailing]);
     let ldt = ldt_text(3, ONE_SET, true, 5);
-    // What follows the line, a digit and a line end for each value.
+    // The room after the line: a digit and a line end for each value.
     let room = (ldt.len() - ldt.find("45\n").unwrap()).div_ceil(2);
     let fault =
         |from: &str, to: &str| ldt::read(ldt.replacen(from, to, 1).as_bytes()).unwrap_err().to_string();
     assert_eq!(
         fault("3\n8\n45", "3\n99999999999\n45"),
-        format!("4:1: 99999999999 C planes are declared, the file has room for {room}")
+        format!("4:1: 99999999999 C planes are declared; the file has room for {room}")
     );
     assert_eq!(
         fault("270\n", "271\n"),
@@ -412,7 +412,7 @@ fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
 }
 
 #[test]
-fn damaged_files_give_a_sound_photometry_or_a_fault_inside_the_file() {
+fn damaged_files_give_a_valid_photometry_or_an_error_inside_the_file() {
     let seeds = [
         ies_text("1 1000 1 3 3 1 2 1 2 0 1 1 10", "0 90 180 0 45 90 1 2 3 4 5 6 7 8 9"),
         ies_text("1 1000 1 3 3 2 2 1 2 0 1 1 10", "-90 0 90 -90 0 90 1 2 3 4 5 6 7 8 9"),
@@ -451,6 +451,6 @@ fn damaged_files_give_a_sound_photometry_or_a_fault_inside_the_file() {
             }
         }
     }
-    // Both ways were gone often enough for the test to mean something.
+    // Both outcomes occurred often enough for the test to be meaningful.
     assert!(read > 1000 && refused > 10_000, "{read} {refused}");
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 use super::error::{PhotometryError, PhotometryErrorKind};
 use crate::source::line_and_column;
 
-/// Text of a file: UTF-8 where it is that, else Windows-1252, which holds Latin-1 and ASCII.
+/// Text of a file: UTF-8 if valid, else Windows-1252, which includes Latin-1 and ASCII.
 pub(super) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
@@ -13,7 +13,7 @@ pub(super) fn decode(bytes: &[u8]) -> String {
     }
 }
 
-/// The characters that Windows puts where Latin-1 has control codes.
+/// The characters of Windows-1252 in place of the control codes of Latin-1.
 fn windows_1252(byte: u8) -> char {
     const HIGH: [char; 32] = [
         '\u{20ac}', '\u{81}', '\u{201a}', '\u{192}', '\u{201e}', '\u{2026}', '\u{2020}', '\u{2021}',
@@ -25,18 +25,18 @@ fn windows_1252(byte: u8) -> char {
     high.copied().unwrap_or(char::from(byte))
 }
 
-/// A finite number; Rust's parser also knows words for what is not finite.
+/// A finite number; Rust's parser would also accept words such as "inf".
 pub(super) fn number(text: &str) -> Option<f64> {
     text.parse().ok().filter(|v: &f64| v.is_finite())
 }
 
-/// A fault at a stretch of the bytes.
+/// An error at a range of bytes.
 pub(super) fn fault(bytes: &[u8], at: usize, length: usize, kind: PhotometryErrorKind) -> PhotometryError {
     let (line, column) = line_and_column(bytes, at);
     PhotometryError { line, column, length, kind }
 }
 
-/// Refuses text of two bytes per character; gives the number of bytes to pass over in front.
+/// Refuses text of two bytes per character; returns the number of bytes to skip at the beginning.
 pub(super) fn start(bytes: &[u8]) -> Result<usize, PhotometryError> {
     match bytes {
         [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Err(fault(bytes, 0, 2, PhotometryErrorKind::Utf16)),
@@ -45,7 +45,7 @@ pub(super) fn start(bytes: &[u8]) -> Result<usize, PhotometryError> {
     }
 }
 
-/// Largest intensity, candela: larger ones are mistakes, and sums of smaller ones stay finite.
+/// Largest intensity, candela: larger ones are errors, and sums of smaller ones are finite.
 pub(super) const MAX_CANDELA: f64 = 1e30;
 
 /// Source of the numbers of a photometric file, with the checks of their values.
@@ -79,7 +79,7 @@ pub(super) trait NumberReader {
         if value > 0.0 { Ok(value) } else { Err(self.value_error(what, value, "more than 0")) }
     }
 
-    /// A declared number of values, `least` or more; the rest of the file has room for them.
+    /// A declared number of values, at least `least`, for which the rest of the file has room.
     fn count(&mut self, what: &'static str, least: f64) -> Result<usize, PhotometryError> {
         // Conversions are exact far beyond 1e12.
         let allowed = if least > 1.0 { "a whole number from 2" } else { "a whole number from 1" };
@@ -127,11 +127,11 @@ pub(super) trait NumberReader {
     }
 }
 
-/// Goes through a file line by line or number by number.
+/// Reader of successive lines or numbers.
 #[derive(Clone, Debug)]
 pub(super) struct TextCursor<'a> {
     pub(super) bytes: &'a [u8],
-    /// Offset at which the next line or number is searched.
+    /// Offset of the search for the next line or number.
     pub(super) at: usize,
     /// Start and length of the last line or number.
     pub(super) last: (usize, usize),
@@ -153,12 +153,12 @@ impl<'a> TextCursor<'a> {
         line.get(lead..)
     }
 
-    /// Numbers that the rest can hold at most: a digit each and something between two.
+    /// Largest number of numbers in the rest: a digit each and a separator.
     pub(super) fn room(&self) -> usize {
         self.bytes.len().saturating_sub(self.at).div_ceil(2)
     }
 
-    /// True if another number or word follows.
+    /// Whether another number or word follows.
     pub(super) fn has_more(&self) -> bool {
         self.clone().word().is_some()
     }
@@ -178,14 +178,14 @@ impl<'a> TextCursor<'a> {
         rest.get(..length)
     }
 
-    /// A fault at the last line or number.
+    /// An error at the last line or number.
     pub(super) fn here(&self, kind: PhotometryErrorKind) -> PhotometryError {
         fault(self.bytes, self.last.0, self.last.1, kind)
     }
 }
 
 impl NumberReader for TextCursor<'_> {
-    /// Blanks, line ends and commas stand between numbers.
+    /// The next number; numbers are separated by blanks, line ends or commas.
     fn number(&mut self, what: &'static str) -> Result<f64, PhotometryError> {
         let text = self.word().ok_or_else(|| self.here(PhotometryErrorKind::End(what)))?;
         let shown = || decode(text.get(..text.len().min(40)).unwrap_or_default());

@@ -1,11 +1,11 @@
-//! How a lamp's light changes with its tilt.
+//! Dependence of a lamp's light on its tilt.
 
 /// Geometry of the lamp in the luminaire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LampGeometry {
-    /// Upright, base up or down, where the luminaire shines straight down.
+    /// Vertical, base up or down, when the luminaire points straight down.
     Vertical,
-    /// Horizontal, and stays so when the luminaire is tilted.
+    /// Horizontal, also when the luminaire is tilted.
     Horizontal,
     /// Horizontal, and tilts with the luminaire.
     Tilting,
@@ -13,8 +13,8 @@ pub enum LampGeometry {
 
 /// Factors on the intensities by the angle of the lamp.
 ///
-/// These are data: a reader applies none of them. Whoever mounts the luminaire knows the angle and says
-/// [`Photometry::scaled_by`](super::Photometry::scaled_by) with [`Tilt::factor`].
+/// Readers do not apply these factors, because the angle depends on the installation; apply them with
+/// [`Photometry::scaled_by`](super::Photometry::scaled_by) and [`Tilt::factor`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tilt {
     /// Geometry of the lamp.
@@ -26,7 +26,7 @@ pub struct Tilt {
 }
 
 impl Tilt {
-    /// The factor at an angle in degrees: linear between those given, the nearest outside, by the size of the angle.
+    /// The factor at an angle in degrees: linear between the given angles, constant outside; only the magnitude of the angle counts.
     #[must_use]
     pub fn factor(&self, degrees: f64) -> f64 {
         let angle = degrees.abs();

@@ -1,4 +1,4 @@
-//! The records of a PLY file.
+//! Reading of the records of a PLY file.
 
 use glanz_math::{DVec2, DVec3};
 
@@ -97,7 +97,7 @@ struct RecordReader<'a, 'c> {
 }
 
 impl<'a, 'c> RecordReader<'a, 'c> {
-    /// Refuses counts that the rest of the file cannot hold.
+    /// Refuses counts for which the rest of the file has no room.
     fn new(cursor: &'c mut PlyNumberReader<'a>, element: &'c PlyElement) -> Result<Self, PlyError> {
         let size = element.min_size(cursor.encoding) as u128;
         let bytes = cursor.remaining();
@@ -183,7 +183,7 @@ pub(super) fn read(bytes: &[u8], header: &PlyHeader) -> Result<PlyMesh, PlyError
             _ => records.skip()?,
         }
     }
-    // Faces may come before vertices, so that indices are checked at the end.
+    // Faces may precede vertices, so that indices are checked at the end.
     corners.check(mesh.positions.len())?;
     mesh.triangles = corners.triangles;
     mesh.skipped_faces = corners.skipped;
@@ -268,7 +268,7 @@ fn vertices(
 struct TriangleBuilder {
     triangles: Vec<[u32; 3]>,
     skipped: usize,
-    /// The largest index, with what is needed to complain of it.
+    /// The largest index, with its element for the error message.
     largest: Option<(u32, u64, String, PlyPosition)>,
 }
 
@@ -303,7 +303,7 @@ impl TriangleBuilder {
     }
 }
 
-/// Separates strips; no index, since there are fewer vertices.
+/// Separator of strips; not an index, because there are fewer vertices.
 const RESTART: u32 = u32::MAX;
 
 fn faces(mut records: RecordReader<'_, '_>, corners: &mut TriangleBuilder) -> Result<(), PlyError> {

@@ -1,4 +1,4 @@
-//! The declarations at the head of a PLY file.
+//! The header of a PLY file.
 
 use super::{PlyError, PlyErrorKind, PlyPosition};
 
@@ -58,7 +58,7 @@ pub(super) struct PlyProperty {
     pub(super) scalar: ScalarType,
 }
 
-/// One element: so many records of these properties.
+/// One element: its number of records and their properties.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct PlyElement {
     pub(super) name: String,
@@ -67,7 +67,7 @@ pub(super) struct PlyElement {
 }
 
 impl PlyElement {
-    /// The fewest bytes a record can take.
+    /// Smallest size of a record, bytes.
     pub(super) fn min_size(&self, encoding: PlyEncoding) -> usize {
         match encoding {
             // A digit and a blank each; the last blank of the file may be missing.
@@ -106,7 +106,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<PlyHeader, PlyError> {
             return Err(error(number, 1, kind));
         };
         offset += length + 1;
-        // A line longer than any declaration is quoted in part only.
+        // Messages quote the beginning of a very long line only.
         let text = String::from_utf8_lossy(rest.get(..length.min(200)).unwrap_or_default());
         let line = text.trim_end();
         if number == 1 {

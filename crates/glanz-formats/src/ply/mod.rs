@@ -1,9 +1,9 @@
 //! Meshes in Stanford's PLY format: ascii, little and big endian binary.
 //!
-//! Read are vertices (`x y z`, `nx ny nz`, and `u v`, `s t`, `texture_u texture_v` or `texture_s texture_t`), faces of
-//! any number of corners (list `vertex_indices` or `vertex_index`, cut into fans of triangles) and `tristrips`. Other
-//! elements and properties are passed over. Memory is bounded by the size of the input: counts that the data cannot
-//! hold are refused before anything is reserved.
+//! Supported are vertices (`x y z`, `nx ny nz`, and `u v`, `s t`, `texture_u texture_v` or `texture_s texture_t`), faces of
+//! any number of corners (list `vertex_indices` or `vertex_index`, divided into fans of triangles) and `tristrips`. Other
+//! elements and properties are skipped. Memory is bounded by the size of the input: counts that exceed the data
+//! are refused before anything is allocated.
 //!
 //! # Source
 //! @turk1994.
@@ -13,7 +13,7 @@ mod header;
 
 use glanz_math::{DVec2, DVec3};
 
-/// A mesh as the file gives it.
+/// A mesh from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlyMesh {
     /// Vertices.
@@ -24,7 +24,7 @@ pub struct PlyMesh {
     pub uvs: Option<Vec<DVec2>>,
     /// Corners of the triangles.
     pub triangles: Vec<[u32; 3]>,
-    /// Faces of fewer than three corners, which were left out.
+    /// Number of faces with fewer than three corners, which were left out.
     pub skipped_faces: usize,
 }
 
@@ -68,7 +68,7 @@ pub enum PlyErrorKind {
     /// The first line is not `ply`.
     #[error("not a PLY file: it does not begin with \"ply\"")]
     Magic,
-    /// A header line that means nothing.
+    /// An invalid header line.
     #[error("the header line {0:?} is not understood")]
     HeaderLine(String),
     /// A format other than ascii or binary of version 1.0.
@@ -77,8 +77,8 @@ pub enum PlyErrorKind {
     /// The file ends within the header.
     #[error("the file ends before \"end_header\"")]
     HeaderEnd,
-    /// More elements than the rest of the file can hold.
-    #[error("{count} elements \"{element}\" are declared, the file has {bytes} bytes left for them")]
+    /// More elements than the rest of the file can contain.
+    #[error("{count} elements \"{element}\" are declared; the file has {bytes} bytes left for them")]
     Count {
         /// Name of the element.
         element: String,
@@ -90,7 +90,7 @@ pub enum PlyErrorKind {
     /// The vertices have no coordinates.
     #[error("element \"vertex\" has no property \"{0}\"")]
     Coordinate(&'static str),
-    /// There is no element of that name.
+    /// A required element is missing.
     #[error("there is no element \"{0}\"")]
     PlyElement(&'static str),
     /// The file ends within an element.
@@ -101,17 +101,17 @@ pub enum PlyErrorKind {
         /// Counted from 0.
         index: u64,
     },
-    /// Something that is not a number.
+    /// Text that is not a number.
     #[error("{0:?} is not a number")]
     Number(String),
-    /// A list with an impossible number of entries.
+    /// A list with an invalid number of entries.
     #[error("a list of {0} entries")]
     ListLength(f64),
     /// A coordinate that is infinite or not a number.
     #[error("vertex {0} is not finite")]
     NotFinite(u64),
     /// A face refers to a vertex that does not exist.
-    #[error("element \"{element}\" number {face} refers to vertex {index}, there are {count}")]
+    #[error("element \"{element}\" number {face} refers to vertex {index}; there are {count}")]
     Index {
         /// Name of the element.
         element: String,
@@ -122,8 +122,8 @@ pub enum PlyErrorKind {
         /// Number of vertices.
         count: usize,
     },
-    /// A face refers to something that cannot be a vertex.
-    #[error("element \"{element}\" number {face} refers to vertex {value}, which is no index")]
+    /// A face refers to a value that is not an index.
+    #[error("element \"{element}\" number {face} refers to vertex {value}, which is not an index")]
     NotAnIndex {
         /// Name of the element.
         element: String,
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn an_ascii_square_becomes_two_triangles_and_other_properties_are_passed_over() {
+    fn ascii_square_becomes_two_triangles_and_other_properties_are_skipped() {
         let mesh = read(ASCII.as_bytes()).unwrap();
         assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
         assert_eq!(mesh.uvs.unwrap()[3], DVec2::new(0.0, 1.0));
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn strips_alternate_their_turn_and_restart_at_minus_one() {
+    fn strips_alternate_their_orientation_and_restart_at_minus_one() {
         let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
             element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
             0 0 0 1 0 0 0 1 0 1 1 0 2 2 0\n8 0 1 2 3 -1 2 3 4\n";
@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_their_place() {
+    fn errors_have_their_position() {
         let replaced = |from: &str, to: &str| ASCII.replacen(from, to, 1).into_bytes();
         for (bytes, message) in [
             (b"plx\n".to_vec(), "1:1: not a PLY file: it does not begin with \"ply\""),
@@ -238,17 +238,17 @@ mod tests {
             (replaced("1 1 0 255", "1 1e400 0 255"), "19:18: vertex 2 is not finite"),
             (
                 replaced("7 4 0 1 2 3", "7 4 0 1 2 4"),
-                "21:12: element \"face\" number 0 refers to vertex 4, there are 4",
+                "21:12: element \"face\" number 0 refers to vertex 4; there are 4",
             ),
             (
                 replaced("7 4 0 1 2 3", "7 4 0 1 2 -1"),
-                "21:13: element \"face\" number 0 refers to vertex -1, which is no index",
+                "21:13: element \"face\" number 0 refers to vertex -1, which is not an index",
             ),
             (replaced("7 4 0 1 2 3", "7 -4 0 1 2 3"), "21:5: a list of -4 entries"),
             (replaced("7 4 0 1 2 3", "7 99 0 1 2 3"), "21:5: a list of 99 entries"),
             (
                 replaced("element face 1\n", "element face 1000000000000\n"),
-                "20:14: 1000000000000 elements \"face\" are declared, the file has 17 bytes left for them",
+                "20:14: 1000000000000 elements \"face\" are declared; the file has 17 bytes left for them",
             ),
             (replaced("end_header", "end_heater"), "16:1: the header line \"end_heater\" is not understood"),
         ] {
@@ -263,12 +263,12 @@ mod tests {
     }
 
     #[test]
-    fn counts_beyond_the_data_are_refused_before_memory_is_taken() {
+    fn counts_beyond_the_data_are_refused_before_allocation() {
         let text = "ply\nformat binary_little_endian 1.0\nelement vertex 18446744073709551615\nproperty float x\n\
             property float y\nproperty float z\nelement face 1\nproperty list uint int vertex_indices\nend_header\nxxxx";
         let error = read(text.as_bytes()).unwrap_err();
         assert!(matches!(error.kind, PlyErrorKind::Count { count: u64::MAX, .. }), "{error}");
-        // Elements without properties take no bytes: any number of them is as good as none.
+        // Elements without properties have no bytes, so any number of them is accepted.
         let text = "ply\nformat ascii 1.0\nelement nothing 18446744073709551615\nelement vertex 0\nproperty float x\n\
             property float y\nproperty float z\nend_header\n";
         assert_eq!(read(text.as_bytes()).unwrap(), PlyMesh::default());

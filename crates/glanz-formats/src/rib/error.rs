@@ -1,4 +1,4 @@
-//! Why a RIB file cannot be read.
+//! Errors of RIB files.
 
 use super::state::MAX_DEPTH;
 
@@ -18,18 +18,18 @@ pub struct RibError {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RibErrorKind {
-    /// Bytes that are no text.
-    #[error("this is a binary or compressed file, only text is read")]
+    /// Bytes that are not text.
+    #[error("this is a binary or compressed file; only text is supported")]
     Binary,
-    /// Something else than what should stand there.
-    #[error("{found:?} stands where {wanted} should")]
+    /// Something other than expected.
+    #[error("expected {wanted}, found {found:?}")]
     Unexpected {
         /// The number found.
         found: String,
         /// The number expected.
         wanted: &'static str,
     },
-    /// A number beyond all bounds.
+    /// A number that is not finite.
     #[error("{0:?} is not finite")]
     NotFinite(String),
     /// A text without an end.
@@ -52,24 +52,24 @@ pub enum RibErrorKind {
     /// Blocks within blocks.
     #[error("blocks are nested more than {MAX_DEPTH} deep")]
     TooDeep,
-    /// A request that changes where surfaces stand in a way not known here.
-    #[error("{0} is not supported, what is in it would stand in the wrong place")]
+    /// An unsupported request that changes the position of surfaces.
+    #[error("{0} is not supported; surfaces in it would have wrong positions")]
     Unsupported(String),
-    /// A matrix that does more than an affine map.
+    /// A matrix that is not affine.
     #[error("the last numbers of the rows are {0:?}, of an affine transformation they are 0 0 0 1")]
     NotAffine([f64; 4]),
     /// An argument is missing or of the wrong kind.
     #[error("{request} needs {wanted}")]
     RibArgument {
-        /// Which request.
+        /// The request.
         request: String,
         /// The argument expected.
         wanted: &'static str,
     },
-    /// Too few things, or too many.
-    #[error("{request} has {found} {what}, {needed} are needed")]
+    /// A wrong number of items.
+    #[error("{request} has {found} {what}; {needed} are needed")]
     Count {
-        /// Which request.
+        /// The request.
         request: String,
         /// The counted items.
         what: &'static str,
@@ -78,8 +78,8 @@ pub enum RibErrorKind {
         /// The number expected.
         needed: usize,
     },
-    /// Points of a mesh that do not make whole patches.
-    #[error("{count} points along {axis} make no whole number of patches in steps of {step}")]
+    /// A number of points that does not give whole patches.
+    #[error("{count} points along {axis} do not make a whole number of patches in steps of {step}")]
     MeshSize {
         /// u or v.
         axis: char,
@@ -88,16 +88,16 @@ pub enum RibErrorKind {
         /// Step in points to the next patch.
         step: usize,
     },
-    /// A knot less than the one before.
-    #[error("knot {after} comes after {before}, knots must not decrease")]
+    /// A knot smaller than the one before.
+    #[error("knot {after} follows {before}; knots must not decrease")]
     KnotsDecrease {
         /// The knot before.
         before: f64,
         /// The knot.
         after: f64,
     },
-    /// A part of the parameters that is none.
-    #[error("the range from {min} to {max} is empty or leaves the knots, which span {low} to {high}")]
+    /// An invalid range of parameters.
+    #[error("the range from {min} to {max} is empty or extends beyond the knots, which span {low} to {high}")]
     Range {
         /// Its start.
         min: f64,
@@ -109,15 +109,15 @@ pub enum RibErrorKind {
         high: f64,
     },
     /// A weight that is not positive.
-    #[error("a weight of the control points is {0}, it must be positive")]
+    #[error("a weight of the control points is {0}; it must be positive")]
     Weight(f64),
-    /// A point that numbers cannot express.
+    /// A point out of the range of numbers.
     #[error("a control point is out of range once it is transformed")]
     OutOfRange,
 }
 
 impl RibErrorKind {
-    /// Remedy, where it is not obvious.
+    /// Remedy, unless it is obvious.
     #[must_use]
     pub fn help(&self) -> Option<&'static str> {
         Some(match self {

@@ -1,9 +1,9 @@
-//! Requests and their arguments.
+//! Lexer of RIB files: requests and their arguments.
 
 use super::{RibError, RibErrorKind};
 use crate::source::line_and_column;
 
-/// Characters of the input that messages quote.
+/// Largest number of characters of the input in messages.
 pub(super) const QUOTED: usize = 40;
 
 /// A request with the arguments up to the next one.
@@ -27,11 +27,11 @@ pub(super) enum RibValue<'a> {
     Text(&'a [u8]),
     /// The numbers between brackets.
     Numbers(Vec<f64>),
-    /// Texts between brackets; none is of use here.
+    /// Texts between brackets, which are not used.
     Texts,
 }
 
-/// Reads forward through requests.
+/// Reader of successive requests.
 #[derive(Clone, Debug)]
 pub(super) struct RibLexer<'a> {
     bytes: &'a [u8],
@@ -107,7 +107,7 @@ impl<'a> RibLexer<'a> {
     fn number(&mut self, wanted: &'static str) -> Result<f64, RibError> {
         let start = self.clone();
         let word = self.word();
-        // Words such as "nan" and "inf" would be numbers too.
+        // Rust's parser would also accept words such as "nan" and "inf".
         let digits = !word.iter().any(|b| b.is_ascii_alphabetic() && !b"eE".contains(b));
         match std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok()) {
             Some(value) if digits && value.is_finite() => Ok(value),

@@ -1,8 +1,8 @@
 //! Surfaces from RenderMan's scene files (RIB), text only.
 //!
-//! Read are `Patch`, `PatchMesh` and `NuPatch`, `Basis`, the blocks `...Begin` and `...End`, `ReverseOrientation` and the
-//! affine transformations; surfaces come out in the frame of the file as a whole. Every other request is skipped and
-//! named, except those without which surfaces would stand in wrong places. Memory is bounded by the size of the input.
+//! Supported are `Patch`, `PatchMesh` and `NuPatch`, `Basis`, the blocks `...Begin` and `...End`, `ReverseOrientation` and the
+//! affine transformations; surfaces are in the frame of the whole file. All other requests are skipped and
+//! reported, except those that would move surfaces, which are errors. Memory is bounded by the size of the input.
 //!
 //! ```
 //! let text = r#"
@@ -44,15 +44,15 @@ use state::{PatchBasis, RibBlock, RibState, rotation};
 /// The surfaces of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RibFile {
-    /// Patches, those of equal degrees together, in the order in which their degrees first come.
+    /// Patches, grouped by degrees in the order of the first patch of each group.
     pub patches: Vec<BezierPatchesDescription>,
     /// Splines of `NuPatch`.
     pub splines: Vec<NurbsDescription>,
-    /// Requests that were skipped, each kind where it comes first.
+    /// Skipped requests, each kind with its first position.
     pub skipped: Vec<SkippedRequest>,
 }
 
-/// A kind of request that was skipped.
+/// A kind of skipped request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SkippedRequest {
     /// Its name.
@@ -63,7 +63,7 @@ pub struct SkippedRequest {
     pub column: u32,
 }
 
-/// True if a file of surfaces is RIB: it starts with a letter or a comment.
+/// Whether a file of surfaces is RIB: it starts with a letter or a comment.
 #[must_use]
 pub fn is_rib(bytes: &[u8]) -> bool {
     let first = bytes.iter().find(|b| !b.is_ascii_whitespace());
@@ -91,15 +91,15 @@ pub fn read(bytes: &[u8]) -> Result<RibFile, RibError> {
     }
 }
 
-/// Kinds of skipped requests that are told apart; there are some hundred requests in all.
+/// Largest number of reported kinds of skipped requests; there are about a hundred requests in all.
 const MAX_SKIPPED: usize = 200;
 
-/// Names of blocks; `Begin` and `End` come behind.
+/// Names of blocks, without `Begin` and `End`.
 const BLOCKS: [&str; 4] = ["Transform", "Attribute", "World", "Frame"];
 
 /// State of the reader.
 struct RibReader<'a> {
-    /// For the places of errors.
+    /// The text, for the positions of errors.
     places: RibLexer<'a>,
     state: RibState,
     open: Vec<RibBlock>,
@@ -139,7 +139,7 @@ impl RibReader<'_> {
             "Patch" => self.patch(request)?,
             "PatchMesh" => self.patch_mesh(request)?,
             "NuPatch" => self.nu_patch(request)?,
-            // Says nothing about surfaces.
+            // No effect on surfaces.
             "version" => {}
             "MotionBegin" | "ObjectBegin" | "SolidBegin" => {
                 let kind = RibErrorKind::Unsupported(request.name.to_owned());
@@ -156,7 +156,7 @@ impl RibReader<'_> {
         }
         self.open.push(RibBlock { name, at, outside: self.state });
         if name == "World" {
-            // What came before placed the camera.
+            // Earlier transformations place the camera.
             self.state.to_world = DMat4::IDENTITY;
         }
         Ok(())
@@ -211,7 +211,7 @@ impl RibReader<'_> {
     }
 
     fn matrix(&self, request: &RibRequest<'_>) -> Result<DMat4, RibError> {
-        // A row vector times the matrix there is the transposed matrix times a column here.
+        // RIB multiplies row vectors by matrices; here the transposed matrix is multiplied by columns.
         let matrix = DMat4::from_cols_array(&self.numbers(request)?);
         let bottom = matrix.row(3).to_array();
         if bottom == [0.0, 0.0, 0.0, 1.0] {

@@ -1,8 +1,8 @@
-//! What holds for the surfaces that follow: transformation, orientation and bases.
+//! State that applies to the following surfaces: transformation, orientation and bases.
 
 use glanz_math::{DMat4, DVec3};
 
-/// Blocks within blocks at most.
+/// Largest depth of nested blocks.
 pub const MAX_DEPTH: usize = 1_000;
 
 /// A part of the file between `...Begin` and `...End`.
@@ -10,7 +10,7 @@ pub const MAX_DEPTH: usize = 1_000;
 pub(super) struct RibBlock {
     /// Its directive, without `Begin`.
     pub(super) name: &'static str,
-    /// Start.
+    /// Offset of its start.
     pub(super) at: usize,
     /// The state before it.
     pub(super) outside: RibState,
@@ -19,7 +19,7 @@ pub(super) struct RibBlock {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RibState {
     pub(super) to_world: DMat4,
-    /// True if front and back of surfaces are exchanged.
+    /// Whether front and back of surfaces are exchanged.
     pub(super) reversed: bool,
     /// Along u and along v.
     pub(super) bases: [PatchBasis; 2],
@@ -33,26 +33,26 @@ impl Default for RibState {
 }
 
 impl RibState {
-    /// Puts a transformation between the surfaces that follow and those before.
+    /// Multiplies the current transformation by one that is applied first to the following surfaces.
     pub(super) fn concatenate(&mut self, matrix: DMat4) {
         self.to_world *= matrix;
     }
 
-    /// True if patches must be reversed to keep their front, because a mirror exchanges front and back.
+    /// Whether patches must be reversed to preserve their front, because a reflection exchanges front and back.
     pub(super) fn turns(&self) -> bool {
         (self.to_world.determinant() < 0.0) != self.reversed
     }
 }
 
-/// A rotation about an axis by degrees; without an axis nothing turns.
+/// A rotation about an axis by degrees; the identity without an axis.
 pub(super) fn rotation(degrees: f64, axis: DVec3) -> DMat4 {
     axis.try_normalize().map_or(DMat4::IDENTITY, |axis| DMat4::from_axis_angle(axis, degrees.to_radians()))
 }
 
-/// Basis of a cubic: the meaning of its four control points.
+/// Basis of a cubic, which defines the meaning of its four control points.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchBasis {
-    /// Weights, by row, of the points for three times each Bézier point, and what else to divide by; `None`: they are
+    /// Weights of the points for three times each Bézier point, by row, and a common divisor; `None` for
     /// Bézier points.
     to_bezier: Option<([[f64; 4]; 4], f64)>,
     /// Step in points from one patch of a mesh to the next.
@@ -94,7 +94,7 @@ const BASES: [BasisTable; 5] = [
 ];
 
 impl PatchBasis {
-    /// The basis of that name, with its usual step.
+    /// The basis of this name, with its usual step.
     pub(super) fn by_name(name: &[u8]) -> Option<Self> {
         let (_, rows, divisor, step) = BASES.iter().find(|(known, ..)| known.as_bytes() == name)?;
         Some(Self::new(*rows, *divisor, *step))
@@ -110,8 +110,8 @@ impl PatchBasis {
             return Self { to_bezier: None, step };
         }
         // A polynomial with the coefficients a3, a2, a1, a0 has the Bézier points a0, a0 + a1 / 3,
-        // a0 + 2 a1 / 3 + a2 / 3 and a0 + a1 + a2 + a3. Three times that, numbers stay whole and patches that meet get
-        // the same bits along their border.
+        // a0 + 2 a1 / 3 + a2 / 3 and a0 + a1 + a2 + a3. Multiplied by three, the factors are integers, and adjacent patches have
+        // the same bits along their common border.
         const OF_POWERS: [[f64; 4]; 4] =
             [[0.0, 0.0, 0.0, 3.0], [0.0, 0.0, 1.0, 3.0], [0.0, 1.0, 2.0, 3.0], [3.0, 3.0, 3.0, 3.0]];
         let entry = |i: usize, j: usize| (0..4).map(|k| OF_POWERS[i][k] * rows[k][j]).sum();
@@ -119,7 +119,7 @@ impl PatchBasis {
         Self { to_bezier: Some((weights, 3.0 * divisor)), step }
     }
 
-    /// Four points, of as many numbers each, as Bézier points.
+    /// Converts four points of four numbers each to Bézier points.
     pub(super) fn to_bezier(self, points: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
         let Some((weights, divisor)) = self.to_bezier else { return points };
         let sum = |i: usize, x: usize| (0..4).map(|j| weights[i][j] * points[j][x]).sum::<f64>();

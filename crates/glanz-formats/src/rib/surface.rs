@@ -1,4 +1,4 @@
-//! `Patch`, `PatchMesh` and `NuPatch`.
+//! The requests `Patch`, `PatchMesh` and `NuPatch`.
 
 use glanz_math::glam::DVec4;
 use glanz_scene::description::{BezierPatchesDescription, NurbsDescription};
@@ -10,7 +10,7 @@ use super::{RibError, RibErrorKind, RibReader};
 /// The types of patches.
 const TYPES: &str = "the type \"bicubic\" or \"bilinear\"";
 
-/// Control points of a request: homogeneous, those of a mesh with u running fastest.
+/// Control points of a request: homogeneous, for meshes with u as the fastest index.
 struct MeshPoints {
     /// Offset of their array.
     at: usize,
@@ -47,7 +47,7 @@ impl RibReader<'_> {
         self.mesh(request, [side(bases[0]), side(bases[1])])
     }
 
-    /// Patches with common points: type, then number of points and wrap along u and v.
+    /// Patches with shared points: type, then number of points and wrap along u and v.
     pub(super) fn patch_mesh(&mut self, request: &RibRequest<'_>) -> Result<(), RibError> {
         let bases = self.kind(request)?;
         let u = self.side(request, 'u', 1, bases[0])?;
@@ -91,13 +91,13 @@ impl RibReader<'_> {
         }
     }
 
-    /// Cuts a mesh into patches.
+    /// Divides a mesh into patches.
     fn mesh(&mut self, request: &RibRequest<'_>, [u, v]: [MeshDirection; 2]) -> Result<(), RibError> {
         let points = self.points(request, u.count.saturating_mul(v.count))?;
         let size = |side: &MeshDirection| side.basis.map_or((2, 1), |basis| (4, basis.step));
         let ((size_u, step_u), (size_v, step_v)) = (size(&u), size(&v));
         for (j, i) in (0..v.patches).flat_map(|j| (0..u.patches).map(move |i| (j, i))) {
-            // Both numbers of a place are taken modulo those of points, so that it exists.
+            // Both indices are modulo the numbers of points, so that the point exists.
             let place =
                 |k: usize, l: usize| (j * step_v + l) % v.count * u.count + (i * step_u + k) % u.count;
             let mut net = [[[0.0; 4]; 4]; 4];
@@ -209,7 +209,7 @@ impl RibReader<'_> {
         }
     }
 
-    /// The array behind `"P"` or `"Pw"`, whatever is declared with the name.
+    /// The array after `"P"` or `"Pw"`, whatever the declaration of the name.
     fn points(&self, request: &RibRequest<'_>, needed: usize) -> Result<MeshPoints, RibError> {
         let last_word = |text: &[u8]| text.rsplit(u8::is_ascii_whitespace).next() == Some(b"P");
         for pair in request.arguments.windows(2) {
@@ -238,11 +238,11 @@ impl RibReader<'_> {
         Err(self.wrong(request, request.at, "control points \"P\" or \"Pw\""))
     }
 
-    /// A Bézier or spline point in the frame of the file; `index`: that of a point of the file it comes from.
+    /// A Bézier or spline point in the frame of the file; `index`: index of the corresponding point of the file.
     fn placed(&self, points: &MeshPoints, index: usize, point: [f64; 4]) -> Result<[f64; 4], RibError> {
         let mut point = DVec4::from_array(point);
         if points.size == 3 {
-            // Some bases have differences of points among them, of which the weights are none.
+            // Some bases contain differences of points, whose weights are not positive.
             point.w = 1.0;
         }
         let error = |number: usize, kind: RibErrorKind| {
@@ -263,7 +263,7 @@ impl RibReader<'_> {
     }
 }
 
-/// Turns the order along u round; those of equal u, `count_v` of them, stand side by side.
+/// Reverses the order along u; the `count_v` points of equal u are consecutive.
 fn turn(points: &mut [[f64; 4]], count_v: usize) {
     points.reverse();
     points.chunks_mut(count_v.max(1)).for_each(<[_]>::reverse);

@@ -1,10 +1,10 @@
-//! Surfaces against closed forms, and bad files against what they are told.
+//! Surfaces compared with closed forms, and the messages for invalid files.
 
 use glanz_math::glam::DVec4;
 
 use super::*;
 
-/// A file with one of everything, written for these tests.
+/// A file with every supported request, written for these tests.
 const SAMPLE: &str = r#"##RenderMan RIB-Structure 1.0
 version 3.03
 Display "a.tif" "file" "rgba" # comments end with the line: Patch
@@ -34,7 +34,7 @@ fn patches(text: &str) -> Vec<BezierPatchesDescription> {
     read(text.as_bytes()).unwrap_or_else(|e| panic!("{e}: {text}")).patches
 }
 
-/// The message for a file that is wrong.
+/// The message for an invalid file.
 fn message(text: &str) -> String {
     read(text.as_bytes()).expect_err(text).to_string()
 }
@@ -74,13 +74,13 @@ fn patches_of_a_mesh_of_b_splines_are_the_plane_of_its_points() {
 #[test]
 fn later_transformations_apply_first_and_end_with_their_block() {
     let file = read(SAMPLE.as_bytes()).unwrap();
-    // Turned: (x, y, z) to (-y, x, z); doubled; moved by (10, 20, 30). What stands before the world counts for nothing.
+    // Rotated: (x, y, z) to (-y, x, z); doubled; moved by (10, 20, 30). Transformations before the world have no effect.
     let expected = [[10., 22., 30., 1.], [10., 20., 32., 1.], [8., 20., 30., 1.], [8., 22., 32., 1.]];
     let found = &file.patches[1].patches[0];
     for (p, expected) in found.iter().zip(expected) {
         assert!(p.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
     }
-    // Outside of the block again.
+    // After the block.
     assert_eq!(file.splines[0].points[0], [1.0, 0.0, 0.0, 1.0]);
 }
 
@@ -96,15 +96,15 @@ fn a_nu_patch_is_a_spline_with_its_range() {
 }
 
 #[test]
-fn requests_without_surfaces_are_named_once_where_they_come_first() {
+fn skipped_requests_are_reported_once_at_their_first_position() {
     let file = read(SAMPLE.as_bytes()).unwrap();
     let skipped: Vec<_> = file.skipped.iter().map(|s| (s.name.as_str(), s.line, s.column)).collect();
     assert_eq!(skipped, [("Display", 3, 1), ("Projection", 4, 1), ("LightSource", 7, 3), ("Color", 9, 5)]);
 }
 
 #[test]
-fn bases_mean_what_their_polynomials_say() {
-    // Along u the points have x, along v they climb a line. `one` is what all four points being 1 mean.
+fn bases_agree_with_their_polynomials() {
+    // Along u the points are given by x, along v they rise on a line. `one`: values of four points for the constant 1.
     let along = [0.0, 1.0, 2.0, 3.0];
     let constant = [0.0, 0.0, 0.0, 1.0];
     for (basis, x, expected, one) in [
@@ -135,7 +135,7 @@ fn bases_mean_what_their_polynomials_say() {
 }
 
 #[test]
-fn periodic_meshes_close_without_a_gap() {
+fn periodic_meshes_are_closed() {
     // Twelve points around the axis, four along it: twelve patches, or four with Bézier points.
     let around = (0..4).flat_map(|j| {
         (0..12).flat_map(move |i| {
@@ -159,7 +159,7 @@ fn periodic_meshes_close_without_a_gap() {
 }
 
 #[test]
-fn mirrors_and_reversed_orientations_turn_patches_to_keep_or_change_the_front() {
+fn reflections_preserve_and_reversed_orientations_exchange_the_front() {
     let corners = "\"P\" [0 0 0  1 0 0  0 1 0  1 1 0]";
     let patch =
         |before: &str| patches(&format!("{before} Patch \"bilinear\" {corners}"))[0].patches[0].clone();
@@ -193,29 +193,29 @@ impl MapZ for Vec<[f64; 4]> {
 }
 
 #[test]
-fn faults_are_told_with_their_place() {
+fn errors_have_line_and_column() {
     let p4 = "[0 0 0 1 0 0 0 1 0 1 1 0]";
     let mut wrong = Vec::new();
     let nu = |text: &str| format!("NuPatch\n{text} \"P\" {p4}");
     for (text, expected) in [
-        ("\u{2}".to_owned(), "1:1: \"\\u{2}\" stands where a request should"),
-        ("\u{e4}".to_owned(), "1:1: this is a binary or compressed file, only text is read"),
-        ("[1]".to_owned(), "1:1: \"[\" stands where a request should"),
-        ("\n Scale 1 1x 1".to_owned(), "2:10: \"1x\" stands where an argument should"),
+        ("\u{2}".to_owned(), "1:1: expected a request, found \"\\u{2}\""),
+        ("\u{e4}".to_owned(), "1:1: this is a binary or compressed file; only text is supported"),
+        ("[1]".to_owned(), "1:1: expected a request, found \"[\""),
+        ("\n Scale 1 1x 1".to_owned(), "2:10: expected an argument, found \"1x\""),
         ("Scale 1 1 1e999".to_owned(), "1:11: \"1e999\" is not finite"),
-        ("Scale [1 nan 1]".to_owned(), "1:10: \"nan\" stands where a number should"),
-        ("Scale 1 1".to_owned(), "1:1: Scale has 2 numbers, 3 are needed"),
+        ("Scale [1 nan 1]".to_owned(), "1:10: expected a number, found \"nan\""),
+        ("Scale 1 1".to_owned(), "1:1: Scale has 2 numbers; 3 are needed"),
         ("Scale 1 1 \"1\"".to_owned(), "1:11: Scale needs a number"),
         ("Surface \"matte".to_owned(), "1:9: the text that begins here has no closing quote"),
         ("Color [1 0 0".to_owned(), "1:7: the array that begins here has no closing bracket"),
-        ("X [\"a\" 1]".to_owned(), "1:8: \"1\" stands where another text should"),
+        ("X [\"a\" 1]".to_owned(), "1:8: expected another text, found \"1\""),
         ("AttributeBegin\nTransformBegin".to_owned(), "2:1: TransformBegin has no TransformEnd"),
         ("AttributeBegin TransformEnd".to_owned(), "1:16: TransformEnd closes AttributeBegin"),
         ("WorldEnd".to_owned(), "1:1: WorldEnd closes nothing"),
         ("TransformBegin ".repeat(1001), "1:15001: blocks are nested more than 1000 deep"),
         (
             "MotionBegin [0 1]".to_owned(),
-            "1:1: MotionBegin is not supported, what is in it would stand in the wrong place",
+            "1:1: MotionBegin is not supported; surfaces in it would have wrong positions",
         ),
         (
             "Transform [1 0 0 0 0 1 0 0 0 0 1 1 0 0 0 1]".to_owned(),
@@ -229,10 +229,10 @@ fn faults_are_told_with_their_place() {
         ("Basis \"power\" 0 \"bezier\" 3".to_owned(), "1:15: Basis needs a step from 1 to 4"),
         ("Patch \"cubic\"".to_owned(), "1:7: Patch needs the type \"bicubic\" or \"bilinear\""),
         ("Patch \"bilinear\" \"Pz\" [1 2 3 4]".to_owned(), "1:1: Patch needs control points \"P\" or \"Pw\""),
-        (format!("Patch \"bicubic\" \"P\" {p4}"), "1:21: Patch has 12 numbers in \"P\", 48 are needed"),
+        (format!("Patch \"bicubic\" \"P\" {p4}"), "1:21: Patch has 12 numbers in \"P\"; 48 are needed"),
         (
             "Patch \"bilinear\" \"Pw\" [0 0 0 1  1 0 0 1\n 0 1 0 -1  1 1 0 1]".to_owned(),
-            "2:8: a weight of the control points is -1, it must be positive",
+            "2:8: a weight of the control points is -1; it must be positive",
         ),
         (
             "Scale 1e300 1 1 Patch \"bilinear\" \"P\" [0 0 0  1 0 0  1e9 1 0  1 1 0]".to_owned(),
@@ -240,19 +240,19 @@ fn faults_are_told_with_their_place() {
         ),
         (
             "PatchMesh \"bicubic\" 5 \"nonperiodic\" 4 \"nonperiodic\" \"P\" []".to_owned(),
-            "1:21: 5 points along u make no whole number of patches in steps of 3",
+            "1:21: 5 points along u do not make a whole number of patches in steps of 3",
         ),
         (
             "PatchMesh \"bicubic\" 4 \"wrapped\"".to_owned(),
             "1:23: PatchMesh needs the wrap \"periodic\" or \"nonperiodic\"",
         ),
         ("PatchMesh \"bilinear\" 1.5".to_owned(), "1:22: PatchMesh needs a number of points of at least 2"),
-        (nu("2 3 [0 0 1 1] 0 1 2 2 [0 0 1 1] 0 1"), "1:1: NuPatch has 2 points along an axis, 3 are needed"),
-        (nu("2 2 [0 0 1] 0 1 2 2 [0 0 1 1] 0 1"), "2:5: NuPatch has 3 knots, 4 are needed"),
-        (nu("2 2 [0 0 1 .5] 0 1 2 2 [0 0 1 1] 0 1"), "2:12: knot 0.5 comes after 1, knots must not decrease"),
+        (nu("2 3 [0 0 1 1] 0 1 2 2 [0 0 1 1] 0 1"), "1:1: NuPatch has 2 points along an axis; 3 are needed"),
+        (nu("2 2 [0 0 1] 0 1 2 2 [0 0 1 1] 0 1"), "2:5: NuPatch has 3 knots; 4 are needed"),
+        (nu("2 2 [0 0 1 .5] 0 1 2 2 [0 0 1 1] 0 1"), "2:12: knot 0.5 follows 1; knots must not decrease"),
         (
             nu("2 2 [0 0 1 1] 0 1 2 2 [0 0 1 1] 0.5 2"),
-            "2:33: the range from 0.5 to 2 is empty or leaves the knots, which span 0 to 1",
+            "2:33: the range from 0.5 to 2 is empty or extends beyond the knots, which span 0 to 1",
         ),
     ] {
         let found = message(&text);
@@ -264,7 +264,7 @@ fn faults_are_told_with_their_place() {
 }
 
 #[test]
-fn files_of_surfaces_are_told_apart_by_their_beginning() {
+fn formats_of_surface_files_are_recognised_by_their_beginning() {
     assert!(is_rib(SAMPLE.as_bytes()) && is_rib(b"\n Patch") && is_rib(b"\x80binary"));
     assert!(!is_rib(b"32\n1,2") && !is_rib(b"") && !is_rib(b" -1"));
 }

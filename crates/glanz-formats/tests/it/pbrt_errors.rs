@@ -58,20 +58,20 @@ fn every_mistake_is_told_with_its_place() {
         // Brightness
         (
             "WorldBegin LightSource \"point\" \"float lumens\" 9 \"float power\" 3",
-            "1:47: light \"point\": \"power\" and \"lumens\" both say how bright it is",
+            "1:47: light \"point\": \"power\" and \"lumens\" both set the brightness",
         ),
         (
             "WorldBegin AreaLightSource \"diffuse\" \"float nits\" 9 \"float candela\" 3",
-            "1:51: area light \"diffuse\": \"candela\" and \"nits\" both say how bright it is",
+            "1:51: area light \"diffuse\": \"candela\" and \"nits\" both set the brightness",
         ),
         (
             "WorldBegin AreaLightSource \"diffuse\" \"float lumens\" -9",
-            "1:53: area light \"diffuse\": \"lumens\" is -9, it must not be negative",
+            "1:53: area light \"diffuse\": \"lumens\" is -9; it must not be negative",
         ),
         // Receivers
         (
             "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"integer cells\" 8",
-            "2:55: shape \"disk\": parameter \"cells\" has 1 value, 2 are needed",
+            "2:55: shape \"disk\": parameter \"cells\" has 1 value; 2 are needed",
         ),
         (
             "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"integer cells\" [0 8]",
@@ -95,15 +95,15 @@ fn every_mistake_is_told_with_its_place() {
         // Options
         (
             "Camera \"perspective\" \"float fov\" 180",
-            "1:1: camera: the field of view is 180 degrees, it must be between 0 and 180",
+            "1:1: camera: the field of view is 180 degrees; it must be between 0 and 180",
         ),
         (
             "Camera \"perspective\" \"float screenwindow\" [0 1 2]",
-            "1:44: camera \"perspective\": parameter \"screenwindow\" has 3 values, 4 are needed",
+            "1:44: camera \"perspective\": parameter \"screenwindow\" has 3 values; 4 are needed",
         ),
         (
             "Film \"image\" \"integer xresolution\" 0",
-            "1:36: film \"image\": \"xresolution\" is 0, it must be at least 1",
+            "1:36: film \"image\": \"xresolution\" is 0; it must be at least 1",
         ),
         ("Film \"image\" \"integer xresolution\" 2.5", "1:36: \"2.5\" is not an integer"),
         (
@@ -112,13 +112,13 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "Sampler \"halton\" \"integer pixelsamples\" -1",
-            "1:41: sampler \"halton\": \"pixelsamples\" is -1, it must be at least 1",
+            "1:41: sampler \"halton\": \"pixelsamples\" is -1; it must be at least 1",
         ),
         (
             "Sampler \"stratified\" \"integer xsamples\" 65536 \"integer ysamples\" 65536",
             "1:41: sampler: xsamples times ysamples is too large",
         ),
-        ("PixelFilter \"box\" \"float xwidth\" 0", "1:34: filter: \"xwidth\" is 0, it must be positive"),
+        ("PixelFilter \"box\" \"float xwidth\" 0", "1:34: filter: \"xwidth\" is 0; it must be positive"),
         (
             "PixelFilter \"gaussian\" \"float alpha\" -1",
             "1:1: filter \"gaussian\": the standard deviation must be positive",
@@ -130,16 +130,16 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin Shape \"sphere\" \"float radius\" [1 2]",
-            "1:43: shape \"sphere\": parameter \"radius\" has 2 values, 1 is needed",
+            "1:43: shape \"sphere\": parameter \"radius\" has 2 values; 1 is needed",
         ),
         (
             "WorldBegin Shape \"sphere\" \"float radius\" []",
-            "1:27: shape \"sphere\": parameter \"radius\" has 0 values, 1 is needed",
+            "1:27: shape \"sphere\": parameter \"radius\" has 0 values; 1 is needed",
         ),
         ("WorldBegin Shape \"trianglemesh\"", "1:12: shape \"trianglemesh\" has no points \"P\""),
         (
             "WorldBegin Shape \"trianglemesh\" \"point P\" [0 0 0 1]",
-            "1:44: shape \"trianglemesh\": parameter \"P\" has 4 values, a multiple of 3 is needed",
+            "1:44: shape \"trianglemesh\": parameter \"P\" has 4 values; a multiple of 3 is needed",
         ),
         (
             "WorldBegin Shape \"trianglemesh\" \"point P\" [0 0 0]",
@@ -147,15 +147,15 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin Shape \"trianglemesh\" \"point P\" [0 0 0] \"integer indices\" [0 0]",
-            "1:70: shape \"trianglemesh\": parameter \"indices\" has 2 values, a multiple of 3 is needed",
+            "1:70: shape \"trianglemesh\": parameter \"indices\" has 2 values; a multiple of 3 is needed",
         ),
         (
             "WorldBegin Shape \"trianglemesh\" \"point P\" [0 0 0] \"integer indices\" [0 0 1]",
-            "1:70: shape \"trianglemesh\": face 0 refers to point 1, there are 1",
+            "1:70: shape \"trianglemesh\": face 0 refers to point 1; there are 1",
         ),
         (
             "WorldBegin Shape \"bilinearmesh\" \"point P\" [0 0 0] \"integer indices\" [0 0 0 -1]",
-            "1:70: shape \"bilinearmesh\": face 0 refers to point -1, there are 1",
+            "1:70: shape \"bilinearmesh\": face 0 refers to point -1; there are 1",
         ),
         ("WorldBegin Shape \"plymesh\"", "1:12: shape \"plymesh\" has no \"string filename\""),
         (
@@ -172,7 +172,7 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin Shape \"algebraic\" \"integer exponents\" [1 0] \"float coefficients\" 1",
-            "1:51: shape \"algebraic\": 1 coefficients need 3 exponents, there are 2",
+            "1:51: shape \"algebraic\": 1 coefficients need 3 exponents; there are 2",
         ),
         (
             "WorldBegin Shape \"polyhedron\" \"normal N\" [1 0 0] \"float d\" [1 2]",
@@ -185,7 +185,7 @@ fn every_mistake_is_told_with_its_place() {
         // Spectra and textures
         (
             "WorldBegin Material \"matte\" \"rgb Kd\" [1 1]",
-            "1:39: material \"matte\": parameter \"Kd\" has 2 values, 3 are needed",
+            "1:39: material \"matte\": parameter \"Kd\" has 2 values; 3 are needed",
         ),
         (
             "WorldBegin Material \"matte\" \"rgb Kd\" [1 -1 1]",
@@ -193,7 +193,7 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin Material \"matte\" \"string Kd\" \"red\"",
-            "1:41: material \"matte\": parameter \"Kd\" is no spectrum",
+            "1:41: material \"matte\": parameter \"Kd\" is not a spectrum",
         ),
         (
             "WorldBegin Material \"matte\" \"texture Kd\" \"wood\"",
@@ -201,11 +201,11 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin Material \"matte\" \"spectrum Kd\" [400 1 500]",
-            "1:44: material \"matte\": parameter \"Kd\" has 3 values, pairs of wavelength and value are needed",
+            "1:44: material \"matte\": parameter \"Kd\" has 3 values; pairs of wavelength and value are needed",
         ),
         (
             "WorldBegin Material \"matte\" \"spectrum Kd\" [400 1 400 2]",
-            "1:44: material \"matte\": parameter \"Kd\" is no spectrum: sample 1 of a spectrum is at 400 nm, the one before at 400 nm; wavelengths must ascend",
+            "1:44: material \"matte\": parameter \"Kd\" is not a spectrum: sample 1 of a spectrum is at 400 nm, the one before at 400 nm; wavelengths must ascend",
         ),
         (
             "WorldBegin Material \"matte\" \"spectrum Kd\" \"red.spd\"",
@@ -213,7 +213,7 @@ fn every_mistake_is_told_with_its_place() {
         ),
         (
             "WorldBegin LightSource \"point\" \"blackbody I\" [0]",
-            "1:47: light \"point\": parameter \"I\" is no spectrum: the temperature of a black body is 0 K; it must be positive and finite",
+            "1:47: light \"point\": parameter \"I\" is not a spectrum: the temperature of a black body is 0 K; it must be positive and finite",
         ),
         (
             "WorldBegin LightSource \"point\" \"rgb I\" [0 0 0] \"float power\" 5",
@@ -222,7 +222,7 @@ fn every_mistake_is_told_with_its_place() {
         ("Texture \"t\" \"colour\" \"constant\"", "1:1: texture \"t\" has the type \"colour\""),
         (
             "Texture \"t\" \"color\" \"checkerboard\" \"integer dimension\" 4",
-            "1:56: texture \"checkerboard\": \"dimension\" is 4, it must be 2 or 3",
+            "1:56: texture \"checkerboard\": \"dimension\" is 4; it must be 2 or 3",
         ),
         (
             "Texture \"t\" \"color\" \"checkerboard\" \"string mapping\" \"cubic\"",

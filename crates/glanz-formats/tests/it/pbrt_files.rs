@@ -136,7 +136,7 @@ fn a_mesh_is_faulted_at_its_name_and_in_its_file() {
     let errors = folder.load().unwrap_err();
     assert_eq!(
         folder.messages(&errors),
-        "error: scene.pbrt:2:35: shape \"plymesh\": m.ply:13:8: element \"face\" number 0 refers to vertex 7, there are 3\n  \
+        "error: scene.pbrt:2:35: shape \"plymesh\": m.ply:13:8: element \"face\" number 0 refers to vertex 7; there are 3\n  \
            2 | Shape \"plymesh\" \"string filename\" \"m.ply\"\n    \
              |                                   ^^^^^^^\n"
     );
@@ -270,7 +270,7 @@ fn photometric_lights_have_the_candela_of_their_file() {
 }
 
 #[test]
-fn faults_of_photometric_lights_are_told_with_their_place() {
+fn errors_of_photometric_lights_have_a_position() {
     let folder = Folder::new("luminaires");
     folder.put("lamp.ies", IES).put("bad.ies", IES.replace("60 0", "60 x")).put("lamp.ldt", ldt());
     folder.put("dark.ies", IES.replace("60 0", "0 0").replace("-0.2 -0.2", "0 0"));
@@ -290,11 +290,11 @@ fn faults_of_photometric_lights_are_told_with_their_place() {
         ),
         (
             "\"string filename\" \"bad.ies\"".to_owned(),
-            "error: scene.pbrt:2:45: light \"photometric\": bad.ies:11:4: \"x\" is not a number; here stands the",
+            "error: scene.pbrt:2:45: light \"photometric\": bad.ies:11:4: \"x\" is not a number; the",
         ),
         (
             format!("{ies} \"integer lamps\" 1"),
-            "error: scene.pbrt:2:72: light \"photometric\": there is no set of lamps 1 with a flux, the file has 1",
+            "error: scene.pbrt:2:72: light \"photometric\": there is no set of lamps 1 with a flux; the file has 1",
         ),
         (
             format!("{ies} \"float lumens\" -1"),

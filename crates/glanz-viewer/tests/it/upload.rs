@@ -75,7 +75,7 @@ fn what_is_wrong_with_a_dropped_scene_is_said() {
         ),
         (vec![("a.pbrt", "WorldBegin\nInclude \"b.pbrt\"\n")], "file \"b.pbrt\" is not there"),
         (vec![("a.pbrt", "WorldBegin\nShape \"sphere\" \"float radius\" -1\n")], "a.pbrt:2:1: "),
-        (vec![("a.pbrt", "\u{0}\u{1}")], "no scene format that is known"),
+        (vec![("a.pbrt", "\u{0}\u{1}")], "not in a known scene format"),
         (vec![("a.ply", TRIANGLE)], "none of the files is a scene"),
         (vec![("a.pbrt", BALL), ("b.pbrt", BALL)], "several files may be the scene (a.pbrt, b.pbrt)"),
         (vec![], "none of the files is a scene"),

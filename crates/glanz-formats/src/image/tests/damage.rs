@@ -1,8 +1,8 @@
-//! Whatever bytes come: a picture or an error.
+//! Damaged files: any bytes give a picture or an error.
 
 use super::*;
 
-/// One small file of every format, some in several flavours.
+/// One small file of every format, of some several variants.
 fn corpus() -> Vec<(Vec<u8>, &'static str)> {
     use ::exr::prelude::*;
     use image::ImageFormat;
@@ -49,7 +49,7 @@ fn rounds(base: usize) -> usize {
     base * std::env::var("GLANZ_FUZZ").ok().and_then(|v| v.parse().ok()).unwrap_or(1)
 }
 
-/// Must come back, with a picture or an error; a picture must be whole.
+/// Reading must return a picture or an error; a picture must be complete.
 fn survive(bytes: &[u8], name: &str) {
     if let Ok(image) = read(bytes, Some(Path::new(name)), Encoding::Srgb) {
         assert!(image.pixels.channels().iter().all(|c| c.values.len() == image.pixels.len()));
@@ -73,7 +73,7 @@ fn every_mutated_file_gives_a_picture_or_an_error() {
     for (bytes, name) in corpus() {
         for _ in 0..rounds(300) {
             let mut damaged = bytes.clone();
-            // Headers are where sizes are: half of the damage goes there.
+            // Half of the damage is in headers, which contain the sizes.
             for _ in 0..1 + numbers.below(6) {
                 let reach =
                     if numbers.below(2) == 0 { damaged.len().min(64 + 16 * 20) } else { damaged.len() };
@@ -96,7 +96,7 @@ fn every_mutated_file_gives_a_picture_or_an_error() {
 }
 
 #[test]
-fn random_bytes_behind_every_mark_give_an_error_or_a_picture() {
+fn random_bytes_after_every_signature_give_an_error_or_a_picture() {
     let mut numbers = Numbers(3);
     let marks: &[&[u8]] = &[
         &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0],

@@ -1,4 +1,4 @@
-//! The other formats, and how a format is told.
+//! The other formats, and the recognition of formats.
 
 use super::*;
 
@@ -35,7 +35,7 @@ fn hdr_keeps_colours_to_one_part_in_128_of_the_brightest_channel() {
 }
 
 #[test]
-fn hdr_brings_what_it_cannot_hold_into_range() {
+fn hdr_brings_unsupported_values_into_range() {
     let odd = [[f32::NAN, -1.0, 0.0], [f32::INFINITY, 1.0, f32::MAX], [1e-44, 0.0, 0.0]];
     let pixels = Pixels::try_from_rgb(3, 1, &odd).unwrap();
     let back = linear(&write_default(&pixels, Format::Hdr)).pixels.to_rgb().unwrap();
@@ -45,7 +45,7 @@ fn hdr_brings_what_it_cannot_hold_into_range() {
 }
 
 #[test]
-fn png_stores_what_the_display_shows() {
+fn png_stores_display_values() {
     let pixels =
         Pixels::try_from_rgb(3, 1, &[[0.0, 0.5, 1.0], [2.0, -1.0, f32::NAN], [0.214_041; 3]]).unwrap();
     let bytes = write_default(&pixels, Format::Png);
@@ -86,7 +86,7 @@ fn png_of_every_depth_and_colour_type_is_read() {
 }
 
 #[test]
-fn formats_that_are_only_read_give_the_picture_written_by_others() {
+fn formats_that_are_only_read_give_pictures_written_by_another_library() {
     use image::ImageFormat;
     let mut buffer = image::RgbImage::new(24, 16);
     for (x, y, pixel) in buffer.enumerate_pixels_mut() {
@@ -114,7 +114,7 @@ fn formats_that_are_only_read_give_the_picture_written_by_others() {
 }
 
 #[test]
-fn content_decides_over_the_extension() {
+fn content_takes_precedence_over_the_extension() {
     let bytes = write_default(&picture(2, 2), Format::Exr);
     assert_eq!(read(&bytes, Some(Path::new("a.png")), Encoding::Srgb).unwrap().format, Format::Exr);
     assert_eq!(Format::from_path(Path::new("x/y.JPeG")), Some(Format::Jpeg));
@@ -147,7 +147,7 @@ fn a_few_bytes_that_claim_a_huge_picture_are_refused() {
 }
 
 #[test]
-fn errors_of_a_damaged_pfm_say_where() {
+fn errors_of_a_damaged_pfm_have_an_offset() {
     for (file, place) in
         [(&b"PF\nx 2\n-1.0\n"[..], 3), (b"PF\n1 1\n0\n", 7), (b"PF\n1 1\n-1.0\n1234", 16), (b"PF\n1 ", 5)]
     {

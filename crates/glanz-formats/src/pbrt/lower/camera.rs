@@ -8,7 +8,7 @@ use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::ParseResult;
 
 impl Lowering {
-    /// Takes over a camera; `to_camera` is the transformation that holds at the directive.
+    /// Lowers a camera; `to_camera` is the current transformation at the directive.
     pub(crate) fn camera(
         &mut self,
         kind: &str,
@@ -41,7 +41,7 @@ impl Lowering {
         let degrees = fov.or(half.map(|h| 2.0 * h)).unwrap_or(90.0);
         if !(degrees > 0.0 && degrees < 180.0) {
             let message =
-                format!("camera: the field of view is {degrees} degrees, it must be between 0 and 180");
+                format!("camera: the field of view is {degrees} degrees; it must be between 0 and 180");
             return Err(r.error(&place, "parameter-range", message));
         }
         let kind = match kind {

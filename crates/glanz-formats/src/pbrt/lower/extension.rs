@@ -1,4 +1,4 @@
-//! Shapes that pbrt does not have; `docs/scene-format.md` describes them.
+//! Shapes in addition to those of pbrt; `docs/scene-format.md` describes them.
 
 use glanz_math::DVec3;
 use glanz_scene::description::GeometryDescription;
@@ -11,7 +11,7 @@ use crate::source::ParseResult;
 const MAX_DEGREE: i32 = 4;
 
 impl Lowering {
-    /// One of the shapes beyond pbrt.
+    /// Lowers a shape in addition to those of pbrt.
     pub(super) fn extension(
         &mut self,
         kind: &str,
@@ -68,7 +68,7 @@ impl Lowering {
         Ok(GeometryDescription::Polyhedron { half_spaces })
     }
 
-    /// A box by two corners, or by its size about the origin.
+    /// A box by two corners, or by its size around the origin.
     fn cuboid(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         let size_place = list.value_place("size");
         let size = list.vec3("size", &mut self.reporter)?;
@@ -94,7 +94,7 @@ impl Lowering {
         };
         if exponents.len() != 3 * coefficients.len() {
             let message = format!(
-                "shape \"algebraic\": {} coefficients need {} exponents, there are {}",
+                "shape \"algebraic\": {} coefficients need {} exponents; there are {}",
                 coefficients.len(),
                 3 * coefficients.len(),
                 exponents.len()
@@ -121,7 +121,7 @@ impl Lowering {
                 [a, b] => [a.min(b), a.max(b)],
                 _ => {
                     let message = format!(
-                        "shape \"algebraic\": \"clip\" has {} points, 2 corners are needed",
+                        "shape \"algebraic\": \"clip\" has {} points; 2 corners are needed",
                         corners.len()
                     );
                     return Err(self.reporter.error(&clip_place, "parameter-count", message));

@@ -7,7 +7,7 @@ use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::ParseResult;
 
-/// Parameters of films that change no value of a picture.
+/// Parameters of films without effect on the values of a picture.
 const OF_NO_INFLUENCE: &[&str] = &[
     "diagonal",
     "maxsampleluminance",
@@ -39,7 +39,7 @@ fn default_filter(dialect: Dialect) -> FilterDescription {
     }
 }
 
-/// Gives the description the defaults of its dialect where the file was silent.
+/// Sets unspecified parameters to the defaults of the dialect.
 pub(crate) fn finish_film(lowering: &mut Lowering) {
     if !lowering.has_film {
         lowering.description.film.resolution = default_resolution(lowering.dialect);
@@ -50,7 +50,7 @@ pub(crate) fn finish_film(lowering: &mut Lowering) {
 }
 
 impl Lowering {
-    /// Takes over the size and cut of the picture.
+    /// Lowers the size and the crop window of the picture.
     pub(crate) fn film(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let r = &mut self.reporter;
@@ -87,7 +87,7 @@ impl Lowering {
         let mut crop = [0.0, 1.0, 0.0, 1.0];
         let crop_place = list.value_place("cropwindow");
         if let Some(window) = list.float_array::<4>("cropwindow", r)? {
-            // pbrt takes the bounds of an axis in either order.
+            // pbrt accepts the bounds of an axis in either order.
             crop = [
                 window[0].min(window[1]).clamp(0.0, 1.0),
                 window[0].max(window[1]).clamp(0.0, 1.0),
@@ -100,7 +100,7 @@ impl Lowering {
         if let Some((p, bounds)) = list.integers("pixelbounds", r)? {
             let [x0, x1, y0, y1] = bounds[..] else {
                 let message =
-                    format!("film: parameter {:?} has {} values, 4 are needed", p.name, bounds.len());
+                    format!("film: parameter {:?} has {} values; 4 are needed", p.name, bounds.len());
                 return Err(r.error(&bounds_place, "parameter-count", message));
             };
             let [w, h] = resolution.map(f64::from);
@@ -115,7 +115,7 @@ impl Lowering {
         Ok(crop)
     }
 
-    /// Takes over the pixel filter.
+    /// Lowers the pixel filter.
     pub(crate) fn filter(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let v4 = self.dialect == Dialect::V4;
@@ -124,7 +124,7 @@ impl Lowering {
             "box" => (0.5, FilterKind::Box),
             "triangle" => (2.0, FilterKind::Triangle),
             "gaussian" => {
-                // Version 3 says exp(-alpha d^2), alpha 2, which is the default of version 4, too.
+                // Version 3 has exp(-alpha d^2) with alpha 2, which is also the default of version 4.
                 let alpha = list.float("alpha", r)?;
                 let of_alpha = alpha.map(|a| 1.0 / (2.0 * a).sqrt());
                 let sigma = list.float("sigma", r)?.or(of_alpha).unwrap_or(0.5);
@@ -168,7 +168,7 @@ impl Lowering {
                 let value_place = list.value_place(name);
                 if let Some(x) = list.float(name, r)? {
                     if x <= 0.0 {
-                        let message = format!("filter: {name:?} is {x}, it must be positive");
+                        let message = format!("filter: {name:?} is {x}; it must be positive");
                         return Err(r.error(&value_place, "parameter-range", message));
                     }
                     radii[i] = x;

@@ -1,4 +1,4 @@
-//! Freeform surfaces: pbrt's `nurbs`, and patches that pbrt does not have; `docs/scene-format.md` describes them.
+//! Freeform surfaces: pbrt's `nurbs`, and additional kinds of patches; `docs/scene-format.md` describes them.
 
 use glanz_math::DVec3;
 use glanz_scene::description::{
@@ -11,10 +11,10 @@ use crate::newell;
 use crate::pbrt::parameters::ParameterList;
 use crate::source::ParseResult;
 
-/// Degree of patches that name none, and of those of a list after Newell.
+/// Default degree of patches, and that of lists in Newell's format.
 const CUBIC: u32 = 3;
 
-/// The parameters that say one direction of a `nurbs`.
+/// Names of the parameters of one direction of a `nurbs`.
 struct NurbsAxisNames {
     count: &'static str,
     order: &'static str,
@@ -33,14 +33,14 @@ struct NurbsAxis {
     count: usize,
     degree: usize,
     knots: Vec<f64>,
-    /// Domain of the knots.
+    /// The domain of the knots.
     domain: [f64; 2],
     /// The kept part of the domain.
     part: [f64; 2],
 }
 
 impl Lowering {
-    /// One of the freeform surfaces.
+    /// Lowers a freeform surface.
     pub(super) fn freeform(
         &mut self,
         kind: &str,
@@ -87,13 +87,13 @@ impl Lowering {
         let needed = count.saturating_add(order);
         if knots.len() != needed {
             let message = format!(
-                "{}: parameter {:?} has {} values, {needed} are needed",
+                "{}: parameter {:?} has {} values; {needed} are needed",
                 list.subject,
                 names.knots,
                 knots.len()
             );
             let help = Some(format!(
-                "there are as many knots as {:?} and {:?} together, {count} + {order}",
+                "the number of knots is the sum of {:?} and {:?}, {count} + {order}",
                 names.count, names.order
             ));
             return Err(self.reporter.error_with_help(&p.value_place, "parameter-count", message, help));
@@ -117,7 +117,7 @@ impl Lowering {
         self.reporter.error(&list.place, "parameter-missing", message)
     }
 
-    /// The part of the domain that is kept along one direction.
+    /// The kept part of the domain along one direction.
     fn part(
         &mut self,
         list: &mut ParameterList,
@@ -134,7 +134,7 @@ impl Lowering {
                     "{}: {name:?} is {value}, the knots {:?} go from {} to {}",
                     list.subject, names.knots, domain[0], domain[1]
                 );
-                let help = Some(format!("leave {name:?} out to keep everything on that side"));
+                let help = Some(format!("omit {name:?} to keep everything on that side"));
                 return Err(self.reporter.error_with_help(&here, "parameter-range", message, help));
             }
             (*end, place) = (value, here);
@@ -220,7 +220,7 @@ impl Lowering {
         self.weighted(&list.subject, &points, weights)
     }
 
-    /// Bicubic patches with common points.
+    /// Bicubic patches with shared points.
     fn patch_mesh(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
         if !list.has("P") {
             let message = format!("{} has neither \"string filename\" nor points \"P\"", list.subject);
@@ -231,7 +231,7 @@ impl Lowering {
         self.bicubic_patches(list, &positions, &indices)
     }
 
-    /// Bicubic patches from points and sixteen of their numbers each.
+    /// Bicubic patches from points, each with the indices of sixteen points.
     pub(super) fn bicubic_patches(
         &mut self,
         list: &ParameterList,
@@ -257,7 +257,7 @@ impl Lowering {
     }
 }
 
-/// Points side by side along v that were side by side along u, `count_u` of them.
+/// Transposes control points: the input has consecutive rows of `count_u` points along u, the result consecutive points along v.
 fn transposed(points: &[[f64; 4]], count_u: usize) -> Vec<[f64; 4]> {
     (0..count_u).flat_map(|i| points.iter().skip(i).step_by(count_u).copied()).collect()
 }

@@ -6,11 +6,11 @@ use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::ParseResult;
 
-/// Scattering events per path at most, if the file is silent.
+/// Default for the largest number of scattering events of a path.
 const DEFAULT_DEPTH: u32 = 5;
 
 impl Lowering {
-    /// Takes over how samples are spread. All of pbrt's low-discrepancy sequences become the best one there is.
+    /// Lowers the sampler. All of pbrt's low-discrepancy sequences become the best available one.
     pub(crate) fn sampler(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let r = &mut self.reporter;
@@ -66,7 +66,7 @@ impl Lowering {
         Ok(())
     }
 
-    /// Takes over how light is gathered.
+    /// Lowers the integrator.
     pub(crate) fn integrator(&mut self, kind: &str, mut list: ParameterList) -> ParseResult<()> {
         let place = list.place;
         let r = &mut self.reporter;
@@ -105,7 +105,7 @@ impl Lowering {
             guide,
             location: Some(place.location),
         };
-        // Parameters of other integrators, and those that change the noise but not the expected picture.
+        // Parameters of other integrators, and those that affect the noise but not the expected picture.
         list.ignore(&[
             "regularize",
             "lightsampler",

@@ -77,7 +77,7 @@ impl Lowering {
         let inner = (cone - delta).max(0.0);
         let mut light = self.emission(list, "I", context.color_space)?;
         let (falloff, falling) = match self.dialect {
-            // The mean over the falling part: of the fourth power 1/5, of the cubic step 1/2.
+            // The mean over the falloff: 1/5 for the fourth power, 1/2 for the cubic step.
             Dialect::V3 => (SpotFalloff::Quartic, 0.2),
             Dialect::V4 => (SpotFalloff::Smoothstep, 0.5),
         };
@@ -130,8 +130,8 @@ impl Lowering {
         Ok((LightKind::Infinite, light))
     }
 
-    /// Scales a light so that it sends out the `power` of version 4 or so many `lumens`, or sends `candela` along its axis; `solid_angle` is
-    /// the integral of its intensity over that of its axis.
+    /// Scales a light to the `power` of version 4, to its `lumens`, or to `candela` along its axis; `solid_angle` is
+    /// the integral of its intensity divided by the intensity along the axis.
     fn power(
         &mut self,
         list: &mut ParameterList,
@@ -144,16 +144,16 @@ impl Lowering {
         self.photometric_target(list, "candela", light, LUMINOUS_EFFICACY)
     }
 
-    /// Refuses a second one of parameters that all say how bright a light is.
+    /// Refuses a second parameter that sets the brightness of a light.
     fn only_one(&mut self, list: &ParameterList, names: &[&str]) -> ParseResult<()> {
         let mut given = names.iter().filter(|name| list.has(name));
         let (Some(first), Some(second)) = (given.next(), given.next()) else { return Ok(()) };
-        let message = format!("{}: {first:?} and {second:?} both say how bright it is", list.subject);
+        let message = format!("{}: {first:?} and {second:?} both set the brightness", list.subject);
         let (place, help) = (list.value_place(second), Some("give one of them".to_owned()));
         Err(self.reporter.error_with_help(&place, "parameter-conflict", message, help))
     }
 
-    /// As [`Lowering::target`], of a number that must not be negative and may be 0.
+    /// As [`Lowering::target`], for a number that must not be negative and may be 0.
     fn photometric_target(
         &mut self,
         list: &mut ParameterList,
@@ -177,15 +177,15 @@ impl Lowering {
         let place = list.value_place(name);
         match list.float(name, &mut self.reporter)? {
             Some(value) if value < 0.0 => {
-                let message = format!("{}: {name:?} is {value}, it must not be negative", list.subject);
+                let message = format!("{}: {name:?} is {value}; it must not be negative", list.subject);
                 Err(self.reporter.error(&place, "parameter-range", message))
             }
             value => Ok(value),
         }
     }
 
-    /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is that of a light
-    /// of 1.
+    /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is the illuminance of a light
+    /// of radiance 1.
     fn illuminance(
         &mut self,
         list: &mut ParameterList,
@@ -205,13 +205,13 @@ impl Lowering {
         let place = list.value_place(name);
         let Some(target) = list.float(name, &mut self.reporter)? else { return Ok(()) };
         if target <= 0.0 {
-            // pbrt takes this for "not given".
+            // pbrt treats this as not given.
             return Ok(());
         }
         self.scale_to(list, &place, name, light, target / per_unit)
     }
 
-    /// Gives a light the luminance `target`, which `name` asks for, before its `scale`.
+    /// Scales a light to the luminance `target` of the parameter `name`, before its `scale`.
     fn scale_to(
         &mut self,
         list: &ParameterList,
@@ -225,12 +225,12 @@ impl Lowering {
             let message = format!("{}: a black light cannot have {name:?}", list.subject);
             return Err(self.reporter.error(place, "parameter-range", message));
         }
-        // The spectrum's own magnitude goes; `scale` stays as a factor on top.
+        // The spectrum's own magnitude is removed; `scale` remains as a factor.
         light.normalisation = (target / luminance) as f32;
         Ok(())
     }
 
-    /// The mean of a picture over the sphere of directions: a square one as version 4's equal-area map, others as
+    /// The mean of a picture over the sphere of directions: a square picture is version 4's equal-area map, others are in
     /// longitude and latitude.
     fn mean_radiance(&mut self, name: &str) -> Result<[f32; 3], FileError> {
         let (path, bytes) = self.read_file(name)?;
@@ -241,7 +241,7 @@ impl Lowering {
         })
     }
 
-    /// The light that the shapes to come give off.
+    /// Sets the emission of the following shapes.
     pub(crate) fn area_light(
         &mut self,
         kind: &str,
@@ -268,7 +268,7 @@ impl Lowering {
 }
 
 impl Lowering {
-    /// `power`, `lumens` or `candela`, with the factor `scale` as pbrt has it; `nits` become the radiance of `light`.
+    /// `power`, `lumens` or `candela`, with the factor `scale` as in pbrt; `nits` become the radiance of `light`.
     fn emission_power(
         &mut self,
         list: &mut ParameterList,
@@ -277,7 +277,7 @@ impl Lowering {
         self.only_one(list, &["power", "lumens", "candela", "nits"])?;
         self.photometric_target(list, "nits", light, LUMINOUS_EFFICACY)?;
         let factor = f64::from(light.factor);
-        // pbrt takes a power that is not positive for "not given".
+        // pbrt treats a power that is not positive as not given.
         let watts = list.float("power", &mut self.reporter)?.filter(|p| *p > 0.0);
         let watts = watts.map(|p| EmissionPower::Watts(p as f32 * light.factor));
         let lumens = self.not_negative(list, "lumens")?.map(|l| EmissionPower::Lumens(l * factor));
@@ -288,14 +288,14 @@ impl Lowering {
 
 pub(super) type LightParts = (LightKind, EmissionParameters);
 
-/// Mean over the sphere; pixels that are not finite count as black. `None` without colour.
+/// Mean over the sphere; pixels that are not finite count as black. `None` without colour channels.
 fn mean_over_sphere(pixels: &Pixels) -> Option<[f32; 3]> {
     let rgb = pixels.to_rgb()?;
     let (width, height) = (pixels.width() as usize, pixels.height() as usize);
     let mut sum = [0.0f64; 3];
     let mut weights = 0.0;
     for (y, row) in rgb.chunks_exact(width).enumerate() {
-        // Rows of longitude and latitude are as wide as the sine of their angle from the pole.
+        // The width of rows in longitude and latitude is the sine of their angle from the pole.
         let weight = if width == height { 1.0 } else { (PI * (y as f64 + 0.5) / height as f64).sin() };
         for pixel in row.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
             for (s, x) in sum.iter_mut().zip(pixel) {
@@ -312,7 +312,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mean_of_a_sky_over_black_ground_is_half_the_sky() {
+    fn mean_of_a_sky_over_black_ground_is_half_the_sky() {
         // Ten rows, the upper five white: by symmetry half of the sphere.
         let rgb: Vec<[f32; 3]> = (0..200).map(|i| if i < 100 { [2.0, 4.0, 6.0] } else { [0.0; 3] }).collect();
         let mean = mean_over_sphere(&Pixels::try_from_rgb(20, 10, &rgb).unwrap()).unwrap();
@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pole_weighs_less_than_the_equator_except_in_equal_area_maps() {
+    fn pole_has_less_weight_than_the_equator_except_in_equal_area_maps() {
         let of = |width: u32, height: u32| {
             let count = (width * height) as usize;
             let rgb: Vec<[f32; 3]> =

@@ -16,7 +16,7 @@ use crate::photometry::{self, Photometry, PhotometryError, PhotometryFile};
 use crate::source::ParseResult;
 
 impl Lowering {
-    /// The light of an IES or EULUMDAT file.
+    /// Lowers a light with an IES or EULUMDAT file.
     pub(super) fn photometric(
         &mut self,
         list: &mut ParameterList,
@@ -52,7 +52,7 @@ impl Lowering {
         Ok((LightKind::Photometric { distribution, opening, from }, emission))
     }
 
-    /// `color`, of which the magnitude does not count, and `scale`.
+    /// `color`, whose magnitude is ignored, and `scale`.
     fn color_and_scale(
         &mut self,
         list: &mut ParameterList,
@@ -66,7 +66,7 @@ impl Lowering {
         Ok(EmissionParameters { spectrum, factor, normalisation: 1.0 })
     }
 
-    /// The photometry in the file, and in that of its tilt data if it names one.
+    /// The photometry in the file, and in the file of its tilt data if there is one.
     fn photometry(&mut self, p: &Parameter, path: &Path, bytes: &[u8]) -> ParseResult<Photometry> {
         let read = photometry::read_with(bytes, &mut |tilt| {
             self.read_file(tilt).map(|(_, bytes)| bytes).map_err(|problem| problem.message)
@@ -122,7 +122,7 @@ impl Lowering {
         Ok(rays)
     }
 
-    /// `lamps`: which set of an EULUMDAT file.
+    /// `lamps`: number of the set of lamps of an EULUMDAT file.
     fn choose_lamps(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> ParseResult<()> {
         let place = list.value_place("lamps");
         let Some(set) = list.integer_from("lamps", 0, &mut self.reporter)?.filter(|&set| set > 0) else {
@@ -133,7 +133,7 @@ impl Lowering {
             None => {
                 let count = photometry.lamps.len();
                 let message = format!(
-                    "light \"photometric\": there is no set of lamps {set} with a flux, the file has {count}"
+                    "light \"photometric\": there is no set of lamps {set} with a flux; the file has {count}"
                 );
                 let help = Some("sets are counted from 0; only EULUMDAT files have several".to_owned());
                 return Err(self.reporter.error_with_help(&place, "parameter-range", message, help));
@@ -142,7 +142,7 @@ impl Lowering {
         Ok(())
     }
 
-    /// `tilt`: degrees that the lamp is turned by, for files that say what that does.
+    /// `tilt`: angle of the lamp in degrees, for files with tilt data.
     fn tilt(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> ParseResult<()> {
         let place = list.value_place("tilt");
         let Some(degrees) = list.float("tilt", &mut self.reporter)? else { return Ok(()) };
@@ -154,7 +154,7 @@ impl Lowering {
         self.scale(&place, photometry.scaled_by(factor), photometry, &format!("the tilt factor {factor}"))
     }
 
-    /// `lumens`: what the luminaire gives in all, in place of what its file says.
+    /// `lumens`: total flux of the luminaire, in place of that in its file.
     fn scale_to_lumens(&mut self, list: &mut ParameterList, photometry: &mut Photometry) -> ParseResult<()> {
         let place = list.value_place("lumens");
         let Some(lumens) = list.float("lumens", &mut self.reporter)? else { return Ok(()) };
@@ -196,17 +196,17 @@ impl Lowering {
             "area" => Ok(Some(photometry.opening)),
             other => {
                 let message = format!("light \"photometric\": {:?} is not known as \"as\"", shortened(other));
-                let help = Some("a luminaire shines as a point or as an area".to_owned());
+                let help = Some("a luminaire is a point or an area".to_owned());
                 Err(self.reporter.error_with_help(&p.value_place, "parameter-range", message, help))
             }
         }
     }
 }
 
-/// Largest number of rays of a file: all are in memory, 28 bytes each and 8 for their selection.
+/// Largest number of rays of a file: all are in memory, with 28 bytes each and 8 for their selection.
 const MAX_RAYS: u64 = 20_000_000;
 
-/// The rays of a file, each with a share of its flux, and the lumens that it states.
+/// The rays of a file, each with its fraction of the flux, and the lumens stated in the file.
 fn read_rays(bytes: &[u8]) -> Result<(Vec<SourceRay>, Option<f64>), String> {
     let rays = RayReader::new(bytes).map_err(|error| error.to_string())?;
     let header = rays.header().clone();
@@ -216,7 +216,7 @@ fn read_rays(bytes: &[u8]) -> Result<(Vec<SourceRay>, Option<f64>), String> {
     let single = |v: DVec3| v.as_vec3().to_array();
     let read = rays.map(|ray| {
         let ray = ray.map_err(|error| error.to_string())?;
-        // The header knows no other kinds of flux.
+        // The header has no other kinds of flux.
         let lumens = ray.luminous_flux.or(ray.radiant_flux).unwrap_or(0.0);
         Ok(SourceRay { origin: single(ray.position), direction: single(ray.direction), lumens })
     });

@@ -10,7 +10,7 @@ use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::{ParseResult, Span};
 
-/// A material with a name. It may be used before it is made: then its place in the list is kept free.
+/// A material with a name. If it is used before its definition, its place in the list is reserved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NamedMaterial {
     pub(crate) index: usize,
@@ -19,7 +19,7 @@ pub(crate) struct NamedMaterial {
 }
 
 impl Lowering {
-    /// Adds a material and gives its index.
+    /// Adds a material; returns its index.
     pub(crate) fn material(
         &mut self,
         kind: &str,
@@ -33,7 +33,7 @@ impl Lowering {
         Ok(materials.len() - 1)
     }
 
-    /// Makes a material with a name; its type is the parameter `type`.
+    /// Defines a material with a name; its type is the parameter `type`.
     pub(crate) fn named_material(
         &mut self,
         name: &str,
@@ -63,7 +63,7 @@ impl Lowering {
         Ok(())
     }
 
-    /// The index of the material of that name, which may come later.
+    /// The index of the material of this name, which may be defined later.
     pub(crate) fn use_material(&mut self, name: &str, place: &Span) -> usize {
         if let Some(material) = self.materials.get(name) {
             return material.index;
@@ -80,7 +80,7 @@ impl Lowering {
         self.description.materials.len() - 1
     }
 
-    /// The material of shapes that were given none.
+    /// The material of shapes without one.
     pub(crate) fn default_material(&mut self, place: &Span) -> usize {
         match self.default_material {
             Some(index) => index,
@@ -92,7 +92,7 @@ impl Lowering {
         }
     }
 
-    /// Complains of materials that were used and never made.
+    /// Reports materials that are used and never defined.
     pub(crate) fn check_materials(&mut self) {
         let missing: Vec<(String, Span)> = self
             .materials
@@ -137,7 +137,7 @@ impl Lowering {
         Ok(made)
     }
 
-    /// Bumps and the like, which every material may have.
+    /// Bump maps and similar details, which every material may have.
     fn surface_detail(&mut self, list: &mut ParameterList) -> ParseResult<()> {
         for name in ["bumpmap", "displacement", "normalmap"] {
             let place = list.value_place(name);
@@ -168,8 +168,8 @@ impl Lowering {
         Ok(MaterialKind::diffuse(reflectance))
     }
 
-    /// A metal from its index and absorption (copper's by default) or, in version 4, from its reflectance at normal
-    /// incidence r: index 1 and absorption `2 sqrt(r / (1 - r))` have it.
+    /// A metal by its index and absorption (copper's by default) or, in version 4, by its reflectance r at normal
+    /// incidence, which is that of index 1 and absorption `2 sqrt(r / (1 - r))`.
     pub(super) fn conductor(
         &mut self,
         kind: &str,
@@ -221,7 +221,7 @@ impl Lowering {
         })
     }
 
-    /// Takes out the roughness and says that a smooth surface stands in if it is not 0.
+    /// Reads the roughness; reports that a smooth surface stands in if it is not 0.
     fn smooth(&mut self, kind: &str, list: &mut ParameterList, default: f32) -> ParseResult<()> {
         let place = ["roughness", "uroughness", "vroughness"]
             .into_iter()
@@ -258,11 +258,11 @@ impl Lowering {
     }
 }
 
-/// The absorption that gives a metal of index 1 this reflectance at normal incidence; `None` for a black body, which
-/// is none.
+/// The absorption of a metal of index 1 with this reflectance at normal incidence; `None` for a black body, which
+/// is not a reflectance.
 fn absorption_of(reflectance: &SpectralDistribution) -> Option<SpectralDistribution> {
     let k = |r: f32| {
-        // As pbrt does: full reflection would need infinite absorption.
+        // As in pbrt: full reflection would need infinite absorption.
         let r = r.clamp(0.0, 0.9999);
         2.0 * (r / (1.0 - r)).sqrt()
     };

@@ -1,4 +1,4 @@
-//! Materials that something else stands in for.
+//! Substitutes for unsupported materials.
 
 use glanz_light::SpectralDistribution;
 use glanz_scene::description::{
@@ -15,7 +15,7 @@ use crate::source::ParseResult;
 /// Reflectance of the surface of plastic (index 1.5) seen from straight above.
 const PLASTIC_SURFACE: f32 = 0.04;
 
-/// A material and the words for it.
+/// A material and its description in messages.
 type MaterialStandIn = (MaterialKind, String);
 
 impl Lowering {
@@ -23,7 +23,7 @@ impl Lowering {
     ///
     /// A microfacet distribution of width alpha is about as wide as `cos^m` of the half-angle with
     /// `m = 2 / alpha^2 - 2` (@walter2007). The angle from the mirrored direction is twice the half-angle, so that its
-    /// exponent is `m / 4`. pbrt maps roughness to alpha by a polynomial unless told not to.
+    /// exponent is `m / 4`. pbrt maps roughness to alpha by a polynomial unless this is switched off.
     fn exponent(&mut self, list: &mut ParameterList, default: f32) -> ParseResult<f32> {
         let remap = list.boolean("remaproughness", &mut self.reporter)?.unwrap_or(true);
         let roughness = match self.roughness(list, default)? {
@@ -34,7 +34,7 @@ impl Lowering {
         Ok((0.25 * (2.0 / (alpha * alpha) - 2.0)).clamp(0.0, MAX_EXPONENT))
     }
 
-    /// Materials that something else stands in for.
+    /// Lowers an unsupported material to its substitute.
     pub(super) fn replaced_material(
         &mut self,
         kind: &str,
@@ -98,7 +98,7 @@ impl Lowering {
         Ok(phong(diffuse, specular, exponent))
     }
 
-    /// A diffuse base under a coat. What the coat reflects does not reach the base (Ashikhmin and Shirley's factor
+    /// A diffuse base under a coat. Light reflected by the coat does not reach the base (Ashikhmin and Shirley's factor
     /// 1 - Ks).
     fn substrate(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialStandIn> {
         let exponent = self.exponent(list, 0.1)?;
@@ -118,7 +118,7 @@ impl Lowering {
         Ok(phong(diffuse, specular, exponent))
     }
 
-    /// The part that is reflected.
+    /// The reflected part.
     fn translucent(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialStandIn> {
         list.ignore(&["Ks", "roughness", "transmit", "remaproughness"]);
         let base = self.spectrum_or(list, "Kd", 0.25, space)?;
@@ -129,7 +129,7 @@ impl Lowering {
         Ok((MaterialKind::diffuse(reflectance), "\"diffuse\" of what it reflects".to_owned()))
     }
 
-    /// The reflectance of a material that is shown as a diffuse one, whatever it calls it.
+    /// The reflectance of a material with a diffuse substitute, under any of its names.
     fn diffuse_of(
         &mut self,
         kind: &str,
@@ -220,7 +220,7 @@ impl Lowering {
         self.product(input, grey(factor), list)
     }
 
-    /// An input times a spectrum, through a texture where need be.
+    /// An input times a spectrum, by a texture if necessary.
     fn product(
         &mut self,
         input: SpectrumParameter,
@@ -251,7 +251,7 @@ impl Lowering {
     }
 }
 
-/// A Phong material. Light of every direction, which the classical model calls ambient, meets the diffuse base as well.
+/// A Phong material. The ambient reflectance is that of the diffuse base.
 fn phong(diffuse: SpectrumParameter, specular: SpectrumParameter, exponent: f32) -> MaterialStandIn {
     (
         MaterialKind::phong(diffuse.clone(), diffuse, specular, exponent),
@@ -259,7 +259,7 @@ fn phong(diffuse: SpectrumParameter, specular: SpectrumParameter, exponent: f32)
     )
 }
 
-/// Sharper lobes than this cannot be told from a mirror in `f32`.
+/// Largest exponent: in `f32`, sharper lobes cannot be distinguished from a mirror.
 const MAX_EXPONENT: f32 = 1e6;
 
 /// pbrt's map from roughness in [0, 1] to the width of a microfacet distribution (@pbrt3 section 8.4.3).
@@ -268,10 +268,10 @@ fn roughness_to_alpha(roughness: f32) -> f32 {
     1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
 }
 
-/// Parameters of version 4's coated materials that make no difference to their stand-ins.
+/// Parameters of version 4's coated materials without effect on their substitutes.
 const COAT: &[&str] = &["thickness", "g", "albedo", "maxdepth", "nsamples", "twosided", "remaproughness"];
 
-/// Materials of pbrt that are not an unknown word.
+/// Names of pbrt's other materials.
 const KNOWN_MATERIALS: &[&str] = &[
     "plastic",
     "substrate",

@@ -1,4 +1,4 @@
-//! From directives to a [`Description`]: one file per noun.
+//! Lowering of directives to a [`Description`]; one file per kind of object.
 
 mod camera;
 mod extension;
@@ -42,12 +42,12 @@ pub(crate) struct Lowering {
     pub(crate) reporter: Reporter,
     pub(crate) dialect: Dialect,
     pub(crate) finder: FileFinder,
-    /// Paths of the files that are being read, the innermost last; for names relative to them.
+    /// Paths of the files being read, the innermost last; for names relative to them.
     pub(crate) reading: Vec<Option<PathBuf>>,
-    /// The group that shapes go to: none for the world.
+    /// The group to which shapes are added; `None` for the world.
     pub(crate) group: Option<usize>,
     pub(crate) groups: BTreeMap<String, usize>,
-    /// Shapes that give off light, by group.
+    /// Number of emitting shapes, by group.
     pub(crate) lights_in_groups: BTreeMap<usize, usize>,
     /// Number of lights created by instances.
     pub(crate) light_copies: usize,
@@ -63,7 +63,7 @@ pub(crate) struct Lowering {
 #[derive(Clone, Debug)]
 struct FileError {
     message: String,
-    /// True if the scene is not allowed to read it.
+    /// Whether the scene is not allowed to read it.
     refused: bool,
 }
 
@@ -79,7 +79,7 @@ impl std::fmt::Display for FileError {
     }
 }
 
-/// The part of the graphics state that a shape, light or texture keeps.
+/// The part of the graphics state that is stored with a shape, light or texture.
 #[derive(Clone, Debug)]
 pub(crate) struct EntityState {
     pub(crate) ctm: DMat4,
@@ -90,7 +90,7 @@ pub(crate) struct EntityState {
 }
 
 impl Lowering {
-    /// Starts with nothing read.
+    /// The initial state.
     pub(crate) fn new(reporter: Reporter, dialect: Dialect, finder: FileFinder) -> Self {
         Self {
             description: Description::default(),
@@ -125,7 +125,7 @@ impl Lowering {
         self.finder.find(name, asking)
     }
 
-    /// Finds and reads a file that a parameter names, or says why not. The path is as messages show it.
+    /// Finds and reads a file that a parameter names, or returns the reason why not. The path is that for messages.
     fn read_file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), FileError> {
         let path = self.find(name).map_err(|fault| FileError {
             message: format!("file {name:?} {}", fault.what()),
@@ -140,7 +140,7 @@ impl Lowering {
     /// Reports a file that is not available: `message` states the problem, then the substitute.
     ///
     /// # Errors
-    /// If the file is refused, since nothing is substituted for it.
+    /// If the file is refused, because there is no substitute for it.
     fn without_file(&mut self, place: &Span, problem: &FileError, message: String) -> ParseResult<()> {
         if problem.refused {
             let help = Some(FindError::Outside.help().to_owned());
@@ -151,7 +151,7 @@ impl Lowering {
         Ok(())
     }
 
-    /// Reports that something is shown as something else.
+    /// Reports a substitute.
     fn stand_in(&mut self, place: &Span, kind: &'static str, message: impl Into<String>) {
         self.reporter.stand_in(place, kind, message);
     }

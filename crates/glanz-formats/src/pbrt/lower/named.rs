@@ -1,4 +1,4 @@
-//! What pbrt does with spectra by name, beyond looking them up in `glanz_light::named`.
+//! Values of named spectra and suggestions of names, in addition to the table in `glanz_light::named`.
 
 use glanz_light::named::names;
 use glanz_light::{SpectralDistribution, Wavelengths};
@@ -8,10 +8,10 @@ use crate::nearest::nearest;
 /// The yellow line of helium called d, at which catalogues state the index of refraction of glass (@schott2017), nm.
 const HELIUM_D_NM: f64 = 587.5618;
 
-/// At most so many names are suggested.
+/// Largest number of suggested names.
 const MAX_SUGGESTIONS: usize = 8;
 
-/// A spectrum where one number is asked for, such as the index of refraction of glass: its value at the d line, the
+/// A number from a spectrum, such as the index of refraction of glass: its value at the d line, or the
 /// mean of a colour.
 pub(super) fn at_d_line(spectrum: &SpectralDistribution) -> f32 {
     match spectrum {
@@ -24,7 +24,7 @@ pub(super) fn at_d_line(spectrum: &SpectralDistribution) -> f32 {
     }
 }
 
-/// Advice for a name that is not built in: those that begin with it, or else the nearest.
+/// Suggestions for an unknown name: the names that begin with it, or else the nearest.
 pub(super) fn suggestion(name: &str) -> Option<String> {
     let lower = name.to_lowercase();
     let longer = names().filter(|n| !name.is_empty() && n.to_lowercase().starts_with(&lower));
@@ -47,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nearest_names_are_suggested() {
+    fn similar_names_are_suggested() {
         assert_eq!(suggestion("glass-BK8").unwrap(), "did you mean the built-in \"glass-BK7\"?");
         let of_gold = "did you mean one of the built-in \"metal-Au-eta\", \"metal-Au-k\"?";
         assert_eq!(suggestion("metal-au").unwrap(), of_gold);
@@ -56,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn glass_has_the_index_of_its_catalogue() {
+    fn index_of_glass_is_that_of_its_catalogue() {
         // n_d of the data sheets (@schott2017).
         for (name, index) in [("glass-BK7", 1.51680), ("glass-SF11", 1.78472), ("glass-BAF10", 1.67003)] {
             let found = f64::from(at_d_line(&glanz_light::named::spectrum(name).unwrap()));

@@ -1,4 +1,4 @@
-//! Patches from files: lists after Newell, and RIB.
+//! Patches from files: lists in Newell's format, and RIB.
 
 use glanz_scene::description::GeometryDescription;
 
@@ -8,7 +8,7 @@ use crate::source::ParseResult;
 use crate::{newell, rib};
 
 impl Lowering {
-    /// The surfaces of the file that a shape names: one, or several if some are of other degrees than others.
+    /// The surfaces of the file that a shape names: one for each combination of degrees.
     pub(super) fn patch_file(&mut self, list: &mut ParameterList) -> ParseResult<Vec<GeometryDescription>> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             return Ok(Vec::new());
@@ -34,7 +34,7 @@ impl Lowering {
         }
     }
 
-    /// `source`: how messages about the file begin.
+    /// `source`: beginning of messages about the file.
     fn rib_surfaces(
         &mut self,
         list: &ParameterList,

@@ -1,4 +1,4 @@
-//! Shapes on which arriving light is measured.
+//! Shapes on which incident light is measured.
 
 use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
 
@@ -7,7 +7,7 @@ use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::ParseResult;
 
 impl Lowering {
-    /// `receiver`, `cells` and `receiverside` of a shape; an empty name is none.
+    /// `receiver`, `cells` and `receiverside` of a shape; an empty name means no receiver.
     pub(super) fn receiver(&mut self, list: &mut ParameterList) -> ParseResult<Option<ReceiverDescription>> {
         let Some((p, name)) = list.text_parameter("receiver", &mut self.reporter)? else {
             return Ok(None);

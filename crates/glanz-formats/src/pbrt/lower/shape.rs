@@ -11,7 +11,7 @@ use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::ply;
 use crate::source::{ParseResult, Span};
 
-/// The shapes by name, for suggestions.
+/// Names of the shapes, for suggestions.
 const SHAPES: &[&str] = &[
     "sphere",
     "cylinder",
@@ -37,7 +37,7 @@ const SHAPES: &[&str] = &[
     "heightfield",
 ];
 
-/// Shapes that give off light, counted once per instance, at most: each becomes a light of its own.
+/// Largest number of emitting shapes, counted once per instance: each becomes a light.
 const MAX_LIGHT_COPIES: usize = 1 << 20;
 
 impl Lowering {
@@ -70,7 +70,7 @@ impl Lowering {
         }
         if surfaces.len() > 1 && emission.as_ref().is_some_and(|e| e.power.is_some()) {
             let message = format!(
-                "shape {kind:?}: its file makes {} surfaces, which cannot share one power",
+                "shape {kind:?}: its file has {} surfaces, which cannot share one power",
                 surfaces.len()
             );
             let help = Some("give the light its radiance \"L\", or one file per kind of surface".to_owned());
@@ -92,7 +92,7 @@ impl Lowering {
         Ok(())
     }
 
-    /// The surface; `None`, reported, if there is nothing that could stand in.
+    /// The surface; `None`, after a report, if there is no substitute.
     fn geometry(&mut self, kind: &str, list: &mut ParameterList) -> ParseResult<Option<GeometryDescription>> {
         let made = match kind {
             "sphere" => {
@@ -148,7 +148,7 @@ impl Lowering {
         Ok(Some(made))
     }
 
-    /// Warns that a shape has no stand-in.
+    /// Warns that a shape has no substitute.
     fn left_out(&mut self, kind: &str, list: &ParameterList) {
         let known = SHAPES.contains(&kind);
         let what = if known { "is not available yet" } else { "is unknown" };
@@ -167,19 +167,19 @@ impl Lowering {
         list.float_or(name, default, &mut self.reporter)
     }
 
-    /// `zmin` and `zmax`, in either order as pbrt has it.
+    /// `zmin` and `zmax`, in either order as in pbrt.
     pub(super) fn z_range(&mut self, list: &mut ParameterList, default: [f64; 2]) -> ParseResult<[f64; 2]> {
         let a = self.float(list, "zmin", default[0])?;
         let b = self.float(list, "zmax", default[1])?;
         Ok([a.min(b), a.max(b)])
     }
 
-    /// `phimax`, degrees, clamped to [0, 360] as pbrt does; in radians.
+    /// `phimax`, degrees, clamped to [0, 360] as in pbrt; in radians.
     pub(super) fn phi_max(&mut self, list: &mut ParameterList) -> ParseResult<f64> {
         Ok(self.float(list, "phimax", 360.0)?.clamp(0.0, 360.0).to_radians())
     }
 
-    /// Cut-outs, which are not available yet.
+    /// Reports alpha textures, which are not available yet.
     fn alpha(&mut self, list: &mut ParameterList) -> ParseResult<()> {
         for name in ["alpha", "shadowalpha"] {
             let place = list.value_place(name);
@@ -227,7 +227,7 @@ impl Lowering {
         Err(self.reporter.error(&list.place, "parameter-missing", message))
     }
 
-    /// Groups of `N` vertex numbers. Without `indices`, `N` points are one face.
+    /// Groups of `N` vertex indices. Without `indices`, `N` points form one face.
     pub(super) fn corners<const N: usize>(
         &mut self,
         list: &mut ParameterList,
@@ -244,7 +244,7 @@ impl Lowering {
         if !indices.len().is_multiple_of(N) {
             let n = indices.len();
             let message = format!(
-                "{}: parameter \"indices\" has {n} values, a multiple of {N} is needed",
+                "{}: parameter \"indices\" has {n} values; a multiple of {N} is needed",
                 list.subject
             );
             return Err(self.reporter.error(&p.value_place, "parameter-count", message));
@@ -252,7 +252,7 @@ impl Lowering {
         let limit = i64::try_from(count).unwrap_or(i64::MAX);
         if let Some(wrong) = indices.iter().position(|&i| i64::from(i) >= limit || i < 0) {
             let (value, face) = (indices.get(wrong).copied().unwrap_or_default(), wrong / N);
-            let message = format!("{}: face {face} refers to point {value}, there are {count}", list.subject);
+            let message = format!("{}: face {face} refers to point {value}; there are {count}", list.subject);
             let help = Some("points are counted from 0".to_owned());
             return Err(self.reporter.error_with_help(&p.value_place, "vertex-index", message, help));
         }
@@ -279,10 +279,10 @@ impl Lowering {
         Ok(None)
     }
 
-    /// Warns that values were ignored because their number is not that of the points.
+    /// Warns that values were ignored because their number differs from that of the points.
     fn not_per_vertex(&mut self, list: &ParameterList, p: &Parameter, found: usize, count: usize) {
         let message = format!(
-            "{}: {:?} is given for {found} points, there are {count}; it is left out",
+            "{}: {:?} is given for {found} points, but there are {count}; it is left out",
             list.subject, p.name
         );
         self.stand_in(&p.value_place, "vertex-count", message);
@@ -337,8 +337,10 @@ impl Lowering {
             return Err(self.reporter.error(place, "nesting", message));
         }
         if self.groups.contains_key(name) {
-            let message =
-                format!("object {:?} is made again; the later one counts from here", shortened(name));
+            let message = format!(
+                "object {:?} is defined again; the later definition counts from here",
+                shortened(name)
+            );
             self.reporter.warning(place, "object-again", message);
         }
         self.description.groups.push(GroupDescription { name: name.to_owned(), ..Default::default() });
@@ -346,7 +348,7 @@ impl Lowering {
         Ok(())
     }
 
-    /// Ends it; only now can it be referred to.
+    /// Ends a group; only then can instances refer to it.
     pub(crate) fn end_object(&mut self) {
         if let Some(index) = self.group.take()
             && let Some(group) = self.description.groups.get(index)
@@ -367,9 +369,9 @@ impl Lowering {
         if lights > 0 {
             self.light_copies = self.light_copies.saturating_add(lights);
             let problem = if self.group.is_some() {
-                "an object that gives off light cannot be part of another".to_owned()
+                "an object that emits light cannot be part of another".to_owned()
             } else if self.light_copies > MAX_LIGHT_COPIES {
-                format!("instances make more than {MAX_LIGHT_COPIES} lights")
+                format!("instances create more than {MAX_LIGHT_COPIES} lights")
             } else {
                 String::new()
             };

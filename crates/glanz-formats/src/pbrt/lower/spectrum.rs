@@ -1,4 +1,4 @@
-//! Spectra, and the parameters that are spectra, numbers or textures of them.
+//! Spectra, and parameters that are spectra, numbers or textures.
 
 use glanz_light::rgb::xyz_to_rgb;
 use glanz_light::{SpectralDistribution, Wavelengths, named};
@@ -12,13 +12,13 @@ use crate::pbrt::lexer::Lexer;
 use crate::pbrt::parameters::{Parameter, ParameterList, ParameterType, Values, shortened};
 use crate::source::ParseResult;
 
-/// A grey that needs no conversion.
+/// A grey spectrum, which needs no conversion.
 pub(super) fn grey(value: f32) -> SpectralDistribution {
     SpectralDistribution::Constant(value)
 }
 
 impl Lowering {
-    /// The spectrum of a parameter that has no texture.
+    /// The spectrum of a parameter without texture.
     pub(super) fn distribution(
         &mut self,
         subject: &str,
@@ -32,23 +32,23 @@ impl Lowering {
                     let rgb = xyz_to_rgb([x, y, z]).map(|x| x.max(0.0) as f32);
                     Ok(SpectralDistribution::Rgb(rgb))
                 }
-                _ => self.refuse(subject, p, format!("has {} values, 3 are needed", v.len())),
+                _ => self.refuse(subject, p, format!("has {} values; 3 are needed", v.len())),
             },
             (Values::Floats(v), ParameterType::Blackbody) => self.blackbody(subject, p, v),
             (Values::Floats(v), ParameterType::Float) => match v[..] {
                 [x] => Ok(grey(x as f32)),
-                _ => self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+                _ => self.refuse(subject, p, format!("has {} values; 1 is needed", v.len())),
             },
             (Values::Integers(v), ParameterType::Integer) => match v[..] {
                 [x] => Ok(grey(x as f32)),
-                _ => self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+                _ => self.refuse(subject, p, format!("has {} values; 1 is needed", v.len())),
             },
             (Values::Floats(v), ParameterType::Spectrum) => self.pairs(subject, p, v),
             (Values::Texts(v), ParameterType::Spectrum) => match &v[..] {
                 [name] => self.named_spectrum(subject, p, name),
-                _ => self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+                _ => self.refuse(subject, p, format!("has {} values; 1 is needed", v.len())),
             },
-            _ => self.refuse(subject, p, "is no spectrum".to_owned()),
+            _ => self.refuse(subject, p, "is not a spectrum".to_owned()),
         }
     }
 
@@ -65,7 +65,7 @@ impl Lowering {
         space: ColorSpace,
     ) -> ParseResult<SpectralDistribution> {
         let [r, g, b] = *v else {
-            return self.refuse(subject, p, format!("has {} values, 3 are needed", v.len()));
+            return self.refuse(subject, p, format!("has {} values; 3 are needed", v.len()));
         };
         if r < 0.0 || g < 0.0 || b < 0.0 {
             return self.refuse(subject, p, "has a negative component".to_owned());
@@ -73,36 +73,36 @@ impl Lowering {
         Ok(SpectralDistribution::Rgb(space.to_rec709([r, g, b]).map(|x| x as f32)))
     }
 
-    /// Temperature, in version 3 with a factor. Both have the value 1 or that factor where they peak; lights of version
+    /// A black body by its temperature, in version 3 with a factor. The peak of the spectrum is 1 or that factor; lights of version
     /// 4 are normalised later.
     fn blackbody(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> ParseResult<SpectralDistribution> {
         let (kelvin, scale) = match *v {
             [kelvin] => (kelvin, 1.0),
             [kelvin, scale] => (kelvin, scale),
             _ => {
-                let what = format!("has {} values, a temperature in kelvin is needed", v.len());
+                let what = format!("has {} values; a temperature in kelvin is needed", v.len());
                 return self.refuse(subject, p, what);
             }
         };
         match SpectralDistribution::try_blackbody(kelvin as f32, scale as f32) {
             Ok(body) => Ok(body),
-            Err(error) => self.refuse(subject, p, format!("is no spectrum: {error}")),
+            Err(error) => self.refuse(subject, p, format!("is not a spectrum: {error}")),
         }
     }
 
     /// Wavelengths in nm with values, in any order.
     fn pairs(&mut self, subject: &str, p: &Parameter, v: &[f64]) -> ParseResult<SpectralDistribution> {
         if !v.len().is_multiple_of(2) {
-            let what = format!("has {} values, pairs of wavelength and value are needed", v.len());
+            let what = format!("has {} values; pairs of wavelength and value are needed", v.len());
             return self.refuse(subject, p, what);
         }
         match sampled(v) {
             Ok(spectrum) => Ok(spectrum),
-            Err(error) => self.refuse(subject, p, format!("is no spectrum: {error}")),
+            Err(error) => self.refuse(subject, p, format!("is not a spectrum: {error}")),
         }
     }
 
-    /// A spectrum that pbrt knows by name, or a file of pairs.
+    /// A built-in spectrum by name, or a file of pairs.
     fn named_spectrum(
         &mut self,
         subject: &str,
@@ -128,19 +128,19 @@ impl Lowering {
                 Err(error) => {
                     let at = error.place.location;
                     let what = format!("{}:{}:{}: {}", path.display(), at.line, at.column, error.message);
-                    return self.refuse(subject, p, format!("is no spectrum: {what}"));
+                    return self.refuse(subject, p, format!("is not a spectrum: {what}"));
                 }
             }
         }
         self.pairs(subject, p, &values)
     }
 
-    /// A file number for lexers whose places are not kept.
+    /// A file number for lexers whose spans are not used.
     fn description_file(&self) -> glanz_scene::description::FileId {
         glanz_scene::description::FileId(0)
     }
 
-    /// A spectrum or a texture; `None` if the parameter is not there.
+    /// A spectrum or a texture; `None` without the parameter.
     pub(super) fn optional_spectrum(
         &mut self,
         list: &mut ParameterList,
@@ -154,7 +154,7 @@ impl Lowering {
         self.distribution(&list.subject, &p, space).map(|s| Some(SpectrumParameter::Value(s)))
     }
 
-    /// A spectrum or a texture, grey if the parameter is not there.
+    /// A spectrum or a texture, or grey without the parameter.
     pub(super) fn spectrum_or(
         &mut self,
         list: &mut ParameterList,
@@ -166,7 +166,7 @@ impl Lowering {
         Ok(found.unwrap_or_else(|| SpectrumParameter::Value(grey(default))))
     }
 
-    /// A number or a texture; `None` if the parameter is not there. Of a spectrum the value at helium's
+    /// A number or a texture; `None` without the parameter. For a spectrum, its value at helium's
     /// d line.
     pub(super) fn optional_float(
         &mut self,
@@ -195,7 +195,7 @@ impl Lowering {
         let name = match &p.values {
             Values::Texts(v) => match &v[..] {
                 [name] => name.clone(),
-                _ => return self.refuse(subject, p, format!("has {} values, 1 is needed", v.len())),
+                _ => return self.refuse(subject, p, format!("has {} values; 1 is needed", v.len())),
             },
             _ => return self.refuse(subject, p, "names no texture".to_owned()),
         };
@@ -206,15 +206,15 @@ impl Lowering {
             format!("{subject}: parameter {:?}: there is no texture {:?}", p.name, shortened(&name));
         let help = match self.textures.nearest(&name) {
             Some(n) => format!("did you mean {n:?}?"),
-            None => "a texture has to be made before it is used".to_owned(),
+            None => "a texture must be defined before it is used".to_owned(),
         };
         Err(self.reporter.error_with_help(&p.value_place, "missing-texture", message, Some(help)))
     }
 
     /// Light of the given parameter and `scale`.
     ///
-    /// Version 4 gives sampled spectra and black bodies the luminance 1 before `scale`; version 3 leaves them as they
-    /// are and lets `scale` be a colour.
+    /// In version 4, sampled spectra and black bodies are scaled to luminance 1 before `scale`; in version 3 they are
+    /// unchanged, and `scale` may be a colour.
     pub(super) fn emission(
         &mut self,
         list: &mut ParameterList,
@@ -253,7 +253,7 @@ pub(super) struct EmissionParameters {
     pub(super) spectrum: SpectralDistribution,
     /// The `scale` of the scene.
     pub(super) factor: f32,
-    /// Factor that brings the spectrum to the luminance that its version expects.
+    /// Factor that scales the spectrum to the luminance of its version.
     pub(super) normalisation: f32,
 }
 

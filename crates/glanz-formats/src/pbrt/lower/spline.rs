@@ -1,4 +1,4 @@
-//! What splines in space and in parameter domains have in common: knots, weights, and places of single numbers.
+//! Common parts of splines in space and in parameter domains: knots, weights, and spans of single numbers.
 
 use glanz_math::DVec3;
 
@@ -7,15 +7,15 @@ use crate::pbrt::lexer::Lexer;
 use crate::pbrt::parameters::Parameter;
 use crate::source::{ParseResult, Span};
 
-/// The knots of one curve or axis within a parameter that may list several.
+/// The knots of one curve or axis within a parameter that may contain several.
 pub(super) struct KnotParameters<'a> {
     /// The parameter.
     pub(super) parameter: &'a Parameter,
-    /// Index of the first.
+    /// Index of the first knot.
     pub(super) first: usize,
     /// Degree + 1.
     pub(super) order: usize,
-    /// They themselves.
+    /// The knots.
     pub(super) values: &'a [f64],
 }
 
@@ -28,9 +28,9 @@ impl Lowering {
         }
     }
 
-    /// The domain that knots leave: they must not decrease, none more often than the order, and it must not be empty.
+    /// The domain of a spline; its knots must not decrease, none may occur more often than the order, and it must not be empty.
     ///
-    /// `values` must hold as many knots as points and order together, and no fewer points than the order.
+    /// The number of knots in `values` must be that of the points plus the order, with at least as many points as the order.
     pub(super) fn knot_domain(&mut self, subject: &str, knots: &KnotParameters<'_>) -> ParseResult<[f64; 2]> {
         let KnotParameters { parameter, first, order, values } = *knots;
         let name = &parameter.name;
@@ -63,9 +63,9 @@ impl Lowering {
         Err(self.reporter.error_with_help(&place, "knots", message, help))
     }
 
-    /// Refuses a homogeneous point whose weight is not positive or which lies infinitely far away.
+    /// Refuses a homogeneous point whose weight is not positive or which is at infinity.
     ///
-    /// `index` counts the numbers of the parameter up to the weight.
+    /// `index`: index of the weight among the numbers of the parameter.
     pub(super) fn check_weight(
         &mut self,
         subject: &str,
@@ -83,16 +83,16 @@ impl Lowering {
                 "{subject}: the weight {weight:?} in {:?} puts its point out of range",
                 parameter.name
             );
-            (message, "weights near 1 serve best: a common factor changes nothing")
+            (message, "weights near 1 are best: a common factor has no effect")
         } else {
             let message =
-                format!("{subject}: a weight in {:?} is {weight:?}, it must be positive", parameter.name);
-            (message, "a point without influence has a small weight, such as 1e-3")
+                format!("{subject}: a weight in {:?} is {weight:?}; it must be positive", parameter.name);
+            (message, "for a point of little influence use a small weight, such as 1e-3")
         };
         Err(self.reporter.error_with_help(&place, "weight", message, Some(help.to_owned())))
     }
 
-    /// Homogeneous points from points and, if given, as many weights.
+    /// Homogeneous points from points and, if given, their weights.
     pub(super) fn weighted(
         &mut self,
         subject: &str,

@@ -18,7 +18,7 @@ use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::source::ParseResult;
 
-/// The textures by name; those of numbers and those of spectra are apart.
+/// The textures by name, separately for numbers and for spectra.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TextureNames {
     floats: BTreeMap<String, usize>,
@@ -26,27 +26,27 @@ pub(crate) struct TextureNames {
 }
 
 impl TextureNames {
-    /// The texture of that name, if need be one of the other sort.
+    /// The texture of this name, if necessary of the other type.
     pub(super) fn find(&self, name: &str, spectrum: bool) -> Option<usize> {
         let (first, second) =
             if spectrum { (&self.spectra, &self.floats) } else { (&self.floats, &self.spectra) };
         first.get(name).or_else(|| second.get(name)).copied()
     }
 
-    /// The name that was most likely meant.
+    /// The most similar name.
     pub(super) fn nearest(&self, name: &str) -> Option<&str> {
         nearest(name, self.spectra.keys().chain(self.floats.keys()).map(String::as_str))
     }
 }
 
-/// A picture is read once per file and meaning of its integers.
+/// Key of a picture, which is read once per file and encoding.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct ImageKey {
     path: PathBuf,
     encoding: (u8, u32),
 }
 
-/// Stand-in for a picture that cannot be read.
+/// Substitute for a picture that cannot be read.
 const MISSING_PICTURE: f32 = 0.5;
 
 impl Lowering {
@@ -110,7 +110,7 @@ impl Lowering {
             2 => self.mapping(list, context)?,
             3 => MappingDescription::Solid { to_texture: self.texture_space(list, context)? },
             n => {
-                let message = format!("texture \"checkerboard\": \"dimension\" is {n}, it must be 2 or 3");
+                let message = format!("texture \"checkerboard\": \"dimension\" is {n}; it must be 2 or 3");
                 return Err(self.reporter.error(&place, "parameter-range", message));
             }
         };
@@ -221,7 +221,7 @@ impl Lowering {
         })
     }
 
-    /// Version 3 filters anisotropically unless told otherwise; a pyramid comes nearest.
+    /// Version 3 filters anisotropically by default, to which a pyramid is closest.
     fn image_filter(&mut self, list: &mut ParameterList) -> ParseResult<ImageFilter> {
         list.ignore(&["trilinear"]);
         let place = list.value_place("filter");
@@ -242,7 +242,7 @@ impl Lowering {
         })
     }
 
-    /// The index of a picture; `None`, reported, if it cannot be had.
+    /// The index of a picture; `None`, after a report, if it cannot be read.
     fn image(&mut self, p: &Parameter, name: &str, encoding: Encoding) -> ParseResult<Option<usize>> {
         let tag = match encoding {
             Encoding::Srgb => (0, 0),
@@ -283,7 +283,7 @@ impl Lowering {
         Ok(index)
     }
 
-    /// Textures that a constant, or the plainest part of themselves, stands in for.
+    /// Lowers an unsupported texture to a constant or to its main part.
     fn replaced_texture(
         &mut self,
         kind: &str,

@@ -1,4 +1,4 @@
-//! Trimming: the part of a shape's parameter domain that is kept.
+//! Trimming: the kept part of a shape's parameter domain.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -9,15 +9,15 @@ use super::spline::KnotParameters;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::source::ParseResult;
 
-/// The parameters that say loops of curves, as RenderMan's `TrimCurve` has them.
+/// Names of the parameters of loops of curves, as in RenderMan's `TrimCurve`.
 const CURVES: [&str; 5] = ["trimloops", "trimorders", "trimcounts", "trimknots", "trimpoints"];
 
-/// Which side of a simple outline is kept; material is on the left of a curve.
+/// The kept side of a simple outline; the kept part is on the left of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TrimSide {
     /// Clockwise: the outline is a hole.
     Outside,
-    /// Counterclockwise: the outline is all there is.
+    /// Counterclockwise: the inside of the outline is kept.
     Inside,
 }
 
@@ -32,7 +32,7 @@ impl Lowering {
     /// Loops of rational spline curves.
     fn trim_curves(&mut self, list: &mut ParameterList) -> ParseResult<Vec<TrimLoopDescription>> {
         let Some(present) = CURVES.iter().find(|name| list.has(name)) else {
-            // Asked for all the same, so that a name nearly right is recognised.
+            // Read nevertheless, so that misspelt names are recognised.
             list.ignore(&CURVES);
             return Ok(Vec::new());
         };
@@ -93,7 +93,7 @@ impl Lowering {
         };
         if let Some((i, value)) = values.iter().enumerate().find(|(_, value)| **value < low) {
             let place = self.number_place(&p, i);
-            let message = format!("{}: {name:?} has {value}, it must be at least {low}", list.subject);
+            let message = format!("{}: {name:?} has {value}; it must be at least {low}", list.subject);
             return Err(self.reporter.error(&place, "parameter-range", message));
         }
         Ok((p, values.into_iter().map(|value| value.unsigned_abs() as usize).collect()))
@@ -114,7 +114,8 @@ impl Lowering {
         };
         let all_points: usize = counts.iter().sum();
         let all_knots = all_points.saturating_add(orders.iter().sum());
-        let (found, help) = (knots.len(), "a curve has as many knots as points and order together");
+        let (found, help) =
+            (knots.len(), "the number of knots of a curve is that of its points plus the order");
         self.check_count((list, &p_knots), (found, "values"), all_knots, help)?;
         let (found, help) = (points.len(), "a point has three numbers: w u, w v, w");
         self.check_count((list, &p_points), (found, "points"), all_points, help)?;
@@ -138,7 +139,7 @@ impl Lowering {
         Ok(curves)
     }
 
-    /// Nothing if as many objects are given as are needed.
+    /// Refuses a number of objects other than the required one.
     fn check_count(
         &mut self,
         (list, p): (&ParameterList, &Parameter),
@@ -150,12 +151,12 @@ impl Lowering {
             return Ok(());
         }
         let message =
-            format!("{}: parameter {:?} has {found} {objects}, {needed} are needed", list.subject, p.name);
+            format!("{}: parameter {:?} has {found} {objects}; {needed} are needed", list.subject, p.name);
         let help = Some(help.to_owned());
         Err(self.reporter.error_with_help(&p.value_place, "parameter-count", message, help))
     }
 
-    /// Polygons, ellipses and rectangles; each parameter may be given several times.
+    /// Polygons, ellipses and rectangles; each parameter may occur several times.
     fn trim_outlines(&mut self, list: &mut ParameterList) -> ParseResult<Vec<TrimLoopDescription>> {
         let mut polygons = Vec::new();
         while let Some((p, corners)) = list.groups::<2>("trimpolygon", &mut self.reporter)? {
@@ -172,7 +173,7 @@ impl Lowering {
             ellipses.extend(found.into_iter().enumerate().map(|(i, e)| (p.clone(), 4 * i, e)));
         }
         if polygons.is_empty() && ellipses.is_empty() {
-            // Without an outline `trimside` chooses nothing and is reported as not used.
+            // Without an outline `trimside` has no effect and is reported as not used.
             return Ok(Vec::new());
         }
         let side = self.trim_side(list)?;
@@ -192,7 +193,7 @@ impl Lowering {
                 if radius <= 0.0 {
                     let place = self.number_place(&p, first + i);
                     let message = format!(
-                        "{}: a radius in \"trimellipse\" is {radius}, it must be positive",
+                        "{}: a radius in \"trimellipse\" is {radius}; it must be positive",
                         list.subject
                     );
                     let help = Some("an ellipse is centre u, centre v, radius along u, along v".to_owned());
@@ -224,7 +225,7 @@ impl Lowering {
     }
 }
 
-/// A closed polygon; `None` if it encloses no area. The first corner may stand at the end again.
+/// A closed polygon; `None` if it encloses no area. The first corner may be repeated at the end.
 fn polygon(mut corners: Vec<[f64; 2]>, side: TrimSide) -> Option<TrimCurveDescription> {
     corners.dedup();
     while corners.len() > 1 && corners.first() == corners.last() {

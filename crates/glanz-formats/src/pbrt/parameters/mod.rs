@@ -14,7 +14,7 @@ use crate::source::{ParseResult, ReportedError, Reporter, Span};
 use syntax::parse_parameter;
 pub(crate) use syntax::{Parameter, ParameterType, Values, shortened};
 
-/// The parameters of one directive. Whoever asks for one takes it out; what is left at the end was not used.
+/// The parameters of one directive. Reading a parameter removes it; those that remain at the end are unused.
 #[derive(Clone, Debug)]
 pub(crate) struct ParameterList {
     /// The owner in messages: `shape "sphere"`.
@@ -25,10 +25,10 @@ pub(crate) struct ParameterList {
     asked: Vec<&'static str>,
 }
 
-/// Parameters of one directive at most.
+/// Largest number of parameters of a directive.
 const MAX_PARAMETERS: usize = 1024;
 
-/// Kind of the warnings about parameters that nobody asked for.
+/// Kind of the warnings about unused parameters.
 const UNUSED: &str = "unused-parameter";
 
 impl ParameterList {
@@ -45,7 +45,7 @@ impl ParameterList {
         Ok(Self { subject, place, items, asked: Vec::new() })
     }
 
-    /// Puts the parameters of `defaults` behind its own, which win.
+    /// Appends the parameters of `defaults`; its own take precedence.
     pub(crate) fn inherit(&mut self, defaults: &[Parameter]) {
         for d in defaults {
             if !self.items.iter().any(|p| p.name == d.name) {
@@ -59,12 +59,12 @@ impl ParameterList {
         self.items
     }
 
-    /// True if a parameter of that name is present.
+    /// Whether a parameter of this name is present.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.items.iter().any(|p| p.name == name)
     }
 
-    /// Takes out the first parameter of that name.
+    /// Removes and returns the first parameter of this name.
     pub(crate) fn take(&mut self, name: &'static str) -> Option<Parameter> {
         if !self.asked.contains(&name) {
             self.asked.push(name);
@@ -73,17 +73,17 @@ impl ParameterList {
         Some(self.items.remove(i))
     }
 
-    /// Takes out parameters that are known but make no difference here.
+    /// Removes parameters that are known but have no effect here.
     pub(crate) fn ignore(&mut self, names: &[&'static str]) {
         for name in names {
             while self.take(name).is_some() {}
         }
     }
 
-    /// Warns of what nobody asked for.
+    /// Warns of unused parameters.
     pub(crate) fn finish(self, reporter: &mut Reporter) {
         for p in &self.items {
-            // Looking for what was meant takes longer than reading: not for messages that nobody will see.
+            // The search for similar names takes longer than reading, so it is omitted for messages that are not shown.
             if !reporter.diagnostics.keeps(Severity::Warning, UNUSED) {
                 reporter.diagnostics.admit(Severity::Warning, UNUSED);
                 continue;
@@ -109,7 +109,7 @@ impl ParameterList {
 
     fn wrong_count(&self, p: &Parameter, expected: &str, reporter: &mut Reporter) -> ReportedError {
         let (n, s) = (p.values.len(), if p.values.len() == 1 { "" } else { "s" });
-        let message = format!("{}: parameter {:?} has {n} value{s}, {expected}", self.subject, p.name);
+        let message = format!("{}: parameter {:?} has {n} value{s}; {expected}", self.subject, p.name);
         reporter.error(&p.value_place, "parameter-count", message)
     }
 
@@ -247,7 +247,7 @@ impl ParameterList {
         let place = self.value_place(name);
         match self.integer(name, reporter)? {
             Some(x) if x < low => {
-                let message = format!("{}: {name:?} is {x}, it must be at least {low}", self.subject);
+                let message = format!("{}: {name:?} is {x}; it must be at least {low}", self.subject);
                 Err(reporter.error(&place, "parameter-range", message))
             }
             Some(x) => Ok(Some(x.unsigned_abs())),
@@ -255,7 +255,7 @@ impl ParameterList {
         }
     }
 
-    /// One truth value.
+    /// One Boolean value.
     pub(crate) fn boolean(
         &mut self,
         name: &'static str,

@@ -1,10 +1,10 @@
-//! Declarations of parameters and their values, as they are written.
+//! Syntax of parameters: declarations and values.
 
 use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer, Token};
 use crate::source::Span;
 
-/// The declared type of a parameter; the dialects' names for the same thing are one.
+/// The declared type of a parameter; synonyms of the dialects are the same type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ParameterType {
     Integer,
@@ -139,7 +139,7 @@ fn parse_values(lexer: &mut Lexer, kind: ParameterType, bracket: bool) -> Result
     })
 }
 
-/// One value, or with a bracket all up to the closing one, which is passed over.
+/// One value, or after a bracket all values up to the closing one, which is skipped.
 fn collect<T>(
     lexer: &mut Lexer,
     bracket: bool,
@@ -183,7 +183,7 @@ fn boolean(lexer: &mut Lexer) -> Result<bool, LexError> {
     }
 }
 
-/// Text for a message, cut to a readable length.
+/// Text for a message, truncated to a readable length.
 pub(crate) fn shortened(text: &str) -> String {
     match text.char_indices().nth(40) {
         Some((i, _)) => format!("{}...", text.get(..i).unwrap_or_default()),

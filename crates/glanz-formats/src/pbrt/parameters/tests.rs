@@ -1,4 +1,4 @@
-//! Lists of parameters, good and bad.
+//! Valid and invalid lists of parameters.
 
 use super::*;
 use glanz_scene::description::FileId;
@@ -41,14 +41,14 @@ fn every_type_is_read_with_and_without_brackets() {
 }
 
 #[test]
-fn integers_and_whole_floats_are_taken_for_each_other() {
+fn integers_and_whole_floats_are_interchangeable() {
     let (mut l, mut r) = list(r#""integer radius" 3 "float nsamples" 4"#);
     assert_eq!(l.float("radius", &mut r).unwrap(), Some(3.0));
     assert_eq!(l.integer("nsamples", &mut r).unwrap(), Some(4));
 }
 
 #[test]
-fn wrong_types_and_counts_are_errors_that_say_what_is_needed() {
+fn errors_of_types_and_counts_name_the_expected_ones() {
     let (mut l, mut r) = list(r#""string radius" "3" "float zmin" [1 2] "point p1" [1 2]"#);
     assert!(l.float("radius", &mut r).is_err());
     assert!(l.float("zmin", &mut r).is_err());
@@ -63,11 +63,11 @@ fn wrong_types_and_counts_are_errors_that_say_what_is_needed() {
                 "^".repeat(15)
             ),
             format!(
-                "error: t.pbrt:1:35: shape \"sphere\": parameter \"zmin\" has 2 values, 1 is needed\n{line}\n    | {}^^^\n",
+                "error: t.pbrt:1:35: shape \"sphere\": parameter \"zmin\" has 2 values; 1 is needed\n{line}\n    | {}^^^\n",
                 " ".repeat(34)
             ),
             format!(
-                "error: t.pbrt:1:52: shape \"sphere\": parameter \"p1\" has 2 values, a multiple of 3 is needed\n{line}\n    | {}^^^\n",
+                "error: t.pbrt:1:52: shape \"sphere\": parameter \"p1\" has 2 values; a multiple of 3 is needed\n{line}\n    | {}^^^\n",
                 " ".repeat(51)
             ),
         ]
@@ -75,7 +75,7 @@ fn wrong_types_and_counts_are_errors_that_say_what_is_needed() {
 }
 
 #[test]
-fn what_nobody_asked_for_is_a_warning_with_the_nearest_name() {
+fn unused_parameters_cause_a_warning_with_the_nearest_name() {
     let (mut l, mut r) = list(r#""float raduis" 2 "float foo" 1"#);
     assert_eq!(l.float("radius", &mut r).unwrap(), None);
     l.finish(&mut r);
@@ -90,7 +90,7 @@ fn what_nobody_asked_for_is_a_warning_with_the_nearest_name() {
 }
 
 #[test]
-fn malformed_lists_are_reported_where_they_go_wrong() {
+fn malformed_lists_are_reported_with_their_position() {
     for (text, message, column) in [
         (r#""radius" 1"#, "\"radius\" does not declare a parameter", 1),
         (r#""flaot radius" 1"#, "parameter \"radius\" has the unknown type \"flaot\"", 1),

@@ -1,4 +1,4 @@
-//! Directives that begin and end something.
+//! Directives that begin and end blocks.
 
 use glanz_math::DMat4;
 
@@ -67,7 +67,7 @@ impl Parser {
     }
 
     fn close_level(&mut self, opened_by: &str, word: &str, place: Span) -> ParseResult<()> {
-        // What an imported file opened before is not its to close.
+        // An imported file must not close blocks that were opened before it.
         let floor = self.files.iter().filter_map(|f| f.import.as_ref()).map(|(_, levels)| *levels).max();
         let own = self.state.levels.len() > floor.unwrap_or(0);
         match self.state.levels.pop() {

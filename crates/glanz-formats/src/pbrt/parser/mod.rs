@@ -14,7 +14,7 @@ use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::pbrt::state::{GraphicsState, StateStack};
 use crate::source::{ParseResult, ReportedError, Span};
 
-/// Every directive of the versions 1 to 4.
+/// All directives of versions 1 to 4.
 const DIRECTIVES: &[&str] = &[
     "Accelerator",
     "ActiveTransform",
@@ -69,22 +69,22 @@ const DIRECTIVES: &[&str] = &[
 struct OpenFile {
     lexer: Lexer,
     path: Option<PathBuf>,
-    /// The state to go back to at its end, if it was imported.
+    /// The state to restore at its end, if it was imported.
     import: Option<(GraphicsState, usize)>,
 }
 
-/// Which part of the scene is being read.
+/// The part of the scene that is being read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum OpenBlock {
     Options,
     World,
-    /// The world, without `WorldBegin`: a file meant to be included.
+    /// The world, without `WorldBegin`: a file intended for inclusion.
     Fragment,
     /// After `WorldEnd`.
     Done,
 }
 
-/// Reads directives and hands them on.
+/// Parser of directives, which passes them to the lowering.
 #[derive(Debug)]
 pub(crate) struct Parser {
     pub(crate) lowering: Lowering,
@@ -96,7 +96,7 @@ pub(crate) struct Parser {
 }
 
 impl Parser {
-    /// Starts with nothing read.
+    /// The initial state.
     pub(crate) fn new(lowering: Lowering) -> Self {
         Self {
             lowering,
@@ -108,7 +108,7 @@ impl Parser {
         }
     }
 
-    /// Reads a scene file and all it includes. What is wrong goes to the reporter; after too many errors reading stops.
+    /// Reads a scene file and all included files. Errors are reported to the reporter; reading ends after too many of them.
     pub(crate) fn run(&mut self, name: &str, path: Option<&Path>, bytes: Arc<[u8]>) {
         self.push_file(name, path, bytes, None);
         while !self.lowering.reporter.is_full() {
@@ -191,10 +191,10 @@ impl Parser {
         }
     }
 
-    /// Does what a directive says.
+    /// Executes a directive.
     fn directive(&mut self, word: &str, place: Span) -> ParseResult<()> {
         if self.block == OpenBlock::Done {
-            self.lowering.reporter.warning(&place, "after-world", "what follows WorldEnd is not read");
+            self.lowering.reporter.warning(&place, "after-world", "text after WorldEnd is not read");
             self.files.truncate(0);
             return Ok(());
         }
@@ -296,7 +296,7 @@ impl Parser {
     }
 }
 
-/// True if a directive is allowed in the world block only.
+/// Whether a directive is allowed in the world block only.
 fn begins_world(directive: &str) -> bool {
     matches!(
         directive,

@@ -1,4 +1,4 @@
-//! Directives that make something or choose what is made.
+//! Directives that create objects or select their kind.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -10,14 +10,14 @@ use crate::pbrt::lower::EntityState;
 use crate::pbrt::parameters::shortened;
 use crate::source::{ParseResult, Span};
 
-/// Files that include each other, one within the other.
+/// Largest depth of nested includes.
 pub(crate) const MAX_INCLUDE_DEPTH: usize = 32;
-/// Files included in all.
+/// Largest total number of included files.
 pub(crate) const MAX_INCLUDES: usize = 65_536;
 
-/// Values of an attribute at most: it is copied to every thing it applies to.
+/// Largest number of values of an attribute, which is copied to every object to which it applies.
 const MAX_ATTRIBUTE_VALUES: usize = 64;
-/// Attributes of one target at most.
+/// Largest number of attributes of one target.
 const MAX_ATTRIBUTES: usize = 32;
 
 impl Parser {
@@ -56,7 +56,7 @@ impl Parser {
             "Sampler" => self.lowering.sampler(&kind, list),
             "Integrator" | "SurfaceIntegrator" => self.lowering.integrator(&kind, list),
             "PixelFilter" => self.lowering.filter(&kind, list),
-            // Of no influence on the picture, or only with media.
+            // These have no effect on the picture, or only with media.
             _ => Ok(()),
         }
     }
@@ -101,13 +101,13 @@ impl Parser {
         Ok(())
     }
 
-    /// `Attribute "target" parameters`: defaults for what comes.
+    /// `Attribute "target" parameters`: defaults for the following objects.
     pub(super) fn attribute(&mut self, place: Span) -> ParseResult<()> {
         let (target, name_place) = self.name("Attribute", &place)?;
         let list = self.parameters(format!("Attribute {:?}", shortened(&target)), place)?;
         let Some(attributes) = self.state.now.attributes.of(&target) else {
             let message = format!("Attribute {:?} is unknown", shortened(&target));
-            let help = Some("attributes are of shape, light, material, medium and texture".to_owned());
+            let help = Some("the targets are shape, light, material, medium and texture".to_owned());
             let r = &mut self.lowering.reporter;
             return Err(r.error_with_help(&name_place, "parameter-range", message, help));
         };
@@ -136,7 +136,7 @@ impl Parser {
     /// Media are read and left out.
     pub(super) fn medium(&mut self, word: &str, place: Span) -> ParseResult<()> {
         let (kind, _) = self.name(word, &place)?;
-        // The second name of MediumInterface looks like a parameter without type; take both alike.
+        // The second name of MediumInterface looks like a parameter without type; both are read the same way.
         if word == "MediumInterface" {
             let lexer = self.lexer(&place)?;
             if lexer.peek() == Some(b'"') {

@@ -1,4 +1,4 @@
-//! Directives that move what comes.
+//! Directives that transform the following objects.
 
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::look_at;
@@ -91,7 +91,7 @@ impl Parser {
     }
 
     fn animation(&mut self, place: &Span) {
-        let message = "motion is not available yet; everything stands where it is at the start";
+        let message = "motion is not available yet; all objects have their positions at the start";
         self.lowering.reporter.stand_in(place, "stand-in-motion", message);
     }
 }

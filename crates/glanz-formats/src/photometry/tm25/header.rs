@@ -1,4 +1,4 @@
-//! The header.
+//! The header of ray files.
 
 use std::io::{ErrorKind, Read};
 
@@ -7,7 +7,7 @@ use super::{MAGIC, Tm25Error, Tm25ErrorKind};
 /// Spectral data of the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SpectralData {
-    /// Nothing.
+    /// No spectral data.
     None,
     /// All rays have this wavelength in nanometres.
     Single(f32),
@@ -22,7 +22,7 @@ pub enum SpectralData {
 /// A spectrum: pairs of wavelength in nanometres and relative weight.
 pub type SpectralTable = Vec<[f32; 2]>;
 
-/// Texts about the source. Empty where the file is silent.
+/// Texts about the source. Empty where missing in the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SourceDescriptions {
     /// Name of the light source.
@@ -33,13 +33,13 @@ pub struct SourceDescriptions {
     pub model_creator: String,
     /// Creator of the file.
     pub file_creator: String,
-    /// Equipment or program.
+    /// Measuring equipment or simulation program.
     pub equipment: String,
     /// Camera.
     pub camera: String,
     /// Operating conditions of the source.
     pub operation: String,
-    /// More.
+    /// Additional text.
     pub information: String,
     /// Reference to a description of the data.
     pub reference: String,
@@ -50,19 +50,19 @@ pub struct SourceDescriptions {
 pub struct RayFileHeader {
     /// Creation method: 0 simulation, 1 measurement; some files have other numbers.
     pub creation: i32,
-    /// Lumens of all rays; `None` where the file gives none.
+    /// Luminous flux of all rays, lm; `None` if not given.
     pub luminous_flux: Option<f32>,
-    /// Watts of all rays; `None` where the file gives none.
+    /// Radiant flux of all rays, W; `None` if not given.
     pub radiant_flux: Option<f32>,
     /// Number of rays, as declared.
     pub ray_count: u64,
     /// Date and time of the file, as written.
     pub date: String,
-    /// On what surface rays start, as coded by the standard.
+    /// The surface on which rays start, as coded by the standard.
     pub start_position: i32,
     /// Spectral data of the rays.
     pub spectral_data: SpectralData,
-    /// Least and largest wavelength in nanometres, as written; not a number where unknown.
+    /// Smallest and largest wavelength in nanometres, as written; NaN if unknown.
     pub wavelengths: [f32; 2],
     /// Rays have a radiant flux.
     pub has_radiant_flux: bool,
@@ -101,14 +101,14 @@ impl RayFileHeader {
     }
 }
 
-/// Most spectral tables, pairs in all of them, additional columns and bytes of additional text that are read. A stream
-/// does not tell its length, so these bound memory where counts are damaged; real files stay far below.
+/// Largest numbers of spectral tables, of pairs in all of them, of additional columns and of bytes of additional text. The length of a stream
+/// is unknown, so these limits bound memory for damaged counts; real files are far below.
 const MAX_TABLES: i32 = 1 << 16;
 const MAX_PAIRS: usize = 1 << 22;
 const MAX_COLUMNS: i32 = 1 << 10;
 const MAX_TEXT: i32 = 1 << 24;
 
-/// Reads the header; gives it with its length in bytes.
+/// Reads the header; returns it with its length in bytes.
 pub(super) fn read(source: &mut impl Read) -> Result<(RayFileHeader, u64), Tm25Error> {
     let mut bytes = HeaderReader { source, offset: 0 };
     match bytes.header() {
@@ -225,7 +225,7 @@ impl<R: Read> HeaderReader<'_, R> {
                 allowed: "1 to 4194304 in all tables",
             })?;
             room -= count;
-            // Nothing is reserved: the table grows with what is there.
+            // Nothing is reserved: the table grows with the data.
             let mut table = SpectralTable::new();
             for _ in 0..count {
                 let pair = [self.float(WHERE)?, self.float(WHERE)?];
@@ -285,7 +285,7 @@ impl<R: Read> HeaderReader<'_, R> {
         }
     }
 
-    /// Not a number stands for what is unknown.
+    /// A flux; NaN means unknown.
     fn flux(&mut self, what: &'static str) -> Result<Option<f32>, Tm25ErrorKind> {
         let flux = self.float("file header")?;
         if flux.is_nan() {
@@ -297,7 +297,7 @@ impl<R: Read> HeaderReader<'_, R> {
         }
     }
 
-    /// Text up to a zero in a field of so many bytes.
+    /// Text up to a zero in a field of this number of bytes.
     fn text(&mut self, bytes: usize, what: &'static str) -> Result<String, Tm25ErrorKind> {
         let mut text = String::new();
         let mut is_over = false;
@@ -321,7 +321,7 @@ fn value(what: &'static str, value: f32, allowed: &'static str) -> Tm25ErrorKind
 fn check_flags(flags: [bool; 8], spectral_data: SpectralData) -> Result<(), &'static str> {
     let [position, direction, radiant, wavelength, luminous, stokes, tristimulus, index] = flags;
     for (holds, otherwise) in [
-        (position && direction, "rays without position or direction are none"),
+        (position && direction, "rays must have a position and a direction"),
         (radiant || luminous, "rays have neither radiant nor luminous flux"),
         (
             wavelength || spectral_data != SpectralData::PerRay,

@@ -1,9 +1,9 @@
-//! Ray files of IES TM-25-13 (`.tm25ray`): a light source as many rays, near field and all.
+//! Ray files of IES TM-25-13 (`.tm25ray`): light sources as rays, including the near field.
 //!
-//! [`RayReader`] reads the header at once and then ray by ray, in memory that does not grow with their number. All is
-//! little-endian, numbers are of 32 bits but for the count of rays, text is UTF-32 and ends with a zero.
+//! [`RayReader`] reads the header first and then ray by ray, in memory that does not grow with their number. All numbers are
+//! little-endian with 32 bits, except for the number of rays; text is UTF-32 and ends with a zero.
 //!
-//! | bytes | what |
+//! | bytes | content |
 //! |---|---|
 //! | 256 | file header, see below |
 //! | 8 x 4 | flags: position, direction, radiant flux, wavelength, luminous flux, Stokes, tristimulus, spectrum index |
@@ -11,17 +11,17 @@
 //! | padded to 32 | spectral tables: number of pairs, then pairs of wavelength and weight |
 //! | 512 each | names of additional columns |
 //! | as declared | additional text |
-//! | rest | rays: x y z (mm), direction, then what the flags say, as [`RayRecord`] has it in order |
+//! | rest | rays: x y z (mm), direction, then the columns of the flags in the order of [`RayRecord`] |
 //!
 //! The file header is magic `TM25`, version, creation, luminous and radiant flux, number of rays (64 bits), date (28
 //! bytes), start position, spectral identifier, single, least and largest wavelength, numbers of spectral tables and of
 //! additional columns, bytes of additional text, and zeros.
 //!
 //! # Source
-//! @tm25_2013, after a reader and writer in the public domain that name its sections (@muschaweck2019) and what is
-//! reported of makers' files; of these only files with a radiant flux and a shared spectrum are known, so the columns
-//! for Stokes parameters, tristimulus values and additional items rest on that one implementation. Files of TM-25-20
-//! that do not call themselves version 2013 are refused.
+//! @tm25_2013, after a reader and writer in the public domain that cite its sections (@muschaweck2019) and published
+//! reports of manufacturers' files; the known ones have a radiant flux and a shared spectrum only, so the columns
+//! for Stokes parameters, tristimulus values and additional items are based on this one implementation. Files of TM-25-20
+//! with another version number than 2013 are refused.
 
 mod header;
 #[cfg(test)]
@@ -50,7 +50,7 @@ pub struct Tm25Error {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Tm25ErrorKind {
-    /// The first bytes are others.
+    /// The magic number is missing.
     #[error("not a TM-25 ray file: it does not begin with \"TM25\"")]
     Magic,
     /// Another version than 2013.
@@ -67,8 +67,8 @@ pub enum Tm25ErrorKind {
         /// Declared.
         count: u64,
     },
-    /// A number that cannot be.
-    #[error("the {what} is {value}, it should be {allowed}")]
+    /// A number out of range.
+    #[error("the {what} is {value}; it must be {allowed}")]
     Value {
         /// Which number.
         what: &'static str,
@@ -80,8 +80,8 @@ pub enum Tm25ErrorKind {
     /// Flags that contradict one another.
     #[error("{0}")]
     Flags(&'static str),
-    /// A number of a ray that cannot be.
-    #[error("the {what} of ray {ray} is {value}, it should be {allowed}")]
+    /// A number of a ray out of range.
+    #[error("the {what} of ray {ray} is {value}; it must be {allowed}")]
     RayRecord {
         /// Counted from 0.
         ray: u64,
@@ -114,13 +114,13 @@ pub struct RayRecord {
     pub polarization: Option<Polarization>,
     /// Its tristimulus values X and Z.
     pub tristimulus: Option<[f32; 2]>,
-    /// The spectral table it has, counted from 0.
+    /// Its spectral table, counted from 0.
     pub spectrum: Option<u32>,
     /// The additional columns, named by [`RayFileHeader::additional_columns`].
     pub additional: Vec<f32>,
 }
 
-/// Stokes parameters beyond the first, which is the flux, and the axis they refer to.
+/// Stokes parameters except the first, which is the flux, and their axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polarization {
     /// S1, S2, S3 as in the file.
@@ -129,10 +129,10 @@ pub struct Polarization {
     pub axis: [f32; 3],
 }
 
-/// Directions are of length 1 to a few roundings of 32 bits or of four printed digits; others are refused.
+/// Tolerance of the length of directions, for a few rounding errors of 32 bits or of four printed digits.
 const UNIT_LENGTH: f64 = 1e-3;
 
-/// The rays of a file, one after the other; ends after the declared number, or with the first error.
+/// Iterator over the rays of a file; ends after the declared number, or with the first error.
 #[derive(Debug)]
 pub struct RayReader<R> {
     source: BufReader<R>,

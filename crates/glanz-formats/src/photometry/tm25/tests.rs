@@ -1,4 +1,4 @@
-//! Files written here, whole and damaged.
+//! Complete and damaged ray files.
 
 use super::*;
 
@@ -53,7 +53,7 @@ fn file(identifier: i32, flags: [i32; 6], rays: &[&[f32]]) -> Vec<u8> {
 const ALL: [f32; 16] = [1., 2., 3., 0., 0.6, 0.8, 2., 500., 683., 0.1, 0.2, 0.3, 1., 0., 0., 9.];
 
 #[test]
-fn header_and_rays_come_out_as_they_were_written() {
+fn header_and_rays_are_read_as_written() {
     let second: Vec<f32> = ALL.iter().enumerate().map(|(i, v)| if i == 15 { f32::NAN } else { *v }).collect();
     let bytes = file(3, [1, 1, 1, 1, 0, 0], &[&ALL, &second]);
     let mut rays = RayReader::new(&bytes[..]).unwrap();
@@ -76,7 +76,7 @@ fn header_and_rays_come_out_as_they_were_written() {
     let polarization = Polarization { stokes: [0.1, 0.2, 0.3], axis: [1.0, 0.0, 0.0] };
     assert_eq!((ray.polarization, ray.tristimulus, ray.spectrum), (Some(polarization), None, None));
     assert_eq!(ray.additional, [9.0]);
-    // What an additional column means is not known here, nor what it may be.
+    // The meaning and the range of an additional column are unknown.
     assert!(rays.next().unwrap().unwrap().additional[0].is_nan());
     assert!(rays.next().is_none());
 }
@@ -91,12 +91,12 @@ fn tristimulus_and_spectrum_index_have_their_columns() {
     let error = RayReader::new(&index(3.0)[..]).unwrap().next().unwrap().unwrap_err();
     assert_eq!(
         error.to_string(),
-        "byte 36864: the spectrum index of ray 0 is 3, it should be the number of a spectral table, from 1"
+        "byte 36864: the spectrum index of ray 0 is 3; it must be the number of a spectral table, from 1"
     );
 }
 
 #[test]
-fn faults_are_told_with_their_byte() {
+fn errors_have_their_offset() {
     let good = file(3, [1, 1, 1, 1, 0, 0], &[&ALL, &ALL]);
     let with = |at: usize, four: [u8; 4]| {
         let mut bytes = good.clone();
@@ -113,27 +113,23 @@ fn faults_are_told_with_their_byte() {
             4,
             2020i32.to_le_bytes(),
         ),
-        (
-            "byte 20: the radiant flux is -1, it should be 0 or more, or not a number",
-            16,
-            (-1f32).to_le_bytes(),
-        ),
-        ("byte 64: the spectral data identifier is 5, it should be 0 to 4", 60, 5i32.to_le_bytes()),
-        ("byte 80: the number of spectral tables is -1, it should be 0 to 65536", 76, (-1i32).to_le_bytes()),
+        ("byte 20: the radiant flux is -1; it must be 0 or more, or not a number", 16, (-1f32).to_le_bytes()),
+        ("byte 64: the spectral data identifier is 5; it must be 0 to 4", 60, 5i32.to_le_bytes()),
+        ("byte 80: the number of spectral tables is -1; it must be 0 to 65536", 76, (-1i32).to_le_bytes()),
         ("byte 288: Stokes parameters need a radiant flux", 264, [0; 4]),
         (
-            "byte 36292: the number of pairs of a spectral table is 2147483647, it should be 1 to 4194304 in all tables",
+            "byte 36292: the number of pairs of a spectral table is 2147483647; it must be 1 to 4194304 in all tables",
             36_288,
             i32::MAX.to_le_bytes(),
         ),
-        // 0.8, 0.6, 0.8 is of length sqrt 1.64.
+        // The length of (0.8, 0.6, 0.8) is the root of 1.64.
         (
-            "byte 36864: the length of the direction of ray 0 is 1.2806249, it should be 1",
+            "byte 36864: the length of the direction of ray 0 is 1.2806249; it must be 1",
             36_864 + 12,
             0.8f32.to_le_bytes(),
         ),
         (
-            "byte 36928: the radiant flux of ray 1 is NaN, it should be finite and not below 0",
+            "byte 36928: the radiant flux of ray 1 is NaN; it must be finite and not below 0",
             36_928 + 24,
             f32::NAN.to_le_bytes(),
         ),
@@ -144,7 +140,7 @@ fn faults_are_told_with_their_byte() {
 }
 
 #[test]
-fn damaged_files_end_and_stay_within_what_is_there() {
+fn reading_damaged_files_ends_within_the_data() {
     let good = file(
         4,
         [1, 1, 1, 1, 0, 1],
@@ -158,7 +154,7 @@ fn damaged_files_end_and_stay_within_what_is_there() {
     let (mut whole, mut refused) = (0, 0);
     for i in 0..600 {
         let mut bytes = good.clone();
-        // Where the numbers are: the descriptions hardly matter.
+        // Damage is in the numbers; the descriptions are hardly relevant.
         let at = if below(2) == 0 { below(288) } else { 36_288 + below(good.len() - 36_288) };
         match i % 3 {
             0 => bytes.truncate(at),
@@ -173,7 +169,7 @@ fn damaged_files_end_and_stay_within_what_is_there() {
             }
             Ok(())
         });
-        // A ray takes no fewer than seven columns of the file.
+        // A ray has at least seven columns.
         assert!(seen * 28 <= bytes.len());
         if result.is_ok() { whole += 1 } else { refused += 1 }
     }

@@ -1,19 +1,19 @@
-//! LM-63.
+//! Writing of LM-63 files.
 
 use super::{Header, PhotometryWriteError, PlaneSelection, digits, one_line};
 use crate::photometry::{IntensityDistribution, LuminousOpening, OpeningShape};
 
-/// Letters of a line at most, by the standard 256 with its end.
+/// Largest number of characters of a line; the standard allows 256 with the line end.
 const LINE: usize = 120;
 const WORDS: usize = 200;
 
-/// Sizes are written to one of these.
+/// Sizes are rounded to multiples of its reciprocal, metres.
 const MICROMETRES: f64 = 1e6;
 
 /// A file of IES LM-63-2002: type C, absolute photometry (one lamp of -1 lumens), sizes in metres.
 ///
-/// The four keywords that the standard asks for are always there, with `N/A` where nothing is known; the total flux
-/// stands behind `[OTHER]`, for people. Letters that ASCII does not have become question marks. Watts that are not a
+/// The four required keywords are always present, with `N/A` for unknown values; the total flux
+/// follows `[OTHER]`, for people. Characters outside ASCII become question marks. Watts that are not a
 /// finite number above 0 are written as 0.
 ///
 /// # Errors
@@ -57,7 +57,7 @@ pub fn ies(distribution: &IntensityDistribution, header: &Header) -> Result<Vec<
     Ok((lines.join("\r\n") + "\r\n").into_bytes())
 }
 
-/// Numbers on as many lines as they take.
+/// Numbers, wrapped to lines.
 fn numbers(lines: &mut Vec<String>, numbers: impl Iterator<Item = String>) {
     let mut line = String::new();
     for number in numbers {
@@ -76,7 +76,7 @@ fn ascii(words: &str) -> String {
     words.chars().map(|letter| if letter.is_ascii() { letter } else { '?' }).collect()
 }
 
-/// Width (along y), length (along x) and height in metres, negative where round, as the table of 2002 has them.
+/// Width (along y), length (along x) and height in metres, negative where round, as in the table of 2002.
 fn signs(opening: LuminousOpening) -> [f64; 3] {
     let micrometres = |metres: f64| (metres * MICROMETRES).round() / MICROMETRES;
     let [x, y, z] = opening.size.map(|size| if size.is_finite() { micrometres(size.max(0.0)) } else { 0.0 });

@@ -1,24 +1,24 @@
-//! EULUMDAT.
+//! Writing of EULUMDAT files.
 
 use super::{Header, PhotometryWriteError, PlaneSelection, digits, one_line};
 use crate::photometry::{IntensityDistribution, LuminousOpening, OpeningShape, Symmetry};
 
 const MILLIMETRES: f64 = 1000.0;
 
-/// Letters of a line of text at most.
+/// Largest number of characters of a line of text.
 const WORDS: usize = 78;
 
-/// Widest stretch of gamma, in degrees, that the share of light downwards is integrated over at once: three points
-/// then leave an error far below the two decimals of per cent that are written.
+/// Largest interval of gamma, in degrees, for integrating the downward fraction of the flux: the error of three points
+/// is far below the two decimals of per cent that are written.
 const STRETCH: f64 = 5.0;
 
 /// A file of EULUMDAT for absolute photometry: -1 lamps whose flux is that of the luminaire, light output ratio 100 %,
 /// intensities in cd per 1000 lm of that flux.
 ///
-/// Luminaire and luminous area have the size of [`Header::opening`] as far as the format knows its shape: a circle, an
+/// Luminaire and luminous area have the size of [`Header::opening`] if the format supports its shape: a circle, an
 /// upright round cylinder, a rectangle or a box; other shapes are written as the box around them. The ten direct
-/// ratios are 0: they are not known. Text is Latin-1, with question marks for letters beyond it, and
-/// `TILT=` at the beginning of a line, which would make it a file of LM-63, loses its sign. Watts that are not a
+/// ratios, which are unknown, are 0. Text is Latin-1, with question marks for other characters, and
+/// the sign of `TILT=` is removed at the beginning of a line, because it marks LM-63 files. Watts that are not a
 /// finite number above 0 are written as 0.
 ///
 /// # Errors
@@ -63,7 +63,7 @@ fn head(distribution: &IntensityDistribution, header: &Header, planes: &Eulumdat
     let names = &header.names;
     let words = |words: &str| {
         let line = one_line(words, WORDS);
-        // A line that begins so is what tells LM-63 from EULUMDAT.
+        // A line with this beginning distinguishes LM-63 from EULUMDAT.
         let is_tilt = line.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("TILT="));
         if is_tilt { line.replacen('=', " ", 1) } else { line }
     };
@@ -86,7 +86,7 @@ fn head(distribution: &IntensityDistribution, header: &Header, planes: &Eulumdat
         words(&names.report),
         words(&names.luminaire),
         words(&names.catalog_number),
-        // The name of the file, which whoever writes it may choose.
+        // The name of the file, which is arbitrary.
         String::new(),
         words(&names.issued),
     ];
@@ -111,7 +111,7 @@ impl EulumdatPlanes {
         let azimuths = distribution.azimuths();
         let listed: Vec<f64> = azimuths.iter().copied().filter(|c| *c < 360.0).collect();
         match symmetry {
-            // From C270 by way of C0 to C90: the other half, which is alike.
+            // From C270 over C0 to C90: the other half, which is equal.
             Symmetry::AcrossX => {
                 let planes_of = |of: fn(f64) -> bool| {
                     let numbered = azimuths.iter().enumerate();
@@ -126,7 +126,7 @@ impl EulumdatPlanes {
     }
 }
 
-/// The distance between neighbours if it is the same everywhere, else 0.
+/// The distance between neighbours if it is constant, else 0.
 fn distance(angles: &[f64]) -> f64 {
     let mut steps = angles.windows(2).map(|pair| pair[1] - pair[0]);
     let first = steps.next().unwrap_or(0.0);
@@ -146,13 +146,13 @@ fn sizes(opening: LuminousOpening) -> [f64; 3] {
     sizes.map(|metres| (metres * MILLIMETRES * 1000.0).round() / 1000.0)
 }
 
-/// The share of the flux below the horizontal.
+/// The fraction of the flux below the horizontal.
 fn downward(distribution: &IntensityDistribution) -> f64 {
     // Gauss-Legendre with three points.
     let nodes = [(-0.6_f64.sqrt(), 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.6_f64.sqrt(), 5.0 / 9.0)];
     let azimuths = distribution.azimuths();
     let last = azimuths.len() - 1;
-    // Linear in azimuth: a plane counts half of the steps beside it.
+    // Linear in azimuth: the weight of a plane is half of the adjacent steps.
     let weight = |i: usize| {
         let at = |i: usize| azimuths.get(i).copied().unwrap_or(0.0);
         if last == 0 { 1.0 } else { at((i + 1).min(last)) - at(i.saturating_sub(1)) }

@@ -1,9 +1,8 @@
 //! Photometric files of a distribution: [`ies`] writes LM-63-2002, [`ldt`] EULUMDAT.
 //!
-//! Both state absolute photometry: candela of the luminaire itself, without lamps whose rated flux they would depend
-//! on. Intensities are written with eight digits, so what is read again differs by at most 5e-8 of the value, and below
-//! 1e-20 as 0; angles are written exactly. What mirrors or turns into itself is stored once, as the distribution's [`Symmetry`]
-//! says.
+//! Both write absolute photometry: candela of the luminaire itself, independent of the rated flux of lamps.
+//! Intensities are written with eight digits, so that values change by at most 5e-8 of themselves, and those below
+//! 1e-20 as 0; angles are written exactly. Symmetric parts are stored once, by the distribution's [`Symmetry`].
 //!
 //! ```
 //! use glanz_formats::photometry::{self, write};
@@ -26,7 +25,7 @@ pub use ldt::ldt;
 
 use super::{AngularSystem, IntensityDistribution, LuminousOpening, Names, Symmetry};
 
-/// Intensities beyond this, in candela, are refused by the readers.
+/// Largest intensity that the readers accept, candela.
 const MOST: f64 = 1e30;
 
 /// Header data of a photometric file.
@@ -39,12 +38,12 @@ pub struct Header {
     pub laboratory: String,
     /// Luminous opening; sizes in metres.
     pub opening: LuminousOpening,
-    /// Electric power in watts; 0 if not known.
+    /// Electric power in watts; 0 if unknown.
     pub watts: f64,
 }
 
 impl Default for Header {
-    /// A point of no name.
+    /// A point without a name.
     fn default() -> Self {
         Self {
             names: Names::default(),
@@ -87,8 +86,8 @@ pub enum PhotometryWriteError {
     /// An intensity, in candela, that is negative or too large.
     #[error("an intensity is {0} cd; it should be from 0 to 1e30")]
     Intensity(f64),
-    /// EULUMDAT states intensities per lumen.
-    #[error("the luminaire gives no light, which EULUMDAT cannot say")]
+    /// A luminaire without light, for EULUMDAT, whose intensities are per lumen.
+    #[error("the luminaire gives no light, which EULUMDAT cannot represent")]
     Dark,
 }
 
@@ -100,7 +99,7 @@ struct PlaneSelection {
 }
 
 impl PlaneSelection {
-    /// Checks the distribution and picks those of its planes that its symmetry needs; all of them, where the planes
+    /// Checks the distribution and selects the planes that its symmetry needs, or all of them if the planes
     /// that bound its part are missing.
     fn of(distribution: &IntensityDistribution) -> Result<Self, PhotometryWriteError> {
         if distribution.system() != AngularSystem::C {
@@ -118,7 +117,7 @@ impl PlaneSelection {
         if let Some(value) = all.copied().find(|value| !(0.0..=MOST).contains(value)) {
             return Err(PhotometryWriteError::Intensity(value));
         }
-        // One plane all round stands for all, too.
+        // A single plane represents all, too.
         if azimuths.len() == 1 || azimuths == [0.0, 360.0] {
             return Ok(Self { symmetry: Symmetry::Axial, planes: vec![0] });
         }
@@ -142,22 +141,22 @@ impl PlaneSelection {
     }
 }
 
-/// `words` on one line of at most `most` letters.
+/// `words` on one line of at most `most` characters.
 fn one_line(words: &str, most: usize) -> String {
     let blank = |letter: char| if letter.is_control() { ' ' } else { letter };
     words.chars().map(blank).take(most).collect::<String>().trim().to_owned()
 }
 
-/// Digits of intensities, and what is so dark that it is written as 0, so that no line becomes too long.
+/// Digits of intensities, and the limit below which they are written as 0, so that no line is too long.
 const DIGITS: usize = 8;
 const LEAST: f64 = 1e-20;
 
-/// An intensity with the digits that are written.
+/// An intensity with the written number of digits.
 fn digits(value: f64) -> String {
     if value < LEAST {
         return "0".to_owned();
     }
-    // Reading the rounded number again leaves its digits without an exponent.
+    // Parsing the rounded number gives its digits without an exponent.
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     rounded.to_string()
 }

@@ -1,4 +1,4 @@
-//! What is written is read again.
+//! Written files are read back.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::photometry::{OpeningShape, Photometry, PhotometryFile, read};
 
-/// A distribution of type C from its planes, by way of the reader.
+/// A distribution of type C from its planes, by the reader.
 fn distribution(azimuths: &[f64], polars: &[f64], candela: &[f64]) -> IntensityDistribution {
     let row = |values: &[f64]| values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(" ");
     let (n, m) = (polars.len(), azimuths.len());
@@ -28,7 +28,7 @@ fn header() -> Header {
     Header { names, laboratory: "computed".into(), opening, watts: 36.5 }
 }
 
-/// Reads a file that must be without fault and without oddity.
+/// Reads a file that must have no errors and no warnings.
 fn read_well(file: &[u8]) -> Photometry {
     let PhotometryFile { photometry, warnings } =
         read(file).unwrap_or_else(|fault| panic!("{fault}\n{}", String::from_utf8_lossy(file)));
@@ -37,7 +37,7 @@ fn read_well(file: &[u8]) -> Photometry {
 }
 
 #[test]
-fn headers_say_who_and_what_and_how_much() {
+fn headers_contain_names_numbers_and_flux() {
     // 100 cd into the lower half space.
     let lamp = distribution(&[0.0], &[0.0, 45.0, 90.0], &[100.0; 3]);
     let ies = read_well(&ies(&lamp, &header()).unwrap());
@@ -61,7 +61,7 @@ fn headers_say_who_and_what_and_how_much() {
 }
 
 #[test]
-fn openings_keep_their_shapes() {
+fn openings_preserve_their_shapes() {
     let lamp = distribution(&[0.0], &[0.0, 90.0], &[1.0; 2]);
     let both = [(OpeningShape::Ellipse, [0.5, 0.5, 0.0]), (OpeningShape::VerticalCylinder, [0.5, 0.5, 0.2])];
     let in_ies = [
@@ -84,8 +84,8 @@ fn openings_keep_their_shapes() {
 }
 
 #[test]
-fn light_upwards_is_told_from_light_downwards() {
-    // 1 + cos gamma over the sphere would be 3/4 downwards; piecewise linear over 1 degree it is so to 1e-4.
+fn downward_fraction_is_that_of_the_flux_below_the_horizontal() {
+    // For 1 + cos gamma over the sphere the fraction is 3/4; for its linear interpolation by 1 degree up to 1e-4.
     let polars: Vec<f64> = (0..=180).map(f64::from).collect();
     let candela: Vec<f64> = polars.iter().map(|gamma| 1.0 + gamma.to_radians().cos()).collect();
     let lamp = distribution(&[0.0], &polars, &candela);
@@ -99,7 +99,7 @@ fn light_upwards_is_told_from_light_downwards() {
 }
 
 #[test]
-fn what_the_formats_cannot_say_is_refused() {
+fn unsupported_distributions_are_refused() {
     let header = Header::default();
     let dark = distribution(&[0.0], &[0.0, 90.0], &[0.0; 2]);
     assert_eq!(ldt(&dark, &header), Err(PhotometryWriteError::Dark));
@@ -107,7 +107,7 @@ fn what_the_formats_cannot_say_is_refused() {
     let part = distribution(&[0.0], &[10.0, 90.0], &[1.0; 2]);
     let refused = PhotometryWriteError::Gammas { count: 2, first: 10.0, last: 90.0 };
     assert_eq!((ies(&part, &header), ldt(&part, &header)), (Err(refused.clone()), Err(refused)));
-    // One plane all round is a luminaire that is alike all round.
+    // A luminaire with a single plane is axially symmetric.
     let round = distribution(&[0.0, 360.0], &[0.0, 90.0], &[1.0; 4]);
     assert_eq!(read_well(&ldt(&round, &header).unwrap()).distribution.azimuths(), [0.0]);
     let text = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 2 2 2 0 0 0\n1 1 0\n-90 90\n-90 90\n1 1 1 1\n";
@@ -117,7 +117,7 @@ fn what_the_formats_cannot_say_is_refused() {
 
 proptest! {
     #[test]
-    fn what_is_written_is_read_again(
+    fn written_distributions_are_read_back(
         ends in prop::sample::select(vec![(0.0, 0.0), (0.0, 90.0), (0.0, 180.0), (90.0, 270.0), (0.0, 360.0)]),
         between in prop::collection::btree_set(1_u32..36, 1..7),
         gammas in prop::collection::btree_set(1_u32..64, 0..9),
@@ -149,7 +149,7 @@ proptest! {
             prop_assert_eq!(again.polars(), lamp.polars());
             for i in 0..lamp.azimuths().len() {
                 for (was, is) in lamp.plane(i).iter().zip(again.plane(i)) {
-                    // Half a unit in the eighth digit; EULUMDAT divides and multiplies besides.
+                    // Half a unit in the eighth digit; EULUMDAT also divides and multiplies.
                     prop_assert!((was - is).abs() <= 5.1e-8 * was, "{} {}", was, is);
                 }
             }

@@ -54,7 +54,7 @@ fn a_list_of_patches_that_is_wrong_is_told_with_the_place_in_it() {
     let (found, folder) = with_file("newell", ("a.txt", &list), scene);
     assert_eq!(
         said(found.unwrap_err(), &folder),
-        "error: scene.pbrt:2:37: shape \"patchmesh\": a.txt:2:31: patch 1 refers to point 2, there are 1, counted from 1\n  \
+        "error: scene.pbrt:2:37: shape \"patchmesh\": a.txt:2:31: patch 1 refers to point 2; there are 1, counted from 1\n  \
            2 | Shape \"patchmesh\" \"string filename\" \"a.txt\"\n    \
              |                                     ^^^^^^^\n"
     );
@@ -89,18 +89,19 @@ fn surfaces_of_a_rib_file_do_not_share_the_power_of_a_light() {
         Shape \"bezierpatch\" \"string filename\" \"a.rib\"\n";
     let (found, folder) = with_file("rib-power", ("a.rib", MIXED), scene);
     let messages = said(found.unwrap_err(), &folder);
-    let expected = "error: scene.pbrt:3:1: shape \"bezierpatch\": its file makes 2 surfaces, which cannot share one power";
+    let expected =
+        "error: scene.pbrt:3:1: shape \"bezierpatch\": its file has 2 surfaces, which cannot share one power";
     assert!(messages.contains(expected), "{messages}");
 }
 
 #[test]
-fn a_rib_file_that_is_wrong_is_told_with_the_place_in_it_and_what_to_do() {
+fn errors_of_a_rib_file_have_a_position_in_it_and_a_remedy() {
     let scene = "WorldBegin\nShape \"patchmesh\" \"string filename\" \"a.rib\"\n";
     let (found, folder) = with_file("rib-wrong", ("a.rib", "AttributeBegin\nMotionBegin [0 1]"), scene);
     assert_eq!(
         said(found.unwrap_err(), &folder),
-        "error: scene.pbrt:2:37: shape \"patchmesh\": a.rib:2:1: MotionBegin is not supported, what is in it would stand \
-         in the wrong place\n  \
+        "error: scene.pbrt:2:37: shape \"patchmesh\": a.rib:2:1: MotionBegin is not supported; surfaces in it would have \
+         wrong positions\n  \
            2 | Shape \"patchmesh\" \"string filename\" \"a.rib\"\n    \
              |                                     ^^^^^^^\n  \
            help: write the file without motion, objects and solids\n"

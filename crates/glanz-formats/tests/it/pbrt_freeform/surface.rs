@@ -155,15 +155,15 @@ fn wrong_surfaces_are_told_with_their_place() {
         (changed("\"integer nu\" 4", ""), "2:1: shape \"nurbs\" has no \"integer nu\""),
         (changed("\"integer vorder\" 2", ""), "2:1: shape \"nurbs\" has no \"integer vorder\""),
         (changed("\"float uknots\" [0 0 0 1 2 2 2]", ""), "2:1: shape \"nurbs\" has no \"float uknots\""),
-        (changed("\"integer nu\" 4", "\"integer nu\" 1"), "2:28: shape \"nurbs\": \"nu\" is 1, it must be at least 2"),
-        (changed("order\" 3", "order\" 1"), "2:62: shape \"nurbs\": \"uorder\" is 1, it must be at least 2"),
+        (changed("\"integer nu\" 4", "\"integer nu\" 1"), "2:28: shape \"nurbs\": \"nu\" is 1; it must be at least 2"),
+        (changed("order\" 3", "order\" 1"), "2:62: shape \"nurbs\": \"uorder\" is 1; it must be at least 2"),
         (
             changed("order\" 3", "order\" 5"),
             "2:28: shape \"nurbs\": \"nu\" is 4, an order \"uorder\" of 5 needs at least 5",
         ),
         (
             changed("[0 0 0 1 2 2 2]", "[0 0 0 2 2 2]"),
-            "2:99: shape \"nurbs\": parameter \"uknots\" has 6 values, 7 are needed",
+            "2:99: shape \"nurbs\": parameter \"uknots\" has 6 values; 7 are needed",
         ),
         (
             changed("[0 0 0 1 2 2 2]", "[0 0 0 0 2 2 2]"),
@@ -181,11 +181,11 @@ fn wrong_surfaces_are_told_with_their_place() {
         (changed(SHEET_POINTS, ""), "2:1: shape \"nurbs\" has neither points \"P\" nor \"float Pw\""),
         (
             changed(SHEET_POINTS, "\"float Pw\" [1 2 3]"),
-            "3:13: shape \"nurbs\": parameter \"Pw\" has 3 values, a multiple of 4 is needed",
+            "3:13: shape \"nurbs\": parameter \"Pw\" has 3 values; a multiple of 4 is needed",
         ),
         (
             changed(SHEET_POINTS, "\"float Pw\" [1 2 3 1 1 2 3 0]"),
-            "3:27: shape \"nurbs\": a weight in \"Pw\" is 0.0, it must be positive",
+            "3:27: shape \"nurbs\": a weight in \"Pw\" is 0.0; it must be positive",
         ),
         (
             changed(SHEET_POINTS, "\"float Pw\" [1 2 3 1e-310]"),
@@ -217,7 +217,7 @@ fn wrong_surfaces_are_told_with_their_place() {
         ),
         (
             "WorldBegin Shape \"bezierpatch\" \"integer udegree\" 0".to_owned(),
-            "1:50: shape \"bezierpatch\": \"udegree\" is 0, it must be at least 1",
+            "1:50: shape \"bezierpatch\": \"udegree\" is 0; it must be at least 1",
         ),
         (
             "WorldBegin Shape \"beziertriangle\" \"integer degree\" 1 \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]".to_owned(),
@@ -231,7 +231,7 @@ fn wrong_surfaces_are_told_with_their_place() {
         (
             "WorldBegin Shape \"beziertriangle\" \"integer degree\" 1 \"point3 P\" [0 0 0 1 0 0 0 1 0] \"float weights\" [1 -2 1]"
                 .to_owned(),
-            "1:104: shape \"beziertriangle\": a weight in \"weights\" is -2.0, it must be positive",
+            "1:104: shape \"beziertriangle\": a weight in \"weights\" is -2.0; it must be positive",
         ),
         (
             "WorldBegin Shape \"beziertriangle\" \"integer degree\" 1 \"point3 P\" [0 0 0 1e300 0 0 0 1 0] \"float weights\" [1 1e10 1]"

@@ -101,7 +101,7 @@ fn wrong_trimming_is_told_with_its_place() {
             changed("\"integer trimcounts\" [3 2 4]", ""),
             "2:22: shape \"disk\": \"trimloops\" is given without \"trimcounts\"",
         ),
-        (changed("[2 1]", "[2 0]"), "2:24: shape \"disk\": \"trimloops\" has 0, it must be at least 1"),
+        (changed("[2 1]", "[2 0]"), "2:24: shape \"disk\": \"trimloops\" has 0; it must be at least 1"),
         (
             changed("[2 1]", "[2 2]"),
             "2:49: shape \"disk\": \"trimloops\" has 4 curves in all, \"trimorders\" is given for 3",
@@ -110,14 +110,14 @@ fn wrong_trimming_is_told_with_its_place() {
             changed("[3 2 4]", "[3 2]"),
             "2:78: shape \"disk\": \"trimloops\" has 3 curves in all, \"trimcounts\" is given for 2",
         ),
-        (changed("[3 2 2]", "[3 2 1]"), "2:53: shape \"disk\": \"trimorders\" has 1, it must be at least 2"),
+        (changed("[3 2 2]", "[3 2 1]"), "2:53: shape \"disk\": \"trimorders\" has 1; it must be at least 2"),
         (
             changed("[3 2 2]", "[3 3 2]"),
             "2:80: shape \"disk\": trimming curve 1 has 2 points, its order 3 needs at least 3",
         ),
         (
             changed("3 3 4 5 6 6", "3 3 4 5 6"),
-            "2:104: shape \"disk\": parameter \"trimknots\" has 15 values, 16 are needed",
+            "2:104: shape \"disk\": parameter \"trimknots\" has 15 values; 16 are needed",
         ),
         (
             changed("3 3 4 5 6 6", "3 3 4 3 6 6"),
@@ -125,15 +125,15 @@ fn wrong_trimming_is_told_with_its_place() {
         ),
         (
             changed("  0 .1 1]", "]"),
-            "2:159: shape \"disk\": parameter \"trimpoints\" has 8 points, 9 are needed",
+            "2:159: shape \"disk\": parameter \"trimpoints\" has 8 points; 9 are needed",
         ),
         (
             changed("0 2 2", "0 2 0"),
-            "2:170: shape \"disk\": a weight in \"trimpoints\" is 0.0, it must be positive",
+            "2:170: shape \"disk\": a weight in \"trimpoints\" is 0.0; it must be positive",
         ),
         (
             simple("\"float trimpolygon\" [0 0 1]"),
-            "1:46: shape \"disk\": parameter \"trimpolygon\" has 3 values, a multiple of 2 is needed",
+            "1:46: shape \"disk\": parameter \"trimpolygon\" has 3 values; a multiple of 2 is needed",
         ),
         (
             simple("\"float trimpolygon\" [0 0 1 1 2 2]"),
@@ -146,7 +146,7 @@ fn wrong_trimming_is_told_with_its_place() {
         ),
         (
             simple("\"float trimellipse\" [0 0 1 1  0 0 1 -1]"),
-            "1:61: shape \"disk\": a radius in \"trimellipse\" is -1, it must be positive",
+            "1:61: shape \"disk\": a radius in \"trimellipse\" is -1; it must be positive",
         ),
         (
             simple("\"float trimellipse\" [1e308 0 1e308 1]"),
