@@ -185,10 +185,10 @@ impl Filter {
         value / area
     }
 
-    /// A pixel of `pixels` that sees the film point `film`, picked by a number uniform in [0, 1), and what light there counts for it.
+    /// A pixel of `pixels` whose filter reaches the film point `film`, selected by `xi`, uniform in [0, 1), and the factor for light at the point.
     ///
-    /// Pixels are picked in proportion to the magnitude of their filters there; the factor is the sum of these magnitudes, with the sign of the
-    /// one picked, so that each pixel gets on average what [`Filter::evaluate`] says. `None` if no filter reaches that far.
+    /// Pixels are selected in proportion to the magnitude of their filters there; the factor is the sum of these magnitudes, with the sign of the
+    /// selected one, so that each pixel receives [`Filter::evaluate`] on average. `None` if no filter reaches the point.
     #[must_use]
     pub fn pick_pixel(&self, film: DVec2, pixels: &PixelRect, xi: f64) -> Option<([u32; 2], f64)> {
         let [columns, rows] = [0, 1].map(|axis| self.reached(film, pixels, axis));

@@ -13,14 +13,17 @@ use glanz_terminal::values::positive;
 use super::common::{JobArguments, SceneArgument, ToneArguments};
 
 const BAKE_HELP: &str = "\
-The model is binary glTF 2.0 with unlit materials: a picture on each surface shows the light that
-leaves it (TEXCOORD_1); three.js, Blender and others display it without further settings. The
-irradiance itself, in the scene's units of radiance, is written beside it as OpenEXR in the same
-layout. Sides that no light reaches are black and take no texels. The model has the scene's camera.
+The model is binary glTF 2.0 with unlit materials: a picture on each surface shows the light
+that leaves it (TEXCOORD_1); three.js, Blender and others display it without further settings.
+The irradiance itself, in the scene's units of radiance, is written beside it as OpenEXR in the
+same layout. Sides that no light reaches are black and take no texels. The model has the scene's
+camera.
 
-The light is computed by radiosity: mirrors, glass and glossy materials are treated as diffuse. With
---method radiosity, light passes clear glass; direct light comes from all lights by fewer shadow rays,
-and light between surfaces is interpolated from elements as large as the solver allows.
+The light is computed by radiosity: mirrors, glass and glossy materials are treated as diffuse.
+With --method radiosity, light passes clear glass; direct light comes from all lights by fewer
+shadow rays, and light between surfaces is interpolated from elements as large as the solver
+allows.
+
 Ctrl-C and SIGTERM end the command with exit status 130 and write only the checkpoint, if one is
 named; --resume continues from it to the same bits. A second Ctrl-C ends the program at once. The
 finished checkpoint holds all light, for further models of the same scene and for

@@ -15,18 +15,18 @@ use super::common::{JobArguments, RoomArgument, SceneArgument};
 const RECEIVER_CELLS: i64 = MAX_RECEIVER_CELLS as i64;
 
 const HELP: &str = "\
-Receivers are the shapes of the scene with \"string receiver\" \"NAME\", and with --room the six walls
-of a box from the origin to (X, Y, Z), which absorb all light. The command writes for every receiver
-NAME.csv (position, area, lux, standard error per cell), NAME.exr (the same as floats, one pixel per
-cell), NAME.png (false colours) and NAME.svg (isolux lines), and for all receivers report.html,
-report.json and summary.txt: smallest, mean and largest illuminance, the uniformities U0 (smallest
-over mean) and U1 (smallest over largest), and the flux balance.
+Receivers are the shapes of the scene with \"string receiver\" \"NAME\", and with --room the six
+walls of a box from the origin to (X, Y, Z), which absorb all light. The command writes for
+every receiver NAME.csv (position, area, lux, standard error per cell), NAME.exr (the same as
+floats, one pixel per cell), NAME.png (false colours) and NAME.svg (isolux lines), and for all
+receivers report.html, report.json and summary.txt: smallest, mean and largest illuminance, the
+uniformities U0 (smallest over mean) and U1 (smallest over largest), and the flux balance.
 
-Without --rays, --time and --error, tracing ends when the standard error of the brightest cell and of
-the mean of every receiver is 1 per cent.
+Without --rays, --time and --error, tracing ends when the standard error of the brightest cell
+and of the mean of every receiver is 1 per cent.
 
-\"trace\" traces particles and includes all light. \"integrate\" integrates over the images of the lamps
-in the mirrors, without noise: light directly from lamps and by way of one mirror. \"both\" also
+\"trace\" traces particles and includes all light. \"integrate\" integrates over the images of the
+lights in the mirrors, without noise: direct light, and light after one reflection. \"both\" also
 compares the two.
 
 Examples:

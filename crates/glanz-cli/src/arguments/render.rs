@@ -57,16 +57,16 @@ Examples:
   glanz render room.pbrt --integrator guided --guide-in room.guide --samples 0..512
 
 The default guide of \"guided\" is \"tree\": adaptively refined cells and directions, combined with
-the BSDF by learnt weights. A comma-separated list of keys selects a fixed grid, as in document 003:
+the BSDF by learnt weights. Comma-separated keys select a fixed grid, as in document 003:
   grid=N            N x N cells on each surface, 1 to 64
   basis=NAME        functions of the densities: haar (default), spline0, spline1, spline2, spline3
   scale=J           2^J segments along each axis of the hemisphere, 0 to 6 (3)
   mixture=on|off    whether the BSDF samples half of the diffuse directions, or none (off)
   hierarchical=on|off
                     whether densities start coarse and are refined from pass to pass (off)
-  passes=N-N-...    samples per pixel of each learning pass, such as 1-2-4, after a first sample that
-                    measures the brightness; by default every pass is twice as long as the last
-With --samplelights on, grids learn indirect light alone (\"stratification\" in 003), else all light:
+  passes=N-N-...    samples per pixel of each learning pass, such as 1-2-4, after a first sample
+                    that measures the brightness; by default every pass is twice as long as the last
+With --samplelights on, grids learn indirect light alone (\"stratification\" in 003):
   glanz render room.pbrt --integrator guided --guide grid=8,basis=haar --samplelights off";
 
 #[derive(Debug, Args)]

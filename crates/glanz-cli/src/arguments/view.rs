@@ -10,20 +10,20 @@ use super::common::{RoomArgument, SceneArgument, Strictness, ThreadArguments};
 
 const VIEW_HELP: &str = "\
 The page draws the surfaces themselves, not facets of them; when the camera rests, it shows the
-picture that `glanz render` would make. Its address is printed on the standard output. Ctrl-C ends
-the command.
+picture that `glanz render` would make. Its address is printed on the standard output. Ctrl-C
+ends the command.
 
-Only this machine can open the page, unless --host names an address for other machines; the printed
-address then contains a token that admits everyone who has it. The connection is not encrypted: use
+Only this machine can open the page, unless --host names an address for other machines; the
+printed address then contains a token that grants access. The connection is not encrypted: use
 it in trusted networks only, or forward the port through ssh instead.
 
-Files that are dropped on the page are shown on that page alone, and can refer to each other but to
-no other file of this machine.
+Files that are dropped on the page are shown on that page alone, and can refer to each other but
+to no other file of this machine.
 
 Examples:
   glanz view room.pbrt
   glanz view room.pbrt --watch                      updated when the file is saved
-  glanz view room.pbrt --light room.light           with the light of glanz bake --checkpoint room.light
+  glanz view room.pbrt --light room.light           with light of glanz bake --checkpoint
   glanz view lamp.pbrt --lux lux --room 10 10 10    with the lux maps of glanz illuminate -o lux
   glanz view room.pbrt --host 0.0.0.0 --no-open     for other machines
   ssh -L 7870:localhost:7870 far glanz view room.pbrt --no-open";

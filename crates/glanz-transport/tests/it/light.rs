@@ -1,4 +1,4 @@
-//! Paths from lamps: the same picture as `path` where that finds the light, closed forms where it does not.
+//! Paths from lights: the same picture as `path` where `path` finds the light, closed forms where it does not.
 //!
 //! Seeds are fixed. Averages may differ by three standard errors: one fair comparison in 370 fails, and there are some sixty. Per pixel the mean
 //! of the squared difference over its variance is 1 if variances are known; the bound of 1.5 is 5 standard deviations of that mean over some

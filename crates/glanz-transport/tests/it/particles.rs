@@ -1,4 +1,4 @@
-//! Light from lamps against closed forms and its own books.
+//! Particles from lights compared with closed forms, and their balance.
 
 use crate::common::*;
 use glanz_light::{Spectrum, Wavelengths};

@@ -51,7 +51,7 @@ pub enum IlluminateMethod {
     /// Particles from the lights: all light.
     #[default]
     Trace,
-    /// Deterministic integration over the images of lamps in mirrors: direct light and light by way of one mirror.
+    /// Deterministic integration over the images of lights in mirrors: direct light and light after reflection in one mirror.
     Integrate,
     /// Both methods, with their difference.
     Both,
