@@ -18,12 +18,12 @@ const LEAST_RAYS: usize = 4;
 
 thread_local! {
     /// The memory of earlier batches, one for each level of instances: getting it from the system would take as long as the rays.
-    static MEMORY: RefCell<Vec<Box<BatchMemory>>> = const { RefCell::new(Vec::new()) };
+    static MEMORY: RefCell<Vec<Box<SceneBatchMemory>>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Memory that batches reuse.
 #[derive(Default)]
-struct BatchMemory {
+struct SceneBatchMemory {
     traversal: BatchScratch,
     all: Vec<u32>,
     nearest: Vec<NearestHit>,
@@ -34,7 +34,7 @@ struct BatchMemory {
     occluded: Vec<bool>,
 }
 
-impl BatchMemory {
+impl SceneBatchMemory {
     /// Runs `work` with memory of this thread.
     fn with(work: impl FnOnce(&mut Self)) {
         let mut memory = MEMORY.with_borrow_mut(Vec::pop).unwrap_or_default();
@@ -59,8 +59,8 @@ impl Scene {
     }
 
     fn closest_in_group(&self, group: &SceneGroup, rays: &[BoundedRay], hits: &mut Vec<Option<SceneHit>>) {
-        BatchMemory::with(|memory| {
-            let BatchMemory { traversal, all, nearest, local, hits: local_hits, nested, .. } = memory;
+        SceneBatchMemory::with(|memory| {
+            let SceneBatchMemory { traversal, all, nearest, local, hits: local_hits, nested, .. } = memory;
             nearest.clear();
             nearest.extend(rays.iter().map(|ray| NearestHit::before(ray.t_max)));
             let mut search = ClosestSearch { scene: self, group, rays, nearest, local, local_hits, nested };
@@ -80,8 +80,8 @@ impl Scene {
     fn occluded_in_group(&self, group: &SceneGroup, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
         occluded.clear();
         occluded.resize(rays.len(), false);
-        BatchMemory::with(|memory| {
-            let BatchMemory { traversal, all, open, local, occluded: local_occluded, .. } = memory;
+        SceneBatchMemory::with(|memory| {
+            let SceneBatchMemory { traversal, all, open, local, occluded: local_occluded, .. } = memory;
             let mut search = AnySearch { scene: self, group, rays, occluded, local, local_occluded, open };
             if !group.unbounded.is_empty() {
                 all.clear();
