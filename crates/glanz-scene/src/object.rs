@@ -1,7 +1,7 @@
 //! Surfaces with their place in a group.
 
 use glanz_geometry::{BoundedRay, Hit, RaySurface, Surface, SurfacePoint};
-use glanz_math::{AreaPdf, Bounds3, DVec2, Ray, Transform};
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray, Transform};
 
 use std::sync::Arc;
 
@@ -109,7 +109,7 @@ impl SceneObject {
         match &self.to_parent {
             // Products of infinity and zero are not numbers: an object that is infinite in its own frame is so in every frame.
             Some(_) if !bounds.is_finite() && !bounds.is_empty() => {
-                Bounds3 { min: glanz_math::DVec3::NEG_INFINITY, max: glanz_math::DVec3::INFINITY }
+                Bounds3 { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY }
             }
             Some(to_parent) => to_parent.bounds(&bounds),
             None => bounds,
@@ -157,38 +157,49 @@ impl SceneObject {
     /// The surface at a hit of this object, in the group's frame and in its own, and the density of [`SceneObject::sample`] at it if the
     /// object is a light.
     #[inline]
-    pub(crate) fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, LocalPoint, Option<AreaPdf>) {
+    pub(crate) fn point(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        reversed: bool,
+    ) -> (SurfacePoint, LocalPoint, Option<AreaPdf>) {
         let local_ray = self.local(ray);
-        let local = self.surface.point(&local_ray, hit);
-        let away = local.normal.dot(local_ray.direction) > 0.0;
+        let mut point = self.surface.point(&local_ray, hit);
+        let away = point.normal.dot(local_ray.direction) > 0.0;
         let own = LocalPoint {
-            position: local.position,
-            normal_to_viewer: if away { -local.normal } else { local.normal },
+            position: point.position,
+            normal_to_viewer: if away { -point.normal } else { point.normal },
         };
         let pdf = self
             .light
-            .and_then(|_| self.surface.area_pdf(hit, &local))
-            .map(|pdf| self.to_parent_pdf(pdf, &local));
-        (self.to_parent_point(local, hit.face), own, pdf)
+            .and_then(|_| self.surface.area_pdf(hit, &point))
+            .map(|pdf| self.to_parent_pdf(pdf, point.normal));
+        self.place(&mut point, reversed);
+        (point, own, pdf)
     }
 
     /// Samples a point of the object by two numbers uniform in [0, 1).
+    #[inline]
     pub(crate) fn sample(&self, xi: DVec2) -> Option<(SurfacePoint, AreaPdf)> {
-        let sample = self.surface.sample(xi)?;
-        Some((
-            self.to_parent_point(sample.point, sample.hit.face),
-            self.to_parent_pdf(sample.pdf, &sample.point),
-        ))
+        let mut sample = self.surface.sample(xi)?;
+        let pdf = self.to_parent_pdf(sample.pdf, sample.point.normal);
+        self.place(&mut sample.point, self.attributes(sample.hit.face).reversed);
+        Some((sample.point, pdf))
+    }
+
+    /// Moves a point from the frame of the surface to that of the group.
+    #[inline]
+    fn place(&self, point: &mut SurfacePoint, reversed: bool) {
+        if let Some(to_parent) = &self.to_parent {
+            *point = point.transformed(to_parent);
+        }
+        if reversed {
+            *point = point.reversed();
+        }
     }
 
     #[inline]
-    fn to_parent_point(&self, local: SurfacePoint, face: u32) -> SurfacePoint {
-        let point = self.to_parent.as_ref().map_or(local, |t| local.transformed(t));
-        if self.attributes(face).reversed { point.reversed() } else { point }
-    }
-
-    #[inline]
-    fn to_parent_pdf(&self, pdf: AreaPdf, local: &SurfacePoint) -> AreaPdf {
-        self.to_parent.as_ref().map_or(pdf, |t| AreaPdf(pdf.0 / t.area_scale(local.normal)))
+    fn to_parent_pdf(&self, pdf: AreaPdf, local_normal: DVec3) -> AreaPdf {
+        self.to_parent.as_ref().map_or(pdf, |t| AreaPdf(pdf.0 / t.area_scale(local_normal)))
     }
 }

@@ -240,19 +240,19 @@ impl Scene {
     pub fn interaction(&self, ray: &Ray, found: &SceneHit) -> Interaction {
         let mut group = self.world();
         let mut local = *ray;
-        let mut maps = [Transform::IDENTITY; MAX_NESTING];
+        let mut maps = [&Transform::IDENTITY; MAX_NESTING];
         for (slot, index) in maps.iter_mut().zip(found.path.outermost_first()) {
             let instance = &group.instances[index as usize];
             local = instance.to_parent.inverse().ray(&local);
-            *slot = instance.to_parent;
+            *slot = &instance.to_parent;
             group = &self.groups[instance.group];
         }
         let object = &group.objects[found.object as usize];
-        let (mut point, own, area_pdf) = object.point(&local, &found.hit);
+        let attributes = object.attributes(found.hit.face);
+        let (mut point, own, area_pdf) = object.point(&local, &found.hit, attributes.reversed);
         for map in maps[..found.path.length].iter().rev() {
             point = point.transformed(map);
         }
-        let attributes = object.attributes(found.hit.face);
         Interaction {
             point,
             t: found.hit.t,

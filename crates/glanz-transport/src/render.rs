@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::time::{Duration, Instant};
 
 use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobEnd, JobProgress, WorkCount};
-use glanz_light::Wavelengths;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
@@ -12,12 +12,12 @@ use rayon::prelude::*;
 
 use crate::film::{Film, FilmError};
 use crate::filter::Filter;
-use crate::guide::{GridError, PathRecords, Training};
+use crate::guide::{GridError, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
-use crate::pixel::{PixelSample, PixelSums, Rejects};
+use crate::pixel::{PixelLayout, PixelSums, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::progress::{FinishedTile, RenderSink, TileSink};
-use crate::splat::{Splat, SplatBuffer, SplatRows};
+use crate::splat::{SplatBuffer, SplatRows};
 use glanz_sampling::exact::MAX_TERMS;
 
 /// Desired time of a pass over the picture: short enough for cancelling, long enough to keep threads busy.
@@ -257,14 +257,15 @@ impl PassWork {
     }
 }
 
-/// Memory that is reused by consecutive samples.
+/// Memory that is reused by consecutive batches of samples.
 #[derive(Default)]
-struct ThreadBuffers {
-    records: PathRecords,
-    /// Splats of the last sample.
-    splats: Vec<Splat>,
-    /// Splats of earlier samples that are not in the film yet.
-    buffer: SplatBuffer,
+struct SampleBatch<'a> {
+    contexts: Vec<Context<'a>>,
+    /// For each sample, whether the filter is negative there.
+    negative: Vec<bool>,
+    radiance: Vec<Spectrum>,
+    /// Splats that are not in the film yet.
+    splats: SplatBuffer,
 }
 
 #[derive(Clone, Copy)]
@@ -275,19 +276,18 @@ struct PassRenderer<'a> {
     options: ContextOptions,
 }
 
-impl PassRenderer<'_> {
+impl<'a> PassRenderer<'a> {
     /// Renders one pass: the samples of `range` for every pixel.
     ///
     /// # Errors
     /// [`Interrupted`] if `sink` abandons the film, which is then incomplete.
     fn expose(
         &self,
-        film: &mut Film,
+        film: &'a mut Film,
         range: &Range<u32>,
         sink: &dyn TileSink,
     ) -> Result<PassWork, Interrupted> {
         let layout = film.format().layout();
-        let stride = layout.words();
         let samples = film.samples().total() + range.len() as u64;
         let parts = film.parts_mut();
         let tiles = parts.tiles;
@@ -296,21 +296,7 @@ impl PassRenderer<'_> {
             .into_par_iter()
             .with_max_len(1)
             .map(|(tile, words): (PixelRect, &mut [u64])| {
-                let mut work = PassWork::default();
-                let mut memory = ThreadBuffers::default();
-                for (pixel, words) in tile.pixels().zip(words.chunks_exact_mut(stride)) {
-                    let mut sums = PixelSums::read(&layout, words);
-                    for index in range.clone() {
-                        if sink.is_abandoned() {
-                            return Err(Interrupted);
-                        }
-                        let sample = self.sample(pixel, index, training, &mut memory, &mut work.counters);
-                        sums.add(&layout, &sample, &mut work.rejects);
-                        self.pass_on(&mut memory, &splats, &mut work.rejects);
-                    }
-                    sums.write(&layout, words);
-                }
-                memory.buffer.flush(&splats, &mut work.rejects);
+                let work = self.expose_tile(&tile, &layout, words, range, (&splats, training), sink)?;
                 sink.on_tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
                 Ok(work)
             })
@@ -318,41 +304,81 @@ impl PassRenderer<'_> {
             .try_reduce(PassWork::default, |a, b| Ok(a.merged(b)))
     }
 
-    /// Adds the splats of the last sample to the film's buffer.
-    fn pass_on(&self, memory: &mut ThreadBuffers, splats: &SplatRows<'_>, rejects: &mut Rejects) {
-        if !memory.splats.is_empty() {
-            let wavelengths = Wavelengths::default();
-            memory.buffer.take(&memory.splats, &self.settings.filter, &wavelengths, splats, rejects);
-            memory.splats.clear();
+    /// Renders one pass over a tile, whose sums are `words`.
+    fn expose_tile(
+        &self,
+        tile: &PixelRect,
+        layout: &PixelLayout,
+        words: &mut [u64],
+        range: &Range<u32>,
+        (splats, training): (&SplatRows<'_>, Option<&'a Training>),
+        sink: &dyn TileSink,
+    ) -> Result<PassWork, Interrupted> {
+        let (mut work, mut batch, stride) = (PassWork::default(), SampleBatch::default(), layout.words());
+        let limit = self.integrator.batch().max(1);
+        let pixels: Vec<_> = tile.pixels().collect();
+        let together = (limit / range.len().max(1)).max(1);
+        for (pixels, words) in pixels.chunks(together).zip(words.chunks_mut(together * stride)) {
+            let mut sums: Vec<_> =
+                words.chunks_exact(stride).map(|words| PixelSums::read(layout, words)).collect();
+            let step = (limit / pixels.len()).max(1);
+            for start in range.clone().step_by(step) {
+                if sink.is_abandoned() {
+                    return Err(Interrupted);
+                }
+                let part = start..range.end.min(start.saturating_add(step as u32));
+                self.sample(pixels, &part, training, &mut batch);
+                let light = batch.radiance.iter().zip(&batch.negative);
+                for (position, (context, (light, negative))) in
+                    batch.contexts.iter_mut().zip(light).enumerate()
+                {
+                    if let Some(sums) = sums.get_mut(position / part.len()) {
+                        sums.add(layout, &context.pixel_sample(*light, *negative), &mut work.rejects);
+                    }
+                    work.counters.merge(context.counters);
+                    if !context.splats.is_empty() {
+                        let (filter, wavelengths) = (&self.settings.filter, Wavelengths::default());
+                        batch.splats.take(&context.splats, filter, &wavelengths, splats, &mut work.rejects);
+                        context.splats.clear();
+                    }
+                }
+            }
+            for (sums, words) in sums.iter().zip(words.chunks_exact_mut(stride)) {
+                sums.write(layout, words);
+            }
         }
+        batch.splats.flush(splats, &mut work.rejects);
+        Ok(work)
     }
 
-    /// Renders one sample. `memory`: reused from sample to sample.
+    /// Renders the samples `range` of each of `pixels`, pixel after pixel.
     fn sample(
         &self,
-        pixel: [u32; 2],
-        index: u32,
-        training: Option<&Training>,
-        memory: &mut ThreadBuffers,
-        counters: &mut Counters,
-    ) -> PixelSample {
+        pixels: &[[u32; 2]],
+        range: &Range<u32>,
+        training: Option<&'a Training>,
+        batch: &mut SampleBatch<'a>,
+    ) {
         let settings = self.settings;
-        let mut sampler =
-            PixelSampler::new(settings.sampler, settings.samples_per_pixel, settings.seed, pixel, index);
-        let place = settings.filter.sample(sampler.pixel_2d());
-        let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
-        let ray = self.scene.camera().ray(middle + place.offset, sampler.next_2d());
-        sampler.skip_to_dimension(FIRST_DIMENSION);
-        let mut context = Context::new(self.scene, ray, sampler, self.options);
-        context.training = training;
-        context.records = std::mem::take(&mut memory.records);
-        context.splats = std::mem::take(&mut memory.splats);
-        let radiance = self.integrator.radiance(&mut context);
-        memory.records = std::mem::take(&mut context.records);
-        memory.splats = std::mem::take(&mut context.splats);
-        counters.merge(context.counters);
-        let rgb = radiance.to_rgb(&context.wavelengths);
-        PixelSample { index, rgb, negative: place.negative, first_hit: context.first_hit() }
+        batch.negative.clear();
+        let samples = pixels.iter().flat_map(|&pixel| range.clone().map(move |index| (pixel, index)));
+        for (position, (pixel, index)) in samples.enumerate() {
+            let mut sampler =
+                PixelSampler::new(settings.sampler, settings.samples_per_pixel, settings.seed, pixel, index);
+            let place = settings.filter.sample(sampler.pixel_2d());
+            let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+            let ray = self.scene.camera().ray(middle + place.offset, sampler.next_2d());
+            sampler.skip_to_dimension(FIRST_DIMENSION);
+            batch.negative.push(place.negative);
+            match batch.contexts.get_mut(position) {
+                Some(context) => context.restart(ray, sampler),
+                None => batch
+                    .contexts
+                    .push(Context::new(self.scene, ray, sampler, self.options).with_training(training)),
+            }
+        }
+        batch.contexts.truncate(batch.negative.len());
+        self.integrator.radiance_batch(&mut batch.contexts, &mut batch.radiance);
     }
 }
 

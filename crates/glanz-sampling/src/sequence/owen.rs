@@ -82,6 +82,20 @@ impl ScrambledSobol {
         ]
     }
 
+    /// All coordinates of a point, in units of 2^-32; `reversed_index` as in [`ScrambledSobol::coordinate`].
+    #[inline]
+    #[must_use]
+    pub fn point(&self, reversed_index: u32) -> [u32; 4] {
+        let shuffled = self.shuffled(reversed_index);
+        let [first, second] = [self.seeds(0), self.seeds(1)];
+        [
+            self.scrambled(shuffled, 0, first as u32),
+            self.scrambled(shuffled, 1, (first >> 32) as u32),
+            self.scrambled(shuffled, 2, second as u32),
+            self.scrambled(shuffled, 3, (second >> 32) as u32),
+        ]
+    }
+
     /// The seeds of both coordinates of a pair.
     #[inline]
     fn seeds(&self, pair: usize) -> u64 {

@@ -167,6 +167,22 @@ fn groups_start_at_every_fourth_dimension() {
 }
 
 #[test]
+fn a_group_at_once_has_the_numbers_of_its_dimensions() {
+    for kind in SamplerKind::ALL {
+        for (index, dimension) in [(0, 0), (1, 4), (77, 6), (1_000_000, 1021), (u32::MAX, u32::MAX - 7)] {
+            let mut at_once = PixelSampler::new(kind, 64, 3, [5, 6], index);
+            at_once.skip_to_dimension(dimension);
+            let mut one_by_one = at_once;
+            one_by_one.begin_group();
+            let pair = one_by_one.next_2d();
+            let expected = [pair.x, pair.y, one_by_one.next_1d(), one_by_one.next_1d()];
+            assert_eq!(at_once.next_group(), expected, "{kind:?} {index} {dimension}");
+            assert_eq!(at_once.dimension(), one_by_one.dimension());
+        }
+    }
+}
+
+#[test]
 fn choice_and_direction_of_one_group_converge_faster_than_of_two() {
     // The number selects one of two functions of the pair: their mean is 1/2, and each has variance 7/144
     // + 1/16. The root mean square over 64 pixels of 256 samples.

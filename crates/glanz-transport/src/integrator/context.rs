@@ -8,7 +8,7 @@ use glanz_scene::{Interaction, ParametricPoint, Scene};
 use super::vertex::Vertex;
 use crate::filter::Filter;
 use crate::guide::{PathRecords, Training};
-use crate::pixel::FirstHit;
+use crate::pixel::{FirstHit, PixelSample};
 use crate::pixel_rect::PixelRect;
 use crate::splat::Splat;
 
@@ -115,6 +115,25 @@ impl<'a> Context<'a> {
             options,
             first_hit,
         }
+    }
+
+    /// For a pass that trains.
+    pub(crate) fn with_training(self, training: Option<&'a Training>) -> Self {
+        Self { training, ..self }
+    }
+
+    /// The same for another sample.
+    pub(crate) fn restart(&mut self, camera_ray: Ray, sampler: PixelSampler) {
+        self.camera_ray = camera_ray;
+        self.sampler = sampler;
+        self.counters = Counters::default();
+        self.first_hit = None;
+    }
+
+    /// The sample for the film; `light`: the radiance, `negative`: whether the filter is negative there.
+    pub(crate) fn pixel_sample(&self, light: Spectrum, negative: bool) -> PixelSample {
+        let index = self.sampler.sample_index();
+        PixelSample { index, rgb: light.to_rgb(&self.wavelengths), negative, first_hit: self.first_hit }
     }
 
     /// The closest hit on `ray`.

@@ -6,28 +6,33 @@ use glanz_sampling::{mis, warp};
 use glanz_scene::{LightSampleContext, Scene};
 
 use super::Context;
+use super::path_state::SampledDirection;
 use super::path_tracer::{DirectionSampler, PathTracer};
 use super::vertex::{ScatteredRay, Vertex};
 use crate::guide::{GridGuide, GridRecord, GridSample, GridVertex, Training};
 
-/// The light of one path whose directions at diffuse surfaces are sampled from `grid`; its records are added to `training`.
+/// The light of paths whose directions at diffuse surfaces are sampled from `grid`; their records are added to `training`.
 pub(super) fn radiance(
     tracer: &PathTracer,
     light_sampling: bool,
-    context: &mut Context<'_>,
+    contexts: &mut [Context<'_>],
     grid: &GridGuide,
     training: Option<&Training>,
-) -> Spectrum {
-    let records = training.map(|_| Vec::new());
+    radiance: &mut Vec<Spectrum>,
+) {
     let share = if grid.settings().mixture { 0.5 } else { 1.0 };
-    let (scene, wavelengths) = (context.scene, context.wavelengths);
-    let mut directions =
-        GridDirections { grid, scene, light_sampling, share, records, drawn: None, segment: None };
-    let light = tracer.radiance(context, &mut directions);
-    if let (Some(training), Some(records)) = (training, &directions.records) {
-        training.learn_on_grid(records, light, &wavelengths);
+    let directions = contexts.iter().map(|context| {
+        let (scene, records) = (context.scene, training.map(|_| Vec::new()));
+        GridDirections { grid, scene, light_sampling, share, records, drawn: None, segment: None }
+    });
+    let mut directions: Vec<_> = directions.collect();
+    tracer.radiance(contexts, &mut directions, radiance);
+    let Some(training) = training else { return };
+    for ((context, directions), light) in contexts.iter().zip(&directions).zip(radiance) {
+        if let Some(records) = &directions.records {
+            training.learn_on_grid(records, *light, &context.wavelengths);
+        }
     }
-    light
 }
 
 /// Direction sampler that replaces the BSDF's samples of Lambert's lobe by those of the grid's densities, always or every other time; highlights and
@@ -173,27 +178,16 @@ impl DirectionSampler for GridDirections<'_> {
         Some(scattered.with_pdf(pdf))
     }
 
-    fn record_direction(
-        &mut self,
-        _: &Self::VertexData,
-        vertex: &Vertex<'_>,
-        scattered: &ScatteredRay,
-        light: Spectrum,
-        throughput: Spectrum,
-    ) {
+    fn record_direction(&mut self, _: &Self::VertexData, sampled: &SampledDirection, light: Spectrum) {
+        let SampledDirection { from, scattered, cosine, throughput } = *sampled;
         if let Some(segment) = self.segment.take() {
             // Only now is the throughput after Russian roulette known.
             self.leave_out(segment.emitted, Some(throughput));
         }
         let (Some(drawn), true) = (self.drawn.take(), self.records.is_some()) else { return };
-        let cosine = vertex.cosine(scattered.direction).abs();
         self.note(drawn, cosine, light, throughput * scattered.weight);
         if self.light_sampling {
-            self.segment = Some(PathSegment {
-                from: vertex.at.light_sample_context(),
-                pdf: scattered.pdf,
-                emitted: Spectrum::BLACK,
-            });
+            self.segment = Some(PathSegment { from, pdf: scattered.pdf, emitted: Spectrum::BLACK });
         }
     }
 }

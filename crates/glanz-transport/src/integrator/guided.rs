@@ -9,12 +9,13 @@ use glanz_scene::description::GuideSettings;
 use glanz_scene::{LightId, Scene};
 
 use super::path::BsdfDirections;
-use super::path_tracer::{DirectionSampler, PathTracer, RouletteState};
+use super::path_state::SampledDirection;
+use super::path_tracer::{BATCH, DirectionSampler, PathTracer, RouletteState};
 use super::vertex::{ScatteredRay, Vertex};
-use super::{Context, Integrator, IntegratorSettings, grid_guided};
+use super::{Context, Integrator, IntegratorSettings, grid_guided, radiance_of_one};
 use crate::guide::{
-    DirectionRecord, GridError, Guide, GuidedVertex, LightGroupRecord, PathRecords, TreeGuide, density,
-    survival,
+    DirectionRecord, GridError, Guide, GuidedVertex, LightGroupRecord, PathRecords, Training, TreeGuide,
+    density, survival,
 };
 
 /// As [`Path`](super::Path), but at rough surfaces some of the directions are sampled from a guide.
@@ -47,33 +48,62 @@ impl Guided {
     }
 }
 
+impl Guided {
+    /// The estimates with a tree as guide; the records of the paths are added to `training`.
+    fn by_tree(
+        &self,
+        guide: &TreeGuide,
+        training: Option<&Training>,
+        contexts: &mut [Context<'_>],
+        radiance: &mut Vec<Spectrum>,
+    ) {
+        let mut records: Vec<_> =
+            contexts.iter_mut().map(|context| std::mem::take(&mut context.records)).collect();
+        let directions = contexts.iter().zip(&mut records).map(|(context, records)| {
+            records.clear();
+            let sample = context.sampler.sample_index();
+            let sparse = training.is_none() || sample >= SPARSE_FROM && sample % 2 == 1;
+            GuideDirections::new(guide, sparse, training.map(|_| records), context.wavelengths)
+        });
+        let mut directions: Vec<_> = directions.collect();
+        self.tracer.radiance(contexts, &mut directions, radiance);
+        for ((context, records), light) in contexts.iter_mut().zip(records).zip(radiance) {
+            if let Some(training) = training {
+                training.learn(&records, *light, &context.wavelengths);
+            }
+            context.records = records;
+        }
+    }
+}
+
 impl Integrator for Guided {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        let (guide, training) = match (&self.fixed, context.training) {
+        radiance_of_one(self, context)
+    }
+
+    fn batch(&self) -> usize {
+        BATCH
+    }
+
+    fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
+        let Some(training) = contexts.first().map(|context| context.training) else {
+            radiance.clear();
+            return;
+        };
+        let (guide, training) = match (&self.fixed, training) {
             (Some(guide), _) => (&**guide, None),
             (None, Some(training)) => (training.guide(), Some(training)),
-            (None, None) => return self.tracer.radiance(context, &mut BsdfDirections),
-        };
-        let guide = match guide {
-            Guide::Tree(tree) => tree,
-            Guide::Grid(grid) => {
-                return grid_guided::radiance(&self.tracer, self.light_sampling, context, grid, training);
+            (None, None) => {
+                let mut directions: Vec<_> = contexts.iter().map(|_| BsdfDirections).collect();
+                return self.tracer.radiance(contexts, &mut directions, radiance);
             }
         };
-        let Some(training) = training else {
-            return self
-                .tracer
-                .radiance(context, &mut GuideDirections::new(guide, true, None, context.wavelengths));
-        };
-        let mut records = std::mem::take(&mut context.records);
-        records.clear();
-        let sample = context.sampler.sample_index();
-        let sparse = sample >= SPARSE_FROM && sample % 2 == 1;
-        let mut directions = GuideDirections::new(guide, sparse, Some(&mut records), context.wavelengths);
-        let light = self.tracer.radiance(context, &mut directions);
-        training.learn(&records, light, &context.wavelengths);
-        context.records = records;
-        light
+        match guide {
+            Guide::Tree(tree) => self.by_tree(tree, training, contexts, radiance),
+            Guide::Grid(grid) => {
+                grid_guided::radiance(&self.tracer, self.light_sampling, contexts, grid, training, radiance);
+            }
+        }
     }
 
     fn learns(&self) -> bool {
@@ -246,17 +276,11 @@ impl DirectionSampler for GuideDirections<'_> {
         self.survival
     }
 
-    fn record_direction(
-        &mut self,
-        place: &Self::VertexData,
-        vertex: &Vertex<'_>,
-        scattered: &ScatteredRay,
-        light: Spectrum,
-        throughput: Spectrum,
-    ) {
+    fn record_direction(&mut self, place: &Self::VertexData, sampled: &SampledDirection, light: Spectrum) {
         let Some(records) = &mut self.records else { return };
         records.leave(light);
         let Some(place) = place else { return };
+        let SampledDirection { scattered, cosine, throughput, .. } = *sampled;
         if scattered.is_delta || self.sparse && place.probability == 0.0 {
             return;
         }
@@ -264,7 +288,7 @@ impl DirectionSampler for GuideDirections<'_> {
         records.push(DirectionRecord {
             cell: place.cell,
             leaf,
-            cosine: vertex.cosine(scattered.direction).abs(),
+            cosine,
             guide_pdf,
             bsdf_pdf: scattered.bsdf_pdf,
             pdf: scattered.pdf,

@@ -19,6 +19,7 @@ mod guided;
 mod light;
 mod mirrors;
 mod path;
+mod path_state;
 mod path_tracer;
 mod stored;
 mod vertex;
@@ -42,6 +43,17 @@ pub trait Integrator: Send + Sync {
     /// The estimate depends on the ray, the scene, the numbers of the sampler and, for learning integrators, the film's training alone.
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum;
 
+    /// Estimates for many samples, the same as one by one. `radiance` is replaced.
+    fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
+        radiance.clear();
+        radiance.extend(contexts.iter_mut().map(|context| self.radiance(context)));
+    }
+
+    /// Number of samples with which [`Integrator::radiance_batch`] is fastest; 1 if it takes them one by one.
+    fn batch(&self) -> usize {
+        1
+    }
+
     /// Whether it learns from earlier passes. If so, samples must be taken in order, into a film with
     /// [`FilmFormat::passes`](crate::FilmFormat::passes).
     fn learns(&self) -> bool {
@@ -61,6 +73,13 @@ pub trait Integrator: Send + Sync {
     fn new_guide(&self, scene: &Scene) -> Result<Guide, GridError> {
         Guide::new(scene, &GuideSettings::Tree)
     }
+}
+
+/// [`Integrator::radiance`] of an integrator that works in batches.
+fn radiance_of_one(integrator: &impl Integrator, context: &mut Context<'_>) -> Spectrum {
+    let mut radiance = Vec::new();
+    integrator.radiance_batch(std::slice::from_mut(context), &mut radiance);
+    radiance.first().copied().unwrap_or(Spectrum::BLACK)
 }
 
 /// An integrator of this crate.

@@ -3,9 +3,10 @@
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
 
-use super::path_tracer::{DirectionSampler, PathTracer};
+use super::path_state::SampledDirection;
+use super::path_tracer::{BATCH, DirectionSampler, PathTracer};
 use super::vertex::{ScatteredRay, Vertex};
-use super::{Context, Integrator, IntegratorSettings};
+use super::{Context, Integrator, IntegratorSettings, radiance_of_one};
 
 /// Path tracing from the camera with BSDF sampling.
 ///
@@ -24,7 +25,16 @@ impl Path {
 
 impl Integrator for Path {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        self.0.radiance(context, &mut BsdfDirections)
+        radiance_of_one(self, context)
+    }
+
+    fn batch(&self) -> usize {
+        BATCH
+    }
+
+    fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
+        let mut directions: Vec<_> = contexts.iter().map(|_| BsdfDirections).collect();
+        self.0.radiance(contexts, &mut directions, radiance);
     }
 }
 
@@ -44,5 +54,5 @@ impl DirectionSampler for BsdfDirections {
         vertex.sample(xi, xi_lobe)
     }
 
-    fn record_direction(&mut self, (): &(), _: &Vertex<'_>, _: &ScatteredRay, _: Spectrum, _: Spectrum) {}
+    fn record_direction(&mut self, (): &(), _: &SampledDirection, _: Spectrum) {}
 }

@@ -1,10 +1,12 @@
-//! A path from the camera with any sampler of directions.
+//! Paths from the camera with any sampler of directions.
 
+use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
-use glanz_scene::{Interaction, LightId, Scene};
+use glanz_scene::{Interaction, LightId, Scene, SceneHit};
 
+use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
@@ -16,6 +18,9 @@ pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
 
 /// Largest number of interfaces that a ray may pass between two scattering events; a ray with more is assumed not to advance.
 pub(crate) const INTERFACE_LIMIT: u32 = 1000;
+
+/// Paths that are traced together: enough for batches of rays, few enough for caches.
+pub(super) const BATCH: usize = 1024;
 
 /// Sampler of the directions in which a path continues.
 pub(super) trait DirectionSampler {
@@ -70,15 +75,8 @@ pub(super) trait DirectionSampler {
     }
 
     /// Records the direction of [`DirectionSampler::sample`] in which the path continues. `light`: the light so far; light from here on
-    /// has the factor `throughput`, and beyond the vertex also `scattered.weight`.
-    fn record_direction(
-        &mut self,
-        place: &Self::VertexData,
-        vertex: &Vertex<'_>,
-        scattered: &ScatteredRay,
-        light: Spectrum,
-        throughput: Spectrum,
-    );
+    /// has the factor `sampled.throughput`, and beyond the vertex also `sampled.scattered.weight`.
+    fn record_direction(&mut self, place: &Self::VertexData, sampled: &SampledDirection, light: Spectrum);
 }
 
 /// Input of Russian roulette.
@@ -118,72 +116,110 @@ impl PathTracer {
         Self { max_depth: settings.max_depth, light_sampling: settings.light_sampling }
     }
 
-    /// Radiance estimate of one path.
-    pub(super) fn radiance(
+    /// Radiance estimates of paths. `directions`: the sampler of each path.
+    ///
+    /// All paths advance from vertex to vertex together, so that their rays are traced as batches. The estimate of a path does not
+    /// depend on the others.
+    pub(super) fn radiance<D: DirectionSampler>(
+        &self,
+        contexts: &mut [Context<'_>],
+        directions: &mut [D],
+        radiance: &mut Vec<Spectrum>,
+    ) {
+        let mut paths: Vec<PathState<D::VertexData>> = contexts.iter().map(PathState::new).collect();
+        let mut active: Vec<u32> = (0..paths.len() as u32).collect();
+        let mut pending_lights: Vec<u32> = Vec::new();
+        let (mut rays, mut hits, mut occluded) = (Vec::new(), Vec::new(), Vec::new());
+        while let Some(scene) = active.first().map(|&first| contexts[first as usize].scene) {
+            rays.clear();
+            rays.extend(active.iter().map(|&path| BoundedRay::from(paths[path as usize].ray)));
+            scene.closest_batch(&rays, &mut hits);
+            rays.clear();
+            pending_lights.clear();
+            for (&index, hit) in active.iter().zip(&hits) {
+                let at = index as usize;
+                let (context, path) = (&mut contexts[at], &mut paths[at]);
+                context.counters.closest += 1;
+                path.is_active = self.scatter(context, &mut directions[at], path, hit.as_ref());
+                if let Some(light) = &path.pending.light {
+                    context.counters.shadow += 1;
+                    rays.push(light.shadow);
+                    pending_lights.push(index);
+                }
+            }
+            scene.occluded_batch(&rays, &mut occluded);
+            for (&index, _) in pending_lights.iter().zip(&occluded).filter(|&(_, &occluded)| occluded) {
+                paths[index as usize].pending.occlude();
+            }
+            for &index in &active {
+                let at = index as usize;
+                paths[at].complete_vertex(&contexts[at], &mut directions[at]);
+            }
+            active.retain(|&index| paths[index as usize].is_active);
+        }
+        radiance.clear();
+        radiance.extend(paths.iter().map(|path| path.light));
+    }
+
+    /// Continues a path from the hit of its ray: adds emitted light, samples a light and the next direction. Returns whether the path
+    /// continues.
+    fn scatter<D: DirectionSampler>(
         &self,
         context: &mut Context<'_>,
-        directions: &mut impl DirectionSampler,
-    ) -> Spectrum {
-        let mut ray = context.camera_ray;
-        let mut light = Spectrum::BLACK;
-        let mut throughput = Spectrum::ONE;
-        // Throughput as if the BSDF alone had been sampled: the probability of survival. A direction that a guide draws
-        // often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
-        let mut importance = Spectrum::ONE;
-        let mut eta_scale = 1.0_f32;
-        // `None` after delta lobes only: light sampling cannot find their light.
-        let mut origin: Option<PathRay<_>> = None;
-        let (mut depth, mut interfaces) = (0, 0);
-        loop {
-            let Some(hit) = context.intersect(&ray) else {
-                return light + throughput * self.escaped(context, &ray, directions, origin.as_ref());
-            };
-            light += throughput * self.emitted(context, &hit, directions, origin.as_ref());
-            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-                interfaces += 1;
-                if interfaces > INTERFACE_LIMIT {
-                    return light;
-                }
-                ray = hit.spawn(ray.direction);
-                continue;
-            };
-            let vertex = Vertex::new(&hit, bsdf);
-            context.note_first_hit(&vertex);
-            if depth >= self.max_depth {
-                return light;
-            }
-            context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
-            depth += 1;
-            interfaces = 0;
-            // Related decisions use one group of dimensions: lobe, direction and survival; light and point on it.
-            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
-            let xi_roulette = context.sampler.next_1d();
-            let place = directions.vertex_data(&vertex);
-            if self.light_sampling && !bsdf.is_delta() {
-                context.sampler.begin_group();
-                let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
-                light += throughput * direct_light(context, &vertex, directions, &place, xi_light, xi_point);
-            }
-            let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return light };
-            directions.record_direction(&place, &vertex, &scattered, light, throughput);
-            let before = throughput;
-            throughput *= scattered.weight;
-            importance *= scattered.bsdf_weight;
-            eta_scale *= scattered.eta_scale;
-            let state =
-                RouletteState { depth, before, after: throughput, importance: importance * eta_scale };
-            let survival = directions.survival(&place, &vertex, &scattered, &state);
-            if survival < 1.0 {
-                if xi_roulette >= survival {
-                    return light;
-                }
-                throughput *= (1.0 / survival) as f32;
-                importance *= (1.0 / survival) as f32;
-            }
-            ray = hit.spawn(scattered.direction);
-            let from = PreviousVertex { from: hit.light_sample_context(), pdf: scattered.pdf };
-            origin = (!scattered.is_delta).then_some(PathRay { origin: from, place });
+        directions: &mut D,
+        path: &mut PathState<D::VertexData>,
+        hit: Option<&SceneHit>,
+    ) -> bool {
+        let origin = path.origin.as_ref();
+        let Some(hit) = hit.map(|hit| context.scene.interaction(&path.ray, hit)) else {
+            path.light += path.throughput * self.escaped(context, &path.ray, directions, origin);
+            return false;
+        };
+        path.light += path.throughput * self.emitted(context, &hit, directions, origin);
+        let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+            path.interfaces += 1;
+            path.ray = hit.spawn(path.ray.direction);
+            return path.interfaces <= INTERFACE_LIMIT;
+        };
+        let vertex = Vertex::new(&hit, bsdf);
+        context.note_first_hit(&vertex);
+        if path.depth >= self.max_depth {
+            return false;
         }
+        context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(path.depth));
+        path.depth += 1;
+        path.interfaces = 0;
+        // Related decisions use one group of dimensions: lobe, direction and survival; light and point on it.
+        let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
+        let xi = DVec2::new(x, y);
+        let place = directions.vertex_data(&vertex);
+        path.pending.place = Some(place);
+        if self.light_sampling && !vertex.is_delta() {
+            let [x, y, xi_light, _] = context.sampler.next_group();
+            let (throughput, xi) = (path.throughput, DVec2::new(x, y));
+            path.pending.light = direct_light(context, &vertex, directions, &place, throughput, xi_light, xi);
+        }
+        let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return false };
+        let (from, cosine) = (hit.light_sample_context(), vertex.cosine(scattered.direction).abs());
+        let before = path.throughput;
+        path.pending.direction = Some(SampledDirection { from, scattered, cosine, throughput: before });
+        path.throughput *= scattered.weight;
+        path.importance *= scattered.bsdf_weight;
+        path.eta_scale *= scattered.eta_scale;
+        let importance = path.importance * path.eta_scale;
+        let state = RouletteState { depth: path.depth, before, after: path.throughput, importance };
+        let survival = directions.survival(&place, &vertex, &scattered, &state);
+        if survival < 1.0 {
+            if xi_roulette >= survival {
+                return false;
+            }
+            path.throughput *= (1.0 / survival) as f32;
+            path.importance *= (1.0 / survival) as f32;
+        }
+        path.ray = hit.spawn(scattered.direction);
+        let from = PreviousVertex { from, pdf: scattered.pdf };
+        path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, place });
+        true
     }
 
     /// Light of the infinite lights along `ray`.
@@ -239,31 +275,26 @@ impl PathTracer {
     }
 }
 
-/// Sampling state of the current ray, with the guide data of its origin.
-#[derive(Clone, Copy)]
-struct PathRay<P> {
-    origin: PreviousVertex,
-    place: P,
-}
-
-/// Direct light of one randomly selected light, with the weight of the power heuristic against BSDF sampling.
+/// Direct light of one randomly selected light, with the weight of the power heuristic against BSDF sampling, until its shadow ray is
+/// traced.
 fn direct_light<D: DirectionSampler>(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
     directions: &mut D,
     place: &D::VertexData,
+    throughput: Spectrum,
     xi_light: f64,
     xi: DVec2,
-) -> Spectrum {
+) -> Option<PendingLight> {
     let scene = context.scene;
     let picked = directions.select_light(place, scene, xi_light);
-    let Some((id, probability)) = picked.filter(|&(_, probability)| probability > 0.0) else {
-        return Spectrum::BLACK;
-    };
+    let (id, probability) = picked.filter(|&(_, probability)| probability > 0.0)?;
     let weight = |direction, light: f64, bsdf_pdf| {
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
-    let light = vertex.light(context, id, xi, weight);
-    directions.record_light(place, scene, id, probability, f64::from(light.luminance(&context.wavelengths)));
-    light * (1.0 / probability) as f32
+    let Some((light, shadow)) = vertex.sampled_light(scene, id, xi, weight) else {
+        directions.record_light(place, scene, id, probability, 0.0);
+        return None;
+    };
+    Some(PendingLight { id, probability, light, throughput, shadow })
 }

@@ -1,8 +1,9 @@
 //! A point where light is scattered.
 
+use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Frame};
-use glanz_scene::{Interaction, LightId, LightSampleContext};
+use glanz_scene::{Interaction, LightId, LightSampleContext, Scene};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
@@ -173,19 +174,29 @@ impl<'a> Vertex<'a> {
         xi: DVec2,
         weight: impl FnOnce(DVec3, f64, f64) -> f64,
     ) -> Spectrum {
-        let Some(sample) = context.scene.sample_light(id, self.at, xi) else {
-            return Spectrum::BLACK;
-        };
+        match self.sampled_light(context.scene, id, xi, weight) {
+            Some((light, shadow)) if context.is_free(&shadow.ray, shadow.t_max) => light,
+            _ => Spectrum::BLACK,
+        }
+    }
+
+    /// As [`Vertex::light`], with the ray that must be free for the light to arrive. `None` if there is no light.
+    pub(super) fn sampled_light(
+        &self,
+        scene: &Scene,
+        id: LightId,
+        xi: DVec2,
+        weight: impl FnOnce(DVec3, f64, f64) -> f64,
+    ) -> Option<(Spectrum, BoundedRay)> {
+        let sample = scene.sample_light(id, self.at, xi)?;
         let (value, bsdf_pdf) = self.eval(sample.wi);
         let light = value * sample.radiance;
         if light.is_black() {
-            return Spectrum::BLACK;
+            return None;
         }
         let weight = if sample.is_delta { 1.0 } else { weight(sample.wi, sample.pdf.0, bsdf_pdf) };
-        if weight == 0.0 || !context.is_free(&sample.shadow, sample.t_max) {
-            return Spectrum::BLACK;
-        }
-        light * (weight / sample.pdf.0) as f32
+        let arriving = light * (weight / sample.pdf.0) as f32;
+        (weight != 0.0).then(|| (arriving, BoundedRay::new(sample.shadow, sample.t_max)))
     }
 }
 

@@ -49,14 +49,13 @@ impl LightPaths {
             context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
             depth += 1;
             interfaces = 0;
-            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
-            let xi_roulette = context.sampler.next_1d();
+            let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
+            let xi = DVec2::new(x, y);
             let weights =
                 origin.as_ref().map_or_else(|| first(context, &hit, ray.direction), |origin| origin.weights);
             if !vertex.is_delta() {
-                context.sampler.begin_group();
-                let (xi_point, xi_light) = (context.sampler.next_2d(), context.sampler.next_1d());
-                light += throughput * sampled(context, &vertex, &weights, xi_light, xi_point);
+                let [x, y, xi_light, _] = context.sampler.next_group();
+                light += throughput * sampled(context, &vertex, &weights, xi_light, DVec2::new(x, y));
             }
             let Some(scattered) = vertex.sample(xi, xi_lobe) else { return light };
             throughput *= scattered.weight;

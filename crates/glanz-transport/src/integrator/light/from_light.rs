@@ -82,10 +82,10 @@ impl LightPaths {
             };
             let dimension = FIRST_LIGHT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(depth));
             context.sampler.skip_to_dimension(dimension);
-            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
-            let xi_roulette = context.sampler.next_1d();
-            context.sampler.begin_group();
-            let (xi_lens, xi_pixel) = (context.sampler.next_2d(), context.sampler.next_1d());
+            let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
+            let xi = DVec2::new(x, y);
+            let [x, y, xi_pixel, _] = context.sampler.next_group();
+            let xi_lens = DVec2::new(x, y);
             if !vertex.is_delta() {
                 connect(context, &vertex, flux, &start, &known, xi_lens, xi_pixel);
             }

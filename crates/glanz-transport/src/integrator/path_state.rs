@@ -1,0 +1,112 @@
+//! The state of a path between its vertices.
+
+use glanz_geometry::BoundedRay;
+use glanz_light::Spectrum;
+use glanz_math::Ray;
+use glanz_scene::{LightId, LightSampleContext};
+
+use super::Context;
+use super::path_tracer::DirectionSampler;
+use super::vertex::{PreviousVertex, ScatteredRay};
+
+/// Sampling state of the current ray, with the guide data of its origin.
+#[derive(Clone, Copy)]
+pub(super) struct PathRay<P> {
+    pub(super) origin: PreviousVertex,
+    pub(super) place: P,
+}
+
+/// State of a path.
+pub(super) struct PathState<P> {
+    /// Whether it continues.
+    pub(super) is_active: bool,
+    pub(super) ray: Ray,
+    /// The light so far.
+    pub(super) light: Spectrum,
+    pub(super) throughput: Spectrum,
+    /// Throughput as if the BSDF alone had been sampled: the probability of survival. A direction that a guide draws
+    /// often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
+    pub(super) importance: Spectrum,
+    pub(super) eta_scale: f32,
+    /// `None` after delta lobes only: light sampling cannot find their light.
+    pub(super) origin: Option<PathRay<P>>,
+    pub(super) depth: u32,
+    pub(super) interfaces: u32,
+    pub(super) pending: PendingVertex<P>,
+}
+
+/// What waits at a vertex until its shadow ray is traced.
+pub(super) struct PendingVertex<P> {
+    pub(super) place: Option<P>,
+    pub(super) light: Option<PendingLight>,
+    pub(super) direction: Option<SampledDirection>,
+}
+
+/// Light sampled at a vertex.
+pub(super) struct PendingLight {
+    pub(super) id: LightId,
+    /// Probability of the choice of the light.
+    pub(super) probability: f64,
+    /// The light that is scattered to the viewer, not divided by the probability.
+    pub(super) light: Spectrum,
+    /// Throughput up to the vertex.
+    pub(super) throughput: Spectrum,
+    pub(super) shadow: BoundedRay,
+}
+
+impl<P> PendingVertex<P> {
+    /// Leaves out the sampled light, which something occludes.
+    pub(super) fn occlude(&mut self) {
+        if let Some(light) = &mut self.light {
+            light.light = Spectrum::BLACK;
+        }
+    }
+}
+
+impl<P: Copy> PathState<P> {
+    /// A path that starts at the camera.
+    pub(super) fn new(context: &Context<'_>) -> Self {
+        Self {
+            is_active: true,
+            ray: context.camera_ray,
+            light: Spectrum::BLACK,
+            throughput: Spectrum::ONE,
+            importance: Spectrum::ONE,
+            eta_scale: 1.0,
+            origin: None,
+            depth: 0,
+            interfaces: 0,
+            pending: PendingVertex { place: None, light: None, direction: None },
+        }
+    }
+
+    /// Adds the sampled light of the last vertex once its shadow ray is traced, and passes what it learnt to the sampler.
+    pub(super) fn complete_vertex<D: DirectionSampler<VertexData = P>>(
+        &mut self,
+        context: &Context<'_>,
+        directions: &mut D,
+    ) {
+        let PendingVertex { place, light, direction } = &mut self.pending;
+        let Some(place) = place.take() else { return };
+        if let Some(PendingLight { id, probability, light, throughput, .. }) = light.take() {
+            let luminance = f64::from(light.luminance(&context.wavelengths));
+            directions.record_light(&place, context.scene, id, probability, luminance);
+            self.light += throughput * (light * (1.0 / probability) as f32);
+        }
+        if let Some(sampled) = direction.take() {
+            directions.record_direction(&place, &sampled, self.light);
+        }
+    }
+}
+
+/// A direction in which a path continues.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SampledDirection {
+    /// Position of the vertex.
+    pub(super) from: LightSampleContext,
+    pub(super) scattered: ScatteredRay,
+    /// |cos| between direction and shading normal.
+    pub(super) cosine: f64,
+    /// Throughput up to the vertex.
+    pub(super) throughput: Spectrum,
+}
