@@ -243,19 +243,23 @@ impl HitCandidate {
         // Both may be off, each by a few times the uncertainty of one step.
         let near = |a: f64, b: f64, uncertainty: f64| (a - b).abs() <= 8.0 * uncertainty;
         let [bu, bv] = [0, 1].map(|k| self.uncertainty[k] + other.uncertainty[k]);
-        near(self.root.s, other.root.s, self.root.distance_uncertainty + other.root.distance_uncertainty)
+        let distance_uncertainty = self.root.distance_uncertainty + other.root.distance_uncertainty;
+        near(self.root.s, other.root.s, distance_uncertainty)
             && if self.hit.face == other.hit.face
                 && near(self.hit.u, other.hit.u, bu)
                 && near(self.hit.v, other.hit.v, bv)
             {
                 true
             } else {
-                self.is_on_border() && other.is_on_border()
+                self.is_on_border(distance_uncertainty) && other.is_on_border(distance_uncertainty)
             }
     }
 
-    fn is_on_border(&self) -> bool {
-        let at_end = |x: f64, uncertainty: f64| x <= 8.0 * uncertainty || x >= 1.0 - 8.0 * uncertainty;
+    /// Whether the border is as near as two roots that count as one, which are together off by `distance_uncertainty`: rays that graze a
+    /// collapsed edge meet each patch there at another distance from the edge.
+    fn is_on_border(&self, distance_uncertainty: f64) -> bool {
+        let scale = 8.0 * distance_uncertainty / self.root.distance_uncertainty;
+        let at_end = |x: f64, uncertainty: f64| x <= scale * uncertainty || x >= 1.0 - scale * uncertainty;
         at_end(self.hit.u, self.uncertainty[0]) || at_end(self.hit.v, self.uncertainty[1])
     }
 }

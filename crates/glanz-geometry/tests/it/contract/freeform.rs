@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use glanz_geometry::bezier::TensorPatch;
 use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_math::glam::DVec4;
-use glanz_math::{DMat3, DVec2, DVec3};
+use glanz_math::{DMat3, DVec2, DVec3, Ray};
 
 use super::case::ContractCase;
 use super::harness::check_kind;
@@ -158,4 +158,26 @@ fn rational_patches_keep_the_contract() {
     };
     let cases = [ball(1.0, 1.0), ball(1e-2, 1.0), ball(3.0, 5.0), ball(1.0, 0.03), torus];
     check_kind("rational patch", 42, &cases);
+}
+
+#[test]
+fn rays_that_graze_a_pole_meet_it_once() {
+    let rays = [
+        (
+            ball(1.0, 1.0),
+            [-7857.0885668729625, -3397.674109141398, -70.38267682826515],
+            [100.60954943549869, 43.507013869060096, 0.8884410293848527],
+        ),
+        (
+            ball(1.0, 0.03),
+            [24509.413760907642, 41144.59356543838, 288.5162248701069],
+            [-0.031365777588372876, -0.05265455075045201, -0.00037050667984499496],
+        ),
+    ];
+    for (case, origin, direction) in rays {
+        let ray = Ray::new(origin.into(), direction.into());
+        let mut hits = Vec::new();
+        case.surface.all_hits(&ray, f64::INFINITY, &mut hits);
+        assert_eq!(hits.len(), 2, "{}: {hits:?}", case.name);
+    }
 }
