@@ -6,7 +6,7 @@
 
 use std::cell::RefCell;
 
-use glanz_geometry::bvh::{BatchScratch, BatchVisitor, BvhLeaf};
+use glanz_geometry::bvh::{BatchVisitor, BvhLeaf};
 use glanz_geometry::{BoundedRay, Hit};
 use glanz_math::Ray;
 
@@ -24,7 +24,6 @@ thread_local! {
 /// Memory that batches reuse.
 #[derive(Default)]
 struct SceneBatchMemory {
-    traversal: BatchScratch,
     all: Vec<u32>,
     nearest: Vec<NearestHit>,
     local: Vec<BoundedRay>,
@@ -60,7 +59,7 @@ impl Scene {
 
     fn closest_in_group(&self, group: &SceneGroup, rays: &[BoundedRay], hits: &mut Vec<Option<SceneHit>>) {
         SceneBatchMemory::with(|memory| {
-            let SceneBatchMemory { traversal, all, nearest, local, hits: local_hits, nested, .. } = memory;
+            let SceneBatchMemory { all, nearest, local, hits: local_hits, nested, .. } = memory;
             nearest.clear();
             nearest.extend(rays.iter().map(|ray| NearestHit::before(ray.t_max)));
             let mut search = ClosestSearch { scene: self, group, rays, nearest, local, local_hits, nested };
@@ -71,7 +70,7 @@ impl Scene {
                     search.visit(number, all);
                 }
             }
-            group.bvh.visit_batch(rays, traversal, &mut search);
+            group.bvh.visit_batch(rays, &mut search);
             hits.clear();
             hits.extend(nearest.iter().map(|nearest| nearest.hit));
         });
@@ -81,7 +80,7 @@ impl Scene {
         occluded.clear();
         occluded.resize(rays.len(), false);
         SceneBatchMemory::with(|memory| {
-            let SceneBatchMemory { traversal, all, open, local, occluded: local_occluded, .. } = memory;
+            let SceneBatchMemory { all, open, local, occluded: local_occluded, .. } = memory;
             let mut search = AnySearch { scene: self, group, rays, occluded, local, local_occluded, open };
             if !group.unbounded.is_empty() {
                 all.clear();
@@ -90,7 +89,7 @@ impl Scene {
                     search.visit(number, all);
                 }
             }
-            group.bvh.visit_batch(rays, traversal, &mut search);
+            group.bvh.visit_batch(rays, &mut search);
         });
     }
 }

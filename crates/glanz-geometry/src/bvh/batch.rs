@@ -17,27 +17,12 @@ pub trait BatchVisitor {
     fn end(&self, ray: u32) -> f64;
 }
 
-/// Memory that batches through hierarchies reuse.
-#[derive(Default)]
-pub struct BatchScratch(StreamScratch);
-
-impl std::fmt::Debug for BatchScratch {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("BatchScratch").finish_non_exhaustive()
-    }
-}
-
 impl Bvh {
     /// Visits the leaves that each of `rays` may meet before its end, roughly nearest first, with many rays at a time.
     ///
     /// As in [`Bvh::closest`], a hit at exactly the end of a ray is not culled.
-    pub fn visit_batch(
-        &self,
-        rays: &[BoundedRay],
-        scratch: &mut BatchScratch,
-        visitor: &mut dyn BatchVisitor,
-    ) {
-        self.isa().run(BatchTraversal { bvh: self, rays, scratch, visitor });
+    pub fn visit_batch(&self, rays: &[BoundedRay], visitor: &mut dyn BatchVisitor) {
+        self.isa().run(BatchTraversal { bvh: self, rays, visitor });
     }
 }
 
@@ -45,7 +30,6 @@ impl Bvh {
 struct BatchTraversal<'a> {
     bvh: &'a Bvh,
     rays: &'a [BoundedRay],
-    scratch: &'a mut BatchScratch,
     visitor: &'a mut dyn BatchVisitor,
 }
 
@@ -54,8 +38,8 @@ impl Task for BatchTraversal<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { bvh, rays, scratch, visitor } = self;
-        bvh.stream(simd, rays, &mut scratch.0, &mut LeafLists(visitor));
+        let Self { bvh, rays, visitor } = self;
+        StreamScratch::with(|scratch| bvh.stream(simd, rays, scratch, &mut LeafLists(visitor)));
     }
 }
 

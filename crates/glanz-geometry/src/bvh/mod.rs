@@ -41,7 +41,7 @@ mod tests;
 use glanz_math::{Bounds3, Ray};
 use rayon::prelude::*;
 
-pub use self::batch::{BatchScratch, BatchVisitor};
+pub use self::batch::BatchVisitor;
 use self::build::{BinaryNode, BvhPrimitive};
 use self::collapse::WideTree;
 pub(crate) use self::compact_ray::CompactRay;

@@ -5,6 +5,8 @@
 //! child on top, and their rays in memory that is used last in, first out. The rays of short lists traverse the rest of the tree
 //! one by one, but in turns, so that several reach leaves together.
 
+use std::cell::RefCell;
+
 use super::compact_ray::{self, CompactRay};
 use super::node::{NodeChild, UnitRay, WIDTH, WideNode, far_sides};
 use super::simd::lanes::LANES;
@@ -112,7 +114,22 @@ impl Bvh {
     }
 }
 
+thread_local! {
+    /// The memory of earlier streams, as much as were nested: getting it from the system would take as long as the rays.
+    static POOL: RefCell<Vec<Box<StreamScratch>>> = const { RefCell::new(Vec::new()) };
+}
+
 impl StreamScratch {
+    /// Runs `work` with memory of this thread.
+    #[inline(always)]
+    pub(crate) fn with(work: impl FnOnce(&mut Self)) {
+        // A thread that ends has no pool any more.
+        let pooled = POOL.try_with(|pool| pool.borrow_mut().pop()).ok().flatten();
+        let mut scratch = pooled.unwrap_or_default();
+        work(&mut scratch);
+        let _ = POOL.try_with(|pool| pool.borrow_mut().push(scratch));
+    }
+
     /// The rays, sorted into octants.
     #[inline(always)]
     fn prepare<S: Simd>(&mut self, simd: S, bvh: &Bvh, rays: &[BoundedRay]) {

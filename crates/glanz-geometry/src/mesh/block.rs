@@ -215,16 +215,23 @@ pub(super) struct BlockRay<S: Simd> {
 
 impl<S: Simd> BlockRay<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, ray: &Ray) -> Self {
-        // As in `ShearedRay::new`, but without branches: which axis is the longest cannot be predicted.
+    pub(super) fn new(simd: S, sheared: &ShearedRay) -> Self {
+        let origin = sheared.axes.map(|axis| sheared.origin.to_array()[if axis < 3 { axis } else { 0 }]);
+        let shear = splat(simd, sheared.shear.to_array());
+        Self { simd, sheared: *sheared, origin: splat(simd, origin), shear }
+    }
+}
+
+impl ShearedRay {
+    /// As [`ShearedRay::new`], but without branches: which axis is the longest cannot be predicted.
+    #[inline(always)]
+    pub(super) fn without_branches(ray: &Ray) -> Self {
         let [x, y, z] = ray.direction.abs().to_array();
         let (longest, size) = if x >= y { (0, x) } else { (1, y) };
         let longest: usize = if size >= z { longest } else { 2 };
         let axes = AXES[longest];
         let [x, y, z] = axes.map(|axis| ray.direction.to_array()[axis]);
-        let sheared = ShearedRay { origin: ray.origin, axes, shear: DVec3::new(x / z, y / z, 1.0 / z) };
-        let origin = sheared.axes.map(|axis| ray.origin.to_array()[if axis < 3 { axis } else { 0 }]);
-        Self { simd, sheared, origin: splat(simd, origin), shear: splat(simd, sheared.shear.to_array()) }
+        Self { origin: ray.origin, axes, shear: DVec3::new(x / z, y / z, 1.0 / z) }
     }
 }
 

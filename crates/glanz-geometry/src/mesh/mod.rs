@@ -3,11 +3,12 @@
 //! A [`Mesh`] owns its hierarchy and lays its triangles out in the order of the leaves, four to a block. The test is that
 //! of [`crate::triangle::ShearedRay`] bit by bit, so that a ray cannot slip through an edge or a vertex that triangles
 //! share, whatever the instruction set. Files: `block` (the triangles),
-//! `query` (closest, any and all hits), `shading` (the surface at a hit).
+//! `query` (closest, any and all hits), `stream` (batches of rays), `shading` (the surface at a hit).
 
 mod block;
 mod query;
 mod shading;
+mod stream;
 #[cfg(test)]
 mod tests;
 
@@ -18,6 +19,8 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use self::block::{LANES, TriangleBlocks};
 use self::query::MeshQuery;
+use self::stream::MeshBatch;
+use crate::batch::BoundedRay;
 use crate::bvh::query::{AllHits, AnyHit, ClosestHit, HitCollector};
 use crate::bvh::{BuildOptions, Bvh, BvhStatistics, PARALLEL_CHUNK, parallel_map};
 use crate::error::{SurfaceError, finite};
@@ -235,6 +238,20 @@ impl RaySurface for Mesh {
 
     fn occluded(&self, ray: &Ray, t_max: f64) -> bool {
         self.query(ray, AnyHit::before(t_max)).found()
+    }
+
+    fn closest_batch(&self, rays: &[BoundedRay], hits: &mut Vec<Option<Hit>>) {
+        let mut collectors: Vec<_> = rays.iter().map(|ray| ClosestHit::before(ray.t_max)).collect();
+        self.bvh.isa().run(MeshBatch { mesh: self, rays, collectors: &mut collectors });
+        hits.clear();
+        hits.extend(collectors.into_iter().map(ClosestHit::hit));
+    }
+
+    fn occluded_batch(&self, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
+        let mut collectors: Vec<_> = rays.iter().map(|ray| AnyHit::before(ray.t_max)).collect();
+        self.bvh.isa().run(MeshBatch { mesh: self, rays, collectors: &mut collectors });
+        occluded.clear();
+        occluded.extend(collectors.into_iter().map(AnyHit::found));
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {

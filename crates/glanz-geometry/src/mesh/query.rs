@@ -7,9 +7,10 @@ use super::block::{BlockRay, Coordinate, TriangleBlock, TriangleBlocks};
 use crate::bvh::BvhLeaf;
 use crate::bvh::query::{HitCollector, LeafIntersector};
 use crate::bvh::simd::{Simd, Task};
+use crate::triangle::ShearedRay;
 
 /// Largest number of blocks that are tested one after the other: a tree would cost more than it saves.
-const BLOCKS_WITHOUT_TREE: usize = 2;
+pub(super) const BLOCKS_WITHOUT_TREE: usize = 2;
 
 /// The search for hits of a ray.
 pub(super) struct MeshQuery<'a, C> {
@@ -34,7 +35,7 @@ impl<C: HitCollector> MeshQuery<'_, C> {
     #[inline(always)]
     fn search<S: Simd, T: Coordinate>(self, simd: S, blocks: &[TriangleBlock<T>]) -> C {
         let Self { mesh, ray, mut collector } = self;
-        let block_ray = BlockRay::new(simd, ray);
+        let block_ray = BlockRay::new(simd, &ShearedRay::without_branches(ray));
         if blocks.len() <= BLOCKS_WITHOUT_TREE {
             for block in blocks {
                 block.hits(simd, &block_ray, &mut collector);

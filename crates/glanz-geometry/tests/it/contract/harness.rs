@@ -1,6 +1,6 @@
 //! Checks of the contract.
 
-use glanz_geometry::{Hit, SurfacePoint};
+use glanz_geometry::{BoundedRay, Hit, SurfacePoint};
 use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec2, DVec3, Ray};
 
@@ -40,6 +40,7 @@ pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
     let mut tally = ContractTally::default();
     for (i, case) in cases.iter().enumerate() {
         let mut pcg = Pcg::new(seed * 1000 + i as u64);
+        let mut batch = Vec::new();
         for family in ContractRays::ALL {
             for _ in 0..per_case {
                 let ray = family.ray(case, &mut pcg);
@@ -47,8 +48,14 @@ pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
                 if let Err(what) = check_ray(case, &ray, &mut pcg, &mut tally) {
                     tally.breach(|| format!("{} ({family:?}): {what}\n    {ray:?}", case.name));
                 }
+                batch.push(bounded(case, ray, tally.rays));
+                if batch.len() == LARGEST_BATCH {
+                    check_batches(case, &batch, &mut tally);
+                    batch.clear();
+                }
             }
         }
+        check_batches(case, &batch, &mut tally);
         if let Err(what) = sampling::check(case, &mut pcg) {
             tally.breach(|| format!("{} (sampling): {what}", case.name));
         }
@@ -63,6 +70,43 @@ pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
     );
     assert!(tally.hits * 20 > tally.rays, "{kind}: too few rays hit the surface for a meaningful test");
     assert!(tally.breaches == 0, "{kind}: {} breaches\n{}", tally.breaches, tally.first_breaches.join("\n"));
+}
+
+/// The sizes in which rays are traced as batches again.
+const BATCHES: [usize; 4] = [1, 7, 64, LARGEST_BATCH];
+const LARGEST_BATCH: usize = 4096;
+
+/// The ray without end, or with an end before, at or behind its first hit.
+fn bounded(case: &ContractCase, ray: Ray, number: u64) -> BoundedRay {
+    let end = |t: f64| match number % 4 {
+        0 => f64::INFINITY,
+        1 => 0.9 * t,
+        2 => t,
+        _ => t.next_up(),
+    };
+    BoundedRay::new(ray, case.surface.intersect(&ray, f64::INFINITY).map_or(f64::INFINITY, |hit| end(hit.t)))
+}
+
+/// Checks that batches give the bits of single rays.
+fn check_batches(case: &ContractCase, rays: &[BoundedRay], tally: &mut ContractTally) {
+    let surface = &case.surface;
+    let closest = |BoundedRay { ray, t_max }: &BoundedRay| surface.intersect(ray, *t_max);
+    let single: Vec<_> = rays.iter().map(closest).collect();
+    let blocked: Vec<_> =
+        rays.iter().map(|BoundedRay { ray, t_max }| surface.occluded(ray, *t_max)).collect();
+    let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+    for size in BATCHES {
+        for ((rays, single), blocked) in rays.chunks(size).zip(single.chunks(size)).zip(blocked.chunks(size))
+        {
+            surface.closest_batch(rays, &mut hits);
+            surface.occluded_batch(rays, &mut occluded);
+            if hits != single || occluded != blocked {
+                let differs = (0..rays.len()).find(|&i| hits[i] != single[i] || occluded[i] != blocked[i]);
+                let ray = differs.map(|i| (rays[i], hits[i], single[i], occluded[i]));
+                tally.breach(|| format!("{} (batches of {size}): {ray:?}", case.name));
+            }
+        }
+    }
 }
 
 fn check_ray(case: &ContractCase, ray: &Ray, pcg: &mut Pcg, tally: &mut ContractTally) -> Result<(), String> {
