@@ -39,7 +39,9 @@ impl Task for BatchTraversal<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let Self { bvh, rays, visitor } = self;
-        StreamScratch::with(|scratch| bvh.stream(simd, rays, scratch, &mut LeafLists(visitor)));
+        let mut scratch = StreamScratch::take();
+        bvh.stream(simd, rays, &mut scratch, &mut LeafLists(visitor));
+        scratch.put_back();
     }
 }
 

@@ -120,14 +120,15 @@ thread_local! {
 }
 
 impl StreamScratch {
-    /// Runs `work` with memory of this thread.
-    #[inline(always)]
-    pub(crate) fn with(work: impl FnOnce(&mut Self)) {
+    /// Memory of this thread. A pair of functions instead of one with a closure: closures are not compiled for vector instructions.
+    pub(crate) fn take() -> Box<Self> {
         // A thread that ends has no pool any more.
-        let pooled = POOL.try_with(|pool| pool.borrow_mut().pop()).ok().flatten();
-        let mut scratch = pooled.unwrap_or_default();
-        work(&mut scratch);
-        let _ = POOL.try_with(|pool| pool.borrow_mut().push(scratch));
+        POOL.try_with(|pool| pool.borrow_mut().pop()).ok().flatten().unwrap_or_default()
+    }
+
+    /// Keeps the memory for the next stream of this thread.
+    pub(crate) fn put_back(self: Box<Self>) {
+        let _ = POOL.try_with(|pool| pool.borrow_mut().push(self));
     }
 
     /// The rays, sorted into octants.

@@ -44,10 +44,10 @@ impl<C: HitCollector> MeshBatch<'_, C> {
             }
             return;
         }
-        StreamScratch::with(|scratch| {
-            let sheared = Vec::with_capacity(rays.len());
-            mesh.bvh.stream(simd, rays, scratch, &mut BlockSearcher { blocks, rays, collectors, sheared });
-        });
+        let (mut scratch, sheared) = (StreamScratch::take(), Vec::with_capacity(rays.len()));
+        let mut searcher = BlockSearcher { blocks, rays, collectors, sheared };
+        mesh.bvh.stream(simd, rays, &mut scratch, &mut searcher);
+        scratch.put_back();
     }
 }
 
