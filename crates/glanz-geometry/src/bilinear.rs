@@ -130,11 +130,8 @@ impl BilinearPatch {
         let [p00, p10, p01, p11] = self.corners;
         let position = (p00 * (1.0 - u) + p10 * u) * (1.0 - v) + (p01 * (1.0 - u) + p11 * u) * v;
         let (dpdu, dpdv) = self.tangents(u, v);
-        let (ru, rv, n) = self.regular(u, v);
-        let (du, dv) = self.tangents(ru, rv);
+        let (_, _, n) = self.regular(u, v);
         let (normal, length) = (n.normalize(), n.length());
-        let twist = (p11 - p01) - (p10 - p00);
-        let bend = |dn: DVec3| (dn - normal * normal.dot(dn)) / length;
         SurfacePoint {
             // The patch lies in the bounding box of its corners.
             position: position.clamp(self.bounds.min, self.bounds.max),
@@ -144,8 +141,6 @@ impl BilinearPatch {
             uv: DVec2::new(u, v),
             dpdu,
             dpdv,
-            dndu: bend(du.cross(twist)),
-            dndv: bend(twist.cross(dv)),
         }
     }
 
@@ -230,6 +225,15 @@ impl RaySurface for BilinearPatch {
 
     fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.point_at(hit.u, hit.v)
+    }
+
+    fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+        let [p00, p10, p01, p11] = self.corners;
+        let (u, v, n) = self.regular(hit.u, hit.v);
+        let (du, dv) = self.tangents(u, v);
+        let twist = (p11 - p01) - (p10 - p00);
+        let (normal, length) = (point.normal, n.length());
+        [du.cross(twist), twist.cross(dv)].map(|dn| (dn - normal * normal.dot(dn)) / length)
     }
 
     /// The density in (u, v) is bilinear between the area elements at the corners: uniform by area if the patch is a
@@ -344,12 +348,14 @@ mod tests {
         let h = 1e-5;
         for (u, v) in [(0.1, 0.2), (0.5, 0.5), (0.9, 0.3)] {
             let p = patch.point_at(u, v);
+            let hit = Hit { t: 1.0, u, v, face: 0 };
+            let [dndu, dndv] = patch.normal_derivatives(&hit, &p);
             let (pu, pv) = (patch.point_at(u + h, v), patch.point_at(u, v + h));
             let (mu, mv) = (patch.point_at(u - h, v), patch.point_at(u, v - h));
             assert!(((pu.position - mu.position) / (2.0 * h) - p.dpdu).length() < 1e-9);
             assert!(((pv.position - mv.position) / (2.0 * h) - p.dpdv).length() < 1e-9);
-            assert!(((pu.normal - mu.normal) / (2.0 * h) - p.dndu).length() < 1e-8);
-            assert!(((pv.normal - mv.normal) / (2.0 * h) - p.dndv).length() < 1e-8);
+            assert!(((pu.normal - mu.normal) / (2.0 * h) - dndu).length() < 1e-8);
+            assert!(((pv.normal - mv.normal) / (2.0 * h) - dndv).length() < 1e-8);
         }
     }
 

@@ -94,8 +94,6 @@ impl Cuboid {
             uv: DVec2::new(u, v),
             dpdu: DVec3::AXES[a] * size[a],
             dpdv: DVec3::AXES[b] * size[b],
-            dndu: DVec3::ZERO,
-            dndv: DVec3::ZERO,
         }
     }
 

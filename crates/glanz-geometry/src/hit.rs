@@ -34,10 +34,6 @@ pub struct SurfacePoint {
     pub dpdu: DVec3,
     /// Derivative of the position by `uv.y`; zero where the parameters degenerate.
     pub dpdv: DVec3,
-    /// Derivative of the shading normal by `uv.x`.
-    pub dndu: DVec3,
-    /// Derivative of the shading normal by `uv.y`.
-    pub dndv: DVec3,
 }
 
 impl SurfacePoint {
@@ -52,13 +48,7 @@ impl SurfacePoint {
         let back = to_world.inverse().point_error(position, DVec3::ZERO);
         let normal = to_world.normal(self.normal);
         let shading_normal = to_world.normal(self.shading_normal);
-        let normal_scale = 1.0 / shading_normal.length();
-        // d(n / |n|) = (dn - n (n . dn) / |n|^2) / |n|
-        let unit_shading = shading_normal * normal_scale;
-        let bend = |dn: DVec3| {
-            let moved = to_world.normal(dn) * normal_scale;
-            moved - unit_shading * unit_shading.dot(moved)
-        };
+        let unit_shading = shading_normal * (1.0 / shading_normal.length());
         Self {
             position,
             error: to_world.point_error(self.position, self.error + back),
@@ -67,22 +57,32 @@ impl SurfacePoint {
             uv: self.uv,
             dpdu: to_world.vector(self.dpdu),
             dpdv: to_world.vector(self.dpdv),
-            dndu: bend(self.dndu),
-            dndv: bend(self.dndv),
         }
     }
 
-    /// The same point of the surface with reversed orientation: both normals and their derivatives change sign.
+    /// The derivatives `[dn/du, dn/dv]` of the shading normal at this point, of which those in its own frame are `derivatives`, in the
+    /// frame that `to_world` maps to.
+    #[must_use]
+    pub fn transformed_normal_derivatives(
+        &self,
+        derivatives: [DVec3; 2],
+        to_world: &Transform,
+    ) -> [DVec3; 2] {
+        let normal = to_world.normal(self.shading_normal);
+        let scale = 1.0 / normal.length();
+        let unit = normal * scale;
+        // d(n / |n|) = (dn - n (n . dn) / |n|^2) / |n|
+        derivatives.map(|dn| {
+            let moved = to_world.normal(dn) * scale;
+            moved - unit * unit.dot(moved)
+        })
+    }
+
+    /// The same point of the surface with reversed orientation: both normals change sign.
     #[inline]
     #[must_use]
     pub fn reversed(self) -> Self {
-        Self {
-            normal: -self.normal,
-            shading_normal: -self.shading_normal,
-            dndu: -self.dndu,
-            dndv: -self.dndv,
-            ..self
-        }
+        Self { normal: -self.normal, shading_normal: -self.shading_normal, ..self }
     }
 }
 

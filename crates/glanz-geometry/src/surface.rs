@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use crate::algebraic::AlgebraicSurface;
 use crate::batch::BoundedRay;
@@ -51,6 +51,14 @@ pub trait RaySurface {
 
     /// The surface at a hit of this surface with this ray.
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
+
+    /// The derivatives `[dn/du, dn/dv]` of the shading normal by the texture coordinates at `point`, the surface at a hit.
+    ///
+    /// They are no part of [`SurfacePoint`], since only curvature needs them.
+    fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+        let _ = (hit, point);
+        [DVec3::ZERO; 2]
+    }
 
     /// The surface at the first hit: position, normal, parameters and derivatives.
     fn first_point(&self, ray: &Ray) -> Option<SurfacePoint> {
@@ -126,6 +134,12 @@ macro_rules! surfaces {
             fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
                 match self {
                     $(Self::$name(s) => s.point(ray, hit),)*
+                }
+            }
+
+            fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+                match self {
+                    $(Self::$name(s) => s.normal_derivatives(hit, point),)*
                 }
             }
 
@@ -207,8 +221,6 @@ impl From<Freeform> for Surface {
 
 #[cfg(test)]
 mod tests {
-    use glanz_math::DVec3;
-
     use super::*;
 
     #[test]

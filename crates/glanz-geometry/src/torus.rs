@@ -184,8 +184,6 @@ impl Torus {
             uv: DVec2::new(u, v),
             dpdu: around_axis * (self.phi_max * rho),
             dpdv: around_tube * (TAU * self.minor),
-            dndu: around_axis * (self.phi_max * cos_theta),
-            dndv: around_tube * TAU,
         }
     }
 }
@@ -258,6 +256,12 @@ impl RaySurface for Torus {
 
     fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.point_at(hit.u, hit.v)
+    }
+
+    fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+        // Those of the position, by the radii of curvature.
+        let rho = self.major + self.minor * (hit.v * TAU).cos();
+        [point.dpdu * ((hit.v * TAU).cos() / rho), point.dpdv / self.minor]
     }
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
@@ -370,12 +374,14 @@ mod tests {
         let h = 1e-6;
         for (u, v) in [(0.1, 0.2), (0.5, 0.5), (0.9, 0.8), (0.3, 0.0)] {
             let p = torus.point_at(u, v);
+            let hit = Hit { t: 1.0, u, v, face: 0 };
+            let [dndu, dndv] = torus.normal_derivatives(&hit, &p);
             let (pu, pv) = (torus.point_at(u + h, v), torus.point_at(u, v + h));
             let (mu, mv) = (torus.point_at(u - h, v), torus.point_at(u, v - h));
             assert!(((pu.position - mu.position) / (2.0 * h) - p.dpdu).length() < 1e-8);
             assert!(((pv.position - mv.position) / (2.0 * h) - p.dpdv).length() < 1e-8);
-            assert!(((pu.normal - mu.normal) / (2.0 * h) - p.dndu).length() < 1e-8);
-            assert!(((pv.normal - mv.normal) / (2.0 * h) - p.dndv).length() < 1e-8);
+            assert!(((pu.normal - mu.normal) / (2.0 * h) - dndu).length() < 1e-8);
+            assert!(((pv.normal - mv.normal) / (2.0 * h) - dndv).length() < 1e-8);
             assert!((p.dpdu.cross(p.dpdv).normalize() - p.normal).length() < 1e-14);
         }
     }

@@ -244,8 +244,6 @@ impl Triangle {
             uv: DVec2::new(u, v),
             dpdu,
             dpdv,
-            dndu: DVec3::ZERO,
-            dndv: DVec3::ZERO,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::surface::{RaySurface, Surface};
@@ -73,6 +73,10 @@ impl RaySurface for Trimmed {
         self.surface.point(ray, hit)
     }
 
+    fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+        self.surface.normal_derivatives(hit, point)
+    }
+
     fn sample(&self, _xi: DVec2) -> Option<SurfaceSample> {
         None
     }
@@ -87,7 +91,6 @@ mod tests {
     use super::*;
     use crate::quadric::Sphere;
     use crate::trim::{TrimCurve, TrimLoop};
-    use glanz_math::DVec3;
 
     #[test]
     fn ray_passes_a_hole_and_meets_the_far_side() {

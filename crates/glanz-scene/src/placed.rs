@@ -1,7 +1,7 @@
 //! Surfaces in world space, to be evaluated by their parameters.
 
-use glanz_geometry::{FaceDomain, Surface};
-use glanz_math::{Bounds3, DVec2, Transform};
+use glanz_geometry::{FaceDomain, Hit, RaySurface, Surface};
+use glanz_math::{Bounds3, DVec2, DVec3, Ray, Transform};
 
 use crate::interaction::Interaction;
 use crate::light::LightId;
@@ -133,6 +133,18 @@ impl PlacedSurface<'_> {
         self.maps.iter().fold(own, |inner, map| map.after(&inner))
     }
 
+    /// The derivatives `[dn/du, dn/dv]` of the shading normal by the texture coordinates in the world, at the hit of `ray` with parameter
+    /// `t` at `place`. Their sign is that of the normal there, which does not depend on the side that is hit.
+    #[must_use]
+    pub fn normal_derivatives(&self, ray: &Ray, t: f64, place: &ParametricPoint) -> [DVec3; 2] {
+        let to_world = self.to_world();
+        let hit = Hit { t, u: place.uv.x, v: place.uv.y, face: place.face };
+        let point = self.surface().point(&to_world.inverse().ray(ray), &hit);
+        let derivatives = self.surface().normal_derivatives(&hit, &point);
+        let sign = if self.object.attributes(place.face).reversed { -1.0 } else { 1.0 };
+        point.transformed_normal_derivatives(derivatives, &to_world).map(|derivative| derivative * sign)
+    }
+
     /// The point with these parameters on the side of the normal, or on the other (`back`). `None` where there is no surface.
     #[must_use]
     pub fn at(&self, face: u32, uv: DVec2, back: bool) -> Option<PlacedPoint> {
@@ -164,7 +176,7 @@ impl PlacedSurface<'_> {
 
 #[cfg(test)]
 mod tests {
-    use glanz_math::{DMat4, DVec3, Ray};
+    use glanz_math::DMat4;
 
     use super::*;
     use crate::SceneBuilder;

@@ -284,7 +284,6 @@ impl RaySurface for AlgebraicSurface {
         let start = (RayLine::new(ray, hit.t).origin - self.center) / self.scale;
         let (local, expansion) =
             self.project(start, gamma(8) * ray.origin.distance(self.center) / self.scale);
-        let slope = expansion.gradient.length();
         let normal = expansion.gradient.try_normalize().unwrap_or_else(|| -ray.direction.normalize());
         let (sin_phi, cos_phi) = (hit.u * TAU).sin_cos();
         let (sin_theta, cos_theta) = (hit.v * PI).sin_cos();
@@ -301,10 +300,6 @@ impl RaySurface for AlgebraicSurface {
         };
         let dpdu = tangent(DVec3::new(-sin_theta * sin_phi, sin_theta * cos_phi, 0.0) * TAU);
         let dpdv = tangent(DVec3::new(cos_theta * cos_phi, cos_theta * sin_phi, -sin_theta) * PI);
-        let bend = |dp: DVec3| {
-            let dn = expansion.hessian * (dp / self.scale);
-            if slope > 0.0 { (dn - normal * normal.dot(dn)) / slope } else { DVec3::ZERO }
-        };
         SurfacePoint {
             position: (self.center + local * self.scale).clamp(self.bounds.min, self.bounds.max),
             error: self.error(&expansion),
@@ -313,9 +308,16 @@ impl RaySurface for AlgebraicSurface {
             uv: DVec2::new(hit.u, hit.v),
             dpdu,
             dpdv,
-            dndu: bend(dpdu),
-            dndv: bend(dpdv),
         }
+    }
+
+    fn normal_derivatives(&self, _hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+        let expansion = self.polynomial.expansion((point.position - self.center) / self.scale);
+        let (normal, slope) = (point.normal, expansion.gradient.length());
+        [point.dpdu, point.dpdv].map(|dp| {
+            let dn = expansion.hessian * (dp / self.scale);
+            if slope > 0.0 { (dn - normal * normal.dot(dn)) / slope } else { DVec3::ZERO }
+        })
     }
 
     /// Always `None`: the area has no closed form, and the parameters are not unique.

@@ -64,7 +64,7 @@ mod tests;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use glanz_math::{AreaPdf, Bounds3, DVec2, Ray};
+use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use self::area::LeafAreas;
 pub use self::control_net::MAX_DEGREE;
@@ -195,6 +195,10 @@ impl RaySurface for Freeform {
 
     fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.point_at(hit.face, hit.u, hit.v)
+    }
+
+    fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+        self.normal_derivatives_at(hit.face, hit.u, hit.v, point.normal)
     }
 
     /// The density in (u, v) is bilinear between the area elements at the corners of each leaf: nearly uniform over the

@@ -23,9 +23,9 @@ impl Freeform {
         let (length, size) = (n.length(), patch.extent());
         let is_regular = length > COLLAPSED * size * size;
         let collapsed = (!is_regular).then(|| next_to(patch, x, y, &here));
-        let (regular, normal, length) = match &collapsed {
-            None => (&here, n * (1.0 / length), length),
-            Some((beside, normal, length)) => (beside, *normal, *length),
+        let normal = match &collapsed {
+            None => n * (1.0 / length),
+            Some((_, normal, _)) => *normal,
         };
         let [by_u, by_v] = patch.rates(x, y);
         // Along a collapsed edge the derivative is only rounding, without a direction.
@@ -36,14 +36,6 @@ impl Freeform {
         let along = |rate: DVec2| sx * rate.x + sy * rate.y;
         let flip = if by_u.perp_dot(by_v) < 0.0 { -1.0 } else { 1.0 };
         let normal = normal * flip;
-        let per = flip / length;
-        // n = N / |N| with N = S_x x S_y; the component along n drops out.
-        let normal_derivative = |rate: DVec2| {
-            let SecondOrderJet { su, sv, suu, suv, svv, .. } = *regular;
-            let turn = (suu.cross(sv) + su.cross(suv)) * rate.x + (suv.cross(sv) + su.cross(svv)) * rate.y;
-            let turn = turn * per;
-            turn - normal * normal.dot(turn)
-        };
         let bounds = self.bvh.bounds();
         SurfacePoint {
             position: here.s.clamp(bounds.min, bounds.max),
@@ -53,9 +45,32 @@ impl Freeform {
             uv: patch.parameters(x, y),
             dpdu: along(by_u),
             dpdv: along(by_v),
-            dndu: normal_derivative(by_u),
-            dndv: normal_derivative(by_v),
         }
+    }
+
+    /// Derivatives of the normal at a point of a patch.
+    pub(crate) fn normal_derivatives_at(&self, face: u32, x: f64, y: f64, normal: DVec3) -> [DVec3; 2] {
+        let Some(patch) = self.patches.get(face as usize).or(self.patches.first()) else {
+            return [DVec3::ZERO; 2];
+        };
+        let (points, degrees) = (patch.patch.control_points(), patch.patch.degrees());
+        let here = second_order_jet_by(self.bvh.isa(), points, degrees, x, y);
+        let (length, size) = (here.su.cross(here.sv).length(), patch.extent());
+        let (regular, length) = if length > COLLAPSED * size * size {
+            (here, length)
+        } else {
+            let (beside, _, length) = next_to(patch, x, y, &here);
+            (beside, length)
+        };
+        let SecondOrderJet { su, sv, suu, suv, svv, .. } = regular;
+        let [by_u, by_v] = patch.rates(x, y);
+        let per = if by_u.perp_dot(by_v) < 0.0 { -1.0 } else { 1.0 } / length;
+        // n = N / |N| with N = S_x x S_y; the component along n drops out.
+        [by_u, by_v].map(|rate| {
+            let turn = (suu.cross(sv) + su.cross(suv)) * rate.x + (suv.cross(sv) + su.cross(svv)) * rate.y;
+            let turn = turn * per;
+            turn - normal * normal.dot(turn)
+        })
     }
 
     /// The absolute error per axis, metres.
@@ -100,7 +115,5 @@ fn nowhere() -> SurfacePoint {
         uv: DVec2::ZERO,
         dpdu: zero,
         dpdv: zero,
-        dndu: zero,
-        dndv: zero,
     }
 }

@@ -266,6 +266,10 @@ impl RaySurface for Mesh {
         self.point_at(hit.face, hit.u, hit.v)
     }
 
+    fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
+        self.normal_derivatives_at(hit.face, hit.u, hit.v, point.shading_normal)
+    }
+
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let areas = self.areas();
         let total = areas.last().copied().filter(|&area| area > 0.0)?;

@@ -29,6 +29,11 @@ impl Gradient {
             .then(|| Self { by_u: DVec2::new(b.y, -a.y) * inverse, by_v: DVec2::new(-b.x, a.x) * inverse })
     }
 
+    /// That of a triangle; if its texture coordinates lie on a line, that of default ones.
+    fn of_triangle(uvs: [DVec2; 3]) -> Option<Self> {
+        Self::new(uvs).or_else(|| Self::new(DEFAULT_UVS))
+    }
+
     fn of(&self, q: [DVec3; 3]) -> (DVec3, DVec3) {
         let (a, b) = (q[0] - q[2], q[1] - q[2]);
         (a * self.by_u.x + b * self.by_u.y, a * self.by_v.x + b * self.by_v.y)
@@ -55,9 +60,7 @@ impl Mesh {
         let [p0, p1, p2] = corners;
         let own_uvs = self.at_corners(self.uvs.as_ref(), face);
         let uvs = own_uvs.unwrap_or(DEFAULT_UVS);
-        let gradient = Gradient::new(uvs).or_else(|| Gradient::new(DEFAULT_UVS));
-        let derivatives = |q| gradient.as_ref().map_or_else(Default::default, |g| g.of(q));
-        let (dpdu, dpdv) = derivatives(corners);
+        let (dpdu, dpdv) = Gradient::of_triangle(uvs).map_or_else(Default::default, |g| g.of(corners));
         let (flat_normal, twice_area) = normal_and_area(p0, p1, p2).unwrap_or((DVec3::Z, 0.0));
         let mut point = SurfacePoint {
             // In this order the error bound holds.
@@ -68,8 +71,6 @@ impl Mesh {
             uv: uvs[0] * (1.0 - u - v) + uvs[1] * u + uvs[2] * v,
             dpdu,
             dpdv,
-            dndu: DVec3::ZERO,
-            dndv: DVec3::ZERO,
         };
         if let Some(normals) = self.at_corners(self.normals.as_ref(), face) {
             let smooth = interpolate(normals, u, v);
@@ -77,17 +78,30 @@ impl Mesh {
             // Normals that cancel, or that lie in the plane of the triangle, do not determine its side.
             let side = smooth.dot(flat_normal);
             if length > 0.0 && side != 0.0 {
-                let inverse = 1.0 / length;
-                let unit = smooth * inverse;
-                let (dndu, dndv) = derivatives(normals);
-                // d(n / |n|) = (dn - n (n . dn) / |n|^2) / |n|
-                let bend = |dn: DVec3| (dn - unit * unit.dot(dn)) * inverse;
                 point.normal = flat_normal * side.signum();
-                point.shading_normal = unit;
-                (point.dndu, point.dndv) = (bend(dndu), bend(dndv));
+                point.shading_normal = smooth * (1.0 / length);
             }
         }
         point
+    }
+
+    /// Derivatives of the interpolated normal at the weights `u`, `v`, where the shading normal is `unit`.
+    pub(super) fn normal_derivatives_at(&self, face: u32, u: f64, v: f64, unit: DVec3) -> [DVec3; 2] {
+        let uvs = self.at_corners(self.uvs.as_ref(), face).unwrap_or(DEFAULT_UVS);
+        let (Some(normals), Some(gradient)) =
+            (self.at_corners(self.normals.as_ref(), face), Gradient::of_triangle(uvs))
+        else {
+            return [DVec3::ZERO; 2];
+        };
+        let smooth = interpolate(normals, u, v);
+        let inverse = 1.0 / smooth.length();
+        // Where normals do not determine the side, the triangle's own is used, which is constant.
+        if !(inverse.is_finite() && smooth * inverse == unit) {
+            return [DVec3::ZERO; 2];
+        }
+        let (dndu, dndv) = gradient.of(normals);
+        // d(n / |n|) = (dn - n (n . dn) / |n|^2) / |n|
+        [dndu, dndv].map(|dn| (dn - unit * unit.dot(dn)) * inverse)
     }
 
     /// Drops hits, from the sorted ones beginning at `start`, that repeat another.

@@ -222,8 +222,6 @@ impl Polyhedron {
             uv: DVec2::new(u, v),
             dpdu: x,
             dpdv: y,
-            dndu: DVec3::ZERO,
-            dndv: DVec3::ZERO,
         }
     }
 }

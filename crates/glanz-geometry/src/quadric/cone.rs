@@ -5,7 +5,7 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::azimuth::AzimuthRange;
 use super::revolution::QuadricOfRevolution;
-use super::surface_of_revolution::{NormalDerivatives, SurfaceOfRevolution, impl_ray_surface};
+use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, positive};
 use crate::hit::SurfacePoint;
 use crate::rational::Profile;
@@ -81,16 +81,15 @@ impl SurfaceOfRevolution for Cone {
         [self.azimuth.derivative(p), (radial * -self.radius).extend(self.height)]
     }
 
-    fn normal_derivatives(&self, p: DVec3, uv: DVec2, _tangents: [DVec3; 2]) -> NormalDerivatives {
+    fn normal(&self, p: DVec3, uv: DVec2) -> DVec3 {
         // From the azimuth alone, so that it is valid up to the apex.
-        let radial = self.azimuth.direction_at(p, uv.x);
-        let side = self.radius.hypot(self.height);
-        let turn = self.azimuth.phi_max() * self.height / side;
-        NormalDerivatives {
-            normal: (radial * self.height).extend(self.radius).normalize(),
-            dndu: DVec3::new(-radial.y, radial.x, 0.0) * turn,
-            dndv: DVec3::ZERO,
-        }
+        (self.azimuth.direction_at(p, uv.x) * self.height).extend(self.radius).normalize()
+    }
+
+    fn normal_derivatives_at(&self, point: &SurfacePoint) -> [DVec3; 2] {
+        let radial = self.azimuth.direction_at(point.position, point.uv.x);
+        let turn = self.azimuth.phi_max() * self.height / self.radius.hypot(self.height);
+        [DVec3::new(-radial.y, radial.x, 0.0) * turn, DVec3::ZERO]
     }
 
     fn position(&self, uv: DVec2, _near: DVec3) -> DVec3 {

@@ -91,8 +91,6 @@ impl Disk {
             uv,
             dpdu: self.azimuth.derivative(position),
             dpdv: (self.azimuth.direction_at(position, uv.x) * -self.width()).extend(0.0),
-            dndu: DVec3::ZERO,
-            dndv: DVec3::ZERO,
         }
     }
 }

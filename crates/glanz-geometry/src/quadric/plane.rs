@@ -71,8 +71,6 @@ impl Plane {
             uv,
             dpdu: DVec3::X * length.x,
             dpdv: DVec3::Y * length.y,
-            dndu: DVec3::ZERO,
-            dndv: DVec3::ZERO,
         }
     }
 }

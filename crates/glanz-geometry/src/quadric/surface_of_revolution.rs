@@ -7,13 +7,6 @@ use super::revolution::{QuadricCrossing, QuadricOfRevolution, point_on_ray};
 use crate::hit::{Hit, SurfacePoint, SurfaceSample};
 use crate::rational::Profile;
 
-/// Unit normal and its derivatives by both parameters.
-pub(super) struct NormalDerivatives {
-    pub(super) normal: DVec3,
-    pub(super) dndu: DVec3,
-    pub(super) dndv: DVec3,
-}
-
 /// A parameterized part of a [`QuadricOfRevolution`].
 pub(super) trait SurfaceOfRevolution {
     /// The whole quadric.
@@ -39,15 +32,16 @@ pub(super) trait SurfaceOfRevolution {
         1.0
     }
 
-    /// Normal and its derivatives.
-    fn normal_derivatives(&self, p: DVec3, _uv: DVec2, [dpdu, dpdv]: [DVec3; 2]) -> NormalDerivatives {
+    /// The unit normal.
+    fn normal(&self, p: DVec3, _uv: DVec2) -> DVec3 {
+        self.quadric().normal(p) * self.orientation()
+    }
+
+    /// Its derivatives by both parameters.
+    fn normal_derivatives_at(&self, point: &SurfacePoint) -> [DVec3; 2] {
         let (quadric, sign) = (self.quadric(), self.orientation());
-        let normal = quadric.normal(p);
-        NormalDerivatives {
-            normal: normal * sign,
-            dndu: quadric.normal_derivative(p, normal, dpdu) * sign,
-            dndv: quadric.normal_derivative(p, normal, dpdv) * sign,
-        }
+        let normal = quadric.normal(point.position);
+        [point.dpdu, point.dpdv].map(|dp| quadric.normal_derivative(point.position, normal, dp) * sign)
     }
 
     /// The point with the given parameters; the one next to `near` if there are several.
@@ -107,7 +101,7 @@ pub(super) fn at(surface: &impl SurfaceOfRevolution, uv: DVec2) -> SurfacePoint 
 fn point(surface: &impl SurfaceOfRevolution, close: DVec3, uv: DVec2) -> SurfacePoint {
     let position = surface.quadric().refined(close);
     let tangents = surface.tangents(position, uv);
-    let NormalDerivatives { normal, dndu, dndv } = surface.normal_derivatives(position, uv, tangents);
+    let normal = surface.normal(position, uv);
     SurfacePoint {
         position,
         error: surface.quadric().error(position),
@@ -116,8 +110,6 @@ fn point(surface: &impl SurfaceOfRevolution, close: DVec3, uv: DVec2) -> Surface
         uv,
         dpdu: tangents[0],
         dpdv: tangents[1],
-        dndu,
-        dndv,
     }
 }
 
@@ -164,6 +156,14 @@ macro_rules! impl_ray_surface {
 
             fn point(&self, ray: &glanz_math::Ray, hit: &crate::hit::Hit) -> crate::hit::SurfacePoint {
                 super::surface_of_revolution::point_of_hit(self, ray, hit)
+            }
+
+            fn normal_derivatives(
+                &self,
+                _hit: &crate::hit::Hit,
+                point: &crate::hit::SurfacePoint,
+            ) -> [glanz_math::DVec3; 2] {
+                super::surface_of_revolution::SurfaceOfRevolution::normal_derivatives_at(self, point)
             }
 
             fn sample(&self, xi: glanz_math::DVec2) -> Option<crate::hit::SurfaceSample> {

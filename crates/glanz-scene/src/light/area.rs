@@ -148,8 +148,6 @@ impl AreaLight {
             uv: DVec2::ZERO,
             dpdu: DVec3::ZERO,
             dpdv: DVec3::ZERO,
-            dndu: DVec3::ZERO,
-            dndv: DVec3::ZERO,
         };
         let shadow = from.spawn_to(point.position, Some((point.error, point.normal)));
         Some(LightSample {

@@ -1,6 +1,7 @@
 //! Curvature of a surface at a point.
 
 use glanz_geometry::SurfacePoint;
+use glanz_math::DVec3;
 use serde::Serialize;
 
 /// Sine of the angle between the derivatives of the position, squared, below which they have no plane.
@@ -27,13 +28,14 @@ pub struct Curvature {
 }
 
 impl Curvature {
-    /// The curvatures at `point` of a surface of the extent `size`, m; `None` where its parameters degenerate, as at poles.
+    /// The curvatures at `point` of a surface of the extent `size`, m, whose normal has the derivatives `[dn/du, dn/dv]`; `None` where its
+    /// parameters degenerate, as at poles.
     ///
     /// # Source
     /// @farin2002 chapter 19; the second form from the derivatives of the normal, by Weingarten's equations.
     #[must_use]
-    pub fn of(point: &SurfacePoint, size: f64) -> Option<Self> {
-        let SurfacePoint { dpdu, dpdv, dndu, dndv, .. } = point;
+    pub fn of(point: &SurfacePoint, [dndu, dndv]: [DVec3; 2], size: f64) -> Option<Self> {
+        let SurfacePoint { dpdu, dpdv, .. } = point;
         let (e, f, g) = (dpdu.length_squared(), dpdu.dot(*dpdv), dpdv.length_squared());
         let area = dpdu.cross(*dpdv).length_squared();
         if area.is_nan() || area <= DEGENERATE * e * g {

@@ -67,7 +67,8 @@ pub fn pick(
         let point = at.point.position;
         let cut = section.is_some_and(|[a, b, c, d]| a * point.x + b * point.y + c * point.z > d);
         if !cut && !hidden.contains(&leaf) && model.is_seen(object) {
-            return Some(pick_result(scene, model, ray, (object, leaf), &at, &place));
+            let distance = point.distance(ray.origin);
+            return Some(pick_result(scene, model, &rest, (object, leaf), &at, &place, distance));
         }
         rest = at.spawn(ray.direction);
     }
@@ -81,6 +82,7 @@ fn pick_result(
     (object, leaf): (u32, u32),
     at: &Interaction,
     place: &ParametricPoint,
+    distance: f64,
 ) -> PickResult {
     let placed = scene.placed_surfaces();
     let surface = placed.get(place.surface as usize);
@@ -97,8 +99,8 @@ fn pick_result(
         face: place.face,
         point: point.position.to_array(),
         normal: point.normal.to_array(),
-        distance: point.position.distance(ray.origin),
-        curvature: surface.and_then(|surface| curvature(surface, at)),
+        distance,
+        curvature: surface.and_then(|surface| curvature(surface, ray, at, place)),
     }
 }
 
@@ -108,7 +110,12 @@ fn degree(placed: &PlacedSurface<'_>, face: u32) -> Option<[usize; 2]> {
     Some([u, v])
 }
 
-fn curvature(placed: &PlacedSurface<'_>, at: &Interaction) -> Option<Curvature> {
+fn curvature(
+    placed: &PlacedSurface<'_>,
+    ray: &Ray,
+    at: &Interaction,
+    place: &ParametricPoint,
+) -> Option<Curvature> {
     let surface = match placed.surface() {
         Surface::Trimmed(trimmed) => trimmed.surface(),
         other => other,
@@ -118,7 +125,7 @@ fn curvature(placed: &PlacedSurface<'_>, at: &Interaction) -> Option<Curvature> 
         return None;
     }
     let size = placed.bounds().diagonal().length();
-    let from_behind = at.point.normal.dot(at.wo) < 0.0;
-    let point = if from_behind { at.point.reversed() } else { at.point };
-    Curvature::of(&point, if size.is_finite() { size } else { at.t })
+    let side = if at.point.normal.dot(at.wo) < 0.0 { -1.0 } else { 1.0 };
+    let derivatives = placed.normal_derivatives(ray, at.t, place).map(|dn| dn * side);
+    Curvature::of(&at.point, derivatives, if size.is_finite() { size } else { at.t })
 }

@@ -1,7 +1,7 @@
 //! Object and normal per pixel, from the page and from rays through the pixel centres.
 
 use glanz::math::{DVec3, Ray};
-use glanz::scene::Scene;
+use glanz::scene::{Interaction, ParametricPoint, Scene};
 use glanz::viewer::model::Model;
 use serde_json::Value;
 
@@ -59,6 +59,7 @@ impl SurfacePixels {
         let slope = (0.5 * camera["fieldOfView"].as_f64().expect("an angle")).tan();
         let [width, height] = size.map(|n| n as f64);
         let mut seen = Self { size, objects: Vec::new(), normals: Vec::new(), flat: Vec::new() };
+        let surfaces = scene.placed_surfaces();
         for (y, x) in (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (y as f64 + 0.5, x as f64 + 0.5))) {
             let unit = slope / width.min(height);
             let across = (2.0 * x - width) * unit * right + (height - 2.0 * y) * unit * up;
@@ -66,10 +67,13 @@ impl SurfacePixels {
             let hit = scene.intersect_parametric(&ray, f64::INFINITY);
             let object = hit.as_ref().and_then(|(_, place)| model.object_of(place));
             seen.objects.push(object.map_or(0, |object| object + 1));
-            let point = hit.map(|(hit, _)| hit.point);
-            let normal = point.map_or(DVec3::ZERO, |point| point.shading_normal);
+            let normal = hit.as_ref().map_or(DVec3::ZERO, |(hit, _)| hit.point.shading_normal);
             seen.normals.push(if normal.dot(ray.direction) > 0.0 { -normal } else { normal });
-            seen.flat.push(point.is_none_or(|point| point.dndu == DVec3::ZERO && point.dndv == DVec3::ZERO));
+            let is_flat = |(hit, place): (Interaction, ParametricPoint)| {
+                let surface = &surfaces[place.surface as usize];
+                surface.normal_derivatives(&ray, hit.t, &place) == [DVec3::ZERO; 2]
+            };
+            seen.flat.push(hit.is_none_or(is_flat));
         }
         seen
     }
