@@ -57,7 +57,8 @@ pub enum EnvelopeError {
 }
 
 impl FileEnvelope {
-    /// The bytes of a file: magic, version (4 bytes), total length (8 bytes), the output of `content`, and the CRC-32 (IEEE) of all preceding bytes.
+    /// The bytes of a file: magic, version (4 bytes), total length (8 bytes), the output of `content`, and the CRC-32 (IEEE) of all
+    /// preceding bytes.
     pub fn seal(&self, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
         let mut e = Encoder::default();
         e.0.extend_from_slice(self.magic);

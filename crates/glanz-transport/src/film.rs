@@ -372,8 +372,8 @@ impl Film {
 
     /// The picture of the crop window: `R G B` and the extra channels.
     ///
-    /// The values are those of [`PixelSums::radiance`], with the splatted light, and [`PixelSums::first_hit`], rounded to `f32`. Where no sample hit a
-    /// surface, geometry and albedo are 0 and `id` is -1. A film without samples is black.
+    /// The values are those of [`PixelSums::radiance`], with the splatted light, and [`PixelSums::first_hit`], rounded to `f32`. Where no
+    /// sample hit a surface, geometry and albedo are 0 and `id` is -1. A film without samples is black.
     ///
     /// # Errors
     /// [`PixelsError`] as [`Pixels::try_new`] and [`Pixels::add_channel`].

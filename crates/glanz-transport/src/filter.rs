@@ -185,10 +185,11 @@ impl Filter {
         value / area
     }
 
-    /// A pixel of `pixels` whose filter reaches the film point `film`, selected by `xi`, uniform in [0, 1), and the factor for light at the point.
+    /// A pixel of `pixels` whose filter reaches the film point `film`, selected by `xi`, uniform in [0, 1), and the factor for light at the
+    /// point.
     ///
-    /// Pixels are selected in proportion to the magnitude of their filters there; the factor is the sum of these magnitudes, with the sign of the
-    /// selected one, so that each pixel receives [`Filter::evaluate`] on average. `None` if no filter reaches the point.
+    /// Pixels are selected in proportion to the magnitude of their filters there; the factor is the sum of these magnitudes, with the sign
+    /// of the selected one, so that each pixel receives [`Filter::evaluate`] on average. `None` if no filter reaches the point.
     #[must_use]
     pub fn pick_pixel(&self, film: DVec2, pixels: &PixelRect, xi: f64) -> Option<([u32; 2], f64)> {
         let [columns, rows] = [0, 1].map(|axis| self.reached(film, pixels, axis));
@@ -254,8 +255,8 @@ fn tent(s: f64) -> f64 {
 
 /// The factor by which a point of the square [-1, 1]^2 moves towards the middle so that the density decreases linearly.
 ///
-/// The square (or disk) of radius m contains the fraction m^2 of uniform points; that of radius r contains the fraction 3 r^2 - 2 r^3 of points of
-/// the required density. Equating the two, with r = 1/2 + sin(a), gives sin(3 a) = 2 m^2 - 1.
+/// The square (or disk) of radius m contains the fraction m^2 of uniform points; that of radius r contains the fraction 3 r^2 - 2 r^3 of
+/// points of the required density. Equating the two, with r = 1/2 + sin(a), gives sin(3 a) = 2 m^2 - 1.
 fn linear_fall(s: DVec2) -> f64 {
     let m = s.abs().max_element();
     if m == 0.0 {

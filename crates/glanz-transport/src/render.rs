@@ -96,8 +96,8 @@ pub enum RenderError {
 /// raised and the film is not empty. If the tile sink abandons the film, the render ends at once, and the film is lost.
 ///
 /// # Errors
-/// [`RenderError`] before the first pass, if the film does not match the filter or the integrator, samples are out of order, it would have more samples than it can
-/// hold, its guide cannot be made, or the threads cannot be started; [`RenderError::Interrupted`] at any time.
+/// [`RenderError`] before the first pass, if the film does not match the filter or the integrator, samples are out of order, it would have
+/// more samples than it can hold, its guide cannot be made, or the threads cannot be started; [`RenderError::Interrupted`] at any time.
 pub fn render(
     scene: &Scene,
     integrator: &dyn Integrator,

@@ -92,7 +92,8 @@ impl SplatSums {
     /// Splatted radiance of the pixel and its variance, per band, after `samples` of the film of `pixels` each.
     ///
     /// With s samples of N pixels there are n = s N light paths; path i contributes y_i (mostly 0), and the pixel is Y = sum y_i / s.
-    /// The y_i are independent and identically distributed, so Var Y = n Var(y) / s^2, with the estimate (sum y_i^2 - (sum y_i)^2 / n) / (n - 1) of Var(y).
+    /// The y_i are independent and identically distributed, so Var Y = n Var(y) / s^2, with the estimate (sum y_i^2 - (sum y_i)^2 / n) / (n
+    /// - 1) of Var(y).
     pub(crate) fn values(&self, samples: u64, pixels: u64) -> [PixelValue; 3] {
         let s = samples.max(1) as f64;
         let n = s * pixels as f64;

@@ -77,7 +77,6 @@ fn batches_give_the_hits_of_single_rays() {
         }
     }
     assert!(met > 10_000 && stopped > 10_000 && stopped < met, "{met} {stopped}");
-    // Of the two spheres in one place, the first is met by all rays.
     // All but the second of the two spheres in one place.
     assert_eq!(met_shapes.len(), 9, "{met_shapes:?}");
 }

@@ -1,8 +1,8 @@
 //! Cells of the guide: parts of space, by the direction that a surface faces.
 //!
-//! Six binary trees over the scene's bounds, one for each of the six axis directions, of which the one nearest to the normal applies: the two sides
-//! of a wall and the walls that meet in a corner have separate cells. Boxes with many records are halved across their longest side
-//! (@muller2017, where normals are not considered).
+//! Six binary trees over the scene's bounds, one for each of the six axis directions, of which the one nearest to the normal applies: the
+//! two sides of a wall and the walls that meet in a corner have separate cells. Boxes with many records are halved across their longest
+//! side (@muller2017, where normals are not considered).
 
 use glanz_math::{Bounds3, DVec3};
 

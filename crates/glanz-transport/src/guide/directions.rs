@@ -1,10 +1,10 @@
 //! Densities over the sphere of directions, with high resolution in directions of much light.
 //!
 //! Directions are mapped to the unit square, with equal areas and little distortion (@clarberg2008): the upper hemisphere becomes the inner
-//! diamond, the lower one the four corners. A tree of squares, each divided into 4 x 4 parts, stores the fraction of the density in each part; within a
-//! leaf the density is constant. This is a density in the Haar basis without the wavelets where there is little light: chapter 2 of document
-//! 003, and the directional tree of @muller2017. Both map by (cos theta, phi), by which a light overhead becomes a strip along a side of the
-//! square, which squares approximate badly.
+//! diamond, the lower one the four corners. A tree of squares, each divided into 4 x 4 parts, stores the fraction of the density in each
+//! part; within a leaf the density is constant. This is a density in the Haar basis without the wavelets where there is little light:
+//! chapter 2 of document 003, and the directional tree of @muller2017. Both map by (cos theta, phi), by which a light overhead becomes a
+//! strip along a side of the square, which squares approximate badly.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -131,8 +131,8 @@ impl DirectionTrees {
         }
     }
 
-    /// The tree with that root, with fractions by `weight` and divided anew: finer where the weight is large. The root is the first element. `None` if
-    /// all weights are 0.
+    /// The tree with that root, with fractions by `weight` and divided anew: finer where the weight is large. The root is the first
+    /// element. `None` if all weights are 0.
     ///
     /// `weight`: weight of a leaf, in any unit. `effective`: effective number of samples, that of equal samples with the same variance.
     pub(crate) fn refined(

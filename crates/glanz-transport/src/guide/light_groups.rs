@@ -1,8 +1,8 @@
 //! Learnt probabilities of selecting lights.
 //!
-//! Light sampling selects one of many lights; the variance is smallest if the probability of each is proportional to the root of its mean squared
-//! contribution. At most points few lights are visible, which their powers do not reflect. Lights are selected by
-//! the scene's groups ([`Scene::light_groups`](glanz_scene::Scene::light_group_count)), so that thousands of lights cost no more than sixteen.
+//! Light sampling selects one of many lights; the variance is smallest if the probability of each is proportional to the root of its mean
+//! squared contribution. At most points few lights are visible, which their powers do not reflect. Lights are selected by the scene's
+//! groups ([`Scene::light_groups`](glanz_scene::Scene::light_group_count)), so that thousands of lights cost no more than sixteen.
 
 use glanz_scene::{LightId, MAX_LIGHT_GROUPS, Scene};
 

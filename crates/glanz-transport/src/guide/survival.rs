@@ -1,8 +1,8 @@
 //! Russian roulette by the expected contribution of a path.
 //!
-//! A path should end where its remaining contribution is small relative to the expected contribution of the whole path, not where its throughput is small; the
-//! guide estimates the incident light (@vorba2016). The reference is the mean of the path's own expectation and that
-//! of the whole picture: an absolute error counts the same in dark and in bright pixels, but is more visible in dark ones.
+//! A path should end where its remaining contribution is small relative to the expected contribution of the whole path, not where its
+//! throughput is small; the guide estimates the incident light (@vorba2016). The reference is the mean of the path's own expectation and
+//! that of the whole picture: an absolute error counts the same in dark and in bright pixels, but is more visible in dark ones.
 
 /// Factor on the survival probability above the ratio of contributions, because the path so far has a cost, too.
 const EAGERNESS: f64 = 3.0;
@@ -23,8 +23,8 @@ pub(crate) fn believed(guide: f64, bsdf: f64) -> f64 {
     (1.0 - DOUBT) * guide + DOUBT * bsdf
 }
 
-/// Probability of survival for an expected remaining contribution `rest` and an expected contribution `path` of the whole path; `None` if the ratio is
-/// undefined.
+/// Probability of survival for an expected remaining contribution `rest` and an expected contribution `path` of the whole path; `None` if
+/// the ratio is undefined.
 pub(crate) fn probability(rest: f64, path: f64) -> Option<f64> {
     let ratio = EAGERNESS * rest / path;
     ratio.is_finite().then(|| ratio.clamp(LEAST, 1.0))

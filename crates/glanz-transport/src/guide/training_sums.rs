@@ -2,9 +2,9 @@
 //!
 //! All sums are integers, so that they depend on the added records, not on the order or on threads (see
 //! [`crate::exact`]). The quantum depends on the scene: 2^-20 of a typical luminance for light and 2^-24 of its square for squares.
-//! Light divided by its density is clamped to 2^20 times the typical luminance, squares to the square of 2^12 times. A sum has room for 2^24 and 2^16 terms of that
-//! size; because the typical luminance is about the mean, these would need 2^44 and 2^28 records. Clamped terms are counted. Clamping
-//! can make a guide worse, but never a picture wrong.
+//! Light divided by its density is clamped to 2^20 times the typical luminance, squares to the square of 2^12 times. A sum has room for
+//! 2^24 and 2^16 terms of that size; because the typical luminance is about the mean, these would need 2^44 and 2^28 records. Clamped terms
+//! are counted. Clamping can make a guide worse, but never a picture wrong.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -21,8 +21,8 @@ const LARGEST_SQUARE: f64 = (1_u64 << 48) as f64;
 pub(crate) const LIGHT_QUANTA: f64 = (1_u64 << 20) as f64;
 const MOMENT_QUANTA: f64 = (1_u64 << 24) as f64;
 
-/// Words of a cell: number of records, sums of their light and of its square, then the second moment for each mixture weight; number of light samples, then
-/// the second moment of each light group.
+/// Words of a cell: number of records, sums of their light and of its square, then the second moment for each mixture weight; number of
+/// light samples, then the second moment of each light group.
 const CELL_WORDS: usize = LIGHT_WORDS + 1 + MAX_LIGHT_GROUPS;
 
 /// Offset of the words of the light groups.
@@ -171,8 +171,8 @@ impl TrainingSums {
 
     /// The best density of a leaf times its size, in any unit: the root of the integral of squared light times that size.
     ///
-    /// Of all densities that are constant in each leaf, this one has the smallest second moment, the sum over all leaves of that integral divided by the
-    /// density (@rath2020). For constant light in a leaf it is that light.
+    /// Of all densities that are constant in each leaf, this one has the smallest second moment, the sum over all leaves of that integral
+    /// divided by the density (@rath2020). For constant light in a leaf it is that light.
     pub(crate) fn weight(&self, leaf: QuadtreeLeaf) -> f64 {
         let square =
             self.leaves.get(leaf.number as usize).map_or(0.0, |word| word.load(Ordering::Relaxed) as f64);

@@ -35,8 +35,8 @@ pub(super) fn radiance(
     }
 }
 
-/// Direction sampler that replaces the BSDF's samples of Lambert's lobe by those of the grid's densities, always or every other time; highlights and
-/// mirrors are sampled by the BSDF (document 003 section 3.3.2). The density of a direction is that of the mixture.
+/// Direction sampler that replaces the BSDF's samples of Lambert's lobe by those of the grid's densities, always or every other time;
+/// highlights and mirrors are sampled by the BSDF (document 003 section 3.3.2). The density of a direction is that of the mixture.
 ///
 /// With light sampling, direct light is excluded from training.
 struct GridDirections<'a> {

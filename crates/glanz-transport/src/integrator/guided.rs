@@ -20,9 +20,9 @@ use crate::guide::{
 
 /// As [`Path`](super::Path), but at rough surfaces some of the directions are sampled from a guide.
 ///
-/// The guide holds densities of the incident light of earlier passes. With a probability that is also learnt, the direction is sampled from the guide, otherwise
-/// from the BSDF; the density is that of the mixture, also in multiple importance sampling with light sampling, so that the expected
-/// picture is that of `path`. Where the guide has no gain it is off. See [`crate::guide`].
+/// The guide holds densities of the incident light of earlier passes. With a probability that is also learnt, the direction is sampled from
+/// the guide, otherwise from the BSDF; the density is that of the mixture, also in multiple importance sampling with light sampling, so
+/// that the expected picture is that of `path`. Where the guide has no gain it is off. See [`crate::guide`].
 #[derive(Clone, Debug)]
 pub struct Guided {
     tracer: PathTracer,
@@ -46,9 +46,7 @@ impl Guided {
     pub fn with_guide(settings: &IntegratorSettings, guide: Arc<Guide>) -> Self {
         Self { fixed: Some(guide), ..Self::new(settings) }
     }
-}
 
-impl Guided {
     /// The estimates with a tree as guide; the records of the paths are added to `training`.
     fn by_tree(
         &self,

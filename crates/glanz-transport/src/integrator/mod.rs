@@ -43,7 +43,7 @@ pub trait Integrator: Send + Sync {
     /// The estimate depends on the ray, the scene, the numbers of the sampler and, for learning integrators, the film's training alone.
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum;
 
-    /// Estimates for many samples, the same as one by one. `radiance` is replaced.
+    /// Estimates for many samples, the same as one by one. `contexts`: of one scene and one training; `radiance` is replaced.
     fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
         radiance.clear();
         radiance.extend(contexts.iter_mut().map(|context| self.radiance(context)));

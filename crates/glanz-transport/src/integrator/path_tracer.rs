@@ -87,8 +87,7 @@ pub(super) struct RouletteState {
     /// Throughput before and after the vertex.
     pub(super) before: Spectrum,
     pub(super) after: Spectrum,
-    /// Throughput as if the BSDF alone had been sampled, without the scaling by refraction. A direction that a guide draws
-    /// often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
+    /// [`PathState::importance`] after the vertex, without the scaling by refraction.
     pub(super) importance: Spectrum,
 }
 

@@ -1,11 +1,11 @@
 //! The guide of document 003: a fixed grid of cells on each surface, each with a density over the hemisphere.
 //!
-//! A cell is a square of the parameters of a shape (see [`ShapeParameterization`]) on one of its sides. Its density is defined on the unit square of
-//! (1 - cos theta, phi / 2 pi), an area-preserving map, in a tensor product basis; theta is measured from the shading normal on the
-//! viewer's side and phi from the derivative by u. The density is fitted to the incident light times the cosine in the directions
-//! sampled from it: the coefficient of function j in the dual basis is w_j times the mean over the directions sampled from function j.
-//! The document's equations for two dimensions divide this by the density once more, which is an error; its tables were computed
-//! without this division.
+//! A cell is a square of the parameters of a shape (see [`ShapeParameterization`]) on one of its sides. Its density is defined on the unit
+//! square of (1 - cos theta, phi / 2 pi), an area-preserving map, in a tensor product basis; theta is measured from the shading normal on
+//! the viewer's side and phi from the derivative by u. The density is fitted to the incident light times the cosine in the directions
+//! sampled from it: the coefficient of function j in the dual basis is w_j times the mean over the directions sampled from function j. The
+//! document's equations for two dimensions divide this by the density once more, which is an error; its tables were computed without this
+//! division.
 //!
 //! Departures: coefficients are raised to those of a tenth of the constant density, in every basis; the bound of the document is lower by w_j
 //! for functions that are not orthonormal, so that densities of splines decrease with the scale. phi is an interval here, not a
@@ -295,8 +295,8 @@ impl FittedCells {
 /// Bytes of a cell without density, in the guide and in the sums.
 const CELL_OVERHEAD: u64 = 8 + 24;
 
-/// Largest size in bytes of a cell and its sums with densities of this number of functions: two words of sums for each function, and for the density
-/// a coefficient in two precisions and a sum of probabilities for each function and each row of them.
+/// Largest size in bytes of a cell and its sums with densities of this number of functions: two words of sums for each function, and for
+/// the density a coefficient in two precisions and a sum of probabilities for each function and each row of them.
 fn cell_bytes(functions: usize) -> u64 {
     let row = (functions as f64).sqrt().ceil() as u64;
     CELL_OVERHEAD + size_of::<FittedCells>() as u64 + (2 * 8 + 8 + 4 + 8) * functions as u64 + 8 * row

@@ -15,8 +15,8 @@ use super::{Context, Integrator, IntegratorSettings};
 ///
 /// Every sample traces one path from a light; at every scattering, its connection to the camera is splatted to the film. This finds the light
 /// that mirrors and glass focus on other surfaces (caustics), which paths from the camera hit by chance only, and never from a point light.
-/// Every sample also traces one path from the camera. Light that several techniques find is weighted by the power heuristic (see `weights`). Caustics seen
-/// through a mirror or glass are found by chance only, and not at all from point and directional lights.
+/// Every sample also traces one path from the camera. Light that several techniques find is weighted by the power heuristic (see
+/// `weights`). Caustics seen through a mirror or glass are found by chance only, and not at all from point and directional lights.
 #[derive(Clone, Copy, Debug)]
 pub struct LightPaths {
     max_depth: u32,
@@ -41,8 +41,8 @@ impl Integrator for LightPaths {
     }
 }
 
-/// The scattering event at a vertex with the unit directions to light and camera; `light_pdf`: density with which a path from the camera continues
-/// to the light.
+/// The scattering event at a vertex with the unit directions to light and camera; `light_pdf`: density with which a path from the camera
+/// continues to the light.
 fn turn(vertex: &Vertex<'_>, to_light: DVec3, to_camera: DVec3, light_pdf: f64) -> ScatteringDensities {
     let normal = vertex.at.point.normal;
     ScatteringDensities {

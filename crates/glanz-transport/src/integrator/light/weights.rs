@@ -8,10 +8,10 @@
 //!
 //! Let e be the density of emission per square metre across the ray and steradian ([`Scene::emission_pdf`](glanz_scene::Scene::emission_pdf)), c
 //! the density of film points per square metre across the ray at z_(k-1) ([`Camera::density`](glanz_scene::Camera::density)), N the number of
-//! paths sent for one sample of every pixel, p_N the density per solid angle with which z_1 samples the light, and at z_j: a_j and b_j the cosines
-//! between the directions to light and camera and the normal, p_j and q_j the densities per solid angle with which a path from the camera continues
-//! to z_(j-1), and one from the light to z_(j+1). The squared lengths of the segments are in the densities of both directions and
-//! cancel, which gives
+//! paths sent for one sample of every pixel, p_N the density per solid angle with which z_1 samples the light, and at z_j: a_j and b_j the
+//! cosines between the directions to light and camera and the normal, p_j and q_j the densities per solid angle with which a path from the
+//! camera continues to z_(j-1), and one from the light to z_(j+1). The squared lengths of the segments are in the densities of both
+//! directions and cancel, which gives
 //!
 //! ```text
 //! sent / hit     = N e / c  *  product over j = 1 .. k-1 of a_j / (b_j p_j)  *  product over j = 1 .. k-2 of q_j
@@ -23,9 +23,9 @@
 //! indices, which cancel when light leaves the medium that it entered), p_1 is infinite, and nothing can be sampled or connected there: these
 //! techniques have density 0. For delta lights, e is per square metre across the ray at z_1, p_N is 1 and *hit* has density 0.
 //!
-//! The weight of a technique is that of the power heuristic, w = 1 / (1 + sum of (other / own)^2). The weights of a path add up to 1 for any numbers in place of
-//! the densities, provided that all techniques use the same ones and a technique that cannot find the path has 0
-//! in all of them. Russian roulette is therefore omitted.
+//! The weight of a technique is that of the power heuristic, w = 1 / (1 + sum of (other / own)^2). The weights of a path add up to 1 for
+//! any numbers in place of the densities, provided that all techniques use the same ones and a technique that cannot find the path has 0 in
+//! all of them. Russian roulette is therefore omitted.
 //!
 //! # Source
 //! @veach1997 chapters 9 and 10; @georgiev2012 for running quantities in place of whole paths.
