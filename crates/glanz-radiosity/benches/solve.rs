@@ -1,6 +1,8 @@
 //! Time of solvers over the number of elements in a furnished room: all form factors with the Gauss-Seidel method, and the hierarchical
 //! solver, which divides elements by an error bound.
 
+#![allow(clippy::unwrap_used, reason = "a benchmark that cannot make its input has failed")]
+
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use glanz_job::{CancelFlag, Silent};
 use glanz_math::DVec3;
@@ -10,8 +12,7 @@ use glanz_radiosity::solve::{GaussSeidelSettings, HierarchicalSettings, gauss_se
 use glanz_scene::Scene;
 use glanz_scene::description::ShapeDescription;
 
-// Shared with the tests, which may panic.
-#[allow(clippy::unwrap_used)]
+// Shared with the tests.
 #[path = "../src/scenes.rs"]
 mod scenes;
 
@@ -56,8 +57,8 @@ fn room() -> Scene {
     scene(shapes)
 }
 
-fn start(scene: &Scene, side: f64) -> Option<Elements<'_>> {
-    Elements::new(scene, &ElementSettings { side }).ok()
+fn start(scene: &Scene, side: f64) -> Elements<'_> {
+    Elements::new(scene, &ElementSettings { side }).unwrap()
 }
 
 fn solvers(c: &mut Criterion) {
@@ -66,20 +67,19 @@ fn solvers(c: &mut Criterion) {
     let mut group = c.benchmark_group("room");
     group.sample_size(10);
     for side in [2.0, 1.0] {
-        let Some(elements) = start(&scene, side) else { return };
+        let elements = start(&scene, side);
         let count = elements.list.len();
         group.bench_function(BenchmarkId::new("full", count), |b| {
             b.iter(|| {
-                let factors = FormFactors::new(&elements, &cancel)?;
-                gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &cancel)
+                let factors = FormFactors::new(&elements, &cancel).unwrap();
+                gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &cancel).unwrap()
             });
         });
     }
     for bound in [1e-3, 1e-4, 1e-5] {
         let settings = HierarchicalSettings { bound, side: 0.05, ..HierarchicalSettings::default() };
-        let solve = || hierarchical(start(&scene, 100.0)?, &settings, &mut Silent, &cancel).ok();
-        let Some(solved) = solve() else { return };
-        let name = BenchmarkId::new("hierarchical", solved.elements.list.len());
+        let solve = || hierarchical(start(&scene, 100.0), &settings, &mut Silent, &cancel).unwrap();
+        let name = BenchmarkId::new("hierarchical", solve().elements.list.len());
         group.bench_function(name, |b| b.iter(solve));
     }
     group.finish();
