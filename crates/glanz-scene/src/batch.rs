@@ -36,9 +36,10 @@ struct SceneBatchMemory {
 impl SceneBatchMemory {
     /// Runs `work` with memory of this thread.
     fn with(work: impl FnOnce(&mut Self)) {
-        let mut memory = MEMORY.with_borrow_mut(Vec::pop).unwrap_or_default();
+        // A thread that ends has no pool any more.
+        let mut memory = MEMORY.try_with(|pool| pool.borrow_mut().pop()).ok().flatten().unwrap_or_default();
         work(&mut memory);
-        MEMORY.with_borrow_mut(|pool| pool.push(memory));
+        let _ = MEMORY.try_with(|pool| pool.borrow_mut().push(memory));
     }
 }
 
