@@ -15,7 +15,7 @@ use glanz_math::{DVec2, DVec3};
 pub(crate) type Failure = Box<dyn std::error::Error>;
 
 /// Names that [`Model::named`] knows.
-pub(crate) const NAMES: [&str; 15] = [
+pub(crate) const NAMES: [&str; 16] = [
     "bicubic",
     "teapot",
     "rational bicubic",
@@ -26,6 +26,7 @@ pub(crate) const NAMES: [&str; 15] = [
     "degree 5",
     "degree 6",
     "degree 7",
+    "rational degree 5",
     "cubic triangles",
     "quintic triangles",
     "trimmed",
@@ -74,10 +75,8 @@ impl Model {
     pub(crate) fn named(name: &str) -> Result<Self, Failure> {
         let source = match name {
             "bicubic" | "trimmed" => Source::Spline(wavy(3, 5, 0.15, |_, _| 1.0)?),
-            "rational bicubic" | "rational trimmed" => {
-                let weight = |i: usize, j: usize| 1.0 + 0.3 * ((13 * i + 7 * j) as f64).sin();
-                Source::Spline(wavy(3, 5, 0.15, weight)?)
-            }
+            "rational bicubic" | "rational trimmed" => Source::Spline(wavy(3, 5, 0.15, uneven)?),
+            "rational degree 5" => Source::Spline(wavy(5, 5, 0.15, uneven)?),
             "teapot" => Source::Patches(newell(include_str!("../../../../scenes/newell_teapot.txt"))?),
             "torus" => Source::Spline(torus(1.0, 0.4)?),
             "ball" => Source::Spline(ball()?),
@@ -101,6 +100,11 @@ impl Model {
             None => freeform,
         })
     }
+}
+
+/// Weights from 0.7 to 1.3.
+fn uneven(i: usize, j: usize) -> f64 {
+    1.0 + 0.3 * ((13 * i + 7 * j) as f64).sin()
 }
 
 /// `spans` x `spans` patches over the unit square around the origin, with waves in z.

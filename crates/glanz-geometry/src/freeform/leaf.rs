@@ -84,7 +84,7 @@ impl PatchLeaf {
         }
     }
 
-    /// Bound on half of any second derivative by (s, t); infinite if weights differ.
+    /// Bound on half of any second derivative by (s, t).
     #[inline(always)]
     pub(super) fn curvature_bound(&self) -> f64 {
         self.rows[2][3].into()

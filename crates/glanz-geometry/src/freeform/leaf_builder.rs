@@ -140,10 +140,11 @@ fn rational_bounds(
         largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
     };
     let thickness = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
+    let steepest =
+        |w: &BivariatePolynomial<f64>| w.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b up to the thickness.
     let deviation = |by_first: bool, along: DVec3| {
         let rise = weight.derivative(by_first);
-        let steepest = rise.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
         let mean = BivariatePolynomial {
             degrees,
             coefficients: weight.coefficients.iter().map(|&w| along * (2.0 * w)).collect(),
@@ -154,9 +155,22 @@ fn rational_bounds(
             *fall += *mean;
         }
         // By s, which goes twice as far as u.
-        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + thickness * steepest) / least
+        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + thickness * steepest(&rise)) / least
     };
-    (thickness, deviation(true, a), deviation(false, b), f64::INFINITY)
+    let (m_a, m_b) = (deviation(true, a), deviation(false, b));
+    // S_st = (X_st - S_s W_t - S_t W_s - S W_st) / W, and so on, where derivatives by s and t are halves of those by u and v.
+    let (size, [rise_a, rise_b]) =
+        (a.length() + b.length() + thickness, [a.length() + m_a, b.length() + m_b]);
+    let second = |by: [bool; 2], [rise, other]: [f64; 2]| {
+        let [first, second] = by.map(|by_first| steepest(&weight.derivative(by_first)));
+        let twice = |by: [bool; 2]| {
+            let curved = largest(space.derivative(by[0]).derivative(by[1]).coefficients.into_iter());
+            curved + size * steepest(&weight.derivative(by[0]).derivative(by[1]))
+        };
+        (0.25 * twice(by) + 0.5 * (rise * second + other * first)) / least
+    };
+    let pure = second([true; 2], [rise_a; 2]) + second([false; 2], [rise_b; 2]);
+    (thickness, m_a, m_b, 0.5 * pure + second([true, false], [rise_a, rise_b]))
 }
 
 impl LeafBuilder {
@@ -208,4 +222,45 @@ pub(super) fn is_more_curved_along_u(points: &[DVec4], (p, q): (usize, usize)) -
     }
     // A twisted patch without curved lines is halved along its longer side.
     u[1] + 1e-3 * u[0] >= v[1] + 1e-3 * v[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_of_a_rational_patch_hold_and_are_not_far_off() {
+        for degrees in [(2, 2), (3, 5), (5, 4), (1, 6)] {
+            let (p, q) = degrees;
+            let net = (0..=p).flat_map(|i| (0..=q).map(move |j| (i, j))).map(|(i, j)| {
+                let (x, y) = (i as f64 / p as f64, j as f64 / q as f64);
+                let w = 1.0 + 0.3 * ((5 * i + 3 * j) as f64).sin();
+                (DVec3::new(7.0 + 0.1 * x, 0.1 * y, 0.05 * (3.0 * x + 2.0 * y).sin()) * w).extend(w)
+            });
+            let bounds = ThickParallelogram::new(&net.clone().collect::<Vec<_>>(), degrees);
+            let net: Vec<DVec4> = net.collect();
+            let mut most = [0.0_f64; 3];
+            for (i, j) in (0..=32).flat_map(|i| (0..=32).map(move |j| (i, j))) {
+                let (u, v) = (f64::from(i) / 32.0, f64::from(j) / 32.0);
+                let jet = control_net::second_order_jet(&net, degrees, u, v);
+                let flat =
+                    bounds.center + bounds.along_u * (2.0 * u - 1.0) + bounds.along_v * (2.0 * v - 1.0);
+                let off =
+                    [jet.su * 0.5 - bounds.along_u, jet.sv * 0.5 - bounds.along_v].map(DVec3::length_squared);
+                // Half of the second derivative by (s, t) in the direction in which it is largest, at least.
+                let turned =
+                    |x: f64, y: f64| (jet.suu * (x * x) + jet.suv * (2.0 * x * y) + jet.svv * (y * y)) / 8.0;
+                let curved = (0..16).map(|k| f64::from(k) * std::f64::consts::PI / 16.0);
+                let curved = largest(curved.map(|angle| turned(angle.cos(), angle.sin())));
+                let here = [(jet.s - flat).length(), off[0] + off[1], curved];
+                for (most, x) in most.iter_mut().zip(here) {
+                    *most = most.max(x);
+                }
+            }
+            let limits = [bounds.thickness, bounds.tangent_deviation_squared, bounds.curvature_bound];
+            for (most, limit) in most.into_iter().zip(limits) {
+                assert!(most <= limit && limit <= 100.0 * most, "{degrees:?}: {most} of {limit}");
+            }
+        }
+    }
 }
