@@ -28,6 +28,9 @@ const BATCH: usize = TILE * TILE;
 /// Number of measurements of each way.
 const TIMES: usize = 7;
 
+/// Number of runs of one measurement: together they take many ticks of the clock, which are 4 ms on some systems.
+const RUNS: usize = 10;
+
 /// Sets of rays.
 const SETS: [&str; 3] = ["tiles", "shuffled", "random lines"];
 
@@ -45,8 +48,10 @@ fn median(mut times: Vec<f64>) -> f64 {
 fn medians(mut single: impl FnMut(), mut batch: impl FnMut()) -> [f64; 2] {
     let seconds = |work: &mut dyn FnMut()| {
         let start = processor_time();
-        work();
-        1e-9 * (processor_time() - start) as f64
+        for _ in 0..RUNS {
+            work();
+        }
+        1e-9 * (processor_time() - start) as f64 / RUNS as f64
     };
     let mut times = [Vec::new(), Vec::new()];
     for _ in 0..TIMES {
