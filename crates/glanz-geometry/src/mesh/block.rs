@@ -83,6 +83,14 @@ impl<T: Coordinate> TriangleBlock<T> {
         simd.prefetch(&self.faces);
     }
 
+    /// Its triangles by face number, with their vertices.
+    #[inline(always)]
+    pub(super) fn triangles(&self) -> impl Iterator<Item = (u32, [DVec3; 3])> + '_ {
+        let used = self.faces.iter().enumerate().take_while(|&(_, &face)| face != u32::MAX);
+        used.map(|(lane, &face)| (face, self.triangle(lane)))
+    }
+
+    #[inline(always)]
     fn triangle(&self, lane: usize) -> [DVec3; 3] {
         self.corners.map(|corner| DVec3::from_array(corner.map(|axis| axis[lane & (LANES - 1)].to_f64())))
     }
@@ -144,14 +152,12 @@ impl<T: Coordinate> TriangleBlock<T> {
         let limit = simd.mul64(simd.splat64(GRAZING), simd.add64(simd.add64(p, q), r));
         let unsure = at_edge | simd.at_most64(simd.abs64(determinant), limit);
         let hits = inside & (within | unsure);
-        (hits != 0).then(|| BlockHits {
-            hits,
-            unsure,
-            t: simd.store64(t),
-            v: simd.store64(v),
-            w: simd.store64(w),
-            determinant: simd.store64(determinant),
-        })
+        if hits == 0 {
+            return None;
+        }
+        // Not in a closure, which would not be compiled for the instructions of `simd`.
+        let (t, determinant) = (simd.store64(t), simd.store64(determinant));
+        Some(BlockHits { hits, unsure, t, v: simd.store64(v), w: simd.store64(w), determinant })
     }
 
     /// Adds every hit with `0 < t <= collector.end()`, by lane, until the search is over.
@@ -203,7 +209,7 @@ struct BlockHits {
 }
 
 /// The axes in the order that makes a given one the last. A `static`: a constant would be copied for every ray.
-static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
+pub(super) static AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
 
 /// A ray prepared for blocks.
 pub(super) struct BlockRay<S: Simd> {

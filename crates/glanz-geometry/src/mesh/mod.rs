@@ -3,10 +3,11 @@
 //! A [`Mesh`] owns its hierarchy and lays its triangles out in the order of the leaves, four to a block. The test is that
 //! of [`crate::triangle::ShearedRay`] bit by bit, so that a ray cannot slip through an edge or a vertex that triangles
 //! share, whatever the instruction set. Files: `block` (the triangles),
-//! `query` (closest, any and all hits), `stream` (batches of rays), `shading` (the surface at a hit).
+//! `query` (closest, any and all hits), `stream` and `ray_lanes` (batches of rays), `shading` (the surface at a hit).
 
 mod block;
 mod query;
+mod ray_lanes;
 mod shading;
 mod stream;
 #[cfg(test)]

@@ -40,7 +40,7 @@ pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
     let mut tally = ContractTally::default();
     for (i, case) in cases.iter().enumerate() {
         let mut pcg = Pcg::new(seed * 1000 + i as u64);
-        let mut batch = Vec::new();
+        let (mut batch, mut sizes) = (Vec::new(), &BATCHES[..]);
         for family in ContractRays::ALL {
             for _ in 0..per_case {
                 let ray = family.ray(case, &mut pcg);
@@ -50,12 +50,15 @@ pub fn check_kind(kind: &str, seed: u64, cases: &[ContractCase]) {
                 }
                 batch.push(bounded(case, ray, tally.rays));
                 if batch.len() == LARGEST_BATCH {
-                    check_batches(case, &batch, &mut tally);
+                    check_batches(case, &batch, sizes, &mut tally);
                     batch.clear();
+                    // The first in all sizes, the others in one.
+                    let next = (tally.rays / LARGEST_BATCH as u64) as usize % BATCHES.len();
+                    sizes = &BATCHES[next..=next];
                 }
             }
         }
-        check_batches(case, &batch, &mut tally);
+        check_batches(case, &batch, sizes, &mut tally);
         if let Err(what) = sampling::check(case, &mut pcg) {
             tally.breach(|| format!("{} (sampling): {what}", case.name));
         }
@@ -87,15 +90,15 @@ fn bounded(case: &ContractCase, ray: Ray, number: u64) -> BoundedRay {
     BoundedRay::new(ray, case.surface.intersect(&ray, f64::INFINITY).map_or(f64::INFINITY, |hit| end(hit.t)))
 }
 
-/// Checks that batches give the bits of single rays.
-fn check_batches(case: &ContractCase, rays: &[BoundedRay], tally: &mut ContractTally) {
+/// Checks that batches of these sizes give the bits of single rays.
+fn check_batches(case: &ContractCase, rays: &[BoundedRay], sizes: &[usize], tally: &mut ContractTally) {
     let surface = &case.surface;
     let closest = |BoundedRay { ray, t_max }: &BoundedRay| surface.intersect(ray, *t_max);
     let single: Vec<_> = rays.iter().map(closest).collect();
     let blocked: Vec<_> =
         rays.iter().map(|BoundedRay { ray, t_max }| surface.occluded(ray, *t_max)).collect();
     let (mut hits, mut occluded) = (Vec::new(), Vec::new());
-    for size in BATCHES {
+    for &size in sizes {
         for ((rays, single), blocked) in rays.chunks(size).zip(single.chunks(size)).zip(blocked.chunks(size))
         {
             surface.closest_batch(rays, &mut hits);
