@@ -1,16 +1,11 @@
-//! Options that every job takes, and the sink that serves them while it runs.
+//! Options that every job takes.
 
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::PathBuf;
 
-use glanz_job::{CancelFlag, JobProgress, ProgressSink};
+use glanz_job::{CancelFlag, ProgressSink};
 
-use crate::error::Error;
-use crate::event::{JobEvent, Warning};
-use crate::file;
-
-/// Time between two checkpoints.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
+use crate::event::JobEvent;
+use crate::running_job::RunningJob;
 
 /// The methods of [`JobOptions`], which all builders have over their field `job`.
 macro_rules! job_methods {
@@ -58,7 +53,35 @@ macro_rules! job_methods {
 
 pub(crate) use job_methods;
 
-/// Options that every job takes.
+/// Options that every job takes; the builders have the same methods.
+///
+/// A function that starts any of the jobs can set them as one value, for the method `job` of the builders:
+///
+/// ```
+/// use glanz::job::CancelFlag;
+/// use glanz::scene::SceneBuilder;
+/// use glanz::scene::description::{LightDescription, MaterialKind, ShapeDescription};
+/// use glanz::{JobEvent, JobOptions, LoadedScene};
+///
+/// # fn main() -> Result<(), glanz::Error> {
+/// let description = SceneBuilder::new()
+///     .resolution(8, 6)
+///     .shape(ShapeDescription::sphere(1.0).translated([0.0, 0.0, 3.0]), MaterialKind::diffuse(0.5))
+///     .light(LightDescription::point([0.0, 0.0, 0.0], 1.0))
+///     .describe()?;
+/// let cancel = CancelFlag::default(); // another thread may raise it
+/// let mut warnings = Vec::new();
+/// let mut events = |event: JobEvent<'_>| {
+///     if let JobEvent::Warning(warning) = event {
+///         warnings.push(warning.to_string());
+///     }
+/// };
+/// let options = JobOptions::default().threads(1).cancel(cancel.clone()).on_event(&mut events);
+/// let picture = LoadedScene::from_description("ball", description).render().samples(1).job(options).run()?;
+/// assert_eq!(picture.warnings().len(), warnings.len());
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Default)]
 #[must_use = "options have no effect before they are given to a builder"]
 pub struct JobOptions<'a> {
@@ -69,94 +92,13 @@ pub struct JobOptions<'a> {
     pub(crate) cancel: CancelFlag,
     pub(crate) sink: Option<&'a mut (dyn ProgressSink + Send)>,
     pub(crate) events: Option<&'a mut (dyn FnMut(JobEvent<'_>) + Send)>,
-    pub(crate) warnings: Vec<Warning>,
 }
 
 impl<'a> JobOptions<'a> {
     job_methods!('a);
-}
 
-impl JobOptions<'_> {
-    /// Refuses a checkpoint that cannot be written, or that exists and is not to be resumed.
-    pub(crate) fn check_checkpoint(&self) -> Result<(), Error> {
-        self.checkpoint.as_deref().map_or(Ok(()), |path| file::check_checkpoint(path, self.resume))
-    }
-
-    /// The checkpoint to resume, if it exists.
-    pub(crate) fn resumed(&mut self) -> Option<PathBuf> {
-        let path = self.checkpoint.clone().filter(|_| self.resume)?;
-        if path.exists() {
-            return Some(path);
-        }
-        self.emit(JobEvent::NoCheckpoint(&path));
-        None
-    }
-
-    pub(crate) fn emit(&mut self, event: JobEvent<'_>) {
-        if let Some(events) = &mut self.events {
-            events(event);
-        }
-    }
-
-    pub(crate) fn warn(&mut self, warning: Warning) {
-        self.emit(JobEvent::Warning(&warning));
-        self.warnings.push(warning);
-    }
-
-    /// Runs `work` with the requested number of threads.
-    #[cfg(any(feature = "radiosity", feature = "illumination"))]
-    pub(crate) fn in_pool<T: Send>(
-        &mut self,
-        work: impl FnOnce(&mut Self) -> Result<T, Error> + Send,
-    ) -> Result<T, Error> {
-        if self.threads == 0 {
-            return work(self);
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(self.threads).build()?;
-        pool.install(|| work(self))
-    }
-}
-
-/// Passes progress on and writes the checkpoints of a running job.
-pub(crate) struct JobSink<'a, 'o, W> {
-    job: &'a mut JobOptions<'o>,
-    /// The checkpoint, if there is one.
-    path: Option<PathBuf>,
-    /// Writes a state to a file.
-    write: W,
-    /// Result of writing the last checkpoint.
-    pub(crate) written: Result<(), Error>,
-    /// The last estimate of the relative standard error.
-    pub(crate) error: Option<f64>,
-}
-
-impl<'a, 'o, W> JobSink<'a, 'o, W> {
-    pub(crate) fn new(job: &'a mut JobOptions<'o>, path: Option<PathBuf>, write: W) -> Self {
-        Self { job, path, write, written: Ok(()), error: None }
-    }
-}
-
-impl<State, W: FnMut(&Path, &State) -> Result<(), Error>> ProgressSink<State> for JobSink<'_, '_, W> {
-    fn on_progress(&mut self, progress: &JobProgress<'_>) {
-        self.error = progress.error.or(self.error);
-        if let Some(sink) = &mut self.job.sink {
-            sink.on_progress(progress);
-        }
-    }
-
-    fn checkpoint_interval(&self) -> Option<Duration> {
-        self.path.as_ref().map(|_| CHECKPOINT_INTERVAL)
-    }
-
-    fn on_checkpoint(&mut self, state: &State) {
-        let Some(path) = &self.path else { return };
-        self.written = (self.write)(path, state);
-        // A disk that is full now may have room later: the job continues, only the last checkpoint has to succeed.
-        if let Err(error) = &self.written
-            && !self.job.cancel.is_cancelled()
-            && let Some(events) = &mut self.job.events
-        {
-            events(JobEvent::CheckpointFailed(error));
-        }
+    /// The job with these options.
+    pub(crate) fn start(self) -> RunningJob<'a> {
+        RunningJob { options: self, warnings: Vec::new() }
     }
 }

@@ -43,6 +43,7 @@ mod loaded_scene;
 #[cfg(feature = "viewer")]
 mod overlay;
 mod render;
+mod running_job;
 
 #[cfg(feature = "radiosity")]
 pub use bake::{BakeBuilder, BakeOutcome, LightFile};

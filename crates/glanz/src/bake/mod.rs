@@ -19,8 +19,9 @@ use glanz_shading::Material;
 
 use crate::error::Error;
 use crate::event::{JobEvent, ResumedState, Warning};
-use crate::job_options::{JobOptions, JobSink, job_methods};
+use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
+use crate::running_job::{JobSink, RunningJob};
 use light_file::{BakeStart, LightIdentity};
 
 pub use light_file::LightFile;
@@ -80,7 +81,8 @@ impl<'a> BakeBuilder<'a> {
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
     /// [`Error::Elements`] and [`Error::Bake`] for more elements or texels than can be stored.
     pub fn run(self) -> Result<BakeOutcome, Error> {
-        let Self { scene, settings, mut job } = self;
+        let Self { scene, settings, job } = self;
+        let mut job = job.start();
         job.check_checkpoint()?;
         let identity = LightIdentity::new(scene.content_hash(), settings);
         #[cfg(feature = "formats")]
@@ -124,7 +126,7 @@ impl<'a> BakeBuilder<'a> {
 fn start_of(
     identity: &LightIdentity,
     elements: &Elements<'_>,
-    job: &mut JobOptions<'_>,
+    job: &mut RunningJob<'_>,
 ) -> Result<BakeStart, Error> {
     let Some(path) = job.resumed() else { return Ok(BakeStart::State(BakeState::default())) };
     let start = LightFile::read(&path)?.start(identity, elements)?;
@@ -140,7 +142,7 @@ fn start_of(
 pub(crate) fn elements<'a>(
     scene: &'a Scene,
     settings: &BakeSettings,
-    job: &mut JobOptions<'_>,
+    job: &mut RunningJob<'_>,
 ) -> Result<Elements<'a>, Error> {
     let elements = divided(scene, settings.density)?;
     let is_exact = |material: &&Material| match material {
@@ -176,10 +178,10 @@ pub(crate) fn baked_maps(
     elements: &Elements<'_>,
     settings: &BakeSettings,
     identity: Option<&LightIdentity>,
-    job: &mut JobOptions<'_>,
+    job: &mut RunningJob<'_>,
 ) -> Result<Vec<LightMap>, Error> {
-    let kept = identity.zip(job.checkpoint.clone());
-    let (cancel, path) = (job.cancel.clone(), kept.as_ref().map(|(_, path)| path.clone()));
+    let kept = identity.zip(job.options.checkpoint.clone());
+    let (cancel, path) = (job.options.cancel.clone(), kept.as_ref().map(|(_, path)| path.clone()));
     let write = |path: &Path, state: &BakeState| {
         identity.map_or(Ok(()), |identity| light_file::write_state(path, identity, state))
     };

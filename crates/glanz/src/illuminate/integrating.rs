@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use super::{Design, pace};
 use crate::error::Error;
 use crate::event::Warning;
-use crate::job_options::JobOptions;
+use crate::running_job::RunningJob;
 
 /// Number of cells per thread between two reports of progress.
 const PORTION: usize = 16;
@@ -31,7 +31,7 @@ type ReportFacts = Vec<(String, String)>;
 /// Maps of all receivers, and facts for the report.
 pub(super) fn integrated(
     design: &Design,
-    job: &mut JobOptions<'_>,
+    job: &mut RunningJob<'_>,
 ) -> Result<(Vec<LuxMap>, ReportFacts), Error> {
     let Design { scene, receivers, options, .. } = design;
     let scatters =
@@ -69,9 +69,9 @@ pub(super) fn integrated(
     let tolerance = Tolerance { relative, absolute: relative * bright };
     let mut found: Vec<CellMean> = Vec::with_capacity(cells.len());
     for portion in cells.chunks(PORTION * rayon::current_num_threads()) {
-        job.cancel.check()?;
+        job.options.cancel.check()?;
         found.par_extend(portion.par_iter().map(|cell| mean(cell, tolerance)));
-        if let Some(sink) = &mut job.sink {
+        if let Some(sink) = &mut job.options.sink {
             let (done, all) = (found.len() as u64, cells.len() as u64);
             let count = WorkCount { done, wanted: Some(all), unit: ["cell", "cells"] };
             let progress = JobProgress::by_work("integration", done as f64 / all as f64, start.elapsed());

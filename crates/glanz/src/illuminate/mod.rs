@@ -26,6 +26,7 @@ use crate::error::Error;
 use crate::event::{JobEvent, Warning};
 use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
+use crate::running_job::RunningJob;
 use outcome::agreement;
 
 #[cfg(feature = "formats")]
@@ -159,7 +160,8 @@ impl<'a> IlluminateBuilder<'a> {
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
     /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`] and [`Error::Integrate`].
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
-        let Self { scene, mut options, mut job } = self;
+        let Self { scene, mut options, job } = self;
+        let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
             return Err(Error::Accuracy { error, smallest: SMALLEST_ERROR });
         }
@@ -191,7 +193,7 @@ impl Design {
     fn new(
         mut scene: LoadedScene,
         options: IlluminateOptions,
-        job: &mut JobOptions<'_>,
+        job: &mut RunningJob<'_>,
     ) -> Result<Self, Error> {
         let (name, content_hash) = (scene.name().to_owned(), scene.content_hash());
         if let Some(size) = options.room {
@@ -222,7 +224,7 @@ impl Design {
     }
 
     /// Computes the light.
-    fn illuminate(&self, job: &mut JobOptions<'_>) -> Result<IlluminateOutcome, Error> {
+    fn illuminate(&self, job: &mut RunningJob<'_>) -> Result<IlluminateOutcome, Error> {
         let method = self.options.method;
         let mut outcome = IlluminateOutcome {
             report: LuxReport { title: self.title.clone(), ..LuxReport::default() },
@@ -253,7 +255,7 @@ impl Design {
     }
 
     /// Warns of receivers without light, which may face the wrong way.
-    fn warn_of_dark_sides(&self, tally: &Tally, job: &mut JobOptions<'_>) {
+    fn warn_of_dark_sides(&self, tally: &Tally, job: &mut RunningJob<'_>) {
         for (number, receiver) in self.receivers.as_slice().iter().enumerate() {
             let other_side = tally.on_other_side(number);
             if tally.received(number).0 == 0.0 && other_side > 0.0 {

@@ -10,7 +10,7 @@ use super::tally_file::{self, TallyIdentity};
 use super::{Design, pace};
 use crate::error::Error;
 use crate::event::{JobEvent, ResumedState};
-use crate::job_options::{JobOptions, JobSink};
+use crate::running_job::{JobSink, RunningJob};
 
 /// Result of the particles.
 pub(super) struct Traced {
@@ -21,7 +21,7 @@ pub(super) struct Traced {
 }
 
 /// Traces particles until the goal is reached, from the checkpoint if it is resumed.
-pub(super) fn traced(design: &Design, job: &mut JobOptions<'_>) -> Result<Traced, Error> {
+pub(super) fn traced(design: &Design, job: &mut RunningJob<'_>) -> Result<Traced, Error> {
     let options = &design.options;
     let identity = TallyIdentity::new(design.hash, options.seed, options.max_depth);
     let far_field = design.far_field_grid();
@@ -35,9 +35,9 @@ pub(super) fn traced(design: &Design, job: &mut JobOptions<'_>) -> Result<Traced
         }
         None => Tally::new(receivers, far_field),
     };
-    let (threads, goal) = (job.threads, options.goal);
+    let (threads, goal) = (job.options.threads, options.goal);
     let trace_settings = TraceSettings { seed: options.seed, max_events: options.max_depth, threads, goal };
-    let (cancel, path) = (job.cancel.clone(), job.checkpoint.clone());
+    let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
     let write = |path: &Path, tally: &Tally| tally_file::write(path, &identity, tally);
     let mut sink = JobSink::new(job, path.clone(), write);
     let outcome = trace(scene, receivers, &trace_settings, tally, &mut sink, &cancel)

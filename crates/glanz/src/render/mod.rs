@@ -23,8 +23,9 @@ use glanz_transport::{
 use crate::error::Error;
 use crate::event::{JobEvent, ResumedState, Warning};
 use crate::file;
-use crate::job_options::{JobOptions, JobSink, job_methods};
+use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
+use crate::running_job::{JobSink, RunningJob};
 
 pub use picture::{Picture, RenderStatistics, merge};
 #[cfg(feature = "formats")]
@@ -130,14 +131,15 @@ impl<'a> RenderBuilder<'a> {
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for files that cannot be read or written, the
     /// variants named after settings for those that contradict one another; [`Error::Unsaved`] holds the picture.
     pub fn run(self) -> Result<Picture, Error> {
-        let Self { mut scene, options, mut job } = self;
+        let Self { mut scene, options, job } = self;
+        let mut job = job.start();
         job.check_checkpoint()?;
         options.guide_output.as_deref().map_or(Ok(()), file::check_writable)?;
-        let plan = RenderPlan::new(&options, &mut scene, &job)?;
+        let plan = RenderPlan::new(&options, &mut scene, &job.options)?;
         let film = starting_film(&plan, &mut job)?;
         let (scene, warnings) = scene.resolve()?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
-        job.cancel.check()?;
+        job.options.cancel.check()?;
         job.emit(JobEvent::RenderStarted(&plan));
         let integrator = plan.integrator(&scene, &mut job)?;
         let outcome = expose(&scene, integrator.as_ref(), &plan, film, &mut job)?;
@@ -146,7 +148,7 @@ impl<'a> RenderBuilder<'a> {
 }
 
 /// The film of the checkpoint to resume, or an empty one.
-fn starting_film(plan: &RenderPlan, job: &mut JobOptions<'_>) -> Result<Film, Error> {
+fn starting_film(plan: &RenderPlan, job: &mut RunningJob<'_>) -> Result<Film, Error> {
     let Some(path) = job.resumed() else { return Ok(Film::try_new(plan.identity.film)?) };
     let checkpoint = Checkpoint::from_bytes(&file::read(&path)?).map_err(Error::of_file(&path))?;
     checkpoint.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
@@ -160,9 +162,9 @@ fn expose(
     integrator: &dyn Integrator,
     plan: &RenderPlan,
     film: Film,
-    job: &mut JobOptions<'_>,
+    job: &mut RunningJob<'_>,
 ) -> Result<RenderOutcome, Error> {
-    let (cancel, path) = (job.cancel.clone(), job.checkpoint.clone());
+    let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
     let write = |path: &Path, film: &Film| file::write(path, &Checkpoint::encode(&plan.identity, film));
     let mut sink = JobSink::new(job, path, write);
     let outcome = render(scene, integrator, &plan.settings(), film, &mut sink, &cancel);
@@ -177,7 +179,7 @@ fn finish(
     outcome: RenderOutcome,
     undecided: u64,
     guide: Option<&Path>,
-    mut job: JobOptions<'_>,
+    mut job: RunningJob<'_>,
 ) -> Result<Picture, Error> {
     let RenderOutcome { film, end, elapsed, counters, samples } = outcome;
     if film.samples().is_empty() {
@@ -194,7 +196,7 @@ fn finish(
     let statistics = RenderStatistics { end, elapsed, counters, samples, undecided, threads };
     let picture = Picture::new(plan.identity, film, statistics, job.warnings);
     // The checkpoint is written first, because it takes longest to compute again.
-    let saved = job.checkpoint.map_or(Ok(()), |path| picture.save_checkpoint(path));
+    let saved = job.options.checkpoint.map_or(Ok(()), |path| picture.save_checkpoint(path));
     match saved.and(guide.map_or(Ok(()), |path| picture.save_guide(path))) {
         Ok(()) => Ok(picture),
         Err(error) => Err(Error::Unsaved { picture: Box::new(picture), error: Box::new(error) }),

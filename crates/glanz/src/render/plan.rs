@@ -20,6 +20,7 @@ use crate::bake::LightFile;
 use crate::error::{Error, FileFault};
 use crate::job_options::JobOptions;
 use crate::loaded_scene::LoadedScene;
+use crate::running_job::RunningJob;
 
 /// Plan of a render, complete before the first ray.
 #[derive(Clone, Debug)]
@@ -119,7 +120,7 @@ impl RenderPlan {
     pub(super) fn integrator(
         &self,
         scene: &Scene,
-        job: &mut JobOptions<'_>,
+        job: &mut RunningJob<'_>,
     ) -> Result<Box<dyn Integrator>, Error> {
         let integrator = &self.identity.integrator;
         if integrator.shows_stored_light() {
@@ -132,12 +133,12 @@ impl RenderPlan {
     }
 
     #[cfg(feature = "radiosity")]
-    fn stored_light(&self, scene: &Scene, job: &mut JobOptions<'_>) -> Result<Arc<dyn StoredLight>, Error> {
+    fn stored_light(&self, scene: &Scene, job: &mut RunningJob<'_>) -> Result<Arc<dyn StoredLight>, Error> {
         super::stored::stored_light(scene, self.light.as_ref(), job)
     }
 
     #[cfg(not(feature = "radiosity"))]
-    fn stored_light(&self, _: &Scene, _: &mut JobOptions<'_>) -> Result<Arc<dyn StoredLight>, Error> {
+    fn stored_light(&self, _: &Scene, _: &mut RunningJob<'_>) -> Result<Arc<dyn StoredLight>, Error> {
         Err(Error::LightRequired { integrator: self.identity.integrator.name() })
     }
 }

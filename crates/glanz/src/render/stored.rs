@@ -9,7 +9,7 @@ use glanz_transport::StoredLight;
 
 use crate::bake::{LightFile, baked_maps, elements};
 use crate::error::Error;
-use crate::job_options::JobOptions;
+use crate::running_job::RunningJob;
 
 /// Light maps in the form that the integrator queries.
 #[derive(Debug)]
@@ -25,7 +25,7 @@ impl StoredLight for StoredMaps {
 pub(super) fn stored_light(
     scene: &Scene,
     file: Option<&LightFile>,
-    job: &mut JobOptions<'_>,
+    job: &mut RunningJob<'_>,
 ) -> Result<Arc<dyn StoredLight>, Error> {
     let settings = BakeSettings::default();
     let maps = job.in_pool(|job| {
