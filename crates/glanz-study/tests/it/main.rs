@@ -11,7 +11,6 @@
 
 mod command_line;
 #[path = "../../../glanz-cli/tests/it/command_line/support.rs"]
-#[expect(dead_code, reason = "the tests of glanz-cli need more of it")]
 mod support;
 mod unbiased;
 

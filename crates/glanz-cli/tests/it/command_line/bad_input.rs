@@ -1,6 +1,7 @@
 //! Arbitrary bytes as scene, mesh or texture give a result or an error with its position, never a panic or a hang.
 
-use crate::command_line::support::{Folder, SCENE};
+use crate::command_line::small_scene::SCENE;
+use crate::command_line::support::Folder;
 
 /// Bytes that look like noise, the same in every run.
 fn noise(length: usize) -> Vec<u8> {

@@ -5,6 +5,7 @@ mod bake;
 mod illuminate;
 mod render;
 mod same_bits;
+mod small_scene;
 mod support;
 mod tools;
 mod view;

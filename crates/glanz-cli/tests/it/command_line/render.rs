@@ -1,6 +1,7 @@
 //! `glanz render` and `glanz demo`: files, messages, exit codes.
 
-use crate::command_line::support::{Folder, SCENE};
+use crate::command_line::small_scene::SCENE;
+use crate::command_line::support::Folder;
 
 /// The largest difference of two pictures over R, G and B.
 fn largest_difference(folder: &Folder, a: &str, b: &str) -> f32 {
@@ -126,7 +127,7 @@ fn report_is_one_object_with_the_figures_of_the_run() {
 }
 
 #[test]
-fn quiet_says_nothing_and_otherwise_the_outputs_are_named() {
+fn quiet_prints_nothing_and_otherwise_the_outputs_are_named() {
     let folder = Folder::with_scene();
     let quiet = folder.succeed("render small.pbrt -o a.png --spp 1 --quiet");
     assert_eq!((quiet.stdout.as_str(), quiet.stderr.as_str()), ("", ""));

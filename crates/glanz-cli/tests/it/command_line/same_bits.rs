@@ -106,11 +106,11 @@ fn foreign_and_damaged_checkpoints_are_refused_with_the_reason() {
             folder.run(&format!("render small.pbrt --checkpoint state.glanz --resume -o b.exr {options}"));
         ran.refused(1, &["state.glanz", reason]);
     }
-    folder.write("small.pbrt", crate::command_line::support::SCENE.replace("fov\" 35", "fov\" 36"));
+    folder.write("small.pbrt", crate::command_line::small_scene::SCENE.replace("fov\" 35", "fov\" 36"));
     folder
         .run("render small.pbrt --checkpoint state.glanz --resume -o b.exr")
         .refused(1, &["state.glanz", "scene"]);
-    folder.write("small.pbrt", crate::command_line::support::SCENE);
+    folder.write("small.pbrt", crate::command_line::small_scene::SCENE);
 
     let mut flipped = state.clone();
     let middle = flipped.len() / 2;
@@ -211,7 +211,7 @@ fn parts_can_be_merged_with_one_guide_and_not_while_learning() {
 }
 
 #[test]
-fn grid_guide_is_told_resumed_and_given_by_the_command_line() {
+fn grid_guide_is_selected_resumed_and_reused_by_the_command_line() {
     const GRID: &str = "grid=2,basis=spline1,scale=2,mixture=on,hierarchical=on";
     let run = format!("render small.pbrt --integrator guided --guide {GRID} --samplelights off -q");
     let folder = Folder::with_scene();
