@@ -45,7 +45,7 @@ pub enum SceneErrorKind {
         range: &'static str,
     },
     /// An index without an entry; a fault of the reader.
-    #[error("{what} number {index} does not exist (there are {count})")]
+    #[error("{what} number {index} does not exist; there are {count}")]
     Reference {
         /// Kind of the entry.
         what: &'static str,
@@ -67,7 +67,7 @@ pub enum SceneErrorKind {
     Nesting(usize),
     /// A receiver in a group that is copied.
     #[error(
-        "receiver \"{0}\": a shape in a group cannot be a receiver, since all instances would share it; add the shape to the world"
+        "receiver \"{0}\": a shape in a group cannot be a receiver, because all instances would share it; add the shape to the world"
     )]
     ReceiverInGroup(String),
     /// A material with invalid parameters.

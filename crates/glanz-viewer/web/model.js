@@ -118,7 +118,7 @@ export function decodeModel(bytes) {
 function readHead(bytes) {
   if (bytes.byteLength < HEAD) throw damaged(`${bytes.byteLength} bytes are too few`);
   const magic = new TextDecoder().decode(new Uint8Array(bytes, 0, 8));
-  if (magic !== MAGIC) throw damaged(`it begins with "${magic}", not "${MAGIC}"; page and server differ in version?`);
+  if (magic !== MAGIC) throw damaged(`it begins with "${magic}", not "${MAGIC}"; reload the page`);
   const length = new DataView(bytes).getUint32(8, true);
   if (HEAD + length > bytes.byteLength) throw damaged(`its description of ${length} bytes is cut off`);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, HEAD, length)));
@@ -167,7 +167,7 @@ function checkReferences(model) {
   });
   model.maps.forEach((map, i) => {
     if (model.mapValues[i].length !== 3 * map.width * map.height)
-      throw damaged(`map ${i} has another size than it says`);
+      throw damaged(`map ${i} does not have its declared size`);
   });
   model.objects.forEach((object, i) => {
     within(object.surface + 1, surfaces.length, `surface of object ${i}`);

@@ -48,8 +48,8 @@ pub(super) fn luminaire_axes(to_world: &Transform) -> Option<(DMat3, f64)> {
 
 /// The error of a luminaire whose transformation is not a similarity.
 pub(super) fn uneven() -> SceneErrorKind {
-    let range = "moves, turns and scales alike in all directions";
-    range_error("photometric light: transformation", "uneven", range)
+    let range = "composed of translations, rotations, reflections and uniform scales";
+    range_error("photometric light: transformation", "anisotropic", range)
 }
 
 impl PhotometricLight {

@@ -31,9 +31,8 @@ pub(super) fn area_light(
         }
         EmissionPower::Candela(candela) => {
             let seen = far_field_area(object, light.is_sphere()).ok_or_else(|| {
-                let (what, value) =
-                    ("area light: surface that candela are given for", object.surface().kind());
-                range_error(location, what, value, "flat or a whole sphere; say lumens for others")
+                let (what, value) = ("area light: surface with candela", object.surface().kind());
+                range_error(location, what, value, "flat or a whole sphere; use lumens for others")
             })?;
             ("area light: candela", candela, units::photometric(radiance, wavelengths) * seen)
         }
@@ -42,7 +41,7 @@ pub(super) fn area_light(
         return Err(range_error(location, what, wanted, "finite and not negative"));
     }
     if present.is_nan() || present <= 0.0 {
-        let what = "area light: radiance that power is to scale";
+        let what = "area light: radiance to be scaled";
         return Err(range_error(location, what, present, "positive, on a surface of known area"));
     }
     Ok(AreaLight::new(object_index, object, radiance * (wanted / present) as f32, emission.two_sided))
@@ -63,8 +62,7 @@ pub(super) fn emission_per_object(
         EmissionPower::Watts(watts) => Ok(EmissionPower::Watts(watts * share as f32)),
         EmissionPower::Lumens(lumens) => Ok(EmissionPower::Lumens(lumens * share)),
         EmissionPower::Candela(_) => {
-            let (what, range) =
-                ("area light: number of surfaces that candela are given for", "1; say lumens for more");
+            let (what, range) = ("area light: number of surfaces with candela", "1; use lumens for more");
             Err(range_error(location, what, objects.len(), range))
         }
     };

@@ -94,7 +94,7 @@ impl GroupResolver {
             let light = area_light(index, &object, &emitter.emission, emitter.location, wavelengths)?;
             if !light.can_be_sampled() {
                 let message = format!(
-                    "a {} has no parameters to pick points by: its light is found by chance only, expect noise",
+                    "points on a {} cannot be sampled, so that its light is found by chance only, with noise; use another shape as light",
                     object.surface().kind()
                 );
                 warnings.warn(emitter.location, message);

@@ -58,7 +58,7 @@ pub(super) fn objects(
                 }
                 // Exporters write such meshes, for instance at the poles of a teapot: they are not an error.
                 Err(SurfaceError::Degenerate { .. }) => {
-                    warnings.warn(location, "no triangle of this mesh has an area; left out");
+                    warnings.warn(location, "no triangle of this mesh has an area; the mesh is left out");
                     Vec::new()
                 }
                 Err(error) => return Err(at(error)),
@@ -80,8 +80,9 @@ fn mirrors(to_parent: &Transform) -> bool {
 
 fn note_degenerate(dropped: usize, location: Option<Location>, warnings: &mut WarningList) {
     if dropped > 0 {
-        let noun = if dropped == 1 { "triangle has" } else { "triangles have" };
-        warnings.warn(location, format!("{dropped} {noun} no area; left out"));
+        let (noun, omitted) =
+            if dropped == 1 { ("triangle has", "it is") } else { ("triangles have", "they are") };
+        warnings.warn(location, format!("{dropped} {noun} no area; {omitted} left out"));
     }
 }
 

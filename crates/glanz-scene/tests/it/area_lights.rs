@@ -138,7 +138,7 @@ fn patches_of_a_shape_share_its_lumens() {
         close(luminance, 25.0 / PI, 1e-6);
     }
     let error = resolve(two, Some(EmissionPower::Candela(100.0))).unwrap_err().to_string();
-    assert!(error.contains("say lumens for more"), "{error}");
+    assert!(error.contains("use lumens for more"), "{error}");
 }
 
 #[test]
@@ -148,6 +148,6 @@ fn candela_of_other_surfaces_are_refused() {
     let stretched = ShapeDescription::sphere(1.0).transformed(scale(1.0, 1.0, 2.0));
     for shape in [torus(), saddle, half.into(), stretched] {
         let error = resolve(shape, Some(EmissionPower::Candela(1.0))).unwrap_err().to_string();
-        assert!(error.contains("say lumens"), "{error}");
+        assert!(error.contains("use lumens"), "{error}");
     }
 }

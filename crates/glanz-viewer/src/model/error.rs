@@ -7,7 +7,7 @@ use std::num::TryFromIntError;
 #[non_exhaustive]
 pub enum ModelError {
     /// More than a page can draw.
-    #[error("the scene has {count} {what}, the viewer draws at most {most}")]
+    #[error("the scene has {count} {what}; the viewer draws at most {most}")]
     TooMany {
         /// Of what.
         what: &'static str,

@@ -56,7 +56,7 @@ pub use self::viewer_scene::ViewerScene;
 #[non_exhaustive]
 pub enum ServerError {
     /// No port can be opened there.
-    #[error("{address}: the server cannot listen there: {source}")]
+    #[error("{address}: the server cannot listen on this address: {source}")]
     Address {
         /// Host and port.
         address: String,
@@ -67,7 +67,7 @@ pub enum ServerError {
     #[error("the server cannot be started: {0}")]
     Start(#[from] std::io::Error),
     /// The system provides no random numbers.
-    #[error("there are no random numbers for a token: {0}")]
+    #[error("the system provides no random numbers for a token: {0}")]
     Random(#[from] getrandom::Error),
 }
 

@@ -79,7 +79,7 @@ impl PageConnection {
                 // Requests first: a request to stop must not wait behind the picture it is to stop.
                 message = self.socket.recv() => match message {
                     Some(Ok(message)) => self.receive(message).await?,
-                    Some(Err(_)) => return Err(ConnectionEnd::Closed(close_code::SIZE, "the message is too long or broken")),
+                    Some(Err(_)) => return Err(ConnectionEnd::Closed(close_code::SIZE, "the message is too long or malformed")),
                     None => return Ok(()),
                 },
                 () = self.session.notify.notified() => self.send_pending().await?,

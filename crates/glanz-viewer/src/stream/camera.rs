@@ -49,13 +49,13 @@ pub enum ViewCameraKind {
 #[non_exhaustive]
 pub enum ViewCameraError {
     /// Axes that are not orthonormal.
-    #[error("the axes of the camera are not orthonormal")]
+    #[error("the axes of the camera must be orthonormal")]
     Axes,
     /// A perspective camera without a field of view in (0, pi).
-    #[error("the field of view is not between 0 and pi")]
+    #[error("the field of view must be between 0 and pi")]
     FieldOfView,
     /// An orthographic camera without a positive height.
-    #[error("the height of the picture is not positive")]
+    #[error("the height of the picture must be positive")]
     Height,
 }
 

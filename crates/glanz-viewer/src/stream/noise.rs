@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_of_black_or_of_one_sample_is_not_known() {
+    fn noise_of_black_or_of_one_sample_is_unknown() {
         assert_eq!(noise(&picture([0.0; 2], [0.0; 2])), None);
         assert_eq!(noise(&picture([1.0; 2], [f32::INFINITY; 2])), None);
         assert_eq!(noise(&Pixels::try_new(2, 1).unwrap()), None);

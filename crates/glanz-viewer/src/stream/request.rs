@@ -61,7 +61,7 @@ pub struct RenderRequest {
 #[non_exhaustive]
 pub enum RenderRequestError {
     /// A size of 0 or beyond the limit.
-    #[error("a picture of {0} x {1} pixels is not rendered here: sides are 1 to {MAX_SIDE} pixels")]
+    #[error("the picture has {0} x {1} pixels; its sides must be 1 to {MAX_SIDE}")]
     Size(u32, u32),
     /// An invalid camera.
     #[error(transparent)]
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn the_plan_keeps_what_the_scene_says_of_depth_and_seed() {
+    fn plan_has_the_depth_and_seed_of_the_scene() {
         let mut description = Description::default();
         description.integrator.max_depth = Some(9);
         description.integrator.name = "whitted".to_owned();

@@ -34,7 +34,7 @@ export class DataTexture {
   /**
    * Replaces the contents.
    * @param {Float32Array | Uint32Array} data whole texels
-   * @throws {Error} if there are more than the graphics card takes
+   * @throws {Error} if there are more than the graphics card allows
    */
   write(data) {
     const { gl } = this;
@@ -42,7 +42,7 @@ export class DataTexture {
     const rows = Math.max(1, Math.ceil(texels / WIDTH));
     const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     if (rows > most) {
-      throw new Error(`The scene needs a table of ${rows} rows; this graphics card takes ${most}.`);
+      throw new Error(`The scene needs a table of ${rows} rows; this graphics card allows ${most}.`);
     }
     gl.activeTexture(gl.TEXTURE0 + SCRATCH_UNIT);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);

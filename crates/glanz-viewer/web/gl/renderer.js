@@ -66,7 +66,7 @@ export class Renderer {
 
   begin() {
     if (!this.gl.getExtension("EXT_color_buffer_float")) {
-      throw new Error("This graphics card cannot draw into pictures of floats (EXT_color_buffer_float).");
+      throw new Error("This graphics card cannot render to float textures (EXT_color_buffer_float).");
     }
     return new Context(this.gl);
   }

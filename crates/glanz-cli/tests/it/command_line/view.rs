@@ -28,11 +28,11 @@ fn the_address_is_printed_and_a_signal_ends_the_server() {
 }
 
 #[test]
-fn what_cannot_be_shown_is_said_and_nothing_is_served() {
+fn unusable_scenes_and_addresses_are_refused() {
     let folder = Folder::with_scene();
     folder.write("bad.pbrt", "WorldBegin\nShape\n");
     folder.run("view bad.pbrt --no-open --port 0").refused(1, &["bad.pbrt:2:1: ", "needs a name"]);
     folder.run("view none.pbrt --no-open --port 0").refused(1, &["none.pbrt: the file cannot be read"]);
     let nowhere = folder.run("view small.pbrt --no-open --host 192.0.2.1 --port 0");
-    nowhere.refused(1, &["192.0.2.1:0: the server cannot listen there", "help: "]);
+    nowhere.refused(1, &["192.0.2.1:0: the server cannot listen on this address", "help: "]);
 }

@@ -89,15 +89,18 @@ async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Resul
         .and_then(|key| app.sessions.get(&key))
         .ok_or_else(|| UploadError::bad("?session= must be the name of an open page"))?;
     let Ok(_one) = session.uploading.try_lock() else {
-        return Err(UploadError::busy("the page is opening files already"));
+        return Err(UploadError::busy("the page is already opening files; wait for them"));
     };
     let Ok(_some) = app.uploads.try_acquire() else {
-        return Err(UploadError::busy("too many pages are opening files, try again"));
+        return Err(UploadError::busy("too many pages are opening files; try again"));
     };
     let folder = UploadFolder::try_new()?;
     let arriving = receive(UploadBody::new(body), folder.path(), &app.limits);
     let names = timeout(app.limits.upload_time, arriving).await.map_err(|_| {
-        UploadError::Request(StatusCode::REQUEST_TIMEOUT, "the files took too long".to_owned())
+        UploadError::Request(
+            StatusCode::REQUEST_TIMEOUT,
+            "the upload took too long; try again, or with fewer files".to_owned(),
+        )
     })??;
     let options = app.options.clone();
     let viewer_scene = spawn_blocking(move || read(&folder, &names, options))
@@ -115,10 +118,16 @@ async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Resul
 async fn receive(mut body: UploadBody, folder: &Path, limits: &Limits) -> Result<Vec<PathBuf>, UploadError> {
     let list = body.list(limits.upload_files << 10).await?;
     if list.len() > limits.upload_files {
-        return Err(UploadError::too_large(format!("more than {} files at once", limits.upload_files)));
+        return Err(UploadError::too_large(format!(
+            "more than {} files were dropped at once; drop fewer",
+            limits.upload_files
+        )));
     }
     if list.iter().fold(0, |sum: usize, (_, size)| sum.saturating_add(*size)) > limits.upload_bytes {
-        return Err(UploadError::too_large(format!("more than {} bytes at once", limits.upload_bytes)));
+        return Err(UploadError::too_large(format!(
+            "the files have more than {} bytes; drop fewer",
+            limits.upload_bytes
+        )));
     }
     let mut names: Vec<PathBuf> = Vec::new();
     for (name, size) in list {
