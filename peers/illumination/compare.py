@@ -125,7 +125,7 @@ def by_particles(program: str, scene: pathlib.Path, hooded: bool, asked: argpars
 
 
 def by_photons(bare: list[LuxMap], hooded: list[LuxMap], asked: argparse.Namespace) -> Report:
-    """Compares all photons with all light, and those by way of the mirror with the light of the mirror on the wall x = 0."""
+    """Compares all photons with all light, and those from the mirror with the light of the mirror on the wall x = 0."""
     import photons
 
     tree = photons.write(asked.work / "photons", mirror.tessellated(mirror.control_points(), CUTS["radiance"]))

@@ -1,6 +1,6 @@
 """Radiance's photons in the room of document 000: those that mkpmap stores, without its density estimate.
 
-mkpmap stores every photon that arrives at a diffuse surface, direct ones in one map, those by way of mirrors in another. The walls
+mkpmap stores every photon that arrives at a diffuse surface, direct ones in one map, those from mirrors in another. The walls
 are nearly black: black ones would store nothing, and light that they reflect would count as light of the mirror.
 """
 
@@ -18,7 +18,7 @@ from radiance import ENVIRONMENT, program
 # Reflectance of the walls, in all three channels.
 DARK = 1e-4
 
-# Direct photons, and those by way of mirrors.
+# Direct photons, and those from mirrors.
 KINDS = {"direct": "-apd", "caustic": "-apc"}
 
 

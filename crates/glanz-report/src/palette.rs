@@ -5,7 +5,7 @@
 pub enum Palette {
     /// From dark violet to bright yellow; equal steps look equal, in grey and to colour-blind eyes too (@smith2015).
     Viridis,
-    /// From blue by way of grey to red, for values below and above a reference (@moreland2009).
+    /// From blue through grey to red, for values below and above a reference (@moreland2009).
     CoolWarm,
 }
 

@@ -9,7 +9,7 @@
 //! - `guiding` renders rooms with and without learnt densities (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
 //! - `reconstruction` interpolates light that is known per element (document 003);
-//! - `reflector` traces light by way of a freeform mirror (document 000);
+//! - `reflector` traces light reflected by a freeform mirror (document 000);
 //! - `solvers` compares ways to solve for radiosity (document 003);
 //! - `tessellation` compares triangles with the surface that they approximate (document 002).
 //!

@@ -105,7 +105,7 @@ static STUDIES: [Study; 7] = [
     },
     Study {
         name: "reflector",
-        description: "light of a lamp by way of a freeform mirror, exact and as facets (document 000)",
+        description: "light of a lamp reflected by a freeform mirror, exact and as facets (document 000)",
         options: &[StudyOption::Rays, StudyOption::Threads],
         caches: false,
         run: reflector::run,

@@ -1,4 +1,4 @@
-//! Light by way of facets, compared with that by way of the exact mirror.
+//! Light reflected by facets, compared with that reflected by the exact mirror.
 
 use std::time::Duration;
 
@@ -79,7 +79,7 @@ pub(super) struct FacetOutcome {
     pub(super) cases: Vec<MirrorCase>,
 }
 
-/// Traces `particles` by way of the exact mirror and of its meshes; `on_progress` receives the completed share, [0, 1], and the next step.
+/// Traces `particles` reflected by the exact mirror and by its meshes; `on_progress` receives the completed share, [0, 1], and the next step.
 ///
 /// # Errors
 /// [`StudyError::Interrupted`].

@@ -169,7 +169,7 @@ pub(super) fn add_to(rays: &[FanRay], report: &mut Report) {
             end.point
         ));
     }
-    let columns = [("wall", "wall"), ("direct", "rays, direct"), ("mirrored", "rays by way of the mirror")];
+    let columns = [("wall", "wall"), ("direct", "rays, direct"), ("mirrored", "rays, reflected")];
     let mut counts = Table::new("fan_walls", "Ends of the rays of the fan.", &columns);
     for (number, wall) in WALLS.iter().enumerate() {
         let on = |mirrored: bool| {
@@ -205,7 +205,7 @@ mod tests {
         let hits: Vec<&FanRay> = rays.iter().filter(|ray| ray.hit.is_some()).collect();
         let [ray] = hits[..] else { panic!("{} rays hit", hits.len()) };
         assert_eq!((ray.nodes, ray.reflections), ([7, 8], 1));
-        // reference.json A.fan_k4: roots of the resultant, polished to 30 digits by Newton's method.
+        // Roots of the resultant of two plane cubics, polished to 30 digits by Newton's method.
         let MirrorHit { tau, at, point, normal, mirrored } = ray.hit.unwrap();
         for (found, expected) in [
             (tau, 43.341_790_020_607_25),

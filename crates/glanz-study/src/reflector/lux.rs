@@ -138,7 +138,7 @@ impl LuxMeasurement {
         table
     }
 
-    /// Adds the section to the report, with pictures of the walls that receive light by way of the `mirror`.
+    /// Adds the section to the report, with pictures of the walls that receive light from the `mirror`.
     ///
     /// # Errors
     /// None in practice: the maps have few cells.
@@ -187,7 +187,7 @@ impl LuxMeasurement {
             let key = wall.table.trim_start_matches("fan_");
             let scale = lux_scale(&[map]);
             let caption = format!(
-                "The {}, which receives {} % of the light by way of the mirror, seen from inside the room: all light, by particles.",
+                "The {}, which receives {} % of the light from the mirror, seen from inside the room: all light, by particles.",
                 wall.name,
                 significant(100.0 * share)
             );
@@ -203,10 +203,8 @@ impl LuxMeasurement {
                 errors: vec![mirror.noise; by_mirror.len()],
                 ..map.clone()
             };
-            let what = format!(
-                "The light by way of the mirror alone on the {}, by particles aimed at it.",
-                wall.name
-            );
+            let what =
+                format!("The light from the mirror alone on the {}, by particles aimed at it.", wall.name);
             report.picture(format!("mirror_{key}"), false_colour(&alone, &lux_scale(&[&alone]))?, what);
         }
         Ok(())

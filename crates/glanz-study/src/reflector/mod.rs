@@ -1,4 +1,4 @@
-//! Light of a lamp by way of a freeform mirror (document 000 chapter 4).
+//! Light of a lamp after reflection in a freeform mirror (document 000 chapter 4).
 
 mod comparison;
 mod conics;
@@ -101,7 +101,8 @@ fn run_plan(
     progress.report(SPEED, "particles per second");
     let speeds = speed::measure(plan.parts, settings)?;
 
-    let mut report = Report::new("Study reflector: light of a lamp by way of a freeform mirror", lux.table());
+    let mut report =
+        Report::new("Study reflector: light of a lamp after reflection in a freeform mirror", lux.table());
     report.heading("Question");
     report.paragraph(
         "Document 000 (chapter 4) puts a lamp and a mirror, a cubic triangular Bézier patch, into a closed room and computes \

@@ -33,7 +33,7 @@ fn kind(case: &MirrorCase) -> &'static str {
 /// The table of the mirrors.
 pub(super) fn facets_table(outcome: &FacetOutcome) -> Table {
     let caption = format!(
-        "Light by way of the mirror on {CELLS} x {CELLS} cells of each wall: the mirror as triangles compared with the exact \
+        "Light reflected by the mirror on {CELLS} x {CELLS} cells of each wall: the mirror as triangles compared with the exact \
          one, with the same {} particles.",
         grouped(u64::from(outcome.particles))
     );
@@ -69,10 +69,10 @@ pub(super) fn add_facets(outcome: &FacetOutcome, report: &mut Report) {
     report.heading("The mirror as triangles");
     let exact = &outcome.exact;
     report.paragraph(format!(
-        "{} particles start from the lamp towards the mirror; {} % of them hit it. The illuminance by way of the exact \
+        "{} particles start from the lamp towards the mirror; {} % of them hit it. The illuminance by light from the exact \
          mirror is {} lx in the mean of the lit cells and {} lx at most; the random error of the map is {} lx (root mean \
-         square, as for independent particles). The same particles are traced by way of the mirror as triangles: only \
-         particles that end elsewhere make a difference, and its random part is given beside it.",
+         square, as for independent particles). The same particles are traced with the mirror as triangles: only \
+         particles that end elsewhere make a difference, whose random part is listed with it.",
         grouped(u64::from(outcome.particles)),
         significant(100.0 * exact.met),
         significant(exact.mean),

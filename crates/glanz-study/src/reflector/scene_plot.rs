@@ -21,7 +21,7 @@ const FROM: [f64; 2] = [-1.02, 0.42];
 const FACETS: u32 = 16;
 const PARTS: u32 = 12;
 
-/// Colours: the walls' edges, direct rays, rays by way of the mirror, the hull.
+/// Colours: the walls' edges, direct rays, rays reflected by the mirror, the hull.
 const EDGE: &str = "#444444";
 const DIRECT: &str = "#8a8a8a";
 const MIRRORED: &str = "#d55e00";
@@ -92,7 +92,7 @@ impl Drawing {
 }
 
 /// The drawing as the text of an SVG file. `coarse`: a fan of which all rays are drawn, those that miss the mirror faintly;
-/// `dense`: a fan of which only rays by way of the mirror are drawn.
+/// `dense`: a fan of which only rays that the mirror reflects are drawn.
 ///
 /// # Errors
 /// None in practice: the mirror is valid.
@@ -223,7 +223,7 @@ fn add_legend(svg: &mut Svg, ends: &[usize; WALLS.len()]) {
     let rows = [
         (DIRECT, "rays of the fan with k = 4 that miss the mirror, and their ends".to_owned()),
         ("black", "the one that hits it".to_owned()),
-        (MIRRORED, format!("k = 7, by way of the mirror, and their ends: {spots}")),
+        (MIRRORED, format!("k = 7, reflected by the mirror, and their ends: {spots}")),
         (HULL, "convex hull of the control points".to_owned()),
     ];
     for (number, (colour, words)) in rows.iter().enumerate() {

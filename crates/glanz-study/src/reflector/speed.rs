@@ -1,4 +1,4 @@
-//! Number of particles per second by way of one and of two mirrors, of one and of many patches.
+//! Number of particles per second that one or two mirrors reflect, of one and of many patches.
 
 use std::time::{Duration, Instant};
 
@@ -174,7 +174,7 @@ pub(super) fn add_to(speeds: &[Speed], report: &mut Report) {
         ("rays_per_s", "rays per second of wall time"),
         ("ns_per_particle", "processor time per particle, ns"),
     ];
-    let mut table = Table::new("speed", "Particles by way of mirrors.", &columns);
+    let mut table = Table::new("speed", "Particles reflected by mirrors.", &columns);
     for speed in speeds {
         table.push([
             u64::from(speed.bounces).into(),
@@ -191,7 +191,7 @@ pub(super) fn add_to(speeds: &[Speed], report: &mut Report) {
         let mut alone = speeds.iter().filter(|speed| speed.bounces == bounces && speed.threads == 1);
         if let (Some(few), Some(many)) = (alone.next(), alone.next_back()) {
             report.paragraph(format!(
-                "By way of {} one particle takes {} ns of processor time with {} and {} ns with {} patches.",
+                "With {} one particle takes {} ns of processor time with {} and {} ns with {} patches.",
                 if bounces == 1 { "one mirror" } else { "two mirrors" },
                 significant(1e9 * few.each.as_secs_f64()),
                 grouped(few.patches),
