@@ -1,6 +1,6 @@
 //! Matrices of B-splines on 2^level equal segments, (degree + 1)-fold end knots, as exact fractions where they fit.
 //!
-//! reference.json B.bspline.*, computed independently in rational arithmetic: inner products, their inverses, knot insertion, and
+//! Computed independently in rational arithmetic: inner products, their inverses, knot insertion, and
 //! wavelets of minimal support from the null space of P^T G; columns of Q are integers, to be divided by their L2 norm.
 
 /// Parses a matrix by rows from numbers or fractions, with a semicolon between rows.

@@ -1,5 +1,5 @@
-//! Response of each method to a step, from reference.json B.ch4: 8 x 8 cells, 0 where u < 1/2 and 1 elsewhere, without samples at the
-//! border; computed with 40 digits.
+//! Response of each method to a step: 8 x 8 cells, 0 where u < 1/2 and 1 elsewhere, without samples at the border; computed
+//! independently with 40 digits.
 #![allow(clippy::excessive_precision, clippy::unreadable_literal)]
 
 /// At u = 1/16 + i/32.

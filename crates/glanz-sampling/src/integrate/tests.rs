@@ -1,4 +1,4 @@
-//! Integrals with known values and variances: table 2.1 (reference.json B.table2.1), and adaptive ones.
+//! Integrals with known values and variances: table 2.1 of document 003, and adaptive ones.
 
 use std::f64::consts::{FRAC_2_PI, PI};
 use std::sync::Arc;
@@ -109,7 +109,7 @@ fn passes(levels: [usize; 4], samples: u32) -> Vec<IntegrationPass<1>> {
 
 #[test]
 fn passes_of_table_2_2_have_its_variances_and_integrate() {
-    // B.table2.2_limits: the least and largest of 20 runs of 1e5 samples with hat functions, a twentieth wider for other
+    // The least and largest of 20 runs of 1e5 samples with hat functions, a twentieth wider for other
     // runs; for Haar the limits, which differ from finite samples by less than 3 percent here.
     let haar = Arc::new(TensorMultiResolution::new([MultiResolution::haar(3).unwrap()]));
     let hats = Arc::new(TensorMultiResolution::new([MultiResolution::bspline(1, 2).unwrap()]));
@@ -148,7 +148,7 @@ fn passes_of_table_2_4_have_its_variances_in_two_dimensions() {
     let scales = Arc::new(TensorMultiResolution::new([(); 2].map(|()| MultiResolution::haar(3).unwrap())));
     let passes = [1, 2, 3, 3].map(|level| IntegrationPass { levels: [level; 2], samples: 100_000 });
     let f = |x: &[f64]| sine(1.0 - x[0]) * sine(x[1]);
-    // Without floor these are .0332, .0111, .00348 (B.eq2.21_2.22_division_test, 2D_correct; tested beside the densities). The
+    // Without floor these are .0332, .0111, .00348 (tested with the densities). The
     // floor lifts the last one to near the published .00361.
     let limits = [1, 2, 3].map(|level| {
         let basis = scales.basis([level; 2]).unwrap();

@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn strata_have_the_variances_of_table_2_1() {
-        // reference.json B.table2.1, by quadrature in high precision; document 003 prints 0.0947, 0.0126, 0.00160.
+        // By quadrature in high precision; table 2.1 of document 003 has 0.0947, 0.0126, 0.00160.
         for (strata, expected) in
             [(1, 0.094_715_265_430_648_91), (2, 0.012_589_699_112_054_091), (4, 0.001_598_146_154_167_736_5)]
         {

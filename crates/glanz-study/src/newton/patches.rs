@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn faulty_points_are_those_of_the_reference() {
-        // reference.json A.faulty_equivalent_control_points 120, 111 and 102.
+        // The points 120, 111 and 102, computed independently.
         let points = faulty_points();
         for (p, expected) in [
             (points[3], [2.0, 1.666_666_666_666_666_7, 2.0]),

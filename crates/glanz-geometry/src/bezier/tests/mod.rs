@@ -60,7 +60,7 @@ fn reversed(mut points: Vec<DVec4>) -> Vec<DVec4> {
     points
 }
 
-/// The cubic patch of document 000 section 4.3 (`A.control_points` of the reference values).
+/// The cubic patch of document 000 section 4.3.
 fn pumberger() -> TrianglePatch {
     let points = [
         [6.0, 3.0, 5.0], // 300

@@ -31,7 +31,7 @@ fn patch_of_document_000_has_the_values_of_its_bernstein_form() {
 
 #[test]
 fn true_roots_of_document_000_lie_on_patch() {
-    // `A.worked_line`: parameters of the true patch, outside of the triangle, with their points (60 digits).
+    // The line of document 000's worked example: parameters of the true patch, outside of the triangle, with their points (60 digits).
     let (r, s, t) = (-0.165_121_805_889_820_87, 0.331_919_375_640_321_53, 0.833_202_430_249_499_4);
     let point = DVec3::new(3.637_389_002_774_672, 3.858_761_833_397_794_7, 4.012_947_794_626_05);
     let patch = pumberger();

@@ -46,8 +46,8 @@ fn reflector() -> Freeform {
 
 #[test]
 fn one_ray_of_the_fan_of_document_000_meets_the_patch() {
-    // All 256 rays of the fan with k = 4 from (0, 5, 5); the root is known to 30 digits from the resultant of the two
-    // plane cubics (reference.json A.fan_k4).
+    // All 256 rays of the fan with k = 4 from (0, 5, 5); the root is known to 30 digits from the resultant of two
+    // plane cubics.
     let surface = reflector();
     let mut met = Vec::new();
     let n = 15_i32;
@@ -73,7 +73,7 @@ fn one_ray_of_the_fan_of_document_000_meets_the_patch() {
 
 #[test]
 fn spline_surface_has_the_roots_of_the_reference() {
-    // Roots with 40 digits of an independent evaluation (reference.json C.nurbs_surface_reference).
+    // Roots with 40 digits of an independent evaluation.
     let heights = [0.0, 0.783_327, 0.973_848, 0.427_38, -0.442_52, -0.977_53];
     let z: [[f64; 5]; 6] = [
         [0.0; 5],

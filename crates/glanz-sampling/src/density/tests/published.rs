@@ -1,4 +1,4 @@
-//! Densities against document 003's numbers (reference.json B.*): exact projections, variances of the primary estimator.
+//! Densities compared with document 003's numbers, computed again independently: exact projections, variances of the primary estimator.
 
 use std::f64::consts::FRAC_2_PI;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ fn close(found: f64, expected: f64) {
 
 #[test]
 fn densities_of_table_2_1_have_its_variances() {
-    // B.table2.1, one sample; sin(pi x / 2).
+    // Table 2.1, one sample; sin(pi x / 2).
     let variance = |basis: &Arc<TensorBasis<1>>, c: Vec<f64>| {
         Density::try_new(basis.clone(), c).unwrap().primary_variance(30, |[x]| sine(*x))
     };
@@ -38,7 +38,7 @@ fn densities_of_table_2_1_have_its_variances() {
 
 #[test]
 fn densities_of_the_example_of_x_squared_have_its_variances() {
-    // B.x2_example; the document prints these over 40, the variance of the mean of 40 samples.
+    // The document prints these over 40, the variance of the mean of 40 samples.
     let square = |x: &[f64; 1]| x[0] * x[0];
     let boxes = haar(2);
     close(Density::uniform(boxes.clone()).primary_variance(10, square), 4.0 / 45.0);
@@ -89,7 +89,7 @@ fn exact_fits_over_levels_have_the_limits_of_table_2_2() {
         // The density nearly vanishes near 0, where a rule of few nodes is not exact.
         density.primary_variance(400, |[x]| sine(*x))
     };
-    // B.table2.2_limits.
+    // The limits of table 2.2 for infinitely many samples.
     for (i, e) in
         [0.039_113_712_932_027_3, 0.013_464_935_950_196_1, 0.004_274_434_733_879_67].into_iter().enumerate()
     {
@@ -133,7 +133,7 @@ fn exact_fits_over_levels_have_the_limits_of_table_2_2() {
 
 #[test]
 fn fitting_must_not_divide_by_the_density() {
-    // B.eq2.21_2.22_division_test: Haar levels 1 to 3, infinitely many samples. A coefficient converges to w_j times the
+    // Equations (2.21) and (2.22), Haar levels 1 to 3, infinitely many samples. A coefficient converges to w_j times the
     // mean of f over samples from p_j, the integral of f N_j; divided by p as printed, it is that of f N_j / p.
     let expected_1d = [
         [0.039_113_712_932_027_34, 0.013_464_935_950_196_103, 0.004_274_434_733_879_665],
