@@ -170,7 +170,7 @@ impl MapErrors {
 }
 
 #[test]
-fn light_maps_are_what_path_tracing_finds() {
+fn light_maps_agree_with_path_tracing() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let scene_name = setting("GLANZ_BAKE_SCENE", SUITE_SCENE);
     let file = root.join(&scene_name);

@@ -43,7 +43,7 @@ const NAMES_A_FILE: [&str; 11] = [
 ];
 
 #[test]
-fn names_that_lead_out_are_refused_at_their_place_whoever_says_them() {
+fn names_that_lead_outside_are_refused_with_their_position() {
     let house = house();
     let absolute = house.path().join("secret").display().to_string();
     for pattern in NAMES_A_FILE {
@@ -86,7 +86,7 @@ fn links_that_lead_out_are_refused() {
 }
 
 #[test]
-fn what_lies_inside_is_read_and_named_by_its_place_there() {
+fn files_inside_are_read_and_named_relative_to_the_folder() {
     let house = house();
     let inside = house.path().join("inside");
     fs::write(inside.join("parts/mesh.ply"), TRIANGLE).unwrap();
@@ -105,7 +105,7 @@ fn what_lies_inside_is_read_and_named_by_its_place_there() {
 }
 
 #[test]
-fn a_scene_says_which_files_it_was_read_from() {
+fn sources_list_the_files_of_a_scene() {
     let house = house();
     let inside = house.path().join("inside");
     fs::write(inside.join("parts/mesh.ply"), TRIANGLE).unwrap();

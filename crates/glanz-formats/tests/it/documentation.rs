@@ -40,7 +40,7 @@ fn every_rib_file_of_the_documentation_has_surfaces_and_nothing_else() {
 }
 
 #[test]
-fn the_message_of_the_documentation_is_what_one_gets() {
+fn documented_message_is_reported() {
     let scene = format!("WorldBegin{}Shape \"sphere\" \"float raduis\" 2\n", "\n".repeat(13));
     let loaded = load_str("room.pbrt", &scene, &Options::default()).unwrap();
     assert_eq!(loaded.diagnostics.to_string(), blocks("text")[0]);

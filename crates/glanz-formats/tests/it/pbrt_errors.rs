@@ -11,7 +11,7 @@ fn error(text: &str) -> String {
 }
 
 #[test]
-fn every_mistake_is_told_with_its_place() {
+fn every_error_has_a_position() {
     let table = [
         // Words
         ("Sphere", "1:1: \"Sphere\" is no directive"),

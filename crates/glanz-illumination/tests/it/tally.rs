@@ -94,7 +94,7 @@ fn runs_end_at_the_error_asked_for() {
 }
 
 #[test]
-fn light_on_the_side_that_does_not_count_is_told() {
+fn light_on_the_excluded_side_is_summed_separately() {
     let scene = SceneBuilder::new()
         .shape(rectangle(1.0, 1.0).translated([0.0, 0.0, -1.0]).reversed(), diffuse(0.0))
         .light(point_light(DVec3::ZERO, 1.0))

@@ -165,7 +165,7 @@ fn settings_that_make_no_sense_are_refused() {
 }
 
 #[test]
-fn a_grid_too_large_for_the_room_is_left_out_and_said() {
+fn grid_too_large_for_the_room_is_omitted_with_a_note() {
     let folder = Folder::new("large");
     let settings = Settings { cache: None, samples: Some(2), references: Some(4), ..settings(&folder.0) };
     // 30 shapes with 64 x 64 cells of 64 x 64 coefficients each.

@@ -418,7 +418,7 @@ mod tests {
     }
 
     #[test]
-    fn ends_without_root_are_told_apart() {
+    fn ends_without_root_are_distinguished() {
         struct Half;
         impl NonlinearSystem<2> for Half {
             fn linear(&self, x: &[f64; 2]) -> ([f64; 2], Jacobian<2>) {

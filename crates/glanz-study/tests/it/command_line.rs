@@ -16,7 +16,7 @@ fn studies_are_listed_with_one_line_each() {
 }
 
 #[test]
-fn study_newton_writes_a_report_whose_figures_the_seed_decides() {
+fn study_newton_writes_a_report_determined_by_its_seed() {
     let folder = Folder::new();
     let json = folder.succeed("newton --out a --rays 3000 --json -q").json();
     assert_eq!(json["study"], "newton");
@@ -74,7 +74,7 @@ fn study_tessellation_compares_triangles_with_the_exact_surface() {
 }
 
 #[test]
-fn study_guiding_measures_a_room_and_goes_on_with_what_it_kept() {
+fn study_guiding_measures_a_room_and_resumes_from_its_cache() {
     let folder = Folder::new();
     folder.write(
         "box.pbrt",
@@ -122,7 +122,7 @@ fn study_solvers_fits_exponents_in_a_room() {
 }
 
 #[test]
-fn wrong_usage_is_told_before_the_work() {
+fn wrong_usage_is_reported_before_the_work() {
     let folder = Folder::new();
     folder.run("newton --out a --size 8x8").refused(2, &["newton", "--size"]);
     folder.run("newton --out a --rooms open").refused(2, &["newton", "--rooms"]);

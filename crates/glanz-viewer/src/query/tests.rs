@@ -68,7 +68,7 @@ fn curvatures_of_stretched_surfaces_are_those_in_the_world() {
 }
 
 #[test]
-fn hits_tell_what_is_there() {
+fn hits_describe_the_surface() {
     let scene = modelled(
         r#"
         WorldBegin
@@ -149,7 +149,7 @@ fn area_is_that_of_the_whole_shape() {
 }
 
 #[test]
-fn what_light_passes_cannot_be_picked() {
+fn surfaces_that_light_passes_cannot_be_picked() {
     let scene = modelled(
         "WorldBegin
         Material \"interface\"

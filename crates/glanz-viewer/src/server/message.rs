@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_malformed_is_answered_under_its_number_if_it_has_one() {
+    fn malformed_messages_are_answered_under_their_number() {
         for (text, id) in [
             ("", 0),
             ("[]", 0),

@@ -36,7 +36,7 @@ fn requests_under_another_name_or_from_another_page_are_refused() {
 }
 
 #[test]
-fn a_server_for_others_lets_in_who_has_its_token() {
+fn server_for_other_machines_admits_holders_of_its_token() {
     let settings = ServerSettings { host: Some("127.0.0.1".to_owned()), ..ServerSettings::default() };
     let server = TestServer::open_with(BALL, settings);
     let (_, token) = server.address.split_once("/?token=").expect("an address with a token");
@@ -80,7 +80,7 @@ fn visit_when_free(server: &TestServer) -> TestPage {
 }
 
 #[test]
-fn there_are_only_so_many_pages_and_who_leaves_makes_room() {
+fn number_of_pages_is_limited_and_closed_pages_make_room() {
     let server = TestServer::open_limited(BALL, Limits { sessions: 2, ..Limits::default() });
     let (first, _second) = (server.connect_page(), server.connect_page());
     let answer = server.request(

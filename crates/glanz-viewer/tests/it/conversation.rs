@@ -6,7 +6,7 @@ use tungstenite::Message;
 use super::client::{BALL, ReceivedMessage, TestServer, view};
 
 #[test]
-fn a_pick_tells_what_the_ray_meets() {
+fn pick_describes_the_surface_that_the_ray_hits() {
     let server = TestServer::open(BALL);
     let mut page = server.connect_page();
     let pick = |id: u32, hidden: &[u32], section: Value| json!({ "type": "pick", "id": id, "origin": [0, -4, 0], "direction": [0, 2, 0], "hidden": hidden, "section": section });

@@ -83,7 +83,7 @@ fn paths_that_lead_elsewhere_lead_nowhere() {
 }
 
 #[test]
-fn every_answer_tells_the_browser_to_be_careful() {
+fn every_response_has_security_headers() {
     let server = TestServer::open(BALL);
     let model = server.connect_page().scene["model"].as_str().unwrap().to_owned();
     let answers = [
@@ -113,7 +113,7 @@ fn every_answer_tells_the_browser_to_be_careful() {
 }
 
 #[test]
-fn the_model_is_got_under_the_name_that_the_page_is_told() {
+fn model_is_served_under_the_name_in_the_scene_message() {
     let server = TestServer::open(BALL);
     let page = server.connect_page();
     assert_eq!(page.scene["name"], "scene.pbrt");

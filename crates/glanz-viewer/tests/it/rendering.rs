@@ -77,7 +77,7 @@ fn a_view_ends_with_all_samples_and_is_saved_as_it_is() {
 }
 
 #[test]
-fn what_is_hidden_is_not_rendered() {
+fn hidden_shapes_are_not_rendered() {
     let server = TestServer::open(BALL);
     let mut page = server.connect_page();
     for (id, hidden, is_sky) in [(1, &[][..], false), (2, &[0], true), (3, &[1], false), (4, &[0, 1], true)] {
@@ -96,7 +96,7 @@ fn what_is_hidden_is_not_rendered() {
 }
 
 #[test]
-fn guided_pictures_come_whole() {
+fn guided_pictures_are_sent_as_a_whole() {
     let server = TestServer::open(BALL);
     let mut page = server.connect_page();
     let mut order = view(1, [40, 20], &[]);

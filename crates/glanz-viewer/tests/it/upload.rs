@@ -57,7 +57,7 @@ fn a_dropped_scene_is_shown_on_that_page_alone() {
 }
 
 #[test]
-fn what_is_wrong_with_a_dropped_scene_is_said() {
+fn errors_of_a_dropped_scene_are_reported() {
     let server = TestServer::open(BALL);
     let page = server.connect_page();
     for (files, said) in [

@@ -7,7 +7,7 @@ use glanz_viewer::server::ServerSettings;
 use super::client::{BALL, TestServer};
 
 #[test]
-fn pages_are_told_when_the_scene_changes_and_when_it_cannot_be_read() {
+fn pages_receive_changed_scenes_and_their_errors() {
     let server = TestServer::open_with(BALL, ServerSettings { watch: true, ..ServerSettings::default() });
     let mut page = server.connect_page();
     // One shape less: another length, so that the change shows however coarse the times of files are.

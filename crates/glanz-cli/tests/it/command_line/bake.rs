@@ -81,7 +81,7 @@ fn bake_writes_a_model_with_the_light_on_it_and_the_irradiance_beside() {
 }
 
 #[test]
-fn what_cannot_be_baked_is_refused_before_the_work() {
+fn unusable_options_are_refused_before_the_bake() {
     let folder = Folder::new();
     folder.write("room.pbrt", ROOM);
     folder.run("bake room.pbrt -o room.obj").refused(2, &["room.obj", ".glb"]);
@@ -127,7 +127,7 @@ fn bake_by_radiosity_is_the_gather_and_resumes() {
 }
 
 #[test]
-fn bake_says_what_it_takes_for_diffuse_and_what_it_leaves_out() {
+fn bake_warns_of_materials_treated_as_diffuse_and_of_an_omitted_camera() {
     let folder = Folder::with_scene();
     let ran = folder.succeed("bake small.pbrt -o small.glb --texels-per-metre 1");
     assert!(ran.stderr.contains("2 materials are not diffuse"), "{}", ran.stderr);
@@ -139,7 +139,7 @@ fn bake_says_what_it_takes_for_diffuse_and_what_it_leaves_out() {
 }
 
 #[test]
-fn radiosity_shows_what_path_tracing_shows_of_a_diffuse_room() {
+fn radiosity_agrees_with_path_tracing_in_a_diffuse_room() {
     let folder = Folder::new();
     folder.write("room.pbrt", ROOM);
     let mean = |picture: &Pixels| {

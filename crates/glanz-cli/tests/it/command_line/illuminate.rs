@@ -98,7 +98,7 @@ Material "mirror" "rgb Kr" [.8 .8 .8]
 }
 
 #[test]
-fn what_was_counted_is_gone_on_with_to_the_same_bits() {
+fn resumed_tally_has_the_same_bits() {
     let folder = Folder::new();
     folder.write("lamp.pbrt", LAMP);
     let line = "illuminate lamp.pbrt --room 2 2 2 --cells 4 -q";
@@ -124,7 +124,7 @@ fn what_was_counted_is_gone_on_with_to_the_same_bits() {
 }
 
 #[test]
-fn what_cannot_be_illuminated_is_refused_with_advice() {
+fn unusable_scenes_and_options_are_refused_with_advice() {
     let folder = Folder::new();
     folder.write("lamp.pbrt", LAMP);
     folder.write("dark.pbrt", "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\"\n");
@@ -140,7 +140,7 @@ fn what_cannot_be_illuminated_is_refused_with_advice() {
 }
 
 #[test]
-fn light_on_the_wrong_side_is_told() {
+fn light_on_the_other_side_causes_a_warning() {
     let folder = Folder::new();
     let shelf = SHELF.replace("\"string receiverside\" \"front\"", "\"string receiverside\" \"back\"");
     folder.write("lamp.pbrt", [LAMP, &shelf].concat());

@@ -3,7 +3,7 @@
 use crate::command_line::support::Folder;
 
 #[test]
-fn info_counts_what_is_in_a_scene() {
+fn info_counts_the_contents_of_a_scene() {
     let folder = Folder::with_scene();
     let info = folder.succeed("info small.pbrt --json").json();
     assert_eq!(info["shapes"]["sphere"], 2);

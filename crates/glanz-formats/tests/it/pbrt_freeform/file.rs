@@ -48,7 +48,7 @@ fn said(messages: impl ToString, folder: &Path) -> String {
 }
 
 #[test]
-fn a_list_of_patches_that_is_wrong_is_told_with_the_place_in_it() {
+fn errors_of_a_list_of_patches_have_a_position_in_it() {
     let list = format!("1\n{}2\n1\n0,0,0\n", "1,".repeat(15));
     let scene = "WorldBegin\nShape \"patchmesh\" \"string filename\" \"a.txt\"\n";
     let (found, folder) = with_file("newell", ("a.txt", &list), scene);

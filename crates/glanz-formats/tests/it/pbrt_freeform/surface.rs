@@ -64,12 +64,12 @@ fn knots_that_do_not_begin_together_leave_the_domain_of_pbrt() {
     assert_eq!(nurbs(&format!("{n} {SHEET_POINTS} \"float u0\" 2")).domain, None);
     assert!(
         error(&format!("WorldBegin Shape \"nurbs\" {n} {SHEET_POINTS} \"float u0\" 1.5"))
-            .ends_with("shape \"nurbs\": \"u0\" is 1.5, the knots \"uknots\" go from 2 to 4")
+            .ends_with("shape \"nurbs\": \"u0\" is 1.5; the knots \"uknots\" go from 2 to 4")
     );
 }
 
 #[test]
-fn a_bezier_patch_is_bicubic_unless_it_says_otherwise_and_may_be_several() {
+fn bezier_patch_is_bicubic_by_default_and_may_be_several() {
     let points: Vec<String> = (0..32).map(|k| format!("{} {} {}", k % 4, k / 4 % 4, k / 16)).collect();
     let b = patches(&format!("\"bezierpatch\" \"point3 P\" [{}]", points.join(" ")));
     assert_eq!((b.degree_u, b.degree_v, b.patches.len()), (3, 3, 2));
@@ -148,7 +148,7 @@ fn a_knot_that_decreases_is_pointed_at() {
 }
 
 #[test]
-fn wrong_surfaces_are_told_with_their_place() {
+fn errors_of_surfaces_have_a_position() {
     let sheet = format!("WorldBegin\nShape \"nurbs\" {SHEET}\n{SHEET_POINTS}");
     let changed = |from: &str, to: &str| replaced(&sheet, from, to);
     check_errors(&[
@@ -159,7 +159,7 @@ fn wrong_surfaces_are_told_with_their_place() {
         (changed("order\" 3", "order\" 1"), "2:62: shape \"nurbs\": \"uorder\" is 1; it must be at least 2"),
         (
             changed("order\" 3", "order\" 5"),
-            "2:28: shape \"nurbs\": \"nu\" is 4, an order \"uorder\" of 5 needs at least 5",
+            "2:28: shape \"nurbs\": \"nu\" is 4; an order \"uorder\" of 5 needs at least 5",
         ),
         (
             changed("[0 0 0 1 2 2 2]", "[0 0 0 2 2 2]"),
@@ -197,7 +197,7 @@ fn wrong_surfaces_are_told_with_their_place() {
         ),
         (
             changed(SHEET_POINTS, &format!("\"float u1\" 3 {SHEET_POINTS}")),
-            "3:12: shape \"nurbs\": \"u1\" is 3, the knots \"uknots\" go from 0 to 2",
+            "3:12: shape \"nurbs\": \"u1\" is 3; the knots \"uknots\" go from 0 to 2",
         ),
         (
             changed(SHEET_POINTS, &format!("\"float u0\" 1 \"float u1\" 1 {SHEET_POINTS}")),

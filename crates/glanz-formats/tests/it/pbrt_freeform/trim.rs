@@ -92,7 +92,7 @@ fn loops_of_curves_are_cut_from_common_lists() {
 }
 
 #[test]
-fn wrong_trimming_is_told_with_its_place() {
+fn errors_of_trimming_have_a_position() {
     let whole = format!("WorldBegin Shape \"disk\"\n{HALF_DISC}");
     let changed = |from: &str, to: &str| replaced(&whole, from, to);
     let simple = |text: &str| format!("WorldBegin Shape \"disk\" {text}");
@@ -113,7 +113,7 @@ fn wrong_trimming_is_told_with_its_place() {
         (changed("[3 2 2]", "[3 2 1]"), "2:53: shape \"disk\": \"trimorders\" has 1; it must be at least 2"),
         (
             changed("[3 2 2]", "[3 3 2]"),
-            "2:80: shape \"disk\": trimming curve 1 has 2 points, its order 3 needs at least 3",
+            "2:80: shape \"disk\": trimming curve 1 has 2 points; its order 3 needs at least 3",
         ),
         (
             changed("3 3 4 5 6 6", "3 3 4 5 6"),

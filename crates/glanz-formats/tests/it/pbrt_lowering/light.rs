@@ -40,7 +40,7 @@ fn black_bodies_shine_as_their_version_has_it() {
 }
 
 #[test]
-fn power_and_illuminance_set_what_the_light_gives() {
+fn power_and_illuminance_set_the_emission() {
     let light = |text: &str| {
         let loaded = read_clean(&format!("Film \"rgb\" WorldBegin LightSource {text}"));
         let light = loaded.description.lights[0].clone();

@@ -98,7 +98,7 @@ fn metal_of_a_reflectance_reflects_that_much_straight_back() {
 }
 
 #[test]
-fn stand_ins_are_said_and_strict_refuses_them() {
+fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
     for (text, kind) in [
         ("Material \"plastic\"", "stand-in-material"),
         ("Material \"conductor\" \"float roughness\" .1", "stand-in-material"),
@@ -196,7 +196,7 @@ fn textures_of_numbers_and_colours_may_share_a_name() {
 }
 
 #[test]
-fn attributes_give_defaults_to_what_comes_in_their_block() {
+fn attributes_are_defaults_for_the_objects_of_their_block() {
     let text = "Film \"rgb\" WorldBegin AttributeBegin Attribute \"shape\" \"float radius\" 2 Shape \"sphere\" \
         Shape \"sphere\" \"float radius\" 3 AttributeEnd Shape \"sphere\"";
     let shapes = read_clean(text).description.world.shapes;

@@ -23,7 +23,7 @@ fn a_mirrored_camera_has_its_right_hand_on_the_other_side() {
 }
 
 #[test]
-fn transform_lists_columns_and_replaces_what_was() {
+fn transform_lists_columns_and_replaces_the_current_transformation() {
     let text = "Translate 9 9 9 Transform [1 0 0 0  0 1 0 0  0 0 -1 0  0 -1 6.8 1] Camera \"orthographic\"";
     let camera = read_clean(text).description.camera;
     // World to camera is (x, y - 1, 6.8 - z): the eye is at (0, 1, 6.8).

@@ -115,7 +115,7 @@ fn copies_that_lose_the_same_share_a_group() {
 }
 
 #[test]
-fn the_tree_names_groups_and_shapes_and_says_where() {
+fn tree_has_the_names_and_positions_of_groups_and_shapes() {
     let text = "WorldBegin
         ObjectBegin \"pair\"
           MakeNamedMaterial \"steel\" \"string type\" \"diffuse\"

@@ -232,7 +232,7 @@ fn polynomials_vanish_where_rays_meet_the_surface() {
 }
 
 #[test]
-fn what_cannot_be_sent_as_it_is_is_noted() {
+fn substitutes_in_the_model_are_noted() {
     let text = r#"
         WorldBegin
         Shape "sphere"

@@ -135,7 +135,7 @@ fn halves(edge: usize, degrees: f64) -> SurfacePixels {
 }
 
 #[test]
-fn edges_that_are_apart_and_normals_that_are_turned_are_told() {
+fn shifted_edges_and_rotated_normals_are_detected() {
     // Three columns differ; the pixel beside the edge of one picture is the third from the edge of the other.
     let difference = halves(5, 0.0).difference(&halves(8, 2.0));
     assert_eq!([difference.same, difference.other], [170, 30]);

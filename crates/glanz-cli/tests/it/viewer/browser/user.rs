@@ -55,7 +55,7 @@ fn rendered(page: &mut Page, samples: u32) {
 }
 
 #[test]
-fn a_click_tells_what_the_surface_is_there() {
+fn click_shows_the_properties_of_the_surface() {
     let served = ViewServer::start(&scene_file("teapot.pbrt"));
     let mut page = Page::open(&served.address(), SIZE);
     let [x, y] = middle(&mut page);
