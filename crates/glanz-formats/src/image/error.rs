@@ -27,7 +27,7 @@ pub enum ImageError {
         channels: u64,
     },
     /// The header declares far more pixels than the format can pack into the bytes that follow.
-    #[error("{format}: {width} x {height} pixels are claimed, but the file has only {bytes} bytes")]
+    #[error("{format}: {width} x {height} pixels are declared, but the file has only {bytes} bytes")]
     Unbacked {
         /// Of the file.
         format: Format,

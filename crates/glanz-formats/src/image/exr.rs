@@ -185,7 +185,7 @@ fn sort_attributes(file: &mut [u8]) -> Option<()> {
     Some(())
 }
 
-/// Refuses names that cannot be stored: they end with a zero byte and have at most 255 bytes.
+/// The name as stored. Refuses names that the format cannot store: stored names end with a zero byte and have at most 255 bytes.
 fn checked_name(name: &str) -> Result<Text, ImageError> {
     if name.is_empty() || name.len() > 255 || name.contains('\0') {
         return Err(not_writable(format!("\"{name}\" cannot be the name of a channel or an attribute")));

@@ -12,8 +12,9 @@ pub(crate) struct FileFinder {
     /// Search folders, in order: the scene's, those of `SearchPath`.
     folders: Vec<PathBuf>,
     confinement: Option<Confinement>,
-    /// Hash of all bytes read.
+    /// Paths of all files read.
     pub(crate) paths: BTreeSet<PathBuf>,
+    /// Hash of their bytes.
     pub(crate) hash: ContentHash,
 }
 

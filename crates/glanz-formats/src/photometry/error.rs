@@ -82,7 +82,7 @@ pub enum PhotometryErrorKind {
         second: f64,
     },
     /// Angles over an invalid range.
-    #[error("the {what} run from {first} to {last}; they should run {allowed}")]
+    #[error("the {what} run from {first} to {last}; they must run {allowed}")]
     Range {
         /// Which angles.
         what: &'static str,
@@ -115,7 +115,7 @@ pub enum PhotometryErrorKind {
     #[error("there is more after the last intensity; it is ignored")]
     Trailing,
     /// An empty line in place of a number, taken as zero.
-    #[error("the line of the {0} is empty; taken as zero")]
+    #[error("the line of the {0} is empty; it is taken as zero")]
     Empty(&'static str),
     /// The ten direct ratios are missing.
     #[error("the ten direct ratios are missing")]

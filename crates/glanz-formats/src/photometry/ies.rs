@@ -236,7 +236,7 @@ impl LampFields {
         let (mut ballast_lamp, mut generation) = (1.0, None);
         match year {
             1986 | 1991 if code > 0.0 => ballast_lamp = code,
-            // Since 2019 the field is the generation type; since 1995 it was reserved for future use.
+            // Since 2019 the field is the generation type; from 1995 until then it was reserved for future use.
             2019 => generation = Some(code),
             _ if code != 1.0 => warnings.push(cursor.here(PhotometryErrorKind::FutureUse(code))),
             _ => {}

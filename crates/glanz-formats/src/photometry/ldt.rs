@@ -1,6 +1,6 @@
 //! EULUMDAT: the format of Europe, one value per line, intensities in candela per 1000 lumens of the lamps.
 //!
-//! A decimal comma counts as a decimal point. Values that are often missing or empty are repaired, with a warning. Intensities are
+//! A decimal comma counts as a decimal point. Values that are often missing or empty have defaults, with a warning. Intensities are
 //! candela for the first set of lamps; [`Photometry::with_lamps`] selects another. For absolute photometry (a negative
 //! number of lamps), the stated flux is that of the luminaire, and intensities are per 1000 lumens of it.
 //!
@@ -185,7 +185,7 @@ impl LdtReader<'_> {
     }
 
     fn empty(&mut self, what: &'static str) {
-        // Every set requires a scan of the file to its line.
+        // The line number of every warning requires a scan of the file to that line.
         if self.warnings.len() < Diagnostics::PER_KIND {
             self.warnings.push(self.cursor.here(PhotometryErrorKind::Empty(what)));
         }

@@ -283,7 +283,7 @@ fn errors_have_a_position_and_a_remedy() {
         (replaced("0 90 180", "0 90 90"), "9:6: the vertical angle must ascend, but 90 follows 90"),
         (
             replaced("0 90 180", "0 90 181"),
-            "9:6: the vertical angles run from 0 to 181; they should run within 0 and 180",
+            "9:6: the vertical angles run from 0 to 181; they must run within 0 and 180",
         ),
         (
             replaced(" 3 1 1 2", " 999999999 1 1 2"),
@@ -322,7 +322,7 @@ fn errors_have_a_position_and_a_remedy() {
     );
     assert_eq!(
         fault("270\n", "271\n"),
-        "50:1: the C angles run from 0 to 315; they should run from 0 to below 360, with planes on those of the symmetry"
+        "50:1: the C angles run from 0 to 315; they must run from 0 to below 360, with planes on those of the symmetry"
     );
 }
 

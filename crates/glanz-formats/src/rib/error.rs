@@ -24,9 +24,9 @@ pub enum RibErrorKind {
     /// Something other than expected.
     #[error("expected {wanted}, found {found:?}")]
     Unexpected {
-        /// The number found.
+        /// The text found.
         found: String,
-        /// The number expected.
+        /// The expected item.
         wanted: &'static str,
     },
     /// A number that is not finite.
@@ -56,7 +56,7 @@ pub enum RibErrorKind {
     #[error("{0} is not supported; surfaces in it would have wrong positions")]
     Unsupported(String),
     /// A matrix that is not affine.
-    #[error("the last numbers of the rows are {0:?}, of an affine transformation they are 0 0 0 1")]
+    #[error("the last numbers of the rows are {0:?}; those of an affine transformation are 0 0 0 1")]
     NotAffine([f64; 4]),
     /// An argument is missing or of the wrong kind.
     #[error("{request} needs {wanted}")]

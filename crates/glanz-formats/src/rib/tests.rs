@@ -219,7 +219,7 @@ fn errors_have_line_and_column() {
         ),
         (
             "Transform [1 0 0 0 0 1 0 0 0 0 1 1 0 0 0 1]".to_owned(),
-            "1:1: the last numbers of the rows are [0.0, 0.0, 1.0, 1.0], of an affine transformation they are 0 0 0 1",
+            "1:1: the last numbers of the rows are [0.0, 0.0, 1.0, 1.0]; those of an affine transformation are 0 0 0 1",
         ),
         (
             "Basis \"cubic\" 1 \"bezier\" 3".to_owned(),

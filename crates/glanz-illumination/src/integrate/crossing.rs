@@ -72,7 +72,7 @@ impl ScanLine {
             let &[left, right] = pair else { continue };
             let before = i.checked_sub(1).and_then(|i| samples.get(i)).copied();
             let gap = BorderInterval { before, left, right, after: samples.get(i + 2).copied() };
-            all.extend(self.tip(region, &gap, TIP_LOOKS));
+            all.extend(self.tip(region, &gap, TIP_DIVISIONS));
         }
         all.sort_by(|a, b| a.at.total_cmp(&b.at));
         all
@@ -100,7 +100,7 @@ impl ScanLine {
 }
 
 /// Largest number of divisions of a gap in search of a tip.
-const TIP_LOOKS: u32 = 4;
+const TIP_DIVISIONS: u32 = 4;
 
 /// Two samples and their neighbours on a line.
 #[derive(Clone, Copy)]

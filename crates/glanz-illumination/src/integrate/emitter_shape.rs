@@ -32,7 +32,7 @@ impl EmitterShape {
     /// The light `id`, whose surface is `placed`.
     ///
     /// # Errors
-    /// [`IntegrateError::Form`] if it is neither a whole sphere that emits outwards nor a full disk nor a flat convex polygon.
+    /// [`IntegrateError::EmitterForm`] if it is neither a whole sphere that emits outwards nor a full disk nor a flat convex polygon.
     pub(super) fn try_new(
         id: LightId,
         light: &AreaLight,

@@ -7,7 +7,7 @@ use glanz_scene::{PlacedPoint, PlacedSurface, Scene};
 use glanz_shading::bsdf::{Lobe, TransportMode};
 
 /// Points along each side of a face at which its material is sampled if trimming cuts away the first.
-const LOOKS: u32 = 32;
+const SAMPLES_PER_SIDE: u32 = 32;
 
 /// A face, or a triangle of one whose parameters are a polygon, over the unit square.
 #[derive(Clone, Copy, Debug)]
@@ -63,8 +63,10 @@ impl<'a> Mirrors<'a> {
             FaceDomain::Polygon(corners) => corners,
         };
         let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
-        let grid = (0..LOOKS * LOOKS)
-            .map(|k| (DVec2::new(f64::from(k % LOOKS), f64::from(k / LOOKS)) + 0.5) / f64::from(LOOKS));
+        let grid = (0..SAMPLES_PER_SIDE * SAMPLES_PER_SIDE).map(|k| {
+            (DVec2::new(f64::from(k % SAMPLES_PER_SIDE), f64::from(k / SAMPLES_PER_SIDE)) + 0.5)
+                / f64::from(SAMPLES_PER_SIDE)
+        });
         let mut places = [middle].into_iter().chain(grid).filter_map(|uv| placed.at(face, uv, false));
         let bsdf = places.next().and_then(|place| place.at.bsdf(self.scene, &self.wavelengths));
         bsdf.is_some_and(|bsdf| bsdf.is_delta())

@@ -44,7 +44,7 @@ pub(super) fn integral([a, b]: [f64; 2], mut f: impl FnMut(f64) -> f64) -> Gauss
 /// Error of the fine rule from its `difference` to the coarse one, where the integrand has the size `content`.
 ///
 /// The difference is the error of the coarse rule; the error of the fine rule is about its square for smooth integrands. The more cautious power 3/2 with a factor is
-/// that of @piessens1983, where the factor for these rules is 10 instead of 200. Where the rules differ by a tenth or more, as
+/// that of @piessens1983, with the factor 10 for these rules instead of 200. Where the rules differ by a tenth or more, as
 /// at jumps, the error is the difference itself.
 pub(super) fn sharpened(difference: f64, content: f64) -> f64 {
     if content <= 0.0 || difference == 0.0 {

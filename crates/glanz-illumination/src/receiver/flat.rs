@@ -29,7 +29,7 @@ pub(super) struct FlatGrid {
 }
 
 impl FlatGrid {
-    /// `None` if the faces do not lie in one plane and face the same way. `back`: whether the back is the counted side.
+    /// `None` unless the faces lie in one plane and face the same way. `back`: whether the back is the counted side.
     pub(super) fn try_new(surface: &PlacedSurface<'_>, faces: &[u32], back: bool) -> Option<Self> {
         let mut corners = Vec::new();
         for &face in faces {

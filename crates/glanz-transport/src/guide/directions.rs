@@ -295,7 +295,7 @@ fn shares(weights: [f64; 16]) -> [u16; 16] {
     shares
 }
 
-/// Adds a square without light, with this number of levels below it; returns its index.
+/// Adds a tree of squares without light with this number of levels, its root included; returns the index of the root.
 fn blank(tree: &mut Vec<QuadtreeNode>, levels: u32) -> u16 {
     let index = tree.len();
     tree.push(QuadtreeNode::default());

@@ -75,7 +75,7 @@ impl Lowering {
         let order = self.count(list, names.order)?;
         if count < order {
             let message = format!(
-                "{}: {:?} is {count}, an order {:?} of {order} needs at least {order}",
+                "{}: {:?} is {count}; an order {:?} of {order} needs at least {order}",
                 list.subject, names.count, names.order
             );
             let help = Some(format!("{:?} is the degree plus one", names.order));
@@ -131,7 +131,7 @@ impl Lowering {
             let Some(value) = list.float(name, &mut self.reporter)? else { continue };
             if value < domain[0] || value > domain[1] {
                 let message = format!(
-                    "{}: {name:?} is {value}, the knots {:?} go from {} to {}",
+                    "{}: {name:?} is {value}; the knots {:?} go from {} to {}",
                     list.subject, names.knots, domain[0], domain[1]
                 );
                 let help = Some(format!("omit {name:?} to keep everything on that side"));
@@ -231,7 +231,7 @@ impl Lowering {
         self.bicubic_patches(list, &positions, &indices)
     }
 
-    /// Bicubic patches from points, each with the indices of sixteen points.
+    /// Bicubic patches, each of sixteen of the `positions` by their indices.
     pub(super) fn bicubic_patches(
         &mut self,
         list: &ParameterList,

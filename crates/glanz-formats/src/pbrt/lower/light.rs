@@ -295,7 +295,7 @@ fn mean_over_sphere(pixels: &Pixels) -> Option<[f32; 3]> {
     let mut sum = [0.0f64; 3];
     let mut weights = 0.0;
     for (y, row) in rgb.chunks_exact(width).enumerate() {
-        // The width of rows in longitude and latitude is the sine of their angle from the pole.
+        // The width of rows in longitude and latitude is proportional to the sine of their angle from the pole.
         let weight = if width == height { 1.0 } else { (PI * (y as f64 + 0.5) / height as f64).sin() };
         for pixel in row.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
             for (s, x) in sum.iter_mut().zip(pixel) {

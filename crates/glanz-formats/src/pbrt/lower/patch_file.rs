@@ -8,7 +8,8 @@ use crate::source::ParseResult;
 use crate::{newell, rib};
 
 impl Lowering {
-    /// The surfaces of the file that a shape names: one for each combination of degrees.
+    /// The surfaces of the file that a shape names: one for a list in Newell's format; for RIB one for the patches of each combination of degrees and one
+    /// for each spline.
     pub(super) fn patch_file(&mut self, list: &mut ParameterList) -> ParseResult<Vec<GeometryDescription>> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             return Ok(Vec::new());

@@ -28,7 +28,7 @@ impl Lowering {
         }
     }
 
-    /// The domain of a spline; its knots must not decrease, none may occur more often than the order, and it must not be empty.
+    /// The domain of a spline, which must not be empty; its knots must not decrease, and none may occur more often than the order.
     ///
     /// The number of knots in `values` must be that of the points plus the order, with at least as many points as the order.
     pub(super) fn knot_domain(&mut self, subject: &str, knots: &KnotParameters<'_>) -> ParseResult<[f64; 2]> {

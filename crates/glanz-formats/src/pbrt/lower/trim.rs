@@ -66,7 +66,7 @@ impl Lowering {
             if count < order {
                 let place = self.number_place(&p_counts, i);
                 let message = format!(
-                    "{}: trimming curve {i} has {count} points, its order {order} needs at least {order}",
+                    "{}: trimming curve {i} has {count} points; its order {order} needs at least {order}",
                     list.subject
                 );
                 let help = Some("the order is the degree plus one".to_owned());

@@ -18,7 +18,7 @@ const STRETCH: f64 = 5.0;
 /// Luminaire and luminous area have the size of [`Header::opening`] if the format supports its shape: a circle, an
 /// upright round cylinder, a rectangle or a box; other shapes are written as the box around them. The ten direct
 /// ratios, which are unknown, are 0. Text is Latin-1, with question marks for other characters, and
-/// the sign of `TILT=` is removed at the beginning of a line, because it marks LM-63 files. Watts that are not a
+/// the equals sign of a `TILT=` at the beginning of a line becomes a blank, because it marks LM-63 files. Watts that are not a
 /// finite number above 0 are written as 0.
 ///
 /// # Errors
@@ -111,7 +111,7 @@ impl EulumdatPlanes {
         let azimuths = distribution.azimuths();
         let listed: Vec<f64> = azimuths.iter().copied().filter(|c| *c < 360.0).collect();
         match symmetry {
-            // From C270 over C0 to C90: the other half, which is equal.
+            // From C270 through C0 to C90; the other half is equal.
             Symmetry::AcrossX => {
                 let planes_of = |of: fn(f64) -> bool| {
                     let numbered = azimuths.iter().enumerate();

@@ -63,7 +63,7 @@ pub enum PhotometryWriteError {
     System(AngularSystem),
     /// Planes that do not start at C0 or do not cover 360 degrees.
     #[error(
-        "the planes run from C {first} to {last} degrees; they should run from 0 to 360, or be a single one"
+        "the planes run from C {first} to {last} degrees; they must run from 0 to 360, or be a single one"
     )]
     Planes {
         /// First azimuth, degrees.
@@ -73,7 +73,7 @@ pub enum PhotometryWriteError {
     },
     /// Polar angles that the formats cannot represent.
     #[error(
-        "the {count} gamma angles run from {first} to {last} degrees; they should be 2 at least, from 0 or 90 to 90 or 180"
+        "the {count} gamma angles run from {first} to {last} degrees; there must be at least 2, from 0 or 90 to 90 or 180"
     )]
     Gammas {
         /// Number.
@@ -84,7 +84,7 @@ pub enum PhotometryWriteError {
         last: f64,
     },
     /// An intensity, in candela, that is negative or too large.
-    #[error("an intensity is {0} cd; it should be from 0 to 1e30")]
+    #[error("an intensity is {0} cd; it must be from 0 to 1e30")]
     Intensity(f64),
     /// A luminaire without light, for EULUMDAT, whose intensities are per lumen.
     #[error("the luminaire gives no light, which EULUMDAT cannot represent")]

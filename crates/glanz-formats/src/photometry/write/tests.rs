@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::photometry::{OpeningShape, Photometry, PhotometryFile, read};
 
-/// A distribution of type C from its planes, by the reader.
+/// A distribution of type C from its planes, made by the reader.
 fn distribution(azimuths: &[f64], polars: &[f64], candela: &[f64]) -> IntensityDistribution {
     let row = |values: &[f64]| values.iter().map(|v| format!("{v:?}")).collect::<Vec<_>>().join(" ");
     let (n, m) = (polars.len(), azimuths.len());

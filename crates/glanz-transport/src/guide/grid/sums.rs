@@ -151,7 +151,7 @@ mod tests {
         let (sums, wavelengths) = (GridSums::new(2, 3), Wavelengths::default());
         let quanta = |light: f64| (light / 2.0 * QUANTA).round() as u64;
         let near = |found: u64, light: f64| (found as f64 / quanta(light) as f64 - 1.0).abs() < 1e-5;
-        // Light of 0.75 beyond the vertex: the incident light is 6, and half of that times the cosine.
+        // Light of 0.75 beyond the vertex: the incident light is 6; times the cosine, 1/2, it is 3.
         sums.add(&record(2, Some(Spectrum::BLACK)), Spectrum::splat(1.75), &wavelengths, 2.0);
         // 0.25 of it, or all, came directly from a light.
         sums.add(&record(1, Some(Spectrum::splat(0.25))), Spectrum::splat(1.75), &wavelengths, 2.0);
