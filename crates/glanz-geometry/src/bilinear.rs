@@ -10,6 +10,9 @@ use crate::ray_line::RayLine;
 use crate::surface::RaySurface;
 use crate::triangle::ShearedRay;
 
+/// The cube root of the roundoff: a patch that is narrower, relative to its size, counts as that wide (see `BilinearPatch::error`).
+const LEAST_WIDTH: f64 = 4.806_217_383_937_352e-6;
+
 /// The surface `p = (1 - u)(1 - v) p00 + u (1 - v) p10 + (1 - u) v p01 + u v p11`, u and v from 0 to 1, with the normal along
 /// `dpdu x dpdv`.
 ///
@@ -152,7 +155,7 @@ impl BilinearPatch {
     /// the surface, the lines are at least as long as the patch is wide, `area / L`. A patch narrower than the cube root of the
     /// roundoff counts as that wide. The position has six roundings.
     fn error(&self, area: f64) -> DVec3 {
-        let width = (area / (self.size * self.size)).max(UNIT_ROUNDOFF.cbrt());
+        let width = (area / (self.size * self.size)).max(LEAST_WIDTH);
         let reach = self.bounds.min.abs().max(self.bounds.max.abs());
         DVec3::splat(gamma(6) * self.size + gamma(24) * self.size / width) + reach * gamma(6)
     }
@@ -269,6 +272,11 @@ mod tests {
         let mut hits = Vec::new();
         patch.all_hits(ray, f64::INFINITY, &mut hits);
         hits
+    }
+
+    #[test]
+    fn least_width_is_the_cube_root_of_the_roundoff() {
+        assert_eq!(LEAST_WIDTH, UNIT_ROUNDOFF.cbrt());
     }
 
     #[test]
