@@ -185,13 +185,13 @@ impl Tally {
     }
 }
 
-/// Adds particles to a tally one after the other.
+/// Adds particles, several of which are on their way, to a tally.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
     wavelengths: Wavelengths,
     tally: Tally,
-    /// Light that the current particle carried to cells, lm.
-    brought: Vec<(usize, usize, f64)>,
+    /// Light that each of the particles on their way carried to receivers and cells, lm.
+    brought: Vec<Vec<(usize, usize, f64)>>,
 }
 
 impl<'a> ThreadTally<'a> {
@@ -208,8 +208,8 @@ impl<'a> ThreadTally<'a> {
         photometric(flux, &self.wavelengths)
     }
 
-    /// Adds the hit of the current particle on a surface.
-    pub(crate) fn arrival(&mut self, arrival: &Arrival<'_>) {
+    /// Adds the hit of a particle, by its number among those on their way, on a surface.
+    pub(crate) fn arrival(&mut self, particle: usize, arrival: &Arrival<'_>) {
         let arrived = self.lumens(arrival.arrived);
         let absorbed = arrived - self.lumens(arrival.left);
         let Some(ReceiverHit { receiver, cell, counts }) = self.receivers.met(arrival.at, &arrival.place)
@@ -219,20 +219,23 @@ impl<'a> ThreadTally<'a> {
         };
         self.tally.absorbed_by_receivers.add(absorbed);
         if counts {
-            self.brought.push((receiver, cell, arrived));
+            if self.brought.len() <= particle {
+                self.brought.resize_with(particle + 1, Vec::new);
+            }
+            self.brought[particle].push((receiver, cell, arrived));
         } else if let Some(sum) = self.tally.other_sides.get_mut(receiver) {
             sum.add(arrived);
         }
     }
 
-    /// Ends the current particle; `None` if it was not emitted.
-    pub(crate) fn end(&mut self, flight: Option<&ParticlePath>) {
+    /// Ends a particle, by its number among those on their way; `None` if it was not emitted.
+    pub(crate) fn end(&mut self, particle: usize, path: Option<&ParticlePath>) {
         self.tally.particles += 1;
-        if let Some(flight) = flight {
-            let (emitted, faded) = (self.lumens(flight.emitted), self.lumens(flight.faded));
+        if let Some(path) = path {
+            let (emitted, faded) = (self.lumens(path.emitted), self.lumens(path.faded));
             self.tally.emitted.add(emitted);
             self.tally.given_up.add(faded);
-            match flight.end {
+            match path.end {
                 ParticleFate::Absorbed => {}
                 ParticleFate::Escaped { ray, power } => {
                     let lumens = self.lumens(power);
@@ -249,25 +252,26 @@ impl<'a> ThreadTally<'a> {
                 }
             }
         }
-        self.settle();
+        self.settle(particle);
     }
 
-    /// Adds the contributions of the particle, cell by cell and receiver by receiver.
-    fn settle(&mut self) {
-        if let [(receiver, cell, lumens)] = *self.brought.as_slice() {
+    /// Adds the contributions of a particle, cell by cell and receiver by receiver.
+    fn settle(&mut self, particle: usize) {
+        let Some(brought) = self.brought.get_mut(particle) else { return };
+        if let [(receiver, cell, lumens)] = *brought.as_slice() {
             self.tally.cells[cell].add(lumens);
             self.tally.receivers[receiver].add(lumens);
-            self.brought.clear();
+            brought.clear();
             return;
         }
-        self.brought.sort_unstable_by_key(|&(_, cell, _)| cell);
-        for same in self.brought.chunk_by(|a, b| a.1 == b.1) {
+        brought.sort_unstable_by_key(|&(_, cell, _)| cell);
+        for same in brought.chunk_by(|a, b| a.1 == b.1) {
             self.tally.cells[same[0].1].add(same.iter().map(|brought| brought.2).sum());
         }
         // Cells of one receiver are consecutive.
-        for same in self.brought.chunk_by(|a, b| a.0 == b.0) {
+        for same in brought.chunk_by(|a, b| a.0 == b.0) {
             self.tally.receivers[same[0].0].add(same.iter().map(|brought| brought.2).sum());
         }
-        self.brought.clear();
+        brought.clear();
     }
 }

@@ -6,12 +6,12 @@ use std::time::{Duration, Instant};
 use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobProgress, ProgressSink, WorkCount};
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
-use glanz_transport::{Counters, send_particle};
+use glanz_transport::{Counters, ParticleTracer};
 
 use crate::receiver::Receivers;
 use crate::tally::{Tally, ThreadTally};
 
-/// Particles per work item of a thread.
+/// Particles that a thread traces together.
 const BLOCK: u64 = 1 << 10;
 
 /// Wall time of a round, after which progress is reported and cancelling takes effect.
@@ -170,20 +170,18 @@ fn round(
     let far_field = tally.far_field.as_ref().map(|sums| sums.grid);
     let next = AtomicU64::new(range.start);
     let works = rayon::broadcast(|_| {
-        let mut clerk = ThreadTally::new(receivers, far_field);
+        let mut tally = ThreadTally::new(receivers, far_field);
+        let mut tracer = ParticleTracer::new(scene, settings.max_events);
         let mut counters = Counters::default();
         loop {
             let from = next.fetch_add(BLOCK, Ordering::Relaxed);
             if from >= range.end {
-                return (clerk.into_tally(), counters);
+                return (tally.into_tally(), counters);
             }
-            for number in from..(from + BLOCK).min(range.end) {
-                let sampler = particle_sampler(settings.seed, number);
-                let flight = send_particle(scene, sampler, settings.max_events, &mut counters, |arrival| {
-                    clerk.arrival(arrival);
-                });
-                clerk.end(flight.as_ref());
-            }
+            let numbers = from..(from + BLOCK).min(range.end);
+            let samplers = numbers.map(|number| particle_sampler(settings.seed, number));
+            tracer.trace(samplers, &mut counters, |particle, arrival| tally.arrival(particle, arrival));
+            tracer.paths().enumerate().for_each(|(particle, path)| tally.end(particle, path));
         }
     });
     // Sums are exact: their order does not matter.

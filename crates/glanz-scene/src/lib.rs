@@ -26,7 +26,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};
 pub use hit::SceneHit;
 pub use interaction::{Interaction, LightSampleContext};
-pub use light::{IncidentLight, Light, LightId, LightRay, LightSample, MAX_LIGHT_GROUPS};
+pub use light::{IncidentLight, Light, LightId, LightRange, LightRay, LightSample, MAX_LIGHT_GROUPS};
 pub use object::SceneObject;
 pub use parameterization::ShapeParameterization;
 pub use placed::{ParametricPoint, PlacedPoint, PlacedSurface};

@@ -158,16 +158,22 @@ impl Scene {
     #[must_use]
     pub fn intersect_parametric(&self, ray: &Ray, t_max: f64) -> Option<(Interaction, ParametricPoint)> {
         let found = self.closest(self.world(), ray, t_max)?;
+        let at = self.interaction(ray, &found);
+        Some((at, self.parametric_point(&found, &at)))
+    }
+
+    /// The parameters of a hit of this scene. `at`: the point at the hit, by [`Scene::interaction`].
+    #[must_use]
+    pub fn parametric_point(&self, found: &SceneHit, at: &Interaction) -> ParametricPoint {
         let mut group = self.world();
         let mut surface = found.object;
         for index in found.path.outermost_first() {
             surface += group.placed_before.get(index as usize).copied().unwrap_or_default();
             group = &self.groups[group.instances[index as usize].group];
         }
-        let at = self.interaction(ray, &found);
         let Hit { u, v, face, .. } = found.hit;
         let back = at.point.normal.dot(at.wo) < 0.0;
-        Some((at, ParametricPoint { surface, face, back, uv: DVec2::new(u, v) }))
+        ParametricPoint { surface, face, back, uv: DVec2::new(u, v) }
     }
 
     /// Whether the ray hits anything with `0 < t < t_max`.

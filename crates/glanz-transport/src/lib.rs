@@ -6,7 +6,7 @@
 //! - a [`Film`] sums samples exactly ([`glanz_sampling::exact`]): the picture depends on the set of samples, not on
 //!   threads, passes, interruptions or machines;
 //! - [`render()`] exposes a film, and reports to a [`RenderSink`];
-//! - [`send_particle()`] traces a particle from a light, for illuminance;
+//! - a [`ParticleTracer`] traces particles from lights, for illuminance;
 //! - a [`Guide`] holds the densities of incident light that guided integrators sample;
 //! - a [`Checkpoint`] is a file of a film with its [`PictureIdentity`]; [`merge()`] joins several.
 
@@ -41,7 +41,7 @@ pub use integrator::{
     IntegratorSettings, StoredLight,
 };
 pub use merge::{MergeError, merge};
-pub use particle::{Arrival, ParticleFate, ParticlePath, send_particle};
+pub use particle::{Arrival, ParticleFate, ParticlePath, ParticleTracer};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;
 pub use progress::{FinishedTile, RenderSink, TileSink};

@@ -3,10 +3,12 @@
 //! A particle leaves a light with a part of its power and continues from surface to surface, losing the absorbed part. It
 //! carries flux, so that the mean over many particles is the incident flux of any surface.
 
+use glanz_geometry::BoundedRay;
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::Ray;
+use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{Interaction, ParametricPoint, Scene};
+use glanz_scene::{Interaction, LightRange, LightRay, ParametricPoint, Scene, SceneHit};
+use glanz_shading::Bsdf;
 
 use crate::integrator::{Counters, INTERFACE_LIMIT, Vertex};
 
@@ -35,7 +37,7 @@ pub struct Arrival<'a> {
 }
 
 /// Fate of a particle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParticleFate {
     /// Absorbed by a surface.
     Absorbed,
@@ -51,11 +53,11 @@ pub enum ParticleFate {
 }
 
 /// The path of a particle.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParticlePath {
     /// Initial power, W.
     pub emitted: Spectrum,
-    /// Power lost by the [attenuation](glanz_scene::LightRay::attenuation) of its light, W.
+    /// Power lost by the [attenuation](glanz_scene::LightRange::attenuation) of its light, W.
     pub faded: Spectrum,
     /// Its fate.
     pub end: ParticleFate,
@@ -63,71 +65,171 @@ pub struct ParticlePath {
     pub events: u32,
 }
 
-/// Traces one particle from a light selected by power, and calls `visit` for every surface that it hits.
+/// Tracer of particles from lights selected by power.
 ///
-/// The mean of [`ParticlePath::emitted`] over many particles is the power of all lights that can emit particles; where a light is
-/// black, the particle has no power (`None`). `sampler`: the numbers of this particle.
-/// `max_events`: largest number of scattering events. In `Arrival`, `arrived` of one surface is `left` of the one before,
-/// so that emitted, absorbed, escaped and abandoned flux balance up to rounding.
-pub fn send_particle(
-    scene: &Scene,
-    mut sampler: PixelSampler,
+/// The mean of [`ParticlePath::emitted`] over many particles is the power of all lights that can emit particles. In [`Arrival`], `arrived`
+/// of one surface is `left` of the one before, so that emitted, absorbed, escaped and abandoned flux balance up to rounding.
+pub struct ParticleTracer<'a> {
+    scene: &'a Scene,
+    /// Largest number of scattering events of a particle.
     max_events: u32,
-    counters: &mut Counters,
-    mut visit: impl FnMut(&Arrival<'_>),
-) -> Option<ParticlePath> {
-    let wavelengths = Wavelengths::default();
-    sampler.skip_to_dimension(EMISSION_DIMENSIONS);
-    let (xi_direction, xi_place) = (sampler.next_2d(), sampler.next_2d());
-    let (id, probability) = scene.select_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0)?;
-    let start = scene.emit(id, xi_place, xi_direction)?;
-    let emitted = start.power * (1.0 / probability) as f32;
-    let threshold = ROULETTE_BELOW * emitted.max_component();
-    let mut flight = ParticlePath { emitted, faded: Spectrum::BLACK, end: ParticleFate::Absorbed, events: 0 };
-    let (mut ray, mut power) = (start.ray, emitted);
-    let (mut distance, mut interfaces) = (0.0, 0);
-    loop {
-        counters.closest += 1;
-        let Some((at, place)) = scene.intersect_parametric(&ray, f64::INFINITY) else {
-            flight.end = ParticleFate::Escaped { ray, power };
-            return Some(flight);
-        };
-        if flight.events == 0 {
-            distance += at.t;
-            let left = start.attenuation(distance);
-            if left < 1.0 {
-                let arriving = emitted * left;
-                flight.faded = emitted - arriving;
-                power = arriving;
-            }
-        }
-        let Some(bsdf) = at.bsdf(scene, &wavelengths) else {
-            visit(&Arrival { at: &at, place, arrived: power, left: power });
-            interfaces += 1;
-            if interfaces > INTERFACE_LIMIT {
-                flight.end = ParticleFate::GivenUp(power);
-                return Some(flight);
-            }
-            ray = at.spawn(ray.direction);
-            continue;
-        };
-        interfaces = 0;
-        if flight.events >= max_events {
-            flight.end = ParticleFate::GivenUp(power);
-            return Some(flight);
-        }
-        sampler.skip_to_dimension(
-            FIRST_EVENT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(flight.events)),
+    // Memory of the particles that were traced last.
+    particles: Vec<Option<ParticleState>>,
+    active: Vec<u32>,
+    rays: Vec<BoundedRay>,
+    hits: Vec<Option<SceneHit>>,
+}
+
+impl<'a> ParticleTracer<'a> {
+    /// A tracer of particles that are scattered up to `max_events` times.
+    #[must_use]
+    pub fn new(scene: &'a Scene, max_events: u32) -> Self {
+        let (particles, active, rays, hits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { scene, max_events, particles, active, rays, hits }
+    }
+
+    /// Traces one particle for each sampler, and calls `visit` with the index of a particle for every surface that it hits.
+    ///
+    /// All particles advance from surface to surface together, so that their rays are traced as batches; a thousand are a good number. The
+    /// path of a particle does not depend on the others, and its surfaces are visited in their order.
+    pub fn trace(
+        &mut self,
+        samplers: impl Iterator<Item = PixelSampler>,
+        counters: &mut Counters,
+        mut visit: impl FnMut(usize, &Arrival<'_>),
+    ) {
+        let Self { scene, max_events, particles, active, rays, hits } = self;
+        let wavelengths = Wavelengths::default();
+        particles.clear();
+        particles.extend(samplers.map(|sampler| ParticleState::emitted(scene, sampler)));
+        active.clear();
+        active.extend(
+            (0..).zip(&*particles).filter(|(_, particle)| particle.is_some()).map(|(index, _)| index),
         );
-        flight.events += 1;
-        let (xi, xi_lobe, xi_survival) = (sampler.next_2d(), sampler.next_1d(), sampler.next_1d());
-        let vertex = Vertex::new(&at, bsdf);
-        let scattered = vertex.sample_flux(xi, xi_lobe);
-        let left = scattered.map_or(Spectrum::BLACK, |s| survivor(power * s.weight, threshold, xi_survival));
-        visit(&Arrival { at: &at, place, arrived: power, left });
-        let Some(scattered) = scattered.filter(|_| !left.is_black()) else { return Some(flight) };
-        power = left;
-        ray = at.spawn(scattered.direction);
+        while !active.is_empty() {
+            counters.closest += active.len() as u64;
+            rays.clear();
+            let states = active.iter().filter_map(|&index| particles[index as usize].as_ref());
+            rays.extend(states.map(|particle| BoundedRay::from(particle.ray)));
+            scene.closest_batch(rays, hits);
+            let mut hits = hits.iter();
+            active.retain(|&index| {
+                let index = index as usize;
+                let (Some(particle), Some(hit)) = (&mut particles[index], hits.next()) else { return false };
+                let mut visit = |arrival: &Arrival<'_>| visit(index, arrival);
+                particle.advance(scene, &wavelengths, *max_events, hit.as_ref(), &mut visit)
+            });
+        }
+    }
+
+    /// Paths of the particles that were traced last; `None` where a light is black, so that the particle has no power.
+    pub fn paths(&self) -> impl Iterator<Item = Option<&ParticlePath>> {
+        self.particles.iter().map(|particle| particle.as_ref().map(|particle| &particle.path))
+    }
+}
+
+/// State of a particle between its surfaces.
+struct ParticleState {
+    sampler: PixelSampler,
+    ray: Ray,
+    /// Its power, W.
+    power: Spectrum,
+    /// Power below which it is subject to Russian roulette.
+    threshold: f32,
+    /// The range of its light, and its distance from it until it is scattered first, metres.
+    range: LightRange,
+    distance: f64,
+    /// Interfaces since it was last scattered.
+    interfaces: u32,
+    path: ParticlePath,
+}
+
+impl ParticleState {
+    /// A particle that leaves a light; `None` where the light is black.
+    fn emitted(scene: &Scene, mut sampler: PixelSampler) -> Option<Self> {
+        sampler.skip_to_dimension(EMISSION_DIMENSIONS);
+        let [x, y, u, v] = sampler.next_group();
+        let (xi_direction, xi_place) = (DVec2::new(x, y), DVec2::new(u, v));
+        let (id, probability) = scene.select_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0)?;
+        let LightRay { ray, power, range, .. } = scene.emit(id, xi_place, xi_direction)?;
+        let emitted = power * (1.0 / probability) as f32;
+        Some(Self {
+            sampler,
+            ray,
+            power: emitted,
+            threshold: ROULETTE_BELOW * emitted.max_component(),
+            range,
+            distance: 0.0,
+            interfaces: 0,
+            path: ParticlePath { emitted, faded: Spectrum::BLACK, end: ParticleFate::Absorbed, events: 0 },
+        })
+    }
+
+    /// Continues from the hit of the ray. Returns whether the particle has another ray.
+    fn advance(
+        &mut self,
+        scene: &Scene,
+        wavelengths: &Wavelengths,
+        max_events: u32,
+        hit: Option<&SceneHit>,
+        visit: &mut impl FnMut(&Arrival<'_>),
+    ) -> bool {
+        let Some(hit) = hit else {
+            self.path.end = ParticleFate::Escaped { ray: self.ray, power: self.power };
+            return false;
+        };
+        let at = scene.interaction(&self.ray, hit);
+        let place = scene.parametric_point(hit, &at);
+        if self.path.events == 0 {
+            self.fade(at.t);
+        }
+        let arrived = self.power;
+        let Some(bsdf) = at.bsdf(scene, wavelengths) else {
+            visit(&Arrival { at: &at, place, arrived, left: arrived });
+            self.interfaces += 1;
+            if self.interfaces > INTERFACE_LIMIT {
+                self.path.end = ParticleFate::GivenUp(arrived);
+                return false;
+            }
+            self.ray = at.spawn(self.ray.direction);
+            return true;
+        };
+        self.interfaces = 0;
+        if self.path.events >= max_events {
+            self.path.end = ParticleFate::GivenUp(arrived);
+            return false;
+        }
+        let scattered = self.scatter(&at, bsdf);
+        let left = scattered.map_or(Spectrum::BLACK, |(_, left)| left);
+        visit(&Arrival { at: &at, place, arrived, left });
+        let Some((direction, left)) = scattered.filter(|_| !left.is_black()) else { return false };
+        self.power = left;
+        self.ray = at.spawn(direction);
+        true
+    }
+
+    /// Applies the attenuation of the light over the distance `t`, metres, of the ray.
+    fn fade(&mut self, t: f64) {
+        self.distance += t;
+        let left = self.range.attenuation(self.distance);
+        if left < 1.0 {
+            self.power = self.path.emitted * left;
+            self.path.faded = self.path.emitted - self.power;
+        }
+    }
+
+    /// Samples the direction in which the particle continues, and its power after Russian roulette; `None` if it is absorbed.
+    fn scatter(&mut self, at: &Interaction, bsdf: Bsdf) -> Option<(DVec3, Spectrum)> {
+        let event = self.path.events;
+        self.path.events += 1;
+        if matches!(bsdf, Bsdf::Black) {
+            return None;
+        }
+        self.sampler
+            .skip_to_dimension(FIRST_EVENT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(event)));
+        let [x, y, xi_lobe, xi_survival] = self.sampler.next_group();
+        let scattered = Vertex::new(at, bsdf).sample_flux(DVec2::new(x, y), xi_lobe)?;
+        Some((scattered.direction, survivor(self.power * scattered.weight, self.threshold, xi_survival)))
     }
 }
 

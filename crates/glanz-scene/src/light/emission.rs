@@ -23,20 +23,26 @@ pub struct LightRay {
     pub from: Option<SurfacePoint>,
     /// Density of that point.
     pub area_pdf: Option<AreaPdf>,
-    /// Distance, metres, at which the light has faded to nothing, if it does.
-    pub(super) range: Option<f64>,
+    /// The range of its light.
+    pub range: LightRange,
 }
 
 impl LightRay {
     /// A ray that does not leave a surface, of a light without a range.
     pub(super) fn new(ray: Ray, power: Spectrum) -> Self {
-        Self { ray, power, from: None, area_pdf: None, range: None }
+        Self { ray, power, from: None, area_pdf: None, range: LightRange::default() }
     }
+}
 
+/// Distance, metres, at which light has faded to nothing, if it does.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LightRange(pub(super) Option<f64>);
+
+impl LightRange {
     /// Fraction of the power that is left at `distance`, metres, of a light that fades.
     #[must_use]
-    pub fn attenuation(&self, distance: f64) -> f32 {
-        super::point::window(distance, self.range)
+    pub fn attenuation(self, distance: f64) -> f32 {
+        super::point::window(distance, self.0)
     }
 }
 

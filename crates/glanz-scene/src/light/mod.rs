@@ -22,7 +22,7 @@ use crate::scene::Scene;
 
 pub use area::AreaLight;
 pub use distant::DistantLight;
-pub use emission::LightRay;
+pub use emission::{LightRange, LightRay};
 pub use incident::IncidentLight;
 pub use infinite::InfiniteLight;
 pub use photometric::PhotometricLight;

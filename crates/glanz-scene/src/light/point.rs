@@ -6,7 +6,9 @@ use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
-use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
+use super::{
+    IncidentLight, LightInput, LightModel, LightRange, LightRay, LightSample, brightness, range_error,
+};
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
 use crate::scene::Scene;
@@ -78,7 +80,7 @@ impl LightModel for PointLight {
 
     fn emit(&self, _: &Scene, _: DVec2, direction: DVec2) -> Option<LightRay> {
         let ray = Ray::new(self.position, warp::uniform_sphere(direction));
-        Some(LightRay { range: self.range, ..LightRay::new(ray, self.power()) })
+        Some(LightRay { range: LightRange(self.range), ..LightRay::new(ray, self.power()) })
     }
 
     fn emission_pdf(&self, _: &Scene, at: DVec3, _: DVec3, _: Option<AreaPdf>) -> f64 {

@@ -62,7 +62,7 @@ fn sent(scene: &Scene) -> (f64, f64) {
             && hit.point.position.z.abs() < 1e-9
             && light.ray.direction.z < 0.0
         {
-            met += bright(light.power) * f64::from(light.attenuation(hit.t));
+            met += bright(light.power) * f64::from(light.range.attenuation(hit.t));
         }
     }
     (all / f64::from(COUNT), met / f64::from(COUNT))
@@ -144,7 +144,7 @@ fn extent_sent(scene: &Scene) -> [f64; 2] {
         let Some(light) = scene.emit(LightId(0), place, direction) else { continue };
         let towards = -light.ray.direction;
         let Some(hit) = scene.intersect(&light.ray, f64::INFINITY) else { continue };
-        let arrives = towards.z > 0.0 && light.attenuation(hit.t) > 0.0;
+        let arrives = towards.z > 0.0 && light.range.attenuation(hit.t) > 0.0;
         if hit.point.position.z.abs() > 1e-9 || !arrives {
             continue;
         }

@@ -7,10 +7,14 @@ use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
-use glanz_transport::{Counters, ParticleFate, send_particle};
+use glanz_transport::{Counters, ParticleFate, ParticlePath, ParticleTracer};
 
 fn watts(spectrum: Spectrum) -> f64 {
     f64::from(spectrum.luminance(&Wavelengths::default()))
+}
+
+fn samplers(particles: u32) -> impl Iterator<Item = PixelSampler> {
+    (0..particles).map(move |index| PixelSampler::new(SamplerKind::Sobol, particles, 5, [0, 0], index))
 }
 
 /// Sums over particles, W of luminance.
@@ -27,19 +31,15 @@ struct Books {
 impl Books {
     fn of(scene: &Scene, particles: u32, max_events: u32) -> Self {
         let mut books = Self { particles: f64::from(particles), ..Self::default() };
-        let mut counters = Counters::default();
-        for index in 0..particles {
-            let sampler = PixelSampler::new(SamplerKind::Sobol, particles, 5, [0, 0], index);
-            let (mut arrived, mut absorbed) = (0.0, 0.0);
-            let flight = send_particle(scene, sampler, max_events, &mut counters, |arrival| {
-                arrived += watts(arrival.arrived);
-                absorbed += watts(arrival.arrived) - watts(arrival.left);
-            });
-            let Some(flight) = flight else { continue };
-            books.emitted += watts(flight.emitted);
-            books.arrived += arrived;
-            books.absorbed += absorbed + watts(flight.faded);
-            match flight.end {
+        let (mut tracer, mut counters) = (ParticleTracer::new(scene, max_events), Counters::default());
+        tracer.trace(samplers(particles), &mut counters, |_, arrival| {
+            books.arrived += watts(arrival.arrived);
+            books.absorbed += watts(arrival.arrived) - watts(arrival.left);
+        });
+        for path in tracer.paths().flatten() {
+            books.emitted += watts(path.emitted);
+            books.absorbed += watts(path.faded);
+            match path.end {
                 ParticleFate::Absorbed => {}
                 ParticleFate::Escaped { power, .. } => books.escaped += watts(power),
                 ParticleFate::GivenUp(power) => books.given_up += watts(power),
@@ -73,16 +73,42 @@ fn integrating_sphere_is_lit_by_power_over_absorption() {
     }
 }
 
-#[test]
-fn books_balance_whatever_stands_in_the_room() {
+/// A room without walls: glass and a highlight under a lamp.
+fn room() -> SceneBuilder {
     let phong = MaterialKind::phong(0.0, [0.5, 0.2, 0.1], 0.3, 20.0);
-    let room = looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
+    looking(DVec3::ZERO, DVec3::X, [1, 1], 1.0)
         .shape(ShapeDescription::sphere(0.5).translated([0.5, 0.0, -0.4]), glass())
         .shape(ShapeDescription::sphere(0.4).translated([-0.6, 0.0, -0.4]), phong)
         .shape(
             ShapeDescription::disk(0.3).translated([0.0, 0.0, 0.9]).reversed().emitting([3.0, 2.0, 1.0]),
             diffuse(0.5),
-        );
+        )
+}
+
+#[test]
+fn particles_do_not_depend_on_those_traced_with_them() {
+    let scene = resolved(&room().shape(cuboid(1.0), diffuse(0.7)));
+    let trace = |samplers: &[PixelSampler]| {
+        let (mut arrivals, mut counters) = (vec![Vec::new(); samplers.len()], Counters::default());
+        let mut tracer = ParticleTracer::new(&scene, 12);
+        tracer.trace(samplers.iter().copied(), &mut counters, |particle, arrival| {
+            arrivals[particle].push((arrival.at.t, arrival.place, arrival.arrived, arrival.left));
+        });
+        let paths: Vec<Option<ParticlePath>> = tracer.paths().map(Option::<&ParticlePath>::copied).collect();
+        (paths, arrivals, counters.closest)
+    };
+    let samplers: Vec<PixelSampler> = samplers(600).collect();
+    let (paths, arrivals, rays) = trace(&samplers);
+    let alone: Vec<_> = samplers.chunks(1).map(trace).collect();
+    assert_eq!(rays, alone.iter().map(|(_, _, rays)| rays).sum::<u64>());
+    for (number, (path, arrivals_alone, _)) in alone.iter().enumerate() {
+        assert_eq!((paths[number], &arrivals[number]), (path[0], &arrivals_alone[0]), "{number}");
+    }
+}
+
+#[test]
+fn books_balance_whatever_stands_in_the_room() {
+    let room = room();
     let open = Books::of(&resolved(&room), 4096, 100);
     open.assert_balance();
     assert!(open.escaped > 0.1 * open.emitted);

@@ -76,7 +76,8 @@ impl LightPaths {
             let known = match weights {
                 Some(known) => known,
                 None => {
-                    flux *= start.light.attenuation((hit.point.position - start.light.ray.origin).length());
+                    flux *=
+                        start.light.range.attenuation((hit.point.position - start.light.ray.origin).length());
                     start.weights(context, &vertex)
                 }
             };
