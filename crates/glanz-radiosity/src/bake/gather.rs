@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use glanz_light::Spectrum;
-use glanz_math::{DVec3, Frame};
+use glanz_math::DVec3;
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::warp;
 use glanz_scene::ParametricPoint;
@@ -22,6 +22,11 @@ use crate::charts::Chart;
 use crate::elements::{Element, Elements};
 
 mod path;
+
+use path::PathLight;
+
+/// Paths that are traced together: enough for batches of rays, few enough for caches.
+const PATHS_AT_ONCE: usize = 1024;
 
 /// Elements whose rays are traced between two reports of progress.
 const ELEMENTS_AT_ONCE: usize = 256;
@@ -238,15 +243,10 @@ impl<'a> FinalGather<'a> {
         let mut links: BTreeMap<u32, Spectrum> = BTreeMap::new();
         let open = self.open_receivers(element);
         let weight = 1.0 / self.rays_per_element as f32;
-        for i in 0..if open.is_empty() { 0 } else { self.rays_per_element } {
-            let receiver = &open[i % open.len()];
-            let direction = self.directions[i % self.directions.len()];
-            let (emitted, end) = self.trace(receiver, Frame::from_z(receiver.shading).to_world(direction), i);
-            row.direct += emitted * weight;
-            let Some(end) = end else { continue };
-            let (light, last) = self.continue_path(receiver, end, i);
-            row.direct += light * weight;
-            if let Some((other, share)) = last {
+        for light in self.trace_paths(open.iter().cycle().take(self.rays_per_element).zip(0..)) {
+            row.direct += light.emitted * weight;
+            row.direct += light.direct * weight;
+            if let Some((other, share)) = light.element {
                 *links.entry(other).or_default() += share * weight;
             }
         }
@@ -270,26 +270,38 @@ impl<'a> FinalGather<'a> {
         receivers.filter(|receiver| self.sees(receiver, |place| !self.is_dark_at(place))).collect()
     }
 
-    /// Light gathered at a receiver over its hemisphere.
-    pub(super) fn gather(&self, receiver: &BakeReceiver) -> GatheredLight {
-        self.cache.get_or_gather(receiver, || self.gather_hemisphere(receiver))
+    /// Number of receivers for which it is best to gather light together.
+    pub(super) fn receivers_at_once(&self) -> usize {
+        (PATHS_AT_ONCE / self.directions.len()).max(1)
     }
 
-    fn gather_hemisphere(&self, receiver: &BakeReceiver) -> GatheredLight {
-        let frame = Frame::from_z(receiver.shading);
+    /// Light gathered at receivers over their hemispheres.
+    pub(super) fn gather(&self, receivers: &[BakeReceiver]) -> Vec<GatheredLight> {
+        self.cache.get_or_gather(receivers, |receivers| self.gather_hemispheres(receivers))
+    }
+
+    fn gather_hemispheres(&self, receivers: &[&BakeReceiver]) -> Vec<GatheredLight> {
+        // Rays in the same direction are neighbours.
+        let starts = (0..self.directions.len()).flat_map(|i| receivers.iter().map(move |&at| (at, i)));
+        let lights = self.trace_paths(starts);
+        let of_receiver = |number| lights.iter().skip(number).step_by(receivers.len());
+        (0..receivers.len()).map(|number| self.hemisphere_light(of_receiver(number))).collect()
+    }
+
+    /// Sum of the light of all directions of a receiver.
+    fn hemisphere_light<'p>(&self, paths: impl Iterator<Item = &'p PathLight>) -> GatheredLight {
         let weight = 1.0 / self.directions.len() as f32;
         let (mut light, mut nearness, mut sees_light) = (Spectrum::BLACK, 0.0, false);
-        for (i, &direction) in self.directions.iter().enumerate() {
-            let (emitted, end) = self.trace(receiver, frame.to_world(direction), i);
-            light += emitted * weight;
-            match end {
+        for path in paths {
+            light += path.emitted * weight;
+            match path.end {
                 None => sees_light = true,
                 Some(end) => {
-                    nearness += 1.0 / end.at.point.position.distance(receiver.at.point.position);
-                    sees_light |= self.is_lit_at(&end.place);
-                    let (direct, last) = self.continue_path(receiver, end, i);
-                    let indirect = last.and_then(|(i, share)| Some(*self.indirect.get(i as usize)? * share));
-                    light += (direct + indirect.unwrap_or_default()).map(|x| x.max(0.0)) * weight;
+                    nearness += 1.0 / end.distance;
+                    sees_light |= end.is_lit;
+                    let indirect =
+                        path.element.and_then(|(i, share)| Some(*self.indirect.get(i as usize)? * share));
+                    light += (path.direct + indirect.unwrap_or_default()).map(|x| x.max(0.0)) * weight;
                 }
             }
         }
@@ -313,11 +325,7 @@ impl<'a> FinalGather<'a> {
 
     /// Whether one of a few rays leaves the scene or hits a point that satisfies `condition`.
     fn sees(&self, receiver: &BakeReceiver, condition: impl Fn(&ParametricPoint) -> bool) -> bool {
-        let frame = Frame::from_z(receiver.shading);
-        self.directions.iter().take(INSIDE_RAYS).enumerate().any(|(i, &direction)| {
-            let (_, end) = self.trace(receiver, frame.to_world(direction), i);
-            end.is_none_or(|end| condition(&end.place))
-        })
+        (0..INSIDE_RAYS).any(|number| self.ray_end(receiver, number).is_none_or(|end| condition(&end)))
     }
 
     fn is_dark_at(&self, place: &ParametricPoint) -> bool {
@@ -341,7 +349,11 @@ impl<'a> FinalGather<'a> {
 
     /// Mean direct irradiance of the texel next to a point; `None` without a chart.
     pub(super) fn direct_at(&self, place: &ParametricPoint) -> Option<Spectrum> {
-        let (chart, texel) = self.index.texel(self.charts, place)?;
+        self.direct_on(self.index.texel(self.charts, place)?)
+    }
+
+    /// Mean direct irradiance of a texel, by the numbers of its chart and itself.
+    fn direct_on(&self, (chart, texel): (usize, usize)) -> Option<Spectrum> {
         self.direct.get(chart)?.get(texel).copied()
     }
 }

@@ -164,7 +164,8 @@ fn glass_scatters_no_negative_light() {
                 let ray = Ray::new(DVec3::new(-1.0, 0.7, 0.5), DVec3::new(slope, 0.0, 1.0).normalize());
                 let Some(hit) = scene.intersect(&ray, f64::INFINITY) else { continue };
                 // Without reflection nothing is left but what passes.
-                let albedo = visibility.albedo(&hit);
+                let bsdf = hit.bsdf(&scene, &Wavelengths::default());
+                let albedo = visibility.albedo(&hit, bsdf.as_ref());
                 assert!(albedo.map(|x| -x).max_component() <= 0.0, "{eta} {slope}: {albedo:?}");
                 hits += 1;
             }

@@ -112,9 +112,9 @@ impl TexelFiller<'_> {
             wanted.retain(|key| !self.known.contains_key(key));
             for group in wanted.chunks(TEXELS_AT_ONCE) {
                 progress.report(self.done as f64 / all as f64, || gather.state())?;
-                let one = |&key: &(usize, usize)| (key, gather_at_texel(gather, direct, key));
-                let light: Vec<_> = group.par_iter().map(one).collect();
-                self.known.extend(light);
+                let together = group.par_chunks(gather.receivers_at_once());
+                let light: Vec<_> = together.map(|keys| gather_at_texels(gather, direct, keys)).collect();
+                self.known.extend(group.iter().copied().zip(light.into_iter().flatten()));
             }
             let mut rest = Vec::new();
             for block in blocks {
@@ -225,12 +225,25 @@ fn interpolate(
     }
 }
 
-/// Gathers light at the middle of a texel, or at the first of its points that is not inside a solid.
-fn gather_at_texel(
+/// Light gathered at texels, by their charts and numbers; `None` where no point is on the surface and outside of all solids.
+fn gather_at_texels(
+    gather: &FinalGather<'_>,
+    direct: &[DirectMap],
+    keys: &[(usize, usize)],
+) -> Vec<Option<GatheredLight>> {
+    let points: Vec<_> = keys.iter().map(|&key| gather_point(gather, direct, key)).collect();
+    let receivers: Vec<BakeReceiver> = points.iter().flatten().map(|(receiver, _)| *receiver).collect();
+    let mut found = gather.gather(&receivers).into_iter();
+    let mut light = |is_lit: bool| found.next().filter(|light| light.sees_light || is_lit);
+    points.iter().map(|point| point.as_ref().and_then(|&(_, is_lit)| light(is_lit))).collect()
+}
+
+/// The middle of a texel, or the first of its points that is not inside a solid, and whether light reaches all of the texel.
+fn gather_point(
     gather: &FinalGather<'_>,
     direct: &[DirectMap],
     (chart, texel): (usize, usize),
-) -> Option<GatheredLight> {
+) -> Option<(BakeReceiver, bool)> {
     let own = &gather.charts[chart];
     let lights = direct[chart].at(texel);
     let width = own.size[0] as usize;
@@ -244,6 +257,5 @@ fn gather_at_texel(
         let receiver = BakeReceiver::new(gather.elements, &place)?;
         (is_lit || gather.sees_light(&receiver)).then_some(receiver)
     });
-    let found = gather.gather(&open?);
-    (found.sees_light || is_lit).then_some(found)
+    Some((open?, is_lit))
 }

@@ -175,18 +175,25 @@ impl GatherCache {
         Self { before, since: Mutex::default() }
     }
 
-    /// Light at a receiver: that of the earlier bake, or that which `gather` returns.
+    /// Light at receivers: that of the earlier bake, or that which `gather` returns for those that it lacks.
     pub(super) fn get_or_gather(
         &self,
-        receiver: &BakeReceiver,
-        gather: impl FnOnce() -> GatheredLight,
-    ) -> GatheredLight {
-        let key = fingerprint(receiver);
-        if let Some(found) = self.before.get(&key) {
-            return *found;
-        }
-        let found = gather();
-        self.since.lock().unwrap_or_else(PoisonError::into_inner).push((key, found));
+        receivers: &[BakeReceiver],
+        gather: impl FnOnce(&[&BakeReceiver]) -> Vec<GatheredLight>,
+    ) -> Vec<GatheredLight> {
+        let keys: Vec<u128> = receivers.iter().map(fingerprint).collect();
+        let is_new = |key: &u128| !self.before.contains_key(key);
+        let new: Vec<&BakeReceiver> = receivers
+            .iter()
+            .zip(&keys)
+            .filter(|(_, key)| is_new(key))
+            .map(|(receiver, _)| receiver)
+            .collect();
+        let mut gathered = gather(&new).into_iter();
+        let light = |key: &u128| self.before.get(key).copied().or_else(|| gathered.next());
+        let found: Vec<GatheredLight> = keys.iter().filter_map(light).collect();
+        let since = keys.iter().copied().zip(found.iter().copied()).filter(|(key, _)| is_new(key));
+        self.since.lock().unwrap_or_else(PoisonError::into_inner).extend(since);
         found
     }
 

@@ -56,18 +56,23 @@ impl<'a> Visibility<'a> {
 
     /// Fraction of light that the surface at `hit` transmits straight through.
     pub(super) fn surface_transmittance(&self, hit: &Interaction) -> Spectrum {
-        match hit.bsdf(self.scene, &Wavelengths::default()) {
+        self.bsdf_transmittance(hit, hit.bsdf(self.scene, &Wavelengths::default()).as_ref())
+    }
+
+    /// As [`Visibility::surface_transmittance`], with the BSDF at `hit`.
+    pub(super) fn bsdf_transmittance(&self, hit: &Interaction, bsdf: Option<&Bsdf>) -> Spectrum {
+        match bsdf {
             None => Spectrum::ONE,
-            Some(bsdf) if self.is_clear => transmitted(&bsdf, hit.frame().to_local(hit.wo)),
+            Some(bsdf) if self.is_clear => transmitted(bsdf, hit.frame().to_local(hit.wo)),
             Some(_) => Spectrum::BLACK,
         }
     }
 
-    /// Fraction of the light from `hit.wo` that the surface scatters, without the fraction transmitted straight through.
-    pub(super) fn albedo(&self, hit: &Interaction) -> Spectrum {
-        let Some(bsdf) = hit.bsdf(self.scene, &Wavelengths::default()) else { return Spectrum::BLACK };
+    /// Fraction of the light from `hit.wo` that the surface with this BSDF scatters, without the fraction transmitted straight through.
+    pub(super) fn albedo(&self, hit: &Interaction, bsdf: Option<&Bsdf>) -> Spectrum {
+        let Some(bsdf) = bsdf else { return Spectrum::BLACK };
         let wo = hit.frame().to_local(hit.wo);
-        let through = if self.is_clear { transmitted(&bsdf, wo) } else { Spectrum::BLACK };
+        let through = if self.is_clear { transmitted(bsdf, wo) } else { Spectrum::BLACK };
         if through.is_black() {
             return bsdf.albedo(wo);
         }

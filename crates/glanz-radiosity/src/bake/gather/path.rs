@@ -1,9 +1,11 @@
 //! Paths of rays that gather light.
 
-use glanz_light::Spectrum;
-use glanz_math::{DVec3, Frame};
+use glanz_geometry::BoundedRay;
+use glanz_light::{Spectrum, Wavelengths};
+use glanz_math::{DVec3, Frame, Ray};
 use glanz_sampling::hash::permute;
-use glanz_scene::{Interaction, Light, ParametricPoint, Scene};
+use glanz_scene::{Interaction, Light, ParametricPoint, Scene, SceneHit};
+use glanz_shading::Bsdf;
 
 use super::super::direct::luminance;
 use super::super::receiver::BakeReceiver;
@@ -13,91 +15,210 @@ use super::{FinalGather, KEY};
 /// Largest number of bounces between surfaces that are near each other.
 const MAX_BOUNCES: u32 = 8;
 
+/// Light gathered along the path of a ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct PathLight {
+    /// pi times the radiance of lights on the ray that cannot be sampled.
+    pub(super) emitted: Spectrum,
+    /// End of the ray; `None` if it leaves the scene.
+    pub(super) end: Option<RayEnd>,
+    /// Radiosity at the end by direct light.
+    pub(super) direct: Spectrum,
+    /// An element, and the factor on its indirect irradiance for the rest of the radiosity at the end.
+    pub(super) element: Option<(u32, Spectrum)>,
+}
+
 /// End of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RayEnd {
-    pub(super) at: Interaction,
-    pub(super) place: ParametricPoint,
-    /// Factor on the light that leaves there.
-    pub(super) weight: Spectrum,
+    /// Distance from the origin, metres.
+    pub(super) distance: f64,
+    /// Whether light reaches the chart there.
+    pub(super) is_lit: bool,
 }
 
 impl FinalGather<'_> {
-    /// Radiosity at the end of a ray: the part from direct light, and an element with the factor on its indirect irradiance.
+    /// Light along paths from receivers, each with its number. The number selects the direction of the ray.
     ///
-    /// An element that is nearer than its size is too coarse: the ray continues from there over the hemisphere until the distance
-    /// suffices, as in the gap between a vase and the floor.
-    pub(super) fn continue_path(
+    /// All paths advance from surface to surface together, so that their rays are traced as batches.
+    pub(super) fn trace_paths<'a>(
         &self,
-        from: &BakeReceiver,
-        end: RayEnd,
-        ray: usize,
-    ) -> (Spectrum, Option<(u32, Spectrum)>) {
-        let (mut light, mut throughput) = (Spectrum::BLACK, Spectrum::ONE);
-        let (mut from, mut end) = (*from, end);
-        for bounce in 1.. {
-            if self.is_dark_at(&end.place) {
-                break;
-            }
-            throughput *= end.weight * self.visibility.albedo(&end.at);
-            light += throughput * self.direct_at(&end.place).unwrap_or_default();
-            let Some(number) = self.index.element(self.elements, &end.place) else { break };
-            let area = self.elements.list.get(number as usize).map_or(0.0, |element| element.area);
-            let distance_squared = end.at.point.position.distance_squared(from.at.point.position);
-            if distance_squared >= area || bounce > MAX_BOUNCES || throughput.is_black() {
-                return (light, Some((number, throughput)));
-            }
-            let Some(next) = BakeReceiver::new(self.elements, &end.place) else { break };
-            // Equal for all receivers, so that adjacent texels agree; different at each bounce.
-            let pick = permute(ray as u32, self.directions.len() as u32, KEY + u64::from(bounce));
-            let Some(&direction) = self.directions.get(pick as usize) else { break };
-            let (emitted, there) =
-                self.trace(&next, Frame::from_z(next.shading).to_world(direction), pick as usize);
-            light += throughput * emitted;
-            let Some(there) = there else { break };
-            (from, end) = (next, there);
+        starts: impl Iterator<Item = (&'a BakeReceiver, usize)>,
+    ) -> Vec<PathLight> {
+        let scene = self.elements.scene;
+        let mut lights = Vec::new();
+        let mut paths: Vec<GatherPath> = Vec::new();
+        for (receiver, number) in starts {
+            let path = GatherPath::new(self, receiver, number as u32, lights.len());
+            paths.extend(path);
+            lights.push(PathLight::default());
         }
-        (light, None)
+        let (mut rays, mut hits) = (Vec::new(), Vec::new());
+        while !paths.is_empty() {
+            rays.clear();
+            rays.extend(paths.iter().map(|path| BoundedRay::from(path.ray.segment)));
+            scene.closest_batch(&rays, &mut hits);
+            let mut found = hits.iter();
+            paths.retain_mut(|path| {
+                let hit = found.next().and_then(Option::as_ref);
+                path.advance(self, hit, &mut lights[path.slot])
+            });
+        }
+        lights
     }
 
-    /// Traces a ray; returns pi times the radiance of lights on its way that cannot be sampled, and its end.
+    /// The end of a ray from a receiver in one of the directions; `None` if it leaves the scene.
+    pub(super) fn ray_end(&self, receiver: &BakeReceiver, number: usize) -> Option<ParametricPoint> {
+        let mut ray = GatherRay::new(receiver, number as u32, *self.directions.get(number)?)?;
+        loop {
+            let (at, place) = self.elements.scene.intersect_parametric(&ray.segment, f64::INFINITY)?;
+            match ray.meet(self, &at) {
+                SurfaceEvent::Pass => {}
+                SurfaceEvent::End(_) => return Some(place),
+                SurfaceEvent::Lost => return None,
+            }
+        }
+    }
+}
+
+/// A ray that passes clear glass.
+#[derive(Clone, Copy)]
+struct GatherRay {
+    /// Its part behind the last surface.
+    segment: Ray,
+    /// Its number among those of a receiver.
+    number: u32,
+    /// Number of surfaces that it passed.
+    passed: u32,
+    /// pi times the radiance of lights on its way that cannot be sampled.
+    emitted: Spectrum,
+    /// Factor on the light that leaves at its end.
+    weight: Spectrum,
+}
+
+/// What happens to a ray at a surface.
+enum SurfaceEvent {
+    Pass,
+    /// It ends; the BSDF there, `None` on an interface.
+    End(Option<Bsdf>),
+    /// It passed too many surfaces.
+    Lost,
+}
+
+impl GatherRay {
+    /// A ray in a direction around z, turned to the receiver; `None` below the surface, though above the plane of the shading normal:
+    /// no light arrives from there.
+    fn new(receiver: &BakeReceiver, number: u32, direction: DVec3) -> Option<Self> {
+        let direction = Frame::from_z(receiver.shading).to_world(direction);
+        (receiver.normal.dot(direction) > 0.0).then(|| Self {
+            segment: receiver.at.spawn(direction),
+            number,
+            passed: 0,
+            emitted: Spectrum::BLACK,
+            weight: Spectrum::ONE,
+        })
+    }
+
+    /// Continues from a surface. At clear glass a ray passes straight through or ends, at random with the probability of each.
+    fn meet(&mut self, gather: &FinalGather<'_>, at: &Interaction) -> SurfaceEvent {
+        let scene = gather.elements.scene;
+        if is_unsampled_light(scene, at) {
+            self.emitted += self.weight * scene.emitted(at, at.wo) * std::f32::consts::PI;
+        }
+        let bsdf = at.bsdf(scene, &Wavelengths::default());
+        let through = gather.visibility.bsdf_transmittance(at, bsdf.as_ref());
+        let probability = luminance(through);
+        if probability <= 0.0 {
+            return SurfaceEvent::End(bsdf);
+        }
+        // Equal for all receivers, so that adjacent texels agree.
+        let count = gather.directions.len();
+        let turn = permute(self.number, count as u32, KEY ^ (u64::from(self.passed) << 32));
+        let pick = (turn as f32 + 0.5) / count as f32;
+        if pick >= probability {
+            self.weight *= 1.0 / (1.0 - probability);
+            return SurfaceEvent::End(bsdf);
+        }
+        self.weight *= through * (1.0 / probability);
+        self.segment = at.spawn(self.segment.direction);
+        self.passed += 1;
+        if self.passed < MAX_PASSED { SurfaceEvent::Pass } else { SurfaceEvent::Lost }
+    }
+}
+
+/// State of a path between its surfaces.
+struct GatherPath {
+    /// Its index among the paths that are traced together.
+    slot: usize,
+    /// The number of its first ray.
+    number: u32,
+    ray: GatherRay,
+    /// Origin of the ray.
+    from: DVec3,
+    /// Rays before this one.
+    bounces: u32,
+    throughput: Spectrum,
+}
+
+impl GatherPath {
+    /// A path that starts at a receiver; `None` if no light arrives from there.
+    fn new(gather: &FinalGather<'_>, receiver: &BakeReceiver, number: u32, slot: usize) -> Option<Self> {
+        let directions = &gather.directions;
+        let ray = GatherRay::new(receiver, number, directions[number as usize % directions.len()])?;
+        let (from, throughput) = (receiver.at.point.position, Spectrum::ONE);
+        Some(Self { slot, number, ray, from, bounces: 0, throughput })
+    }
+
+    /// Continues from the hit of the ray, and adds the light found there to `light`. Returns whether the path has another ray.
     ///
-    /// At clear glass it passes straight through or ends, at random with the probability of each.
-    pub(super) fn trace(
-        &self,
-        receiver: &BakeReceiver,
-        direction: DVec3,
-        ray: usize,
-    ) -> (Spectrum, Option<RayEnd>) {
-        let (mut found, mut throughput) = (Spectrum::BLACK, Spectrum::ONE);
-        if receiver.normal.dot(direction) <= 0.0 {
-            // Below the surface, though above the plane of the shading normal: no light arrives from there.
-            return (found, None);
+    /// An element that is nearer than its size is too coarse: the path continues from there over the hemisphere until the distance
+    /// suffices, as in the gap between a vase and the floor.
+    fn advance(&mut self, gather: &FinalGather<'_>, hit: Option<&SceneHit>, light: &mut PathLight) -> bool {
+        let scene = gather.elements.scene;
+        let end = hit.map(|hit| (hit, scene.interaction(&self.ray.segment, hit)));
+        let event = end.as_ref().map_or(SurfaceEvent::Lost, |(_, at)| self.ray.meet(gather, at));
+        if matches!(event, SurfaceEvent::Pass) {
+            return true;
         }
-        let scene = self.elements.scene;
-        let mut segment = receiver.at.spawn(direction);
-        for passed in 0..MAX_PASSED {
-            let Some((at, place)) = scene.intersect_parametric(&segment, f64::INFINITY) else {
-                return (found, None);
-            };
-            if is_unsampled_light(scene, &at) {
-                found += throughput * scene.emitted(&at, at.wo) * std::f32::consts::PI;
-            }
-            let through = self.visibility.surface_transmittance(&at);
-            let probability = luminance(through);
-            if probability <= 0.0 {
-                return (found, Some(RayEnd { at, place, weight: throughput }));
-            }
-            // Equal for all receivers, so that adjacent texels agree.
-            let turn = permute(ray as u32, self.directions.len() as u32, KEY ^ (u64::from(passed) << 32));
-            let pick = (turn as f32 + 0.5) / self.directions.len() as f32;
-            if pick >= probability {
-                throughput *= 1.0 / (1.0 - probability);
-                return (found, Some(RayEnd { at, place, weight: throughput }));
-            }
-            throughput *= through * (1.0 / probability);
-            segment = at.spawn(direction);
+        if self.bounces == 0 {
+            light.emitted = self.ray.emitted;
+        } else {
+            light.direct += self.throughput * self.ray.emitted;
         }
-        (found, None)
+        let (Some((hit, at)), SurfaceEvent::End(bsdf)) = (&end, event) else { return false };
+        let place = scene.parametric_point(hit, at);
+        let texel = gather.index.texel(gather.charts, &place);
+        if self.bounces == 0 {
+            let distance = at.point.position.distance(self.from);
+            light.end =
+                Some(RayEnd { distance, is_lit: texel.is_none_or(|(chart, _)| gather.is_lit[chart]) });
+        }
+        if texel.is_some_and(|(chart, _)| gather.is_dark[chart]) {
+            return false;
+        }
+        self.throughput *= self.ray.weight * gather.visibility.albedo(at, bsdf.as_ref());
+        light.direct += self.throughput * texel.and_then(|texel| gather.direct_on(texel)).unwrap_or_default();
+        let Some(number) = gather.index.element(gather.elements, &place) else { return false };
+        self.bounces += 1;
+        let area = gather.elements.list.get(number as usize).map_or(0.0, |element| element.area);
+        let distance_squared = at.point.position.distance_squared(self.from);
+        if distance_squared >= area || self.bounces > MAX_BOUNCES || self.throughput.is_black() {
+            light.element = Some((number, self.throughput));
+            return false;
+        }
+        self.continue_from(gather, &place)
+    }
+
+    /// Continues from a point over its hemisphere. Returns whether there is a ray.
+    fn continue_from(&mut self, gather: &FinalGather<'_>, place: &ParametricPoint) -> bool {
+        let Some(next) = BakeReceiver::new(gather.elements, place) else { return false };
+        // Equal for all receivers, so that adjacent texels agree; different at each bounce.
+        let pick = permute(self.number, gather.directions.len() as u32, KEY + u64::from(self.bounces));
+        let Some(&direction) = gather.directions.get(pick as usize) else { return false };
+        let Some(ray) = GatherRay::new(&next, pick, direction) else { return false };
+        self.ray = ray;
+        self.from = next.at.point.position;
+        true
     }
 }
 
@@ -107,4 +228,43 @@ fn is_unsampled_light(scene: &Scene, at: &Interaction) -> bool {
         Some(Light::Area(light)) => luminance(scene.emitted(at, at.wo)) > 0.0 && !light.can_be_sampled(),
         _ => false,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_job::{CancelFlag, Silent};
+
+    use super::super::super::{BakeMethod, BakeProgress, BakeSettings, BakeState, direct};
+    use super::*;
+    use crate::bake::lookup::SurfaceIndex;
+    use crate::charts::charts;
+    use crate::elements::{ElementSettings, Elements};
+    use crate::scenes::{scene, walls};
+
+    #[test]
+    fn paths_do_not_depend_on_those_traced_with_them() {
+        // Elements as large as the walls: paths from near their edges bounce several times.
+        let scene = scene(walls(DVec3::ONE).into_iter().map(|wall| (wall, 0.7, 1.0)).collect());
+        let settings = BakeSettings { density: 3.0, rays: 64, shadow_rays: 16, method: BakeMethod::Gather };
+        let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
+        let charts = charts(&elements.surfaces, settings.density);
+        let (mut sink, cancel) = (Silent, CancelFlag::default());
+        let mut progress = BakeProgress::new(&mut sink, &cancel, 3);
+        let state = BakeState::default();
+        let direct = direct::light_on_charts(&elements, &charts, &settings, &state, &mut progress).unwrap();
+        let index = SurfaceIndex::new(&elements, &charts);
+        let gather = FinalGather::new(&elements, &index, &charts, &direct, &settings);
+        let places = elements.list.iter().map(super::super::element_center);
+        let receivers: Vec<BakeReceiver> =
+            places.filter_map(|place| BakeReceiver::new(&elements, &place)).collect();
+        let starts: Vec<(&BakeReceiver, usize)> =
+            (0..64).flat_map(|i| receivers.iter().map(move |at| (at, i))).collect();
+        let together = gather.trace_paths(starts.iter().copied());
+        let alone: Vec<PathLight> =
+            starts.iter().flat_map(|&start| gather.trace_paths(std::iter::once(start))).collect();
+        assert_eq!(together, alone);
+        // Some end at an element, others after bounces at none.
+        let ends = together.iter().filter(|light| light.element.is_some()).count();
+        assert!(ends > 100 && together.iter().any(|light| light.end.is_none()), "{ends}");
+    }
 }
