@@ -18,7 +18,7 @@ const LEAST_RAYS: usize = 4;
 
 thread_local! {
     /// The memory of earlier batches, one for each level of instances: getting it from the system would take as long as the rays.
-    static MEMORY: RefCell<Vec<Box<SceneBatchMemory>>> = const { RefCell::new(Vec::new()) };
+    static MEMORY: RefCell<Vec<SceneBatchMemory>> = const { RefCell::new(Vec::new()) };
 }
 
 /// Memory that batches reuse.

@@ -24,7 +24,7 @@ impl InstancePath {
     }
 }
 
-/// The hit of a ray with an object of a scene; [`Scene::interaction`] computes the point.
+/// The hit of a ray with an object of a scene; [`Scene::interaction`](crate::Scene::interaction) computes the point.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneHit {
     pub(crate) hit: Hit,

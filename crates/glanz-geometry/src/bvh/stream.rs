@@ -116,18 +116,18 @@ impl Bvh {
 
 thread_local! {
     /// The memory of earlier streams, as much as were nested: getting it from the system would take as long as the rays.
-    static POOL: RefCell<Vec<Box<StreamScratch>>> = const { RefCell::new(Vec::new()) };
+    static POOL: RefCell<Vec<StreamScratch>> = const { RefCell::new(Vec::new()) };
 }
 
 impl StreamScratch {
     /// Memory of this thread. A pair of functions instead of one with a closure: closures are not compiled for vector instructions.
-    pub(crate) fn take() -> Box<Self> {
+    pub(crate) fn take() -> Self {
         // A thread that ends has no pool any more.
         POOL.try_with(|pool| pool.borrow_mut().pop()).ok().flatten().unwrap_or_default()
     }
 
     /// Keeps the memory for the next stream of this thread.
-    pub(crate) fn put_back(self: Box<Self>) {
+    pub(crate) fn put_back(self) {
         let _ = POOL.try_with(|pool| pool.borrow_mut().push(self));
     }
 
