@@ -101,3 +101,13 @@ impl RectangleGrid {
         y.flat_map(move |y| x.clone().map(move |x| y * columns + x))
     }
 }
+
+/// Triangles between one corner of the unit square and its opposite sides, for tests: the bounds of most overlap many cells.
+#[cfg(test)]
+pub(crate) fn slender_triangles(count: u32) -> Vec<[DVec2; 3]> {
+    let on_sides = |i: u32| {
+        let share = f64::from(i) / f64::from(count) * 2.0;
+        if share < 1.0 { DVec2::new(1.0, share) } else { DVec2::new(2.0 - share, 1.0) }
+    };
+    (0..count).map(|i| [DVec2::ZERO, on_sides(i), on_sides(i + 1)]).collect()
+}

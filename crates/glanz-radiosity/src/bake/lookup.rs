@@ -124,29 +124,24 @@ mod tests {
 
     use super::*;
     use crate::elements::{ElementSettings, ParameterPatch, Patch};
+    use crate::rectangle_grid::slender_triangles;
     use crate::scenes::{parallelogram, scene};
 
     #[test]
     fn slender_elements_fill_few_cells() {
-        // Triangles from one corner to the opposite sides: the bounds of most overlap many cells.
         let scene = scene(vec![(parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y), 0.5, 0.0)]);
         let mut elements = Elements::new(&scene, &ElementSettings { side: 9.0 }).unwrap();
         let patch = elements.list[0].patch;
-        let n = 3000;
-        let on_sides = |i: u32| {
-            let share = f64::from(i) / f64::from(n) * 2.0;
-            if share < 1.0 { DVec2::new(1.0, share) } else { DVec2::new(2.0 - share, 1.0) }
-        };
-        let domain = |i| ParameterPatch::Triangle([DVec2::ZERO, on_sides(i), on_sides(i + 1)]);
-        let slivers = (0..n).map(|i| Patch { domain: domain(i), ..patch });
-        elements.list = slivers.filter_map(|patch| elements.element(patch)).collect();
+        let fan = slender_triangles(3000);
+        let patches = fan.iter().map(|&corners| Patch { domain: ParameterPatch::Triangle(corners), ..patch });
+        elements.list = patches.filter_map(|patch| elements.element(patch)).collect();
         let index = SurfaceIndex::new(&elements, &[]);
         let side = index.sides.iter().find(|side| !side.elements.is_empty()).unwrap();
         let (covered, cells) =
             (side.grid.lists().map(<[u32]>::len).sum::<usize>(), side.grid.lists().count());
-        assert!(covered <= 16 * n as usize + cells, "{covered} {cells}");
-        for i in (0..n).step_by(7) {
-            let uv = 0.4 * on_sides(i) + 0.4 * on_sides(i + 1);
+        assert!(covered <= 16 * fan.len() + cells, "{covered} {cells}");
+        for (i, [_, b, c]) in (0..).zip(fan).step_by(7) {
+            let uv = 0.4 * b + 0.4 * c;
             let place = ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv };
             assert_eq!(index.element(&elements, &place), Some(i));
         }

@@ -6,7 +6,7 @@ use glanz_math::DVec2;
 
 use crate::rectangle_grid::RectangleGrid;
 
-/// Cells per side of the grid for lookup of triangles, unless each of these fills the bounds of the sheet.
+/// Largest number of cells per side of the grid for lookup of triangles; 1 if each of these fills the bounds of the sheet.
 const COLUMNS: usize = 64;
 
 /// A triangle of a face, projected onto the plane of a sheet.
@@ -55,7 +55,7 @@ impl FlatSheet {
         }
         // Scenes may have as many sheets as triangles, most of which need no grid.
         let is_filled = bounds.iter().all(|[min, max]| *min == DVec2::ZERO && *max == size);
-        let grid = RectangleGrid::new(size, if is_filled { 1 } else { COLUMNS }, &bounds);
+        let grid = RectangleGrid::with_linear_memory(size, if is_filled { 1 } else { COLUMNS }, &bounds);
         Self { triangles, by_face, grid, size, shrink }
     }
 
@@ -117,6 +117,7 @@ fn blend([u, v, w]: [f64; 3], points: &[DVec2; 3]) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rectangle_grid::slender_triangles;
 
     #[test]
     fn sheets_of_a_single_triangle_or_of_two_halves_of_a_rectangle_take_little_memory() {
@@ -134,6 +135,19 @@ mod tests {
                 let expected = if is_below { Some(0) } else { (count > 1).then_some(1) };
                 assert_eq!(sheet.parameters(point).map(|(face, _)| face), expected);
             }
+        }
+    }
+
+    #[test]
+    fn sheets_of_slender_triangles_take_memory_in_proportion_to_their_number() {
+        let fan = slender_triangles(3000);
+        let triangle = |(face, &corners)| FlatTriangle { face, corners, parameters: corners };
+        let sheet = FlatSheet::new((0..).zip(&fan).map(triangle).collect(), 1.0);
+        let entries = sheet.grid.lists().map(<[u32]>::len).sum::<usize>();
+        assert!(entries <= 16 * fan.len() + COLUMNS * COLUMNS, "{entries}");
+        for (face, [_, b, c]) in (0..).zip(fan).step_by(7) {
+            let found = sheet.parameters(0.4 * b + 0.4 * c);
+            assert_eq!(found.map(|(found, _)| found), Some(face));
         }
     }
 }
