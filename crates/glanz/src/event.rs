@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use glanz_report::number::plural;
+use glanz_report::number::{plural, significant};
 use glanz_scene::Diagnostic;
 use glanz_transport::SampleRanges;
 
@@ -52,6 +52,15 @@ pub enum Warning {
     CoarseCharts {
         /// Their number.
         charts: usize,
+    },
+    /// Elements of the hierarchical solver that are larger than its error bound requires, because more would take too much memory.
+    CoarseElements {
+        /// Their number.
+        elements: usize,
+        /// Largest error of the light between two groups of them, relative to the flux of the scene.
+        error: f64,
+        /// The bound on `error`, which it exceeds.
+        bound: f64,
     },
     /// Lights without extent, whose reflections are not integrated.
     Unreflected {
@@ -102,6 +111,15 @@ impl fmt::Display for Warning {
                 f,
                 "{} fewer texels than asked for: 4096 along a side is the most",
                 plural(*charts as u64, "chart has", "charts have")
+            ),
+            Self::CoarseElements { elements, error, bound } => write!(
+                f,
+                "the solver ended at {} because more would take too much memory: the light between two parts of the \
+                 scene has errors of up to {} % of all light instead of {} %; choose fewer texels per metre, or the \
+                 method \"gather\"",
+                plural(*elements as u64, "element", "elements"),
+                significant(100.0 * error),
+                100.0 * bound,
             ),
             Self::Unreflected { lights } => write!(
                 f,
@@ -166,4 +184,20 @@ pub enum ResumedState {
     AllLight,
     /// Number of particles.
     Particles(u64),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warning_of_coarse_elements_has_numbers_and_a_remedy() {
+        let warning = Warning::CoarseElements { elements: 838_000, error: 0.0123, bound: 1e-4 };
+        assert_eq!(
+            warning.to_string(),
+            "the solver ended at 838 000 elements because more would take too much memory: the light between two parts of \
+             the scene has errors of up to 1.230 % of all light instead of 0.01 %; choose fewer texels per metre, or the method \
+             \"gather\""
+        );
+    }
 }

@@ -187,8 +187,9 @@ fn light_maps_agree_with_path_tracing() {
     for name in setting("GLANZ_BAKE_METHODS", "gather natural").split_whitespace() {
         let method = BakeMethod::from_name(name).expect("a method of the bake");
         let start = std::time::Instant::now();
-        let maps = bake(&elements, &BakeSettings { method, ..settings }, &mut Silent, &CancelFlag::default());
-        let maps = maps.unwrap();
+        let light =
+            bake(&elements, &BakeSettings { method, ..settings }, &mut Silent, &CancelFlag::default());
+        let maps = light.unwrap().maps;
         let seconds = start.elapsed().as_secs_f64();
         if points.is_empty() {
             points = reference_points(&elements, &maps, settings.density);

@@ -137,7 +137,7 @@ impl<'a> FinalGather<'a> {
 
     /// Resumes from a state; `false` if it belongs to other elements.
     pub(super) fn resume(&mut self, state: BakeState) -> bool {
-        let BakeState { indirect, gathered, solution } = state;
+        let BakeState { indirect, gathered, solution, .. } = state;
         if solution.is_some() {
             return false;
         }
@@ -161,7 +161,7 @@ impl<'a> FinalGather<'a> {
         BakeState {
             indirect: self.is_solved.then(|| self.indirect.clone()),
             gathered: self.cache.to_map(),
-            solution: None,
+            ..BakeState::default()
         }
     }
 

@@ -41,7 +41,7 @@ mod tests;
 mod visibility;
 
 pub use atlas::{Atlas, AtlasPage, BORDER};
-use gather::FinalGather;
+use gather::{FinalGather, MAX_SMALL_ELEMENTS};
 pub use light_map::LightMap;
 use light_map::light_maps;
 use lookup::SurfaceIndex;
@@ -49,13 +49,22 @@ pub use maps::LightMaps;
 use progress::BakeProgress;
 use receiver::BakeReceiver;
 use reconstruction::Reconstruction;
-pub use settings::{BakeError, BakeMethod, BakeSettings};
+pub use settings::{BakeError, BakeMethod, BakeSettings, CoarseElements};
 pub use state::BakeState;
 
 /// Charts that are computed between two reports of progress.
 const CHARTS_AT_ONCE: usize = 64;
 
-/// Computes light maps of all surfaces of `elements`; those of the two sides of a chart are adjacent.
+/// Result of a bake.
+#[derive(Clone, Debug)]
+pub struct BakedLight {
+    /// Light maps of all surfaces; those of the two sides of a chart are adjacent.
+    pub maps: Vec<LightMap>,
+    /// The elements of the hierarchical solver, if memory made them larger than its error bound requires.
+    pub coarse_elements: Option<CoarseElements>,
+}
+
+/// Computes light maps of all surfaces of `elements`.
 ///
 /// All reflection of materials counts as diffuse. In the final gather all glass is opaque; with [`BakeMethod::Radiosity`] clear glass
 /// transmits light. `sink`: see [`resume`].
@@ -72,7 +81,7 @@ pub fn bake(
     settings: &BakeSettings,
     sink: &mut dyn ProgressSink<BakeState>,
     cancel: &CancelFlag,
-) -> Result<Vec<LightMap>, BakeError> {
+) -> Result<BakedLight, BakeError> {
     resume(BakeState::default(), elements, settings, sink, cancel)
 }
 
@@ -89,7 +98,7 @@ pub fn resume(
     settings: &BakeSettings,
     sink: &mut dyn ProgressSink<BakeState>,
     cancel: &CancelFlag,
-) -> Result<Vec<LightMap>, BakeError> {
+) -> Result<BakedLight, BakeError> {
     if let BakeMethod::Radiosity { reconstruction } = settings.method {
         reconstruction.check()?;
     }
@@ -119,7 +128,7 @@ fn bake_by_gather(
     charts: &[Chart],
     settings: &BakeSettings,
     progress: &mut BakeProgress<'_>,
-) -> Result<Vec<LightMap>, BakeError> {
+) -> Result<BakedLight, BakeError> {
     let direct = direct::light_on_charts(elements, charts, settings, &state, progress)?;
     let index = SurfaceIndex::new(elements, charts);
     let mut gather = FinalGather::new(elements, &index, charts, &direct, settings);
@@ -133,7 +142,7 @@ fn bake_by_gather(
     }
     progress.begin(3, "indirect light");
     let indirect = indirect::light_on_charts(&gather, &direct, progress)?;
-    Ok(light_maps(&gather, &direct, indirect))
+    Ok(BakedLight { maps: light_maps(&gather, &direct, indirect), coarse_elements: None })
 }
 
 /// Light maps by the hierarchical solver.
@@ -144,15 +153,17 @@ fn bake_by_radiosity(
     settings: &BakeSettings,
     reconstruction: Interpolation,
     progress: &mut BakeProgress<'_>,
-) -> Result<Vec<LightMap>, BakeError> {
+) -> Result<BakedLight, BakeError> {
     let direct = direct::light_on_charts(elements, charts, settings, &state, progress)?;
     let index = SurfaceIndex::new(elements, charts);
     let gather = FinalGather::new(elements, &index, charts, &direct, settings);
-    let refined = match &state.solution {
-        Some(solution) => solution::stored(elements, settings, solution)?.ok_or(BakeError::State)?,
+    let (refined, coarse_error) = match &state.solution {
+        Some(solution) => {
+            (solution::stored(elements, settings, solution)?.ok_or(BakeError::State)?, state.coarse_error)
+        }
         None if state.is_empty() => {
             progress.begin(2, "elements");
-            solution::refined(&gather, elements, settings, progress)?
+            solution::refined(&gather, elements, settings, MAX_SMALL_ELEMENTS, progress)?
         }
         None => return Err(BakeError::State),
     };
@@ -168,7 +179,7 @@ fn bake_by_radiosity(
             gather.solve(progress)?;
             let light = refined.list.par_iter().zip(gather.indirect());
             let light = light.map(|(e, light)| (e.patch, gather.is_open(e).then_some(*light)));
-            BakeState { solution: Some(light.collect()), ..BakeState::default() }
+            BakeState { solution: Some(light.collect()), coarse_error, ..BakeState::default() }
         }
     };
     progress.begin(4, "light on texels");
@@ -183,7 +194,9 @@ fn bake_by_radiosity(
         };
         indirect.extend(numbers.par_iter().map(texels).collect::<Result<Vec<_>, ReconstructError>>()?);
     }
-    Ok(light_maps(&gather, &direct, indirect))
+    let coarse = |error| CoarseElements { count: refined.list.len(), error, bound: solution::BOUND };
+    let maps = light_maps(&gather, &direct, indirect);
+    Ok(BakedLight { maps, coarse_elements: coarse_error.map(coarse) })
 }
 
 /// The indirect light of the texels of a chart, `None` for texels inside solids.

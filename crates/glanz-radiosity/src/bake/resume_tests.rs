@@ -98,7 +98,7 @@ fn stopped(
     let cancel = CancelFlag::default();
     let mut stopper = Stopper { reports, cancel: cancel.clone(), last: None };
     match resume(state, elements, settings, &mut stopper, &cancel) {
-        Ok(maps) => Ok(maps),
+        Ok(light) => Ok(light.maps),
         Err(error) => {
             assert_eq!(error, BakeError::Interrupted(Interrupted));
             Err(stopper.last.unwrap())
@@ -110,7 +110,7 @@ fn stopped(
 fn interrupted_bake_resumes_to_the_same_bits_from_any_moment() {
     let scene = room();
     let elements = elements(&scene);
-    let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap().maps;
     let mut stages = Vec::new();
     let mut reports = 1;
     loop {
@@ -138,7 +138,7 @@ fn interrupted_radiosity_resumes_to_the_same_bits_from_any_moment() {
     let scene = room();
     let elements = elements(&scene);
     let settings = BY_RADIOSITY;
-    let whole = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
+    let whole = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap().maps;
     let (mut reports, mut solved) = (1, 0);
     loop {
         let state = match stopped(reports, &elements, &settings, BakeState::default()) {
@@ -163,7 +163,7 @@ fn interrupted_radiosity_resumes_to_the_same_bits_from_any_moment() {
 fn bake_that_is_interrupted_repeatedly_finishes() {
     let scene = room();
     let elements = elements(&scene);
-    let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap().maps;
     let (mut state, mut reports) = (BakeState::default(), 1);
     let maps = loop {
         match until(reports, &elements, state) {
@@ -205,7 +205,7 @@ fn state_of_other_elements_is_refused() {
 fn stored_maps_equal_the_maps() {
     let scene = room();
     let elements = elements(&scene);
-    let maps = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap();
+    let maps = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap().maps;
     let bytes = stored::to_bytes(&maps);
     assert_same(&stored::from_bytes(&elements, COARSE.density, &bytes).unwrap(), &maps);
     assert!(stored::from_bytes(&elements, 2.0 * COARSE.density, &bytes).is_none());
@@ -269,6 +269,34 @@ fn state_of_the_other_method_is_refused() {
         let state = last_state(&elements, &own);
         assert!(!state.is_empty());
         assert_eq!(refusal(state, &elements, &other), Some(BakeError::State));
+    }
+}
+
+#[test]
+fn elements_that_memory_makes_larger_are_reported_even_after_an_interruption() {
+    let scene = room();
+    let elements = elements(&scene);
+    let charts = charts(&elements.surfaces, COARSE.density);
+    let (mut sink, cancel) = (Silent, CancelFlag::default());
+    let mut progress = BakeProgress::new(&mut sink, &cancel, 4);
+    let state = BakeState::default();
+    let direct = direct::light_on_charts(&elements, &charts, &BY_RADIOSITY, &state, &mut progress).unwrap();
+    let index = SurfaceIndex::new(&elements, &charts);
+    let gather = FinalGather::new(&elements, &index, &charts, &direct, &BY_RADIOSITY);
+    for (limit, is_coarse) in [(100, true), (MAX_SMALL_ELEMENTS, false)] {
+        let (refined, error) =
+            solution::refined(&gather, &elements, &BY_RADIOSITY, limit, &mut progress).unwrap();
+        assert!(refined.list.len() <= limit);
+        assert_eq!(error.is_some_and(|error| error > solution::BOUND), is_coarse, "{limit} {error:?}");
+    }
+    let state = last_state(&elements, &BY_RADIOSITY);
+    let count = state.solution.as_ref().map_or(0, Vec::len);
+    for coarse_error in [None, Some(0.02)] {
+        let stored = BakeState { coarse_error, ..state.clone() };
+        let read = BakeState::from_bytes(&stored.to_bytes()).unwrap();
+        let light = resume(read, &elements, &BY_RADIOSITY, &mut Silent, &cancel).unwrap();
+        let expected = coarse_error.map(|error| CoarseElements { count, error, bound: solution::BOUND });
+        assert_eq!(light.coarse_elements, expected);
     }
 }
 

@@ -39,7 +39,7 @@ pub enum BakeMethod {
     #[default]
     Gather,
     /// Hierarchical solver, with elements as large as its error bound allows: a preview in a tenth of the time. The elements of a scene
-    /// that needs more of them than memory allows (about 800 000) are larger.
+    /// that needs more of them than memory allows (about 800 000) are larger: see [`CoarseElements`].
     Radiosity {
         /// Interpolation of the light of elements on texels.
         reconstruction: Interpolation,
@@ -82,6 +82,18 @@ impl BakeMethod {
             Interpolation::ALL.into_iter().map(|reconstruction| Self::Radiosity { reconstruction });
         std::iter::once(Self::Gather).chain(by_solver)
     }
+}
+
+/// Elements of the hierarchical solver that are larger than its error bound requires, because more elements would take more memory than
+/// allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoarseElements {
+    /// Number of elements.
+    pub count: usize,
+    /// Largest error of the light between two groups of elements, relative to the flux of the scene.
+    pub error: f64,
+    /// The bound on `error`, which it exceeds.
+    pub bound: f64,
 }
 
 /// Error of a bake.

@@ -5,14 +5,14 @@ use glanz_math::DVec2;
 use glanz_scene::{Light, ParametricPoint};
 use rayon::prelude::*;
 
-use super::gather::{FinalGather, MAX_SMALL_ELEMENTS};
+use super::gather::FinalGather;
 use super::progress::BakeProgress;
 use super::{BakeError, BakeSettings, BakeState};
 use crate::elements::{Element, ElementSettings, Elements, ParameterPatch, Patch};
 use crate::solve::{HierarchicalSettings, hierarchical_with_exitance};
 
 /// Largest error of the flux of a link, relative to the flux of the scene.
-const BOUND: f64 = 1e-4;
+pub(super) const BOUND: f64 = 1e-4;
 
 /// Shortest side of an element, texels.
 const SHORTEST_SIDE: f64 = 2.0;
@@ -73,17 +73,19 @@ fn start<'a>(elements: &Elements<'a>, settings: &BakeSettings) -> Result<Element
     Ok(start)
 }
 
-/// Elements that are small where light between surfaces changes. `gather`: with direct light.
+/// Elements that are small where light between surfaces changes, at most `max_elements` unless there are more faces; and the largest error
+/// of a link if it exceeds [`BOUND`] for lack of memory. `gather`: with direct light.
 pub(super) fn refined<'a>(
     gather: &FinalGather<'_>,
     elements: &Elements<'a>,
     settings: &BakeSettings,
+    max_elements: usize,
     progress: &mut BakeProgress<'_>,
-) -> Result<Elements<'a>, BakeError> {
+) -> Result<(Elements<'a>, Option<f64>), BakeError> {
     let solver = HierarchicalSettings {
         bound: BOUND,
         side: SHORTEST_SIDE / settings.density,
-        elements: MAX_SMALL_ELEMENTS,
+        elements: max_elements,
         leaf_form_factors: false,
         ..HierarchicalSettings::default()
     };
@@ -93,7 +95,10 @@ pub(super) fn refined<'a>(
         hierarchical_with_exitance(start(elements, settings)?, &exitance, &solver, progress, cancel)?;
     progress.report(1.0, BakeState::default)?;
     let patches = solved.elements.list.par_iter().map(|element| element.patch);
-    of_patches(elements, patches).ok_or(BakeError::State)
+    let refined = of_patches(elements, patches).ok_or(BakeError::State)?;
+    // The bake was not cancelled: a solver that is not finished has too many elements or links.
+    let coarse_error = Some(solved.errors.largest).filter(|&error| !solved.finished && error > BOUND);
+    Ok((refined, coarse_error))
 }
 
 /// Radiant exitance of an element: reflected direct light, and emitted light if the element cannot be sampled as a light.

@@ -2,9 +2,10 @@
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 1 | 1 if the light of the given elements is known, 2 if that of the elements of the hierarchical solver is, 0 otherwise |
+//! | 1 | 1 if the light of the given elements is known, 2 or 3 if that of the elements of the hierarchical solver is, 0 otherwise |
+//! | 8 | if 3: largest error of a link of the solver, which is above its bound for lack of memory |
 //! | 4; 12 each | if 1: elements; indirect irradiance of each |
-//! | 4; 41, 57, 53 or 69 each | if 2: elements; surface, face, bits 1 for the back, 2 for a triangle and 4 for light, then four parameters of a rectangle or six of a triangle, and indirect irradiance if there is light |
+//! | 4; 41, 57, 53 or 69 each | if 2 or 3: elements; surface, face, bits 1 for the back, 2 for a triangle and 4 for light, then four parameters of a rectangle or six of a triangle, and indirect irradiance if there is light |
 //! | 8; 37 each | points of the final gather: key, irradiance, distance, whether light is visible |
 //!
 //! Numbers are little-endian, light is red, green and blue.
@@ -36,6 +37,8 @@ pub struct BakeState {
     pub(super) gathered: HashMap<u128, GatheredLight>,
     /// Elements of the hierarchical solver with their light, once it is known.
     pub(super) solution: Option<Solution>,
+    /// Largest error of a link of that solver, if it is above the bound for lack of memory.
+    pub(super) coarse_error: Option<f64>,
 }
 
 impl BakeState {
@@ -56,6 +59,7 @@ impl BakeState {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = vec![match (&self.indirect, &self.solution) {
             (Some(_), _) => 1,
+            (None, Some(_)) if self.coarse_error.is_some() => 3,
             (None, Some(_)) => 2,
             (None, None) => 0,
         }];
@@ -63,6 +67,7 @@ impl BakeState {
             bytes.extend((indirect.len() as u32).to_le_bytes());
             indirect.iter().for_each(|&light| write_light(&mut bytes, light));
         } else if let Some(solution) = &self.solution {
+            self.coarse_error.iter().for_each(|error| bytes.extend(error.to_le_bytes()));
             bytes.extend((solution.len() as u32).to_le_bytes());
             solution.iter().for_each(|(patch, light)| write_element(&mut bytes, patch, *light));
         }
@@ -82,14 +87,17 @@ impl BakeState {
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = bytes;
-        let (mut indirect, mut solution) = (None, None);
+        let (mut indirect, mut solution, mut coarse_error) = (None, None, None);
         match read_bytes::<1>(&mut rest)? {
             [0] => {}
             [1] => {
                 let count = u32::from_le_bytes(read_bytes(&mut rest)?);
                 indirect = Some((0..count).map(|_| read_light(&mut rest)).collect::<Option<Vec<_>>>()?);
             }
-            [2] => {
+            [kind @ 2..=3] => {
+                if kind == 3 {
+                    coarse_error = Some(f64::from_le_bytes(read_bytes(&mut rest)?));
+                }
                 let count = u32::from_le_bytes(read_bytes(&mut rest)?);
                 solution = Some((0..count).map(|_| read_element(&mut rest)).collect::<Option<Vec<_>>>()?);
             }
@@ -110,7 +118,7 @@ impl BakeState {
             }
             gathered.insert(key, GatheredLight { light, distance, sees_light });
         }
-        Some(Self { indirect, gathered, solution })
+        Some(Self { indirect, gathered, solution, coarse_error })
     }
 }
 

@@ -25,7 +25,7 @@ pub(super) const BY_RADIOSITY: BakeSettings = BakeSettings {
 const METHODS: [BakeSettings; 2] = [COARSE, BY_RADIOSITY];
 
 pub(super) fn baked(scene: &Scene, side: f64, settings: &BakeSettings) -> Vec<LightMap> {
-    bake(&divided(scene, side, settings), settings, &mut Silent, &CancelFlag::default()).unwrap()
+    bake(&divided(scene, side, settings), settings, &mut Silent, &CancelFlag::default()).unwrap().maps
 }
 
 fn divided<'a>(scene: &'a Scene, side: f64, settings: &BakeSettings) -> Elements<'a> {
@@ -159,8 +159,8 @@ fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
     for ((x, end), settings) in rooms.into_iter().flat_map(|room| METHODS.map(|settings| (room, settings))) {
         let scene = parted_room(x, end, 1.0);
         let elements = divided(&scene, 0.5, &settings);
-        let maps = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
-        let maps = LightMaps::new(&elements, maps);
+        let light = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
+        let maps = LightMaps::new(&elements, light.maps);
         let (mut dark, mut lit) = (0, 0);
         for (surface, i) in (0..6).flat_map(|surface| (0..400).map(move |i| (surface, i))) {
             let uv = DVec2::new(f64::from(i % 20) + 0.5, f64::from(i / 20) + 0.5) / 20.0;
@@ -255,8 +255,8 @@ fn light_of_elements_agrees_with_their_form_factors() {
         gauss_seidel(&elements.list, &factors, &GaussSeidelSettings::default(), &CancelFlag::default())
             .unwrap();
     for settings in METHODS {
-        let maps = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
-        let maps = LightMaps::new(&elements, maps);
+        let light = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
+        let maps = LightMaps::new(&elements, light.maps);
         let (mut sum, mut difference) = (0.0, 0.0);
         for (element, radiosity) in elements.list.iter().zip(&solved.radiosity) {
             let Patch { surface, face, back, domain: part } = element.patch;
@@ -373,7 +373,7 @@ mod heavy {
         let elements = divided(&scene, 0.5, &settings);
         let maps = LightMaps::new(
             &elements,
-            bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap(),
+            bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap().maps,
         );
         assert_eq!(maps.as_slice().iter().filter(|map| map.chart.surface == 4 && !map.is_dark()).count(), 2);
         let light = |x: f64, y: f64| {

@@ -12,7 +12,9 @@ mod outcome;
 use std::path::Path;
 use std::time::Instant;
 
-use glanz_radiosity::bake::{Atlas, BakeError, BakeMethod, BakeSettings, BakeState, LightMap, resume};
+use glanz_radiosity::bake::{
+    Atlas, BakeError, BakeMethod, BakeSettings, BakeState, BakedLight, CoarseElements, LightMap, resume,
+};
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::Scene;
 use glanz_shading::Material;
@@ -187,7 +189,10 @@ pub(crate) fn baked_maps(
     };
     let mut sink = JobSink::new(job, path, write);
     match resume(state, elements, settings, &mut sink, &cancel) {
-        Ok(maps) => {
+        Ok(BakedLight { maps, coarse_elements }) => {
+            if let Some(CoarseElements { count, error, bound }) = coarse_elements {
+                job.warn(Warning::CoarseElements { elements: count, error, bound });
+            }
             // Written before all other files, because the light takes longest to compute again.
             if let Some((identity, path)) = kept {
                 light_file::write_maps(&path, identity, &maps)?;
