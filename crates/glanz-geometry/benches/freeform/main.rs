@@ -2,7 +2,7 @@
 //!
 //! Rays are those of a camera that the surface fills, line by line and in random order, so that the second set shows what
 //! caches and branches cost. Each figure is that of the closest hit alone; the share of hits stands in the name. For peers see
-//! `peers/freeform`.
+//! `peers/freeform`. Two more groups measure building: of the surfaces, and of trimmed regions.
 
 mod camera_rays;
 mod models;
@@ -10,8 +10,10 @@ mod models;
 use std::hint::black_box;
 
 use camera_rays::{camera_rays, shuffled};
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use glanz_geometry::{RaySurface, Surface};
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use glanz_geometry::trim::{TrimCurve, TrimRegion};
+use glanz_geometry::{RaySurface, Surface, SurfaceError};
+use glanz_math::DVec2;
 use models::{Failure, Model, NAMES};
 
 const PICTURE: (u32, u32) = (480, 270);
@@ -55,5 +57,29 @@ fn build(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, closest_hit, build);
+/// The border of the unit square and `rows` times `rows` round holes in it.
+fn perforated_sheet(rows: u32) -> Result<Vec<Vec<TrimCurve>>, SurfaceError> {
+    let size = 1.0 / f64::from(rows);
+    let hole = |(i, j)| {
+        let center = DVec2::new(f64::from(i) + 0.5, f64::from(j) + 0.5) * size;
+        TrimCurve::try_circle(center, 0.35 * size).map(|circle| vec![circle.reversed()])
+    };
+    let border = TrimCurve::try_rectangle(DVec2::ZERO, DVec2::ONE).map(|border| vec![border]);
+    let holes = (0..rows).flat_map(|i| (0..rows).map(move |j| (i, j))).map(hole);
+    std::iter::once(border).chain(holes).collect()
+}
+
+fn region(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("trimmed region, from curves to cells");
+    group.sample_size(20);
+    for rows in [3, 10, 32] {
+        let Ok(loops) = perforated_sheet(rows) else { continue };
+        group.bench_function(format!("{} holes", rows * rows), |bencher| {
+            bencher.iter_batched(|| loops.clone(), TrimRegion::try_from_curves, BatchSize::LargeInput);
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, closest_hit, build, region);
 criterion_main!(benches);

@@ -214,9 +214,22 @@ pub(super) fn project(point: DVec3) -> DVec2 {
     point.truncate() / point.z
 }
 
-/// The point at `t` of a rational Bézier curve: the end of the part before `t`.
+/// The point at `t` of a rational Bézier curve.
 pub(super) fn evaluate(points: &[DVec3], t: f64) -> DVec2 {
-    bernstein::split(points, t).0.last().map_or(DVec2::ZERO, |&p| project(p))
+    evaluate_in(&mut points.to_vec(), t)
+}
+
+/// The point at `t` of the rational Bézier curve with the control points `row`, which are overwritten.
+///
+/// # Source
+/// @farin2002 section 4.3 (de Casteljau).
+pub(super) fn evaluate_in(row: &mut [DVec3], t: f64) -> DVec2 {
+    for left in (1..row.len()).rev() {
+        for i in 0..left {
+            row[i] = bernstein::mix(row[i], row[i + 1], t);
+        }
+    }
+    row.first().map_or(DVec2::ZERO, |&p| project(p))
 }
 
 pub(super) fn check_range(parameter: &'static str, min: DVec2, max: DVec2) -> Result<(), SurfaceError> {

@@ -1,6 +1,6 @@
 //! Closed chains of curves.
 
-use super::curve::{TrimCurve, evaluate, project};
+use super::curve::{TrimCurve, evaluate_in, project};
 use super::monotone::{MonotonePiece, monotone_pieces};
 use crate::error::{SurfaceError, not_negative};
 
@@ -71,14 +71,15 @@ impl TrimLoop {
     pub fn approximate_area(&self) -> f64 {
         const SAMPLES: u32 = 16;
         let Some(origin) = self.pieces.first().map(|piece| piece.start) else { return 0.0 };
-        let mut twice = 0.0;
+        let (mut twice, mut row) = (0.0, Vec::new());
         for piece in &self.pieces {
             let mut before = piece.start - origin;
             for i in 1..=SAMPLES {
                 let point = if i == SAMPLES {
                     piece.end
                 } else {
-                    evaluate(&piece.control_points, f64::from(i) / f64::from(SAMPLES))
+                    row.clone_from(&piece.control_points);
+                    evaluate_in(&mut row, f64::from(i) / f64::from(SAMPLES))
                 };
                 twice += before.perp_dot(point - origin);
                 before = point - origin;

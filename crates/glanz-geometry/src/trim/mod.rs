@@ -21,10 +21,12 @@
 //! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
 
+mod cell_builder;
 mod cell_tree;
 mod curve;
 mod loops;
 mod monotone;
+mod piece_in_cell;
 mod piece_table;
 mod region;
 #[cfg(test)]

@@ -29,6 +29,47 @@ pub(super) struct PieceRecord {
     degree: u32,
 }
 
+/// A point of a piece, up to the slack.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CurvePoint {
+    pub(super) t: f64,
+    pub(super) position: DVec2,
+}
+
+/// The test on which side of a monotone piece a point lies, by another point of the piece.
+///
+/// In coordinates in which the curve rises, a point of it to the upper left of the tested one proves that the whole curve passes
+/// on that side, and one to the lower right likewise.
+pub(super) struct SideTest {
+    p: DVec2,
+    clearance: DVec2,
+    turn: DVec2,
+}
+
+impl SideTest {
+    /// The test of `p` against `piece`. `clearance` (at least the slack): the distance, per coordinate, that a point needs
+    /// to decide.
+    #[inline]
+    pub(super) fn new(piece: &PieceRecord, p: DVec2, clearance: DVec2) -> Self {
+        Self { p, clearance, turn: piece.turn() }
+    }
+
+    /// The side of the piece on which the tested point lies if `q` is on the piece; `On` if `q` does not decide.
+    #[inline]
+    pub(super) fn side(&self, q: DVec2) -> CurveSide {
+        let d = (q - self.p) * self.turn;
+        let is_upper_left = d.x < -self.clearance.x && d.y > self.clearance.y;
+        let is_lower_right = d.x > self.clearance.x && d.y < -self.clearance.y;
+        if !is_upper_left && !is_lower_right {
+            CurveSide::On
+        } else if is_upper_left == (self.turn.x == self.turn.y) {
+            CurveSide::Right
+        } else {
+            CurveSide::Left
+        }
+    }
+}
+
 /// All monotone pieces of a region.
 #[derive(Clone, Debug)]
 pub(super) struct PieceTable {
@@ -72,41 +113,37 @@ impl PieceTable {
         self.terms(piece).iter().zip(binomials(piece.degree as usize)).map(|(&term, b)| term / b).collect()
     }
 
-    /// The point at `t`: Horner's rule with powers of `t` and `1 - t`, all terms of one sign.
+    /// The point of `piece` at `t`: Horner's rule with powers of `t` and `1 - t`, all terms of one sign.
     ///
     /// # Source
     /// @farin2002 chapter 5.
     #[inline]
-    fn point(terms: &[DVec3], t: f64) -> DVec2 {
+    pub(super) fn point(&self, piece: &PieceRecord, t: f64) -> CurvePoint {
         let s = 1.0 - t;
         let (mut sum, mut power) = (DVec3::ZERO, 1.0);
-        for &term in terms {
+        for &term in self.terms(piece) {
             sum = sum * s + term * power;
             power *= t;
         }
-        sum.truncate() / sum.z
+        CurvePoint { t, position: sum.truncate() / sum.z }
     }
 
-    /// The side of `piece` on which `p` lies, for points in or near its box.
+    /// The side of `piece` on which `p` lies, for points in or near its box. Points closer than the slack in both coordinates
+    /// are `On`.
+    pub(super) fn side(&self, piece: &PieceRecord, p: DVec2) -> CurveSide {
+        self.side_with_clearance(piece, p, self.slack)
+    }
+
+    /// The side of `piece` on which `p` lies, for points in or near its box. Points closer than `clearance` (at least the
+    /// slack) in both coordinates are `On`.
     ///
-    /// In coordinates in which the curve rises, a point of it to the upper left of `p` proves that the whole curve passes `p`
-    /// on that side. The point is searched where the curve crosses the falling diagonal through `p`, by regula falsi in a
-    /// bracket. Points closer than the slack in both coordinates are `On`.
+    /// The point that decides ([`SideTest`]) is searched where the curve crosses the falling diagonal through `p`, by regula
+    /// falsi in a bracket.
     ///
     /// # Source
     /// @press2007 section 9.2; departure: halving at every third step.
-    pub(super) fn side(&self, piece: &PieceRecord, p: DVec2) -> CurveSide {
-        let turn = DVec2::new(
-            if piece.end.x < piece.start.x { -1.0 } else { 1.0 },
-            if piece.end.y < piece.start.y { -1.0 } else { 1.0 },
-        );
-        let (upper_left, lower_right) = if turn.x * turn.y > 0.0 {
-            (CurveSide::Right, CurveSide::Left)
-        } else {
-            (CurveSide::Left, CurveSide::Right)
-        };
-        // Relative to p, in units of the slack.
-        let (terms, scale) = (self.terms(piece), turn / self.slack);
+    pub(super) fn side_with_clearance(&self, piece: &PieceRecord, p: DVec2, clearance: DVec2) -> CurveSide {
+        let (test, scale) = (SideTest::new(piece, p, clearance), piece.turn() / clearance);
         let relative = |q: DVec2| (q - p) * scale;
         let (mut low, mut high) =
             ((0.0, relative(piece.start).element_sum()), (1.0, relative(piece.end).element_sum()));
@@ -119,13 +156,12 @@ impl PieceTable {
                     break;
                 }
             }
-            let d = relative(Self::point(terms, t));
-            if d.x < -1.0 && d.y > 1.0 {
-                return upper_left;
+            let q = self.point(piece, t).position;
+            let side = test.side(q);
+            if side != CurveSide::On {
+                return side;
             }
-            if d.x > 1.0 && d.y < -1.0 {
-                return lower_right;
-            }
+            let d = relative(q);
             let beyond = d.x > 1.0 || d.y > 1.0;
             if !beyond && d.x >= -1.0 && d.y >= -1.0 {
                 return CurveSide::On;
@@ -211,6 +247,26 @@ fn segment_distance(start: DVec2, end: DVec2, q: DVec2) -> f64 {
 }
 
 impl PieceRecord {
+    /// Signs that turn the curve so that it rises to the right.
+    #[inline]
+    pub(super) fn turn(&self) -> DVec2 {
+        DVec2::new(
+            if self.end.x < self.start.x { -1.0 } else { 1.0 },
+            if self.end.y < self.start.y { -1.0 } else { 1.0 },
+        )
+    }
+
+    /// The sides of the piece on which points lie that it passes on their upper left and on their lower right, once turned.
+    #[inline]
+    pub(super) fn sides(&self) -> (CurveSide, CurveSide) {
+        let turn = self.turn();
+        if turn.x == turn.y {
+            (CurveSide::Right, CurveSide::Left)
+        } else {
+            (CurveSide::Left, CurveSide::Right)
+        }
+    }
+
     /// Largest extent, each coordinate in units of `size`.
     pub(super) fn extent(&self, size: DVec2) -> f64 {
         ((self.max - self.min) / size).max_element()

@@ -3,6 +3,7 @@
 mod cells;
 mod curves;
 mod exact;
+mod slow_cells;
 mod winding;
 
 use std::f64::consts::TAU;

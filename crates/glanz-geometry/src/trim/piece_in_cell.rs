@@ -1,0 +1,207 @@
+//! A monotone piece in a cell: points of the piece near the cell's diagonals, and the quarters that it reaches.
+//!
+//! In coordinates in which the curve rises, the falling diagonal of a cell passes through the middle of the cell and is the
+//! diagonal of two of its quarters. One point of the curve near that diagonal proves on which side of the middle the curve
+//! passes; one near the falling diagonal of each of the other two quarters does so for the remaining corners. Quarters take over the
+//! points, so that each cell needs two new ones.
+
+use glanz_math::DVec2;
+
+use super::piece_table::{CurvePoint, CurveSide, PieceRecord, PieceTable, SideTest};
+
+/// A piece that touches a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PieceInCell {
+    pub(super) index: u32,
+    /// Whether the cell's lower right corner is right of the piece; used if the piece's box holds it.
+    is_corner_right: bool,
+    /// Points before, near and behind the diagonal that the piece crosses, its parameters ascending.
+    points: [CurvePoint; 3],
+}
+
+/// A piece that touches a cell, with what the cell's quarters need.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct QuarteredPiece {
+    pub(super) index: u32,
+    /// Points before the first diagonal, near those of the first quarter along the piece, of the cell, and of the last quarter,
+    /// and behind them.
+    points: [CurvePoint; 5],
+    /// The quarter in which the piece, were it to run from corner to corner, would start.
+    first: usize,
+    /// Whether the lower right corner of each quarter is right of the piece.
+    is_right: [bool; 4],
+    /// Quarters that the piece touches.
+    pub(super) touched: [bool; 4],
+}
+
+/// Three lines of a grid each way: the sides of a cell and its middle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellGrid {
+    pub(super) min: DVec2,
+    pub(super) middle: DVec2,
+    pub(super) max: DVec2,
+}
+
+impl CellGrid {
+    /// The lower right corners of the quarters.
+    pub(super) fn lower_right_corners(&self) -> [DVec2; 4] {
+        let (low, high) = (self.min.y, self.middle.y);
+        let (left, right) = (self.middle.x, self.max.x);
+        [DVec2::new(left, low), DVec2::new(right, low), DVec2::new(left, high), DVec2::new(right, high)]
+    }
+}
+
+impl PieceInCell {
+    /// The piece number `index` in the cell of `grid`. Within `clearance` of the piece corners may count as left of it.
+    pub(super) fn new(pieces: &PieceTable, index: u32, grid: &CellGrid, clearance: DVec2) -> Self {
+        let piece = &pieces.pieces[index as usize];
+        let corner = DVec2::new(grid.max.x, grid.min.y);
+        let side = if piece.holds(corner) {
+            pieces.side_with_clearance(piece, corner, clearance)
+        } else {
+            CurveSide::Left
+        };
+        let start = CurvePoint { t: 0.0, position: piece.start };
+        let end = CurvePoint { t: 1.0, position: piece.end };
+        let scale = piece.turn() / (grid.max - grid.min);
+        let middle = pieces.near_diagonal(piece, [start, end], grid.middle, scale);
+        Self { index, is_corner_right: side == CurveSide::Right, points: [start, middle, end] }
+    }
+
+    /// Crossings of the ray to the right from the cell's lower right corner.
+    pub(super) fn crossings_right(&self, pieces: &PieceTable, corner: DVec2) -> i32 {
+        pieces.pieces[self.index as usize].crossings_right(corner, right_or_left(self.is_corner_right))
+    }
+
+    /// Crossings of the upward ray from the cell's lower right corner.
+    pub(super) fn crossings_above(&self, pieces: &PieceTable, corner: DVec2) -> i32 {
+        pieces.pieces[self.index as usize].crossings_above(corner, right_or_left(self.is_corner_right))
+    }
+
+    /// The piece with its relations to the quarters of the cell. Quarters within `margin` of the piece are touched; within
+    /// `clearance`, which is larger, corners may count as left of the piece.
+    pub(super) fn quartered(
+        &self,
+        pieces: &PieceTable,
+        grid: &CellGrid,
+        margin: DVec2,
+        clearance: DVec2,
+    ) -> QuarteredPiece {
+        let piece = &pieces.pieces[self.index as usize];
+        let (turn, center) = (piece.turn(), grid.middle);
+        let first = usize::from(turn.x < 0.0) | (usize::from(turn.y < 0.0) << 1);
+        // The grid in coordinates in which the curve rises.
+        let (x0, x2) = if turn.x < 0.0 { (grid.max.x, grid.min.x) } else { (grid.min.x, grid.max.x) };
+        let (y0, y2) = if turn.y < 0.0 { (grid.max.y, grid.min.y) } else { (grid.min.y, grid.max.y) };
+        let (left, bottom) = (DVec2::new(x0, center.y), DVec2::new(center.x, y0));
+        let (top, right) = (DVec2::new(center.x, y2), DVec2::new(x2, center.y));
+        let [before, middle, behind] = self.points;
+        let scale = turn / (grid.max - grid.min);
+        let start = pieces.near_diagonal(piece, [before, middle], left, scale);
+        let end = pieces.near_diagonal(piece, [middle, behind], top, scale);
+        let side = |corner: DVec2, point: CurvePoint| {
+            let side = SideTest::new(piece, corner, clearance).side(point.position);
+            if side == CurveSide::On { pieces.side_of_corner(piece, corner, clearance) } else { side }
+        };
+        let (at_left, at_bottom) = (side(left, start), side(bottom, start));
+        let at_center = side(center, middle);
+        let (at_top, at_right) = (side(top, end), side(right, end));
+        let (passes_above, passes_below) = piece.sides();
+        let misses = [
+            at_left == passes_above || at_bottom == passes_below,
+            at_center == passes_above,
+            at_center == passes_below,
+            at_top == passes_above || at_right == passes_below,
+        ];
+        let (low, high) = (piece.min.cmple(center + margin), piece.max.cmpge(center - margin));
+        let reaches = [low.x && low.y, high.x && low.y, low.x && high.y, high.x && high.y];
+        let below_center = if turn.y > 0.0 { at_bottom } else { at_top };
+        let beside_center = if turn.x > 0.0 { at_right } else { at_left };
+        let touches = |quarter: usize| reaches[quarter] && !misses[quarter ^ first];
+        QuarteredPiece {
+            index: self.index,
+            points: [before, start, middle, end, behind],
+            first,
+            is_right: [
+                below_center == CurveSide::Right,
+                self.is_corner_right,
+                at_center == CurveSide::Right,
+                beside_center == CurveSide::Right,
+            ],
+            touched: [touches(0), touches(1), touches(2), touches(3)],
+        }
+    }
+}
+
+impl QuarteredPiece {
+    /// The piece in one quarter.
+    pub(super) fn in_quarter(&self, quarter: usize) -> PieceInCell {
+        let [before, start, middle, end, behind] = self.points;
+        let points = match quarter ^ self.first {
+            0 => [before, start, middle],
+            3 => [middle, end, behind],
+            _ => [start, middle, end],
+        };
+        PieceInCell { index: self.index, is_corner_right: self.is_right[quarter], points }
+    }
+
+    /// Crossings of the upward ray from the lower right corner of one quarter, `corner`.
+    pub(super) fn crossings_above(&self, pieces: &PieceTable, quarter: usize, corner: DVec2) -> i32 {
+        let side = right_or_left(self.is_right[quarter]);
+        pieces.pieces[self.index as usize].crossings_above(corner, side)
+    }
+
+    /// What the piece contributes to the winding numbers of the lower right corners of the quarters, less that of the
+    /// cell's corner.
+    ///
+    /// The paths to that corner lead right to the edge of the cell, then down.
+    pub(super) fn winding_changes(&self, pieces: &PieceTable, grid: &CellGrid) -> [i32; 4] {
+        let piece = &pieces.pieces[self.index as usize];
+        let corners = grid.lower_right_corners();
+        let right =
+            |quarter: usize| piece.crossings_right(corners[quarter], right_or_left(self.is_right[quarter]));
+        let up = self.crossings_above(pieces, 3, corners[3]) - self.crossings_above(pieces, 1, corners[1]);
+        [right(0) - right(1), 0, right(2) - right(3) + up, up]
+    }
+}
+
+fn right_or_left(is_right: bool) -> CurveSide {
+    if is_right { CurveSide::Right } else { CurveSide::Left }
+}
+
+impl PieceTable {
+    /// The side of a corner for which a point near a diagonal does not decide; `On` if it is not sure.
+    #[cold]
+    fn side_of_corner(&self, piece: &PieceRecord, corner: DVec2, clearance: DVec2) -> CurveSide {
+        let test = SideTest::new(piece, corner, clearance);
+        match (test.side(piece.start), test.side(piece.end)) {
+            (CurveSide::On, CurveSide::On) if piece.near(corner, clearance) => {
+                self.side_with_clearance(piece, corner, clearance)
+            }
+            (CurveSide::On, side) | (side, _) => side,
+        }
+    }
+
+    /// A point near the falling diagonal through `p`, between two points of the piece: one step of regula falsi. One of the two
+    /// if the diagonal does not pass between them.
+    ///
+    /// `scale`: coordinates times it rise along the piece, and are those of a square cell.
+    #[inline]
+    fn near_diagonal(
+        &self,
+        piece: &PieceRecord,
+        [from, to]: [CurvePoint; 2],
+        p: DVec2,
+        scale: DVec2,
+    ) -> CurvePoint {
+        let (low, high) = ((from.position - p).dot(scale), (to.position - p).dot(scale));
+        if low >= 0.0 {
+            return from;
+        }
+        if high <= 0.0 {
+            return to;
+        }
+        let t = (from.t + (to.t - from.t) * (low / (low - high))).min(to.t);
+        self.point(piece, t)
+    }
+}
