@@ -114,8 +114,10 @@ static RTCScene build(RTCDevice device, const Mesh *mesh, int robust, double *cl
   return scene;
 }
 
-// The last four take packets of 16 rays, the last two with the flag for coherent ones.
-typedef enum { CLOSEST, ANY, PICTURE, DUMP, CLOSEST_16, ANY_16, CLOSEST_16_COHERENT, ANY_16_COHERENT } Query;
+// From CLOSEST_16 on they take packets of 16 rays, from CLOSEST_16_COHERENT on with the flag for coherent ones.
+typedef enum {
+  CLOSEST, ANY, PICTURE, DUMP, CLOSEST_16, ANY_16, CLOSEST_16_COHERENT, ANY_16_COHERENT, PICTURE_16_COHERENT
+} Query;
 
 typedef struct {
   RTCScene scene;
@@ -129,12 +131,13 @@ typedef struct {
   double sum, time;
 } Job;
 
-static float grey(const Mesh *mesh, const struct RTCRayHit *q) {
-  const unsigned *corners = mesh->indices + 3ul * q->hit.primID;
+// The cosine between the direction and the normal, interpolated with the weights u and v.
+static float grey(const Mesh *mesh, unsigned triangle, float u, float v, const float *direction) {
+  const unsigned *corners = mesh->indices + 3ul * triangle;
   const float *a = mesh->normals + 3ul * corners[0], *b = mesh->normals + 3ul * corners[1], *c = mesh->normals + 3ul * corners[2];
-  float u = q->hit.u, v = q->hit.v, w = 1 - u - v;
+  float w = 1 - u - v;
   float x = w * a[0] + u * b[0] + v * c[0], y = w * a[1] + u * b[1] + v * c[1], z = w * a[2] + u * b[2] + v * c[2];
-  return fabsf(x * q->ray.dir_x + y * q->ray.dir_y + z * q->ray.dir_z) / sqrtf(x * x + y * y + z * z);
+  return fabsf(x * direction[0] + y * direction[1] + z * direction[2]) / sqrtf(x * x + y * y + z * z);
 }
 
 // Rays 16 at a time.
@@ -162,7 +165,13 @@ static void work_in_packets(Job *job, struct RTCIntersectContext *context) {
       if (!valid[k]) continue;
       int hit = any ? q.ray.tfar[k] < 0 : q.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID;
       job->hits += hit;
-      if (hit && !any) job->sum += q.ray.tfar[k];
+      if (job->query == PICTURE_16_COHERENT) {
+        const float *direction = job->rays + 6ul * (first + k) + 3;
+        float level = hit ? grey(job->mesh, q.hit.primID[k], q.hit.u[k], q.hit.v[k], direction) : 0;
+        job->sum += job->image[first + k] = level;
+      } else if (hit && !any) {
+        job->sum += q.ray.tfar[k];
+      }
     }
   }
 }
@@ -199,7 +208,7 @@ static void *work(void *argument) {
       if (job->query == CLOSEST) {
         if (hit) sum += q.ray.tfar;
       } else if (job->query == PICTURE) {
-        sum += job->image[i] = hit ? grey(job->mesh, &q) : 0;
+        sum += job->image[i] = hit ? grey(job->mesh, q.hit.primID, q.hit.u, q.hit.v, r + 3) : 0;
       } else {
         job->image[i] = hit ? q.ray.tfar : -1;
       }
@@ -212,8 +221,9 @@ static void *work(void *argument) {
 }
 
 static Query query_named(const char *name) {
-  const char *names[] = {"closest", "any", "picture", "dump", "closest16", "any16", "closest16coherent", "any16coherent"};
-  for (int i = 0; i < 8; i++)
+  const char *names[] = {"closest", "any", "picture", "dump", "closest16", "any16", "closest16coherent", "any16coherent",
+                         "picture16coherent"};
+  for (int i = 0; i < 9; i++)
     if (!strcmp(names[i], name)) return i;
   fail("no such query");
   return CLOSEST;
@@ -222,8 +232,9 @@ static Query query_named(const char *name) {
 static void answer(RTCScene scene, const Mesh *mesh, const Set *set, const char *folder, Query query, int threads) {
   pthread_t workers[64];
   Job jobs[64];
-  float *image = query == PICTURE || query == DUMP ? allocate(4, set->count) : NULL;
-  if (query == PICTURE && !mesh->normals) fail("a picture needs normals");
+  int is_picture = query == PICTURE || query == PICTURE_16_COHERENT;
+  float *image = is_picture || query == DUMP ? allocate(4, set->count) : NULL;
+  if (is_picture && !mesh->normals) fail("a picture needs normals");
   unsigned part = (set->count + threads - 1) / threads;
   double start = seconds(CLOCK_MONOTONIC);
   for (int i = 0; i < threads; i++) {

@@ -16,8 +16,9 @@ Batches of Glanz are of 4096 rays: those of a camera in tiles, in random order, 
 in packets of 16, with and without its flag for coherent ones.
 
 Tasks: rays of a camera (1920 x 1080) line by line ("coherent") and in random order ("shuffled"); the closest hit and any; the
-picture, which is the closest hits with their normals (Glanz: with all data that a renderer uses). The time to the picture is build
-and picture for Glanz; tessellation, build and picture for Embree. Memory is that of the surface (patches, leaves, hierarchy) for
+picture, which is the closest hits with their normals (Glanz: in batches of tiles, with all data that a renderer uses; Embree: ray by ray,
+and in packets with the flag for coherent ones). The time to the picture is build and picture for Glanz; tessellation, build and picture
+for Embree. Memory is that of the surface (patches, leaves, hierarchy) for
 Glanz, and for Embree its own count including buffers, plus 12 bytes per normal.
 """
 
@@ -34,7 +35,10 @@ import time
 sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent))
 from sides import Side, build
 
-TASKS = [("coherent", "closest"), ("shuffled", "closest"), ("coherent", "any"), ("shuffled", "any"), ("coherent", "picture")]
+TASKS = [("coherent", "closest"), ("shuffled", "closest"), ("coherent", "any"), ("shuffled", "any")]
+
+# Ways to a picture: batches of Glanz, single rays and packets of Embree.
+PICTURES = {"Glanz": ("tiles", "picture"), "Embree": ("coherent", "picture"), "Embree packets": ("coherent", "picture16coherent")}
 
 # Batches of Glanz beside single rays of both and Embree's packets of 16.
 BATCHED = [(rays, query) for query in ("closest", "any") for rays in ("tiles", "shuffled", "lines")]
@@ -83,13 +87,24 @@ def measure_batches(glanz, embree, rounds):
     return results
 
 
+def measure_picture(glanz, embree, rounds):
+    """Seconds of all ways to the picture, without build, which take turns."""
+    seconds = {name: [] for name in PICTURES}
+    for _ in range(rounds):
+        for name, task in PICTURES.items():
+            _, processors, *_ = (glanz if name == "Glanz" else embree).ask(*task, 1)
+            seconds[name].append(processors * 1e-9)
+    return {name: statistics.median(times) for name, times in seconds.items()}
+
+
 def show(about):
     build, tessellate, embree = (1e3 * about[name] for name in ("build_s", "tessellate_s", "embree_build_s"))
     print(f"  build: {build:.3g} ms against {tessellate:.3g} + {embree:.3g} ms | memory: {about['bytes'] / 1e6:.3g} MB against"
           f" {about['embree_bytes'] / 1e6:.3g} (ratio {about['bytes'] / about['embree_bytes']:.4f})")
     seconds = about["to_picture_s"]
-    print(f"  to the picture: {seconds['Glanz']:.3f} s against {seconds['Embree']:.3f}"
-          f" (ratio {seconds['ratio']:.2f})")
+    print("  to the picture: " + ", ".join(f"{name} {time:.3f} s" for name, time in seconds.items())
+          + f" (Glanz over Embree {seconds['Glanz'] / seconds['Embree']:.2f},"
+          f" over packets {seconds['Glanz'] / seconds['Embree packets']:.2f})")
     print(f"  {about['difference']}", flush=True)
 
 
@@ -106,11 +121,10 @@ def run(model, programs, folder, arguments):
     builds = [embree.ask("mesh", "build", 1) for _ in range(max(arguments.rounds, 5))]
     about["embree_build_s"] = statistics.median(processors for _, processors, *_ in builds) * 1e-9
     about["embree_bytes"] = int(builds[-1][4]) + 12 * about["vertices"]
-    width, height = map(int, arguments.size.split("x"))
-    seconds = {side: width * height / rate * 1e-6 for side, rate in results[-1]["million_rays_per_second"].items()}
-    exact = about["build_s"] + seconds["Glanz"]
-    triangles = about["tessellate_s"] + about["embree_build_s"] + seconds["Embree"]
-    about["to_picture_s"] = {"Glanz": exact, "Embree": triangles, "ratio": exact / triangles}
+    before = {"Glanz": about["build_s"]}
+    triangles = about["tessellate_s"] + about["embree_build_s"]
+    about["to_picture_s"] = {name: before.get(name, triangles) + time
+                             for name, time in measure_picture(glanz, embree, arguments.rounds).items()}
     embree.ask("coherent", "dump", 1)
     about["difference"] = json.loads(glanz.say("coherent", "compare", 1))
     show(about)

@@ -122,16 +122,29 @@ fn all(surface: &Surface, rays: &[Ray]) -> (u64, f64) {
     })
 }
 
-/// Grey levels under a light at the camera: the cosine of normal and ray. All data of a hit that a renderer uses is computed.
-fn picture(surface: &Surface, rays: &[Ray], grey: &mut Vec<f32>) -> (u64, f64) {
-    let mut hits = 0;
+/// Grey levels under a light at the camera, pixel by pixel: the cosine of normal and ray. All data of a hit that a renderer uses
+/// is computed.
+fn picture(surface: &Surface, set: &RaySet, grey: &mut Vec<f32>) -> (u64, f64) {
+    let (mut hits, mut points, mut sums) = (Vec::new(), Vec::new(), (0, 0.0));
+    let (mut met, mut found, mut places) = (Vec::new(), Vec::new(), Vec::new());
     grey.clear();
-    grey.extend(rays.iter().map(|ray| {
-        let Some(hit) = surface.intersect(ray, f64::INFINITY) else { return 0.0 };
-        hits += 1;
-        surface.point(ray, &hit).normal.dot(ray.direction).abs() as f32
-    }));
-    (hits, grey.iter().map(|&x| f64::from(x)).sum())
+    grey.resize(set.rays.len(), 0.0);
+    for (batch, pixels) in set.bounded.chunks(BATCH).zip(set.pixels.chunks(BATCH)) {
+        surface.closest_batch(batch, &mut hits);
+        (met.clear(), found.clear(), places.clear());
+        for ((bounded, hit), &pixel) in batch.iter().zip(&hits).zip(pixels) {
+            if let Some(hit) = hit {
+                (met.push(bounded.ray), found.push(*hit), places.push(pixel));
+            }
+        }
+        surface.point_batch(&met, &found, &mut points);
+        for ((ray, point), &pixel) in met.iter().zip(&points).zip(&places) {
+            let level = point.normal.dot(ray.direction).abs() as f32;
+            grey[pixel as usize] = level;
+            sums = (sums.0 + 1, sums.1 + f64::from(level));
+        }
+    }
+    sums
 }
 
 /// A set of rays, also as a batch takes them.
@@ -139,6 +152,8 @@ struct RaySet {
     name: &'static str,
     rays: Vec<Ray>,
     bounded: Vec<BoundedRay>,
+    /// The pixels that the rays belong to.
+    pixels: Vec<u32>,
 }
 
 fn answer(surface: &Surface, set: &RaySet, query: &str, grey: &mut Vec<f32>) -> Result<(u64, f64), Failure> {
@@ -152,7 +167,7 @@ fn answer(surface: &Surface, set: &RaySet, query: &str, grey: &mut Vec<f32>) -> 
         ("closest_batch", _) => closest_in_batches(surface, bounded),
         ("any_batch", _) => any_in_batches(surface, bounded),
         ("all", _) => all(surface, rays),
-        ("picture", _) => picture(surface, rays, grey),
+        ("picture", _) => picture(surface, set, grey),
         _ => return Err("no such query".into()),
     })
 }
@@ -289,9 +304,16 @@ fn run() -> Result<(), Failure> {
         ("lines", lines),
         ("coherent", coherent),
     ];
+    let in_lines: Vec<u32> = (0..pixels[0] * pixels[1]).collect();
     let with_ends = |(name, rays): (&'static str, Vec<Ray>)| {
         let bounded = rays.iter().map(|&ray| ray.into()).collect();
-        RaySet { name, rays, bounded }
+        let size = pixels.map(|n| n as usize);
+        RaySet {
+            name,
+            rays,
+            bounded,
+            pixels: if name == "tiles" { tiles(&in_lines, size) } else { in_lines.clone() },
+        }
     };
     let sets = sets.map(with_ends);
     for set in &sets {

@@ -52,6 +52,13 @@ pub trait RaySurface {
     /// The surface at a hit of this surface with this ray.
     fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint;
 
+    /// The surface at the hits of rays of this surface, as by [`RaySurface::point`]: the same bits for any size and order of the batch.
+    /// `hits` has an entry per ray; `points` is replaced.
+    fn point_batch(&self, rays: &[Ray], hits: &[Hit], points: &mut Vec<SurfacePoint>) {
+        points.clear();
+        points.extend(rays.iter().zip(hits).map(|(ray, hit)| self.point(ray, hit)));
+    }
+
     /// The derivatives `[dn/du, dn/dv]` of the shading normal by the texture coordinates at `point`, the surface at a hit.
     ///
     /// They are no part of [`SurfacePoint`], since only curvature needs them.
@@ -134,6 +141,12 @@ macro_rules! surfaces {
             fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
                 match self {
                     $(Self::$name(s) => s.point(ray, hit),)*
+                }
+            }
+
+            fn point_batch(&self, rays: &[Ray], hits: &[Hit], points: &mut Vec<SurfacePoint>) {
+                match self {
+                    $(Self::$name(s) => s.point_batch(rays, hits, points),)*
                 }
             }
 

@@ -5,8 +5,8 @@ use glanz_math::{Bounds3, DVec3, Ray};
 /// Side of a tile, pixels.
 pub(crate) const TILE: usize = 64;
 
-/// The rays of a picture of this size, given line by line, tile by tile.
-pub(crate) fn tiles(lines: &[Ray], [width, height]: [usize; 2]) -> Vec<Ray> {
+/// What belongs to the pixels of a picture of this size, given line by line, tile by tile.
+pub(crate) fn tiles<T: Copy>(lines: &[T], [width, height]: [usize; 2]) -> Vec<T> {
     let corners = (0..height).step_by(TILE).flat_map(|y| (0..width).step_by(TILE).map(move |x| (x, y)));
     let pixels = corners.flat_map(|(x, y)| {
         (y..(y + TILE).min(height))

@@ -130,6 +130,7 @@ pub(super) fn first_order<S: Simd>(
 ) -> [DVec4; 3] {
     match degrees {
         // The most frequent ones, with loops of a fixed length.
+        (3, 3) => first_order_in::<S, 4>(simd, points, (3, 3), u, v),
         (4, 4) => first_order_in::<S, 5>(simd, points, (4, 4), u, v),
         (5, 5) => first_order_in::<S, 6>(simd, points, (5, 5), u, v),
         (6, 6) => first_order_in::<S, 7>(simd, points, (6, 6), u, v),
@@ -169,20 +170,48 @@ fn unpack<S: Simd>(simd: S, v: S::F64) -> DVec4 {
     DVec4::from_array(simd.store64(v))
 }
 
-/// Point and derivatives up to the second of the homogeneous net `points`, that of (i, j) at i (q + 1) + j.
-pub(super) fn second_order_jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> SecondOrderJet {
-    second_order_jet_by(Isa::detect(), points, degrees, u, v)
+/// A point of a patch with its first derivatives by the parameters of the patch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstOrderJet {
+    pub(super) s: DVec3,
+    pub(super) su: DVec3,
+    pub(super) sv: DVec3,
 }
 
-/// The same with the instructions of `isa`, for callers that have detected them before.
-pub(super) fn second_order_jet_by(
-    isa: Isa,
-    points: &[DVec4],
+impl FirstOrderJet {
+    /// The jet of the homogeneous net `points`, that of (i, j) at i (q + 1) + j, with the instructions of `isa`.
+    pub(super) fn new(isa: Isa, points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Self {
+        isa.run(FirstOrderEvaluation { points, degrees, u, v })
+    }
+
+    #[inline(always)]
+    fn of([h, hu, hv]: [DVec4; 3]) -> Self {
+        let per = 1.0 / h.w;
+        let s = h.truncate() * per;
+        let [su, sv] = [hu, hv].map(|rise| (rise.truncate() - s * rise.w) * per);
+        Self { s, su, sv }
+    }
+}
+
+struct FirstOrderEvaluation<'a> {
+    points: &'a [DVec4],
     degrees: (usize, usize),
     u: f64,
     v: f64,
-) -> SecondOrderJet {
-    isa.run(JetEvaluation { points, degrees, u, v })
+}
+
+impl Task for FirstOrderEvaluation<'_> {
+    type Output = FirstOrderJet;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> FirstOrderJet {
+        FirstOrderJet::of(first_order(simd, self.points, self.degrees, self.u, self.v))
+    }
+}
+
+/// Point and derivatives up to the second of the homogeneous net `points`, that of (i, j) at i (q + 1) + j.
+pub(super) fn second_order_jet(points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> SecondOrderJet {
+    Isa::detect().run(JetEvaluation { points, degrees, u, v })
 }
 
 struct JetEvaluation<'a> {
@@ -264,11 +293,9 @@ impl SecondOrderJet {
     #[inline(always)]
     fn of(h: DVec4, [hu, hv]: [DVec4; 2], [huu, huv, hvv]: [DVec4; 3]) -> Self {
         // Quotient rule, order by order (@markgraf2019 eq. 14).
+        let FirstOrderJet { s, su, sv } = FirstOrderJet::of([h, hu, hv]);
         let per = 1.0 / h.w;
-        let s = h.truncate() * per;
-        let su = (hu.truncate() - s * hu.w) * per;
-        let sv = (hv.truncate() - s * hv.w) * per;
-        SecondOrderJet {
+        Self {
             s,
             su,
             sv,

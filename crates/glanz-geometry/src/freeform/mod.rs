@@ -48,6 +48,7 @@ mod newton_lanes;
 mod pair_lanes;
 mod pair_queue;
 mod parameter_rect;
+mod point_lanes;
 mod projected_bicubic;
 mod query;
 mod ray_lanes;
@@ -69,6 +70,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 use self::area::LeafAreas;
 pub use self::control_net::MAX_DEGREE;
 use self::leaf::PatchLeaf;
+use self::point_lanes::PointBatch;
 use self::query::{AllHitsQuery, ClosestQuery, OcclusionQuery};
 use self::ray_space::SurfaceFrame;
 use self::subpatches::{SubpatchList, SubpatchLocation};
@@ -195,6 +197,11 @@ impl RaySurface for Freeform {
 
     fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
         self.point_at(hit.face, hit.u, hit.v)
+    }
+
+    fn point_batch(&self, _rays: &[Ray], hits: &[Hit], points: &mut Vec<SurfacePoint>) {
+        points.clear();
+        self.bvh.isa().run(PointBatch { surface: self, hits, points });
     }
 
     fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {

@@ -13,7 +13,7 @@ use crate::bvh::simd::Simd;
 use crate::bvh::simd::lanes::LANES;
 
 /// Largest degree in one direction; nets of higher degrees are searched one by one.
-const MOST_DEGREE: usize = 9;
+pub(super) const MOST_DEGREE: usize = 9;
 
 /// Largest number of steps of eight pairs; those that need more are searched one by one.
 const MAX_LANE_STEPS: usize = 8;
@@ -80,15 +80,15 @@ impl NetBuffer {
 }
 
 /// The Bernstein polynomials of a degree up to [`MOST_DEGREE`], and their derivatives.
-struct BasisLanes<S: Simd> {
-    values: [S::Wide; MOST_DEGREE + 1],
-    derivatives: [S::Wide; MOST_DEGREE + 1],
+pub(super) struct BasisLanes<S: Simd> {
+    pub(super) values: [S::Wide; MOST_DEGREE + 1],
+    pub(super) derivatives: [S::Wide; MOST_DEGREE + 1],
 }
 
 impl<S: Simd> BasisLanes<S> {
     /// In the order of [`BernsteinPowers`](super::control_net::BernsteinPowers).
     #[inline(always)]
-    fn new(simd: S, degree: usize, at: S::Wide) -> Self {
+    pub(super) fn new(simd: S, degree: usize, at: S::Wide) -> Self {
         let one = simd.splat8(1.0);
         let (mut x, mut y) = ([one; MOST_DEGREE + 1], [one; MOST_DEGREE + 1]);
         let rest = simd.sub8(one, at);

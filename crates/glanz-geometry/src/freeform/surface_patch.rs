@@ -85,6 +85,14 @@ impl SurfacePatch {
         }
     }
 
+    /// The rectangle of parameters, unless they are those of a quadrilateral.
+    pub(super) fn rectangle(&self) -> Option<&ParameterRect> {
+        match &self.domain {
+            PatchDomain::Rectangle(rect) => Some(rect),
+            PatchDomain::Quad(_) => None,
+        }
+    }
+
     /// Smallest and largest parameters (u, v) of the surface over a part of the patch.
     pub(super) fn range(&self, rect: &ParameterRect) -> [DVec2; 2] {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| self.parameters(rect.u[i], rect.v[j]));

@@ -2,12 +2,12 @@
 
 use glanz_math::{DVec2, DVec3};
 
-use super::control_net::{SecondOrderJet, second_order_jet, second_order_jet_by};
+use super::control_net::{FirstOrderJet, SecondOrderJet, second_order_jet};
 use super::{Freeform, SurfacePatch};
 use crate::hit::SurfacePoint;
 
 /// Length of the normal S_x x S_y, relative to the square of the size of the patch, below which half of its digits are lost.
-const COLLAPSED: f64 = 1e-8;
+pub(super) const COLLAPSED: f64 = 1e-8;
 
 /// Largest distance of a hit from the surface, in units of the noise: up to eight times for the search, and as much for the
 /// rounding of the leaves.
@@ -18,15 +18,11 @@ impl Freeform {
         // The hit of another surface may have any face; the first patch replaces a missing one.
         let Some(patch) = self.patches.get(face as usize).or(self.patches.first()) else { return nowhere() };
         let (points, degrees) = (patch.patch.control_points(), patch.patch.degrees());
-        let here = second_order_jet_by(self.bvh.isa(), points, degrees, x, y);
+        let here = FirstOrderJet::new(self.bvh.isa(), points, degrees, x, y);
         let n = here.su.cross(here.sv);
         let (length, size) = (n.length(), patch.extent());
         let is_regular = length > COLLAPSED * size * size;
-        let collapsed = (!is_regular).then(|| next_to(patch, x, y, &here));
-        let normal = match &collapsed {
-            None => n * (1.0 / length),
-            Some((_, normal, _)) => *normal,
-        };
+        let normal = if is_regular { n * (1.0 / length) } else { next_to(patch, x, y).1 };
         let [by_u, by_v] = patch.rates(x, y);
         // Along a collapsed edge the derivative is only rounding, without a direction.
         let steep = 1e2 * self.error();
@@ -38,7 +34,7 @@ impl Freeform {
         let normal = normal * flip;
         let bounds = self.bvh.bounds();
         SurfacePoint {
-            position: here.s.clamp(bounds.min, bounds.max),
+            position: clamped(here.s, bounds.min, bounds.max),
             error: DVec3::splat(self.error()),
             normal,
             shading_normal: normal,
@@ -54,12 +50,12 @@ impl Freeform {
             return [DVec3::ZERO; 2];
         };
         let (points, degrees) = (patch.patch.control_points(), patch.patch.degrees());
-        let here = second_order_jet_by(self.bvh.isa(), points, degrees, x, y);
+        let here = second_order_jet(points, degrees, x, y);
         let (length, size) = (here.su.cross(here.sv).length(), patch.extent());
         let (regular, length) = if length > COLLAPSED * size * size {
             (here, length)
         } else {
-            let (beside, _, length) = next_to(patch, x, y, &here);
+            let (beside, _, length) = next_to(patch, x, y);
             (beside, length)
         };
         let SecondOrderJet { su, sv, suu, suv, svv, .. } = regular;
@@ -77,22 +73,29 @@ impl Freeform {
     ///
     /// The origin of a ray that starts here is this point or close to it, so that its noise is that of an origin within the
     /// surface.
-    fn error(&self) -> f64 {
+    pub(super) fn error(&self) -> f64 {
         ERROR * self.frame.noise_within()
     }
+}
+
+/// `p` in the box; of zeros with different signs that of the box, in lanes as well.
+fn clamped(p: DVec3, min: DVec3, max: DVec3) -> DVec3 {
+    let at_least = DVec3::select(p.cmpgt(min), p, min);
+    DVec3::select(at_least.cmplt(max), at_least, max)
 }
 
 /// At a collapsed edge or corner: the jet of a close point with a normal, the unit normal at (x, y), and the length of
 /// S_x x S_y at that point.
 #[cold]
-fn next_to(patch: &SurfacePatch, x: f64, y: f64, here: &SecondOrderJet) -> (SecondOrderJet, DVec3, f64) {
+fn next_to(patch: &SurfacePatch, x: f64, y: f64) -> (SecondOrderJet, DVec3, f64) {
     let (points, degrees) = (patch.patch.control_points(), patch.patch.degrees());
     let size = patch.extent();
     // Where the normal vanishes, its derivative towards the centre of the patch has the direction of the normals nearby.
-    let SecondOrderJet { su, sv, suu, suv, svv, .. } = *here;
+    let here = second_order_jet(points, degrees, x, y);
+    let SecondOrderJet { su, sv, suu, suv, svv, .. } = here;
     let (by_x, by_y) = (suu.cross(sv) + su.cross(suv), suv.cross(sv) + su.cross(svv));
     let rise = by_x * (0.5 - x) + by_y * (0.5 - y);
-    let mut at = *here;
+    let mut at = here;
     for step in [1e-3, 1e-2, 0.1, 0.5] {
         at = second_order_jet(points, degrees, x + (0.5 - x) * step, y + (0.5 - y) * step);
         let n = at.su.cross(at.sv);
@@ -105,7 +108,7 @@ fn next_to(patch: &SurfacePatch, x: f64, y: f64, here: &SecondOrderJet) -> (Seco
 }
 
 /// The point of a surface without patches, which cannot be built.
-fn nowhere() -> SurfacePoint {
+pub(super) fn nowhere() -> SurfacePoint {
     let zero = DVec3::ZERO;
     SurfacePoint {
         position: zero,

@@ -7,7 +7,7 @@ use super::plate;
 use crate::batch::BoundedRay;
 use crate::bezier::TensorPatch;
 use crate::bvh::simd::Isa;
-use crate::hit::Hit;
+use crate::hit::{Hit, SurfacePoint};
 use crate::surface::RaySurface;
 
 /// A patch of waves over a square with as many metres a side as its degree.
@@ -84,6 +84,9 @@ fn every_instruction_set_gives_batches_the_answers_of_single_rays() {
         let expected = single_hits(&surface, &rays);
         let met = expected.iter().flatten().count();
         assert!(met > 200 && met + 200 < rays.len(), "{met} of {} rays hit", rays.len());
+        let (of_hits, found): (Vec<Ray>, Vec<Hit>) =
+            rays.iter().zip(&expected).filter_map(|(bounded, hit)| Some((bounded.ray, (*hit)?))).unzip();
+        let points: Vec<SurfacePoint> = found.iter().map(|hit| surface.point(&rays[0].ray, hit)).collect();
         let is_hit: Vec<bool> = expected.iter().map(Option::is_some).collect();
         for isa in Isa::all() {
             surface.bvh = surface.bvh.clone().with_isa(isa);
@@ -96,6 +99,9 @@ fn every_instruction_set_gives_batches_the_answers_of_single_rays() {
                 assert_eq!(occluded[index], is_hit[index], "{isa:?}: {bounded:?}");
             }
             assert_eq!((hits.len(), occluded.len()), (rays.len(), rays.len()));
+            let mut at_hits = Vec::new();
+            surface.point_batch(&of_hits, &found, &mut at_hits);
+            assert!(at_hits == points, "{isa:?}");
         }
     }
 }

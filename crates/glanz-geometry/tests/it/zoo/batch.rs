@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
-use glanz_geometry::{BoundedRay, Hit, RaySurface, Surface};
+use glanz_geometry::{BoundedRay, Hit, RaySurface, Surface, SurfacePoint};
 use glanz_math::DVec2;
 
 use super::rays::{Random, RayFamily};
@@ -39,6 +39,29 @@ fn shuffled(mut rays: Vec<BoundedRay>) -> Vec<BoundedRay> {
 /// Number of times that [`compare`] traces each ray.
 const QUERIES: u64 = 2 * (2 + 5 * 2);
 
+/// The numbers of a point, as bits.
+fn point_bits(point: &SurfacePoint) -> [u64; 20] {
+    let SurfacePoint { position, error, normal, shading_normal, uv, dpdu, dpdv } = point;
+    let mut bits = [0; 20];
+    let vectors = [position, error, normal, shading_normal, dpdu, dpdv].map(|v| v.to_array());
+    for (bits, x) in bits.iter_mut().zip(vectors.into_iter().flatten().chain(uv.to_array())) {
+        *bits = x.to_bits();
+    }
+    bits
+}
+
+/// Compares the points of a batch of hits with those of single hits, bit by bit.
+fn compare_points(name: &str, surface: &impl RaySurface, rays: &[BoundedRay], hits: &[Option<Hit>]) {
+    let met = rays.iter().zip(hits).filter_map(|(bounded, hit)| Some((bounded.ray, (*hit)?)));
+    let (rays, hits): (Vec<_>, Vec<_>) = met.unzip();
+    let mut points = Vec::new();
+    surface.point_batch(&rays, &hits, &mut points);
+    assert_eq!(points.len(), hits.len());
+    for ((ray, hit), point) in rays.iter().zip(&hits).zip(&points) {
+        assert_eq!(point_bits(point), point_bits(&surface.point(ray, hit)), "{name}: {hit:?}");
+    }
+}
+
 /// Compares batches of 1 to 9000 rays, in order and shuffled, with single rays, bit by bit.
 fn compare(name: &str, surface: &impl RaySurface, rays: Vec<BoundedRay>) {
     let (mut hits, mut occluded) = (Vec::new(), Vec::new());
@@ -57,6 +80,7 @@ fn compare(name: &str, surface: &impl RaySurface, rays: Vec<BoundedRay>) {
                 surface.closest_batch(part, &mut hits);
                 surface.occluded_batch(part, &mut occluded);
                 assert_eq!((hits.len(), occluded.len()), (part.len(), part.len()));
+                compare_points(name, surface, part, &hits);
                 for (((bounded, single), hit), &occluded) in part.iter().zip(single).zip(&hits).zip(&occluded)
                 {
                     assert_eq!(bits(hit), bits(single), "{name}, batches of {size}: {bounded:?}");
