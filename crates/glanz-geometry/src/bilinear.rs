@@ -5,7 +5,7 @@ use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use crate::error::{SurfaceError, finite};
-use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::hit::{AreaSample, Hit, SurfacePoint, SurfaceSample};
 use crate::ray_line::RayLine;
 use crate::surface::RaySurface;
 use crate::triangle::ShearedRay;
@@ -129,15 +129,19 @@ impl BilinearPatch {
         roots
     }
 
-    pub(crate) fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
+    fn position_at(&self, u: f64, v: f64) -> DVec3 {
         let [p00, p10, p01, p11] = self.corners;
         let position = (p00 * (1.0 - u) + p10 * u) * (1.0 - v) + (p01 * (1.0 - u) + p11 * u) * v;
+        // The patch lies in the bounding box of its corners.
+        position.clamp(self.bounds.min, self.bounds.max)
+    }
+
+    pub(crate) fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
         let (dpdu, dpdv) = self.tangents(u, v);
         let (_, _, n) = self.regular(u, v);
         let (normal, length) = (n.normalize(), n.length());
         SurfacePoint {
-            // The patch lies in the bounding box of its corners.
-            position: position.clamp(self.bounds.min, self.bounds.max),
+            position: self.position_at(u, v),
             error: self.error(length),
             normal,
             shading_normal: normal,
@@ -160,9 +164,8 @@ impl BilinearPatch {
         DVec3::splat(gamma(6) * self.size + gamma(24) * self.size / width) + reach * gamma(6)
     }
 
-    /// Density of [`RaySurface::sample`], per m^2.
-    fn pdf(&self, u: f64, v: f64) -> AreaPdf {
-        let (u, v, n) = self.regular(u, v);
+    /// Density of [`RaySurface::sample`], per m^2, where [`BilinearPatch::regular`] gives `(u, v, n)`.
+    fn pdf(&self, (u, v, n): (f64, f64, DVec3)) -> AreaPdf {
         let [w00, w10, w01, w11] = self.weights;
         let weight = (w00 * (1.0 - u) + w10 * u) * (1.0 - v) + (w01 * (1.0 - u) + w11 * u) * v;
         AreaPdf(4.0 * weight / ((w00 + w10 + w01 + w11) * n.length()))
@@ -204,11 +207,22 @@ fn near_unit(x: f64, error: f64) -> Option<f64> {
 /// # Source
 /// @pharr2023 section 2.3.2.
 pub(crate) fn sample_linear(xi: f64, a: f64, b: f64) -> f64 {
-    if xi == 0.0 {
-        return 0.0;
+    // Also without the division of zeros.
+    if xi == 0.0 || a == b {
+        return xi;
     }
     let x = xi * (a + b) / (a + (a * a * (1.0 - xi) + b * b * xi).sqrt());
     x.min(1.0_f64.next_down())
+}
+
+impl BilinearPatch {
+    /// Random parameters. The density is bilinear between the area elements at the corners: uniform by area if the patch is a
+    /// parallelogram, nearly so otherwise.
+    fn sample_parameters(&self, xi: DVec2) -> (f64, f64) {
+        let [w00, w10, w01, w11] = self.weights;
+        let v = sample_linear(xi.y, w00 + w10, w01 + w11);
+        (sample_linear(xi.x, w00 * (1.0 - v) + w01 * v, w10 * (1.0 - v) + w11 * v), v)
+    }
 }
 
 impl RaySurface for BilinearPatch {
@@ -239,21 +253,25 @@ impl RaySurface for BilinearPatch {
         [du.cross(twist), twist.cross(dv)].map(|dn| (dn - normal * normal.dot(dn)) / length)
     }
 
-    /// The density in (u, v) is bilinear between the area elements at the corners: uniform by area if the patch is a
-    /// parallelogram, nearly so otherwise.
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
-        let [w00, w10, w01, w11] = self.weights;
-        let v = sample_linear(xi.y, w00 + w10, w01 + w11);
-        let u = sample_linear(xi.x, w00 * (1.0 - v) + w01 * v, w10 * (1.0 - v) + w11 * v);
+        let (u, v) = self.sample_parameters(xi);
         Some(SurfaceSample {
             hit: Hit { t: 0.0, u, v, face: 0 },
             point: self.point_at(u, v),
-            pdf: self.pdf(u, v),
+            pdf: self.pdf(self.regular(u, v)),
         })
     }
 
+    fn sample_area(&self, xi: DVec2) -> Option<AreaSample> {
+        let (u, v) = self.sample_parameters(xi);
+        let regular = self.regular(u, v);
+        let (position, n) = (self.position_at(u, v), regular.2);
+        let (error, normal) = (self.error(n.length()), n.normalize());
+        Some(AreaSample { position, error, normal, face: 0, pdf: self.pdf(regular) })
+    }
+
     fn area_pdf(&self, hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
-        Some(self.pdf(hit.u, hit.v))
+        Some(self.pdf(self.regular(hit.u, hit.v)))
     }
 }
 
@@ -327,7 +345,7 @@ mod tests {
         // The apex has the normal of its neighbourhood and a finite density.
         let apex = patch.point_at(0.5, 0.0);
         assert!((apex.normal.dot(n) - 1.0).abs() < 1e-7 && apex.dpdu == DVec3::ZERO);
-        assert!(patch.pdf(0.5, 0.0).0.is_finite());
+        assert!(patch.pdf(patch.regular(0.5, 0.0)).0.is_finite());
     }
 
     #[test]

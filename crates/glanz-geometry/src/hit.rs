@@ -44,14 +44,13 @@ impl SurfacePoint {
     #[inline]
     #[must_use]
     pub fn transformed(&self, to_world: &Transform) -> Self {
-        let position = to_world.point(self.position);
-        let back = to_world.inverse().point_error(position, DVec3::ZERO);
+        let (position, error) = transformed_position(self.position, self.error, to_world);
         let normal = to_world.normal(self.normal);
         let shading_normal = to_world.normal(self.shading_normal);
         let unit_shading = shading_normal * (1.0 / shading_normal.length());
         Self {
             position,
-            error: to_world.point_error(self.position, self.error + back),
+            error,
             normal: normal.normalize(),
             shading_normal: unit_shading,
             uv: self.uv,
@@ -83,6 +82,101 @@ impl SurfacePoint {
     #[must_use]
     pub fn reversed(self) -> Self {
         Self { normal: -self.normal, shading_normal: -self.shading_normal, ..self }
+    }
+}
+
+impl From<SurfacePoint> for ShadingPoint {
+    fn from(point: SurfacePoint) -> Self {
+        let SurfacePoint { position, error, normal, shading_normal, uv, dpdu, .. } = point;
+        Self { position, error, normal, shading_normal, uv, dpdu }
+    }
+}
+
+/// A [`SurfacePoint`] as far as shading needs it; its fields are the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadingPoint {
+    /// The point, metres.
+    pub position: DVec3,
+    /// Absolute bound per axis on the distance from `position` to the surface.
+    pub error: DVec3,
+    /// Unit normal of the surface itself.
+    pub normal: DVec3,
+    /// Unit normal for shading.
+    pub shading_normal: DVec3,
+    /// Texture coordinates.
+    pub uv: DVec2,
+    /// Derivative of the position by `uv.x`; zero also on meshes, each triangle of which has parameters of its own.
+    pub dpdu: DVec3,
+}
+
+impl ShadingPoint {
+    /// The same point in the frame that `to_world` maps to: the bits of [`SurfacePoint::transformed`].
+    #[inline]
+    #[must_use]
+    pub fn transformed(&self, to_world: &Transform) -> Self {
+        let (position, error) = transformed_position(self.position, self.error, to_world);
+        let shading_normal = to_world.normal(self.shading_normal);
+        Self {
+            position,
+            error,
+            normal: to_world.normal(self.normal).normalize(),
+            shading_normal: shading_normal * (1.0 / shading_normal.length()),
+            uv: self.uv,
+            dpdu: to_world.vector(self.dpdu),
+        }
+    }
+
+    /// The same point of the surface with reversed orientation: both normals change sign.
+    #[inline]
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self { normal: -self.normal, shading_normal: -self.shading_normal, ..self }
+    }
+}
+
+/// Position and error bound in the frame that `to_world` maps to.
+#[inline]
+fn transformed_position(position: DVec3, error: DVec3, to_world: &Transform) -> (DVec3, DVec3) {
+    let moved = to_world.point(position);
+    let back = to_world.inverse().point_error(moved, DVec3::ZERO);
+    (moved, to_world.point_error(position, error + back))
+}
+
+/// A point sampled on a surface, without parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaSample {
+    /// The point, metres.
+    pub position: DVec3,
+    /// As [`SurfacePoint::error`].
+    pub error: DVec3,
+    /// Unit normal of the surface itself.
+    pub normal: DVec3,
+    /// As [`Hit::face`].
+    pub face: u32,
+    /// Density with which it was sampled.
+    pub pdf: AreaPdf,
+}
+
+impl From<SurfaceSample> for AreaSample {
+    fn from(sample: SurfaceSample) -> Self {
+        let SurfacePoint { position, error, normal, .. } = sample.point;
+        Self { position, error, normal, face: sample.hit.face, pdf: sample.pdf }
+    }
+}
+
+impl AreaSample {
+    /// The same point in the frame that `to_world` maps to, where its density is that of the area there.
+    #[inline]
+    #[must_use]
+    pub fn transformed(&self, to_world: &Transform) -> Self {
+        let (position, error) = transformed_position(self.position, self.error, to_world);
+        Self {
+            position,
+            error,
+            normal: to_world.normal(self.normal).normalize(),
+            face: self.face,
+            pdf: AreaPdf(self.pdf.0 / to_world.area_scale(self.normal)),
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::batch::BoundedRay;
 use crate::bilinear::BilinearPatch;
 use crate::cuboid::Cuboid;
 use crate::freeform::Freeform;
-use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::hit::{AreaSample, Hit, ShadingPoint, SurfacePoint, SurfaceSample};
 use crate::mesh::Mesh;
 use crate::polyhedron::Polyhedron;
 use crate::quadric::{Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid};
@@ -59,6 +59,11 @@ pub trait RaySurface {
         points.extend(rays.iter().zip(hits).map(|(ray, hit)| self.point(ray, hit)));
     }
 
+    /// The surface at a hit as far as shading needs it: the bits of [`RaySurface::point`].
+    fn shading_point(&self, ray: &Ray, hit: &Hit) -> ShadingPoint {
+        self.point(ray, hit).into()
+    }
+
     /// The derivatives `[dn/du, dn/dv]` of the shading normal by the texture coordinates at `point`, the surface at a hit.
     ///
     /// They are no part of [`SurfacePoint`], since only curvature needs them.
@@ -76,6 +81,11 @@ pub trait RaySurface {
     ///
     /// `None` if the surface has no finite area or no parameters to sample by.
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample>;
+
+    /// The point of [`RaySurface::sample`] without its parameters: the same bits.
+    fn sample_area(&self, xi: DVec2) -> Option<AreaSample> {
+        self.sample(xi).map(AreaSample::from)
+    }
 
     /// The density with which [`RaySurface::sample`] samples the point of `hit`; `None` for surfaces that cannot be sampled.
     fn area_pdf(&self, hit: &Hit, point: &SurfacePoint) -> Option<AreaPdf>;
@@ -150,6 +160,12 @@ macro_rules! surfaces {
                 }
             }
 
+            fn shading_point(&self, ray: &Ray, hit: &Hit) -> ShadingPoint {
+                match self {
+                    $(Self::$name(s) => s.shading_point(ray, hit),)*
+                }
+            }
+
             fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
                 match self {
                     $(Self::$name(s) => s.normal_derivatives(hit, point),)*
@@ -159,6 +175,12 @@ macro_rules! surfaces {
             fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
                 match self {
                     $(Self::$name(s) => s.sample(xi),)*
+                }
+            }
+
+            fn sample_area(&self, xi: DVec2) -> Option<AreaSample> {
+                match self {
+                    $(Self::$name(s) => s.sample_area(xi),)*
                 }
             }
 

@@ -131,6 +131,7 @@ pub fn unit_normal(p0: DVec3, p1: DVec3, p2: DVec3) -> Option<DVec3> {
 }
 
 /// [`unit_normal`] and twice the area.
+#[inline]
 pub(crate) fn normal_and_area(p0: DVec3, p1: DVec3, p2: DVec3) -> Option<(DVec3, f64)> {
     let (e1, e2) = (p1 - p0, p2 - p0);
     let plain = e1.cross(e2);

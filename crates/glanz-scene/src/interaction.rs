@@ -1,6 +1,6 @@
 //! Points where rays hit the scene.
 
-use glanz_geometry::SurfacePoint;
+use glanz_geometry::ShadingPoint;
 use glanz_light::Wavelengths;
 use glanz_math::rounding::offset_origin;
 use glanz_math::{AreaPdf, DVec3, Frame, Ray};
@@ -25,7 +25,7 @@ pub struct LightSampleContext {
 #[derive(Clone, Copy, Debug)]
 pub struct Interaction {
     /// The surface at the point.
-    pub point: SurfacePoint,
+    pub point: ShadingPoint,
     /// Ray parameter of the hit: the distance, for rays of unit direction.
     pub t: f64,
     /// Unit direction back along the ray.
@@ -52,10 +52,10 @@ impl Interaction {
         }
     }
 
-    /// The frame of the BSDF: z is the shading normal, x follows the derivative of the position by u.
+    /// The frame of the BSDF: z is the shading normal. BSDFs are isotropic, so that its tangents may be any.
     #[must_use]
     pub fn frame(&self) -> Frame {
-        Frame::from_z_and_tangent(self.point.shading_normal, self.point.dpdu)
+        Frame::from_z(self.point.shading_normal)
     }
 
     /// The BSDF at the point; `None` for an interface, which all rays pass.

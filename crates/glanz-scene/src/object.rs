@@ -1,6 +1,6 @@
 //! Surfaces with their place in a group.
 
-use glanz_geometry::{BoundedRay, Hit, RaySurface, Surface, SurfacePoint};
+use glanz_geometry::{AreaSample, BoundedRay, Hit, RaySurface, ShadingPoint, Surface};
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray, Transform};
 
 use std::sync::Arc;
@@ -162,9 +162,9 @@ impl SceneObject {
         ray: &Ray,
         hit: &Hit,
         reversed: bool,
-    ) -> (SurfacePoint, LocalPoint, Option<AreaPdf>) {
+    ) -> (ShadingPoint, LocalPoint, Option<AreaPdf>) {
         let local_ray = self.local(ray);
-        let mut point = self.surface.point(&local_ray, hit);
+        let mut point = self.surface.shading_point(&local_ray, hit);
         let away = point.normal.dot(local_ray.direction) > 0.0;
         let own = LocalPoint {
             position: point.position,
@@ -172,30 +172,25 @@ impl SceneObject {
         };
         let pdf = self
             .light
-            .and_then(|_| self.surface.area_pdf(hit, &point))
+            .and_then(|_| self.surface.area_pdf(hit, &self.surface.point(&local_ray, hit)))
             .map(|pdf| self.to_parent_pdf(pdf, point.normal));
-        self.place(&mut point, reversed);
-        (point, own, pdf)
+        if let Some(to_parent) = &self.to_parent {
+            point = point.transformed(to_parent);
+        }
+        (if reversed { point.reversed() } else { point }, own, pdf)
     }
 
     /// Samples a point of the object by two numbers uniform in [0, 1).
     #[inline]
-    pub(crate) fn sample(&self, xi: DVec2) -> Option<(SurfacePoint, AreaPdf)> {
-        let mut sample = self.surface.sample(xi)?;
-        let pdf = self.to_parent_pdf(sample.pdf, sample.point.normal);
-        self.place(&mut sample.point, self.attributes(sample.hit.face).reversed);
-        Some((sample.point, pdf))
-    }
-
-    /// Moves a point from the frame of the surface to that of the group.
-    #[inline]
-    fn place(&self, point: &mut SurfacePoint, reversed: bool) {
+    pub(crate) fn sample(&self, xi: DVec2) -> Option<AreaSample> {
+        let mut sample = self.surface.sample_area(xi)?;
         if let Some(to_parent) = &self.to_parent {
-            *point = point.transformed(to_parent);
+            sample = sample.transformed(to_parent);
         }
-        if reversed {
-            *point = point.reversed();
+        if self.attributes(sample.face).reversed {
+            sample.normal = -sample.normal;
         }
+        Some(sample)
     }
 
     #[inline]

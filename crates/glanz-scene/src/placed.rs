@@ -1,6 +1,6 @@
 //! Surfaces in world space, to be evaluated by their parameters.
 
-use glanz_geometry::{FaceDomain, Hit, RaySurface, Surface};
+use glanz_geometry::{FaceDomain, Hit, RaySurface, ShadingPoint, Surface, SurfacePoint};
 use glanz_math::{Bounds3, DVec2, DVec3, Ray, Transform};
 
 use crate::interaction::Interaction;
@@ -133,16 +133,21 @@ impl PlacedSurface<'_> {
         self.maps.iter().fold(own, |inner, map| map.after(&inner))
     }
 
-    /// The derivatives `[dn/du, dn/dv]` of the shading normal by the texture coordinates in the world, at the hit of `ray` with parameter
-    /// `t` at `place`. Their sign is that of the normal there, which does not depend on the side that is hit.
+    /// The hit of `ray` with parameter `t` at `place` in the world, with its derivatives, and the derivatives `[dn/du, dn/dv]` of its
+    /// shading normal by the texture coordinates. The sign of the normal does not depend on the side that is hit.
     #[must_use]
-    pub fn normal_derivatives(&self, ray: &Ray, t: f64, place: &ParametricPoint) -> [DVec3; 2] {
+    pub fn differential(&self, ray: &Ray, t: f64, place: &ParametricPoint) -> (SurfacePoint, [DVec3; 2]) {
         let to_world = self.to_world();
         let hit = Hit { t, u: place.uv.x, v: place.uv.y, face: place.face };
         let point = self.surface().point(&to_world.inverse().ray(ray), &hit);
         let derivatives = self.surface().normal_derivatives(&hit, &point);
-        let sign = if self.object.attributes(place.face).reversed { -1.0 } else { 1.0 };
-        point.transformed_normal_derivatives(derivatives, &to_world).map(|derivative| derivative * sign)
+        let derivatives = point.transformed_normal_derivatives(derivatives, &to_world);
+        let point = point.transformed(&to_world);
+        if self.object.attributes(place.face).reversed {
+            (point.reversed(), derivatives.map(|derivative| -derivative))
+        } else {
+            (point, derivatives)
+        }
     }
 
     /// The point with these parameters on the side of the normal, or on the other (`back`). `None` where there is no surface.
@@ -152,7 +157,7 @@ impl PlacedSurface<'_> {
         let attributes = self.object.attributes(face);
         let own_normal = if back != attributes.reversed { -local.point.normal } else { local.point.normal };
         let own = LocalPoint { position: local.point.position, normal_to_viewer: own_normal };
-        let (mut point, mut area_element) = (local.point, local.area_element);
+        let (mut point, mut area_element) = (ShadingPoint::from(local.point), local.area_element);
         for map in self.object.to_parent().into_iter().chain(&self.maps) {
             area_element *= map.area_scale(point.normal);
             point = point.transformed(map);

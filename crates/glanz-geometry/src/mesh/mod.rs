@@ -20,12 +20,13 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use self::block::{LANES, TriangleBlocks};
 use self::query::MeshQuery;
+use self::shading::FlatPoint;
 use self::stream::MeshBatch;
 use crate::batch::BoundedRay;
 use crate::bvh::query::{AllHits, AnyHit, ClosestHit, HitCollector};
 use crate::bvh::{BuildOptions, Bvh, BvhStatistics, PARALLEL_CHUNK, parallel_map};
 use crate::error::{SurfaceError, finite};
-use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::hit::{AreaSample, Hit, ShadingPoint, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
 use crate::triangle::{sample_barycentric, unit_normal};
 
@@ -267,11 +268,36 @@ impl RaySurface for Mesh {
         self.point_at(hit.face, hit.u, hit.v)
     }
 
+    fn shading_point(&self, _ray: &Ray, hit: &Hit) -> ShadingPoint {
+        self.shading_point_at(hit.face, hit.u, hit.v)
+    }
+
     fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
         self.normal_derivatives_at(hit.face, hit.u, hit.v, point.shading_normal)
     }
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
+        let (hit, pdf) = self.sample_weights(xi)?;
+        Some(SurfaceSample { hit, point: self.point_at(hit.face, hit.u, hit.v), pdf })
+    }
+
+    fn sample_area(&self, xi: DVec2) -> Option<AreaSample> {
+        let (hit, pdf) = self.sample_weights(xi)?;
+        let FlatPoint { position, error, normal } = self.flat_point_at(hit.face, hit.u, hit.v);
+        let normal =
+            self.smooth_normal(hit.face, hit.u, hit.v, normal).map_or(normal, |smooth| smooth.normal);
+        Some(AreaSample { position, error, normal, face: hit.face, pdf })
+    }
+
+    fn area_pdf(&self, _hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
+        let area = self.area();
+        (area > 0.0).then(|| AreaPdf(1.0 / area))
+    }
+}
+
+impl Mesh {
+    /// A random triangle with barycentric weights, and the density.
+    fn sample_weights(&self, xi: DVec2) -> Option<(Hit, AreaPdf)> {
         let areas = self.areas();
         let total = areas.last().copied().filter(|&area| area > 0.0)?;
         let target = xi.x * total;
@@ -280,12 +306,6 @@ impl RaySurface for Mesh {
         // The rest of the number that selected the triangle.
         let rest = ((target - before) / (areas[face] - before)).clamp(0.0, 1.0f64.next_down());
         let b = sample_barycentric(DVec2::new(rest, xi.y));
-        let hit = Hit { t: 0.0, u: b.x, v: b.y, face: face as u32 };
-        Some(SurfaceSample { hit, point: self.point_at(hit.face, b.x, b.y), pdf: AreaPdf(1.0 / total) })
-    }
-
-    fn area_pdf(&self, _hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
-        let area = self.area();
-        (area > 0.0).then(|| AreaPdf(1.0 / area))
+        Some((Hit { t: 0.0, u: b.x, v: b.y, face: face as u32 }, AreaPdf(1.0 / total)))
     }
 }

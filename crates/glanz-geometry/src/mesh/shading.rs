@@ -3,7 +3,7 @@
 use glanz_math::{DVec2, DVec3};
 
 use super::Mesh;
-use crate::hit::{Hit, SurfacePoint};
+use crate::hit::{Hit, ShadingPoint, SurfacePoint};
 use crate::triangle::{normal_and_area, position_error_of};
 
 /// Texture coordinates of a triangle that has none.
@@ -45,44 +45,75 @@ fn interpolate(q: [DVec3; 3], u: f64, v: f64) -> DVec3 {
     q[0] * (1.0 - u - v) + q[1] * u + q[2] * v
 }
 
+/// A point of a triangle.
+pub(super) struct FlatPoint {
+    pub(super) position: DVec3,
+    pub(super) error: DVec3,
+    /// Unit normal, by the order of the vertices.
+    pub(super) normal: DVec3,
+}
+
+/// The normal where those at the vertices determine the side.
+pub(super) struct SmoothNormal {
+    /// Unit normal of the triangle on that side.
+    pub(super) normal: DVec3,
+    /// The interpolated normal, of any length.
+    sum: DVec3,
+}
+
 impl Mesh {
     /// The values of a list by vertex at the corners of a triangle.
+    #[inline]
     fn at_corners<T: Copy>(&self, list: Option<&Vec<T>>, face: u32) -> Option<[T; 3]> {
         let [a, b, c] = *self.indices.get(face as usize)?;
         let value = |i: u32| list?.get(i as usize).copied();
         Some([value(a)?, value(b)?, value(c)?])
     }
 
-    /// The surface at the weights `u`, `v` of the second and third vertex of a triangle.
-    pub(crate) fn point_at(&self, face: u32, u: f64, v: f64) -> SurfacePoint {
+    /// A point of a triangle, at the weights `u`, `v` of the second and third vertex.
+    #[inline]
+    pub(super) fn flat_point_at(&self, face: u32, u: f64, v: f64) -> FlatPoint {
         // A face of another mesh has no corners here: the result is meaningless, but it does not panic.
-        let corners = self.corners(face).unwrap_or_default();
-        let [p0, p1, p2] = corners;
-        let own_uvs = self.at_corners(self.uvs.as_ref(), face);
-        let uvs = own_uvs.unwrap_or(DEFAULT_UVS);
-        let (dpdu, dpdv) = Gradient::of_triangle(uvs).map_or_else(Default::default, |g| g.of(corners));
-        let (flat_normal, twice_area) = normal_and_area(p0, p1, p2).unwrap_or((DVec3::Z, 0.0));
-        let mut point = SurfacePoint {
+        let [p0, p1, p2] = self.corners(face).unwrap_or_default();
+        let (normal, twice_area) = normal_and_area(p0, p1, p2).unwrap_or((DVec3::Z, 0.0));
+        FlatPoint {
             // In this order the error bound holds.
             position: p0 + u * (p1 - p0) + v * (p2 - p0),
             error: position_error_of(p0, p1, p2, twice_area),
-            normal: flat_normal,
-            shading_normal: flat_normal,
-            uv: uvs[0] * (1.0 - u - v) + uvs[1] * u + uvs[2] * v,
-            dpdu,
-            dpdv,
-        };
-        if let Some(normals) = self.at_corners(self.normals.as_ref(), face) {
-            let smooth = interpolate(normals, u, v);
-            let length = smooth.length();
-            // Normals that cancel, or that lie in the plane of the triangle, do not determine its side.
-            let side = smooth.dot(flat_normal);
-            if length > 0.0 && side != 0.0 {
-                point.normal = flat_normal * side.signum();
-                point.shading_normal = smooth * (1.0 / length);
-            }
+            normal,
         }
-        point
+    }
+
+    /// The interpolated normal, where the unit normal of the triangle is `flat`; `None` without normals at the vertices, and where they
+    /// cancel or lie in the plane of the triangle, so that they do not determine its side.
+    #[inline]
+    pub(super) fn smooth_normal(&self, face: u32, u: f64, v: f64, flat: DVec3) -> Option<SmoothNormal> {
+        let sum = interpolate(self.at_corners(self.normals.as_ref(), face)?, u, v);
+        let side = sum.dot(flat);
+        (sum.length_squared() > 0.0 && side != 0.0)
+            .then(|| SmoothNormal { normal: flat * side.signum(), sum })
+    }
+
+    /// The surface at the weights `u`, `v` of the second and third vertex of a triangle, without derivatives.
+    pub(super) fn shading_point_at(&self, face: u32, u: f64, v: f64) -> ShadingPoint {
+        let FlatPoint { position, error, normal } = self.flat_point_at(face, u, v);
+        let uvs = self.at_corners(self.uvs.as_ref(), face).unwrap_or(DEFAULT_UVS);
+        let uv = uvs[0] * (1.0 - u - v) + uvs[1] * u + uvs[2] * v;
+        let (normal, shading_normal) = match self.smooth_normal(face, u, v, normal) {
+            Some(SmoothNormal { normal, sum }) => (normal, sum * (1.0 / sum.length())),
+            None => (normal, normal),
+        };
+        ShadingPoint { position, error, normal, shading_normal, uv, dpdu: DVec3::ZERO }
+    }
+
+    /// The surface at the weights `u`, `v` of the second and third vertex of a triangle.
+    pub(crate) fn point_at(&self, face: u32, u: f64, v: f64) -> SurfacePoint {
+        let corners = self.corners(face).unwrap_or_default();
+        let uvs = self.at_corners(self.uvs.as_ref(), face).unwrap_or(DEFAULT_UVS);
+        let (dpdu, dpdv) = Gradient::of_triangle(uvs).map_or_else(Default::default, |g| g.of(corners));
+        let ShadingPoint { position, error, normal, shading_normal, uv, .. } =
+            self.shading_point_at(face, u, v);
+        SurfacePoint { position, error, normal, shading_normal, uv, dpdu, dpdv }
     }
 
     /// Derivatives of the interpolated normal at the weights `u`, `v`, where the shading normal is `unit`.

@@ -39,8 +39,8 @@ impl AzimuthRange {
     }
 
     /// The unit vector from the axis towards `p`; on the axis, the unit vector at `u`.
-    pub(super) fn direction_at(self, p: DVec3, u: f64) -> DVec2 {
-        p.truncate().try_normalize().unwrap_or_else(|| self.direction(u))
+    pub(super) fn direction_at(self, p: DVec3, u: impl FnOnce() -> f64) -> DVec2 {
+        p.truncate().try_normalize().unwrap_or_else(|| self.direction(u()))
     }
 
     /// Derivative of a revolved point by the fraction of the range.

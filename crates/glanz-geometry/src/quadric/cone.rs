@@ -77,17 +77,17 @@ impl SurfaceOfRevolution for Cone {
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.azimuth.direction_at(p, uv.x);
+        let radial = self.azimuth.direction_at(p, || uv.x);
         [self.azimuth.derivative(p), (radial * -self.radius).extend(self.height)]
     }
 
-    fn normal(&self, p: DVec3, uv: DVec2) -> DVec3 {
+    fn normal(&self, p: DVec3, uv: impl FnOnce() -> DVec2) -> DVec3 {
         // From the azimuth alone, so that it is valid up to the apex.
-        (self.azimuth.direction_at(p, uv.x) * self.height).extend(self.radius).normalize()
+        (self.azimuth.direction_at(p, || uv().x) * self.height).extend(self.radius).normalize()
     }
 
     fn normal_derivatives_at(&self, point: &SurfacePoint) -> [DVec3; 2] {
-        let radial = self.azimuth.direction_at(point.position, point.uv.x);
+        let radial = self.azimuth.direction_at(point.position, || point.uv.x);
         let turn = self.azimuth.phi_max() * self.height / self.radius.hypot(self.height);
         [DVec3::new(-radial.y, radial.x, 0.0) * turn, DVec3::ZERO]
     }
@@ -102,7 +102,7 @@ impl SurfaceOfRevolution for Cone {
         (self.position(uv, DVec3::ZERO), uv)
     }
 
-    fn density(&self, _point: &SurfacePoint) -> f64 {
+    fn density(&self, _: impl FnOnce() -> [DVec3; 2]) -> f64 {
         1.0 / self.area()
     }
 }

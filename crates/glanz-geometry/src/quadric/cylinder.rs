@@ -6,7 +6,6 @@ use super::azimuth::AzimuthRange;
 use super::revolution::QuadricOfRevolution;
 use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
-use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// An open cylinder about the z axis.
@@ -94,7 +93,7 @@ impl SurfaceOfRevolution for Cylinder {
         (self.position(xi, DVec3::ZERO), xi)
     }
 
-    fn density(&self, _point: &SurfacePoint) -> f64 {
+    fn density(&self, _: impl FnOnce() -> [DVec3; 2]) -> f64 {
         1.0 / self.area()
     }
 }

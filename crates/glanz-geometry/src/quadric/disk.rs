@@ -90,7 +90,7 @@ impl Disk {
             shading_normal: DVec3::Z,
             uv,
             dpdu: self.azimuth.derivative(position),
-            dpdv: (self.azimuth.direction_at(position, uv.x) * -self.width()).extend(0.0),
+            dpdv: (self.azimuth.direction_at(position, || uv.x) * -self.width()).extend(0.0),
         }
     }
 }

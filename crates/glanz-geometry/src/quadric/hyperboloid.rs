@@ -6,7 +6,6 @@ use super::azimuth::{AzimuthRange, widened};
 use super::revolution::{QuadricOfRevolution, point_on_ray};
 use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface, parameter_density};
 use crate::error::{SurfaceError, finite};
-use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// The surface that the segment from `p1` to `p2` sweeps about the z axis: a one-sheeted hyperboloid or, as special cases, a
@@ -137,8 +136,8 @@ impl SurfaceOfRevolution for Hyperboloid {
         (self.position(xi, DVec3::ZERO), xi)
     }
 
-    fn density(&self, point: &SurfacePoint) -> f64 {
-        parameter_density(point)
+    fn density(&self, tangents: impl FnOnce() -> [DVec3; 2]) -> f64 {
+        parameter_density(tangents())
     }
 }
 

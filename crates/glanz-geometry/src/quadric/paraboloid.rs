@@ -6,7 +6,6 @@ use super::azimuth::AzimuthRange;
 use super::revolution::QuadricOfRevolution;
 use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
-use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// A paraboloid about the z axis that opens to +z, apex at the origin.
@@ -103,7 +102,7 @@ impl SurfaceOfRevolution for Paraboloid {
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.azimuth.direction_at(p, uv.x);
+        let radial = self.azimuth.direction_at(p, || uv.x);
         // d rho / dz = rise / (2 rho), which is infinite at the apex.
         let dpdv = (radial * (0.5 * self.rise / p.truncate().length())).extend(1.0) * self.height();
         [self.azimuth.derivative(p), if dpdv.is_finite() { dpdv } else { DVec3::ZERO }]
@@ -124,7 +123,7 @@ impl SurfaceOfRevolution for Paraboloid {
         (self.position(uv, DVec3::ZERO), uv)
     }
 
-    fn density(&self, _point: &SurfacePoint) -> f64 {
+    fn density(&self, _: impl FnOnce() -> [DVec3; 2]) -> f64 {
         1.0 / self.area()
     }
 }

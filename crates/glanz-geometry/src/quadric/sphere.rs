@@ -6,7 +6,6 @@ use super::azimuth::AzimuthRange;
 use super::revolution::QuadricOfRevolution;
 use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface};
 use crate::error::{SurfaceError, finite, positive};
-use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// A sphere about the origin, or the part of it in a range of z and of azimuth.
@@ -128,7 +127,7 @@ impl SurfaceOfRevolution for Sphere {
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.azimuth.direction_at(p, uv.x);
+        let radial = self.azimuth.direction_at(p, || uv.x);
         let rho = p.truncate().length();
         let dpdv = (radial * p.z).extend(-rho) * (self.theta[1] - self.theta[0]);
         [self.azimuth.derivative(p), dpdv]
@@ -141,13 +140,17 @@ impl SurfaceOfRevolution for Sphere {
     }
 
     fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2) {
-        // Archimedes: the area between two heights is proportional to their difference.
-        let z = self.z[0] + xi.y * (self.z[1] - self.z[0]);
-        let rho = radius_at(self.radius, z);
-        ((self.azimuth.direction(xi.x) * rho).extend(z), DVec2::new(xi.x, self.v_of(rho, z)))
+        let position = self.sample_position(xi);
+        (position, DVec2::new(xi.x, self.v_of(radius_at(self.radius, position.z), position.z)))
     }
 
-    fn density(&self, _point: &SurfacePoint) -> f64 {
+    fn sample_position(&self, xi: DVec2) -> DVec3 {
+        // Archimedes: the area between two heights is proportional to their difference.
+        let z = self.z[0] + xi.y * (self.z[1] - self.z[0]);
+        (self.azimuth.direction(xi.x) * radius_at(self.radius, z)).extend(z)
+    }
+
+    fn density(&self, _: impl FnOnce() -> [DVec3; 2]) -> f64 {
         1.0 / self.area()
     }
 }

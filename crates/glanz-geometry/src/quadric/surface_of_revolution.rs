@@ -4,7 +4,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use super::azimuth::AzimuthRange;
 use super::revolution::{QuadricCrossing, QuadricOfRevolution, point_on_ray};
-use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::hit::{AreaSample, Hit, ShadingPoint, SurfacePoint, SurfaceSample};
 use crate::rational::Profile;
 
 /// A parameterized part of a [`QuadricOfRevolution`].
@@ -33,7 +33,7 @@ pub(super) trait SurfaceOfRevolution {
     }
 
     /// The unit normal.
-    fn normal(&self, p: DVec3, _uv: DVec2) -> DVec3 {
+    fn normal(&self, p: DVec3, _uv: impl FnOnce() -> DVec2) -> DVec3 {
         self.quadric().normal(p) * self.orientation()
     }
 
@@ -55,8 +55,13 @@ pub(super) trait SurfaceOfRevolution {
     /// A random point from two uniform numbers.
     fn sample_point(&self, xi: DVec2) -> (DVec3, DVec2);
 
-    /// Density of [`SurfaceOfRevolution::sample_point`] at a point, per m^2.
-    fn density(&self, point: &SurfacePoint) -> f64;
+    /// The position of [`SurfaceOfRevolution::sample_point`].
+    fn sample_position(&self, xi: DVec2) -> DVec3 {
+        self.sample_point(xi).0
+    }
+
+    /// Density of [`SurfaceOfRevolution::sample_point`] at a point with these tangents, per m^2.
+    fn density(&self, tangents: impl FnOnce() -> [DVec3; 2]) -> f64;
 }
 
 /// The first hit before `t_max`.
@@ -93,6 +98,22 @@ pub(super) fn point_of_hit(surface: &impl SurfaceOfRevolution, ray: &Ray, hit: &
     point(surface, surface.position(uv, point_on_ray(ray.origin, ray.direction, hit.t)), uv)
 }
 
+/// [`point_of_hit`] without derivatives.
+pub(super) fn shading_point_of_hit(surface: &impl SurfaceOfRevolution, ray: &Ray, hit: &Hit) -> ShadingPoint {
+    let uv = DVec2::new(hit.u, hit.v);
+    let close = surface.position(uv, point_on_ray(ray.origin, ray.direction, hit.t));
+    let position = surface.quadric().refined(close);
+    let normal = surface.normal(position, || uv);
+    ShadingPoint {
+        position,
+        error: surface.quadric().error(position),
+        normal,
+        shading_normal: normal,
+        uv,
+        dpdu: surface.azimuth().derivative(position),
+    }
+}
+
 /// The surface at the given parameters.
 pub(super) fn at(surface: &impl SurfaceOfRevolution, uv: DVec2) -> SurfacePoint {
     point(surface, surface.position(uv, surface.near(uv)), uv)
@@ -101,7 +122,7 @@ pub(super) fn at(surface: &impl SurfaceOfRevolution, uv: DVec2) -> SurfacePoint 
 fn point(surface: &impl SurfaceOfRevolution, close: DVec3, uv: DVec2) -> SurfacePoint {
     let position = surface.quadric().refined(close);
     let tangents = surface.tangents(position, uv);
-    let normal = surface.normal(position, uv);
+    let normal = surface.normal(position, || uv);
     SurfacePoint {
         position,
         error: surface.quadric().error(position),
@@ -118,12 +139,25 @@ pub(super) fn sample(surface: &impl SurfaceOfRevolution, xi: DVec2) -> SurfaceSa
     let (position, uv) = surface.sample_point(xi);
     let point = point(surface, position, uv);
     let hit = Hit { t: 0.0, u: uv.x, v: uv.y, face: 0 };
-    SurfaceSample { hit, point, pdf: AreaPdf(surface.density(&point)) }
+    SurfaceSample { hit, point, pdf: AreaPdf(surface.density(|| [point.dpdu, point.dpdv])) }
+}
+
+/// The point of [`sample`] without its parameters.
+pub(super) fn sample_area(surface: &impl SurfaceOfRevolution, xi: DVec2) -> AreaSample {
+    let position = surface.quadric().refined(surface.sample_position(xi));
+    let uv = || surface.sample_point(xi).1;
+    AreaSample {
+        position,
+        error: surface.quadric().error(position),
+        normal: surface.normal(position, uv),
+        face: 0,
+        pdf: AreaPdf(surface.density(|| surface.tangents(position, uv()))),
+    }
 }
 
 /// Density per m^2 of points with uniform parameters.
-pub(super) fn parameter_density(point: &SurfacePoint) -> f64 {
-    1.0 / point.dpdu.cross(point.dpdv).length()
+pub(super) fn parameter_density([dpdu, dpdv]: [DVec3; 2]) -> f64 {
+    1.0 / dpdu.cross(dpdv).length()
 }
 
 /// Implements [`crate::RaySurface`] by the functions above.
@@ -158,6 +192,14 @@ macro_rules! impl_ray_surface {
                 super::surface_of_revolution::point_of_hit(self, ray, hit)
             }
 
+            fn shading_point(
+                &self,
+                ray: &glanz_math::Ray,
+                hit: &crate::hit::Hit,
+            ) -> crate::hit::ShadingPoint {
+                super::surface_of_revolution::shading_point_of_hit(self, ray, hit)
+            }
+
             fn normal_derivatives(
                 &self,
                 _hit: &crate::hit::Hit,
@@ -170,13 +212,18 @@ macro_rules! impl_ray_surface {
                 Some(super::surface_of_revolution::sample(self, xi))
             }
 
+            fn sample_area(&self, xi: glanz_math::DVec2) -> Option<crate::hit::AreaSample> {
+                Some(super::surface_of_revolution::sample_area(self, xi))
+            }
+
             fn area_pdf(
                 &self,
                 _hit: &crate::hit::Hit,
                 point: &crate::hit::SurfacePoint,
             ) -> Option<glanz_math::AreaPdf> {
                 Some(glanz_math::AreaPdf(super::surface_of_revolution::SurfaceOfRevolution::density(
-                    self, point,
+                    self,
+                    || [point.dpdu, point.dpdv],
                 )))
             }
         }

@@ -6,7 +6,6 @@ use super::azimuth::AzimuthRange;
 use super::revolution::QuadricOfRevolution;
 use super::surface_of_revolution::{SurfaceOfRevolution, impl_ray_surface, parameter_density};
 use crate::error::{SurfaceError, finite, positive};
-use crate::hit::SurfacePoint;
 use crate::rational::Profile;
 
 /// The surface `z^2 / c^2 - (x^2 + y^2) / a^2 = 1` about the z axis, with apices at z = c and z = -c.
@@ -120,7 +119,7 @@ impl SurfaceOfRevolution for TwoSheetedHyperboloid {
     }
 
     fn tangents(&self, p: DVec3, uv: DVec2) -> [DVec3; 2] {
-        let radial = self.azimuth.direction_at(p, uv.x);
+        let radial = self.azimuth.direction_at(p, || uv.x);
         // d/ds of (a sinh |s|, sign(s) c cosh s) by the point itself: a cosh s = a |z| / c, c sinh |s| = c rho / a.
         let outward = self.a / self.c * p.z;
         let up = self.c / self.a * p.truncate().length();
@@ -144,8 +143,8 @@ impl SurfaceOfRevolution for TwoSheetedHyperboloid {
         (self.position(xi, self.near(xi)), xi)
     }
 
-    fn density(&self, point: &SurfacePoint) -> f64 {
-        parameter_density(point)
+    fn density(&self, tangents: impl FnOnce() -> [DVec3; 2]) -> f64 {
+        parameter_density(tangents())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Shapes of emitters with their border functions, which decide whether a ray hits them.
 
-use glanz_geometry::{Surface, SurfacePoint};
+use glanz_geometry::{ShadingPoint, Surface};
 use glanz_light::Spectrum;
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
@@ -138,7 +138,7 @@ fn form(placed: &PlacedSurface<'_>) -> Result<EmitterForm, &'static str> {
     }
     let to_world = placed.to_world();
     let point = |uv: DVec2| placed.at(0, uv, false).map(|at| at.at.point);
-    let inner: SurfacePoint = point(DVec2::splat(0.25)).ok_or("has no parameters")?;
+    let inner: ShadingPoint = point(DVec2::splat(0.25)).ok_or("has no parameters")?;
     // As in sampling: a shape that is not exactly round has another rim.
     let scale = to_world.uniform_scale(gamma(64));
     match placed.surface() {
@@ -172,12 +172,12 @@ fn form(placed: &PlacedSurface<'_>) -> Result<EmitterForm, &'static str> {
     }
 }
 
-fn flat(corners: Option<Vec<DVec3>>, inner: &SurfacePoint) -> Result<EmitterForm, &'static str> {
+fn flat(corners: Option<Vec<DVec3>>, inner: &ShadingPoint) -> Result<EmitterForm, &'static str> {
     let polygon = corners.and_then(ConvexPolygon::try_new).ok_or("is not a flat convex polygon")?;
     Ok(EmitterForm::Polygon { normal: facing(&polygon, inner), polygon })
 }
 
 /// The normal of the polygon on the side of that of the surface.
-fn facing(polygon: &ConvexPolygon, inner: &SurfacePoint) -> DVec3 {
+fn facing(polygon: &ConvexPolygon, inner: &ShadingPoint) -> DVec3 {
     if polygon.normal().dot(inner.normal) < 0.0 { -polygon.normal() } else { polygon.normal() }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
-use glanz_geometry::{Surface, SurfacePoint};
+use glanz_geometry::{AreaSample, Surface};
 use glanz_light::Spectrum;
 use glanz_math::rounding::{gamma, offset_origin};
 use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
@@ -78,43 +78,33 @@ impl AreaLight {
         self.two_sided
     }
 
-    /// Radiance that leaves `point` of the surface towards `direction`.
+    /// Radiance that leaves the surface towards `direction`, where its normal is `normal`.
     #[must_use]
-    pub fn emitted(&self, point: &SurfacePoint, direction: DVec3) -> Spectrum {
-        if self.two_sided || point.normal.dot(direction) > 0.0 { self.radiance } else { Spectrum::BLACK }
-    }
-
-    fn finish(
-        &self,
-        from: &Interaction,
-        point: &SurfacePoint,
-        wi: DVec3,
-        pdf: SolidAnglePdf,
-        area_pdf: AreaPdf,
-    ) -> Option<LightSample> {
-        let radiance = self.emitted(point, -wi);
-        if radiance.is_black() || !(pdf.0 > 0.0 && pdf.0.is_finite()) {
-            return None;
-        }
-        let shadow = from.spawn_to(point.position, Some((point.error, point.normal)));
-        let area_pdf = Some(area_pdf);
-        Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max: 1.0, area_pdf })
+    pub fn emitted(&self, normal: DVec3, direction: DVec3) -> Spectrum {
+        if self.two_sided || normal.dot(direction) > 0.0 { self.radiance } else { Spectrum::BLACK }
     }
 
     /// Density per solid angle with which a sample from `from` is the point of `hit` on this light.
     #[must_use]
     pub fn pdf(&self, from: &LightSampleContext, hit: &Interaction) -> SolidAnglePdf {
-        hit.area_pdf.map_or(SolidAnglePdf(0.0), |pdf| self.pdf_at(from, &hit.point, pdf))
+        let (position, normal) = (hit.point.position, hit.point.normal);
+        hit.area_pdf.map_or(SolidAnglePdf(0.0), |pdf| self.pdf_at(from, position, normal, pdf))
     }
 
     /// As [`AreaLight::pdf`], of a point whose density per area is `area_pdf`.
-    fn pdf_at(&self, from: &LightSampleContext, point: &SurfacePoint, area_pdf: AreaPdf) -> SolidAnglePdf {
+    fn pdf_at(
+        &self,
+        from: &LightSampleContext,
+        position: DVec3,
+        normal: DVec3,
+        area_pdf: AreaPdf,
+    ) -> SolidAnglePdf {
         if let Some(cone) = self.cone(from.position) {
             return cone.pdf();
         }
-        let offset = point.position - from.position;
+        let offset = position - from.position;
         let distance_squared = offset.length_squared();
-        area_pdf.to_solid_angle(distance_squared, point.normal.dot(offset / distance_squared.sqrt()))
+        area_pdf.to_solid_angle(distance_squared, normal.dot(offset / distance_squared.sqrt()))
     }
 
     fn cone(&self, from: DVec3) -> Option<SphereCone> {
@@ -140,16 +130,7 @@ impl AreaLight {
         let position = cone.center + normal * cone.radius;
         // The formulas above chain fewer than 32 roundings of numbers no larger than these.
         let error = gamma(32) * (from.point.position.abs() + cone.center.abs() + cone.distance + cone.radius);
-        let point = SurfacePoint {
-            position,
-            error,
-            normal,
-            shading_normal: normal,
-            uv: DVec2::ZERO,
-            dpdu: DVec3::ZERO,
-            dpdv: DVec3::ZERO,
-        };
-        let shadow = from.spawn_to(point.position, Some((point.error, point.normal)));
+        let shadow = from.spawn_to(position, Some((error, normal)));
         Some(LightSample {
             wi,
             radiance: self.radiance,
@@ -185,17 +166,23 @@ impl LightModel for AreaLight {
         if let Some(cone) = self.cone(from.point.position) {
             return self.sample_cone(&cone, from, xi);
         }
-        let (point, pdf) = scene.world_object(self.object)?.sample(xi)?;
-        let offset = point.position - from.point.position;
-        let distance_squared = offset.length_squared();
+        let AreaSample { position, error, normal, pdf: area_pdf, .. } =
+            scene.world_object(self.object)?.sample(xi)?;
+        let offset = position - from.point.position;
         let wi = offset.try_normalize()?;
-        let by_angle = pdf.to_solid_angle(distance_squared, point.normal.dot(wi));
-        self.finish(from, &point, wi, by_angle, pdf)
+        let radiance = self.emitted(normal, -wi);
+        let pdf = area_pdf.to_solid_angle(offset.length_squared(), normal.dot(wi));
+        if radiance.is_black() || !(pdf.0 > 0.0 && pdf.0.is_finite()) {
+            return None;
+        }
+        let shadow = from.spawn_to(position, Some((error, normal)));
+        let area_pdf = Some(area_pdf);
+        Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max: 1.0, area_pdf })
     }
 
     /// Directions by the cosine; of a two-sided light on either side.
     fn emit(&self, scene: &Scene, place: DVec2, mut direction: DVec2) -> Option<LightRay> {
-        let (point, pdf) = scene.world_object(self.object)?.sample(place)?;
+        let point = scene.world_object(self.object)?.sample(place)?;
         let (mut side, mut sides) = (1.0, 1.0);
         if self.two_sided {
             sides = 2.0;
@@ -204,9 +191,9 @@ impl LightModel for AreaLight {
             direction.x = 2.0 * direction.x - f64::from(u8::from(is_back));
         }
         let way = Frame::from_z(side * point.normal).to_world(warp::cosine_hemisphere(direction));
-        let power = self.emitted(&point, way) * (PI * sides / pdf.0) as f32;
+        let power = self.emitted(point.normal, way) * (PI * sides / point.pdf.0) as f32;
         let ray = Ray::new(offset_origin(point.position, point.error, point.normal, way), way);
-        Some(LightRay { from: Some(point), area_pdf: Some(pdf), ..LightRay::new(ray, power) })
+        Some(LightRay { from: Some(point), ..LightRay::new(ray, power) })
     }
 
     /// The cosine of the direction's density turns an area of the light into one across the ray.
@@ -216,10 +203,7 @@ impl LightModel for AreaLight {
     }
 
     fn pdf_of_ray(&self, from: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {
-        match (&ray.from, ray.area_pdf) {
-            (Some(point), Some(pdf)) => self.pdf_at(from, point, pdf),
-            _ => SolidAnglePdf(0.0),
-        }
+        ray.from.map_or(SolidAnglePdf(0.0), |at| self.pdf_at(from, at.position, at.normal, at.pdf))
     }
 }
 

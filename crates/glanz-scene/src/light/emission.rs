@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use glanz_geometry::SurfacePoint;
+use glanz_geometry::AreaSample;
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
@@ -20,9 +20,7 @@ pub struct LightRay {
     /// the scene.
     pub power: Spectrum,
     /// The point at which it leaves the light, if that is a surface.
-    pub from: Option<SurfacePoint>,
-    /// Density of that point.
-    pub area_pdf: Option<AreaPdf>,
+    pub from: Option<AreaSample>,
     /// The range of its light.
     pub range: LightRange,
 }
@@ -30,7 +28,13 @@ pub struct LightRay {
 impl LightRay {
     /// A ray that does not leave a surface, of a light without a range.
     pub(super) fn new(ray: Ray, power: Spectrum) -> Self {
-        Self { ray, power, from: None, area_pdf: None, range: LightRange::default() }
+        Self { ray, power, from: None, range: LightRange::default() }
+    }
+
+    /// Density of the point at which it leaves the light, if that is a surface.
+    #[must_use]
+    pub fn area_pdf(&self) -> Option<AreaPdf> {
+        self.from.map(|from| from.pdf)
     }
 }
 

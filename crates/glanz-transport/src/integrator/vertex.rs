@@ -66,11 +66,7 @@ impl<'a> Vertex<'a> {
     }
 
     fn from_viewer(at: &'a Interaction, bsdf: Bsdf, viewer: DVec3) -> Self {
-        let frame = if is_turned(at, viewer) {
-            Frame::from_z_and_tangent(at.point.normal, at.point.dpdu)
-        } else {
-            at.frame()
-        };
+        let frame = if is_turned(at, viewer) { Frame::from_z(at.point.normal) } else { at.frame() };
         Self { at, bsdf, frame, wo: frame.to_local(viewer), viewer_side: at.point.normal.dot(viewer) }
     }
 

@@ -126,6 +126,6 @@ fn curvature(
     }
     let size = placed.bounds().diagonal().length();
     let side = if at.point.normal.dot(at.wo) < 0.0 { -1.0 } else { 1.0 };
-    let derivatives = placed.normal_derivatives(ray, at.t, place).map(|dn| dn * side);
-    Curvature::of(&at.point, derivatives, if size.is_finite() { size } else { at.t })
+    let (point, derivatives) = placed.differential(ray, at.t, place);
+    Curvature::of(&point, derivatives.map(|dn| dn * side), if size.is_finite() { size } else { at.t })
 }

@@ -1,6 +1,6 @@
 //! Checks of the contract.
 
-use glanz_geometry::{BoundedRay, Hit, SurfacePoint};
+use glanz_geometry::{BoundedRay, Hit, ShadingPoint, SurfacePoint};
 use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec2, DVec3, Ray};
 
@@ -191,6 +191,12 @@ pub fn check_point(case: &ContractCase, ray: &Ray, hit: &Hit, point: &SurfacePoi
     let along = p.distance(ray.at(hit.t));
     if on_ray > reach || along > reach {
         return Err(format!("{on_ray:e} m beside the ray, {along:e} m from its point: {hit:?} {point:?}"));
+    }
+    // A mesh leaves out the derivative, which belongs to one triangle.
+    let shading = case.surface.shading_point(ray, hit);
+    let expected = ShadingPoint { dpdu: shading.dpdu, ..ShadingPoint::from(*point) };
+    if shading != expected || ![point.dpdu, DVec3::ZERO].contains(&shading.dpdu) {
+        return Err(format!("for shading, {shading:?} differs from {point:?}"));
     }
     check_on_surface(case, point)
 }

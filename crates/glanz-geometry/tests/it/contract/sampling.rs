@@ -1,6 +1,6 @@
 //! Samples follow the stated density, and the density integrates to 1.
 
-use glanz_geometry::{Hit, SurfacePoint};
+use glanz_geometry::{AreaSample, Hit, SurfacePoint};
 use glanz_math::{DVec2, DVec3, Ray};
 
 use super::case::ContractCase;
@@ -30,6 +30,9 @@ pub fn check(case: &ContractCase, pcg: &mut Pcg) -> Result<(), String> {
     for i in 0..SAMPLES + corners.len() {
         let xi = corners.get(i).copied().unwrap_or_else(|| pcg.pair());
         let sample = surface.sample(xi).ok_or(format!("no sample for {xi:?}"))?;
+        if surface.sample_area(xi) != Some(AreaSample::from(sample)) {
+            return Err(format!("without parameters, {:?} differs from {sample:?}", surface.sample_area(xi)));
+        }
         check_on_surface(case, &sample.point).map_err(|what| format!("sample of {xi:?}: {what}"))?;
         let pdf = surface.area_pdf(&sample.hit, &sample.point).ok_or("area_pdf is None")?.0;
         if !((pdf - sample.pdf.0).abs() <= 1e-9 * pdf) && pdf != sample.pdf.0 {

@@ -37,7 +37,7 @@ impl LightPathStart {
     /// Weights at the first vertex.
     fn weights(&self, context: &Context<'_>, vertex: &Vertex<'_>) -> LightPathWeights {
         let at = vertex.at.point.position;
-        let pdf = context.scene.emission_pdf(self.id, at, vertex.at.wo, self.light.area_pdf);
+        let pdf = context.scene.emission_pdf(self.id, at, vertex.at.wo, self.light.area_pdf());
         LightPathWeights::new(context.light_paths(), self.probability * pdf, self.is_delta)
     }
 

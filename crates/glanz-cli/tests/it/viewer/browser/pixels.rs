@@ -71,7 +71,7 @@ impl SurfacePixels {
             seen.normals.push(if normal.dot(ray.direction) > 0.0 { -normal } else { normal });
             let is_flat = |(hit, place): (Interaction, ParametricPoint)| {
                 let surface = &surfaces[place.surface as usize];
-                surface.normal_derivatives(&ray, hit.t, &place) == [DVec3::ZERO; 2]
+                surface.differential(&ray, hit.t, &place).1 == [DVec3::ZERO; 2]
             };
             seen.flat.push(hit.is_none_or(is_flat));
         }
