@@ -34,7 +34,7 @@ pub fn offset_origin(point: DVec3, error: DVec3, normal: DVec3, direction: DVec3
     let offset = normal * (distance * side);
     let moved = point + offset;
     // |x| 2^-52 is between one and two units in the last place of x: enough to undo the rounding of the sum.
-    moved + moved.abs() * f64::EPSILON * offset.signum()
+    moved + moved.abs() * f64::EPSILON * DVec3::ONE.copysign(offset)
 }
 
 #[cfg(test)]

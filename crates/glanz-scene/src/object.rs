@@ -163,8 +163,9 @@ impl SceneObject {
         hit: &Hit,
         reversed: bool,
     ) -> (ShadingPoint, LocalPoint, Option<AreaPdf>) {
-        let local_ray = self.local(ray);
-        let mut point = self.surface.shading_point(&local_ray, hit);
+        let moved = self.to_parent.as_ref().map(|t| t.inverse().ray(ray));
+        let local_ray = moved.as_ref().unwrap_or(ray);
+        let mut point = self.surface.shading_point(local_ray, hit);
         let away = point.normal.dot(local_ray.direction) > 0.0;
         let own = LocalPoint {
             position: point.position,
@@ -172,7 +173,7 @@ impl SceneObject {
         };
         let pdf = self
             .light
-            .and_then(|_| self.surface.area_pdf(hit, &self.surface.point(&local_ray, hit)))
+            .and_then(|_| self.surface.area_pdf(hit, &self.surface.point(local_ray, hit)))
             .map(|pdf| self.to_parent_pdf(pdf, point.normal));
         if let Some(to_parent) = &self.to_parent {
             point = point.transformed(to_parent);

@@ -245,17 +245,18 @@ impl Scene {
     #[must_use]
     pub fn interaction(&self, ray: &Ray, found: &SceneHit) -> Interaction {
         let mut group = self.world();
-        let mut local = *ray;
+        let mut moved = None;
         let mut maps = [&Transform::IDENTITY; MAX_NESTING];
         for (slot, index) in maps.iter_mut().zip(found.path.outermost_first()) {
             let instance = &group.instances[index as usize];
-            local = instance.to_parent.inverse().ray(&local);
+            moved = Some(instance.to_parent.inverse().ray(moved.as_ref().unwrap_or(ray)));
             *slot = &instance.to_parent;
             group = &self.groups[instance.group];
         }
         let object = &group.objects[found.object as usize];
         let attributes = object.attributes(found.hit.face);
-        let (mut point, own, area_pdf) = object.point(&local, &found.hit, attributes.reversed);
+        let local = moved.as_ref().unwrap_or(ray);
+        let (mut point, own, area_pdf) = object.point(local, &found.hit, attributes.reversed);
         for map in maps[..found.path.length].iter().rev() {
             point = point.transformed(map);
         }

@@ -1,6 +1,7 @@
 //! The render loop.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobEnd, JobProgress, WorkCount};
@@ -276,6 +277,14 @@ struct PassRenderer<'a> {
     options: ContextOptions,
 }
 
+/// What the tiles of a pass share.
+struct PassState<'s, 'a> {
+    splats: SplatRows<'s>,
+    training: Option<&'a Training>,
+    /// Memory of batches that no thread uses at the moment.
+    batches: Mutex<Vec<SampleBatch<'a>>>,
+}
+
 impl<'a> PassRenderer<'a> {
     /// Renders one pass: the samples of `range` for every pixel.
     ///
@@ -291,12 +300,12 @@ impl<'a> PassRenderer<'a> {
         let samples = film.samples().total() + range.len() as u64;
         let parts = film.parts_mut();
         let tiles = parts.tiles;
-        let (splats, training) = (parts.splats, parts.training);
+        let state = PassState { splats: parts.splats, training: parts.training, batches: Mutex::default() };
         tiles
             .into_par_iter()
             .with_max_len(1)
             .map(|(tile, words): (PixelRect, &mut [u64])| {
-                let work = self.expose_tile(&tile, &layout, words, range, (&splats, training), sink)?;
+                let work = self.expose_tile(&tile, &layout, words, range, &state, sink)?;
                 sink.on_tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
                 Ok(work)
             })
@@ -311,10 +320,13 @@ impl<'a> PassRenderer<'a> {
         layout: &PixelLayout,
         words: &mut [u64],
         range: &Range<u32>,
-        (splats, training): (&SplatRows<'_>, Option<&'a Training>),
+        state: &PassState<'_, 'a>,
         sink: &dyn TileSink,
     ) -> Result<PassWork, Interrupted> {
-        let (mut work, mut batch, stride) = (PassWork::default(), SampleBatch::default(), layout.words());
+        let (mut work, stride) = (PassWork::default(), layout.words());
+        let PassState { splats, training, batches } = state;
+        // A thread that panicked with the lock has ended the render; the list is valid between two calls.
+        let mut batch = batches.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         let limit = self.integrator.batch().max(1);
         let pixels: Vec<_> = tile.pixels().collect();
         let together = (limit / range.len().max(1)).max(1);
@@ -327,7 +339,7 @@ impl<'a> PassRenderer<'a> {
                     return Err(Interrupted);
                 }
                 let part = start..range.end.min(start.saturating_add(step as u32));
-                self.sample(pixels, &part, training, &mut batch);
+                self.sample(pixels, &part, *training, &mut batch);
                 let light = batch.radiance.iter().zip(&batch.negative);
                 for (position, (context, (light, negative))) in
                     batch.contexts.iter_mut().zip(light).enumerate()
@@ -348,6 +360,7 @@ impl<'a> PassRenderer<'a> {
             }
         }
         batch.splats.flush(splats, &mut work.rejects);
+        batches.lock().unwrap_or_else(PoisonError::into_inner).push(batch);
         Ok(work)
     }
 

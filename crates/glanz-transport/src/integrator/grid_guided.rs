@@ -120,6 +120,7 @@ impl GridDirections<'_> {
 impl DirectionSampler for GridDirections<'_> {
     /// `None` where there is no diffuse scattering.
     type VertexData = Option<DiffuseVertex>;
+    const RECORDS_DIRECTIONS: bool = true;
 
     fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData {
         let probability = self.share * vertex.diffuse_probability();

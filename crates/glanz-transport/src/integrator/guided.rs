@@ -157,6 +157,7 @@ impl<'a> GuideDirections<'a> {
 impl DirectionSampler for GuideDirections<'_> {
     /// `None` where all directions are delta lobes.
     type VertexData = Option<GuidedVertex>;
+    const RECORDS_DIRECTIONS: bool = true;
 
     fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData {
         let rough = !vertex.is_delta();

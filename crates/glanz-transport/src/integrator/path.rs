@@ -43,6 +43,7 @@ pub(super) struct BsdfDirections;
 
 impl DirectionSampler for BsdfDirections {
     type VertexData = ();
+    const RECORDS_DIRECTIONS: bool = false;
 
     fn vertex_data(&self, _: &Vertex<'_>) {}
 

@@ -27,6 +27,9 @@ pub(super) trait DirectionSampler {
     /// Data of a vertex.
     type VertexData: Copy;
 
+    /// Whether [`DirectionSampler::record_direction`] records anything.
+    const RECORDS_DIRECTIONS: bool;
+
     /// The data of a vertex, computed once.
     fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData;
 
@@ -170,10 +173,11 @@ impl PathTracer {
         hit: Option<&SceneHit>,
     ) -> bool {
         let origin = path.origin.as_ref();
-        let Some(hit) = hit.map(|hit| context.scene.interaction(&path.ray, hit)) else {
+        let Some(hit) = hit else {
             path.light += path.throughput * self.escaped(context, &path.ray, directions, origin);
             return false;
         };
+        let hit = context.scene.interaction(&path.ray, hit);
         path.light += path.throughput * self.emitted(context, &hit, directions, origin);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
             path.interfaces += 1;
@@ -201,7 +205,9 @@ impl PathTracer {
         let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return false };
         let (from, cosine) = (hit.light_sample_context(), vertex.cosine(scattered.direction).abs());
         let before = path.throughput;
-        path.pending.direction = Some(SampledDirection { from, scattered, cosine, throughput: before });
+        if D::RECORDS_DIRECTIONS {
+            path.pending.direction = Some(SampledDirection { from, scattered, cosine, throughput: before });
+        }
         path.throughput *= scattered.weight;
         path.importance *= scattered.bsdf_weight;
         path.eta_scale *= scattered.eta_scale;
