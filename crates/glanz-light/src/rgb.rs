@@ -1,5 +1,7 @@
 //! Linear Rec. 709 red, green and blue: conversion to and from CIE XYZ and the sRGB transfer function.
 
+use std::sync::LazyLock;
+
 /// CIE XYZ to linear Rec. 709; the inverse of [`RGB_TO_XYZ`].
 pub const XYZ_TO_RGB: [[f64; 3]; 3] = [
     [3.240_969_941_904_522_6, -1.537_383_177_570_094, -0.498_610_760_293_003_4],
@@ -40,6 +42,28 @@ pub fn srgb_encode(linear: f32) -> f32 {
     let x = linear.abs();
     let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     encoded.copysign(linear)
+}
+
+/// The byte of [`srgb_encode`] times 255, rounded to nearest, for linear light; NaN and less than 0 give 0, more than 1 gives 255.
+///
+/// From a table: a search among 255 numbers is faster than a power.
+#[must_use]
+pub fn srgb_byte(linear: f32) -> u8 {
+    /// The least light of the bytes from 1 on.
+    static LEAST: LazyLock<[f32; 255]> = LazyLock::new(|| {
+        std::array::from_fn(|index| {
+            // Positive numbers are in the order of their bits.
+            let (mut below, mut least) = (0.0_f32.to_bits(), 1.0_f32.to_bits());
+            while least - below > 1 {
+                let middle = below + (least - below) / 2;
+                let byte = (srgb_encode(f32::from_bits(middle)) * 255.0).round();
+                *(if byte as usize > index { &mut least } else { &mut below }) = middle;
+            }
+            f32::from_bits(least)
+        })
+    });
+    // At most 255, which fits.
+    LEAST.partition_point(|&least| least <= linear) as u8
 }
 
 /// Linear light of an sRGB value; the inverse of [`srgb_encode`].
@@ -92,6 +116,16 @@ mod tests {
         assert_eq!(srgb_encode(0.0), 0.0);
         assert!((srgb_encode(1.0) - 1.0).abs() < 1e-7);
         assert!((srgb_decode(1.0) - 1.0).abs() < 1e-7);
+    }
+
+    #[test]
+    fn byte_is_the_rounded_value() {
+        let rounded = |light: f32| (srgb_encode(light) * 255.0).round() as u8;
+        for k in 0..=1_000_000_u32 {
+            let light = k as f32 * 1e-6;
+            assert_eq!(srgb_byte(light), rounded(light), "{light}");
+        }
+        assert_eq!([f32::NAN, -1.0, 2.0, f32::INFINITY].map(srgb_byte), [0, 0, 255, 255]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! From scene light to the bytes of a display.
 
-use crate::rgb::{luminance, srgb_encode};
+use crate::rgb::{luminance, srgb_byte};
 
 /// Curve that compresses linear light into the range of a display.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,8 +45,7 @@ impl Tone {
     /// The three sRGB bytes for linear scene light, rounded to nearest.
     #[must_use]
     pub fn to_srgb8(&self, rgb: [f32; 3]) -> [u8; 3] {
-        // Rounding to nearest of a value in [0, 255]: the cast cannot wrap.
-        self.apply(rgb).map(|x| (srgb_encode(x) * 255.0).round() as u8)
+        self.apply(rgb).map(srgb_byte)
     }
 }
 

@@ -159,7 +159,7 @@ fn interpolated_normals_scatter_the_light_of_both_ways_alike() {
                 .shape(ball(0.5), kind.clone())
                 .shape(ball(-0.5), kind),
         );
-        compare(&name, &scene, 4, 600, 0.02);
+        compare(&name, &scene, 4, 700, 0.02);
     }
 }
 
