@@ -6,7 +6,7 @@
     peers/guiding/compare.py --rooms uplights --times 5 15 45 --size 320x240 --blender OTHER/bin/python
         [--renderers glanz mitsuba ...] [--rounds 3] [--threads 2] [--references 4096 1024] [--work DIR] [--out FILE.json]
 
-The scenes are those of scenes/rooms. glanz.rs reads them as Glanz does and exports triangles, materials, lights and the camera for
+The scenes are those of scenes/rooms and of the folder scenes here. glanz.rs reads them as Glanz does and exports triangles, materials, lights and the camera for
 the other renderers; only Glanz renders the surfaces themselves. All renderers use a box filter of one pixel and the path depth of
 the scene, and neither clamp nor denoise. Mitsuba's sampler is independent, the others use Sobol' sequences.
 
@@ -45,6 +45,12 @@ import OpenEXR
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 ROOMS = ["direct", "uplights", "open"]
+
+# Scenes that are compared if they are asked for.
+MORE = ["cornell", "teapot"]
+
+# Where the scenes are.
+SCENES = [ROOT / "scenes" / "rooms", HERE / "scenes"]
 
 # First seed of references; those of measurements are smaller.
 REFERENCE_SEED = 1000
@@ -137,7 +143,7 @@ class Room:
 
     def __init__(self, name, arguments, exporter):
         self.name, self.size, self.threads = name, arguments.size, arguments.threads
-        self.scene = ROOT / "scenes" / "rooms" / f"{name}.pbrt"
+        self.scene = next(file for file in (folder / f"{name}.pbrt" for folder in SCENES) if file.exists())
         self.folder = arguments.work / f"{name}-{arguments.size}"
         self.folder.mkdir(parents=True, exist_ok=True)
         for old in self.folder.glob("*.ply"):
@@ -255,7 +261,7 @@ def all_renderers(arguments):
 
 def options():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--rooms", nargs="+", choices=ROOMS, default=ROOMS)
+    parser.add_argument("--rooms", nargs="+", choices=ROOMS + MORE, default=ROOMS)
     parser.add_argument("--times", nargs="+", type=float, default=[5, 15, 45], help="seconds; none: only the references")
     parser.add_argument("--size", default="320x240", help="of the pictures, pixels")
     parser.add_argument("--threads", type=int, default=2)

@@ -130,12 +130,26 @@ pub(crate) fn mesh(geometry: &GeometryDescription) -> Result<Mesh, String> {
             quadric(&swept(*phi_max, profile), ALONG);
         }
         GeometryDescription::Cuboid { min, max } => cuboid(&mut mesh, *min, *max),
+        GeometryDescription::Triangles { positions, indices, normals: None, .. } => {
+            flat(&mut mesh, positions, indices);
+        }
         GeometryDescription::Bilinear { .. } => return board(geometry, [1, 1]).map(|(even, _)| even),
         GeometryDescription::Nurbs(nurbs) => spline(&mut mesh, nurbs)?,
         GeometryDescription::BezierPatches(patches) => bezier(&mut mesh, patches),
         _ => return Err("a kind of shape that this program does not cut into triangles".into()),
     }
     Ok(mesh)
+}
+
+/// Triangles with flat normals.
+fn flat(mesh: &mut Mesh, positions: &[DVec3], indices: &[[u32; 3]]) {
+    for corners in indices {
+        let [a, b, c] = corners.map(|i| positions[i as usize]);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend([a, b, c]);
+        mesh.normals.extend([(b - a).cross(c - a).normalize_or_zero(); 3]);
+        mesh.triangles.push([first, first + 1, first + 2]);
+    }
 }
 
 fn cuboid(mesh: &mut Mesh, min: DVec3, max: DVec3) {
