@@ -88,6 +88,18 @@ impl TrimLoop {
         0.5 * twice
     }
 
+    /// A bound on the magnitude of the enclosed area, parameter units squared.
+    ///
+    /// The area is the integral of u - m over v for any m: with the middle of the range of u, no more than half of its width times the way
+    /// up and down.
+    pub(super) fn area_bound(&self) -> f64 {
+        let [low, high] =
+            self.pieces.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], piece| {
+                [low.min(piece.start.x), high.max(piece.start.x)]
+            });
+        0.5 * (high - low) * self.pieces.iter().map(|piece| (piece.end.y - piece.start.y).abs()).sum::<f64>()
+    }
+
     /// Number of pieces monotone in u and in v.
     #[must_use]
     pub fn piece_count(&self) -> usize {

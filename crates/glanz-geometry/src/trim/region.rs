@@ -70,10 +70,13 @@ impl TrimRegion {
     fn with_border(loops: Vec<TrimLoop>, domain: [DVec2; 2], border: f64) -> Result<Self, SurfaceError> {
         let [min, max] = domain;
         check_range("domain", min, max)?;
-        let largest = loops
-            .iter()
-            .map(TrimLoop::approximate_area)
-            .fold(0.0, |largest: f64, area| if area.abs() > largest.abs() { area } else { largest });
+        let largest = loops.iter().fold(0.0, |largest: f64, trim_loop| {
+            if trim_loop.area_bound() <= largest.abs() {
+                return largest;
+            }
+            let area = trim_loop.approximate_area();
+            if area.abs() > largest.abs() { area } else { largest }
+        });
         let outermost = i32::from(loops.is_empty() || largest < 0.0);
         let pieces = PieceTable::try_new(&loops, min.abs().max(max.abs()))?;
         let cells = CellTree::try_new(&pieces, domain, outermost, margin(&pieces, border))?;
