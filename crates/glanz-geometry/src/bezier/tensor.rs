@@ -1,6 +1,7 @@
 //! Rational Bézier patches over the unit square.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec3};
@@ -23,7 +24,7 @@ use crate::error::{SurfaceError, finite};
 pub struct TensorPatch {
     degree_u: usize,
     degree_v: usize,
-    points: Vec<DVec4>,
+    points: Arc<[DVec4]>,
 }
 
 /// The four borders of a [`TensorPatch`], each in the direction that has the patch on its left.
@@ -49,7 +50,7 @@ impl TensorPatch {
         checked_degree("degree in u", degree_u)?;
         checked_degree("degree in v", degree_v)?;
         check_points(&points, (degree_u + 1) * (degree_v + 1))?;
-        Ok(Self { degree_u, degree_v, points })
+        Ok(Self { degree_u, degree_v, points: points.into() })
     }
 
     /// A patch from points (metres) in the same order, and as many weights; without weights it is polynomial.
@@ -67,7 +68,7 @@ impl TensorPatch {
 
     /// A patch from means of checked points.
     pub(super) fn from_means(degree_u: usize, degree_v: usize, source: &[DVec4], points: Vec<DVec4>) -> Self {
-        Self { degree_u, degree_v, points: keep_weight(source, points) }
+        Self { degree_u, degree_v, points: keep_weight(source, points).into() }
     }
 
     /// Degrees in u and v.
@@ -80,6 +81,11 @@ impl TensorPatch {
     #[must_use]
     pub fn control_points(&self) -> &[DVec4] {
         &self.points
+    }
+
+    /// The control points, shared with the patch and its clones.
+    pub(crate) fn shared_control_points(&self) -> Arc<[DVec4]> {
+        self.points.clone()
     }
 
     /// Whether any two weights differ.

@@ -10,7 +10,7 @@
 //! @wald2007 for binning.
 
 use super::BuildOptions;
-use super::collapse::CollapsePlan;
+use super::collapse::{CollapseCosts, CollapsePlan};
 
 /// Largest depth of the binary tree, so that traversal needs a stack of fixed size only.
 pub(crate) const MAX_DEPTH: usize = 64;
@@ -100,14 +100,14 @@ impl BinaryNode {
     }
 }
 
-/// Builds the tree over `items`, which it reorders, into `nodes`, of length `2 items.len() - 1`.
+/// Builds the tree over `items`, which it reorders, into `nodes`, of length `2 items.len() - 1`. Returns the costs of the root.
 pub(crate) fn build(
     items: &mut [BvhPrimitive],
     nodes: &mut [BinaryNode],
     depth: usize,
     options: &BuildOptions,
-) {
-    let Some((node, below)) = nodes.split_first_mut() else { return };
+) -> CollapseCosts {
+    let Some((node, below)) = nodes.split_first_mut() else { return CollapseCosts::ZERO };
     let extent = PrimitiveExtent::of(items);
     *node = BinaryNode {
         min: [extent.bounds.min[0], extent.bounds.min[1], extent.bounds.min[2]],
@@ -117,22 +117,24 @@ pub(crate) fn build(
     };
     // A test of a block costs as much as one of any part of it.
     if items.len() <= options.block.min(options.max_leaf).max(1) {
-        node.plan = CollapsePlan::new(node, None, options);
-        return;
+        let (plan, costs) = CollapsePlan::new(node, None, options);
+        node.plan = plan;
+        return costs;
     }
     let middle = split(items, &extent.middles, depth, options.block).clamp(1, items.len() - 1);
     let (left_items, right_items) = items.split_at_mut(middle);
     let (left, right) = below.split_at_mut(2 * middle - 1);
-    if left_items.len() + right_items.len() >= PARALLEL {
+    let (left, right) = if left_items.len() + right_items.len() >= PARALLEL {
         rayon::join(
             || build(left_items, left, depth + 1, options),
             || build(right_items, right, depth + 1, options),
-        );
+        )
     } else {
-        build(left_items, left, depth + 1, options);
-        build(right_items, right, depth + 1, options);
-    }
-    node.plan = CollapsePlan::new(node, left.first().zip(right.first()), options);
+        (build(left_items, left, depth + 1, options), build(right_items, right, depth + 1, options))
+    };
+    let (plan, costs) = CollapsePlan::new(node, Some([left, right]), options);
+    node.plan = plan;
+    costs
 }
 
 /// Number of blocks, and so the cost of a test, of `count` primitives.

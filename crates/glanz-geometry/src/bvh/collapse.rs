@@ -10,11 +10,23 @@ use super::build::BinaryNode;
 use super::node::{NodeChild, WIDTH, WideNode};
 use super::simd::prefer_large_pages;
 
+/// Least costs of covering a subtree with at most 1, 2 ... 7 children of a wide node. Only the plan of its parent needs them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CollapseCosts([f32; WIDTH - 1]);
+
+impl CollapseCosts {
+    /// Those of no subtree.
+    pub(crate) const ZERO: Self = Self([0.0; WIDTH - 1]);
+
+    /// Expected cost of a ray that meets the root, in node visits times half the area of the root.
+    pub(crate) fn of_root(&self) -> f32 {
+        self.0[0]
+    }
+}
+
 /// The cheapest ways to cover a subtree by children of a wide node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CollapsePlan {
-    /// Cost of covering it with at most 1, 2 ... 7 children.
-    costs: [f32; WIDTH - 1],
     /// Number of children for the left subtree, of at most 2, 3 ... 8; 0 if one child fewer costs no more.
     left: [u8; WIDTH - 1],
     /// Whether a single child is a leaf.
@@ -22,26 +34,26 @@ pub(crate) struct CollapsePlan {
 }
 
 impl CollapsePlan {
-    pub(crate) const EMPTY: Self = Self { costs: [0.0; WIDTH - 1], left: [0; WIDTH - 1], leaf: true };
+    pub(crate) const EMPTY: Self = Self { left: [0; WIDTH - 1], leaf: true };
 
-    /// The plan for `node`, from those of its children.
+    /// The plan for `node` and its costs, from those of its children.
     pub(crate) fn new(
         node: &BinaryNode,
-        children: Option<(&BinaryNode, &BinaryNode)>,
+        children: Option<[CollapseCosts; 2]>,
         options: &BuildOptions,
-    ) -> Self {
+    ) -> (Self, CollapseCosts) {
         let area = node.half_area();
         let blocks = node.count.div_ceil(options.block.max(1) as u32);
         let leaf_cost = area * options.leaf_cost * blocks as f32;
-        let Some((left, right)) = children else {
-            return Self { costs: [leaf_cost; WIDTH - 1], ..Self::EMPTY };
+        let Some([left, right]) = children else {
+            return (Self::EMPTY, CollapseCosts([leaf_cost; WIDTH - 1]));
         };
         let mut plan = Self { left: [1; WIDTH - 1], ..Self::EMPTY };
         // Slot i - 2 of `shared`: the least cost of exactly i children.
         let mut shared = [f32::INFINITY; WIDTH - 1];
         for (i, (best, choice)) in (2..).zip(shared.iter_mut().zip(&mut plan.left)) {
             for k in 1..i {
-                let cost = left.plan.costs[k - 1] + right.plan.costs[i - k - 1];
+                let cost = left.0[k - 1] + right.0[i - k - 1];
                 if cost < *best {
                     (*best, *choice) = (cost, k as u8);
                 }
@@ -49,20 +61,15 @@ impl CollapsePlan {
         }
         let node_cost = area + shared[WIDTH - 2];
         plan.leaf = node.count as usize <= options.max_leaf.max(1) && leaf_cost <= node_cost;
-        plan.costs[0] = if plan.leaf { leaf_cost } else { node_cost };
+        let mut costs = [if plan.leaf { leaf_cost } else { node_cost }; WIDTH - 1];
         for i in 1..WIDTH - 1 {
-            plan.costs[i] = shared[i - 1];
-            if plan.costs[i - 1] <= plan.costs[i] {
-                plan.costs[i] = plan.costs[i - 1];
+            costs[i] = shared[i - 1];
+            if costs[i - 1] <= costs[i] {
+                costs[i] = costs[i - 1];
                 plan.left[i - 1] = 0;
             }
         }
-        plan
-    }
-
-    /// Expected cost of a ray that meets the root, in node visits times half the area of the root.
-    pub(crate) fn cost(&self) -> f32 {
-        self.costs[0]
+        (plan, CollapseCosts(costs))
     }
 }
 

@@ -106,6 +106,8 @@ pub struct Bvh {
     nodes: Vec<WideNode>,
     leaf_starts: Vec<u32>,
     items: Vec<u32>,
+    leaf_count: usize,
+    primitive_count: usize,
     depth: usize,
     cost: f64,
     isa: Isa,
@@ -133,16 +135,18 @@ impl Bvh {
             BvhPrimitive::new(min, max, index)
         });
         let mut tree = vec![BinaryNode::EMPTY; (2 * items.len()).saturating_sub(1)];
-        build::build(&mut items, &mut tree, 0, options);
+        let costs = build::build(&mut items, &mut tree, 0, options);
         let wide = WideTree::collapse(&tree);
         let cost = tree.first().map_or(0.0, |root| {
             let area = f64::from(root.half_area());
-            if area > 0.0 { f64::from(root.plan.cost()) / area } else { 0.0 }
+            if area > 0.0 { f64::from(costs.of_root()) / area } else { 0.0 }
         });
         Self {
             bounds: all,
             frame,
             nodes: wide.nodes,
+            leaf_count: wide.leaf_starts.len().saturating_sub(1),
+            primitive_count: items.len(),
             leaf_starts: wide.leaf_starts,
             items: parallel_map(&items, PARALLEL_CHUNK, BvhPrimitive::index),
             depth: wide.depth,
@@ -168,7 +172,13 @@ impl Bvh {
     /// Number of leaves.
     #[must_use]
     pub fn leaf_count(&self) -> usize {
-        self.leaf_starts.len().saturating_sub(1)
+        self.leaf_count
+    }
+
+    /// Drops the primitives of the leaves, for a surface that lays out its own by the ordinals of the leaves: [`Bvh::leaf`] has none
+    /// from then on.
+    pub(crate) fn forget_items(&mut self) {
+        (self.leaf_starts, self.items) = (Vec::new(), Vec::new());
     }
 
     /// All leaves, in depth-first order.
@@ -223,7 +233,7 @@ impl Bvh {
         BvhStatistics {
             nodes: self.nodes.len(),
             leaves: self.leaf_count(),
-            primitives: self.items.len(),
+            primitives: self.primitive_count,
             depth: self.depth,
             cost: self.cost,
             bytes: size_of_val(&*self.nodes) + size_of_val(&*self.leaf_starts) + size_of_val(&*self.items),

@@ -106,10 +106,11 @@ impl Freeform {
     ) -> Self {
         let boxes: Vec<_> = leaves.iter().map(|leaf| leaf.bounds).collect();
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
-        let bvh = Bvh::build(&boxes, &options);
+        let mut bvh = Bvh::build(&boxes, &options);
         drop(boxes);
         let at = |leaf| leaves.get(*bvh.leaf(leaf).first()? as usize).map(|leaf| leaf.leaf);
         let leaves = bvh.leaves().filter_map(at).collect();
+        bvh.forget_items();
         let locations = subpatches.iter().map(|subpatch| subpatch.location).collect();
         let subpatches = SubpatchList::new(subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
@@ -158,7 +159,7 @@ struct OpenLeaf {
 fn leaves_of(index: u32, subpatch: &Subpatch, smallest: f64) -> Vec<LeafBuilder> {
     let degrees = subpatch.degrees;
     let limit = MOST_DEVIATION[usize::from(degrees.0.max(degrees.1) > 3)];
-    let whole = LeafBuilder::new(index, DyadicRect::WHOLE, subpatch.net.clone(), degrees);
+    let whole = LeafBuilder::new(index, DyadicRect::WHOLE, subpatch.net.to_vec(), degrees);
     let mut done = Vec::new();
     let mut open =
         vec![OpenLeaf { leaf: whole, halvings: subpatch.location.part.count(), before: [f64::INFINITY; 2] }];

@@ -53,7 +53,7 @@ impl NetBuffer {
             }
             return Some(degrees);
         }
-        let mut nets = [first.net.as_slice(); LANES];
+        let mut nets = [&*first.net; LANES];
         for (net, leaf) in nets.iter_mut().zip(leaves) {
             let subpatch = list.get(leaf.subpatch as usize)?;
             if subpatch.degrees != degrees {

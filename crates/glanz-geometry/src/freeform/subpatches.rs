@@ -1,5 +1,7 @@
 //! Subpatches: the patches of a surface, split where their weights differ much, in the form in which rays search them.
 
+use std::sync::Arc;
+
 use glanz_math::glam::DVec4;
 
 use super::bicubic::Bicubic;
@@ -12,6 +14,7 @@ use super::ray_space::RaySpace;
 use super::root::{SearchScratch, SurfaceRoot};
 use super::surface_patch::SurfacePatch;
 use crate::bvh::simd::{Simd, Task};
+use crate::bvh::{PARALLEL_CHUNK, parallel_map};
 
 /// Largest ratio of the weights of a subpatch. The rounding of powers is that of the largest weight, and counts by the
 /// smallest; and next to a small weight one bit of a parameter is far on the surface.
@@ -22,8 +25,8 @@ const EVEN_WEIGHTS: f64 = 4.0;
 pub(super) struct Subpatch {
     pub(super) location: SubpatchLocation,
     pub(super) degrees: (usize, usize),
-    /// Homogeneous control points.
-    pub(super) net: Vec<DVec4>,
+    /// Homogeneous control points, shared with the patch if it is a whole one.
+    pub(super) net: Arc<[DVec4]>,
 }
 
 /// The patch and the part of it that a subpatch is.
@@ -75,7 +78,7 @@ impl Task for LeafSearch<'_> {
 
 /// The subpatches of `patches`, none halved more often than `most_halvings`.
 pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpatch> {
-    let mut done = Vec::new();
+    let mut done = Vec::with_capacity(patches.len());
     for (index, patch) in patches.iter().enumerate() {
         let mut open = vec![Subpatch::whole(index as u32, patch)];
         while let Some(subpatch) = open.pop() {
@@ -92,7 +95,7 @@ pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpa
 impl Subpatch {
     fn whole(patch: u32, from: &SurfacePatch) -> Self {
         let location = SubpatchLocation { patch, part: DyadicRect::WHOLE };
-        Self { location, degrees: from.patch.degrees(), net: from.patch.control_points().to_vec() }
+        Self { location, degrees: from.patch.degrees(), net: from.patch.shared_control_points() }
     }
 
     /// Whether all weights are 1.
@@ -119,9 +122,14 @@ impl Subpatch {
         [(low, below), (high, above)].map(|(part, net)| Self {
             location: SubpatchLocation { patch, part },
             degrees,
-            net,
+            net: net.into(),
         })
     }
+}
+
+/// The powers of subpatches of low degrees.
+fn bicubics<const COORDINATES: usize>(subpatches: &[Subpatch]) -> Vec<Bicubic<COORDINATES>> {
+    parallel_map(subpatches, PARALLEL_CHUNK, |subpatch| Bicubic::new(&subpatch.net, subpatch.degrees))
 }
 
 impl SubpatchList {
@@ -130,19 +138,20 @@ impl SubpatchList {
         if !all(Subpatch::is_simple) {
             Self::General(subpatches)
         } else if all(Subpatch::is_polynomial) {
-            Self::Polynomial(subpatches.iter().map(|s| Bicubic::new(&s.net, s.degrees)).collect())
+            Self::Polynomial(bicubics(&subpatches))
         } else {
-            Self::Rational(subpatches.iter().map(|s| Bicubic::new(&s.net, s.degrees)).collect())
+            Self::Rational(bicubics(&subpatches))
         }
     }
 
-    /// Memory, bytes.
+    /// Memory, bytes, without control points that the patches share.
     pub(super) fn bytes(&self) -> usize {
         match self {
             Self::Polynomial(list) => size_of_val(&**list),
             Self::Rational(list) => size_of_val(&**list),
             Self::General(list) => {
-                size_of_val(&**list) + list.iter().map(|s| size_of_val(&*s.net)).sum::<usize>()
+                let own = list.iter().filter(|s| s.location.part.count() > 0);
+                size_of_val(&**list) + own.map(|s| size_of_val(&*s.net)).sum::<usize>()
             }
         }
     }
