@@ -71,7 +71,7 @@ impl Source {
 }
 
 impl Model {
-    /// The model of one of [`NAMES`].
+    /// The model of one of [`NAMES`], or of any square number of patches.
     pub(crate) fn named(name: &str) -> Result<Self, Failure> {
         let source = match name {
             "bicubic" | "trimmed" => Source::Spline(wavy(3, 5, 0.15, |_, _| 1.0)?),
@@ -82,9 +82,9 @@ impl Model {
             "ball" => Source::Spline(ball()?),
             "cubic triangles" => Source::Triangles(triangles(3, 5)?),
             "quintic triangles" => Source::Triangles(triangles(5, 5)?),
-            "10 000 patches" => Source::Spline(hills(100)?),
-            _ => match name.strip_prefix("degree ").map(str::parse) {
-                Some(Ok(degree)) => Source::Spline(wavy(degree, 5, 0.15, |_, _| 1.0)?),
+            _ => match (name.strip_prefix("degree "), name.strip_suffix(" patches")) {
+                (Some(degree), _) => Source::Spline(wavy(degree.parse()?, 5, 0.15, |_, _| 1.0)?),
+                (_, Some(count)) => Source::Spline(hills(count.replace(' ', "").parse::<usize>()?.isqrt())?),
                 _ => return Err(format!("there is no model {name}").into()),
             },
         };

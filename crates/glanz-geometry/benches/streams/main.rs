@@ -2,9 +2,13 @@
 //!
 //! Both ways take turns in one run, on one thread, so that the ratio of their processor times holds on a busy machine as well. Rays are those
 //! of a camera in tiles of 64 x 64 pixels, the same in random order, and random lines through the surface, in batches of 4096.
+//!
+//! With the word `growth`, instead of the models, surfaces of a thousand to a million patches, or of the numbers that follow: time and
+//! memory of building, and the same rates, as CSV.
 
 #[path = "../freeform/camera_rays.rs"]
 mod camera_rays;
+mod growth;
 #[path = "../freeform/models.rs"]
 mod models;
 mod processor_time;
@@ -15,6 +19,7 @@ use std::io::Write;
 
 use camera_rays::{camera_rays, shuffled};
 use glanz_geometry::{BoundedRay, RaySurface, Surface};
+use glanz_math::Ray;
 use models::{Failure, Model, NAMES};
 use processor_time::processor_time;
 use ray_sets::{TILE, random_lines, tiles};
@@ -61,33 +66,41 @@ fn medians(mut single: impl FnMut(), mut batch: impl FnMut()) -> [f64; 2] {
     times.map(median)
 }
 
-fn measure(name: &str, surface: &Surface, only: &[String], out: &mut impl Write) -> Result<(), Failure> {
+/// The sets of rays for a surface, in the order of their names.
+fn ray_sets_of(surface: &Surface) -> [Vec<Ray>; 3] {
     let camera = camera_rays(&surface.bounds(), PICTURE[0] as u32, PICTURE[1] as u32);
-    let sets = [
-        (SETS[0], tiles(&camera, PICTURE)),
-        (SETS[1], shuffled(camera.clone())),
-        (SETS[2], random_lines(&surface.bounds(), camera.len())),
-    ];
-    for (set, rays) in sets {
+    let lines = random_lines(&surface.bounds(), camera.len());
+    [tiles(&camera, PICTURE), shuffled(camera), lines]
+}
+
+/// Seconds of the closest hits of all rays, one by one and in batches.
+fn closest_hits(surface: &Surface, rays: &[Ray]) -> [f64; 2] {
+    let bounded: Vec<BoundedRay> = rays.iter().map(|&ray| ray.into()).collect();
+    let mut hits = Vec::new();
+    medians(
+        || {
+            let t = rays.iter().filter_map(|ray| surface.intersect(ray, f64::INFINITY));
+            black_box(t.map(|hit| hit.t).sum::<f64>());
+        },
+        || {
+            let mut sum = 0.0;
+            for batch in bounded.chunks(BATCH) {
+                surface.closest_batch(batch, &mut hits);
+                sum += hits.iter().flatten().map(|hit| hit.t).sum::<f64>();
+            }
+            black_box(sum);
+        },
+    )
+}
+
+fn measure(name: &str, surface: &Surface, only: &[String], out: &mut impl Write) -> Result<(), Failure> {
+    for (set, rays) in SETS.into_iter().zip(ray_sets_of(surface)) {
         if !is_asked(set, &SETS, only) {
             continue;
         }
         let bounded: Vec<BoundedRay> = rays.iter().map(|&ray| ray.into()).collect();
-        let (mut hits, mut occluded) = (Vec::new(), Vec::new());
-        let closest = medians(
-            || {
-                let t = rays.iter().filter_map(|ray| surface.intersect(ray, f64::INFINITY));
-                black_box(t.map(|hit| hit.t).sum::<f64>());
-            },
-            || {
-                let mut sum = 0.0;
-                for batch in bounded.chunks(BATCH) {
-                    surface.closest_batch(batch, &mut hits);
-                    sum += hits.iter().flatten().map(|hit| hit.t).sum::<f64>();
-                }
-                black_box(sum);
-            },
-        );
+        let mut occluded = Vec::new();
+        let closest = closest_hits(surface, &rays);
         let any = medians(
             || {
                 black_box(rays.iter().filter(|ray| surface.occluded(ray, f64::INFINITY)).count());
@@ -113,6 +126,11 @@ fn measure(name: &str, surface: &Surface, only: &[String], out: &mut impl Write)
 fn main() -> Result<(), Failure> {
     let named: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let mut out = std::io::stdout();
+    if let Some((first, counts)) = named.split_first()
+        && first == "growth"
+    {
+        return growth::table(counts, &mut out);
+    }
     writeln!(out, "million rays a second, medians of {TIMES}: one by one, in batches of {BATCH}, ratio")?;
     for name in NAMES {
         if is_asked(name, &NAMES, &named) {

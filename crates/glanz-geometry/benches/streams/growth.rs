@@ -1,0 +1,57 @@
+//! Time, memory and rates of surfaces of growing numbers of patches.
+
+use std::fs::{read_to_string, write};
+use std::io::Write;
+use std::time::Instant;
+
+use glanz_geometry::Surface;
+use glanz_geometry::freeform::Freeform;
+
+use super::models::{Failure, Model};
+use super::processor_time::processor_time;
+use super::{closest_hits, ray_sets_of};
+
+/// Numbers of patches without arguments: squares next to powers of ten.
+const COUNTS: [&str; 4] = ["1024", "10000", "99856", "1000000"];
+
+/// A line of `/proc/self/status`, bytes; 0 where the system does not report it.
+fn memory(name: &str) -> u64 {
+    let status = read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix(name));
+    let kilobytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok());
+    1024 * kilobytes.unwrap_or_default()
+}
+
+/// Writes a table of `counts`: seconds of building and processor seconds of this thread, bytes of a patch at the end, bytes of a patch at the
+/// peak (resident memory, with the patches from which the surface is built), million rays a second one by one and in batches.
+pub(super) fn table(counts: &[String], out: &mut impl Write) -> Result<(), Failure> {
+    writeln!(
+        out,
+        "patches,leaves,build_s,thread_s,bytes_per_patch,peak_bytes_per_patch,tiles,tiles_batch,shuffled,shuffled_batch,lines,lines_batch"
+    )?;
+    let all = COUNTS.map(String::from);
+    for count in if counts.is_empty() { &all } else { counts } {
+        let source = Model::named(&format!("{count} patches"))?.source;
+        let before = memory("VmRSS");
+        let pieces = source.pieces()?;
+        drop(source);
+        let patches = pieces.len() as f64;
+        // 5 resets the peak; where that fails, the peak is that of the process.
+        let is_reset = write("/proc/self/clear_refs", "5").is_ok();
+        let (start, thread) = (Instant::now(), processor_time());
+        let surface = Freeform::try_new(pieces)?;
+        let (seconds, thread_seconds) = (start.elapsed().as_secs_f64(), processor_time() - thread);
+        let peak = if is_reset { memory("VmHWM").saturating_sub(before) as f64 } else { f64::NAN };
+        let (bytes, leaves) = (surface.bytes() as f64, surface.statistics().leaves);
+        write!(out, "{patches},{leaves},{seconds:.4},{:.4},", 1e-9 * thread_seconds as f64)?;
+        write!(out, "{:.0},{:.0}", bytes / patches, peak / patches)?;
+        let surface = Surface::from(surface);
+        for rays in ray_sets_of(&surface) {
+            for seconds in closest_hits(&surface, &rays) {
+                write!(out, ",{:.2}", 1e-6 * rays.len() as f64 / seconds)?;
+            }
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
