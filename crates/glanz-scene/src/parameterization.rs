@@ -63,8 +63,8 @@ impl ShapeParameterization {
         let Surface::Mesh(mesh) = surface else { return Self::of(surface) };
         let range = faces.start as usize..(faces.end as usize).min(mesh.indices().len());
         let triangles = mesh.indices().get(range).unwrap_or_default();
-        let corners = triangles.iter().flatten().filter_map(|&i| mesh.positions().get(i as usize));
-        Self::Projections(Bounds3::from_points(corners.copied()))
+        let corners = triangles.iter().flatten().filter_map(|&i| mesh.position(i));
+        Self::Projections(Bounds3::from_points(corners))
     }
 
     /// A parameterization for the points of both.

@@ -2,6 +2,7 @@
 
 use glanz_math::{DVec3, Ray};
 
+use super::vector_list::VectorList;
 use crate::bvh::query::HitCollector;
 use crate::bvh::simd::{Simd, prefer_large_pages};
 use crate::bvh::{Bvh, PARALLEL_CHUNK};
@@ -257,12 +258,10 @@ pub(super) enum TriangleBlocks {
 
 impl TriangleBlocks {
     /// Lays out the triangles of `bvh`'s leaves.
-    pub(super) fn new(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) -> Self {
-        let single = positions.iter().all(|p| p.to_array().iter().all(|&x| f64::from(x as f32) == x));
-        if single {
-            Self::Single(lay_out(positions, indices, bvh))
-        } else {
-            Self::Double(lay_out(positions, indices, bvh))
+    pub(super) fn new(positions: &VectorList<DVec3>, indices: &[[u32; 3]], bvh: &Bvh) -> Self {
+        match positions {
+            VectorList::Single(_) => Self::Single(lay_out(positions, indices, bvh)),
+            VectorList::Double(_) => Self::Double(lay_out(positions, indices, bvh)),
         }
     }
 
@@ -274,15 +273,17 @@ impl TriangleBlocks {
     }
 }
 
-fn lay_out<T: Coordinate>(positions: &[DVec3], indices: &[[u32; 3]], bvh: &Bvh) -> Vec<TriangleBlock<T>> {
+fn lay_out<T: Coordinate>(
+    positions: &VectorList<DVec3>,
+    indices: &[[u32; 3]],
+    bvh: &Bvh,
+) -> Vec<TriangleBlock<T>> {
     use rayon::prelude::*;
     let leaves: Vec<_> = bvh.leaves().collect();
     let block = |&leaf: &_| {
-        TriangleBlock::new(
-            bvh.leaf(leaf)
-                .iter()
-                .map(|&face| (face, indices[face as usize].map(|vertex| positions[vertex as usize]))),
-        )
+        TriangleBlock::new(bvh.leaf(leaf).iter().map(|&face| {
+            (face, indices[face as usize].map(|vertex| positions.get(vertex).unwrap_or_default()))
+        }))
     };
     if leaves.len() <= PARALLEL_CHUNK {
         return leaves.iter().map(block).collect();

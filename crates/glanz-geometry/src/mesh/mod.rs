@@ -2,7 +2,7 @@
 //!
 //! A [`Mesh`] owns its hierarchy and lays its triangles out in the order of the leaves, four to a block. The test is that
 //! of [`crate::triangle::ShearedRay`] bit by bit, so that a ray cannot slip through an edge or a vertex that triangles
-//! share, whatever the instruction set. Files: `block` (the triangles),
+//! share, whatever the instruction set. Files: `vector_list` (values at vertices), `block` (the triangles),
 //! `query` (closest, any and all hits), `stream` and `ray_lanes` (batches of rays), `shading` (the surface at a hit).
 
 mod block;
@@ -12,6 +12,7 @@ mod shading;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod vector_list;
 
 use std::sync::OnceLock;
 
@@ -22,6 +23,7 @@ use self::block::{LANES, TriangleBlocks};
 use self::query::MeshQuery;
 use self::shading::FlatPoint;
 use self::stream::MeshBatch;
+use self::vector_list::VectorList;
 use crate::batch::BoundedRay;
 use crate::bvh::query::{AllHits, AnyHit, ClosestHit, HitCollector};
 use crate::bvh::{BuildOptions, Bvh, BvhStatistics, PARALLEL_CHUNK, parallel_map};
@@ -40,10 +42,10 @@ const BLOCK_COST: f32 = 1.0;
 /// are on that side.
 #[derive(Clone, Debug)]
 pub struct Mesh {
-    positions: Vec<DVec3>,
+    positions: VectorList<DVec3>,
     indices: Vec<[u32; 3]>,
-    normals: Option<Vec<DVec3>>,
-    uvs: Option<Vec<DVec2>>,
+    normals: Option<VectorList<DVec3>>,
+    uvs: Option<VectorList<DVec2>>,
     degenerate: usize,
     bvh: Bvh,
     blocks: TriangleBlocks,
@@ -83,15 +85,30 @@ impl Mesh {
             });
         }
         let options = BuildOptions { max_leaf: LANES, block: LANES, leaf_cost: BLOCK_COST };
-        let bvh = Bvh::build(&boxes, &options);
+        let mut bvh = Bvh::build(&boxes, &options);
+        drop(boxes);
+        let positions = VectorList::new(positions);
         let blocks = TriangleBlocks::new(&positions, &indices, &bvh);
+        bvh.forget_items();
+        let (normals, uvs) = (normals.map(VectorList::new), uvs.map(VectorList::new));
         Ok(Self { positions, indices, normals, uvs, degenerate, bvh, blocks, areas: OnceLock::new() })
     }
 
-    /// Vertices, metres.
+    /// Number of vertices.
     #[must_use]
-    pub fn positions(&self) -> &[DVec3] {
-        &self.positions
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Vertices, metres.
+    pub fn positions(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.positions.iter()
+    }
+
+    /// The vertex of this number, metres; `None` from [`Mesh::vertex_count`] on.
+    #[must_use]
+    pub fn position(&self, vertex: u32) -> Option<DVec3> {
+        self.positions.get(vertex)
     }
 
     /// Triangles, as positions in the list of vertices; degenerate ones included.
@@ -102,14 +119,20 @@ impl Mesh {
 
     /// Normals at the vertices, as they were given.
     #[must_use]
-    pub fn normals(&self) -> Option<&[DVec3]> {
-        self.normals.as_deref()
+    pub fn normals(&self) -> Option<impl Iterator<Item = DVec3> + '_> {
+        self.normals.as_ref().map(VectorList::iter)
+    }
+
+    /// The normal at a vertex, as it was given.
+    #[must_use]
+    pub fn normal(&self, vertex: u32) -> Option<DVec3> {
+        self.normals.as_ref()?.get(vertex)
     }
 
     /// Texture coordinates at the vertices.
     #[must_use]
-    pub fn uvs(&self) -> Option<&[DVec2]> {
-        self.uvs.as_deref()
+    pub fn uvs(&self) -> Option<impl Iterator<Item = DVec2> + '_> {
+        self.uvs.as_ref().map(VectorList::iter)
     }
 
     /// Number of triangles that have no area and are therefore never hit.
@@ -133,10 +156,10 @@ impl Mesh {
     /// Memory of vertices, triangles and hierarchy, bytes.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.positions)
+        self.positions.bytes()
             + size_of_val(&*self.indices)
-            + self.normals.as_deref().map_or(0, size_of_val)
-            + self.uvs.as_deref().map_or(0, size_of_val)
+            + self.normals.as_ref().map_or(0, VectorList::bytes)
+            + self.uvs.as_ref().map_or(0, VectorList::bytes)
             + self.blocks.bytes()
             + self.statistics().bytes
     }
@@ -146,9 +169,7 @@ impl Mesh {
     }
 
     fn corners(&self, face: u32) -> Option<[DVec3; 3]> {
-        let [a, b, c] = *self.indices.get(face as usize)?;
-        let vertex = |i: u32| self.positions.get(i as usize).copied();
-        Some([vertex(a)?, vertex(b)?, vertex(c)?])
+        self.at_corners(Some(&self.positions), face)
     }
 
     /// Area of a triangle, m^2; 0 if it is degenerate.

@@ -3,6 +3,7 @@
 use glanz_math::{DVec2, DVec3};
 
 use super::Mesh;
+use super::vector_list::{ListVector, VectorList};
 use crate::hit::{Hit, ShadingPoint, SurfacePoint};
 use crate::triangle::{normal_and_area, position_error_of};
 
@@ -64,10 +65,13 @@ pub(super) struct SmoothNormal {
 impl Mesh {
     /// The values of a list by vertex at the corners of a triangle.
     #[inline]
-    fn at_corners<T: Copy>(&self, list: Option<&Vec<T>>, face: u32) -> Option<[T; 3]> {
-        let [a, b, c] = *self.indices.get(face as usize)?;
-        let value = |i: u32| list?.get(i as usize).copied();
-        Some([value(a)?, value(b)?, value(c)?])
+    pub(super) fn at_corners<V: ListVector>(
+        &self,
+        list: Option<&VectorList<V>>,
+        face: u32,
+    ) -> Option<[V; 3]> {
+        let ([a, b, c], list) = (*self.indices.get(face as usize)?, list?);
+        Some([list.get(a)?, list.get(b)?, list.get(c)?])
     }
 
     /// A point of a triangle, at the weights `u`, `v` of the second and third vertex.

@@ -130,7 +130,7 @@ fn every_instruction_set_finds_the_bits_that_brute_force_finds() {
                 direction[i % 3] = 0.0;
             }
             // Some through a vertex of the mesh, some of finite length.
-            let vertex = mesh.positions[random.below(mesh.positions.len())];
+            let vertex = mesh.position(random.below(mesh.vertex_count()) as u32).unwrap();
             let origin = if i % 3 == 0 { vertex - direction } else { random.vector() * 2.0 };
             let ray = Ray::new(origin, direction);
             let t_max = if i % 2 == 0 { f64::INFINITY } else { 1.0 };
@@ -226,7 +226,7 @@ fn a_ray_that_leaves_a_convex_mesh_does_not_come_back() {
             let start = place + random.vector() * scale * 2.0;
             // Half of them aim at vertices.
             let target = if i % 2 == 0 {
-                mesh.positions[random.below(mesh.positions.len())]
+                mesh.position(random.below(mesh.vertex_count()) as u32).unwrap()
             } else {
                 place + random.vector() * (0.5 * scale)
             };

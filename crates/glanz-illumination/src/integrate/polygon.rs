@@ -46,7 +46,7 @@ impl ConvexPolygon {
         let mut first_at: HashMap<[u64; 3], u32> = HashMap::new();
         let numbers: Vec<u32> = (0..)
             .zip(mesh.positions())
-            .map(|(i, p)| *first_at.entry((*p + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert(i))
+            .map(|(i, p)| *first_at.entry((p + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert(i))
             .collect();
         let mut next: HashMap<u32, u32> = HashMap::new();
         let triangles: Vec<[u32; 3]> =
@@ -68,13 +68,12 @@ impl ConvexPolygon {
                 return None;
             }
         }
-        let corners: Option<Vec<DVec3>> =
-            order.iter().map(|&i| mesh.positions().get(i as usize).map(|&p| map(p))).collect();
+        let corners: Option<Vec<DVec3>> = order.iter().map(|&i| mesh.position(i).map(&map)).collect();
         let polygon = Self::try_new(corners?)?;
         let area: f64 = triangles
             .iter()
             .filter_map(|t| {
-                let [a, b, c] = t.map(|i| mesh.positions().get(i as usize).map(|&p| map(p)));
+                let [a, b, c] = t.map(|i| mesh.position(i).map(&map));
                 Some(0.5 * (b? - a?).cross(c? - a?).length())
             })
             .sum();

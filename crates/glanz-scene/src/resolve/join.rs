@@ -57,14 +57,14 @@ fn join(meshes: &[(Arc<Mesh>, SceneObject)]) -> Option<SceneObject> {
             first_face: u32::try_from(indices.len()).ok()?,
             attributes: object.attributes(0),
         });
-        base.checked_add(u32::try_from(mesh.positions().len()).ok()?)?;
-        positions.extend_from_slice(mesh.positions());
+        base.checked_add(u32::try_from(mesh.vertex_count()).ok()?)?;
+        positions.extend(mesh.positions());
         indices.extend(mesh.indices().iter().map(|triangle| triangle.map(|vertex| base + vertex)));
         if let Some(normals) = &mut normals {
-            normals.extend_from_slice(mesh.normals()?);
+            normals.extend(mesh.normals()?);
         }
         if let Some(uvs) = &mut uvs {
-            uvs.extend_from_slice(mesh.uvs()?);
+            uvs.extend(mesh.uvs()?);
         }
     }
     let mesh = Mesh::try_new(positions, indices, normals, uvs).ok()?;

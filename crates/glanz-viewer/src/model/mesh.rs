@@ -34,17 +34,14 @@ impl Surfaces {
         let mut triangles = MeshBuilder::default();
         let mut shared: HashMap<u32, u32> = HashMap::new();
         for corners in mesh.indices().get(faces).unwrap_or_default() {
-            let [Some(a), Some(b), Some(c)] = corners.map(|i| mesh.positions().get(i as usize).copied())
-            else {
+            let [Some(a), Some(b), Some(c)] = corners.map(|i| mesh.position(i)) else {
                 continue;
             };
             // A triangle without an area is never met by rays either.
             let Some(flat) = unit_normal(a, b, c) else { continue };
-            let given = mesh.normals().map(|normals| {
-                corners.map(|i| normals.get(i as usize).and_then(|normal| normal.try_normalize()))
-            });
+            let given = corners.map(|i| mesh.normal(i).and_then(DVec3::try_normalize));
             let mut indices = [0; 3];
-            if let Some([Some(na), Some(nb), Some(nc)]) = given {
+            if let [Some(na), Some(nb), Some(nc)] = given {
                 let corner = corners.iter().zip([(a, na), (b, nb), (c, nc)]);
                 for (slot, (&vertex, (position, normal))) in indices.iter_mut().zip(corner) {
                     *slot = match shared.get(&vertex) {
