@@ -139,8 +139,8 @@ pub(crate) fn normal_and_area(p0: DVec3, p1: DVec3, p2: DVec3) -> Option<(DVec3,
     let is_open = 1024.0 * plain.length_squared() > e1.length_squared() * e2.length_squared();
     let n = if is_open { plain } else { area_vector(p0, p1, p2)? };
     let length = n.length();
-    let normal = n * (1.0 / length);
-    normal.is_finite().then_some((normal, length))
+    let inverse = 1.0 / length;
+    (inverse > 0.0 && inverse.is_finite()).then(|| (n * inverse, length))
 }
 
 /// The absolute error per axis ([`SurfacePoint::error`]) of a point of the triangle that was computed as
@@ -165,8 +165,8 @@ pub(crate) fn position_error_of(p0: DVec3, p1: DVec3, p2: DVec3, twice_area: f64
     let plane = gamma(6) * longest + gamma(54) * longest * (longest2 / twice_area);
     // The bound of a nearly collinear triangle is limited to its own size.
     let plane = if plane < longest { plane } else { longest };
-    let largest = p0.abs().max(p1.abs()).max(p2.abs());
-    DVec3::splat(plane) + largest * gamma(4) + (e1.abs() + e2.abs()) * gamma(4)
+    // No coordinate of a vertex is larger than the sum of p0 and one edge.
+    DVec3::splat(plane) + (p0.abs() + 2.0 * (e1.abs() + e2.abs())) * gamma(4)
 }
 
 /// Maps two numbers uniform in [0, 1) to barycentric weights (of the second and the third vertex) that are uniform over the

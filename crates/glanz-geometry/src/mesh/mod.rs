@@ -3,11 +3,13 @@
 //! A [`Mesh`] owns its hierarchy and lays its triangles out in the order of the leaves, four to a block. The test is that
 //! of [`crate::triangle::ShearedRay`] bit by bit, so that a ray cannot slip through an edge or a vertex that triangles
 //! share, whatever the instruction set. Files: `vector_list` (values at vertices), `block` (the triangles),
-//! `query` (closest, any and all hits), `stream` and `ray_lanes` (batches of rays), `shading` (the surface at a hit).
+//! `query` (closest, any and all hits), `stream` and `ray_lanes` (batches of rays), `shading` (the surface at a hit),
+//! `sampling` (random points).
 
 mod block;
 mod query;
 mod ray_lanes;
+mod sampling;
 mod shading;
 mod stream;
 #[cfg(test)]
@@ -21,7 +23,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use self::block::{LANES, TriangleBlocks};
 use self::query::MeshQuery;
-use self::shading::FlatPoint;
+use self::sampling::SamplingTable;
 use self::stream::MeshBatch;
 use self::vector_list::VectorList;
 use crate::batch::BoundedRay;
@@ -30,7 +32,7 @@ use crate::bvh::{BuildOptions, Bvh, BvhStatistics, PARALLEL_CHUNK, parallel_map}
 use crate::error::{SurfaceError, finite};
 use crate::hit::{AreaSample, Hit, ShadingPoint, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
-use crate::triangle::{sample_barycentric, unit_normal};
+use crate::triangle::unit_normal;
 
 /// Cost of testing a block of triangles relative to that of testing a node, measured with `benches/mesh`.
 const BLOCK_COST: f32 = 1.0;
@@ -49,8 +51,8 @@ pub struct Mesh {
     degenerate: usize,
     bvh: Bvh,
     blocks: TriangleBlocks,
-    /// Area of the first 1, 2 ... triangles, m^2. Only meshes that emit light need it.
-    areas: OnceLock<Vec<f64>>,
+    /// Only meshes that emit light need it.
+    sampling_table: OnceLock<SamplingTable>,
 }
 
 impl Mesh {
@@ -91,7 +93,8 @@ impl Mesh {
         let blocks = TriangleBlocks::new(&positions, &indices, &bvh);
         bvh.forget_items();
         let (normals, uvs) = (normals.map(VectorList::new), uvs.map(VectorList::new));
-        Ok(Self { positions, indices, normals, uvs, degenerate, bvh, blocks, areas: OnceLock::new() })
+        let sampling_table = OnceLock::new();
+        Ok(Self { positions, indices, normals, uvs, degenerate, bvh, blocks, sampling_table })
     }
 
     /// Number of vertices.
@@ -144,7 +147,7 @@ impl Mesh {
     /// Area of all triangles, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.areas().last().copied().unwrap_or_default()
+        self.sampling_table().area()
     }
 
     /// Size and expected cost of the hierarchy.
@@ -178,16 +181,8 @@ impl Mesh {
         self.corners(face).and_then(area).unwrap_or_default()
     }
 
-    fn areas(&self) -> &[f64] {
-        self.areas.get_or_init(|| {
-            let mut sum = 0.0;
-            (0..self.indices.len() as u32)
-                .map(|face| {
-                    sum += self.face_area(face);
-                    sum
-                })
-                .collect()
-        })
+    fn sampling_table(&self) -> &SamplingTable {
+        self.sampling_table.get_or_init(|| SamplingTable::new(self))
     }
 }
 
@@ -298,35 +293,15 @@ impl RaySurface for Mesh {
     }
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
-        let (hit, pdf) = self.sample_weights(xi)?;
-        Some(SurfaceSample { hit, point: self.point_at(hit.face, hit.u, hit.v), pdf })
+        self.sample_point(xi)
     }
 
     fn sample_area(&self, xi: DVec2) -> Option<AreaSample> {
-        let (hit, pdf) = self.sample_weights(xi)?;
-        let FlatPoint { position, error, normal } = self.flat_point_at(hit.face, hit.u, hit.v);
-        let normal =
-            self.smooth_normal(hit.face, hit.u, hit.v, normal).map_or(normal, |smooth| smooth.normal);
-        Some(AreaSample { position, error, normal, face: hit.face, pdf })
+        self.sample_area_point(xi)
     }
 
     fn area_pdf(&self, _hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
         let area = self.area();
         (area > 0.0).then(|| AreaPdf(1.0 / area))
-    }
-}
-
-impl Mesh {
-    /// A random triangle with barycentric weights, and the density.
-    fn sample_weights(&self, xi: DVec2) -> Option<(Hit, AreaPdf)> {
-        let areas = self.areas();
-        let total = areas.last().copied().filter(|&area| area > 0.0)?;
-        let target = xi.x * total;
-        let face = areas.partition_point(|&area| area <= target).min(areas.len() - 1);
-        let before = face.checked_sub(1).map_or(0.0, |previous| areas[previous]);
-        // The rest of the number that selected the triangle.
-        let rest = ((target - before) / (areas[face] - before)).clamp(0.0, 1.0f64.next_down());
-        let b = sample_barycentric(DVec2::new(rest, xi.y));
-        Some((Hit { t: 0.0, u: b.x, v: b.y, face: face as u32 }, AreaPdf(1.0 / total)))
     }
 }
