@@ -6,7 +6,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray, Transform};
 use std::sync::Arc;
 
 use crate::light::LightId;
-use crate::parameterization::{LocalPoint, ShapeParameterization};
+use crate::parameterization::ShapeParameterization;
 
 /// Attributes of a shape besides its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -154,31 +154,30 @@ impl SceneObject {
         }
     }
 
-    /// The surface at a hit of this object, in the group's frame and in its own, and the density of [`SceneObject::sample`] at it if the
-    /// object is a light.
+    /// The surface at a hit of this object in its own frame, in which the ray is `local`.
     #[inline]
-    pub(crate) fn point(
-        &self,
-        ray: &Ray,
-        hit: &Hit,
-        reversed: bool,
-    ) -> (ShadingPoint, LocalPoint, Option<AreaPdf>) {
-        let moved = self.to_parent.as_ref().map(|t| t.inverse().ray(ray));
-        let local_ray = moved.as_ref().unwrap_or(ray);
-        let mut point = self.surface.shading_point(local_ray, hit);
-        let away = point.normal.dot(local_ray.direction) > 0.0;
-        let own = LocalPoint {
-            position: point.position,
-            normal_to_viewer: if away { -point.normal } else { point.normal },
-        };
-        let pdf = self
-            .light
-            .and_then(|_| self.surface.area_pdf(hit, &self.surface.point(local_ray, hit)))
-            .map(|pdf| self.to_parent_pdf(pdf, point.normal));
+    pub(crate) fn own_point(&self, local: &Ray, hit: &Hit) -> ShadingPoint {
+        self.surface.shading_point(local, hit)
+    }
+
+    /// The density of [`SceneObject::sample`] at a hit of the ray that is `local` in the own frame, if the object is a light.
+    #[inline]
+    pub(crate) fn area_pdf(&self, local: &Ray, hit: &Hit) -> Option<AreaPdf> {
+        self.light?;
+        let point = self.surface.point(local, hit);
+        let pdf = self.surface.area_pdf(hit, &point)?;
+        Some(self.to_parent.as_ref().map_or(pdf, |t| AreaPdf(pdf.0 / t.area_scale(point.normal))))
+    }
+
+    /// Moves a point from the own frame to that of the group.
+    #[inline]
+    pub(crate) fn place(&self, point: &mut ShadingPoint, reversed: bool) {
         if let Some(to_parent) = &self.to_parent {
-            point = point.transformed(to_parent);
+            *point = point.transformed(to_parent);
         }
-        (if reversed { point.reversed() } else { point }, own, pdf)
+        if reversed {
+            (point.normal, point.shading_normal) = (-point.normal, -point.shading_normal);
+        }
     }
 
     /// Samples a point of the object by two numbers uniform in [0, 1).
@@ -192,10 +191,5 @@ impl SceneObject {
             sample.normal = -sample.normal;
         }
         Some(sample)
-    }
-
-    #[inline]
-    fn to_parent_pdf(&self, pdf: AreaPdf, local_normal: DVec3) -> AreaPdf {
-        self.to_parent.as_ref().map_or(pdf, |t| AreaPdf(pdf.0 / t.area_scale(local_normal)))
     }
 }

@@ -8,11 +8,19 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 use crate::interaction::Interaction;
 
 /// A point of a shape in the shape's own frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LocalPoint {
     pub(crate) position: DVec3,
     /// Normal on the side of the ray's origin, of any length.
     pub(crate) normal_to_viewer: DVec3,
+}
+
+impl LocalPoint {
+    /// A point of a surface, for a ray that arrives along `direction`.
+    #[inline]
+    pub(crate) fn new(position: DVec3, normal: DVec3, direction: DVec3) -> Self {
+        Self { position, normal_to_viewer: if normal.dot(direction) > 0.0 { -normal } else { normal } }
+    }
 }
 
 /// A map from the points of a shape to a sheet and two numbers in [0, 1].

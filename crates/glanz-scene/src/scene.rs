@@ -13,7 +13,7 @@ use crate::hit::{NearestHit, SceneHit};
 use crate::interaction::{Interaction, LightSampleContext};
 use crate::light::{Light, LightId, LightSample, LightSelector};
 use crate::object::SceneObject;
-use crate::parameterization::ShapeParameterization;
+use crate::parameterization::{LocalPoint, ShapeParameterization};
 use crate::placed::ParametricPoint;
 use crate::receiver::NamedReceiver;
 
@@ -255,21 +255,27 @@ impl Scene {
         }
         let object = &group.objects[found.object as usize];
         let attributes = object.attributes(found.hit.face);
-        let local = moved.as_ref().unwrap_or(ray);
-        let (mut point, own, area_pdf) = object.point(local, &found.hit, attributes.reversed);
-        for map in maps[..found.path.length].iter().rev() {
-            point = point.transformed(map);
+        if let Some(to_parent) = object.to_parent() {
+            moved = Some(to_parent.inverse().ray(moved.as_ref().unwrap_or(ray)));
         }
-        Interaction {
-            point,
+        let local = moved.as_ref().unwrap_or(ray);
+        // Built in its place: moving it takes as long as a part of the computation.
+        let mut at = Interaction {
+            point: object.own_point(local, &found.hit),
             t: found.hit.t,
             wo: -ray.direction.normalize(),
             id: attributes.id,
-            own,
-            area_pdf,
+            own: LocalPoint::default(),
+            area_pdf: object.area_pdf(local, &found.hit),
             material: attributes.material,
             light: object.light,
+        };
+        at.own = LocalPoint::new(at.point.position, at.point.normal, local.direction);
+        object.place(&mut at.point, attributes.reversed);
+        for map in maps[..found.path.length].iter().rev() {
+            at.point = at.point.transformed(map);
         }
+        at
     }
 
     /// The light `id`.

@@ -372,7 +372,7 @@ impl<'a> PassRenderer<'a> {
         training: Option<&'a Training>,
         batch: &mut SampleBatch<'a>,
     ) {
-        let settings = self.settings;
+        let (settings, camera) = (self.settings, self.scene.camera());
         batch.negative.clear();
         let samples = pixels.iter().flat_map(|&pixel| range.clone().map(move |index| (pixel, index)));
         for (position, (pixel, index)) in samples.enumerate() {
@@ -380,7 +380,8 @@ impl<'a> PassRenderer<'a> {
                 PixelSampler::new(settings.sampler, settings.samples_per_pixel, settings.seed, pixel, index);
             let place = settings.filter.sample(sampler.pixel_2d());
             let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
-            let ray = self.scene.camera().ray(middle + place.offset, sampler.next_2d());
+            let lens = if camera.has_lens() { sampler.next_2d() } else { DVec2::splat(0.5) };
+            let ray = camera.ray(middle + place.offset, lens);
             sampler.skip_to_dimension(FIRST_DIMENSION);
             batch.negative.push(place.negative);
             match batch.contexts.get_mut(position) {

@@ -111,6 +111,12 @@ impl Camera {
         Ray::new(world.origin, world.direction.normalize())
     }
 
+    /// Whether rays depend on the point of the lens.
+    #[must_use]
+    pub fn has_lens(&self) -> bool {
+        self.lens_radius > 0.0
+    }
+
     /// The ray of [`Camera::ray`] with the same `lens` that meets `point` (world space, metres).
     ///
     /// `None` for points behind the camera and for those outside its field of view.
