@@ -9,10 +9,13 @@
 //! [`RaySurface::intersect`]: crate::RaySurface::intersect
 //! [`RaySurface::occluded`]: crate::RaySurface::occluded
 
-use glanz_math::Ray;
+use glanz_math::{DVec3, Ray};
 
 /// A ray and its end.
+///
+/// In memory it is seven numbers: origin, direction, end.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct BoundedRay {
     /// The ray.
     pub ray: Ray,
@@ -21,6 +24,9 @@ pub struct BoundedRay {
 }
 
 impl BoundedRay {
+    /// What lanes that are not in use compute with.
+    pub(crate) const NONE: Self = Self::new(Ray::new(DVec3::ZERO, DVec3::X), f64::NEG_INFINITY);
+
     /// The ray up to `t_max`.
     #[inline]
     #[must_use]

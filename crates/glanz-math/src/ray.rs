@@ -6,7 +6,10 @@ use crate::DVec3;
 ///
 /// The direction need not have unit length: the parameter `t` stays the same when a ray is transformed into the local frame of a
 /// scaled object.
+///
+/// In memory it is six numbers: the origin, then the direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Origin, metres.
     pub origin: DVec3,

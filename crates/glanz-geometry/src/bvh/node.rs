@@ -212,6 +212,7 @@ pub(crate) struct UnitRay<S: Simd> {
 
 /// The conversion of ray parameters to those of a [`UnitRay`], `s = t rate + offset`, never too small.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(super) struct ParameterScale {
     pub(super) rate: f64,
     /// The distance from the origin to the point from which `s` is measured, negated, and the absolute error of `s`.
@@ -308,6 +309,7 @@ impl<S: Simd> UnitRay<S> {
             far: first([simd.store(far[0]), simd.store(far[1]), simd.store(far[2])]),
             end: last,
             slot: 0,
+            unused: 0,
             scale,
         }
     }

@@ -9,7 +9,7 @@ use std::cell::RefCell;
 
 use super::compact_ray::{self, CompactRay};
 use super::node::{NodeChild, UnitRay, WIDTH, WideNode, far_sides};
-use super::simd::lanes::LANES;
+use super::simd::lanes::{LANES, first_lanes};
 use super::simd::{Simd, Stack};
 use super::single_ray_traversal::SingleRayTraversal;
 use super::{Bvh, BvhLeaf};
@@ -139,21 +139,24 @@ impl StreamScratch {
         self.octants.iter_mut().for_each(Vec::clear);
         let mut eight = [CompactRay::NONE; LANES];
         for chunk in rays.chunks(LANES) {
-            compact_ray::prepare(simd, &bvh.frame, chunk, &mut eight);
+            let mut padded = [BoundedRay::NONE; LANES];
+            let (full, mask) = match chunk.first_chunk() {
+                Some(full) => (full, first_lanes(LANES)),
+                None => {
+                    padded.iter_mut().zip(chunk).for_each(|(slot, ray)| *slot = *ray);
+                    (&padded, first_lanes(chunk.len()))
+                }
+            };
+            let masks = compact_ray::prepare(simd, &bvh.frame, full, chunk.len(), &mut eight);
             let start = self.rays.len() as u32;
             self.rays.extend_from_slice(eight.get(..chunk.len()).unwrap_or_default());
-            // Neighbours are most often in one octant. NaN is a miss.
-            let octant = eight[0].octant();
-            if eight.iter().all(|ray| (ray.end >= 0.0) & (ray.octant() == octant)) {
-                let mut ids = [start; LANES];
-                for (id, k) in ids.iter_mut().zip(0..) {
-                    *id += k;
-                }
-                self.octants[octant].extend_from_slice(ids.get(..chunk.len()).unwrap_or_default());
+            // Neighbours are most often in one octant.
+            if let Some(octant) = masks.common_octant(mask) {
+                self.octants[octant].extend(start..start + chunk.len() as u32);
                 continue;
             }
             for (id, ray) in (start..).zip(eight.iter().take(chunk.len())) {
-                if ray.end >= 0.0 {
+                if ray.is_open() {
                     self.octants[ray.octant()].push(id);
                 }
             }

@@ -3,8 +3,10 @@
 use glanz_math::{DVec3, Ray};
 
 use super::ray_space::{RaySpace, SurfaceFrame};
+use crate::batch::BoundedRay;
 use crate::bvh::simd::Simd;
 use crate::bvh::simd::lanes::LANES;
+use crate::bvh::simd::rows::numbers;
 use crate::ray_line::RayLine;
 
 /// The z component of the cross product.
@@ -44,13 +46,23 @@ impl CompactLine {
 
     /// The lines of eight rays.
     #[inline(always)]
-    pub(super) fn eight<S: Simd>(simd: S, frame: &SurfaceFrame, rays: &[&Ray; LANES]) -> [Self; LANES] {
-        let mut rows = [[0.0; LANES]; LANES];
-        for (row, Ray { origin: o, direction: d }) in rows.iter_mut().zip(rays) {
-            *row = [o.x, o.y, o.z, d.x, d.y, d.z, 0.0, 0.0];
-        }
-        let [a, b, c, d, e, f, g, h] = &rows;
-        let [ox, oy, oz, x, y, z, ..] = simd.columns8(&[a, b, c, d, e, f, g, h]);
+    pub(super) fn eight<S: Simd>(
+        simd: S,
+        frame: &SurfaceFrame,
+        rays: &[&BoundedRay; LANES],
+    ) -> [Self; LANES] {
+        let [a, b, c, d, e, f, g, h] = rays;
+        let rows = [
+            simd.load7(numbers(a)),
+            simd.load7(numbers(b)),
+            simd.load7(numbers(c)),
+            simd.load7(numbers(d)),
+            simd.load7(numbers(e)),
+            simd.load7(numbers(f)),
+            simd.load7(numbers(g)),
+            simd.load7(numbers(h)),
+        ];
+        let [ox, oy, oz, x, _, y, z, _] = simd.transpose8(rows);
         let center = frame.center;
         let from = [
             simd.sub8(ox, simd.splat8(center.x)),
@@ -60,22 +72,12 @@ impl CompactLine {
         let far = simd.less8(simd.splat8(frame.far_squared()), dot3(simd, from, from));
         let speed = simd.sqrt8(dot3(simd, [x, y, z], [x, y, z]));
         let (x, y, z) = (simd.div8(x, speed), simd.div8(y, speed), simd.div8(z, speed));
-        let columns = [
-            &simd.store8(ox),
-            &simd.store8(oy),
-            &simd.store8(oz),
-            &simd.store8(x),
-            &simd.store8(y),
-            &simd.store8(z),
-            &[0.0; LANES],
-            &simd.store8(speed),
-        ];
         let mut lines = [Self::ZERO; LANES];
-        let rows = simd.columns8(&columns);
+        let rows = simd.transpose8([ox, oy, oz, x, y, z, simd.splat8(0.0), speed]);
         for (k, (line, row)) in lines.iter_mut().zip(rows).enumerate() {
             line.numbers = simd.store8(row);
             if far >> k & 1 == 1 {
-                *line = Self::new(frame, rays[k]);
+                *line = Self::new(frame, &rays[k].ray);
             }
         }
         lines
@@ -170,7 +172,8 @@ mod tests {
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Vec<[f64; LANES]> {
-            let lines = CompactLine::eight(simd, self.frame, &std::array::from_fn(|k| &self.rays[k]));
+            let rays = self.rays.map(BoundedRay::from);
+            let lines = CompactLine::eight(simd, self.frame, &std::array::from_fn(|k| &rays[k]));
             let lanes = RaySpaceLanes::new(simd, self.frame, std::array::from_fn(|k| &lines[k]));
             let mut all = lanes.axes.concat();
             all.extend(lanes.center);

@@ -11,7 +11,7 @@
 use std::cell::Cell;
 use std::sync::atomic;
 
-use glanz_math::{DVec2, DVec3, Ray};
+use glanz_math::DVec2;
 
 use super::Freeform;
 use super::bicubic::Bicubic;
@@ -132,9 +132,6 @@ impl Task for BatchQuery<'_> {
     }
 }
 
-/// What lanes that are not in use compute with.
-const NO_RAY: Ray = Ray::new(DVec3::ZERO, DVec3::X);
-
 /// The search in the leaves for the rays of a stream.
 struct StreamSearcher<'a> {
     surface: &'a Freeform,
@@ -152,12 +149,12 @@ impl StreamVisitor for StreamSearcher<'_> {
     #[inline(always)]
     fn prepare<S: Simd>(&mut self, simd: S, ids: &[u32], rays: &mut [CompactRay]) {
         for chunk in ids.chunks(LANES) {
-            let mut eight = [&NO_RAY; LANES];
+            let mut eight = [&BoundedRay::NONE; LANES];
             for ((&id, eight), slot) in chunk.iter().zip(&mut eight).zip(self.lines.len() as u32..) {
                 if let (Some(ray), Some(bounded)) = (rays.get_mut(id as usize), self.bounded.get(id as usize))
                 {
                     ray.slot = slot;
-                    *eight = &bounded.ray;
+                    *eight = bounded;
                 }
             }
             let lines = CompactLine::eight(simd, &self.surface.frame, &eight);

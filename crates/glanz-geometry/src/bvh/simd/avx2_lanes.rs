@@ -86,11 +86,6 @@ impl LaneSimd for Avx2 {
         lanes
     }
     #[inline(always)]
-    fn narrow8(self, value: Self::Wide) -> [f32; LANES] {
-        let ([a, b, c, d], [e, f, g, h]) = (self.narrow(value[0]), self.narrow(value[1]));
-        [a, b, c, d, e, f, g, h]
-    }
-    #[inline(always)]
     fn sqrt8(self, a: Self::Wide) -> Self::Wide {
         // SAFETY: as above.
         unsafe { [_mm256_sqrt_pd(a[0]), _mm256_sqrt_pd(a[1])] }
@@ -141,10 +136,24 @@ impl LaneSimd for Avx2 {
         }
     }
     #[inline(always)]
-    fn columns8(self, rows: &[&[f64; LANES]; LANES]) -> [Self::Wide; LANES] {
-        let [a, b, c, d, e, f, g, h] = *rows;
-        let (a, b, c, d) = (self.load8(a), self.load8(b), self.load8(c), self.load8(d));
-        let (e, f, g, h) = (self.load8(e), self.load8(f), self.load8(g), self.load8(h));
+    fn load7(self, lanes: &[f64; 7]) -> Self::Wide {
+        // SAFETY: as above, the first 4 and the last 4 of the 7 numbers.
+        unsafe { [_mm256_loadu_pd(lanes.as_ptr()), _mm256_loadu_pd(lanes.as_ptr().add(3))] }
+    }
+    #[inline(always)]
+    fn narrow_pairs8(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
+        // SAFETY: as above.
+        unsafe {
+            let (low, high) = (_mm256_cvtpd_ps(a[0]), _mm256_cvtpd_ps(b[0]));
+            let first = _mm256_set_m128(_mm_unpackhi_ps(low, high), _mm_unpacklo_ps(low, high));
+            let (low, high) = (_mm256_cvtpd_ps(a[1]), _mm256_cvtpd_ps(b[1]));
+            let second = _mm256_set_m128(_mm_unpackhi_ps(low, high), _mm_unpacklo_ps(low, high));
+            [_mm256_castps_pd(first), _mm256_castps_pd(second)]
+        }
+    }
+    #[inline(always)]
+    fn transpose8(self, rows: [Self::Wide; LANES]) -> [Self::Wide; LANES] {
+        let [a, b, c, d, e, f, g, h] = rows;
         let [p0, p1, p2, p3] = self.transpose64([a[0], b[0], c[0], d[0]]);
         let [p4, p5, p6, p7] = self.transpose64([a[1], b[1], c[1], d[1]]);
         let [q0, q1, q2, q3] = self.transpose64([e[0], f[0], g[0], h[0]]);

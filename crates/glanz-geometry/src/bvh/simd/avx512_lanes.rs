@@ -28,13 +28,6 @@ impl LaneSimd for Avx512 {
         lanes
     }
     #[inline(always)]
-    fn narrow8(self, value: __m512d) -> [f32; LANES] {
-        let mut lanes = [0.0; LANES];
-        // SAFETY: as above, 8 lanes.
-        unsafe { _mm256_storeu_ps(lanes.as_mut_ptr(), _mm512_cvtpd_ps(value)) };
-        lanes
-    }
-    #[inline(always)]
     fn add8(self, a: __m512d, b: __m512d) -> __m512d {
         // SAFETY: as above.
         unsafe { _mm512_add_pd(a, b) }
@@ -113,12 +106,27 @@ impl LaneSimd for Avx512 {
         }
     }
     #[inline(always)]
-    fn columns8(self, rows: &[&[f64; LANES]; LANES]) -> [__m512d; LANES] {
-        let [a, b, c, d, e, f, g, h] = *rows;
+    fn load7(self, lanes: &[f64; 7]) -> __m512d {
+        // SAFETY: as above, the first 4 and the last 4 of the 7 numbers.
+        unsafe {
+            let (first, last) = (_mm256_loadu_pd(lanes.as_ptr()), _mm256_loadu_pd(lanes.as_ptr().add(3)));
+            _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(first), last)
+        }
+    }
+    #[inline(always)]
+    fn narrow_pairs8(self, a: __m512d, b: __m512d) -> __m512d {
         // SAFETY: as above.
         unsafe {
-            let (a, b, c, d) = (self.load8(a), self.load8(b), self.load8(c), self.load8(d));
-            let (e, f, g, h) = (self.load8(e), self.load8(f), self.load8(g), self.load8(h));
+            let low = _mm512_cvtepu32_epi64(_mm256_castps_si256(_mm512_cvtpd_ps(a)));
+            let high = _mm512_cvtepu32_epi64(_mm256_castps_si256(_mm512_cvtpd_ps(b)));
+            _mm512_castsi512_pd(_mm512_or_si512(low, _mm512_slli_epi64::<32>(high)))
+        }
+    }
+    #[inline(always)]
+    fn transpose8(self, rows: [__m512d; LANES]) -> [__m512d; LANES] {
+        let [a, b, c, d, e, f, g, h] = rows;
+        // SAFETY: as above.
+        unsafe {
             // Pairs of rows: even entries, odd entries.
             let (ab, ab_odd) = (_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
             let (cd, cd_odd) = (_mm512_unpacklo_pd(c, d), _mm512_unpackhi_pd(c, d));

@@ -26,8 +26,6 @@ pub(crate) trait LaneSimd: Copy {
     fn load8(self, lanes: &[f64; LANES]) -> Self::Wide;
     /// Writes eight lanes.
     fn store8(self, value: Self::Wide) -> [f64; LANES];
-    /// Writes eight lanes as the nearest `f32`.
-    fn narrow8(self, value: Self::Wide) -> [f32; LANES];
     /// `a + b`.
     fn add8(self, a: Self::Wide, b: Self::Wide) -> Self::Wide;
     /// `a - b`.
@@ -58,8 +56,27 @@ pub(crate) trait LaneSimd: Copy {
     fn compress8(self, mask: u32, value: Self::Wide, out: &mut [f64; LANES]);
     /// The same for integers.
     fn compress_ids(self, mask: u32, ids: &[u32; LANES], out: &mut [u32; LANES]);
+    /// Reads seven numbers into eight lanes, the fourth one twice: a load with a mask takes many times as long.
+    fn load7(self, lanes: &[f64; 7]) -> Self::Wide;
+    /// The transposed matrix: lane `i` of column `k` is lane `k` of row `i`.
+    fn transpose8(self, rows: [Self::Wide; LANES]) -> [Self::Wide; LANES];
+    /// The nearest `f32` of both, side by side in each lane: the bits of that of `a` below those of that of `b`.
+    fn narrow_pairs8(self, a: Self::Wide, b: Self::Wide) -> Self::Wide;
+
     /// Eight rows as columns: lane `i` of column `k` is entry `k` of row `i`.
-    fn columns8(self, rows: &[&[f64; LANES]; LANES]) -> [Self::Wide; LANES];
+    #[inline(always)]
+    fn columns8(self, [a, b, c, d, e, f, g, h]: &[&[f64; LANES]; LANES]) -> [Self::Wide; LANES] {
+        self.transpose8([
+            self.load8(a),
+            self.load8(b),
+            self.load8(c),
+            self.load8(d),
+            self.load8(e),
+            self.load8(f),
+            self.load8(g),
+            self.load8(h),
+        ])
+    }
 }
 
 #[cfg(test)]
@@ -92,11 +109,12 @@ mod tests {
                 simd.min8(a, b),
                 simd.max8(a, b),
                 simd.splat8(0.3),
+                simd.narrow_pairs8(a, c),
+                simd.load7(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]),
             ];
             all.extend(columns);
             let mut bits: Vec<u64> =
                 all.into_iter().flat_map(|wide| simd.store8(wide).map(f64::to_bits)).collect();
-            bits.extend(simd.narrow8(c).map(|x| u64::from(x.to_bits())));
             bits.extend([simd.less8(a, c), simd.at_most8(b, b), simd.less8(b, c)].map(u64::from));
             for mask in 0..256 {
                 bits.extend(simd.store8(simd.select8(mask, b, c)).map(f64::to_bits));
@@ -109,6 +127,11 @@ mod tests {
                 let expected: Vec<u32> = (0..8).filter(|i| mask >> i & 1 == 1).map(|i| 10 + i).collect();
                 assert_eq!(ids[..count], expected);
             }
+            let pair =
+                |a: f64, b: f64| u64::from((a as f32).to_bits()) | u64::from((b as f32).to_bits()) << 32;
+            let pairs = simd.store8(simd.narrow_pairs8(b, c));
+            let (b, c) = (simd.store8(b), simd.store8(c));
+            assert_eq!(pairs.map(f64::to_bits), std::array::from_fn(|i| pair(b[i], c[i])));
             for (k, column) in columns.into_iter().enumerate() {
                 assert_eq!(simd.store8(column), std::array::from_fn(|i| rows[i][k]));
             }

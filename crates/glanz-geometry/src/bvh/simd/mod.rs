@@ -7,7 +7,7 @@
 //! several such callers share is run through [`Simd::outlined`], which compiles one copy for all of them.
 //!
 //! Files: `lanes` (operations on eight `f64`), `isa` (the choice of instructions), `portable` (arrays), `avx`, `avx2_lanes` and
-//! `avx512_lanes` (tokens and vector instructions), `stack`, `large_pages`. All the unsafe code of the crate is in them.
+//! `avx512_lanes` (tokens and vector instructions), `rows` (rays as rows of numbers), `stack`, `large_pages`. All the unsafe code of the crate is in them.
 //!
 //! All operations are the IEEE ones, lane by lane, so that every instruction set gives the same bits; the exception is
 //! [`Simd::mul_sub`], which may or may not round its product.
@@ -23,6 +23,7 @@ mod isa;
 pub(crate) mod lanes;
 mod large_pages;
 mod portable;
+pub(crate) mod rows;
 mod stack;
 
 #[cfg(target_arch = "x86_64")]

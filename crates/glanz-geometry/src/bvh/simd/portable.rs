@@ -157,10 +157,6 @@ impl LaneSimd for Portable {
         value
     }
     #[inline(always)]
-    fn narrow8(self, value: Self::Wide) -> [f32; LANES] {
-        value.map(|x| x as f32)
-    }
-    #[inline(always)]
     fn add8(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
         each(|i| a[i] + b[i])
     }
@@ -221,7 +217,16 @@ impl LaneSimd for Portable {
         pack(mask, ids, out);
     }
     #[inline(always)]
-    fn columns8(self, rows: &[&[f64; LANES]; LANES]) -> [Self::Wide; LANES] {
+    fn load7(self, &[a, b, c, d, e, f, g]: &[f64; 7]) -> Self::Wide {
+        [a, b, c, d, d, e, f, g]
+    }
+    #[inline(always)]
+    fn narrow_pairs8(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
+        let bits = |x: f64| u64::from((x as f32).to_bits());
+        each(|i| f64::from_bits(bits(a[i]) | bits(b[i]) << 32))
+    }
+    #[inline(always)]
+    fn transpose8(self, rows: [Self::Wide; LANES]) -> [Self::Wide; LANES] {
         std::array::from_fn(|k| each(|i| rows[i][k]))
     }
 }
