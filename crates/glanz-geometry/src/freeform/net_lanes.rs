@@ -1,8 +1,10 @@
 //! The iteration of [`net_search`](super::net_search) for eight pairs of a ray and a certified leaf at once, with the same bits,
 //! for nets of degrees up to [`MOST_DEGREE`].
 //!
-//! The control points of eight pairs lie in a buffer in lanes, which neighbouring pairs share. Lanes in which the iteration does more
-//! than Newton's steps inside the leaf are left to the search for a single pair.
+//! Pairs of one subpatch share its control points; those of other pairs are transposed into lanes. Lanes in which the iteration does
+//! more than Newton's steps inside the leaf are left to the search for a single pair.
+
+use glanz_math::glam::DVec4;
 
 use super::control_net::BINOMIALS;
 use super::leaf::PatchLeaf;
@@ -18,50 +20,55 @@ pub(super) const MOST_DEGREE: usize = 9;
 /// Largest number of steps of eight pairs; those that need more are searched one by one.
 const MAX_LANE_STEPS: usize = 8;
 
-/// The control points of eight pairs: four coordinates per point.
+/// A control point of eight pairs.
+trait PointLanes<S: Simd> {
+    /// Its homogeneous coordinates.
+    fn coordinates(&self, simd: S) -> [S::Wide; 4];
+}
+
+/// The same point in all lanes.
+impl<S: Simd> PointLanes<S> for DVec4 {
+    #[inline(always)]
+    fn coordinates(&self, simd: S) -> [S::Wide; 4] {
+        [simd.splat8(self.x), simd.splat8(self.y), simd.splat8(self.z), simd.splat8(self.w)]
+    }
+}
+
+/// The coordinates of a point per lane.
+type DifferentPoints = [[f64; LANES]; 4];
+
+impl<S: Simd> PointLanes<S> for DifferentPoints {
+    #[inline(always)]
+    fn coordinates(&self, simd: S) -> [S::Wide; 4] {
+        let [x, y, z, w] = self;
+        [simd.load8(x), simd.load8(y), simd.load8(z), simd.load8(w)]
+    }
+}
+
+/// Memory for the control points of eight pairs of different subpatches, in lanes: four coordinates per point.
 #[derive(Default)]
 pub(super) struct NetBuffer {
-    /// The subpatch in all lanes, if it is one.
-    subpatch: Option<u32>,
-    lanes: Vec<[f64; LANES]>,
+    lanes: Vec<DifferentPoints>,
 }
 
 impl NetBuffer {
-    /// Forgets the subpatch, before pairs of another surface.
-    pub(super) fn clear(&mut self) {
-        self.subpatch = None;
-    }
-
-    /// Fills the buffer; returns the degrees, if they are common and low enough.
+    /// The control points of nets of the same degrees.
     #[inline(always)]
     fn fill<S: Simd>(
         &mut self,
         simd: S,
         list: &[Subpatch],
+        first: &Subpatch,
         leaves: &[&PatchLeaf; LANES],
-    ) -> Option<(usize, usize)> {
-        let first = list.get(leaves[0].subpatch as usize)?;
-        let degrees = first.degrees;
-        if degrees.0.max(degrees.1) > MOST_DEGREE {
-            return None;
-        }
-        if leaves.iter().all(|leaf| leaf.subpatch == leaves[0].subpatch) {
-            if self.subpatch != Some(leaves[0].subpatch) {
-                self.lanes.clear();
-                self.lanes.extend(first.net.iter().flat_map(|point| point.to_array()).map(|x| [x; LANES]));
-                self.subpatch = Some(leaves[0].subpatch);
-            }
-            return Some(degrees);
-        }
+    ) -> Option<&[DifferentPoints]> {
         let mut nets = [&*first.net; LANES];
         for (net, leaf) in nets.iter_mut().zip(leaves) {
             let subpatch = list.get(leaf.subpatch as usize)?;
-            if subpatch.degrees != degrees {
+            if subpatch.degrees != first.degrees {
                 return None;
             }
             *net = &subpatch.net;
         }
-        self.subpatch = None;
         self.lanes.clear();
         for start in (0..first.net.len()).step_by(2) {
             // Two points; behind the last one it is repeated.
@@ -71,33 +78,35 @@ impl NetBuffer {
                 *row = [p.x, p.y, p.z, p.w, q.x, q.y, q.z, q.w];
             }
             let [a, b, c, d, e, f, g, h] = &rows;
-            for column in simd.columns8(&[a, b, c, d, e, f, g, h]) {
-                self.lanes.push(simd.store8(column));
+            let columns = simd.columns8(&[a, b, c, d, e, f, g, h]);
+            for half in columns.as_chunks::<4>().0 {
+                let [x, y, z, w] = *half;
+                self.lanes.push([simd.store8(x), simd.store8(y), simd.store8(z), simd.store8(w)]);
             }
         }
-        Some(degrees)
+        Some(&self.lanes)
     }
 }
 
-/// The Bernstein polynomials of a degree up to [`MOST_DEGREE`], and their derivatives.
-pub(super) struct BasisLanes<S: Simd> {
-    pub(super) values: [S::Wide; MOST_DEGREE + 1],
-    pub(super) derivatives: [S::Wide; MOST_DEGREE + 1],
+/// The Bernstein polynomials of a degree less than `N`, and their derivatives.
+pub(super) struct BasisLanes<S: Simd, const N: usize> {
+    pub(super) values: [S::Wide; N],
+    pub(super) derivatives: [S::Wide; N],
 }
 
-impl<S: Simd> BasisLanes<S> {
+impl<S: Simd, const N: usize> BasisLanes<S, N> {
     /// In the order of [`BernsteinPowers`](super::control_net::BernsteinPowers).
     #[inline(always)]
     pub(super) fn new(simd: S, degree: usize, at: S::Wide) -> Self {
         let one = simd.splat8(1.0);
-        let (mut x, mut y) = ([one; MOST_DEGREE + 1], [one; MOST_DEGREE + 1]);
+        let (mut x, mut y) = ([one; N], [one; N]);
         let rest = simd.sub8(one, at);
         for i in 1..=degree {
             x[i] = simd.mul8(x[i - 1], at);
             y[i] = simd.mul8(y[i - 1], rest);
         }
         let zero = simd.splat8(0.0);
-        let (mut values, mut lower) = ([zero; MOST_DEGREE + 1], [zero; MOST_DEGREE + 1]);
+        let (mut values, mut lower) = ([zero; N], [zero; N]);
         for i in 0..=degree {
             let binomial = simd.splat8(BINOMIALS[degree][i]);
             values[i] = simd.mul8(simd.mul8(binomial, x[i]), y[degree - i]);
@@ -106,7 +115,7 @@ impl<S: Simd> BasisLanes<S> {
             let binomial = simd.splat8(BINOMIALS[degree - 1][i]);
             lower[i] = simd.mul8(simd.mul8(binomial, x[i]), y[degree - 1 - i]);
         }
-        let mut derivatives = [zero; MOST_DEGREE + 1];
+        let mut derivatives = [zero; N];
         let factor = simd.splat8(degree as f64);
         derivatives[0] = simd.mul8(simd.splat8(-(degree as f64)), lower[0]);
         for i in 1..=degree {
@@ -123,16 +132,16 @@ struct SurfaceLanes<S: Simd> {
     sv: [S::Wide; 3],
 }
 
-/// The net in the buffer, with the leaves of eight pairs.
-struct NetLanes<'a, S: Simd> {
-    points: &'a [[f64; LANES]],
+/// The nets and the leaves of eight pairs.
+struct NetLanes<'a, S: Simd, P> {
+    points: &'a [P],
     degrees: (usize, usize),
     /// Centre and half sides of the leaves, in [0, 1]^2.
     middle: [S::Wide; 2],
     half: [S::Wide; 2],
 }
 
-impl<S: Simd> NetLanes<'_, S> {
+impl<S: Simd, P: PointLanes<S>> NetLanes<'_, S, P> {
     /// The parameters in the net of a point of the leaf.
     #[inline(always)]
     fn at(&self, simd: S, x: [S::Wide; 2]) -> [S::Wide; 2] {
@@ -145,17 +154,37 @@ impl<S: Simd> NetLanes<'_, S> {
     /// The surface at a point of the leaf; its derivatives are zero if they are not `WANTED`.
     #[inline(always)]
     fn surface<const WANTED: bool>(&self, simd: S, x: [S::Wide; 2]) -> SurfaceLanes<S> {
+        match self.degrees.1 {
+            // The most frequent ones, with loops of a fixed length.
+            4 => self.surface_in::<WANTED, 5>(simd, 4, x),
+            5 => self.surface_in::<WANTED, 6>(simd, 5, x),
+            6 => self.surface_in::<WANTED, 7>(simd, 6, x),
+            7 => self.surface_in::<WANTED, 8>(simd, 7, x),
+            q => self.surface_in::<WANTED, { MOST_DEGREE + 1 }>(simd, q, x),
+        }
+    }
+
+    /// The same for the degree `q` along v, less than `N`.
+    #[inline(always)]
+    fn surface_in<const WANTED: bool, const N: usize>(
+        &self,
+        simd: S,
+        q: usize,
+        x: [S::Wide; 2],
+    ) -> SurfaceLanes<S> {
         let [u, v] = self.at(simd, x);
-        let (p, q) = self.degrees;
-        let (by_u, by_v) = (BasisLanes::new(simd, p, u), BasisLanes::new(simd, q, v));
+        let p = self.degrees.0;
+        let by_u = BasisLanes::<S, { MOST_DEGREE + 1 }>::new(simd, p, u);
+        let by_v = BasisLanes::<S, N>::new(simd, q, v);
         let zero = simd.splat8(0.0);
         let (mut h, mut hu, mut hv) = ([zero; 4], [zero; 4], [zero; 4]);
-        for (i, row) in self.points.chunks_exact(4 * (q + 1)).take(p + 1).enumerate() {
+        for (i, row) in self.points.chunks_exact(q + 1).take(p + 1).enumerate() {
             let (mut along, mut rise) = ([zero; 4], [zero; 4]);
-            for (j, point) in row.as_chunks::<4>().0.iter().enumerate() {
+            for (j, point) in row.iter().enumerate() {
+                let coordinates = point.coordinates(simd);
                 let (value, derivative) = (by_v.values[j], by_v.derivatives[j]);
                 for k in 0..4 {
-                    let coordinate = simd.load8(&point[k]);
+                    let coordinate = coordinates[k];
                     along[k] = simd.mul_add8(coordinate, value, along[k]);
                     if WANTED {
                         rise[k] = simd.mul_add8(coordinate, derivative, rise[k]);
@@ -214,7 +243,28 @@ pub(super) fn roots<S: Simd>(
     leaves: &[&PatchLeaf; LANES],
     pairs: &PairLanes<S>,
 ) -> Option<RootLanes<S>> {
-    let degrees = buffer.fill(simd, list, leaves)?;
+    let first = list.get(leaves[0].subpatch as usize)?;
+    let degrees = first.degrees;
+    if degrees.0.max(degrees.1) > MOST_DEGREE {
+        return None;
+    }
+    if leaves.iter().all(|leaf| leaf.subpatch == leaves[0].subpatch) {
+        Some(roots_of(simd, &*first.net, degrees, leaves, pairs))
+    } else {
+        let points = buffer.fill(simd, list, first, leaves)?;
+        Some(roots_of(simd, points, degrees, leaves, pairs))
+    }
+}
+
+/// The same for given nets.
+#[inline(always)]
+fn roots_of<S: Simd>(
+    simd: S,
+    points: &[impl PointLanes<S>],
+    degrees: (usize, usize),
+    leaves: &[&PatchLeaf; LANES],
+    pairs: &PairLanes<S>,
+) -> RootLanes<S> {
     let mut numbers = [[0.0; LANES]; 5];
     for (k, leaf) in leaves.iter().enumerate() {
         let middle = leaf.part.at(glanz_math::DVec2::splat(0.5));
@@ -226,7 +276,7 @@ pub(super) fn roots<S: Simd>(
     }
     let [mx, my, hx, hy, curvature] = &numbers;
     let net = NetLanes {
-        points: &buffer.lanes,
+        points,
         degrees,
         middle: [simd.load8(mx), simd.load8(my)],
         half: [simd.load8(hx), simd.load8(hy)],
@@ -237,14 +287,14 @@ pub(super) fn roots<S: Simd>(
     let (converged, excluded, x) = contract(simd, &net, pairs, &bounds);
     let s = net.surface::<false>(simd, x).s;
     let s = dot3(simd, pairs.rays.direction, from(simd, pairs, s));
-    Some(RootLanes { converged, excluded, s, at: net.at(simd, x) })
+    RootLanes { converged, excluded, s, at: net.at(simd, x) }
 }
 
 /// The steps of [`contract`](super::contraction::contract) that are Newton's: the lanes with a root, those without one, and the roots.
 #[inline(always)]
 fn contract<S: Simd>(
     simd: S,
-    net: &NetLanes<S>,
+    net: &NetLanes<'_, S, impl PointLanes<S>>,
     pairs: &PairLanes<S>,
     bounds: &BoundLanes<S>,
 ) -> (u32, u32, [S::Wide; 2]) {

@@ -158,20 +158,20 @@ impl PointLanes {
 fn jet<S: Simd>(simd: S, patch: &SurfacePatch, at: [S::Wide; 2]) -> [[S::Wide; 3]; 3] {
     match patch.patch.degrees() {
         // The most frequent ones, with loops of a fixed length.
-        (3, 3) => jet_of(simd, patch, (3, 3), at),
-        (5, 5) => jet_of(simd, patch, (5, 5), at),
-        degrees => jet_of(simd, patch, degrees, at),
+        (3, 3) => jet_of::<S, 4>(simd, patch, (3, 3), at),
+        (5, 5) => jet_of::<S, 6>(simd, patch, (5, 5), at),
+        degrees => jet_of::<S, { MOST_DEGREE + 1 }>(simd, patch, degrees, at),
     }
 }
 
 #[inline(always)]
-fn jet_of<S: Simd>(
+fn jet_of<S: Simd, const N: usize>(
     simd: S,
     patch: &SurfacePatch,
     (p, q): (usize, usize),
     [u, v]: [S::Wide; 2],
 ) -> [[S::Wide; 3]; 3] {
-    let (by_u, by_v) = (BasisLanes::new(simd, p, u), BasisLanes::new(simd, q, v));
+    let (by_u, by_v) = (BasisLanes::<S, N>::new(simd, p, u), BasisLanes::<S, N>::new(simd, q, v));
     let zero = simd.splat8(0.0);
     let (mut h, mut hu, mut hv) = ([zero; 4], [zero; 4], [zero; 4]);
     for (i, row) in patch.patch.control_points().chunks_exact(q + 1).take(p + 1).enumerate() {

@@ -1,7 +1,7 @@
 //! Batches of rays through a freeform surface.
 //!
 //! [`Bvh::stream`](crate::bvh::Bvh) brings lists of rays to the leaves. A leaf is projected along eight of them at once; pairs of a
-//! ray and a leaf that it may meet in one point at most wait in a queue until eight can be solved side by side. All other
+//! ray and a leaf that it may meet in one point at most wait in groups until eight can be solved side by side. All other
 //! pairs go through the search for a single one. Each pair gives the same bits as in a query of one ray, and of all its roots a ray
 //! keeps the first by [`order`], so that answers depend neither on the other rays nor on the sequence of leaves. A leaf that is
 //! skipped because its box lies behind the closest hit has no root before it: every root is a point of the leaf within a few times
@@ -20,7 +20,7 @@ use super::leaf_lanes::{LeafLanes, ProjectionLanes};
 use super::net_lanes::{self, NetBuffer};
 use super::newton_lanes;
 use super::pair_lanes::{PairLanes, RootLanes};
-use super::pair_queue::PairQueue;
+use super::pair_queue::{FIELDS, MIXED, PairQueue};
 use super::query::{hit, order};
 use super::ray_lanes::{CompactLine, RaySpaceLanes};
 use super::root::SearchScratch;
@@ -121,12 +121,12 @@ impl Task for BatchQuery<'_> {
     fn run<S: Simd>(self, simd: S) {
         let Self { surface, rays, any, hits, memory } = self;
         let BatchMemory { stream, lines, queue, net, search, .. } = memory;
-        net.clear();
+        let by_subpatch = matches!(surface.subpatches, SubpatchList::General(_));
         for (rays, hits) in rays.chunks(RAYS_PER_STREAM).zip(hits.chunks_mut(RAYS_PER_STREAM)) {
             lines.clear();
             let (lines, queue, net, search) = (&mut *lines, &mut *queue, &mut *net, &mut *search);
             let mut searcher =
-                StreamSearcher { surface, bounded: rays, hits, any, lines, queue, net, search };
+                StreamSearcher { surface, bounded: rays, hits, any, by_subpatch, lines, queue, net, search };
             surface.bvh.stream(simd, rays, stream, &mut searcher);
         }
     }
@@ -138,6 +138,8 @@ struct StreamSearcher<'a> {
     bounded: &'a [BoundedRay],
     hits: &'a mut [Option<Hit>],
     any: bool,
+    /// Whether pairs wait by subpatch.
+    by_subpatch: bool,
     /// Rays that have met a box, by their slots.
     lines: &'a mut Vec<CompactLine>,
     queue: &'a mut PairQueue,
@@ -196,10 +198,11 @@ impl StreamVisitor for StreamSearcher<'_> {
 
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, rays: &mut [CompactRay]) {
-        let count = self.queue.count;
-        if count > 0 {
-            simd.outlined(QueueSolver { searcher: &mut *self, rays, mask: first_lanes(count) });
-            self.queue.count = 0;
+        for index in PairQueue::indices() {
+            self.release(simd, index, rays);
+        }
+        if self.queue.group(MIXED).count > 0 {
+            self.solve(simd, MIXED, rays);
         }
     }
 
@@ -264,16 +267,70 @@ impl StreamSearcher<'_> {
         if easy != 0 {
             let ProjectionLanes { a, b, q, inverse_determinant: per, start, .. } = projection;
             let fields = [a[0], a[1], b[0], b[1], q, per, start[0], start[1]];
-            self.queue.push(simd, easy, ids, leaves, fields);
-            if self.queue.count >= LANES {
-                simd.outlined(QueueSolver {
-                    searcher: &mut *self,
-                    rays: &mut *rays,
-                    mask: first_lanes(LANES),
-                });
-                self.queue.pop();
+            self.enqueue(simd, easy, leaves, ids, fields, rays);
+        }
+    }
+
+    /// Queues the pairs in the mask; solves groups that are full.
+    #[inline(always)]
+    fn enqueue<S: Simd>(
+        &mut self,
+        simd: S,
+        mask: u32,
+        leaves: &[BvhLeaf; LANES],
+        ids: &[u32; LANES],
+        fields: [S::Wide; FIELDS],
+        rays: &mut [CompactRay],
+    ) {
+        let [a, b, c, d, e, f, g, h] = fields;
+        let (a, b, c, d) = (simd.store8(a), simd.store8(b), simd.store8(c), simd.store8(d));
+        let (e, f, g, h) = (simd.store8(e), simd.store8(f), simd.store8(g), simd.store8(h));
+        let mut records = [[0.0; FIELDS]; LANES];
+        for (record, row) in records.iter_mut().zip(simd.columns8(&[&a, &b, &c, &d, &e, &f, &g, &h])) {
+            *record = simd.store8(row);
+        }
+        let mut rest = mask;
+        while rest != 0 {
+            let k = rest.trailing_zeros() as usize & (LANES - 1);
+            rest &= rest - 1;
+            let ordinal = leaves[k].ordinal();
+            let mut index = MIXED;
+            if self.by_subpatch
+                && let Some(leaf) = self.surface.leaves.get(ordinal)
+            {
+                let taken;
+                (index, taken) = self.queue.index_of(leaf.subpatch);
+                if taken {
+                    self.release(simd, index, rays);
+                }
+            }
+            let group = self.queue.group_mut(index);
+            group.push(ids[k], ordinal as u32, &records[k]);
+            if group.is_full() {
+                self.solve(simd, index, rays);
             }
         }
+    }
+
+    /// Passes the pairs of a group to that of any subpatches.
+    #[inline(always)]
+    fn release<S: Simd>(&mut self, simd: S, index: usize, rays: &mut [CompactRay]) {
+        for k in 0..self.queue.group(index).count {
+            let (ray, leaf, record) = self.queue.group(index).pair(k);
+            let group = self.queue.group_mut(MIXED);
+            group.push(ray, leaf, &record);
+            if group.is_full() {
+                self.solve(simd, MIXED, rays);
+            }
+        }
+        self.queue.group_mut(index).count = 0;
+    }
+
+    /// Solves the pairs of a group, and empties it.
+    #[inline(always)]
+    fn solve<S: Simd>(&mut self, simd: S, index: usize, rays: &mut [CompactRay]) {
+        simd.outlined(GroupSolver { searcher: &mut *self, rays, index });
+        self.queue.group_mut(index).count = 0;
     }
 
     /// Searches a leaf for the roots of one ray.
@@ -320,26 +377,22 @@ impl StreamSearcher<'_> {
     }
 }
 
-/// The search for the roots of the pairs at the front of the queue.
-struct QueueSolver<'a, 'b> {
+/// The search for the roots of the pairs of a group.
+struct GroupSolver<'a, 'b> {
     searcher: &'a mut StreamSearcher<'b>,
     rays: &'a mut [CompactRay],
-    mask: u32,
+    index: usize,
 }
 
-impl Task for QueueSolver<'_, '_> {
+impl Task for GroupSolver<'_, '_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
-        let Self { searcher, rays, mask } = self;
+        let Self { searcher, rays, index } = self;
         let surface = searcher.surface;
-        let queue = &*searcher.queue;
-        let (Some(ids), Some(ordinals)) =
-            (queue.rays.first_chunk::<LANES>().copied(), queue.leaves.first_chunk::<LANES>().copied())
-        else {
-            return;
-        };
+        let group = searcher.queue.group(index);
+        let (ids, ordinals, mask) = (group.rays, group.leaves, group.mask());
         let Some(first) = surface.leaves.get(ordinals[0] as usize) else { return };
         // Lanes that are not in use repeat the first one.
         let mut leaves = [first; LANES];
@@ -351,7 +404,7 @@ impl Task for QueueSolver<'_, '_> {
                 *leaf = found;
             }
         }
-        let pairs = queue.pairs(simd, mask, searcher.spaces(simd, &pairs, rays));
+        let pairs = group.pairs(simd, searcher.spaces(simd, &pairs, rays));
         let roots = match &surface.subpatches {
             SubpatchList::Polynomial(list) => solve_bicubic(simd, list, &leaves, &pairs),
             SubpatchList::Rational(list) => solve_bicubic(simd, list, &leaves, &pairs),

@@ -5,25 +5,6 @@ use std::arch::x86_64::*;
 use super::lanes::{LANES, LaneSimd};
 use super::{Avx2, Simd};
 
-/// For each mask of four lanes, the 32-bit halves of those in it, in order.
-static PACKED: [[i32; 8]; 16] = {
-    let mut table = [[0; 8]; 16];
-    let mut mask = 0;
-    while mask < 16 {
-        let (mut lane, mut count) = (0, 0);
-        while lane < 4 {
-            if mask >> lane & 1 == 1 {
-                table[mask][count] = 2 * lane;
-                table[mask][count + 1] = 2 * lane + 1;
-                count += 2;
-            }
-            lane += 1;
-        }
-        mask += 1;
-    }
-    table
-};
-
 /// The bits of a mask of four lanes in vector form.
 static SELECTED: [[i64; 4]; 16] = {
     let mut table = [[0; 4]; 16];
@@ -106,21 +87,6 @@ impl LaneSimd for Avx2 {
             let low = _mm256_castsi256_pd(_mm256_loadu_si256(low.as_ptr().cast()));
             let high = _mm256_castsi256_pd(_mm256_loadu_si256(high.as_ptr().cast()));
             [_mm256_blendv_pd(b[0], a[0], low), _mm256_blendv_pd(b[1], a[1], high)]
-        }
-    }
-    #[inline(always)]
-    fn compress8(self, mask: u32, value: Self::Wide, out: &mut [f64; LANES]) {
-        let (low, high) = ((mask & 15) as usize, (mask >> 4 & 15) as usize);
-        // SAFETY: as above. The upper half is written from at most the fourth lane on.
-        unsafe {
-            let (first, second) = (&PACKED[low], &PACKED[high]);
-            let first = _mm256_loadu_si256(first.as_ptr().cast());
-            let second = _mm256_loadu_si256(second.as_ptr().cast());
-            let first = _mm256_permutevar8x32_epi32(_mm256_castpd_si256(value[0]), first);
-            let second = _mm256_permutevar8x32_epi32(_mm256_castpd_si256(value[1]), second);
-            _mm256_storeu_pd(out.as_mut_ptr(), _mm256_castsi256_pd(first));
-            let behind = out.as_mut_ptr().add(low.count_ones() as usize);
-            _mm256_storeu_pd(behind, _mm256_castsi256_pd(second));
         }
     }
     #[inline(always)]

@@ -93,11 +93,6 @@ impl LaneSimd for Avx512 {
         unsafe { _mm512_mask_blend_pd(mask as u8, b, a) }
     }
     #[inline(always)]
-    fn compress8(self, mask: u32, value: __m512d, out: &mut [f64; LANES]) {
-        // SAFETY: as above, 8 lanes. In a register: a compressing store takes many times as long.
-        unsafe { _mm512_storeu_pd(out.as_mut_ptr(), _mm512_maskz_compress_pd(mask as u8, value)) };
-    }
-    #[inline(always)]
     fn compress_ids(self, mask: u32, ids: &[u32; LANES], out: &mut [u32; LANES]) {
         // SAFETY: as above, 8 lanes of 4 bytes.
         unsafe {

@@ -52,9 +52,7 @@ pub(crate) trait LaneSimd: Copy {
     fn at_most8(self, a: Self::Wide, b: Self::Wide) -> u32;
     /// The lanes of `a` where the mask is set, those of `b` elsewhere.
     fn select8(self, mask: u32, a: Self::Wide, b: Self::Wide) -> Self::Wide;
-    /// Writes the lanes in the mask to the front of `out`; what lies behind them is unspecified.
-    fn compress8(self, mask: u32, value: Self::Wide, out: &mut [f64; LANES]);
-    /// The same for integers.
+    /// Writes the integers of the lanes in the mask to the front of `out`; what lies behind them is unspecified.
     fn compress_ids(self, mask: u32, ids: &[u32; LANES], out: &mut [u32; LANES]);
     /// Reads seven numbers into eight lanes, the fourth one twice: a load with a mask takes many times as long.
     fn load7(self, lanes: &[f64; 7]) -> Self::Wide;
@@ -119,10 +117,8 @@ mod tests {
             for mask in 0..256 {
                 bits.extend(simd.store8(simd.select8(mask, b, c)).map(f64::to_bits));
                 let count = mask.count_ones() as usize;
-                let (mut lanes, mut ids) = ([0.0; 8], [0; 8]);
-                simd.compress8(mask, c, &mut lanes);
+                let mut ids = [0; 8];
                 simd.compress_ids(mask, &[10, 11, 12, 13, 14, 15, 16, 17], &mut ids);
-                bits.extend(lanes[..count].iter().map(|x| x.to_bits()));
                 bits.extend(ids[..count].iter().map(|&id| u64::from(id)));
                 let expected: Vec<u32> = (0..8).filter(|i| mask >> i & 1 == 1).map(|i| 10 + i).collect();
                 assert_eq!(ids[..count], expected);

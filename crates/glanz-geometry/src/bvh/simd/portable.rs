@@ -209,10 +209,6 @@ impl LaneSimd for Portable {
         each(|i| if mask >> i & 1 == 1 { a[i] } else { b[i] })
     }
     #[inline(always)]
-    fn compress8(self, mask: u32, value: Self::Wide, out: &mut [f64; LANES]) {
-        pack(mask, &value, out);
-    }
-    #[inline(always)]
     fn compress_ids(self, mask: u32, ids: &[u32; LANES], out: &mut [u32; LANES]) {
         pack(mask, ids, out);
     }
