@@ -58,7 +58,8 @@ impl<const N: usize> BernsteinPowers<N> {
     pub(super) fn new(degree: usize, x: f64) -> Self {
         let mut powers = Self { degree, x: [1.0; N], y: [1.0; N] };
         let y = 1.0 - x;
-        for i in 1..=degree {
+        // No inclusive ranges: their loops are not unrolled.
+        for i in 1..degree + 1 {
             powers.x[i] = powers.x[i - 1] * x;
             powers.y[i] = powers.y[i - 1] * y;
         }
@@ -71,7 +72,7 @@ impl<const N: usize> BernsteinPowers<N> {
         let mut row = [0.0; N];
         let Some(n) = self.degree.checked_sub(less) else { return row };
         let binomials = &BINOMIALS[n];
-        for i in 0..=n {
+        for i in 0..n + 1 {
             row[i] = binomials[i] * self.x[i] * self.y[n - i];
         }
         row

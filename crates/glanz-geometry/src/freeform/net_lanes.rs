@@ -98,16 +98,30 @@ impl<S: Simd, const N: usize> BasisLanes<S, N> {
     /// In the order of [`BernsteinPowers`](super::control_net::BernsteinPowers).
     #[inline(always)]
     pub(super) fn new(simd: S, degree: usize, at: S::Wide) -> Self {
+        match degree {
+            // The most frequent ones, with loops of a fixed length.
+            3 => Self::of_degree(simd, 3, at),
+            4 => Self::of_degree(simd, 4, at),
+            5 => Self::of_degree(simd, 5, at),
+            6 => Self::of_degree(simd, 6, at),
+            7 => Self::of_degree(simd, 7, at),
+            _ => Self::of_degree(simd, degree, at),
+        }
+    }
+
+    #[inline(always)]
+    fn of_degree(simd: S, degree: usize, at: S::Wide) -> Self {
+        // No inclusive ranges: their loops are not unrolled.
         let one = simd.splat8(1.0);
         let (mut x, mut y) = ([one; N], [one; N]);
         let rest = simd.sub8(one, at);
-        for i in 1..=degree {
+        for i in 1..N {
             x[i] = simd.mul8(x[i - 1], at);
             y[i] = simd.mul8(y[i - 1], rest);
         }
         let zero = simd.splat8(0.0);
         let (mut values, mut lower) = ([zero; N], [zero; N]);
-        for i in 0..=degree {
+        for i in 0..degree + 1 {
             let binomial = simd.splat8(BINOMIALS[degree][i]);
             values[i] = simd.mul8(simd.mul8(binomial, x[i]), y[degree - i]);
         }
@@ -118,7 +132,7 @@ impl<S: Simd, const N: usize> BasisLanes<S, N> {
         let mut derivatives = [zero; N];
         let factor = simd.splat8(degree as f64);
         derivatives[0] = simd.mul8(simd.splat8(-(degree as f64)), lower[0]);
-        for i in 1..=degree {
+        for i in 1..degree + 1 {
             derivatives[i] = simd.mul8(factor, simd.sub8(lower[i - 1], lower[i]));
         }
         Self { values, derivatives }
