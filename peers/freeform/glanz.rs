@@ -131,10 +131,14 @@ fn picture(surface: &Surface, set: &RaySet, grey: &mut Vec<f32>) -> (u64, f64) {
     grey.resize(set.rays.len(), 0.0);
     for (batch, pixels) in set.bounded.chunks(BATCH).zip(set.pixels.chunks(BATCH)) {
         surface.closest_batch(batch, &mut hits);
-        (met.clear(), found.clear(), places.clear());
+        met.clear();
+        found.clear();
+        places.clear();
         for ((bounded, hit), &pixel) in batch.iter().zip(&hits).zip(pixels) {
             if let Some(hit) = hit {
-                (met.push(bounded.ray), found.push(*hit), places.push(pixel));
+                met.push(bounded.ray);
+                found.push(*hit);
+                places.push(pixel);
             }
         }
         surface.point_batch(&met, &found, &mut points);

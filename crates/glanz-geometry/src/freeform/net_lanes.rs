@@ -263,7 +263,7 @@ pub(super) fn roots<S: Simd>(
         return None;
     }
     if leaves.iter().all(|leaf| leaf.subpatch == leaves[0].subpatch) {
-        Some(roots_of(simd, &*first.net, degrees, leaves, pairs))
+        Some(roots_of(simd, &first.net, degrees, leaves, pairs))
     } else {
         let points = buffer.fill(simd, list, first, leaves)?;
         Some(roots_of(simd, points, degrees, leaves, pairs))
