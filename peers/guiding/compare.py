@@ -6,8 +6,8 @@
     peers/guiding/compare.py --rooms uplights --times 5 15 45 --size 320x240 --blender OTHER/bin/python
         [--renderers glanz mitsuba ...] [--rounds 3] [--threads 2] [--references 4096 1024] [--work DIR] [--out FILE.json]
 
-The scenes are those of scenes/rooms and of the folder scenes here. glanz.rs reads them as Glanz does and exports triangles, materials, lights and the camera for
-the other renderers; only Glanz renders the surfaces themselves. All renderers use a box filter of one pixel and the path depth of
+The scenes are those of scenes/rooms and of the folder scenes here. glanz.rs reads them as Glanz does and exports triangles, materials,
+lights and the camera for the other renderers; only Glanz renders the surfaces themselves. All renderers use a box filter of one pixel and the path depth of
 the scene, and neither clamp nor denoise. Mitsuba's sampler is independent, the others use Sobol' sequences.
 
 First the pictures must agree: each renderer renders a reference of its own, in steps that are stored in the working folder, so
@@ -47,7 +47,7 @@ ROOT = HERE.parent.parent
 ROOMS = ["direct", "uplights", "open"]
 
 # Scenes that are compared if they are asked for.
-MORE = ["cornell", "teapot"]
+EXTRA_SCENES = ["cornell", "teapot"]
 
 # Where the scenes are.
 SCENES = [ROOT / "scenes" / "rooms", HERE / "scenes"]
@@ -261,7 +261,7 @@ def all_renderers(arguments):
 
 def options():
     parser = argparse.ArgumentParser()
-    parser.add_argument("--rooms", nargs="+", choices=ROOMS + MORE, default=ROOMS)
+    parser.add_argument("--rooms", nargs="+", choices=ROOMS + EXTRA_SCENES, default=ROOMS)
     parser.add_argument("--times", nargs="+", type=float, default=[5, 15, 45], help="seconds; none: only the references")
     parser.add_argument("--size", default="320x240", help="of the pictures, pixels")
     parser.add_argument("--threads", type=int, default=2)

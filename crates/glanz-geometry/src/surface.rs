@@ -59,7 +59,8 @@ pub trait RaySurface {
         points.extend(rays.iter().zip(hits).map(|(ray, hit)| self.point(ray, hit)));
     }
 
-    /// The surface at a hit as far as shading needs it: the bits of [`RaySurface::point`].
+    /// The surface at a hit as far as shading needs it: the bits of [`RaySurface::point`], save that `dpdu` of a mesh
+    /// is zero.
     fn shading_point(&self, ray: &Ray, hit: &Hit) -> ShadingPoint {
         self.point(ray, hit).into()
     }

@@ -31,12 +31,12 @@ pub(super) fn table(counts: &[String], out: &mut impl Write) -> Result<(), Failu
     )?;
     let all = COUNTS.map(String::from);
     for count in if counts.is_empty() { &all } else { counts } {
-        let source = Model::named(&format!("{count} patches"))?.source;
         let before = memory("VmRSS");
+        let source = Model::named(&format!("{count} patches"))?.source;
         let pieces = source.pieces()?;
         drop(source);
         let patches = pieces.len() as f64;
-        // 5 resets the peak; where that fails, the peak is that of the process.
+        // 5 resets the peak; without that it is unknown.
         let is_reset = write("/proc/self/clear_refs", "5").is_ok();
         let (start, thread) = (Instant::now(), processor_time());
         let surface = Freeform::try_new(pieces)?;

@@ -5,7 +5,7 @@ use glanz_math::{Bounds3, DVec3, Ray};
 /// Side of a tile, pixels.
 pub(crate) const TILE: usize = 64;
 
-/// What belongs to the pixels of a picture of this size, given line by line, tile by tile.
+/// Values of the pixels of a picture of this size, given line by line, in the order of tiles.
 pub(crate) fn tiles<T: Copy>(lines: &[T], [width, height]: [usize; 2]) -> Vec<T> {
     let corners = (0..height).step_by(TILE).flat_map(|y| (0..width).step_by(TILE).map(move |x| (x, y)));
     let pixels = corners.flat_map(|(x, y)| {

@@ -199,8 +199,9 @@ impl RaySurface for Freeform {
         self.point_at(hit.face, hit.u, hit.v)
     }
 
-    fn point_batch(&self, _rays: &[Ray], hits: &[Hit], points: &mut Vec<SurfacePoint>) {
+    fn point_batch(&self, rays: &[Ray], hits: &[Hit], points: &mut Vec<SurfacePoint>) {
         points.clear();
+        let hits = &hits[..hits.len().min(rays.len())];
         self.bvh.isa().run(PointBatch { surface: self, hits, points });
     }
 

@@ -8,7 +8,7 @@ use super::ray_lanes::RaySpaceLanes;
 use crate::bvh::simd::Simd;
 use crate::bvh::simd::lanes::{LANES, first_lanes};
 
-/// Number of groups of pairs of one subpatch: their memory is a part of the fast caches.
+/// Number of groups of pairs of one subpatch: 21 KB in all, which fits the L1 cache.
 const GROUPS: usize = 32;
 
 /// Numbers per pair: the projection of the leaf.

@@ -51,7 +51,7 @@ pub struct Mesh {
     degenerate: usize,
     bvh: Bvh,
     blocks: TriangleBlocks,
-    /// Only meshes that emit light need it.
+    /// Built when a random point or the area is first needed.
     sampling_table: OnceLock<SamplingTable>,
 }
 

@@ -7,10 +7,10 @@ use super::shading::{FlatPoint, SmoothNormal};
 use crate::hit::{AreaSample, Hit, SurfaceSample};
 use crate::triangle::sample_barycentric;
 
-/// Largest number of triangles whose points are prepared: more would take more memory than the mesh.
-const MOST_PREPARED: usize = 1 << 12;
+/// Largest number of prepared triangles, 120 bytes each: half a megabyte.
+const PREPARED_LIMIT: usize = 1 << 12;
 
-/// What random points of a mesh need; only meshes that emit light have it.
+/// What random points of a mesh need, built at the first one.
 #[derive(Clone, Debug)]
 pub(super) struct SamplingTable {
     /// Area of the first 1, 2 ... triangles, m^2.
@@ -39,7 +39,7 @@ impl SamplingTable {
                 sum
             })
             .collect();
-        let few = mesh.indices().len() <= MOST_PREPARED;
+        let few = mesh.indices().len() <= PREPARED_LIMIT;
         let triangles = few.then(|| faces.map(|face| SampledTriangle::new(mesh, face)).collect());
         Self { areas, triangles: triangles.flatten().unwrap_or_default() }
     }
@@ -54,7 +54,9 @@ impl SamplingTable {
         let areas = &self.areas;
         let total = areas.last().copied().filter(|&area| area > 0.0)?;
         let target = xi.x * total;
-        let face = areas.partition_point(|&area| area <= target).min(areas.len() - 1);
+        // At the end of the numbers, the last triangle that has an area.
+        let last = areas.partition_point(|&area| area < total);
+        let face = areas.partition_point(|&area| area <= target).min(last);
         let before = face.checked_sub(1).map_or(0.0, |previous| areas[previous]);
         // The rest of the number that selected the triangle.
         let rest = ((target - before) / (areas[face] - before)).clamp(0.0, 1.0f64.next_down());

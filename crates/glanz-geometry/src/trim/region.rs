@@ -71,7 +71,8 @@ impl TrimRegion {
         let [min, max] = domain;
         check_range("domain", min, max)?;
         let largest = loops.iter().fold(0.0, |largest: f64, trim_loop| {
-            if trim_loop.area_bound() <= largest.abs() {
+            // The bound is the area of a rectangle, with another rounding.
+            if trim_loop.area_bound() * (1.0 + 1e-9) <= largest.abs() {
                 return largest;
             }
             let area = trim_loop.approximate_area();
