@@ -7,7 +7,7 @@
 
 use glanz_math::DVec2;
 
-use super::piece_table::{CurvePoint, CurveSide, PieceRecord, PieceTable, SideTest};
+use super::piece_table::{CurveSide, PiecePoint, PieceRecord, PieceTable, SideTest};
 
 /// A piece that touches a cell.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub(super) struct PieceInCell {
     /// Whether the cell's lower right corner is right of the piece; used if the piece's box holds it.
     is_corner_right: bool,
     /// Points before, near and behind the diagonal that the piece crosses, its parameters ascending.
-    points: [CurvePoint; 3],
+    points: [PiecePoint; 3],
 }
 
 /// A piece that touches a cell, with what the cell's quarters need.
@@ -25,7 +25,7 @@ pub(super) struct QuarteredPiece {
     pub(super) index: u32,
     /// Points before the first diagonal, near those of the first quarter along the piece, of the cell, and of the last quarter,
     /// and behind them.
-    points: [CurvePoint; 5],
+    points: [PiecePoint; 5],
     /// The quarter in which the piece, were it to run from corner to corner, would start.
     first: usize,
     /// Whether the lower right corner of each quarter is right of the piece.
@@ -61,8 +61,8 @@ impl PieceInCell {
         } else {
             CurveSide::Left
         };
-        let start = CurvePoint { t: 0.0, position: piece.start };
-        let end = CurvePoint { t: 1.0, position: piece.end };
+        let start = PiecePoint { t: 0.0, position: piece.start };
+        let end = PiecePoint { t: 1.0, position: piece.end };
         let scale = piece.turn() / (grid.max - grid.min);
         let middle = pieces.near_diagonal(piece, [start, end], grid.middle, scale);
         Self { index, is_corner_right: side == CurveSide::Right, points: [start, middle, end] }
@@ -99,7 +99,7 @@ impl PieceInCell {
         let scale = turn / (grid.max - grid.min);
         let start = pieces.near_diagonal(piece, [before, middle], left, scale);
         let end = pieces.near_diagonal(piece, [middle, behind], top, scale);
-        let side = |corner: DVec2, point: CurvePoint| {
+        let side = |corner: DVec2, point: PiecePoint| {
             let side = SideTest::new(piece, corner, clearance).side(point.position);
             if side == CurveSide::On { pieces.side_of_corner(piece, corner, clearance) } else { side }
         };
@@ -190,10 +190,10 @@ impl PieceTable {
     fn near_diagonal(
         &self,
         piece: &PieceRecord,
-        [from, to]: [CurvePoint; 2],
+        [from, to]: [PiecePoint; 2],
         p: DVec2,
         scale: DVec2,
-    ) -> CurvePoint {
+    ) -> PiecePoint {
         let (low, high) = ((from.position - p).dot(scale), (to.position - p).dot(scale));
         if low >= 0.0 {
             return from;

@@ -31,7 +31,7 @@ pub(super) struct PieceRecord {
 
 /// A point of a piece, up to the slack.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CurvePoint {
+pub(super) struct PiecePoint {
     pub(super) t: f64,
     pub(super) position: DVec2,
 }
@@ -118,14 +118,14 @@ impl PieceTable {
     /// # Source
     /// @farin2002 chapter 5.
     #[inline]
-    pub(super) fn point(&self, piece: &PieceRecord, t: f64) -> CurvePoint {
+    pub(super) fn point(&self, piece: &PieceRecord, t: f64) -> PiecePoint {
         let s = 1.0 - t;
         let (mut sum, mut power) = (DVec3::ZERO, 1.0);
         for &term in self.terms(piece) {
             sum = sum * s + term * power;
             power *= t;
         }
-        CurvePoint { t, position: sum.truncate() / sum.z }
+        PiecePoint { t, position: sum.truncate() / sum.z }
     }
 
     /// The side of `piece` on which `p` lies, for points in or near its box. Points closer than the slack in both coordinates
