@@ -173,13 +173,13 @@ fn unpack<S: Simd>(simd: S, v: S::F64) -> DVec4 {
 
 /// A point of a patch with its first derivatives by the parameters of the patch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FirstOrderJet {
+pub(super) struct PatchJet {
     pub(super) s: DVec3,
     pub(super) su: DVec3,
     pub(super) sv: DVec3,
 }
 
-impl FirstOrderJet {
+impl PatchJet {
     /// The jet of the homogeneous net `points`, that of (i, j) at i (q + 1) + j, with the instructions of `isa`.
     pub(super) fn new(isa: Isa, points: &[DVec4], degrees: (usize, usize), u: f64, v: f64) -> Self {
         isa.run(FirstOrderEvaluation { points, degrees, u, v })
@@ -202,11 +202,11 @@ struct FirstOrderEvaluation<'a> {
 }
 
 impl Task for FirstOrderEvaluation<'_> {
-    type Output = FirstOrderJet;
+    type Output = PatchJet;
 
     #[inline(always)]
-    fn run<S: Simd>(self, simd: S) -> FirstOrderJet {
-        FirstOrderJet::of(first_order(simd, self.points, self.degrees, self.u, self.v))
+    fn run<S: Simd>(self, simd: S) -> PatchJet {
+        PatchJet::of(first_order(simd, self.points, self.degrees, self.u, self.v))
     }
 }
 
@@ -294,7 +294,7 @@ impl SecondOrderJet {
     #[inline(always)]
     fn of(h: DVec4, [hu, hv]: [DVec4; 2], [huu, huv, hvv]: [DVec4; 3]) -> Self {
         // Quotient rule, order by order (@markgraf2019 eq. 14).
-        let FirstOrderJet { s, su, sv } = FirstOrderJet::of([h, hu, hv]);
+        let PatchJet { s, su, sv } = PatchJet::of([h, hu, hv]);
         let per = 1.0 / h.w;
         Self {
             s,

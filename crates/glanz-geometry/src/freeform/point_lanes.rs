@@ -153,7 +153,7 @@ impl PointLanes {
     }
 }
 
-/// The point and its derivatives by the parameters of the patch, as by [`FirstOrderJet`](super::control_net::FirstOrderJet).
+/// The point and its derivatives by the parameters of the patch, as by [`PatchJet`](super::control_net::PatchJet).
 #[inline(always)]
 fn jet<S: Simd>(simd: S, patch: &SurfacePatch, at: [S::Wide; 2]) -> [[S::Wide; 3]; 3] {
     match patch.patch.degrees() {

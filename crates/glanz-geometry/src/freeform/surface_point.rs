@@ -2,7 +2,7 @@
 
 use glanz_math::{DVec2, DVec3};
 
-use super::control_net::{FirstOrderJet, SecondOrderJet, second_order_jet};
+use super::control_net::{PatchJet, SecondOrderJet, second_order_jet};
 use super::{Freeform, SurfacePatch};
 use crate::hit::SurfacePoint;
 
@@ -18,7 +18,7 @@ impl Freeform {
         // The hit of another surface may have any face; the first patch replaces a missing one.
         let Some(patch) = self.patches.get(face as usize).or(self.patches.first()) else { return nowhere() };
         let (points, degrees) = (patch.patch.control_points(), patch.patch.degrees());
-        let here = FirstOrderJet::new(self.bvh.isa(), points, degrees, x, y);
+        let here = PatchJet::new(self.bvh.isa(), points, degrees, x, y);
         let n = here.su.cross(here.sv);
         let (length, size) = (n.length(), patch.extent());
         let is_regular = length > COLLAPSED * size * size;
