@@ -75,7 +75,7 @@ impl Freeform {
         for (k, hit) in hits.iter().enumerate() {
             (at[0][k], at[1][k]) = (hit.u, hit.v);
         }
-        let lanes = PointLanes::new(simd, self, patch, rectangle, at);
+        let lanes = EightPoints::new(simd, self, patch, rectangle, at);
         for (k, hit) in hits.iter().enumerate() {
             points.push(match lanes.regular >> k & 1 {
                 0 => self.point_at(hit.face, hit.u, hit.v),
@@ -86,7 +86,7 @@ impl Freeform {
 }
 
 /// Eight points of a patch.
-struct PointLanes {
+struct EightPoints {
     /// Lanes in which the patch is not collapsed.
     regular: u32,
     position: [[f64; LANES]; 3],
@@ -96,7 +96,7 @@ struct PointLanes {
     dpdv: [[f64; LANES]; 3],
 }
 
-impl PointLanes {
+impl EightPoints {
     #[inline(always)]
     fn new<S: Simd>(
         simd: S,
