@@ -9,9 +9,9 @@
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
 //!   near borders. Leaves without a certificate go to `subdivision`.
-//! - Searching for many rays at once: `stream` collects pairs of a ray and a leaf in a `pair_queue`; `ray_lanes`, `leaf_lanes`,
-//!   `bicubic_lanes` with `newton_lanes`, and `net_lanes` are `ray_space`, `leaf`, `bicubic` and `net_search` for eight of them
-//!   (`pair_lanes`), with the same bits.
+//! - Searching for many rays at once: `stream` collects pairs of a ray and a leaf in a `pair_queue`, and `group_solver` solves eight at a
+//!   time; `ray_lanes`, `leaf_lanes`, `bicubic_lanes` with `newton_lanes`, and `net_lanes` are `ray_space`, `leaf`, `bicubic` and
+//!   `net_search` for eight of them (`pair_lanes`), with the same bits.
 //! - Evaluation: `control_net`, `surface_point`, `area`.
 //!
 //! ```
@@ -39,6 +39,7 @@ mod bicubic_lanes;
 mod build;
 mod contraction;
 mod control_net;
+mod group_solver;
 mod leaf;
 mod leaf_builder;
 mod leaf_lanes;
@@ -212,7 +213,7 @@ impl RaySurface for Freeform {
     /// The density in (u, v) is bilinear between the area elements at the corners of each leaf: nearly uniform over the
     /// area. A trimmed surface cannot be sampled, since the kept area of a leaf has no closed form.
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
-        if self.region.is_some() { None } else { self.sample_area(xi) }
+        if self.region.is_some() { None } else { self.sample_leaf(xi) }
     }
 
     fn area_pdf(&self, hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {

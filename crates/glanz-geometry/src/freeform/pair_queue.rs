@@ -76,7 +76,7 @@ pub(super) struct PairQueue {
 }
 
 /// The group of pairs of any subpatches.
-pub(super) const MIXED: usize = GROUPS;
+pub(super) const MIXED_GROUP: usize = GROUPS;
 
 impl PairQueue {
     pub(super) fn new() -> Self {
@@ -84,19 +84,19 @@ impl PairQueue {
     }
 
     /// The groups of pairs of one subpatch.
-    pub(super) fn indices() -> std::ops::Range<usize> {
+    pub(super) fn subpatch_groups() -> std::ops::Range<usize> {
         0..GROUPS
     }
 
     /// The group at `index`.
     #[inline(always)]
     pub(super) fn group(&self, index: usize) -> &PairGroup {
-        &self.groups[index.min(MIXED)]
+        &self.groups[index.min(MIXED_GROUP)]
     }
 
     #[inline(always)]
     pub(super) fn group_mut(&mut self, index: usize) -> &mut PairGroup {
-        &mut self.groups[index.min(MIXED)]
+        &mut self.groups[index.min(MIXED_GROUP)]
     }
 
     /// The group for pairs of a subpatch, and whether pairs of another one wait there.

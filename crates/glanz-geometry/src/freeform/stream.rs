@@ -14,13 +14,11 @@ use std::sync::atomic;
 use glanz_math::DVec2;
 
 use super::Freeform;
-use super::bicubic::Bicubic;
+use super::group_solver::GroupSolver;
 use super::leaf::PatchLeaf;
 use super::leaf_lanes::{LeafLanes, ProjectionLanes};
-use super::net_lanes::{self, NetBuffer};
-use super::newton_lanes;
-use super::pair_lanes::{PairLanes, RootLanes};
-use super::pair_queue::{FIELDS, MIXED, PairQueue};
+use super::net_lanes::NetBuffer;
+use super::pair_queue::{FIELDS, MIXED_GROUP, PairQueue};
 use super::query::{hit, order};
 use super::ray_lanes::{CompactLine, RaySpaceLanes};
 use super::root::SearchScratch;
@@ -133,8 +131,8 @@ impl Task for BatchQuery<'_> {
 }
 
 /// The search in the leaves for the rays of a stream.
-struct StreamSearcher<'a> {
-    surface: &'a Freeform,
+pub(super) struct StreamSearcher<'a> {
+    pub(super) surface: &'a Freeform,
     bounded: &'a [BoundedRay],
     hits: &'a mut [Option<Hit>],
     any: bool,
@@ -142,8 +140,8 @@ struct StreamSearcher<'a> {
     by_subpatch: bool,
     /// Rays that have met a box, by their slots.
     lines: &'a mut Vec<CompactLine>,
-    queue: &'a mut PairQueue,
-    net: &'a mut NetBuffer,
+    pub(super) queue: &'a mut PairQueue,
+    pub(super) net: &'a mut NetBuffer,
     search: &'a mut SearchScratch,
 }
 
@@ -198,11 +196,13 @@ impl StreamVisitor for StreamSearcher<'_> {
 
     #[inline(always)]
     fn finish<S: Simd>(&mut self, simd: S, rays: &mut [CompactRay]) {
-        for index in PairQueue::indices() {
-            self.release(simd, index, rays);
+        if self.by_subpatch {
+            for index in PairQueue::subpatch_groups() {
+                self.release(simd, index, rays);
+            }
         }
-        if self.queue.group(MIXED).count > 0 {
-            self.solve(simd, MIXED, rays);
+        if self.queue.group(MIXED_GROUP).count > 0 {
+            self.solve(simd, MIXED_GROUP, rays);
         }
     }
 
@@ -224,7 +224,12 @@ impl StreamSearcher<'_> {
 
     /// The spaces of eight rays.
     #[inline(always)]
-    fn spaces<S: Simd>(&self, simd: S, ids: &[u32; LANES], rays: &[CompactRay]) -> RaySpaceLanes<S> {
+    pub(super) fn spaces<S: Simd>(
+        &self,
+        simd: S,
+        ids: &[u32; LANES],
+        rays: &[CompactRay],
+    ) -> RaySpaceLanes<S> {
         let mut lines = [&CompactLine::ZERO; LANES];
         for (line, &id) in lines.iter_mut().zip(ids) {
             *line = self.line(id, rays);
@@ -294,7 +299,7 @@ impl StreamSearcher<'_> {
             let k = rest.trailing_zeros() as usize & (LANES - 1);
             rest &= rest - 1;
             let ordinal = leaves[k].ordinal();
-            let mut index = MIXED;
+            let mut index = MIXED_GROUP;
             if self.by_subpatch
                 && let Some(leaf) = self.surface.leaves.get(ordinal)
             {
@@ -317,10 +322,10 @@ impl StreamSearcher<'_> {
     fn release<S: Simd>(&mut self, simd: S, index: usize, rays: &mut [CompactRay]) {
         for k in 0..self.queue.group(index).count {
             let (ray, leaf, record) = self.queue.group(index).pair(k);
-            let group = self.queue.group_mut(MIXED);
+            let group = self.queue.group_mut(MIXED_GROUP);
             group.push(ray, leaf, &record);
             if group.is_full() {
-                self.solve(simd, MIXED, rays);
+                self.solve(simd, MIXED_GROUP, rays);
             }
         }
         self.queue.group_mut(index).count = 0;
@@ -335,7 +340,13 @@ impl StreamSearcher<'_> {
 
     /// Searches a leaf for the roots of one ray.
     #[inline(always)]
-    fn search_one<S: Simd>(&mut self, simd: S, leaf: &PatchLeaf, id: u32, rays: &mut [CompactRay]) {
+    pub(super) fn search_one<S: Simd>(
+        &mut self,
+        simd: S,
+        leaf: &PatchLeaf,
+        id: u32,
+        rays: &mut [CompactRay],
+    ) {
         let surface = self.surface;
         let space = self.line(id, rays).space(&surface.frame);
         let Some(projection) = leaf.project(simd, &space) else { return };
@@ -357,7 +368,7 @@ impl StreamSearcher<'_> {
 
     /// Adds a root of a ray with a leaf: its ray parameter and its place in the subpatch.
     #[inline(always)]
-    fn add(&mut self, leaf: &PatchLeaf, id: u32, t: f64, at: DVec2, rays: &mut [CompactRay]) {
+    pub(super) fn add(&mut self, leaf: &PatchLeaf, id: u32, t: f64, at: DVec2, rays: &mut [CompactRay]) {
         let (index, surface) = (id as usize, self.surface);
         let (Some(best), Some(bounded), Some(ray)) =
             (self.hits.get_mut(index), self.bounded.get(index), rays.get_mut(index))
@@ -375,81 +386,4 @@ impl StreamSearcher<'_> {
             ray.shorten(if self.any { f64::NEG_INFINITY } else { t });
         }
     }
-}
-
-/// The search for the roots of the pairs of a group.
-struct GroupSolver<'a, 'b> {
-    searcher: &'a mut StreamSearcher<'b>,
-    rays: &'a mut [CompactRay],
-    index: usize,
-}
-
-impl Task for GroupSolver<'_, '_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Simd>(self, simd: S) {
-        let Self { searcher, rays, index } = self;
-        let surface = searcher.surface;
-        let group = searcher.queue.group(index);
-        let (ids, ordinals, mask) = (group.rays, group.leaves, group.mask());
-        let Some(first) = surface.leaves.get(ordinals[0] as usize) else { return };
-        // Lanes that are not in use repeat the first one.
-        let mut leaves = [first; LANES];
-        let mut pairs = ids;
-        for (k, (leaf, ordinal)) in leaves.iter_mut().zip(ordinals).enumerate() {
-            if mask >> k & 1 == 0 {
-                pairs[k] = ids[0];
-            } else if let Some(found) = surface.leaves.get(ordinal as usize) {
-                *leaf = found;
-            }
-        }
-        let pairs = group.pairs(simd, searcher.spaces(simd, &pairs, rays));
-        let roots = match &surface.subpatches {
-            SubpatchList::Polynomial(list) => solve_bicubic(simd, list, &leaves, &pairs),
-            SubpatchList::Rational(list) => solve_bicubic(simd, list, &leaves, &pairs),
-            SubpatchList::General(list) => net_lanes::roots(simd, searcher.net, list, &leaves, &pairs),
-        };
-        let mut hard = mask;
-        if let Some(RootLanes { converged, excluded, s, at }) = roots {
-            let t = simd.store8(pairs.rays.t(simd, s));
-            let (u, v) = (simd.store8(at[0]), simd.store8(at[1]));
-            hard &= !(converged | excluded);
-            let mut found = converged;
-            while found != 0 {
-                let k = found.trailing_zeros() as usize & (LANES - 1);
-                found &= found - 1;
-                searcher.add(leaves[k], ids[k], t[k], DVec2::new(u[k], v[k]), rays);
-            }
-        }
-        while hard != 0 {
-            let k = hard.trailing_zeros() as usize & (LANES - 1);
-            hard &= hard - 1;
-            searcher.search_one(simd, leaves[k], ids[k], rays);
-        }
-    }
-}
-
-/// The roots of eight pairs with bicubic patches.
-#[inline(always)]
-fn solve_bicubic<S: Simd, const COORDINATES: usize>(
-    simd: S,
-    list: &[Bicubic<COORDINATES>],
-    leaves: &[&PatchLeaf; LANES],
-    pairs: &PairLanes<S>,
-) -> Option<RootLanes<S>> {
-    let first = list.get(leaves[0].subpatch as usize)?;
-    let mut patches = [first; LANES];
-    let mut same = true;
-    for (patch, leaf) in patches.iter_mut().zip(leaves) {
-        if leaf.subpatch != leaves[0].subpatch {
-            *patch = list.get(leaf.subpatch as usize)?;
-            same = false;
-        }
-    }
-    Some(if same {
-        newton_lanes::roots(simd, &first, leaves, pairs)
-    } else {
-        newton_lanes::roots(simd, &patches, leaves, pairs)
-    })
 }

@@ -1,6 +1,7 @@
 //! Known roots, seams and degenerate patches. The contract test of all surfaces shoots many more rays.
 
 mod instruction_sets;
+mod pair_queue;
 
 use std::sync::Arc;
 
