@@ -24,7 +24,7 @@ pub struct BoundedRay {
 }
 
 impl BoundedRay {
-    /// What lanes that are not in use compute with.
+    /// The ray of unused lanes; it meets nothing.
     pub(crate) const NONE: Self = Self::new(Ray::new(DVec3::ZERO, DVec3::X), f64::NEG_INFINITY);
 
     /// The ray up to `t_max`.

@@ -3,7 +3,7 @@
 use super::node::{CARRY, FLATTEST, NEAR, ParameterScale, U32, UnitFrame, UnitRay};
 use super::simd::Simd;
 use super::simd::lanes::{LANES, first_lanes};
-use super::simd::rows::{numbers, write};
+use super::simd::rows::{columns, write};
 use crate::batch::BoundedRay;
 
 /// A ray of a stream, prepared for boxes: the numbers of its [`UnitRay`] once each instead of once per lane, in one cache line.
@@ -17,7 +17,7 @@ pub(crate) struct CompactRay {
     /// The position at which the visitor of the leaves keeps its own data of the ray; see
     /// [`StreamVisitor::prepare`](super::stream::StreamVisitor::prepare).
     pub(crate) slot: u32,
-    /// So that there is no gap.
+    /// Padding.
     pub(super) unused: u32,
     pub(super) scale: ParameterScale,
 }
@@ -104,18 +104,7 @@ pub(super) fn prepare<S: Simd>(
     count: usize,
     out: &mut [CompactRay; LANES],
 ) -> RayMasks {
-    let [a, b, c, d, e, f, g, h] = rays;
-    let rows = [
-        simd.load7(numbers(a)),
-        simd.load7(numbers(b)),
-        simd.load7(numbers(c)),
-        simd.load7(numbers(d)),
-        simd.load7(numbers(e)),
-        simd.load7(numbers(f)),
-        simd.load7(numbers(g)),
-        simd.load7(numbers(h)),
-    ];
-    let [ox, oy, oz, dx, _, dy, dz, t_max] = simd.transpose8(rows);
+    let [ox, oy, oz, dx, _, dy, dz, t_max] = columns(simd, rays.each_ref());
     let scale = simd.splat8(frame.scale);
     let center = frame.center;
     let ox = simd.mul8(simd.sub8(ox, simd.splat8(center.x)), scale);

@@ -6,7 +6,7 @@ use super::ray_space::{RaySpace, SurfaceFrame};
 use crate::batch::BoundedRay;
 use crate::bvh::simd::Simd;
 use crate::bvh::simd::lanes::LANES;
-use crate::bvh::simd::rows::numbers;
+use crate::bvh::simd::rows::columns;
 use crate::ray_line::RayLine;
 
 /// The z component of the cross product.
@@ -51,18 +51,7 @@ impl CompactLine {
         frame: &SurfaceFrame,
         rays: &[&BoundedRay; LANES],
     ) -> [Self; LANES] {
-        let [a, b, c, d, e, f, g, h] = rays;
-        let rows = [
-            simd.load7(numbers(a)),
-            simd.load7(numbers(b)),
-            simd.load7(numbers(c)),
-            simd.load7(numbers(d)),
-            simd.load7(numbers(e)),
-            simd.load7(numbers(f)),
-            simd.load7(numbers(g)),
-            simd.load7(numbers(h)),
-        ];
-        let [ox, oy, oz, x, _, y, z, _] = simd.transpose8(rows);
+        let [ox, oy, oz, x, _, y, z, _] = columns(simd, *rays);
         let center = frame.center;
         let from = [
             simd.sub8(ox, simd.splat8(center.x)),

@@ -41,7 +41,7 @@ impl Avx512 {
     }
 }
 
-// SAFETY, for every block below: `self` is a token, so the processor has AVX2 and FMA. Loads and stores go through
+// SAFETY, for every block below: `self` is a token, so the processor has AVX2, FMA and BMI2. Loads and stores go through
 // references to exactly as many lanes as the instruction touches; the aligned ones to `Lanes8`, which is
 // 32-byte aligned by its type.
 impl<const REGISTERS: usize> Simd for Avx<REGISTERS>

@@ -58,7 +58,7 @@ pub(crate) trait LaneSimd: Copy {
     fn load7(self, lanes: &[f64; 7]) -> Self::Wide;
     /// The transposed matrix: lane `i` of column `k` is lane `k` of row `i`.
     fn transpose8(self, rows: [Self::Wide; LANES]) -> [Self::Wide; LANES];
-    /// The nearest `f32` of both, side by side in each lane: the bits of that of `a` below those of that of `b`.
+    /// The nearest `f32` of both in each lane, in memory that of `a` before that of `b`.
     fn narrow_pairs8(self, a: Self::Wide, b: Self::Wide) -> Self::Wide;
 
     /// Eight rows as columns: lane `i` of column `k` is entry `k` of row `i`.
@@ -123,8 +123,10 @@ mod tests {
                 let expected: Vec<u32> = (0..8).filter(|i| mask >> i & 1 == 1).map(|i| 10 + i).collect();
                 assert_eq!(ids[..count], expected);
             }
-            let pair =
-                |a: f64, b: f64| u64::from((a as f32).to_bits()) | u64::from((b as f32).to_bits()) << 32;
+            let pair = |a: f64, b: f64| {
+                let bytes = [(a as f32).to_ne_bytes(), (b as f32).to_ne_bytes()].concat();
+                u64::from_ne_bytes(bytes.try_into().unwrap())
+            };
             let pairs = simd.store8(simd.narrow_pairs8(b, c));
             let (b, c) = (simd.store8(b), simd.store8(c));
             assert_eq!(pairs.map(f64::to_bits), std::array::from_fn(|i| pair(b[i], c[i])));

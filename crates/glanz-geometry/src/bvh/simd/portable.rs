@@ -218,8 +218,10 @@ impl LaneSimd for Portable {
     }
     #[inline(always)]
     fn narrow_pairs8(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
-        let bits = |x: f64| u64::from((x as f32).to_bits());
-        each(|i| f64::from_bits(bits(a[i]) | bits(b[i]) << 32))
+        each(|i| {
+            let ([a, b, c, d], [e, f, g, h]) = ((a[i] as f32).to_ne_bytes(), (b[i] as f32).to_ne_bytes());
+            f64::from_ne_bytes([a, b, c, d, e, f, g, h])
+        })
     }
     #[inline(always)]
     fn transpose8(self, rows: [Self::Wide; LANES]) -> [Self::Wide; LANES] {
