@@ -44,19 +44,9 @@ impl SurfacePoint {
     #[inline]
     #[must_use]
     pub fn transformed(&self, to_world: &Transform) -> Self {
-        let (position, error) = transformed_position(self.position, self.error, to_world);
-        let normal = to_world.normal(self.normal);
-        let shading_normal = to_world.normal(self.shading_normal);
-        let unit_shading = shading_normal * (1.0 / shading_normal.length());
-        Self {
-            position,
-            error,
-            normal: normal.normalize(),
-            shading_normal: unit_shading,
-            uv: self.uv,
-            dpdu: to_world.vector(self.dpdu),
-            dpdv: to_world.vector(self.dpdv),
-        }
+        let ShadingPoint { position, error, normal, shading_normal, uv, dpdu } =
+            ShadingPoint::from(*self).transformed(to_world);
+        Self { position, error, normal, shading_normal, uv, dpdu, dpdv: to_world.vector(self.dpdv) }
     }
 
     /// The derivatives `[dn/du, dn/dv]` of the shading normal at this point, of which those in its own frame are `derivatives`, in the
