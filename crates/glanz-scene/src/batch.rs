@@ -16,6 +16,9 @@ use crate::scene::{Primitive, Scene, SceneGroup};
 /// Number of rays from which on an object is intersected with all of them at once: fewer are faster one by one.
 const LEAST_RAYS: usize = 4;
 
+/// Largest number of rays for which a thread keeps its memory, of some hundred bytes a ray.
+const KEPT_RAYS: usize = 1 << 16;
+
 thread_local! {
     /// The memory of earlier batches, one for each level of instances: getting it from the system would take as long as the rays.
     static MEMORY: RefCell<Vec<SceneBatchMemory>> = const { RefCell::new(Vec::new()) };
@@ -39,7 +42,9 @@ impl SceneBatchMemory {
         // A thread that ends has no pool any more.
         let mut memory = MEMORY.try_with(|pool| pool.borrow_mut().pop()).ok().flatten().unwrap_or_default();
         work(&mut memory);
-        let _ = MEMORY.try_with(|pool| pool.borrow_mut().push(memory));
+        if memory.nearest.capacity().max(memory.local.capacity()) <= KEPT_RAYS {
+            let _ = MEMORY.try_with(|pool| pool.borrow_mut().push(memory));
+        }
     }
 }
 

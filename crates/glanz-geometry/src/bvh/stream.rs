@@ -114,6 +114,9 @@ impl Bvh {
     }
 }
 
+/// Largest number of rays for which a thread keeps its memory, of some hundred bytes a ray.
+const KEPT_RAYS: usize = 1 << 16;
+
 thread_local! {
     /// The memory of earlier streams, as much as were nested: getting it from the system would take as long as the rays.
     static POOL: RefCell<Vec<StreamScratch>> = const { RefCell::new(Vec::new()) };
@@ -126,9 +129,11 @@ impl StreamScratch {
         POOL.try_with(|pool| pool.borrow_mut().pop()).ok().flatten().unwrap_or_default()
     }
 
-    /// Keeps the memory for the next stream of this thread.
+    /// Keeps the memory for the next stream of this thread, unless it is that of a very large batch.
     pub(crate) fn put_back(self) {
-        let _ = POOL.try_with(|pool| pool.borrow_mut().push(self));
+        if self.rays.capacity() <= KEPT_RAYS {
+            let _ = POOL.try_with(|pool| pool.borrow_mut().push(self));
+        }
     }
 
     /// The rays, sorted into octants.
