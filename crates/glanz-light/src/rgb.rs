@@ -49,7 +49,7 @@ pub fn srgb_encode(linear: f32) -> f32 {
 /// From a table: a search among 255 numbers is faster than a power.
 #[must_use]
 pub fn srgb_byte(linear: f32) -> u8 {
-    /// The least light of the bytes from 1 on.
+    /// The least linear light that is encoded as byte 1, 2, ...
     static LEAST: LazyLock<[f32; 255]> = LazyLock::new(|| {
         std::array::from_fn(|index| {
             // Positive numbers are in the order of their bits.
@@ -124,6 +124,15 @@ mod tests {
         for k in 0..=1_000_000_u32 {
             let light = k as f32 * 1e-6;
             assert_eq!(srgb_byte(light), rounded(light), "{light}");
+        }
+        // Where the byte changes: positive numbers are in the order of their bits.
+        for byte in 1..=255_u8 {
+            let threshold = srgb_decode((f32::from(byte) - 0.5) / 255.0).to_bits();
+            let near: Vec<f32> = (threshold - 64..=threshold + 64).map(f32::from_bits).collect();
+            for &light in &near {
+                assert_eq!(srgb_byte(light), rounded(light), "{light:e}");
+            }
+            assert_eq!([srgb_byte(near[0]), srgb_byte(near[128])], [byte - 1, byte]);
         }
         assert_eq!([f32::NAN, -1.0, 2.0, f32::INFINITY].map(srgb_byte), [0, 0, 255, 255]);
     }

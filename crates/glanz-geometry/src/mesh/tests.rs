@@ -355,6 +355,62 @@ fn samples_fall_on_triangles_by_their_area() {
 }
 
 #[test]
+fn the_largest_number_samples_the_last_triangle_that_has_an_area() {
+    let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+    // The last two have none.
+    let mesh = mesh((positions, vec![[0, 1, 2], [0, 1, 3], [3, 3, 1], [2, 2, 2]]));
+    // 1 itself, since sums of areas are rounded.
+    for x in [1.0, 1.0f64.next_down()] {
+        let sample = mesh.sample(DVec2::new(x, 0.5)).unwrap();
+        assert_eq!(sample.hit.face, 1);
+        assert_eq!(mesh.sample_area(DVec2::new(x, 0.5)), Some(AreaSample::from(sample)));
+        assert!(sample.point.position.is_finite() && sample.point.normal == -DVec3::Y);
+    }
+}
+
+#[test]
+fn prepared_triangles_take_the_side_of_their_normals() {
+    let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+    let tilted = |x: f64, z: f64| DVec3::new(x, 0.1, z);
+    // All on the side of the winding, all on the other one, and on both.
+    let lists = [[0.8, 0.9, 0.7], [-0.8, -0.9, -0.7], [0.8, -0.9, 0.7], [-0.2, -0.9, 0.9]];
+    for (heights, sides) in lists.into_iter().zip([[true, false], [false, true], [true; 2], [true; 2]]) {
+        let normals = [0.1, -0.2, 0.3].into_iter().zip(heights).map(|(x, z)| tilted(x, z)).collect();
+        let mesh = Mesh::try_new(positions.clone(), vec![[0, 1, 2]], Some(normals), None).unwrap();
+        let mut seen = [false; 2];
+        for i in 0..400 {
+            let xi = DVec2::new((f64::from(i) + 0.5) / 400.0, (0.618_034 * f64::from(i)).fract());
+            let sample = mesh.sample(xi).unwrap();
+            assert_eq!(mesh.sample_area(xi), Some(AreaSample::from(sample)));
+            seen[usize::from(sample.point.normal.z < 0.0)] = true;
+        }
+        assert_eq!(seen, sides, "{heights:?}");
+    }
+}
+
+#[test]
+fn a_ray_from_a_sample_of_a_convex_mesh_does_not_meet_it() {
+    let mut random = Random(5);
+    for (scale, place) in [(1.0, DVec3::ZERO), (1e-3, DVec3::new(1e3, -2e3, 5e2)), (1e6, DVec3::X)] {
+        // With and without prepared triangles.
+        for level in [2, 6] {
+            let (positions, indices) = sphere(level);
+            let mesh = mesh((positions.iter().map(|&p| p * scale + place).collect(), indices));
+            for i in 0..20_000 {
+                let sample = mesh.sample_area(DVec2::new(random.next(), random.next())).unwrap();
+                let along = random.vector().reject_from_normalized(sample.normal).normalize_or_zero();
+                // Half of the directions graze.
+                let up = random.next() * if i % 2 == 0 { 1.0 } else { 1e-7 };
+                let direction = along + sample.normal * up;
+                let origin = offset_origin(sample.position, sample.error, sample.normal, direction);
+                let away = Ray::new(origin, direction);
+                assert_eq!(mesh.intersect(&away, f64::INFINITY), None, "case {i}: {away:?} from {sample:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn area_of_a_finer_and_finer_sphere_approaches_four_pi() {
     // Area of an inscribed polyhedron: the deficit shrinks by four with every cut.
     let deficit = |level| 4.0 * std::f64::consts::PI - mesh(sphere(level)).area();

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glanz_geometry::spline::{NurbsSurface, ParameterDirection};
 use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
-use glanz_geometry::{RaySurface, Surface};
+use glanz_geometry::{BoundedRay, RaySurface, Surface};
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3, Ray};
 
@@ -18,6 +18,9 @@ const BORDER: f64 = 1e-9;
 
 /// Half of the length of the rays: at these radii of curvature, the surface crosses a ray once.
 const REACH: f64 = 1e-3;
+
+/// Number of rays of a batch.
+const BATCH: u64 = 4096;
 
 /// 8 x 8 control points of degree 3, rational, over the unit square of parameters.
 fn waves() -> NurbsSurface {
@@ -112,14 +115,27 @@ fn no_ray_slips_through_a_seam_of_trimmed_faces() {
             for thread in 0..threads {
                 let (targets, faces, slipped, both) = (&targets, &faces, &slipped, &both);
                 scope.spawn(move || {
-                    for index in (thread..count).step_by(threads as usize) {
-                        let ray = ray(targets, index);
-                        let met = faces.each_ref().map(|face| face.occluded(&ray, 2.0 * REACH));
-                        if met == [false; 2] {
-                            slipped.fetch_add(1, Ordering::Relaxed);
-                            println!("{index} {ray:?} slips through");
+                    let mut met = [Vec::new(), Vec::new()];
+                    for start in (thread * BATCH..count).step_by((threads * BATCH) as usize) {
+                        let rays = start..count.min(start + BATCH);
+                        let rays: Vec<BoundedRay> =
+                            rays.map(|index| BoundedRay::new(ray(targets, index), 2.0 * REACH)).collect();
+                        for (face, met) in faces.iter().zip(&mut met) {
+                            face.occluded_batch(&rays, met);
                         }
-                        both.fetch_add(u64::from(met == [true; 2]), Ordering::Relaxed);
+                        for ((bounded, &first), &second) in rays.iter().zip(&met[0]).zip(&met[1]) {
+                            if !first && !second {
+                                slipped.fetch_add(1, Ordering::Relaxed);
+                                println!("{bounded:?} slips through");
+                            }
+                            both.fetch_add(u64::from(first && second), Ordering::Relaxed);
+                        }
+                        // A part of them one by one as well.
+                        for (k, bounded) in rays.iter().enumerate().step_by(16) {
+                            let single =
+                                faces.each_ref().map(|face| face.occluded(&bounded.ray, bounded.t_max));
+                            assert_eq!(single, [met[0][k], met[1][k]], "{bounded:?}");
+                        }
                     }
                 });
             }

@@ -36,6 +36,20 @@ fn bezier_pieces_of_a_nurbs_curve_are_the_curve() {
 }
 
 #[test]
+fn the_bound_on_the_area_holds_and_is_exact_for_rectangles() {
+    let mut random = Random(17);
+    let mut loops = vec![closed(circle(CENTER, 0.3)), closed(circle(CENTER, 0.3).reversed())];
+    // Most of them cross themselves.
+    loops.extend((3..60).map(|count| polygon(&(0..count).map(|_| random.point()).collect::<Vec<_>>())));
+    for trim_loop in &loops {
+        let (area, bound) = (trim_loop.approximate_area(), trim_loop.area_bound());
+        assert!(area.abs() <= bound * (1.0 + 1e-9), "{area} of at most {bound}");
+    }
+    let rectangle = closed(TrimCurve::try_rectangle(at(0.1, 0.2), at(0.7, 0.5)).unwrap());
+    assert!((rectangle.area_bound() - 0.18).abs() < 1e-15, "{}", rectangle.area_bound());
+}
+
+#[test]
 fn gaps_are_closed_within_the_tolerance_and_named_beyond_it() {
     let line = |a, b| TrimCurve::try_line(a, b).unwrap();
     let (p, q, r) = (at(0.1, 0.1), at(0.9, 0.1), at(0.5, 0.9));
