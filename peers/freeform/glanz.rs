@@ -312,12 +312,12 @@ fn run() -> Result<(), Failure> {
     let with_ends = |(name, rays): (&'static str, Vec<Ray>)| {
         let bounded = rays.iter().map(|&ray| ray.into()).collect();
         let size = pixels.map(|n| n as usize);
-        RaySet {
-            name,
-            rays,
-            bounded,
-            pixels: if name == "tiles" { tiles(&in_lines, size) } else { in_lines.clone() },
-        }
+        let pixels = match name {
+            "tiles" => tiles(&in_lines, size),
+            "shuffled" => shuffled(in_lines.clone()),
+            _ => in_lines.clone(),
+        };
+        RaySet { name, rays, bounded, pixels }
     };
     let sets = sets.map(with_ends);
     for set in &sets {

@@ -207,7 +207,7 @@ fn near_unit(x: f64, error: f64) -> Option<f64> {
 /// # Source
 /// @pharr2023 section 2.3.2.
 pub(crate) fn sample_linear(xi: f64, a: f64, b: f64) -> f64 {
-    // Also without the division of zeros.
+    // A constant density; the formula below would divide 0 by 0 for a = b = 0.
     if xi == 0.0 || a == b {
         return xi;
     }

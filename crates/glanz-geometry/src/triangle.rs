@@ -165,7 +165,7 @@ pub(crate) fn position_error_of(p0: DVec3, p1: DVec3, p2: DVec3, twice_area: f64
     let plane = gamma(6) * longest + gamma(54) * longest * (longest2 / twice_area);
     // The bound of a nearly collinear triangle is limited to its own size.
     let plane = if plane < longest { plane } else { longest };
-    // No coordinate of a vertex is larger than the sum of p0 and one edge.
+    // |p0| plus one edge bounds every coordinate of a vertex.
     DVec3::splat(plane) + (p0.abs() + 2.0 * (e1.abs() + e2.abs())) * gamma(4)
 }
 

@@ -11,7 +11,7 @@ use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 /// A fifth of the instructions of the library's function, which reduces any angle first.
 ///
 /// # Source
-/// The minimax polynomials of @fdlibm, `k_sin.c` and `k_cos.c`.
+/// The minimax polynomials of @fdlibm, `k_sin.c` and `k_cos.c`; the cosine is summed as in FreeBSD's `msun`.
 #[inline]
 fn sin_cos(x: f64) -> (f64, f64) {
     let z = x * x;

@@ -259,7 +259,7 @@ impl Scene {
             moved = Some(to_parent.inverse().ray(moved.as_ref().unwrap_or(ray)));
         }
         let local = moved.as_ref().unwrap_or(ray);
-        // Built in its place: moving it takes as long as a part of the computation.
+        // Filled in place: a copy of an interaction costs as much as part of its computation.
         let mut at = Interaction {
             point: object.own_point(local, &found.hit),
             t: found.hit.t,

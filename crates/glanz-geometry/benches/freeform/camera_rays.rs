@@ -20,15 +20,15 @@ pub(crate) fn camera_rays(bounds: &Bounds3, width: u32, height: u32) -> Vec<Ray>
     (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| ray(x, y)).collect()
 }
 
-/// The same rays in random order: Fisher and Yates with splitmix64.
-pub(crate) fn shuffled(mut rays: Vec<Ray>) -> Vec<Ray> {
+/// The same in random order, which depends on their number alone: Fisher and Yates with splitmix64.
+pub(crate) fn shuffled<T>(mut items: Vec<T>) -> Vec<T> {
     let mut state = 1_u64;
-    for i in (1..rays.len()).rev() {
+    for i in (1..items.len()).rev() {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut x = state;
         x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        rays.swap(i, ((x ^ (x >> 31)) % (i as u64 + 1)) as usize);
+        items.swap(i, ((x ^ (x >> 31)) % (i as u64 + 1)) as usize);
     }
-    rays
+    items
 }

@@ -84,7 +84,7 @@ impl Model {
             "quintic triangles" => Source::Triangles(triangles(5, 5)?),
             _ => match (name.strip_prefix("degree "), name.strip_suffix(" patches")) {
                 (Some(degree), _) => Source::Spline(wavy(degree.parse()?, 5, 0.15, |_, _| 1.0)?),
-                (_, Some(count)) => Source::Spline(hills(count.replace(' ', "").parse::<usize>()?.isqrt())?),
+                (_, Some(count)) => Source::Spline(hills(side(count.replace(' ', "").parse()?)?)?),
                 _ => return Err(format!("there is no model {name}").into()),
             },
         };
@@ -100,6 +100,20 @@ impl Model {
             None => freeform,
         })
     }
+}
+
+/// The square root of a square number.
+fn side(square: usize) -> Result<usize, Failure> {
+    let side = square.isqrt();
+    if side * side != square {
+        return Err(format!(
+            "{square} patches are no square, choose {} or {}",
+            side * side,
+            (side + 1).pow(2)
+        )
+        .into());
+    }
+    Ok(side)
 }
 
 /// Weights from 0.7 to 1.3.

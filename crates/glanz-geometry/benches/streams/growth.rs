@@ -22,8 +22,8 @@ fn memory(name: &str) -> u64 {
     1024 * kilobytes.unwrap_or_default()
 }
 
-/// Writes a table of `counts`: seconds of building and processor seconds of this thread, bytes of a patch at the end, bytes of a patch at the
-/// peak (resident memory, with the patches from which the surface is built), million rays a second one by one and in batches.
+/// Writes a table of `counts`: seconds of building and processor seconds of this thread, bytes of a patch at the end, bytes of a patch
+/// at the peak (resident memory, with the patches from which the surface is built), million rays a second one by one and in batches.
 pub(super) fn table(counts: &[String], out: &mut impl Write) -> Result<(), Failure> {
     writeln!(
         out,

@@ -111,7 +111,8 @@ impl Freeform {
         })
     }
 
-    pub(super) fn sample_area(&self, xi: DVec2) -> Option<SurfaceSample> {
+    /// A random point of a random leaf.
+    pub(super) fn sample_leaf(&self, xi: DVec2) -> Option<SurfaceSample> {
         let areas = self.areas();
         let target = xi.x * areas.mass();
         let index = areas.sums.partition_point(|&sum| sum <= target).min(areas.leaves.len().checked_sub(1)?);

@@ -58,7 +58,7 @@ impl<const N: usize> BernsteinPowers<N> {
     pub(super) fn new(degree: usize, x: f64) -> Self {
         let mut powers = Self { degree, x: [1.0; N], y: [1.0; N] };
         let y = 1.0 - x;
-        // No inclusive ranges: their loops are not unrolled.
+        // Half-open ranges: loops over inclusive ones are not unrolled.
         for i in 1..degree + 1 {
             powers.x[i] = powers.x[i - 1] * x;
             powers.y[i] = powers.y[i - 1] * y;

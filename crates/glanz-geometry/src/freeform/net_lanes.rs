@@ -111,7 +111,7 @@ impl<S: Simd, const N: usize> BasisLanes<S, N> {
 
     #[inline(always)]
     fn of_degree(simd: S, degree: usize, at: S::Wide) -> Self {
-        // No inclusive ranges: their loops are not unrolled.
+        // Half-open ranges: loops over inclusive ones are not unrolled.
         let one = simd.splat8(1.0);
         let (mut x, mut y) = ([one; N], [one; N]);
         let rest = simd.sub8(one, at);

@@ -16,12 +16,12 @@ pub(super) struct SamplingTable {
     /// Area of the first 1, 2 ... triangles, m^2.
     areas: Vec<f64>,
     /// All triangles; empty if they are many, or if the side of a normal varies over a triangle.
-    triangles: Vec<SampledTriangle>,
+    triangles: Vec<TriangleSampler>,
 }
 
 /// A triangle with the part of its points that is the same everywhere on it.
 #[derive(Clone, Copy, Debug)]
-struct SampledTriangle {
+struct TriangleSampler {
     corner: DVec3,
     edges: [DVec3; 2],
     error: DVec3,
@@ -40,7 +40,7 @@ impl SamplingTable {
             })
             .collect();
         let few = mesh.indices().len() <= PREPARED_LIMIT;
-        let triangles = few.then(|| faces.map(|face| SampledTriangle::new(mesh, face)).collect());
+        let triangles = few.then(|| faces.map(|face| TriangleSampler::new(mesh, face)).collect());
         Self { areas, triangles: triangles.flatten().unwrap_or_default() }
     }
 
@@ -65,7 +65,7 @@ impl SamplingTable {
     }
 }
 
-impl SampledTriangle {
+impl TriangleSampler {
     /// `None` if normals at the vertices do not agree on the side: their weighted sum is on the side of all.
     fn new(mesh: &Mesh, face: u32) -> Option<Self> {
         let FlatPoint { error, normal, .. } = mesh.flat_point_at(face, 0.0, 0.0);
@@ -91,7 +91,7 @@ impl Mesh {
     pub(super) fn sample_area_point(&self, xi: DVec2) -> Option<AreaSample> {
         let table = self.sampling_table();
         let (Hit { u, v, face, .. }, pdf) = table.sample(xi)?;
-        if let Some(SampledTriangle { corner, edges: [a, b], error, normal }) =
+        if let Some(TriangleSampler { corner, edges: [a, b], error, normal }) =
             table.triangles.get(face as usize)
         {
             // The operations of `flat_point_at`.

@@ -1,4 +1,4 @@
-//! Lists of vectors, stored in `f32` where that loses nothing.
+//! Vectors by number, in `f32` if that is exact.
 
 use glanz_math::glam::{Vec2, Vec3};
 use glanz_math::{DVec2, DVec3};
@@ -35,17 +35,17 @@ impl ListVector for DVec2 {
     }
 }
 
-/// A list of vectors whose values are those that it was made of.
+/// Vectors by number, in `f32` if that is exact.
 #[derive(Clone, Debug)]
 pub(super) enum VectorList<V: ListVector> {
     /// Every coordinate is an `f32`: half the memory.
     Single(Vec<V::Single>),
-    /// Some are not.
+    /// Some coordinate is not an `f32`.
     Double(Vec<V>),
 }
 
 impl<V: ListVector> VectorList<V> {
-    /// The list of these vectors, none of which contains NaN.
+    /// The list of these vectors. Lists with NaN stay `f64`.
     pub(super) fn new(vectors: Vec<V>) -> Self {
         if vectors.iter().all(|&v| V::from_single(v.to_single()) == v) {
             Self::Single(parallel_map(&vectors, PARALLEL_CHUNK, |v| v.to_single()))
@@ -69,8 +69,11 @@ impl<V: ListVector> VectorList<V> {
         }
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = V> + '_ {
-        (0..self.len() as u32).filter_map(|index| self.get(index))
+    pub(super) fn iter(&self) -> impl ExactSizeIterator<Item = V> + '_ {
+        (0..self.len()).map(|index| match self {
+            Self::Single(list) => V::from_single(list[index]),
+            Self::Double(list) => list[index],
+        })
     }
 
     /// Memory, bytes.
@@ -86,16 +89,29 @@ impl<V: ListVector> VectorList<V> {
 mod tests {
     use super::*;
 
+    /// Asserts that a list has the bits of the vectors, and this many bytes.
+    fn check(vectors: &[DVec2], bytes: usize) {
+        let list = VectorList::new(vectors.to_vec());
+        assert_eq!(list.bytes(), bytes, "{vectors:?}");
+        let bits = |v: DVec2| v.to_array().map(f64::to_bits);
+        assert!(list.iter().map(bits).eq(vectors.iter().copied().map(bits)), "{vectors:?}");
+        for (index, &vector) in vectors.iter().enumerate() {
+            assert_eq!(list.get(index as u32).map(bits), Some(bits(vector)));
+        }
+        assert!(list.get(vectors.len() as u32).is_none());
+    }
+
     #[test]
     fn lists_keep_every_bit_and_are_short_where_f32_suffices() {
-        let single = [[0.5, -0.0], [f64::from(f32::MAX), f64::from(f32::MIN_POSITIVE)]].map(DVec2::from);
-        let double = [[0.5, 0.1], [1e300, 1e-300]].map(DVec2::from);
-        for (vectors, bytes) in [(single, 16), (double, 32)] {
-            let list = VectorList::new(vectors.to_vec());
-            assert_eq!(list.bytes(), bytes);
-            let bits = |v: DVec2| v.to_array().map(f64::to_bits);
-            assert!(list.iter().map(bits).eq(vectors.map(bits)));
-            assert!(list.get(2).is_none());
+        let pair = |x: f64, y: f64| DVec2::new(x, y);
+        let subnormal = f64::from(f32::from_bits(1));
+        check(&[pair(0.5, -0.0), pair(f64::from(f32::MAX), f64::from(f32::MIN_POSITIVE))], 16);
+        check(&[pair(subnormal, -subnormal)], 8);
+        check(&[], 0);
+        check(&[pair(0.5, 0.1), pair(1e300, 1e-300)], 32);
+        // Subnormal, between two `f32`, below the least one; and what does not equal itself.
+        for x in [f64::from_bits(1), 1.5 * subnormal, 0.5 * subnormal, f64::NAN] {
+            check(&[pair(0.0, -0.0), pair(-0.0, x)], 32);
         }
     }
 }

@@ -99,7 +99,7 @@ impl CellTree {
         }
     }
 
-    /// Sets the link to a cell, of a node and a quarter; that to the root without them.
+    /// Sets the link of a quarter of a node, or the root's if there is no parent.
     pub(super) fn set(&mut self, parent: Option<(usize, usize)>, link: CellLink) {
         match parent {
             Some((node, quarter)) => self.nodes[node][quarter] = link,

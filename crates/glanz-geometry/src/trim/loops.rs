@@ -90,8 +90,8 @@ impl TrimLoop {
 
     /// A bound on the magnitude of the enclosed area, parameter units squared.
     ///
-    /// The area is the integral of u - m over v for any m: with the middle of the range of u, no more than half of its width times the way
-    /// up and down.
+    /// The area is the integral of u - m over v for any m: with the middle of the range of u, at most half the width times the total
+    /// variation of v.
     pub(super) fn area_bound(&self) -> f64 {
         let [low, high] =
             self.pieces.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], piece| {

@@ -151,8 +151,7 @@ impl QuarteredPiece {
         pieces.pieces[self.index as usize].crossings_above(corner, side)
     }
 
-    /// What the piece contributes to the winding numbers of the lower right corners of the quarters, less that of the
-    /// cell's corner.
+    /// Changes of the winding numbers from the cell's corner to those of its quarters.
     ///
     /// The paths to that corner lead right to the edge of the cell, then down.
     pub(super) fn winding_changes(&self, pieces: &PieceTable, grid: &CellGrid) -> [i32; 4] {
