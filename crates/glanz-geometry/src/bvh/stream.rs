@@ -9,8 +9,8 @@ use std::cell::RefCell;
 
 use super::compact_ray::{self, CompactRay};
 use super::node::{NodeChild, UnitRay, WIDTH, WideNode, far_sides};
+use super::simd::Simd;
 use super::simd::lanes::{LANES, first_lanes};
-use super::simd::{Simd, Stack};
 use super::single_ray_traversal::SingleRayTraversal;
 use super::{Bvh, BvhLeaf};
 use crate::batch::BoundedRay;
@@ -293,20 +293,7 @@ impl StreamScratch {
         // The order in which the first ray meets the boxes serves all.
         let entries = node.intersect(simd, &UnitRay::load(simd, ray)).1;
         let entries = simd.store(entries).0;
-        let mut stack = Stack::<WIDTH>::new();
-        let mut met = 0;
-        for (slot, (&count, entry)) in counts.iter().zip(entries).enumerate() {
-            if count > 0 {
-                stack.push((u64::from(entry.to_bits()) << 32) | slot as u64);
-                met += 1;
-            }
-        }
-        stack.sort_top(met);
-        // Popped nearest first; the nearest must lie on top.
-        let mut order = [0; WIDTH];
-        for slot in order.iter_mut().take(met) {
-            *slot = stack.pop().unwrap_or_default() as usize & (WIDTH - 1);
-        }
+        let (order, met) = nearest_first(&counts, &entries);
         let mut places = [0; WIDTH];
         // The list may be continued by a vector of its own.
         let mut top = end + LANES;
@@ -327,6 +314,32 @@ impl StreamScratch {
             }
         }
     }
+}
+
+/// The children that rays meet, nearest first by the bits of their entries, and their number. By ranks, since the branches of a sort are
+/// mispredicted.
+#[inline(always)]
+fn nearest_first(counts: &[usize; WIDTH], entries: &[f32; WIDTH]) -> ([usize; WIDTH], usize) {
+    // No two keys are equal: entries are not negative, and their last bits are replaced by the slot.
+    let slots = WIDTH as u32 - 1;
+    let (mut keys, mut met) = ([0; WIDTH], 0);
+    for (slot, key) in (0..).zip(&mut keys) {
+        let at = slot as usize;
+        let is_met = counts[at] > 0;
+        *key = (if is_met { entries[at].to_bits() } else { u32::MAX }) & !slots | slot;
+        met += usize::from(is_met);
+    }
+    let mut ranks = [0; WIDTH];
+    for key in keys {
+        for (rank, other) in ranks.iter_mut().zip(keys) {
+            *rank += u32::from(key < other);
+        }
+    }
+    let mut order = [0; WIDTH];
+    for (slot, rank) in ranks.into_iter().enumerate() {
+        order[rank as usize & (WIDTH - 1)] = slot;
+    }
+    (order, met)
 }
 
 /// A matrix of 8 x 8 bits, a row per byte, transposed: blocks of 1, 2 and 4 bits change places with those across the diagonal.
@@ -353,6 +366,14 @@ fn ones(x: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn children_that_are_met_come_nearest_first() {
+        let counts = [3, 0, 1, 1, 0, 2, 0, 9];
+        let entries = [0.5, 0.0, 0.25, 0.0, f32::INFINITY, 7.0, 1.0, 0.25];
+        let (order, met) = nearest_first(&counts, &entries);
+        assert_eq!(&order[..met], [3, 2, 7, 0, 5]);
+    }
 
     #[test]
     fn bits_are_transposed_and_counted() {
