@@ -7,7 +7,7 @@
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
-use super::contraction::{LocalRoot, MapBounds};
+use super::contraction::{LocalRoot, MapBounds, PlanarJet};
 use super::control_net;
 use super::leaf::{LeafProjection, PatchLeaf};
 use super::parameter_rect::DyadicRect;
@@ -237,11 +237,12 @@ impl<const COORDINATES: usize> Bicubic<COORDINATES> {
                     let uncertainty = projection.uncertainty(&bounds) * leaf.part.width();
                     return Some(self.root(simd, space, x, uncertainty, from));
                 }
-                NewtonExit::Left { at, f } => {
-                    let x = (at - leaf.part.middle()) / leaf.part.width();
+                NewtonExit::Left { at, jet } => {
+                    let half = leaf.part.width();
+                    let x = (at - leaf.part.middle()) / half;
                     if projection.certificate.excludes(
                         x,
-                        f,
+                        &PlanarJet { f: jet.f, fs: jet.fs * half.x, ft: jet.ft * half.y },
                         self.weight(simd, at),
                         projection.inverse_determinant,
                         &bounds,

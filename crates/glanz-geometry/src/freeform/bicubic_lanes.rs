@@ -122,11 +122,10 @@ fn cubic<S: Simd>(simd: S, [a, b, c, d]: [S::Wide; 4], x: S::Wide, square: S::Wi
     simd.mul_add8(simd.mul_add8(d, x, c), square, simd.mul_add8(b, x, a))
 }
 
-/// The derivative of a cubic at `x`.
+/// The derivative of a cubic at x, by 2 x and 3 x^2.
 #[inline(always)]
-fn slope<S: Simd>(simd: S, [_, b, c, d]: [S::Wide; 4], x: S::Wide, square: S::Wide) -> S::Wide {
-    let (two, three) = (simd.add8(c, c), simd.mul8(d, simd.splat8(3.0)));
-    simd.mul_add8(three, square, simd.mul_add8(two, x, b))
+fn slope<S: Simd>(simd: S, [_, b, c, d]: [S::Wide; 4], [double, triple]: [S::Wide; 2]) -> S::Wide {
+    simd.mul_add8(d, triple, simd.mul_add8(c, double, b))
 }
 
 /// The polynomial at `x` by Horner's rule.
@@ -187,18 +186,20 @@ impl<S: Simd> ProjectedLanes<S> {
     #[inline(always)]
     pub(super) fn jet(&self, simd: S, x: [S::Wide; 2]) -> JetLanes<S> {
         let [s, t] = x;
-        let (s2, t2) = (simd.mul8(s, s), simd.mul8(t, t));
+        let (s2, t2, three) = (simd.mul8(s, s), simd.mul8(t, t), simd.splat8(3.0));
+        let by_s = [simd.add8(s, s), simd.mul8(three, s2)];
+        let by_t = [simd.add8(t, t), simd.mul8(three, t2)];
         let (mut f, mut fs, mut ft) = ([s; 2], [s; 2], [s; 2]);
         for (k, rows) in self.across.iter().enumerate() {
             let (mut values, mut slopes) = ([s; 4], [s; 4]);
             for j in 0..4 {
                 let column = [rows[j], rows[4 + j], rows[8 + j], rows[12 + j]];
                 values[j] = cubic(simd, column, s, s2);
-                slopes[j] = slope(simd, column, s, s2);
+                slopes[j] = slope(simd, column, by_s);
             }
             f[k] = cubic(simd, values, t, t2);
             fs[k] = cubic(simd, slopes, t, t2);
-            ft[k] = slope(simd, values, t, t2);
+            ft[k] = slope(simd, values, by_t);
         }
         JetLanes { f, fs, ft }
     }

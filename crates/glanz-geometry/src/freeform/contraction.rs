@@ -10,7 +10,7 @@ use super::ray_space::cross;
 
 /// Distance from the ray, in units of the noise, within which a point counts as hit: the noise of both leaves at a common
 /// border.
-const MET: f64 = 2.0;
+pub(super) const MET: f64 = 2.0;
 
 /// Relative error of the terms of a determinant and of a step computed from it.
 pub(super) const ROUNDED: f64 = 8.0 * f64::EPSILON;
@@ -38,7 +38,7 @@ impl PlanarJet {
     /// The step that Newton's method subtracts.
     #[inline(always)]
     pub(super) fn newton_step(&self) -> DVec2 {
-        DVec2::new(cross(self.f, self.ft), cross(self.fs, self.f)) / cross(self.fs, self.ft)
+        DVec2::new(cross(self.f, self.ft), cross(self.fs, self.f)) * (1.0 / cross(self.fs, self.ft))
     }
 }
 
@@ -51,16 +51,40 @@ pub(super) struct Certificate {
 }
 
 impl Certificate {
-    /// Whether the value `f` at a point `x` of the square proves that the square has no root. `f` has been multiplied by
-    /// `weight`; `per` is the inverse of the determinant.
+    /// Whether the jet at a point `x` of the square proves that the square has no root. The jet has been multiplied by `weight`;
+    /// `per` is the inverse of the determinant.
+    ///
+    /// The simplified step ends within q times the distance of a root y from it, so that |y - x| is at most its length / (1 - q). By
+    /// Taylor's formula J (y - x) = -f - r with |r| <= c |y - x|^2, where c is the curvature bound: Newton's step ends within |J^-1 r|
+    /// of the root. That bounds |y - x| anew, closer most often, and in the end how far beyond the border the step may lead.
     #[inline(always)]
-    pub(super) fn excludes(&self, x: DVec2, f: DVec2, weight: f64, per: f64, bounds: &MapBounds) -> bool {
-        let f = f / weight;
-        let simple = DVec2::new(cross(f, self.b), cross(self.a, f)) * per;
-        let uncertainty = self.uncertainty(per, bounds) / weight;
-        // The root lies in a ball of that radius around the end of the simplified step.
-        let ball = simple.length() * self.q / (1.0 - self.q);
-        (x - simple).abs().max_element() > 1.0 + ball + uncertainty.max_element()
+    pub(super) fn excludes(
+        &self,
+        x: DVec2,
+        jet: &PlanarJet,
+        weight: f64,
+        per: f64,
+        bounds: &MapBounds,
+    ) -> bool {
+        let &Self { a, b, q } = self;
+        let noise = MET * bounds.noise * bounds.weights[1];
+        let simple = DVec2::new(cross(jet.f, b), cross(a, jet.f)) * per;
+        let unsure = ((a.x.abs() + a.y.abs()) + (b.x.abs() + b.y.abs())) * (noise * per.abs());
+        let mut distance = (simple.length() + unsure) / (weight * (1.0 - q));
+        let step = jet.newton_step();
+        let per = 1.0 / cross(jet.fs, jet.ft);
+        // Squares of the lengths of the rows of J^-1.
+        let rows = DVec2::new(jet.ft.length_squared(), jet.fs.length_squared()) * (per * per);
+        let (size, length) = ((rows.x + rows.y).sqrt(), step.length());
+        let remainder = |distance: f64| bounds.curvature_bound * (distance * distance) + noise;
+        for _ in 0..2 {
+            let closer = length + size * remainder(distance);
+            distance = if closer < distance { closer } else { distance };
+        }
+        let remainder = remainder(distance);
+        let off = rows * (remainder * remainder);
+        let beyond = (x - step).abs() - 1.0;
+        (beyond.x > 0.0 && beyond.x * beyond.x > off.x) || (beyond.y > 0.0 && beyond.y * beyond.y > off.y)
     }
 
     /// Bound on the shift of a root by rounding.
@@ -220,10 +244,13 @@ mod tests {
         }
     }
 
+    fn weighted(jet: PlanarJet, weight: f64) -> PlanarJet {
+        PlanarJet { f: jet.f * weight, fs: jet.fs * weight, ft: jet.ft * weight }
+    }
+
     #[test]
     fn no_root_inside_is_excluded_whatever_the_weight() {
-        let bounds =
-            MapBounds { noise: 1e-15, curvature_bound: f64::INFINITY, weights: [0.25, 4.0], steps: 200 };
+        let bounds = MapBounds { noise: 1e-15, curvature_bound: 0.4, weights: [0.25, 4.0], steps: 200 };
         for k in 0..20_000 {
             let turn = |a: f64| 2.0 * (f64::from(k) * a).fract() - 1.0;
             let (curvature, weight) = (0.2 * (1.0 + turn(0.377)), 4.0_f64.powf(turn(0.219)));
@@ -232,12 +259,18 @@ mod tests {
             let map = CurvedMap { root, curvature };
             let certificate = Certificate { a: DVec2::X, b: DVec2::Y, q: 2.0 * curvature };
             let x = DVec2::new(turn(0.541), turn(0.127));
-            let excluded = certificate.excludes(x, map.jet(x).f * weight, weight, 1.0, &bounds);
+            let bounds = MapBounds { curvature_bound: curvature * weight, ..bounds };
+            let excluded = certificate.excludes(x, &weighted(map.jet(x), weight), weight, 1.0, &bounds);
             assert!(!excluded, "{root} {curvature} {weight} from {x}");
         }
-        let map = CurvedMap { root: DVec2::new(1.2, 0.0), curvature: 0.05 };
-        let certificate = Certificate { a: DVec2::X, b: DVec2::Y, q: 0.1 };
-        assert!(certificate.excludes(DVec2::X, map.jet(DVec2::X).f * 3.0, 3.0, 1.0, &bounds));
+        // From any point from which a step leaves the square, next to the border as well.
+        for (x, curvature) in [(1.2, 0.05), (1.2, 0.25), (1.0 + 1e-9, 0.25)] {
+            let map = CurvedMap { root: DVec2::new(x, 0.0), curvature };
+            let certificate = Certificate { a: DVec2::X, b: DVec2::Y, q: 2.0 * curvature };
+            let bounds = MapBounds { curvature_bound: 3.0 * curvature, ..bounds };
+            let jet = weighted(map.jet(DVec2::X), 3.0);
+            assert!(certificate.excludes(DVec2::X, &jet, 3.0, 1.0, &bounds), "{x} {curvature}");
+        }
     }
 
     #[test]

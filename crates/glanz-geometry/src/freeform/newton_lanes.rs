@@ -3,8 +3,9 @@
 
 use super::bicubic::POWERS;
 use super::bicubic_lanes::{PatchConstant, PatchLanes, ProjectedLanes, value};
+use super::contraction::MET;
 use super::leaf::PatchLeaf;
-use super::pair_lanes::{BoundLanes, PairLanes, RootLanes};
+use super::pair_lanes::{BoundLanes, JetLanes, PairLanes, RootLanes};
 use super::projected_bicubic::MAX_NEWTON_STEPS;
 use super::ray_lanes::{cross, dot2, dot3};
 use crate::bvh::simd::Simd;
@@ -119,8 +120,8 @@ struct NewtonLanes<S: Simd> {
     left: u32,
     /// The root, or the last point before a step that left the leaf.
     x: [S::Wide; 2],
-    /// The value at the last point.
-    f: [S::Wide; 2],
+    /// The jet at that point.
+    jet: JetLanes<S>,
 }
 
 /// Newton's method from the projections; see [`ProjectedBicubic::newton`](super::projected_bicubic::ProjectedBicubic::newton).
@@ -146,7 +147,7 @@ fn newton<S: Simd>(
     for k in 0..2 {
         x[k] = simd.min8(simd.max8(simd.sub8(x[k], step[k]), low[k]), high[k]);
     }
-    let mut end = NewtonLanes { converged: 0, left: 0, x, f: [one; 2] };
+    let mut end = NewtonLanes { converged: 0, left: 0, x, jet };
     let mut open = pairs.mask;
     for _ in 0..MAX_NEWTON_STEPS {
         let jet = map.jet(simd, x);
@@ -161,7 +162,9 @@ fn newton<S: Simd>(
         let converged = open & inside & jet.ends(simd, bounds, det, step, per_half);
         for k in 0..2 {
             end.x[k] = simd.select8(left, x[k], simd.select8(converged, next[k], end.x[k]));
-            end.f[k] = simd.select8(left, jet.f[k], end.f[k]);
+            end.jet.f[k] = simd.select8(left, jet.f[k], end.jet.f[k]);
+            end.jet.fs[k] = simd.select8(left, jet.fs[k], end.jet.fs[k]);
+            end.jet.ft[k] = simd.select8(left, jet.ft[k], end.jet.ft[k]);
         }
         end.converged |= converged;
         end.left |= left;
@@ -185,26 +188,51 @@ fn excludes<S: Simd>(
     weight: Option<S::Wide>,
     rect: &RectLanes<S>,
 ) -> u32 {
-    let PairLanes { a, b, q, inverse_determinant: per, .. } = *pairs;
-    let f = match weight {
-        Some(weight) => [simd.div8(newton.f[0], weight), simd.div8(newton.f[1], weight)],
-        None => newton.f,
-    };
+    let PairLanes { a, b, q, inverse_determinant, .. } = *pairs;
+    let (zero, one) = (simd.splat8(0.0), simd.splat8(1.0));
+    let RectLanes { middle, half, per_half } = *rect;
+    let noise = simd.mul8(simd.mul8(simd.splat8(MET), bounds.noise), bounds.weights[1]);
+    let JetLanes { f, fs: [fsx, fsy], ft: [ftx, fty] } = newton.jet;
+    let fs = [simd.mul8(fsx, half[0]), simd.mul8(fsy, half[0])];
+    let ft = [simd.mul8(ftx, half[1]), simd.mul8(fty, half[1])];
+    let jet = JetLanes { f, fs, ft };
+    let per = inverse_determinant;
     let simple = [simd.mul8(cross(simd, f, b), per), simd.mul8(cross(simd, a, f), per)];
-    let factor =
-        simd.mul8(simd.mul8(simd.mul8(simd.splat8(2.0), bounds.noise), bounds.weights[1]), simd.abs8(per));
-    let one = simd.splat8(1.0);
-    let ball = simd.div8(simd.mul8(simd.sqrt8(dot2(simd, simple, simple)), q), simd.sub8(one, q));
-    let (mut away, mut unsure) = ([one; 2], [one; 2]);
-    for k in 0..2 {
-        let x = simd.mul8(simd.sub8(newton.x[k], rect.middle[k]), rect.per_half[k]);
-        away[k] = simd.abs8(simd.sub8(x, simple[k]));
-        let side = if k == 0 { b } else { a };
-        unsure[k] = simd.mul8(simd.sqrt8(dot2(simd, side, side)), factor);
-        if let Some(weight) = weight {
-            unsure[k] = simd.div8(unsure[k], weight);
-        }
+    let sum_a = simd.add8(simd.abs8(a[0]), simd.abs8(a[1]));
+    let sum_b = simd.add8(simd.abs8(b[0]), simd.abs8(b[1]));
+    let unsure = simd.mul8(simd.add8(sum_a, sum_b), simd.mul8(noise, simd.abs8(per)));
+    let contraction = simd.sub8(one, q);
+    let scale = match weight {
+        Some(weight) => simd.mul8(weight, contraction),
+        None => contraction,
+    };
+    let sum = simd.add8(simd.sqrt8(dot2(simd, simple, simple)), unsure);
+    let mut distance = simd.div8(sum, scale);
+    let det = cross(simd, fs, ft);
+    let step = jet.newton_step(simd, det);
+    let per = simd.div8(one, det);
+    let per2 = simd.mul8(per, per);
+    let rows = [simd.mul8(dot2(simd, ft, ft), per2), simd.mul8(dot2(simd, fs, fs), per2)];
+    let size = simd.sqrt8(simd.add8(rows[0], rows[1]));
+    let length = simd.sqrt8(dot2(simd, step, step));
+    for _ in 0..2 {
+        let remainder = remainder(simd, bounds, distance, noise);
+        distance = simd.min8(simd.add8(length, simd.mul8(size, remainder)), distance);
     }
-    let limit = simd.add8(simd.add8(one, ball), simd.max8(unsure[0], unsure[1]));
-    simd.less8(limit, simd.max8(away[0], away[1]))
+    let remainder = remainder(simd, bounds, distance, noise);
+    let remainder2 = simd.mul8(remainder, remainder);
+    let mut excluded = 0;
+    for k in 0..2 {
+        let x = simd.mul8(simd.sub8(newton.x[k], middle[k]), per_half[k]);
+        let beyond = simd.sub8(simd.abs8(simd.sub8(x, step[k])), one);
+        let off = simd.mul8(rows[k], remainder2);
+        excluded |= simd.less8(zero, beyond) & simd.less8(off, simd.mul8(beyond, beyond));
+    }
+    excluded
+}
+
+/// Bound on the error of a linear step of length `distance`.
+#[inline(always)]
+fn remainder<S: Simd>(simd: S, bounds: &BoundLanes<S>, distance: S::Wide, noise: S::Wide) -> S::Wide {
+    simd.add8(simd.mul8(bounds.curvature_bound, simd.mul8(distance, distance)), noise)
 }

@@ -48,7 +48,8 @@ impl<S: Simd> JetLanes<S> {
     #[inline(always)]
     pub(super) fn newton_step(&self, simd: S, det: S::Wide) -> [S::Wide; 2] {
         let Self { f, fs, ft } = *self;
-        [simd.div8(cross(simd, f, ft), det), simd.div8(cross(simd, fs, f), det)]
+        let per = simd.div8(simd.splat8(1.0), det);
+        [simd.mul8(cross(simd, f, ft), per), simd.mul8(cross(simd, fs, f), per)]
     }
 
     /// Lanes in which the end of a step needs no evaluation.

@@ -60,8 +60,8 @@ enum BicubicCellClass {
 pub(super) enum NewtonExit {
     /// The only root.
     Converged(DVec2),
-    /// A step left the part, from this point with this value.
-    Left { at: DVec2, f: DVec2 },
+    /// A step left the part, from this point with this jet.
+    Left { at: DVec2, jet: PlanarJet },
     /// The steps did not converge.
     Open,
 }
@@ -72,8 +72,8 @@ fn horner<S: Simd>(simd: S, [a, b, c, d]: &[S::F64; 4], x: S::F64) -> (S::F64, S
     // In pairs, which has a shorter chain of dependent operations than Horner's rule.
     let square = simd.mul64(x, x);
     let (low, high) = (simd.mul_add64(*b, x, *a), simd.mul_add64(*d, x, *c));
-    let (two, three) = (simd.add64(*c, *c), simd.mul64(*d, simd.splat64(3.0)));
-    (simd.mul_add64(high, square, low), simd.mul_add64(three, square, simd.mul_add64(two, x, *b)))
+    let (double, triple) = (simd.add64(x, x), simd.mul64(simd.splat64(3.0), square));
+    (simd.mul_add64(high, square, low), simd.mul_add64(*d, triple, simd.mul_add64(*c, double, *b)))
 }
 
 /// The polynomial with these coefficients at (s, t).
@@ -129,7 +129,7 @@ impl<S: Simd> ProjectedBicubic<S> {
             // NaN is not inside.
             let inside = next.cmpge(low).all() && next.cmple(high).all();
             if !inside {
-                return NewtonExit::Left { at: x, f: jet.f };
+                return NewtonExit::Left { at: x, jet };
             }
             // After a step whose error by curvature is below rounding, no evaluation is needed.
             if bounds.end_with(step, half, &jet) {
