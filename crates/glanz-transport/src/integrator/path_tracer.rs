@@ -10,8 +10,9 @@ use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
-/// Number of scattering events before Russian roulette may end a path.
-pub(super) const ROULETTE_FROM: u32 = 2;
+/// Number of scattering events before Russian roulette may end a path. The first bounces carry most of the variance of indirect light, and
+/// ending them saves little time.
+pub(super) const ROULETTE_FROM: u32 = 4;
 
 /// Dimensions of the sampler per scattering event, so that an event has the same dimensions in every sample.
 pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
@@ -95,7 +96,7 @@ pub(super) struct RouletteState {
 }
 
 impl RouletteState {
-    /// Survival by the remaining throughput, from the second event on (document 003 section 3.1.4).
+    /// Survival by the remaining throughput, from event [`ROULETTE_FROM`] on (document 003 section 3.1.4).
     pub(super) fn by_throughput(&self) -> f64 {
         if self.depth < ROULETTE_FROM { 1.0 } else { f64::from(self.importance.max_component()).min(1.0) }
     }

@@ -256,3 +256,14 @@ pub(crate) fn assert_same(a: &Picture, b: &Picture, largest_error: f64, name: &s
     }
     squares / count
 }
+
+/// The sum over pixels and bands of the squared differences of two pictures, divided by the sum of their variances: 1 on average for pictures of
+/// the same expectation, also where the variances of single pixels are not known well.
+pub(crate) fn pooled_square(a: &Picture, b: &Picture) -> f64 {
+    let (mut squares, mut variance) = (0.0, 0.0);
+    for band in 0..3 {
+        squares += a.mean[band].iter().zip(&b.mean[band]).map(|(a, b)| (a - b).powi(2)).sum::<f64>();
+        variance += a.variance[band].iter().chain(&b.variance[band]).sum::<f64>();
+    }
+    squares / variance
+}

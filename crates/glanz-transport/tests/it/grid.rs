@@ -83,12 +83,19 @@ fn no_guide_changes_the_expected_picture() {
         let outcome = run.outcome(&scene);
         assert!(active(&outcome) > 20, "{settings}: the guide is hardly used");
         let guided = run.picture_of(&outcome);
-        let mean = assert_same(&path, &guided, 0.015, settings);
-        // As in `guided`, for 80 pixels: chi-square with 80 degrees of freedom has mean 80 +- 12.6. A density alone draws rare and
-        // very bright samples (document 003 section 3.4.1.1): the variance of single pixels comes out too low as long as they are
-        // missing. Here the sum is 1.7 and 2.5 times the degrees of freedom at most, and falls to 1.1 and 1.4 with four times the samples.
-        let bound = if settings.contains("mixture=on") { 1.0 + 4.0 * 12.6 / 80.0 } else { 4.0 };
-        assert!(mean < bound, "{settings}: {mean}");
+        // A density alone draws rare and very bright samples (document 003 section 3.4.1.1), of which one may double the standard error.
+        let is_mixture = settings.contains("mixture=on");
+        let mean = assert_same(&path, &guided, if is_mixture { 0.015 } else { 0.03 }, settings);
+        if is_mixture {
+            // As in `guided`, for 80 pixels: chi-square with 80 degrees of freedom has mean 80 +- 12.6.
+            assert!(mean < 1.0 + 4.0 * 12.6 / 80.0, "{settings}: {mean}");
+        } else {
+            // As long as the bright samples are missing from a pixel, its variance comes out too low: the sum above is 0.9 to 4.3 times the
+            // degrees of freedom, depending on the seed, and 0.9 to 1.8 times with four times the samples. The pixels that have them make up
+            // for the others: pooled, these four settings and six seeds give 0.5 to 1.9, on average 1.03.
+            let pooled = pooled_square(&path, &guided);
+            assert!(pooled < 2.5, "{settings}: {pooled}");
+        }
     }
 }
 
