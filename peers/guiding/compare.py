@@ -68,10 +68,10 @@ def built(package, name, *kind):
 
 
 class Glanz:
-    """Glanz with one of its integrators."""
+    """Glanz with one of its integrators; `more`: further options."""
 
-    def __init__(self, name, program, integrator):
-        self.name, self.program, self.integrator = name, program, integrator
+    def __init__(self, name, program, integrator, *more):
+        self.name, self.program, self.integrator, self.more = name, program, integrator, more
         # All integrators converge to the same picture.
         self.reference = "glanz"
 
@@ -89,7 +89,7 @@ class Glanz:
 
     def render(self, room, seconds, seed):
         with tempfile.TemporaryDirectory() as folder:
-            return self.call(room, pathlib.Path(folder) / "picture.exr", "--time", seconds, "--seed", seed)
+            return self.call(room, pathlib.Path(folder) / "picture.exr", "--time", seconds, "--seed", seed, *self.more)
 
     def converged(self, room, samples):
         """The reference of Glanz; its checkpoint makes it resumable."""
@@ -244,7 +244,10 @@ def all_renderers(arguments):
     program = arguments.glanz or built("glanz-cli", "glanz", "--bin", "glanz")
     python, blender = arguments.python, arguments.blender
     known = [Glanz("glanz", program, "path")]
-    if "guided" in subprocess.run([program, "render", "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout:
+    options = subprocess.run([program, "render", "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    if "--branching" in options:
+        known.append(Glanz("glanz-branching", program, "path", "--branching", 4))
+    if "guided" in options:
         known.append(Glanz("glanz-guided", program, "guided"))
     known += [Peer("mitsuba", python, "render_mitsuba.py"),
               Peer("mitsuba-llvm", python, "render_mitsuba.py", "--vectorised", reference="mitsuba"),

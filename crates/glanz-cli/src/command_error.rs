@@ -29,6 +29,7 @@ fn is_usage(error: &Error) -> bool {
         Error::NoGuide { .. }
         | Error::NoStoredLight { .. }
         | Error::LightSampling { .. }
+        | Error::Branching { .. }
         | Error::SampleRange { .. }
         | Error::SampleOrder { .. }
         | Error::Accuracy { .. } => true,

@@ -163,6 +163,12 @@ impl PixelSampler {
         self.dimension = dimension;
     }
 
+    /// The same at another index: the numbers of another sample of the pixel.
+    #[must_use]
+    pub fn with_index(self, index: u32) -> Self {
+        Self { index, ..self }
+    }
+
     /// The index of the sample.
     #[must_use]
     pub fn sample_index(&self) -> u32 {

@@ -37,8 +37,8 @@ pub use filter::{Filter, FilterError};
 pub use guide::{GridError, GridGuide, Guide, GuideFileError, GuideSize, Training};
 pub use identity::PictureIdentity;
 pub use integrator::{
-    Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry, IntegratorError,
-    IntegratorSettings, StoredLight,
+    BRANCHING_LIMIT, Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry,
+    IntegratorError, IntegratorSettings, StoredLight,
 };
 pub use merge::{MergeError, merge};
 pub use particle::{Arrival, ParticleFate, ParticlePath, ParticleTracer};

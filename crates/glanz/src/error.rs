@@ -45,6 +45,12 @@ pub enum Error {
         /// Name of the integrator.
         integrator: &'static str,
     },
+    /// A number of branches for an integrator whose paths do not branch.
+    #[error("paths of the integrator \"{integrator}\" do not branch")]
+    Branching {
+        /// Name of the integrator.
+        integrator: &'static str,
+    },
     /// Light sampling is disabled for an integrator that always samples lights.
     #[error("the integrator \"{integrator}\" samples all lights")]
     LightSampling {

@@ -9,7 +9,7 @@ use glanz::RenderOptions;
 use glanz::sampling::SamplerKind;
 use glanz::sampling::exact::MAX_TERMS;
 use glanz::scene::description::GuideSettings;
-use glanz::transport::{Aov, AovSet, INTEGRATORS};
+use glanz::transport::{Aov, AovSet, BRANCHING_LIMIT, INTEGRATORS};
 use glanz_terminal::values::{one_of, sample_range, seconds, size, switch};
 
 use super::common::{JobArguments, SceneArgument, ToneArguments};
@@ -116,6 +116,9 @@ pub(crate) struct RenderArguments {
     /// Whether lights are sampled at every hit; otherwise paths find them by chance
     #[arg(long, value_name = "on|off", value_parser = switch)]
     samplelights: Option<bool>,
+    /// Number of paths into which a camera ray divides at its first rough surface (integrators path and distributed)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(BRANCHING_LIMIT)))]
+    pub(crate) branching: Option<u32>,
     /// Sample directions from this guide, without learning (integrator guided)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "guide_out")]
     pub(crate) guide_in: Option<PathBuf>,
@@ -144,6 +147,7 @@ impl RenderArguments {
             sample_range: self.samples.clone(),
             time_limit: self.time,
             light_sampling: self.samplelights,
+            branching: self.branching,
             guide: self.guide,
             guide_input: self.guide_in.clone(),
             guide_output: self.guide_out.clone(),

@@ -145,6 +145,7 @@ fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages)
         }
         Error::NoStoredLight { .. } => Some("--light-in".to_owned()),
         Error::LightSampling { .. } => Some("--samplelights off".to_owned()),
+        Error::Branching { .. } => arguments.branching.map(|count| format!("--branching {count}")),
         Error::SampleRange { .. } | Error::SampleOrder { .. } => {
             arguments.samples.as_ref().map(|range| format!("--samples {}..{}", range.start, range.end))
         }

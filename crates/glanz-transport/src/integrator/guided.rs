@@ -10,7 +10,7 @@ use glanz_scene::{LightId, Scene};
 
 use super::path::BsdfDirections;
 use super::path_state::SampledDirection;
-use super::path_tracer::{BATCH, DirectionSampler, PathTracer, RouletteState};
+use super::path_tracer::{DirectionSampler, PathTracer, RouletteState};
 use super::vertex::{ScatteredRay, Vertex};
 use super::{Context, Integrator, IntegratorSettings, grid_guided, radiance_of_one};
 use crate::guide::{
@@ -80,7 +80,7 @@ impl Integrator for Guided {
     }
 
     fn batch(&self) -> usize {
-        BATCH
+        self.tracer.batch()
     }
 
     fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {

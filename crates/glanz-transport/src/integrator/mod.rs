@@ -111,7 +111,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         name: "path",
         description: "unidirectional path tracing with light sampling and multiple importance sampling",
         default_max_depth: 5,
-        default_branching: None,
+        default_branching: Some(1),
         light_sampling_is_optional: true,
         guided: false,
         build: |settings| Box::new(Path::new(settings)),
@@ -197,7 +197,7 @@ pub struct IntegratorSettings {
     pub max_depth: u32,
     /// Whether lights are sampled at every hit; otherwise they are found by BSDF sampling alone.
     pub light_sampling: bool,
-    /// Number of rays from a hit.
+    /// Number of rays from the first rough surface on the way of a camera ray.
     pub branching: u32,
     /// The kind of guide to train.
     pub guide: GuideSettings,

@@ -4,7 +4,7 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
 
 use super::path_state::SampledDirection;
-use super::path_tracer::{BATCH, DirectionSampler, PathTracer};
+use super::path_tracer::{DirectionSampler, PathTracer};
 use super::vertex::{ScatteredRay, Vertex};
 use super::{Context, Integrator, IntegratorSettings, radiance_of_one};
 
@@ -12,11 +12,14 @@ use super::{Context, Integrator, IntegratorSettings, radiance_of_one};
 ///
 /// At every scattering event one light is sampled, too; light that both techniques can find is weighted by the power heuristic
 /// (@veach1995). Without light sampling, light is found by chance alone, and that of point and directional lights never.
+///
+/// At its first rough surface a camera ray divides into [`IntegratorSettings::branching`] paths, each with a light and a direction of its own: where
+/// indirect light has most of the variance, camera ray and film cost less per path.
 #[derive(Clone, Copy, Debug)]
 pub struct Path(PathTracer);
 
 impl Path {
-    /// With the depth and the light sampling of `settings`.
+    /// With depth, light sampling and branching of `settings`.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
         Self(PathTracer::new(settings))
@@ -29,7 +32,7 @@ impl Integrator for Path {
     }
 
     fn batch(&self) -> usize {
-        BATCH
+        self.0.batch()
     }
 
     fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {

@@ -17,7 +17,14 @@ pub(super) struct PathRay<P> {
 }
 
 /// State of a path.
+#[derive(Clone, Copy)]
 pub(super) struct PathState<P> {
+    /// The index of its sample in the batch.
+    pub(super) sample: u32,
+    /// The index of its numbers among those of the pixel, see [`PathState::branch`].
+    pub(super) number: u32,
+    /// Number of paths into which it divides at its first rough surface.
+    pub(super) branches: u32,
     /// Whether it continues.
     pub(super) is_active: bool,
     pub(super) ray: Ray,
@@ -36,6 +43,7 @@ pub(super) struct PathState<P> {
 }
 
 /// What waits at a vertex until its shadow ray is traced.
+#[derive(Clone, Copy)]
 pub(super) struct PendingVertex<P> {
     pub(super) place: Option<P>,
     pub(super) light: Option<PendingLight>,
@@ -43,6 +51,7 @@ pub(super) struct PendingVertex<P> {
 }
 
 /// Light sampled at a vertex.
+#[derive(Clone, Copy)]
 pub(super) struct PendingLight {
     pub(super) id: LightId,
     /// Probability of the choice of the light.
@@ -64,9 +73,12 @@ impl<P> PendingVertex<P> {
 }
 
 impl<P: Copy> PathState<P> {
-    /// A path that starts at the camera.
-    pub(super) fn new(context: &Context<'_>) -> Self {
+    /// A path that starts at the camera. `sample`: the index of its sample in the batch.
+    pub(super) fn new(context: &Context<'_>, sample: u32, branches: u32) -> Self {
         Self {
+            sample,
+            number: context.sampler.sample_index(),
+            branches,
             is_active: true,
             ray: context.camera_ray,
             light: Spectrum::BLACK,
@@ -77,6 +89,18 @@ impl<P: Copy> PathState<P> {
             depth: 0,
             interfaces: 0,
             pending: PendingVertex { place: None, light: None, direction: None },
+        }
+    }
+
+    /// Branch `branch` of a path, with its part of the throughput and without the light so far. The branches of all samples of a pixel have
+    /// consecutive numbers, so that those of a sample are well distributed, and those of all samples too.
+    pub(super) fn branch(&self, branch: u32) -> Self {
+        Self {
+            number: self.number.wrapping_mul(self.branches).wrapping_add(branch),
+            branches: 1,
+            light: Spectrum::BLACK,
+            throughput: self.throughput * (1.0 / self.branches as f32),
+            ..*self
         }
     }
 

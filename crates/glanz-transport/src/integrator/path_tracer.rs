@@ -111,17 +111,24 @@ impl RouletteState {
 pub(super) struct PathTracer {
     max_depth: u32,
     light_sampling: bool,
+    branching: u32,
 }
 
 impl PathTracer {
-    /// With the depth and the light sampling of `settings`.
+    /// With depth, light sampling and branching of `settings`.
     pub(super) fn new(settings: &IntegratorSettings) -> Self {
-        Self { max_depth: settings.max_depth, light_sampling: settings.light_sampling }
+        let IntegratorSettings { max_depth, light_sampling, branching, .. } = *settings;
+        Self { max_depth, light_sampling, branching }
     }
 
-    /// Radiance estimates of paths. `directions`: the sampler of each path.
+    /// Number of samples with which it is fastest.
+    pub(super) fn batch(&self) -> usize {
+        (BATCH / self.branching as usize).max(1)
+    }
+
+    /// Radiance estimates of paths. `directions`: the sampler of each sample.
     ///
-    /// All paths advance from vertex to vertex together, so that their rays are traced as batches. The estimate of a path does not
+    /// All paths advance from vertex to vertex together, so that their rays are traced as batches. The estimate of a sample does not
     /// depend on the others.
     pub(super) fn radiance<D: DirectionSampler>(
         &self,
@@ -129,23 +136,31 @@ impl PathTracer {
         directions: &mut [D],
         radiance: &mut Vec<Spectrum>,
     ) {
-        let mut paths: Vec<PathState<D::VertexData>> = contexts.iter().map(PathState::new).collect();
+        let new = |(sample, context)| PathState::new(context, sample, self.branching);
+        let mut paths: Vec<PathState<D::VertexData>> = (0..).zip(contexts.iter()).map(new).collect();
         let mut active: Vec<u32> = (0..paths.len() as u32).collect();
-        let mut pending_lights: Vec<u32> = Vec::new();
+        let (mut branches, mut pending_lights) = (Vec::new(), Vec::<u32>::new());
         let (mut rays, mut hits, mut occluded) = (Vec::new(), Vec::new(), Vec::new());
-        while let Some(scene) = active.first().map(|&first| contexts[first as usize].scene) {
+        let Some(scene) = contexts.first().map(|context| context.scene) else { return radiance.clear() };
+        while !active.is_empty() {
             rays.clear();
             rays.extend(active.iter().map(|&path| BoundedRay::from(paths[path as usize].ray)));
             scene.closest_batch(&rays, &mut hits);
+            for (&index, hit) in active.iter().zip(&hits) {
+                let path = &mut paths[index as usize];
+                let at = path.sample as usize;
+                contexts[at].counters.closest += 1;
+                path.is_active =
+                    self.scatter(&mut contexts[at], &mut directions[at], path, hit.as_ref(), &mut branches);
+            }
+            active.extend(paths.len() as u32..(paths.len() + branches.len()) as u32);
+            paths.append(&mut branches);
             rays.clear();
             pending_lights.clear();
-            for (&index, hit) in active.iter().zip(&hits) {
-                let at = index as usize;
-                let (context, path) = (&mut contexts[at], &mut paths[at]);
-                context.counters.closest += 1;
-                path.is_active = self.scatter(context, &mut directions[at], path, hit.as_ref());
+            for &index in &active {
+                let path = &paths[index as usize];
                 if let Some(light) = &path.pending.light {
-                    context.counters.shadow += 1;
+                    contexts[path.sample as usize].counters.shadow += 1;
                     rays.push(light.shadow);
                     pending_lights.push(index);
                 }
@@ -155,23 +170,28 @@ impl PathTracer {
                 paths[index as usize].pending.occlude();
             }
             for &index in &active {
-                let at = index as usize;
-                paths[at].complete_vertex(&contexts[at], &mut directions[at]);
+                let path = &mut paths[index as usize];
+                let at = path.sample as usize;
+                path.complete_vertex(&contexts[at], &mut directions[at]);
             }
             active.retain(|&index| paths[index as usize].is_active);
         }
         radiance.clear();
-        radiance.extend(paths.iter().map(|path| path.light));
+        radiance.resize(contexts.len(), Spectrum::BLACK);
+        for path in &paths {
+            radiance[path.sample as usize] += path.light;
+        }
     }
 
     /// Continues a path from the hit of its ray: adds emitted light, samples a light and the next direction. Returns whether the path
-    /// continues.
+    /// continues. The other branches of a path that divides are added to `branches`.
     fn scatter<D: DirectionSampler>(
         &self,
         context: &mut Context<'_>,
         directions: &mut D,
         path: &mut PathState<D::VertexData>,
         hit: Option<&SceneHit>,
+        branches: &mut Vec<PathState<D::VertexData>>,
     ) -> bool {
         let origin = path.origin.as_ref();
         let Some(hit) = hit else {
@@ -190,21 +210,42 @@ impl PathTracer {
         if path.depth >= self.max_depth {
             return false;
         }
-        context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(path.depth));
+        if path.branches > 1 && !vertex.is_delta() {
+            let first = PathState { light: path.light, ..path.branch(0) };
+            for branch in 1..path.branches {
+                let mut other = path.branch(branch);
+                other.is_active = self.scatter_at(context, directions, &mut other, &vertex);
+                branches.push(other);
+            }
+            *path = first;
+        }
+        self.scatter_at(context, directions, path, &vertex)
+    }
+
+    /// Samples a light and the next direction at a vertex. Returns whether the path continues.
+    fn scatter_at<D: DirectionSampler>(
+        &self,
+        context: &mut Context<'_>,
+        directions: &mut D,
+        path: &mut PathState<D::VertexData>,
+        vertex: &Vertex<'_>,
+    ) -> bool {
+        let mut sampler = context.sampler.with_index(path.number);
+        sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(path.depth));
         path.depth += 1;
         path.interfaces = 0;
         // Related decisions use one group of dimensions: lobe, direction and survival; light and point on it.
-        let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
+        let [x, y, xi_lobe, xi_roulette] = sampler.next_group();
         let xi = DVec2::new(x, y);
-        let place = directions.vertex_data(&vertex);
+        let place = directions.vertex_data(vertex);
         path.pending.place = Some(place);
         if self.light_sampling && !vertex.is_delta() {
-            let [x, y, xi_light, _] = context.sampler.next_group();
+            let [x, y, xi_light, _] = sampler.next_group();
             let (throughput, xi) = (path.throughput, DVec2::new(x, y));
-            path.pending.light = direct_light(context, &vertex, directions, &place, throughput, xi_light, xi);
+            path.pending.light = direct_light(context, vertex, directions, &place, throughput, xi_light, xi);
         }
-        let Some(scattered) = directions.sample(&place, &vertex, xi, xi_lobe) else { return false };
-        let (from, cosine) = (hit.light_sample_context(), vertex.cosine(scattered.direction).abs());
+        let Some(scattered) = directions.sample(&place, vertex, xi, xi_lobe) else { return false };
+        let (from, cosine) = (vertex.at.light_sample_context(), vertex.cosine(scattered.direction).abs());
         let before = path.throughput;
         if D::RECORDS_DIRECTIONS {
             path.pending.direction = Some(SampledDirection { from, scattered, cosine, throughput: before });
@@ -214,7 +255,7 @@ impl PathTracer {
         path.eta_scale *= scattered.eta_scale;
         let importance = path.importance * path.eta_scale;
         let state = RouletteState { depth: path.depth, before, after: path.throughput, importance };
-        let survival = directions.survival(&place, &vertex, &scattered, &state);
+        let survival = directions.survival(&place, vertex, &scattered, &state);
         if survival < 1.0 {
             if xi_roulette >= survival {
                 return false;
@@ -222,7 +263,7 @@ impl PathTracer {
             path.throughput *= (1.0 / survival) as f32;
             path.importance *= (1.0 / survival) as f32;
         }
-        path.ray = hit.spawn(scattered.direction);
+        path.ray = vertex.at.spawn(scattered.direction);
         let from = PreviousVertex { from, pdf: scattered.pdf };
         path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, place });
         true

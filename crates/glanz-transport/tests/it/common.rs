@@ -59,7 +59,7 @@ pub(crate) struct Run {
     pub(crate) integrator: &'static str,
     pub(crate) depth: u32,
     pub(crate) light_sampling: bool,
-    pub(crate) branching: u32,
+    pub(crate) branching: Option<u32>,
     pub(crate) guide: GuideSettings,
     pub(crate) sampler: SamplerKind,
     pub(crate) samples: Range<u32>,
@@ -74,7 +74,7 @@ impl Run {
             integrator,
             depth,
             light_sampling: true,
-            branching: 4,
+            branching: (integrator == "distributed").then_some(4),
             guide: GuideSettings::Tree,
             sampler: SamplerKind::Independent,
             samples: 0..samples,
@@ -87,11 +87,13 @@ impl Run {
         }
     }
 
-    /// `path`, `guided` and `distributed`, each with and without light sampling, and `light`.
+    /// `path`, `guided` and `distributed`, each with and without light sampling, `path` with branches, and `light`.
     pub(crate) fn all_random(depth: u32, samples: u32) -> Vec<Self> {
         let mut runs = vec![Self::new("light", depth, samples)];
-        for integrator in ["path", "guided", "distributed"] {
-            for light_sampling in [true, false] {
+        for light_sampling in [true, false] {
+            let branching = Some(3);
+            runs.push(Self { light_sampling, branching, ..Self::new("path", depth, samples.div_ceil(2)) });
+            for integrator in ["path", "guided", "distributed"] {
                 runs.push(Self { light_sampling, ..Self::new(integrator, depth, samples) });
             }
         }
@@ -105,7 +107,8 @@ impl Run {
     }
 
     pub(crate) fn name(&self) -> String {
-        format!("{} depth {} light sampling {}", self.integrator, self.depth, self.light_sampling)
+        let Self { integrator, depth, light_sampling, branching, .. } = self;
+        format!("{integrator} depth {depth} light sampling {light_sampling} branching {branching:?}")
     }
 
     pub(crate) fn integrator_settings(&self) -> IntegratorSettings {
@@ -113,7 +116,7 @@ impl Run {
             name: self.integrator.to_owned(),
             max_depth: Some(self.depth),
             light_sampling: self.light_sampling,
-            branching: Some(self.branching),
+            branching: self.branching,
             guide: self.guide,
             location: None,
         })

@@ -36,6 +36,7 @@ fn runs() -> Vec<Run> {
     ] {
         runs.push(Run { sampler, aovs: AovSet::ALL, ..Run::new(integrator, 5, 16) });
     }
+    runs.push(Run { branching: Some(3), sampler: SamplerKind::Sobol, ..Run::new("path", 5, 16) });
     runs
 }
 

@@ -51,6 +51,8 @@ pub struct RenderOptions {
     pub time_limit: Option<Duration>,
     /// Whether lights are sampled at every hit; otherwise paths find them by chance.
     pub light_sampling: Option<bool>,
+    /// Number of paths into which a camera ray divides at its first rough surface (integrators `path` and `distributed`).
+    pub branching: Option<u32>,
     /// Kind of guide that the integrator `guided` learns.
     pub guide: Option<GuideSettings>,
     /// File of a guide from which directions are sampled, without learning (integrator `guided`).

@@ -149,9 +149,12 @@ impl RenderOptions {
         let FilmDescription { resolution, .. } = &mut scene.description.film;
         *resolution = self.size.unwrap_or(*resolution);
         let integrator = &mut scene.description.integrator;
-        if let Some(name) = &self.integrator {
+        if let Some(name) = self.integrator.as_ref().filter(|&name| *name != integrator.name) {
             integrator.name.clone_from(name);
+            // The scene has it for its own integrator.
+            integrator.branching = None;
         }
+        integrator.branching = self.branching.or(integrator.branching);
         integrator.guide = self.guide.unwrap_or(integrator.guide);
         integrator.light_sampling = self.light_sampling.unwrap_or(integrator.light_sampling);
     }
@@ -162,6 +165,9 @@ impl RenderOptions {
             .map_err(|error| scene.fault(description.location, format!("integrator: {error}")))?;
         if self.light_sampling.is_some_and(|wanted| wanted != integrator.light_sampling) {
             return Err(Error::LightSampling { integrator: integrator.name() });
+        }
+        if self.branching.is_some_and(|wanted| wanted != integrator.branching) {
+            return Err(Error::Branching { integrator: integrator.name() });
         }
         Ok(integrator)
     }

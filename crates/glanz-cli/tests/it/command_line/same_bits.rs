@@ -242,5 +242,8 @@ fn grid_guide_is_selected_resumed_and_reused_by_the_command_line() {
     folder
         .run("render small.pbrt --integrator whitted --samplelights off -o m.exr")
         .refused(2, &["--samplelights", "whitted"]);
+    folder
+        .run("render small.pbrt --integrator whitted --branching 4 -o m.exr")
+        .refused(2, &["--branching 4", "whitted"]);
     assert!(!folder.has("m.exr"));
 }
