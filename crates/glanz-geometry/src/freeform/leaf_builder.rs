@@ -116,7 +116,7 @@ fn polynomial_bounds(
         }
     }
     let [thickness, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
-    (thickness, m_a, m_b, uu + uv + vv)
+    (thickness, m_a, m_b, uu.max(vv) + 0.5 * uv)
 }
 
 /// The same for a rational patch S = X / W: a quotient is bounded by its numerator over the least denominator.
@@ -169,8 +169,8 @@ fn rational_bounds(
         };
         (0.25 * twice(by) + 0.5 * (rise * second + other * first)) / least
     };
-    let pure = second([true; 2], [rise_a; 2]) + second([false; 2], [rise_b; 2]);
-    (thickness, m_a, m_b, 0.5 * pure + second([true, false], [rise_a, rise_b]))
+    let pure = second([true; 2], [rise_a; 2]).max(second([false; 2], [rise_b; 2]));
+    (thickness, m_a, m_b, 0.5 * (pure + second([true, false], [rise_a, rise_b])))
 }
 
 impl LeafBuilder {
