@@ -120,9 +120,10 @@ pub(super) struct SecondOrderJet {
     pub(super) svv: DVec3,
 }
 
-/// The homogeneous net `points`, that of (i, j) at i (q + 1) + j, and its derivatives by u and by v at (u, v).
+/// The homogeneous net `points`, that of (i, j) at i (q + 1) + j, and its derivatives by u and by v at (u, v), which are zero if they are
+/// not `WANTED`.
 #[inline(always)]
-pub(super) fn first_order<S: Simd>(
+pub(super) fn first_order<S: Simd, const WANTED: bool>(
     simd: S,
     points: &[DVec4],
     degrees: (usize, usize),
@@ -131,17 +132,19 @@ pub(super) fn first_order<S: Simd>(
 ) -> [DVec4; 3] {
     match degrees {
         // The most frequent ones, with loops of a fixed length.
-        (3, 3) => first_order_in::<S, 4>(simd, points, (3, 3), u, v),
-        (4, 4) => first_order_in::<S, 5>(simd, points, (4, 4), u, v),
-        (5, 5) => first_order_in::<S, 6>(simd, points, (5, 5), u, v),
-        (6, 6) => first_order_in::<S, 7>(simd, points, (6, 6), u, v),
-        (7, 7) => first_order_in::<S, 8>(simd, points, (7, 7), u, v),
-        _ => with_room!(degrees.0.max(degrees.1), N => first_order_in::<S, N>(simd, points, degrees, u, v)),
+        (3, 3) => first_order_in::<S, 4, WANTED>(simd, points, (3, 3), u, v),
+        (4, 4) => first_order_in::<S, 5, WANTED>(simd, points, (4, 4), u, v),
+        (5, 5) => first_order_in::<S, 6, WANTED>(simd, points, (5, 5), u, v),
+        (6, 6) => first_order_in::<S, 7, WANTED>(simd, points, (6, 6), u, v),
+        (7, 7) => first_order_in::<S, 8, WANTED>(simd, points, (7, 7), u, v),
+        _ => {
+            with_room!(degrees.0.max(degrees.1), N => first_order_in::<S, N, WANTED>(simd, points, degrees, u, v))
+        }
     }
 }
 
 #[inline(always)]
-fn first_order_in<S: Simd, const N: usize>(
+fn first_order_in<S: Simd, const N: usize, const WANTED: bool>(
     simd: S,
     points: &[DVec4],
     (p, q): (usize, usize),
@@ -157,11 +160,15 @@ fn first_order_in<S: Simd, const N: usize>(
         for ((point, bv), dv) in row.iter().zip(bv).zip(dv) {
             let point = simd.load64(&point.to_array());
             along = simd.mul_add64(point, simd.splat64(bv), along);
-            rise = simd.mul_add64(point, simd.splat64(dv), rise);
+            if WANTED {
+                rise = simd.mul_add64(point, simd.splat64(dv), rise);
+            }
         }
         h = simd.mul_add64(along, simd.splat64(bu), h);
-        hu = simd.mul_add64(along, simd.splat64(du), hu);
-        hv = simd.mul_add64(rise, simd.splat64(bu), hv);
+        if WANTED {
+            hu = simd.mul_add64(along, simd.splat64(du), hu);
+            hv = simd.mul_add64(rise, simd.splat64(bu), hv);
+        }
     }
     [unpack(simd, h), unpack(simd, hu), unpack(simd, hv)]
 }
@@ -206,7 +213,7 @@ impl Task for FirstOrderEvaluation<'_> {
 
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> PatchJet {
-        PatchJet::of(first_order(simd, self.points, self.degrees, self.u, self.v))
+        PatchJet::of(first_order::<S, true>(simd, self.points, self.degrees, self.u, self.v))
     }
 }
 

@@ -146,8 +146,34 @@ struct SurfaceLanes<S: Simd> {
     sv: [S::Wide; 3],
 }
 
-/// The nets and the leaves of eight pairs.
-struct NetLanes<'a, S: Simd, P> {
+impl<S: Simd> SurfaceLanes<S> {
+    /// Evaluates the surface at a point of the leaf in the lanes `open`, of which those in `old` keep their derivatives. Returns the points
+    /// of the derivatives, which were those at `at`.
+    #[inline(always)]
+    fn move_to<const COORDINATES: usize>(
+        &mut self,
+        simd: S,
+        net: &NetLanes<'_, S, impl PointLanes<S>, COORDINATES>,
+        x: [S::Wide; 2],
+        [open, old]: [u32; 2],
+        at: [S::Wide; 2],
+    ) -> [S::Wide; 2] {
+        if open & !old == 0 {
+            self.s = net.surface::<false>(simd, x).s;
+            return at;
+        }
+        let new = net.surface::<true>(simd, x);
+        self.s = new.s;
+        for k in 0..3 {
+            self.su[k] = simd.select8(old, self.su[k], new.su[k]);
+            self.sv[k] = simd.select8(old, self.sv[k], new.sv[k]);
+        }
+        [simd.select8(old, at[0], x[0]), simd.select8(old, at[1], x[1])]
+    }
+}
+
+/// The nets and the leaves of eight pairs. They have 3 coordinates, or 4 if weights differ.
+struct NetLanes<'a, S: Simd, P, const COORDINATES: usize> {
     points: &'a [P],
     degrees: (usize, usize),
     /// Centre and half sides of the leaves, in [0, 1]^2.
@@ -155,7 +181,7 @@ struct NetLanes<'a, S: Simd, P> {
     half: [S::Wide; 2],
 }
 
-impl<S: Simd, P: PointLanes<S>> NetLanes<'_, S, P> {
+impl<S: Simd, P: PointLanes<S>, const COORDINATES: usize> NetLanes<'_, S, P, COORDINATES> {
     /// The parameters in the net of a point of the leaf.
     #[inline(always)]
     fn at(&self, simd: S, x: [S::Wide; 2]) -> [S::Wide; 2] {
@@ -191,22 +217,21 @@ impl<S: Simd, P: PointLanes<S>> NetLanes<'_, S, P> {
         let by_u = BasisLanes::<S, { MOST_DEGREE + 1 }>::new(simd, p, u);
         let by_v = BasisLanes::<S, N>::new(simd, q, v);
         let zero = simd.splat8(0.0);
-        let (mut h, mut hu, mut hv) = ([zero; 4], [zero; 4], [zero; 4]);
+        let (mut h, mut hu, mut hv) = ([zero; COORDINATES], [zero; COORDINATES], [zero; COORDINATES]);
         for (i, row) in self.points.chunks_exact(q + 1).take(p + 1).enumerate() {
-            let (mut along, mut rise) = ([zero; 4], [zero; 4]);
+            let (mut along, mut rise) = ([zero; COORDINATES], [zero; COORDINATES]);
             for (j, point) in row.iter().enumerate() {
                 let coordinates = point.coordinates(simd);
                 let (value, derivative) = (by_v.values[j], by_v.derivatives[j]);
-                for k in 0..4 {
-                    let coordinate = coordinates[k];
-                    along[k] = simd.mul_add8(coordinate, value, along[k]);
+                for k in 0..COORDINATES {
+                    along[k] = simd.mul_add8(coordinates[k], value, along[k]);
                     if WANTED {
-                        rise[k] = simd.mul_add8(coordinate, derivative, rise[k]);
+                        rise[k] = simd.mul_add8(coordinates[k], derivative, rise[k]);
                     }
                 }
             }
             let (value, derivative) = (by_u.values[i], by_u.derivatives[i]);
-            for k in 0..4 {
+            for k in 0..COORDINATES {
                 h[k] = simd.mul_add8(along[k], value, h[k]);
                 if WANTED {
                     hu[k] = simd.mul_add8(along[k], derivative, hu[k]);
@@ -214,13 +239,16 @@ impl<S: Simd, P: PointLanes<S>> NetLanes<'_, S, P> {
                 }
             }
         }
-        let per = simd.div8(simd.splat8(1.0), h[3]);
-        let (mut s, mut su, mut sv) = ([zero; 3], [zero; 3], [zero; 3]);
-        for k in 0..3 {
-            s[k] = simd.mul8(h[k], per);
-            if WANTED {
-                su[k] = simd.mul8(simd.sub8(hu[k], simd.mul8(s[k], hu[3])), per);
-                sv[k] = simd.mul8(simd.sub8(hv[k], simd.mul8(s[k], hv[3])), per);
+        let (mut s, mut su, mut sv) = ([h[0], h[1], h[2]], [hu[0], hu[1], hu[2]], [hv[0], hv[1], hv[2]]);
+        if COORDINATES == 4 {
+            let (w, wu, wv) = (h[COORDINATES - 1], hu[COORDINATES - 1], hv[COORDINATES - 1]);
+            let per = simd.div8(simd.splat8(1.0), w);
+            for k in 0..3 {
+                s[k] = simd.mul8(s[k], per);
+                if WANTED {
+                    su[k] = simd.mul8(simd.sub8(su[k], simd.mul8(s[k], wu)), per);
+                    sv[k] = simd.mul8(simd.sub8(sv[k], simd.mul8(s[k], wv)), per);
+                }
             }
         }
         SurfaceLanes { s, su, sv }
@@ -228,8 +256,8 @@ impl<S: Simd, P: PointLanes<S>> NetLanes<'_, S, P> {
 
     /// The map to the plane across the rays.
     #[inline(always)]
-    fn jet(&self, simd: S, pairs: &PairLanes<S>, x: [S::Wide; 2]) -> JetLanes<S> {
-        let SurfaceLanes { s, su, sv } = self.surface::<true>(simd, x);
+    fn jet(&self, simd: S, pairs: &PairLanes<S>, surface: &SurfaceLanes<S>) -> JetLanes<S> {
+        let SurfaceLanes { s, su, sv } = *surface;
         let from = from(simd, pairs, s);
         let [a, b] = pairs.rays.axes;
         let [hu, hv] = self.half;
@@ -238,6 +266,17 @@ impl<S: Simd, P: PointLanes<S>> NetLanes<'_, S, P> {
             fs: [simd.mul8(hu, dot3(simd, a, su)), simd.mul8(hu, dot3(simd, b, su))],
             ft: [simd.mul8(hv, dot3(simd, a, sv)), simd.mul8(hv, dot3(simd, b, sv))],
         }
+    }
+
+    /// Arc lengths along the rays at the end of a short step from a point where the surface is given.
+    #[inline(always)]
+    fn along(&self, simd: S, pairs: &PairLanes<S>, surface: &SurfaceLanes<S>, step: [S::Wide; 2]) -> S::Wide {
+        let SurfaceLanes { s, su, sv } = *surface;
+        let along = pairs.rays.direction;
+        let by = [simd.mul8(self.half[0], step[0]), simd.mul8(self.half[1], step[1])];
+        let sum = dot3(simd, along, from(simd, pairs, s));
+        let sum = simd.add8(sum, simd.mul8(dot3(simd, along, su), by[0]));
+        simd.add8(sum, simd.mul8(dot3(simd, along, sv), by[1]))
     }
 }
 
@@ -263,16 +302,25 @@ pub(super) fn roots<S: Simd>(
         return None;
     }
     if leaves.iter().all(|leaf| leaf.subpatch == leaves[0].subpatch) {
-        Some(roots_of(simd, &first.net, degrees, leaves, pairs))
+        let points = &*first.net;
+        Some(if first.rational {
+            roots_of::<S, 4>(simd, points, degrees, leaves, pairs)
+        } else {
+            roots_of::<S, 3>(simd, points, degrees, leaves, pairs)
+        })
     } else {
         let points = buffer.fill(simd, list, first, leaves)?;
-        Some(roots_of(simd, points, degrees, leaves, pairs))
+        Some(if first.rational {
+            roots_of::<S, 4>(simd, points, degrees, leaves, pairs)
+        } else {
+            roots_of::<S, 3>(simd, points, degrees, leaves, pairs)
+        })
     }
 }
 
 /// The same for given nets.
 #[inline(always)]
-fn roots_of<S: Simd>(
+fn roots_of<S: Simd, const COORDINATES: usize>(
     simd: S,
     points: &[impl PointLanes<S>],
     degrees: (usize, usize),
@@ -289,7 +337,7 @@ fn roots_of<S: Simd>(
         }
     }
     let [mx, my, hx, hy, curvature] = &numbers;
-    let net = NetLanes {
+    let net = NetLanes::<_, _, COORDINATES> {
         points,
         degrees,
         middle: [simd.load8(mx), simd.load8(my)],
@@ -298,20 +346,17 @@ fn roots_of<S: Simd>(
     let one = simd.splat8(1.0);
     let bounds =
         BoundLanes { noise: pairs.rays.noise, curvature_bound: simd.load8(curvature), weights: [one; 2] };
-    let (converged, excluded, x) = contract(simd, &net, pairs, &bounds);
-    let s = net.surface::<false>(simd, x).s;
-    let s = dot3(simd, pairs.rays.direction, from(simd, pairs, s));
-    RootLanes { converged, excluded, s, at: net.at(simd, x) }
+    contract(simd, &net, pairs, &bounds)
 }
 
-/// The steps of [`contract`](super::contraction::contract) that are Newton's: the lanes with a root, those without one, and the roots.
+/// The steps of [`contract`](super::contraction::contract) that are Newton's.
 #[inline(always)]
-fn contract<S: Simd>(
+fn contract<S: Simd, const COORDINATES: usize>(
     simd: S,
-    net: &NetLanes<'_, S, impl PointLanes<S>>,
+    net: &NetLanes<'_, S, impl PointLanes<S>, COORDINATES>,
     pairs: &PairLanes<S>,
     bounds: &BoundLanes<S>,
-) -> (u32, u32, [S::Wide; 2]) {
+) -> RootLanes<S> {
     let PairLanes { a, b, q, inverse_determinant: per, .. } = *pairs;
     let (one, minus) = (simd.splat8(1.0), simd.splat8(-1.0));
     let ball = simd.div8(q, simd.sub8(one, q));
@@ -324,9 +369,13 @@ fn contract<S: Simd>(
         *x = simd.min8(simd.max8(*x, minus), one);
     }
     let mut last = simd.splat8(f64::INFINITY);
-    let (mut open, mut converged, mut excluded, mut root) = (pairs.mask, 0, 0, x);
+    let (mut open, mut converged, mut excluded, mut root, mut s) = (pairs.mask, 0, 0, x, last);
+    // The lanes that keep their derivatives for another step, and the points of the derivatives.
+    let (mut old, mut at) = (0, x);
+    let mut surface = SurfaceLanes { s: [last; 3], su: [last; 3], sv: [last; 3] };
     for _ in 0..MAX_LANE_STEPS {
-        let jet = net.jet(simd, pairs, x);
+        at = surface.move_to(simd, net, x, [open, old], at);
+        let jet = net.jet(simd, pairs, &surface);
         let simple = [simd.mul8(cross(simd, jet.f, b), per), simd.mul8(cross(simd, a, jet.f), per)];
         let length = simd.sqrt8(dot2(simd, simple, simple));
         let away = simd.max8(simd.abs8(simd.sub8(x[0], simple[0])), simd.abs8(simd.sub8(x[1], simple[1])));
@@ -347,19 +396,26 @@ fn contract<S: Simd>(
             & simd.at_most8(minus, to[1])
             & simd.at_most8(to[0], one)
             & simd.at_most8(to[1], one);
-        let ended = open & inside & jet.ends(simd, bounds, det, step, [one; 2]);
+        let away_from_old = [simd.sub8(x[0], at[0]), simd.sub8(x[1], at[1])];
+        let ended = open & inside & jet.ends_from(simd, bounds, det, step, away_from_old);
         let (mut next, mut moving) = (to, 0);
         for k in 0..2 {
             next[k] = simd.min8(simd.max8(to[k], minus), one);
             root[k] = simd.select8(ended, next[k], root[k]);
             moving |= simd.less8(unsure[k], simd.abs8(simd.sub8(next[k], x[k])));
         }
+        if ended != 0 {
+            // The last step is so short that the surface is straight along it, to within rounding.
+            let step = [simd.sub8(next[0], x[0]), simd.sub8(next[1], x[1])];
+            s = simd.select8(ended, net.along(simd, pairs, &surface, step), s);
+        }
         converged |= ended;
         open &= !ended & moving;
+        old = open & inside & !old & jet.next_ends(simd, bounds, det, step);
         if open == 0 {
             break;
         }
         x = next;
     }
-    (converged, excluded, root)
+    RootLanes { converged, excluded, s, at: net.at(simd, root) }
 }

@@ -10,8 +10,8 @@
 //! 3. *Subdivision* ([`subdivision`]). The coefficients are halved until every cell is excluded, certified, or as small as
 //!    rounding.
 
-use glanz_math::DVec2;
 use glanz_math::glam::DVec4;
+use glanz_math::{DVec2, DVec3};
 
 use super::contraction::{LocalRoot, MapBounds, NoConvergence, PlanarJet, PlanarMap, contract};
 use super::control_net;
@@ -31,6 +31,8 @@ pub(super) struct HomogeneousNet<'a> {
     /// Degrees.
     pub(super) degrees: (usize, usize),
     pub(super) points: &'a [DVec4],
+    /// Whether not all weights are 1.
+    pub(super) rational: bool,
 }
 
 /// A leaf of any degree: a part of a net.
@@ -47,20 +49,15 @@ impl SubdividablePatch for NetLeaf<'_> {
 
     fn project(&self, space: &RaySpace, cells: &mut Vec<f64>) -> f64 {
         cells.clear();
-        let HomogeneousNet { degrees: (p, q), points } = self.net;
+        let HomogeneousNet { degrees, points, rational } = self.net;
         let o = space.line.origin;
         for axis in space.axes {
-            for j in 0..=q {
-                let column = points.iter().skip(j).step_by(q + 1).take(p + 1);
-                cells.extend(column.map(|h| axis.dot(h.truncate() - o * h.w)));
-            }
+            cells.extend(points.iter().map(|h| axis.dot(h.truncate() - o * h.w)));
         }
-        if points.iter().any(|h| h.w != 1.0) {
-            for j in 0..=q {
-                cells.extend(points.iter().skip(j).step_by(q + 1).take(p + 1).map(|h| h.w));
-            }
+        if rational {
+            cells.extend(points.iter().map(|h| h.w));
         }
-        subdivision::restrict(cells, (p, q), self.part);
+        subdivision::restrict(cells, degrees, self.part);
         2.0 * space.noise
     }
 
@@ -83,18 +80,30 @@ struct ProjectedNet<'a, S> {
     middle: DVec2,
     half: DVec2,
     space: &'a RaySpace,
+    /// The last point in (s, t) at which the surface was evaluated.
+    last: DVec2,
+    /// The surface there, with the last derivatives.
+    surface: FirstOrderJet,
 }
 
 impl<S: Simd> PlanarMap for ProjectedNet<'_, S> {
+    const HAS_VALUE: bool = true;
+
     #[inline(always)]
-    fn jet(&self, x: DVec2) -> PlanarJet {
-        let FirstOrderJet { s, su, sv } = self.surface_jet(x);
-        let Self { half, space, .. } = self;
+    fn jet(&mut self, x: DVec2) -> PlanarJet {
+        (self.last, self.surface) = (x, self.surface_jet::<true>(x));
+        let Self { half, space, surface: FirstOrderJet { s, su, sv }, .. } = *self;
         PlanarJet {
             f: space.across(s - space.line.origin),
             fs: half.x * space.across(su),
             ft: half.y * space.across(sv),
         }
+    }
+
+    #[inline(always)]
+    fn value(&mut self, x: DVec2) -> DVec2 {
+        (self.last, self.surface.s) = (x, self.surface_jet::<false>(x).s);
+        self.space.across(self.surface.s - self.space.line.origin)
     }
 
     #[inline(always)]
@@ -104,12 +113,15 @@ impl<S: Simd> PlanarMap for ProjectedNet<'_, S> {
 }
 
 impl<S: Simd> ProjectedNet<'_, S> {
-    /// The surface at (s, t) of the leaf, with the derivatives by the parameters of the net.
+    /// The surface at (s, t) of the leaf, and its derivatives by the parameters of the net if they are `WANTED`.
     #[inline(always)]
-    fn surface_jet(&self, x: DVec2) -> FirstOrderJet {
-        let Self { simd, net: HomogeneousNet { degrees, points }, middle, half, .. } = *self;
+    fn surface_jet<const WANTED: bool>(&self, x: DVec2) -> FirstOrderJet {
+        let Self { simd, net: HomogeneousNet { degrees, points, rational }, middle, half, .. } = *self;
         let at = middle + half * x;
-        let [h, hu, hv] = control_net::first_order(simd, points, degrees, at.x, at.y);
+        let [h, hu, hv] = control_net::first_order::<S, WANTED>(simd, points, degrees, at.x, at.y);
+        if !rational {
+            return FirstOrderJet { s: h.truncate(), su: hu.truncate(), sv: hv.truncate() };
+        }
         let per = 1.0 / h.w;
         let s = h.truncate() * per;
         let derivative = |d: DVec4| (d.truncate() - s * d.w) * per;
@@ -136,14 +148,18 @@ pub(super) fn roots<S: Simd>(
             steps: MOST_STEPS,
         };
         let half = 0.5 * part.width();
-        let map = ProjectedNet { simd, net, middle: part.at(DVec2::splat(0.5)), half, space };
-        match contract(&map, &projection.certificate, &bounds, projection.start) {
+        let surface = FirstOrderJet { s: DVec3::ZERO, su: DVec3::ZERO, sv: DVec3::ZERO };
+        let middle = part.at(DVec2::splat(0.5));
+        let mut map = ProjectedNet { simd, net, middle, half, space, last: DVec2::ZERO, surface };
+        match contract(&mut map, &projection.certificate, &bounds, projection.start) {
             Ok(None) => return None,
             Ok(Some(LocalRoot { at, uncertainty })) => {
-                let FirstOrderJet { s, su, sv } = map.surface_jet(at);
+                // The last step is so short that the surface is straight along it, to within rounding.
+                let FirstOrderJet { s, su, sv } = map.surface;
+                let (along, by) = (space.line.direction, half * (at - map.last));
                 let (at, uncertainty) = (map.middle + half * at, half * uncertainty);
                 return Some(SurfaceRoot {
-                    s: space.line.direction.dot(s - space.line.origin),
+                    s: along.dot(s - space.line.origin) + along.dot(su) * by.x + along.dot(sv) * by.y,
                     at,
                     uncertainty,
                     distance_uncertainty: uncertainty.x * su.length() + uncertainty.y * sv.length(),

@@ -62,14 +62,49 @@ impl<S: Simd> JetLanes<S> {
         step: [S::Wide; 2],
         per_unit: [S::Wide; 2],
     ) -> u32 {
+        let relative = [simd.mul8(step[0], per_unit[0]), simd.mul8(step[1], per_unit[1])];
+        let curved = simd.mul8(bounds.curvature_bound, dot2(simd, relative, relative));
+        simd.at_most8(curved, simd.mul8(bounds.noise, bounds.weights[0]))
+            & self.is_exact(simd, bounds, det, step)
+    }
+
+    /// The same for steps with derivatives of points at these distances; see [`MapBounds`](super::contraction::MapBounds).
+    #[inline(always)]
+    pub(super) fn ends_from(
+        &self,
+        simd: S,
+        bounds: &BoundLanes<S>,
+        det: S::Wide,
+        step: [S::Wide; 2],
+        away: [S::Wide; 2],
+    ) -> u32 {
+        let length = simd.sqrt8(dot2(simd, step, step));
+        let away = simd.mul8(simd.splat8(2.0), simd.sqrt8(dot2(simd, away, away)));
+        let curved = simd.mul8(bounds.curvature_bound, simd.mul8(length, simd.add8(length, away)));
+        simd.at_most8(curved, simd.mul8(bounds.noise, bounds.weights[0]))
+            & self.is_exact(simd, bounds, det, step)
+    }
+
+    /// Lanes in which the rounding of the step is below the noise.
+    #[inline(always)]
+    fn is_exact(&self, simd: S, bounds: &BoundLanes<S>, det: S::Wide, step: [S::Wide; 2]) -> u32 {
         let noise = simd.mul8(bounds.noise, bounds.weights[0]);
         let length_squared = dot2(simd, step, step);
         let (s2, t2) = (dot2(simd, self.fs, self.fs), dot2(simd, self.ft, self.ft));
         let rounded = simd.mul8(simd.mul8(simd.splat8(ROUNDED * ROUNDED), s2), t2);
         let rounded = simd.mul8(simd.mul8(rounded, simd.add8(s2, t2)), length_squared);
-        let relative = [simd.mul8(step[0], per_unit[0]), simd.mul8(step[1], per_unit[1])];
-        let curved = simd.mul8(bounds.curvature_bound, dot2(simd, relative, relative));
-        let clear = simd.mul8(simd.mul8(simd.mul8(noise, noise), det), det);
-        simd.at_most8(curved, noise) & simd.at_most8(rounded, clear)
+        simd.at_most8(rounded, simd.mul8(simd.mul8(simd.mul8(noise, noise), det), det))
+    }
+
+    /// Lanes in which the next step is expected to be the last, with the same derivatives.
+    #[inline(always)]
+    pub(super) fn next_ends(&self, simd: S, bounds: &BoundLanes<S>, det: S::Wide, step: [S::Wide; 2]) -> u32 {
+        let noise = simd.mul8(bounds.noise, bounds.weights[0]);
+        let length_squared = dot2(simd, step, step);
+        let per = simd.add8(dot2(simd, self.fs, self.fs), dot2(simd, self.ft, self.ft));
+        let curved = simd.mul8(simd.splat8(2.0), simd.mul8(bounds.curvature_bound, bounds.curvature_bound));
+        let error = simd.mul8(simd.mul8(curved, curved), simd.mul8(length_squared, length_squared));
+        let error = simd.mul8(simd.mul8(error, length_squared), per);
+        simd.at_most8(error, simd.mul8(simd.mul8(noise, noise), simd.mul8(det, det)))
     }
 }

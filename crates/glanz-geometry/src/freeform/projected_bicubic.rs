@@ -175,12 +175,13 @@ impl<S: Simd> ProjectedBicubic<S> {
             match cell.verdict(simd, bounds) {
                 BicubicCellClass::Excluded => {}
                 BicubicCellClass::Certified { certificate, start } => {
-                    let map = BicubicCellMap { simd, cell: &cell, weight };
+                    let mut map = BicubicCellMap { simd, cell: &cell, weight };
                     let bounds = MapBounds {
                         curvature_bound: bounds.curvature_bound * cell.half.max_element().powi(2),
                         ..*bounds
                     };
-                    if let Some(LocalRoot { at, uncertainty }) = contract(&map, &certificate, &bounds, start)?
+                    if let Some(LocalRoot { at, uncertainty }) =
+                        contract(&mut map, &certificate, &bounds, start)?
                     {
                         found.push(LocalRoot {
                             at: cell.middle + cell.half * at,
@@ -304,7 +305,7 @@ struct BicubicCellMap<'a, S: Simd, W> {
 
 impl<S: Simd, W: Fn(DVec2) -> f64> PlanarMap for BicubicCellMap<'_, S, W> {
     #[inline(always)]
-    fn jet(&self, x: DVec2) -> PlanarJet {
+    fn jet(&mut self, x: DVec2) -> PlanarJet {
         self.cell.polynomials.jet(self.simd, x)
     }
 

@@ -96,10 +96,10 @@ pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &
             CellClass::Excluded => None,
             CellClass::Certified(certificate) => {
                 let (first, second) = both.split_at(n);
-                let map = CellPolynomials { lists: [first, second], degrees };
+                let mut map = CellPolynomials { lists: [first, second], degrees };
                 let bounds =
                     MapBounds { noise, curvature_bound: f64::INFINITY, weights: [1.0; 2], steps: MOST_STEPS };
-                let found = contract(&map, &certificate, &bounds, DVec2::ZERO);
+                let found = contract(&mut map, &certificate, &bounds, DVec2::ZERO);
                 scratch.undecided += u64::from(found.is_err());
                 let half = 0.5 * cell.width;
                 found.ok().flatten().map(|LocalRoot { at, uncertainty }| {
@@ -243,31 +243,50 @@ fn split(cells: &mut Vec<f64>, start: usize, (p, q): (usize, usize), across_x: b
     }
 }
 
-/// Replaces lists of coefficients, (i, j) at j (p + 1) + i, by those of a part of the square.
-pub(super) fn restrict(lists: &mut [f64], (p, q): (usize, usize), part: DyadicRect) {
+/// Restricts polynomials to a part of the square. The coefficients of each, those along v consecutive, become those of the part, those
+/// along u consecutive.
+pub(super) fn restrict(cells: &mut Vec<f64>, (p, q): (usize, usize), part: DyadicRect) {
     let ParameterRect { u, v } = part.rect();
-    for list in lists.chunks_exact_mut((p + 1) * (q + 1)) {
-        for row in 0..=q {
-            restrict_row(list, row * (p + 1), 1, p, u);
+    let (size, n) = (cells.len(), (p + 1) * (q + 1));
+    cells.reserve(size);
+    for start in (0..size).step_by(n) {
+        restrict_rows(&mut cells[start..start + n], q + 1, u);
+        for j in 0..=q {
+            for i in 0..=p {
+                cells.push(cells[start + i * (q + 1) + j]);
+            }
         }
-        for column in 0..=p {
-            restrict_row(list, column, p + 1, q, v);
-        }
+    }
+    cells.drain(..size);
+    for list in cells.chunks_exact_mut(n) {
+        restrict_rows(list, p + 1, v);
     }
 }
 
-/// Restricts one row of coefficients, by de Casteljau's algorithm at the upper end and then at the lower one.
-fn restrict_row(list: &mut [f64], first: usize, step: usize, degree: usize, [low, high]: [f64; 2]) {
-    let at = |i: usize| first + i * step;
-    for (x, upper) in [(high, false), (low / high, true)] {
-        for k in 0..degree {
-            if upper {
-                for i in 0..degree - k {
-                    list[at(i)] = (1.0 - x) * list[at(i)] + x * list[at(i + 1)];
+/// Restricts the polynomials whose coefficients are the columns of rows of this length, by de Casteljau's algorithm at the upper end and
+/// then at the lower one.
+fn restrict_rows(rows: &mut [f64], length: usize, [low, high]: [f64; 2]) {
+    let size = rows.len();
+    if high < 1.0 {
+        for k in 1..size / length {
+            // Row after row from the last one, each with the one before it.
+            for row in (k..size / length).rev() {
+                let (before, here) = rows.split_at_mut(row * length);
+                let before = &before[(row - 1) * length..];
+                for (here, &before) in here[..length].iter_mut().zip(before) {
+                    *here = (1.0 - high) * before + high * *here;
                 }
-            } else {
-                for i in (k + 1..=degree).rev() {
-                    list[at(i)] = (1.0 - x) * list[at(i - 1)] + x * list[at(i)];
+            }
+        }
+    }
+    if low > 0.0 {
+        let x = low / high;
+        for k in 1..size / length {
+            for row in 0..size / length - k {
+                let (here, behind) = rows.split_at_mut((row + 1) * length);
+                let here = &mut here[row * length..];
+                for (here, &behind) in here.iter_mut().zip(&behind[..length]) {
+                    *here = (1.0 - x) * *here + x * behind;
                 }
             }
         }
@@ -348,7 +367,7 @@ struct CellPolynomials<'a> {
 }
 
 impl PlanarMap for CellPolynomials<'_> {
-    fn jet(&self, x: DVec2) -> PlanarJet {
+    fn jet(&mut self, x: DVec2) -> PlanarJet {
         let (p, q) = self.degrees;
         let z = 0.5 * (x + DVec2::ONE);
         let sums = with_room!(p.max(q), N => {

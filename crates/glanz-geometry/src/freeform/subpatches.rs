@@ -27,6 +27,8 @@ pub(super) struct Subpatch {
     pub(super) degrees: (usize, usize),
     /// Homogeneous control points, shared with the patch if it is a whole one.
     pub(super) net: Arc<[DVec4]>,
+    /// Whether not all weights of the surface are 1.
+    pub(super) rational: bool,
 }
 
 /// The patch and the part of it that a subpatch is.
@@ -68,8 +70,8 @@ impl Task for LeafSearch<'_> {
             SubpatchList::Polynomial(list) => list.get(index)?.roots(simd, leaf, projection, space, scratch),
             SubpatchList::Rational(list) => list.get(index)?.roots(simd, leaf, projection, space, scratch),
             SubpatchList::General(list) => {
-                let Subpatch { degrees, net, .. } = list.get(index)?;
-                let net = HomogeneousNet { degrees: *degrees, points: net };
+                let Subpatch { degrees, net, rational, .. } = list.get(index)?;
+                let net = HomogeneousNet { degrees: *degrees, points: net, rational: *rational };
                 net_search::roots(simd, net, leaf, projection, space, scratch)
             }
         }
@@ -95,12 +97,9 @@ pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpa
 impl Subpatch {
     fn whole(patch: u32, from: &SurfacePatch) -> Self {
         let location = SubpatchLocation { patch, part: DyadicRect::WHOLE };
-        Self { location, degrees: from.patch.degrees(), net: from.patch.shared_control_points() }
-    }
-
-    /// Whether all weights are 1.
-    fn is_polynomial(&self) -> bool {
-        self.net.iter().all(|p| p.w == 1.0)
+        let net = from.patch.shared_control_points();
+        let rational = net.iter().any(|p| p.w != 1.0);
+        Self { location, degrees: from.patch.degrees(), net, rational }
     }
 
     /// The largest weight over the smallest.
@@ -115,7 +114,7 @@ impl Subpatch {
     }
 
     fn halves(&self) -> [Self; 2] {
-        let Self { location: SubpatchLocation { patch, part }, degrees, ref net } = *self;
+        let Self { location: SubpatchLocation { patch, part }, degrees, ref net, rational } = *self;
         let across_u = is_more_curved_along_u(net, degrees);
         let [low, high] = part.halves(across_u);
         let [below, above] = control_net::split(net, degrees, across_u);
@@ -123,6 +122,7 @@ impl Subpatch {
             location: SubpatchLocation { patch, part },
             degrees,
             net: net.into(),
+            rational,
         })
     }
 }
@@ -133,14 +133,16 @@ fn bicubics<const COORDINATES: usize>(subpatches: &[Subpatch]) -> Vec<Bicubic<CO
 }
 
 impl SubpatchList {
-    pub(super) fn new(subpatches: Vec<Subpatch>) -> Self {
-        let all = |is: fn(&Subpatch) -> bool| subpatches.iter().all(is);
-        if !all(Subpatch::is_simple) {
+    pub(super) fn new(mut subpatches: Vec<Subpatch>) -> Self {
+        let rational = subpatches.iter().any(|subpatch| subpatch.rational);
+        if !subpatches.iter().all(Subpatch::is_simple) {
+            // All of them in one way, so that pairs of any two can be solved side by side.
+            subpatches.iter_mut().for_each(|subpatch| subpatch.rational = rational);
             Self::General(subpatches)
-        } else if all(Subpatch::is_polynomial) {
-            Self::Polynomial(bicubics(&subpatches))
-        } else {
+        } else if rational {
             Self::Rational(bicubics(&subpatches))
+        } else {
+            Self::Polynomial(bicubics(&subpatches))
         }
     }
 
