@@ -28,12 +28,22 @@ pub struct IntegratorDescription {
     pub max_depth: Option<u32>,
     /// Whether lights are sampled at every hit.
     pub light_sampling: bool,
-    /// Number of rays that `distributed` continues with from a hit.
+    /// Number of rays with which `path` and `distributed` continue from the first rough surface.
     pub branching: Option<u32>,
     /// Guide of `guided`.
     pub guide: GuideSettings,
     /// Its place in the input.
     pub location: Option<Location>,
+}
+
+impl IntegratorDescription {
+    /// Selects the integrator `name`. Another one than before has its own default number of rays: the number was meant for the one before.
+    pub fn select(&mut self, name: &str) {
+        if self.name != name {
+            name.clone_into(&mut self.name);
+            self.branching = None;
+        }
+    }
 }
 
 impl Default for IntegratorDescription {

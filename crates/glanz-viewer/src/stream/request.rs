@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use glanz_sampling::SamplerKind;
-use glanz_scene::description::{CameraDescription, FilmDescription, IntegratorDescription};
+use glanz_scene::description::{CameraDescription, FilmDescription};
 use glanz_scene::{Camera, Description, SceneError};
 use glanz_transport::{
     Aov, AovSet, Film, FilmError, FilmFormat, Filter, FilterError, IntegratorError, IntegratorSettings,
@@ -125,10 +125,9 @@ impl RenderRequest {
         let camera = self.check()?;
         let film = FilmDescription { resolution: self.size, ..FilmDescription::default() };
         let camera = Camera::try_new(&camera, &film)?;
-        let integrator = IntegratorSettings::resolve(&IntegratorDescription {
-            name: self.integrator.name().to_owned(),
-            ..description.integrator.clone()
-        })?;
+        let mut integrator = description.integrator.clone();
+        integrator.select(self.integrator.name());
+        let integrator = IntegratorSettings::resolve(&integrator)?;
         let filter = Filter::try_new(&description.filter)?;
         let aovs = AovSet::NONE.with(Aov::Variance);
         let format = FilmFormat {
@@ -194,11 +193,14 @@ mod tests {
     fn plan_has_the_depth_and_seed_of_the_scene() {
         let mut description = Description::default();
         description.integrator.max_depth = Some(9);
-        description.integrator.name = "whitted".to_owned();
+        description.integrator.name = "distributed".to_owned();
+        description.integrator.branching = Some(4);
         description.sampler.seed = 77;
         let plan = request([6, 4]).plan(&description, 3).unwrap();
         assert_eq!((plan.integrator.name(), plan.integrator.max_depth), ("guided", 9));
         assert_eq!((plan.settings.seed, plan.settings.threads), (77, 3));
+        let by_path = RenderRequest { integrator: IntegratorName::Path, ..request([6, 4]) };
+        assert_eq!(by_path.plan(&description, 3).unwrap().integrator.branching, 1);
         assert!(plan.format.passes && plan.format.resolution == [6, 4]);
     }
 }

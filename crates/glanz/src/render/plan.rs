@@ -149,10 +149,8 @@ impl RenderOptions {
         let FilmDescription { resolution, .. } = &mut scene.description.film;
         *resolution = self.size.unwrap_or(*resolution);
         let integrator = &mut scene.description.integrator;
-        if let Some(name) = self.integrator.as_ref().filter(|&name| *name != integrator.name) {
-            integrator.name.clone_from(name);
-            // The scene has it for its own integrator.
-            integrator.branching = None;
+        if let Some(name) = &self.integrator {
+            integrator.select(name);
         }
         integrator.branching = self.branching.or(integrator.branching);
         integrator.guide = self.guide.unwrap_or(integrator.guide);
