@@ -211,7 +211,7 @@ fn compare(surface: &Surface, rays: &[Ray], size: f64, dump: &Path) -> Result<St
 /// Sizes and build times of both sides, as JSON without its last brace.
 fn about(model: &Model, surface: &Surface, mesh: &Mesh, cells: &[Cells]) -> Result<String, Failure> {
     let Surface::Freeform(freeform) = surface else { return Err("not a freeform surface".into()) };
-    let pieces = freeform.patches();
+    let pieces: Vec<_> = freeform.patches().collect();
     let deviations =
         pieces.iter().zip(cells).map(|(p, &cells)| deviation(p.patch(), cells, 5, usize::MAX, |_| false));
     let worst = deviations.fold(Deviation::default(), Deviation::max);
@@ -223,7 +223,7 @@ fn about(model: &Model, surface: &Surface, mesh: &Mesh, cells: &[Cells]) -> Resu
         let _ = black_box(model.surface());
     });
     let stand_in = seconds(|| {
-        black_box(tessellate(pieces, cells, model.region.as_deref()));
+        black_box(tessellate(&pieces, cells, model.region.as_deref()));
     });
     let cpu = read_to_string("/proc/cpuinfo").unwrap_or_default();
     let cpu = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": unknown");

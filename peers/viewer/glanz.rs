@@ -42,9 +42,9 @@ fn of_patches(placed: &PlacedSurface<'_>, tolerance: f64) -> Option<Mesh> {
     }
     // Normals are those of the surface, so that the angles of triangles do not matter.
     let bounds = Deviation { chord: tolerance, normal: f64::INFINITY, facet: f64::INFINITY };
-    let pieces = freeform.patches();
+    let pieces: Vec<_> = freeform.patches().collect();
     let cells: Vec<_> = pieces.iter().map(|piece| fewest_cells(piece.patch(), &bounds)).collect();
-    let mut mesh = tessellate::tessellate(pieces, &cells, None);
+    let mut mesh = tessellate::tessellate(&pieces, &cells, None);
     let to_world = placed.to_world();
     let wide = |v: &[f32; 3]| DVec3::from(v.map(f64::from));
     for position in &mut mesh.positions {

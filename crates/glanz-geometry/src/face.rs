@@ -38,7 +38,7 @@ impl Surface {
             Self::Cuboid(_) => 6,
             Self::Polyhedron(polyhedron) => polyhedron.facets().len() as u32,
             Self::Mesh(mesh) => mesh.indices().len() as u32,
-            Self::Freeform(freeform) => freeform.patches().len() as u32,
+            Self::Freeform(freeform) => freeform.patch_count() as u32,
             Self::Trimmed(trimmed) => trimmed.surface().faces(),
             _ => 1,
         }

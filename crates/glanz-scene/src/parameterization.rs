@@ -53,8 +53,10 @@ impl ShapeParameterization {
             Surface::Freeform(freeform) => {
                 let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
                 let all = || {
-                    let pieces = freeform.patches().iter();
-                    pieces.flat_map(move |piece| corners.map(|(x, y)| piece.parameters(x, y)))
+                    let faces = 0..freeform.patch_count() as u32;
+                    faces
+                        .flat_map(move |face| corners.map(|(x, y)| freeform.parameters(face, x, y)))
+                        .flatten()
                 };
                 Self::Parameters {
                     min: all().fold(DVec2::INFINITY, DVec2::min),

@@ -98,12 +98,14 @@ impl PlacedSurface<'_> {
         let high = low + side;
         match self.surface() {
             Surface::Freeform(freeform) => {
-                let (Some(region), Some(piece)) = (freeform.region(), freeform.patches().get(face as usize))
+                let Some(region) = freeform.region() else { return Containment::Inside };
+                let corners = [low, DVec2::new(high.x, low.y), DVec2::new(low.x, high.y), high];
+                let [Some(a), Some(b), Some(c), Some(d)] =
+                    corners.map(|p| freeform.parameters(face, p.x, p.y))
                 else {
                     return Containment::Inside;
                 };
-                let corners = [low, DVec2::new(high.x, low.y), DVec2::new(low.x, high.y), high];
-                let corners = corners.map(|p| piece.parameters(p.x, p.y));
+                let corners = [a, b, c, d];
                 let [first, rest @ ..] = corners;
                 let [low, high] =
                     rest.iter().fold([first, first], |[low, high], p| [low.min(*p), high.max(*p)]);

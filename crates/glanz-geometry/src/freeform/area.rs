@@ -2,14 +2,13 @@
 
 use glanz_math::{AreaPdf, DVec2};
 
-use super::control_net::second_order_jet;
+use super::Freeform;
 use super::leaf::PatchLeaf;
 use super::parameter_rect::ParameterRect;
 use super::subpatches::SubpatchLocation;
-use super::{Freeform, SurfacePatch};
 use crate::bilinear::sample_linear;
 use crate::hit::{Hit, SurfaceSample};
-use crate::trim::{Containment, TrimRegion};
+use crate::trim::Containment;
 
 /// Gauss-Legendre points and weights of order 4 on [0, 1]: exact up to degree 7.
 const GAUSS: [(f64, f64); 4] = [
@@ -55,7 +54,7 @@ impl SampledLeaf {
     fn new(surface: &Freeform, patch: u32, rect: ParameterRect) -> Self {
         let at = |x, y| {
             let (u, v) = rect.at(x, y);
-            surface.patches.get(patch as usize).map_or(0.0, |patch| area_element(patch, u, v))
+            surface.area_element_at(patch, u, v)
         };
         Self { patch, rect, corners: [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)] }
     }
@@ -78,12 +77,6 @@ impl SampledLeaf {
     }
 }
 
-/// |S_u x S_v| by the parameters of the patch.
-fn area_element(patch: &SurfacePatch, u: f64, v: f64) -> f64 {
-    let jet = second_order_jet(patch.patch.control_points(), patch.patch.degrees(), u, v);
-    jet.su.cross(jet.sv).length()
-}
-
 impl Freeform {
     pub(super) fn areas(&self) -> &LeafAreas {
         self.areas.get_or_init(|| {
@@ -95,10 +88,7 @@ impl Freeform {
             leaves.sort_by(|(a, ra), (b, rb)| {
                 a.cmp(b).then(ra.u[0].total_cmp(&rb.u[0])).then(ra.v[0].total_cmp(&rb.v[0]))
             });
-            let area = |(patch, rect): &(u32, ParameterRect)| {
-                let patch = self.patches.get(*patch as usize);
-                patch.map_or(0.0, |patch| leaf_area(patch, rect, self.region.as_deref()))
-            };
+            let area = |&(patch, ref rect): &(u32, ParameterRect)| self.leaf_area(patch, rect);
             let total = leaves.iter().map(area).sum();
             let leaves: Vec<_> =
                 leaves.into_iter().map(|(patch, rect)| SampledLeaf::new(self, patch, rect)).collect();
@@ -134,7 +124,7 @@ impl Freeform {
 
     /// Area per unit of the parameters of a patch, m^2.
     pub(crate) fn area_element_at(&self, face: u32, x: f64, y: f64) -> f64 {
-        self.patches.get(face as usize).map_or(0.0, |patch| area_element(patch, x, y))
+        self.first_order(face, x, y).map_or(0.0, |jet| jet.su.cross(jet.sv).length())
     }
 
     pub(super) fn density(&self, hit: &Hit) -> Option<AreaPdf> {
@@ -148,42 +138,42 @@ impl Freeform {
     }
 
     fn density_in(&self, leaf: &SampledLeaf, hit: &Hit) -> Option<AreaPdf> {
-        let patch = self.patches.get(leaf.patch as usize)?;
         // At a collapsed edge both vanish: bounded as in its neighbourhood.
-        let area_element = area_element(patch, hit.u, hit.v).max(f64::MIN_POSITIVE);
+        let area_element = self.area_element_at(leaf.patch, hit.u, hit.v).max(f64::MIN_POSITIVE);
         let mass = self.areas().mass();
         Some(AreaPdf((leaf.bilinear(hit.u, hit.v) / (mass * area_element)).min(1e6 / mass)))
     }
-}
 
-/// The area of a part of a patch; with a region, that of the kept quadrature points of its cells.
-fn leaf_area(patch: &SurfacePatch, rect: &ParameterRect, region: Option<&TrimRegion>) -> f64 {
-    let [low, high] = patch.range(rect);
-    match region.map(|region| (region, region.classify(low, high))) {
-        Some((_, Containment::Outside)) => 0.0,
-        Some((region, Containment::Crossed)) => {
-            let part = |k: u32| (f64::from(k) / f64::from(PARTS), f64::from(k + 1) / f64::from(PARTS));
-            let parts = (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i, j)));
-            let areas = parts.map(|(i, j)| {
-                let ((x0, x1), (y0, y1)) = (part(i), part(j));
-                let ((u0, v0), (u1, v1)) = (rect.at(x0, y0), rect.at(x1, y1));
-                let part = ParameterRect { u: [u0, u1], v: [v0, v1] };
-                gauss(patch, &part, |u, v| region.contains(patch.parameters(u, v)))
-            });
-            areas.sum()
+    /// The area of a part of a patch; with a region, that of the kept quadrature points of its cells.
+    fn leaf_area(&self, patch: u32, rect: &ParameterRect) -> f64 {
+        let Some(placement) = self.patches.placement(patch) else { return 0.0 };
+        let [low, high] = placement.range(rect);
+        match self.region.as_deref().map(|region| (region, region.classify(low, high))) {
+            Some((_, Containment::Outside)) => 0.0,
+            Some((region, Containment::Crossed)) => {
+                let part = |k: u32| (f64::from(k) / f64::from(PARTS), f64::from(k + 1) / f64::from(PARTS));
+                let parts = (0..PARTS).flat_map(|i| (0..PARTS).map(move |j| (i, j)));
+                let areas = parts.map(|(i, j)| {
+                    let ((x0, x1), (y0, y1)) = (part(i), part(j));
+                    let ((u0, v0), (u1, v1)) = (rect.at(x0, y0), rect.at(x1, y1));
+                    let part = ParameterRect { u: [u0, u1], v: [v0, v1] };
+                    self.gauss(patch, &part, |u, v| region.contains(placement.parameters(u, v)))
+                });
+                areas.sum()
+            }
+            _ => self.gauss(patch, rect, |_, _| true),
         }
-        _ => gauss(patch, rect, |_, _| true),
     }
-}
 
-/// The integral of |S_u x S_v| over the kept points of a rectangle.
-fn gauss(patch: &SurfacePatch, rect: &ParameterRect, keeps: impl Fn(f64, f64) -> bool) -> f64 {
-    let points = GAUSS.iter().flat_map(|&(x, wx)| GAUSS.iter().map(move |&(y, wy)| (x, y, wx * wy)));
-    let sum: f64 = points
-        .map(|(x, y, weight)| {
-            let (u, v) = rect.at(x, y);
-            if keeps(u, v) { weight * area_element(patch, u, v) } else { 0.0 }
-        })
-        .sum();
-    sum * (rect.u[1] - rect.u[0]) * (rect.v[1] - rect.v[0])
+    /// The integral of |S_u x S_v| over the kept points of a rectangle.
+    fn gauss(&self, patch: u32, rect: &ParameterRect, keeps: impl Fn(f64, f64) -> bool) -> f64 {
+        let points = GAUSS.iter().flat_map(|&(x, wx)| GAUSS.iter().map(move |&(y, wy)| (x, y, wx * wy)));
+        let sum: f64 = points
+            .map(|(x, y, weight)| {
+                let (u, v) = rect.at(x, y);
+                if keeps(u, v) { weight * self.area_element_at(patch, u, v) } else { 0.0 }
+            })
+            .sum();
+        sum * (rect.u[1] - rect.u[0]) * (rect.v[1] - rect.v[0])
+    }
 }

@@ -31,6 +31,8 @@ pub(super) struct Bicubic<const COORDINATES: usize> {
     /// The same for the weight, which is 1 at the centre, and bounds on the weight; rounded outward.
     pub(super) weight_curvature_bound: f32,
     pub(super) weights: [f32; 2],
+    /// Constant terms of the powers, which are zero there: the rounding of the centre.
+    pub(super) remainder: [f32; 3],
     /// Coefficients by power of s, coordinate, power of t.
     pub(super) powers: [[[f64; 4]; COORDINATES]; 4],
 }
@@ -75,11 +77,17 @@ impl<const COORDINATES: usize> Bicubic<COORDINATES> {
         let powers: [[[f64; 4]; COORDINATES]; 4] = std::array::from_fn(|i| {
             std::array::from_fn(|list| std::array::from_fn(|j| table[i][j][list] * per))
         });
-        let mut patch =
-            Self { center, curvature_bound: 0.0, weight_curvature_bound: 0.0, weights: [1.0; 2], powers };
+        let mut patch = Self {
+            center,
+            curvature_bound: 0.0,
+            weight_curvature_bound: 0.0,
+            weights: [1.0; 2],
+            remainder: [0.0; 3],
+            powers,
+        };
         // The centre is rounded like the net: its remainder is part of that rounding.
-        for list in patch.powers[0].iter_mut().take(3) {
-            list[0] = 0.0;
+        for (list, remainder) in patch.powers[0].iter_mut().zip(&mut patch.remainder) {
+            (*remainder, list[0]) = (list[0] as f32, 0.0);
         }
         patch.curvature_bound = patch.second_order(0..3);
         if COORDINATES == 4 {
@@ -371,7 +379,7 @@ fn cubic([a, b, c, d]: [f64; 4], x: f64) -> (f64, f64) {
 }
 
 /// Bernstein coefficients from powers of t in [-1, 1].
-fn bernstein_of([a, b, c, d]: [f64; 4]) -> [f64; 4] {
+pub(super) fn bernstein_of([a, b, c, d]: [f64; 4]) -> [f64; 4] {
     let third = 1.0 / 3.0;
     [a - b + c - d, a - (b + c) * third + d, a + (b - c) * third - d, a + b + c + d]
 }

@@ -9,6 +9,7 @@ use super::control_net::MAX_DEGREE;
 use super::leaf::PatchLeaf;
 use super::leaf_builder::LeafBuilder;
 use super::parameter_rect::DyadicRect;
+use super::patch_list::PatchList;
 use super::ray_space::SurfaceFrame;
 use super::subpatches::{self, Subpatch, SubpatchList, SubpatchLocation};
 use super::{Freeform, SurfacePatch};
@@ -81,18 +82,19 @@ impl Freeform {
     /// The part of the surface that `region` keeps, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv).
     #[must_use]
     pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
-        let subpatches = subpatches::split(&self.patches, MOST_HALVINGS);
+        let patches: Vec<SurfacePatch> = self.patches().collect();
+        let subpatches = subpatches::split(&patches, MOST_HALVINGS);
         let mut leaves = all_leaves(&subpatches, self.extent, &self.frame);
         leaves.retain_mut(|BoundedLeaf { leaf, .. }| {
             let Some(subpatch) = subpatches.get(leaf.subpatch as usize) else { return false };
             let SubpatchLocation { patch, part } = subpatch.location;
-            let Some(patch) = self.patches.get(patch as usize) else { return false };
-            let [low, high] = patch.range(&leaf.part.within(part).rect());
+            let Some(placement) = self.patches.placement(patch) else { return false };
+            let [low, high] = placement.range(&leaf.part.within(part).rect());
             let containment = region.classify(low, high);
             leaf.crossed = containment == Containment::Crossed;
             containment != Containment::Outside
         });
-        Self::assemble(self.patches.clone(), self.extent, self.frame, subpatches, leaves, Some(region))
+        Self::assemble(patches, self.extent, self.frame, subpatches, leaves, Some(region))
     }
 
     /// The surface with its leaves in the order of the hierarchy.
@@ -113,6 +115,7 @@ impl Freeform {
         bvh.forget_items();
         let locations = subpatches.iter().map(|subpatch| subpatch.location).collect();
         let subpatches = SubpatchList::new(subpatches);
+        let patches = PatchList::new(patches, &subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
         Self { patches, region, extent, leaves, subpatches, locations, frame, undecided, areas, bvh }
     }

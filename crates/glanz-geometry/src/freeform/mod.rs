@@ -12,7 +12,8 @@
 //! - Searching for many rays at once: `stream` collects pairs of a ray and a leaf in a `pair_queue`, and `group_solver` solves eight at a
 //!   time; `ray_lanes`, `leaf_lanes`, `bicubic_lanes` with `newton_lanes`, and `net_lanes` are `ray_space`, `leaf`, `bicubic` and
 //!   `net_search` for eight of them (`pair_lanes`), with the same bits.
-//! - Evaluation: `control_net`, `surface_point`, `area`.
+//! - Evaluation: `patch_list` by control points (`control_net`) or by the powers that rays search (`bicubic_surface`, with
+//!   `net_corrections` for the control points); `surface_point`, `area`.
 //!
 //! ```
 //! use glanz_geometry::bezier::TensorPatch;
@@ -36,6 +37,7 @@
 mod area;
 mod bicubic;
 mod bicubic_lanes;
+mod bicubic_surface;
 mod build;
 mod contraction;
 mod control_net;
@@ -43,12 +45,14 @@ mod group_solver;
 mod leaf;
 mod leaf_builder;
 mod leaf_lanes;
+mod net_corrections;
 mod net_lanes;
 mod net_search;
 mod newton_lanes;
 mod pair_lanes;
 mod pair_queue;
 mod parameter_rect;
+mod patch_list;
 mod point_lanes;
 mod projected_bicubic;
 mod query;
@@ -71,6 +75,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 use self::area::LeafAreas;
 pub use self::control_net::MAX_DEGREE;
 use self::leaf::PatchLeaf;
+use self::patch_list::PatchList;
 use self::point_lanes::PointBatch;
 use self::query::{AllHitsQuery, ClosestQuery, OcclusionQuery};
 use self::ray_space::SurfaceFrame;
@@ -88,7 +93,7 @@ use crate::trim::TrimRegion;
 /// [`SurfacePoint::uv`]. The normal is that of dpdu x dpdv.
 #[derive(Debug)]
 pub struct Freeform {
-    patches: Vec<SurfacePatch>,
+    patches: PatchList,
     /// The part of the parameters that is kept, if not all.
     region: Option<Arc<TrimRegion>>,
     /// Diagonal of a box around the control points, metres.
@@ -108,12 +113,6 @@ pub struct Freeform {
 }
 
 impl Freeform {
-    /// Bézier patches, in the order of `Hit::face`.
-    #[must_use]
-    pub fn patches(&self) -> &[SurfacePatch] {
-        &self.patches
-    }
-
     /// Whether the trimming region keeps the point with these parameters of the surface; true without a region.
     pub(crate) fn keeps_parameters(&self, uv: DVec2) -> bool {
         self.region.as_ref().is_none_or(|region| region.contains(uv))
@@ -142,8 +141,8 @@ impl Freeform {
     #[cold]
     fn keeps(&self, location: &SubpatchLocation, at: DVec2) -> bool {
         let DVec2 { x: u, y: v } = location.part.at(at);
-        let region_and_patch = self.region.as_ref().zip(self.patches.get(location.patch as usize));
-        region_and_patch.is_none_or(|(region, patch)| region.contains(patch.parameters(u, v)))
+        let region_and_uv = self.region.as_ref().zip(self.parameters(location.patch, u, v));
+        region_and_uv.is_none_or(|(region, uv)| region.contains(uv))
     }
 
     /// Area, m^2, with a relative error of about 1e-6, or 1e-3 if trimmed.
@@ -161,9 +160,7 @@ impl Freeform {
     /// Memory of patches, leaves and hierarchy, bytes, without the trimming region, which may be shared.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let points: usize = self.patches.iter().map(|p| size_of_val(p.patch.control_points())).sum();
-        size_of_val(&*self.patches)
-            + points
+        self.patches.bytes()
             + size_of_val(&*self.leaves)
             + self.subpatches.bytes()
             + size_of_val(&*self.locations)

@@ -1,12 +1,15 @@
 //! Points of eight hits of one patch at once: [`Freeform::point_at`] lane by lane, with the same bits.
 
+use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
+use super::Freeform;
 use super::net_lanes::{BasisLanes, MOST_DEGREE};
 use super::parameter_rect::ParameterRect;
+use super::patch_list::PatchCoefficients;
 use super::ray_lanes::{cross, dot3};
+use super::surface_patch::PatchPlacement;
 use super::surface_point::{COLLAPSED, nowhere};
-use super::{Freeform, SurfacePatch};
 use crate::bvh::simd::lanes::LANES;
 use crate::bvh::simd::{Simd, Task};
 use crate::hit::{Hit, SurfacePoint};
@@ -62,12 +65,14 @@ impl Freeform {
     /// Appends the points of up to eight hits of one patch.
     #[inline(always)]
     fn append_points<S: Simd>(&self, simd: S, hits: &[Hit], points: &mut Vec<SurfacePoint>) {
-        let patch = hits.first().and_then(|hit| self.patches.get(hit.face as usize));
-        let in_lanes = patch.filter(|_| hits.len() >= LEAST_HITS).and_then(|patch| {
-            let (p, q) = patch.patch.degrees();
-            Some((patch, patch.rectangle().filter(|_| p.max(q) <= MOST_DEGREE)?))
+        let first = hits.first().filter(|_| hits.len() >= LEAST_HITS);
+        let in_lanes = first.and_then(|&Hit { face, .. }| {
+            let (placement, coefficients) = (self.patches.placement(face)?, self.coefficients(face)?);
+            let (p, q) = placement.degrees();
+            let rectangle = placement.rectangle().filter(|_| p.max(q) <= MOST_DEGREE)?;
+            Some((placement, coefficients, rectangle))
         });
-        let Some((patch, rectangle)) = in_lanes else {
+        let Some((placement, coefficients, rectangle)) = in_lanes else {
             points.extend(hits.iter().map(|hit| self.point_at(hit.face, hit.u, hit.v)));
             return;
         };
@@ -75,7 +80,8 @@ impl Freeform {
         for (k, hit) in hits.iter().enumerate() {
             (at[0][k], at[1][k]) = (hit.u, hit.v);
         }
-        let lanes = EightPoints::new(simd, self, patch, rectangle, at);
+        let jet = jet(simd, coefficients, &at);
+        let lanes = EightPoints::new(simd, self, placement, jet, rectangle, &at);
         for (k, hit) in hits.iter().enumerate() {
             points.push(match lanes.regular >> k & 1 {
                 0 => self.point_at(hit.face, hit.u, hit.v),
@@ -101,20 +107,18 @@ impl EightPoints {
     fn new<S: Simd>(
         simd: S,
         surface: &Freeform,
-        patch: &SurfacePatch,
+        placement: &PatchPlacement,
+        [s, su, sv]: [[S::Wide; 3]; 3],
         rectangle: &ParameterRect,
-        at: [[f64; LANES]; 2],
+        [u, v]: &[[f64; LANES]; 2],
     ) -> Self {
-        let [u, v] = &at;
-        let at = [simd.load8(u), simd.load8(v)];
-        let [s, su, sv] = jet(simd, patch, at);
         let n = cross3(simd, su, sv);
         let length = simd.sqrt8(dot3(simd, n, n));
-        let (extent, one) = (patch.extent(), simd.splat8(1.0));
+        let (extent, one) = (placement.extent(), simd.splat8(1.0));
         let regular = simd.less8(simd.splat8(COLLAPSED * extent * extent), length);
         let normal = scaled(simd, n, simd.div8(one, length));
         let steep = 1e2 * surface.error();
-        let [by_u, by_v] = patch.rates(0.5, 0.5);
+        let [by_u, by_v] = placement.rates(0.5, 0.5);
         let sx = tangent(simd, su, normal, steep * steep);
         let sy = tangent(simd, sv, normal, steep * steep);
         let dpdu = along(simd, [sx, sy], by_u);
@@ -126,7 +130,7 @@ impl EightPoints {
             let x = simd.max8(s[k], simd.splat8(low[k]));
             position[k] = simd.min8(x, simd.splat8(high[k]));
         }
-        let [u, v] = at;
+        let (u, v) = (simd.load8(u), simd.load8(v));
         Self {
             regular,
             position: stored(simd, position),
@@ -155,26 +159,34 @@ impl EightPoints {
 
 /// The point and its derivatives by the parameters of the patch, as by [`PatchJet`](super::control_net::PatchJet).
 #[inline(always)]
-fn jet<S: Simd>(simd: S, patch: &SurfacePatch, at: [S::Wide; 2]) -> [[S::Wide; 3]; 3] {
-    match patch.patch.degrees() {
+fn jet<S: Simd>(
+    simd: S,
+    coefficients: PatchCoefficients<'_>,
+    [u, v]: &[[f64; LANES]; 2],
+) -> [[S::Wide; 3]; 3] {
+    let at = [simd.load8(u), simd.load8(v)];
+    match coefficients {
+        PatchCoefficients::Powers(patch) => patch.tangent_lanes(simd, at),
         // The most frequent ones, with loops of a fixed length.
-        (3, 3) => jet_of::<S, 4>(simd, patch, (3, 3), at),
-        (5, 5) => jet_of::<S, 6>(simd, patch, (5, 5), at),
-        degrees => jet_of::<S, { MOST_DEGREE + 1 }>(simd, patch, degrees, at),
+        PatchCoefficients::Net { points, degrees: (3, 3) } => jet_of::<S, 4>(simd, points, (3, 3), at),
+        PatchCoefficients::Net { points, degrees: (5, 5) } => jet_of::<S, 6>(simd, points, (5, 5), at),
+        PatchCoefficients::Net { points, degrees } => {
+            jet_of::<S, { MOST_DEGREE + 1 }>(simd, points, degrees, at)
+        }
     }
 }
 
 #[inline(always)]
 fn jet_of<S: Simd, const N: usize>(
     simd: S,
-    patch: &SurfacePatch,
+    points: &[DVec4],
     (p, q): (usize, usize),
     [u, v]: [S::Wide; 2],
 ) -> [[S::Wide; 3]; 3] {
     let (by_u, by_v) = (BasisLanes::<S, N>::new(simd, p, u), BasisLanes::<S, N>::new(simd, q, v));
     let zero = simd.splat8(0.0);
     let (mut h, mut hu, mut hv) = ([zero; 4], [zero; 4], [zero; 4]);
-    for (i, row) in patch.patch.control_points().chunks_exact(q + 1).take(p + 1).enumerate() {
+    for (i, row) in points.chunks_exact(q + 1).take(p + 1).enumerate() {
         let (mut along, mut rise) = ([zero; 4], [zero; 4]);
         for (j, point) in row.iter().enumerate() {
             let coordinates = point.to_array();

@@ -10,26 +10,29 @@ use crate::error::{SurfaceError, finite};
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfacePatch {
     pub(super) patch: TensorPatch,
+    pub(super) placement: PatchPlacement,
+}
+
+/// What is known of a patch without its control points: its part of the parameter domain, its degrees and its size.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct PatchPlacement {
     domain: PatchDomain,
     /// Diagonal of a box around the control points, metres.
     extent: f64,
+    degrees: [u8; 2],
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum PatchDomain {
     Rectangle(ParameterRect),
-    /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) of the patch.
-    Quad([DVec2; 4]),
+    /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) of the patch. Boxed, since rectangles are many more.
+    Quad(Box<[DVec2; 4]>),
 }
 
 impl SurfacePatch {
     fn new(patch: TensorPatch, domain: PatchDomain) -> Self {
-        let extent = patch.bounds().diagonal().length();
-        Self { patch, domain, extent }
-    }
-
-    pub(super) fn extent(&self) -> f64 {
-        self.extent
+        let (extent, (p, q)) = (patch.bounds().diagonal().length(), patch.degrees());
+        Self { patch, placement: PatchPlacement { domain, extent, degrees: [p as u8, q as u8] } }
     }
 
     /// A patch over the rectangle `u` x `v`.
@@ -61,7 +64,7 @@ impl SurfacePatch {
         let least = turns.into_iter().fold(f64::INFINITY, f64::min);
         let most = turns.into_iter().fold(f64::NEG_INFINITY, f64::max);
         if least > 0.0 || most < 0.0 {
-            Ok(Self::new(patch, PatchDomain::Quad(corners)))
+            Ok(Self::new(patch, PatchDomain::Quad(Box::new(corners))))
         } else {
             Err(SurfaceError::Degenerate {
                 reason: "the quadrilateral of parameters is not convex, turn",
@@ -79,9 +82,28 @@ impl SurfacePatch {
     /// Parameters (u, v) of the surface at (x, y) in the unit square of the patch.
     #[must_use]
     pub fn parameters(&self, x: f64, y: f64) -> DVec2 {
+        self.placement.parameters(x, y)
+    }
+}
+
+impl PatchPlacement {
+    pub(super) fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    pub(super) fn degrees(&self) -> (usize, usize) {
+        let [p, q] = self.degrees;
+        (p.into(), q.into())
+    }
+
+    /// See [`SurfacePatch::parameters`].
+    pub(super) fn parameters(&self, x: f64, y: f64) -> DVec2 {
         match &self.domain {
             PatchDomain::Rectangle(rect) => rect.at(x, y).into(),
-            PatchDomain::Quad([a, b, c, d]) => a.lerp(*b, x).lerp(c.lerp(*d, x), y),
+            PatchDomain::Quad(corners) => {
+                let [a, b, c, d] = **corners;
+                a.lerp(b, x).lerp(c.lerp(d, x), y)
+            }
         }
     }
 
@@ -106,8 +128,9 @@ impl SurfacePatch {
             PatchDomain::Rectangle(ParameterRect { u, v }) => {
                 [DVec2::new(1.0 / (u[1] - u[0]), 0.0), DVec2::new(0.0, 1.0 / (v[1] - v[0]))]
             }
-            PatchDomain::Quad([a, b, c, d]) => {
-                let (by_x, by_y) = ((*b - *a).lerp(*d - *c, y), (*c - *a).lerp(*d - *b, x));
+            PatchDomain::Quad(corners) => {
+                let [a, b, c, d] = **corners;
+                let (by_x, by_y) = ((b - a).lerp(d - c, y), (c - a).lerp(d - b, x));
                 let per = 1.0 / by_x.perp_dot(by_y);
                 [DVec2::new(by_y.y, -by_x.y) * per, DVec2::new(-by_y.x, by_x.x) * per]
             }
@@ -136,7 +159,7 @@ mod tests {
             let (x, y) = (0.3, 0.8);
             let by_x = (patch.parameters(x + h, y) - patch.parameters(x - h, y)) / (2.0 * h);
             let by_y = (patch.parameters(x, y + h) - patch.parameters(x, y - h)) / (2.0 * h);
-            let [by_u, by_v] = patch.rates(x, y);
+            let [by_u, by_v] = patch.placement.rates(x, y);
             assert!((by_x * by_u.x + by_y * by_u.y - DVec2::X).length() < 1e-9);
             assert!((by_x * by_v.x + by_y * by_v.y - DVec2::Y).length() < 1e-9);
         }

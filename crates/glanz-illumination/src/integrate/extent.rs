@@ -127,7 +127,7 @@ impl MirrorPart {
     pub(super) fn of_face(surface: &Surface, face: u32, to_world: &Transform) -> Self {
         let surface = if let Surface::Trimmed(trimmed) = surface { trimmed.surface() } else { surface };
         match surface {
-            Surface::Freeform(freeform) => match freeform.patches().get(face as usize) {
+            Surface::Freeform(freeform) => match freeform.patch(face) {
                 Some(piece) => Self::Certain(MirrorPatch::new(piece.patch(), to_world)),
                 None => Self::Estimated,
             },

@@ -33,11 +33,11 @@ impl ParameterGrid {
         let is_trimmed = placed.is_trimmed();
         let unit = [DVec2::ZERO, DVec2::ONE];
         let freeform = |freeform: &Freeform| {
-            let corners = |face: usize| -> Option<[DVec2; 4]> {
-                let piece = freeform.patches().get(face)?;
-                Some([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| piece.parameters(x, y)))
+            let corners = |face: u32| -> Option<[DVec2; 4]> {
+                let corner = |x, y| freeform.parameters(face, x, y);
+                Some([corner(0.0, 0.0)?, corner(1.0, 0.0)?, corner(0.0, 1.0)?, corner(1.0, 1.0)?])
             };
-            let all = (0..freeform.patches().len()).filter_map(corners);
+            let all = (0..freeform.patch_count() as u32).filter_map(corners);
             let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
             let mut rectangles = Some(Vec::new());
             for [a, b, c, d] in all {

@@ -56,7 +56,7 @@ pub(super) fn visible_patches<'a>(
             let patches = pieces.map(|(face, piece)| {
                 let surface = square.map(|at| piece.parameters(at.x, at.y));
                 let parameters = PatchParameters::Corners { surface, face: square };
-                VisiblePatch { patch: Cow::Borrowed(piece.patch()), face, parameters }
+                VisiblePatch { patch: Cow::Owned(piece.patch().clone()), face, parameters }
             });
             patches.collect()
         }

@@ -106,7 +106,7 @@ fn pick_result(
 
 fn degree(placed: &PlacedSurface<'_>, face: u32) -> Option<[usize; 2]> {
     let Surface::Freeform(freeform) = placed.surface() else { return None };
-    let (u, v) = freeform.patches().get(face as usize)?.patch().degrees();
+    let (u, v) = freeform.degrees(face)?;
     Some([u, v])
 }
 

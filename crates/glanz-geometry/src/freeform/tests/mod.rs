@@ -2,6 +2,7 @@
 
 mod instruction_sets;
 mod pair_queue;
+mod powers;
 
 use std::sync::Arc;
 

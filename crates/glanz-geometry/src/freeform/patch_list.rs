@@ -1,0 +1,159 @@
+//! The patches of a surface: where they lie in its parameters, and their control points.
+
+use glanz_math::DVec2;
+use glanz_math::glam::DVec4;
+
+use super::bicubic::{Bicubic, POWERS};
+use super::bicubic_surface::{BicubicJet, BicubicTangents};
+use super::control_net::{PatchJet, SecondOrderJet, second_order_jet};
+use super::net_corrections::NetCorrections;
+use super::subpatches::SubpatchList;
+use super::surface_patch::PatchPlacement;
+use super::{Freeform, SurfacePatch};
+use crate::bezier::TensorPatch;
+
+/// The patches of a surface.
+#[derive(Debug)]
+pub(super) enum PatchList {
+    /// With their control points.
+    Given(Vec<SurfacePatch>),
+    /// Polynomial ones of degrees up to (3, 3), by the powers that rays search: these are evaluated, and their control points restored
+    /// on demand.
+    Powers { placements: Vec<PatchPlacement>, corrections: NetCorrections },
+}
+
+/// The coefficients by which a patch is evaluated.
+pub(super) enum PatchCoefficients<'a> {
+    /// Homogeneous control points.
+    Net { points: &'a [DVec4], degrees: (usize, usize) },
+    /// Powers about the centre.
+    Powers(&'a Bicubic<3>),
+}
+
+impl PatchList {
+    /// The patches of these subpatches.
+    pub(super) fn new(patches: Vec<SurfacePatch>, subpatches: &SubpatchList) -> Self {
+        match subpatches {
+            SubpatchList::Polynomial(powers) if powers.len() == patches.len() => {
+                match NetCorrections::new(&patches, powers) {
+                    Some(corrections) => Self::Powers {
+                        placements: patches.into_iter().map(|patch| patch.placement).collect(),
+                        corrections,
+                    },
+                    None => Self::Given(patches),
+                }
+            }
+            _ => Self::Given(patches),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::Given(patches) => patches.len(),
+            Self::Powers { placements, .. } => placements.len(),
+        }
+    }
+
+    /// The placement of a patch.
+    #[inline]
+    pub(super) fn placement(&self, face: u32) -> Option<&PatchPlacement> {
+        match self {
+            Self::Given(patches) => patches.get(face as usize).map(|patch| &patch.placement),
+            Self::Powers { placements, .. } => placements.get(face as usize),
+        }
+    }
+
+    /// Bound on the rounding of an evaluated point, beyond that of an evaluation by control points, in units of the noise.
+    pub(super) fn rounding(&self) -> f64 {
+        match self {
+            Self::Given(_) => 0.0,
+            Self::Powers { .. } => POWERS,
+        }
+    }
+
+    /// Memory, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Given(patches) => {
+                let points = patches.iter().map(|patch| size_of_val(patch.patch.control_points()));
+                size_of_val(&**patches) + points.sum::<usize>()
+            }
+            Self::Powers { placements, corrections } => size_of_val(&**placements) + corrections.bytes(),
+        }
+    }
+}
+
+impl Freeform {
+    /// Number of Bézier patches.
+    #[must_use]
+    pub fn patch_count(&self) -> usize {
+        self.patches.len()
+    }
+
+    /// The Bézier patch of this number, that of `Hit::face`, with the control points that were given, bit by bit; `None` from
+    /// [`Freeform::patch_count`] on.
+    #[must_use]
+    pub fn patch(&self, face: u32) -> Option<SurfacePatch> {
+        match (&self.patches, &self.subpatches) {
+            (PatchList::Given(patches), _) => patches.get(face as usize).cloned(),
+            (PatchList::Powers { placements, corrections }, SubpatchList::Polynomial(powers)) => {
+                let placement = placements.get(face as usize)?.clone();
+                let (p, q) = placement.degrees();
+                let mut net = powers.get(face as usize)?.control_points((p, q));
+                corrections.correct(face as usize, &mut net)?;
+                Some(SurfacePatch { patch: TensorPatch::try_new(p, q, net).ok()?, placement })
+            }
+            _ => None,
+        }
+    }
+
+    /// All Bézier patches, in the order of `Hit::face`.
+    pub fn patches(&self) -> impl Iterator<Item = SurfacePatch> + '_ {
+        (0..self.patch_count() as u32).filter_map(|face| self.patch(face))
+    }
+
+    /// Degrees in u and v of a patch; `None` from [`Freeform::patch_count`] on.
+    #[must_use]
+    pub fn degrees(&self, face: u32) -> Option<(usize, usize)> {
+        self.patches.placement(face).map(PatchPlacement::degrees)
+    }
+
+    /// Parameters (u, v) of the surface at (x, y) in the unit square of a patch; `None` from [`Freeform::patch_count`] on.
+    #[must_use]
+    pub fn parameters(&self, face: u32, x: f64, y: f64) -> Option<DVec2> {
+        self.patches.placement(face).map(|placement| placement.parameters(x, y))
+    }
+
+    /// The coefficients of a patch.
+    #[inline]
+    pub(super) fn coefficients(&self, face: u32) -> Option<PatchCoefficients<'_>> {
+        match (&self.patches, &self.subpatches) {
+            (PatchList::Given(patches), _) => {
+                let patch = &patches.get(face as usize)?.patch;
+                Some(PatchCoefficients::Net { points: patch.control_points(), degrees: patch.degrees() })
+            }
+            (PatchList::Powers { .. }, SubpatchList::Polynomial(powers)) => {
+                powers.get(face as usize).map(PatchCoefficients::Powers)
+            }
+            _ => None,
+        }
+    }
+
+    /// Point and first derivatives of a patch by its own parameters.
+    #[inline]
+    pub(super) fn first_order(&self, face: u32, x: f64, y: f64) -> Option<PatchJet> {
+        let isa = self.bvh.isa();
+        Some(match self.coefficients(face)? {
+            PatchCoefficients::Net { points, degrees } => PatchJet::new(isa, points, degrees, x, y),
+            PatchCoefficients::Powers(patch) => isa.run(BicubicTangents { patch, x, y }),
+        })
+    }
+
+    /// Point, first and second derivatives of a patch by its own parameters.
+    pub(super) fn second_order(&self, face: u32, x: f64, y: f64) -> Option<SecondOrderJet> {
+        Some(match self.coefficients(face)? {
+            PatchCoefficients::Net { points, degrees } => second_order_jet(points, degrees, x, y),
+            PatchCoefficients::Powers(patch) => self.bvh.isa().run(BicubicJet { patch, x, y }),
+        })
+    }
+}
