@@ -81,10 +81,10 @@ impl Freeform {
     pub(super) fn areas(&self) -> &LeafAreas {
         self.areas.get_or_init(|| {
             let whole = |leaf: &PatchLeaf| {
-                let SubpatchLocation { patch, part } = *self.locations.get(leaf.subpatch as usize)?;
-                Some((patch, leaf.part.within(part).rect()))
+                let SubpatchLocation { patch, part } = self.location(leaf.subpatch);
+                (patch, leaf.part.within(part).rect())
             };
-            let mut leaves: Vec<(u32, ParameterRect)> = self.leaves.iter().filter_map(whole).collect();
+            let mut leaves: Vec<(u32, ParameterRect)> = self.leaves.iter().map(whole).collect();
             leaves.sort_by(|(a, ra), (b, rb)| {
                 a.cmp(b).then(ra.u[0].total_cmp(&rb.u[0])).then(ra.v[0].total_cmp(&rb.v[0]))
             });

@@ -113,7 +113,11 @@ impl Freeform {
         let at = |leaf| leaves.get(*bvh.leaf(leaf).first()? as usize).map(|leaf| leaf.leaf);
         let leaves = bvh.leaves().filter_map(at).collect();
         bvh.forget_items();
-        let locations = subpatches.iter().map(|subpatch| subpatch.location).collect();
+        let locations = if subpatches.len() == patches.len() {
+            Vec::new()
+        } else {
+            subpatches.iter().map(|subpatch| subpatch.location).collect()
+        };
         let subpatches = SubpatchList::new(subpatches);
         let patches = PatchList::new(patches, &subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());

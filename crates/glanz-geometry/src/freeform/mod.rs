@@ -75,6 +75,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 use self::area::LeafAreas;
 pub use self::control_net::MAX_DEGREE;
 use self::leaf::PatchLeaf;
+use self::parameter_rect::DyadicRect;
 use self::patch_list::PatchList;
 use self::point_lanes::PointBatch;
 use self::query::{AllHitsQuery, ClosestQuery, OcclusionQuery};
@@ -103,7 +104,7 @@ pub struct Freeform {
     leaves: Vec<PatchLeaf>,
     /// The subpatches that the leaves are parts of.
     subpatches: SubpatchList,
-    /// Positions of the subpatches in their patches.
+    /// Positions of the subpatches in their patches; none if every patch is one of them, in the same order.
     locations: Vec<SubpatchLocation>,
     frame: SurfaceFrame,
     /// Leaves whose search was given up: see [`Freeform::undecided`].
@@ -135,6 +136,13 @@ impl Freeform {
     #[must_use]
     pub fn undecided(&self) -> u64 {
         self.undecided.load(Ordering::Relaxed)
+    }
+
+    /// The position of a subpatch in its patch.
+    #[inline(always)]
+    fn location(&self, subpatch: u32) -> SubpatchLocation {
+        let whole = SubpatchLocation { patch: subpatch, part: DyadicRect::WHOLE };
+        self.locations.get(subpatch as usize).copied().unwrap_or(whole)
     }
 
     /// Whether the trimming region keeps a root in a leaf that one of its curves crosses.

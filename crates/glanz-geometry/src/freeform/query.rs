@@ -37,7 +37,7 @@ impl LeafSearcher<'_> {
             scratch: &mut *scratch,
         };
         let only = simd.outlined(search);
-        let Some(location) = surface.locations.get(leaf.subpatch as usize) else { return };
+        let location = &surface.location(leaf.subpatch);
         let mut found = |root: SurfaceRoot| {
             if !leaf.crossed || surface.keeps(location, root.at) {
                 collector.add(space, location, root);

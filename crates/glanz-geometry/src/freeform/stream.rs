@@ -375,7 +375,7 @@ impl StreamSearcher<'_> {
         else {
             return;
         };
-        let Some(location) = surface.locations.get(leaf.subpatch as usize) else { return };
+        let location = &surface.location(leaf.subpatch);
         let end = best.map_or(bounded.t_max, |best| best.t);
         if !(t > 0.0 && t <= end) || (leaf.crossed && !surface.keeps(location, at)) {
             return;

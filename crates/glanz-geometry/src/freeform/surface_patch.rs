@@ -13,28 +13,24 @@ pub struct SurfacePatch {
     pub(super) placement: PatchPlacement,
 }
 
-/// What is known of a patch without its control points: its part of the parameter domain, its degrees and its size.
+/// Part of the parameter domain, diagonal of a box around the control points (metres) and degrees of a patch: 40 bytes, since the small
+/// fields share eight with the tag.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct PatchPlacement {
-    domain: PatchDomain,
-    /// Diagonal of a box around the control points, metres.
-    extent: f64,
-    degrees: [u8; 2],
-}
-
-#[derive(Clone, Debug, PartialEq)]
-enum PatchDomain {
-    Rectangle(ParameterRect),
+pub(super) enum PatchPlacement {
+    Rectangle {
+        rect: ParameterRect,
+        extent: f32,
+        degrees: [u8; 2],
+    },
     /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) of the patch. Boxed, since rectangles are many more.
-    Quad(Box<[DVec2; 4]>),
+    Quad {
+        corners: Box<[DVec2; 4]>,
+        extent: f32,
+        degrees: [u8; 2],
+    },
 }
 
 impl SurfacePatch {
-    fn new(patch: TensorPatch, domain: PatchDomain) -> Self {
-        let (extent, (p, q)) = (patch.bounds().diagonal().length(), patch.degrees());
-        Self { patch, placement: PatchPlacement { domain, extent, degrees: [p as u8, q as u8] } }
-    }
-
     /// A patch over the rectangle `u` x `v`.
     ///
     /// # Errors
@@ -47,7 +43,9 @@ impl SurfacePatch {
                 return Err(SurfaceError::EmptyRange { parameter, min, max });
             }
         }
-        Ok(Self::new(patch, PatchDomain::Rectangle(ParameterRect { u, v })))
+        let (extent, degrees) = size(&patch);
+        let rect = ParameterRect { u, v };
+        Ok(Self { patch, placement: PatchPlacement::Rectangle { rect, extent, degrees } })
     }
 
     /// A patch over the convex quadrilateral with `corners` at (0, 0), (1, 0), (0, 1), (1, 1), bilinear between them.
@@ -64,7 +62,9 @@ impl SurfacePatch {
         let least = turns.into_iter().fold(f64::INFINITY, f64::min);
         let most = turns.into_iter().fold(f64::NEG_INFINITY, f64::max);
         if least > 0.0 || most < 0.0 {
-            Ok(Self::new(patch, PatchDomain::Quad(Box::new(corners))))
+            let (extent, degrees) = size(&patch);
+            let corners = Box::new(corners);
+            Ok(Self { patch, placement: PatchPlacement::Quad { corners, extent, degrees } })
         } else {
             Err(SurfaceError::Degenerate {
                 reason: "the quadrilateral of parameters is not convex, turn",
@@ -86,21 +86,29 @@ impl SurfacePatch {
     }
 }
 
+/// Diagonal of a box around the control points, metres, and degrees.
+fn size(patch: &TensorPatch) -> (f32, [u8; 2]) {
+    let (p, q) = patch.degrees();
+    (patch.bounds().diagonal().length() as f32, [p as u8, q as u8])
+}
+
 impl PatchPlacement {
+    /// Diagonal of a box around the control points, metres, rounded.
     pub(super) fn extent(&self) -> f64 {
-        self.extent
+        let (Self::Rectangle { extent, .. } | Self::Quad { extent, .. }) = self;
+        (*extent).into()
     }
 
     pub(super) fn degrees(&self) -> (usize, usize) {
-        let [p, q] = self.degrees;
+        let (Self::Rectangle { degrees: [p, q], .. } | Self::Quad { degrees: [p, q], .. }) = *self;
         (p.into(), q.into())
     }
 
     /// See [`SurfacePatch::parameters`].
     pub(super) fn parameters(&self, x: f64, y: f64) -> DVec2 {
-        match &self.domain {
-            PatchDomain::Rectangle(rect) => rect.at(x, y).into(),
-            PatchDomain::Quad(corners) => {
+        match self {
+            Self::Rectangle { rect, .. } => rect.at(x, y).into(),
+            Self::Quad { corners, .. } => {
                 let [a, b, c, d] = **corners;
                 a.lerp(b, x).lerp(c.lerp(d, x), y)
             }
@@ -109,9 +117,9 @@ impl PatchPlacement {
 
     /// The rectangle of parameters, unless they are those of a quadrilateral.
     pub(super) fn rectangle(&self) -> Option<&ParameterRect> {
-        match &self.domain {
-            PatchDomain::Rectangle(rect) => Some(rect),
-            PatchDomain::Quad(_) => None,
+        match self {
+            Self::Rectangle { rect, .. } => Some(rect),
+            Self::Quad { .. } => None,
         }
     }
 
@@ -124,11 +132,11 @@ impl PatchPlacement {
 
     /// Derivatives of the parameters (x, y) of the patch by u and by v.
     pub(super) fn rates(&self, x: f64, y: f64) -> [DVec2; 2] {
-        match &self.domain {
-            PatchDomain::Rectangle(ParameterRect { u, v }) => {
+        match self {
+            Self::Rectangle { rect: ParameterRect { u, v }, .. } => {
                 [DVec2::new(1.0 / (u[1] - u[0]), 0.0), DVec2::new(0.0, 1.0 / (v[1] - v[0]))]
             }
-            PatchDomain::Quad(corners) => {
+            Self::Quad { corners, .. } => {
                 let [a, b, c, d] = **corners;
                 let (by_x, by_y) = ((b - a).lerp(d - c, y), (c - a).lerp(d - b, x));
                 let per = 1.0 / by_x.perp_dot(by_y);
