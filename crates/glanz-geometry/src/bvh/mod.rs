@@ -46,7 +46,7 @@ use self::build::{BinaryNode, BvhPrimitive};
 use self::collapse::WideTree;
 pub(crate) use self::compact_ray::CompactRay;
 use self::node::{UnitFrame, WideNode};
-use self::simd::{Isa, Simd, Task};
+use self::simd::{Isa, Simd, Task, prefer_large_pages};
 pub(crate) use self::traversal::LeafVisitor;
 use self::traversal::{AnyTraversal, ClosestTraversal};
 
@@ -134,7 +134,9 @@ impl Bvh {
             let (min, max) = frame.bounds(&bounds[index as usize]);
             BvhPrimitive::new(min, max, index)
         });
-        let mut tree = vec![BinaryNode::EMPTY; (2 * items.len()).saturating_sub(1)];
+        let mut tree = Vec::with_capacity(2 * items.len());
+        prefer_large_pages(&mut tree);
+        tree.resize((2 * items.len()).saturating_sub(1), BinaryNode::EMPTY);
         let costs = build::build(&mut items, &mut tree, 0, options);
         let wide = WideTree::collapse(&tree);
         let cost = tree.first().map_or(0.0, |root| {
@@ -245,17 +247,37 @@ impl Bvh {
 pub(crate) const PARALLEL_CHUNK: usize = 1 << 12;
 
 /// `f` of every element, in parallel if there are more than `chunk` of them. Scenes have thousands of small meshes: waking
-/// a thread would take longer than building one of them.
+/// a thread would take longer than building one of them. Long lists are backed by large pages.
 pub(crate) fn parallel_map<T: Sync, U: Send>(
     list: &[T],
     chunk: usize,
     f: impl Fn(&T) -> U + Sync + Send,
 ) -> Vec<U> {
     if list.len() <= chunk {
-        list.iter().map(f).collect()
-    } else {
-        list.par_iter().with_min_len(chunk).map(f).collect()
+        return list.iter().map(f).collect();
     }
+    let mut all = Vec::with_capacity(list.len());
+    prefer_large_pages(&mut all);
+    list.par_iter().with_min_len(chunk).map(f).collect_into_vec(&mut all);
+    all
+}
+
+/// All that `append` adds to a list for each element of `list` and its position, in their order; in parallel if there are more than `chunk`.
+pub(crate) fn parallel_flat_map<T: Sync, U: Send>(
+    list: &[T],
+    chunk: usize,
+    append: impl Fn(usize, &T, &mut Vec<U>) + Sync + Send,
+) -> Vec<U> {
+    let chunks: Vec<_> = (0..).step_by(chunk).zip(list.chunks(chunk)).collect();
+    let parts = parallel_map(&chunks, 1, |&(first, elements)| {
+        let mut part = Vec::new();
+        (first..).zip(elements).for_each(|(index, element)| append(index, element, &mut part));
+        part
+    });
+    let mut all = Vec::with_capacity(parts.iter().map(Vec::len).sum());
+    prefer_large_pages(&mut all);
+    parts.into_iter().for_each(|part| all.extend(part));
+    all
 }
 
 /// The closure of [`Bvh::closest`] as a visitor.

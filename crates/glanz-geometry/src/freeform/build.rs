@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
-use glanz_math::{Bounds3, DVec3};
+use glanz_math::Bounds3;
 
 use super::control_net::MAX_DEGREE;
 use super::leaf::PatchLeaf;
@@ -13,7 +13,7 @@ use super::patch_list::PatchList;
 use super::ray_space::SurfaceFrame;
 use super::subpatches::{self, Subpatch, SubpatchList, SubpatchLocation};
 use super::{Freeform, SurfacePatch};
-use crate::bvh::{BuildOptions, Bvh, parallel_map};
+use crate::bvh::{BuildOptions, Bvh, PARALLEL_CHUNK, parallel_flat_map, parallel_map};
 use crate::error::SurfaceError;
 use crate::trim::{Containment, TrimRegion};
 
@@ -62,10 +62,8 @@ impl Freeform {
             let (degree, max) = (highest as u32, MAX_DEGREE as u32);
             return Err(SurfaceError::DegreeTooHigh { parameter: "the patch", degree, max });
         }
-        let points =
-            || patches.iter().flat_map(|patch| patch.patch.control_points()).map(|p| p.truncate() / p.w);
-        let size = points().fold(DVec3::ZERO, |most, p| most.max(p.abs())).max_element();
-        let hull = Bounds3::from_points(points());
+        let hull = hull(&patches);
+        let size = hull.min.abs().max(hull.max.abs()).max_element();
         let extent = hull.diagonal().length();
         if !(extent > 0.0 && extent.is_finite()) {
             return Err(SurfaceError::Degenerate {
@@ -110,8 +108,9 @@ impl Freeform {
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
         let mut bvh = Bvh::build(&boxes, &options);
         drop(boxes);
-        let at = |leaf| leaves.get(*bvh.leaf(leaf).first()? as usize).map(|leaf| leaf.leaf);
-        let leaves = bvh.leaves().filter_map(at).collect();
+        let order: Vec<_> = bvh.leaves().filter_map(|leaf| bvh.leaf(leaf).first()).collect();
+        let ordered = parallel_map(&order, PARALLEL_CHUNK, |&&leaf| leaves[leaf as usize].leaf);
+        drop((leaves, order));
         bvh.forget_items();
         let locations = if subpatches.len() == patches.len() {
             Vec::new()
@@ -121,8 +120,18 @@ impl Freeform {
         let subpatches = SubpatchList::new(subpatches);
         let patches = PatchList::new(patches, &subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
-        Self { patches, region, extent, leaves, subpatches, locations, frame, undecided, areas, bvh }
+        Self { patches, region, extent, leaves: ordered, subpatches, locations, frame, undecided, areas, bvh }
     }
+}
+
+/// The box around the control points.
+fn hull(patches: &[SurfacePatch]) -> Bounds3 {
+    let chunks: Vec<_> = patches.chunks(PARALLEL_CHUNK).collect();
+    let of_chunk = |chunk: &&[SurfacePatch]| {
+        let points = chunk.iter().flat_map(|patch| patch.patch.control_points());
+        Bounds3::from_points(points.map(|p| p.truncate() / p.w))
+    };
+    parallel_map(&chunks, 1, of_chunk).into_iter().fold(Bounds3::EMPTY, Bounds3::union)
 }
 
 /// A leaf before the hierarchy is built. The control points of its part are gone: those of a million patches would take more memory than
@@ -134,24 +143,13 @@ struct BoundedLeaf {
 
 /// The leaves of all subpatches of a surface of this extent and frame.
 fn all_leaves(subpatches: &[Subpatch], extent: f64, frame: &SurfaceFrame) -> Vec<BoundedLeaf> {
-    let numbered: Vec<(usize, &Subpatch)> = subpatches.iter().enumerate().collect();
-    let of_chunk =
-        |chunk: &&[(usize, &Subpatch)]| {
-            let mut leaves = Vec::new();
-            for &(index, subpatch) in *chunk {
-                let finished = leaves_of(index as u32, subpatch, SMALLEST * extent).into_iter();
-                leaves.extend(finished.map(|leaf| BoundedLeaf {
-                    leaf: PatchLeaf::new(&leaf, frame.center),
-                    bounds: leaf.bounds,
-                }));
-            }
-            leaves
-        };
-    let chunks: Vec<_> = numbered.chunks(CHUNK).collect();
-    let parts = parallel_map(&chunks, 1, of_chunk);
-    let mut leaves = Vec::with_capacity(parts.iter().map(Vec::len).sum());
-    parts.into_iter().for_each(|part| leaves.extend(part));
-    leaves
+    parallel_flat_map(subpatches, CHUNK, |index, subpatch, leaves| {
+        let finished = leaves_of(index as u32, subpatch, SMALLEST * extent).into_iter();
+        leaves.extend(
+            finished
+                .map(|leaf| BoundedLeaf { leaf: PatchLeaf::new(&leaf, frame.center), bounds: leaf.bounds }),
+        );
+    })
 }
 
 /// A part of a subpatch that may be halved further.

@@ -14,7 +14,7 @@ use super::ray_space::RaySpace;
 use super::root::{SearchScratch, SurfaceRoot};
 use super::surface_patch::SurfacePatch;
 use crate::bvh::simd::{Simd, Task};
-use crate::bvh::{PARALLEL_CHUNK, parallel_map};
+use crate::bvh::{PARALLEL_CHUNK, parallel_flat_map, parallel_map};
 
 /// Largest ratio of the weights of a subpatch. The rounding of powers is that of the largest weight, and counts by the
 /// smallest; and next to a small weight one bit of a parameter is far on the surface.
@@ -80,8 +80,7 @@ impl Task for LeafSearch<'_> {
 
 /// The subpatches of `patches`, none halved more often than `most_halvings`.
 pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpatch> {
-    let mut done = Vec::with_capacity(patches.len());
-    for (index, patch) in patches.iter().enumerate() {
+    parallel_flat_map(patches, PARALLEL_CHUNK, |index, patch, done| {
         let mut open = vec![Subpatch::whole(index as u32, patch)];
         while let Some(subpatch) = open.pop() {
             if subpatch.weight_ratio() <= EVEN_WEIGHTS || subpatch.location.part.count() == most_halvings {
@@ -90,8 +89,7 @@ pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpa
                 open.extend(subpatch.halves());
             }
         }
-    }
-    done
+    })
 }
 
 impl Subpatch {

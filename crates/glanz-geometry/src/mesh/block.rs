@@ -4,8 +4,8 @@ use glanz_math::{DVec3, Ray};
 
 use super::vector_list::VectorList;
 use crate::bvh::query::HitCollector;
-use crate::bvh::simd::{Simd, prefer_large_pages};
-use crate::bvh::{Bvh, PARALLEL_CHUNK};
+use crate::bvh::simd::Simd;
+use crate::bvh::{Bvh, PARALLEL_CHUNK, parallel_map};
 use crate::hit::Hit;
 use crate::triangle::{GRAZING, ShearedRay};
 
@@ -278,18 +278,11 @@ fn lay_out<T: Coordinate>(
     indices: &[[u32; 3]],
     bvh: &Bvh,
 ) -> Vec<TriangleBlock<T>> {
-    use rayon::prelude::*;
     let leaves: Vec<_> = bvh.leaves().collect();
     let block = |&leaf: &_| {
         TriangleBlock::new(bvh.leaf(leaf).iter().map(|&face| {
             (face, indices[face as usize].map(|vertex| positions.get(vertex).unwrap_or_default()))
         }))
     };
-    if leaves.len() <= PARALLEL_CHUNK {
-        return leaves.iter().map(block).collect();
-    }
-    let mut blocks = Vec::with_capacity(leaves.len());
-    prefer_large_pages(&mut blocks);
-    leaves.par_iter().with_min_len(PARALLEL_CHUNK).map(block).collect_into_vec(&mut blocks);
-    blocks
+    parallel_map(&leaves, PARALLEL_CHUNK, block)
 }
