@@ -244,10 +244,10 @@ def all_renderers(arguments):
     program = arguments.glanz or built("glanz-cli", "glanz", "--bin", "glanz")
     python, blender = arguments.python, arguments.blender
     known = [Glanz("glanz", program, "path")]
-    options = subprocess.run([program, "render", "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout
-    if "--branching" in options:
+    help_text = subprocess.run([program, "render", "--help"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    if "--branching" in help_text:
         known.append(Glanz("glanz-branching", program, "path", "--branching", 4))
-    if "guided" in options:
+    if "guided" in help_text:
         known.append(Glanz("glanz-guided", program, "guided"))
     known += [Peer("mitsuba", python, "render_mitsuba.py"),
               Peer("mitsuba-llvm", python, "render_mitsuba.py", "--vectorised", reference="mitsuba"),

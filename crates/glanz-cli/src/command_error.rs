@@ -44,6 +44,7 @@ fn advice(error: &Error) -> Option<String> {
         Error::File { fault, .. } => return file_advice(fault),
         Error::NoGuide { .. } => "add --integrator guided",
         Error::NoStoredLight { .. } => "add --integrator radiosity",
+        Error::Branching { .. } => "add --integrator path or distributed, or leave out --branching",
         Error::SampleRange { range, sampler, .. } => {
             return Some(format!(
                 "the sampler \"{sampler}\" divides the pixel by the number of samples: set --spp to {} or more",

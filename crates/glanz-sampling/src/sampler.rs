@@ -163,7 +163,7 @@ impl PixelSampler {
         self.dimension = dimension;
     }
 
-    /// The same at another index: the numbers of another sample of the pixel.
+    /// The sampler of another sample of the pixel, at the same dimension.
     #[must_use]
     pub fn with_index(self, index: u32) -> Self {
         Self { index, ..self }

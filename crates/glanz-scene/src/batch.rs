@@ -42,7 +42,8 @@ impl SceneBatchMemory {
         // A thread that ends has no pool any more.
         let mut memory = MEMORY.try_with(|pool| pool.borrow_mut().pop()).ok().flatten().unwrap_or_default();
         work(&mut memory);
-        if memory.nearest.capacity().max(memory.local.capacity()) <= KEPT_RAYS {
+        let SceneBatchMemory { all, nearest, local, .. } = &memory;
+        if all.capacity().max(nearest.capacity()).max(local.capacity()) <= KEPT_RAYS {
             let _ = MEMORY.try_with(|pool| pool.borrow_mut().push(memory));
         }
     }

@@ -45,8 +45,8 @@ pub enum Error {
         /// Name of the integrator.
         integrator: &'static str,
     },
-    /// A number of branches for an integrator whose paths do not branch.
-    #[error("paths of the integrator \"{integrator}\" do not branch")]
+    /// A number of branches for an integrator that does not use it.
+    #[error("the integrator \"{integrator}\" has no number of branches")]
     Branching {
         /// Name of the integrator.
         integrator: &'static str,

@@ -116,7 +116,7 @@ pub(crate) struct RenderArguments {
     /// Whether lights are sampled at every hit; otherwise paths find them by chance
     #[arg(long, value_name = "on|off", value_parser = switch)]
     samplelights: Option<bool>,
-    /// Number of paths into which a camera ray divides at its first rough surface (integrators path and distributed)
+    /// Number of paths into which a camera ray divides at its first rough surface (integrators path, default 1, and distributed, default 8)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(BRANCHING_LIMIT)))]
     pub(crate) branching: Option<u32>,
     /// Sample directions from this guide, without learning (integrator guided)

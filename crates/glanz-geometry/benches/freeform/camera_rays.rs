@@ -20,7 +20,7 @@ pub(crate) fn camera_rays(bounds: &Bounds3, width: u32, height: u32) -> Vec<Ray>
     (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| ray(x, y)).collect()
 }
 
-/// The same in random order, which depends on their number alone: Fisher and Yates with splitmix64.
+/// The items in an order that depends on their number alone: shuffled by Fisher and Yates with splitmix64.
 pub(crate) fn shuffled<T>(mut items: Vec<T>) -> Vec<T> {
     let mut state = 1_u64;
     for i in (1..items.len()).rev() {

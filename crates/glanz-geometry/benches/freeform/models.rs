@@ -107,7 +107,7 @@ fn side(square: usize) -> Result<usize, Failure> {
     let side = square.isqrt();
     if side * side != square {
         return Err(format!(
-            "{square} patches are no square, choose {} or {}",
+            "{square} is not a square number of patches; choose {} or {}",
             side * side,
             (side + 1).pow(2)
         )

@@ -262,7 +262,8 @@ pub(crate) fn parallel_map<T: Sync, U: Send>(
     all
 }
 
-/// All that `append` adds to a list for each element of `list` and its position, in their order; in parallel if there are more than `chunk`.
+/// All that `append` adds to a list for each element of `list` and its position, in the order of `list`; in parallel if there are more
+/// than `chunk`. Chunks do not depend on the number of threads.
 pub(crate) fn parallel_flat_map<T: Sync, U: Send>(
     list: &[T],
     chunk: usize,

@@ -316,11 +316,11 @@ impl StreamScratch {
     }
 }
 
-/// The children that rays meet, nearest first by the bits of their entries, and their number. By ranks, since the branches of a sort are
-/// mispredicted.
+/// The children that rays meet, nearest first, and their number. Sorted by counting smaller keys, since the branches of a comparison
+/// sort are mispredicted.
 #[inline(always)]
 fn nearest_first(counts: &[usize; WIDTH], entries: &[f32; WIDTH]) -> ([usize; WIDTH], usize) {
-    // No two keys are equal: entries are not negative, and their last bits are replaced by the slot.
+    // Entries are not negative, so that their bits are in their order. The last bits become the slot, so that all keys differ.
     let slots = WIDTH as u32 - 1;
     let (mut keys, mut met) = ([0; WIDTH], 0);
     for (slot, key) in (0..).zip(&mut keys) {

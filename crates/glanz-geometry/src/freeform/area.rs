@@ -101,7 +101,7 @@ impl Freeform {
         })
     }
 
-    /// A random point of a random leaf.
+    /// A random point, uniform over the area of the leaves up to their bilinear approximation.
     pub(super) fn sample_leaf(&self, xi: DVec2) -> Option<SurfaceSample> {
         let areas = self.areas();
         let target = xi.x * areas.mass();

@@ -25,16 +25,16 @@ pub(super) const POWERS: f64 = 4.0;
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Bicubic<const COORDINATES: usize> {
+    /// Coefficients by power of s, coordinate, power of t. First, so that vectors of them do not cross cache lines.
+    pub(super) powers: [[[f64; 4]; COORDINATES]; 4],
     pub(super) center: DVec3,
     /// Bound on half of any second derivative by (s, t) of the point times its weight.
     pub(super) curvature_bound: f64,
     /// The same for the weight, which is 1 at the centre, and bounds on the weight; rounded outward.
     pub(super) weight_curvature_bound: f32,
     pub(super) weights: [f32; 2],
-    /// Constant terms of the powers, which are zero there: the rounding of the centre.
+    /// Constant terms that the powers omit: the rounding of the centre. Only restored control points need them.
     pub(super) remainder: [f32; 3],
-    /// Coefficients by power of s, coordinate, power of t.
-    pub(super) powers: [[[f64; 4]; COORDINATES]; 4],
 }
 
 /// Coefficients of the powers of t = 2 x - 1 from Bernstein coefficients of degree `n`.
@@ -99,17 +99,20 @@ impl<const COORDINATES: usize> Bicubic<COORDINATES> {
         patch
     }
 
-    /// Bound on the sum of |f_ss| / 2, |f_st| and |f_tt| / 2 over the square, for the vector of some coordinates.
+    /// Bound on half of the second derivative in any direction over the square, for the vector of some coordinates:
+    /// max(|f_ss|, |f_tt|) / 2 + |f_st| / 2.
     fn second_order(&self, lists: std::ops::Range<usize>) -> f64 {
-        let mut sum = 0.0;
+        let (mut ss, mut st, mut tt) = (0.0_f64, 0.0, 0.0_f64);
         for (i, row) in self.powers.iter().enumerate() {
             for j in 0..4_usize {
                 let lists = row.get(lists.clone()).unwrap_or_default();
                 let size = lists.iter().map(|list| list[j] * list[j]).sum::<f64>().sqrt();
-                sum += size * (i * i.saturating_sub(1) / 2 + i * j + j * j.saturating_sub(1) / 2) as f64;
+                ss += size * (i * i.saturating_sub(1) / 2) as f64;
+                st += size * (i * j) as f64;
+                tt += size * (j * j.saturating_sub(1) / 2) as f64;
             }
         }
-        sum
+        ss.max(tt) + 0.5 * st
     }
 
     /// The coefficients of the i-th power of s, in the direction of `axis`, of the point times its weight.

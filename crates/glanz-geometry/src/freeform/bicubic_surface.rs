@@ -7,14 +7,14 @@ use super::bicubic::{Bicubic, bernstein_of};
 use super::control_net::{PatchJet, SecondOrderJet};
 use crate::bvh::simd::{Simd, Task};
 
-/// Evaluation of a polynomial patch with its second derivatives, at parameters in [0, 1].
+/// Evaluation of the point, first and second derivatives of a polynomial patch at parameters in [0, 1].
 pub(super) struct BicubicJet<'a> {
     pub(super) patch: &'a Bicubic<3>,
     pub(super) x: f64,
     pub(super) y: f64,
 }
 
-/// The same without second derivatives.
+/// Evaluation of the point and first derivatives of a polynomial patch at parameters in [0, 1].
 pub(super) struct BicubicTangents<'a> {
     pub(super) patch: &'a Bicubic<3>,
     pub(super) x: f64,
@@ -41,6 +41,7 @@ impl Task for BicubicJet<'_> {
     }
 }
 
+/// Point, first and second derivatives by (x, y), by Horner's rule with one rounding per step.
 #[inline(always)]
 fn jet<S: Simd>(simd: S, patch: &Bicubic<3>, x: f64, y: f64) -> SecondOrderJet {
     let Bicubic { center, powers: [a, b, c, d], .. } = patch;
@@ -55,14 +56,14 @@ fn jet<S: Simd>(simd: S, patch: &Bicubic<3>, x: f64, y: f64) -> SecondOrderJet {
         let value = simd.mul_add64(simd.mul_add64(simd.mul_add64(d, s, c), s, b), s, a);
         let twice_c = simd.mul64(two, c);
         let rise = simd.mul_add64(simd.mul_add64(simd.mul64(three, d), s, twice_c), s, b);
-        let bend = simd.mul_add64(simd.mul64(six, d), s, twice_c);
+        let second = simd.mul_add64(simd.mul64(six, d), s, twice_c);
         let (value, rise) = (simd.store64(value), simd.store64(rise));
         let [_, _, g, h] = value;
         *term = [
             cubic(value, t),
             cubic(rise, t),
             slope(value, t),
-            cubic(simd.store64(bend), t),
+            cubic(simd.store64(second), t),
             slope(rise, t),
             (6.0 * h).mul_add(t, 2.0 * g),
         ];
@@ -104,6 +105,26 @@ impl Bicubic<3> {
         }
         [point, by_x, by_y]
     }
+
+    /// Homogeneous control points of these degrees, up to (3, 3), that of (i, j) at i (q + 1) + j: those from which the patch was made,
+    /// up to a few roundings, if their weights are 1. The same bits in every call, on which
+    /// [`NetCorrections`](super::net_corrections::NetCorrections) rely.
+    pub(super) fn control_points(&self, (p, q): (usize, usize)) -> Vec<DVec4> {
+        let mut nets = [[[0.0; 4]; 4]; 3];
+        for (k, net) in nets.iter_mut().enumerate() {
+            let mut powers = self.powers.map(|row| row[k]);
+            powers[0][0] += f64::from(self.remainder[k]);
+            let rows = powers.map(|row| bernstein_of_degree(row, q));
+            for j in 0..=q {
+                let column = bernstein_of_degree(rows.map(|row| row[j]), p);
+                for (row, value) in net.iter_mut().zip(column) {
+                    row[j] = value;
+                }
+            }
+        }
+        let point = |i: usize, j: usize| self.center + DVec3::from_array(nets.map(|net| net[i][j]));
+        (0..=p).flat_map(|i| (0..=q).map(move |j| (i, j))).map(|(i, j)| point(i, j).extend(1.0)).collect()
+    }
 }
 
 /// The value of eight cubics.
@@ -122,27 +143,6 @@ fn cubic([a, b, c, d]: [f64; 4], t: f64) -> f64 {
 #[inline(always)]
 fn slope([_, b, c, d]: [f64; 4], t: f64) -> f64 {
     (3.0 * d).mul_add(t, 2.0 * c).mul_add(t, b)
-}
-
-impl Bicubic<3> {
-    /// Homogeneous control points of these degrees, up to (3, 3), that of (i, j) at i (q + 1) + j: those from which the patch was made,
-    /// up to a few roundings.
-    pub(super) fn control_points(&self, (p, q): (usize, usize)) -> Vec<DVec4> {
-        let mut nets = [[[0.0; 4]; 4]; 3];
-        for (k, net) in nets.iter_mut().enumerate() {
-            let mut powers = self.powers.map(|row| row[k]);
-            powers[0][0] += f64::from(self.remainder[k]);
-            let rows = powers.map(|row| bernstein_of_degree(row, q));
-            for j in 0..=q {
-                let column = bernstein_of_degree(rows.map(|row| row[j]), p);
-                for (row, value) in net.iter_mut().zip(column) {
-                    row[j] = value;
-                }
-            }
-        }
-        let point = |i: usize, j: usize| self.center + DVec3::from_array(nets.map(|net| net[i][j]));
-        (0..=p).flat_map(|i| (0..=q).map(move |j| (i, j))).map(|(i, j)| point(i, j).extend(1.0)).collect()
-    }
 }
 
 /// Bernstein coefficients of degree `n` up to 3 from powers of t in [-1, 1].

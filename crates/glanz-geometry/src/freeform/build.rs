@@ -44,7 +44,8 @@ const CHUNK: usize = 64;
 impl Freeform {
     /// A surface of `patches`.
     ///
-    /// Patches with a common border meet without a gap if their control points there are the same bits.
+    /// Rays meet patches with a common border without a gap if their control points there are the same bits. Points of the two patches on
+    /// that border agree up to [`SurfacePoint::error`](crate::SurfacePoint::error), not bit by bit.
     ///
     /// # Errors
     /// [`SurfaceError::TooFew`] without patches, [`SurfaceError::DegreeTooHigh`] above [`MAX_DEGREE`],

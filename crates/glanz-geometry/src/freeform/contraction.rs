@@ -9,9 +9,9 @@ use glanz_math::DVec2;
 
 use super::ray_space::cross;
 
-/// Distance from the ray, in units of the noise, within which a point counts as hit: the noise of both leaves at a common
-/// border.
-pub(super) const MET: f64 = 2.0;
+/// Distance from the ray, in units of the noise, within which a point counts as hit: the noise of both leaves at a common border.
+/// A proof that there is no root must leave the same room.
+pub(super) const HIT_TOLERANCE: f64 = 2.0;
 
 /// Relative error of the terms of a determinant and of a step computed from it.
 pub(super) const ROUNDED: f64 = 8.0 * f64::EPSILON;
@@ -61,11 +61,12 @@ pub(super) struct Certificate {
 
 impl Certificate {
     /// Whether the jet at a point `x` of the square proves that the square has no root. The jet has been multiplied by `weight`;
-    /// `per` is the inverse of the determinant.
+    /// `per` is the inverse of the determinant of (a, b). The certificate must hold in the Euclidean norm, as those of leaves do.
     ///
-    /// The simplified step ends within q times the distance of a root y from it, so that |y - x| is at most its length / (1 - q). By
-    /// Taylor's formula J (y - x) = -f - r with |r| <= c |y - x|^2, where c is the curvature bound: Newton's step ends within |J^-1 r|
-    /// of the root. That bounds |y - x| anew, closer most often, and in the end how far beyond the border the step may lead.
+    /// The simplified step from x ends within q |y - x| of a root y, so that |y - x| is at most its length / (1 - q). By Taylor's
+    /// formula J (y - x) = -f - r with |r| <= c |y - x|^2, where c is the curvature bound: Newton's step ends within |J^-1 r| of the
+    /// root. That gives a second bound on |y - x|, most often a smaller one. The last bound limits how far beyond the border a step
+    /// towards a root of the square may lead.
     #[inline(always)]
     pub(super) fn excludes(
         &self,
@@ -76,7 +77,7 @@ impl Certificate {
         bounds: &MapBounds,
     ) -> bool {
         let &Self { a, b, q } = self;
-        let noise = MET * bounds.noise * bounds.weights[1];
+        let noise = HIT_TOLERANCE * bounds.noise * bounds.weights[1];
         let simple = DVec2::new(cross(jet.f, b), cross(a, jet.f)) * per;
         let unsure = ((a.x.abs() + a.y.abs()) + (b.x.abs() + b.y.abs())) * (noise * per.abs());
         let mut distance = (simple.length() + unsure) / (weight * (1.0 - q));
@@ -249,7 +250,7 @@ pub(super) fn contract<M: PlanarMap>(
 /// Whether the ray passes the point `x`, with this jet, within rounding.
 #[inline(always)]
 fn is_met(map: &impl PlanarMap, bounds: &MapBounds, x: DVec2, jet: &PlanarJet) -> bool {
-    jet.f.length() <= MET * bounds.noise * map.weight(x)
+    jet.f.length() <= HIT_TOLERANCE * bounds.noise * map.weight(x)
 }
 
 /// The point of the border nearest to the projected ray, from `x` on that border; with its jet.
@@ -298,7 +299,12 @@ mod tests {
 
     #[test]
     fn no_root_inside_is_excluded_whatever_the_weight() {
-        let bounds = MapBounds { noise: 1e-15, curvature_bound: 0.4, weights: [0.25, 4.0], steps: 200 };
+        let bounded = |curvature_bound: f64| MapBounds {
+            noise: 1e-15,
+            curvature_bound,
+            weights: [0.25, 4.0],
+            steps: 200,
+        };
         for k in 0..20_000 {
             let turn = |a: f64| 2.0 * (f64::from(k) * a).fract() - 1.0;
             let (curvature, weight) = (0.2 * (1.0 + turn(0.377)), 4.0_f64.powf(turn(0.219)));
@@ -307,7 +313,7 @@ mod tests {
             let mut map = CurvedMap { root, curvature };
             let certificate = Certificate { a: DVec2::X, b: DVec2::Y, q: 2.0 * curvature };
             let x = DVec2::new(turn(0.541), turn(0.127));
-            let bounds = MapBounds { curvature_bound: curvature * weight, ..bounds };
+            let bounds = bounded(curvature * weight);
             let excluded = certificate.excludes(x, &weighted(map.jet(x), weight), weight, 1.0, &bounds);
             assert!(!excluded, "{root} {curvature} {weight} from {x}");
         }
@@ -315,7 +321,7 @@ mod tests {
         for (x, curvature) in [(1.2, 0.05), (1.2, 0.25), (1.0 + 1e-9, 0.25)] {
             let mut map = CurvedMap { root: DVec2::new(x, 0.0), curvature };
             let certificate = Certificate { a: DVec2::X, b: DVec2::Y, q: 2.0 * curvature };
-            let bounds = MapBounds { curvature_bound: 3.0 * curvature, ..bounds };
+            let bounds = bounded(3.0 * curvature);
             let jet = weighted(map.jet(DVec2::X), 3.0);
             assert!(certificate.excludes(DVec2::X, &jet, 3.0, 1.0, &bounds), "{x} {curvature}");
         }
@@ -387,6 +393,32 @@ mod tests {
             }
         }
         assert!(values > 4000, "{values}");
+    }
+
+    #[test]
+    fn steps_with_derivatives_of_another_point_end_within_the_noise() {
+        let noise = 1e-6;
+        let mut ended = 0;
+        for k in 0..20_000 {
+            let turn = |a: f64| 2.0 * (f64::from(k) * a).fract() - 1.0;
+            let curvature = 0.2 * (1.0 + turn(0.377));
+            let bounds = MapBounds { noise, curvature_bound: curvature, weights: [1.0; 2], steps: 1 };
+            let root = 0.5 * DVec2::new(turn(0.618), turn(0.733));
+            let around = |exponent: f64, angle: f64| {
+                root + 10.0_f64.powf(exponent) * DVec2::from_angle(std::f64::consts::PI * angle)
+            };
+            let x = around(-3.5 + 1.5 * turn(0.541), turn(0.219));
+            let at = around(-2.0 + turn(0.127), turn(0.917));
+            let mut map = CurvedMap { root, curvature };
+            let jet = PlanarJet { f: map.value(x), ..map.jet(at) };
+            let step = jet.newton_step();
+            if bounds.ends_from(step, x.distance(at), &jet) {
+                ended += 1;
+                // The map is quadratic, so that the bound holds up to rounding.
+                assert!(map.value(x - step).length() <= noise * (1.0 + 1e-6), "{root} from {x} by {at}");
+            }
+        }
+        assert!(ended > 5000, "{ended}");
     }
 
     #[test]

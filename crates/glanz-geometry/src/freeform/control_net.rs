@@ -120,10 +120,10 @@ pub(super) struct SecondOrderJet {
     pub(super) svv: DVec3,
 }
 
-/// The homogeneous net `points`, that of (i, j) at i (q + 1) + j, and its derivatives by u and by v at (u, v), which are zero if they are
-/// not `WANTED`.
+/// The homogeneous net `points`, that of (i, j) at i (q + 1) + j, and its derivatives by u and by v at (u, v): zero without
+/// `DERIVATIVES`.
 #[inline(always)]
-pub(super) fn first_order<S: Simd, const WANTED: bool>(
+pub(super) fn first_order<S: Simd, const DERIVATIVES: bool>(
     simd: S,
     points: &[DVec4],
     degrees: (usize, usize),
@@ -132,19 +132,19 @@ pub(super) fn first_order<S: Simd, const WANTED: bool>(
 ) -> [DVec4; 3] {
     match degrees {
         // The most frequent ones, with loops of a fixed length.
-        (3, 3) => first_order_in::<S, 4, WANTED>(simd, points, (3, 3), u, v),
-        (4, 4) => first_order_in::<S, 5, WANTED>(simd, points, (4, 4), u, v),
-        (5, 5) => first_order_in::<S, 6, WANTED>(simd, points, (5, 5), u, v),
-        (6, 6) => first_order_in::<S, 7, WANTED>(simd, points, (6, 6), u, v),
-        (7, 7) => first_order_in::<S, 8, WANTED>(simd, points, (7, 7), u, v),
+        (3, 3) => first_order_in::<S, 4, DERIVATIVES>(simd, points, (3, 3), u, v),
+        (4, 4) => first_order_in::<S, 5, DERIVATIVES>(simd, points, (4, 4), u, v),
+        (5, 5) => first_order_in::<S, 6, DERIVATIVES>(simd, points, (5, 5), u, v),
+        (6, 6) => first_order_in::<S, 7, DERIVATIVES>(simd, points, (6, 6), u, v),
+        (7, 7) => first_order_in::<S, 8, DERIVATIVES>(simd, points, (7, 7), u, v),
         _ => {
-            with_room!(degrees.0.max(degrees.1), N => first_order_in::<S, N, WANTED>(simd, points, degrees, u, v))
+            with_room!(degrees.0.max(degrees.1), N => first_order_in::<S, N, DERIVATIVES>(simd, points, degrees, u, v))
         }
     }
 }
 
 #[inline(always)]
-fn first_order_in<S: Simd, const N: usize, const WANTED: bool>(
+fn first_order_in<S: Simd, const N: usize, const DERIVATIVES: bool>(
     simd: S,
     points: &[DVec4],
     (p, q): (usize, usize),
@@ -160,12 +160,12 @@ fn first_order_in<S: Simd, const N: usize, const WANTED: bool>(
         for ((point, bv), dv) in row.iter().zip(bv).zip(dv) {
             let point = simd.load64(&point.to_array());
             along = simd.mul_add64(point, simd.splat64(bv), along);
-            if WANTED {
+            if DERIVATIVES {
                 rise = simd.mul_add64(point, simd.splat64(dv), rise);
             }
         }
         h = simd.mul_add64(along, simd.splat64(bu), h);
-        if WANTED {
+        if DERIVATIVES {
             hu = simd.mul_add64(along, simd.splat64(du), hu);
             hv = simd.mul_add64(rise, simd.splat64(bu), hv);
         }

@@ -84,7 +84,7 @@ impl PatchLeaf {
         }
     }
 
-    /// Bound on half of any second derivative by (s, t).
+    /// Bound on half of the second derivative in any direction of (s, t).
     #[inline(always)]
     pub(super) fn curvature_bound(&self) -> f64 {
         self.rows[2][3].into()

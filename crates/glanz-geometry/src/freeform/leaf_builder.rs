@@ -20,7 +20,8 @@ pub(super) struct ThickParallelogram {
     pub(super) thickness: f64,
     /// Sum of the squared bounds on the deviation of the half derivatives from `along_u` and `along_v`.
     pub(super) tangent_deviation_squared: f64,
-    /// Bound on half of any second derivative by (s, t): a linear step of length h is off by at most `curvature_bound` h^2.
+    /// Bound on half of the second derivative in any direction of (s, t): a linear step of length h is off by at most
+    /// `curvature_bound` h^2.
     pub(super) curvature_bound: f64,
 }
 
@@ -90,7 +91,7 @@ fn polynomial_bounds(
     let at = |i: usize, j: usize| points[i * (q + 1) + j].truncate();
     let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
     let (dp, dq) = (0.5 * p as f64, 0.5 * q as f64);
-    let (ddp, ddq) = (0.5 * dp * (p as f64 - 1.0), 0.5 * dq * (q as f64 - 1.0));
+    let (ddp, ddq) = (0.25 * dp * (p as f64 - 1.0), 0.25 * dq * (q as f64 - 1.0));
     // Squares: thickness, deviations, and second derivatives by (s, t), halved where they are pure.
     let mut most = [0.0_f64; 6];
     let mut meet = |k: usize, v: DVec3| most[k] = most[k].max(v.length_squared());
@@ -116,6 +117,7 @@ fn polynomial_bounds(
         }
     }
     let [thickness, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
+    // Along (x, y) of length 1, x^2 uu + y^2 vv is at most the larger of both, and |x y| at most 1/2.
     (thickness, m_a, m_b, uu.max(vv) + 0.5 * uv)
 }
 
@@ -227,6 +229,28 @@ pub(super) fn is_more_curved_along_u(points: &[DVec4], (p, q): (usize, usize)) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn curvature_bound_of_a_quadratic_patch_is_exact() {
+        // Bernstein coefficients of 1, x and x^2 over [-1, 1].
+        let (one, line, square) = ([1.0; 3], [-1.0, 0.0, 1.0], [1.0, -1.0, 1.0]);
+        // Half of the second derivative is largest along an axis, except for s t: 1/2, on the diagonals.
+        for (terms, expected) in [
+            (vec![(square, one, 1.0)], 1.0),
+            (vec![(one, square, 1.0)], 1.0),
+            (vec![(square, one, 1.0), (one, square, 1.0)], 1.0),
+            (vec![(square, one, 1.0), (one, square, -1.0)], 1.0),
+            (vec![(line, line, 1.0)], 0.5),
+        ] {
+            let point = |i: usize, j: usize| {
+                let z = terms.iter().map(|(by_s, by_t, sign)| by_s[i] * by_t[j] * sign).sum();
+                DVec3::new(line[i], line[j], z).extend(1.0)
+            };
+            let net: Vec<DVec4> = (0..9).map(|k| point(k / 3, k % 3)).collect();
+            let bound = ThickParallelogram::new(&net, (2, 2)).curvature_bound;
+            assert!((bound - expected).abs() < 1e-14, "{bound} of {expected}");
+        }
+    }
 
     #[test]
     fn bounds_of_a_rational_patch_hold_and_are_not_far_off() {

@@ -12,13 +12,13 @@ const CHUNK: usize = 4096;
 /// Bytes of the bits that tell which coordinates differ: 16 control points have 48.
 const MASK_BYTES: usize = 6;
 
-/// Corrections of restored control points, in steps of `f64`. Most are zero, and none is lost: neighbouring patches keep common control
-/// points to the bit.
+/// Corrections of restored control points: for each coordinate, how many `f64` lie between the restored value and the given one. Most
+/// are zero, and none is lost: neighbouring patches keep common control points to the bit.
 #[derive(Clone, Debug)]
 pub(super) struct NetCorrections {
     /// Start of those of each patch.
     starts: Vec<u32>,
-    /// For each patch a bit for each coordinate that differs, then the differences, seven bits to a byte.
+    /// For each patch a bit for each coordinate that differs, then the differences as zigzag LEB128.
     bytes: Vec<u8>,
 }
 
@@ -84,24 +84,26 @@ fn from_rank(rank: i64) -> f64 {
 
 /// Appends the corrections of the net `rough` that make it `exact`.
 fn encode(exact: &[DVec4], rough: &[DVec4], bytes: &mut Vec<u8>) {
-    let (mut mask, mut differences) = (0_u64, Vec::new());
+    let (mut mask, start) = (0_u64, bytes.len());
+    bytes.extend([0; MASK_BYTES]);
     for (i, (exact, rough)) in exact.iter().zip(rough).enumerate() {
         for k in 0..3 {
             let difference = rank(exact[k]).wrapping_sub(rank(rough[k]));
             if difference != 0 {
                 mask |= 1 << (3 * i + k);
-                // The sign into the lowest bit, so that small differences have few.
+                // Zigzag: the sign in the lowest bit, so that small differences of both signs take one byte.
                 let mut rest = (difference << 1 ^ difference >> 63) as u64;
                 while rest >= 0x80 {
-                    differences.push(rest as u8 | 0x80);
+                    bytes.push(rest as u8 | 0x80);
                     rest >>= 7;
                 }
-                differences.push(rest as u8);
+                bytes.push(rest as u8);
             }
         }
     }
-    bytes.extend(mask.to_le_bytes().into_iter().take(MASK_BYTES));
-    bytes.append(&mut differences);
+    for (byte, mask) in bytes.iter_mut().skip(start).zip(mask.to_le_bytes().into_iter().take(MASK_BYTES)) {
+        *byte = mask;
+    }
 }
 
 /// The next difference.

@@ -191,22 +191,22 @@ impl<S: Simd, P: PointLanes<S>, const COORDINATES: usize> NetLanes<'_, S, P, COO
         ]
     }
 
-    /// The surface at a point of the leaf; its derivatives are zero if they are not `WANTED`.
+    /// The surface at a point of the leaf; its derivatives are zero without `DERIVATIVES`.
     #[inline(always)]
-    fn surface<const WANTED: bool>(&self, simd: S, x: [S::Wide; 2]) -> SurfaceLanes<S> {
+    fn surface<const DERIVATIVES: bool>(&self, simd: S, x: [S::Wide; 2]) -> SurfaceLanes<S> {
         match self.degrees.1 {
             // The most frequent ones, with loops of a fixed length.
-            4 => self.surface_in::<WANTED, 5>(simd, 4, x),
-            5 => self.surface_in::<WANTED, 6>(simd, 5, x),
-            6 => self.surface_in::<WANTED, 7>(simd, 6, x),
-            7 => self.surface_in::<WANTED, 8>(simd, 7, x),
-            q => self.surface_in::<WANTED, { MOST_DEGREE + 1 }>(simd, q, x),
+            4 => self.surface_in::<DERIVATIVES, 5>(simd, 4, x),
+            5 => self.surface_in::<DERIVATIVES, 6>(simd, 5, x),
+            6 => self.surface_in::<DERIVATIVES, 7>(simd, 6, x),
+            7 => self.surface_in::<DERIVATIVES, 8>(simd, 7, x),
+            q => self.surface_in::<DERIVATIVES, { MOST_DEGREE + 1 }>(simd, q, x),
         }
     }
 
     /// The same for the degree `q` along v, less than `N`.
     #[inline(always)]
-    fn surface_in<const WANTED: bool, const N: usize>(
+    fn surface_in<const DERIVATIVES: bool, const N: usize>(
         &self,
         simd: S,
         q: usize,
@@ -225,7 +225,7 @@ impl<S: Simd, P: PointLanes<S>, const COORDINATES: usize> NetLanes<'_, S, P, COO
                 let (value, derivative) = (by_v.values[j], by_v.derivatives[j]);
                 for k in 0..COORDINATES {
                     along[k] = simd.mul_add8(coordinates[k], value, along[k]);
-                    if WANTED {
+                    if DERIVATIVES {
                         rise[k] = simd.mul_add8(coordinates[k], derivative, rise[k]);
                     }
                 }
@@ -233,7 +233,7 @@ impl<S: Simd, P: PointLanes<S>, const COORDINATES: usize> NetLanes<'_, S, P, COO
             let (value, derivative) = (by_u.values[i], by_u.derivatives[i]);
             for k in 0..COORDINATES {
                 h[k] = simd.mul_add8(along[k], value, h[k]);
-                if WANTED {
+                if DERIVATIVES {
                     hu[k] = simd.mul_add8(along[k], derivative, hu[k]);
                     hv[k] = simd.mul_add8(rise[k], value, hv[k]);
                 }
@@ -245,7 +245,7 @@ impl<S: Simd, P: PointLanes<S>, const COORDINATES: usize> NetLanes<'_, S, P, COO
             let per = simd.div8(simd.splat8(1.0), w);
             for k in 0..3 {
                 s[k] = simd.mul8(s[k], per);
-                if WANTED {
+                if DERIVATIVES {
                     su[k] = simd.mul8(simd.sub8(su[k], simd.mul8(s[k], wu)), per);
                     sv[k] = simd.mul8(simd.sub8(sv[k], simd.mul8(s[k], wv)), per);
                 }
@@ -302,25 +302,33 @@ pub(super) fn roots<S: Simd>(
         return None;
     }
     if leaves.iter().all(|leaf| leaf.subpatch == leaves[0].subpatch) {
-        let points = &*first.net;
-        Some(if first.rational {
-            roots_of::<S, 4>(simd, points, degrees, leaves, pairs)
-        } else {
-            roots_of::<S, 3>(simd, points, degrees, leaves, pairs)
-        })
+        Some(roots_of(simd, first.rational, &first.net, degrees, leaves, pairs))
     } else {
         let points = buffer.fill(simd, list, first, leaves)?;
-        Some(if first.rational {
-            roots_of::<S, 4>(simd, points, degrees, leaves, pairs)
-        } else {
-            roots_of::<S, 3>(simd, points, degrees, leaves, pairs)
-        })
+        Some(roots_of(simd, first.rational, points, degrees, leaves, pairs))
     }
 }
 
-/// The same for given nets.
+/// The same for given nets, in 4 coordinates if they are rational.
 #[inline(always)]
-fn roots_of<S: Simd, const COORDINATES: usize>(
+fn roots_of<S: Simd>(
+    simd: S,
+    rational: bool,
+    points: &[impl PointLanes<S>],
+    degrees: (usize, usize),
+    leaves: &[&PatchLeaf; LANES],
+    pairs: &PairLanes<S>,
+) -> RootLanes<S> {
+    if rational {
+        roots_in::<S, 4>(simd, points, degrees, leaves, pairs)
+    } else {
+        roots_in::<S, 3>(simd, points, degrees, leaves, pairs)
+    }
+}
+
+/// The same in this number of coordinates.
+#[inline(always)]
+fn roots_in<S: Simd, const COORDINATES: usize>(
     simd: S,
     points: &[impl PointLanes<S>],
     degrees: (usize, usize),

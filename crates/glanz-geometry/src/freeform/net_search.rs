@@ -113,12 +113,12 @@ impl<S: Simd> PlanarMap for ProjectedNet<'_, S> {
 }
 
 impl<S: Simd> ProjectedNet<'_, S> {
-    /// The surface at (s, t) of the leaf, and its derivatives by the parameters of the net if they are `WANTED`.
+    /// The surface at (s, t) of the leaf, and its derivatives by the parameters of the net: zero without `DERIVATIVES`.
     #[inline(always)]
-    fn surface_jet<const WANTED: bool>(&self, x: DVec2) -> FirstOrderJet {
+    fn surface_jet<const DERIVATIVES: bool>(&self, x: DVec2) -> FirstOrderJet {
         let Self { simd, net: HomogeneousNet { degrees, points, rational }, middle, half, .. } = *self;
         let at = middle + half * x;
-        let [h, hu, hv] = control_net::first_order::<S, WANTED>(simd, points, degrees, at.x, at.y);
+        let [h, hu, hv] = control_net::first_order::<S, DERIVATIVES>(simd, points, degrees, at.x, at.y);
         if !rational {
             return FirstOrderJet { s: h.truncate(), su: hu.truncate(), sv: hv.truncate() };
         }

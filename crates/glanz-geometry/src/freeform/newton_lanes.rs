@@ -3,7 +3,7 @@
 
 use super::bicubic::POWERS;
 use super::bicubic_lanes::{PatchConstant, PatchLanes, ProjectedLanes, value};
-use super::contraction::MET;
+use super::contraction::HIT_TOLERANCE;
 use super::leaf::PatchLeaf;
 use super::pair_lanes::{BoundLanes, JetLanes, PairLanes, RootLanes};
 use super::projected_bicubic::MAX_NEWTON_STEPS;
@@ -120,7 +120,7 @@ struct NewtonLanes<S: Simd> {
     left: u32,
     /// The root, or the last point before a step that left the leaf.
     x: [S::Wide; 2],
-    /// The jet at that point.
+    /// The jet at `x` in the lanes of `left`; any in others.
     jet: JetLanes<S>,
 }
 
@@ -191,7 +191,7 @@ fn excludes<S: Simd>(
     let PairLanes { a, b, q, inverse_determinant, .. } = *pairs;
     let (zero, one) = (simd.splat8(0.0), simd.splat8(1.0));
     let RectLanes { middle, half, per_half } = *rect;
-    let noise = simd.mul8(simd.mul8(simd.splat8(MET), bounds.noise), bounds.weights[1]);
+    let noise = simd.mul8(simd.mul8(simd.splat8(HIT_TOLERANCE), bounds.noise), bounds.weights[1]);
     let JetLanes { f, fs: [fsx, fsy], ft: [ftx, fty] } = newton.jet;
     let fs = [simd.mul8(fsx, half[0]), simd.mul8(fsy, half[0])];
     let ft = [simd.mul8(ftx, half[1]), simd.mul8(fty, half[1])];

@@ -68,7 +68,7 @@ impl<S: Simd> JetLanes<S> {
             & self.is_exact(simd, bounds, det, step)
     }
 
-    /// The same for steps with derivatives of points at these distances; see [`MapBounds`](super::contraction::MapBounds).
+    /// The same for steps with the derivatives of points this far away in s and t; see [`MapBounds`](super::contraction::MapBounds).
     #[inline(always)]
     pub(super) fn ends_from(
         &self,

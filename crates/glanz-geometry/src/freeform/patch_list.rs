@@ -15,8 +15,8 @@ use crate::bezier::TensorPatch;
 /// The patches of a surface.
 #[derive(Debug)]
 pub(super) enum PatchList {
-    /// With their control points.
-    Given(Vec<SurfacePatch>),
+    /// With their control nets.
+    Nets(Vec<SurfacePatch>),
     /// Polynomial ones of degrees up to (3, 3), by the powers that rays search: these are evaluated, and their control points restored
     /// on demand.
     Powers { placements: Vec<PatchPlacement>, corrections: NetCorrections },
@@ -40,16 +40,16 @@ impl PatchList {
                         placements: patches.into_iter().map(|patch| patch.placement).collect(),
                         corrections,
                     },
-                    None => Self::Given(patches),
+                    None => Self::Nets(patches),
                 }
             }
-            _ => Self::Given(patches),
+            _ => Self::Nets(patches),
         }
     }
 
     fn len(&self) -> usize {
         match self {
-            Self::Given(patches) => patches.len(),
+            Self::Nets(patches) => patches.len(),
             Self::Powers { placements, .. } => placements.len(),
         }
     }
@@ -58,15 +58,15 @@ impl PatchList {
     #[inline]
     pub(super) fn placement(&self, face: u32) -> Option<&PatchPlacement> {
         match self {
-            Self::Given(patches) => patches.get(face as usize).map(|patch| &patch.placement),
+            Self::Nets(patches) => patches.get(face as usize).map(|patch| &patch.placement),
             Self::Powers { placements, .. } => placements.get(face as usize),
         }
     }
 
-    /// Bound on the rounding of an evaluated point, beyond that of an evaluation by control points, in units of the noise.
-    pub(super) fn rounding(&self) -> f64 {
+    /// Bound on the rounding that evaluation by powers adds to that by control points, in units of the noise.
+    pub(super) fn evaluation_rounding(&self) -> f64 {
         match self {
-            Self::Given(_) => 0.0,
+            Self::Nets(_) => 0.0,
             Self::Powers { .. } => POWERS,
         }
     }
@@ -74,11 +74,16 @@ impl PatchList {
     /// Memory, bytes.
     pub(super) fn bytes(&self) -> usize {
         match self {
-            Self::Given(patches) => {
-                let points = patches.iter().map(|patch| size_of_val(patch.patch.control_points()));
-                size_of_val(&**patches) + points.sum::<usize>()
+            Self::Nets(patches) => {
+                let own = patches
+                    .iter()
+                    .map(|patch| size_of_val(patch.patch.control_points()) + patch.placement.boxed_bytes());
+                size_of_val(&**patches) + own.sum::<usize>()
             }
-            Self::Powers { placements, corrections } => size_of_val(&**placements) + corrections.bytes(),
+            Self::Powers { placements, corrections } => {
+                let boxed: usize = placements.iter().map(PatchPlacement::boxed_bytes).sum();
+                size_of_val(&**placements) + boxed + corrections.bytes()
+            }
         }
     }
 }
@@ -95,7 +100,7 @@ impl Freeform {
     #[must_use]
     pub fn patch(&self, face: u32) -> Option<SurfacePatch> {
         match (&self.patches, &self.subpatches) {
-            (PatchList::Given(patches), _) => patches.get(face as usize).cloned(),
+            (PatchList::Nets(patches), _) => patches.get(face as usize).cloned(),
             (PatchList::Powers { placements, corrections }, SubpatchList::Polynomial(powers)) => {
                 let placement = placements.get(face as usize)?.clone();
                 let (p, q) = placement.degrees();
@@ -128,7 +133,7 @@ impl Freeform {
     #[inline]
     pub(super) fn coefficients(&self, face: u32) -> Option<PatchCoefficients<'_>> {
         match (&self.patches, &self.subpatches) {
-            (PatchList::Given(patches), _) => {
+            (PatchList::Nets(patches), _) => {
                 let patch = &patches.get(face as usize)?.patch;
                 Some(PatchCoefficients::Net { points: patch.control_points(), degrees: patch.degrees() })
             }

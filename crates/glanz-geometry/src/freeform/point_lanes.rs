@@ -157,7 +157,7 @@ impl EightPoints {
     }
 }
 
-/// The point and its derivatives by the parameters of the patch, as by [`PatchJet`](super::control_net::PatchJet).
+/// The point and its derivatives by the parameters of the patch, as by [`Freeform::first_order`].
 #[inline(always)]
 fn jet<S: Simd>(
     simd: S,

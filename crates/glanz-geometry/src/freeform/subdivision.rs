@@ -243,14 +243,13 @@ fn split(cells: &mut Vec<f64>, start: usize, (p, q): (usize, usize), across_x: b
     }
 }
 
-/// Restricts polynomials to a part of the square. The coefficients of each, those along v consecutive, become those of the part, those
-/// along u consecutive.
+/// Restricts polynomials to a part of the square. On entry the coefficients along v are consecutive, on return those along u.
 pub(super) fn restrict(cells: &mut Vec<f64>, (p, q): (usize, usize), part: DyadicRect) {
     let ParameterRect { u, v } = part.rect();
     let (size, n) = (cells.len(), (p + 1) * (q + 1));
     cells.reserve(size);
     for start in (0..size).step_by(n) {
-        restrict_rows(&mut cells[start..start + n], q + 1, u);
+        restrict_columns(&mut cells[start..start + n], q + 1, u);
         for j in 0..=q {
             for i in 0..=p {
                 cells.push(cells[start + i * (q + 1) + j]);
@@ -259,13 +258,13 @@ pub(super) fn restrict(cells: &mut Vec<f64>, (p, q): (usize, usize), part: Dyadi
     }
     cells.drain(..size);
     for list in cells.chunks_exact_mut(n) {
-        restrict_rows(list, p + 1, v);
+        restrict_columns(list, p + 1, v);
     }
 }
 
-/// Restricts the polynomials whose coefficients are the columns of rows of this length, by de Casteljau's algorithm at the upper end and
-/// then at the lower one.
-fn restrict_rows(rows: &mut [f64], length: usize, [low, high]: [f64; 2]) {
+/// Restricts each column of a table to a part of [0, 1]: Bernstein coefficients, one in each row of `length` numbers. By de Casteljau's
+/// algorithm at the upper end, then at the lower one; whole rows at a time, for vector instructions.
+fn restrict_columns(rows: &mut [f64], length: usize, [low, high]: [f64; 2]) {
     let size = rows.len();
     if high < 1.0 {
         for k in 1..size / length {

@@ -27,7 +27,8 @@ pub(super) struct Subpatch {
     pub(super) degrees: (usize, usize),
     /// Homogeneous control points, shared with the patch if it is a whole one.
     pub(super) net: Arc<[DVec4]>,
-    /// Whether not all weights of the surface are 1.
+    /// Whether it is evaluated with weights: where one of its patch is not 1, and in a [`SubpatchList::General`] where one of the surface
+    /// is not.
     pub(super) rational: bool,
 }
 
@@ -41,7 +42,7 @@ pub(super) struct SubpatchLocation {
 /// The subpatches of a surface, all in one representation, so that the branch on it is predicted.
 #[derive(Debug)]
 pub(super) enum SubpatchList {
-    /// Degrees up to (3, 3), all weights equal within each patch.
+    /// Degrees up to (3, 3), all weights 1: control points are restored with that weight.
     Polynomial(Vec<Bicubic<3>>),
     /// Degrees up to (3, 3), weights that vary little.
     Rational(Vec<Bicubic<4>>),

@@ -13,8 +13,8 @@ pub struct SurfacePatch {
     pub(super) placement: PatchPlacement,
 }
 
-/// Part of the parameter domain, diagonal of a box around the control points (metres) and degrees of a patch: 40 bytes, since the small
-/// fields share eight with the tag.
+/// Part of the parameter domain, diagonal of a box around the control points (metres) and degrees of a patch. The small fields share
+/// eight bytes with the tag.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum PatchPlacement {
     Rectangle {
@@ -30,6 +30,8 @@ pub(super) enum PatchPlacement {
     },
 }
 
+const _: () = assert!(size_of::<PatchPlacement>() == 40);
+
 impl SurfacePatch {
     /// A patch over the rectangle `u` x `v`.
     ///
@@ -43,7 +45,7 @@ impl SurfacePatch {
                 return Err(SurfaceError::EmptyRange { parameter, min, max });
             }
         }
-        let (extent, degrees) = size(&patch);
+        let (extent, degrees) = extent_and_degrees(&patch);
         let rect = ParameterRect { u, v };
         Ok(Self { patch, placement: PatchPlacement::Rectangle { rect, extent, degrees } })
     }
@@ -62,7 +64,7 @@ impl SurfacePatch {
         let least = turns.into_iter().fold(f64::INFINITY, f64::min);
         let most = turns.into_iter().fold(f64::NEG_INFINITY, f64::max);
         if least > 0.0 || most < 0.0 {
-            let (extent, degrees) = size(&patch);
+            let (extent, degrees) = extent_and_degrees(&patch);
             let corners = Box::new(corners);
             Ok(Self { patch, placement: PatchPlacement::Quad { corners, extent, degrees } })
         } else {
@@ -87,12 +89,23 @@ impl SurfacePatch {
 }
 
 /// Diagonal of a box around the control points, metres, and degrees.
-fn size(patch: &TensorPatch) -> (f32, [u8; 2]) {
+fn extent_and_degrees(patch: &TensorPatch) -> (f32, [u8; 2]) {
     let (p, q) = patch.degrees();
-    (patch.bounds().diagonal().length() as f32, [p as u8, q as u8])
+    // Finite, since an infinite one would make every normal count as collapsed.
+    let extent = patch.bounds().diagonal().length().min(f32::MAX.into()) as f32;
+    // Degrees of a `TensorPatch` are at most 128.
+    (extent, [p as u8, q as u8])
 }
 
 impl PatchPlacement {
+    /// Memory outside of this value, bytes.
+    pub(super) fn boxed_bytes(&self) -> usize {
+        match self {
+            Self::Rectangle { .. } => 0,
+            Self::Quad { corners, .. } => size_of_val(&**corners),
+        }
+    }
+
     /// Diagonal of a box around the control points, metres, rounded.
     pub(super) fn extent(&self) -> f64 {
         let (Self::Rectangle { extent, .. } | Self::Quad { extent, .. }) = self;

@@ -72,7 +72,7 @@ impl Freeform {
     /// The origin of a ray that starts here is this point or close to it, so that its noise is that of an origin within the
     /// surface.
     pub(super) fn error(&self) -> f64 {
-        (ERROR + self.patches.rounding()) * self.frame.noise_within()
+        (ERROR + self.patches.evaluation_rounding()) * self.frame.noise_within()
     }
 
     /// The face, or the first one instead of one that is not there: the hit of another surface may have any.

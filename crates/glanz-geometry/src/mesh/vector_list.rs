@@ -1,4 +1,4 @@
-//! Vectors by number, in `f32` if that is exact.
+//! Lists of vectors, stored in `f32` where that is exact.
 
 use glanz_math::glam::{Vec2, Vec3};
 use glanz_math::{DVec2, DVec3};
@@ -35,7 +35,7 @@ impl ListVector for DVec2 {
     }
 }
 
-/// Vectors by number, in `f32` if that is exact.
+/// A list of vectors, in `f32` where that is exact.
 #[derive(Clone, Debug)]
 pub(super) enum VectorList<V: ListVector> {
     /// Every coordinate is an `f32`: half the memory.

@@ -38,7 +38,9 @@ impl Guided {
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
         let IntegratorSettings { light_sampling, guide, .. } = *settings;
-        Self { tracer: PathTracer::new(settings), light_sampling, guide, fixed: None }
+        // Branches would share one sampler of directions, whose records are those of a single path.
+        let tracer = PathTracer::new(&IntegratorSettings { branching: 1, ..*settings });
+        Self { tracer, light_sampling, guide, fixed: None }
     }
 
     /// An integrator with a fixed guide, without training.

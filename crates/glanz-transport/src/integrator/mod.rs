@@ -91,7 +91,7 @@ pub struct IntegratorEntry {
     pub description: &'static str,
     /// Default for the largest number of scattering events of a path.
     pub default_max_depth: u32,
-    /// Default for the number of rays from a hit; `None` if it does not branch.
+    /// Default for [`IntegratorSettings::branching`]; `None` if it is not used.
     pub default_branching: Option<u32>,
     /// Whether it uses [`IntegratorSettings::light_sampling`].
     pub light_sampling_is_optional: bool,
@@ -166,7 +166,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
 /// Largest depth: between perfect mirrors every path reaches its limit.
 pub const DEPTH_LIMIT: u32 = 1 << 16;
 
-/// Largest number of rays from a hit.
+/// Largest number of rays from the first rough surface. A thread holds the states of all of them, some hundred bytes each.
 pub const BRANCHING_LIMIT: u32 = 1 << 16;
 
 /// Errors of resolving an integrator's description.

@@ -21,8 +21,8 @@ pub(super) struct PathRay<P> {
 pub(super) struct PathState<P> {
     /// The index of its sample in the batch.
     pub(super) sample: u32,
-    /// The index of its numbers among those of the pixel, see [`PathState::branch`].
-    pub(super) number: u32,
+    /// The sample index of its random numbers; that of its sample until it divides, see [`PathState::branch`].
+    pub(super) sampler_index: u32,
     /// Number of paths into which it divides at its first rough surface.
     pub(super) branches: u32,
     /// Whether it continues.
@@ -77,7 +77,7 @@ impl<P: Copy> PathState<P> {
     pub(super) fn new(context: &Context<'_>, sample: u32, branches: u32) -> Self {
         Self {
             sample,
-            number: context.sampler.sample_index(),
+            sampler_index: context.sampler.sample_index(),
             branches,
             is_active: true,
             ray: context.camera_ray,
@@ -92,11 +92,12 @@ impl<P: Copy> PathState<P> {
         }
     }
 
-    /// Branch `branch` of a path, with its part of the throughput and without the light so far. The branches of all samples of a pixel have
-    /// consecutive numbers, so that those of a sample are well distributed, and those of all samples too.
+    /// Branch `branch` of a path, with its fraction of the throughput and without the light so far. The branches of all samples of a
+    /// pixel have consecutive indices: Sobol' points stratify those of one sample and those of all samples. Indices repeat after
+    /// 2^32 branches.
     pub(super) fn branch(&self, branch: u32) -> Self {
         Self {
-            number: self.number.wrapping_mul(self.branches).wrapping_add(branch),
+            sampler_index: self.sampler_index.wrapping_mul(self.branches).wrapping_add(branch),
             branches: 1,
             light: Spectrum::BLACK,
             throughput: self.throughput * (1.0 / self.branches as f32),

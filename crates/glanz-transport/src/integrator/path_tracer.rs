@@ -10,7 +10,7 @@ use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
-/// Number of scattering events before Russian roulette may end a path. The first bounces carry most of the variance of indirect light, and
+/// Number of scattering events after which Russian roulette may end a path. The first bounces carry most of the variance of indirect light, and
 /// ending them saves little time.
 pub(super) const ROULETTE_FROM: u32 = 4;
 
@@ -104,7 +104,8 @@ impl RouletteState {
 
 /// Path tracing with any sampler of directions.
 ///
-/// At every scattering event one light is sampled and the path continues in one direction; light that both techniques can find is
+/// At every scattering event one light is sampled and the path continues in one direction; at its first rough surface it first
+/// divides into `branching` paths (splitting, @pharr2023 section 2.2.5). Light that both techniques can find is
 /// weighted by the power heuristic (@veach1995). Without light sampling, light is found by chance alone, and that of point
 /// and directional lights never.
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +119,8 @@ impl PathTracer {
     /// With depth, light sampling and branching of `settings`.
     pub(super) fn new(settings: &IntegratorSettings) -> Self {
         let IntegratorSettings { max_depth, light_sampling, branching, .. } = *settings;
-        Self { max_depth, light_sampling, branching }
+        // The field is public: 0 counts as 1.
+        Self { max_depth, light_sampling, branching: branching.max(1) }
     }
 
     /// Number of samples with which it is fastest.
@@ -230,7 +232,7 @@ impl PathTracer {
         path: &mut PathState<D::VertexData>,
         vertex: &Vertex<'_>,
     ) -> bool {
-        let mut sampler = context.sampler.with_index(path.number);
+        let mut sampler = context.sampler.with_index(path.sampler_index);
         sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(path.depth));
         path.depth += 1;
         path.interfaces = 0;

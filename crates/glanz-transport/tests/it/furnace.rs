@@ -51,6 +51,19 @@ fn depth_counts_scattering_events() {
 }
 
 #[test]
+fn camera_ray_divides_once_at_its_first_rough_surface() {
+    // Every pixel sees the sphere, which is convex: each branch has one more ray, which escapes.
+    let scene = looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
+        .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
+        .light(LightDescription::infinite([3.0; 3]));
+    for branching in [1, 3] {
+        let run = Run { branching: Some(branching), light_sampling: false, ..Run::new("path", 5, 16) };
+        let outcome = run.outcome(&scene);
+        assert_eq!(outcome.counters.closest, 36 * 16 * (1 + u64::from(branching)));
+    }
+}
+
+#[test]
 fn convex_diffuse_sphere_reflects_its_share_of_a_constant_sky() {
     // Every pixel sees the sphere.
     let scene = looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)

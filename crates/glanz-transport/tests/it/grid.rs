@@ -92,9 +92,10 @@ fn no_guide_changes_the_expected_picture() {
         } else {
             // As long as the bright samples are missing from a pixel, its variance comes out too low: the sum above is 0.9 to 4.3 times the
             // degrees of freedom, depending on the seed, and 0.9 to 1.8 times with four times the samples. The pixels that have them make up
-            // for the others: pooled, these four settings and six seeds give 0.5 to 1.9, on average 1.03.
+            // for the others: pooled, these four settings and six seeds give 0.5 to 1.9, on average 1.03. Both bounds are a third above the
+            // largest of these 24 values.
             let pooled = pooled_square(&path, &guided);
-            assert!(pooled < 2.5, "{settings}: {pooled}");
+            assert!(pooled < 2.5 && mean < 5.7, "{settings}: {pooled} {mean}");
         }
     }
 }

@@ -126,8 +126,8 @@ fn guide_does_no_harm_where_light_is_easily_found() {
 
 #[test]
 fn glossy_and_smooth_surfaces_keep_their_own_sampling() {
-    // The highlights of Phong's model with exponent 2000 are far smaller than what a cell knows. The lamp reflects nothing: at a diffuse
-    // one a guide towards the sphere has a gain, and all cells would not be those of the sphere.
+    // The highlights of Phong's model with exponent 2000 are far smaller than what a cell resolves. The lamp reflects nothing: on a diffuse
+    // lamp a guide towards the sphere has a gain, and active cells would not show a fault of the sphere.
     let glossy = MaterialKind::phong(0.0, 0.0, 0.8, 2000.0);
     let scene = looking(DVec3::new(-3.0, 0.0, 1.0), DVec3::ZERO, [16, 16], 0.5)
         .shape(ShapeDescription::sphere(1.0), glossy)

@@ -122,6 +122,9 @@ fn merged_halves_are_one_run() {
         foreign.identity.seed = 7;
         let error = merge([halves[0].clone(), foreign]).unwrap_err().to_string();
         assert_eq!(error, "part 1 does not match the first: it is of another picture: the seed is 7, not 2");
+        let mut foreign = halves[1].clone();
+        foreign.identity.integrator.branching += 1;
+        assert!(matches!(merge([halves[0].clone(), foreign]), Err(MergeError::Picture { .. })));
     }
     assert_eq!(merge([]), Err(MergeError::Empty));
 }

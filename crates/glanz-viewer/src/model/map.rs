@@ -160,7 +160,7 @@ fn side_of(side: usize, count: usize) -> Result<usize, ModelError> {
 
 /// The values of each patch; `None` if no value is known.
 fn sampled(
-    patches: &[VisiblePatch<'_>],
+    patches: &[VisiblePatch],
     side: usize,
     value: impl Fn(u32, DVec2) -> Option<[f32; 3]>,
 ) -> Option<Vec<Vec<[f32; 3]>>> {

@@ -91,7 +91,7 @@ impl Surfaces {
 
     fn patches(
         &mut self,
-        patches: &[VisiblePatch<'_>],
+        patches: &[VisiblePatch],
         region: Option<&Arc<TrimRegion>>,
     ) -> Result<BuiltSurface, ModelError> {
         let scaled = RegionScale::new(region);

@@ -1,7 +1,5 @@
 //! The visible patches of a surface, and the mapping from their parameters to those of the surface.
 
-use std::borrow::Cow;
-
 use glanz_geometry::bezier::TensorPatch;
 use glanz_geometry::quadric::Plane;
 use glanz_geometry::rational::{ParameterMap, RationalPatch, Reparameterization, bilinear};
@@ -20,8 +18,8 @@ const FAR: f64 = 1024.0;
 const WORTHWHILE: f64 = 0.5;
 
 /// A patch, or the part of it that trimming may leave visible.
-pub(super) struct VisiblePatch<'a> {
-    pub(super) patch: Cow<'a, TensorPatch>,
+pub(super) struct VisiblePatch {
+    pub(super) patch: TensorPatch,
     /// Number of its face, as in hits.
     pub(super) face: u32,
     pub(super) parameters: PatchParameters,
@@ -44,19 +42,16 @@ pub(super) enum PatchParameters {
 /// The visible patches of a surface; `None` if it has no patches. Patches that its region cuts away as a whole are left out.
 ///
 /// `bounds`: of the scene, in the world, for unbounded planes.
-pub(super) fn visible_patches<'a>(
-    placed: &'a PlacedSurface<'_>,
-    bounds: Bounds3,
-) -> Option<Vec<VisiblePatch<'a>>> {
+pub(super) fn visible_patches(placed: &PlacedSurface<'_>, bounds: Bounds3) -> Option<Vec<VisiblePatch>> {
     let (surface, region) = untrimmed(placed.surface());
-    let all: Vec<VisiblePatch<'a>> = match surface {
+    let all: Vec<VisiblePatch> = match surface {
         Surface::Freeform(freeform) => {
             let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
             let pieces = (0..).zip(freeform.patches());
             let patches = pieces.map(|(face, piece)| {
                 let surface = square.map(|at| piece.parameters(at.x, at.y));
                 let parameters = PatchParameters::Corners { surface, face: square };
-                VisiblePatch { patch: Cow::Owned(piece.patch().clone()), face, parameters }
+                VisiblePatch { patch: piece.patch().clone(), face, parameters }
             });
             patches.collect()
         }
@@ -80,7 +75,7 @@ pub(super) fn untrimmed(surface: &Surface) -> (&Surface, Option<&std::sync::Arc<
 }
 
 /// A side of a box.
-fn side<'a>(surface: &Surface, face: u32) -> Option<VisiblePatch<'a>> {
+fn side(surface: &Surface, face: u32) -> Option<VisiblePatch> {
     let square = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
     let mut corners = [DVec3::ZERO; 4];
     for (corner, at) in corners.iter_mut().zip(square) {
@@ -90,7 +85,7 @@ fn side<'a>(surface: &Surface, face: u32) -> Option<VisiblePatch<'a>> {
     bilinear(corners, along, along).map(|patch| VisiblePatch { face, ..VisiblePatch::from(patch) })
 }
 
-impl From<RationalPatch> for VisiblePatch<'_> {
+impl From<RationalPatch> for VisiblePatch {
     fn from(patch: RationalPatch) -> Self {
         let RationalPatch { patch, u, v } = patch;
         let parameters = if u.reparameterization == Reparameterization::Linear
@@ -102,7 +97,7 @@ impl From<RationalPatch> for VisiblePatch<'_> {
         } else {
             PatchParameters::Sides { u, v }
         };
-        Self { patch: Cow::Owned(patch), face: 0, parameters }
+        Self { patch, face: 0, parameters }
     }
 }
 
@@ -132,7 +127,7 @@ impl PatchParameters {
     }
 }
 
-impl VisiblePatch<'_> {
+impl VisiblePatch {
     /// The patch, clipped to what `region` may leave visible; `None` if that is nothing.
     ///
     /// Parameters are sent in single precision over the whole patch: where a face is a small part of its surface, its trimming
@@ -160,7 +155,7 @@ impl VisiblePatch<'_> {
             surface: corners.map(|at| between(surface, at)),
             face: corners.map(|at| between(face, at)),
         };
-        Some(Self { patch: Cow::Owned(patch), parameters, ..self })
+        Some(Self { patch, parameters, ..self })
     }
 }
 

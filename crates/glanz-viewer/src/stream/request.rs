@@ -193,14 +193,19 @@ mod tests {
     fn plan_has_the_depth_and_seed_of_the_scene() {
         let mut description = Description::default();
         description.integrator.max_depth = Some(9);
-        description.integrator.name = "distributed".to_owned();
-        description.integrator.branching = Some(4);
         description.sampler.seed = 77;
         let plan = request([6, 4]).plan(&description, 3).unwrap();
         assert_eq!((plan.integrator.name(), plan.integrator.max_depth), ("guided", 9));
         assert_eq!((plan.settings.seed, plan.settings.threads), (77, 3));
+        assert!(plan.format.passes && plan.format.resolution == [6, 4]);
+    }
+
+    #[test]
+    fn selected_integrator_does_not_take_the_branching_of_another() {
+        let mut description = Description::default();
+        description.integrator.name = "distributed".to_owned();
+        description.integrator.branching = Some(4);
         let by_path = RenderRequest { integrator: IntegratorName::Path, ..request([6, 4]) };
         assert_eq!(by_path.plan(&description, 3).unwrap().integrator.branching, 1);
-        assert!(plan.format.passes && plan.format.resolution == [6, 4]);
     }
 }

@@ -159,8 +159,11 @@ impl RenderOptions {
 
     fn integrator(&self, scene: &LoadedScene) -> Result<IntegratorSettings, Error> {
         let description = &scene.description.integrator;
+        // A setting from the options is no fault of the line of the scene.
+        let is_from_file = self.integrator.is_none() && self.branching.is_none();
+        let location = description.location.filter(|_| is_from_file);
         let integrator = IntegratorSettings::resolve(description)
-            .map_err(|error| scene.fault(description.location, format!("integrator: {error}")))?;
+            .map_err(|error| scene.fault(location, format!("integrator: {error}")))?;
         if self.light_sampling.is_some_and(|wanted| wanted != integrator.light_sampling) {
             return Err(Error::LightSampling { integrator: integrator.name() });
         }

@@ -239,11 +239,17 @@ fn grid_guide_is_selected_resumed_and_reused_by_the_command_line() {
     folder
         .run("render small.pbrt --integrator guided --guide grid=64,scale=6,basis=spline3 -o m.exr -q")
         .refused(1, &["grid=64", "GiB", "4 GiB", "smaller"]);
+    assert!(!folder.has("m.exr"));
+}
+
+#[test]
+fn options_of_other_integrators_are_refused() {
+    let folder = Folder::with_scene();
     folder
         .run("render small.pbrt --integrator whitted --samplelights off -o m.exr")
         .refused(2, &["--samplelights", "whitted"]);
     folder
         .run("render small.pbrt --integrator whitted --branching 4 -o m.exr")
-        .refused(2, &["--branching 4", "whitted"]);
+        .refused(2, &["--branching 4", "whitted", "--integrator path"]);
     assert!(!folder.has("m.exr"));
 }

@@ -101,7 +101,11 @@ impl Lowering {
             name: name.to_owned(),
             max_depth: Some(list.integer_from("maxdepth", 0, r)?.unwrap_or(DEFAULT_DEPTH)),
             light_sampling: list.boolean("samplelights", r)?.unwrap_or(true),
-            branching: list.integer_from("branching", 1, r)?,
+            branching: match name {
+                "path" | "distributed" => list.integer_from("branching", 1, r)?,
+                // Left in the list, so that it is reported as unused.
+                _ => None,
+            },
             guide,
             location: Some(place.location),
         };

@@ -82,6 +82,9 @@ fn samplers_and_integrators_have_the_names_of_the_tables() {
         let integrator = read_clean(text).description.integrator;
         assert_eq!((integrator.name.as_str(), integrator.max_depth), (name, Some(depth)), "{text}");
     }
+    let branching = |text: &str| read(text).description.integrator.branching;
+    assert_eq!(branching("Integrator \"path\" \"integer branching\" 4"), Some(4));
+    assert_eq!(branching("Integrator \"guided\" \"integer branching\" 4"), None);
     let guide = |text: &str| read_clean(text).description.integrator.guide;
     assert_eq!(guide("Integrator \"guided\""), GuideSettings::Tree);
     let grid = GridSettings { cells: 4, basis: GuideBasis::Spline(1), ..GridSettings::default() };

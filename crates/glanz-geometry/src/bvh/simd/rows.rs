@@ -9,7 +9,8 @@ use crate::batch::BoundedRay;
 
 // The proofs below need that both types consist of numbers without gaps, in the order of `columns` and of `compact_ray::prepare`.
 const _: () = assert!(size_of::<BoundedRay>() == size_of::<[f64; 7]>());
-const _: () = assert!(offset_of!(BoundedRay, ray) == 0 && offset_of!(BoundedRay, t_max) == 48);
+const _: () = assert!(offset_of!(BoundedRay, ray.origin) == 0 && offset_of!(BoundedRay, ray.direction) == 24);
+const _: () = assert!(offset_of!(BoundedRay, t_max) == 48);
 const _: () = assert!(size_of::<CompactRay>() == size_of::<[f64; LANES]>());
 const _: () = assert!(align_of::<CompactRay>() >= align_of::<f64>());
 const _: () = assert!(offset_of!(CompactRay, end) == 36 && offset_of!(CompactRay, slot) == 40);

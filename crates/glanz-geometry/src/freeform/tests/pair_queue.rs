@@ -41,9 +41,10 @@ fn a_group_is_taken_by_pairs_of_another_subpatch_only() {
 fn batches_that_alternate_between_subpatches_of_one_group_have_the_answers_of_single_rays() {
     let surface = waves();
     let groups = PairQueue::subpatch_groups().len();
-    // Patches in turns whose numbers differ by that of the groups: every pair finds its group taken. Some pairs wait until the end.
+    // Rays alternate between two patches whose numbers differ by that of the groups, so that pairs find their group taken. Some pairs
+    // wait until the end.
     let ray = |k: usize| {
-        let number = k % (SIDE * SIDE - groups) + k % 2 * groups;
+        let number = k / 2 % (SIDE * SIDE - groups) + k % 2 * groups;
         let at = |rate: f64| 0.5 + 0.45 * (rate * k as f64).sin();
         let target = DVec3::new((number % SIDE) as f64 + at(1.3), (number / SIDE) as f64 + at(2.1), 0.0);
         BoundedRay::from(Ray::new(target + DVec3::new(0.3 * at(0.7), -0.2, 2.0), DVec3::new(0.05, 0.1, -1.0)))
