@@ -4,6 +4,7 @@ use glanz_math::rounding::offset_origin;
 use glanz_math::{DVec2, DVec3, Ray};
 
 use super::*;
+use crate::batch::BoundedRay;
 use crate::bvh::simd::Isa;
 use crate::triangle::ShearedRay;
 
@@ -123,7 +124,7 @@ fn every_instruction_set_finds_the_bits_that_brute_force_finds() {
         }
         let mesh = mesh((positions, indices));
         assert_eq!(matches!(mesh.blocks, TriangleBlocks::Single(_)), single);
-        let mut met = 0;
+        let (mut rays, mut first) = (Vec::new(), Vec::new());
         for i in 0..500 {
             let mut direction = random.vector();
             if i % 5 == 0 {
@@ -135,7 +136,8 @@ fn every_instruction_set_finds_the_bits_that_brute_force_finds() {
             let ray = Ray::new(origin, direction);
             let t_max = if i % 2 == 0 { f64::INFINITY } else { 1.0 };
             let expected = brute_force(&mesh, &ray, t_max);
-            met += usize::from(!expected.is_empty());
+            rays.push(BoundedRay::new(ray, t_max));
+            first.push(expected.first().copied());
             for isa in Isa::all() {
                 let mesh = with_isa(&mesh, isa);
                 assert_eq!(mesh.intersect(&ray, t_max).as_ref(), expected.first(), "{isa:?}");
@@ -146,7 +148,19 @@ fn every_instruction_set_finds_the_bits_that_brute_force_finds() {
                 assert_eq!(all, expected, "{isa:?}");
             }
         }
-        assert!(met > 10, "only {met} rays met anything");
+        let met: Vec<bool> = first.iter().map(Option::is_some).collect();
+        assert!(met.iter().filter(|&&met| met).count() > 10, "few rays met anything");
+        for isa in Isa::all() {
+            let mesh = with_isa(&mesh, isa);
+            let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+            for size in [1, 2, 3, 11, 500] {
+                for ((rays, first), met) in rays.chunks(size).zip(first.chunks(size)).zip(met.chunks(size)) {
+                    mesh.closest_batch(rays, &mut hits);
+                    mesh.occluded_batch(rays, &mut occluded);
+                    assert_eq!((&*hits, &*occluded), (first, met), "{isa:?}, batches of {size}");
+                }
+            }
+        }
     }
 }
 
