@@ -154,6 +154,18 @@ fn samples_do_not_depend_on_earlier_requests() {
 }
 
 #[test]
+fn another_index_gives_the_numbers_of_another_sample() {
+    for kind in SamplerKind::ALL {
+        let sample = |index| PixelSampler::new(kind, 16, 5, [7, 8], index);
+        let (mut moved, mut other) = (sample(3), sample(9));
+        assert_eq!((moved.next_2d(), other.next_2d()), (sample(3).next_2d(), sample(9).next_2d()));
+        moved = moved.with_index(9);
+        assert_eq!((moved.sample_index(), moved.dimension()), (9, other.dimension()));
+        assert_eq!(moved.next_group(), other.next_group(), "{kind:?}");
+    }
+}
+
+#[test]
 fn groups_start_at_every_fourth_dimension() {
     let mut s = sobol([1, 1], 0);
     assert_eq!(s.dimension(), 2);
