@@ -123,7 +123,7 @@ impl MapBounds {
     #[inline(always)]
     pub(super) fn end_with(&self, step: DVec2, unit: DVec2, jet: &PlanarJet) -> bool {
         let curved = self.curvature_bound * (step / unit).length_squared();
-        curved <= self.noise * self.weights[0] && self.is_exact(step, jet)
+        self.is_below_noise(curved, step, jet)
     }
 
     /// The same for a step in (s, t) with the derivatives of a point at the distance `away`: they differ by at most
@@ -132,18 +132,18 @@ impl MapBounds {
     fn ends_from(&self, step: DVec2, away: f64, jet: &PlanarJet) -> bool {
         let length = step.length();
         let curved = self.curvature_bound * (length * (length + 2.0 * away));
-        curved <= self.noise * self.weights[0] && self.is_exact(step, jet)
+        self.is_below_noise(curved, step, jet)
     }
 
-    /// Whether the rounding of a step is below the noise.
+    /// Whether the error `curved` of a step by curvature, and that by rounding, are below the noise.
     #[inline(always)]
-    fn is_exact(&self, step: DVec2, jet: &PlanarJet) -> bool {
+    fn is_below_noise(&self, curved: f64, step: DVec2, jet: &PlanarJet) -> bool {
         let noise = self.noise * self.weights[0];
         let (length_squared, det) = (step.length_squared(), cross(jet.fs, jet.ft));
         let (s2, t2) = (jet.fs.length_squared(), jet.ft.length_squared());
         // In an edge-on view the determinant cancels, and the step has only the digits that remain.
         let rounded = ROUNDED * ROUNDED * s2 * t2 * (s2 + t2) * length_squared;
-        rounded <= noise * noise * det * det
+        curved <= noise && rounded <= noise * noise * det * det
     }
 
     /// Whether the step after this one is expected to be the last, with the same derivatives: its length is at most c h^2 |J^-1|, and

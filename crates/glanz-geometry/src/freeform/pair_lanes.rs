@@ -64,8 +64,7 @@ impl<S: Simd> JetLanes<S> {
     ) -> u32 {
         let relative = [simd.mul8(step[0], per_unit[0]), simd.mul8(step[1], per_unit[1])];
         let curved = simd.mul8(bounds.curvature_bound, dot2(simd, relative, relative));
-        simd.at_most8(curved, simd.mul8(bounds.noise, bounds.weights[0]))
-            & self.is_exact(simd, bounds, det, step)
+        self.is_below_noise(simd, bounds, curved, det, step)
     }
 
     /// The same for steps with the derivatives of points this far away in s and t; see [`MapBounds`](super::contraction::MapBounds).
@@ -81,19 +80,26 @@ impl<S: Simd> JetLanes<S> {
         let length = simd.sqrt8(dot2(simd, step, step));
         let away = simd.mul8(simd.splat8(2.0), simd.sqrt8(dot2(simd, away, away)));
         let curved = simd.mul8(bounds.curvature_bound, simd.mul8(length, simd.add8(length, away)));
-        simd.at_most8(curved, simd.mul8(bounds.noise, bounds.weights[0]))
-            & self.is_exact(simd, bounds, det, step)
+        self.is_below_noise(simd, bounds, curved, det, step)
     }
 
-    /// Lanes in which the rounding of the step is below the noise.
+    /// Lanes in which the error `curved` of the step by curvature, and that by rounding, are below the noise.
     #[inline(always)]
-    fn is_exact(&self, simd: S, bounds: &BoundLanes<S>, det: S::Wide, step: [S::Wide; 2]) -> u32 {
+    fn is_below_noise(
+        &self,
+        simd: S,
+        bounds: &BoundLanes<S>,
+        curved: S::Wide,
+        det: S::Wide,
+        step: [S::Wide; 2],
+    ) -> u32 {
         let noise = simd.mul8(bounds.noise, bounds.weights[0]);
         let length_squared = dot2(simd, step, step);
         let (s2, t2) = (dot2(simd, self.fs, self.fs), dot2(simd, self.ft, self.ft));
         let rounded = simd.mul8(simd.mul8(simd.splat8(ROUNDED * ROUNDED), s2), t2);
         let rounded = simd.mul8(simd.mul8(rounded, simd.add8(s2, t2)), length_squared);
-        simd.at_most8(rounded, simd.mul8(simd.mul8(simd.mul8(noise, noise), det), det))
+        let clear = simd.mul8(simd.mul8(simd.mul8(noise, noise), det), det);
+        simd.at_most8(curved, noise) & simd.at_most8(rounded, clear)
     }
 
     /// Lanes in which the next step is expected to be the last, with the same derivatives.
