@@ -96,7 +96,7 @@ impl Freeform {
     }
 
     /// The Bézier patch of this number, that of `Hit::face`, with the control points that were given, bit by bit; `None` from
-    /// [`Freeform::patch_count`] on.
+    /// [`Freeform::patch_count`] on. Where only powers are stored, its control points are computed by every call.
     #[must_use]
     pub fn patch(&self, face: u32) -> Option<SurfacePatch> {
         match (&self.patches, &self.subpatches) {
@@ -112,7 +112,7 @@ impl Freeform {
         }
     }
 
-    /// All Bézier patches, in the order of `Hit::face`.
+    /// All Bézier patches, in the order of `Hit::face`, each as by [`Freeform::patch`].
     pub fn patches(&self) -> impl Iterator<Item = SurfacePatch> + '_ {
         (0..self.patch_count() as u32).filter_map(|face| self.patch(face))
     }

@@ -28,7 +28,7 @@ pub struct IntegratorDescription {
     pub max_depth: Option<u32>,
     /// Whether lights are sampled at every hit.
     pub light_sampling: bool,
-    /// Number of rays with which `path` and `distributed` continue from the first rough surface.
+    /// Number of rays with which `path` and `distributed` continue from the first rough surface, at least 1; `None` for their defaults.
     pub branching: Option<u32>,
     /// Guide of `guided`.
     pub guide: GuideSettings,

@@ -51,7 +51,9 @@ pub struct RenderOptions {
     pub time_limit: Option<Duration>,
     /// Whether lights are sampled at every hit; otherwise paths find them by chance.
     pub light_sampling: Option<bool>,
-    /// Number of paths into which a camera ray divides at its first rough surface (integrators `path` and `distributed`).
+    /// Number of paths into which a camera ray divides at its first rough surface, from 1 to
+    /// [`BRANCHING_LIMIT`](glanz_transport::BRANCHING_LIMIT): of the integrators `path`, by default 1, and `distributed`, by default 8. An
+    /// error for all others.
     pub branching: Option<u32>,
     /// Kind of guide that the integrator `guided` learns.
     pub guide: Option<GuideSettings>,
