@@ -3,8 +3,9 @@
 use glanz_math::DVec2;
 
 use super::cell_tree::{CellLink, CellTree, GridSquare, MAX_INDEX, MAX_LEVEL};
-use super::piece_in_cell::{CellGrid, PieceInCell, QuarteredPiece};
+use super::piece_in_cell::{CellGrid, PieceInCell, QuarteredPiece, right_or_left};
 use super::piece_table::PieceTable;
+use crate::bvh::parallel_map;
 use crate::error::SurfaceError;
 
 /// A cell with more pieces is quartered, within the budget.
@@ -16,7 +17,20 @@ const STRIP: f64 = 1.0 / 8.0;
 /// Number of entries in all cells, per piece, at which quartering stops.
 const ENTRIES_PER_PIECE: usize = 96;
 
+/// Number of pieces on a level from which on its cells are divided among tasks, fewer in tests with their slow ways...
+const PIECES_TO_SHARE: usize = if cfg!(test) { 256 } else { 4096 };
+
+/// ... and the least number of cells.
+const CELLS_TO_SHARE: usize = 64;
+
+/// Number of pieces in the cells of a task: its cells, quartered as far as they are, fit into the cache of a core.
+const PIECES_PER_TASK: usize = 128;
+
+// No task gets all of a level that is divided.
+const _: () = assert!(PIECES_PER_TASK < PIECES_TO_SHARE && CELLS_TO_SHARE > 1);
+
 /// A cell with pieces, which waits for being quartered or becoming a leaf.
+#[derive(Clone, Copy)]
 struct PendingCell {
     /// Node and quarter that will refer to it.
     parent: Option<(usize, usize)>,
@@ -32,155 +46,245 @@ struct PendingCell {
 #[derive(Default)]
 struct CellLevel {
     cells: Vec<PendingCell>,
+    /// Those of the first cell, of the second, and so on.
     pieces: Vec<PieceInCell>,
 }
 
-/// A tree being built.
-pub(super) struct CellTreeBuilder<'a> {
+impl CellLevel {
+    fn pieces_of(&self, cell: &PendingCell) -> &[PieceInCell] {
+        self.pieces.get(cell.first..cell.first + cell.count).unwrap_or(&[])
+    }
+
+    /// Groups of consecutive cells: single ones, or several of up to `most` pieces together.
+    fn groups(&self, most: usize) -> Vec<&[PendingCell]> {
+        let (mut groups, mut start, mut pieces) = (Vec::new(), 0, 0);
+        for (end, cell) in self.cells.iter().enumerate() {
+            if end > start && pieces + cell.count > most {
+                groups.push(&self.cells[start..end]);
+                (start, pieces) = (end, 0);
+            }
+            pieces += cell.count;
+        }
+        groups.push(&self.cells[start..]);
+        groups
+    }
+
+    /// The level of `cells`, some consecutive ones of this level, below a [`CellTree::stem`].
+    fn part(&self, cells: &[PendingCell]) -> Self {
+        let first = cells.first().map_or(0, |cell| cell.first);
+        let of_part = |(i, cell): (usize, &PendingCell)| PendingCell {
+            parent: Some((i / 4, i % 4)),
+            first: cell.first - first,
+            ..*cell
+        };
+        Self {
+            cells: cells.iter().enumerate().map(of_part).collect(),
+            pieces: cells.iter().flat_map(|cell| self.pieces_of(cell)).copied().collect(),
+        }
+    }
+}
+
+/// What all tasks that build a tree read.
+struct CellRules<'a> {
     pieces: &'a PieceTable,
-    tree: CellTree,
     /// Pieces within this distance of a cell belong to it.
     margin: DVec2,
     /// Largest distance from a piece at which a corner may count as left of it.
     clearance: DVec2,
     /// The level, for each piece, of which cells are no wider than the strip.
     strip_levels: Vec<u32>,
+}
+
+/// A tree being built, or the part of one below some of its cells.
+struct CellTreeBuilder<'a> {
+    rules: &'a CellRules<'a>,
+    tree: CellTree,
+    /// Number of entries at which quartering stops.
+    budget: usize,
+    /// Number of entries of all cells, quartered as far as they are.
+    live: usize,
     /// The pieces of the cell that is quartered.
     quartered: Vec<QuarteredPiece>,
 }
 
-impl<'a> CellTreeBuilder<'a> {
-    /// The builder of an empty tree over the domain. Pieces within `margin` of a cell belong to it.
-    pub(super) fn new(pieces: &'a PieceTable, [min, max]: [DVec2; 2], margin: DVec2) -> Self {
+impl CellTree {
+    /// The tree over the domain. `outermost`: winding number far outside. Pieces within `margin` of a cell belong to it.
+    pub(super) fn try_new(
+        pieces: &PieceTable,
+        [min, max]: [DVec2; 2],
+        outermost: i32,
+        margin: DVec2,
+    ) -> Result<Self, SurfaceError> {
         let strip_level = |extent: f64| {
             let is_wider = |level: &u32| 1.0 / f64::from(1_u32 << level) > extent * STRIP;
             (0..MAX_LEVEL).take_while(is_wider).count() as u32
         };
         let strip_levels = pieces.pieces.iter().map(|piece| strip_level(piece.extent(max - min))).collect();
-        Self {
-            pieces,
-            tree: CellTree::new(min, max),
-            margin,
-            clearance: margin + pieces.slack,
-            strip_levels,
-            quartered: Vec::new(),
-        }
+        let rules = CellRules { pieces, margin, clearance: margin + pieces.slack, strip_levels };
+        let budget = 1024 + ENTRIES_PER_PIECE * pieces.pieces.len();
+        let mut builder = CellTreeBuilder::new(&rules, Self::new(min, max), budget);
+        let root = builder.root(outermost);
+        builder.build(root)?;
+        Ok(builder.tree)
+    }
+}
+
+impl<'a> CellTreeBuilder<'a> {
+    fn new(rules: &'a CellRules<'a>, tree: CellTree, budget: usize) -> Self {
+        Self { rules, tree, budget, live: 0, quartered: Vec::new() }
     }
 
-    /// The tree. `outermost`: winding number far outside.
-    pub(super) fn build(mut self, outermost: i32) -> Result<CellTree, SurfaceError> {
-        let budget = 1024 + ENTRIES_PER_PIECE * self.pieces.pieces.len();
-        let mut level = self.root(outermost);
-        let mut live = level.pieces.len();
+    /// Adds the cells of `level` and all that they are quartered into.
+    fn build(&mut self, mut level: CellLevel) -> Result<(), SurfaceError> {
+        self.live = level.pieces.len();
         let mut next = CellLevel::default();
         while !level.cells.is_empty() {
+            if level.cells.len() >= CELLS_TO_SHARE && level.pieces.len() >= PIECES_TO_SHARE {
+                return self.build_in_tasks(&level);
+            }
             for cell in &level.cells {
-                let pieces = level.pieces.get(cell.first..cell.first + cell.count).unwrap_or(&[]);
-                if live < budget && self.is_coarse(cell.square, pieces.iter().map(|piece| piece.index)) {
-                    live = live - pieces.len() + self.quarter(cell, pieces, &mut next);
+                let pieces = level.pieces_of(cell);
+                if self.live < self.budget {
+                    self.live -= pieces.len();
+                    self.live += self.quarter(cell, pieces, &mut next);
                 } else {
-                    let corner = self.corner(cell.square);
-                    let above = |piece: &PieceInCell| piece.crossings_above(self.pieces, corner);
-                    let base = cell.winding - pieces.iter().map(above).sum::<i32>();
-                    self.tree.push_leaf(cell.parent, base, corner.x, pieces.iter().map(|piece| piece.index));
+                    self.push_leaf(cell, pieces.iter().map(|piece| (piece.index, piece.is_corner_right)));
                 }
-                self.check_size()?;
+                check_size(self.tree.sizes())?;
             }
             std::mem::swap(&mut level, &mut next);
             next.cells.clear();
             next.pieces.clear();
         }
-        Ok(self.tree)
+        Ok(())
+    }
+
+    /// [`CellTreeBuilder::build`] with tasks for groups of cells: in parallel, and each in memory that fits into a cache. Neither groups
+    /// nor their shares of the budget depend on the number of threads.
+    fn build_in_tasks(&mut self, level: &CellLevel) -> Result<(), SurfaceError> {
+        let all = level.pieces.len();
+        let left = self.budget.saturating_sub(self.live - all);
+        let groups: Vec<&[PendingCell]> = level.groups(PIECES_PER_TASK.max(all / CELLS_TO_SHARE));
+        let parts = parallel_map(&groups, 1, |cells| {
+            let part = level.part(cells);
+            let share = left as u128 * part.pieces.len() as u128 / all as u128;
+            let mut builder = Self::new(self.rules, self.tree.stem(cells.len()), share as usize);
+            builder.build(part).map(|()| builder.tree)
+        });
+        let parts = parts.into_iter().collect::<Result<Vec<CellTree>, _>>()?;
+        let add = |a: (usize, usize, usize), b: (usize, usize, usize)| (a.0 + b.0, a.1 + b.1, a.2 + b.2);
+        check_size(parts.iter().map(CellTree::sizes).fold(self.tree.sizes(), add))?;
+        for (cells, part) in groups.iter().zip(parts) {
+            self.tree.graft(cells.iter().map(|cell| cell.parent), &part);
+        }
+        Ok(())
     }
 
     /// The level of the whole domain; without cells if the domain has no pieces.
     fn root(&mut self, outermost: i32) -> CellLevel {
-        let (pieces, square) = (self.pieces, GridSquare { x: 0, y: 0, level: 0 });
+        let (pieces, square) = (self.rules.pieces, GridSquare { x: 0, y: 0, level: 0 });
         let grid = self.grid(square);
         let (mut winding, mut level) = (outermost, CellLevel::default());
         let corner = DVec2::new(grid.max.x, grid.min.y);
         for (index, piece) in (0_u32..).zip(&pieces.pieces) {
-            let inside = PieceInCell::new(pieces, index, &grid, self.clearance);
+            let inside = PieceInCell::new(pieces, index, &grid, self.rules.clearance);
             winding += inside.crossings_right(pieces, corner);
-            if pieces.touches(piece, grid.min, grid.max, self.margin) {
+            if pieces.touches(piece, grid.min, grid.max, self.rules.margin) {
                 level.pieces.push(inside);
             }
         }
         let count = level.pieces.len();
+        let finest = level.pieces.iter().map(|piece| self.rules.strip_level(piece.index)).min().unwrap_or(0);
+        let cell = PendingCell { parent: None, square, first: 0, count, winding };
         if count == 0 {
             self.tree.set(None, CellLink::uniform(winding));
+        } else if is_coarse(0, count, finest) {
+            level.cells.push(cell);
         } else {
-            level.cells.push(PendingCell { parent: None, square, first: 0, count, winding });
+            self.push_leaf(&cell, level.pieces.iter().map(|piece| (piece.index, piece.is_corner_right)));
         }
         level
     }
 
+    /// Three lines of the grid each way: those of a cell and its middle.
     fn grid(&self, square: GridSquare) -> CellGrid {
-        let (min, max) = self.tree.bounds(square);
-        let (_, middle) = self.tree.bounds(square.quarter(0));
+        let (min, middle) = self.tree.bounds(square.quarter(0));
+        let (_, max) = self.tree.bounds(square.quarter(3));
         CellGrid { min, middle, max }
     }
 
-    /// The lower right corner of a cell.
-    fn corner(&self, square: GridSquare) -> DVec2 {
-        let (min, max) = self.tree.bounds(square);
-        DVec2::new(max.x, min.y)
-    }
-
-    /// Whether a cell with these pieces is to be quartered.
-    fn is_coarse(&self, square: GridSquare, mut pieces: impl Iterator<Item = u32> + Clone) -> bool {
-        let is_wide =
-            |index: u32| self.strip_levels.get(index as usize).is_some_and(|&level| square.level < level);
-        square.level < MAX_LEVEL && (pieces.clone().count() > FEW_PIECES || pieces.all(is_wide))
+    /// Adds a leaf with these pieces; of each the number, and whether the cell's lower right corner is right of it.
+    fn push_leaf(&mut self, cell: &PendingCell, pieces: impl Iterator<Item = (u32, bool)> + Clone) {
+        let (min, max) = self.tree.bounds(cell.square);
+        let corner = DVec2::new(max.x, min.y);
+        let above = |(index, is_right)| {
+            self.rules.pieces.pieces[index as usize].crossings_above(corner, right_or_left(is_right))
+        };
+        let base = cell.winding - pieces.clone().map(above).sum::<i32>();
+        self.tree.push_leaf(cell.parent, base, corner.x, pieces.map(|(index, _)| index));
     }
 
     /// Adds a node for `cell`, and those of its quarters that are leaves; quarters to be quartered wait in `next`. Returns the
     /// number of pieces in all quarters.
     fn quarter(&mut self, cell: &PendingCell, pieces: &[PieceInCell], next: &mut CellLevel) -> usize {
-        let (table, grid) = (self.pieces, self.grid(cell.square));
+        let (rules, grid) = (self.rules, self.grid(cell.square));
         let mut quartered = std::mem::take(&mut self.quartered);
-        let mut windings = [cell.winding; 4];
+        let (mut windings, mut counts, mut finest) = ([cell.winding; 4], [0; 4], [MAX_LEVEL; 4]);
         for piece in pieces {
-            let piece = piece.quartered(table, &grid, self.margin, self.clearance);
-            for (winding, change) in windings.iter_mut().zip(piece.winding_changes(table, &grid)) {
-                *winding += change;
+            let record = &rules.pieces.pieces[piece.index as usize];
+            let parts = piece.quartered(rules.pieces, &grid, rules.margin, rules.clearance);
+            let (changes, level) = (parts.winding_changes(record, &grid), rules.strip_level(piece.index));
+            for quarter in 0..4 {
+                windings[quarter] += changes[quarter];
+                if parts.touches(quarter) {
+                    counts[quarter] += 1;
+                    finest[quarter] = level.min(finest[quarter]);
+                }
             }
-            quartered.push(piece);
+            quartered.push(parts);
         }
         let node = self.tree.push_node(cell.parent, windings.map(CellLink::uniform));
-        let corners = grid.lower_right_corners();
-        let mut entries = 0;
-        for (quarter, winding) in windings.into_iter().enumerate() {
-            let touching = quartered.iter().filter(|piece| piece.touched[quarter]);
-            let count = touching.clone().count();
-            entries += count;
-            let (square, parent) = (cell.square.quarter(quarter as u32), Some((node, quarter)));
-            let indices = touching.clone().map(|piece| piece.index);
+        for quarter in 0..4 {
+            let (count, winding) = (counts[quarter], windings[quarter]);
             if count == 0 {
                 continue;
             }
-            if self.is_coarse(square, indices.clone()) {
-                let first = next.pieces.len();
-                next.pieces.extend(touching.map(|piece| piece.in_quarter(quarter)));
-                next.cells.push(PendingCell { parent, square, first, count, winding });
+            let (square, parent) = (cell.square.quarter(quarter as u32), Some((node, quarter)));
+            let cell = PendingCell { parent, square, first: next.pieces.len(), count, winding };
+            let both = pieces.iter().zip(&quartered);
+            let touching = both.filter(|(_, parts)| parts.touches(quarter));
+            if is_coarse(square.level, count, finest[quarter]) {
+                next.pieces.reserve(count);
+                touching.for_each(|(piece, parts)| next.pieces.push(parts.in_quarter(piece, quarter)));
+                next.cells.push(cell);
             } else {
-                let corner = corners[quarter];
-                let above: i32 = touching.map(|piece| piece.crossings_above(table, quarter, corner)).sum();
-                self.tree.push_leaf(parent, winding - above, corner.x, indices);
+                self.push_leaf(&cell, touching.map(|(piece, parts)| (piece.index, parts.is_right(quarter))));
             }
         }
         quartered.clear();
         self.quartered = quartered;
-        entries
+        counts.iter().sum()
     }
+}
 
-    fn check_size(&self) -> Result<(), SurfaceError> {
-        let (cells, leaves, entries) = self.tree.sizes();
-        for (parameter, count) in [("cells", (cells / 4).max(leaves)), ("entries of cells", entries)] {
-            if count >= MAX_INDEX {
-                return Err(SurfaceError::TooMany { parameter, count, max: MAX_INDEX });
-            }
-        }
-        Ok(())
+impl CellRules<'_> {
+    /// The level of which cells are no wider than the strip of a piece.
+    fn strip_level(&self, piece: u32) -> u32 {
+        self.strip_levels.get(piece as usize).copied().unwrap_or(0)
     }
+}
+
+/// Whether a cell of `level` with `count` pieces is to be quartered. `finest`: the least level of the strips of its pieces.
+fn is_coarse(level: u32, count: usize, finest: u32) -> bool {
+    level < MAX_LEVEL && (count > FEW_PIECES || level < finest)
+}
+
+/// Numbers of cells, of leaves and of their entries must be indices.
+fn check_size((cells, leaves, entries): (usize, usize, usize)) -> Result<(), SurfaceError> {
+    for (parameter, count) in [("cells", (cells / 4).max(leaves)), ("entries of cells", entries)] {
+        if count >= MAX_INDEX {
+            return Err(SurfaceError::TooMany { parameter, count, max: MAX_INDEX });
+        }
+    }
+    Ok(())
 }

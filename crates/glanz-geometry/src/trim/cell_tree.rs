@@ -2,9 +2,7 @@
 
 use glanz_math::DVec2;
 
-use super::cell_builder::CellTreeBuilder;
 use super::piece_table::{CurveSide, PieceRecord, PieceTable};
-use crate::error::SurfaceError;
 
 /// Largest depth of the tree.
 pub(super) const MAX_LEVEL: u32 = 20;
@@ -75,16 +73,6 @@ pub(super) struct CellTree {
 }
 
 impl CellTree {
-    /// The tree over the domain. `outermost`: winding number far outside. Pieces within `margin` of a cell belong to it.
-    pub(super) fn try_new(
-        pieces: &PieceTable,
-        domain: [DVec2; 2],
-        outermost: i32,
-        margin: DVec2,
-    ) -> Result<Self, SurfaceError> {
-        CellTreeBuilder::new(pieces, domain, margin).build(outermost)
-    }
-
     /// A tree without cells over the domain from `min` to `max`.
     pub(super) fn new(min: DVec2, max: DVec2) -> Self {
         let unit = (max - min) / f64::from(1_u32 << MAX_LEVEL);
@@ -97,6 +85,35 @@ impl CellTree {
             unit,
             per_unit: unit.recip(),
         }
+    }
+
+    /// A tree over the same domain whose first nodes have `count` quarters for the links to cells of this one.
+    pub(super) fn stem(&self, count: usize) -> Self {
+        let nodes = vec![[CellLink::uniform(0); 4]; count.div_ceil(4)];
+        Self { nodes, leaves: Vec::new(), entries: Vec::new(), ..*self }
+    }
+
+    /// Adds the cells of `part`, a tree made by [`CellTree::stem`], as the quarters `parents` of nodes.
+    pub(super) fn graft(
+        &mut self,
+        parents: impl ExactSizeIterator<Item = Option<(usize, usize)>>,
+        part: &Self,
+    ) {
+        let (stem, nodes) = part.nodes.split_at(parents.len().div_ceil(4));
+        let (node, leaf) = (self.nodes.len(), self.leaves.len());
+        let moved = |link: CellLink| match link.0 >> TAG_BITS {
+            TAG_NODE => CellLink(link.0 + node as u32 - stem.len() as u32),
+            TAG_LEAF => CellLink(link.0 + leaf as u32),
+            _ => link,
+        };
+        for (parent, &link) in parents.zip(stem.as_flattened()) {
+            self.set(parent, moved(link));
+        }
+        self.nodes.extend(nodes.iter().map(|quarters| quarters.map(moved)));
+        let entry = self.entries.len() as u32;
+        let moved = |&leaf: &CrossedCell| CrossedCell { first: leaf.first + entry, ..leaf };
+        self.leaves.extend(part.leaves.iter().map(moved));
+        self.entries.extend_from_slice(&part.entries);
     }
 
     /// Sets the link of a quarter of a node, or the root's if there is no parent.
@@ -124,7 +141,7 @@ impl CellTree {
         pieces: impl Iterator<Item = u32>,
     ) {
         let (leaf, first) = (self.leaves.len() as u32, self.entries.len() as u32);
-        self.entries.extend(pieces);
+        pieces.for_each(|piece| self.entries.push(piece));
         let count = self.entries.len() as u32 - first;
         self.leaves.push(CrossedCell { first, count, base, edge });
         self.set(parent, CellLink((TAG_LEAF << TAG_BITS) | leaf));

@@ -24,7 +24,7 @@ pub struct MonotonePiece {
 /// Control points of the pieces of a rational Bézier piece between its turning points.
 pub(super) fn monotone_pieces(points: &[DVec3]) -> Vec<Vec<DVec3>> {
     let mut cuts = Vec::new();
-    for axis in 0..2 {
+    for axis in (0..2).filter(|&axis| !is_monotone(points, axis)) {
         let mut search = TurningPointSearch { last_sign: None, turning_points: Vec::new() };
         search.interval(&hodograph(points, axis), 0.0, 1.0, MAX_SPLITS);
         cuts.append(&mut search.turning_points);
@@ -41,6 +41,16 @@ pub(super) fn monotone_pieces(points: &[DVec3]) -> Vec<Vec<DVec3>> {
     }
     pieces.push(rest);
     pieces
+}
+
+/// Whether the control polygon is monotone along one axis: a line meets the curve at most as often as it meets the polygon, so that the
+/// curve is monotone too.
+///
+/// # Source
+/// @farin2002 chapter 13 (variation diminution).
+fn is_monotone(points: &[DVec3], axis: usize) -> bool {
+    let at = |point: &DVec3| project(*point)[axis];
+    points.is_sorted_by(|a, b| at(a) <= at(b)) || points.is_sorted_by(|a, b| at(a) >= at(b))
 }
 
 /// Bernstein coefficients of the numerator `x' w - x w'` of the derivative of `x / w` along one axis, of degree 2 n - 1, each

@@ -14,24 +14,25 @@ use super::piece_table::{CurveSide, PiecePoint, PieceRecord, PieceTable, SideTes
 pub(super) struct PieceInCell {
     pub(super) index: u32,
     /// Whether the cell's lower right corner is right of the piece; used if the piece's box holds it.
-    is_corner_right: bool,
-    /// Points before, near and behind the diagonal that the piece crosses, its parameters ascending.
-    points: [PiecePoint; 3],
+    pub(super) is_corner_right: bool,
+    /// Points before and behind the diagonal that the piece crosses.
+    ends: [PiecePoint; 2],
+    /// A point near the diagonal, between the ends; none as long as a quarter held all of the piece.
+    middle: Option<PiecePoint>,
 }
 
-/// A piece that touches a cell, with what the cell's quarters need.
+/// What the quarters of a cell need to know of a piece that touches it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QuarteredPiece {
-    pub(super) index: u32,
-    /// Points before the first diagonal, near those of the first quarter along the piece, of the cell, and of the last quarter,
-    /// and behind them.
-    points: [PiecePoint; 5],
+    /// Points near the diagonals of the first quarter along the piece, of the cell, and of the last quarter; none if the piece reaches
+    /// only one quarter.
+    points: Option<[PiecePoint; 3]>,
     /// The quarter in which the piece, were it to run from corner to corner, would start.
-    first: usize,
-    /// Whether the lower right corner of each quarter is right of the piece.
-    is_right: [bool; 4],
-    /// Quarters that the piece touches.
-    pub(super) touched: [bool; 4],
+    first: u8,
+    /// Bits of the quarters whose lower right corner is right of the piece.
+    is_right: u8,
+    /// Bits of the quarters that the piece touches.
+    touched: u8,
 }
 
 /// Three lines of a grid each way: the sides of a cell and its middle.
@@ -63,19 +64,12 @@ impl PieceInCell {
         };
         let start = PiecePoint { t: 0.0, position: piece.start };
         let end = PiecePoint { t: 1.0, position: piece.end };
-        let scale = piece.turn() / (grid.max - grid.min);
-        let middle = pieces.near_diagonal(piece, [start, end], grid.middle, scale);
-        Self { index, is_corner_right: side == CurveSide::Right, points: [start, middle, end] }
+        Self { index, is_corner_right: side == CurveSide::Right, ends: [start, end], middle: None }
     }
 
     /// Crossings of the ray to the right from the cell's lower right corner.
     pub(super) fn crossings_right(&self, pieces: &PieceTable, corner: DVec2) -> i32 {
         pieces.pieces[self.index as usize].crossings_right(corner, right_or_left(self.is_corner_right))
-    }
-
-    /// Crossings of the upward ray from the cell's lower right corner.
-    pub(super) fn crossings_above(&self, pieces: &PieceTable, corner: DVec2) -> i32 {
-        pieces.pieces[self.index as usize].crossings_above(corner, right_or_left(self.is_corner_right))
     }
 
     /// The piece with its relations to the quarters of the cell. Quarters within `margin` of the piece are touched; within
@@ -89,14 +83,22 @@ impl PieceInCell {
     ) -> QuarteredPiece {
         let piece = &pieces.pieces[self.index as usize];
         let (turn, center) = (piece.turn(), grid.middle);
-        let first = usize::from(turn.x < 0.0) | (usize::from(turn.y < 0.0) << 1);
+        let first = u8::from(turn.x < 0.0) | (u8::from(turn.y < 0.0) << 1);
+        let (low, high) = (piece.min.cmple(center + margin), piece.max.cmpge(center - margin));
+        let reaches = [low.x && low.y, high.x && low.y, low.x && high.y, high.x && high.y];
+        // If only one, the piece's box holds no corner of a quarter but those of the cell, and the cell's are known not to be missed.
+        if reaches.into_iter().filter(|&reaches| reaches).count() == 1 {
+            let is_right = bits([false, self.is_corner_right, false, false]);
+            return QuarteredPiece { points: None, first, is_right, touched: bits(reaches) };
+        }
         // The grid in coordinates in which the curve rises.
         let (x0, x2) = if turn.x < 0.0 { (grid.max.x, grid.min.x) } else { (grid.min.x, grid.max.x) };
         let (y0, y2) = if turn.y < 0.0 { (grid.max.y, grid.min.y) } else { (grid.min.y, grid.max.y) };
         let (left, bottom) = (DVec2::new(x0, center.y), DVec2::new(center.x, y0));
         let (top, right) = (DVec2::new(center.x, y2), DVec2::new(x2, center.y));
-        let [before, middle, behind] = self.points;
-        let scale = turn / (grid.max - grid.min);
+        let ([before, behind], scale) = (self.ends, turn / (grid.max - grid.min));
+        let near_center = || pieces.near_diagonal(piece, [before, behind], center, scale);
+        let middle = self.middle.unwrap_or_else(near_center);
         let start = pieces.near_diagonal(piece, [before, middle], left, scale);
         let end = pieces.near_diagonal(piece, [middle, behind], top, scale);
         let side = |corner: DVec2, point: PiecePoint| {
@@ -113,58 +115,71 @@ impl PieceInCell {
             at_center == passes_below,
             at_top == passes_above || at_right == passes_below,
         ];
-        let (low, high) = (piece.min.cmple(center + margin), piece.max.cmpge(center - margin));
-        let reaches = [low.x && low.y, high.x && low.y, low.x && high.y, high.x && high.y];
         let below_center = if turn.y > 0.0 { at_bottom } else { at_top };
         let beside_center = if turn.x > 0.0 { at_right } else { at_left };
-        let touches = |quarter: usize| reaches[quarter] && !misses[quarter ^ first];
+        let touches = |quarter: usize| reaches[quarter] && !misses[quarter ^ usize::from(first)];
+        let is_right = [
+            below_center == CurveSide::Right,
+            self.is_corner_right,
+            at_center == CurveSide::Right,
+            beside_center == CurveSide::Right,
+        ];
         QuarteredPiece {
-            index: self.index,
-            points: [before, start, middle, end, behind],
+            points: Some([start, middle, end]),
             first,
-            is_right: [
-                below_center == CurveSide::Right,
-                self.is_corner_right,
-                at_center == CurveSide::Right,
-                beside_center == CurveSide::Right,
-            ],
-            touched: [touches(0), touches(1), touches(2), touches(3)],
+            is_right: bits(is_right),
+            touched: bits([touches(0), touches(1), touches(2), touches(3)]),
         }
     }
 }
 
+/// Bit i is the flag number i.
+fn bits(flags: [bool; 4]) -> u8 {
+    (0..).zip(flags).fold(0, |bits, (i, flag)| bits | (u8::from(flag) << i))
+}
+
 impl QuarteredPiece {
-    /// The piece in one quarter.
-    pub(super) fn in_quarter(&self, quarter: usize) -> PieceInCell {
-        let [before, start, middle, end, behind] = self.points;
-        let points = match quarter ^ self.first {
-            0 => [before, start, middle],
-            3 => [middle, end, behind],
-            _ => [start, middle, end],
+    /// Whether the piece touches a quarter.
+    pub(super) fn touches(&self, quarter: usize) -> bool {
+        (self.touched >> quarter) & 1 != 0
+    }
+
+    /// Whether the lower right corner of a quarter is right of the piece; used if the piece's box holds it.
+    pub(super) fn is_right(&self, quarter: usize) -> bool {
+        (self.is_right >> quarter) & 1 != 0
+    }
+
+    /// `piece`, from which this was made, in one quarter.
+    pub(super) fn in_quarter(&self, piece: &PieceInCell, quarter: usize) -> PieceInCell {
+        let (index, is_corner_right) = (piece.index, self.is_right(quarter));
+        let Some([start, middle, end]) = self.points else {
+            return PieceInCell { is_corner_right, middle: None, ..*piece };
         };
-        PieceInCell { index: self.index, is_corner_right: self.is_right[quarter], points }
+        let [before, behind] = piece.ends;
+        let (ends, near) = match quarter ^ usize::from(self.first) {
+            0 => ([before, middle], start),
+            3 => ([middle, behind], end),
+            _ => ([start, end], middle),
+        };
+        PieceInCell { index, is_corner_right, ends, middle: Some(near) }
     }
 
-    /// Crossings of the upward ray from the lower right corner of one quarter, `corner`.
-    pub(super) fn crossings_above(&self, pieces: &PieceTable, quarter: usize, corner: DVec2) -> i32 {
-        let side = right_or_left(self.is_right[quarter]);
-        pieces.pieces[self.index as usize].crossings_above(corner, side)
-    }
-
-    /// Changes of the winding numbers from the cell's corner to those of its quarters.
+    /// Changes of the winding numbers from the cell's corner to those of its quarters, for this piece.
     ///
     /// The paths to that corner lead right to the edge of the cell, then down.
-    pub(super) fn winding_changes(&self, pieces: &PieceTable, grid: &CellGrid) -> [i32; 4] {
-        let piece = &pieces.pieces[self.index as usize];
+    #[inline]
+    pub(super) fn winding_changes(&self, piece: &PieceRecord, grid: &CellGrid) -> [i32; 4] {
         let corners = grid.lower_right_corners();
-        let right =
-            |quarter: usize| piece.crossings_right(corners[quarter], right_or_left(self.is_right[quarter]));
-        let up = self.crossings_above(pieces, 3, corners[3]) - self.crossings_above(pieces, 1, corners[1]);
+        let side = |quarter: usize| right_or_left(self.is_right(quarter));
+        let right = |quarter: usize| piece.crossings_right(corners[quarter], side(quarter));
+        let above = |quarter: usize| piece.crossings_above(corners[quarter], side(quarter));
+        let up = above(3) - above(1);
         [right(0) - right(1), 0, right(2) - right(3) + up, up]
     }
 }
 
-fn right_or_left(is_right: bool) -> CurveSide {
+/// The side of a point that is right of a piece, or left.
+pub(super) fn right_or_left(is_right: bool) -> CurveSide {
     if is_right { CurveSide::Right } else { CurveSide::Left }
 }
 
