@@ -1,5 +1,7 @@
 //! Pictures as named planes of pixels.
 
+use crate::rgb::srgb_decode;
+
 /// One named plane of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
@@ -62,6 +64,17 @@ impl Pixels {
             pixels.add_channel(name, rgb.iter().map(|p| p[i]).collect())?;
         }
         Ok(pixels)
+    }
+
+    /// A picture of the channels R, G and B in linear light from sRGB bytes.
+    ///
+    /// # Errors
+    /// As [`Pixels::try_from_rgb`].
+    pub fn try_from_srgb8(width: u32, height: u32, bytes: &[[u8; 3]]) -> Result<Self, PixelsError> {
+        let light: [f32; 256] = std::array::from_fn(|byte| srgb_decode(byte as f32 / 255.0));
+        let rgb: Vec<[f32; 3]> =
+            bytes.iter().map(|colour| colour.map(|byte| light[usize::from(byte)])).collect();
+        Self::try_from_rgb(width, height, &rgb)
     }
 
     /// Adds the plane `name`.

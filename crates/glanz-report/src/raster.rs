@@ -20,6 +20,18 @@ impl<Colour: Copy> Raster<Colour> {
         Self { width, height, pixels: vec![colour; width as usize * height as usize] }
     }
 
+    /// Pixels per row.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
     /// The colours, row by row from the top.
     #[must_use]
     pub fn pixels(&self) -> &[Colour] {

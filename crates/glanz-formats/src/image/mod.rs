@@ -1,7 +1,7 @@
 //! Picture files.
 //!
 //! [`read`] takes the bytes of a file, recognises the format by content (by extension if the content has no signature)
-//! and returns named planes of linear light. [`write()`] converts planes to bytes. Both work on bytes in memory.
+//! and returns named planes of linear light. [`write()`] converts planes to bytes, [`write_srgb8`] display colours to a PNG. All work on bytes in memory.
 //!
 //! | format | read | written | planes |
 //! |---|---|---|---|
@@ -43,6 +43,7 @@ use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, Tone};
 
 pub use error::{ImageError, MAX_PIXELS, MAX_SAMPLES};
+pub use raster::write_srgb8;
 
 /// A picture with the data of its file header.
 #[derive(Clone, Debug, PartialEq)]

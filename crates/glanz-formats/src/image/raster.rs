@@ -78,11 +78,24 @@ fn planes(decoded: &DynamicImage, encoding: Encoding) -> Vec<(&'static str, Vec<
 /// An 8 bit sRGB PNG of R, G, B (or Y) after `tone`.
 pub(super) fn write_png(pixels: &Pixels, tone: &Tone) -> Result<Vec<u8>, ImageError> {
     let rgb = rgb_of(pixels, Format::Png)?;
-    let values: Vec<u8> = rgb.into_iter().flat_map(|p| tone.to_srgb8(p)).collect();
+    let colours: Vec<[u8; 3]> = rgb.into_iter().map(|p| tone.to_srgb8(p)).collect();
+    write_srgb8(pixels.width(), pixels.height(), &colours)
+}
+
+/// An 8 bit PNG of sRGB bytes, row by row from the top left.
+///
+/// # Errors
+/// [`ImageError::NotWritable`] if there are not `width` times `height` colours.
+pub fn write_srgb8(width: u32, height: u32, colours: &[[u8; 3]]) -> Result<Vec<u8>, ImageError> {
+    let not_writable = |message: String| ImageError::NotWritable { format: Format::Png, message };
+    let expected = u64::from(width) * u64::from(height);
+    if colours.len() as u64 != expected {
+        return Err(not_writable(format!("there are {} colours; {expected} are needed", colours.len())));
+    }
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(&values, pixels.width(), pixels.height(), ExtendedColorType::Rgb8)
-        .map_err(|e| ImageError::NotWritable { format: Format::Png, message: e.to_string() })?;
+        .write_image(colours.as_flattened(), width, height, ExtendedColorType::Rgb8)
+        .map_err(|e| not_writable(e.to_string()))?;
     Ok(bytes)
 }
 

@@ -1,6 +1,5 @@
 //! Lux maps as pictures.
 
-use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, PixelsError};
 use glanz_report::number::significant;
 use glanz_report::{CellField, ColourScale, LETTER_HEIGHT, Raster, fitting, text_width};
@@ -31,16 +30,15 @@ const PAPER: [u8; 3] = [255; 3];
 const NOTHING: [u8; 3] = [200; 3];
 const INK: [u8; 3] = [20; 3];
 
-/// A lux map in the colours of `scale`, with the scale, its numbers, and figures of the map as a whole.
+/// A lux map in the colours of `scale`, with the scale, its numbers, and figures of the map as a whole, in sRGB bytes.
 ///
 /// The first direction of the receiver goes to the right, the second one up; the sides have the proportions of
 /// [`LuxMap::size`], up to some 30 to 1, and the longer one has about 800 pixels, or one per cell if there are more
-/// cells. Every pixel shows the cell that it lies in. Cells without area are grey. Channels R, G and B in linear light,
-/// which become the bytes of the colours when they are written as sRGB.
+/// cells. Every pixel shows the cell that it lies in. Cells without area are grey.
 ///
 /// # Errors
 /// [`PixelsError::Size`] if the map has more cells than a picture pixels.
-pub fn false_colour(map: &LuxMap, scale: &ColourScale) -> Result<Pixels, PixelsError> {
+pub fn false_colour(map: &LuxMap, scale: &ColourScale) -> Result<Raster<[u8; 3]>, PixelsError> {
     let field = lux_field(map);
     let [wide, high] = sides(&field);
     let caption = caption(map, scale);
@@ -53,22 +51,18 @@ pub fn false_colour(map: &LuxMap, scale: &ColourScale) -> Result<Pixels, PixelsE
     let mut raster = Raster::new([width, height], PAPER);
     raster.write([GAP, GAP - 6], &fitting(&map.name, width - 2 * GAP, DOT), DOT, INK);
     let top = 2 * GAP + LINE;
-    for y in 0..high {
-        let row = cell(high - 1 - y, high, field.rows());
-        for x in 0..wide {
-            let lux = field.at(cell(x, wide, field.columns()), row);
-            let colour = lux.map_or(NOTHING, |lux| scale.colour(lux));
-            raster.fill([GAP + x, top + y], [1, 1], colour);
+    let columns = spans(wide, field.columns());
+    for (row, from, to) in spans(high, field.rows()) {
+        for &(column, left, right) in &columns {
+            let colour = field.at(column, row).map_or(NOTHING, |lux| scale.colour(lux));
+            raster.fill([GAP + left, top + high - to], [right - left, to - from], colour);
         }
     }
     draw_scale(&mut raster, [GAP + wide + GAP, top], body, scale);
     for (line, words) in (0_u32..).zip(&caption) {
         raster.write([GAP, top + body + LINE * (line + 1)], words, DOT, INK);
     }
-    let light: Vec<f32> = (0..=255).map(|byte| srgb_decode(f32::from(byte as u8) / 255.0)).collect();
-    let decode = |byte: u8| light.get(usize::from(byte)).copied().unwrap_or(0.0);
-    let rgb: Vec<[f32; 3]> = raster.pixels().iter().map(|colour| colour.map(decode)).collect();
-    Pixels::try_from_rgb(width, height, &rgb)
+    Ok(raster)
 }
 
 /// A pixel for each cell, for pictures with floating-point numbers: the channels `lux` and `error`, in lx, and `area`,
@@ -100,6 +94,19 @@ fn sides(field: &CellField) -> [u32; 2] {
 /// The cell in which `pixel` lies, where `pixels` pixels show `cells` cells.
 fn cell(pixel: u32, pixels: u32, cells: usize) -> usize {
     ((2 * u64::from(pixel) + 1) * cells as u64 / (2 * u64::from(pixels.max(1)))) as usize
+}
+
+/// The cells that `pixels` pixels show of `cells` cells, each with its first pixel and the one after its last.
+fn spans(pixels: u32, cells: usize) -> Vec<(usize, u32, u32)> {
+    let mut spans: Vec<(usize, u32, u32)> = Vec::new();
+    for pixel in 0..pixels {
+        let shown = cell(pixel, pixels, cells);
+        match spans.last_mut() {
+            Some((last, _, end)) if *last == shown => *end = pixel + 1,
+            _ => spans.push((shown, pixel, pixel + 1)),
+        }
+    }
+    spans
 }
 
 /// Lines below a map.
@@ -138,7 +145,6 @@ fn draw_scale(raster: &mut Raster<[u8; 3]>, [left, top]: [u32; 2], height: u32, 
 mod tests {
     use super::*;
     use crate::report::lux_scale;
-    use glanz_light::Tone;
     use glanz_math::DVec3;
 
     fn map(cells: [u32; 2], size: [f64; 2], lux: Vec<f64>) -> LuxMap {
@@ -147,20 +153,13 @@ mod tests {
         LuxMap { name: "desk".into(), cells, size, positions, areas, errors: vec![0.5; count], lux }
     }
 
-    fn srgb_bytes(picture: &Pixels) -> Vec<u8> {
-        picture.to_rgb().unwrap().into_iter().flat_map(|p| Tone::default().to_srgb8(p)).collect()
-    }
-
     #[test]
     fn cells_have_their_colours_with_the_second_direction_up() {
         let map = map([2, 2], [2.0, 1.0], vec![0.0, 100.0, 50.0, 25.0]);
         let scale = lux_scale(&[&map]);
         let picture = false_colour(&map, &scale).unwrap();
-        let bytes = srgb_bytes(&picture);
-        let at = |x: u32, y: u32| {
-            let i = 3 * ((GAP * 2 + LINE + y) * picture.width() + GAP + x) as usize;
-            [bytes[i], bytes[i + 1], bytes[i + 2]]
-        };
+        let at =
+            |x: u32, y: u32| picture.pixels()[((GAP * 2 + LINE + y) * picture.width() + GAP + x) as usize];
         // 800 x 400 pixels: the first row of cells is the lower half.
         assert_eq!((at(0, 399), at(399, 200)), ([68, 1, 84], [68, 1, 84]));
         assert_eq!((at(400, 399), at(799, 200)), ([253, 231, 37], [253, 231, 37]));
@@ -175,9 +174,8 @@ mod tests {
         let row = map([1500, 1], [10.0, 0.01], lux);
         assert_eq!(sides(&lux_field(&row)), [1500, 24]);
         let picture = false_colour(&row, &lux_scale(&[&row])).unwrap();
-        let bytes = srgb_bytes(&picture);
-        let i = 3 * ((2 * GAP + LINE) * picture.width() + GAP + 1234) as usize;
-        assert_eq!(bytes[i..i + 3], [253, 231, 37]);
+        let i = ((2 * GAP + LINE) * picture.width() + GAP + 1234) as usize;
+        assert_eq!(picture.pixels()[i], [253, 231, 37]);
         assert_eq!(
             false_colour(&map([0, 0], [1.0, 1.0], Vec::new()), &lux_scale(&[])).unwrap().height(),
             958

@@ -8,6 +8,7 @@ use glanz_illumination::{
     add_walls, trace,
 };
 use glanz_job::{JobProgress, ProgressSink};
+use glanz_light::{Pixels, PixelsError};
 use glanz_math::DVec3;
 use glanz_scene::Scene;
 
@@ -18,7 +19,7 @@ use crate::clock::{Stopwatch, TimeScope};
 use crate::report::Report;
 use crate::study::{Settings, StudyError};
 use glanz_report::number::{grouped, plural, significant};
-use glanz_report::{Table, TableCell};
+use glanz_report::{ColourScale, Table, TableCell};
 
 /// Largest number of scattering events of a particle.
 const EVENTS: u32 = 1000;
@@ -192,11 +193,7 @@ impl LuxMeasurement {
                 significant(100.0 * share)
             );
             report.drawing(format!("isolux_{key}"), isolux(map, &scale), format!("Contours. {caption}"));
-            report.picture(
-                format!("lux_{key}"),
-                false_colour(map, &scale)?,
-                format!("Every cell. {caption}"),
-            );
+            report.picture(format!("lux_{key}"), coloured(map, &scale)?, format!("Every cell. {caption}"));
             let alone = LuxMap {
                 name: format!("{}, the mirror's light", map.name),
                 lux: by_mirror.to_vec(),
@@ -205,10 +202,16 @@ impl LuxMeasurement {
             };
             let what =
                 format!("The light from the mirror alone on the {}, by particles aimed at it.", wall.name);
-            report.picture(format!("mirror_{key}"), false_colour(&alone, &lux_scale(&[&alone]))?, what);
+            report.picture(format!("mirror_{key}"), coloured(&alone, &lux_scale(&[&alone]))?, what);
         }
         Ok(())
     }
+}
+
+/// A lux map in false colours.
+fn coloured(map: &LuxMap, scale: &ColourScale) -> Result<Pixels, PixelsError> {
+    let colours = false_colour(map, scale)?;
+    Pixels::try_from_srgb8(colours.width(), colours.height(), colours.pixels())
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
-use glanz_formats::image::{self, Format};
+use glanz_formats::image::{self, Format, ImageError};
 use glanz_illumination::LuxMap;
 use glanz_illumination::report::{
     LuxComparison, LuxReport, csv, false_colour, isolux, lux_pixels, lux_scale,
 };
-use glanz_light::{Pixels, Tone};
+use glanz_light::Tone;
 
 use super::IlluminateOutcome;
 use crate::error::Error;
@@ -77,10 +77,7 @@ impl<'a> ReportFolder<'a> {
         Ok(())
     }
 
-    fn write_pixels(&mut self, name: &str, pixels: &Pixels, format: Format) -> Result<(), Error> {
-        let software = format!("Glanz {}", glanz_job::current_version());
-        let attributes = BTreeMap::from([("software".to_owned(), software)]);
-        let bytes = image::write(pixels, format, &Tone::default(), &attributes);
+    fn write_picture(&mut self, name: &str, bytes: Result<Vec<u8>, ImageError>) -> Result<(), Error> {
         self.write(name, &bytes.map_err(Error::of_file(&self.folder.join(name)))?)
     }
 
@@ -97,8 +94,13 @@ impl<'a> ReportFolder<'a> {
         let scale = lux_scale(&[map]);
         self.write(&format!("{name}.csv"), csv(map).as_bytes())?;
         self.write(&format!("{name}.svg"), isolux(map, &scale).as_bytes())?;
-        self.write_pixels(&format!("{name}.exr"), &lux_pixels(map)?, Format::Exr)?;
-        self.write_pixels(&format!("{name}.png"), &false_colour(map, &scale)?, Format::Png)
+        let software = format!("Glanz {}", glanz_job::current_version());
+        let attributes = BTreeMap::from([("software".to_owned(), software)]);
+        let lux = image::write(&lux_pixels(map)?, Format::Exr, &Tone::default(), &attributes);
+        self.write_picture(&format!("{name}.exr"), lux)?;
+        let colours = false_colour(map, &scale)?;
+        let png = image::write_srgb8(colours.width(), colours.height(), colours.pixels());
+        self.write_picture(&format!("{name}.png"), png)
     }
 }
 
