@@ -5,13 +5,22 @@ use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 
 use crate::error::{SurfaceError, finite};
-use crate::hit::{AreaSample, Hit, SurfacePoint, SurfaceSample};
+use crate::hit::{AreaSample, Hit, SurfaceLocation, SurfacePoint, SurfaceSample};
 use crate::ray_line::RayLine;
 use crate::surface::RaySurface;
 use crate::triangle::ShearedRay;
 
 /// The cube root of the roundoff: a patch that is narrower, relative to its size, counts as that wide (see `BilinearPatch::error`).
 const LEAST_WIDTH: f64 = 4.806_217_383_937_352e-6;
+
+/// Roundings of the coordinates by which the fourth corner of a parallelogram may be off its plane and place.
+const FLAT_ROUNDINGS: u32 = 4;
+
+/// Area over squared size from which on a parallelogram is intersected as a plane.
+const LEAST_PARALLELOGRAM_WIDTH: f64 = 1e-3;
+
+/// Least cosine between a ray and the normal of a parallelogram that is intersected as a plane.
+const LEAST_COSINE: f64 = 1.0 / 64.0;
 
 /// The surface `p = (1 - u)(1 - v) p00 + u (1 - v) p10 + (1 - u) v p01 + u v p11`, u and v from 0 to 1, with the normal along
 /// `dpdu x dpdv`.
@@ -27,10 +36,31 @@ pub struct BilinearPatch {
     size: f64,
     /// |dpdu x dpdv| at the corners, in their order.
     weights: [f64; 4],
+    /// Its plane, if it is a parallelogram that is not narrow.
+    plane: Option<ParallelogramPlane>,
+}
+
+/// The plane of a parallelogram.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ParallelogramPlane {
+    /// Unit normal along `dpdu x dpdv`.
+    normal: DVec3,
+    /// Area, m^2.
+    area: f64,
 }
 
 /// At most two roots (t, u, v).
 type BilinearRoots = [Option<(f64, f64, f64)>; 2];
+
+/// The answer of a plane for its parallelogram.
+enum PlaneRoot {
+    /// The line of the ray misses the parallelogram.
+    Miss,
+    /// The line meets it at (t, u, v), inside of its border.
+    Inside(f64, f64, f64),
+    /// The border is too close, the ray grazing or its origin distant.
+    Unclear,
+}
 
 impl BilinearPatch {
     /// The patch with these corners, metres.
@@ -44,7 +74,8 @@ impl BilinearPatch {
         }
         let bounds = Bounds3::from_points(corners);
         let size = corners.iter().flat_map(|p| corners.map(|q| p.distance(q))).fold(0.0, f64::max);
-        let mut patch = Self { corners, bounds, center: bounds.center(), size, weights: [0.0; 4] };
+        let mut patch =
+            Self { corners, bounds, center: bounds.center(), size, weights: [0.0; 4], plane: None };
         patch.weights =
             [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(u, v)| patch.area_vector(u, v).length());
         let largest = patch.weights.iter().fold(0.0, |a: f64, w| a.max(*w));
@@ -56,7 +87,25 @@ impl BilinearPatch {
                 value: largest,
             });
         }
+        patch.plane = patch.parallelogram_plane();
         Ok(patch)
+    }
+
+    /// The plane of a parallelogram, up to the roundings of a corner that was computed from the others, whose width is at least
+    /// [`LEAST_PARALLELOGRAM_WIDTH`] of its size.
+    fn parallelogram_plane(&self) -> Option<ParallelogramPlane> {
+        let [p00, p10, p01, p11] = self.corners;
+        let twist = (p11 - p01) - (p10 - p00);
+        let n = (p10 - p00).cross(p01 - p00);
+        let area = n.length();
+        let is_flat = twist.abs().cmple(gamma(FLAT_ROUNDINGS) * self.reach()).all();
+        let is_wide = area >= LEAST_PARALLELOGRAM_WIDTH * self.size * self.size;
+        (is_flat && is_wide).then(|| ParallelogramPlane { normal: n / area, area })
+    }
+
+    /// The largest absolute coordinate per axis.
+    fn reach(&self) -> DVec3 {
+        self.bounds.min.abs().max(self.bounds.max.abs())
     }
 
     /// p00, p10, p01, p11, metres.
@@ -96,6 +145,57 @@ impl BilinearPatch {
 
     /// Both roots in ascending order of t.
     ///
+    /// A parallelogram that a ray meets clearly inside or misses clearly outside of its border is intersected as a plane; all that is
+    /// close to the border, grazing or distant is left to [`BilinearPatch::sheared_roots`].
+    fn roots(&self, ray: &Ray) -> BilinearRoots {
+        let Some(plane) = &self.plane else { return self.sheared_roots(ray) };
+        match self.plane_root(plane, ray) {
+            PlaneRoot::Miss => [None; 2],
+            PlaneRoot::Inside(t, u, v) => [Some((t, u, v)), None],
+            PlaneRoot::Unclear => self.sheared_roots(ray),
+        }
+    }
+
+    /// Intersection of the ray with the plane of a parallelogram.
+    ///
+    /// With `q` from p00 to the origin, t, u and v are ratios of the triple products of q, the direction d and the sides. The rounding
+    /// error of each is below gamma(12) times the product of the three lengths: with |q| up to 5 sizes L, that of u and v is at most
+    /// gamma(12) 5 L |d| L / (|d| cos area) <= 60 u 64 / 1e-3 = 4.3e-10, less than the root of the roundoff, up to which
+    /// [`near_unit`] accepts roots beyond the border: the answer is clear at twice of that. For a ray that starts on the patch, the
+    /// distance from the plane has an error of at most gamma(12) L^3 / area, half of the bound of [`BilinearPatch::error`].
+    ///
+    /// # Source
+    /// @moller1997.
+    #[inline]
+    fn plane_root(&self, plane: &ParallelogramPlane, ray: &Ray) -> PlaneRoot {
+        let [p00, p10, p01, _] = self.corners;
+        let (du, dv, d) = (p10 - p00, p01 - p00, ray.direction);
+        let q = ray.origin - p00;
+        let pv = d.cross(dv);
+        let determinant = du.dot(pv);
+        let least = LEAST_COSINE * plane.area;
+        let is_steep = determinant * determinant >= least * least * d.length_squared();
+        // The middle is at most half a size from p00.
+        if !(is_steep && q.length_squared() <= 16.0 * self.size * self.size) {
+            return PlaneRoot::Unclear;
+        }
+        let scale = 1.0 / determinant;
+        let qu = q.cross(du);
+        let (u, v, t) = (q.dot(pv) * scale, d.dot(qu) * scale, dv.dot(qu) * scale);
+        let margin = 2.0 * UNIT_ROUNDOFF.sqrt();
+        let beyond = |x: f64| x < -margin || x > 1.0 + margin;
+        let inside = |x: f64| x > margin && x < 1.0 - margin;
+        if beyond(u) || beyond(v) {
+            PlaneRoot::Miss
+        } else if inside(u) && inside(v) {
+            PlaneRoot::Inside(t, u, v)
+        } else {
+            PlaneRoot::Unclear
+        }
+    }
+
+    /// Both roots in ascending order of t, of any patch and ray.
+    ///
     /// A shear maps the ray to the z axis, which reduces the problem to the plane: the line of constant u contains the origin
     /// where the cross product of its ends, a quadratic in u, vanishes. Of the two families of lines, the one whose projection
     /// is longer is used. Roots within rounding of the border belong to it.
@@ -103,7 +203,7 @@ impl BilinearPatch {
     /// # Source
     /// @reshetov2019; departure: the shear of @woop2013, so that patches with a common edge compute the same
     /// numbers there, and the choice of the family.
-    fn roots(&self, ray: &Ray) -> BilinearRoots {
+    fn sheared_roots(&self, ray: &Ray) -> BilinearRoots {
         // A distant origin costs digits; an origin near the surface must not be moved.
         let far = ray.origin.distance_squared(self.center) > 16.0 * self.size * self.size;
         let line = if far { RayLine::nearest_to(ray, self.center) } else { RayLine::new(ray, 0.0) };
@@ -138,16 +238,26 @@ impl BilinearPatch {
 
     pub(crate) fn point_at(&self, u: f64, v: f64) -> SurfacePoint {
         let (dpdu, dpdv) = self.tangents(u, v);
-        let (_, _, n) = self.regular(u, v);
-        let (normal, length) = (n.normalize(), n.length());
+        let (normal, area) = self.normal_and_area(u, v);
         SurfacePoint {
             position: self.position_at(u, v),
-            error: self.error(length),
+            error: self.error(area),
             normal,
             shading_normal: normal,
             uv: DVec2::new(u, v),
             dpdu,
             dpdv,
+        }
+    }
+
+    /// The unit normal and |dpdu x dpdv|.
+    fn normal_and_area(&self, u: f64, v: f64) -> (DVec3, f64) {
+        match self.plane {
+            Some(plane) => (plane.normal, plane.area),
+            None => {
+                let (_, _, n) = self.regular(u, v);
+                (n.normalize(), n.length())
+            }
         }
     }
 
@@ -157,11 +267,11 @@ impl BilinearPatch {
     /// error of the quadratic, three sums of products below 3 L^2, is less than 24 u L^2; divided by the length of a line of
     /// the family with the longer projection, it is the distance from the ray at which a point counts as a root. For a ray along
     /// the surface, the lines are at least as long as the patch is wide, `area / L`. A patch narrower than the cube root of the
-    /// roundoff counts as that wide. The position has six roundings.
+    /// roundoff counts as that wide. The position has six roundings, and a parallelogram is off its plane by [`FLAT_ROUNDINGS`].
     fn error(&self, area: f64) -> DVec3 {
         let width = (area / (self.size * self.size)).max(LEAST_WIDTH);
-        let reach = self.bounds.min.abs().max(self.bounds.max.abs());
-        DVec3::splat(gamma(6) * self.size + gamma(24) * self.size / width) + reach * gamma(6)
+        let reach = self.reach() * gamma(6 + FLAT_ROUNDINGS);
+        DVec3::splat(gamma(6) * self.size + gamma(24) * self.size / width) + reach
     }
 
     /// Density of [`RaySurface::sample`], per m^2, where [`BilinearPatch::regular`] gives `(u, v, n)`.
@@ -179,7 +289,7 @@ fn solve([q00, q10, q01, q11]: [DVec3; 4]) -> BilinearRoots {
     let mixed = cross(q00, q11) + cross(q10, q01);
     let (a, b) = (at_0 - mixed + at_1, mixed - 2.0 * at_0);
     let Some(candidates) = quadratic::roots(a, b, at_0) else { return [None; 2] };
-    let size = [q00, q10, q01, q11].iter().fold(0.0_f64, |s, q| s.max(q.truncate().length()));
+    let size = [q00, q10, q01, q11].iter().fold(0.0_f64, |s, q| s.max(q.truncate().length_squared())).sqrt();
     let noise = gamma(24) * size * size;
     candidates.map(|root_u| {
         let slope = (2.0 * a * root_u + b).abs();
@@ -244,6 +354,12 @@ impl RaySurface for BilinearPatch {
         self.point_at(hit.u, hit.v)
     }
 
+    fn location(&self, _ray: &Ray, hit: &Hit) -> SurfaceLocation {
+        let Hit { u, v, .. } = *hit;
+        let normal = self.plane.map_or_else(|| self.regular(u, v).2, |plane| plane.normal);
+        SurfaceLocation { position: self.position_at(u, v), normal, uv: DVec2::new(u, v) }
+    }
+
     fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
         let [p00, p10, p01, p11] = self.corners;
         let (u, v, n) = self.regular(hit.u, hit.v);
@@ -264,10 +380,14 @@ impl RaySurface for BilinearPatch {
 
     fn sample_area(&self, xi: DVec2) -> Option<AreaSample> {
         let (u, v) = self.sample_parameters(xi);
-        let regular = self.regular(u, v);
-        let (position, n) = (self.position_at(u, v), regular.2);
-        let (error, normal) = (self.error(n.length()), n.normalize());
-        Some(AreaSample { position, error, normal, face: 0, pdf: self.pdf(regular) })
+        let (normal, area) = self.normal_and_area(u, v);
+        Some(AreaSample {
+            position: self.position_at(u, v),
+            error: self.error(area),
+            normal,
+            face: 0,
+            pdf: self.pdf(self.regular(u, v)),
+        })
     }
 
     fn area_pdf(&self, hit: &Hit, _point: &SurfacePoint) -> Option<AreaPdf> {
@@ -329,6 +449,45 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn planes_of_parallelograms_answer_as_the_sheared_quadratic() {
+        let patches = [
+            [DVec3::new(0.0, 3.0, -2.0), DVec3::new(10.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 4.0)],
+            [DVec3::new(-0.3, 0.1, 7.0), DVec3::new(0.1, 0.2, 0.3), DVec3::new(-0.5, 0.1, 0.4)],
+        ];
+        let (mut clear, mut hits) = (0, 0);
+        for [corner, du, dv] in patches {
+            let patch = BilinearPatch::try_new(corner, corner + du, corner + dv, corner + du + dv).unwrap();
+            let plane = patch.plane.unwrap();
+            for i in 0..20_000 {
+                let i = f64::from(i);
+                let spread = |k: f64| (i * k).fract();
+                let target = corner + (1.6 * spread(0.618_033_988_7) - 0.3) * du + spread(0.754_877_666) * dv;
+                let origin =
+                    target + DVec3::new((0.7 * i).sin(), (1.1 * i).cos(), (1.7 * i).sin()) * patch.size;
+                // The target is ahead of half of the origins.
+                let ray = Ray::new(origin, (target - origin) * if spread(0.569) < 0.5 { 1.0 } else { -0.3 });
+                let expected: Vec<_> = patch.sheared_roots(&ray).into_iter().flatten().collect();
+                let found = match patch.plane_root(&plane, &ray) {
+                    PlaneRoot::Unclear => continue,
+                    PlaneRoot::Miss => None,
+                    PlaneRoot::Inside(t, u, v) => Some((t, u, v)),
+                };
+                clear += 1;
+                assert_eq!(found.iter().len(), expected.len(), "{ray:?}");
+                for ((t, u, v), (et, eu, ev)) in found.into_iter().zip(expected) {
+                    assert!((t - et).abs() < 1e-12 * et.abs().max(1.0) && (u - eu).abs() < 1e-11, "{t} {et}");
+                    assert!((v - ev).abs() < 1e-11 && (t > 0.0) == (et > 0.0));
+                    hits += 1;
+                }
+            }
+        }
+        assert!(clear > 30_000 && hits > 15_000, "{clear} {hits}");
+        let narrow =
+            BilinearPatch::try_new(DVec3::ZERO, DVec3::X, DVec3::Y * 1e-4, DVec3::new(1.0, 1e-4, 0.0));
+        assert_eq!((narrow.unwrap().plane, saddle().plane), (None, None));
     }
 
     #[test]

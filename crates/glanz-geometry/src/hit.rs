@@ -132,6 +132,17 @@ fn transformed_position(position: DVec3, error: DVec3, to_world: &Transform) -> 
     (moved, to_world.point_error(position, error + back))
 }
 
+/// A [`SurfacePoint`] as far as it tells where on a surface a hit is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceLocation {
+    /// The point, metres.
+    pub position: DVec3,
+    /// Normal of the surface itself, of any length.
+    pub normal: DVec3,
+    /// Texture coordinates.
+    pub uv: DVec2,
+}
+
 /// A point sampled on a surface, without parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaSample {
@@ -160,12 +171,14 @@ impl AreaSample {
     #[must_use]
     pub fn transformed(&self, to_world: &Transform) -> Self {
         let (position, error) = transformed_position(self.position, self.error, to_world);
+        let normal = to_world.normal(self.normal);
+        let length = normal.length();
         Self {
             position,
             error,
-            normal: to_world.normal(self.normal).normalize(),
+            normal: normal * (1.0 / length),
             face: self.face,
-            pdf: AreaPdf(self.pdf.0 / to_world.area_scale(self.normal)),
+            pdf: AreaPdf(self.pdf.0 / (to_world.volume_scale() * length)),
         }
     }
 }

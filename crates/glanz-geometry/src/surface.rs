@@ -9,7 +9,7 @@ use crate::batch::BoundedRay;
 use crate::bilinear::BilinearPatch;
 use crate::cuboid::Cuboid;
 use crate::freeform::Freeform;
-use crate::hit::{AreaSample, Hit, ShadingPoint, SurfacePoint, SurfaceSample};
+use crate::hit::{AreaSample, Hit, ShadingPoint, SurfaceLocation, SurfacePoint, SurfaceSample};
 use crate::mesh::Mesh;
 use crate::polyhedron::Polyhedron;
 use crate::quadric::{Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid};
@@ -63,6 +63,12 @@ pub trait RaySurface {
     /// is zero.
     fn shading_point(&self, ray: &Ray, hit: &Hit) -> ShadingPoint {
         self.point(ray, hit).into()
+    }
+
+    /// Position, normal and texture coordinates at a hit: the bits of [`RaySurface::point`], save for the length of the normal.
+    fn location(&self, ray: &Ray, hit: &Hit) -> SurfaceLocation {
+        let ShadingPoint { position, normal, uv, .. } = self.shading_point(ray, hit);
+        SurfaceLocation { position, normal, uv }
     }
 
     /// The derivatives `[dn/du, dn/dv]` of the shading normal by the texture coordinates at `point`, the surface at a hit.
@@ -164,6 +170,12 @@ macro_rules! surfaces {
             fn shading_point(&self, ray: &Ray, hit: &Hit) -> ShadingPoint {
                 match self {
                     $(Self::$name(s) => s.shading_point(ray, hit),)*
+                }
+            }
+
+            fn location(&self, ray: &Ray, hit: &Hit) -> SurfaceLocation {
+                match self {
+                    $(Self::$name(s) => s.location(ray, hit),)*
                 }
             }
 

@@ -7,6 +7,7 @@
 //!
 //! - [`Ray`], [`Transform`] (affine, always invertible), [`Bounds3`], [`Frame`];
 //! - [`rounding`]: bounds on accumulated rounding errors, used for hits and secondary rays;
+//! - [`angle`]: sine and cosine of bounded angles;
 //! - [`polynomial`]: real roots of polynomials of low degree;
 //! - [`bspline`]: knots of B-splines and the recursion for their basis functions;
 //! - [`AreaPdf`] and [`SolidAnglePdf`]: densities whose measure is part of the type.
@@ -20,6 +21,7 @@
 //! assert_eq!(local.at(5.0), DVec3::ZERO);
 //! ```
 
+pub mod angle;
 pub mod bounds;
 pub mod bspline;
 pub mod frame;

@@ -153,7 +153,14 @@ impl Transform {
     #[inline]
     #[must_use]
     pub fn area_scale(&self, normal: DVec3) -> f64 {
-        self.forward.matrix3.determinant().abs() * self.normal(normal).length()
+        self.volume_scale() * self.normal(normal).length()
+    }
+
+    /// Factor by which volumes grow: |det M|.
+    #[inline]
+    #[must_use]
+    pub fn volume_scale(&self) -> f64 {
+        self.forward.matrix3.determinant().abs()
     }
 
     /// The factor by which every length grows, if the map is a similarity (rotation, uniform scale, mirror).

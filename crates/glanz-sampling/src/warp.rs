@@ -4,41 +4,13 @@
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_4, PI, TAU};
 
+use glanz_math::angle::{sin_cos_of_eighth, sin_cos_of_turn};
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
-
-/// Sine and cosine of an angle of at most pi/4, to two units in the last place.
-///
-/// A fifth of the instructions of the library's function, which reduces any angle first.
-///
-/// # Source
-/// The minimax polynomials of @fdlibm, `k_sin.c` and `k_cos.c`; the cosine is summed as in FreeBSD's `msun`.
-#[inline]
-fn sin_cos(x: f64) -> (f64, f64) {
-    let z = x * x;
-    let r = 8.333_333_333_322_49e-3
-        + z * (-1.984_126_982_985_795e-4
-            + z * (2.755_731_370_707_006_8e-6
-                + z * (-2.505_076_025_340_686_3e-8 + z * 1.589_690_995_211_55e-10)));
-    let sin = x + z * x * (-1.666_666_666_666_663_2e-1 + z * r);
-    let r = z
-        * (4.166_666_666_666_66e-2
-            + z * (-1.388_888_888_887_411e-3
-                + z * (2.480_158_728_947_673e-5
-                    + z * (-2.755_731_435_139_066_3e-7
-                        + z * (2.087_572_321_298_175e-9 + z * -1.135_964_755_778_819_5e-11)))));
-    let half = 0.5 * z;
-    let w = 1.0 - half;
-    (sin, w + (((1.0 - w) - half) + z * r))
-}
 
 /// The direction at height `z`, distance `sin` from the axis and azimuth 2 pi `turn`, with `turn` in [0, 1].
 #[inline]
 fn direction(z: f64, sin: f64, turn: f64) -> DVec3 {
-    // The rest after the nearest quarter is exact, up to the last bit next to an eighth.
-    let quarter = (4.0 * turn + 0.5) as u32;
-    let (s, c) = sin_cos(TAU * (turn - 0.25 * f64::from(quarter)));
-    let (s, c) = if quarter & 1 == 0 { (s, c) } else { (c, -s) };
-    let sin = if quarter & 2 == 0 { sin } else { -sin };
+    let (s, c) = sin_cos_of_turn(turn);
     DVec3::new(sin * c, sin * s, z)
 }
 
@@ -63,7 +35,7 @@ pub fn concentric_disk(xi: DVec2) -> DVec2 {
     }
     let wide = p.x.abs() > p.y.abs();
     let (radius, other) = if wide { (p.x, p.y) } else { (p.y, p.x) };
-    let (s, c) = sin_cos(FRAC_PI_4 * (other / radius));
+    let (s, c) = sin_cos_of_eighth(FRAC_PI_4 * (other / radius));
     radius * if wide { DVec2::new(c, s) } else { DVec2::new(s, c) }
 }
 
@@ -282,25 +254,4 @@ pub fn regular_polygon(xi: DVec2, blades: u32) -> DVec2 {
         DVec2::new(c, s)
     };
     a * corner(sector) + b * corner(sector + 1.0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sine_and_cosine_are_those_of_the_library_to_two_units_in_the_last_place() {
-        let close = |a: f64, b: f64| (a - b).abs() <= f64::EPSILON * b.abs();
-        for k in -100_000..=100_000 {
-            let x = FRAC_PI_4 * 1e-5 * f64::from(k);
-            let ((s, c), (sin, cos)) = (sin_cos(x), x.sin_cos());
-            assert!(close(s, sin) && close(c, cos), "{x}: {s} {c}");
-        }
-        for k in 0..=100_000 {
-            let turn = 1e-5 * f64::from(k);
-            let (sin, cos) = (TAU * turn).sin_cos();
-            // The library's angle carries the rounding of the product.
-            assert!(direction(0.5, 2.0, turn).distance(2.0 * DVec3::new(cos, sin, 0.25)) < 4e-15, "{turn}");
-        }
-    }
 }

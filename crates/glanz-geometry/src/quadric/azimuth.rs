@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use glanz_math::angle::sin_cos_of_turn;
 use glanz_math::rounding::gamma;
 use glanz_math::{Bounds3, DVec2, DVec3};
 
@@ -34,7 +35,7 @@ impl AzimuthRange {
 
     /// The unit vector at the fraction `u` of the range.
     pub(super) fn direction(self, u: f64) -> DVec2 {
-        let (sin, cos) = (u * self.phi_max).sin_cos();
+        let (sin, cos) = sin_cos_of_turn(u * (self.phi_max / TAU));
         DVec2::new(cos, sin)
     }
 

@@ -119,13 +119,17 @@ impl QuadricOfRevolution {
         p.x * p.x + p.y * p.y - (self.alpha * w + self.beta) * w - self.gamma
     }
 
-    /// Both roots of `a t^2 + 2 half t + c = 0`, formed at `base`; not sorted.
+    /// Both roots of `a t^2 + 2 half t + c = 0`, formed at `base`, unless both lie behind the origin; not sorted.
     fn roots(&self, base: DVec3, t_base: f64, d: DVec3) -> Option<[OffsetRoot; 2]> {
         let a = self.leading(d);
         let (half, c) = self.half_slope_and_value(base, d);
         if a == 0.0 {
             let root = OffsetRoot { base, t_base, t: -0.5 * c / half };
             return Some([root, root]);
+        }
+        // Sum and product of the roots tell that both are behind the origin: most rays that leave the surface end here.
+        if a > 0.0 && half >= 0.0 && c > 0.0 && t_base == 0.0 {
+            return None;
         }
         let discriminant = difference_of_products(half, half, a, c);
         if discriminant.abs() > CLOSE * half * half {
@@ -190,15 +194,18 @@ impl QuadricOfRevolution {
         DVec3::new(2.0 * p.x, 2.0 * p.y, -2.0 * self.alpha * w - self.beta)
     }
 
-    /// The point of the quadric nearest to `p`, which is close to it: two Newton steps along the gradient, each of which squares
-    /// the relative distance.
+    /// The point of the quadric nearest to `p`, which is close to it: two Newton steps.
     pub(super) fn refined(&self, p: DVec3) -> DVec3 {
-        let step = |p: DVec3| {
-            let gradient = self.gradient(p);
-            let square = gradient.length_squared();
-            if square > 0.0 { p - gradient * (self.value(p) / square) } else { p }
-        };
-        step(step(p))
+        self.corrected(self.corrected(p))
+    }
+
+    /// `p` after a Newton step along the gradient, which squares the relative distance from the quadric: enough for a point that is off
+    /// it by roundings.
+    #[inline]
+    pub(super) fn corrected(&self, p: DVec3) -> DVec3 {
+        let gradient = self.gradient(p);
+        let square = gradient.length_squared();
+        if square > 0.0 { p - gradient * (self.value(p) / square) } else { p }
     }
 
     /// The bound of [`crate::SurfacePoint::error`] at a refined point.

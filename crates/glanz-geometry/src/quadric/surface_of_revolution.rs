@@ -95,7 +95,8 @@ fn hit_in_range(surface: &impl SurfaceOfRevolution, crossing: &QuadricCrossing, 
 /// within the borders, and as accurate for a distant camera as for a close one.
 pub(super) fn point_of_hit(surface: &impl SurfaceOfRevolution, ray: &Ray, hit: &Hit) -> SurfacePoint {
     let uv = DVec2::new(hit.u, hit.v);
-    point(surface, surface.position(uv, point_on_ray(ray.origin, ray.direction, hit.t)), uv)
+    let close = surface.position(uv, point_on_ray(ray.origin, ray.direction, hit.t));
+    point(surface, surface.quadric().refined(close), uv)
 }
 
 /// [`point_of_hit`] without derivatives.
@@ -116,11 +117,10 @@ pub(super) fn shading_point_of_hit(surface: &impl SurfaceOfRevolution, ray: &Ray
 
 /// The surface at the given parameters.
 pub(super) fn at(surface: &impl SurfaceOfRevolution, uv: DVec2) -> SurfacePoint {
-    point(surface, surface.position(uv, surface.near(uv)), uv)
+    point(surface, surface.quadric().refined(surface.position(uv, surface.near(uv))), uv)
 }
 
-fn point(surface: &impl SurfaceOfRevolution, close: DVec3, uv: DVec2) -> SurfacePoint {
-    let position = surface.quadric().refined(close);
+fn point(surface: &impl SurfaceOfRevolution, position: DVec3, uv: DVec2) -> SurfacePoint {
     let tangents = surface.tangents(position, uv);
     let normal = surface.normal(position, || uv);
     SurfacePoint {
@@ -137,14 +137,14 @@ fn point(surface: &impl SurfaceOfRevolution, close: DVec3, uv: DVec2) -> Surface
 /// A random point.
 pub(super) fn sample(surface: &impl SurfaceOfRevolution, xi: DVec2) -> SurfaceSample {
     let (position, uv) = surface.sample_point(xi);
-    let point = point(surface, position, uv);
+    let point = point(surface, surface.quadric().corrected(position), uv);
     let hit = Hit { t: 0.0, u: uv.x, v: uv.y, face: 0 };
     SurfaceSample { hit, point, pdf: AreaPdf(surface.density(|| [point.dpdu, point.dpdv])) }
 }
 
 /// The point of [`sample`] without its parameters.
 pub(super) fn sample_area(surface: &impl SurfaceOfRevolution, xi: DVec2) -> AreaSample {
-    let position = surface.quadric().refined(surface.sample_position(xi));
+    let position = surface.quadric().corrected(surface.sample_position(xi));
     let uv = || surface.sample_point(xi).1;
     AreaSample {
         position,
