@@ -185,13 +185,23 @@ impl Tally {
     }
 }
 
+/// Light that a particle carried to a cell.
+#[derive(Clone, Copy, Debug)]
+struct Contribution {
+    /// Number among the particles on their way.
+    particle: u32,
+    receiver: u32,
+    cell: usize,
+    lumens: f64,
+}
+
 /// Adds particles, several of which are on their way, to a tally.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
     wavelengths: Wavelengths,
     tally: Tally,
-    /// Light that each of the particles on their way carried to receivers and cells, lm.
-    brought: Vec<Vec<(usize, usize, f64)>>,
+    /// Contributions of the particles on their way, in the order of the arrivals.
+    brought: Vec<Contribution>,
 }
 
 impl<'a> ThreadTally<'a> {
@@ -209,68 +219,69 @@ impl<'a> ThreadTally<'a> {
     }
 
     /// Adds the hit of a particle, by its number among those on their way, on a surface.
-    pub(crate) fn arrival(&mut self, particle: usize, arrival: &Arrival<'_>) {
+    pub(crate) fn arrival(&mut self, particle: usize, arrival: &Arrival) {
         let arrived = self.lumens(arrival.arrived);
         let absorbed = arrived - self.lumens(arrival.left);
-        let Some(ReceiverHit { receiver, cell, counts }) = self.receivers.met(arrival.at, &arrival.place)
-        else {
+        let Some(ReceiverHit { receiver, cell, counts }) = self.receivers.met(&arrival.at) else {
             self.tally.absorbed_elsewhere.add(absorbed);
             return;
         };
         self.tally.absorbed_by_receivers.add(absorbed);
         if counts {
-            if self.brought.len() <= particle {
-                self.brought.resize_with(particle + 1, Vec::new);
-            }
-            self.brought[particle].push((receiver, cell, arrived));
+            let (particle, receiver) = (particle as u32, receiver as u32);
+            self.brought.push(Contribution { particle, receiver, cell, lumens: arrived });
         } else if let Some(sum) = self.tally.other_sides.get_mut(receiver) {
             sum.add(arrived);
         }
     }
 
-    /// Ends a particle, by its number among those on their way; `None` if it was not emitted.
-    pub(crate) fn end(&mut self, particle: usize, path: Option<&ParticlePath>) {
-        self.tally.particles += 1;
-        if let Some(path) = path {
-            let (emitted, faded) = (self.lumens(path.emitted), self.lumens(path.faded));
-            self.tally.emitted.add(emitted);
-            self.tally.given_up.add(faded);
-            match path.end {
-                ParticleFate::Absorbed => {}
-                ParticleFate::Escaped { ray, power } => {
-                    let lumens = self.lumens(power);
-                    self.tally.escaped.add(lumens);
-                    if let Some(far_field) = &mut self.tally.far_field
-                        && let Some(sums) = far_field.bins.get_mut(far_field.grid.bin(ray.direction))
-                    {
-                        sums.add(lumens);
-                    }
-                }
-                ParticleFate::GivenUp(power) => {
-                    let lumens = self.lumens(power);
-                    self.tally.given_up.add(lumens);
-                }
+    /// Ends all particles on their way, given by their paths; `None` for those that were not emitted.
+    pub(crate) fn end(&mut self, paths: impl Iterator<Item = Option<ParticlePath>>) {
+        for path in paths {
+            self.tally.particles += 1;
+            if let Some(path) = path {
+                self.add_path(&path);
             }
         }
-        self.settle(particle);
+        self.settle();
     }
 
-    /// Adds the contributions of a particle, cell by cell and receiver by receiver.
-    fn settle(&mut self, particle: usize) {
-        let Some(brought) = self.brought.get_mut(particle) else { return };
-        if let [(receiver, cell, lumens)] = *brought.as_slice() {
-            self.tally.cells[cell].add(lumens);
-            self.tally.receivers[receiver].add(lumens);
-            brought.clear();
-            return;
+    /// Adds the flux of a path to the balance.
+    fn add_path(&mut self, path: &ParticlePath) {
+        let (emitted, faded) = (self.lumens(path.emitted), self.lumens(path.faded));
+        self.tally.emitted.add(emitted);
+        self.tally.given_up.add(faded);
+        match path.end {
+            ParticleFate::Absorbed => {}
+            ParticleFate::Escaped { ray, power } => {
+                let lumens = self.lumens(power);
+                self.tally.escaped.add(lumens);
+                if let Some(far_field) = &mut self.tally.far_field
+                    && let Some(sums) = far_field.bins.get_mut(far_field.grid.bin(ray.direction))
+                {
+                    sums.add(lumens);
+                }
+            }
+            ParticleFate::GivenUp(power) => {
+                let lumens = self.lumens(power);
+                self.tally.given_up.add(lumens);
+            }
         }
-        brought.sort_unstable_by_key(|&(_, cell, _)| cell);
-        for same in brought.chunk_by(|a, b| a.1 == b.1) {
-            self.tally.cells[same[0].1].add(same.iter().map(|brought| brought.2).sum());
+    }
+
+    /// Adds the contributions of all particles, cell by cell and receiver by receiver: those of a particle to the same count as one.
+    fn settle(&mut self) {
+        let Self { tally, brought, .. } = self;
+        // Stable, so that the sums do not depend on the other particles. Particles that arrived once are sorted already.
+        brought.sort_by_key(|one| (one.particle, one.cell));
+        let sum = |same: &[Contribution]| same.iter().map(|one| one.lumens).sum();
+        // A short loop, so that the processor waits for the memory of several cells at a time.
+        for same in brought.chunk_by(|a, b| a.particle == b.particle && a.cell == b.cell) {
+            tally.cells[same[0].cell].add(sum(same));
         }
         // Cells of one receiver are consecutive.
-        for same in brought.chunk_by(|a, b| a.0 == b.0) {
-            self.tally.receivers[same[0].0].add(same.iter().map(|brought| brought.2).sum());
+        for same in brought.chunk_by(|a, b| a.particle == b.particle && a.receiver == b.receiver) {
+            tally.receivers[same[0].receiver as usize].add(sum(same));
         }
         brought.clear();
     }

@@ -178,10 +178,16 @@ fn round(
             if from >= range.end {
                 return (tally.into_tally(), counters);
             }
-            let numbers = from..(from + BLOCK).min(range.end);
-            let samplers = numbers.map(|number| particle_sampler(settings.seed, number));
-            tracer.trace(samplers, &mut counters, |particle, arrival| tally.arrival(particle, arrival));
-            tracer.paths().enumerate().for_each(|(particle, path)| tally.end(particle, path));
+            let mut rest = from..(from + BLOCK).min(range.end);
+            while !rest.is_empty() {
+                // Up to the end of a sequence.
+                let count = (rest.end - rest.start).min((1 << 32) - (rest.start & 0xffff_ffff)) as u32;
+                let first = particle_sampler(settings.seed, rest.start);
+                tracer
+                    .trace(first, count, &mut counters, |particle, arrival| tally.arrival(particle, arrival));
+                tally.end(tracer.paths());
+                rest.start += u64::from(count);
+            }
         }
     });
     // Sums are exact: their order does not matter.

@@ -139,10 +139,12 @@ fn nearest_integer(units: f64) -> i128 {
 /// The integer nearest to `units` (>= 0, below 2^191) in base 2^64.
 fn to_limbs(units: f64) -> [u64; 3] {
     const MANTISSA_BITS: u32 = 52;
-    if units < (1_u64 << 53) as f64 {
-        return [units.round_ties_even() as u64, 0, 0];
+    const WHOLE: f64 = (1_u64 << MANTISSA_BITS) as f64;
+    if units < WHOLE {
+        // The sum has no room for a fraction, as in `nearest_integer`.
+        return [(units + WHOLE - WHOLE) as u64, 0, 0];
     }
-    // From 2^53 on every f64 is an integer: its shifted mantissa.
+    // From 2^52 on every f64 is an integer: its shifted mantissa.
     let bits = units.to_bits();
     let mantissa = u128::from((bits & ((1 << MANTISSA_BITS) - 1)) | (1 << MANTISSA_BITS));
     let shift = ((bits >> MANTISSA_BITS) as u32 & 0x7ff).saturating_sub(1023 + MANTISSA_BITS);
@@ -164,7 +166,7 @@ pub struct NarrowSum(i64);
 impl NarrowSum {
     /// Adds `value`, rounded to the quantum and clamped to [`NARROW_LIMIT`]; NaN counts as zero.
     pub fn add(&mut self, value: f64) {
-        let units = (value.clamp(-NARROW_LIMIT, NARROW_LIMIT) * NARROW_UNITS).round_ties_even() as i64;
+        let units = nearest_integer(value.clamp(-NARROW_LIMIT, NARROW_LIMIT) * NARROW_UNITS) as i64;
         self.0 = self.0.wrapping_add(units);
     }
 

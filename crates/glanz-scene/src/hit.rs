@@ -38,6 +38,12 @@ impl SceneHit {
         Self { hit, object, path: InstancePath::default() }
     }
 
+    /// Ray parameter of the hit.
+    #[must_use]
+    pub fn t(&self) -> f64 {
+        self.hit.t
+    }
+
     /// The hit, seen from the group of the instance in which it lies.
     pub(crate) fn within(mut self, instance: u32) -> Self {
         self.path.push(instance);

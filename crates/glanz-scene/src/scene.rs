@@ -315,6 +315,12 @@ impl Scene {
         self.emitters.select(xi)
     }
 
+    /// The light that [`Scene::select_emitter`] always selects, if there is only one.
+    #[must_use]
+    pub fn only_emitter(&self) -> Option<LightId> {
+        self.emitters.only()
+    }
+
     /// The probability with which [`Scene::select_emitter`] selects the light `id`.
     #[must_use]
     pub fn emitter_probability(&self, id: LightId) -> f64 {

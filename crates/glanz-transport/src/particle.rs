@@ -7,7 +7,7 @@ use glanz_geometry::BoundedRay;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{Interaction, LightRange, LightRay, ParametricPoint, Scene, SceneHit};
+use glanz_scene::{HitLocation, Interaction, LightId, LightRange, LightRay, Scene, SceneHit};
 use glanz_shading::Bsdf;
 
 use crate::integrator::{Counters, INTERFACE_LIMIT, Vertex};
@@ -25,11 +25,9 @@ const DIMENSIONS_PER_EVENT: u32 = 4;
 
 /// Arrival of a particle at a surface.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival<'a> {
-    /// The hit, with `wo` towards the origin of the particle.
-    pub at: &'a Interaction,
-    /// The parameters of the hit.
-    pub place: ParametricPoint,
+pub struct Arrival {
+    /// The location of the hit.
+    pub at: HitLocation,
     /// Incident flux, W.
     pub arrived: Spectrum,
     /// Flux of the continuing particle, W: all of it at interfaces; elsewhere its mean over many particles is the scattered flux.
@@ -71,10 +69,11 @@ pub struct ParticlePath {
 /// of one surface is `left` of the one before, so that emitted, absorbed, escaped and abandoned flux balance up to rounding.
 pub struct ParticleTracer<'a> {
     scene: &'a Scene,
+    wavelengths: Wavelengths,
     /// Largest number of scattering events of a particle.
     max_events: u32,
     // Memory of the particles that were traced last.
-    particles: Vec<Option<ParticleState>>,
+    particles: Vec<ParticleState>,
     active: Vec<u32>,
     rays: Vec<BoundedRay>,
     hits: Vec<Option<SceneHit>>,
@@ -85,123 +84,190 @@ impl<'a> ParticleTracer<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, max_events: u32) -> Self {
         let (particles, active, rays, hits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { scene, max_events, particles, active, rays, hits }
+        Self { scene, wavelengths: Wavelengths::default(), max_events, particles, active, rays, hits }
     }
 
-    /// Traces one particle for each sampler, and calls `visit` with the index of a particle for every surface that it hits.
+    /// Traces `count` particles, by the sample of `first` and those after it, and calls `visit` with the number of a particle for every
+    /// surface that it hits.
     ///
     /// All particles advance from surface to surface together, so that their rays are traced as batches; a thousand are a good number. The
     /// path of a particle does not depend on the others, and its surfaces are visited in their order.
     pub fn trace(
         &mut self,
-        samplers: impl Iterator<Item = PixelSampler>,
+        first: PixelSampler,
+        count: u32,
         counters: &mut Counters,
-        mut visit: impl FnMut(usize, &Arrival<'_>),
+        mut visit: impl FnMut(usize, &Arrival),
     ) {
-        let Self { scene, max_events, particles, active, rays, hits } = self;
-        let wavelengths = Wavelengths::default();
+        let Self { scene, wavelengths, max_events, particles, active, rays, hits } = self;
+        let sampler = |particle: u32| first.with_index(first.sample_index().wrapping_add(particle));
+        let only = scene.only_emitter();
         particles.clear();
-        particles.extend(samplers.map(|sampler| ParticleState::emitted(scene, sampler)));
+        particles.extend((0..count).map(|particle| ParticleState::emitted(scene, only, sampler(particle))));
         active.clear();
-        active.extend(
-            (0..).zip(&*particles).filter(|(_, particle)| particle.is_some()).map(|(index, _)| index),
-        );
+        active
+            .extend((0..).zip(&*particles).filter(|(_, p)| p.fate != FateKind::Dark).map(|(index, _)| index));
         while !active.is_empty() {
             counters.closest += active.len() as u64;
             rays.clear();
-            let states = active.iter().filter_map(|&index| particles[index as usize].as_ref());
-            rays.extend(states.map(|particle| BoundedRay::from(particle.ray)));
+            rays.extend(active.iter().map(|&index| BoundedRay::from(particles[index as usize].ray)));
             scene.closest_batch(rays, hits);
             let mut hits = hits.iter();
             active.retain(|&index| {
-                let index = index as usize;
-                let (Some(particle), Some(hit)) = (&mut particles[index], hits.next()) else { return false };
-                let mut visit = |arrival: &Arrival<'_>| visit(index, arrival);
-                particle.advance(scene, &wavelengths, *max_events, hit.as_ref(), &mut visit)
+                let (Some(particle), Some(hit)) = (particles.get_mut(index as usize), hits.next()) else {
+                    return false;
+                };
+                let Some(hit) = hit else {
+                    particle.fate = FateKind::Escaped;
+                    return false;
+                };
+                let mut visit = |arrival: &Arrival| visit(index as usize, arrival);
+                if scene.hit_material(hit).absorbs_all() {
+                    return particle.absorbed(scene, *max_events, hit, &mut visit);
+                }
+                let scattering = ScatteringContext { scene, wavelengths, max_events: *max_events };
+                particle.advance(&scattering, || sampler(index), hit, &mut visit)
             });
         }
     }
 
     /// Paths of the particles that were traced last; `None` where a light is black, so that the particle has no power.
-    pub fn paths(&self) -> impl Iterator<Item = Option<&ParticlePath>> {
-        self.particles.iter().map(|particle| particle.as_ref().map(|particle| &particle.path))
+    pub fn paths(&self) -> impl Iterator<Item = Option<ParticlePath>> {
+        self.particles.iter().map(ParticleState::path)
     }
+}
+
+/// What the scattering of all particles depends on.
+struct ScatteringContext<'a> {
+    scene: &'a Scene,
+    wavelengths: &'a Wavelengths,
+    max_events: u32,
+}
+
+/// The kind of a [`ParticleFate`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FateKind {
+    /// The light is black: there is no particle.
+    Dark,
+    Absorbed,
+    Escaped,
+    GivenUp,
 }
 
 /// State of a particle between its surfaces.
 struct ParticleState {
-    sampler: PixelSampler,
     ray: Ray,
+    /// Initial power, W.
+    emitted: Spectrum,
     /// Its power, W.
     power: Spectrum,
-    /// Power below which it is subject to Russian roulette.
-    threshold: f32,
+    /// Power lost by the attenuation of its light, W.
+    faded: Spectrum,
     /// The range of its light, and its distance from it until it is scattered first, metres.
     range: LightRange,
     distance: f64,
     /// Interfaces since it was last scattered.
     interfaces: u32,
-    path: ParticlePath,
+    /// Number of surfaces that scattered or absorbed it.
+    events: u32,
+    /// Its fate; absorbed until it is known.
+    fate: FateKind,
 }
 
 impl ParticleState {
-    /// A particle that leaves a light; `None` where the light is black.
-    fn emitted(scene: &Scene, mut sampler: PixelSampler) -> Option<Self> {
+    /// A particle that leaves a light: `only`, if that is the only one.
+    fn emitted(scene: &Scene, only: Option<LightId>, mut sampler: PixelSampler) -> Self {
         sampler.skip_to_dimension(EMISSION_DIMENSIONS);
         let [x, y, u, v] = sampler.next_group();
         let (xi_direction, xi_place) = (DVec2::new(x, y), DVec2::new(u, v));
-        let (id, probability) = scene.select_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0)?;
-        let LightRay { ray, power, range, .. } = scene.emit(id, xi_place, xi_direction)?;
-        let emitted = power * (1.0 / probability) as f32;
-        Some(Self {
-            sampler,
-            ray,
-            power: emitted,
-            threshold: ROULETTE_BELOW * emitted.max_component(),
-            range,
+        let selected = match only {
+            Some(id) => Some((id, 1.0)),
+            None => scene.select_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0),
+        };
+        let emission = selected.and_then(|(id, p)| Some((scene.emit(id, xi_place, xi_direction)?, p)));
+        let mut state = Self {
+            ray: Ray::new(DVec3::ZERO, DVec3::Z),
+            emitted: Spectrum::BLACK,
+            power: Spectrum::BLACK,
+            faded: Spectrum::BLACK,
+            range: LightRange::default(),
             distance: 0.0,
             interfaces: 0,
-            path: ParticlePath { emitted, faded: Spectrum::BLACK, end: ParticleFate::Absorbed, events: 0 },
-        })
+            events: 0,
+            fate: FateKind::Dark,
+        };
+        if let Some((LightRay { ray, power, range, .. }, probability)) = emission {
+            let power = power * (1.0 / probability) as f32;
+            (state.ray, state.emitted, state.power, state.range) = (ray, power, power, range);
+            state.fate = FateKind::Absorbed;
+        }
+        state
+    }
+
+    fn path(&self) -> Option<ParticlePath> {
+        let Self { ray, emitted, power, faded, events, .. } = *self;
+        let end = match self.fate {
+            FateKind::Dark => return None,
+            FateKind::Absorbed => ParticleFate::Absorbed,
+            FateKind::Escaped => ParticleFate::Escaped { ray, power },
+            FateKind::GivenUp => ParticleFate::GivenUp(power),
+        };
+        Some(ParticlePath { emitted, faded, end, events })
+    }
+
+    /// Ends at a hit on a surface that absorbs all light. Returns that the particle has no other ray.
+    fn absorbed(
+        &mut self,
+        scene: &Scene,
+        max_events: u32,
+        hit: &SceneHit,
+        visit: &mut impl FnMut(&Arrival),
+    ) -> bool {
+        if self.events == 0 {
+            self.fade(hit.t());
+        }
+        if self.events >= max_events {
+            self.fate = FateKind::GivenUp;
+            return false;
+        }
+        self.events += 1;
+        visit(&Arrival { at: scene.location(&self.ray, hit), arrived: self.power, left: Spectrum::BLACK });
+        false
     }
 
     /// Continues from the hit of the ray. Returns whether the particle has another ray.
     fn advance(
         &mut self,
-        scene: &Scene,
-        wavelengths: &Wavelengths,
-        max_events: u32,
-        hit: Option<&SceneHit>,
-        visit: &mut impl FnMut(&Arrival<'_>),
+        context: &ScatteringContext<'_>,
+        sampler: impl FnOnce() -> PixelSampler,
+        hit: &SceneHit,
+        visit: &mut impl FnMut(&Arrival),
     ) -> bool {
-        let Some(hit) = hit else {
-            self.path.end = ParticleFate::Escaped { ray: self.ray, power: self.power };
-            return false;
-        };
+        let &ScatteringContext { scene, wavelengths, max_events } = context;
         let at = scene.interaction(&self.ray, hit);
-        let place = scene.parametric_point(hit, &at);
-        if self.path.events == 0 {
+        let location = HitLocation::new(&at, scene.parametric_point(hit, &at));
+        if self.events == 0 {
             self.fade(at.t);
         }
         let arrived = self.power;
         let Some(bsdf) = at.bsdf(scene, wavelengths) else {
-            visit(&Arrival { at: &at, place, arrived, left: arrived });
+            visit(&Arrival { at: location, arrived, left: arrived });
             self.interfaces += 1;
             if self.interfaces > INTERFACE_LIMIT {
-                self.path.end = ParticleFate::GivenUp(arrived);
+                self.fate = FateKind::GivenUp;
                 return false;
             }
             self.ray = at.spawn(self.ray.direction);
             return true;
         };
         self.interfaces = 0;
-        if self.path.events >= max_events {
-            self.path.end = ParticleFate::GivenUp(arrived);
+        if self.events >= max_events {
+            self.fate = FateKind::GivenUp;
             return false;
         }
-        let scattered = self.scatter(&at, bsdf);
+        let scattered = self.scatter(&at, bsdf, sampler);
         let left = scattered.map_or(Spectrum::BLACK, |(_, left)| left);
-        visit(&Arrival { at: &at, place, arrived, left });
+        visit(&Arrival { at: location, arrived, left });
         let Some((direction, left)) = scattered.filter(|_| !left.is_black()) else { return false };
         self.power = left;
         self.ray = at.spawn(direction);
@@ -213,23 +279,30 @@ impl ParticleState {
         self.distance += t;
         let left = self.range.attenuation(self.distance);
         if left < 1.0 {
-            self.power = self.path.emitted * left;
-            self.path.faded = self.path.emitted - self.power;
+            self.power = self.emitted * left;
+            self.faded = self.emitted - self.power;
         }
     }
 
     /// Samples the direction in which the particle continues, and its power after Russian roulette; `None` if it is absorbed.
-    fn scatter(&mut self, at: &Interaction, bsdf: Bsdf) -> Option<(DVec3, Spectrum)> {
-        let event = self.path.events;
-        self.path.events += 1;
+    fn scatter(
+        &mut self,
+        at: &Interaction,
+        bsdf: Bsdf,
+        sampler: impl FnOnce() -> PixelSampler,
+    ) -> Option<(DVec3, Spectrum)> {
+        let event = self.events;
+        self.events += 1;
         if matches!(bsdf, Bsdf::Black) {
             return None;
         }
-        self.sampler
+        let mut sampler = sampler();
+        sampler
             .skip_to_dimension(FIRST_EVENT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(event)));
-        let [x, y, xi_lobe, xi_survival] = self.sampler.next_group();
+        let [x, y, xi_lobe, xi_survival] = sampler.next_group();
         let scattered = Vertex::new(at, bsdf).sample_flux(DVec2::new(x, y), xi_lobe)?;
-        Some((scattered.direction, survivor(self.power * scattered.weight, self.threshold, xi_survival)))
+        let threshold = ROULETTE_BELOW * self.emitted.max_component();
+        Some((scattered.direction, survivor(self.power * scattered.weight, threshold, xi_survival)))
     }
 }
 

@@ -7,7 +7,7 @@ mod parameters;
 use glanz_geometry::Surface;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverSide};
-use glanz_scene::{Interaction, ParametricPoint, PlacedSurface, Scene};
+use glanz_scene::{HitLocation, PlacedSurface, Scene};
 
 use faces::FaceCells;
 use flat::FlatGrid;
@@ -216,11 +216,11 @@ impl Receiver {
     }
 
     /// The cell that a ray met.
-    fn locate(&self, at: &Interaction, place: &ParametricPoint) -> Option<usize> {
+    fn locate(&self, at: &HitLocation) -> Option<usize> {
         let share = match &self.layout {
-            ReceiverLayout::FlatGrid(flat) => flat.share(at.point.position),
-            ReceiverLayout::ParameterGrid(parameters) => parameters.share(at.point.uv),
-            ReceiverLayout::FaceCells(faces) => return faces.cell(place.face),
+            ReceiverLayout::FlatGrid(flat) => flat.share(at.position),
+            ReceiverLayout::ParameterGrid(parameters) => parameters.share(at.uv),
+            ReceiverLayout::FaceCells(faces) => return faces.cell(at.place.face),
         };
         let index = |share: f64, n: u32| ((share * f64::from(n)) as u32).min(n - 1) as usize;
         let [nx, ny] = self.cells;
@@ -348,16 +348,17 @@ impl Receivers {
     /// The cell that a ray met; `None` where no light is counted.
     #[inline]
     #[must_use]
-    pub fn met(&self, at: &Interaction, place: &ParametricPoint) -> Option<ReceiverHit> {
+    pub fn met(&self, at: &HitLocation) -> Option<ReceiverHit> {
+        let place = &at.place;
         let here = self.by_surface.get(place.surface as usize)?;
         let mut met = None;
         for &number in here {
             let receiver = &self.list[number as usize];
-            if receiver.shape != at.id || receiver.face.is_some_and(|face| face != place.face) {
+            if receiver.shape != at.shape || receiver.face.is_some_and(|face| face != place.face) {
                 continue;
             }
             let counts = receiver.back == place.back;
-            let cell = self.cells_of(number as usize).start + receiver.locate(at, place)?;
+            let cell = self.cells_of(number as usize).start + receiver.locate(at)?;
             met = Some(ReceiverHit { receiver: number as usize, cell, counts });
             if counts {
                 break;

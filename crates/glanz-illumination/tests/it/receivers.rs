@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use crate::common::*;
 use glanz_illumination::*;
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
-use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
+use glanz_scene::{HitLocation, SceneBuilder};
 
 /// A rational quadratic patch: a quarter of a cylinder of radius 1 about z and height 2, over u in [0, 1] and v in [0, 2].
 fn quarter_cylinder() -> ShapeDescription {
@@ -95,7 +95,7 @@ fn rays_meet_the_cells_that_places_lie_in() {
                 area += point.area_element / f64::from(n * n);
                 let ray = Ray::new(point.position + 0.01 * point.normal, -point.normal);
                 let (hit, found) = scene.intersect_parametric(&ray, 0.02).unwrap();
-                let met = receivers.met(&hit, &found).unwrap();
+                let met = receivers.met(&HitLocation::new(&hit, found)).unwrap();
                 assert_eq!((met.cell, met.counts), (cell, true), "shape {number} at {share}");
                 seen += 1;
             }

@@ -14,6 +14,9 @@ use crate::interaction::{Interaction, LightSampleContext};
 use crate::object::SceneObject;
 use crate::scene::Scene;
 
+/// Relative difference of the lengths of axes up to which a map of a sphere gives a sphere.
+const SIMILARITY: f64 = gamma(64);
+
 /// A surface that emits the same radiance in every direction of its front.
 #[derive(Clone, Copy, Debug)]
 pub struct AreaLight {
@@ -23,8 +26,8 @@ pub struct AreaLight {
     two_sided: bool,
     /// m^2; `None` if the surface cannot be sampled.
     area: Option<f64>,
-    /// Centre and radius if the surface is a whole sphere in the world too.
-    sphere: Option<(DVec3, f64)>,
+    /// The surface, if it is a whole sphere in the world too.
+    sphere: Option<WorldSphere>,
     /// Whether a sphere emits to its inside.
     inward: bool,
 }
@@ -36,7 +39,7 @@ impl AreaLight {
             radiance,
             two_sided,
             area: area(object),
-            sphere: world_sphere(object),
+            sphere: WorldSphere::new(object),
             inward: object.is_reversed(),
         }
     }
@@ -108,8 +111,17 @@ impl AreaLight {
     }
 
     fn cone(&self, from: DVec3) -> Option<SphereCone> {
-        let (center, radius) = self.sphere?;
+        let WorldSphere { center, radius, .. } = self.sphere?;
         SphereCone::new(center, radius, from)
+    }
+
+    /// A point of the surface: uniform by area on a sphere, else as by [`SceneObject::sample`].
+    #[inline]
+    fn sample_surface(&self, scene: &Scene, xi: DVec2) -> Option<AreaSample> {
+        match &self.sphere {
+            Some(sphere) => Some(sphere.sample(self.inward, xi)),
+            None => scene.world_object(self.object)?.sample(xi),
+        }
     }
 
     /// Directions uniform in the cone that the sphere subtends.
@@ -166,8 +178,7 @@ impl LightModel for AreaLight {
         if let Some(cone) = self.cone(from.point.position) {
             return self.sample_cone(&cone, from, xi);
         }
-        let AreaSample { position, error, normal, pdf: area_pdf, .. } =
-            scene.world_object(self.object)?.sample(xi)?;
+        let AreaSample { position, error, normal, pdf: area_pdf, .. } = self.sample_surface(scene, xi)?;
         let offset = position - from.point.position;
         let wi = offset.try_normalize()?;
         let radiance = self.emitted(normal, -wi);
@@ -182,7 +193,7 @@ impl LightModel for AreaLight {
 
     /// Directions by the cosine; of a two-sided light on either side.
     fn emit(&self, scene: &Scene, place: DVec2, mut direction: DVec2) -> Option<LightRay> {
-        let point = scene.world_object(self.object)?.sample(place)?;
+        let point = self.sample_surface(scene, place)?;
         let (mut side, mut sides) = (1.0, 1.0);
         if self.two_sided {
             sides = 2.0;
@@ -235,14 +246,49 @@ impl SphereCone {
     }
 }
 
-fn world_sphere(object: &SceneObject) -> Option<(DVec3, f64)> {
-    let Surface::Sphere(sphere) = object.surface() else { return None };
-    if !sphere.is_whole() {
-        return None;
+/// A whole sphere in the world.
+#[derive(Clone, Copy, Debug)]
+struct WorldSphere {
+    /// Metres.
+    center: DVec3,
+    radius: f64,
+    /// Bound per axis on the distance from its points to the surface, as of [`AreaSample::error`].
+    error: f64,
+}
+
+impl WorldSphere {
+    /// The surface of `object`, if it is a whole sphere.
+    fn new(object: &SceneObject) -> Option<Self> {
+        let Surface::Sphere(sphere) = object.surface() else { return None };
+        if !sphere.is_whole() {
+            return None;
+        }
+        let (center, radius) = match object.to_parent() {
+            None => (DVec3::ZERO, sphere.radius()),
+            // A matrix printed with six digits makes an ellipsoid, and the cone of a sphere would miss its rim: only
+            // rotations exact to roundings count. The area sampler serves the others.
+            Some(to_world) => {
+                (to_world.point(DVec3::ZERO), to_world.uniform_scale(SIMILARITY)? * sphere.radius())
+            }
+        };
+        // The map differs from a similarity by its tolerance. The next ray is transformed to the frame of the sphere and intersected
+        // with it by fewer than 32 roundings of numbers no larger than the distance of its origin from that of the world, and the
+        // radius.
+        let error = 2.0 * SIMILARITY * radius + gamma(32) * (center.length() + radius);
+        Some(Self { center, radius, error })
     }
-    let Some(to_world) = object.to_parent() else { return Some((DVec3::ZERO, sphere.radius())) };
-    // A matrix printed with six digits makes an ellipsoid, and the cone of a sphere would miss its rim: only
-    // rotations exact to roundings count. The area sampler serves the others.
-    let scale = to_world.uniform_scale(gamma(64))?;
-    Some((to_world.point(DVec3::ZERO), scale * sphere.radius()))
+
+    /// A point uniform by area, with the normal to the inside or the outside.
+    #[inline]
+    fn sample(&self, inward: bool, xi: DVec2) -> AreaSample {
+        // Height by the second number, azimuth by the first, as of `Sphere`.
+        let outward = warp::uniform_sphere(DVec2::new(1.0 - xi.y, xi.x));
+        AreaSample {
+            position: self.center + self.radius * outward,
+            error: DVec3::splat(self.error),
+            normal: if inward { -outward } else { outward },
+            face: 0,
+            pdf: AreaPdf(0.25 * FRAC_1_PI / (self.radius * self.radius)),
+        }
+    }
 }

@@ -55,6 +55,13 @@ impl LightSelector {
         self.find(xi * last, 0..self.cumulative.len())
     }
 
+    /// The light that is always selected, if there is only one.
+    pub(crate) fn only(&self) -> Option<LightId> {
+        let mut lights = (0..).zip(&self.probabilities).filter(|(_, p)| **p > 0.0);
+        let (first, _) = lights.next()?;
+        lights.next().is_none().then_some(LightId(first))
+    }
+
     /// The light of `range` where the running sum passes `sum`, and its probability among all.
     fn find(&self, sum: f64, range: Range<usize>) -> Option<(LightId, f64)> {
         let (start, inside) = (range.start, self.cumulative.get(range.clone())?);
@@ -146,6 +153,9 @@ mod tests {
             assert!((count - expected).abs() < 1e-3);
         }
         assert!((selector.probability(LightId(0)) - 0.7).abs() < 1e-15);
+        let single = LightSelector::new(&[0.0, 7.0]);
+        assert_eq!((single.only(), single.select(0.9)), (Some(LightId(1)), Some((LightId(1), 1.0))));
+        assert_eq!((selector.only(), LightSelector::new(&[0.0]).only()), (None, None));
     }
 
     #[test]

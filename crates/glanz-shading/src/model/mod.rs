@@ -12,7 +12,7 @@ use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 use crate::preview::PreviewSurface;
-use crate::texture::{TexturePoint, Textures};
+use crate::texture::{SpectrumInput, TexturePoint, Textures};
 
 pub use conductor::{Conductor, ConductorMaterial};
 pub use dielectric::{Dielectric, DielectricMaterial};
@@ -253,6 +253,13 @@ impl<P: ParameterForm> Material<P> {
 }
 
 impl Material {
+    /// Whether its constants make it absorb all light everywhere: a diffuse material without reflectance.
+    #[inline]
+    #[must_use]
+    pub fn absorbs_all(&self) -> bool {
+        matches!(self, Self::Diffuse(DiffuseMaterial { reflectance: SpectrumInput::Constant(constant) }) if constant.is_black())
+    }
+
     /// Checks that every texture exists and every constant is in its range.
     ///
     /// # Errors
@@ -265,7 +272,7 @@ impl Material {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::{SpectrumInput, Texture};
+    use crate::texture::Texture;
     use glanz_math::{DVec2, DVec3};
 
     const RGB: Wavelengths = Wavelengths::Rgb;

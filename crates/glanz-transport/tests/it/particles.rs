@@ -13,8 +13,8 @@ fn watts(spectrum: Spectrum) -> f64 {
     f64::from(spectrum.luminance(&Wavelengths::default()))
 }
 
-fn samplers(particles: u32) -> impl Iterator<Item = PixelSampler> {
-    (0..particles).map(move |index| PixelSampler::new(SamplerKind::Sobol, particles, 5, [0, 0], index))
+fn sampler(index: u32) -> PixelSampler {
+    PixelSampler::new(SamplerKind::Sobol, 1, 5, [0, 0], index)
 }
 
 /// Sums over particles, W of luminance.
@@ -32,7 +32,7 @@ impl Books {
     fn of(scene: &Scene, particles: u32, max_events: u32) -> Self {
         let mut books = Self { particles: f64::from(particles), ..Self::default() };
         let (mut tracer, mut counters) = (ParticleTracer::new(scene, max_events), Counters::default());
-        tracer.trace(samplers(particles), &mut counters, |_, arrival| {
+        tracer.trace(sampler(0), particles, &mut counters, |_, arrival| {
             books.arrived += watts(arrival.arrived);
             books.absorbed += watts(arrival.arrived) - watts(arrival.left);
         });
@@ -88,18 +88,17 @@ fn room() -> SceneBuilder {
 #[test]
 fn particles_do_not_depend_on_those_traced_with_them() {
     let scene = resolved(&room().shape(cuboid(1.0), diffuse(0.7)));
-    let trace = |samplers: &[PixelSampler]| {
-        let (mut arrivals, mut counters) = (vec![Vec::new(); samplers.len()], Counters::default());
+    let trace = |first: u32, count: u32| {
+        let (mut arrivals, mut counters) = (vec![Vec::new(); count as usize], Counters::default());
         let mut tracer = ParticleTracer::new(&scene, 12);
-        tracer.trace(samplers.iter().copied(), &mut counters, |particle, arrival| {
-            arrivals[particle].push((arrival.at.t, arrival.place, arrival.arrived, arrival.left));
+        tracer.trace(sampler(first), count, &mut counters, |particle, arrival| {
+            arrivals[particle].push((arrival.at, arrival.arrived, arrival.left));
         });
-        let paths: Vec<Option<ParticlePath>> = tracer.paths().map(Option::<&ParticlePath>::copied).collect();
+        let paths: Vec<Option<ParticlePath>> = tracer.paths().collect();
         (paths, arrivals, counters.closest)
     };
-    let samplers: Vec<PixelSampler> = samplers(600).collect();
-    let (paths, arrivals, rays) = trace(&samplers);
-    let alone: Vec<_> = samplers.chunks(1).map(trace).collect();
+    let (paths, arrivals, rays) = trace(0, 600);
+    let alone: Vec<_> = (0..600).map(|particle| trace(particle, 1)).collect();
     assert_eq!(rays, alone.iter().map(|(_, _, rays)| rays).sum::<u64>());
     for (number, (path, arrivals_alone, _)) in alone.iter().enumerate() {
         assert_eq!((paths[number], &arrivals[number]), (path[0], &arrivals_alone[0]), "{number}");

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glanz_formats::image::{self, Encoding};
 use glanz_illumination::{GridResolution, ReceiverRequest, Receivers};
 use glanz_math::DVec2;
-use glanz_scene::{ParametricPoint, PlacedSurface, Scene};
+use glanz_scene::{HitLocation, ParametricPoint, PlacedSurface, Scene};
 use serde::Deserialize;
 
 use super::files::{FileNames, REPORT};
@@ -115,7 +115,8 @@ impl PlacedLux {
     pub fn lux(&self, placed: &[PlacedSurface<'_>], surface: u32, face: u32, uv: DVec2) -> Option<f32> {
         let of_side = |back| {
             let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
-            let met = self.receivers.met(&at, &ParametricPoint { surface, face, back, uv })?;
+            let met =
+                self.receivers.met(&HitLocation::new(&at, ParametricPoint { surface, face, back, uv }))?;
             self.lux.get(met.cell).copied().filter(|_| met.counts)
         };
         [false, true].into_iter().find_map(of_side)

@@ -1,0 +1,104 @@
+//! Locations of hits on their surfaces.
+
+use glanz_geometry::{RaySurface, SurfaceLocation};
+use glanz_math::{DVec2, DVec3, Ray};
+use glanz_shading::Material;
+
+use crate::hit::SceneHit;
+use crate::interaction::Interaction;
+use crate::placed::ParametricPoint;
+use crate::scene::{Scene, SceneGroup};
+
+/// The location where a ray hit the scene, without what scattering needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HitLocation {
+    /// Position in the world, metres.
+    pub position: DVec3,
+    /// Texture coordinates.
+    pub uv: DVec2,
+    /// Number of the shape in the order of the scene file.
+    pub shape: u32,
+    /// Surface, face and parameters.
+    pub place: ParametricPoint,
+}
+
+impl HitLocation {
+    /// The location of an interaction with the parameters `place`.
+    #[must_use]
+    pub fn new(at: &Interaction, place: ParametricPoint) -> Self {
+        Self { position: at.point.position, uv: at.point.uv, shape: at.id, place }
+    }
+}
+
+impl Scene {
+    /// The location of a hit: that of [`Scene::interaction`] and [`Scene::parametric_point`] at less cost.
+    #[must_use]
+    pub fn location(&self, ray: &Ray, found: &SceneHit) -> HitLocation {
+        if found.path.length > 0 {
+            let at = self.interaction(ray, found);
+            return HitLocation::new(&at, self.parametric_point(found, &at));
+        }
+        let (hit, object) = (&found.hit, &self.world().objects[found.object as usize]);
+        let attributes = object.attributes(hit.face);
+        let local = object.local(ray);
+        let SurfaceLocation { position, normal, uv } = object.surface().location(&local, hit);
+        let position = object.to_parent().map_or(position, |to_parent| to_parent.point(position));
+        // The side of a surface does not depend on the frame.
+        let along = normal.dot(local.direction);
+        let back = if attributes.reversed { along < 0.0 } else { along > 0.0 };
+        let place =
+            ParametricPoint { surface: found.object, face: hit.face, back, uv: DVec2::new(hit.u, hit.v) };
+        HitLocation { position, uv, shape: attributes.id, place }
+    }
+
+    /// The material of the surface at a hit.
+    #[must_use]
+    pub fn hit_material(&self, found: &SceneHit) -> &Material {
+        let inner = |group: &'_ SceneGroup, index: u32| group.instances[index as usize].group;
+        let group =
+            found.path.outermost_first().fold(self.world(), |group, index| &self.groups[inner(group, index)]);
+        self.material(group.objects[found.object as usize].attributes(found.hit.face).material)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_geometry::BoundedRay;
+    use glanz_math::DMat4;
+
+    use super::*;
+    use crate::SceneBuilder;
+    use crate::description::*;
+
+    #[test]
+    fn locations_and_materials_are_those_of_interactions() {
+        let black = || MaterialKind::diffuse(0.0);
+        let side = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let wall =
+            ShapeDescription::parallelogram(side(-3.0, 2.0, -3.0), side(6.0, 0.0, 0.0), side(0.5, 0.5, 6.0));
+        let (scene, _) = SceneBuilder::new()
+            .shape(wall.clone(), black())
+            .shape(wall.translated([0.0, -4.0, 0.0]).rotated(DVec3::X, 0.2).reversed(), black())
+            .shape(ShapeDescription::sphere(0.7).scaled([1.0, 1.2, 0.9]), MaterialKind::diffuse(0.5))
+            .group("box", |group| group.shape(ShapeDescription::cuboid([0.0; 3], [1.0; 3]), black()))
+            .instance("box", DMat4::from_translation(DVec3::X))
+            .resolve()
+            .unwrap();
+        let direction = |i: f64| DVec3::new((0.7 * i).sin(), (1.1 * i).cos(), (1.9 * i).sin());
+        let rays: Vec<BoundedRay> = (0..500)
+            .map(|i| Ray::new(2.0 * direction(f64::from(i)), direction(f64::from(i) + 0.5)).into())
+            .collect();
+        let mut hits = Vec::new();
+        scene.closest_batch(&rays, &mut hits);
+        let mut black_hits = 0;
+        for (BoundedRay { ray, .. }, hit) in rays.iter().zip(&hits) {
+            let Some(hit) = hit else { continue };
+            let at = scene.interaction(ray, hit);
+            let location = scene.location(ray, hit);
+            assert_eq!(location, HitLocation::new(&at, scene.parametric_point(hit, &at)));
+            assert_eq!(scene.hit_material(hit), scene.material(at.material));
+            black_hits += usize::from(scene.hit_material(hit).absorbs_all());
+        }
+        assert!(black_hits > 100 && hits.iter().flatten().count() > black_hits, "{black_hits}");
+    }
+}
