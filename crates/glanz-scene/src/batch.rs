@@ -79,7 +79,7 @@ impl Scene {
             }
             group.bvh.visit_batch(rays, &mut search);
             hits.clear();
-            hits.extend(nearest.iter().map(|nearest| nearest.hit));
+            hits.extend(nearest.iter().map(NearestHit::hit));
         });
     }
 
@@ -136,11 +136,12 @@ impl ClosestSearch<'_> {
             }
             Primitive::Instance(index) => {
                 let instance = &self.group.instances[index as usize];
+                let before = self.group.placed_before[index as usize];
                 self.gather(ids, |ray| instance.to_parent.inverse().ray(ray));
                 self.scene.closest_in_group(&self.scene.groups[instance.group], self.local, self.nested);
                 for (&id, found) in ids.iter().zip(self.nested.iter()) {
                     if let Some(found) = found {
-                        self.nearest[id as usize].offer(found.within(index), number);
+                        self.nearest[id as usize].offer(found.within(before), number);
                     }
                 }
             }
@@ -165,7 +166,7 @@ impl BatchVisitor for ClosestSearch<'_> {
     }
 
     fn end(&self, ray: u32) -> f64 {
-        self.nearest[ray as usize].t
+        self.nearest[ray as usize].t()
     }
 }
 

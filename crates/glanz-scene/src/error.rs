@@ -65,6 +65,9 @@ pub enum SceneErrorKind {
     /// Groups nested beyond the limit.
     #[error("groups are nested more deeply than the {0} levels allowed; merge some of them")]
     Nesting(usize),
+    /// More copies of surfaces than can be numbered.
+    #[error("instances of instances make more than 2^63 surfaces; use fewer of them")]
+    TooManyCopies,
     /// A receiver in a group that is copied.
     #[error(
         "receiver \"{0}\": a shape in a group cannot be a receiver, because all instances would share it; add the shape to the world"

@@ -2,40 +2,18 @@
 
 use glanz_geometry::Hit;
 
-use crate::scene::MAX_NESTING;
-
-/// Indices of the instances that lead to an object, from the innermost outwards.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct InstancePath {
-    instances: [u32; MAX_NESTING],
-    pub(crate) length: usize,
-}
-
-impl InstancePath {
-    fn push(&mut self, instance: u32) {
-        if let Some(slot) = self.instances.get_mut(self.length) {
-            *slot = instance;
-            self.length += 1;
-        }
-    }
-
-    pub(crate) fn outermost_first(&self) -> impl Iterator<Item = u32> + '_ {
-        self.instances[..self.length].iter().rev().copied()
-    }
-}
-
-/// The hit of a ray with an object of a scene; [`Scene::interaction`](crate::Scene::interaction) computes the point.
+/// The hit of a ray with a surface of a scene; [`Scene::interaction`](crate::Scene::interaction) computes the point.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneHit {
     pub(crate) hit: Hit,
-    pub(crate) object: u32,
-    pub(crate) path: InstancePath,
+    /// The number of the surface in [`Scene::placed_surfaces`](crate::Scene::placed_surfaces), or in the group in which the hit lies.
+    pub(crate) surface: u64,
 }
 
 impl SceneHit {
     /// A hit with an object of the group itself.
     pub(crate) fn new(hit: Hit, object: u32) -> Self {
-        Self { hit, object, path: InstancePath::default() }
+        Self { hit, surface: object.into() }
     }
 
     /// Ray parameter of the hit.
@@ -44,10 +22,9 @@ impl SceneHit {
         self.hit.t
     }
 
-    /// The hit, seen from the group of the instance in which it lies.
-    pub(crate) fn within(mut self, instance: u32) -> Self {
-        self.path.push(instance);
-        self
+    /// The hit, seen from the group of the instance in which it lies, with the number of surfaces before those of the instance.
+    pub(crate) fn within(self, before: u64) -> Self {
+        Self { surface: before + self.surface, ..self }
     }
 }
 
@@ -55,28 +32,42 @@ impl SceneHit {
 /// lowest number counts, whatever the order in which they are found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NearestHit {
-    /// Its parameter, or the end of the ray.
-    pub(crate) t: f64,
-    pub(crate) hit: Option<SceneHit>,
-    primitive: usize,
+    /// At the end of the ray, if there is none yet.
+    found: SceneHit,
+    /// [`NONE`] if there is none yet.
+    primitive: u32,
 }
+
+/// A number of no primitive.
+const NONE: u32 = u32::MAX;
 
 impl NearestHit {
     /// None yet, for a ray that ends at `t_max`.
     pub(crate) fn before(t_max: f64) -> Self {
-        Self { t: t_max, hit: None, primitive: usize::MAX }
+        let end = Hit { t: t_max, u: 0.0, v: 0.0, face: 0 };
+        Self { found: SceneHit { hit: end, surface: 0 }, primitive: NONE }
+    }
+
+    /// The hit.
+    pub(crate) fn hit(&self) -> Option<SceneHit> {
+        (self.primitive != NONE).then_some(self.found)
+    }
+
+    /// Its parameter, or the end of the ray.
+    pub(crate) fn t(&self) -> f64 {
+        self.found.hit.t
     }
 
     /// The end up to which hits with further primitives count.
     pub(crate) fn end(&self) -> f64 {
-        if self.hit.is_some() { self.t.next_up() } else { self.t }
+        if self.primitive == NONE { self.t() } else { self.t().next_up() }
     }
 
-    /// Takes the hit with a primitive if it comes first.
+    /// Takes the hit with a primitive, by its number in the group, if it comes first.
     pub(crate) fn offer(&mut self, found: SceneHit, primitive: usize) {
-        let t = found.hit.t;
-        if t < self.t || t == self.t && primitive < self.primitive {
-            *self = Self { t, hit: Some(found), primitive };
+        let (t, primitive) = (found.hit.t, primitive as u32);
+        if t < self.t() || t == self.t() && primitive < self.primitive {
+            *self = Self { found, primitive };
         }
     }
 }

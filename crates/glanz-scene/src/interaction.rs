@@ -32,8 +32,8 @@ pub struct Interaction {
     pub wo: DVec3,
     /// Number of the shape in the order of the scene file.
     pub id: u32,
-    /// The point in the frame of its shape.
-    pub(crate) own: LocalPoint,
+    /// The point in the frame of its shape; `None` if that is the world's.
+    pub(crate) own: Option<LocalPoint>,
     /// Density of area sampling at the point, on lights that can be sampled.
     pub(crate) area_pdf: Option<AreaPdf>,
     pub(crate) material: u32,
@@ -63,6 +63,11 @@ impl Interaction {
     pub fn bsdf(&self, scene: &Scene, wavelengths: &Wavelengths) -> Option<Bsdf> {
         let at = TexturePoint::new(self.point.uv, self.point.position);
         scene.material(self.material).bsdf(scene.textures(), &at, wavelengths)
+    }
+
+    /// The point in the frame of its shape.
+    pub(crate) fn local_point(&self) -> LocalPoint {
+        self.own.unwrap_or_else(|| LocalPoint::new(self.point.position, self.point.normal, -self.wo))
     }
 
     /// Density with which [`Scene::emit`] samples this point, if it is on a light that can be sampled.

@@ -7,7 +7,7 @@ use glanz_shading::Material;
 use crate::hit::SceneHit;
 use crate::interaction::Interaction;
 use crate::placed::ParametricPoint;
-use crate::scene::{Scene, SceneGroup};
+use crate::scene::Scene;
 
 /// The location where a ray hit the scene, without what scattering needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,11 +34,12 @@ impl Scene {
     /// The location of a hit: that of [`Scene::interaction`] and [`Scene::parametric_point`] at less cost.
     #[must_use]
     pub fn location(&self, ray: &Ray, found: &SceneHit) -> HitLocation {
-        if found.path.length > 0 {
+        let hit = &found.hit;
+        let own = u32::try_from(found.surface).ok();
+        let Some((surface, object)) = own.and_then(|index| Some((index, self.world_object(index)?))) else {
             let at = self.interaction(ray, found);
             return HitLocation::new(&at, self.parametric_point(found, &at));
-        }
-        let (hit, object) = (&found.hit, &self.world().objects[found.object as usize]);
+        };
         let attributes = object.attributes(hit.face);
         let local = object.local(ray);
         let SurfaceLocation { position, normal, uv } = object.surface().location(&local, hit);
@@ -46,18 +47,18 @@ impl Scene {
         // The side of a surface does not depend on the frame.
         let along = normal.dot(local.direction);
         let back = if attributes.reversed { along < 0.0 } else { along > 0.0 };
-        let place =
-            ParametricPoint { surface: found.object, face: hit.face, back, uv: DVec2::new(hit.u, hit.v) };
+        let place = ParametricPoint { surface, face: hit.face, back, uv: DVec2::new(hit.u, hit.v) };
         HitLocation { position, uv, shape: attributes.id, place }
     }
 
     /// The material of the surface at a hit.
     #[must_use]
     pub fn hit_material(&self, found: &SceneHit) -> &Material {
-        let inner = |group: &'_ SceneGroup, index: u32| group.instances[index as usize].group;
-        let group =
-            found.path.outermost_first().fold(self.world(), |group, index| &self.groups[inner(group, index)]);
-        self.material(group.objects[found.object as usize].attributes(found.hit.face).material)
+        let (mut group, mut number) = (self.world(), found.surface);
+        while let Some((instance, inner)) = group.instance_of(number) {
+            (group, number) = (&self.groups[instance.group], inner);
+        }
+        self.material(group.objects[number as usize].attributes(found.hit.face).material)
     }
 }
 

@@ -157,7 +157,11 @@ impl SceneObject {
     /// The surface at a hit of this object in its own frame, in which the ray is `local`.
     #[inline]
     pub(crate) fn own_point(&self, local: &Ray, hit: &Hit) -> ShadingPoint {
-        self.surface.shading_point(local, hit)
+        match &self.surface {
+            // Inlined, since the result would be copied in as much time as it is computed.
+            Surface::Mesh(mesh) => mesh.shading_point(local, hit),
+            surface => surface.shading_point(local, hit),
+        }
     }
 
     /// The density of [`SceneObject::sample`] at a hit of the ray that is `local` in the own frame, if the object is a light.
@@ -183,7 +187,11 @@ impl SceneObject {
     /// Samples a point of the object by two numbers uniform in [0, 1).
     #[inline]
     pub(crate) fn sample(&self, xi: DVec2) -> Option<AreaSample> {
-        let mut sample = self.surface.sample_area(xi)?;
+        let mut sample = match &self.surface {
+            // Inlined, as in `own_point`.
+            Surface::Mesh(mesh) => mesh.sample_area(xi)?,
+            surface => surface.sample_area(xi)?,
+        };
         if let Some(to_parent) = &self.to_parent {
             sample = sample.transformed(to_parent);
         }

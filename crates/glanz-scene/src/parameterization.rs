@@ -8,7 +8,7 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 use crate::interaction::Interaction;
 
 /// A point of a shape in the shape's own frame.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalPoint {
     pub(crate) position: DVec3,
     /// Normal on the side of the ray's origin, of any length.
@@ -106,7 +106,7 @@ impl ShapeParameterization {
                 (u32::from(back), share(at.point.uv, *min, *max))
             }
             Self::Projections(bounds) => {
-                let LocalPoint { position, normal_to_viewer: normal } = at.own;
+                let LocalPoint { position, normal_to_viewer: normal } = at.local_point();
                 let axis = nearest_axis(normal);
                 let sheet = 2 * axis as u32 + u32::from(normal[axis] < 0.0);
                 let plane = |v: DVec3| DVec2::new(v[(axis + 1) % 3], v[(axis + 2) % 3]);

@@ -170,7 +170,7 @@ impl PlacedSurface<'_> {
             t: 0.0,
             wo: if back { -point.normal } else { point.normal },
             id: attributes.id,
-            own,
+            own: Some(own),
             area_pdf: None,
             material: attributes.material,
             light: self.object.light,

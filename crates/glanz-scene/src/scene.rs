@@ -32,7 +32,7 @@ pub(crate) struct SceneGroup {
     pub(crate) bvh: Bvh,
     /// For each instance, the number of surfaces of this group that [`Scene::placed_surfaces`] lists before those of the instance; last, the
     /// number of all.
-    pub(crate) placed_before: Vec<u32>,
+    pub(crate) placed_before: Vec<u64>,
 }
 
 impl SceneGroup {
@@ -42,6 +42,13 @@ impl SceneGroup {
             Some(index) => self.bounded[index],
             None => self.unbounded[number],
         }
+    }
+
+    /// The instance that a surface is in, by the number of the surface, and its number in the instance; `None` if it is an object of
+    /// the group itself.
+    pub(crate) fn instance_of(&self, number: u64) -> Option<(&Instance, u64)> {
+        let index = self.placed_before.partition_point(|&before| before <= number).checked_sub(1)?;
+        Some((self.instances.get(index)?, number - self.placed_before[index]))
     }
 }
 
@@ -165,14 +172,10 @@ impl Scene {
     /// The parameters of a hit of this scene. `at`: the point at the hit, by [`Scene::interaction`].
     #[must_use]
     pub fn parametric_point(&self, found: &SceneHit, at: &Interaction) -> ParametricPoint {
-        let mut group = self.world();
-        let mut surface = found.object;
-        for index in found.path.outermost_first() {
-            surface += group.placed_before.get(index as usize).copied().unwrap_or_default();
-            group = &self.groups[group.instances[index as usize].group];
-        }
         let Hit { u, v, face, .. } = found.hit;
         let back = at.point.normal.dot(at.wo) < 0.0;
+        // Nobody can list more surfaces, and so look them up.
+        let surface = u32::try_from(found.surface).unwrap_or(u32::MAX);
         ParametricPoint { surface, face, back, uv: DVec2::new(u, v) }
     }
 
@@ -187,13 +190,13 @@ impl Scene {
         for number in 0..group.unbounded.len() {
             self.visit(group, number, ray, &mut nearest);
         }
-        group.bvh.closest(ray, nearest.t, |leaf, _| {
+        group.bvh.closest(ray, nearest.t(), |leaf, _| {
             for &index in group.bvh.leaf(leaf) {
                 self.visit(group, group.unbounded.len() + index as usize, ray, &mut nearest);
             }
-            nearest.t
+            nearest.t()
         });
-        nearest.hit
+        nearest.hit()
     }
 
     /// Offers the hit with a primitive, by its number.
@@ -207,7 +210,7 @@ impl Scene {
                 let instance = &group.instances[index as usize];
                 let local = instance.to_parent.inverse().ray(ray);
                 let found = self.closest(&self.groups[instance.group], &local, nearest.end());
-                found.map(|found| found.within(index))
+                found.map(|found| found.within(group.placed_before[index as usize]))
             }
         };
         if let Some(found) = found {
@@ -244,16 +247,16 @@ impl Scene {
     /// The point at a hit of this scene with this ray.
     #[must_use]
     pub fn interaction(&self, ray: &Ray, found: &SceneHit) -> Interaction {
-        let mut group = self.world();
-        let mut moved = None;
+        let (mut group, mut number) = (self.world(), found.surface);
+        let (mut moved, mut depth) = (None, 0);
         let mut maps = [&Transform::IDENTITY; MAX_NESTING];
-        for (slot, index) in maps.iter_mut().zip(found.path.outermost_first()) {
-            let instance = &group.instances[index as usize];
+        while let Some((instance, inner)) = group.instance_of(number) {
             moved = Some(instance.to_parent.inverse().ray(moved.as_ref().unwrap_or(ray)));
-            *slot = &instance.to_parent;
-            group = &self.groups[instance.group];
+            maps[depth] = &instance.to_parent;
+            depth += 1;
+            (group, number) = (&self.groups[instance.group], inner);
         }
-        let object = &group.objects[found.object as usize];
+        let object = &group.objects[number as usize];
         let attributes = object.attributes(found.hit.face);
         if let Some(to_parent) = object.to_parent() {
             moved = Some(to_parent.inverse().ray(moved.as_ref().unwrap_or(ray)));
@@ -265,14 +268,14 @@ impl Scene {
             t: found.hit.t,
             wo: -ray.direction.normalize(),
             id: attributes.id,
-            own: LocalPoint::default(),
+            own: None,
             area_pdf: object.area_pdf(local, &found.hit),
             material: attributes.material,
             light: object.light,
         };
-        at.own = LocalPoint::new(at.point.position, at.point.normal, local.direction);
+        at.own = moved.map(|local| LocalPoint::new(at.point.position, at.point.normal, local.direction));
         object.place(&mut at.point, attributes.reversed);
-        for map in maps[..found.path.length].iter().rev() {
+        for map in maps[..depth].iter().rev() {
             at.point = at.point.transformed(map);
         }
         at

@@ -93,7 +93,14 @@ impl<T: Coordinate> TriangleBlock<T> {
 
     #[inline(always)]
     fn triangle(&self, lane: usize) -> [DVec3; 3] {
-        self.corners.map(|corner| DVec3::from_array(corner.map(|axis| axis[lane & (LANES - 1)].to_f64())))
+        [self.vertex(0, lane), self.vertex(1, lane), self.vertex(2, lane)]
+    }
+
+    /// A vertex of a triangle, number by number: `map` over the arrays would copy the whole block.
+    #[inline(always)]
+    fn vertex(&self, corner: usize, lane: usize) -> DVec3 {
+        let ([x, y, z], lane) = (&self.corners[corner], lane & (LANES - 1));
+        DVec3::new(x[lane].to_f64(), y[lane].to_f64(), z[lane].to_f64())
     }
 
     /// A vertex of all triangles in the sheared frame of the ray; see [`ShearedRay::vertex`].

@@ -24,6 +24,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray};
 use self::block::{LANES, TriangleBlocks};
 use self::query::MeshQuery;
 use self::sampling::SamplingTable;
+use self::shading::PreparedTriangle;
 use self::stream::MeshBatch;
 use self::vector_list::VectorList;
 use crate::batch::BoundedRay;
@@ -36,6 +37,10 @@ use crate::triangle::unit_normal;
 
 /// Cost of testing a block of triangles relative to that of testing a node, measured with `benches/mesh`.
 const BLOCK_COST: f32 = 1.0;
+
+/// Largest number of triangles that are stored with their normals and error bounds, 120 bytes each: those of joined walls and furniture,
+/// whose points would cost more than the search for hits.
+const PREPARED_LIMIT: usize = 1 << 10;
 
 /// Triangles that share vertices.
 ///
@@ -51,6 +56,8 @@ pub struct Mesh {
     degenerate: usize,
     bvh: Bvh,
     blocks: TriangleBlocks,
+    /// All triangles of a mesh of up to [`PREPARED_LIMIT`]; else empty.
+    prepared: Vec<PreparedTriangle>,
     /// Built when a random point or the area is first needed.
     sampling_table: OnceLock<SamplingTable>,
 }
@@ -93,8 +100,14 @@ impl Mesh {
         let blocks = TriangleBlocks::new(&positions, &indices, &bvh);
         bvh.forget_items();
         let (normals, uvs) = (normals.map(VectorList::new), uvs.map(VectorList::new));
-        let sampling_table = OnceLock::new();
-        Ok(Self { positions, indices, normals, uvs, degenerate, bvh, blocks, sampling_table })
+        let (prepared, sampling_table) = (Vec::new(), OnceLock::new());
+        let mut mesh =
+            Self { positions, indices, normals, uvs, degenerate, bvh, blocks, prepared, sampling_table };
+        if mesh.indices.len() <= PREPARED_LIMIT {
+            let corners = (0..mesh.indices.len() as u32).filter_map(|face| mesh.corners(face));
+            mesh.prepared = corners.map(PreparedTriangle::new).collect();
+        }
+        Ok(mesh)
     }
 
     /// Number of vertices.
@@ -164,6 +177,7 @@ impl Mesh {
             + self.normals.as_ref().map_or(0, VectorList::bytes)
             + self.uvs.as_ref().map_or(0, VectorList::bytes)
             + self.blocks.bytes()
+            + size_of_val(&*self.prepared)
             + self.statistics().bytes
     }
 
@@ -181,6 +195,7 @@ impl Mesh {
         self.corners(face).and_then(area).unwrap_or_default()
     }
 
+    #[inline]
     fn sampling_table(&self) -> &SamplingTable {
         self.sampling_table.get_or_init(|| SamplingTable::new(self))
     }
@@ -284,6 +299,7 @@ impl RaySurface for Mesh {
         self.point_at(hit.face, hit.u, hit.v)
     }
 
+    #[inline]
     fn shading_point(&self, _ray: &Ray, hit: &Hit) -> ShadingPoint {
         self.shading_point_at(hit.face, hit.u, hit.v)
     }
@@ -296,6 +312,7 @@ impl RaySurface for Mesh {
         self.sample_point(xi)
     }
 
+    #[inline]
     fn sample_area(&self, xi: DVec2) -> Option<AreaSample> {
         self.sample_area_point(xi)
     }

@@ -46,6 +46,32 @@ fn interpolate(q: [DVec3; 3], u: f64, v: f64) -> DVec3 {
     q[0] * (1.0 - u - v) + q[1] * u + q[2] * v
 }
 
+/// A triangle with the part of its points that is the same everywhere on it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PreparedTriangle {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    error: DVec3,
+    normal: DVec3,
+}
+
+impl PreparedTriangle {
+    #[inline(never)]
+    pub(super) fn new([p0, p1, p2]: [DVec3; 3]) -> Self {
+        let (normal, twice_area) = normal_and_area(p0, p1, p2).unwrap_or((DVec3::Z, 0.0));
+        let error = position_error_of(p0, p1, p2, twice_area);
+        Self { corner: p0, edges: [p1 - p0, p2 - p0], error, normal }
+    }
+
+    /// The point at the weights `u`, `v` of the second and third vertex.
+    #[inline]
+    fn point(&self, u: f64, v: f64) -> FlatPoint {
+        let Self { corner, edges: [a, b], error, normal } = *self;
+        // In this order the error bound holds.
+        FlatPoint { position: corner + u * a + v * b, error, normal }
+    }
+}
+
 /// A point of a triangle.
 pub(super) struct FlatPoint {
     pub(super) position: DVec3,
@@ -77,20 +103,16 @@ impl Mesh {
     /// A point of a triangle, at the weights `u`, `v` of the second and third vertex.
     #[inline]
     pub(super) fn flat_point_at(&self, face: u32, u: f64, v: f64) -> FlatPoint {
-        // A face of another mesh has no corners here: the result is meaningless, but it does not panic.
-        let [p0, p1, p2] = self.corners(face).unwrap_or_default();
-        let (normal, twice_area) = normal_and_area(p0, p1, p2).unwrap_or((DVec3::Z, 0.0));
-        FlatPoint {
-            // In this order the error bound holds.
-            position: p0 + u * (p1 - p0) + v * (p2 - p0),
-            error: position_error_of(p0, p1, p2, twice_area),
-            normal,
+        if let Some(triangle) = self.prepared.get(face as usize) {
+            return triangle.point(u, v);
         }
+        // A face of another mesh has no corners here: the result is meaningless, but it does not panic.
+        PreparedTriangle::new(self.corners(face).unwrap_or_default()).point(u, v)
     }
 
     /// The interpolated normal, where the unit normal of the triangle is `flat`; `None` without normals at the vertices, and where they
     /// cancel or lie in the plane of the triangle, so that they do not determine its side.
-    #[inline]
+    #[inline(never)]
     pub(super) fn smooth_normal(&self, face: u32, u: f64, v: f64, flat: DVec3) -> Option<SmoothNormal> {
         let sum = interpolate(self.at_corners(self.normals.as_ref(), face)?, u, v);
         let side = sum.dot(flat);
@@ -99,11 +121,13 @@ impl Mesh {
     }
 
     /// The surface at the weights `u`, `v` of the second and third vertex of a triangle, without derivatives.
+    #[inline]
     pub(super) fn shading_point_at(&self, face: u32, u: f64, v: f64) -> ShadingPoint {
         let FlatPoint { position, error, normal } = self.flat_point_at(face, u, v);
         let uvs = self.at_corners(self.uvs.as_ref(), face).unwrap_or(DEFAULT_UVS);
         let uv = uvs[0] * (1.0 - u - v) + uvs[1] * u + uvs[2] * v;
-        let (normal, shading_normal) = match self.smooth_normal(face, u, v, normal) {
+        let smooth = self.normals.as_ref().and_then(|_| self.smooth_normal(face, u, v, normal));
+        let (normal, shading_normal) = match smooth {
             Some(SmoothNormal { normal, sum }) => (normal, sum * (1.0 / sum.length())),
             None => (normal, normal),
         };

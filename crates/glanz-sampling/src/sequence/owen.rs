@@ -74,26 +74,19 @@ impl ScrambledSobol {
     #[inline]
     #[must_use]
     pub fn pair(&self, reversed_index: u32, pair: usize) -> [u32; 2] {
-        let seeds = self.seeds(pair);
-        let shuffled = self.shuffled(reversed_index);
-        [
-            self.scrambled(shuffled, 2 * pair, seeds as u32),
-            self.scrambled(shuffled, 2 * pair + 1, (seeds >> 32) as u32),
-        ]
+        let point = sobol::point_reversed(self.shuffled(reversed_index));
+        scrambled_pair([point[2 * pair], point[2 * pair + 1]], self.seeds(pair))
     }
 
     /// All coordinates of a point, in units of 2^-32; `reversed_index` as in [`ScrambledSobol::coordinate`].
     #[inline]
     #[must_use]
     pub fn point(&self, reversed_index: u32) -> [u32; 4] {
-        let shuffled = self.shuffled(reversed_index);
+        let [a, b, c, d] = sobol::point_reversed(self.shuffled(reversed_index));
         let [first, second] = [self.seeds(0), self.seeds(1)];
-        [
-            self.scrambled(shuffled, 0, first as u32),
-            self.scrambled(shuffled, 1, (first >> 32) as u32),
-            self.scrambled(shuffled, 2, second as u32),
-            self.scrambled(shuffled, 3, (second >> 32) as u32),
-        ]
+        let [a, b] = scrambled_pair([a, b], first);
+        let [c, d] = scrambled_pair([c, d], second);
+        [a, b, c, d]
     }
 
     /// The seeds of both coordinates of a pair.
@@ -112,6 +105,16 @@ impl ScrambledSobol {
     fn scrambled(&self, reversed_index: u32, dimension: usize, seed: u32) -> u32 {
         scramble_reversed(sobol::coordinate_reversed(reversed_index, dimension), seed).reverse_bits()
     }
+}
+
+/// Two bit-reversed coordinates, scrambled by the halves of `seeds`, in their usual order of bits.
+#[inline]
+fn scrambled_pair([x, y]: [u32; 2], seeds: u64) -> [u32; 2] {
+    let x = scramble_reversed(x, seeds as u32);
+    let y = scramble_reversed(y, (seeds >> 32) as u32);
+    // At once: to reverse 64 bits costs no more than 32.
+    let both = (u64::from(x) << 32 | u64::from(y)).reverse_bits();
+    [both as u32, (both >> 32) as u32]
 }
 
 /// The middle of the interval of width 2^-32 that starts at `x` 2^-32; in (0, 1).

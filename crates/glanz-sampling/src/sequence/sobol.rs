@@ -12,8 +12,8 @@ const POLYNOMIALS: [(usize, u32, [u32; 3]); 3] = [(1, 0, [1, 0, 0]), (2, 1, [1, 
 /// Generator matrices by columns, most significant bit of the coordinate first.
 const DIRECTIONS: [[u32; 32]; DIMENSIONS] = directions();
 
-/// Contribution of each byte of a *bit-reversed* index to the *bit-reversed* coordinate: `REVERSED[d][position][byte]`.
-static REVERSED: [[[u32; 256]; 4]; DIMENSIONS] = reversed_by_byte();
+/// Contribution of each byte of a *bit-reversed* index to the *bit-reversed* coordinates: `REVERSED[position][byte][dimension]`.
+static REVERSED: [[[u32; DIMENSIONS]; 256]; 4] = reversed_by_byte();
 
 const fn directions() -> [[u32; 32]; DIMENSIONS] {
     let mut all = [[0; 32]; DIMENSIONS];
@@ -47,26 +47,26 @@ const fn directions() -> [[u32; 32]; DIMENSIONS] {
     all
 }
 
-const fn reversed_by_byte() -> [[[u32; 256]; 4]; DIMENSIONS] {
-    let mut tables = [[[0; 256]; 4]; DIMENSIONS];
-    let mut d = 0;
-    while d < DIMENSIONS {
-        let mut position = 0;
-        while position < 4 {
-            let mut byte = 0;
-            while byte < 256 {
+const fn reversed_by_byte() -> [[[u32; DIMENSIONS]; 256]; 4] {
+    let mut tables = [[[0; DIMENSIONS]; 256]; 4];
+    let mut position = 0;
+    while position < 4 {
+        let mut byte = 0;
+        while byte < 256 {
+            let mut d = 0;
+            while d < DIMENSIONS {
                 let mut bit = 0;
                 while bit < 8 {
                     if byte >> bit & 1 == 1 {
-                        tables[d][position][byte] ^= DIRECTIONS[d][31 - (8 * position + bit)].reverse_bits();
+                        tables[position][byte][d] ^= DIRECTIONS[d][31 - (8 * position + bit)].reverse_bits();
                     }
                     bit += 1;
                 }
-                byte += 1;
+                d += 1;
             }
-            position += 1;
+            byte += 1;
         }
-        d += 1;
+        position += 1;
     }
     tables
 }
@@ -78,9 +78,18 @@ const fn reversed_by_byte() -> [[[u32; 256]; 4]; DIMENSIONS] {
 #[inline]
 #[must_use]
 pub fn coordinate_reversed(reversed_index: u32, dimension: usize) -> u32 {
-    let [a, b, c, d] = reversed_index.to_le_bytes();
-    let [t0, t1, t2, t3] = &REVERSED[dimension % DIMENSIONS];
-    t0[a as usize] ^ t1[b as usize] ^ t2[c as usize] ^ t3[d as usize]
+    point_reversed(reversed_index)[dimension % DIMENSIONS]
+}
+
+/// All bit-reversed coordinates: those of [`coordinate_reversed`].
+#[inline]
+#[must_use]
+pub fn point_reversed(reversed_index: u32) -> [u32; DIMENSIONS] {
+    let [a, b, c, d] = reversed_index.to_le_bytes().map(usize::from);
+    let [t0, t1, t2, t3] = &REVERSED;
+    let ([x0, y0, z0, w0], [x1, y1, z1, w1]) = (t0[a], t1[b]);
+    let ([x2, y2, z2, w2], [x3, y3, z3, w3]) = (t2[c], t3[d]);
+    [x0 ^ x1 ^ x2 ^ x3, y0 ^ y1 ^ y2 ^ y3, z0 ^ z1 ^ z2 ^ z3, w0 ^ w1 ^ w2 ^ w3]
 }
 
 /// Coordinate `dimension` (0 to 3, taken modulo 4) of point `index`, in units of 2^-32.

@@ -147,7 +147,7 @@ impl GroupResolver {
             }
         }
         let mut instances = Vec::with_capacity(description.instances.len());
-        let mut depth = 0;
+        let (mut depth, mut placed) = (0, objects.len() as u64);
         for InstanceDescription { group, to_parent, location } in description.instances {
             reference("object", group, index.min(self.groups.len()), location)?;
             let to_parent = transform(to_parent, "instance", location)?;
@@ -155,6 +155,11 @@ impl GroupResolver {
             if depth > MAX_NESTING {
                 return Err(SceneError { location, kind: SceneErrorKind::Nesting(MAX_NESTING) });
             }
+            let inner = self.groups[group].placed_before.last().copied().unwrap_or_default();
+            placed = placed
+                .checked_add(inner)
+                .filter(|&placed| placed < MOST_SURFACES)
+                .ok_or(SceneError { location, kind: SceneErrorKind::TooManyCopies })?;
             emitters.extend(self.emitters[group].iter().map(|e| EmissiveObject {
                 object: e.object.placed(&to_parent),
                 emission: e.emission.clone(),
@@ -186,14 +191,17 @@ impl GroupResolver {
             }
         }
         let bvh = Bvh::build(&boxes, &BuildOptions::default());
-        let mut placed_before = vec![objects.len() as u32];
+        let mut placed_before = vec![objects.len() as u64];
         for instance in &instances {
             let inner = self.groups[instance.group].placed_before.last().copied().unwrap_or_default();
-            placed_before.push(placed_before.last().copied().unwrap_or_default().saturating_add(inner));
+            placed_before.push(placed_before.last().copied().unwrap_or_default() + inner);
         }
         SceneGroup { objects, instances, bounded, unbounded, bvh, placed_before }
     }
 }
+
+/// Numbers of surfaces are below this one, so that sums of two do not overflow.
+const MOST_SURFACES: u64 = 1 << 63;
 
 /// The bounding box of all bounded objects of the group.
 pub(super) fn finite_bounds(group: &SceneGroup) -> Bounds3 {

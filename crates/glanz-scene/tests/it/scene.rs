@@ -258,6 +258,16 @@ fn faults_are_reported_with_their_location() {
         deep = deep.group(level.to_string(), |group| group.instance(&inner, DMat4::IDENTITY));
     }
     assert!(matches!(error(deep).kind, SceneErrorKind::Nesting(_)));
+
+    // 512 copies of the group before on each of 7 levels: 2^63 surfaces.
+    let mut many = SceneBuilder::new().group("0", |group| group.shape(unit_sphere(), grey()));
+    for level in 1..8 {
+        let inner = (level - 1).to_string();
+        many = many.group(level.to_string(), |group| {
+            (0..512).fold(group, |group, _| group.instance(&inner, DMat4::IDENTITY))
+        });
+    }
+    assert!(matches!(error(many).kind, SceneErrorKind::TooManyCopies));
 }
 
 #[test]
