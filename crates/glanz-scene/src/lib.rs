@@ -13,6 +13,7 @@ pub mod light;
 mod location;
 mod object;
 pub mod parameterization;
+mod path_batch;
 mod placed;
 mod placed_area;
 mod receiver;
@@ -31,6 +32,7 @@ pub use light::{IncidentLight, Light, LightId, LightRange, LightRay, LightSample
 pub use location::HitLocation;
 pub use object::SceneObject;
 pub use parameterization::ShapeParameterization;
+pub use path_batch::{BatchedPath, PathBatch};
 pub use placed::{ParametricPoint, PlacedPoint, PlacedSurface};
 pub use receiver::NamedReceiver;
 pub use scene::{MAX_NESTING, Scene};

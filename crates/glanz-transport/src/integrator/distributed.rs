@@ -1,12 +1,13 @@
 //! Distributed ray tracing.
 
+use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, Ray};
-use glanz_scene::{Interaction, LightId};
+use glanz_scene::{BatchedPath, Interaction, Light, LightId, PathBatch, SceneHit};
 
-use super::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
-use super::vertex::{PreviousVertex, Vertex, roulette};
-use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings};
+use super::path_tracer::{BATCH, DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
+use super::vertex::{PreviousVertex, ScatteredRay, Vertex, roulette};
+use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings, radiance_of_one};
 
 /// Distributed ray tracing: several rays from a hit instead of one.
 ///
@@ -27,19 +28,33 @@ pub struct Distributed {
 }
 
 /// State of a path.
-#[derive(Clone, Copy)]
-struct DistributedTracer {
-    ray: Ray,
-    /// Factor on the light of the path, relative to the point where it branched off.
+struct DistributedPath {
+    /// Position of its sample in the batch.
+    sample: usize,
+    /// `None` if it has ended.
+    ray: Option<Ray>,
+    /// The light so far.
+    light: Spectrum,
     throughput: Spectrum,
+    /// The throughput relative to the point where it branched off: the probability of survival.
+    importance: Spectrum,
     eta_scale: f32,
     /// The last vertex with a rough lobe; `None` after the camera or a delta lobe.
     origin: Option<PreviousVertex>,
     depth: u32,
+    interfaces: u32,
     /// Number of paths into which it may still branch.
     budget: u32,
     /// Sampler dimension of its first event.
     dimension: u32,
+    /// Light that arrives unless its shadow ray is occluded.
+    pending: Vec<(BoundedRay, Spectrum)>,
+}
+
+/// Samples whose paths are traced together.
+struct DistributedSamples<'a, 'b> {
+    integrator: Distributed,
+    contexts: &'b mut [Context<'a>],
 }
 
 impl Distributed {
@@ -75,144 +90,204 @@ impl Distributed {
     }
 
     /// Direct light of all lights, with `rays` shadow rays but at least one for each light.
-    fn direct_light(&self, context: &mut Context<'_>, vertex: &Vertex<'_>, rays: u32) -> Spectrum {
+    fn sample_lights(&self, context: &mut Context<'_>, path: &mut DistributedPath, vertex: &Vertex<'_>) {
         let lights = context.scene.lights().len() as u32;
-        let each = rays.div_ceil(lights.max(1));
-        let mut light = Spectrum::BLACK;
+        let each = path.budget.div_ceil(lights.max(1));
         for id in (0..lights).map(LightId) {
             let shift = context.sampler.next_2d();
             // A delta light needs one ray only.
-            let is_delta = context.scene.light(id).is_some_and(glanz_scene::Light::is_delta);
-            let count = if is_delta { 1 } else { each };
-            let sum: Spectrum =
-                (0..count).map(|j| vertex.light(context, id, spread(j, count, shift), |_, _, _| 1.0)).sum();
-            light += sum * (1.0 / count as f32);
-        }
-        light
-    }
-
-    /// Radiance estimate of the path.
-    fn follow(&self, context: &mut Context<'_>, mut path: DistributedTracer) -> Spectrum {
-        let mut light = Spectrum::BLACK;
-        let mut interfaces = 0;
-        loop {
-            let Some(hit) = context.intersect(&path.ray) else {
-                return light + path.throughput * self.escaped(context, &path.ray, path.origin.as_ref());
-            };
-            light += path.throughput * self.emitted(context, &hit, path.origin.as_ref());
-            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-                interfaces += 1;
-                if interfaces > INTERFACE_LIMIT {
-                    return light;
-                }
-                path.ray = hit.spawn(path.ray.direction);
-                continue;
-            };
-            let vertex = Vertex::new(&hit, bsdf);
-            context.note_first_hit(&vertex);
-            if path.depth >= self.max_depth {
-                return light;
-            }
-            path.depth += 1;
-            interfaces = 0;
-            context.sampler.skip_to_dimension(path.dimension);
-            path.dimension = path.dimension.wrapping_add(DIMENSIONS_PER_EVENT);
-            let (xi, xi_lobe) = (context.sampler.next_2d(), context.sampler.next_1d());
-            let xi_roulette = context.sampler.next_1d();
-            if self.light_sampling && !bsdf.is_delta() {
-                light += path.throughput * self.direct_light(context, &vertex, path.budget);
-            }
-            if path.budget > 1 {
-                let scattered = if bsdf.is_delta() {
-                    self.divide(context, &path, &vertex)
-                } else {
-                    self.branch(context, &path, &vertex, xi, xi_lobe)
-                };
-                return light + path.throughput * scattered;
-            }
-            let Some(scattered) = vertex.sample(xi, xi_lobe) else { return light };
-            path.throughput *= scattered.weight;
-            path.eta_scale *= scattered.eta_scale;
-            if path.depth >= ROULETTE_FROM {
-                match roulette(path.throughput * path.eta_scale, xi_roulette) {
-                    Some(factor) => path.throughput *= factor,
-                    None => return light,
-                }
-            }
-            path.ray = hit.spawn(scattered.direction);
-            path.origin = (!scattered.is_delta)
-                .then_some(PreviousVertex { from: hit.light_sample_context(), pdf: scattered.pdf });
+            let count = if context.scene.light(id).is_some_and(Light::is_delta) { 1 } else { each };
+            let factor = path.throughput * (1.0 / count as f32);
+            path.pending.extend((0..count).filter_map(|j| {
+                let xi = spread(j, count, shift);
+                let (light, shadow) = vertex.sampled_light(context.scene, id, xi, |_, _, _| 1.0)?;
+                Some((shadow, factor * light))
+            }));
         }
     }
 
-    /// The mean over the paths of the budget, from a rough surface.
-    fn branch(
+    /// The ray that continues from the hit of `ray`; `None` if the path ends or branches.
+    fn next_ray(
         &self,
         context: &mut Context<'_>,
-        path: &DistributedTracer,
+        path: &mut DistributedPath,
+        ray: &Ray,
+        hit: Option<&SceneHit>,
+        branches: &mut Vec<DistributedPath>,
+    ) -> Option<Ray> {
+        let Some(hit) = hit else {
+            path.light += path.throughput * self.escaped(context, ray, path.origin.as_ref());
+            return None;
+        };
+        let hit = context.scene.interaction(ray, hit);
+        path.light += path.throughput * self.emitted(context, &hit, path.origin.as_ref());
+        let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+            path.interfaces += 1;
+            return (path.interfaces <= INTERFACE_LIMIT).then(|| hit.spawn(ray.direction));
+        };
+        let vertex = Vertex::new(&hit, bsdf);
+        context.note_first_hit(&vertex);
+        if path.depth >= self.max_depth {
+            return None;
+        }
+        path.depth += 1;
+        path.interfaces = 0;
+        context.sampler.skip_to_dimension(path.dimension);
+        path.dimension = path.dimension.wrapping_add(DIMENSIONS_PER_EVENT);
+        let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
+        let xi = DVec2::new(x, y);
+        if self.light_sampling && !bsdf.is_delta() {
+            self.sample_lights(context, path, &vertex);
+        }
+        if path.budget > 1 {
+            if bsdf.is_delta() {
+                self.divide(path, &vertex, branches);
+            } else {
+                self.branch(path, &vertex, xi, xi_lobe, branches);
+            }
+            return None;
+        }
+        let scattered = vertex.sample(xi, xi_lobe)?;
+        path.throughput *= scattered.weight;
+        path.importance *= scattered.weight;
+        path.eta_scale *= scattered.eta_scale;
+        if path.depth >= ROULETTE_FROM {
+            let factor = roulette(path.importance * path.eta_scale, xi_roulette)?;
+            path.throughput *= factor;
+            path.importance *= factor;
+        }
+        path.origin = (!scattered.is_delta).then(|| previous(&vertex, &scattered));
+        Some(hit.spawn(scattered.direction))
+    }
+
+    /// The paths of the budget, from a rough surface, each with its fraction of the throughput.
+    fn branch(
+        &self,
+        path: &DistributedPath,
         vertex: &Vertex<'_>,
         shift: DVec2,
         shift_lobe: f64,
-    ) -> Spectrum {
+        branches: &mut Vec<DistributedPath>,
+    ) {
         let count = path.budget;
-        let mut sum = Spectrum::BLACK;
-        for j in 0..count {
+        branches.extend((0..count).filter_map(|j| {
             // The order of the strata of the lobe differs from that of the direction.
             let xi_lobe = (radical_inverse_3(j) + shift_lobe).fract();
-            let Some(scattered) = vertex.sample(spread(j, count, shift), xi_lobe) else { continue };
-            let next = DistributedTracer {
-                ray: vertex.at.spawn(scattered.direction),
-                throughput: scattered.weight,
-                eta_scale: path.eta_scale * scattered.eta_scale,
-                origin: (!scattered.is_delta)
-                    .then_some(PreviousVertex { from: vertex.at.light_sample_context(), pdf: scattered.pdf }),
+            let scattered = vertex.sample(spread(j, count, shift), xi_lobe)?;
+            let branch = self.scattered(path, vertex, &scattered, j);
+            Some(DistributedPath {
+                throughput: branch.throughput * (1.0 / count as f32),
                 budget: 1,
-                dimension: self.lane(path, j),
-                ..*path
-            };
-            sum += self.follow(context, next);
-        }
-        sum * (1.0 / count as f32)
+                ..branch
+            })
+        }));
     }
 
-    /// Light along the directions of all delta lobes, with the budget divided between them.
-    fn divide(&self, context: &mut Context<'_>, path: &DistributedTracer, vertex: &Vertex<'_>) -> Spectrum {
+    /// Paths in the directions of all delta lobes, with the budget divided between them.
+    fn divide(&self, path: &DistributedPath, vertex: &Vertex<'_>, branches: &mut Vec<DistributedPath>) {
         let count = vertex.delta_branches().count() as u32;
-        let mut sum = Spectrum::BLACK;
-        for (j, branch) in (0..).zip(vertex.delta_branches()) {
-            let next = DistributedTracer {
-                ray: vertex.at.spawn(branch.direction),
-                throughput: branch.weight,
-                eta_scale: path.eta_scale * branch.eta_scale,
-                origin: None,
-                budget: path.budget / count,
-                dimension: self.lane(path, j),
-                ..*path
-            };
-            sum += self.follow(context, next);
-        }
-        sum
+        branches.extend((0..).zip(vertex.delta_branches()).map(|(j, scattered)| DistributedPath {
+            budget: path.budget / count,
+            ..self.scattered(path, vertex, &scattered, j)
+        }));
     }
 
-    /// First sampler dimension of the `j`th branch: every branch has its own dimensions, the same in every sample.
-    fn lane(&self, path: &DistributedTracer, j: u32) -> u32 {
+    /// The `j`th branch of a path. Every branch has its own dimensions of the sampler, the same in every sample.
+    fn scattered(
+        &self,
+        path: &DistributedPath,
+        vertex: &Vertex<'_>,
+        scattered: &ScatteredRay,
+        j: u32,
+    ) -> DistributedPath {
         let length = DIMENSIONS_PER_EVENT.wrapping_mul(self.max_depth.wrapping_add(1));
-        path.dimension.wrapping_add(length.wrapping_mul(j.wrapping_add(1)))
+        DistributedPath {
+            sample: path.sample,
+            ray: Some(vertex.at.spawn(scattered.direction)),
+            light: Spectrum::BLACK,
+            throughput: path.throughput * scattered.weight,
+            importance: scattered.weight,
+            eta_scale: path.eta_scale * scattered.eta_scale,
+            origin: (!scattered.is_delta).then(|| previous(vertex, scattered)),
+            depth: path.depth,
+            interfaces: 0,
+            budget: path.budget,
+            dimension: path.dimension.wrapping_add(length.wrapping_mul(j.wrapping_add(1))),
+            pending: Vec::new(),
+        }
+    }
+}
+
+/// `vertex` as the origin of a scattered ray.
+fn previous(vertex: &Vertex<'_>, scattered: &ScatteredRay) -> PreviousVertex {
+    PreviousVertex { from: vertex.at.light_sample_context(), pdf: scattered.pdf }
+}
+
+impl<'a, 'b> BatchedPath<DistributedSamples<'a, 'b>> for DistributedPath {
+    fn ray(&self) -> Option<Ray> {
+        self.ray
+    }
+
+    fn advance(
+        &mut self,
+        samples: &mut DistributedSamples<'a, 'b>,
+        hit: Option<&SceneHit>,
+        branches: &mut Vec<Self>,
+    ) {
+        let context = &mut samples.contexts[self.sample];
+        context.counters.closest += 1;
+        let Some(ray) = self.ray.take() else { return };
+        self.ray = samples.integrator.next_ray(context, self, &ray, hit, branches);
+    }
+
+    fn shadow_rays(&self, rays: &mut Vec<BoundedRay>) {
+        rays.extend(self.pending.iter().map(|&(shadow, _)| shadow));
+    }
+
+    fn complete_vertex(&mut self, samples: &mut DistributedSamples<'a, 'b>, occluded: &[bool]) {
+        samples.contexts[self.sample].counters.shadow += self.pending.len() as u64;
+        // Taken with its memory, which is much where there are many lights.
+        for ((_, light), &occluded) in std::mem::take(&mut self.pending).into_iter().zip(occluded) {
+            if !occluded {
+                self.light += light;
+            }
+        }
     }
 }
 
 impl Integrator for Distributed {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        let path = DistributedTracer {
-            ray: context.camera_ray,
+        radiance_of_one(self, context)
+    }
+
+    fn batch(&self) -> usize {
+        (BATCH / self.branching.max(1) as usize).max(1)
+    }
+
+    fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
+        radiance.clear();
+        let Some(scene) = contexts.first().map(|context| context.scene) else { return };
+        let start = |(sample, context): (usize, &Context<'_>)| DistributedPath {
+            sample,
+            ray: Some(context.camera_ray),
+            light: Spectrum::BLACK,
             throughput: Spectrum::ONE,
+            importance: Spectrum::ONE,
             eta_scale: 1.0,
             origin: None,
             depth: 0,
+            interfaces: 0,
             budget: self.branching,
             dimension: FIRST_DIMENSION,
+            pending: Vec::new(),
         };
-        self.follow(context, path)
+        let mut paths: Vec<_> = contexts.iter().enumerate().map(start).collect();
+        radiance.resize(contexts.len(), Spectrum::BLACK);
+        let mut samples = DistributedSamples { integrator: *self, contexts };
+        PathBatch::default().trace(scene, &mut paths, &mut samples);
+        for path in &paths {
+            radiance[path.sample] += path.light;
+        }
     }
 }
 

@@ -63,15 +63,6 @@ pub(super) struct PendingLight {
     pub(super) shadow: BoundedRay,
 }
 
-impl<P> PendingVertex<P> {
-    /// Leaves out the sampled light, which something occludes.
-    pub(super) fn occlude(&mut self) {
-        if let Some(light) = &mut self.light {
-            light.light = Spectrum::BLACK;
-        }
-    }
-}
-
 impl<P: Copy> PathState<P> {
     /// A path that starts at the camera. `sample`: the index of its sample in the batch.
     pub(super) fn new(context: &Context<'_>, sample: u32, branches: u32) -> Self {
@@ -105,15 +96,18 @@ impl<P: Copy> PathState<P> {
         }
     }
 
-    /// Adds the sampled light of the last vertex once its shadow ray is traced, and passes what it learnt to the sampler.
-    pub(super) fn complete_vertex<D: DirectionSampler<VertexData = P>>(
+    /// Adds the sampled light of the last vertex, unless its shadow ray is `occluded`, and passes what it learnt to the sampler.
+    pub(super) fn add_pending<D: DirectionSampler<VertexData = P>>(
         &mut self,
-        context: &Context<'_>,
+        context: &mut Context<'_>,
         directions: &mut D,
+        occluded: bool,
     ) {
         let PendingVertex { place, light, direction } = &mut self.pending;
         let Some(place) = place.take() else { return };
         if let Some(PendingLight { id, probability, light, throughput, .. }) = light.take() {
+            context.counters.shadow += 1;
+            let light = if occluded { Spectrum::BLACK } else { light };
             let luminance = f64::from(light.luminance(&context.wavelengths));
             directions.record_light(&place, context.scene, id, probability, luminance);
             self.light += throughput * (light * (1.0 / probability) as f32);

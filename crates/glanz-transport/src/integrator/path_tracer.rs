@@ -4,7 +4,7 @@ use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
-use glanz_scene::{Interaction, LightId, Scene, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, LightId, PathBatch, Scene, SceneHit};
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
@@ -102,6 +102,41 @@ impl RouletteState {
     }
 }
 
+/// Samples whose paths are traced together.
+pub(super) struct TracedSamples<'a, 'b, D> {
+    tracer: PathTracer,
+    contexts: &'b mut [Context<'a>],
+    /// The sampler of each sample.
+    directions: &'b mut [D],
+}
+
+impl<'a, 'b, D: DirectionSampler> BatchedPath<TracedSamples<'a, 'b, D>> for PathState<D::VertexData> {
+    fn ray(&self) -> Option<Ray> {
+        self.is_active.then_some(self.ray)
+    }
+
+    fn advance(
+        &mut self,
+        samples: &mut TracedSamples<'a, 'b, D>,
+        hit: Option<&SceneHit>,
+        branches: &mut Vec<Self>,
+    ) {
+        let at = self.sample as usize;
+        let (context, directions) = (&mut samples.contexts[at], &mut samples.directions[at]);
+        context.counters.closest += 1;
+        self.is_active = samples.tracer.scatter(context, directions, self, hit, branches);
+    }
+
+    fn shadow_rays(&self, rays: &mut Vec<BoundedRay>) {
+        rays.extend(self.pending.light.as_ref().map(|light| light.shadow));
+    }
+
+    fn complete_vertex(&mut self, samples: &mut TracedSamples<'a, 'b, D>, occluded: &[bool]) {
+        let at = self.sample as usize;
+        self.add_pending(&mut samples.contexts[at], &mut samples.directions[at], occluded == [true]);
+    }
+}
+
 /// Path tracing with any sampler of directions.
 ///
 /// At every scattering event one light is sampled and the path continues in one direction; at its first rough surface it first
@@ -130,55 +165,19 @@ impl PathTracer {
 
     /// Radiance estimates of paths. `directions`: the sampler of each sample.
     ///
-    /// All paths advance from vertex to vertex together, so that their rays are traced as batches. The estimate of a sample does not
-    /// depend on the others.
-    pub(super) fn radiance<D: DirectionSampler>(
+    /// The estimate of a sample does not depend on the others.
+    pub(super) fn radiance<'a, D: DirectionSampler>(
         &self,
-        contexts: &mut [Context<'_>],
+        contexts: &mut [Context<'a>],
         directions: &mut [D],
         radiance: &mut Vec<Spectrum>,
     ) {
+        radiance.clear();
+        let Some(scene) = contexts.first().map(|context| context.scene) else { return };
         let new = |(sample, context)| PathState::new(context, sample, self.branching);
         let mut paths: Vec<PathState<D::VertexData>> = (0..).zip(contexts.iter()).map(new).collect();
-        let mut active: Vec<u32> = (0..paths.len() as u32).collect();
-        let (mut branches, mut pending_lights) = (Vec::new(), Vec::<u32>::new());
-        let (mut rays, mut hits, mut occluded) = (Vec::new(), Vec::new(), Vec::new());
-        let Some(scene) = contexts.first().map(|context| context.scene) else { return radiance.clear() };
-        while !active.is_empty() {
-            rays.clear();
-            rays.extend(active.iter().map(|&path| BoundedRay::from(paths[path as usize].ray)));
-            scene.closest_batch(&rays, &mut hits);
-            for (&index, hit) in active.iter().zip(&hits) {
-                let path = &mut paths[index as usize];
-                let at = path.sample as usize;
-                contexts[at].counters.closest += 1;
-                path.is_active =
-                    self.scatter(&mut contexts[at], &mut directions[at], path, hit.as_ref(), &mut branches);
-            }
-            active.extend(paths.len() as u32..(paths.len() + branches.len()) as u32);
-            paths.append(&mut branches);
-            rays.clear();
-            pending_lights.clear();
-            for &index in &active {
-                let path = &paths[index as usize];
-                if let Some(light) = &path.pending.light {
-                    contexts[path.sample as usize].counters.shadow += 1;
-                    rays.push(light.shadow);
-                    pending_lights.push(index);
-                }
-            }
-            scene.occluded_batch(&rays, &mut occluded);
-            for (&index, _) in pending_lights.iter().zip(&occluded).filter(|&(_, &occluded)| occluded) {
-                paths[index as usize].pending.occlude();
-            }
-            for &index in &active {
-                let path = &mut paths[index as usize];
-                let at = path.sample as usize;
-                path.complete_vertex(&contexts[at], &mut directions[at]);
-            }
-            active.retain(|&index| paths[index as usize].is_active);
-        }
-        radiance.clear();
+        let mut samples = TracedSamples { tracer: *self, contexts, directions };
+        PathBatch::default().trace(scene, &mut paths, &mut samples);
         radiance.resize(contexts.len(), Spectrum::BLACK);
         for path in &paths {
             radiance[path.sample as usize] += path.light;

@@ -65,12 +65,12 @@ impl TileSink for Impatient {
 
 /// Queries of a pass with one sample per pixel: one per tile if samples are taken in batches, else one per sample.
 fn queries(integrator: &str) -> u64 {
-    if integrator == "light" { u64::from(SIZE[0] * SIZE[1]) } else { 6 }
+    if integrator == "whitted" { u64::from(SIZE[0] * SIZE[1]) } else { 6 }
 }
 
 #[test]
 fn an_abandoned_render_takes_no_further_batch() {
-    for integrator in ["path", "guided", "light"] {
+    for integrator in ["path", "guided", "light", "whitted"] {
         let first = queries(integrator);
         for (patience, passes) in [(0, 0), (1, 0), (first / 2, 0), (first - 1, 0), (first + 3, 1)] {
             let mut watch = Impatient { patience, ..Impatient::default() };
@@ -86,11 +86,11 @@ fn an_abandoned_render_takes_no_further_batch() {
 
 #[test]
 fn a_render_queries_before_every_batch() {
-    for integrator in ["path", "light"] {
+    for integrator in ["path", "light", "whitted"] {
         let mut watch = Impatient { patience: u64::MAX, ..Impatient::default() };
         expose(&Run::new(integrator, 5, 8), &mut watch).unwrap();
         let (asked, samples) = (watch.asked.into_inner(), 8 * u64::from(SIZE[0] * SIZE[1]));
-        if integrator == "light" {
+        if integrator == "whitted" {
             assert_eq!(asked, samples);
         } else {
             assert!(asked >= queries(integrator) * watch.passes && asked < samples / 100, "{asked}");

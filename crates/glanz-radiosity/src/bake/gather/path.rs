@@ -1,10 +1,9 @@
 //! Paths of rays that gather light.
 
-use glanz_geometry::BoundedRay;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec3, Frame, Ray};
 use glanz_sampling::hash::permute;
-use glanz_scene::{Interaction, Light, ParametricPoint, Scene, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, Light, ParametricPoint, PathBatch, Scene, SceneHit};
 use glanz_shading::Bsdf;
 
 use super::super::direct::luminance;
@@ -45,26 +44,15 @@ impl FinalGather<'_> {
         &self,
         starts: impl Iterator<Item = (&'a BakeReceiver, usize)>,
     ) -> Vec<PathLight> {
-        let scene = self.elements.scene;
-        let mut lights = Vec::new();
+        let mut traced = GatherBatch { gather: self, lights: Vec::new() };
         let mut paths: Vec<GatherPath> = Vec::new();
         for (receiver, number) in starts {
-            let path = GatherPath::new(self, receiver, number as u32, lights.len());
+            let path = GatherPath::new(self, receiver, number as u32, traced.lights.len());
             paths.extend(path);
-            lights.push(PathLight::default());
+            traced.lights.push(PathLight::default());
         }
-        let (mut rays, mut hits) = (Vec::new(), Vec::new());
-        while !paths.is_empty() {
-            rays.clear();
-            rays.extend(paths.iter().map(|path| BoundedRay::from(path.ray.segment)));
-            scene.closest_batch(&rays, &mut hits);
-            let mut found = hits.iter();
-            paths.retain_mut(|path| {
-                let hit = found.next().and_then(Option::as_ref);
-                path.advance(self, hit, &mut lights[path.slot])
-            });
-        }
-        lights
+        PathBatch::default().trace(self.elements.scene, &mut paths, &mut traced);
+        traced.lights
     }
 
     /// The end of a ray from a receiver in one of the directions; `None` if it leaves the scene.
@@ -146,8 +134,15 @@ impl GatherRay {
     }
 }
 
+/// Light gathered by paths that are traced together.
+struct GatherBatch<'a, 'b> {
+    gather: &'b FinalGather<'a>,
+    lights: Vec<PathLight>,
+}
+
 /// State of a path between its surfaces.
 struct GatherPath {
+    has_ended: bool,
     /// Its index among the paths that are traced together.
     slot: usize,
     /// The number of its first ray.
@@ -166,14 +161,19 @@ impl GatherPath {
         let directions = &gather.directions;
         let ray = GatherRay::new(receiver, number, directions[number as usize % directions.len()])?;
         let (from, throughput) = (receiver.at.point.position, Spectrum::ONE);
-        Some(Self { slot, number, ray, from, bounces: 0, throughput })
+        Some(Self { has_ended: false, slot, number, ray, from, bounces: 0, throughput })
     }
 
     /// Continues from the hit of the ray, and adds the light found there to `light`. Returns whether the path has another ray.
     ///
     /// An element that is nearer than its size is too coarse: the path continues from there over the hemisphere until the distance
     /// suffices, as in the gap between a vase and the floor.
-    fn advance(&mut self, gather: &FinalGather<'_>, hit: Option<&SceneHit>, light: &mut PathLight) -> bool {
+    fn continue_at(
+        &mut self,
+        gather: &FinalGather<'_>,
+        hit: Option<&SceneHit>,
+        light: &mut PathLight,
+    ) -> bool {
         let scene = gather.elements.scene;
         let end = hit.map(|hit| (hit, scene.interaction(&self.ray.segment, hit)));
         let event = end.as_ref().map_or(SurfaceEvent::Lost, |(_, at)| self.ray.meet(gather, at));
@@ -219,6 +219,16 @@ impl GatherPath {
         self.ray = ray;
         self.from = next.at.point.position;
         true
+    }
+}
+
+impl<'a, 'b> BatchedPath<GatherBatch<'a, 'b>> for GatherPath {
+    fn ray(&self) -> Option<Ray> {
+        (!self.has_ended).then_some(self.ray.segment)
+    }
+
+    fn advance(&mut self, traced: &mut GatherBatch<'a, 'b>, hit: Option<&SceneHit>, _: &mut Vec<Self>) {
+        self.has_ended = !self.continue_at(traced.gather, hit, &mut traced.lights[self.slot]);
     }
 }
 

@@ -1,8 +1,9 @@
 //! Paths from the camera.
 
+use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
-use glanz_scene::{Interaction, LightId, LightSampleContext};
+use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, PathBatch, SceneHit};
 
 use super::weights::CameraPathWeights;
 use super::{LightPaths, turn};
@@ -20,53 +21,120 @@ struct CameraRay {
 }
 
 impl LightPaths {
-    /// Radiance estimate of one path from the camera, with the same random decisions as [`Path`](crate::integrator::Path).
-    pub(super) fn gather(&self, context: &mut Context<'_>) -> Spectrum {
-        let mut ray = context.camera_ray;
-        let (mut light, mut throughput) = (Spectrum::BLACK, Spectrum::ONE);
-        let mut eta_scale = 1.0_f32;
-        // `None` before the first scattering: no other technique finds directly visible light.
-        let mut origin: Option<CameraRay> = None;
-        let (mut depth, mut interfaces) = (0, 0);
-        loop {
-            let Some(hit) = context.intersect(&ray) else {
-                return light + throughput * escaped(context, &ray, origin.as_ref());
-            };
-            light += throughput * emitted(context, &hit, origin.as_ref());
-            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-                interfaces += 1;
-                if interfaces > INTERFACE_LIMIT {
-                    return light;
-                }
-                ray = hit.spawn(ray.direction);
-                continue;
-            };
-            let vertex = Vertex::new(&hit, bsdf);
-            context.note_first_hit(&vertex);
-            if depth >= self.max_depth {
-                return light;
-            }
-            context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(depth));
-            depth += 1;
-            interfaces = 0;
-            let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
-            let xi = DVec2::new(x, y);
-            let weights =
-                origin.as_ref().map_or_else(|| first(context, &hit, ray.direction), |origin| origin.weights);
-            if !vertex.is_delta() {
-                let [x, y, xi_light, _] = context.sampler.next_group();
-                light += throughput * sampled(context, &vertex, &weights, xi_light, DVec2::new(x, y));
-            }
-            let Some(scattered) = vertex.sample(xi, xi_lobe) else { return light };
-            throughput *= scattered.weight;
-            eta_scale *= scattered.eta_scale;
-            if depth >= ROULETTE_FROM {
-                let Some(factor) = roulette(throughput * eta_scale, xi_roulette) else { return light };
-                throughput *= factor;
-            }
-            let weights = passed(&weights, &vertex, &scattered);
-            origin = Some(CameraRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
-            ray = hit.spawn(scattered.direction);
+    /// Radiance estimates of one path from the camera for each sample, with the same random decisions as
+    /// [`Path`](crate::integrator::Path).
+    pub(super) fn gather(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
+        radiance.clear();
+        let Some(scene) = contexts.first().map(|context| context.scene) else { return };
+        let new = |(sample, context): (usize, &Context<'_>)| CameraPath::new(context, sample, self.max_depth);
+        let mut paths: Vec<_> = contexts.iter().enumerate().map(new).collect();
+        PathBatch::default().trace(scene, &mut paths, contexts);
+        radiance.extend(paths.iter().map(|path| path.light));
+    }
+}
+
+/// State of a path from the camera.
+struct CameraPath {
+    /// Position of its sample in the batch.
+    sample: usize,
+    max_depth: u32,
+    /// `None` if it has ended.
+    ray: Option<Ray>,
+    light: Spectrum,
+    throughput: Spectrum,
+    eta_scale: f32,
+    /// `None` before the first scattering: no other technique finds directly visible light.
+    origin: Option<CameraRay>,
+    depth: u32,
+    interfaces: u32,
+    sampled: Option<SampledLight>,
+}
+
+/// Light of a sampled point, whose shadow ray is to be traced.
+struct SampledLight {
+    shadow: BoundedRay,
+    light: Spectrum,
+}
+
+impl CameraPath {
+    fn new(context: &Context<'_>, sample: usize, max_depth: u32) -> Self {
+        Self {
+            sample,
+            max_depth,
+            ray: Some(context.camera_ray),
+            light: Spectrum::BLACK,
+            throughput: Spectrum::ONE,
+            eta_scale: 1.0,
+            origin: None,
+            depth: 0,
+            interfaces: 0,
+            sampled: None,
+        }
+    }
+
+    /// The ray that continues from the hit of `ray`; `None` if the path ends.
+    fn next_ray(&mut self, context: &mut Context<'_>, ray: &Ray, hit: Option<&SceneHit>) -> Option<Ray> {
+        let Some(hit) = hit else {
+            self.light += self.throughput * escaped(context, ray, self.origin.as_ref());
+            return None;
+        };
+        let hit = context.scene.interaction(ray, hit);
+        self.light += self.throughput * emitted(context, &hit, self.origin.as_ref());
+        let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+            self.interfaces += 1;
+            return (self.interfaces <= INTERFACE_LIMIT).then(|| hit.spawn(ray.direction));
+        };
+        let vertex = Vertex::new(&hit, bsdf);
+        context.note_first_hit(&vertex);
+        if self.depth >= self.max_depth {
+            return None;
+        }
+        context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(self.depth));
+        self.depth += 1;
+        self.interfaces = 0;
+        let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
+        let xi = DVec2::new(x, y);
+        let weights =
+            self.origin.as_ref().map_or_else(|| first(context, &hit, ray.direction), |origin| origin.weights);
+        if !vertex.is_delta() {
+            let [x, y, xi_light, _] = context.sampler.next_group();
+            let sampled = sampled(context, &vertex, &weights, xi_light, DVec2::new(x, y));
+            let throughput = self.throughput;
+            self.sampled =
+                sampled.map(|sampled| SampledLight { light: throughput * sampled.light, ..sampled });
+        }
+        let scattered = vertex.sample(xi, xi_lobe)?;
+        self.throughput *= scattered.weight;
+        self.eta_scale *= scattered.eta_scale;
+        if self.depth >= ROULETTE_FROM {
+            self.throughput *= roulette(self.throughput * self.eta_scale, xi_roulette)?;
+        }
+        let weights = passed(&weights, &vertex, &scattered);
+        self.origin = Some(CameraRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
+        Some(hit.spawn(scattered.direction))
+    }
+}
+
+impl<'a> BatchedPath<[Context<'a>]> for CameraPath {
+    fn ray(&self) -> Option<Ray> {
+        self.ray
+    }
+
+    fn advance(&mut self, contexts: &mut [Context<'a>], hit: Option<&SceneHit>, _: &mut Vec<Self>) {
+        let context = &mut contexts[self.sample];
+        context.counters.closest += 1;
+        self.ray = self.ray.take().and_then(|ray| self.next_ray(context, &ray, hit));
+    }
+
+    fn shadow_rays(&self, rays: &mut Vec<BoundedRay>) {
+        rays.extend(self.sampled.as_ref().map(|sampled| sampled.shadow));
+    }
+
+    fn complete_vertex(&mut self, contexts: &mut [Context<'a>], occluded: &[bool]) {
+        let Some(SampledLight { light, .. }) = self.sampled.take() else { return };
+        contexts[self.sample].counters.shadow += 1;
+        if occluded == [false] {
+            self.light += light;
         }
     }
 }
@@ -128,22 +196,19 @@ fn weight_of_hit(
 
 /// Direct light of one randomly selected light.
 fn sampled(
-    context: &mut Context<'_>,
+    context: &Context<'_>,
     vertex: &Vertex<'_>,
     weights: &CameraPathWeights,
     xi_light: f64,
     xi: DVec2,
-) -> Spectrum {
+) -> Option<SampledLight> {
     let scene = context.scene;
-    let picked = scene.select_light(xi_light).filter(|&(_, probability)| probability > 0.0);
-    let Some((id, probability)) = picked else { return Spectrum::BLACK };
-    let Some(sample) = scene.sample_light(id, vertex.at, xi) else {
-        return Spectrum::BLACK;
-    };
+    let (id, probability) = scene.select_light(xi_light).filter(|&(_, probability)| probability > 0.0)?;
+    let sample = scene.sample_light(id, vertex.at, xi)?;
     let (value, light_pdf) = vertex.eval(sample.wi);
     let light = value * sample.radiance;
-    if light.is_black() || !context.is_free(&sample.shadow, sample.t_max) {
-        return Spectrum::BLACK;
+    if light.is_black() {
+        return None;
     }
     let position = vertex.at.point.position;
     let emission =
@@ -151,5 +216,6 @@ fn sampled(
     let density = probability * sample.pdf.0;
     let turn = turn(vertex, sample.wi, vertex.at.wo, light_pdf);
     let weight = weights.weight_of_sampled(&turn, emission, density, sample.is_delta);
-    light * (weight / density) as f32
+    let shadow = BoundedRay::new(sample.shadow, sample.t_max);
+    Some(SampledLight { shadow, light: light * (weight / density) as f32 })
 }

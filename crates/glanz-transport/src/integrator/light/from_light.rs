@@ -1,8 +1,9 @@
 //! Paths from a light.
 
+use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3};
-use glanz_scene::{Light, LightId, LightRay, LightSampleContext};
+use glanz_math::{DVec2, DVec3, Ray};
+use glanz_scene::{BatchedPath, Light, LightId, LightRay, LightSampleContext, PathBatch, SceneHit};
 
 use super::weights::LightPathWeights;
 use super::{LightPaths, turn};
@@ -49,92 +50,157 @@ impl LightPathStart {
 }
 
 impl LightPaths {
-    /// Traces one path from a light and splats its connections to the camera.
-    pub(super) fn send(&self, context: &mut Context<'_>) {
-        if context.light_paths() <= 0.0 {
-            return;
-        }
-        let Some(start) = LightPathStart::pick(context) else { return };
-        let mut ray = start.light.ray;
-        let mut flux = start.light.power * (1.0 / start.probability) as f32;
-        let mut left = Spectrum::ONE;
-        let mut weights: Option<LightPathWeights> = None;
-        let (mut depth, mut interfaces) = (0, 0);
-        while depth < self.max_depth {
-            let Some(hit) = context.intersect(&ray) else { return };
-            let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-                interfaces += 1;
-                if interfaces > INTERFACE_LIMIT {
-                    return;
-                }
-                ray = hit.spawn(ray.direction);
-                continue;
-            };
-            depth += 1;
-            interfaces = 0;
-            let vertex = Vertex::new(&hit, bsdf);
-            let known = match weights {
-                Some(known) => known,
-                None => {
-                    flux *=
-                        start.light.range.attenuation((hit.point.position - start.light.ray.origin).length());
-                    start.weights(context, &vertex)
-                }
-            };
-            let dimension = FIRST_LIGHT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(depth));
-            context.sampler.skip_to_dimension(dimension);
-            let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
-            let xi = DVec2::new(x, y);
-            let [x, y, xi_pixel, _] = context.sampler.next_group();
-            let xi_lens = DVec2::new(x, y);
-            if !vertex.is_delta() {
-                connect(context, &vertex, flux, &start, &known, xi_lens, xi_pixel);
-            }
-            let Some((direction, weight, next)) = go_on(context, &vertex, &start, &known, xi, xi_lobe) else {
-                return;
-            };
-            flux *= weight;
-            left *= weight;
-            weights = Some(next);
-            if depth >= ROULETTE_FROM {
-                let Some(factor) = roulette(left, xi_roulette) else { return };
-                flux *= factor;
-                left *= factor;
-            }
-            ray = hit.spawn(direction);
-        }
+    /// Traces one path from a light for each sample and splats its connections to the camera.
+    pub(super) fn send(&self, contexts: &mut [Context<'_>]) {
+        let Some(scene) = contexts.first().map(|context| context.scene) else { return };
+        let new = |(sample, context): (usize, &mut _)| LightPath::new(context, sample, self.max_depth);
+        let mut paths: Vec<_> = contexts.iter_mut().enumerate().filter_map(new).collect();
+        PathBatch::default().trace(scene, &mut paths, contexts);
     }
 }
 
-/// Connects `vertex`, at which `flux` arrives, to a point of the lens.
-fn connect(
-    context: &mut Context<'_>,
-    vertex: &Vertex<'_>,
+/// State of a path from a light.
+struct LightPath {
+    /// Position of its sample in the batch.
+    sample: usize,
+    max_depth: u32,
+    start: LightPathStart,
+    /// `None` if it has ended.
+    ray: Option<Ray>,
     flux: Spectrum,
-    start: &LightPathStart,
-    weights: &LightPathWeights,
-    xi_lens: DVec2,
+    /// Factor on the flux since the light.
+    left: Spectrum,
+    /// `None` before the first vertex.
+    weights: Option<LightPathWeights>,
+    depth: u32,
+    interfaces: u32,
+    connection: Option<CameraConnection>,
+}
+
+/// Connection of a vertex to the camera, whose shadow ray is to be traced.
+struct CameraConnection {
+    shadow: BoundedRay,
+    /// Position on the film, pixels.
+    film: DVec2,
+    light: Spectrum,
     xi_pixel: f64,
-) {
-    let (at, to_light) = (vertex.at, vertex.at.wo);
-    let Some(seen) = context.scene.camera().project(at.point.position, xi_lens) else { return };
-    let Some(to_camera) = (seen.origin - at.point.position).try_normalize() else { return };
-    if !context.takes_splats_at(seen.film) {
-        return;
+}
+
+impl LightPath {
+    /// `None` where there is nothing to trace.
+    fn new(context: &mut Context<'_>, sample: usize, max_depth: u32) -> Option<Self> {
+        if context.light_paths() <= 0.0 || max_depth == 0 {
+            return None;
+        }
+        let start = LightPathStart::pick(context)?;
+        Some(Self {
+            sample,
+            max_depth,
+            ray: Some(start.light.ray),
+            flux: start.light.power * (1.0 / start.probability) as f32,
+            left: Spectrum::ONE,
+            weights: None,
+            depth: 0,
+            interfaces: 0,
+            connection: None,
+            start,
+        })
     }
-    // The vertex for a viewer at the camera: both kinds of paths use the same BSDF.
-    let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
-    let light = flux * value;
-    if light.is_black() || !context.is_free(&at.spawn_to(seen.origin, None), 1.0) {
-        return;
+
+    /// The ray that continues from the hit of `ray`; `None` if the path ends.
+    fn next_ray(&mut self, context: &mut Context<'_>, ray: &Ray, hit: &SceneHit) -> Option<Ray> {
+        let hit = context.scene.interaction(ray, hit);
+        let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+            self.interfaces += 1;
+            return (self.interfaces <= INTERFACE_LIMIT).then(|| hit.spawn(ray.direction));
+        };
+        self.depth += 1;
+        self.interfaces = 0;
+        let vertex = Vertex::new(&hit, bsdf);
+        let weights = match self.weights {
+            Some(weights) => weights,
+            None => {
+                let distance = (hit.point.position - self.start.light.ray.origin).length();
+                self.flux *= self.start.light.range.attenuation(distance);
+                self.start.weights(context, &vertex)
+            }
+        };
+        let dimension = FIRST_LIGHT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(self.depth));
+        context.sampler.skip_to_dimension(dimension);
+        let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
+        let xi = DVec2::new(x, y);
+        let [x, y, xi_pixel, _] = context.sampler.next_group();
+        if !vertex.is_delta() {
+            self.connection = self.connect(context, &vertex, &weights, DVec2::new(x, y), xi_pixel);
+        }
+        let (direction, weight, next) = go_on(context, &vertex, &self.start, &weights, xi, xi_lobe)?;
+        self.flux *= weight;
+        self.left *= weight;
+        self.weights = Some(next);
+        if self.depth >= ROULETTE_FROM {
+            let factor = roulette(self.left, xi_roulette)?;
+            self.flux *= factor;
+            self.left *= factor;
+        }
+        (self.depth < self.max_depth).then(|| hit.spawn(direction))
     }
-    let turn = turn(vertex, to_light, to_camera, light_pdf);
-    let reference = LightSampleContext { wo: to_camera, ..at.light_sample_context() };
-    let weight = weights.weight_of_sent(&turn, seen.density, || start.sampled(context, &reference));
-    // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric cosine
-    // (@veach1997 section 5.3.2).
-    let factor = seen.density * turn.camera_cos / turn.light_cos * weight;
-    context.splat(seen.film, light * factor as f32, xi_pixel);
+
+    /// Connects `vertex`, at which the flux arrives, to a point of the lens.
+    fn connect(
+        &self,
+        context: &Context<'_>,
+        vertex: &Vertex<'_>,
+        weights: &LightPathWeights,
+        xi_lens: DVec2,
+        xi_pixel: f64,
+    ) -> Option<CameraConnection> {
+        let (at, to_light) = (vertex.at, vertex.at.wo);
+        let seen = context.scene.camera().project(at.point.position, xi_lens)?;
+        let to_camera = (seen.origin - at.point.position).try_normalize()?;
+        if !context.takes_splats_at(seen.film) {
+            return None;
+        }
+        // The vertex for a viewer at the camera: both kinds of paths use the same BSDF.
+        let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
+        let light = self.flux * value;
+        if light.is_black() {
+            return None;
+        }
+        let turn = turn(vertex, to_light, to_camera, light_pdf);
+        let reference = LightSampleContext { wo: to_camera, ..at.light_sample_context() };
+        let sampled = || self.start.sampled(context, &reference);
+        let weight = weights.weight_of_sent(&turn, seen.density, sampled);
+        // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric
+        // cosine (@veach1997 section 5.3.2).
+        let factor = seen.density * turn.camera_cos / turn.light_cos * weight;
+        let shadow = BoundedRay::new(at.spawn_to(seen.origin, None), 1.0);
+        Some(CameraConnection { shadow, film: seen.film, light: light * factor as f32, xi_pixel })
+    }
+}
+
+impl<'a> BatchedPath<[Context<'a>]> for LightPath {
+    fn ray(&self) -> Option<Ray> {
+        self.ray
+    }
+
+    fn advance(&mut self, contexts: &mut [Context<'a>], hit: Option<&SceneHit>, _: &mut Vec<Self>) {
+        let context = &mut contexts[self.sample];
+        context.counters.closest += 1;
+        self.ray = self.ray.take().zip(hit).and_then(|(ray, hit)| self.next_ray(context, &ray, hit));
+    }
+
+    fn shadow_rays(&self, rays: &mut Vec<BoundedRay>) {
+        rays.extend(self.connection.as_ref().map(|connection| connection.shadow));
+    }
+
+    fn complete_vertex(&mut self, contexts: &mut [Context<'a>], occluded: &[bool]) {
+        let Some(CameraConnection { film, light, xi_pixel, .. }) = self.connection.take() else { return };
+        let context = &mut contexts[self.sample];
+        context.counters.shadow += 1;
+        if occluded == [false] {
+            context.splat(film, light, xi_pixel);
+        }
+    }
 }
 
 /// Samples the direction in which flux continues, with its factor and the weights at the next vertex.

@@ -8,8 +8,9 @@ use glanz_light::Spectrum;
 use glanz_math::DVec3;
 
 use self::weights::ScatteringDensities;
+use super::path_tracer::BATCH;
 use super::vertex::Vertex;
-use super::{Context, Integrator, IntegratorSettings};
+use super::{Context, Integrator, IntegratorSettings, radiance_of_one};
 
 /// Light paths that are connected to the camera, in addition to the paths of [`Path`](super::Path).
 ///
@@ -32,8 +33,16 @@ impl LightPaths {
 
 impl Integrator for LightPaths {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        self.send(context);
-        self.gather(context)
+        radiance_of_one(self, context)
+    }
+
+    fn batch(&self) -> usize {
+        BATCH
+    }
+
+    fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
+        self.send(contexts);
+        self.gather(contexts, radiance);
     }
 
     fn splats(&self) -> bool {
