@@ -143,20 +143,8 @@ impl BilinearPatch {
         (u, v, DVec3::Z)
     }
 
-    /// Both roots in ascending order of t.
-    ///
-    /// A parallelogram that a ray meets clearly inside or misses clearly outside of its border is intersected as a plane; all that is
-    /// close to the border, grazing or distant is left to [`BilinearPatch::sheared_roots`].
-    fn roots(&self, ray: &Ray) -> BilinearRoots {
-        let Some(plane) = &self.plane else { return self.sheared_roots(ray) };
-        match self.plane_root(plane, ray) {
-            PlaneRoot::Miss => [None; 2],
-            PlaneRoot::Inside(t, u, v) => [Some((t, u, v)), None],
-            PlaneRoot::Unclear => self.sheared_roots(ray),
-        }
-    }
-
-    /// Intersection of the ray with the plane of a parallelogram.
+    /// Intersection of the ray with the plane of a parallelogram, if the ray meets it clearly inside or misses it clearly outside of its
+    /// border; all that is close to the border, grazing or distant is left to [`BilinearPatch::sheared_roots`].
     ///
     /// With `q` from p00 to the origin, t, u and v are ratios of the triple products of q, the direction d and the sides. The rounding
     /// error of each is below gamma(12) times the product of the three lengths: with |q| up to 5 sizes L, that of u and v is at most
@@ -194,7 +182,7 @@ impl BilinearPatch {
         }
     }
 
-    /// Both roots in ascending order of t, of any patch and ray.
+    /// Both roots in ascending order of t.
     ///
     /// A shear maps the ray to the z axis, which reduces the problem to the plane: the line of constant u contains the origin
     /// where the cross product of its ends, a quadratic in u, vanishes. Of the two families of lines, the one whose projection
@@ -341,12 +329,25 @@ impl RaySurface for BilinearPatch {
     }
 
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
-        let first = self.roots(ray).into_iter().flatten().find(|(t, _, _)| *t > 0.0 && *t < t_max);
+        if let Some(plane) = &self.plane {
+            match self.plane_root(plane, ray) {
+                PlaneRoot::Miss => return None,
+                PlaneRoot::Inside(t, u, v) => {
+                    return (t > 0.0 && t < t_max).then_some(Hit { t, u, v, face: 0 });
+                }
+                PlaneRoot::Unclear => {}
+            }
+        }
+        let first = self.sheared_roots(ray).into_iter().flatten().find(|(t, _, _)| *t > 0.0 && *t < t_max);
         first.map(|(t, u, v)| Hit { t, u, v, face: 0 })
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
-        let found = self.roots(ray).into_iter().flatten().filter(|(t, _, _)| *t > 0.0 && *t < t_max);
+        if self.plane.is_some() {
+            hits.extend(self.intersect(ray, t_max));
+            return;
+        }
+        let found = self.sheared_roots(ray).into_iter().flatten().filter(|(t, _, _)| *t > 0.0 && *t < t_max);
         hits.extend(found.map(|(t, u, v)| Hit { t, u, v, face: 0 }));
     }
 

@@ -18,13 +18,14 @@ pub(crate) struct TallySums {
 }
 
 impl TallySums {
-    fn add(&mut self, lumens: f64) {
+    /// The sums of a single contribution.
+    fn of(lumens: f64) -> Self {
         // The value is rounded once for both sums: the square is that of the rounded value.
         let lumens = lumens as f32;
-        self.sum.add(f64::from(lumens));
-        self.squares.add_square(lumens);
+        Self { sum: WideSum::of(f64::from(lumens)), squares: SquareSum::of_square(lumens) }
     }
 
+    #[inline]
     fn merge(&mut self, other: &Self) {
         self.sum.merge(other.sum);
         self.squares.merge(other.squares);
@@ -195,6 +196,28 @@ struct Contribution {
     lumens: f64,
 }
 
+/// The sums of one contribution. Many particles bring the same light, so that the last ones are kept.
+#[derive(Default)]
+struct TallyTerm {
+    lumens: f64,
+    sums: TallySums,
+}
+
+impl TallyTerm {
+    /// The sums of contributions that count as one.
+    #[inline]
+    fn of(&mut self, same: &[Contribution]) -> &TallySums {
+        let lumens = match same {
+            [one] => one.lumens,
+            _ => same.iter().map(|one| one.lumens).sum(),
+        };
+        if lumens != self.lumens {
+            *self = Self { lumens, sums: TallySums::of(lumens) };
+        }
+        &self.sums
+    }
+}
+
 /// Adds particles, several of which are on their way, to a tally.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
@@ -248,9 +271,12 @@ impl<'a> ThreadTally<'a> {
 
     /// Adds the flux of a path to the balance.
     fn add_path(&mut self, path: &ParticlePath) {
-        let (emitted, faded) = (self.lumens(path.emitted), self.lumens(path.faded));
+        let emitted = self.lumens(path.emitted);
         self.tally.emitted.add(emitted);
-        self.tally.given_up.add(faded);
+        if !path.faded.is_black() {
+            let faded = self.lumens(path.faded);
+            self.tally.given_up.add(faded);
+        }
         match path.end {
             ParticleFate::Absorbed => {}
             ParticleFate::Escaped { ray, power } => {
@@ -259,7 +285,7 @@ impl<'a> ThreadTally<'a> {
                 if let Some(far_field) = &mut self.tally.far_field
                     && let Some(sums) = far_field.bins.get_mut(far_field.grid.bin(ray.direction))
                 {
-                    sums.add(lumens);
+                    sums.merge(&TallySums::of(lumens));
                 }
             }
             ParticleFate::GivenUp(power) => {
@@ -274,14 +300,14 @@ impl<'a> ThreadTally<'a> {
         let Self { tally, brought, .. } = self;
         // Stable, so that the sums do not depend on the other particles. Particles that arrived once are sorted already.
         brought.sort_by_key(|one| (one.particle, one.cell));
-        let sum = |same: &[Contribution]| same.iter().map(|one| one.lumens).sum();
-        // A short loop, so that the processor waits for the memory of several cells at a time.
+        // Short loops, so that the processor waits for the memory of several cells at a time.
+        let mut term = TallyTerm::default();
         for same in brought.chunk_by(|a, b| a.particle == b.particle && a.cell == b.cell) {
-            tally.cells[same[0].cell].add(sum(same));
+            tally.cells[same[0].cell].merge(term.of(same));
         }
         // Cells of one receiver are consecutive.
         for same in brought.chunk_by(|a, b| a.particle == b.particle && a.receiver == b.receiver) {
-            tally.receivers[same[0].receiver as usize].add(sum(same));
+            tally.receivers[same[0].receiver as usize].merge(term.of(same));
         }
         brought.clear();
     }

@@ -39,11 +39,17 @@ pub fn fits_wide(value: f64) -> bool {
 pub struct WideSum(i128);
 
 impl WideSum {
-    /// Adds `value`, rounded to the quantum and clamped to [`WIDE_LIMIT`]; NaN counts as zero.
-    pub fn add(&mut self, value: f64) {
+    /// The sum of `value` alone, rounded to the quantum and clamped to [`WIDE_LIMIT`]; NaN counts as zero.
+    #[inline]
+    #[must_use]
+    pub fn of(value: f64) -> Self {
         // Scaling by a power of two is exact, so that this rounds once.
-        let units = nearest_integer(value.clamp(-WIDE_LIMIT, WIDE_LIMIT) * WIDE_UNITS);
-        self.0 = self.0.wrapping_add(units);
+        Self(nearest_integer(value.clamp(-WIDE_LIMIT, WIDE_LIMIT) * WIDE_UNITS))
+    }
+
+    /// Adds `value`, as [`WideSum::of`].
+    pub fn add(&mut self, value: f64) {
+        self.merge(Self::of(value));
     }
 
     /// Adds another sum.
@@ -80,12 +86,18 @@ impl SquareSum {
     ///
     /// The square of an `f32` is exact in `f64`; squares above 2^-40 are not rounded.
     pub fn add_square(&mut self, value: f32) {
+        self.merge(Self::of_square(value));
+    }
+
+    /// The sum of the square of `value` alone, as [`SquareSum::add_square`].
+    #[must_use]
+    pub fn of_square(value: f32) -> Self {
         let value = f64::from(value);
         if value.is_nan() {
-            return;
+            return Self::default();
         }
         let cut = value.abs().min(WIDE_LIMIT);
-        self.merge(Self(to_limbs(cut * cut * SQUARE_UNITS)));
+        Self(to_limbs(cut * cut * SQUARE_UNITS))
     }
 
     /// Adds another sum.

@@ -150,6 +150,21 @@ impl PixelSampler {
         [pair.x, pair.y, self.next_1d(), self.next_1d()]
     }
 
+    /// The numbers of the next group of this sample and of the `count - 1` samples after it: those of [`PixelSampler::next_group`], at less
+    /// cost. `groups` is replaced; the dimension stays.
+    pub fn groups_of_samples(&self, count: u32, groups: &mut Vec<[f64; 4]>) {
+        let mut first = *self;
+        first.begin_group();
+        let indices = (0..count).map(|offset| self.index.wrapping_add(offset));
+        groups.clear();
+        if let SamplerKind::Sobol | SamplerKind::Center = self.kind {
+            let sobol = first.sobol(first.dimension);
+            groups.extend(indices.map(|index| sobol.point(index.reverse_bits()).map(unit)));
+        } else {
+            groups.extend(indices.map(|index| first.with_index(index).next_group()));
+        }
+    }
+
     /// The dimension of the next number.
     #[must_use]
     pub fn dimension(&self) -> u32 {

@@ -18,6 +18,7 @@ const ROULETTE_BELOW: f32 = 0.1;
 
 /// Dimensions of the sampler before the first event: direction and position on the light in one group, the selection of the light in the next.
 const EMISSION_DIMENSIONS: u32 = 4;
+const SELECTION_DIMENSION: u32 = EMISSION_DIMENSIONS + 4;
 const FIRST_EVENT_DIMENSION: u32 = EMISSION_DIMENSIONS + 8;
 
 /// Dimensions per event: direction, lobe, survival.
@@ -73,6 +74,7 @@ pub struct ParticleTracer<'a> {
     /// Largest number of scattering events of a particle.
     max_events: u32,
     // Memory of the particles that were traced last.
+    numbers: Vec<[f64; 4]>,
     particles: Vec<ParticleState>,
     active: Vec<u32>,
     rays: Vec<BoundedRay>,
@@ -83,8 +85,9 @@ impl<'a> ParticleTracer<'a> {
     /// A tracer of particles that are scattered up to `max_events` times.
     #[must_use]
     pub fn new(scene: &'a Scene, max_events: u32) -> Self {
-        let (particles, active, rays, hits) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { scene, wavelengths: Wavelengths::default(), max_events, particles, active, rays, hits }
+        let (numbers, particles, active) = (Vec::new(), Vec::new(), Vec::new());
+        let (wavelengths, rays, hits) = (Wavelengths::default(), Vec::new(), Vec::new());
+        Self { scene, wavelengths, max_events, numbers, particles, active, rays, hits }
     }
 
     /// Traces `count` particles, by the sample of `first` and those after it, and calls `visit` with the number of a particle for every
@@ -99,11 +102,18 @@ impl<'a> ParticleTracer<'a> {
         counters: &mut Counters,
         mut visit: impl FnMut(usize, &Arrival),
     ) {
-        let Self { scene, wavelengths, max_events, particles, active, rays, hits } = self;
+        let Self { scene, wavelengths, max_events, numbers, particles, active, rays, hits } = self;
         let sampler = |particle: u32| first.with_index(first.sample_index().wrapping_add(particle));
         let only = scene.only_emitter();
+        let select = |particle: u32| match only {
+            Some(id) => Some((id, 1.0)),
+            None => scene.select_emitter(at_dimension(sampler(particle), SELECTION_DIMENSION).next_1d()),
+        };
+        at_dimension(first, EMISSION_DIMENSIONS).groups_of_samples(count, numbers);
         particles.clear();
-        particles.extend((0..count).map(|particle| ParticleState::emitted(scene, only, sampler(particle))));
+        particles.extend(
+            (0..).zip(&*numbers).map(|(i, &numbers)| ParticleState::emitted(scene, select(i), numbers)),
+        );
         active.clear();
         active
             .extend((0..).zip(&*particles).filter(|(_, p)| p.fate != FateKind::Dark).map(|(index, _)| index));
@@ -175,15 +185,11 @@ struct ParticleState {
 }
 
 impl ParticleState {
-    /// A particle that leaves a light: `only`, if that is the only one.
-    fn emitted(scene: &Scene, only: Option<LightId>, mut sampler: PixelSampler) -> Self {
-        sampler.skip_to_dimension(EMISSION_DIMENSIONS);
-        let [x, y, u, v] = sampler.next_group();
+    /// A particle that leaves a light, selected with a probability.
+    #[inline]
+    fn emitted(scene: &Scene, selected: Option<(LightId, f64)>, [x, y, u, v]: [f64; 4]) -> Self {
         let (xi_direction, xi_place) = (DVec2::new(x, y), DVec2::new(u, v));
-        let selected = match only {
-            Some(id) => Some((id, 1.0)),
-            None => scene.select_emitter(sampler.next_1d()).filter(|&(_, p)| p > 0.0),
-        };
+        let selected = selected.filter(|&(_, p)| p > 0.0);
         let emission = selected.and_then(|(id, p)| Some((scene.emit(id, xi_place, xi_direction)?, p)));
         let mut state = Self {
             ray: Ray::new(DVec3::ZERO, DVec3::Z),
@@ -304,6 +310,12 @@ impl ParticleState {
         let threshold = ROULETTE_BELOW * self.emitted.max_component();
         Some((scattered.direction, survivor(self.power * scattered.weight, threshold, xi_survival)))
     }
+}
+
+/// The sampler, continued at `dimension`.
+fn at_dimension(mut sampler: PixelSampler, dimension: u32) -> PixelSampler {
+    sampler.skip_to_dimension(dimension);
+    sampler
 }
 
 /// Power after Russian roulette: `power` itself, or if it is below `threshold`, either that amount with the same colour or nothing.

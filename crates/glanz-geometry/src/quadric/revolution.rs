@@ -67,7 +67,19 @@ impl QuadricOfRevolution {
     /// be, so that a ray that starts off the surface by the bound of [`QuadricOfRevolution::error`] does not meet its own point.
     /// For a distant origin the equation is formed at the point of the ray nearest to the kept part, and roots close together
     /// are computed from their middle to avoid cancellation (@haines2019).
+    #[inline]
     pub(super) fn crossings(&self, ray: &Ray) -> [Option<QuadricCrossing>; 2] {
+        if self.is_left_by(ray) { [None; 2] } else { self.roots_ahead(ray) }
+    }
+
+    /// Whether both roots lie behind the origin by the signs of their sum and product: so do most rays that leave the surface.
+    #[inline]
+    fn is_left_by(&self, ray: &Ray) -> bool {
+        let (half, c) = self.half_slope_and_value(ray.origin, ray.direction);
+        half >= 0.0 && c > 0.0 && self.leading(ray.direction) > 0.0
+    }
+
+    fn roots_ahead(&self, ray: &Ray) -> [Option<QuadricCrossing>; 2] {
         let Some((base, t_base)) = self.approach(ray) else { return [None; 2] };
         let Some(roots) = self.roots(base, t_base, ray.direction) else { return [None; 2] };
         let [first, second] = roots.map(|root| self.crossing(root, ray.direction));
@@ -119,17 +131,13 @@ impl QuadricOfRevolution {
         p.x * p.x + p.y * p.y - (self.alpha * w + self.beta) * w - self.gamma
     }
 
-    /// Both roots of `a t^2 + 2 half t + c = 0`, formed at `base`, unless both lie behind the origin; not sorted.
+    /// Both roots of `a t^2 + 2 half t + c = 0`, formed at `base`; not sorted.
     fn roots(&self, base: DVec3, t_base: f64, d: DVec3) -> Option<[OffsetRoot; 2]> {
         let a = self.leading(d);
         let (half, c) = self.half_slope_and_value(base, d);
         if a == 0.0 {
             let root = OffsetRoot { base, t_base, t: -0.5 * c / half };
             return Some([root, root]);
-        }
-        // Sum and product of the roots tell that both are behind the origin: most rays that leave the surface end here.
-        if a > 0.0 && half >= 0.0 && c > 0.0 && t_base == 0.0 {
-            return None;
         }
         let discriminant = difference_of_products(half, half, a, c);
         if discriminant.abs() > CLOSE * half * half {

@@ -65,6 +65,7 @@ pub(super) trait SurfaceOfRevolution {
 }
 
 /// The first hit before `t_max`.
+#[inline]
 pub(super) fn first(surface: &impl SurfaceOfRevolution, ray: &Ray, t_max: f64) -> Option<Hit> {
     surface.quadric().crossings(ray).into_iter().flatten().find_map(|c| hit_in_range(surface, &c, t_max))
 }

@@ -216,6 +216,7 @@ impl Receiver {
     }
 
     /// The cell that a ray met.
+    #[inline]
     fn locate(&self, at: &HitLocation) -> Option<usize> {
         let share = match &self.layout {
             ReceiverLayout::FlatGrid(flat) => flat.share(at.position),

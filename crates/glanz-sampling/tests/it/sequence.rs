@@ -166,6 +166,21 @@ fn another_index_gives_the_numbers_of_another_sample() {
 }
 
 #[test]
+fn groups_of_samples_are_those_of_each() {
+    for kind in SamplerKind::ALL {
+        let mut first = PixelSampler::new(kind, 16, 5, [7, 8], u32::MAX - 20);
+        let mut groups = vec![[2.0; 4]];
+        for dimension in [4, 6, 24] {
+            first.skip_to_dimension(dimension);
+            first.groups_of_samples(50, &mut groups);
+            let index = |i: u32| first.sample_index().wrapping_add(i);
+            let each: Vec<_> = (0..50).map(|i| first.with_index(index(i)).next_group()).collect();
+            assert_eq!((&groups, first.dimension()), (&each, dimension), "{kind:?}");
+        }
+    }
+}
+
+#[test]
 fn groups_start_at_every_fourth_dimension() {
     let mut s = sobol([1, 1], 0);
     assert_eq!(s.dimension(), 2);

@@ -92,6 +92,7 @@ impl Scene {
     ///
     /// `None` if the light is black there, or where no place can be sampled on it. Of infinitely far lights only rays are sampled that
     /// meet the sphere around the bounded parts of the scene: infinite planes beyond it get none, and occlude what they hide.
+    #[inline]
     #[must_use]
     pub fn emit(&self, id: LightId, place: DVec2, direction: DVec2) -> Option<LightRay> {
         let ray = self.light(id)?.emit(self, place, direction);

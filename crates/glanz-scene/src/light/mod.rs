@@ -162,6 +162,7 @@ macro_rules! lights {
                 }
             }
 
+            #[inline]
             fn emit(&self, scene: &Scene, place: DVec2, direction: DVec2) -> Option<LightRay> {
                 match self {
                     $(Self::$variant(light) => light.emit(scene, place, direction),)*
