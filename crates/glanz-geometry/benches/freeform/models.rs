@@ -15,7 +15,7 @@ use glanz_math::{DVec2, DVec3};
 pub(crate) type Failure = Box<dyn std::error::Error>;
 
 /// Names that [`Model::named`] knows.
-pub(crate) const NAMES: [&str; 16] = [
+pub(crate) const NAMES: [&str; 18] = [
     "bicubic",
     "teapot",
     "rational bicubic",
@@ -26,6 +26,8 @@ pub(crate) const NAMES: [&str; 16] = [
     "degree 5",
     "degree 6",
     "degree 7",
+    "degree 8",
+    "degree 9",
     "rational degree 5",
     "cubic triangles",
     "quintic triangles",

@@ -200,6 +200,8 @@ impl<S: Simd, P: PointLanes<S>, const COORDINATES: usize> NetLanes<'_, S, P, COO
             5 => self.surface_in::<DERIVATIVES, 6>(simd, 5, x),
             6 => self.surface_in::<DERIVATIVES, 7>(simd, 6, x),
             7 => self.surface_in::<DERIVATIVES, 8>(simd, 7, x),
+            8 => self.surface_in::<DERIVATIVES, 9>(simd, 8, x),
+            9 => self.surface_in::<DERIVATIVES, 10>(simd, 9, x),
             q => self.surface_in::<DERIVATIVES, { MOST_DEGREE + 1 }>(simd, q, x),
         }
     }
