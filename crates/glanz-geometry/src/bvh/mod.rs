@@ -120,6 +120,19 @@ impl Bvh {
     /// depend on the number of threads, and its depth is bounded for all inputs.
     #[must_use]
     pub fn build(bounds: &[Bounds3], options: &BuildOptions) -> Self {
+        let (all, frame, items) = Self::items(bounds);
+        Self::of_items(all, frame, items, options)
+    }
+
+    /// [`Bvh::build`] over boxes that are freed before the tree takes its memory.
+    pub(crate) fn build_over(bounds: Vec<Bounds3>, options: &BuildOptions) -> Self {
+        let (all, frame, items) = Self::items(&bounds);
+        drop(bounds);
+        Self::of_items(all, frame, items, options)
+    }
+
+    /// The box around all usable boxes, its frame, and the usable boxes in it.
+    fn items(bounds: &[Bounds3]) -> (Bounds3, UnitFrame, Vec<BvhPrimitive>) {
         let bounds = &bounds[..bounds.len().min(1 << 31)];
         let usable = |b: &Bounds3| b.is_finite() && !b.is_empty();
         let around = |part: &&[Bounds3]| {
@@ -130,10 +143,20 @@ impl Bvh {
         let frame = UnitFrame::around(&all);
         let indices: Vec<u32> =
             (0..).zip(bounds).filter_map(|(index, b)| usable(b).then_some(index)).collect();
-        let mut items = parallel_map(&indices, PARALLEL_CHUNK, |&index| {
+        let items = parallel_map(&indices, PARALLEL_CHUNK, |&index| {
             let (min, max) = frame.bounds(&bounds[index as usize]);
             BvhPrimitive::new(min, max, index)
         });
+        (all, frame, items)
+    }
+
+    /// The tree over `items` in the frame of the box `all`.
+    fn of_items(
+        all: Bounds3,
+        frame: UnitFrame,
+        mut items: Vec<BvhPrimitive>,
+        options: &BuildOptions,
+    ) -> Self {
         let mut tree = Vec::with_capacity(2 * items.len());
         prefer_large_pages(&mut tree);
         tree.resize((2 * items.len()).saturating_sub(1), BinaryNode::EMPTY);
@@ -143,6 +166,7 @@ impl Bvh {
             let area = f64::from(root.half_area());
             if area > 0.0 { f64::from(costs.of_root()) / area } else { 0.0 }
         });
+        drop(tree);
         Self {
             bounds: all,
             frame,

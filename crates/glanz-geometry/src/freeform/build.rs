@@ -3,15 +3,16 @@
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
-use glanz_math::Bounds3;
+use glanz_math::{Bounds3, DVec3};
 
 use super::control_net::MAX_DEGREE;
 use super::leaf::PatchLeaf;
 use super::leaf_builder::LeafBuilder;
 use super::parameter_rect::DyadicRect;
 use super::patch_list::PatchList;
+use super::polynomial_patches::PolynomialPatches;
 use super::ray_space::SurfaceFrame;
-use super::subpatches::{self, Subpatch, SubpatchList, SubpatchLocation};
+use super::subpatches::{Subpatch, SubpatchList, SubpatchLocation};
 use super::{Freeform, SurfacePatch};
 use crate::bvh::{BuildOptions, Bvh, PARALLEL_CHUNK, parallel_flat_map, parallel_map};
 use crate::error::SurfaceError;
@@ -38,8 +39,8 @@ const SMALLEST: f64 = 1e-6;
 /// Cost of a leaf relative to a test of a node: between a block of triangles, 1, and other surfaces, 2.
 const LEAF_COST: f32 = 1.5;
 
-/// Subpatches that one thread divides at once.
-const CHUNK: usize = 64;
+/// Patches, or subpatches, that one thread divides at once.
+pub(super) const CHUNK: usize = 64;
 
 impl Freeform {
     /// A surface of `patches`.
@@ -63,7 +64,7 @@ impl Freeform {
             let (degree, max) = (highest as u32, MAX_DEGREE as u32);
             return Err(SurfaceError::DegreeTooHigh { parameter: "the patch", degree, max });
         }
-        let hull = hull(&patches);
+        let PatchSummary { hull, is_polynomial } = PatchSummary::new(&patches);
         let size = hull.min.abs().max(hull.max.abs()).max_element();
         let extent = hull.diagonal().length();
         if !(extent > 0.0 && extent.is_finite()) {
@@ -73,84 +74,150 @@ impl Freeform {
             });
         }
         let frame = SurfaceFrame::new(&hull, size, degrees);
-        let subpatches = subpatches::split(&patches, MOST_HALVINGS);
-        let leaves = all_leaves(&subpatches, extent, &frame);
-        Ok(Self::assemble(patches, extent, frame, subpatches, leaves, None))
+        let rules = LeafRules { smallest: SMALLEST * extent, origin: frame.center };
+        if is_polynomial {
+            let PolynomialPatches { placements, corrections, powers, leaves } =
+                PolynomialPatches::new(patches, &rules);
+            let list = PatchList::Powers { placements, corrections };
+            let (patches, subpatches) = (Arc::new(list), Arc::new(SubpatchList::Polynomial(powers)));
+            return Ok(Self::assemble(patches, subpatches, Arc::new([]), extent, frame, leaves, None));
+        }
+        let subpatches = parallel_flat_map(&patches, PARALLEL_CHUNK, |index, patch, done| {
+            Subpatch::append_all(index as u32, patch, MOST_HALVINGS, done);
+        });
+        let leaves = LeafList::new(&subpatches, |index, subpatch, leaves| {
+            rules.leaves(index as u32, subpatch).iter().for_each(|leaf| leaves.push(leaf, rules.origin));
+        });
+        let locations: Arc<[SubpatchLocation]> = if subpatches.len() == patches.len() {
+            Arc::new([])
+        } else {
+            subpatches.iter().map(|subpatch| subpatch.location).collect()
+        };
+        let (patches, subpatches) = (PatchList::Nets(patches), SubpatchList::new(subpatches));
+        Ok(Self::assemble(Arc::new(patches), Arc::new(subpatches), locations, extent, frame, leaves, None))
     }
 
-    /// The part of the surface that `region` keeps, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv).
+    /// The part of the surface that `region` keeps, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv). Both share their
+    /// patches.
     #[must_use]
     pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
-        let patches: Vec<SurfacePatch> = self.patches().collect();
-        let subpatches = subpatches::split(&patches, MOST_HALVINGS);
-        let mut leaves = all_leaves(&subpatches, self.extent, &self.frame);
-        leaves.retain_mut(|BoundedLeaf { leaf, .. }| {
-            let Some(subpatch) = subpatches.get(leaf.subpatch as usize) else { return false };
-            let SubpatchLocation { patch, part } = subpatch.location;
-            let Some(placement) = self.patches.placement(patch) else { return false };
-            let [low, high] = placement.range(&leaf.part.within(part).rect());
-            let containment = region.classify(low, high);
-            leaf.crossed = containment == Containment::Crossed;
-            containment != Containment::Outside
+        let rules = LeafRules { smallest: SMALLEST * self.extent, origin: self.frame.center };
+        let faces: Vec<u32> = (0..self.patch_count() as u32).collect();
+        let leaves = LeafList::new(&faces, |_, &face, leaves| {
+            let Some(patch) = self.patch(face) else { return };
+            let mut subpatches = Vec::new();
+            Subpatch::append_all(face, &patch, MOST_HALVINGS, &mut subpatches);
+            for (index, subpatch) in (self.first_subpatch(face)..).zip(&subpatches) {
+                for mut leaf in rules.leaves(index, subpatch) {
+                    let [low, high] = patch.placement.range(&leaf.part.within(subpatch.location.part).rect());
+                    let containment = region.classify(low, high);
+                    leaf.crossed = containment == Containment::Crossed;
+                    if containment != Containment::Outside {
+                        leaves.push(&leaf, rules.origin);
+                    }
+                }
+            }
         });
-        Self::assemble(patches, self.extent, self.frame, subpatches, leaves, Some(region))
+        let (patches, subpatches) = (Arc::clone(&self.patches), Arc::clone(&self.subpatches));
+        let locations = Arc::clone(&self.locations);
+        Self::assemble(patches, subpatches, locations, self.extent, self.frame, leaves, Some(region))
+    }
+
+    /// The number of the first subpatch of a patch.
+    fn first_subpatch(&self, face: u32) -> u32 {
+        if self.locations.is_empty() {
+            face
+        } else {
+            self.locations.partition_point(|location| location.patch < face) as u32
+        }
     }
 
     /// The surface with its leaves in the order of the hierarchy.
     fn assemble(
-        patches: Vec<SurfacePatch>,
+        patches: Arc<PatchList>,
+        subpatches: Arc<SubpatchList>,
+        locations: Arc<[SubpatchLocation]>,
         extent: f64,
         frame: SurfaceFrame,
-        subpatches: Vec<Subpatch>,
-        leaves: Vec<BoundedLeaf>,
+        leaves: LeafList,
         region: Option<Arc<TrimRegion>>,
     ) -> Self {
-        let boxes: Vec<_> = leaves.iter().map(|leaf| leaf.bounds).collect();
+        let LeafList { leaves, boxes } = leaves;
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
-        let mut bvh = Bvh::build(&boxes, &options);
-        drop(boxes);
+        let mut bvh = Bvh::build_over(boxes, &options);
         let order: Vec<_> = bvh.leaves().filter_map(|leaf| bvh.leaf(leaf).first()).collect();
-        let ordered = parallel_map(&order, PARALLEL_CHUNK, |&&leaf| leaves[leaf as usize].leaf);
+        let ordered = parallel_map(&order, PARALLEL_CHUNK, |&&leaf| leaves[leaf as usize]);
         drop((leaves, order));
         bvh.forget_items();
-        let locations = if subpatches.len() == patches.len() {
-            Vec::new()
-        } else {
-            subpatches.iter().map(|subpatch| subpatch.location).collect()
-        };
-        let subpatches = SubpatchList::new(subpatches);
-        let patches = PatchList::new(patches, &subpatches);
         let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
         Self { patches, region, extent, leaves: ordered, subpatches, locations, frame, undecided, areas, bvh }
     }
 }
 
-/// The box around the control points.
-fn hull(patches: &[SurfacePatch]) -> Bounds3 {
-    let chunks: Vec<_> = patches.chunks(PARALLEL_CHUNK).collect();
-    let of_chunk = |chunk: &&[SurfacePatch]| {
-        let points = chunk.iter().flat_map(|patch| patch.patch.control_points());
-        Bounds3::from_points(points.map(|p| p.truncate() / p.w))
-    };
-    parallel_map(&chunks, 1, of_chunk).into_iter().fold(Bounds3::EMPTY, Bounds3::union)
+/// What the form in which patches are stored depends on.
+struct PatchSummary {
+    /// The box around the control points.
+    hull: Bounds3,
+    /// Whether all are polynomial, of degrees up to (3, 3).
+    is_polynomial: bool,
 }
 
-/// A leaf before the hierarchy is built. The control points of its part are gone: those of a million patches would take more memory than
-/// the surface.
-struct BoundedLeaf {
-    leaf: PatchLeaf,
-    bounds: Bounds3,
+impl PatchSummary {
+    fn new(patches: &[SurfacePatch]) -> Self {
+        let chunks: Vec<_> = patches.chunks(PARALLEL_CHUNK).collect();
+        let of_chunk = |chunk: &&[SurfacePatch]| {
+            let points = || chunk.iter().flat_map(|patch| patch.patch.control_points());
+            let is_low = |patch: &SurfacePatch| patch.patch.degrees().0.max(patch.patch.degrees().1) <= 3;
+            Self {
+                hull: Bounds3::from_points(points().map(|p| p.truncate() / p.w)),
+                is_polynomial: chunk.iter().all(is_low) && points().all(|p| p.w == 1.0),
+            }
+        };
+        let empty = Self { hull: Bounds3::EMPTY, is_polynomial: true };
+        parallel_map(&chunks, 1, of_chunk).into_iter().fold(empty, |all, part| Self {
+            hull: all.hull.union(part.hull),
+            is_polynomial: all.is_polynomial && part.is_polynomial,
+        })
+    }
 }
 
-/// The leaves of all subpatches of a surface of this extent and frame.
-fn all_leaves(subpatches: &[Subpatch], extent: f64, frame: &SurfaceFrame) -> Vec<BoundedLeaf> {
-    parallel_flat_map(subpatches, CHUNK, |index, subpatch, leaves| {
-        let finished = leaves_of(index as u32, subpatch, SMALLEST * extent).into_iter();
-        leaves.extend(
-            finished
-                .map(|leaf| BoundedLeaf { leaf: PatchLeaf::new(&leaf, frame.center), bounds: leaf.bounds }),
-        );
-    })
+/// Leaves and their boxes before the hierarchy is built. The control points of their parts are gone: those of a million patches would
+/// take more memory than the surface.
+#[derive(Default)]
+pub(super) struct LeafList {
+    leaves: Vec<PatchLeaf>,
+    boxes: Vec<Bounds3>,
+}
+
+impl LeafList {
+    /// All that `append` adds for each element of `list` and its position, in the order of `list`; in parallel.
+    fn new<T: Sync>(list: &[T], append: impl Fn(usize, &T, &mut Self) + Sync + Send) -> Self {
+        let chunks: Vec<_> = (0..).step_by(CHUNK).zip(list.chunks(CHUNK)).collect();
+        let parts = parallel_map(&chunks, 1, |&(first, elements)| {
+            let mut part = Self::default();
+            (first..).zip(elements).for_each(|(index, element)| append(index, element, &mut part));
+            part
+        });
+        let mut all = Self::default();
+        parts.into_iter().for_each(|part| all.append(part));
+        all
+    }
+
+    /// Adds a leaf, with coordinates relative to `origin`.
+    pub(super) fn push(&mut self, leaf: &LeafBuilder, origin: DVec3) {
+        self.leaves.push(PatchLeaf::new(leaf, origin));
+        self.boxes.push(leaf.bounds);
+    }
+
+    pub(super) fn append(&mut self, part: Self) {
+        self.leaves.extend(part.leaves);
+        self.boxes.extend(part.boxes);
+    }
+
+    pub(super) fn reverse(&mut self) {
+        self.leaves.reverse();
+        self.boxes.reverse();
+    }
 }
 
 /// A part of a subpatch that may be halved further.
@@ -161,30 +228,43 @@ struct OpenLeaf {
     before: [f64; 2],
 }
 
-/// The leaves of one subpatch.
-fn leaves_of(index: u32, subpatch: &Subpatch, smallest: f64) -> Vec<LeafBuilder> {
-    let degrees = subpatch.degrees;
-    let limit = MOST_DEVIATION[usize::from(degrees.0.max(degrees.1) > 3)];
-    let whole = LeafBuilder::new(index, DyadicRect::WHOLE, subpatch.net.to_vec(), degrees);
-    let mut done = Vec::new();
-    let mut open =
-        vec![OpenLeaf { leaf: whole, halvings: subpatch.location.part.count(), before: [f64::INFINITY; 2] }];
-    while let Some(OpenLeaf { leaf, halvings, before }) = open.pop() {
-        let large = leaf.bounds.diagonal().length() > smallest;
-        // NaN, of a leaf without area, is above every limit.
-        let deviation = leaf.parallelogram.jacobian_deviation();
-        // Next to a collapsed edge or a cusp the deviation stays large, however small the part.
-        let helps = halvings < FIRST_HALVINGS || deviation <= SUFFICIENT_REDUCTION * before[1];
-        if deviation <= limit || !large || !helps || halvings == MOST_HALVINGS {
-            done.push(leaf);
-        } else {
-            let halves = leaf.halves();
-            open.extend(halves.map(|leaf| OpenLeaf {
-                leaf,
-                halvings: halvings + 1,
-                before: [deviation, before[0]],
-            }));
+/// What the leaves of all patches of a surface have in common.
+pub(super) struct LeafRules {
+    /// Size below which leaves are not halved further, metres.
+    smallest: f64,
+    /// The centre of the surface.
+    pub(super) origin: DVec3,
+}
+
+impl LeafRules {
+    /// The leaves of the subpatch number `index`.
+    pub(super) fn leaves(&self, index: u32, subpatch: &Subpatch) -> Vec<LeafBuilder> {
+        let degrees = subpatch.degrees;
+        let limit = MOST_DEVIATION[usize::from(degrees.0.max(degrees.1) > 3)];
+        let whole = LeafBuilder::new(index, DyadicRect::WHOLE, subpatch.net.to_vec(), degrees);
+        let mut done = Vec::new();
+        let mut open = vec![OpenLeaf {
+            leaf: whole,
+            halvings: subpatch.location.part.count(),
+            before: [f64::INFINITY; 2],
+        }];
+        while let Some(OpenLeaf { leaf, halvings, before }) = open.pop() {
+            let large = leaf.bounds.diagonal().length() > self.smallest;
+            // NaN, of a leaf without area, is above every limit.
+            let deviation = leaf.parallelogram.jacobian_deviation();
+            // Next to a collapsed edge or a cusp the deviation stays large, however small the part.
+            let helps = halvings < FIRST_HALVINGS || deviation <= SUFFICIENT_REDUCTION * before[1];
+            if deviation <= limit || !large || !helps || halvings == MOST_HALVINGS {
+                done.push(leaf);
+            } else {
+                let halves = leaf.halves();
+                open.extend(halves.map(|leaf| OpenLeaf {
+                    leaf,
+                    halvings: halvings + 1,
+                    before: [deviation, before[0]],
+                }));
+            }
         }
+        done
     }
-    done
 }

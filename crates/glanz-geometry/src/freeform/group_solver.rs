@@ -42,7 +42,7 @@ impl Task for GroupSolver<'_, '_> {
             }
         }
         let pairs = group.pairs(simd, searcher.spaces(simd, &pairs, rays));
-        let roots = match &surface.subpatches {
+        let roots = match &*surface.subpatches {
             SubpatchList::Polynomial(list) => solve_bicubic(simd, list, &leaves, &pairs),
             SubpatchList::Rational(list) => solve_bicubic(simd, list, &leaves, &pairs),
             SubpatchList::General(list) => net_lanes::roots(simd, searcher.net, list, &leaves, &pairs),

@@ -4,7 +4,7 @@
 //! surface, a list of patches, the quadrilaterals of triangular patches. They are split into *leaves* that are almost
 //! parallelograms, and a hierarchy is built over these. Every root of a ray is found, and none is found twice or invented.
 //!
-//! - Building: `subpatches` splits patches whose weights differ much, `leaf_builder` bounds the deviation of a part
+//! - Building: `polynomial_patches` turns patches into powers, `subpatches` splits those whose weights differ much, `leaf_builder` bounds the deviation of a part
 //!   from a parallelogram, and `build` halves parts until it is small.
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
@@ -54,6 +54,7 @@ mod pair_queue;
 mod parameter_rect;
 mod patch_list;
 mod point_lanes;
+mod polynomial_patches;
 mod projected_bicubic;
 mod query;
 mod ray_lanes;
@@ -94,7 +95,8 @@ use crate::trim::TrimRegion;
 /// [`SurfacePoint::uv`]. The normal is that of dpdu x dpdv.
 #[derive(Debug)]
 pub struct Freeform {
-    patches: PatchList,
+    /// Shared with trimmed parts of the surface, as are subpatches and locations.
+    patches: Arc<PatchList>,
     /// The part of the parameters that is kept, if not all.
     region: Option<Arc<TrimRegion>>,
     /// Diagonal of a box around the control points, metres.
@@ -103,9 +105,9 @@ pub struct Freeform {
     /// Leaves by position in the hierarchy.
     leaves: Vec<PatchLeaf>,
     /// The subpatches that the leaves are parts of.
-    subpatches: SubpatchList,
+    subpatches: Arc<SubpatchList>,
     /// Positions of the subpatches in their patches; none if every patch is one of them, in the same order.
-    locations: Vec<SubpatchLocation>,
+    locations: Arc<[SubpatchLocation]>,
     frame: SurfaceFrame,
     /// Leaves whose search was given up: see [`Freeform::undecided`].
     undecided: AtomicU64,
@@ -165,7 +167,8 @@ impl Freeform {
         self.bvh.statistics()
     }
 
-    /// Memory of patches, leaves and hierarchy, bytes, without the trimming region, which may be shared.
+    /// Memory of patches, leaves and hierarchy, bytes, without the trimming region, which may be shared. A trimmed surface counts the
+    /// patches that it shares with the whole one.
     #[must_use]
     pub fn bytes(&self) -> usize {
         self.patches.bytes()

@@ -2,58 +2,41 @@
 
 use glanz_math::glam::DVec4;
 
-use super::SurfacePatch;
-use super::bicubic::Bicubic;
-use crate::bvh::parallel_map;
-
-/// Patches that one thread compares at once.
-const CHUNK: usize = 4096;
-
 /// Bytes of the bits that tell which coordinates differ: 16 control points have 48.
 const MASK_BYTES: usize = 6;
 
 /// Corrections of restored control points: for each coordinate, how many `f64` lie between the restored value and the given one. Most
 /// are zero, and none is lost: neighbouring patches keep common control points to the bit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct NetCorrections {
     /// Start of those of each patch.
-    starts: Vec<u32>,
+    starts: Vec<usize>,
     /// For each patch a bit for each coordinate that differs, then the differences as zigzag LEB128.
     bytes: Vec<u8>,
 }
 
 impl NetCorrections {
-    /// Those of `patches` with these powers; `None` if they are too many.
-    pub(super) fn new(patches: &[SurfacePatch], powers: &[Bicubic<3>]) -> Option<Self> {
-        let chunks: Vec<_> = patches.chunks(CHUNK).zip(powers.chunks(CHUNK)).collect();
-        let parts = parallel_map(&chunks, 1, |(patches, powers)| {
-            let (mut lengths, mut bytes) = (Vec::with_capacity(patches.len()), Vec::new());
-            for (patch, powers) in patches.iter().zip(*powers) {
-                let (start, degrees) = (bytes.len(), patch.patch.degrees());
-                encode(patch.patch.control_points(), &powers.control_points(degrees), &mut bytes);
-                lengths.push((bytes.len() - start) as u32);
-            }
-            (lengths, bytes)
-        });
-        let mut all = Self {
-            starts: Vec::with_capacity(patches.len()),
-            bytes: Vec::with_capacity(parts.iter().map(|(_, bytes)| bytes.len()).sum()),
-        };
-        let mut start = 0_u32;
-        for (lengths, bytes) in parts {
-            all.bytes.extend(bytes);
-            for length in lengths {
-                all.starts.push(start);
-                start = start.checked_add(length)?;
-            }
-        }
-        Some(all)
+    /// Adds those of a patch with the net `exact`, whose powers give the net `rough`.
+    pub(super) fn push(&mut self, exact: &[DVec4], rough: &[DVec4]) {
+        self.starts.push(self.bytes.len());
+        encode(exact, rough, &mut self.bytes);
+    }
+
+    /// Adds those of `other`.
+    pub(super) fn append(&mut self, other: &Self) {
+        let start = self.bytes.len();
+        self.starts.extend(other.starts.iter().map(|other| start + other));
+        self.bytes.extend_from_slice(&other.bytes);
+    }
+
+    /// Reverses the order of the patches.
+    pub(super) fn reverse(&mut self) {
+        self.starts.reverse();
     }
 
     /// The control points of the patch of this number, given those of its powers.
     pub(super) fn correct(&self, patch: usize, net: &mut [DVec4]) -> Option<()> {
-        let (mask, differences) =
-            self.bytes.get(*self.starts.get(patch)? as usize..)?.split_at_checked(MASK_BYTES)?;
+        let (mask, differences) = self.bytes.get(*self.starts.get(patch)?..)?.split_at_checked(MASK_BYTES)?;
         let mask = mask.iter().rev().fold(0_u64, |mask, &byte| mask << 8 | u64::from(byte));
         let mut bytes = differences.iter();
         for (i, point) in net.iter_mut().enumerate() {

@@ -31,22 +31,6 @@ pub(super) enum PatchCoefficients<'a> {
 }
 
 impl PatchList {
-    /// The patches of these subpatches.
-    pub(super) fn new(patches: Vec<SurfacePatch>, subpatches: &SubpatchList) -> Self {
-        match subpatches {
-            SubpatchList::Polynomial(powers) if powers.len() == patches.len() => {
-                match NetCorrections::new(&patches, powers) {
-                    Some(corrections) => Self::Powers {
-                        placements: patches.into_iter().map(|patch| patch.placement).collect(),
-                        corrections,
-                    },
-                    None => Self::Nets(patches),
-                }
-            }
-            _ => Self::Nets(patches),
-        }
-    }
-
     fn len(&self) -> usize {
         match self {
             Self::Nets(patches) => patches.len(),
@@ -99,7 +83,7 @@ impl Freeform {
     /// [`Freeform::patch_count`] on. Where only powers are stored, its control points are computed by every call.
     #[must_use]
     pub fn patch(&self, face: u32) -> Option<SurfacePatch> {
-        match (&self.patches, &self.subpatches) {
+        match (&*self.patches, &*self.subpatches) {
             (PatchList::Nets(patches), _) => patches.get(face as usize).cloned(),
             (PatchList::Powers { placements, corrections }, SubpatchList::Polynomial(powers)) => {
                 let placement = placements.get(face as usize)?.clone();
@@ -132,7 +116,7 @@ impl Freeform {
     /// The coefficients of a patch.
     #[inline]
     pub(super) fn coefficients(&self, face: u32) -> Option<PatchCoefficients<'_>> {
-        match (&self.patches, &self.subpatches) {
+        match (&*self.patches, &*self.subpatches) {
             (PatchList::Nets(patches), _) => {
                 let patch = &patches.get(face as usize)?.patch;
                 Some(PatchCoefficients::Net { points: patch.control_points(), degrees: patch.degrees() })

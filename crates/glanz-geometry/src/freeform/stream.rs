@@ -119,7 +119,7 @@ impl Task for BatchQuery<'_> {
     fn run<S: Simd>(self, simd: S) {
         let Self { surface, rays, any, hits, memory } = self;
         let BatchMemory { stream, lines, queue, net, search, .. } = memory;
-        let by_subpatch = matches!(surface.subpatches, SubpatchList::General(_));
+        let by_subpatch = matches!(*surface.subpatches, SubpatchList::General(_));
         for (rays, hits) in rays.chunks(RAYS_PER_STREAM).zip(hits.chunks_mut(RAYS_PER_STREAM)) {
             lines.clear();
             let (lines, queue, net, search) = (&mut *lines, &mut *queue, &mut *net, &mut *search);

@@ -14,7 +14,7 @@ use super::ray_space::RaySpace;
 use super::root::{SearchScratch, SurfaceRoot};
 use super::surface_patch::SurfacePatch;
 use crate::bvh::simd::{Simd, Task};
-use crate::bvh::{PARALLEL_CHUNK, parallel_flat_map, parallel_map};
+use crate::bvh::{PARALLEL_CHUNK, parallel_map};
 
 /// Largest ratio of the weights of a subpatch. The rounding of powers is that of the largest weight, and counts by the
 /// smallest; and next to a small weight one bit of a parameter is far on the surface.
@@ -79,10 +79,10 @@ impl Task for LeafSearch<'_> {
     }
 }
 
-/// The subpatches of `patches`, none halved more often than `most_halvings`.
-pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpatch> {
-    parallel_flat_map(patches, PARALLEL_CHUNK, |index, patch, done| {
-        let mut open = vec![Subpatch::whole(index as u32, patch)];
+impl Subpatch {
+    /// Adds the subpatches of the patch number `index` to `done`, none halved more often than `most_halvings`.
+    pub(super) fn append_all(index: u32, patch: &SurfacePatch, most_halvings: usize, done: &mut Vec<Self>) {
+        let mut open = vec![Self::whole(index, patch)];
         while let Some(subpatch) = open.pop() {
             if subpatch.weight_ratio() <= EVEN_WEIGHTS || subpatch.location.part.count() == most_halvings {
                 done.push(subpatch);
@@ -90,11 +90,9 @@ pub(super) fn split(patches: &[SurfacePatch], most_halvings: usize) -> Vec<Subpa
                 open.extend(subpatch.halves());
             }
         }
-    })
-}
+    }
 
-impl Subpatch {
-    fn whole(patch: u32, from: &SurfacePatch) -> Self {
+    pub(super) fn whole(patch: u32, from: &SurfacePatch) -> Self {
         let location = SubpatchLocation { patch, part: DyadicRect::WHOLE };
         let net = from.patch.shared_control_points();
         let rational = net.iter().any(|p| p.w != 1.0);
@@ -126,22 +124,17 @@ impl Subpatch {
     }
 }
 
-/// The powers of subpatches of low degrees.
-fn bicubics<const COORDINATES: usize>(subpatches: &[Subpatch]) -> Vec<Bicubic<COORDINATES>> {
-    parallel_map(subpatches, PARALLEL_CHUNK, |subpatch| Bicubic::new(&subpatch.net, subpatch.degrees))
-}
-
 impl SubpatchList {
+    /// The list of subpatches that are not all polynomial of low degrees.
     pub(super) fn new(mut subpatches: Vec<Subpatch>) -> Self {
         let rational = subpatches.iter().any(|subpatch| subpatch.rational);
-        if !subpatches.iter().all(Subpatch::is_simple) {
+        if subpatches.iter().all(Subpatch::is_simple) {
+            let powers = |subpatch: &Subpatch| Bicubic::new(&subpatch.net, subpatch.degrees);
+            Self::Rational(parallel_map(&subpatches, PARALLEL_CHUNK, powers))
+        } else {
             // All of them in one way, so that pairs of any two can be solved side by side.
             subpatches.iter_mut().for_each(|subpatch| subpatch.rational = rational);
             Self::General(subpatches)
-        } else if rational {
-            Self::Rational(bicubics(&subpatches))
-        } else {
-            Self::Polynomial(bicubics(&subpatches))
         }
     }
 

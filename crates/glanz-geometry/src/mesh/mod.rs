@@ -94,9 +94,9 @@ impl Mesh {
             });
         }
         let options = BuildOptions { max_leaf: LANES, block: LANES, leaf_cost: BLOCK_COST };
-        let mut bvh = Bvh::build(&boxes, &options);
-        drop(boxes);
+        // Before the tree takes its memory.
         let positions = VectorList::new(positions);
+        let mut bvh = Bvh::build_over(boxes, &options);
         let blocks = TriangleBlocks::new(&positions, &indices, &bvh);
         bvh.forget_items();
         let (normals, uvs) = (normals.map(VectorList::new), uvs.map(VectorList::new));

@@ -31,28 +31,30 @@ impl NurbsSurface {
     pub fn bezier_patches(&self) -> Result<Vec<BezierPiece>, SurfaceError> {
         let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
         let (count_u, count_v) = self.counts();
-        let mut breaks_v = Vec::new();
-        let mut rows = Vec::with_capacity(count_u);
+        // One after the other in lists as a whole, whose memory goes back to the system.
+        let (mut breaks_u, mut breaks_v) = (Vec::new(), Vec::new());
+        let (mut rows, mut columns) = (Vec::new(), Vec::new());
         for row in self.control_points().chunks_exact(count_v) {
             let (breaks, row) = polygon::bezier(self.knots_v(), row)?;
             breaks_v = breaks;
-            rows.push(row);
+            rows.extend(row);
         }
-        let mut breaks_u = Vec::new();
-        let mut columns = Vec::new();
-        for j in 0..rows.first().map_or(0, Vec::len) {
-            let column: Vec<_> = rows.iter().map(|row| row[j]).collect();
+        let width = rows.len() / count_u.max(1);
+        for j in 0..width {
+            let column: Vec<_> = rows.iter().skip(j).step_by(width).copied().collect();
             let (breaks, column) = polygon::bezier(self.knots_u(), &column)?;
             breaks_u = breaks;
-            columns.push(column);
+            columns.extend(column);
         }
+        drop(rows);
+        let height = columns.len() / width.max(1);
         let mut pieces = Vec::new();
         for (i, u) in breaks_u.windows(2).enumerate() {
             for (j, v) in breaks_v.windows(2).enumerate() {
                 let (i, j) = (i * p, j * q);
                 let columns = &columns;
-                let points = (i..=i + p).flat_map(|i| (j..=j + q).map(move |j| columns[j][i])).collect();
-                let patch = TensorPatch::try_new(p, q, points)?;
+                let points = (i..=i + p).flat_map(|i| (j..=j + q).map(move |j| columns[j * height + i]));
+                let patch = TensorPatch::try_new(p, q, points.collect())?;
                 pieces.push(BezierPiece { u: [u[0], u[1]], v: [v[0], v[1]], patch });
             }
         }

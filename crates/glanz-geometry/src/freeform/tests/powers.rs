@@ -1,12 +1,15 @@
 //! Surfaces whose patches are stored as powers: control points, points and derivatives.
 
-use glanz_math::DVec3;
+use std::sync::Arc;
+
 use glanz_math::glam::DVec4;
+use glanz_math::{DVec2, DVec3};
 
 use super::super::control_net::second_order_jet;
 use super::super::patch_list::PatchList;
 use super::super::{Freeform, SurfacePatch};
 use crate::bezier::TensorPatch;
+use crate::trim::TrimRegion;
 
 /// Numbers uniform in [-1, 1]: Knuth's linear congruential generator.
 struct Random(u64);
@@ -54,7 +57,7 @@ fn control_points_are_restored_to_the_bit() {
     all.push(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]);
     for patches in all {
         let surface = Freeform::try_new(patches.clone()).unwrap();
-        assert!(matches!(surface.patches, PatchList::Powers { .. }));
+        assert!(matches!(*surface.patches, PatchList::Powers { .. }));
         assert_eq!(surface.patch_count(), patches.len());
         for (given, restored) in patches.iter().zip(surface.patches()) {
             assert_eq!(bits(given), bits(&restored));
@@ -92,13 +95,13 @@ fn points_by_powers_are_those_by_control_points_up_to_rounding() {
 }
 
 #[test]
-fn control_points_of_more_patches_than_one_thread_takes_are_restored() {
+fn control_points_of_more_patches_than_are_given_back_at_once_are_restored() {
     let mut random = Random(11);
-    let patches: Vec<_> = (0..9000_u32)
-        .map(|k| random.patch((1, 1), DVec3::new(f64::from(k % 95), f64::from(k / 95), 0.0), 0.9))
+    let patches: Vec<_> = (0..20_000_u32)
+        .map(|k| random.patch((1, 1), DVec3::new(f64::from(k % 140), f64::from(k / 140), 0.0), 0.9))
         .collect();
     let surface = Freeform::try_new(patches.clone()).unwrap();
-    assert!(matches!(surface.patches, PatchList::Powers { .. }));
+    assert!(matches!(*surface.patches, PatchList::Powers { .. }));
     assert!(patches.iter().zip(surface.patches()).all(|(given, restored)| bits(given) == bits(&restored)));
 }
 
@@ -109,4 +112,32 @@ fn equal_weights_other_than_one_are_kept() {
     let given = SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap();
     let surface = Freeform::try_new(vec![given.clone()]).unwrap();
     assert_eq!(bits(&surface.patch(0).unwrap()), bits(&given));
+}
+
+/// All bits of the leaves, in the order of the hierarchy.
+fn leaf_bits(surface: &Freeform) -> Vec<String> {
+    // Numbers are printed with as many digits as tell them apart.
+    surface.leaves.iter().map(|leaf| format!("{leaf:?}")).collect()
+}
+
+#[test]
+fn a_region_that_keeps_all_changes_no_leaf_and_shares_the_patches() {
+    let mut random = Random(13);
+    // Stored as powers, in three and in four coordinates; as nets; and as nets of which some fall into several subpatches.
+    for (degree, weight) in [(3, 1.0), (3, 1.1), (5, 1.1), (2, 30.0), (5, 30.0)] {
+        let patches = (0..150_u32).map(|k| {
+            let patch = random.patch((degree, 2), DVec3::new(f64::from(k % 12), f64::from(k / 12), 0.0), 0.9);
+            let mut points = patch.patch().control_points().to_vec();
+            points[0] *= if k % 3 == 0 { weight } else { 1.0 };
+            let patch = TensorPatch::try_new(degree, 2, points).unwrap();
+            SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()
+        });
+        let whole = Freeform::try_new(patches.collect()).unwrap();
+        assert_eq!(whole.locations.is_empty(), weight < 4.0);
+        let region = TrimRegion::try_new(Vec::new(), [DVec2::splat(-1.0), DVec2::splat(2.0)]).unwrap();
+        let trimmed = whole.trimmed(Arc::new(region));
+        assert_eq!(leaf_bits(&trimmed), leaf_bits(&whole));
+        assert!(Arc::ptr_eq(&trimmed.patches, &whole.patches));
+        assert!(Arc::ptr_eq(&trimmed.subpatches, &whole.subpatches));
+    }
 }
