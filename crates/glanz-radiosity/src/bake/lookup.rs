@@ -83,7 +83,8 @@ impl SurfaceIndex {
     /// Numbers of the chart and of the texel nearest to a point.
     pub(super) fn texel(&self, charts: &[Chart], place: &ParametricPoint) -> Option<(usize, usize)> {
         let (number, texel) = self.on_chart(|number| charts.get(number), place)?;
-        let (texel, width) = (texel.round(), charts.get(number)?.size[0]);
+        // Coordinates are not negative; to round them is a library call without SSE4.1.
+        let (texel, width) = (texel + 0.5, charts.get(number)?.size[0]);
         Some((number, texel.y as usize * width as usize + texel.x as usize))
     }
 
