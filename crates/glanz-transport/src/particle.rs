@@ -3,11 +3,12 @@
 //! A particle leaves a light with a part of its power and continues from surface to surface, losing the absorbed part. It
 //! carries flux, so that the mean over many particles is the incident flux of any surface.
 
-use glanz_geometry::BoundedRay;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{HitLocation, Interaction, LightId, LightRange, LightRay, Scene, SceneHit};
+use glanz_scene::{
+    BatchedPath, HitLocation, Interaction, LightId, LightRange, LightRay, PathBatch, Scene, SceneHit,
+};
 use glanz_shading::Bsdf;
 
 use crate::integrator::{Counters, INTERFACE_LIMIT, Vertex};
@@ -76,18 +77,15 @@ pub struct ParticleTracer<'a> {
     // Memory of the particles that were traced last.
     numbers: Vec<[f64; 4]>,
     particles: Vec<ParticleState>,
-    active: Vec<u32>,
-    rays: Vec<BoundedRay>,
-    hits: Vec<Option<SceneHit>>,
+    batch: PathBatch,
 }
 
 impl<'a> ParticleTracer<'a> {
     /// A tracer of particles that are scattered up to `max_events` times.
     #[must_use]
     pub fn new(scene: &'a Scene, max_events: u32) -> Self {
-        let (numbers, particles, active) = (Vec::new(), Vec::new(), Vec::new());
-        let (wavelengths, rays, hits) = (Wavelengths::default(), Vec::new(), Vec::new());
-        Self { scene, wavelengths, max_events, numbers, particles, active, rays, hits }
+        let (numbers, particles, batch) = (Vec::new(), Vec::new(), PathBatch::default());
+        Self { scene, wavelengths: Wavelengths::default(), max_events, numbers, particles, batch }
     }
 
     /// Traces `count` particles, by the sample of `first` and those after it, and calls `visit` with the number of a particle for every
@@ -100,45 +98,22 @@ impl<'a> ParticleTracer<'a> {
         first: PixelSampler,
         count: u32,
         counters: &mut Counters,
-        mut visit: impl FnMut(usize, &Arrival),
+        visit: impl FnMut(usize, &Arrival),
     ) {
-        let Self { scene, wavelengths, max_events, numbers, particles, active, rays, hits } = self;
-        let sampler = |particle: u32| first.with_index(first.sample_index().wrapping_add(particle));
+        let Self { scene, wavelengths, max_events, numbers, particles, batch } = self;
+        let (scene, max_events) = (*scene, *max_events);
+        let mut traced = TracedParticles { scene, wavelengths, max_events, first, counters, visit };
         let only = scene.only_emitter();
         let select = |particle: u32| match only {
             Some(id) => Some((id, 1.0)),
-            None => scene.select_emitter(at_dimension(sampler(particle), SELECTION_DIMENSION).next_1d()),
+            None => scene.select_emitter(traced.sampler(particle, SELECTION_DIMENSION).next_1d()),
         };
-        at_dimension(first, EMISSION_DIMENSIONS).groups_of_samples(count, numbers);
+        traced.sampler(0, EMISSION_DIMENSIONS).groups_of_samples(count, numbers);
         particles.clear();
         particles.extend(
-            (0..).zip(&*numbers).map(|(i, &numbers)| ParticleState::emitted(scene, select(i), numbers)),
+            (0..).zip(&*numbers).map(|(i, &numbers)| ParticleState::emitted(scene, i, select(i), numbers)),
         );
-        active.clear();
-        active
-            .extend((0..).zip(&*particles).filter(|(_, p)| p.fate != FateKind::Dark).map(|(index, _)| index));
-        while !active.is_empty() {
-            counters.closest += active.len() as u64;
-            rays.clear();
-            rays.extend(active.iter().map(|&index| BoundedRay::from(particles[index as usize].ray)));
-            scene.closest_batch(rays, hits);
-            let mut hits = hits.iter();
-            active.retain(|&index| {
-                let (Some(particle), Some(hit)) = (particles.get_mut(index as usize), hits.next()) else {
-                    return false;
-                };
-                let Some(hit) = hit else {
-                    particle.fate = FateKind::Escaped;
-                    return false;
-                };
-                let mut visit = |arrival: &Arrival| visit(index as usize, arrival);
-                if scene.hit_material(hit).absorbs_all() {
-                    return particle.absorbed(scene, *max_events, hit, &mut visit);
-                }
-                let scattering = ScatteringContext { scene, wavelengths, max_events: *max_events };
-                particle.advance(&scattering, || sampler(index), hit, &mut visit)
-            });
-        }
+        batch.trace(scene, particles, &mut traced);
     }
 
     /// Paths of the particles that were traced last; `None` where a light is black, so that the particle has no power.
@@ -147,11 +122,24 @@ impl<'a> ParticleTracer<'a> {
     }
 }
 
-/// What the scattering of all particles depends on.
-struct ScatteringContext<'a> {
+/// What particles that are traced together share.
+struct TracedParticles<'a, V> {
     scene: &'a Scene,
     wavelengths: &'a Wavelengths,
     max_events: u32,
+    /// The sampler of the first particle.
+    first: PixelSampler,
+    counters: &'a mut Counters,
+    visit: V,
+}
+
+impl<V> TracedParticles<'_, V> {
+    /// The sampler of a particle, continued at `dimension`.
+    fn sampler(&self, particle: u32, dimension: u32) -> PixelSampler {
+        let mut sampler = self.first.with_index(self.first.sample_index().wrapping_add(particle));
+        sampler.skip_to_dimension(dimension);
+        sampler
+    }
 }
 
 /// The kind of a [`ParticleFate`].
@@ -159,6 +147,8 @@ struct ScatteringContext<'a> {
 enum FateKind {
     /// The light is black: there is no particle.
     Dark,
+    /// The particle has a ray.
+    UnderWay,
     Absorbed,
     Escaped,
     GivenUp,
@@ -166,6 +156,9 @@ enum FateKind {
 
 /// State of a particle between its surfaces.
 struct ParticleState {
+    /// Its position among the particles that are traced together.
+    number: u32,
+    /// The last ray.
     ray: Ray,
     /// Initial power, W.
     emitted: Spectrum,
@@ -180,18 +173,18 @@ struct ParticleState {
     interfaces: u32,
     /// Number of surfaces that scattered or absorbed it.
     events: u32,
-    /// Its fate; absorbed until it is known.
     fate: FateKind,
 }
 
 impl ParticleState {
     /// A particle that leaves a light, selected with a probability.
     #[inline]
-    fn emitted(scene: &Scene, selected: Option<(LightId, f64)>, [x, y, u, v]: [f64; 4]) -> Self {
+    fn emitted(scene: &Scene, number: u32, selected: Option<(LightId, f64)>, [x, y, u, v]: [f64; 4]) -> Self {
         let (xi_direction, xi_place) = (DVec2::new(x, y), DVec2::new(u, v));
         let selected = selected.filter(|&(_, p)| p > 0.0);
         let emission = selected.and_then(|(id, p)| Some((scene.emit(id, xi_place, xi_direction)?, p)));
         let mut state = Self {
+            number,
             ray: Ray::new(DVec3::ZERO, DVec3::Z),
             emitted: Spectrum::BLACK,
             power: Spectrum::BLACK,
@@ -205,7 +198,7 @@ impl ParticleState {
         if let Some((LightRay { ray, power, range, .. }, probability)) = emission {
             let power = power * (1.0 / probability) as f32;
             (state.ray, state.emitted, state.power, state.range) = (ray, power, power, range);
-            state.fate = FateKind::Absorbed;
+            state.fate = FateKind::UnderWay;
         }
         state
     }
@@ -214,70 +207,66 @@ impl ParticleState {
         let Self { ray, emitted, power, faded, events, .. } = *self;
         let end = match self.fate {
             FateKind::Dark => return None,
-            FateKind::Absorbed => ParticleFate::Absorbed,
+            FateKind::UnderWay | FateKind::Absorbed => ParticleFate::Absorbed,
             FateKind::Escaped => ParticleFate::Escaped { ray, power },
             FateKind::GivenUp => ParticleFate::GivenUp(power),
         };
         Some(ParticlePath { emitted, faded, end, events })
     }
 
-    /// Ends at a hit on a surface that absorbs all light. Returns that the particle has no other ray.
-    fn absorbed(
+    /// Ends at a hit on a surface that absorbs all light.
+    fn end_at<V: FnMut(usize, &Arrival)>(
         &mut self,
-        scene: &Scene,
-        max_events: u32,
+        traced: &mut TracedParticles<'_, V>,
         hit: &SceneHit,
-        visit: &mut impl FnMut(&Arrival),
-    ) -> bool {
+    ) -> FateKind {
         if self.events == 0 {
             self.fade(hit.t());
         }
-        if self.events >= max_events {
-            self.fate = FateKind::GivenUp;
-            return false;
+        if self.events >= traced.max_events {
+            return FateKind::GivenUp;
         }
         self.events += 1;
-        visit(&Arrival { at: scene.location(&self.ray, hit), arrived: self.power, left: Spectrum::BLACK });
-        false
+        let at = traced.scene.location(&self.ray, hit);
+        (traced.visit)(self.number as usize, &Arrival { at, arrived: self.power, left: Spectrum::BLACK });
+        FateKind::Absorbed
     }
 
-    /// Continues from the hit of the ray. Returns whether the particle has another ray.
-    fn advance(
+    /// Continues from the hit of the ray.
+    fn continue_at<V: FnMut(usize, &Arrival)>(
         &mut self,
-        context: &ScatteringContext<'_>,
-        sampler: impl FnOnce() -> PixelSampler,
+        traced: &mut TracedParticles<'_, V>,
         hit: &SceneHit,
-        visit: &mut impl FnMut(&Arrival),
-    ) -> bool {
-        let &ScatteringContext { scene, wavelengths, max_events } = context;
+    ) -> FateKind {
+        let (scene, number) = (traced.scene, self.number as usize);
         let at = scene.interaction(&self.ray, hit);
         let location = HitLocation::new(&at, scene.parametric_point(hit, &at));
         if self.events == 0 {
             self.fade(at.t);
         }
         let arrived = self.power;
-        let Some(bsdf) = at.bsdf(scene, wavelengths) else {
-            visit(&Arrival { at: location, arrived, left: arrived });
+        let Some(bsdf) = at.bsdf(scene, traced.wavelengths) else {
+            (traced.visit)(number, &Arrival { at: location, arrived, left: arrived });
             self.interfaces += 1;
             if self.interfaces > INTERFACE_LIMIT {
-                self.fate = FateKind::GivenUp;
-                return false;
+                return FateKind::GivenUp;
             }
             self.ray = at.spawn(self.ray.direction);
-            return true;
+            return FateKind::UnderWay;
         };
         self.interfaces = 0;
-        if self.events >= max_events {
-            self.fate = FateKind::GivenUp;
-            return false;
+        if self.events >= traced.max_events {
+            return FateKind::GivenUp;
         }
-        let scattered = self.scatter(&at, bsdf, sampler);
+        let scattered = self.scatter(traced, &at, bsdf);
         let left = scattered.map_or(Spectrum::BLACK, |(_, left)| left);
-        visit(&Arrival { at: location, arrived, left });
-        let Some((direction, left)) = scattered.filter(|_| !left.is_black()) else { return false };
+        (traced.visit)(number, &Arrival { at: location, arrived, left });
+        let Some((direction, left)) = scattered.filter(|_| !left.is_black()) else {
+            return FateKind::Absorbed;
+        };
         self.power = left;
         self.ray = at.spawn(direction);
-        true
+        FateKind::UnderWay
     }
 
     /// Applies the attenuation of the light over the distance `t`, metres, of the ray.
@@ -291,31 +280,38 @@ impl ParticleState {
     }
 
     /// Samples the direction in which the particle continues, and its power after Russian roulette; `None` if it is absorbed.
-    fn scatter(
+    fn scatter<V>(
         &mut self,
+        traced: &TracedParticles<'_, V>,
         at: &Interaction,
         bsdf: Bsdf,
-        sampler: impl FnOnce() -> PixelSampler,
     ) -> Option<(DVec3, Spectrum)> {
         let event = self.events;
         self.events += 1;
         if matches!(bsdf, Bsdf::Black) {
             return None;
         }
-        let mut sampler = sampler();
-        sampler
-            .skip_to_dimension(FIRST_EVENT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(event)));
-        let [x, y, xi_lobe, xi_survival] = sampler.next_group();
+        let dimension = FIRST_EVENT_DIMENSION.wrapping_add(DIMENSIONS_PER_EVENT.wrapping_mul(event));
+        let [x, y, xi_lobe, xi_survival] = traced.sampler(self.number, dimension).next_group();
         let scattered = Vertex::new(at, bsdf).sample_flux(DVec2::new(x, y), xi_lobe)?;
         let threshold = ROULETTE_BELOW * self.emitted.max_component();
         Some((scattered.direction, survivor(self.power * scattered.weight, threshold, xi_survival)))
     }
 }
 
-/// The sampler, continued at `dimension`.
-fn at_dimension(mut sampler: PixelSampler, dimension: u32) -> PixelSampler {
-    sampler.skip_to_dimension(dimension);
-    sampler
+impl<V: FnMut(usize, &Arrival)> BatchedPath<TracedParticles<'_, V>> for ParticleState {
+    fn ray(&self) -> Option<Ray> {
+        (self.fate == FateKind::UnderWay).then_some(self.ray)
+    }
+
+    fn advance(&mut self, traced: &mut TracedParticles<'_, V>, hit: Option<&SceneHit>, _: &mut Vec<Self>) {
+        traced.counters.closest += 1;
+        self.fate = match hit {
+            None => FateKind::Escaped,
+            Some(hit) if traced.scene.hit_material(hit).absorbs_all() => self.end_at(traced, hit),
+            Some(hit) => self.continue_at(traced, hit),
+        };
+    }
 }
 
 /// Power after Russian roulette: `power` itself, or if it is below `threshold`, either that amount with the same colour or nothing.
