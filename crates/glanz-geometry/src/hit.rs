@@ -132,7 +132,7 @@ fn transformed_position(position: DVec3, error: DVec3, to_world: &Transform) -> 
     (moved, to_world.point_error(position, error + back))
 }
 
-/// A [`SurfacePoint`] as far as it tells where on a surface a hit is.
+/// Position, normal and texture coordinates of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceLocation {
     /// The point, metres.

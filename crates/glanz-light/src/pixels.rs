@@ -66,14 +66,14 @@ impl Pixels {
         Ok(pixels)
     }
 
-    /// A picture of the channels R, G and B in linear light from sRGB bytes.
+    /// A picture of the channels R, G and B in linear light from sRGB bytes, row by row from the top left.
     ///
     /// # Errors
     /// As [`Pixels::try_from_rgb`].
-    pub fn try_from_srgb8(width: u32, height: u32, bytes: &[[u8; 3]]) -> Result<Self, PixelsError> {
+    pub fn try_from_srgb8(width: u32, height: u32, colours: &[[u8; 3]]) -> Result<Self, PixelsError> {
         let light: [f32; 256] = std::array::from_fn(|byte| srgb_decode(byte as f32 / 255.0));
         let rgb: Vec<[f32; 3]> =
-            bytes.iter().map(|colour| colour.map(|byte| light[usize::from(byte)])).collect();
+            colours.iter().map(|colour| colour.map(|byte| light[usize::from(byte)])).collect();
         Self::try_from_rgb(width, height, &rgb)
     }
 
@@ -136,5 +136,21 @@ impl Pixels {
             return Some(r.iter().zip(g).zip(b).map(|((&r, &g), &b)| [r, g, b]).collect());
         }
         self.channel("Y").map(|y| y.iter().map(|&y| [y; 3]).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tone::Tone;
+
+    #[test]
+    fn every_srgb_byte_comes_back() {
+        let colours: Vec<[u8; 3]> = (0..=255).map(|byte| [byte, 255 - byte, byte ^ 0x55]).collect();
+        let pixels = Pixels::try_from_srgb8(16, 16, &colours).unwrap();
+        let back: Vec<_> =
+            pixels.to_rgb().unwrap().into_iter().map(|p| Tone::default().to_srgb8(p)).collect();
+        assert_eq!(back, colours);
+        assert!(Pixels::try_from_srgb8(2, 2, &colours[..3]).is_err());
     }
 }

@@ -220,6 +220,11 @@ mod tests {
             for units in [value, -value] {
                 assert_eq!(nearest_integer(units), units.round_ties_even() as i128, "{units:e}");
             }
+            let magnitude = value.abs().round_ties_even() as u128;
+            if value.is_finite() {
+                let limbs = [magnitude as u64, (magnitude >> 64) as u64, 0];
+                assert_eq!(to_limbs(value.abs()), limbs, "{value:e}");
+            }
         }
     }
 

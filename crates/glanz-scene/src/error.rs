@@ -66,7 +66,7 @@ pub enum SceneErrorKind {
     #[error("groups are nested more deeply than the {0} levels allowed; merge some of them")]
     Nesting(usize),
     /// More copies of surfaces than can be numbered.
-    #[error("instances of instances make more than 2^63 surfaces; use fewer of them")]
+    #[error("instances of instances make 2^63 surfaces or more; use fewer of them")]
     TooManyCopies,
     /// A receiver in a group that is copied.
     #[error(

@@ -1,5 +1,7 @@
 //! Paths of rays through a scene, advanced together from surface to surface so that their rays are batches.
 
+use std::cell::RefCell;
+
 use glanz_geometry::BoundedRay;
 use glanz_math::Ray;
 
@@ -8,9 +10,10 @@ use crate::scene::Scene;
 
 /// A path of rays. `C`: what the paths of a batch share.
 ///
-/// A path must not depend on the others of its batch.
+/// A path must not depend on the others of its batch. The order of calls for different paths depends on the batch (some vertices are
+/// completed before other paths advance): what they add to `shared` must be exact, or kept by path.
 pub trait BatchedPath<C: ?Sized>: Sized {
-    /// The ray under way; `None` if the path has ended.
+    /// The ray under way; `None` if the path has ended. Only [`BatchedPath::advance`] may change it.
     fn ray(&self) -> Option<Ray>;
 
     /// Continues from the first hit of the ray, or ends. Paths that branch off are added to `branches`, each with shadow rays and a next ray
@@ -22,7 +25,8 @@ pub trait BatchedPath<C: ?Sized>: Sized {
         let _ = rays;
     }
 
-    /// Ends the vertex. `occluded`: for each of the shadow rays, whether something stops it.
+    /// Ends the vertex: called after every [`BatchedPath::advance`] and once for every branch, with and without shadow rays. `occluded`: for
+    /// each of the shadow rays, whether something stops it.
     fn complete_vertex(&mut self, shared: &mut C, occluded: &[bool]) {
         let _ = (shared, occluded);
     }
@@ -32,9 +36,14 @@ pub trait BatchedPath<C: ?Sized>: Sized {
 /// many.
 const SHADOW_RAYS: usize = 1024;
 
-/// Memory of batches of paths.
-#[derive(Debug, Default)]
-pub struct PathBatch {
+thread_local! {
+    /// The memory of earlier batches: getting it from the system takes as long as a part of the rays.
+    static MEMORY: RefCell<PathBatchMemory> = RefCell::default();
+}
+
+/// Memory that batches reuse: a list entry per path.
+#[derive(Default)]
+struct PathBatchMemory {
     active: Vec<u32>,
     rays: Vec<BoundedRay>,
     hits: Vec<Option<SceneHit>>,
@@ -42,7 +51,7 @@ pub struct PathBatch {
 }
 
 /// Shadow rays of several paths.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct ShadowBatch {
     rays: Vec<BoundedRay>,
     occluded: Vec<bool>,
@@ -68,7 +77,11 @@ impl ShadowBatch {
 
     /// Traces the rays and completes the vertices of their paths.
     fn trace<C: ?Sized, P: BatchedPath<C>>(&mut self, scene: &Scene, paths: &mut [P], shared: &mut C) {
-        scene.occluded_batch(&self.rays, &mut self.occluded);
+        if self.rays.is_empty() {
+            self.occluded.clear();
+        } else {
+            scene.occluded_batch(&self.rays, &mut self.occluded);
+        }
         let mut start = 0;
         for (index, end) in self.paths.drain(..) {
             paths[index as usize].complete_vertex(shared, &self.occluded[start..end]);
@@ -78,9 +91,18 @@ impl ShadowBatch {
     }
 }
 
-impl PathBatch {
+impl Scene {
     /// Traces paths to their ends; those that branch off are appended to `paths`. A thousand paths are a good number.
-    pub fn trace<C: ?Sized, P: BatchedPath<C>>(&mut self, scene: &Scene, paths: &mut Vec<P>, shared: &mut C) {
+    pub fn trace_paths<C: ?Sized, P: BatchedPath<C>>(&self, paths: &mut Vec<P>, shared: &mut C) {
+        // None is left for a batch within a batch.
+        let mut memory = MEMORY.take();
+        memory.trace(self, paths, shared);
+        MEMORY.set(memory);
+    }
+}
+
+impl PathBatchMemory {
+    fn trace<C: ?Sized, P: BatchedPath<C>>(&mut self, scene: &Scene, paths: &mut Vec<P>, shared: &mut C) {
         let Self { active, rays, hits, shadows } = self;
         let mut branches = Vec::new();
         active.clear();
@@ -181,14 +203,13 @@ mod tests {
             .resolve()
             .unwrap();
         let mut together: Vec<_> = (0..300).map(Zigzag::new).collect();
-        let mut batch = PathBatch::default();
-        batch.trace(&scene, &mut together, &mut ());
+        scene.trace_paths(&mut together, &mut ());
         assert!(together.len() > 350, "{}", together.len());
         let mut branches = together[300..].iter();
         let (mut shadows, mut occluded) = (0, 0);
         for number in 0..300 {
             let mut alone = vec![Zigzag::new(number)];
-            batch.trace(&scene, &mut alone, &mut ());
+            scene.trace_paths(&mut alone, &mut ());
             assert_eq!(alone[0], together[number as usize]);
             assert!(alone[1..].iter().eq(branches.by_ref().take(alone.len() - 1)));
             occluded += alone[0].occluded.iter().sum::<usize>();

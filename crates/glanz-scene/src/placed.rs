@@ -22,7 +22,7 @@ pub struct PlacedSurface<'a> {
 /// A point of the surfaces of [`Scene::placed_surfaces`] by its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParametricPoint {
-    /// Index of the surface.
+    /// Index of the surface; `u32::MAX` for all from that one on, which no list holds.
     pub surface: u32,
     /// Face of the surface.
     pub face: u32,
@@ -200,7 +200,10 @@ mod tests {
         SceneBuilder::new()
             .shape(cuboid.rotated(DVec3::Z, 0.3).translated([-5.0, 0.0, 0.0]).reversed(), grey())
             .group("tent", |group| group.shapes([tent, ring.into()], grey()))
+            .group("nothing", |group| group)
+            .instance("nothing", right(1.0))
             .instance("tent", right(3.0))
+            .instance("nothing", right(2.0))
             .instance("tent", right(9.0) * DMat4::from_scale(DVec3::new(-2.0, 2.0, 2.0)))
             .resolve()
             .unwrap()

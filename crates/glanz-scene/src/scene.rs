@@ -174,7 +174,7 @@ impl Scene {
     pub fn parametric_point(&self, found: &SceneHit, at: &Interaction) -> ParametricPoint {
         let Hit { u, v, face, .. } = found.hit;
         let back = at.point.normal.dot(at.wo) < 0.0;
-        // Nobody can list more surfaces, and so look them up.
+        // No list holds more surfaces, so that no look-up finds this number.
         let surface = u32::try_from(found.surface).unwrap_or(u32::MAX);
         ParametricPoint { surface, face, back, uv: DVec2::new(u, v) }
     }

@@ -6,9 +6,7 @@
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{
-    BatchedPath, HitLocation, Interaction, LightId, LightRange, LightRay, PathBatch, Scene, SceneHit,
-};
+use glanz_scene::{BatchedPath, HitLocation, Interaction, LightId, LightRange, LightRay, Scene, SceneHit};
 use glanz_shading::Bsdf;
 
 use crate::integrator::{Counters, INTERFACE_LIMIT, Vertex};
@@ -61,7 +59,7 @@ pub struct ParticlePath {
     pub faded: Spectrum,
     /// Its fate.
     pub end: ParticleFate,
-    /// Number of surfaces hit.
+    /// Number of surfaces that scattered or absorbed it.
     pub events: u32,
 }
 
@@ -75,24 +73,25 @@ pub struct ParticleTracer<'a> {
     /// Largest number of scattering events of a particle.
     max_events: u32,
     // Memory of the particles that were traced last.
-    numbers: Vec<[f64; 4]>,
+    /// Numbers for direction and position on the light of each particle, in [0, 1).
+    emission_numbers: Vec<[f64; 4]>,
     particles: Vec<ParticleState>,
-    batch: PathBatch,
 }
 
 impl<'a> ParticleTracer<'a> {
     /// A tracer of particles that are scattered up to `max_events` times.
     #[must_use]
     pub fn new(scene: &'a Scene, max_events: u32) -> Self {
-        let (numbers, particles, batch) = (Vec::new(), Vec::new(), PathBatch::default());
-        Self { scene, wavelengths: Wavelengths::default(), max_events, numbers, particles, batch }
+        let (emission_numbers, particles) = (Vec::new(), Vec::new());
+        Self { scene, wavelengths: Wavelengths::default(), max_events, emission_numbers, particles }
     }
 
     /// Traces `count` particles, by the sample of `first` and those after it, and calls `visit` with the number of a particle for every
     /// surface that it hits.
     ///
     /// All particles advance from surface to surface together, so that their rays are traced as batches; a thousand are a good number. The
-    /// path of a particle does not depend on the others, and its surfaces are visited in their order.
+    /// path of a particle does not depend on the others, and its surfaces are visited in their order. Indices of samples wrap after 2^32 - 1;
+    /// the dimension of `first` does not matter. Memory is proportional to `count`.
     pub fn trace(
         &mut self,
         first: PixelSampler,
@@ -100,7 +99,7 @@ impl<'a> ParticleTracer<'a> {
         counters: &mut Counters,
         visit: impl FnMut(usize, &Arrival),
     ) {
-        let Self { scene, wavelengths, max_events, numbers, particles, batch } = self;
+        let Self { scene, wavelengths, max_events, emission_numbers, particles } = self;
         let (scene, max_events) = (*scene, *max_events);
         let mut traced = TracedParticles { scene, wavelengths, max_events, first, counters, visit };
         let only = scene.only_emitter();
@@ -108,12 +107,14 @@ impl<'a> ParticleTracer<'a> {
             Some(id) => Some((id, 1.0)),
             None => scene.select_emitter(traced.sampler(particle, SELECTION_DIMENSION).next_1d()),
         };
-        traced.sampler(0, EMISSION_DIMENSIONS).groups_of_samples(count, numbers);
+        traced.sampler(0, EMISSION_DIMENSIONS).groups_of_samples(count, emission_numbers);
         particles.clear();
         particles.extend(
-            (0..).zip(&*numbers).map(|(i, &numbers)| ParticleState::emitted(scene, i, select(i), numbers)),
+            (0..)
+                .zip(&*emission_numbers)
+                .map(|(i, &numbers)| ParticleState::emitted(scene, i, select(i), numbers)),
         );
-        batch.trace(scene, particles, &mut traced);
+        scene.trace_paths(particles, &mut traced);
     }
 
     /// Paths of the particles that were traced last; `None` where a light is black, so that the particle has no power.
@@ -122,7 +123,7 @@ impl<'a> ParticleTracer<'a> {
     }
 }
 
-/// What particles that are traced together share.
+/// Data shared by particles that are traced together.
 struct TracedParticles<'a, V> {
     scene: &'a Scene,
     wavelengths: &'a Wavelengths,
@@ -142,13 +143,12 @@ impl<V> TracedParticles<'_, V> {
     }
 }
 
-/// The kind of a [`ParticleFate`].
+/// Whether a particle is under way, or how it ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum FateKind {
-    /// The light is black: there is no particle.
-    Dark,
-    /// The particle has a ray.
-    UnderWay,
+enum ParticleStatus {
+    /// Its light is black.
+    NotEmitted,
+    Active,
     Absorbed,
     Escaped,
     GivenUp,
@@ -173,7 +173,7 @@ struct ParticleState {
     interfaces: u32,
     /// Number of surfaces that scattered or absorbed it.
     events: u32,
-    fate: FateKind,
+    status: ParticleStatus,
 }
 
 impl ParticleState {
@@ -193,23 +193,24 @@ impl ParticleState {
             distance: 0.0,
             interfaces: 0,
             events: 0,
-            fate: FateKind::Dark,
+            status: ParticleStatus::NotEmitted,
         };
         if let Some((LightRay { ray, power, range, .. }, probability)) = emission {
             let power = power * (1.0 / probability) as f32;
             (state.ray, state.emitted, state.power, state.range) = (ray, power, power, range);
-            state.fate = FateKind::UnderWay;
+            state.status = ParticleStatus::Active;
         }
         state
     }
 
     fn path(&self) -> Option<ParticlePath> {
         let Self { ray, emitted, power, faded, events, .. } = *self;
-        let end = match self.fate {
-            FateKind::Dark => return None,
-            FateKind::UnderWay | FateKind::Absorbed => ParticleFate::Absorbed,
-            FateKind::Escaped => ParticleFate::Escaped { ray, power },
-            FateKind::GivenUp => ParticleFate::GivenUp(power),
+        let end = match self.status {
+            ParticleStatus::NotEmitted => return None,
+            // None is active after a trace.
+            ParticleStatus::Active | ParticleStatus::Absorbed => ParticleFate::Absorbed,
+            ParticleStatus::Escaped => ParticleFate::Escaped { ray, power },
+            ParticleStatus::GivenUp => ParticleFate::GivenUp(power),
         };
         Some(ParticlePath { emitted, faded, end, events })
     }
@@ -219,17 +220,17 @@ impl ParticleState {
         &mut self,
         traced: &mut TracedParticles<'_, V>,
         hit: &SceneHit,
-    ) -> FateKind {
+    ) -> ParticleStatus {
         if self.events == 0 {
             self.fade(hit.t());
         }
         if self.events >= traced.max_events {
-            return FateKind::GivenUp;
+            return ParticleStatus::GivenUp;
         }
         self.events += 1;
-        let at = traced.scene.location(&self.ray, hit);
+        let at = traced.scene.hit_location(&self.ray, hit);
         (traced.visit)(self.number as usize, &Arrival { at, arrived: self.power, left: Spectrum::BLACK });
-        FateKind::Absorbed
+        ParticleStatus::Absorbed
     }
 
     /// Continues from the hit of the ray.
@@ -237,7 +238,7 @@ impl ParticleState {
         &mut self,
         traced: &mut TracedParticles<'_, V>,
         hit: &SceneHit,
-    ) -> FateKind {
+    ) -> ParticleStatus {
         let (scene, number) = (traced.scene, self.number as usize);
         let at = scene.interaction(&self.ray, hit);
         let location = HitLocation::new(&at, scene.parametric_point(hit, &at));
@@ -249,24 +250,24 @@ impl ParticleState {
             (traced.visit)(number, &Arrival { at: location, arrived, left: arrived });
             self.interfaces += 1;
             if self.interfaces > INTERFACE_LIMIT {
-                return FateKind::GivenUp;
+                return ParticleStatus::GivenUp;
             }
             self.ray = at.spawn(self.ray.direction);
-            return FateKind::UnderWay;
+            return ParticleStatus::Active;
         };
         self.interfaces = 0;
         if self.events >= traced.max_events {
-            return FateKind::GivenUp;
+            return ParticleStatus::GivenUp;
         }
         let scattered = self.scatter(traced, &at, bsdf);
         let left = scattered.map_or(Spectrum::BLACK, |(_, left)| left);
         (traced.visit)(number, &Arrival { at: location, arrived, left });
         let Some((direction, left)) = scattered.filter(|_| !left.is_black()) else {
-            return FateKind::Absorbed;
+            return ParticleStatus::Absorbed;
         };
         self.power = left;
         self.ray = at.spawn(direction);
-        FateKind::UnderWay
+        ParticleStatus::Active
     }
 
     /// Applies the attenuation of the light over the distance `t`, metres, of the ray.
@@ -301,13 +302,13 @@ impl ParticleState {
 
 impl<V: FnMut(usize, &Arrival)> BatchedPath<TracedParticles<'_, V>> for ParticleState {
     fn ray(&self) -> Option<Ray> {
-        (self.fate == FateKind::UnderWay).then_some(self.ray)
+        (self.status == ParticleStatus::Active).then_some(self.ray)
     }
 
     fn advance(&mut self, traced: &mut TracedParticles<'_, V>, hit: Option<&SceneHit>, _: &mut Vec<Self>) {
         traced.counters.closest += 1;
-        self.fate = match hit {
-            None => FateKind::Escaped,
+        self.status = match hit {
+            None => ParticleStatus::Escaped,
             Some(hit) if traced.scene.hit_material(hit).absorbs_all() => self.end_at(traced, hit),
             Some(hit) => self.continue_at(traced, hit),
         };

@@ -85,7 +85,7 @@ pub(super) fn write_png(pixels: &Pixels, tone: &Tone) -> Result<Vec<u8>, ImageEr
 /// An 8 bit PNG of sRGB bytes, row by row from the top left.
 ///
 /// # Errors
-/// [`ImageError::NotWritable`] if there are not `width` times `height` colours.
+/// [`ImageError::NotWritable`] if there are not `width` times `height` colours, or none.
 pub fn write_srgb8(width: u32, height: u32, colours: &[[u8; 3]]) -> Result<Vec<u8>, ImageError> {
     let not_writable = |message: String| ImageError::NotWritable { format: Format::Png, message };
     let expected = u64::from(width) * u64::from(height);

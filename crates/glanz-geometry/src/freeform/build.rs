@@ -154,7 +154,7 @@ impl Freeform {
     }
 }
 
-/// What the form in which patches are stored depends on.
+/// Properties of the patches that determine how they are stored.
 struct PatchSummary {
     /// The box around the control points.
     hull: Bounds3,
@@ -228,7 +228,7 @@ struct OpenLeaf {
     before: [f64; 2],
 }
 
-/// What the leaves of all patches of a surface have in common.
+/// Rules by which all patches of a surface are divided into leaves.
 pub(super) struct LeafRules {
     /// Size below which leaves are not halved further, metres.
     smallest: f64,

@@ -4,8 +4,8 @@
 //! surface, a list of patches, the quadrilaterals of triangular patches. They are split into *leaves* that are almost
 //! parallelograms, and a hierarchy is built over these. Every root of a ray is found, and none is found twice or invented.
 //!
-//! - Building: `polynomial_patches` turns patches into powers, `subpatches` splits those whose weights differ much, `leaf_builder` bounds the deviation of a part
-//!   from a parallelogram, and `build` halves parts until it is small.
+//! - Building: `polynomial_patches` turns polynomial patches of low degrees into powers, `subpatches` splits patches whose weights
+//!   differ much, `leaf_builder` bounds the deviation of a part from a parallelogram, and `build` halves parts until it is small.
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
 //!   near borders. Leaves without a certificate go to `subdivision`.

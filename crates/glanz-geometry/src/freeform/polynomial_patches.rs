@@ -9,8 +9,8 @@ use super::surface_patch::PatchPlacement;
 use crate::bvh::parallel_map;
 use crate::bvh::simd::prefer_large_pages;
 
-/// Patches whose control points are given back together, a multiple of [`CHUNK`].
-const STAGE: usize = 256 * CHUNK;
+/// Number of patches whose control points are released together, a multiple of [`CHUNK`].
+const PATCHES_PER_SEGMENT: usize = 256 * CHUNK;
 
 /// Polynomial patches of degrees up to (3, 3) by their powers, with the leaves of all.
 #[derive(Default)]
@@ -22,7 +22,7 @@ pub(super) struct PolynomialPatches {
 }
 
 impl PolynomialPatches {
-    /// From the last patch to the first: memory of what was allocated last goes back to the system first.
+    /// Turns patches into powers and leaves, from the last to the first: memory that was allocated last goes back to the system first.
     pub(super) fn new(mut patches: Vec<SurfacePatch>, rules: &LeafRules) -> Self {
         let mut all = Self {
             placements: Vec::with_capacity(patches.len()),
@@ -35,9 +35,9 @@ impl PolynomialPatches {
         let mut first = Self::reversed(0, patches.get(..few).unwrap_or(&[]), rules);
         first.placements.extend(patches.drain(..few).rev().map(|patch| patch.placement));
         while !patches.is_empty() {
-            let start = (patches.len() - 1) / STAGE * STAGE;
-            let stage = patches.get(start..).unwrap_or(&[]);
-            let chunks: Vec<_> = ((start + few) as u32..).step_by(CHUNK).zip(stage.chunks(CHUNK)).collect();
+            let start = (patches.len() - 1) / PATCHES_PER_SEGMENT * PATCHES_PER_SEGMENT;
+            let segment = patches.get(start..).unwrap_or(&[]);
+            let chunks: Vec<_> = ((start + few) as u32..).step_by(CHUNK).zip(segment.chunks(CHUNK)).collect();
             let parts = parallel_map(&chunks, 1, |&(first, patches)| Self::reversed(first, patches, rules));
             parts.into_iter().rev().for_each(|part| all.append(part));
             all.placements.extend(patches.drain(start..).rev().map(|patch| patch.placement));

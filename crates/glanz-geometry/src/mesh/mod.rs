@@ -104,7 +104,8 @@ impl Mesh {
         let mut mesh =
             Self { positions, indices, normals, uvs, degenerate, bvh, blocks, prepared, sampling_table };
         if mesh.indices.len() <= PREPARED_LIMIT {
-            let corners = (0..mesh.indices.len() as u32).filter_map(|face| mesh.corners(face));
+            let faces = 0..mesh.indices.len() as u32;
+            let corners = faces.map(|face| mesh.corners(face).unwrap_or_default());
             mesh.prepared = corners.map(PreparedTriangle::new).collect();
         }
         Ok(mesh)

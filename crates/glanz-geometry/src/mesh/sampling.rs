@@ -7,7 +7,7 @@ use super::shading::{FlatPoint, SmoothNormal};
 use crate::hit::{AreaSample, Hit, SurfaceSample};
 use crate::triangle::sample_barycentric;
 
-/// What random points of a mesh need, built at the first one.
+/// Table for random points of a mesh, built at the first one.
 #[derive(Clone, Debug)]
 pub(super) struct SamplingTable {
     /// Area of the first 1, 2 ... triangles, m^2.
@@ -16,7 +16,7 @@ pub(super) struct SamplingTable {
     last: usize,
     /// For each triangle, the side of its normal on which the normals at its vertices are, 1 or -1; 0 if they are on both. Empty without
     /// normals at the vertices.
-    sides: Vec<f64>,
+    sides: Vec<i8>,
 }
 
 impl SamplingTable {
@@ -57,13 +57,14 @@ impl SamplingTable {
 
 /// The side of a triangle's normal on which the normals at its vertices are, and so all interpolated ones; 0 if they are on both, or on
 /// none.
-fn side(mesh: &Mesh, face: u32) -> f64 {
+fn side(mesh: &Mesh, face: u32) -> i8 {
     let flat = mesh.flat_point_at(face, 0.0, 0.0).normal;
     let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)];
     let [a, b, c] = corners.map(|(u, v)| {
-        mesh.smooth_normal(face, u, v, flat).map_or(0.0, |smooth| smooth.normal.dot(flat).signum())
+        mesh.smooth_normal(face, u, v, flat)
+            .map_or(0, |smooth| if smooth.normal.dot(flat) > 0.0 { 1 } else { -1 })
     });
-    if a == b && b == c { a } else { 0.0 }
+    if a == b && b == c { a } else { 0 }
 }
 
 impl Mesh {
@@ -80,8 +81,8 @@ impl Mesh {
         let normal = match table.sides.get(face as usize) {
             None => flat,
             // The side varies over the triangle.
-            Some(0.0) => self.oriented_normal(face, u, v, flat),
-            Some(side) => flat * *side,
+            Some(0) => self.oriented_normal(face, u, v, flat),
+            Some(&side) => flat * f64::from(side),
         };
         Some(AreaSample { position, error, normal, face, pdf })
     }

@@ -383,7 +383,7 @@ fn the_largest_number_samples_the_last_triangle_that_has_an_area() {
 }
 
 #[test]
-fn prepared_triangles_take_the_side_of_their_normals() {
+fn sampled_triangles_take_the_side_of_their_normals() {
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
     let tilted = |x: f64, z: f64| DVec3::new(x, 0.1, z);
     // All on the side of the winding, all on the other one, and on both.

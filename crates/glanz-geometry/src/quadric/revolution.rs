@@ -73,10 +73,18 @@ impl QuadricOfRevolution {
     }
 
     /// Whether both roots lie behind the origin by the signs of their sum and product: so do most rays that leave the surface.
+    ///
+    /// On cones and hyperboloids, the value at a distant origin is a difference of large numbers, whose sign proves nothing.
     #[inline]
     fn is_left_by(&self, ray: &Ray) -> bool {
         let (half, c) = self.half_slope_and_value(ray.origin, ray.direction);
-        half >= 0.0 && c > 0.0 && self.leading(ray.direction) > 0.0
+        let is_left = half >= 0.0 && c > 0.0 && self.leading(ray.direction) > 0.0;
+        is_left && (self.alpha <= 0.0 || !self.is_distant(ray.origin))
+    }
+
+    /// Whether the equation at `p` would lose digits.
+    fn is_distant(&self, p: DVec3) -> bool {
+        !(self.distance_squared(p) <= FAR * FAR * self.radius_squared)
     }
 
     fn roots_ahead(&self, ray: &Ray) -> [Option<QuadricCrossing>; 2] {
@@ -94,7 +102,7 @@ impl QuadricOfRevolution {
     /// The point of the ray at which to form the equation, and its parameter; `None` if the ray misses the kept part.
     fn approach(&self, ray: &Ray) -> Option<(DVec3, f64)> {
         let (o, d) = (ray.origin, ray.direction);
-        if self.distance_squared(o) <= FAR * FAR * self.radius_squared {
+        if !self.is_distant(o) {
             return Some((o, 0.0));
         }
         let numerator = o.x * d.x + o.y * d.y + self.weight * (o.z - self.center) * d.z;
@@ -216,7 +224,7 @@ impl QuadricOfRevolution {
         if square > 0.0 { p - gradient * (self.value(p) / square) } else { p }
     }
 
-    /// The bound of [`crate::SurfacePoint::error`] at a refined point.
+    /// The bound of [`crate::SurfacePoint::error`] at a point after [`QuadricOfRevolution::corrected`] or `refined`.
     ///
     /// Evaluating the equation chains at most 8 roundings, so its error is below gamma(8) M, where M is the sum of the absolute
     /// terms. The distance of the point from the surface is up to (|residual| + gamma(8) M) / |gradient|; the origin of the
@@ -304,6 +312,38 @@ mod tests {
             let hit = hits[0].expect("the apex");
             assert!((hit.p - DVec3::Z).length() < 1e-14, "{hit:?}");
         }
+    }
+
+    #[test]
+    fn distant_ray_close_to_a_ruling_is_not_dropped() {
+        // Its exact root, by rational arithmetic. The value at the origin is 1.5e-8 instead of less than 0.
+        let origin = DVec3::new(2_507.112_853_978_076_6, -9_680.726_832_660_508, -9_999.104_343_014_389);
+        let ray = Ray::new(origin, DVec3::new(-0.250_708_668_415_549_76, 0.968_062_582_212_474_9, 1.0));
+        let hits: Vec<_> = cone().crossings(&ray).into_iter().flatten().collect();
+        assert!(hits.iter().any(|hit| (hit.p.z - 0.97).abs() < 0.05), "{hits:?}");
+    }
+
+    #[test]
+    fn signs_dismiss_only_rays_without_crossings() {
+        let hyperboloid = QuadricOfRevolution::new([0.5, 0.0, 1.0], 0.0, [-1.0, 1.0], 1.5_f64.sqrt());
+        let paraboloid = QuadricOfRevolution::new([0.0, 1.0, 0.0], 0.0, [0.0, 1.0], 1.0);
+        let mut dismissed = 0;
+        for quadric in [unit_sphere(), cone(), hyperboloid, paraboloid] {
+            for k in 0..100_000 {
+                let wave = |a: f64| (a * f64::from(k)).sin();
+                let target = DVec3::new(wave(0.31), wave(0.77), wave(1.13));
+                let away = DVec3::new(wave(1.9), wave(2.3), wave(2.9));
+                // From the surface, from near and from afar; half of them away from it.
+                let distance = [1e-3, 1.0, 30.0, 1e4, 1e7][k as usize % 5];
+                let direction = if k % 2 == 0 { away } else { -away };
+                let ray = Ray::new(target + away * distance, direction);
+                if quadric.is_left_by(&ray) {
+                    dismissed += 1;
+                    assert_eq!(quadric.roots_ahead(&ray).iter().flatten().count(), 0, "{ray:?}");
+                }
+            }
+        }
+        assert!(dismissed > 50_000, "{dismissed}");
     }
 
     #[test]

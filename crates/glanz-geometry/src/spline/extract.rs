@@ -31,7 +31,7 @@ impl NurbsSurface {
     pub fn bezier_patches(&self) -> Result<Vec<BezierPiece>, SurfaceError> {
         let (p, q) = (self.knots_u().degree(), self.knots_v().degree());
         let (count_u, count_v) = self.counts();
-        // One after the other in lists as a whole, whose memory goes back to the system.
+        // Flat lists: unlike that of many short rows, their memory goes back to the system.
         let (mut breaks_u, mut breaks_v) = (Vec::new(), Vec::new());
         let (mut rows, mut columns) = (Vec::new(), Vec::new());
         for row in self.control_points().chunks_exact(count_v) {

@@ -17,11 +17,14 @@ const STRIP: f64 = 1.0 / 8.0;
 /// Number of entries in all cells, per piece, at which quartering stops.
 const ENTRIES_PER_PIECE: usize = 96;
 
-/// Number of pieces on a level from which on its cells are divided among tasks, fewer in tests with their slow ways...
+/// Least number of pieces of a level whose cells are divided among tasks; smaller in tests, whose slow comparisons take few pieces.
 const PIECES_TO_SHARE: usize = if cfg!(test) { 256 } else { 4096 };
 
-/// ... and the least number of cells.
+/// Least number of cells of such a level.
 const CELLS_TO_SHARE: usize = 64;
+
+/// Most groups of cells into which a level is divided; larger groups are divided again.
+const MOST_GROUPS: usize = 64;
 
 /// Number of pieces in the cells of a task: its cells, quartered as far as they are, fit into the cache of a core.
 const PIECES_PER_TASK: usize = 128;
@@ -84,7 +87,7 @@ impl CellLevel {
     }
 }
 
-/// What all tasks that build a tree read.
+/// Input of all tasks that build a tree.
 struct CellRules<'a> {
     pieces: &'a PieceTable,
     /// Pieces within this distance of a cell belong to it.
@@ -164,7 +167,7 @@ impl<'a> CellTreeBuilder<'a> {
     fn build_in_tasks(&mut self, level: &CellLevel) -> Result<(), SurfaceError> {
         let all = level.pieces.len();
         let left = self.budget.saturating_sub(self.live - all);
-        let groups: Vec<&[PendingCell]> = level.groups(PIECES_PER_TASK.max(all / CELLS_TO_SHARE));
+        let groups: Vec<&[PendingCell]> = level.groups(PIECES_PER_TASK.max(all / MOST_GROUPS));
         let parts = parallel_map(&groups, 1, |cells| {
             let part = level.part(cells);
             let share = left as u128 * part.pieces.len() as u128 / all as u128;
@@ -194,11 +197,12 @@ impl<'a> CellTreeBuilder<'a> {
             }
         }
         let count = level.pieces.len();
-        let finest = level.pieces.iter().map(|piece| self.rules.strip_level(piece.index)).min().unwrap_or(0);
+        let coarsest =
+            level.pieces.iter().map(|piece| self.rules.strip_level(piece.index)).min().unwrap_or(0);
         let cell = PendingCell { parent: None, square, first: 0, count, winding };
         if count == 0 {
             self.tree.set(None, CellLink::uniform(winding));
-        } else if is_coarse(0, count, finest) {
+        } else if is_coarse(0, count, coarsest) {
             level.cells.push(cell);
         } else {
             self.push_leaf(&cell, level.pieces.iter().map(|piece| (piece.index, piece.is_corner_right)));
@@ -229,7 +233,7 @@ impl<'a> CellTreeBuilder<'a> {
     fn quarter(&mut self, cell: &PendingCell, pieces: &[PieceInCell], next: &mut CellLevel) -> usize {
         let (rules, grid) = (self.rules, self.grid(cell.square));
         let mut quartered = std::mem::take(&mut self.quartered);
-        let (mut windings, mut counts, mut finest) = ([cell.winding; 4], [0; 4], [MAX_LEVEL; 4]);
+        let (mut windings, mut counts, mut coarsest) = ([cell.winding; 4], [0; 4], [MAX_LEVEL; 4]);
         for piece in pieces {
             let record = &rules.pieces.pieces[piece.index as usize];
             let parts = piece.quartered(rules.pieces, &grid, rules.margin, rules.clearance);
@@ -238,7 +242,7 @@ impl<'a> CellTreeBuilder<'a> {
                 windings[quarter] += changes[quarter];
                 if parts.touches(quarter) {
                     counts[quarter] += 1;
-                    finest[quarter] = level.min(finest[quarter]);
+                    coarsest[quarter] = level.min(coarsest[quarter]);
                 }
             }
             quartered.push(parts);
@@ -253,7 +257,7 @@ impl<'a> CellTreeBuilder<'a> {
             let cell = PendingCell { parent, square, first: next.pieces.len(), count, winding };
             let both = pieces.iter().zip(&quartered);
             let touching = both.filter(|(_, parts)| parts.touches(quarter));
-            if is_coarse(square.level, count, finest[quarter]) {
+            if is_coarse(square.level, count, coarsest[quarter]) {
                 next.pieces.reserve(count);
                 touching.for_each(|(piece, parts)| next.pieces.push(parts.in_quarter(piece, quarter)));
                 next.cells.push(cell);
@@ -274,9 +278,9 @@ impl CellRules<'_> {
     }
 }
 
-/// Whether a cell of `level` with `count` pieces is to be quartered. `finest`: the least level of the strips of its pieces.
-fn is_coarse(level: u32, count: usize, finest: u32) -> bool {
-    level < MAX_LEVEL && (count > FEW_PIECES || level < finest)
+/// Whether a cell of `level` with `count` pieces is to be quartered. `coarsest`: the level of the widest strip of its pieces.
+fn is_coarse(level: u32, count: usize, coarsest: u32) -> bool {
+    level < MAX_LEVEL && (count > FEW_PIECES || level < coarsest)
 }
 
 /// Numbers of cells, of leaves and of their entries must be indices.

@@ -21,7 +21,7 @@ pub(super) struct PieceInCell {
     middle: Option<PiecePoint>,
 }
 
-/// What the quarters of a cell need to know of a piece that touches it.
+/// Relations of a piece to the quarters of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QuarteredPiece {
     /// Points near the diagonals of the first quarter along the piece, of the cell, and of the last quarter; none if the piece reaches
@@ -86,7 +86,8 @@ impl PieceInCell {
         let first = u8::from(turn.x < 0.0) | (u8::from(turn.y < 0.0) << 1);
         let (low, high) = (piece.min.cmple(center + margin), piece.max.cmpge(center - margin));
         let reaches = [low.x && low.y, high.x && low.y, low.x && high.y, high.x && high.y];
-        // If only one, the piece's box holds no corner of a quarter but those of the cell, and the cell's are known not to be missed.
+        // The box of a piece that reaches one quarter only holds no corner of a quarter except the cell's own, and those do not exclude
+        // it, since the piece touches the cell.
         if reaches.into_iter().filter(|&reaches| reaches).count() == 1 {
             let is_right = bits([false, self.is_corner_right, false, false]);
             return QuarteredPiece { points: None, first, is_right, touched: bits(reaches) };

@@ -64,7 +64,7 @@ impl ScrambledSobol {
         self.scrambled(self.shuffled(reversed_index), dimension, seed)
     }
 
-    /// Coordinates 0 and 1 (`pair` 0) or 2 and 3 (`pair` 1) of a point, in units of 2^-32; `reversed_index` as in
+    /// Coordinates 0 and 1 (`pair` 0) or 2 and 3 (any other `pair`) of a point, in units of 2^-32; `reversed_index` as in
     /// [`ScrambledSobol::coordinate`].
     ///
     /// Pair 0 is a scrambled (0, 2)-sequence. Pair 1 alone is worse (errors of smooth integrands are up to 60 %, of discontinuous
@@ -74,8 +74,8 @@ impl ScrambledSobol {
     #[inline]
     #[must_use]
     pub fn pair(&self, reversed_index: u32, pair: usize) -> [u32; 2] {
-        let point = sobol::point_reversed(self.shuffled(reversed_index));
-        scrambled_pair([point[2 * pair], point[2 * pair + 1]], self.seeds(pair))
+        let [a, b, c, d] = sobol::point_reversed(self.shuffled(reversed_index));
+        if pair == 0 { scrambled_pair([a, b], self.seeds(0)) } else { scrambled_pair([c, d], self.seeds(1)) }
     }
 
     /// All coordinates of a point, in units of 2^-32; `reversed_index` as in [`ScrambledSobol::coordinate`].

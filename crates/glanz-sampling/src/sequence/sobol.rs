@@ -122,6 +122,16 @@ mod tests {
     }
 
     #[test]
+    fn coordinates_are_sums_of_directions() {
+        for i in (0..500).map(|i| crate::hash::combine(7, i) as u32) {
+            for (d, directions) in DIRECTIONS.iter().enumerate() {
+                let used = directions.iter().enumerate().filter(|&(bit, _)| i >> bit & 1 == 1);
+                assert_eq!(coordinate(i, d), used.fold(0, |sum, (_, v)| sum ^ v), "dimension {d}, point {i}");
+            }
+        }
+    }
+
+    #[test]
     fn second_dimension_is_the_pascal_matrix_modulo_two() {
         // Binomial (j, i) is odd where i's bits are a subset of j's (Lucas).
         for j in 0..32_u32 {

@@ -271,9 +271,10 @@ impl WorldSphere {
                 (to_world.point(DVec3::ZERO), to_world.uniform_scale(SIMILARITY)? * sphere.radius())
             }
         };
-        // The map differs from a similarity by its tolerance. The next ray is transformed to the frame of the sphere and intersected
-        // with it by fewer than 32 roundings of numbers no larger than the distance of its origin from that of the world, and the
-        // radius.
+        // Entries of M^T M differ from those of a similarity by the tolerance, relative to its squared scale; hence eigenvalues by three
+        // times (Gershgorin), and lengths by one and a half times that. The rest of twice the tolerance bounds the roundings of the
+        // inverse matrix. The next ray is transformed to the frame of the sphere and intersected with it by fewer than 32 roundings
+        // of numbers no larger than the distance of its origin from that of the world, and the radius.
         let error = 2.0 * SIMILARITY * radius + gamma(32) * (center.length() + radius);
         Some(Self { center, radius, error })
     }

@@ -156,10 +156,10 @@ impl GroupResolver {
                 return Err(SceneError { location, kind: SceneErrorKind::Nesting(MAX_NESTING) });
             }
             let inner = self.groups[group].placed_before.last().copied().unwrap_or_default();
-            placed = placed
-                .checked_add(inner)
-                .filter(|&placed| placed < MOST_SURFACES)
-                .ok_or(SceneError { location, kind: SceneErrorKind::TooManyCopies })?;
+            placed += inner;
+            if placed >= MOST_SURFACES {
+                return Err(SceneError { location, kind: SceneErrorKind::TooManyCopies });
+            }
             emitters.extend(self.emitters[group].iter().map(|e| EmissiveObject {
                 object: e.object.placed(&to_parent),
                 emission: e.emission.clone(),

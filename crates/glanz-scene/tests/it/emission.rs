@@ -180,6 +180,32 @@ fn extent_found(scene: &Scene) -> [f64; 2] {
 }
 
 #[test]
+fn rays_of_a_sphere_leave_it_wherever_it_stands() {
+    let turned = DMat4::from_rotation_x(0.4) * DMat4::from_rotation_z(1.0);
+    let at = DMat4::from_translation;
+    let far = DVec3::new(1000.0, 300.0, 70.0);
+    let back = at(DVec3::new(0.4, 0.5, 0.9)) * turned * at(-far);
+    let ball = |to_world| shining(ShapeDescription::sphere(0.1), false, to_world);
+    let alone = |to_world| SceneBuilder::new().shape(ball(to_world), MaterialKind::diffuse(0.0));
+    let scenes = [
+        alone(DMat4::IDENTITY),
+        alone(at(far) * turned * DMat4::from_scale(DVec3::splat(3.0))),
+        alone(turned * DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0)) * at(1e6 * DVec3::ONE)),
+        SceneBuilder::new()
+            .group("lamp", |group| group.shape(ball(at(far)), MaterialKind::diffuse(0.0)))
+            .instance("lamp", back),
+    ];
+    for (number, scene) in scenes.into_iter().enumerate() {
+        let scene = scene.resolve().unwrap().0;
+        for i in 0..10_000 {
+            let [place, direction] = point(i);
+            let light = scene.emit(LightId(0), place, direction).unwrap();
+            assert!(scene.intersect(&light.ray, f64::INFINITY).is_none(), "scene {number}: {:?}", light.ray);
+        }
+    }
+}
+
+#[test]
 fn emission_pdf_is_the_density_of_emitted_rays() {
     // A luminaire with a size has the density of one at its centre, an approximation good enough for weights.
     let exact = cases().into_iter().filter(|(name, ..)| *name != "luminaire as an area");

@@ -303,6 +303,8 @@ mod tests {
         assert!(interface.is_interface());
         let black = Material::diffuse(grey(0.0));
         assert_eq!(black.bsdf(&textures, &point(), &RGB), Some(Bsdf::Black));
+        assert!(black.absorbs_all());
+        assert!(!interface.absorbs_all() && !Material::<ShadingForm>::diffuse(grey(0.01)).absorbs_all());
     }
 
     #[test]

@@ -136,13 +136,7 @@ impl<'a> Context<'a> {
         PixelSample { index, rgb: light.to_rgb(&self.wavelengths), negative, first_hit: self.first_hit }
     }
 
-    /// The closest hit on `ray`.
-    pub fn intersect(&mut self, ray: &Ray) -> Option<Interaction> {
-        self.counters.closest += 1;
-        self.scene.intersect(ray, f64::INFINITY)
-    }
-
-    /// As [`Context::intersect`], with the parameters of the hit.
+    /// The closest hit on `ray`, with its parameters.
     pub fn intersect_parametric(&mut self, ray: &Ray) -> Option<(Interaction, ParametricPoint)> {
         self.counters.closest += 1;
         self.scene.intersect_parametric(ray, f64::INFINITY)

@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, Ray};
-use glanz_scene::{BatchedPath, Interaction, Light, LightId, PathBatch, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, Light, LightId, SceneHit};
 
 use super::path_tracer::{BATCH, DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex, roulette};
@@ -35,9 +35,10 @@ struct DistributedPath {
     ray: Option<Ray>,
     /// The light so far.
     light: Spectrum,
+    /// Factor on the light of the path, the fraction of its branch included.
     throughput: Spectrum,
-    /// The throughput relative to the point where it branched off: the probability of survival.
-    importance: Spectrum,
+    /// Throughput since the path branched off, by which Russian roulette decides.
+    branch_throughput: Spectrum,
     eta_scale: f32,
     /// The last vertex with a rough lobe; `None` after the camera or a delta lobe.
     origin: Option<PreviousVertex>,
@@ -62,7 +63,8 @@ impl Distributed {
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
         let IntegratorSettings { max_depth, light_sampling, branching, .. } = *settings;
-        Self { max_depth, light_sampling, branching }
+        // The field is public: 0 counts as 1.
+        Self { max_depth, light_sampling, branching: branching.max(1) }
     }
 
     /// Fraction of emitted light that BSDF rays count: 1 for light that light sampling cannot find, else 0.
@@ -89,7 +91,8 @@ impl Distributed {
         }
     }
 
-    /// Direct light of all lights, with `rays` shadow rays but at least one for each light.
+    /// Adds light samples of all lights to those that wait for shadow rays: the path's budget divided between the lights, at least one for
+    /// each.
     fn sample_lights(&self, context: &mut Context<'_>, path: &mut DistributedPath, vertex: &Vertex<'_>) {
         let lights = context.scene.lights().len() as u32;
         let each = path.budget.div_ceil(lights.max(1));
@@ -149,12 +152,12 @@ impl Distributed {
         }
         let scattered = vertex.sample(xi, xi_lobe)?;
         path.throughput *= scattered.weight;
-        path.importance *= scattered.weight;
+        path.branch_throughput *= scattered.weight;
         path.eta_scale *= scattered.eta_scale;
         if path.depth >= ROULETTE_FROM {
-            let factor = roulette(path.importance * path.eta_scale, xi_roulette)?;
+            let factor = roulette(path.branch_throughput * path.eta_scale, xi_roulette)?;
             path.throughput *= factor;
-            path.importance *= factor;
+            path.branch_throughput *= factor;
         }
         path.origin = (!scattered.is_delta).then(|| previous(&vertex, &scattered));
         Some(hit.spawn(scattered.direction))
@@ -206,7 +209,7 @@ impl Distributed {
             ray: Some(vertex.at.spawn(scattered.direction)),
             light: Spectrum::BLACK,
             throughput: path.throughput * scattered.weight,
-            importance: scattered.weight,
+            branch_throughput: scattered.weight,
             eta_scale: path.eta_scale * scattered.eta_scale,
             origin: (!scattered.is_delta).then(|| previous(vertex, scattered)),
             depth: path.depth,
@@ -247,11 +250,11 @@ impl<'a, 'b> BatchedPath<DistributedSamples<'a, 'b>> for DistributedPath {
     fn complete_vertex(&mut self, samples: &mut DistributedSamples<'a, 'b>, occluded: &[bool]) {
         samples.contexts[self.sample].counters.shadow += self.pending.len() as u64;
         // Taken with its memory, which is much where there are many lights.
-        for ((_, light), &occluded) in std::mem::take(&mut self.pending).into_iter().zip(occluded) {
-            if !occluded {
-                self.light += light;
-            }
-        }
+        let pending = std::mem::take(&mut self.pending).into_iter().zip(occluded);
+        // Summed before it is added: many small parts would be lost beside much emitted light.
+        let arrived: Spectrum =
+            pending.filter(|&(_, &occluded)| !occluded).map(|((_, light), _)| light).sum();
+        self.light += arrived;
     }
 }
 
@@ -261,7 +264,7 @@ impl Integrator for Distributed {
     }
 
     fn batch(&self) -> usize {
-        (BATCH / self.branching.max(1) as usize).max(1)
+        (BATCH / self.branching as usize).max(1)
     }
 
     fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
@@ -272,7 +275,7 @@ impl Integrator for Distributed {
             ray: Some(context.camera_ray),
             light: Spectrum::BLACK,
             throughput: Spectrum::ONE,
-            importance: Spectrum::ONE,
+            branch_throughput: Spectrum::ONE,
             eta_scale: 1.0,
             origin: None,
             depth: 0,
@@ -284,7 +287,7 @@ impl Integrator for Distributed {
         let mut paths: Vec<_> = contexts.iter().enumerate().map(start).collect();
         radiance.resize(contexts.len(), Spectrum::BLACK);
         let mut samples = DistributedSamples { integrator: *self, contexts };
-        PathBatch::default().trace(scene, &mut paths, &mut samples);
+        scene.trace_paths(&mut paths, &mut samples);
         for path in &paths {
             radiance[path.sample] += path.light;
         }

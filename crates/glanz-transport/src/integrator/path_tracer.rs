@@ -4,7 +4,7 @@ use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
-use glanz_scene::{BatchedPath, Interaction, LightId, PathBatch, Scene, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, LightId, Scene, SceneHit};
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
@@ -177,7 +177,7 @@ impl PathTracer {
         let new = |(sample, context)| PathState::new(context, sample, self.branching);
         let mut paths: Vec<PathState<D::VertexData>> = (0..).zip(contexts.iter()).map(new).collect();
         let mut samples = TracedSamples { tracer: *self, contexts, directions };
-        PathBatch::default().trace(scene, &mut paths, &mut samples);
+        scene.trace_paths(&mut paths, &mut samples);
         radiance.resize(contexts.len(), Spectrum::BLACK);
         for path in &paths {
             radiance[path.sample as usize] += path.light;

@@ -106,6 +106,32 @@ fn particles_do_not_depend_on_those_traced_with_them() {
 }
 
 #[test]
+fn particles_end_alike_on_black_surfaces_of_any_material() {
+    // Black constants of diffuse surfaces have a way of their own, black mirrors have not.
+    let trace = |black: MaterialKind, max_events| {
+        let fading = LightKind::Point { from: DVec3::new(0.1, 0.2, 0.3), range: Some(1.2) };
+        let scene = SceneBuilder::new()
+            .shape(cuboid(1.0), black)
+            .shape(ShapeDescription::sphere(0.2).translated([0.5, 0.0, 0.0]), diffuse(0.6))
+            .shape(ShapeDescription::sphere(0.3).translated([-0.4, 0.0, 0.0]), MaterialKind::Interface)
+            .light(LightDescription::new(fading, 3.0));
+        let scene = resolved(&scene);
+        let (mut arrivals, mut counters) = (Vec::new(), Counters::default());
+        let mut tracer = ParticleTracer::new(&scene, max_events);
+        tracer.trace(sampler(0), 2000, &mut counters, |particle, arrival| {
+            arrivals.push((particle, arrival.at, arrival.arrived, arrival.left));
+        });
+        (tracer.paths().collect::<Vec<_>>(), arrivals, counters.closest)
+    };
+    for max_events in [0, 1, 12] {
+        let (diffuse, mirror) =
+            (trace(diffuse(0.0), max_events), trace(MaterialKind::mirror(0.0), max_events));
+        assert_eq!(diffuse, mirror, "{max_events} events");
+        assert!(max_events == 0 || diffuse.1.len() >= 2000);
+    }
+}
+
+#[test]
 fn books_balance_whatever_stands_in_the_room() {
     let room = room();
     let open = Books::of(&resolved(&room), 4096, 100);

@@ -192,6 +192,11 @@ pub fn check_point(case: &ContractCase, ray: &Ray, hit: &Hit, point: &SurfacePoi
     if on_ray > reach || along > reach {
         return Err(format!("{on_ray:e} m beside the ray, {along:e} m from its point: {hit:?} {point:?}"));
     }
+    let location = case.surface.location(ray, hit);
+    let turned = location.normal.normalize_or_zero().distance(point.normal) > 1e-15;
+    if (location.position, location.uv) != (p, point.uv) || turned {
+        return Err(format!("{location:?} differs from {point:?}"));
+    }
     // A mesh leaves out the derivative, which belongs to one triangle.
     let shading = case.surface.shading_point(ray, hit);
     let expected = ShadingPoint { dpdu: shading.dpdu, ..ShadingPoint::from(*point) };

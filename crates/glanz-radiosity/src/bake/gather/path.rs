@@ -3,7 +3,7 @@
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec3, Frame, Ray};
 use glanz_sampling::hash::permute;
-use glanz_scene::{BatchedPath, Interaction, Light, ParametricPoint, PathBatch, Scene, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, Light, ParametricPoint, Scene, SceneHit};
 use glanz_shading::Bsdf;
 
 use super::super::direct::luminance;
@@ -51,7 +51,7 @@ impl FinalGather<'_> {
             paths.extend(path);
             traced.lights.push(PathLight::default());
         }
-        PathBatch::default().trace(self.elements.scene, &mut paths, &mut traced);
+        self.elements.scene.trace_paths(&mut paths, &mut traced);
         traced.lights
     }
 
@@ -142,7 +142,6 @@ struct GatherBatch<'a, 'b> {
 
 /// State of a path between its surfaces.
 struct GatherPath {
-    has_ended: bool,
     /// Its index among the paths that are traced together.
     slot: usize,
     /// The number of its first ray.
@@ -153,6 +152,8 @@ struct GatherPath {
     /// Rays before this one.
     bounces: u32,
     throughput: Spectrum,
+    /// Whether it has no further ray.
+    has_ended: bool,
 }
 
 impl GatherPath {

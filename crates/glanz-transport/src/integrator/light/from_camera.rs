@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
-use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, PathBatch, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, SceneHit};
 
 use super::weights::CameraPathWeights;
 use super::{LightPaths, turn};
@@ -28,7 +28,7 @@ impl LightPaths {
         let Some(scene) = contexts.first().map(|context| context.scene) else { return };
         let new = |(sample, context): (usize, &Context<'_>)| CameraPath::new(context, sample, self.max_depth);
         let mut paths: Vec<_> = contexts.iter().enumerate().map(new).collect();
-        PathBatch::default().trace(scene, &mut paths, contexts);
+        scene.trace_paths(&mut paths, contexts);
         radiance.extend(paths.iter().map(|path| path.light));
     }
 }

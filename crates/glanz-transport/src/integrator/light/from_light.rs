@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
-use glanz_scene::{BatchedPath, Light, LightId, LightRay, LightSampleContext, PathBatch, SceneHit};
+use glanz_scene::{BatchedPath, Light, LightId, LightRay, LightSampleContext, SceneHit};
 
 use super::weights::LightPathWeights;
 use super::{LightPaths, turn};
@@ -55,7 +55,7 @@ impl LightPaths {
         let Some(scene) = contexts.first().map(|context| context.scene) else { return };
         let new = |(sample, context): (usize, &mut _)| LightPath::new(context, sample, self.max_depth);
         let mut paths: Vec<_> = contexts.iter_mut().enumerate().filter_map(new).collect();
-        PathBatch::default().trace(scene, &mut paths, contexts);
+        scene.trace_paths(&mut paths, contexts);
     }
 }
 

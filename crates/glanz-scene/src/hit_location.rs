@@ -31,9 +31,10 @@ impl HitLocation {
 }
 
 impl Scene {
-    /// The location of a hit: that of [`Scene::interaction`] and [`Scene::parametric_point`] at less cost.
+    /// The location of a hit: that of [`Scene::interaction`] and [`Scene::parametric_point`] at less cost, up to the side at grazing incidence,
+    /// which rounding decides.
     #[must_use]
-    pub fn location(&self, ray: &Ray, found: &SceneHit) -> HitLocation {
+    pub fn hit_location(&self, ray: &Ray, found: &SceneHit) -> HitLocation {
         let hit = &found.hit;
         let own = u32::try_from(found.surface).ok();
         let Some((surface, object)) = own.and_then(|index| Some((index, self.world_object(index)?))) else {
@@ -95,7 +96,7 @@ mod tests {
         for (BoundedRay { ray, .. }, hit) in rays.iter().zip(&hits) {
             let Some(hit) = hit else { continue };
             let at = scene.interaction(ray, hit);
-            let location = scene.location(ray, hit);
+            let location = scene.hit_location(ray, hit);
             assert_eq!(location, HitLocation::new(&at, scene.parametric_point(hit, &at)));
             assert_eq!(scene.hit_material(hit), scene.material(at.material));
             black_hits += usize::from(scene.hit_material(hit).absorbs_all());
