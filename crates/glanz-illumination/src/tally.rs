@@ -196,7 +196,7 @@ struct Contribution {
     lumens: f64,
 }
 
-/// The sums of one contribution. Many particles bring the same light, so that the last ones are kept.
+/// The sums of one contribution. Many particles bring the same light, so that the sums of the last one are kept.
 #[derive(Default)]
 struct TallyTerm {
     lumens: f64,
@@ -224,13 +224,13 @@ pub(crate) struct ThreadTally<'a> {
     wavelengths: Wavelengths,
     tally: Tally,
     /// Contributions of the particles on their way, in the order of the arrivals.
-    brought: Vec<Contribution>,
+    contributions: Vec<Contribution>,
 }
 
 impl<'a> ThreadTally<'a> {
     pub(crate) fn new(receivers: &'a Receivers, far_field: Option<FarFieldGrid>) -> Self {
         let (wavelengths, tally) = (Wavelengths::default(), Tally::new(receivers, far_field));
-        Self { receivers, wavelengths, tally, brought: Vec::new() }
+        Self { receivers, wavelengths, tally, contributions: Vec::new() }
     }
 
     pub(crate) fn into_tally(self) -> Tally {
@@ -252,7 +252,7 @@ impl<'a> ThreadTally<'a> {
         self.tally.absorbed_by_receivers.add(absorbed);
         if counts {
             let (particle, receiver) = (particle as u32, receiver as u32);
-            self.brought.push(Contribution { particle, receiver, cell, lumens: arrived });
+            self.contributions.push(Contribution { particle, receiver, cell, lumens: arrived });
         } else if let Some(sum) = self.tally.other_sides.get_mut(receiver) {
             sum.add(arrived);
         }
@@ -295,20 +295,21 @@ impl<'a> ThreadTally<'a> {
         }
     }
 
-    /// Adds the contributions of all particles, cell by cell and receiver by receiver: those of a particle to the same count as one.
+    /// Adds the contributions of all particles, cell by cell and receiver by receiver: those of one particle to the same cell, or receiver,
+    /// count as one.
     fn settle(&mut self) {
-        let Self { tally, brought, .. } = self;
+        let Self { tally, contributions, .. } = self;
         // Stable, so that the sums do not depend on the other particles. Particles that arrived once are sorted already.
-        brought.sort_by_key(|one| (one.particle, one.cell));
+        contributions.sort_by_key(|one| (one.particle, one.cell));
         // Short loops, so that the processor waits for the memory of several cells at a time.
         let mut term = TallyTerm::default();
-        for same in brought.chunk_by(|a, b| a.particle == b.particle && a.cell == b.cell) {
+        for same in contributions.chunk_by(|a, b| a.particle == b.particle && a.cell == b.cell) {
             tally.cells[same[0].cell].merge(term.of(same));
         }
         // Cells of one receiver are consecutive.
-        for same in brought.chunk_by(|a, b| a.particle == b.particle && a.receiver == b.receiver) {
+        for same in contributions.chunk_by(|a, b| a.particle == b.particle && a.receiver == b.receiver) {
             tally.receivers[same[0].receiver as usize].merge(term.of(same));
         }
-        brought.clear();
+        contributions.clear();
     }
 }

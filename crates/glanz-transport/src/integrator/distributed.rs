@@ -5,8 +5,8 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, Ray};
 use glanz_scene::{BatchedPath, Interaction, Light, LightId, SceneHit};
 
-use super::path_tracer::{BATCH, DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
-use super::vertex::{PreviousVertex, ScatteredRay, Vertex, roulette};
+use super::path_tracer::{BATCH, DIMENSIONS_PER_EVENT, ROULETTE_FROM};
+use super::vertex::{PreviousVertex, ScatteredRay, Vertex, pass_interface, roulette};
 use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings, radiance_of_one};
 
 /// Distributed ray tracing: several rays from a hit instead of one.
@@ -125,8 +125,7 @@ impl Distributed {
         let hit = context.scene.interaction(ray, hit);
         path.light += path.throughput * self.emitted(context, &hit, path.origin.as_ref());
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-            path.interfaces += 1;
-            return (path.interfaces <= INTERFACE_LIMIT).then(|| hit.spawn(ray.direction));
+            return pass_interface(&hit, ray.direction, &mut path.interfaces);
         };
         let vertex = Vertex::new(&hit, bsdf);
         context.note_first_hit(&vertex);

@@ -2,11 +2,12 @@
 
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3, Frame};
+use glanz_math::{DVec2, DVec3, Frame, Ray};
 use glanz_scene::{Interaction, LightId, LightSampleContext, Scene};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
+use super::path_tracer::INTERFACE_LIMIT;
 
 /// An interaction with its BSDF; directions are in world space, unit length, away from the surface.
 ///
@@ -194,6 +195,13 @@ impl<'a> Vertex<'a> {
         let arriving = light * (weight / sample.pdf.0) as f32;
         (weight != 0.0).then(|| (arriving, BoundedRay::new(sample.shadow, sample.t_max)))
     }
+}
+
+/// The ray that continues through an interface at `at`; `None` after too many of them. `passed`: the number of interfaces since the last
+/// scattering event, counted here.
+pub(super) fn pass_interface(at: &Interaction, direction: DVec3, passed: &mut u32) -> Option<Ray> {
+    *passed += 1;
+    (*passed <= INTERFACE_LIMIT).then(|| at.spawn(direction))
 }
 
 /// Whether `viewer` is on the wrong side of the shading normal.

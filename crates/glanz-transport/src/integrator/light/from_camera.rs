@@ -7,8 +7,8 @@ use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, SceneHi
 
 use super::weights::CameraPathWeights;
 use super::{LightPaths, turn};
-use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
-use crate::integrator::vertex::{ScatteredRay, Vertex, roulette};
+use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, ROULETTE_FROM};
+use crate::integrator::vertex::{ScatteredRay, Vertex, pass_interface, roulette};
 use crate::integrator::{Context, FIRST_DIMENSION};
 
 /// Sampling state of the current ray.
@@ -81,8 +81,7 @@ impl CameraPath {
         let hit = context.scene.interaction(ray, hit);
         self.light += self.throughput * emitted(context, &hit, self.origin.as_ref());
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-            self.interfaces += 1;
-            return (self.interfaces <= INTERFACE_LIMIT).then(|| hit.spawn(ray.direction));
+            return pass_interface(&hit, ray.direction, &mut self.interfaces);
         };
         let vertex = Vertex::new(&hit, bsdf);
         context.note_first_hit(&vertex);

@@ -7,8 +7,8 @@ use glanz_scene::{BatchedPath, Light, LightId, LightRay, LightSampleContext, Sce
 
 use super::weights::LightPathWeights;
 use super::{LightPaths, turn};
-use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT, ROULETTE_FROM};
-use crate::integrator::vertex::{Vertex, roulette};
+use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, ROULETTE_FROM};
+use crate::integrator::vertex::{Vertex, pass_interface, roulette};
 use crate::integrator::{Context, DEPTH_LIMIT, FIRST_DIMENSION};
 
 /// The sampler's first dimension of light paths, after all those of camera paths.
@@ -111,8 +111,7 @@ impl LightPath {
     fn next_ray(&mut self, context: &mut Context<'_>, ray: &Ray, hit: &SceneHit) -> Option<Ray> {
         let hit = context.scene.interaction(ray, hit);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
-            self.interfaces += 1;
-            return (self.interfaces <= INTERFACE_LIMIT).then(|| hit.spawn(ray.direction));
+            return pass_interface(&hit, ray.direction, &mut self.interfaces);
         };
         self.depth += 1;
         self.interfaces = 0;
