@@ -1,30 +1,7 @@
 //! Curves in space and in parameter planes.
 
-use std::fmt::Debug;
-use std::ops::{Add, Mul, Sub};
-
-use glanz_math::glam::DVec4;
-use glanz_math::{DVec2, DVec3};
-
-/// A point of a plane or of space, with its homogeneous form.
-pub trait CurveVector:
-    Copy + Debug + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
-{
-    /// The point times its weight, with the weight.
-    type Homogeneous: Copy
-        + Debug
-        + PartialEq
-        + Add<Output = Self::Homogeneous>
-        + Mul<f64, Output = Self::Homogeneous>;
-}
-
-impl CurveVector for DVec2 {
-    type Homogeneous = DVec3;
-}
-
-impl CurveVector for DVec3 {
-    type Homogeneous = DVec4;
-}
+use super::spline_curve::SplineCurve;
+use super::vector::CurveVector;
 
 /// A curve with the parameterization of @iso10303-42 section 4.4. Vectors of conics include their radii.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,15 +56,4 @@ pub enum Curve<P: CurveVector> {
         /// Whether it runs along the parameter of the curve.
         same_sense: bool,
     },
-}
-
-/// A rational B-spline curve.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SplineCurve<P: CurveVector> {
-    /// Degree, from 1.
-    pub degree: usize,
-    /// Knots, `degree + 1` more than points; they do not decrease. Not necessarily clamped.
-    pub knots: Vec<f64>,
-    /// Homogeneous control points.
-    pub points: Vec<P::Homogeneous>,
 }

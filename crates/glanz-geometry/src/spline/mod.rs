@@ -3,7 +3,8 @@
 //! A [`KnotVector`] divides the parameter interval into pieces; [`basis`] holds the functions that weight control points.
 //! [`NurbsCurve`] and [`NurbsSurface`] have homogeneous control points (w x, w y, w z, w) with w > 0. Surfaces are evaluated
 //! with all derivatives (`surface`), refined, cut and raised in degree (`surface_edit`), interpolated through points
-//! (`interpolate`), measured (`measure`, `closest`), and split into Bézier patches for rays (`extract`).
+//! (`interpolate`), measured (`measure`, `closest`), and split into Bézier patches for rays (`extract`). [`polygon`] edits rows of any
+//! control points.
 //!
 //! ```
 //! use glanz_geometry::spline::{ParameterDirection, NurbsSurface};
@@ -33,7 +34,7 @@ mod homogeneous;
 pub mod interpolate;
 pub mod knots;
 pub mod measure;
-mod polygon;
+pub mod polygon;
 pub mod surface;
 pub mod surface_edit;
 #[cfg(test)]

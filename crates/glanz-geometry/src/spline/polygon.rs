@@ -2,18 +2,17 @@
 //!
 //! Every step interpolates by `a + (b - a) t`, so that coordinates and weights that are equal stay so to the last bit.
 
-use std::ops::Sub;
+use std::ops::{Add, Mul, Sub};
 
 use glanz_math::bspline::Knots;
 
 use super::knots::KnotVector;
-use crate::bezier::bernstein::BernsteinCoefficient;
 use crate::error::SurfaceError;
 
 /// A type of control points: numbers, points of the plane or of space, homogeneous points.
-pub(crate) trait ControlPoint: BernsteinCoefficient + Sub<Output = Self> {}
+pub trait ControlPoint: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> {}
 
-impl<T> ControlPoint for T where T: BernsteinCoefficient + Sub<Output = T> {}
+impl<T> ControlPoint for T where T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T> {}
 
 /// Linear interpolation from `a` to `b`, exact at both ends.
 pub(crate) fn mix<P: ControlPoint>(a: P, b: P, t: f64) -> P {
@@ -65,7 +64,7 @@ pub(crate) fn insert<P: ControlPoint>(
 ///
 /// # Errors
 /// [`SurfaceError::OutOfRange`] for a parameter outside the domain, [`SurfaceError::EmptyRange`] if they do not ascend.
-pub(crate) fn restrict<P: ControlPoint>(
+pub fn restrict<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
     [start, end]: [f64; 2],
@@ -99,10 +98,7 @@ pub(crate) fn restrict<P: ControlPoint>(
 ///
 /// # Errors
 /// Those of [`restrict`].
-pub(crate) fn bezier<P: ControlPoint>(
-    knots: &KnotVector,
-    points: &[P],
-) -> Result<(Vec<f64>, Vec<P>), SurfaceError> {
+pub fn bezier<P: ControlPoint>(knots: &KnotVector, points: &[P]) -> Result<(Vec<f64>, Vec<P>), SurfaceError> {
     let (whole, mut points) = restrict(knots, points, knots.domain())?;
     let (p, breaks) = (whole.degree(), whole.breaks());
     let mut t = whole.knots().to_vec();
@@ -124,7 +120,7 @@ pub(crate) fn bezier<P: ControlPoint>(
 ///
 /// # Source
 /// @prautzsch1984; @farin2002 section 8.
-pub(crate) fn elevate<P: ControlPoint>(
+pub fn elevate<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
 ) -> Result<(KnotVector, Vec<P>), SurfaceError> {
@@ -222,7 +218,7 @@ pub(crate) fn remove<P: ControlPoint>(
 ///
 /// # Errors
 /// See [`KnotVector::reversed`].
-pub(crate) fn reverse<P: ControlPoint>(
+pub fn reverse<P: ControlPoint>(
     knots: &KnotVector,
     points: &[P],
 ) -> Result<(KnotVector, Vec<P>), SurfaceError> {
