@@ -1,0 +1,150 @@
+//! Curves of a boundary, in region coordinates.
+
+use glanz_math::glam::DMat2;
+use glanz_math::{DVec2, DVec3};
+
+use crate::model::SplineCurve;
+
+/// A curve of a boundary: a clamped spline in region coordinates, which are parameters of the carrier times lengths, metres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundaryCurve {
+    /// Degree, from 1.
+    pub degree: usize,
+    /// Clamped knots.
+    pub knots: Vec<f64>,
+    /// Homogeneous control points (w x, w y, w).
+    pub points: Vec<DVec3>,
+    /// Distance within which points beside the curve belong to the face, metres.
+    pub width: f64,
+    /// The edge that it is the image of; `None` for sides that the file does not have: poles, seams, bridged gaps.
+    pub edge: Option<usize>,
+}
+
+impl BoundaryCurve {
+    /// A spline without a width.
+    #[must_use]
+    pub fn from_spline(curve: &SplineCurve<DVec2>, edge: usize) -> Self {
+        let (knots, points) = (curve.knots(), curve.control_points());
+        let (degree, knots) = (knots.degree(), knots.knots().to_vec());
+        Self { degree, knots, points: points.to_vec(), width: 0.0, edge: Some(edge) }
+    }
+
+    /// The straight segment between two points.
+    #[must_use]
+    pub fn line(from: DVec2, to: DVec2) -> Self {
+        let points = vec![from.extend(1.0), to.extend(1.0)];
+        Self { degree: 1, knots: vec![0.0, 0.0, 1.0, 1.0], points, width: 0.0, edge: None }
+    }
+
+    /// Its first point.
+    #[must_use]
+    pub fn start(&self) -> DVec2 {
+        self.points.first().map_or(DVec2::NAN, |&p| project(p))
+    }
+
+    /// Its last point.
+    #[must_use]
+    pub fn end(&self) -> DVec2 {
+        self.points.last().map_or(DVec2::NAN, |&p| project(p))
+    }
+
+    /// Whether all its control points are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        self.points.iter().all(|&p| project(p).is_finite())
+    }
+
+    /// Corners of a box around its control points.
+    #[must_use]
+    pub fn bounds(&self) -> [DVec2; 2] {
+        self.points
+            .iter()
+            .map(|&p| project(p))
+            .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)])
+    }
+
+    /// The same curve from its end to its start.
+    #[must_use]
+    pub fn reversed(mut self) -> Self {
+        let knots = &mut self.knots;
+        if let (Some(&first), Some(&last)) = (knots.first(), knots.last()) {
+            knots.reverse();
+            knots.iter_mut().for_each(|knot| *knot = first + (last - *knot));
+        }
+        self.points.reverse();
+        self
+    }
+
+    /// The curve of the points `matrix p + offset`.
+    #[must_use]
+    pub fn transformed(&self, matrix: DMat2, offset: DVec2) -> Self {
+        let mut moved = self.clone();
+        for point in &mut moved.points {
+            *point = (matrix * point.truncate() + offset * point.z).extend(point.z);
+        }
+        moved
+    }
+
+    /// The same curve moved by `offset`.
+    #[must_use]
+    pub fn translated(&self, offset: DVec2) -> Self {
+        if offset == DVec2::ZERO { self.clone() } else { self.transformed(DMat2::IDENTITY, offset) }
+    }
+}
+
+fn project(point: DVec3) -> DVec2 {
+    point.truncate() / point.z
+}
+
+/// Points on a closed chain.
+pub(super) fn polygon(chain: &[BoundaryCurve]) -> Vec<DVec2> {
+    chain.iter().flat_map(|piece| polyline(piece)).collect()
+}
+
+/// The area that a closed chain encloses to about a percent, positive if it runs counter-clockwise.
+pub(super) fn signed_area(chain: &[BoundaryCurve]) -> f64 {
+    let corners = polygon(chain);
+    let Some(&origin) = corners.first() else { return 0.0 };
+    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+    0.5 * sides.map(|(&a, &b)| (a - origin).perp_dot(b - origin)).sum::<f64>()
+}
+
+/// Points of a clamped spline behind its start: some on each span, then its end.
+fn polyline(curve: &BoundaryCurve) -> Vec<DVec2> {
+    let BoundaryCurve { degree, knots, points, .. } = curve;
+    let mut found = Vec::new();
+    if *degree > 1 {
+        let samples = 4 * degree;
+        for span in *degree..points.len() {
+            let [Some(&low), Some(&high)] = [knots.get(span), knots.get(span + 1)] else { break };
+            if low < high {
+                found
+                    .extend((1..=samples).filter_map(|i| {
+                        de_boor(curve, span, low + (high - low) * i as f64 / samples as f64)
+                    }));
+            }
+        }
+        found.pop();
+    } else {
+        found.extend(points.iter().skip(1).map(|&p| project(p)));
+        found.pop();
+    }
+    found.extend(points.last().map(|&p| project(p)));
+    found
+}
+
+/// The point at `t` in the span from knot `span` to the next.
+///
+/// # Source
+/// @piegl1997 section 2.2 (de Boor's algorithm).
+fn de_boor(curve: &BoundaryCurve, span: usize, t: f64) -> Option<DVec2> {
+    let p = curve.degree;
+    let mut row: Vec<DVec3> = curve.points.get(span - p..=span)?.to_vec();
+    for level in 1..=p {
+        for i in (level..=p).rev() {
+            let (low, high) = (*curve.knots.get(span - p + i)?, *curve.knots.get(span + 1 + i - level)?);
+            let weight = if high > low { (t - low) / (high - low) } else { 0.0 };
+            row[i] = row[i - 1] * (1.0 - weight) + row[i] * weight;
+        }
+    }
+    row.last().map(|&p| project(p))
+}
