@@ -1,0 +1,20 @@
+//! Curves: evaluation, exact rational forms, closest points, and the curves of edges.
+//!
+//! [`Curve`] and [`SplineCurve`] are evaluated over the plane and over space alike (`evaluate`, `spline`). [`Curve::to_spline`] gives the
+//! exact rational form of a part of any curve (`rational`). [`EdgeCurve`] is the part of a curve that runs from the start of an edge
+//! to its end.
+//!
+//! [`Curve`]: crate::model::Curve
+//! [`SplineCurve`]: crate::model::SplineCurve
+//! [`Curve::to_spline`]: crate::model::Curve::to_spline
+
+mod closest;
+mod edge;
+mod evaluate;
+mod near;
+mod rational;
+mod spline;
+#[cfg(test)]
+mod tests;
+
+pub use edge::EdgeCurve;
