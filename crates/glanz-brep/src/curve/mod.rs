@@ -8,6 +8,7 @@
 //! [`SplineCurve`]: crate::model::SplineCurve
 //! [`Curve::to_spline`]: crate::model::Curve::to_spline
 
+mod affine;
 mod closest;
 mod edge;
 mod evaluate;
@@ -17,4 +18,5 @@ mod spline;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use affine::AffineMap;
 pub use edge::EdgeCurve;

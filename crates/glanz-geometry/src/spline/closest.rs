@@ -146,6 +146,14 @@ impl NurbsSurface {
         Ok(ClosestPoint { u, v, point, distance, lower_bound })
     }
 
+    /// A local minimum of the distance from `query` (metres), from the parameters `start` within `ranges` of u and v. Its lower bound is
+    /// 0: other points may be nearer.
+    #[must_use]
+    pub fn closest_point_from(&self, query: DVec3, start: [f64; 2], ranges: [[f64; 2]; 2]) -> ClosestPoint {
+        let ([u, v], point, distance) = self.improve(query, start, ranges);
+        ClosestPoint { u, v, point, distance, lower_bound: 0.0 }
+    }
+
     /// A local minimum of the distance within `ranges`, by Newton's method; each step is halved until the distance
     /// decreases.
     fn improve(&self, query: DVec3, start: [f64; 2], ranges: [[f64; 2]; 2]) -> ([f64; 2], DVec3, f64) {
