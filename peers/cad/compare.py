@@ -25,6 +25,7 @@ Compared:
                loose      the same with the tolerance that OpenCascade has given the edges of the face, whose curves stray further than the
                           file's uncertainty
                tangent    if the ray is within the accuracy of touching a surface of the file's size
+               refused    if Glanz has refused the face or does not mention it
                twice      if OpenCascade has the hit twice, off edges
                ghost      if OpenCascade misses it: the point lies on the face within the accuracy, off its edges (needs --files, with which
                           OpenCascade measures the distances of the points of Glanz), and Glanz has it once
@@ -51,7 +52,7 @@ REFUSED = 1e-2
 # Least accuracy, of the size: both sides work with tolerances of their own.
 LEAST_ACCURACY = 1e-7
 
-EXCEPTIONS = ("edge", "loose", "tangent", "twice", "ghost")
+EXCEPTIONS = ("edge", "loose", "tangent", "refused", "twice", "ghost")
 
 
 def relative(value, reference):
@@ -105,6 +106,7 @@ class RayComparison:
         entities = [face["entity"] for face in reference["faces"]]
         self.tolerances = {face["entity"]: face.get("tolerance") or 0.0 for face in reference["faces"]}
         self.odd = self.odd_rays(reference, glanz)
+        self.known = {face["entity"] for face in glanz["faces"] if face["status"] != "refused"}
         if len(glanz["rays"]) != self.rays:
             raise ValueError(f"{reference['file']}: {self.rays} rays against {len(glanz['rays'])}")
         for number, (ours, theirs) in enumerate(zip(glanz["rays"], reference["hits"])):
@@ -161,6 +163,8 @@ class RayComparison:
             return border, text
         if self.touches(hit):
             return "tangent", text
+        if hit.entity not in self.known:
+            return "refused", text
         twins = sum(other.entity == hit.entity and self.near(hit, other) for other in theirs)
         return "twice" if side == "missing" and twins > 1 else "wrong", text
 
@@ -217,10 +221,10 @@ class FaceComparison:
             area = None if None in areas else sum(areas)
             self.compared += 1
             deviation = relative(face["area"], area)
-            if deviation > AREA:
-                self.different.append((entity, face["kind"], area, face["area"]))
-            else:
+            if deviation <= AREA:
                 self.largest = max(self.largest, deviation)
+            else:
+                self.different.append((entity, face["kind"], area, face["area"]))
 
 
 class SolidComparison:
@@ -246,7 +250,7 @@ class SolidComparison:
             volume, area = (relative(partner[x], solid[x]) for x in ("volume", "area"))
             bounds = distance(solid, partner)
             self.volume, self.bounds = max(self.volume, volume), max(self.bounds, bounds)
-            if max(volume, area) > VOLUME or bounds > BOUNDS:
+            if not (volume <= VOLUME and area <= VOLUME and bounds <= BOUNDS):
                 self.beyond.append(f"#{solid['entity']}: volume {solid['volume']} against {partner['volume']}, "
                                    f"area {solid['area']} against {partner['area']}, bounds differ by {bounds:.2g} of the size")
 
@@ -374,6 +378,9 @@ def self_test():
     test(False, faces=[{**ours, "area": 1.00009}, glanz["faces"][1]])
     test(True, faces=[{**ours, "area": None, "status": "refused", "reason": "no"}, glanz["faces"][1]])
     test(True, faces=[ours])
+    test(True, {"refused": 1}, faces=[ours], rays=[glanz["rays"][0], [[1.0, 7]], glanz["rays"][2]])
+    test(True, faces=[{**ours, "area": math.nan}, glanz["faces"][1]])
+    test(True, solids=[{**solid, "volume": 1.0}, {**solid, "volume": math.nan}])
     test(True, solids=[solid])
     test(True, solids=[{**solid, "volume": 1.0}, {**solid, "volume": 2.1}])
     test(True, solids=[{**solid, "volume": 1.0}, {**solid, "bounds": [[0, 0, 0], [1, 1, 1.01]]}])

@@ -10,6 +10,7 @@ Units are metres. The result, as JSON:
     entities      numbers of all faces in the file
     uncertainty   distance accuracy of the file: the largest of its contexts; units: length units of its contexts
     bounds        [min, max] of everything
+    moved         whether OpenCascade moved the shape by an axis placement of its representation, which is undone here
     faces         one per face of the file, in the coordinates of its part, not per occurrence:
                   entity (null if unknown), kind, area, area_error (relative), area_adaptive and area_gauss (of BRepGProp), bounds,
                   centroid, forward (orientation in its shell), tolerance (largest of its edges and vertices), occurrences, status
@@ -291,7 +292,8 @@ class FileReference:
     def everything(self):
         bounds = bounds_of(self.file.shape) if self.occurrences else None
         result = {"file": self.path.name, "seed": self.seed, "entities": self.file.faces_of_file,
-                  "uncertainty": max(self.file.uncertainties, default=None), "units": self.file.units, "bounds": bounds}
+                  "uncertainty": max(self.file.uncertainties, default=None), "units": self.file.units, "bounds": bounds,
+                  "moved": self.file.moved}
         result["faces"] = self.timed("faces", self.faces)
         result["solids"] = self.timed("solids", self.solids)
         rays, hits, failed, odd = numpy.zeros((0, 7)), [], {}, []

@@ -24,6 +24,9 @@ TOKENS = re.compile(rb"/\*.*?\*/|'[^']*'|\"[^\"]*\"|#(\d+)\s*=\s*(\w+|\([^;]*)",
 NAMED = re.compile(rb"\w*(FACE|BREP|SHELL)\w*$|RECTANGULAR_TRIMMED_SURFACE$|CURVE_BOUNDED_SURFACE$")
 FACE = re.compile(rb"(ADVANCED_|ORIENTED_|SUB)?FACE(_SURFACE)?$")
 
+# Entities that place shapes.
+TRANSFORMATION = re.compile(rb"MAPPED_ITEM|ITEM_DEFINED_TRANSFORMATION|FUNCTIONALLY_DEFINED_TRANSFORMATION|CARTESIAN_TRANSFORMATION")
+
 
 def explore(shape, kind):
     """All sub-shapes of a kind, once per occurrence."""
@@ -55,9 +58,14 @@ class StepFile:
         self.reader = STEPControl_Reader()
         if self.reader.ReadFile(str(path)) != IFSelect_RetDone:
             raise ValueError(f"OpenCascade does not read {path}")
-        self.read_text(pathlib.Path(path).read_bytes())
+        text = pathlib.Path(path).read_bytes()
+        self.read_text(text)
         self.reader.TransferRoots()
         self.shape = self.reader.OneShape()
+        # OpenCascade moves a shape by an axis placement among the items of its representation, which is no transformation in STEP.
+        self.moved = not self.shape.IsNull() and not self.shape.Location().IsIdentity() and not TRANSFORMATION.search(text)
+        if self.moved:
+            self.shape = self.shape.Located(TopLoc_Location())
         self.results = self.reader.WS().TransferReader()
         self.known = {}
         self.deduce_entity()
