@@ -20,6 +20,7 @@ mod receiver;
 mod resolve;
 mod scene;
 mod statistics;
+pub mod studio;
 
 pub use builder::{SceneBuilder, ShapeMaterial};
 pub use camera::{Camera, FilmProjection};

@@ -82,6 +82,8 @@ pub struct Scene {
     pub(crate) emitters: Arc<LightSelector>,
     pub(crate) bounds: Bounds3,
     pub(crate) receivers: Arc<[NamedReceiver]>,
+    /// See [`Scene::backdrop_radiance`].
+    pub(crate) backdrop: Option<Spectrum>,
 }
 
 impl Scene {
@@ -371,7 +373,7 @@ impl Scene {
         }
     }
 
-    /// The infinite lights, which emit from all directions.
+    /// The infinite lights, which emit from all directions or those of a cone.
     #[must_use]
     pub fn infinite_lights(&self) -> &[LightId] {
         &self.infinite_lights
@@ -379,9 +381,10 @@ impl Scene {
 
     /// Radiance of the infinite light `id` along a ray that left the scene.
     #[must_use]
-    pub fn infinite_radiance(&self, id: LightId, _ray: &Ray) -> Spectrum {
+    pub fn infinite_radiance(&self, id: LightId, ray: &Ray) -> Spectrum {
         match self.light(id) {
             Some(Light::Infinite(light)) => light.radiance(),
+            Some(Light::Sun(light)) => light.radiance(ray.direction),
             _ => Spectrum::BLACK,
         }
     }
@@ -392,6 +395,7 @@ impl Scene {
     pub fn infinite_pdf(&self, id: LightId, from: &LightSampleContext, wi: DVec3) -> SolidAnglePdf {
         match self.light(id) {
             Some(Light::Infinite(light)) => light.pdf(from, wi),
+            Some(Light::Sun(light)) => light.pdf(wi),
             _ => SolidAnglePdf(0.0),
         }
     }
@@ -400,5 +404,12 @@ impl Scene {
     #[must_use]
     pub fn environment_radiance(&self, ray: &Ray) -> Spectrum {
         self.infinite_lights.iter().map(|&id| self.infinite_radiance(id, ray)).sum()
+    }
+
+    /// Radiance that a camera ray sees where it leaves the scene without being scattered: of the [backdrop](crate::Description::backdrop), or else of
+    /// all infinite lights.
+    #[must_use]
+    pub fn backdrop_radiance(&self, ray: &Ray) -> Spectrum {
+        self.backdrop.unwrap_or_else(|| self.environment_radiance(ray))
     }
 }

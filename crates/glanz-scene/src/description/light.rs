@@ -112,6 +112,15 @@ pub enum LightKind {
         /// ... and one to which it goes.
         to: DVec3,
     },
+    /// W/m^2 on a surface that faces its middle, from all directions of a cone.
+    Sun {
+        /// A point from which the light of the middle comes ...
+        from: DVec3,
+        /// ... and one to which it goes.
+        to: DVec3,
+        /// Half angle of the cone, radians, in (0, pi / 2].
+        angular_radius: f64,
+    },
     /// W/(m^2 sr) from every direction.
     Infinite,
 }

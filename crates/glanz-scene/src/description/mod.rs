@@ -4,6 +4,7 @@
 //! constructors of geometry and shading. Lengths are metres and angles radians; matrices map columns and may still be
 //! singular. Every part that can be wrong carries its [`Location`] in the input.
 
+mod bounds;
 mod camera;
 mod film;
 mod freeform;
@@ -18,6 +19,8 @@ mod receiver;
 mod shape;
 mod texture;
 mod trim;
+
+use glanz_light::SpectralDistribution;
 
 pub use camera::{CameraDescription, CameraKind, look_at};
 pub use film::{FilmDescription, FilterDescription, FilterKind};
@@ -75,6 +78,8 @@ pub struct Description {
     pub materials: Vec<MaterialDescription>,
     /// Lights that are not surfaces.
     pub lights: Vec<LightDescription>,
+    /// Radiance, W/(m^2 sr), that the camera sees where its rays leave the scene; it lights nothing. `None`: that of the infinite lights.
+    pub backdrop: Option<SpectralDistribution>,
     /// Groups that instances refer to by index; one may only refer to those before it.
     pub groups: Vec<GroupDescription>,
     /// Shapes and instances of the world itself.

@@ -11,6 +11,7 @@ mod point;
 mod rays;
 mod select;
 mod spot;
+mod sun;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
@@ -31,6 +32,7 @@ pub use rays::RayLight;
 pub(crate) use select::LightSelector;
 pub use select::MAX_LIGHT_GROUPS;
 pub use spot::SpotLight;
+pub use sun::SunLight;
 
 /// Number of a light of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -195,6 +197,8 @@ lights! {
     Rays(RayLight),
     /// One direction, from infinitely far.
     Distant(DistantLight),
+    /// A disk on the sky.
+    Sun(SunLight),
     /// A surface.
     Area(AreaLight),
     /// All directions, from infinitely far.
@@ -227,6 +231,9 @@ impl Light {
             }
             LightKind::Rays { rays, from } => Self::Rays(RayLight::resolve(input, rays, *from)?),
             LightKind::Distant { from, to } => Self::Distant(DistantLight::resolve(&input, *from, *to)?),
+            LightKind::Sun { from, to, angular_radius } => {
+                Self::Sun(SunLight::resolve(&input, [*from, *to], *angular_radius)?)
+            }
             LightKind::Infinite => Self::Infinite(InfiniteLight::new(input.emission)),
         })
     }

@@ -9,11 +9,12 @@ mod material;
 mod shape;
 mod texture;
 
+use glanz_geometry::RaySurface;
 use glanz_light::Wavelengths;
-use glanz_math::{DMat4, Transform};
+use glanz_math::{Bounds3, DMat4, Transform};
 
 use crate::camera::Camera;
-use crate::description::{Description, Location};
+use crate::description::{Description, GeometryDescription, Location};
 use crate::error::{SceneError, SceneErrorKind, SceneWarning};
 use crate::light::{Light, LightId, LightSelector};
 use crate::scene::Scene;
@@ -21,6 +22,11 @@ use group::{GroupResolver, ResolvedGroups};
 
 /// Coordinates beyond this, in metres, leave the range of the hierarchy's `f32` boxes.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e30;
+
+/// The bounding box of a surface in its own frame; `None` if its description is invalid.
+pub(crate) fn surface_bounds(geometry: &GeometryDescription) -> Option<Bounds3> {
+    Some(shape::surface(geometry.clone()).ok()?.bounds())
+}
 
 /// Warnings so far.
 #[derive(Default)]
@@ -57,13 +63,17 @@ impl Scene {
         for light in &description.lights {
             lights.push(light::light(light, &wavelengths, &mut warnings)?);
         }
-        let bounds = groups.last().map(group::finite_bounds).unwrap_or(glanz_math::Bounds3::EMPTY);
+        let backdrop = description
+            .backdrop
+            .as_ref()
+            .map(|backdrop| light::emitted_spectrum(backdrop, 1.0, &wavelengths, "backdrop: radiance", None));
+        let bounds = groups.last().map(group::finite_bounds).unwrap_or(Bounds3::EMPTY);
         let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
         let importance: Vec<f64> = lights.iter().map(|l| l.importance(radius)).collect();
         let infinite_lights = lights
             .iter()
             .enumerate()
-            .filter(|(_, light)| matches!(light, Light::Infinite(_)))
+            .filter(|(_, light)| matches!(light, Light::Infinite(_) | Light::Sun(_)))
             .map(|(index, _)| LightId(index as u32))
             .collect();
         let sampled: Vec<f64> = lights
@@ -83,6 +93,7 @@ impl Scene {
             emitters: emitters.into(),
             bounds,
             receivers: receivers.into(),
+            backdrop: backdrop.transpose()?,
         };
         Ok((scene, warnings.warnings))
     }

@@ -107,7 +107,7 @@ fn bilinear_patches<'a>(
     })
 }
 
-fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceError> {
+pub(super) fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceError> {
     Ok(match geometry {
         GeometryDescription::Sphere { radius, z, phi_max } => Sphere::try_new(radius, z, phi_max)?.into(),
         GeometryDescription::Cylinder { radius, z, phi_max } => Cylinder::try_new(radius, z, phi_max)?.into(),

@@ -99,6 +99,7 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
     };
     let point_light = |range| LightKind::Point { from: DVec3::new(0.3, 0.4, 0.7), range };
     let distant = LightKind::Distant { from: DVec3::new(0.3, -0.2, 1.0), to: DVec3::ZERO };
+    let sun = LightKind::Sun { from: DVec3::new(0.3, -0.2, 1.0), to: DVec3::ZERO, angular_radius: 0.4 };
     let turned = DMat4::from_translation(DVec3::new(0.5, 0.3, 0.8))
         * DMat4::from_rotation_x(0.4)
         * DMat4::from_rotation_z(1.0);
@@ -111,6 +112,7 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
         ("luminaire as a point", scene(None, Some((luminaire(None), turned))), true),
         ("luminaire as an area", scene(None, Some((luminaire(Some(opening)), turned))), true),
         ("distant", scene(None, Some((distant, DMat4::IDENTITY))), false),
+        ("sun", scene(None, Some((sun, DMat4::IDENTITY))), false),
         ("infinite", scene(None, Some((LightKind::Infinite, DMat4::IDENTITY))), false),
         ("disk", scene(Some(shining(disk.clone(), false, down)), None), true),
         ("disk of two sides", scene(Some(shining(disk, true, down)), None), true),

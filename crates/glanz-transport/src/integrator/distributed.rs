@@ -119,7 +119,10 @@ impl Distributed {
         branches: &mut Vec<DistributedPath>,
     ) -> Option<Ray> {
         let Some(hit) = hit else {
-            path.light += path.throughput * self.escaped(context, ray, path.origin.as_ref());
+            path.light += match path.depth {
+                0 => path.throughput * context.scene.backdrop_radiance(ray),
+                _ => path.throughput * self.escaped(context, ray, path.origin.as_ref()),
+            };
             return None;
         };
         let hit = context.scene.interaction(ray, hit);

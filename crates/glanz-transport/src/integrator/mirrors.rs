@@ -53,7 +53,11 @@ fn follow(
     let mut light = Spectrum::BLACK;
     for _ in 0..INTERFACE_LIMIT {
         let Some((hit, place)) = context.intersect_parametric(&pending.ray) else {
-            return light + context.scene.environment_radiance(&pending.ray);
+            return light
+                + match pending.depth {
+                    0 => context.scene.backdrop_radiance(&pending.ray),
+                    _ => context.scene.environment_radiance(&pending.ray),
+                };
         };
         light += context.scene.emitted(&hit, hit.wo);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {

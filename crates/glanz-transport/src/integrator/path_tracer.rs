@@ -196,7 +196,10 @@ impl PathTracer {
     ) -> bool {
         let origin = path.origin.as_ref();
         let Some(hit) = hit else {
-            path.light += path.throughput * self.escaped(context, &path.ray, directions, origin);
+            path.light += match path.depth {
+                0 => path.throughput * context.scene.backdrop_radiance(&path.ray),
+                _ => path.throughput * self.escaped(context, &path.ray, directions, origin),
+            };
             return false;
         };
         let hit = context.scene.interaction(&path.ray, hit);

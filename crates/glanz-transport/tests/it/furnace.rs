@@ -80,6 +80,42 @@ fn convex_diffuse_sphere_reflects_its_share_of_a_constant_sky() {
 }
 
 #[test]
+fn the_backdrop_is_seen_and_lights_nothing() {
+    let backdrop =
+        |scene: SceneBuilder| scene.edit(|description| description.backdrop = Some([7.0; 3].into()));
+    let empty = looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [3, 3], 0.5)
+        .shape(ShapeDescription::sphere(1.0).translated([0.0, 9.0, 0.0]), diffuse(0.6))
+        .light(LightDescription::infinite([3.0; 3]));
+    let full = empty.clone().shape(ShapeDescription::sphere(1.0), diffuse(0.6));
+    for run in Run::all_random(5, 256).into_iter().chain([Run::new("whitted", 5, 64)]) {
+        run.picture(&backdrop(empty.clone())).assert_exact(7.0, &run.name());
+        run.picture(&empty).assert_exact(3.0, &run.name());
+        run.picture(&backdrop(full.clone())).assert_average([1.8; 3], 0.02, &run.name());
+    }
+}
+
+#[test]
+fn a_sun_above_the_horizon_lights_a_plane_by_the_cosine_of_its_middle() {
+    let (rho, irradiance) = (0.7, 5.0);
+    for (zenith, angular_radius) in [(0.0_f64, 0.5), (0.9, 0.3), (0.9, 0.004)] {
+        let from = DVec3::new(zenith.sin(), 0.0, zenith.cos());
+        let scene = one_pixel(DVec3::new(-1.0, 0.5, 2.0), DVec3::ZERO)
+            .shape(ShapeDescription::plane(), diffuse(rho))
+            // Paths from lights need a bounded scene.
+            .shape(ShapeDescription::sphere(1.0).translated([0.0, 0.0, -1.5]), diffuse(rho))
+            .light(LightDescription::new(
+                LightKind::Sun { from, to: DVec3::ZERO, angular_radius },
+                irradiance,
+            ));
+        // The integral of a constant radiance times cosine over a cone is pi sin^2 of its half angle times the cosine of its axis.
+        let expected = f64::from(rho) / PI * f64::from(irradiance) * zenith.cos();
+        for run in Run::all_random(2, 1024).into_iter().filter(|run| run.light_sampling) {
+            run.picture(&scene).assert_average([expected; 3], 0.02, &run.name());
+        }
+    }
+}
+
+#[test]
 fn point_light_over_a_plane_gives_the_third_power_of_the_cosine() {
     let (rho, intensity, h) = (0.7, 5.0, 1.5);
     for x in [0.0, 0.8, 3.0] {

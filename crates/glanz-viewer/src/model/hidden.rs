@@ -34,6 +34,7 @@ pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description
         textures: description.textures.clone(),
         materials: description.materials.clone(),
         lights: description.lights.clone(),
+        backdrop: description.backdrop.clone(),
         groups: pruning.groups,
         world,
     }

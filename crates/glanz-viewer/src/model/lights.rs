@@ -54,6 +54,7 @@ fn power(light: &Light, radius: f64) -> Spectrum {
         Light::Photometric(l) => l.power(),
         Light::Rays(l) => l.power(),
         Light::Distant(l) => l.irradiance() * (PI * radius * radius) as f32,
+        Light::Sun(l) => l.irradiance() * (PI * radius * radius) as f32,
         Light::Area(l) => l.power(),
         _ => Spectrum::BLACK,
     }
@@ -75,6 +76,8 @@ fn simple(scene: &Scene, placed: &[PlacedSurface<'_>], light: &Light) -> Option<
         Light::Distant(l) => {
             Simple { kind: "distant", direction: -l.towards(), ..Simple::of(l.irradiance()) }
         }
+        // Without the softness of its shadows.
+        Light::Sun(l) => Simple { kind: "distant", direction: -l.towards(), ..Simple::of(l.irradiance()) },
         Light::Area(l) => {
             let is_it = |id: LightId| scene.light(id).is_some_and(|other| std::ptr::eq(other, light));
             area(l, placed.iter().find(|surface| surface.light().is_some_and(is_it))?, scene.bounds())

@@ -1,6 +1,6 @@
 //! The initial camera of the page.
 
-use glanz_math::{Bounds3, DVec3, Ray};
+use glanz_math::{Bounds3, DMat4, DVec3, Ray};
 use glanz_scene::camera::Screen;
 use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
 use glanz_scene::{Description, Scene};
@@ -13,7 +13,7 @@ const FIELD_OF_VIEW: f64 = 0.6;
 /// The scene's camera; where the file has none, one that sees everything from the front, the right and above.
 pub(super) fn camera(description: &Description, scene: &Scene) -> ModelCamera {
     let bounds = scene.bounds();
-    if description.camera.location.is_none() && !bounds.is_empty() {
+    if !has_camera(description) && !bounds.is_empty() {
         return overview(bounds);
     }
     let of_scene = of_scene(&description.camera, &description.film);
@@ -26,9 +26,14 @@ pub(super) fn camera(description: &Description, scene: &Scene) -> ModelCamera {
     ModelCamera { distance, ..of_scene }
 }
 
+/// Whether the scene has a camera: from its file, or placed by code.
+fn has_camera(description: &Description) -> bool {
+    description.camera.location.is_some() || description.camera.to_world != DMat4::IDENTITY
+}
+
 /// Aspect ratio of the scene's picture; 1 for an overview, which is fitted to the shorter side of the page.
 pub(super) fn aspect(description: &Description) -> f64 {
-    if description.camera.location.is_none() {
+    if !has_camera(description) {
         return 1.0;
     }
     let [x0, x1, y0, y1] = window(&description.camera, &description.film);

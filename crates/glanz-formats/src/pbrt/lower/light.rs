@@ -92,7 +92,11 @@ impl Lowering {
         let (from, to) = self.ends(list)?;
         let mut light = self.emission(list, "L", context.color_space)?;
         self.illuminance(list, &mut light, 1.0)?;
-        Ok((LightKind::Distant { from, to }, light))
+        let angle = list.float_or("angle", 0.0, &mut self.reporter)?;
+        if angle == 0.0 {
+            return Ok((LightKind::Distant { from, to }, light));
+        }
+        Ok((LightKind::Sun { from, to, angular_radius: 0.5 * angle.to_radians() }, light))
     }
 
     fn infinite(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<LightParts> {

@@ -75,7 +75,10 @@ impl CameraPath {
     /// The ray that continues from the hit of `ray`; `None` if the path ends.
     fn next_ray(&mut self, context: &mut Context<'_>, ray: &Ray, hit: Option<&SceneHit>) -> Option<Ray> {
         let Some(hit) = hit else {
-            self.light += self.throughput * escaped(context, ray, self.origin.as_ref());
+            self.light += match self.depth {
+                0 => self.throughput * context.scene.backdrop_radiance(ray),
+                _ => self.throughput * escaped(context, ray, self.origin.as_ref()),
+            };
             return None;
         };
         let hit = context.scene.interaction(ray, hit);

@@ -1,0 +1,96 @@
+//! Camera, ground and light for models, which have none of their own.
+//!
+//! ```
+//! use glanz_scene::description::{MaterialKind, ShapeDescription};
+//! use glanz_scene::studio::{StudioSettings, add_studio};
+//! use glanz_scene::{Scene, SceneBuilder};
+//!
+//! let mut model = SceneBuilder::new().shape(ShapeDescription::torus(2.0, 0.5), MaterialKind::diffuse(0.5)).describe()?;
+//! add_studio(&mut model, &StudioSettings::default());
+//! let (scene, _) = Scene::resolve(model)?;
+//! assert_eq!(scene.lights().len(), 3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod color;
+mod light;
+mod material;
+mod view;
+
+pub use color::{SrgbColor, SrgbColorError};
+pub use material::{CAD_GREY, StudioMaterial, StudioMaterialError, cad_material};
+pub use view::{StudioView, UpAxis, UpAxisError};
+
+use crate::description::{Description, MaterialDescription};
+use view::ViewFrame;
+
+/// Settings of the picture of a model.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct StudioSettings {
+    /// Direction from which the model is seen.
+    pub view: StudioView,
+    /// Upward axis; `None`: that of the model's format, or z.
+    pub up: Option<UpAxis>,
+    /// Colour of the background and of the ground where no shadow falls.
+    pub background: SrgbColor,
+    /// Whether the model stands on a ground; there is none between a camera below it and the model.
+    pub ground: bool,
+    /// Material of all shapes; `None`: their own.
+    pub material: Option<StudioMaterial>,
+}
+
+impl Default for StudioSettings {
+    fn default() -> Self {
+        Self {
+            view: StudioView::default(),
+            up: None,
+            background: SrgbColor([214; 3]),
+            ground: true,
+            material: None,
+        }
+    }
+}
+
+/// Samples per pixel of the picture of a model.
+const SAMPLES: u32 = 64;
+
+/// Distance of model and ground, in diagonals of the model: flat bottoms must not coincide with the ground.
+const GROUND_GAP: f64 = 1e-5;
+
+/// Adds camera, ground, light and background to the description of a model, and sets its number of samples.
+///
+/// The camera sees all of the model, in a picture of the description's film. All lengths are relative to the size of the model, so that
+/// the picture does not depend on its unit.
+pub fn add_studio(description: &mut Description, settings: &StudioSettings) {
+    let up = settings.up.unwrap_or_default();
+    let (frame, above) = (ViewFrame::new(settings.view, up), up.direction());
+    let bounds = description.bounds();
+    let [width, height] = description.film.resolution.map(f64::from);
+    let aspect = if width > 0.0 && height > 0.0 { width / height } else { 1.0 };
+    if let Some(material) = settings.material {
+        replace_materials(description, material);
+    }
+    description.camera = view::fitted_camera(description, bounds, &frame, aspect);
+    description.lights.extend(light::lights(&frame, above));
+    description.sampler.samples_per_pixel = SAMPLES;
+    let background = settings.background.to_linear();
+    description.backdrop = Some(background.into());
+    let lowest = bounds.min.dot(above) - GROUND_GAP * bounds.diagonal().length();
+    let eye = description.camera.to_world.w_axis.truncate();
+    if settings.ground && !bounds.is_empty() && eye.dot(above) > lowest {
+        description.materials.push(light::ground_material(background).into());
+        let point = bounds.center() + (lowest - bounds.center().dot(above)) * above;
+        let material = description.materials.len() - 1;
+        description.world.shapes.push(light::ground(point, above, material));
+    }
+}
+
+fn replace_materials(description: &mut Description, material: StudioMaterial) {
+    description.materials = vec![MaterialDescription::from(material.kind())];
+    for group in description.groups.iter_mut().chain([&mut description.world]) {
+        group.shapes.iter_mut().for_each(|shape| shape.material = 0);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,215 @@
+//! Views of a model, and the camera that is fitted to it.
+
+use std::str::FromStr;
+
+use glanz_math::{Bounds3, DMat4, DVec3};
+
+use crate::camera::Screen;
+use crate::description::{CameraDescription, CameraKind, Description};
+
+/// Direction from which a model is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StudioView {
+    /// From the front, with +x to the right.
+    Front,
+    /// From the back.
+    Back,
+    /// From the left, which is -x.
+    Left,
+    /// From the right, which is +x.
+    Right,
+    /// From above, with the front at the bottom of the picture.
+    Top,
+    /// From below, with the front at the top of the picture.
+    Bottom,
+    /// Three-quarter view, from the front, the right and above.
+    #[default]
+    Iso,
+}
+
+impl StudioView {
+    /// All views.
+    pub const ALL: [Self; 7] =
+        [Self::Front, Self::Back, Self::Left, Self::Right, Self::Top, Self::Bottom, Self::Iso];
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Front => "front",
+            Self::Back => "back",
+            Self::Left => "left",
+            Self::Right => "right",
+            Self::Top => "top",
+            Self::Bottom => "bottom",
+            Self::Iso => "iso",
+        }
+    }
+}
+
+/// Upward axis of a model.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum UpAxis {
+    /// +y; the front faces +z.
+    Y,
+    /// +z; the front faces -y.
+    #[default]
+    Z,
+}
+
+impl UpAxis {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Y => "y",
+            Self::Z => "z",
+        }
+    }
+
+    /// The unit vector upwards.
+    pub(super) fn direction(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+
+    /// The unit vector that the front faces.
+    fn front(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Z,
+            Self::Z => DVec3::NEG_Y,
+        }
+    }
+}
+
+/// A text that is neither `y` nor `z`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the upward axis is y or z")]
+pub struct UpAxisError;
+
+impl FromStr for UpAxis {
+    type Err = UpAxisError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        [Self::Y, Self::Z].into_iter().find(|axis| axis.name().eq_ignore_ascii_case(text)).ok_or(UpAxisError)
+    }
+}
+
+/// Orientation of a view in the world, which is right-handed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ViewFrame {
+    /// To the right in the picture.
+    pub(super) right: DVec3,
+    /// Upwards in the picture.
+    pub(super) up: DVec3,
+    /// Into the picture.
+    pub(super) forward: DVec3,
+    /// Horizontal unit vector towards the viewer; towards the front if the view is vertical.
+    pub(super) viewer: DVec3,
+}
+
+impl ViewFrame {
+    pub(super) fn new(view: StudioView, up: UpAxis) -> Self {
+        let (front, above, right) = (up.front(), up.direction(), DVec3::X);
+        // Towards the viewer, and upwards in the picture before it is made perpendicular.
+        let (back, upwards, viewer) = match view {
+            StudioView::Front => (front, above, front),
+            StudioView::Back => (-front, above, -front),
+            StudioView::Left => (-right, above, -right),
+            StudioView::Right => (right, above, right),
+            StudioView::Top => (above, -front, front),
+            StudioView::Bottom => (-above, front, front),
+            StudioView::Iso => {
+                // Turned by 37 degrees to the right of the front, and 31 degrees above the horizon.
+                let viewer = 0.8 * front + 0.6 * right;
+                ((viewer + 0.6 * above).normalize(), above, viewer)
+            }
+        };
+        let forward = -back;
+        let up = upwards.reject_from_normalized(forward).normalize();
+        Self { right: forward.cross(up), up, forward, viewer }
+    }
+}
+
+/// Half the shorter side of the picture at distance 1: a field of view of 28 degrees.
+const HALF_SIDE: f64 = 0.25;
+
+/// Share of the half picture that stays free on each side.
+const MARGIN: f64 = 0.05;
+
+/// Smallest distance of camera and model, in diagonals of the model: very wide pictures would need a camera within it.
+const NEAREST: f64 = 0.5;
+
+/// A camera with this orientation from which all of the model is in the picture, as large as the margin allows, or the
+/// default one for an empty model.
+///
+/// `bounds`: of the model; `aspect`: width over height of the picture.
+pub(super) fn fitted_camera(
+    description: &Description,
+    bounds: Bounds3,
+    frame: &ViewFrame,
+    aspect: f64,
+) -> CameraDescription {
+    if bounds.is_empty() {
+        return CameraDescription::default();
+    }
+    let [_, half_width, _, half_height] =
+        Screen::default_window(aspect).map(|side| side * HALF_SIDE * (1.0 - MARGIN));
+    let middle = bounds.center();
+    let (mut across, mut along) = (TangentPlanes::new(half_width), TangentPlanes::new(half_height));
+    let mut nearest = f64::INFINITY;
+    description.visit_extent(&mut |point| {
+        let from_middle = point - middle;
+        let depth = from_middle.dot(frame.forward);
+        nearest = nearest.min(depth);
+        across.include(from_middle.dot(frame.right), depth);
+        along.include(from_middle.dot(frame.up), depth);
+    });
+    // The unit of a model that is a single point is unknown.
+    let size = bounds.diagonal().length();
+    let size = if size > 0.0 { size } else { 1.0 };
+    let depth = across.depth().min(along.depth()).min(nearest - NEAREST * size);
+    let eye = middle + across.middle() * frame.right + along.middle() * frame.up + depth * frame.forward;
+    let column = |axis: DVec3| axis.extend(0.0);
+    let to_world =
+        DMat4::from_cols(column(frame.right), column(frame.up), column(frame.forward), eye.extend(1.0));
+    let field_of_view = 2.0 * HALF_SIDE.atan();
+    CameraDescription {
+        kind: CameraKind::Perspective { field_of_view },
+        to_world,
+        ..CameraDescription::default()
+    }
+}
+
+/// The two planes through the eye that bound the picture on opposite sides, as close to the model as possible.
+///
+/// An eye at (x, z) sees a point at (px, pz) if |px - x| <= tangent (pz - z). So x - tangent z is at least the largest px - tangent pz, and
+/// -x - tangent z at least the largest -px - tangent pz.
+struct TangentPlanes {
+    tangent: f64,
+    right: f64,
+    left: f64,
+}
+
+impl TangentPlanes {
+    fn new(tangent: f64) -> Self {
+        Self { tangent, right: f64::NEG_INFINITY, left: f64::NEG_INFINITY }
+    }
+
+    fn include(&mut self, position: f64, depth: f64) {
+        self.right = self.right.max(position - self.tangent * depth);
+        self.left = self.left.max(-position - self.tangent * depth);
+    }
+
+    /// Largest depth of an eye that sees all points.
+    fn depth(&self) -> f64 {
+        -0.5 * (self.right + self.left) / self.tangent
+    }
+
+    /// Position of the eye with the same free space on both sides.
+    fn middle(&self) -> f64 {
+        0.5 * (self.right - self.left)
+    }
+}
