@@ -42,6 +42,9 @@ fn is_usage(error: &Error) -> bool {
 fn advice(error: &Error) -> Option<String> {
     let text = match error {
         Error::File { fault, .. } => return file_advice(fault),
+        Error::NoScene { .. } => {
+            "write a scene file with lights that names the model, such as by Shape \"plymesh\" \"string filename\" \"FILE\""
+        }
         Error::NoGuide { .. } => "add --integrator guided",
         Error::NoStoredLight { .. } => "add --integrator radiosity",
         Error::Branching { .. } => "add --integrator path or distributed, or leave out --branching",

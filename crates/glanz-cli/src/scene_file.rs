@@ -6,6 +6,7 @@ use glanz::formats::Options;
 use glanz::{Error, LoadedScene};
 use glanz_terminal::messages::{CommandError, Messages};
 
+use crate::arguments::ModelArgument;
 use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 
@@ -16,6 +17,24 @@ use crate::notes::note_diagnostics;
 pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<LoadedScene, CommandError> {
     let options = Options { strict, ..Options::default() };
     print_diagnostics(glanz::open_with(path, &options), messages)
+}
+
+/// Reads a scene file or a model and prints its warnings, also that of options that have no effect on a scene.
+///
+/// # Errors
+/// The faults, which have been printed.
+pub(crate) fn open_model(
+    argument: &ModelArgument,
+    strict: bool,
+    messages: Messages,
+) -> Result<LoadedScene, CommandError> {
+    let ModelArgument { scene, studio } = argument;
+    let options = Options { strict, studio: studio.settings(), ..Options::default() };
+    let loaded = print_diagnostics(glanz::open_with(scene, &options), messages)?;
+    if !loaded.is_model() {
+        studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
+    }
+    Ok(loaded)
 }
 
 /// Prints the warnings or errors of reading a scene.

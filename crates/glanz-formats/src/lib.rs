@@ -9,6 +9,7 @@
 
 pub mod glb;
 pub mod image;
+mod model;
 mod nearest;
 pub mod newell;
 pub mod pbrt;
@@ -20,5 +21,5 @@ pub mod source;
 
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;
-pub use registry::{Loaded, Options, SceneFormat, load, load_str};
+pub use registry::{Loaded, MODEL_EXTENSIONS, ModelFormat, Options, SceneFormat, load, load_str};
 pub use source::Sources;

@@ -12,6 +12,7 @@
 //! ```
 
 use glanz_math::DVec3;
+use glanz_scene::description::BezierPatchesDescription;
 
 use crate::source::line_and_column;
 
@@ -120,6 +121,24 @@ pub fn read(bytes: &[u8]) -> Result<NewellMesh, NewellError> {
         Some((at, word)) => Err(words.error(at, NewellErrorKind::Trailing(quoted(word)))),
         None => Ok(NewellMesh { positions, patches }),
     }
+}
+
+/// Degree of the patches.
+const CUBIC: usize = 3;
+
+/// Bicubic patches from four rows of four points each, along u. `indices`: of their points among `positions`; each must exist.
+pub(crate) fn bicubic_patches(positions: &[DVec3], indices: &[[u32; POINTS]]) -> BezierPatchesDescription {
+    let point = |&i: &u32| positions.get(i as usize).map(|p| p.extend(1.0).to_array());
+    let patches = indices.iter().map(|patch| {
+        let points: Vec<[f64; 4]> = patch.iter().filter_map(point).collect();
+        transposed(&points, CUBIC + 1)
+    });
+    BezierPatchesDescription { degree_u: CUBIC, degree_v: CUBIC, patches: patches.collect() }
+}
+
+/// Transposes control points: the input has consecutive rows of `count_u` points along u, the result consecutive points along v.
+pub(crate) fn transposed(points: &[[f64; 4]], count_u: usize) -> Vec<[f64; 4]> {
+    (0..count_u).flat_map(|i| points.iter().skip(i).step_by(count_u).copied()).collect()
 }
 
 /// Largest number of characters of a word in messages.

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
-use crate::image;
-use crate::pbrt;
 use crate::source::Sources;
+use crate::{image, model, pbrt, rib};
 
 /// Settings of the readers.
 #[derive(Clone, Debug, Default)]
@@ -21,6 +21,8 @@ pub struct Options {
     ///
     /// These users must not be able to change the folder while it is read.
     pub confined: bool,
+    /// Camera, ground and light for models, which have none of their own.
+    pub studio: StudioSettings,
 }
 
 /// A scene that was read.
@@ -34,6 +36,9 @@ pub struct Loaded {
     pub content_hash: u128,
     /// The sources, for later messages about positions in the files.
     pub sources: Sources,
+    /// Of a model, which has no camera and light of its own, the settings for [`add_studio`](glanz_scene::studio::add_studio): those of the options, with the
+    /// upward axis of the format if they have none. `None` for a scene.
+    pub studio: Option<StudioSettings>,
 }
 
 /// A format, recognised by content.
@@ -42,23 +47,51 @@ pub struct Loaded {
 pub enum SceneFormat {
     /// pbrt's scene language.
     Pbrt,
+    /// Surfaces alone.
+    Model(ModelFormat),
 }
+
+/// A format of files of surfaces, without camera and light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ModelFormat {
+    /// Meshes: see [`crate::ply`].
+    Ply,
+    /// Patches in RenderMan's scene files: see [`crate::rib`].
+    Rib,
+    /// Lists of bicubic patches: see [`crate::newell`].
+    Newell,
+}
+
+impl ModelFormat {
+    /// The upward axis of its models, by custom.
+    pub(crate) fn up(self) -> UpAxis {
+        match self {
+            Self::Ply => UpAxis::Y,
+            Self::Rib | Self::Newell => UpAxis::Z,
+        }
+    }
+}
+
+/// Usual extensions of files of models, in lower case.
+pub const MODEL_EXTENSIONS: [&str; 2] = ["ply", "rib"];
 
 /// Signatures of other formats, with a description for the error.
 const OTHERS: &[(&[u8], &str)] = &[
-    (b"ply\n", "a PLY model; a scene refers to it by Shape \"plymesh\""),
-    (b"ply\r", "a PLY model; a scene refers to it by Shape \"plymesh\""),
     (b"ISO-10303-21", "a STEP file, which is not read yet"),
     (b"glTF", "a glTF file, which is not read yet"),
     (b"GLANZ", "one of Glanz's own files, not a scene"),
 ];
 
 impl SceneFormat {
-    /// Recognises a format by the first bytes of a file.
+    /// Recognises a format by the content of a file.
     ///
     /// # Errors
     /// A description of the actual format.
     pub fn recognise(bytes: &[u8]) -> Result<Self, String> {
+        if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+            return Ok(Self::Model(ModelFormat::Ply));
+        }
         if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
             return Err((*what).to_owned());
         }
@@ -71,6 +104,12 @@ impl SceneFormat {
         }
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err("empty".to_owned());
+        }
+        if bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit) {
+            return Ok(Self::Model(ModelFormat::Newell));
+        }
+        if rib::has_surface(bytes) {
+            return Ok(Self::Model(ModelFormat::Rib));
         }
         Ok(Self::Pbrt)
     }
@@ -140,6 +179,7 @@ fn load_bytes(
 ) -> Result<Loaded, Diagnostics> {
     match SceneFormat::recognise(&bytes) {
         Ok(SceneFormat::Pbrt) => pbrt::load(name, path, bytes, options),
+        Ok(SceneFormat::Model(format)) => model::load(format, name, path, &bytes, options),
         Err(what) => Err(failure(name, "format", format!("the file is {what}"))),
     }
 }
@@ -153,15 +193,29 @@ mod tests {
         for (bytes, message) in [
             (&b""[..], "error: x: the file is empty\n"),
             (b" \n\t", "error: x: the file is empty\n"),
-            (
-                b"ply\nformat ascii 1.0\n",
-                "error: x: the file is a PLY model; a scene refers to it by Shape \"plymesh\"\n",
-            ),
+            (b"ISO-10303-21;\n", "error: x: the file is a STEP file, which is not read yet\n"),
             (b"\x89PNG\r\n\x1a\n", "error: x: the file is a picture (PNG), not a scene\n"),
             (b"Shape\0", "error: x: the file is not in a known scene format\n"),
         ] {
             let error = load_bytes("x", None, Arc::from(bytes), &Options::default()).unwrap_err();
             assert_eq!(error.to_string(), message);
+        }
+    }
+
+    #[test]
+    fn models_are_recognised_by_content() {
+        let model = |format| Ok(SceneFormat::Model(format));
+        for (bytes, format) in [
+            (&b"ply\r\nformat"[..], model(ModelFormat::Ply)),
+            (b"32\n1,2,3", model(ModelFormat::Newell)),
+            (b"AttributeBegin\nPatch \"bicubic\" \"P\" [", model(ModelFormat::Rib)),
+            (b"##RenderMan RIB\n# Shape\nTranslate 0 0 5 NuPatch 4", model(ModelFormat::Rib)),
+            (b"Translate 0 0 5\nShape \"nurbs\" # Patch\n", Ok(SceneFormat::Pbrt)),
+            (b"Include \"Patch\" Texture \"NuPatch # \"", Ok(SceneFormat::Pbrt)),
+            (b"# Patch \"bilinear\"\nWorldBegin", Ok(SceneFormat::Pbrt)),
+            (b"Patches", Ok(SceneFormat::Pbrt)),
+        ] {
+            assert_eq!(SceneFormat::recognise(bytes), format, "{}", String::from_utf8_lossy(bytes));
         }
     }
 

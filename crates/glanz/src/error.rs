@@ -19,6 +19,14 @@ pub enum Error {
     /// A scene that was refused, with the places of the faults in its file.
     #[error("{}", .0.to_string().trim_end())]
     Scene(Diagnostics),
+    /// A model, which has no lights, for a job that needs them.
+    #[error("{name}: a model has no lights; {job} needs a scene")]
+    NoScene {
+        /// Name of the model.
+        name: String,
+        /// The job.
+        job: &'static str,
+    },
     /// A file that cannot be read or written, or has the wrong content.
     #[error("{}: {fault}", path.display())]
     File {

@@ -3,6 +3,7 @@
 use std::fmt::{self, Write};
 
 use glanz_job::ContentHash;
+use glanz_scene::studio::{StudioSettings, add_studio};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Scene, SceneWarning, Severity};
 
 use crate::error::Error;
@@ -25,6 +26,8 @@ pub struct LoadedScene {
     sources: glanz_formats::Sources,
     diagnostics: Diagnostics,
     strict: bool,
+    /// Of a model to which no studio has been added yet.
+    studio: Option<StudioSettings>,
 }
 
 impl LoadedScene {
@@ -39,13 +42,14 @@ impl LoadedScene {
             sources: glanz_formats::Sources::default(),
             diagnostics: Diagnostics::default(),
             strict: false,
+            studio: None,
         }
     }
 
     #[cfg(feature = "formats")]
     pub(crate) fn from_loaded(name: String, loaded: glanz_formats::Loaded, strict: bool) -> Self {
-        let glanz_formats::Loaded { description, diagnostics, content_hash, sources } = loaded;
-        Self { name, description, content_hash: Some(content_hash), sources, diagnostics, strict }
+        let glanz_formats::Loaded { description, diagnostics, content_hash, sources, studio } = loaded;
+        Self { name, description, content_hash: Some(content_hash), sources, diagnostics, strict, studio }
     }
 
     /// Whether a part of the scene that has to be repaired or left out is an error, also when the scene is resolved.
@@ -73,6 +77,36 @@ impl LoadedScene {
         &mut self.description
     }
 
+    /// Makes the description a model, which has no camera and light of its own: a render adds a studio with these settings.
+    #[must_use]
+    pub fn studio(mut self, settings: StudioSettings) -> Self {
+        self.studio = Some(settings);
+        self
+    }
+
+    /// Whether it is a model, to which a render adds camera, ground and light.
+    #[must_use]
+    pub fn is_model(&self) -> bool {
+        self.studio.is_some()
+    }
+
+    /// Adds the studio to a model, fitted to the present size of its film.
+    pub(crate) fn furnish(&mut self) {
+        let Some(settings) = self.studio.take() else { return };
+        add_studio(&mut self.description, &settings);
+        self.content_hash = self.content_hash.map(|hash| {
+            let mut both = ContentHash::default();
+            both.add_file(&hash.to_le_bytes());
+            both.add_file(format!("{settings:?}").as_bytes());
+            both.value()
+        });
+    }
+
+    /// Refuses a model: `job` needs the lights of a scene.
+    pub(crate) fn check_scene(&self, job: &'static str) -> Result<(), Error> {
+        if self.is_model() { Err(Error::NoScene { name: self.name.clone(), job }) } else { Ok(()) }
+    }
+
     /// Warnings from reading.
     #[must_use]
     pub fn diagnostics(&self) -> &Diagnostics {
@@ -90,7 +124,7 @@ impl LoadedScene {
         })
     }
 
-    /// Resolves the scene for ray queries; returns it with its warnings.
+    /// Resolves the scene for ray queries; returns it with its warnings. Of a model, these are its surfaces alone.
     ///
     /// # Errors
     /// [`Error::Scene`] if the description is not a scene, or a warning arose from a [strict](LoadedScene::strict) one.

@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum, ValueHint};
 use glanz::light::{Tone, ToneCurve};
 use glanz::math::DVec3;
+use glanz::scene::studio::{SrgbColor, StudioMaterial, StudioSettings, StudioView, UpAxis};
 use glanz_terminal::Verbosity;
-use glanz_terminal::values::{positive, stops};
+use glanz_terminal::values::{positive, stops, switch};
 
 /// The scene file of a command.
 #[derive(Debug, Args)]
@@ -14,6 +16,73 @@ pub(crate) struct SceneArgument {
     /// Scene file in pbrt's language (v3 or v4)
     #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
+}
+
+/// The scene or model of a command.
+#[derive(Debug, Args)]
+pub(crate) struct ModelArgument {
+    /// Scene file in pbrt's language (v3 or v4), or model: .ply, .rib
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+    #[command(flatten)]
+    pub(crate) studio: StudioArguments,
+}
+
+/// The picture of a model, which has no camera and light of its own.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Options of models, which have no camera and light of their own")]
+pub(crate) struct StudioArguments {
+    /// Direction from which the model is seen [default: iso, from the front, the right and above]
+    #[arg(long, value_name = "VIEW", value_parser = view_parser())]
+    view: Option<StudioView>,
+    /// Upward axis of the model: y or z [default: that of its format]
+    #[arg(long, value_name = "AXIS", value_parser = clap::value_parser!(UpAxis))]
+    up: Option<UpAxis>,
+    /// Colour of background and ground: #rrggbb or a name such as white [default: #d6d6d6]
+    #[arg(long, value_name = "COLOUR", value_parser = clap::value_parser!(SrgbColor))]
+    background: Option<SrgbColor>,
+    /// Whether the model stands on a ground that receives its shadow [default: on]
+    #[arg(long, value_name = "on|off", value_parser = switch)]
+    ground: Option<bool>,
+    /// Material instead of those of the model: steel, aluminium, gold, silver, copper, brass, glass, plastic:#rrggbb
+    #[arg(long, value_name = "NAME", value_parser = clap::value_parser!(StudioMaterial))]
+    material: Option<StudioMaterial>,
+}
+
+impl StudioArguments {
+    /// The same for the engine.
+    pub(crate) fn settings(&self) -> StudioSettings {
+        let default = StudioSettings::default();
+        StudioSettings {
+            view: self.view.unwrap_or(default.view),
+            up: self.up,
+            background: self.background.unwrap_or(default.background),
+            ground: self.ground.unwrap_or(default.ground),
+            material: self.material,
+        }
+    }
+
+    /// A warning if an option is given that has no effect on a scene.
+    pub(crate) fn warning(&self) -> Option<String> {
+        let given = [
+            ("--view", self.view.is_some()),
+            ("--up", self.up.is_some()),
+            ("--background", self.background.is_some()),
+            ("--ground", self.ground.is_some()),
+            ("--material", self.material.is_some()),
+        ];
+        let names: Vec<&str> = given.into_iter().filter_map(|(name, given)| given.then_some(name)).collect();
+        (!names.is_empty()).then(|| {
+            format!("{}: only for models; a scene has its own camera, light and materials", names.join(", "))
+        })
+    }
+}
+
+/// The views by their names.
+fn view_parser() -> impl TypedValueParser<Value = StudioView> {
+    let by_name = |name: String| StudioView::ALL.into_iter().find(|view| view.name() == name);
+    PossibleValuesParser::new(StudioView::ALL.map(StudioView::name))
+        .try_map(move |name| by_name(name).ok_or("there is no such view"))
 }
 
 /// How strictly a scene is read.

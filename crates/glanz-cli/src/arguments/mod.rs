@@ -14,7 +14,7 @@ mod tests;
 mod view;
 
 pub(crate) use bake::BakeArguments;
-pub(crate) use common::JobArguments;
+pub(crate) use common::{JobArguments, ModelArgument};
 pub(crate) use compare::{CompareArguments, Metric};
 pub(crate) use illuminate::IlluminateArguments;
 pub(crate) use info::InfoArguments;
@@ -35,6 +35,7 @@ Examples:
   glanz demo                                   a built-in scene, into glanz-demo.png
   glanz render room.pbrt -o room.exr           a scene file with its own settings
   glanz render room.pbrt -o room.png --time 60 as many samples as fit into a minute
+  glanz render part.ply -o part.png            a model, with camera, ground and light of a studio
   glanz bake room.pbrt -o room.glb             the light on its surfaces, for other programs
   glanz illuminate room.pbrt -o lux            illuminance on its receivers
   glanz view room.pbrt                         an interactive view in the browser

@@ -12,7 +12,7 @@ use glanz::scene::description::GuideSettings;
 use glanz::transport::{Aov, AovSet, BRANCHING_LIMIT, INTEGRATORS};
 use glanz_terminal::values::{one_of, sample_range, seconds, size, switch};
 
-use super::common::{JobArguments, SceneArgument, ToneArguments};
+use super::common::{JobArguments, ModelArgument, ToneArguments};
 
 /// The word for every extra channel.
 const ALL_AOVS: &str = "all";
@@ -45,6 +45,7 @@ and exit with status 130; a second Ctrl-C ends the program at once.
 Examples:
   glanz render room.pbrt -o room.exr -o room.png --spp 256
   glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume
+  glanz render part.ply -o part.png --view front --material steel
 
   Half of the samples on each of two machines, with the bits of 256 samples on one:
   glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
@@ -73,9 +74,9 @@ With --samplelights on, grids learn indirect light alone (\"stratification\" in 
 #[command(after_help = RENDER_HELP)]
 pub(crate) struct RenderCommandArguments {
     #[command(flatten)]
-    pub(crate) scene: SceneArgument,
-    #[command(flatten)]
     pub(crate) render: RenderArguments,
+    #[command(flatten)]
+    pub(crate) model: ModelArgument,
 }
 
 /// Options of a render; the defaults are those of the scene.

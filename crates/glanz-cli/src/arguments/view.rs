@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use glanz::viewer::server::DEFAULT_PORT;
 use glanz::viewer::stream::IntegratorName;
 
-use super::common::{RoomArgument, SceneArgument, Strictness, ThreadArguments};
+use super::common::{ModelArgument, RoomArgument, Strictness, ThreadArguments};
 
 const VIEW_HELP: &str = "\
 The page draws the surfaces themselves, not facets of them; when the camera rests, it shows the
@@ -22,6 +22,7 @@ to no other file of this machine.
 
 Examples:
   glanz view room.pbrt
+  glanz view part.ply --up z --material brass       a model, in a studio
   glanz view room.pbrt --watch                      updated when the file is saved
   glanz view room.pbrt --light room.light           with light of glanz bake --checkpoint
   glanz view lamp.pbrt --lux lux --room 10 10 10    with the lux maps of glanz illuminate -o lux
@@ -32,8 +33,6 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = VIEW_HELP)]
 pub(crate) struct ViewArguments {
-    #[command(flatten)]
-    pub(crate) scene: SceneArgument,
     /// Print the address without opening the browser
     #[arg(long)]
     pub(crate) no_open: bool,
@@ -65,6 +64,8 @@ pub(crate) struct ViewArguments {
     /// Print errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) model: ModelArgument,
 }
 
 /// The integrators that a page can choose from.

@@ -25,8 +25,10 @@ pub(crate) fn run(
     arguments: &RenderCommandArguments,
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
-    let (path, render) = (&arguments.scene.scene, &arguments.render);
-    render_scene(render, None, messages, || scene_file::open(path, render.job.strictness.strict, messages))
+    let (model, render) = (&arguments.model, &arguments.render);
+    render_scene(render, None, messages, || {
+        scene_file::open_model(model, render.job.strictness.strict, messages)
+    })
 }
 
 /// The output of `--json`.

@@ -20,7 +20,8 @@ use crate::report;
 /// A scene or file that is refused, or an address at which the server cannot listen.
 pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
-    let options = Options { strict: arguments.strictness.strict, ..Options::default() };
+    let (strict, studio) = (arguments.strictness.strict, arguments.model.studio.settings());
+    let options = Options { strict, studio, ..Options::default() };
     let overlay = overlay(arguments).map_err(command_error(messages))?;
     let overlay: Option<Arc<dyn SceneOverlay>> = match overlay.is_empty() {
         true => None,
@@ -36,10 +37,13 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
         watch: arguments.watch,
         ..ServerSettings::default()
     };
-    let scene = &arguments.scene.scene;
+    let scene = &arguments.model.scene;
     let viewer_scene = ViewerScene::read(scene, &options, overlay.as_deref())
         .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))?;
     note_diagnostics(viewer_scene.warnings(), messages);
+    if !viewer_scene.is_model() {
+        arguments.model.studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
+    }
     let name = scene.display().to_string();
     let listener = Box::new(move |update: &SceneUpdate| note_update(&name, update, messages));
     let server =

@@ -56,5 +56,6 @@ pub(crate) fn load(
         diagnostics: reporter.diagnostics,
         content_hash: finder.hash.value(),
         sources: reporter.sources,
+        studio: None,
     })
 }

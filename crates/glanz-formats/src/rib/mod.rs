@@ -70,6 +70,36 @@ pub fn is_rib(bytes: &[u8]) -> bool {
     first.is_some_and(|b| b.is_ascii_alphabetic() || *b == b'#' || *b >= 0x80)
 }
 
+/// Requests that RIB has and pbrt's language does not.
+const RIB_REQUESTS: [&[u8]; 4] = [b"Patch", b"PatchMesh", b"NuPatch", b"Basis"];
+
+/// Directives that pbrt's language has and RIB does not.
+const PBRT_DIRECTIVES: [&[u8]; 9] =
+    [b"Shape", b"LookAt", b"Camera", b"Film", b"Sampler", b"Integrator", b"Material", b"Texture", b"Include"];
+
+/// Whether a text is RIB with surfaces, and not pbrt's scene language: the first word that only one of them has decides.
+pub(crate) fn has_surface(bytes: &[u8]) -> bool {
+    let mut rest = bytes;
+    while let Some((&first, after)) = rest.split_first() {
+        let until = |end: u8| after.iter().position(|&b| b == end).map_or(after.len(), |i| i + 1);
+        let length = match first {
+            b'"' => 1 + until(b'"'),
+            b'#' => 1 + until(b'\n'),
+            _ if first.is_ascii_alphabetic() => {
+                let length = rest.iter().position(|b| !b.is_ascii_alphanumeric()).unwrap_or(rest.len());
+                let word = rest.get(..length).unwrap_or_default();
+                if RIB_REQUESTS.contains(&word) || PBRT_DIRECTIVES.contains(&word) {
+                    return RIB_REQUESTS.contains(&word);
+                }
+                length
+            }
+            _ => 1,
+        };
+        rest = rest.get(length..).unwrap_or_default();
+    }
+    false
+}
+
 /// Reads the surfaces of a file from its bytes.
 ///
 /// # Errors

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use axum::body::Bytes;
 use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
+use glanz_scene::studio::add_studio;
 use glanz_scene::{Description, Scene};
 
 use super::overlay::SceneOverlay;
@@ -22,6 +23,7 @@ pub struct ViewerScene {
     /// The files that it was read from.
     pub(crate) paths: Vec<PathBuf>,
     warnings: Diagnostics,
+    is_model: bool,
 }
 
 impl ViewerScene {
@@ -43,6 +45,9 @@ impl ViewerScene {
             diagnostics
         };
         let mut description = loaded.description;
+        if let Some(settings) = &loaded.studio {
+            add_studio(&mut description, settings);
+        }
         if let Some(overlay) = overlay {
             overlay.add_shapes(&mut description);
         }
@@ -68,7 +73,14 @@ impl ViewerScene {
         };
         let bytes = Bytes::from(model.to_bytes().map_err(broken)?);
         let (scene, paths) = (Arc::new(scene), sources.paths().to_vec());
-        Ok(Self { name, description, scene, model, bytes, paths, warnings })
+        let is_model = loaded.studio.is_some();
+        Ok(Self { name, description, scene, model, bytes, paths, warnings, is_model })
+    }
+
+    /// Whether the file is a model, whose camera, ground and light are those of the options.
+    #[must_use]
+    pub fn is_model(&self) -> bool {
+        self.is_model
     }
 
     /// Repairs and omissions.

@@ -84,6 +84,7 @@ impl<'a> BakeBuilder<'a> {
     /// [`Error::Elements`] and [`Error::Bake`] for more elements or texels than can be stored.
     pub fn run(self) -> Result<BakeOutcome, Error> {
         let Self { scene, settings, job } = self;
+        scene.check_scene("bake")?;
         let mut job = job.start();
         job.check_checkpoint()?;
         let identity = LightIdentity::new(scene.content_hash(), settings);

@@ -161,6 +161,7 @@ impl<'a> IlluminateBuilder<'a> {
     /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`] and [`Error::Integrate`].
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
         let Self { scene, mut options, job } = self;
+        scene.check_scene("illuminate")?;
         let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
             return Err(Error::Accuracy { error, smallest: SMALLEST_ERROR });

@@ -49,6 +49,7 @@ impl RenderPlan {
         job: &JobOptions<'_>,
     ) -> Result<Self, Error> {
         options.apply(scene);
+        scene.furnish();
         let description = &scene.description;
         let film = &description.film;
         let at_film = |error: &dyn std::fmt::Display| scene.fault(film.location, format!("film: {error}"));

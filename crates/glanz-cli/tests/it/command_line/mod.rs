@@ -3,6 +3,7 @@
 mod bad_input;
 mod bake;
 mod illuminate;
+mod model;
 mod render;
 mod same_bits;
 mod small_scene;

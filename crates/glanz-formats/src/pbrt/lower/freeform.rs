@@ -7,7 +7,7 @@ use glanz_scene::description::{
 
 use super::Lowering;
 use super::spline::KnotParameters;
-use crate::newell;
+use crate::newell::{self, transposed};
 use crate::pbrt::parameters::ParameterList;
 use crate::source::ParseResult;
 
@@ -242,22 +242,6 @@ impl Lowering {
             let message = format!("{} has no patches", list.subject);
             return Err(self.reporter.error(&list.place, "parameter-count", message));
         }
-        let degree = CUBIC as usize;
-        let point = |&i: &u32| positions.get(i as usize).map(|p| p.extend(1.0).to_array());
-        let patches = indices.iter().map(|patch| {
-            let points: Vec<_> = patch.iter().filter_map(point).collect();
-            transposed(&points, degree + 1)
-        });
-        let patches = patches.collect();
-        Ok(GeometryDescription::BezierPatches(BezierPatchesDescription {
-            degree_u: degree,
-            degree_v: degree,
-            patches,
-        }))
+        Ok(GeometryDescription::BezierPatches(newell::bicubic_patches(positions, indices)))
     }
-}
-
-/// Transposes control points: the input has consecutive rows of `count_u` points along u, the result consecutive points along v.
-fn transposed(points: &[[f64; 4]], count_u: usize) -> Vec<[f64; 4]> {
-    (0..count_u).flat_map(|i| points.iter().skip(i).step_by(count_u).copied()).collect()
 }

@@ -13,7 +13,7 @@ use axum::extract::{RawQuery, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use glanz_formats::Options;
+use glanz_formats::{MODEL_EXTENSIONS, Options};
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
@@ -168,12 +168,20 @@ fn read(folder: &UploadFolder, names: &[PathBuf], options: Options) -> Result<Vi
         .map_err(|diagnostics| diagnostics.to_string())
 }
 
-/// The scene file: the only one with the extension .pbrt, or of several the only one that contains `WorldBegin`.
+/// The scene file: the only one with the extension .pbrt, or of several the only one that contains `WorldBegin`; without such files the only model.
 fn scene_among<'a>(folder: &Path, names: &'a [PathBuf]) -> Result<&'a Path, String> {
-    let is_scene = |name: &&PathBuf| name.extension().is_some_and(|end| end.eq_ignore_ascii_case("pbrt"));
-    let scenes: Vec<&PathBuf> = names.iter().filter(is_scene).collect();
-    if let [scene] = scenes.as_slice() {
-        return Ok(scene);
+    let with = |extensions: &[&str]| -> Vec<&'a PathBuf> {
+        let ends = |name: &&PathBuf| {
+            name.extension().is_some_and(|end| extensions.iter().any(|known| end.eq_ignore_ascii_case(known)))
+        };
+        names.iter().filter(ends).collect()
+    };
+    let (scenes, models) = (with(&["pbrt"]), with(&MODEL_EXTENSIONS));
+    match (scenes.as_slice(), models.as_slice()) {
+        ([scene], _) => return Ok(scene),
+        ([], [model]) => return Ok(model),
+        ([], [_, _, ..]) => return Err("several files are models; drop one".to_owned()),
+        _ => {}
     }
     let begins_world = |name: &&&PathBuf| {
         let bytes = std::fs::read(folder.join(name)).unwrap_or_default();
@@ -182,7 +190,10 @@ fn scene_among<'a>(folder: &Path, names: &'a [PathBuf]) -> Result<&'a Path, Stri
     let worlds: Vec<&&PathBuf> = scenes.iter().filter(begins_world).collect();
     match (worlds.as_slice(), scenes.len()) {
         ([scene], _) => Ok(scene),
-        (_, 0) => Err("none of the files is a scene; scenes have the extension .pbrt".to_owned()),
+        (_, 0) => Err(format!(
+            "none of the files is a scene; scenes have the extension .pbrt, models .{}",
+            MODEL_EXTENSIONS.join(", .")
+        )),
         (several, _) => {
             let list: Vec<String> = several.iter().map(|name| name.display().to_string()).collect();
             let which = if list.is_empty() { "none contains WorldBegin".to_owned() } else { list.join(", ") };
@@ -239,7 +250,10 @@ mod tests {
         };
         assert_eq!(among(&[&mesh, &part]), Ok(part.clone()));
         assert_eq!(among(&[&part, &mesh, &whole]), Ok(whole.clone()));
-        assert!(among(&[&mesh]).unwrap_err().contains("none of the files"));
+        let (picture, rib) = (put("a.png", ""), put("b.rib", ""));
+        assert!(among(&[&picture]).unwrap_err().contains("none of the files"));
+        assert_eq!(among(&[&mesh, &picture]), Ok(mesh.clone()));
+        assert!(among(&[&mesh, &rib]).unwrap_err().contains("several files are models"));
         assert!(among(&[&other, &whole]).unwrap_err().contains("other.PBRT, whole.pbrt"));
     }
 }

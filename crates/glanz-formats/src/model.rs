@@ -1,0 +1,202 @@
+//! Files of surfaces alone as descriptions: without camera and light, which [`glanz_scene::studio`] adds.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glanz_job::ContentHash;
+use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
+use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
+use glanz_scene::{Description, Diagnostics, Location, Severity};
+
+use crate::registry::{Loaded, ModelFormat, Options};
+use crate::source::Sources;
+use crate::{newell, ply, rib};
+
+/// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
+pub(crate) fn load(
+    format: ModelFormat,
+    name: &str,
+    path: Option<&Path>,
+    bytes: &Arc<[u8]>,
+    options: &Options,
+) -> Result<Loaded, Diagnostics> {
+    let mut reader = ModelReader::new(name, path, bytes);
+    match format {
+        ModelFormat::Ply => reader.ply(bytes),
+        ModelFormat::Rib => reader.rib(bytes),
+        ModelFormat::Newell => reader.newell(bytes),
+    }
+    reader.finish(format.up(), bytes, options)
+}
+
+/// State of the reader.
+struct ModelReader {
+    description: Description,
+    diagnostics: Diagnostics,
+    sources: Sources,
+    file: FileId,
+}
+
+impl ModelReader {
+    /// A reader of the file with these bytes.
+    fn new(name: &str, path: Option<&Path>, bytes: &Arc<[u8]>) -> Self {
+        let mut sources = Sources::default();
+        let file = sources.open(name, path, bytes);
+        sources.set_paths(path.map(Path::to_owned));
+        let grey = MaterialDescription::from(cad_material(CAD_GREY, 0.0));
+        let description =
+            Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
+        Self { description, diagnostics: Diagnostics::default(), sources, file }
+    }
+
+    fn finish(mut self, up: UpAxis, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
+        if self.diagnostics.has_errors() {
+            return Err(self.diagnostics);
+        }
+        self.sources.close(self.file);
+        let mut hash = ContentHash::default();
+        hash.add_file(bytes);
+        let studio = &options.studio;
+        Ok(Loaded {
+            description: self.description,
+            diagnostics: self.diagnostics,
+            content_hash: hash.value(),
+            sources: self.sources,
+            studio: Some(StudioSettings { up: studio.up.or(Some(up)), ..studio.clone() }),
+        })
+    }
+
+    fn add(&mut self, geometry: GeometryDescription) {
+        self.description.world.shapes.push(ShapeDescription::from(geometry));
+    }
+
+    /// `place`: line and column from 1, if the message is about a place in a text.
+    fn report(&mut self, severity: Severity, kind: &'static str, place: Option<(u32, u32)>, message: String) {
+        if self.diagnostics.admit(severity, kind) {
+            let location = place.map(|(line, column)| Location { file: self.file, line, column });
+            self.diagnostics.push_admitted(self.sources.diagnostic(severity, kind, location, message));
+        }
+    }
+
+    fn error(&mut self, kind: &'static str, place: Option<(u32, u32)>, message: String) {
+        self.report(Severity::Error, kind, place, message);
+    }
+
+    fn ply(&mut self, bytes: &[u8]) {
+        match ply::read(bytes) {
+            Ok(ply::PlyMesh { positions, normals, uvs, triangles: indices, skipped_faces }) => {
+                if indices.is_empty() {
+                    return self.error("ply", None, "the mesh has no triangles".to_owned());
+                }
+                if skipped_faces > 0 {
+                    let message =
+                        format!("{skipped_faces} faces have fewer than three corners and are left out");
+                    self.report(Severity::Warning, "ply-faces", None, message);
+                }
+                self.add(GeometryDescription::Triangles { positions, indices, normals, uvs });
+            }
+            Err(error) => match error.position {
+                ply::PlyPosition::Text { line, column } => {
+                    self.error("ply", Some((line, column)), error.kind.to_string());
+                }
+                ply::PlyPosition::Byte(_) => self.error("ply", None, error.to_string()),
+            },
+        }
+    }
+
+    fn rib(&mut self, bytes: &[u8]) {
+        let file = match rib::read(bytes) {
+            Ok(file) => file,
+            Err(error) => {
+                return self.error("rib", Some((error.line, error.column)), error.kind.to_string());
+            }
+        };
+        if file.patches.is_empty() && file.splines.is_empty() {
+            return self.error("rib", None, "the file has no Patch, PatchMesh or NuPatch".to_owned());
+        }
+        for rib::SkippedRequest { name, line, column } in file.skipped {
+            let message = format!("request {name:?} is not read and skipped");
+            self.report(Severity::Warning, "rib-request", Some((line, column)), message);
+        }
+        file.patches
+            .into_iter()
+            .map(GeometryDescription::BezierPatches)
+            .for_each(|patches| self.add(patches));
+        file.splines.into_iter().map(GeometryDescription::Nurbs).for_each(|spline| self.add(spline));
+    }
+
+    fn newell(&mut self, bytes: &[u8]) {
+        match newell::read(bytes) {
+            Ok(mesh) if mesh.patches.is_empty() => {
+                self.error("newell", None, "the file has no patches".to_owned());
+            }
+            Ok(mesh) => {
+                let patches = newell::bicubic_patches(&mesh.positions, &mesh.patches);
+                self.add(GeometryDescription::BezierPatches(patches));
+            }
+            Err(error) => self.error("newell", Some((error.line, error.column)), error.kind.to_string()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::DVec3;
+
+    use super::*;
+    use crate::registry::load_str;
+
+    const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 2 0\n3 0 1 2\n";
+
+    fn loaded(text: &str) -> Loaded {
+        load_str("m", text, &Options::default()).unwrap()
+    }
+
+    fn message(text: &str) -> String {
+        load_str("m", text, &Options::default()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn models_have_shapes_a_material_and_a_studio() {
+        let patch = "Patch \"bilinear\" \"P\" [0 0 0  1 0 0  0 2 0  1 2 0]";
+        let list = format!("1\n{}\n16\n{}1 2 0\n", "1,".repeat(15) + "16", "0 0 0\n".repeat(15));
+        for (text, up) in [(PLY, UpAxis::Y), (patch, UpAxis::Z), (&list, UpAxis::Z)] {
+            let model = loaded(text);
+            assert_eq!(model.description.bounds().max, DVec3::new(1.0, 2.0, 0.0), "{text}");
+            assert_eq!((model.description.materials.len(), model.description.files.len()), (1, 1));
+            assert!(model.description.lights.is_empty() && model.diagnostics.iter().next().is_none());
+            assert_eq!(model.studio.unwrap(), StudioSettings { up: Some(up), ..StudioSettings::default() });
+        }
+        let studio = StudioSettings { up: Some(UpAxis::Z), ..StudioSettings::default() };
+        let options = Options { studio: studio.clone(), ..Options::default() };
+        assert_eq!(load_str("m", PLY, &options).unwrap().studio, Some(studio), "the options go first");
+    }
+
+    #[test]
+    fn errors_name_the_place_in_the_file() {
+        let cut = PLY.replace("0 2 0\n", "0 x 0\n");
+        assert!(
+            message(&cut).starts_with("error: m:12:3: \"x\" is not a number\n  12 | 0 x 0"),
+            "{}",
+            message(&cut)
+        );
+        let text = "Patch \"bilinear\" \"P\" [0 0]";
+        assert!(message(text).starts_with("error: m:1:"), "{}", message(text));
+        assert!(message("1 2 x").starts_with("error: m:1:1: "), "{}", message("1 2 x"));
+        assert_eq!(
+            message("Basis \"bezier\" 3 \"bezier\" 3"),
+            "error: m: the file has no Patch, PatchMesh or NuPatch\n"
+        );
+        let empty = PLY.replace("element face 1", "element face 0").replace("3 0 1 2\n", "");
+        assert_eq!(message(&empty), "error: m: the mesh has no triangles\n");
+        assert_eq!(message("0 0"), "error: m: the file has no patches\n");
+    }
+
+    #[test]
+    fn what_is_left_out_is_reported() {
+        let text = "Patch \"bilinear\" \"P\" [0 0 0  1 0 0  0 2 0  1 2 0]\nColor [1 0 0]";
+        let warnings: Vec<String> = loaded(text).diagnostics.iter().map(|d| d.sentence()).collect();
+        assert!(warnings.len() == 1 && warnings[0].contains("Color"), "{warnings:?}");
+    }
+}
