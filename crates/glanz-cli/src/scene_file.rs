@@ -31,7 +31,7 @@ pub(crate) fn open_model(
     let ModelArgument { scene, studio } = argument;
     let options = Options { strict, studio: studio.settings(), ..Options::default() };
     let loaded = print_diagnostics(glanz::open_with(scene, &options), messages)?;
-    if !loaded.is_model() {
+    if loaded.studio_settings().is_none() {
         studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
     }
     Ok(loaded)

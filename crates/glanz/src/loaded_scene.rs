@@ -84,10 +84,10 @@ impl LoadedScene {
         self
     }
 
-    /// Whether it is a model, to which a render adds camera, ground and light.
+    /// Settings of the studio of a model, to which a render adds camera, ground and light; `None` for a scene.
     #[must_use]
-    pub fn is_model(&self) -> bool {
-        self.studio.is_some()
+    pub fn studio_settings(&self) -> Option<&StudioSettings> {
+        self.studio.as_ref()
     }
 
     /// Adds the studio to a model, fitted to the present size of its film.
@@ -104,7 +104,10 @@ impl LoadedScene {
 
     /// Refuses a model: `job` needs the lights of a scene.
     pub(crate) fn check_scene(&self, job: &'static str) -> Result<(), Error> {
-        if self.is_model() { Err(Error::NoScene { name: self.name.clone(), job }) } else { Ok(()) }
+        match self.studio {
+            Some(_) => Err(Error::NoScene { name: self.name.clone(), job }),
+            None => Ok(()),
+        }
     }
 
     /// Warnings from reading.

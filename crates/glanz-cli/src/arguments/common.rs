@@ -59,6 +59,7 @@ impl StudioArguments {
             background: self.background.unwrap_or(default.background),
             ground: self.ground.unwrap_or(default.ground),
             material: self.material,
+            turntable: None,
         }
     }
 
@@ -86,7 +87,7 @@ fn view_parser() -> impl TypedValueParser<Value = StudioView> {
 }
 
 /// How strictly a scene is read.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct Strictness {
     /// Treat every repair or substitute in the scene as an error
     #[arg(long)]
@@ -94,7 +95,7 @@ pub(crate) struct Strictness {
 }
 
 /// The number of threads.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct ThreadArguments {
     /// Number of threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
@@ -109,7 +110,7 @@ impl ThreadArguments {
 }
 
 /// The checkpoint of a job.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct CheckpointArguments {
     /// File for the state of the job, written every 30 seconds and at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -127,7 +128,7 @@ impl CheckpointArguments {
 }
 
 /// Options of all long-running commands.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct JobArguments {
     #[command(flatten)]
     pub(crate) threads: ThreadArguments,
@@ -140,7 +141,7 @@ pub(crate) struct JobArguments {
 }
 
 /// Conversion of light to eight bits.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct ToneArguments {
     /// Brighten PNG pictures by this many stops
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, default_value_t = 0.0, value_parser = stops)]

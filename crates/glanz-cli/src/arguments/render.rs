@@ -20,6 +20,9 @@ const ALL_AOVS: &str = "all";
 /// Samples per pixel that a film can hold.
 const MAX_SAMPLES: i64 = MAX_TERMS as i64;
 
+/// Most pictures of a turn: ten of each degree.
+const MAX_FRAMES: i64 = 3600;
+
 const DEMO_HELP: &str = "\
 Without -o the picture is written to glanz-demo.png in the current folder.
 
@@ -46,6 +49,7 @@ Examples:
   glanz render room.pbrt -o room.exr -o room.png --spp 256
   glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume
   glanz render part.ply -o part.png --view front --material steel
+  glanz render part.ply -o turn.png --turntable 36
 
   Half of the samples on each of two machines, with the bits of 256 samples on one:
   glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
@@ -77,10 +81,14 @@ pub(crate) struct RenderCommandArguments {
     pub(crate) render: RenderArguments,
     #[command(flatten)]
     pub(crate) model: ModelArgument,
+    /// Write N pictures of a turn around the upward axis: NAME-1.png, NAME-2.png and so on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MAX_FRAMES),
+          conflicts_with_all = ["checkpoint", "guide_out", "json"])]
+    pub(crate) turntable: Option<u32>,
 }
 
 /// Options of a render; the defaults are those of the scene.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct RenderArguments {
     /// Picture to write; the extension selects the format: exr, png, hdr or pfm (repeat for several)
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]

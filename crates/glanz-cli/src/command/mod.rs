@@ -9,4 +9,5 @@ pub(crate) mod luminaire;
 pub(crate) mod merge;
 pub(crate) mod render;
 pub(crate) mod shell;
+pub(crate) mod turntable;
 pub(crate) mod view;

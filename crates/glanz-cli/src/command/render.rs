@@ -11,6 +11,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::{RenderArguments, RenderCommandArguments};
+use crate::command::turntable;
 use crate::command_error::command_error;
 use crate::job::run_job;
 use crate::outputs::{Outputs, default_path};
@@ -26,6 +27,9 @@ pub(crate) fn run(
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
     let (model, render) = (&arguments.model, &arguments.render);
+    if let Some(count) = arguments.turntable {
+        return turntable::run(model, render, count, messages);
+    }
     render_scene(render, None, messages, || {
         scene_file::open_model(model, render.job.strictness.strict, messages)
     })

@@ -19,7 +19,7 @@ mod view;
 
 pub use color::{SrgbColor, SrgbColorError};
 pub use material::{CAD_GREY, StudioMaterial, StudioMaterialError, cad_material};
-pub use view::{StudioView, UpAxis, UpAxisError};
+pub use view::{StudioView, TurntableFrame, UpAxis, UpAxisError};
 
 use crate::description::{Description, MaterialDescription};
 use view::ViewFrame;
@@ -37,6 +37,8 @@ pub struct StudioSettings {
     pub ground: bool,
     /// Material of all shapes; `None`: their own.
     pub material: Option<StudioMaterial>,
+    /// A frame of a turn around the upward axis, in which the model has the same size in all frames; `None`: a single picture.
+    pub turntable: Option<TurntableFrame>,
 }
 
 impl Default for StudioSettings {
@@ -47,6 +49,7 @@ impl Default for StudioSettings {
             background: SrgbColor([214; 3]),
             ground: true,
             material: None,
+            turntable: None,
         }
     }
 }
@@ -63,14 +66,16 @@ const GROUND_GAP: f64 = 1e-5;
 /// the picture does not depend on its unit.
 pub fn add_studio(description: &mut Description, settings: &StudioSettings) {
     let up = settings.up.unwrap_or_default();
-    let (frame, above) = (ViewFrame::new(settings.view, up), up.direction());
+    let above = up.direction();
+    let frame = ViewFrame::new(settings.view, up).turned(settings.turntable, above);
     let bounds = description.bounds();
     let [width, height] = description.film.resolution.map(f64::from);
     let aspect = if width > 0.0 && height > 0.0 { width / height } else { 1.0 };
     if let Some(material) = settings.material {
         replace_materials(description, material);
     }
-    description.camera = view::fitted_camera(description, bounds, &frame, aspect);
+    let turned_about = settings.turntable.map(|_| above);
+    description.camera = view::fitted_camera(description, bounds, &frame, aspect, turned_about);
     description.lights.extend(light::lights(&frame, above));
     description.sampler.samples_per_pixel = SAMPLES;
     let background = settings.background.to_linear();

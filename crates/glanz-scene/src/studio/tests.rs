@@ -174,3 +174,44 @@ fn a_material_replaces_those_of_all_groups() {
     let group = description.groups.iter().flat_map(|group| &group.shapes);
     assert!(group.chain(&description.world.shapes[..1]).all(|shape| shape.material == 0));
 }
+
+#[test]
+fn a_turntable_keeps_the_model_in_the_picture_and_its_distance() {
+    let mut numbers = Numbers(3);
+    for view in StudioView::ALL {
+        let points: Vec<DVec3> = (0..20).map(|_| numbers.point() * DVec3::new(3.0, 1.0, 0.5)).collect();
+        let middle = Bounds3::from_points(points.iter().copied()).center();
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let mut distances = Vec::new();
+        for number in 0..24 {
+            let mut description = model(&points);
+            let turntable = Some(TurntableFrame { number, count: 24 });
+            let settings = StudioSettings { view, turntable, ..StudioSettings::default() };
+            add_studio(&mut description, &settings);
+            let seen = projected(&description, &points);
+            low = seen.iter().copied().fold(low, DVec2::min);
+            high = seen.iter().copied().fold(high, DVec2::max);
+            distances.push(description.camera.to_world.w_axis.truncate().distance(middle));
+        }
+        assert!(
+            low.min_element() > 0.025 - 1e-9 && high.max_element() < 0.975 + 1e-9,
+            "{view:?} {low} {high}"
+        );
+        assert!((high - low).max_element() > 0.9, "{view:?} {low} {high}: 24 frames miss little of the turn");
+        let off = distances.iter().map(|distance| (distance / distances[0] - 1.0).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{view:?} {distances:?}");
+    }
+}
+
+#[test]
+fn a_turntable_goes_to_the_right_and_begins_at_the_view() {
+    let eye = |turntable| {
+        let mut description = model(&Bounds3::new(-DVec3::ONE, DVec3::ONE).corners());
+        let settings = StudioSettings { view: StudioView::Front, turntable, ..StudioSettings::default() };
+        add_studio(&mut description, &settings);
+        description.camera.to_world.w_axis.truncate().normalize()
+    };
+    let frame = |number| eye(Some(TurntableFrame { number, count: 4 }));
+    assert!(frame(0).distance(eye(None)) < 1e-12 && frame(0).distance(DVec3::NEG_Y) < 1e-12);
+    assert!(frame(1).distance(DVec3::X) < 1e-12 && frame(2).distance(DVec3::Y) < 1e-12);
+}

@@ -1,7 +1,9 @@
 //! Views of a model, and the camera that is fitted to it.
 
+use std::f64::consts::TAU;
 use std::str::FromStr;
 
+use glanz_math::glam::DQuat;
 use glanz_math::{Bounds3, DMat4, DVec3};
 
 use crate::camera::Screen;
@@ -45,6 +47,17 @@ impl StudioView {
             Self::Iso => "iso",
         }
     }
+}
+
+/// A picture of a full turn around the upward axis.
+///
+/// The viewer goes to the right with the light, so that the model seems to turn to the left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TurntableFrame {
+    /// Number of the picture, from 0.
+    pub number: u32,
+    /// Number of all pictures of the turn, at least 1.
+    pub count: u32,
 }
 
 /// Upward axis of a model.
@@ -131,6 +144,16 @@ impl ViewFrame {
         let up = upwards.reject_from_normalized(forward).normalize();
         Self { right: forward.cross(up), up, forward, viewer }
     }
+
+    /// The same view from another side, turned about the unit vector `above`.
+    pub(super) fn turned(self, turntable: Option<TurntableFrame>, above: DVec3) -> Self {
+        let Some(TurntableFrame { number, count }) = turntable else { return self };
+        let angle = TAU * f64::from(number) / f64::from(count.max(1));
+        let rotation = DQuat::from_axis_angle(above, angle);
+        let Self { right, up, forward, viewer } = self;
+        let [right, up, forward, viewer] = [right, up, forward, viewer].map(|axis| rotation * axis);
+        Self { right, up, forward, viewer }
+    }
 }
 
 /// Half the shorter side of the picture at distance 1: a field of view of 28 degrees.
@@ -145,32 +168,34 @@ const NEAREST: f64 = 0.5;
 /// A camera with this orientation from which all of the model is in the picture, as large as the margin allows, or the
 /// default one for an empty model.
 ///
-/// `bounds`: of the model; `aspect`: width over height of the picture.
+/// `bounds`: of the model; `aspect`: width over height of the picture; `turned_about`: a unit vector about which the model may be turned by any angle and
+/// is still in the picture.
 pub(super) fn fitted_camera(
     description: &Description,
     bounds: Bounds3,
     frame: &ViewFrame,
     aspect: f64,
+    turned_about: Option<DVec3>,
 ) -> CameraDescription {
     if bounds.is_empty() {
         return CameraDescription::default();
     }
-    let [_, half_width, _, half_height] =
-        Screen::default_window(aspect).map(|side| side * HALF_SIDE * (1.0 - MARGIN));
+    let window = Screen::default_window(aspect).map(|side| side * HALF_SIDE * (1.0 - MARGIN));
+    let [_, half_width, _, half_height] = window;
     let middle = bounds.center();
-    let (mut across, mut along) = (TangentPlanes::new(half_width), TangentPlanes::new(half_height));
-    let mut nearest = f64::INFINITY;
+    let extent = |direction| Extent::new(direction, turned_about);
+    let mut nearest = extent(-frame.forward);
+    let mut across = TangentPlanes::new(frame.right, frame.forward, half_width, extent);
+    let mut along = TangentPlanes::new(frame.up, frame.forward, half_height, extent);
     description.visit_extent(&mut |point| {
         let from_middle = point - middle;
-        let depth = from_middle.dot(frame.forward);
-        nearest = nearest.min(depth);
-        across.include(from_middle.dot(frame.right), depth);
-        along.include(from_middle.dot(frame.up), depth);
+        nearest.include(from_middle);
+        across.sides.iter_mut().chain(&mut along.sides).for_each(|side| side.include(from_middle));
     });
     // The unit of a model that is a single point is unknown.
     let size = bounds.diagonal().length();
     let size = if size > 0.0 { size } else { 1.0 };
-    let depth = across.depth().min(along.depth()).min(nearest - NEAREST * size);
+    let depth = across.depth().min(along.depth()).min(-nearest.largest - NEAREST * size);
     let eye = middle + across.middle() * frame.right + along.middle() * frame.up + depth * frame.forward;
     let column = |axis: DVec3| axis.extend(0.0);
     let to_world =
@@ -183,33 +208,55 @@ pub(super) fn fitted_camera(
     }
 }
 
+/// Largest coordinate of points along a direction, also of all points that a turn about an axis makes of them.
+struct Extent {
+    direction: DVec3,
+    /// The axis, and the length of the direction across it.
+    turn: Option<(DVec3, f64)>,
+    largest: f64,
+}
+
+impl Extent {
+    fn new(direction: DVec3, turned_about: Option<DVec3>) -> Self {
+        let turn = turned_about.map(|axis| (axis, direction.reject_from_normalized(axis).length()));
+        Self { direction, turn, largest: f64::NEG_INFINITY }
+    }
+
+    fn include(&mut self, point: DVec3) {
+        let coordinate = match self.turn {
+            None => self.direction.dot(point),
+            Some((axis, across)) => {
+                let height = axis.dot(point);
+                height * axis.dot(self.direction) + across * (point - height * axis).length()
+            }
+        };
+        self.largest = self.largest.max(coordinate);
+    }
+}
+
 /// The two planes through the eye that bound the picture on opposite sides, as close to the model as possible.
 ///
 /// An eye at (x, z) sees a point at (px, pz) if |px - x| <= tangent (pz - z). So x - tangent z is at least the largest px - tangent pz, and
 /// -x - tangent z at least the largest -px - tangent pz.
 struct TangentPlanes {
     tangent: f64,
-    right: f64,
-    left: f64,
+    sides: [Extent; 2],
 }
 
 impl TangentPlanes {
-    fn new(tangent: f64) -> Self {
-        Self { tangent, right: f64::NEG_INFINITY, left: f64::NEG_INFINITY }
-    }
-
-    fn include(&mut self, position: f64, depth: f64) {
-        self.right = self.right.max(position - self.tangent * depth);
-        self.left = self.left.max(-position - self.tangent * depth);
+    fn new(axis: DVec3, forward: DVec3, tangent: f64, extent: impl Fn(DVec3) -> Extent) -> Self {
+        Self { tangent, sides: [axis, -axis].map(|axis| extent(axis - tangent * forward)) }
     }
 
     /// Largest depth of an eye that sees all points.
     fn depth(&self) -> f64 {
-        -0.5 * (self.right + self.left) / self.tangent
+        let [a, b] = &self.sides;
+        -0.5 * (a.largest + b.largest) / self.tangent
     }
 
     /// Position of the eye with the same free space on both sides.
     fn middle(&self) -> f64 {
-        0.5 * (self.right - self.left)
+        let [a, b] = &self.sides;
+        0.5 * (a.largest - b.largest)
     }
 }

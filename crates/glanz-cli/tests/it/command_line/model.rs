@@ -123,7 +123,11 @@ fn rib_and_lists_of_patches_are_models() {
     folder.write("a.rib", "Patch \"bilinear\" \"P\" [0 0 0  1 0 0  0 1 1  1 1 1]\n");
     folder.succeed("render a.rib -o a.exr --size 16x9 --spp 1 -q");
     let info = folder.run("info a.rib --json").json();
-    assert_eq!(info["bounds"], serde_json::json!({ "min": [0.0, 0.0, 0.0], "max": [1.0, 1.0, 1.0] }));
+    for (corner, expected) in [("min", 0.0), ("max", 1.0)] {
+        let corner = info["bounds"][corner].as_array().unwrap();
+        // Bounds contain the rounding of the patches.
+        assert!(corner.iter().all(|x| (x.as_f64().unwrap() - expected).abs() < 1e-13), "{info}");
+    }
     assert_eq!(info["lights"], serde_json::json!({}), "the summary is that of the model alone");
 }
 
@@ -139,4 +143,22 @@ fn what_models_lack_is_said() {
     folder.write("small.pbrt", SCENE);
     let ran = folder.succeed("render small.pbrt -o a.png --spp 1 --view top --material gold");
     assert!(ran.stderr.contains("warning: --view, --material"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_turntable_writes_its_frames() {
+    let folder = with_model();
+    folder.succeed("render tower.ply -o a.png -o a.exr --turntable 4 --size 24x18 --spp 4 --up z -q");
+    let expected: Vec<String> = (1..=4)
+        .flat_map(|i| [format!("a-{i}.exr"), format!("a-{i}.png")])
+        .chain(["tower.ply".to_owned()])
+        .collect();
+    assert_eq!(folder.names(), expected);
+    for (a, b) in [("a-1.exr", "a-2.exr"), ("a-2.exr", "a-3.exr"), ("a-1.exr", "a-4.exr")] {
+        assert!(difference(&folder, a, b) > 0.005, "{a} is {b}");
+    }
+    folder.write("small.pbrt", SCENE);
+    folder.run("render small.pbrt -o a.png --turntable 4").refused(2, &["--turntable", "small.pbrt"]);
+    folder.run("render tower.ply -o a.png --turntable 1").refused(2, &["--turntable"]);
+    folder.run("render tower.ply -o a.png --turntable 4 --json").refused(2, &["--turntable", "--json"]);
 }
