@@ -336,13 +336,13 @@ impl RaySurface for BilinearPatch {
             match self.plane_root(plane, ray) {
                 PlaneRoot::Miss => return None,
                 PlaneRoot::Inside(t, u, v) => {
-                    return (t > 0.0 && t < t_max).then_some(Hit { t, u, v, face: 0 });
+                    return (t > 0.0 && t < t_max).then_some(Hit::new(t, u, v, 0));
                 }
                 PlaneRoot::Unclear => {}
             }
         }
         let first = self.sheared_roots(ray).into_iter().flatten().find(|(t, _, _)| *t > 0.0 && *t < t_max);
-        first.map(|(t, u, v)| Hit { t, u, v, face: 0 })
+        first.map(|(t, u, v)| Hit::new(t, u, v, 0))
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
@@ -351,7 +351,7 @@ impl RaySurface for BilinearPatch {
             return;
         }
         let found = self.sheared_roots(ray).into_iter().flatten().filter(|(t, _, _)| *t > 0.0 && *t < t_max);
-        hits.extend(found.map(|(t, u, v)| Hit { t, u, v, face: 0 }));
+        hits.extend(found.map(|(t, u, v)| Hit::new(t, u, v, 0)));
     }
 
     fn point(&self, _ray: &Ray, hit: &Hit) -> SurfacePoint {
@@ -376,7 +376,7 @@ impl RaySurface for BilinearPatch {
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let (u, v) = self.sample_parameters(xi);
         Some(SurfaceSample {
-            hit: Hit { t: 0.0, u, v, face: 0 },
+            hit: Hit::new(0.0, u, v, 0),
             point: self.point_at(u, v),
             pdf: self.pdf(self.regular(u, v)),
         })
@@ -550,7 +550,7 @@ mod tests {
         let h = 1e-5;
         for (u, v) in [(0.1, 0.2), (0.5, 0.5), (0.9, 0.3)] {
             let p = patch.point_at(u, v);
-            let hit = Hit { t: 1.0, u, v, face: 0 };
+            let hit = Hit::new(1.0, u, v, 0);
             let [dndu, dndv] = patch.normal_derivatives(&hit, &p);
             let (pu, pv) = (patch.point_at(u + h, v), patch.point_at(u, v + h));
             let (mu, mv) = (patch.point_at(u - h, v), patch.point_at(u, v - h));

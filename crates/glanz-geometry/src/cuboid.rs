@@ -71,7 +71,7 @@ impl Cuboid {
         let relative =
             ((ray.at(t) - self.bounds.min) / self.bounds.diagonal()).clamp(DVec3::ZERO, DVec3::ONE);
         let (a, b) = tangent_axes(facet);
-        Hit { t, u: relative[a], v: relative[b], face: facet }
+        Hit::new(t, relative[a], relative[b], facet)
     }
 
     pub(crate) fn point_at(&self, facet: u32, u: f64, v: f64) -> SurfacePoint {
@@ -152,7 +152,7 @@ impl RaySurface for Cuboid {
         }
         let (facet, u) = chosen;
         Some(SurfaceSample {
-            hit: Hit { t: 0.0, u, v: xi.y, face: facet },
+            hit: Hit::new(0.0, u, xi.y, facet),
             point: self.point_at(facet, u, xi.y),
             pdf: AreaPdf(1.0 / self.area()),
         })
@@ -178,8 +178,8 @@ mod tests {
         let mut hits = Vec::new();
         brick().all_hits(&ray, f64::INFINITY, &mut hits);
         // -x at t = 1 with (u, v) along (z, y), +x at t = 1.5 with (y, z).
-        assert_eq!(hits[0], Hit { t: 1.0, u: 0.2, v: 0.5, face: 0 });
-        assert_eq!(hits[1], Hit { t: 1.5, u: 0.5, v: 0.2, face: 1 });
+        assert_eq!(hits[0], Hit::new(1.0, 0.2, 0.5, 0));
+        assert_eq!(hits[1], Hit::new(1.5, 0.5, 0.2, 1));
         assert_eq!(brick().intersect(&ray, f64::INFINITY), Some(hits[0]));
         assert_eq!(brick().intersect(&ray, 1.0), None);
         let inside = Ray::new(ray.at(1.25), ray.direction);

@@ -13,6 +13,33 @@ pub struct Hit {
     pub v: f64,
     /// Facet of a polyhedron, triangle of a mesh; 0 elsewhere.
     pub face: u32,
+    /// Whether it lies in the border of a trimming curve.
+    pub border: HitBorder,
+}
+
+// Batches hold many.
+const _: () = assert!(size_of::<Hit>() == 32);
+
+impl Hit {
+    /// A hit away from trimming curves.
+    #[inline(always)]
+    #[must_use]
+    pub const fn new(t: f64, u: f64, v: f64, face: u32) -> Self {
+        Self { t, u, v, face, border: HitBorder::Away }
+    }
+}
+
+/// Location of a hit relative to the borders of the trimming curves of its surface: the points within the width of a curve, see
+/// [`TrimRegion`](crate::trim::TrimRegion).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HitBorder {
+    /// In no border.
+    #[default]
+    Away,
+    /// In a border, on the kept side of the curves.
+    Inner,
+    /// In a border, on the side that the curves cut away.
+    Outer,
 }
 
 /// A point of a surface with its error bound, normals and first derivatives.

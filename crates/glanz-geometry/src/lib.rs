@@ -41,5 +41,5 @@ pub use batch::BoundedRay;
 pub use error::SurfaceError;
 pub use face::{FaceDomain, FacePoint};
 pub use glanz_math::{Bounds3, DVec2, DVec3, DVec4, Ray};
-pub use hit::{AreaSample, Hit, ShadingPoint, SurfaceLocation, SurfacePoint, SurfaceSample};
+pub use hit::{AreaSample, Hit, HitBorder, ShadingPoint, SurfaceLocation, SurfacePoint, SurfaceSample};
 pub use surface::{RaySurface, Surface};

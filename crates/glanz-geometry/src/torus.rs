@@ -143,7 +143,7 @@ impl Torus {
         let phi = angle(p.y, p.x);
         let inside = t > 0.0 && t < t_max && phi <= self.phi_max;
         let v = angle(p.z, p.truncate().length() - self.major) / TAU;
-        inside.then(|| Hit { t, u: phi / self.phi_max, v, face: 0 })
+        inside.then(|| Hit::new(t, phi / self.phi_max, v, 0))
     }
 
     /// Visits the hits in ascending order until `visit` breaks.
@@ -267,7 +267,7 @@ impl RaySurface for Torus {
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let (u, v) = (xi.x, tube_angle(self.minor / self.major, xi.y) / TAU);
         Some(SurfaceSample {
-            hit: Hit { t: 0.0, u, v, face: 0 },
+            hit: Hit::new(0.0, u, v, 0),
             point: self.point_at(u, v),
             pdf: AreaPdf(1.0 / self.area()),
         })
@@ -374,7 +374,7 @@ mod tests {
         let h = 1e-6;
         for (u, v) in [(0.1, 0.2), (0.5, 0.5), (0.9, 0.8), (0.3, 0.0)] {
             let p = torus.point_at(u, v);
-            let hit = Hit { t: 1.0, u, v, face: 0 };
+            let hit = Hit::new(1.0, u, v, 0);
             let [dndu, dndv] = torus.normal_derivatives(&hit, &p);
             let (pu, pv) = (torus.point_at(u + h, v), torus.point_at(u, v + h));
             let (mu, mv) = (torus.point_at(u - h, v), torus.point_at(u, v - h));

@@ -252,7 +252,7 @@ impl RaySurface for Triangle {
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
         let [p0, p1, p2] = self.vertices;
         let (t, u, v) = intersect_watertight(p0, p1, p2, ray.origin, ray.direction, t_max)?;
-        Some(Hit { t, u, v, face: 0 })
+        Some(Hit::new(t, u, v, 0))
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
@@ -266,7 +266,7 @@ impl RaySurface for Triangle {
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let b = sample_barycentric(xi);
         Some(SurfaceSample {
-            hit: Hit { t: 0.0, u: b.x, v: b.y, face: 0 },
+            hit: Hit::new(0.0, b.x, b.y, 0),
             point: self.point_at(b.x, b.y),
             pdf: AreaPdf(1.0 / self.area),
         })

@@ -43,14 +43,16 @@ impl Trimmed {
         &self.region
     }
 
-    fn keeps(&self, ray: &Ray, hit: &Hit) -> bool {
-        self.region.contains(self.surface.point(ray, hit).uv)
+    /// The hit with its border; `None` if the region cuts it away.
+    fn kept(&self, ray: &Ray, hit: Hit) -> Option<Hit> {
+        let border = self.region.locate(self.surface.point(ray, &hit).uv).border()?;
+        Some(Hit { border, ..hit })
     }
 
     fn kept_hits(&self, ray: &Ray, t_max: f64) -> impl Iterator<Item = Hit> {
         let mut hits = Vec::new();
         self.surface.all_hits(ray, t_max, &mut hits);
-        hits.into_iter().filter(|hit| self.keeps(ray, hit))
+        hits.into_iter().filter_map(|hit| self.kept(ray, hit))
     }
 }
 
@@ -62,7 +64,7 @@ impl RaySurface for Trimmed {
     fn intersect(&self, ray: &Ray, t_max: f64) -> Option<Hit> {
         // Most often the first hit is kept or there is none at all.
         let first = self.surface.intersect(ray, t_max)?;
-        if self.keeps(ray, &first) { Some(first) } else { self.kept_hits(ray, t_max).next() }
+        self.kept(ray, first).or_else(|| self.kept_hits(ray, t_max).next())
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
@@ -89,6 +91,7 @@ impl RaySurface for Trimmed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::HitBorder;
     use crate::quadric::Sphere;
     use crate::trim::{TrimCurve, TrimLoop};
 
@@ -99,6 +102,10 @@ mod tests {
         let mut whole = Vec::new();
         sphere.all_hits(&ray, f64::INFINITY, &mut whole);
         let first = sphere.point(&ray, &whole[0]).uv;
+        let sphere_point = {
+            let sphere = sphere.clone();
+            move |uv: DVec2| sphere.at(0, uv).unwrap().point.position
+        };
         let hole = TrimCurve::try_circle(first, 0.05).unwrap().reversed();
         let domain = [first - DVec2::splat(0.1), first + DVec2::splat(0.1)];
         let region = TrimRegion::try_new(vec![TrimLoop::try_closed(hole, 1e-9).unwrap()], domain).unwrap();
@@ -106,6 +113,26 @@ mod tests {
         assert_eq!(trimmed.intersect(&ray, f64::INFINITY), Some(whole[1]));
         assert_eq!(trimmed.intersect(&ray, whole[1].t), None);
         assert!(trimmed.occluded(&ray, f64::INFINITY) && !trimmed.occluded(&ray, whole[1].t));
+        // In a border that reaches into the hole, and in one on its kept side.
+        let wide = |surface: &Surface, width: f64| {
+            let Surface::Trimmed(trimmed) = surface else { panic!("{surface:?}") };
+            let region = TrimRegion::clone(trimmed.region()).with_widened_border(width).unwrap();
+            trimmed.surface().clone().trimmed(region)
+        };
+        let border = |surface: &Surface, ray: &Ray| surface.intersect(ray, f64::INFINITY).unwrap().border;
+        let aimed = |by: f64| Ray::new(ray.origin, sphere_point(first + DVec2::X * by) - ray.origin);
+        for (by, width, expected) in [
+            (0.04, 0.0, None),
+            (0.04, 0.02, Some(HitBorder::Outer)),
+            (0.06, 0.02, Some(HitBorder::Inner)),
+            (0.06, 0.005, Some(HitBorder::Away)),
+        ] {
+            let wide = wide(&trimmed, width);
+            match expected {
+                Some(expected) => assert_eq!(border(&wide, &aimed(by)), expected, "{by} {width}"),
+                None => assert!(wide.intersect(&aimed(by), f64::INFINITY).unwrap().t > 1.1),
+            }
+        }
         // Beside the hole both sides are hit.
         let beside = Ray::new(DVec3::new(5.0, -0.8, 0.2), DVec3::NEG_X);
         let mut hits = Vec::new();

@@ -44,7 +44,7 @@ const NONE: u32 = u32::MAX;
 impl NearestHit {
     /// None yet, for a ray that ends at `t_max`.
     pub(crate) fn before(t_max: f64) -> Self {
-        let end = Hit { t: t_max, u: 0.0, v: 0.0, face: 0 };
+        let end = Hit::new(t_max, 0.0, 0.0, 0);
         Self { found: SceneHit { hit: end, surface: 0 }, primitive: NONE }
     }
 

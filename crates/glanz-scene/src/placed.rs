@@ -138,7 +138,7 @@ impl PlacedSurface<'_> {
     #[must_use]
     pub fn differential(&self, ray: &Ray, t: f64, place: &ParametricPoint) -> (SurfacePoint, [DVec3; 2]) {
         let to_world = self.to_world();
-        let hit = Hit { t, u: place.uv.x, v: place.uv.y, face: place.face };
+        let hit = Hit::new(t, place.uv.x, place.uv.y, place.face);
         let point = self.surface().point(&to_world.inverse().ray(ray), &hit);
         let derivatives = self.surface().normal_derivatives(&hit, &point);
         let derivatives = point.transformed_normal_derivatives(derivatives, &to_world);

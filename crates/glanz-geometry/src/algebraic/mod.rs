@@ -179,7 +179,7 @@ impl AlgebraicSurface {
         let d = p - self.center;
         let phi = d.y.atan2(d.x);
         let u = if phi < 0.0 { (phi / TAU + 1.0).min(1.0_f64.next_down()) } else { phi / TAU };
-        Hit { t, u, v: d.truncate().length().atan2(d.z) / PI, face: 0 }
+        Hit::new(t, u, d.truncate().length().atan2(d.z) / PI, 0)
     }
 
     /// The point of the surface nearest to `p` (relative to the center, in units of the scale), which is on the surface up to the

@@ -37,7 +37,7 @@ impl ClosestHit {
     #[inline(always)]
     pub(crate) fn before(t_max: f64) -> Self {
         // No hit at the end of the ray comes before this one, so that only closer ones count.
-        let end = Hit { t: t_max, u: f64::NEG_INFINITY, v: f64::NEG_INFINITY, face: 0 };
+        let end = Hit::new(t_max, f64::NEG_INFINITY, f64::NEG_INFINITY, 0);
         Self { best: end, found: false }
     }
 

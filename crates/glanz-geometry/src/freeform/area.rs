@@ -118,7 +118,7 @@ impl Freeform {
         let (u, v) = leaf.rect.at(x, y);
         let within = |x: f64, [low, high]: [f64; 2]| x.clamp(low, high.next_down());
         let (u, v) = (within(u, leaf.rect.u), within(v, leaf.rect.v));
-        let hit = Hit { t: 0.0, u, v, face: leaf.patch };
+        let hit = Hit::new(0.0, u, v, leaf.patch);
         Some(SurfaceSample { hit, point: self.point_at(leaf.patch, u, v), pdf: self.density_in(leaf, &hit)? })
     }
 

@@ -85,7 +85,7 @@ use self::subpatches::{SubpatchList, SubpatchLocation};
 pub use self::surface_patch::SurfacePatch;
 use crate::batch::BoundedRay;
 use crate::bvh::{Bvh, BvhStatistics};
-use crate::hit::{Hit, SurfacePoint, SurfaceSample};
+use crate::hit::{Hit, HitBorder, SurfacePoint, SurfaceSample};
 use crate::surface::RaySurface;
 use crate::trim::TrimRegion;
 
@@ -147,12 +147,13 @@ impl Freeform {
         self.locations.get(subpatch as usize).copied().unwrap_or(whole)
     }
 
-    /// Whether the trimming region keeps a root in a leaf that one of its curves crosses.
+    /// The border of the trimming region in which a root lies, in a leaf that one of its curves crosses; `None` if the region cuts the
+    /// root away.
     #[cold]
-    fn keeps(&self, location: &SubpatchLocation, at: DVec2) -> bool {
+    fn border(&self, location: &SubpatchLocation, at: DVec2) -> Option<HitBorder> {
         let DVec2 { x: u, y: v } = location.part.at(at);
         let region_and_uv = self.region.as_ref().zip(self.parameters(location.patch, u, v));
-        region_and_uv.is_none_or(|(region, uv)| region.contains(uv))
+        region_and_uv.map_or(Some(HitBorder::Away), |(region, uv)| region.locate(uv).border())
     }
 
     /// Area, m^2, with a relative error of about 1e-6, or 1e-3 if trimmed.

@@ -11,7 +11,7 @@ use super::root::{SearchScratch, SurfaceRoot};
 use super::subpatches::{LeafSearch, SubpatchLocation};
 use crate::bvh::simd::{Simd, Task};
 use crate::bvh::{BvhLeaf, LeafVisitor};
-use crate::hit::Hit;
+use crate::hit::{Hit, HitBorder};
 
 /// The search in one leaf after the other, which all queries share.
 struct LeafSearcher<'a> {
@@ -39,8 +39,9 @@ impl LeafSearcher<'_> {
         let only = simd.outlined(search);
         let location = &surface.location(leaf.subpatch);
         let mut found = |root: SurfaceRoot| {
-            if !leaf.crossed || surface.keeps(location, root.at) {
-                collector.add(space, location, root);
+            let border = if leaf.crossed { surface.border(location, root.at) } else { Some(HitBorder::Away) };
+            if let Some(border) = border {
+                collector.add(space, location, root, border);
             }
         };
         if let Some(root) = only {
@@ -53,7 +54,7 @@ impl LeafSearcher<'_> {
 
 /// The roots of a query, as far as it needs them.
 trait RootCollector {
-    fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot);
+    fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot, border: HitBorder);
 
     /// End of the part of the ray that remains to be searched, of which `t_max` was the end so far.
     fn end(&self, t_max: f64) -> f64;
@@ -105,9 +106,9 @@ impl Drop for LeafSearcher<'_> {
 }
 
 #[inline(always)]
-pub(super) fn hit(t: f64, location: &SubpatchLocation, at: DVec2) -> Hit {
+pub(super) fn hit(t: f64, location: &SubpatchLocation, at: DVec2, border: HitBorder) -> Hit {
     let DVec2 { x: u, y: v } = location.part.at(at);
-    Hit { t, u, v, face: location.patch }
+    Hit { border, ..Hit::new(t, u, v, location.patch) }
 }
 
 /// Order of hits: by t, then by patch and parameters, whatever the order of leaves.
@@ -145,10 +146,10 @@ struct ClosestRoot {
 
 impl RootCollector for ClosestRoot {
     #[inline(always)]
-    fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot) {
+    fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot, border: HitBorder) {
         let t = space.line.t(root.s);
         if t > 0.0 && t <= self.end {
-            let found = hit(t, location, root.at);
+            let found = hit(t, location, root.at, border);
             if t < self.end || self.hit.is_some_and(|best| order(&found, &best).is_lt()) {
                 *self = Self { hit: Some(found), end: t };
             }
@@ -188,7 +189,7 @@ struct AnyRoot {
 
 impl RootCollector for AnyRoot {
     #[inline(always)]
-    fn add(&mut self, space: &RaySpace, _: &SubpatchLocation, root: SurfaceRoot) {
+    fn add(&mut self, space: &RaySpace, _: &SubpatchLocation, root: SurfaceRoot, _: HitBorder) {
         let t = space.line.t(root.s);
         self.found |= t > 0.0 && t < self.end;
     }
@@ -271,12 +272,13 @@ struct AllRoots {
 
 impl RootCollector for AllRoots {
     #[inline(always)]
-    fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot) {
+    fn add(&mut self, space: &RaySpace, location: &SubpatchLocation, root: SurfaceRoot, border: HitBorder) {
         let t = space.line.t(root.s);
         if t > 0.0 && t < self.end {
             let uncertainty = (root.uncertainty * location.part.width() + f64::EPSILON).to_array();
             let root = SurfaceRoot { distance_uncertainty: root.distance_uncertainty + space.noise, ..root };
-            self.found.push(HitCandidate { hit: hit(t, location, root.at), root, uncertainty });
+            let hit = hit(t, location, root.at, border);
+            self.found.push(HitCandidate { hit, root, uncertainty });
         }
     }
 

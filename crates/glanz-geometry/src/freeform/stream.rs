@@ -28,7 +28,7 @@ use crate::bvh::simd::lanes::{LANES, first_lanes};
 use crate::bvh::simd::{Simd, Task};
 use crate::bvh::stream::{StreamScratch, StreamVisitor};
 use crate::bvh::{BvhLeaf, CompactRay};
-use crate::hit::Hit;
+use crate::hit::{Hit, HitBorder};
 
 /// Number of rays that are traced together: as many as caches hold.
 const RAYS_PER_STREAM: usize = 4096;
@@ -377,10 +377,12 @@ impl StreamSearcher<'_> {
         };
         let location = &surface.location(leaf.subpatch);
         let end = best.map_or(bounded.t_max, |best| best.t);
-        if !(t > 0.0 && t <= end) || (leaf.crossed && !surface.keeps(location, at)) {
+        if !(t > 0.0 && t <= end) {
             return;
         }
-        let found = hit(t, location, at);
+        let border = if leaf.crossed { surface.border(location, at) } else { Some(HitBorder::Away) };
+        let Some(border) = border else { return };
+        let found = hit(t, location, at, border);
         if t < end || best.is_some_and(|best| order(&found, &best).is_lt()) {
             *best = Some(found);
             ray.shorten(if self.any { f64::NEG_INFINITY } else { t });

@@ -177,12 +177,12 @@ impl<T: Coordinate> TriangleBlock<T> {
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize & (LANES - 1);
             hits &= hits - 1;
-            let mut hit = Hit {
-                t: lanes.t[lane],
-                u: lanes.v[lane] / lanes.determinant[lane],
-                v: lanes.w[lane] / lanes.determinant[lane],
-                face: self.faces[lane],
-            };
+            let mut hit = Hit::new(
+                lanes.t[lane],
+                lanes.v[lane] / lanes.determinant[lane],
+                lanes.w[lane] / lanes.determinant[lane],
+                self.faces[lane],
+            );
             if lanes.unsure >> lane & 1 != 0 {
                 let [a, b, c] = self.triangle(lane);
                 // The end is included, as for the other lanes.

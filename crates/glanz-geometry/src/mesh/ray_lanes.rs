@@ -133,11 +133,11 @@ impl TriangleHits {
         end: f64,
     ) -> Option<Hit> {
         if self.unsure >> lane & 1 == 0 {
-            return Some(Hit { t: self.t[lane], u: self.u[lane], v: self.v[lane], face });
+            return Some(Hit::new(self.t[lane], self.u[lane], self.v[lane], face));
         }
         let [a, b, c] = corners;
         // The end is included, as for the other lanes.
         let (t, u, v) = sheared(row).intersect(a, b, c, end.next_up())?;
-        Some(Hit { t, u, v, face })
+        Some(Hit::new(t, u, v, face))
     }
 }

@@ -51,7 +51,7 @@ impl SamplingTable {
         // The rest of the number that selected the triangle.
         let rest = ((target - before) / (areas[face] - before)).clamp(0.0, 1.0f64.next_down());
         let b = sample_barycentric(DVec2::new(rest, xi.y));
-        Some((Hit { t: 0.0, u: b.x, v: b.y, face: face as u32 }, AreaPdf(1.0 / total)))
+        Some((Hit::new(0.0, b.x, b.y, face as u32), AreaPdf(1.0 / total)))
     }
 }
 

@@ -105,7 +105,7 @@ fn brute_force(mesh: &Mesh, ray: &Ray, t_max: f64) -> Vec<Hit> {
         let [a, b, c] = mesh.corners(face).unwrap();
         if unit_normal(a, b, c).is_some() {
             let hit = sheared.intersect(a, b, c, t_max);
-            hits.extend(hit.map(|(t, u, v)| Hit { t, u, v, face }));
+            hits.extend(hit.map(|(t, u, v)| Hit::new(t, u, v, face)));
         }
     }
     hits.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.face.cmp(&b.face)));
@@ -301,7 +301,7 @@ fn texture_derivatives_are_those_of_a_plane() {
         mesh.point_at(0, u, v).shading_normal
     };
     let h = 1e-6;
-    let hit = Hit { t: 1.0, u: 0.25, v: 0.5, face: 0 };
+    let hit = Hit::new(1.0, 0.25, 0.5, 0);
     let [dndu, dndv] = mesh.normal_derivatives(&hit, &point);
     for (tangent, derivative) in [(point.dpdu, dndu), (point.dpdv, dndv)] {
         let difference = shading(point.position + tangent * h) - shading(point.position - tangent * h);

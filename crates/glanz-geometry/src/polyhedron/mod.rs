@@ -199,7 +199,7 @@ impl Polyhedron {
     fn hit(&self, ray: &Ray, crossing: FacetCrossing) -> Option<Hit> {
         let facet = self.facets.get(crossing.facet as usize)?;
         let p = facet.frame.to_local(ray.at(crossing.t) - facet.center);
-        Some(Hit { t: crossing.t, u: p.x, v: p.y, face: crossing.facet })
+        Some(Hit::new(crossing.t, p.x, p.y, crossing.facet))
     }
 
     /// Corners of a facet in its own coordinates, in order; empty beyond the last facet.
@@ -267,7 +267,7 @@ impl RaySurface for Polyhedron {
         let facet = self.facets.get(triangle.facet as usize)?;
         let p = facet.frame.to_local(a + weights.x * (b - a) + weights.y * (c - a) - facet.center);
         Some(SurfaceSample {
-            hit: Hit { t: 0.0, u: p.x, v: p.y, face: triangle.facet },
+            hit: Hit::new(0.0, p.x, p.y, triangle.facet),
             point: self.point_at(facet, p.x, p.y),
             pdf: AreaPdf(1.0 / self.area),
         })

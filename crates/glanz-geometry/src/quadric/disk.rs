@@ -111,7 +111,7 @@ impl RaySurface for Disk {
             return None;
         }
         let u = self.azimuth.parameter(p.x, p.y)?;
-        Some(Hit { t, u, v: (self.radius - rho) / self.width(), face: 0 })
+        Some(Hit::new(t, u, (self.radius - rho) / self.width(), 0))
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
@@ -127,7 +127,7 @@ impl RaySurface for Disk {
         let (outer, inner) = (self.radius * self.radius, self.inner_radius * self.inner_radius);
         let rho = (outer + xi.y * (inner - outer)).max(inner).sqrt();
         let v = ((self.radius - rho) / self.width()).clamp(0.0, 1.0);
-        let hit = Hit { t: 0.0, u: xi.x, v, face: 0 };
+        let hit = Hit::new(0.0, xi.x, v, 0);
         let point = self.at(DVec2::new(xi.x, v));
         Some(SurfaceSample { hit, point, pdf: AreaPdf(1.0 / self.area()) })
     }

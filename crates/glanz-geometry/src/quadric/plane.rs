@@ -91,7 +91,7 @@ impl RaySurface for Plane {
         }
         let (start, length) = self.scale();
         let uv = (p - start) / length;
-        Some(Hit { t, u: uv.x, v: uv.y, face: 0 })
+        Some(Hit::new(t, uv.x, uv.y, 0))
     }
 
     fn all_hits(&self, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
@@ -105,7 +105,7 @@ impl RaySurface for Plane {
 
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         let pdf = self.area_pdf_anywhere()?;
-        let hit = Hit { t: 0.0, u: xi.x, v: xi.y, face: 0 };
+        let hit = Hit::new(0.0, xi.x, xi.y, 0);
         Some(SurfaceSample { hit, point: self.at_parameters(xi)?, pdf })
     }
 

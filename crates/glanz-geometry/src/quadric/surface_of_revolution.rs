@@ -87,7 +87,7 @@ fn hit_in_range(surface: &impl SurfaceOfRevolution, crossing: &QuadricCrossing, 
         return None;
     }
     let uv = surface.parameters(crossing.p)?;
-    Some(Hit { t: crossing.t, u: uv.x, v: uv.y, face: 0 })
+    Some(Hit::new(crossing.t, uv.x, uv.y, 0))
 }
 
 /// The surface at a hit.
@@ -139,7 +139,7 @@ fn point(surface: &impl SurfaceOfRevolution, position: DVec3, uv: DVec2) -> Surf
 pub(super) fn sample(surface: &impl SurfaceOfRevolution, xi: DVec2) -> SurfaceSample {
     let (position, uv) = surface.sample_point(xi);
     let point = point(surface, surface.quadric().corrected(position), uv);
-    let hit = Hit { t: 0.0, u: uv.x, v: uv.y, face: 0 };
+    let hit = Hit::new(0.0, uv.x, uv.y, 0);
     SurfaceSample { hit, point, pdf: AreaPdf(surface.density(|| [point.dpdu, point.dpdv])) }
 }
 

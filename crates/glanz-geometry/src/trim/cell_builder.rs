@@ -4,7 +4,7 @@ use glanz_math::DVec2;
 
 use super::cell_tree::{CellLink, CellTree, GridSquare, MAX_INDEX, MAX_LEVEL};
 use super::piece_in_cell::{CellGrid, PieceInCell, QuarteredPiece, right_or_left};
-use super::piece_table::PieceTable;
+use super::piece_table::{PieceRecord, PieceTable};
 use crate::bvh::parallel_map;
 use crate::error::SurfaceError;
 
@@ -90,12 +90,51 @@ impl CellLevel {
 /// Input of all tasks that build a tree.
 struct CellRules<'a> {
     pieces: &'a PieceTable,
-    /// Pieces within this distance of a cell belong to it.
-    margin: DVec2,
-    /// Largest distance from a piece at which a corner may count as left of it.
-    clearance: DVec2,
-    /// The level, for each piece, of which cells are no wider than the strip.
-    strip_levels: Vec<u32>,
+    /// Those of each piece.
+    levels: Vec<PieceLevels>,
+}
+
+/// The levels of cells at which a piece needs no smaller ones.
+#[derive(Clone, Copy, Default)]
+struct PieceLevels {
+    /// Cells are no wider than the strip, or than the width of the piece.
+    strip: u32,
+    /// Cells are no wider than the width of the piece: quarters would have the same pieces.
+    finest: u32,
+}
+
+impl PieceLevels {
+    fn new(piece: &PieceRecord, min: DVec2, max: DVec2) -> Self {
+        let level_of = |size: f64| {
+            let is_wider = |level: &u32| 1.0 / f64::from(1_u32 << level) > size;
+            (0..MAX_LEVEL).take_while(is_wider).count() as u32
+        };
+        let finest = level_of((piece.width / (max - min)).min_element());
+        Self { strip: level_of(piece.extent(min, max) * STRIP).min(finest), finest }
+    }
+}
+
+/// The levels that the pieces of a cell need together.
+#[derive(Clone, Copy)]
+struct CellLevels {
+    /// That of the widest strip.
+    coarsest: u32,
+    /// That of the narrowest piece.
+    finest: u32,
+}
+
+impl CellLevels {
+    const NONE: Self = Self { coarsest: MAX_LEVEL, finest: 0 };
+
+    fn add(&mut self, piece: PieceLevels) {
+        self.coarsest = self.coarsest.min(piece.strip);
+        self.finest = self.finest.max(piece.finest);
+    }
+
+    /// Whether a cell of `level` with `count` pieces is to be quartered.
+    fn are_beyond(self, level: u32, count: usize) -> bool {
+        level < MAX_LEVEL && (count > FEW_PIECES && level < self.finest || level < self.coarsest)
+    }
 }
 
 /// A tree being built, or the part of one below some of its cells.
@@ -111,19 +150,14 @@ struct CellTreeBuilder<'a> {
 }
 
 impl CellTree {
-    /// The tree over the domain. `outermost`: winding number far outside. Pieces within `margin` of a cell belong to it.
+    /// The tree over the domain. `outermost`: winding number far outside.
     pub(super) fn try_new(
         pieces: &PieceTable,
         [min, max]: [DVec2; 2],
         outermost: i32,
-        margin: DVec2,
     ) -> Result<Self, SurfaceError> {
-        let strip_level = |extent: f64| {
-            let is_wider = |level: &u32| 1.0 / f64::from(1_u32 << level) > extent * STRIP;
-            (0..MAX_LEVEL).take_while(is_wider).count() as u32
-        };
-        let strip_levels = pieces.pieces.iter().map(|piece| strip_level(piece.extent(max - min))).collect();
-        let rules = CellRules { pieces, margin, clearance: margin + pieces.slack, strip_levels };
+        let levels = pieces.pieces.iter().map(|piece| PieceLevels::new(piece, min, max)).collect();
+        let rules = CellRules { pieces, levels };
         let budget = 1024 + ENTRIES_PER_PIECE * pieces.pieces.len();
         let mut builder = CellTreeBuilder::new(&rules, Self::new(min, max), budget);
         let root = builder.root(outermost);
@@ -187,22 +221,21 @@ impl<'a> CellTreeBuilder<'a> {
     fn root(&mut self, outermost: i32) -> CellLevel {
         let (pieces, square) = (self.rules.pieces, GridSquare { x: 0, y: 0, level: 0 });
         let grid = self.grid(square);
-        let (mut winding, mut level) = (outermost, CellLevel::default());
+        let (mut winding, mut level, mut levels) = (outermost, CellLevel::default(), CellLevels::NONE);
         let corner = DVec2::new(grid.max.x, grid.min.y);
         for (index, piece) in (0_u32..).zip(&pieces.pieces) {
-            let inside = PieceInCell::new(pieces, index, &grid, self.rules.clearance);
+            let inside = PieceInCell::new(pieces, index, &grid);
             winding += inside.crossings_right(pieces, corner);
-            if pieces.touches(piece, grid.min, grid.max, self.rules.margin) {
+            if pieces.touches(piece, grid.min, grid.max) {
                 level.pieces.push(inside);
+                levels.add(self.rules.levels(index));
             }
         }
         let count = level.pieces.len();
-        let coarsest =
-            level.pieces.iter().map(|piece| self.rules.strip_level(piece.index)).min().unwrap_or(0);
         let cell = PendingCell { parent: None, square, first: 0, count, winding };
         if count == 0 {
             self.tree.set(None, CellLink::uniform(winding));
-        } else if is_coarse(0, count, coarsest) {
+        } else if levels.are_beyond(0, count) {
             level.cells.push(cell);
         } else {
             self.push_leaf(&cell, level.pieces.iter().map(|piece| (piece.index, piece.is_corner_right)));
@@ -233,16 +266,16 @@ impl<'a> CellTreeBuilder<'a> {
     fn quarter(&mut self, cell: &PendingCell, pieces: &[PieceInCell], next: &mut CellLevel) -> usize {
         let (rules, grid) = (self.rules, self.grid(cell.square));
         let mut quartered = std::mem::take(&mut self.quartered);
-        let (mut windings, mut counts, mut coarsest) = ([cell.winding; 4], [0; 4], [MAX_LEVEL; 4]);
+        let (mut windings, mut counts, mut levels) = ([cell.winding; 4], [0; 4], [CellLevels::NONE; 4]);
         for piece in pieces {
             let record = &rules.pieces.pieces[piece.index as usize];
-            let parts = piece.quartered(rules.pieces, &grid, rules.margin, rules.clearance);
-            let (changes, level) = (parts.winding_changes(record, &grid), rules.strip_level(piece.index));
+            let parts = piece.quartered(rules.pieces, &grid);
+            let (changes, of_piece) = (parts.winding_changes(record, &grid), rules.levels(piece.index));
             for quarter in 0..4 {
                 windings[quarter] += changes[quarter];
                 if parts.touches(quarter) {
                     counts[quarter] += 1;
-                    coarsest[quarter] = level.min(coarsest[quarter]);
+                    levels[quarter].add(of_piece);
                 }
             }
             quartered.push(parts);
@@ -257,7 +290,7 @@ impl<'a> CellTreeBuilder<'a> {
             let cell = PendingCell { parent, square, first: next.pieces.len(), count, winding };
             let both = pieces.iter().zip(&quartered);
             let touching = both.filter(|(_, parts)| parts.touches(quarter));
-            if is_coarse(square.level, count, coarsest[quarter]) {
+            if levels[quarter].are_beyond(square.level, count) {
                 next.pieces.reserve(count);
                 touching.for_each(|(piece, parts)| next.pieces.push(parts.in_quarter(piece, quarter)));
                 next.cells.push(cell);
@@ -272,15 +305,9 @@ impl<'a> CellTreeBuilder<'a> {
 }
 
 impl CellRules<'_> {
-    /// The level of which cells are no wider than the strip of a piece.
-    fn strip_level(&self, piece: u32) -> u32 {
-        self.strip_levels.get(piece as usize).copied().unwrap_or(0)
+    fn levels(&self, piece: u32) -> PieceLevels {
+        self.levels.get(piece as usize).copied().unwrap_or_default()
     }
-}
-
-/// Whether a cell of `level` with `count` pieces is to be quartered. `coarsest`: the level of the widest strip of its pieces.
-fn is_coarse(level: u32, count: usize, coarsest: u32) -> bool {
-    level < MAX_LEVEL && (count > FEW_PIECES || level < coarsest)
 }
 
 /// Numbers of cells, of leaves and of their entries must be indices.

@@ -3,6 +3,7 @@
 use glanz_math::DVec2;
 
 use super::piece_table::{CurveSide, PieceRecord, PieceTable};
+use super::region::RegionLocation;
 
 /// Largest depth of the tree.
 pub(super) const MAX_LEVEL: u32 = 20;
@@ -227,36 +228,42 @@ fn side_in_box(pieces: &PieceTable, piece: &PieceRecord, p: DVec2) -> CurveSide 
 }
 
 impl PieceTable {
-    /// The winding number of `p` less the leaf's base; `None` if `p` lies on a curve.
+    /// The location of `p`, a point of the crossed cell `leaf` with these entries.
     ///
     /// The path leads right to the edge of the cell, then down to its corner. It never leaves the cell, so that other pieces
     /// contribute nothing. Points on a curve may count as being on either side, as long as each point always counts as being
     /// on the same one.
     #[inline]
-    fn winding_change(&self, list: &[u32], p: DVec2, edge: f64) -> Option<i32> {
-        let mut winding = 0;
+    pub(super) fn locate(&self, leaf: &CrossedCell, list: &[u32], p: DVec2) -> RegionLocation {
+        let (mut winding, mut in_border) = (leaf.base, false);
         for &i in list {
             let Some(piece) = self.pieces.get(i as usize) else { continue };
             let mut side = CurveSide::Left;
-            if piece.near(p, self.slack) {
-                side = self.side(piece, p);
+            let clearance = self.slack + piece.width;
+            if piece.near(p, clearance) {
+                side = self.side_with_clearance(piece, p, clearance);
                 if side == CurveSide::On {
-                    return None;
+                    let is_near;
+                    (side, is_near) = self.side_near(piece, p);
+                    if side == CurveSide::On {
+                        return RegionLocation::InnerBorder;
+                    }
+                    in_border |= is_near;
                 }
             }
-            winding += piece.crossings_right(p, side) + self.crossings_at_edge(piece, DVec2::new(edge, p.y));
+            let elbow = DVec2::new(leaf.edge, p.y);
+            winding += piece.crossings_right(p, side) + self.crossings_at_edge(piece, elbow);
         }
-        Some(winding)
+        match (winding > 0, in_border) {
+            (true, false) => RegionLocation::Inside,
+            (true, true) => RegionLocation::InnerBorder,
+            (false, true) => RegionLocation::OuterBorder,
+            (false, false) => RegionLocation::Outside,
+        }
     }
 
     fn crossings_at_edge(&self, piece: &PieceRecord, elbow: DVec2) -> i32 {
         let side = side_in_box(self, piece, elbow);
         piece.crossings_above(elbow, side) - piece.crossings_right(elbow, side)
-    }
-
-    /// The winding number of `p` in a crossed cell with these entries; `None` if it lies on a curve.
-    #[inline]
-    pub(super) fn winding(&self, leaf: &CrossedCell, list: &[u32], p: DVec2) -> Option<i32> {
-        self.winding_change(list, p, leaf.edge).map(|change| leaf.base + change)
     }
 }

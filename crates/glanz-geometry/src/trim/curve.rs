@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use glanz_math::{DVec2, DVec3};
 
 use crate::bezier::bernstein;
-use crate::error::{SurfaceError, finite, finite_point, positive};
+use crate::error::{SurfaceError, finite, finite_point, not_negative, positive};
 
 /// Largest degree of a trimming curve.
 pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
@@ -19,6 +19,8 @@ pub struct TrimCurve {
     pub(super) pieces: Vec<Vec<DVec3>>,
     /// Smallest and largest coordinates of the control points that the curve was made from.
     pub(super) bounds: [DVec2; 2],
+    /// `None`: that of the region.
+    pub(super) width: Option<f64>,
 }
 
 impl TrimCurve {
@@ -27,7 +29,7 @@ impl TrimCurve {
             .iter()
             .map(|&p| project(p))
             .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
-        Self { pieces, bounds }
+        Self { pieces, bounds, width: None }
     }
 
     /// The straight line from `start` to `end`.
@@ -172,6 +174,23 @@ impl TrimCurve {
             piece.reverse();
         }
         self
+    }
+
+    /// The same curve with a border: regions keep the points within `width` of it, on either side.
+    ///
+    /// `width`: in the coordinates of the region, see [`RegionSettings::scale`](super::RegionSettings::scale).
+    ///
+    /// # Errors
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`].
+    pub fn with_width(self, width: f64) -> Result<Self, SurfaceError> {
+        Ok(Self { width: Some(not_negative("width of a trimming curve", width)?), ..self })
+    }
+
+    /// The curve with both coordinates multiplied.
+    pub(super) fn scaled(mut self, scale: DVec2) -> Self {
+        let scale3 = scale.extend(1.0);
+        self.pieces.iter_mut().flatten().for_each(|point| *point *= scale3);
+        Self { bounds: self.bounds.map(|corner| corner * scale), ..self }
     }
 
     /// Start point.

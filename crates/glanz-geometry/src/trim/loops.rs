@@ -15,14 +15,23 @@ pub struct TrimLoop {
 impl TrimLoop {
     /// The loop of these curves in this order; the last one ends at the start of the first.
     ///
-    /// `tolerance`: largest distance from the end of a curve to the start of the next one, parameter units. Both are moved to
-    /// the point halfway between them.
+    /// `tolerance`: largest distance from the end of a curve to the start of the next one, parameter units, or the sum of the widths of
+    /// both curves if that is larger. Both are moved to the point halfway between them; a curve that has a width is widened by as much.
     ///
     /// # Errors
     /// [`SurfaceError::TooFew`] without curves, [`SurfaceError::OpenLoop`] if two ends do not meet,
     /// [`SurfaceError::CollapsedLoop`] if the loop is a point, [`SurfaceError::NotFinite`] or [`SurfaceError::Negative`] for the
     /// tolerance.
-    pub fn try_new(mut curves: Vec<TrimCurve>, tolerance: f64) -> Result<Self, SurfaceError> {
+    pub fn try_new(curves: Vec<TrimCurve>, tolerance: f64) -> Result<Self, SurfaceError> {
+        Self::with_default_width(curves, tolerance, 0.0)
+    }
+
+    /// The loop of [`TrimLoop::try_new`]. `width`: that of curves without one of their own.
+    pub(super) fn with_default_width(
+        mut curves: Vec<TrimCurve>,
+        tolerance: f64,
+        width: f64,
+    ) -> Result<Self, SurfaceError> {
         let tolerance = not_negative("tolerance of a loop", tolerance)?;
         let count = curves.len();
         if count == 0 {
@@ -33,6 +42,8 @@ impl TrimLoop {
             let next = (i + 1) % count;
             let (end, start) = (curve.end(), curves[next].start());
             let gap = end.distance(start);
+            let widths = curve.width.unwrap_or(0.0) + curves[next].width.unwrap_or(0.0);
+            let tolerance = tolerance.max(widths);
             if gap > tolerance {
                 return Err(SurfaceError::OpenLoop { curve: i, next, end, start, gap, tolerance });
             }
@@ -41,10 +52,12 @@ impl TrimLoop {
         let mut pieces: Vec<MonotonePiece> = Vec::new();
         for (i, curve) in curves.iter_mut().enumerate() {
             let mut start = meeting_points[(i + count - 1) % count];
+            let moved = start.distance(curve.start()).max(meeting_points[i].distance(curve.end()));
+            let width = curve.width.map_or(width, |width| width + moved);
             curve.move_ends(start, meeting_points[i]);
             for points in curve.pieces.iter().flat_map(|piece| monotone_pieces(piece)) {
                 let end = points.last().map_or(start, |&p| project(p));
-                pieces.push(MonotonePiece { start, end, control_points: points });
+                pieces.push(MonotonePiece { start, end, control_points: points, width });
                 start = end;
             }
             if let Some(last) = pieces.last_mut() {

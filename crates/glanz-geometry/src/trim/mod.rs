@@ -6,6 +6,10 @@
 //! is that of the corner of its cell plus the crossings of the pieces on a short path to that corner. A single point of a
 //! monotone piece, to the upper left or lower right, decides on which side of the piece a point lies.
 //!
+//! Curves have widths: points within the width of a curve are kept on both sides of it. Where two faces of a solid meet, their curves
+//! agree only up to such a width, which closes the slit between the faces; [`RegionLocation`] tells points in these borders, of which one
+//! face or the other has one too many.
+//!
 //! ```
 //! use glanz_geometry::DVec2;
 //! use glanz_geometry::trim::{Containment, TrimCurve, TrimLoop, TrimRegion};
@@ -35,4 +39,4 @@ mod tests;
 pub use curve::{MAX_DEGREE, TrimCurve};
 pub use loops::TrimLoop;
 pub use monotone::MonotonePiece;
-pub use region::{Containment, TrimRegion, TrimStatistics};
+pub use region::{Containment, RegionLocation, RegionSettings, TrimRegion, TrimStatistics};

@@ -19,6 +19,8 @@ pub struct MonotonePiece {
     pub end: DVec2,
     /// Homogeneous control points (w u, w v, w), degree + 1 of them.
     pub control_points: Vec<DVec3>,
+    /// Distance from it within which points are kept, in the coordinates of the region.
+    pub width: f64,
 }
 
 /// Control points of the pieces of a rational Bézier piece between its turning points.

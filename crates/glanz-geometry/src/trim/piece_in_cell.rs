@@ -53,9 +53,10 @@ impl CellGrid {
 }
 
 impl PieceInCell {
-    /// The piece number `index` in the cell of `grid`. Within `clearance` of the piece corners may count as left of it.
-    pub(super) fn new(pieces: &PieceTable, index: u32, grid: &CellGrid, clearance: DVec2) -> Self {
+    /// The piece number `index` in the cell of `grid`. Within the clearance of the piece corners may count as left of it.
+    pub(super) fn new(pieces: &PieceTable, index: u32, grid: &CellGrid) -> Self {
         let piece = &pieces.pieces[index as usize];
+        let clearance = pieces.margin(piece) + pieces.slack;
         let corner = DVec2::new(grid.max.x, grid.min.y);
         let side = if piece.holds(corner) {
             pieces.side_with_clearance(piece, corner, clearance)
@@ -72,16 +73,12 @@ impl PieceInCell {
         pieces.pieces[self.index as usize].crossings_right(corner, right_or_left(self.is_corner_right))
     }
 
-    /// The piece with its relations to the quarters of the cell. Quarters within `margin` of the piece are touched; within
-    /// `clearance`, which is larger, corners may count as left of the piece.
-    pub(super) fn quartered(
-        &self,
-        pieces: &PieceTable,
-        grid: &CellGrid,
-        margin: DVec2,
-        clearance: DVec2,
-    ) -> QuarteredPiece {
+    /// The piece with its relations to the quarters of the cell. Quarters within the margin of the piece are touched; within
+    /// the clearance, which is larger, corners may count as left of the piece.
+    pub(super) fn quartered(&self, pieces: &PieceTable, grid: &CellGrid) -> QuarteredPiece {
         let piece = &pieces.pieces[self.index as usize];
+        let margin = pieces.margin(piece);
+        let clearance = margin + pieces.slack;
         let (turn, center) = (piece.turn(), grid.middle);
         let first = u8::from(turn.x < 0.0) | (u8::from(turn.y < 0.0) << 1);
         let (low, high) = (piece.min.cmple(center + margin), piece.max.cmpge(center - margin));

@@ -24,6 +24,8 @@ pub(super) struct PieceRecord {
     pub(super) end: DVec2,
     pub(super) min: DVec2,
     pub(super) max: DVec2,
+    /// Distance within which points are kept.
+    pub(super) width: f64,
     /// Index of its first entry in the terms.
     first: u32,
     degree: u32,
@@ -93,7 +95,8 @@ impl PieceTable {
                 return Err(SurfaceError::TooMany { parameter: "control points", count: terms.len(), max });
             };
             let (start, end) = (piece.start, piece.end);
-            pieces.push(PieceRecord { start, end, min: start.min(end), max: start.max(end), first, degree });
+            let (min, max, width) = (start.min(end), start.max(end), piece.width);
+            pieces.push(PieceRecord { start, end, min, max, width, first, degree });
             terms.extend(piece.control_points.iter().zip(binomials(degree as usize)).map(|(&p, b)| p * b));
             reach = reach.max(start.abs()).max(end.abs());
             highest = highest.max(degree);
@@ -101,6 +104,12 @@ impl PieceTable {
         // A value has 4 n + 4 roundings, each split of the piece 3 n. The margin covers moved ends and the search for turning
         // points (2 n + 4 roundings for each of 48 halvings, relative to the speed times the width of the last interval).
         Ok(Self { pieces, terms, slack: reach * gamma(64 * (highest + 4)) })
+    }
+
+    /// Distance from a cell within which a piece belongs to it: the corners of a cell, the cell of a point and both sides of a piece
+    /// are each accurate to the slack.
+    pub(super) fn margin(&self, piece: &PieceRecord) -> DVec2 {
+        4.0 * self.slack + piece.width
     }
 
     fn terms(&self, piece: &PieceRecord) -> &[DVec3] {
@@ -175,8 +184,9 @@ impl PieceTable {
         CurveSide::On
     }
 
-    /// Whether `piece` may touch the rectangle; `margin` (at least twice the slack) is added on all sides.
-    pub(super) fn touches(&self, piece: &PieceRecord, min: DVec2, max: DVec2, margin: DVec2) -> bool {
+    /// Whether points within the margin of `piece` may lie in the rectangle.
+    pub(super) fn touches(&self, piece: &PieceRecord, min: DVec2, max: DVec2) -> bool {
+        let margin = self.margin(piece);
         let (min, max) = (min - margin, max + margin);
         if piece.max.x < min.x || piece.min.x > max.x || piece.max.y < min.y || piece.min.y > max.y {
             return false;
@@ -200,18 +210,25 @@ impl PieceTable {
         !misses(above, side_below) && !misses(below, side_above)
     }
 
-    /// Whether the curve comes within `tolerance` of `p` (Euclidean distance).
+    /// Whether the curve comes within its width of `p` (Euclidean distance).
     ///
     /// A part is at most as far from its chord as its control points are; parts for which this bound does not decide are halved
     /// until they are straight up to rounding.
-    pub(super) fn is_within(&self, piece: &PieceRecord, p: DVec2, tolerance: f64) -> bool {
+    fn is_within_width(&self, piece: &PieceRecord, p: DVec2) -> bool {
         let terms = self.terms(piece);
         let mut points = [DVec3::ZERO; MAX_DEGREE + 1];
         let Some(points) = points.get_mut(..terms.len()) else { return false };
         for ((point, term), binomial) in points.iter_mut().zip(terms).zip(binomials(piece.degree as usize)) {
             *point = *term / binomial;
         }
-        part_is_within(points, p, tolerance, self.slack.max_element(), 60)
+        part_is_within(points, p, piece.width, self.slack.max_element(), 60)
+    }
+
+    /// The side of `piece` on which `p` lies, and whether it is within the width, for points about as near as that.
+    #[cold]
+    pub(super) fn side_near(&self, piece: &PieceRecord, p: DVec2) -> (CurveSide, bool) {
+        let side = if piece.near(p, self.slack) { self.side(piece, p) } else { CurveSide::Left };
+        (side, self.is_within_width(piece, p))
     }
 }
 
@@ -267,9 +284,9 @@ impl PieceRecord {
         }
     }
 
-    /// Largest extent, each coordinate in units of `size`.
-    pub(super) fn extent(&self, size: DVec2) -> f64 {
-        ((self.max - self.min) / size).max_element()
+    /// Largest extent within the rectangle from `min` to `max`, each coordinate in units of its sides.
+    pub(super) fn extent(&self, min: DVec2, max: DVec2) -> f64 {
+        ((self.max.min(max) - self.min.max(min)) / (max - min)).max_element()
     }
 
     /// Whether `p` lies in the box, lower and left sides included. There, crossings depend on the side of the curve.

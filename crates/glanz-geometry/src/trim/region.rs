@@ -1,21 +1,22 @@
 //! The trimmed region of a parameter domain.
 
-use glanz_math::DVec2;
+use glanz_math::{DVec2, DVec3};
 
 use super::cell_tree::{CellLookup, CellTree};
 use super::curve::{TrimCurve, check_range};
 use super::loops::TrimLoop;
 use super::monotone::MonotonePiece;
 use super::piece_table::PieceTable;
-use crate::error::{SurfaceError, not_negative};
+use crate::error::{SurfaceError, not_negative, positive};
+use crate::hit::HitBorder;
 
 /// Largest gap between consecutive curves of a loop, relative to the extent of all loops: coordinates are often written
 /// with seven digits.
 const LOOP_GAP: f64 = 1e-6;
 
-/// Width of the kept strip along a trimming curve, relative to the extent of all loops: the parameters of one point may
+/// Width of curves without one of their own, relative to the extent of all loops: the parameters of one point may
 /// differ by this much in two faces that meet in the curve.
-const BORDER: f64 = 1e-9;
+const WIDTH: f64 = 1e-9;
 
 /// Width of the domain around the loops, relative to their extent.
 const DOMAIN_MARGIN: f64 = 0.1;
@@ -31,14 +32,58 @@ pub enum Containment {
     Crossed,
 }
 
+/// Location of a point relative to a region.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RegionLocation {
+    /// Kept, farther from every curve than its width.
+    Inside,
+    /// On a curve, or within the width of one on the kept side.
+    InnerBorder,
+    /// Kept since it is within the width of a curve, which cuts it away.
+    OuterBorder,
+    /// Cut away.
+    Outside,
+}
+
+impl RegionLocation {
+    /// The border in which a kept point lies; `None` if it is cut away.
+    #[inline]
+    #[must_use]
+    pub fn border(self) -> Option<HitBorder> {
+        match self {
+            Self::Inside => Some(HitBorder::Away),
+            Self::InnerBorder => Some(HitBorder::Inner),
+            Self::OuterBorder => Some(HitBorder::Outer),
+            Self::Outside => None,
+        }
+    }
+}
+
+/// Coordinates and domain of a region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegionSettings {
+    /// Factors, > 0, from the parameters of the surface to the coordinates of the region, in which distances from curves are
+    /// measured: with metres per unit of u and of v, widths are metres.
+    pub scale: DVec2,
+    /// Corners of the domain in the parameters of the surface; `None`: a box around the curves, widened by a tenth of its longer side.
+    pub domain: Option<[DVec2; 2]>,
+}
+
+impl Default for RegionSettings {
+    /// The parameters of the surface, and a box around the curves.
+    fn default() -> Self {
+        Self { scale: DVec2::ONE, domain: None }
+    }
+}
+
 /// The part of a rectangular parameter domain on the left of closed loops.
 ///
 /// A point is kept if its winding number is greater than zero. The winding number counts how often the loops go round the point
 /// counter-clockwise; 1 is added everywhere if the domain itself is the outermost material: if the loop of the largest area
 /// runs clockwise, or if there are no loops. Holes, islands and islands in holes follow from this rule. For loops that do not
 /// alternate (a counter-clockwise loop directly inside another, a hole in a hole) winding numbers add up: points inside both
-/// counter-clockwise loops are kept, and a doubly cut hole needs two islands to be filled. Points on a curve are always kept, so
-/// that two faces with a common border leave no gap.
+/// counter-clockwise loops are kept, and a doubly cut hole needs two islands to be filled. Points on a curve, and within its width,
+/// are always kept, so that two faces with a common border leave no gap.
 ///
 /// # Source
 /// @markgraf2019 section 4.3; departure: the winding number, which handles both orientations and nesting, instead of
@@ -47,11 +92,12 @@ pub enum Containment {
 pub struct TrimRegion {
     pieces: PieceTable,
     cells: CellTree,
+    /// Corners, times the scale.
     domain: [DVec2; 2],
+    /// From parameters to coordinates of pieces and cells.
+    scale: DVec2,
     /// Winding number far outside.
     outermost: i32,
-    /// Distance from a curve within which points are kept, parameter units.
-    border: f64,
 }
 
 impl TrimRegion {
@@ -63,11 +109,11 @@ impl TrimRegion {
     /// [`SurfaceError::NotFinite`], [`SurfaceError::EmptyRange`] for the domain, [`SurfaceError::TooMany`] from 2^30 control
     /// points on.
     pub fn try_new(loops: Vec<TrimLoop>, domain: [DVec2; 2]) -> Result<Self, SurfaceError> {
-        Self::with_border(loops, domain, 0.0)
+        Self::with_scale(loops, domain, DVec2::ONE)
     }
 
-    /// The region of [`TrimRegion::try_new`], with the points within `border` of a curve.
-    fn with_border(loops: Vec<TrimLoop>, domain: [DVec2; 2], border: f64) -> Result<Self, SurfaceError> {
+    /// The region of [`TrimRegion::try_new`], of parameters times `scale`.
+    fn with_scale(loops: Vec<TrimLoop>, domain: [DVec2; 2], scale: DVec2) -> Result<Self, SurfaceError> {
         let [min, max] = domain;
         check_range("domain", min, max)?;
         let largest = loops.iter().fold(0.0, |largest: f64, trim_loop| {
@@ -80,23 +126,42 @@ impl TrimRegion {
         });
         let outermost = i32::from(loops.is_empty() || largest < 0.0);
         let pieces = PieceTable::try_new(&loops, min.abs().max(max.abs()))?;
-        let cells = CellTree::try_new(&pieces, domain, outermost, margin(&pieces, border))?;
-        Ok(Self { pieces, cells, domain, outermost, border })
+        let cells = CellTree::try_new(&pieces, domain, outermost)?;
+        Ok(Self { pieces, cells, domain, scale, outermost })
     }
 
     /// The region that loops of curves keep, with tolerances in proportion to their extent.
     ///
-    /// The extent is the longer side of a box around all control points. Consecutive curves may end and start 1e-6 of it
-    /// apart, points within 1e-9 of it from a curve are kept, and the domain is the box widened by a tenth of it: what
+    /// [`TrimRegion::try_with_settings`] in the parameters of the surface and with the domain that follows from the curves: what
     /// lies beyond is kept or not as the nearest point of the box is.
     ///
     /// # Errors
-    /// [`SurfaceError::TooFew`] without curves, [`SurfaceError::OpenLoop`], [`SurfaceError::CollapsedLoop`],
-    /// [`SurfaceError::NotFinite`], and those of [`TrimRegion::try_new`].
+    /// Those of [`TrimRegion::try_with_settings`].
     pub fn try_from_curves(loops: Vec<Vec<TrimCurve>>) -> Result<Self, SurfaceError> {
+        Self::try_with_settings(loops, RegionSettings::default())
+    }
+
+    /// The region that loops of curves, in the parameters of the surface, keep.
+    ///
+    /// The extent is the longer side of a box around all control points, times the scale. Consecutive curves may end and start 1e-6 of
+    /// it apart, or as far as their widths together; the width of a curve is its own ([`TrimCurve::with_width`]) or 1e-9 of the extent.
+    ///
+    /// # Errors
+    /// [`SurfaceError::TooFew`] without curves, [`SurfaceError::OpenLoop`], [`SurfaceError::CollapsedLoop`],
+    /// [`SurfaceError::NotPositive`] for the scale, [`SurfaceError::NotFinite`], and those of [`TrimRegion::try_new`].
+    pub fn try_with_settings(
+        loops: Vec<Vec<TrimCurve>>,
+        settings: RegionSettings,
+    ) -> Result<Self, SurfaceError> {
         if loops.iter().all(Vec::is_empty) {
             return Err(SurfaceError::TooFew { parameter: "trimming curves", count: 0, min: 1 });
         }
+        let RegionSettings { scale, domain } = settings;
+        for factor in scale.to_array() {
+            positive("scale of a trimming region", factor)?;
+        }
+        let scaled = |curves: Vec<TrimCurve>| curves.into_iter().map(|curve| curve.scaled(scale)).collect();
+        let loops: Vec<Vec<TrimCurve>> = loops.into_iter().map(scaled).collect();
         let [low, high] = loops
             .iter()
             .flatten()
@@ -104,20 +169,23 @@ impl TrimRegion {
             .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
         let extent = (high - low).max_element();
         let margin = DVec2::splat(DOMAIN_MARGIN * extent);
-        let loops = loops.into_iter().map(|curves| TrimLoop::try_new(curves, LOOP_GAP * extent));
-        let loops: Vec<TrimLoop> = loops.collect::<Result<_, _>>()?;
-        Self::with_border(loops, [low - margin, high + margin], BORDER * extent)
+        let domain = domain.map_or([low - margin, high + margin], |corners| corners.map(|p| p * scale));
+        let trim_loop = |curves| TrimLoop::with_default_width(curves, LOOP_GAP * extent, WIDTH * extent);
+        let loops: Vec<TrimLoop> = loops.into_iter().map(trim_loop).collect::<Result<_, _>>()?;
+        Self::with_scale(loops, domain, scale)
     }
 
-    /// The region extended by all points within `tolerance` (parameter units) of a curve.
+    /// The region extended by all points within `tolerance` of a curve, in its coordinates.
     ///
     /// # Errors
     /// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`], [`SurfaceError::TooMany`].
-    pub fn with_widened_border(self, tolerance: f64) -> Result<Self, SurfaceError> {
-        let border = not_negative("tolerance of the border", tolerance)?;
-        let cells =
-            CellTree::try_new(&self.pieces, self.domain, self.outermost, margin(&self.pieces, border))?;
-        Ok(Self { cells, border, ..self })
+    pub fn with_widened_border(mut self, tolerance: f64) -> Result<Self, SurfaceError> {
+        let width = not_negative("tolerance of the border", tolerance)?;
+        for piece in &mut self.pieces.pieces {
+            piece.width = piece.width.max(width);
+        }
+        let cells = CellTree::try_new(&self.pieces, self.domain, self.outermost)?;
+        Ok(Self { cells, ..self })
     }
 
     /// Whether the point `uv` is kept; exact except for points within rounding of a curve, which are kept.
@@ -126,56 +194,52 @@ impl TrimRegion {
     #[inline]
     #[must_use]
     pub fn contains(&self, uv: DVec2) -> bool {
-        if uv.is_nan() {
-            return false;
-        }
-        let p = uv.max(self.domain[0]).min(self.domain[1]);
-        match self.cells.find(p) {
-            CellLookup::Uniform(inside) => inside,
-            CellLookup::Crossed(leaf) => {
-                let list = self.cells.entries(leaf);
-                self.pieces.winding(leaf, list, p).is_none_or(|winding| winding > 0)
-                    || (self.border > 0.0 && self.is_on_border(list, p))
-            }
-        }
+        self.locate(uv) != RegionLocation::Outside
     }
 
-    #[cold]
-    fn is_on_border(&self, list: &[u32], p: DVec2) -> bool {
-        let pieces = list.iter().filter_map(|&i| self.pieces.pieces.get(i as usize));
-        pieces
-            .filter(|piece| piece.near(p, self.pieces.slack + self.border))
-            .any(|piece| self.pieces.is_within(piece, p, self.border))
+    /// The location of the point `uv`, as for [`TrimRegion::contains`].
+    #[inline]
+    #[must_use]
+    pub fn locate(&self, uv: DVec2) -> RegionLocation {
+        if uv.is_nan() {
+            return RegionLocation::Outside;
+        }
+        let p = (uv * self.scale).max(self.domain[0]).min(self.domain[1]);
+        match self.cells.find(p) {
+            CellLookup::Uniform(true) => RegionLocation::Inside,
+            CellLookup::Uniform(false) => RegionLocation::Outside,
+            CellLookup::Crossed(leaf) => self.pieces.locate(leaf, self.cells.entries(leaf), p),
+        }
     }
 
     /// The relation of the rectangle from `min` to `max`, clamped to the domain, to the region.
     ///
-    /// `Inside` and `Outside` are certain. A rectangle with NaN, or with `min` greater than `max`, is `Crossed`.
+    /// `Inside` and `Outside` are certain, and no point of such a rectangle is in a border. A rectangle with NaN, or with `min` greater
+    /// than `max`, is `Crossed`.
     #[must_use]
     pub fn classify(&self, min: DVec2, max: DVec2) -> Containment {
         if !min.cmple(max).all() {
             return Containment::Crossed;
         }
         let [low, high] = self.domain;
-        let (min, max) = (min.clamp(low, high), max.clamp(low, high));
-        let margin = margin(&self.pieces, self.border);
+        let [min, max] = [min, max].map(|corner| (corner * self.scale).clamp(low, high));
         let meets = |i: u32| {
             let piece = self.pieces.pieces.get(i as usize);
-            piece.is_some_and(|piece| self.pieces.touches(piece, min, max, margin))
+            piece.is_some_and(|piece| self.pieces.touches(piece, min, max))
         };
         if self.cells.any_piece(min, max, meets) {
             Containment::Crossed
-        } else if self.contains(0.5 * min + 0.5 * max) {
+        } else if self.contains((0.5 * min + 0.5 * max) / self.scale) {
             Containment::Inside
         } else {
             Containment::Outside
         }
     }
 
-    /// Corners of the domain.
+    /// Corners of the domain, in the parameters of the surface.
     #[must_use]
     pub fn domain(&self) -> [DVec2; 2] {
-        self.domain
+        self.domain.map(|corner| corner / self.scale)
     }
 
     /// The winding number far outside.
@@ -184,19 +248,28 @@ impl TrimRegion {
         self.outermost
     }
 
-    /// The curves of all loops, split into pieces monotone in u and in v; each ends, to the bit, where the next of its loop starts.
+    /// The curves of all loops in the parameters of the surface, split into pieces monotone in u and in v; each ends, to the bit, where
+    /// the next of its loop starts.
     pub fn monotone_pieces(&self) -> impl ExactSizeIterator<Item = MonotonePiece> + '_ {
-        self.pieces.pieces.iter().map(|piece| MonotonePiece {
-            start: piece.start,
-            end: piece.end,
-            control_points: self.pieces.control_points(piece),
+        let per_scale = |p: DVec3| (p.truncate() / self.scale).extend(p.z);
+        self.pieces.pieces.iter().map(move |piece| MonotonePiece {
+            start: piece.start / self.scale,
+            end: piece.end / self.scale,
+            control_points: self.pieces.control_points(piece).into_iter().map(per_scale).collect(),
+            width: piece.width,
         })
     }
 
-    /// The distance from a curve within which points are kept, parameter units.
+    /// The largest width of a curve, in the coordinates of the region.
     #[must_use]
-    pub fn border(&self) -> f64 {
-        self.border
+    pub fn max_width(&self) -> f64 {
+        self.pieces.pieces.iter().fold(0.0, |width, piece| width.max(piece.width))
+    }
+
+    /// Factors from the parameters of the surface to the coordinates of the region; see [`RegionSettings::scale`].
+    #[must_use]
+    pub fn scale(&self) -> DVec2 {
+        self.scale
     }
 
     /// Numbers of pieces and cells.
@@ -218,10 +291,4 @@ pub struct TrimStatistics {
     pub crossed_cells: usize,
     /// Pieces in crossed cells, counted once per cell.
     pub entries: usize,
-}
-
-/// Distance from a cell within which a piece belongs to it: the corners of a cell, the cell of a point and both sides of a piece
-/// are each accurate to the slack.
-fn margin(pieces: &PieceTable, border: f64) -> DVec2 {
-    4.0 * pieces.slack + border
 }

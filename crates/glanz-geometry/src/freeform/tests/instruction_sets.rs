@@ -77,7 +77,7 @@ fn single_hits(surface: &Freeform, rays: &[BoundedRay]) -> Vec<Option<Hit>> {
 fn every_instruction_set_gives_batches_the_answers_of_single_rays() {
     // Patches that lanes solve as polynomials, as rational ones and as nets, patches that they leave to single rays, and
     // roots in leaves that a trimming curve crosses.
-    let trimmed = wave(3, uneven).trimmed(plate(0.2));
+    let trimmed = wave(3, uneven).trimmed(plate(0.2, 0.0));
     let (high, net) = (wave(10, even), wave(5, uneven));
     for mut surface in [wave(3, even), wave(2, uneven), wave(3, uneven), trimmed, net, high] {
         let rays = bounded_rays(&surface);

@@ -275,13 +275,15 @@ fn grazing_rays_pass_a_seam_exactly_once() {
     assert_eq!(surface.undecided(), 0);
 }
 
-/// The unit square of parameters without two round holes.
-fn plate(radius: f64) -> Arc<TrimRegion> {
+/// The unit square of parameters without two round holes, whose border has a width.
+fn plate(radius: f64, width: f64) -> Arc<TrimRegion> {
     let hole = |x, y| {
         let circle = TrimCurve::try_circle(DVec2::new(x, y), radius).unwrap().reversed();
         TrimLoop::try_closed(circle, 0.0).unwrap()
     };
-    Arc::new(TrimRegion::try_new(vec![hole(0.3, 0.3), hole(0.7, 0.6)], [DVec2::ZERO, DVec2::ONE]).unwrap())
+    let domain = [DVec2::ZERO, DVec2::ONE];
+    let region = TrimRegion::try_new(vec![hole(0.3, 0.3), hole(0.7, 0.6)], domain).unwrap();
+    Arc::new(region.with_widened_border(width).unwrap())
 }
 
 #[test]
@@ -294,12 +296,12 @@ fn trimmed_surface_has_the_hits_whose_parameters_are_kept() {
     let waves = Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()])
         .unwrap();
     for whole in [waves, reflector()] {
-        let region = plate(0.15);
+        let region = plate(0.16, 0.02);
         let trimmed = whole.trimmed(region.clone());
         assert!(trimmed.is_trimmed() && trimmed.sample(DVec2::splat(0.5)).is_none());
         let bounds = whole.bounds();
         let (center, size) = (bounds.center(), bounds.diagonal().length());
-        let mut counts = [0; 2];
+        let (mut counts, mut borders) = ([0; 2], [0; 3]);
         for k in 0..4000 {
             let turn = |rate: f64| (rate * f64::from(k)).sin();
             let target = center + 0.4 * size * DVec3::new(turn(1.3), turn(2.7), 0.3 * turn(3.1));
@@ -312,11 +314,17 @@ fn trimmed_surface_has_the_hits_whose_parameters_are_kept() {
             counts[1] += kept.len();
             let hits = all(&trimmed, &ray);
             assert_eq!(hits.len(), kept.len(), "{ray:?}");
-            assert!(hits.iter().zip(&kept).all(|(a, b)| (a.t - b.t).abs() < 1e-11));
+            for (hit, of_whole) in hits.iter().zip(&kept) {
+                assert!((hit.t - of_whole.t).abs() < 1e-11);
+                let location = region.locate(whole.point(&ray, of_whole).uv);
+                assert_eq!(Some(hit.border), location.border());
+                borders[hit.border as usize] += 1;
+            }
             assert_eq!(trimmed.intersect(&ray, f64::INFINITY), hits.first().copied());
             assert_eq!(trimmed.occluded(&ray, f64::INFINITY), !hits.is_empty());
         }
         assert!(counts[1] > 500 && counts[0] > counts[1] + 50, "{counts:?}");
+        assert!(borders.iter().all(|&count| count > 20), "{borders:?}");
     }
 }
 
@@ -329,7 +337,7 @@ fn area_of_a_trimmed_plane_is_that_without_its_holes() {
     assert!((plane.area() - 6.0).abs() < 1e-12);
     // Parameters are six times as dense as the area.
     let expected = 6.0 * (1.0 - 2.0 * std::f64::consts::PI * 0.15 * 0.15);
-    assert!((plane.trimmed(plate(0.15)).area() / expected - 1.0).abs() < 1e-3);
+    assert!((plane.trimmed(plate(0.15, 0.0)).area() / expected - 1.0).abs() < 1e-3);
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod cells;
 mod curves;
 mod exact;
 mod slow_cells;
+mod widths;
 mod winding;
 
 use std::f64::consts::TAU;

@@ -9,8 +9,7 @@ use super::*;
 struct SlowCells<'a> {
     pieces: &'a PieceTable,
     tree: &'a CellTree,
-    size: DVec2,
-    margin: DVec2,
+    domain: [DVec2; 2],
     outermost: i32,
     random: Random,
     /// Number of cells, of crossed cells, and of their entries.
@@ -20,13 +19,17 @@ struct SlowCells<'a> {
 impl SlowCells<'_> {
     fn check(&mut self, square: GridSquare, list: &[u32]) {
         let (min, max) = self.tree.bounds(square);
-        let touches = |i: &u32| self.pieces.touches(&self.pieces.pieces[*i as usize], min, max, self.margin);
+        let touches = |i: &u32| self.pieces.touches(&self.pieces.pieces[*i as usize], min, max);
         let list: Vec<u32> = list.iter().copied().filter(touches).collect();
         self.sizes.0 += 1;
-        let extent = |&i: &u32| self.pieces.pieces[i as usize].extent(self.size);
-        let width = 0.5_f64.powi(square.level as i32);
-        let largest = list.iter().map(extent).fold(0.0, f64::max);
-        let is_coarse = !list.is_empty() && (list.len() > 3 || width > largest / 8.0);
+        let [low, high] = self.domain;
+        let size = 0.5_f64.powi(square.level as i32);
+        let piece = |&i: &u32| &self.pieces.pieces[i as usize];
+        // Larger than the piece's width, and than an eighth of the piece.
+        let exceeds_width = |i: &u32| size > (piece(i).width / (high - low)).min_element();
+        let exceeds_strip = |i: &u32| size > piece(i).extent(low, high) / 8.0;
+        let is_coarse = list.len() > 3 && list.iter().any(exceeds_width)
+            || !list.is_empty() && list.iter().all(|i| exceeds_width(i) && exceeds_strip(i));
         if is_coarse && square.level < MAX_LEVEL {
             return (0..4).for_each(|quarter| self.check(square.quarter(quarter), &list));
         }
@@ -36,46 +39,53 @@ impl SlowCells<'_> {
         }
         for _ in 0..3 {
             let p = min + (max - min) * (0.05 + 0.9 * self.random.point());
-            let winding = self.winding(p);
+            let location = self.location(p);
             match self.tree.find(p) {
                 CellLookup::Uniform(inside) => {
                     assert!(list.is_empty(), "{p}");
-                    assert_eq!(winding.map(|winding| winding > 0), Some(inside), "{p}");
+                    assert_eq!(location == RegionLocation::Inside, inside, "{p}");
+                    assert_eq!(location == RegionLocation::Outside, !inside, "{p}");
                 }
                 CellLookup::Crossed(leaf) => {
-                    assert_eq!(self.tree.entries(leaf), list, "{p} {square:?} {:?}", self.margin);
-                    assert_eq!(self.pieces.winding(leaf, &list, p), winding, "{p}");
+                    assert_eq!(self.tree.entries(leaf), list, "{p} {square:?}");
+                    assert_eq!(self.pieces.locate(leaf, &list, p), location, "{p}");
                 }
             }
         }
     }
 
-    /// The crossings of all pieces right of `p`; `None` if it lies on one.
-    fn winding(&self, p: DVec2) -> Option<i32> {
-        self.pieces.pieces.iter().try_fold(self.outermost, |winding, piece| {
+    /// By the crossings of all pieces right of `p`, and the distances of all.
+    fn location(&self, p: DVec2) -> RegionLocation {
+        let winding = self.pieces.pieces.iter().try_fold(self.outermost, |winding, piece| {
             let is_near = piece.near(p, self.pieces.slack);
             let side = if is_near { self.pieces.side(piece, p) } else { CurveSide::Left };
             (side != CurveSide::On).then(|| winding + piece.crossings_right(p, side))
-        })
+        });
+        let in_border = self.pieces.pieces.iter().any(|piece| self.pieces.side_near(piece, p).1);
+        match winding {
+            None => RegionLocation::InnerBorder,
+            Some(winding) if winding > 0 && in_border => RegionLocation::InnerBorder,
+            Some(winding) if winding > 0 => RegionLocation::Inside,
+            Some(_) if in_border => RegionLocation::OuterBorder,
+            Some(_) => RegionLocation::Outside,
+        }
     }
 }
 
 fn check(loops: &[TrimLoop], domain: [DVec2; 2], border: f64, seed: u64) {
+    check_with_widths(loops, domain, |_| border, seed);
+}
+
+/// `width`: that of each piece.
+fn check_with_widths(loops: &[TrimLoop], domain: [DVec2; 2], width: impl Fn(usize) -> f64, seed: u64) {
     for outermost in [0, 1] {
-        let pieces = PieceTable::try_new(loops, DVec2::ONE).unwrap();
-        let margin = 4.0 * pieces.slack + border;
-        let tree = CellTree::try_new(&pieces, domain, outermost, margin).unwrap();
+        let mut pieces = PieceTable::try_new(loops, DVec2::ONE).unwrap();
+        pieces.pieces.iter_mut().enumerate().for_each(|(i, piece)| piece.width = width(i));
+        let tree = CellTree::try_new(&pieces, domain, outermost).unwrap();
         let all: Vec<u32> = (0..pieces.pieces.len() as u32).collect();
         let random = Random(seed);
-        let mut slow = SlowCells {
-            pieces: &pieces,
-            tree: &tree,
-            size: domain[1] - domain[0],
-            margin,
-            outermost,
-            random,
-            sizes: (0, 0, 0),
-        };
+        let mut slow =
+            SlowCells { pieces: &pieces, tree: &tree, domain, outermost, random, sizes: (0, 0, 0) };
         slow.check(GridSquare { x: 0, y: 0, level: 0 }, &all);
         assert_eq!(slow.sizes, tree.sizes());
     }
@@ -134,5 +144,18 @@ fn cells_of_random_nurbs_loops_are_those_of_the_slow_way() {
             loops.push(TrimLoop::try_closed(curve, 1e-12).unwrap());
         }
         check(&loops, UNIT, [0.0, 1e-9][round as usize % 2], 25);
+    }
+}
+
+#[test]
+fn cells_of_curves_of_unequal_widths_are_those_of_the_slow_way() {
+    // Widths from none to more than the size of the curves.
+    let mut random = Random(26);
+    for domain in [UNIT, [at(0.2, 0.4), at(0.5, 0.5)]] {
+        let loops: Vec<TrimLoop> =
+            (0..12).map(|_| closed(circle(1.2 * random.point() - 0.1, 0.02 + 0.3 * random.unit()))).collect();
+        let widths: Vec<f64> = (0..60).map(|_| 10.0_f64.powf(-8.0 * random.unit() - 1.0)).collect();
+        let width = |i: usize| if i.is_multiple_of(5) { 0.0 } else { widths[i % 60] };
+        check_with_widths(&loops, domain, width, 27);
     }
 }

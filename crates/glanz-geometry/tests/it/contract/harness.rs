@@ -154,7 +154,7 @@ fn check_queries_agree(case: &ContractCase, ray: &Ray, hits: &[Hit]) -> Result<(
     for hit in hits {
         for t_max in [hit.t, hit.t.next_up()] {
             let inside = hits.iter().filter(|h| h.t < t_max).count();
-            let mut again = vec![Hit { t: -7.0, u: 0.0, v: 0.0, face: 9 }];
+            let mut again = vec![Hit::new(-7.0, 0.0, 0.0, 9)];
             surface.all_hits(ray, t_max, &mut again);
             if again[0].t != -7.0 || again[1..] != hits[..inside] {
                 return Err(format!("all_hits with t_max = {t_max:?} gives {again:?} of {hits:?}"));
