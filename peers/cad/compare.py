@@ -2,15 +2,17 @@
 """STEP files: what Glanz has made of them against what OpenCascade says.
 
     VENV/bin/python peers/cad/reference.py FILES -o REF/
-    cargo run --release -p glanz --example peer_cad -- FILE.step REF/NAME.json > GLANZ/NAME.json    # for each file
-    VENV/bin/python peers/cad/compare.py REF GLANZ [--files FOLDER ...] [--markdown] [--list 20]
+    cargo build --release -p glanz-formats --example peer_cad
+    VENV/bin/python peers/cad/compare.py REF GLANZ [--files FOLDER ...] [--program target/release/examples/peer_cad]
+                                         [--markdown] [--list 20]
     peers/cad/compare.py --self-test
 
-REF and GLANZ are files or folders of files with the same names. The format of REF.json stands in reference.py; GLANZ.json (metres) is
+REF and GLANZ are files or folders of files with the same names; `--program` first writes GLANZ, with PROGRAM FILE.step REF.json for each
+file found in a folder of `--files`. The format of REF.json stands in reference.py; GLANZ.json (metres) is
 
     faces    [{entity, kind, area, status: "read"|"repaired"|"refused", reason, width}]: every face entity of the file once, in the
              coordinates of its part; area null where refused; reason (string or null) of repairs and refusals; width of the
-             overlap at its edges (or null)
+             overlap at its edges (or null). Entries of entities that are no faces are printed, nothing else
     solids   [{volume, area, bounds: [min, max]}]: every occurrence of a solid; further fields are ignored
     rays     for each ray of REF the list of its hits, ascending: [t, entity] or {t, entity}; t counts from the ray's origin
 
@@ -41,7 +43,9 @@ import collections
 import json
 import math
 import pathlib
+import subprocess
 import sys
+import time
 
 AREA = 1e-4
 VOLUME = 1e-4
@@ -201,13 +205,18 @@ class FaceComparison:
     """Numbers of faces by status, and the areas that differ."""
 
     def __init__(self, reference, glanz):
-        ours = {face["entity"]: face for face in glanz["faces"]}
+        ours, self.notes = {}, []
+        for face in glanz["faces"]:
+            if face["entity"] in reference["entities"]:
+                ours.setdefault(face["entity"], face)
+            else:
+                self.notes.append(f"#{face['entity']} {face['status']}: {face['reason']}")
         theirs = collections.defaultdict(list)
         for face in reference["faces"]:
             theirs[face["entity"]].append(face)
         self.unnumbered = len(theirs.pop(None, []))
         self.in_file, self.theirs, self.ours = len(reference["entities"]), len(reference["faces"]), len(ours)
-        self.status = collections.Counter(face["status"] for face in glanz["faces"])
+        self.status = collections.Counter(face["status"] for face in ours.values())
         self.refused = [(entity, face["reason"]) for entity, face in ours.items() if face["status"] == "refused"]
         self.forgotten = sorted(set(reference["entities"]) - set(ours))
         self.only_ours = sorted(entity for entity in ours if entity not in theirs)
@@ -269,6 +278,7 @@ class FileComparison:
         print(f"  areas: {faces.compared - len(faces.different)} of {faces.compared} agree, within {faces.largest:.2g}; "
               f"width up to {faces.width:.2g} m")
         lists = [("not mentioned by Glanz", [f"#{entity}" for entity in faces.forgotten]),
+                 ("besides", faces.notes),
                  ("refused", [f"#{entity}: {reason}" for entity, reason in faces.refused]),
                  ("not in OpenCascade", [f"#{entity}" for entity in faces.only_ours]),
                  ("area differs", [f"#{entity} {kind}: OpenCascade {theirs}, Glanz {ours}"
@@ -335,12 +345,26 @@ def table(files):
 
 def pairs(reference, glanz):
     if reference.is_dir():
-        return [(path, glanz / path.name) for path in sorted(reference.glob("*.json")) if (glanz / path.name).exists()]
+        return [(path, glanz / path.name) for path in sorted(reference.glob("*.json"))]
     return [(reference, glanz)]
 
 
 def step_file(folders, name):
     return next((folder / name for folder in folders if (folder / name).is_file()), None)
+
+
+def run_program(program, path, reference, glanz):
+    """Writes the JSON of Glanz; returns what went wrong, or None."""
+    if path is None:
+        return f"{reference.name}: no STEP file in the folders"
+    start = time.perf_counter()
+    with open(glanz, "wb") as output:
+        done = subprocess.run([program, path, reference], stdout=output, stderr=subprocess.PIPE)
+    if done.returncode:
+        glanz.unlink()
+        return f"{path.name}: {program.name} ended with {done.returncode}: {done.stderr.decode(errors='replace').strip()[-300:]}"
+    print(f"{path.name}: Glanz took {time.perf_counter() - start:.2f} s", file=sys.stderr)
+    return None
 
 
 def self_test():
@@ -371,6 +395,8 @@ def self_test():
         def __init__(self, *distances):
             self.ask = lambda entity, point: distances
 
+    # A note about something else is no refused face.
+    test(False, faces=[*glanz["faces"], {**ours, "entity": 99, "status": "refused"}])
     # Equal but for 1.9e-5 m along a ray whose cosine is 0.5.
     same = test(False, {})
     assert (same.rays.agree, same.rays.odd) == (3, 2)
@@ -411,6 +437,7 @@ def main():
     parser.add_argument("reference", nargs="?", type=pathlib.Path)
     parser.add_argument("glanz", nargs="?", type=pathlib.Path)
     parser.add_argument("--files", nargs="+", type=pathlib.Path, default=[], help="folders of the STEP files")
+    parser.add_argument("--program", type=pathlib.Path, help="writes the files of Glanz first")
     parser.add_argument("--markdown", action="store_true", help="print the table alone")
     parser.add_argument("--list", type=int, default=20, help="items of each list")
     parser.add_argument("--self-test", action="store_true")
@@ -419,17 +446,22 @@ def main():
         return self_test()
     if arguments.glanz is None:
         parser.error("REF and GLANZ are needed")
-    files = []
+    files, missing = [], []
     for reference, glanz in pairs(arguments.reference, arguments.glanz):
         data = json.loads(reference.read_text())
-        files.append(FileComparison(data, json.loads(glanz.read_text()), step_file(arguments.files, data["file"])))
+        path = step_file(arguments.files, data["file"])
+        failure = run_program(arguments.program, path, reference, glanz) if arguments.program else None
+        if failure or not glanz.exists():
+            missing.append(failure or f"{data['file']}: Glanz has written nothing")
+            continue
+        files.append(FileComparison(data, json.loads(glanz.read_text()), path))
         if not arguments.markdown:
             files[-1].report(arguments.list)
     if arguments.markdown:
         print(table(files))
-    beyond = failures(files)
+    beyond = missing + failures(files)
     print(*beyond, sep="\n", file=sys.stderr)
-    return int(bool(beyond) or not files)
+    return int(bool(beyond))
 
 
 if __name__ == "__main__":
