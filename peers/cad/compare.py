@@ -367,8 +367,8 @@ def run_program(program, path, reference, glanz):
     return None
 
 
-def self_test():
-    """A square face of 1 m2 with a border and a ball's upper half, in numbers."""
+def made():
+    """Two faces, two solids and three rays in numbers, as OpenCascade and as Glanz would report them."""
     rays = [[x, 0.5, 1, 0, 0, -1, 2] for x in (0.5, 0.25, 0.0)]
     face = {"entity": 7, "kind": "plane", "area": 1.0, "status": "read", "occurrences": 1, "tolerance": 1e-4}
     solid = {"entity": 3, "closed": True, "faces": 1, "volume": 2.0, "area": 6.0, "bounds": [[0, 0, 0], [1, 1, 1]]}
@@ -378,6 +378,12 @@ def self_test():
     ours = {**face, "reason": None, "width": 1e-6}
     glanz = {"faces": [ours, {**ours, "entity": 8, "area": 2.0}], "solids": [{**solid, "volume": 1.0}, solid],
              "rays": [[[1.0, 7]], [[1.0, 7], {"t": 1.500019, "entity": 8}], [[1.0, 7]]]}
+    return reference, glanz
+
+
+def self_test():
+    reference, glanz = made()
+    ours, solid = glanz["faces"][0], reference["solids"][0]
 
     def test(fails, counts=None, arbiter=None, ref=None, **changes):
         file = FileComparison({**reference, **(ref or {})}, {**glanz, **changes})
