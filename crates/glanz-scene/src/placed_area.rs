@@ -166,10 +166,11 @@ mod tests {
                 degree: 2,
                 knots: vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
                 points: points.collect(),
+                width: None,
             };
             TrimLoopDescription { curves: vec![curve] }
         };
-        TrimDescription { loops: radii.iter().map(|&radius| circle(radius)).collect() }
+        radii.iter().map(|&radius| circle(radius)).collect::<Vec<_>>().into()
     }
 
     fn bilinear_square() -> ShapeDescription {

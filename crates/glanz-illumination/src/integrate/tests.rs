@@ -202,9 +202,14 @@ fn trimmed_mirror_shows_what_is_left_of_the_image() {
     // Parameters of a rectangle are in [0, 1]; trimming leaves the part left of the middle.
     let corners = [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0], [0.0, 0.0]];
     let points = corners.map(|[x, y]| [x, y, 1.0]).to_vec();
-    let curve = TrimCurveDescription { degree: 1, knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0], points };
+    let curve = TrimCurveDescription {
+        degree: 1,
+        knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0],
+        points,
+        width: None,
+    };
     let mut mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
-    mirror.0.trim = Some(TrimDescription { loops: vec![TrimLoopDescription { curves: vec![curve] }] });
+    mirror.0.trim = Some(vec![TrimLoopDescription { curves: vec![curve] }].into());
     let scene = scene(vec![mirror, emitter(turned(disk(0.4), [0.0, 0.0, 1.5]))]);
     let reflections = Reflections::new(&scene).unwrap();
     let found = reflections.illuminance(DVec3::Z, -DVec3::Z, Tolerance { relative: 1e-3, absolute: 0.0 });

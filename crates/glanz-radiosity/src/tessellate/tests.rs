@@ -46,6 +46,7 @@ fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
         degree: 1,
         knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0],
         points: square.iter().map(|[x, y]| [*x, *y, 1.0]).collect(),
+        width: None,
     };
     let mut loops = Vec::new();
     if !kept {
@@ -53,9 +54,10 @@ fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
         loops.push(TrimLoopDescription { curves: vec![square] });
     }
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
-    loops
-        .push(TrimLoopDescription { curves: vec![TrimCurveDescription { degree: 2, knots, points: round }] });
-    let shape = shape.trimmed(TrimDescription { loops });
+    loops.push(TrimLoopDescription {
+        curves: vec![TrimCurveDescription { degree: 2, knots, points: round, width: None }],
+    });
+    let shape = shape.trimmed(TrimDescription::from(loops));
     SceneBuilder::new().shape(shape, MaterialKind::diffuse(0.5)).resolve().unwrap().0
 }
 

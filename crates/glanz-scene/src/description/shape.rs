@@ -37,6 +37,9 @@ pub struct ShapeDescription {
     pub emission: Option<EmissionDescription>,
     /// The part of the parameter domain that is kept; `None`: all of it.
     pub trim: Option<TrimDescription>,
+    /// The solid that it bounds: shapes of one group with the same number bound a volume together, with normals that point outwards.
+    /// Where borders of their trimming curves overlap, a ray enters and leaves the volume once.
+    pub solid: Option<u32>,
     /// Receiver settings; only shapes of the world can be receivers.
     pub receiver: Option<ReceiverDescription>,
     /// Its place in the input.
@@ -53,6 +56,7 @@ impl From<GeometryDescription> for ShapeDescription {
             material: 0,
             emission: None,
             trim: None,
+            solid: None,
             receiver: None,
             location: None,
         }
@@ -188,6 +192,12 @@ impl ShapeDescription {
     #[must_use]
     pub fn trimmed(self, trim: TrimDescription) -> Self {
         Self { trim: Some(trim), ..self }
+    }
+
+    /// The shape as a part of the boundary of the solid with this number.
+    #[must_use]
+    pub fn bounding(self, solid: u32) -> Self {
+        Self { solid: Some(solid), ..self }
     }
 
     /// The shape as a receiver of that name, measured on its front.

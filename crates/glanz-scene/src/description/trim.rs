@@ -5,6 +5,18 @@
 pub struct TrimDescription {
     /// The loops, at least one.
     pub loops: Vec<TrimLoopDescription>,
+    /// Factors, > 0, from u and from v to the lengths in which widths of curves are measured.
+    pub scale: [f64; 2],
+    /// Two corners (u, v) of the part of the domain in which loops count; what lies beyond is kept or not as the nearest point of it is.
+    /// `None`: a box around the loops.
+    pub domain: Option<[[f64; 2]; 2]>,
+}
+
+impl From<Vec<TrimLoopDescription>> for TrimDescription {
+    /// The part inside these loops, with widths in parameters.
+    fn from(loops: Vec<TrimLoopDescription>) -> Self {
+        Self { loops, scale: [1.0; 2], domain: None }
+    }
 }
 
 /// A closed chain of curves; material is on its left.
@@ -23,4 +35,7 @@ pub struct TrimCurveDescription {
     pub knots: Vec<f64>,
     /// Homogeneous (w u, w v, w).
     pub points: Vec<[f64; 3]>,
+    /// Distance from the curve within which points are kept on both sides, after the scale of the trimming; `None`: 1e-9 of the extent
+    /// of all loops.
+    pub width: Option<f64>,
 }

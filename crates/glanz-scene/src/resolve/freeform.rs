@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glanz_geometry::bezier::{TensorPatch, TrianglePatch};
 use glanz_geometry::freeform::{Freeform, SurfacePatch};
 use glanz_geometry::spline::NurbsSurface;
-use glanz_geometry::trim::{TrimCurve, TrimRegion};
+use glanz_geometry::trim::{RegionSettings, TrimCurve, TrimRegion};
 use glanz_geometry::{Surface, SurfaceError};
-use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
+use glanz_math::{DVec2, DVec3};
 
 use crate::description::{
     BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription, TrimCurveDescription,
@@ -52,8 +52,11 @@ pub(super) fn triangles(description: BezierTrianglesDescription) -> Result<Surfa
 pub(super) fn region(trim: TrimDescription) -> Result<Arc<TrimRegion>, SurfaceError> {
     let curve = |curve: TrimCurveDescription| {
         let points: Vec<DVec3> = curve.points.into_iter().map(DVec3::from_array).collect();
-        TrimCurve::try_nurbs(curve.degree, &curve.knots, &points)
+        let made = TrimCurve::try_nurbs(curve.degree, &curve.knots, &points)?;
+        curve.width.map_or(Ok(made.clone()), |width| made.with_width(width))
     };
     let loops = trim.loops.into_iter().map(|l| l.curves.into_iter().map(curve).collect());
-    TrimRegion::try_from_curves(loops.collect::<Result<_, _>>()?).map(Arc::new)
+    let domain = trim.domain.map(|corners| corners.map(DVec2::from_array));
+    let settings = RegionSettings { scale: trim.scale.into(), domain };
+    TrimRegion::try_with_settings(loops.collect::<Result<_, _>>()?, settings).map(Arc::new)
 }

@@ -58,6 +58,7 @@ impl Lowering {
         }
         self.alpha(&mut list)?;
         let trim = self.trim(&mut list)?;
+        let solid = list.integer_from("solid", 0, &mut self.reporter)?;
         let receiver = self.receiver(&mut list)?;
         list.finish(&mut self.reporter);
         let material = match context.material {
@@ -84,6 +85,7 @@ impl Lowering {
                 material,
                 emission: emission.clone(),
                 trim: trim.clone(),
+                solid,
                 receiver: receiver.clone(),
                 location: Some(place.location),
             };

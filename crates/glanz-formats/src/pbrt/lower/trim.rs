@@ -26,7 +26,39 @@ impl Lowering {
     pub(super) fn trim(&mut self, list: &mut ParameterList) -> ParseResult<Option<TrimDescription>> {
         let mut loops = self.trim_curves(list)?;
         loops.extend(self.trim_outlines(list)?);
-        Ok((!loops.is_empty()).then_some(TrimDescription { loops }))
+        if loops.is_empty() {
+            // Scale and domain have no effect and are reported as not used.
+            return Ok(None);
+        }
+        let place = list.value_place("trimscale");
+        let scale = list.float_array("trimscale", &mut self.reporter)?.unwrap_or([1.0; 2]);
+        if let Some(factor) = scale.iter().find(|factor| **factor <= 0.0) {
+            let message = format!("{}: \"trimscale\" has {factor}; it must be positive", list.subject);
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        let place = list.value_place("trimdomain");
+        let domain = list.float_array("trimdomain", &mut self.reporter)?;
+        if let Some([u0, v0, u1, v1]) = domain
+            && (u0 >= u1 || v0 >= v1)
+        {
+            let message = format!("{}: \"trimdomain\" is empty", list.subject);
+            let help = Some("a domain is smallest u v, largest u v".to_owned());
+            return Err(self.reporter.error_with_help(&place, "parameter-range", message, help));
+        }
+        let domain = domain.map(|[u0, v0, u1, v1]| [[u0, v0], [u1, v1]]);
+        Ok(Some(TrimDescription { loops, scale, domain }))
+    }
+
+    /// The widths of curves, if the scene states them.
+    fn trim_widths(&mut self, list: &mut ParameterList, curves: usize) -> ParseResult<Option<Vec<f64>>> {
+        let Some((p, widths)) = list.floats("trimwidths", &mut self.reporter)? else { return Ok(None) };
+        self.check_count((list, &p), (widths.len(), "values"), curves, "each curve has a width")?;
+        if let Some((i, width)) = widths.iter().enumerate().find(|(_, width)| **width < 0.0) {
+            let place = self.number_place(&p, i);
+            let message = format!("{}: \"trimwidths\" has {width}; it must not be negative", list.subject);
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        Ok(Some(widths))
     }
 
     /// Loops of rational spline curves.
@@ -122,6 +154,7 @@ impl Lowering {
         for (i, [u, v, w]) in points.iter().enumerate() {
             self.check_weight(&list.subject, (&p_points, 3 * i + 2), &[*u, *v], *w)?;
         }
+        let mut widths = self.trim_widths(list, orders.len())?.map(Vec::into_iter);
         let mut curves = Vec::with_capacity(orders.len());
         let (mut first, mut values, mut rest) = (0, knots.as_slice(), points.into_iter());
         for (&order, &count) in orders.iter().zip(counts) {
@@ -133,6 +166,7 @@ impl Lowering {
                 degree: order.saturating_sub(1),
                 knots: of_curve.to_vec(),
                 points,
+                width: widths.as_mut().and_then(Iterator::next),
             });
             (first, values) = (first + of_curve.len(), others);
         }
@@ -253,7 +287,7 @@ fn polygon(mut corners: Vec<[f64; 2]>, side: TrimSide) -> Option<TrimCurveDescri
     let inner = (0..corners.len()).map(|i| i as f64);
     let knots = std::iter::once(0.0).chain(inner).chain([last]).collect();
     let points = corners.into_iter().map(|[u, v]| [u, v, 1.0]).collect();
-    Some(TrimCurveDescription { degree: 1, knots, points })
+    Some(TrimCurveDescription { degree: 1, knots, points, width: None })
 }
 
 /// An ellipse from centre and radii: four exact quarters of a rational quadratic.
@@ -281,5 +315,5 @@ fn ellipse([cu, cv, ru, rv]: [f64; 4], side: TrimSide) -> TrimCurveDescription {
         points.reverse();
     }
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
-    TrimCurveDescription { degree: 2, knots, points }
+    TrimCurveDescription { degree: 2, knots, points, width: None }
 }

@@ -92,6 +92,23 @@ fn loops_of_curves_are_cut_from_common_lists() {
 }
 
 #[test]
+fn widths_scale_domain_and_solid_are_carried_over() {
+    let plain = trim(HALF_DISC);
+    assert_eq!((plain.scale, plain.domain), ([1.0; 2], None));
+    assert!(plain.loops.iter().flat_map(|l| &l.curves).all(|curve| curve.width.is_none()));
+    let text = format!(
+        "\"sphere\" {HALF_DISC} \"float trimwidths\" [1e-3 0 2e-4] \"float trimscale\" [6.5 3] \
+         \"float trimdomain\" [0 -1 1 .5] \"integer solid\" 7"
+    );
+    let shape = shape(&text);
+    assert_eq!(shape.solid, Some(7));
+    let trim = shape.trim.unwrap();
+    assert_eq!((trim.scale, trim.domain), ([6.5, 3.0], Some([[0.0, -1.0], [1.0, 0.5]])));
+    let widths: Vec<_> = trim.loops.iter().flat_map(|l| &l.curves).map(|curve| curve.width).collect();
+    assert_eq!(widths, [Some(1e-3), Some(0.0), Some(2e-4)]);
+}
+
+#[test]
 fn errors_of_trimming_have_a_position() {
     let whole = format!("WorldBegin Shape \"disk\"\n{HALF_DISC}");
     let changed = |from: &str, to: &str| replaced(&whole, from, to);
@@ -131,6 +148,20 @@ fn errors_of_trimming_have_a_position() {
             changed("0 2 2", "0 2 0"),
             "2:170: shape \"disk\": a weight in \"trimpoints\" is 0.0; it must be positive",
         ),
+        (
+            format!("{whole} \"float trimwidths\" [1 2]"),
+            "2:220: shape \"disk\": parameter \"trimwidths\" has 2 values; 3 are needed",
+        ),
+        (
+            format!("{whole} \"float trimwidths\" [1 2 -3]"),
+            "2:225: shape \"disk\": \"trimwidths\" has -3; it must not be negative",
+        ),
+        (
+            format!("{whole} \"float trimscale\" [1 0]"),
+            "2:219: shape \"disk\": \"trimscale\" has 0; it must be positive",
+        ),
+        (format!("{whole} \"float trimdomain\" [0 1 1 1]"), "2:220: shape \"disk\": \"trimdomain\" is empty"),
+        (simple("\"integer solid\" -1"), "1:41: shape \"disk\": \"solid\" is -1; it must be at least 0"),
         (
             simple("\"float trimpolygon\" [0 0 1]"),
             "1:46: shape \"disk\": parameter \"trimpolygon\" has 3 values; a multiple of 2 is needed",
