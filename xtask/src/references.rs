@@ -44,7 +44,8 @@ fn entries(text: &str) -> BTreeSet<String> {
         .collect()
 }
 
-/// The citations in the comment of a line: `@` after a blank or a bracket, then letters, digits and underscores, a letter first.
+/// The citations in the comment of a line: `@` after a blank or a bracket, then letters, digits, underscores and hyphens, a
+/// letter first.
 fn citations(line: &str) -> Vec<&str> {
     let Some((_, comment)) = line.split_once("//") else { return Vec::new() };
     comment
@@ -52,7 +53,9 @@ fn citations(line: &str) -> Vec<&str> {
         .filter(|&(at, _)| comment[..at].ends_with([' ', '(', '[', '/', '!']))
         .map(|(at, _)| {
             let rest = &comment[at + 1..];
-            &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len())]
+            &rest[..rest
+                .find(|c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-')
+                .unwrap_or(rest.len())]
         })
         .filter(|key| key.starts_with(|c: char| c.is_ascii_lowercase()))
         .collect()
@@ -65,7 +68,10 @@ mod tests {
     #[test]
     fn citations_are_told_from_other_signs() {
         assert_eq!(citations("/// @duff2017, and (@jakob2014b) section 3."), ["duff2017", "jakob2014b"]);
-        assert_eq!(citations("    let a = b; // as @khr_lights does"), ["khr_lights"]);
+        assert_eq!(
+            citations("    let a = b; // as @khr_lights and @iso10303-42 do"),
+            ["khr_lights", "iso10303-42"]
+        );
         assert_eq!(
             citations("    name @ Some(_) => 1, // someone@example.org, @2017, 3 @ 4"),
             Vec::<&str>::new()
