@@ -4,7 +4,7 @@
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` resolves to a scene, and [`Diagnostics`]
 //! with positions in the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
-//! patches, [`photometry`] the light of luminaires, [`image`] reads and writes pictures, [`glb`] writes models. Any bytes give a result or an error, without a panic or an endless loop, and without
+//! patches, [`photometry`] the light of luminaires, [`step`] CAD models, [`image`] reads and writes pictures, [`glb`] writes models. Any bytes give a result or an error, without a panic or an endless loop, and without
 //! more memory than the size of the input justifies.
 
 pub mod glb;
@@ -18,6 +18,7 @@ pub mod ply;
 pub mod registry;
 pub mod rib;
 pub mod source;
+pub mod step;
 
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;

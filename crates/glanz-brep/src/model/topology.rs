@@ -135,7 +135,7 @@ pub struct ColorStyle {
 pub struct Shell {
     /// Indices of the faces; those with `true` have their normal reversed.
     pub faces: Vec<(usize, bool)>,
-    /// Whether the file says that the shell encloses a volume.
+    /// Whether the file says that the shell encloses a volume, and all its faces were read.
     pub closed: bool,
     /// Its number in the file.
     pub entity: EntityId,

@@ -1,0 +1,207 @@
+//! Which representations make a product, and which products it contains.
+
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
+
+use glanz_brep::model::EntityId;
+
+use super::entities::EntityLists;
+use super::part21::{Entity, Keyword, Refusal};
+
+/// The placement of a usage: the relationship of two representations, with the entity that assigns it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct UsagePlacement<'a> {
+    pub(super) relationship: Entity<'a>,
+    pub(super) assignment: EntityId,
+    pub(super) property: EntityId,
+}
+
+/// Products, their representations and the relations between them.
+#[derive(Debug, Default)]
+pub(super) struct AssemblyIndex<'a> {
+    /// Representations by product definition, in the order of the file; then those that are linked to them.
+    groups: HashMap<EntityId, Vec<Entity<'a>>>,
+    /// The product definition by representation.
+    owners: HashMap<EntityId, Entity<'a>>,
+    /// Representations of the same shape in the same frame.
+    links: HashMap<EntityId, Vec<Entity<'a>>>,
+    /// Relationships with a transformation that belong to no usage, by the representation that contains the other one.
+    placed: HashMap<EntityId, Vec<Entity<'a>>>,
+    usages: HashMap<EntityId, Vec<Entity<'a>>>,
+    placements: HashMap<EntityId, Vec<UsagePlacement<'a>>>,
+    used: HashSet<EntityId>,
+}
+
+/// The two representations and the transformation of a relationship.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RelationshipEnds<'a> {
+    pub(super) first: Entity<'a>,
+    pub(super) second: Entity<'a>,
+    pub(super) transformation: Option<Entity<'a>>,
+}
+
+impl<'a> RelationshipEnds<'a> {
+    pub(super) fn of(entity: Entity<'a>) -> Result<Self, Refusal> {
+        use Keyword::{RepresentationRelationship, RepresentationRelationshipWithTransformation};
+        let attributes =
+            entity.attributes(&[RepresentationRelationship, RepresentationRelationshipWithTransformation]);
+        let [first, second] = [attributes.reference(2)?, attributes.reference(3)?];
+        let has_transformation = entity.is(RepresentationRelationshipWithTransformation);
+        let transformation = has_transformation.then(|| attributes.reference(4)).transpose()?;
+        Ok(Self { first, second, transformation })
+    }
+}
+
+impl<'a> AssemblyIndex<'a> {
+    /// The index of a file, with the entities that cannot be read.
+    pub(super) fn new(lists: &EntityLists<'a>) -> (Self, Vec<Refusal>) {
+        let mut index = Self::default();
+        let mut refusals = Vec::new();
+        let mut placed_by_usage = HashSet::new();
+        for placement in &lists.placements {
+            match index.add_placement(*placement) {
+                Ok(relationship) => drop(placed_by_usage.insert(relationship)),
+                Err(refusal) => refusals.push(refusal),
+            }
+        }
+        for relationship in &lists.relationships {
+            if !placed_by_usage.contains(&relationship.id()) {
+                refusals.extend(index.add_relationship(*relationship).err());
+            }
+        }
+        for usage in &lists.usages {
+            refusals.extend(index.add_usage(*usage).err());
+        }
+        for definition in &lists.definitions {
+            refusals.extend(index.add_definition(*definition).err());
+        }
+        for product in &lists.products {
+            index.complete_group(*product);
+        }
+        (index, refusals)
+    }
+
+    /// `CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(relationship, PRODUCT_DEFINITION_SHAPE(name, text, usage))`.
+    fn add_placement(&mut self, entity: Entity<'a>) -> Result<EntityId, Refusal> {
+        let attributes = entity.simple();
+        let [relationship, property] = [attributes.reference(0)?, attributes.reference(1)?];
+        let usage = property.simple().reference(2)?;
+        let placement = UsagePlacement { relationship, assignment: entity.id(), property: property.id() };
+        self.placements.entry(usage.id()).or_default().push(placement);
+        Ok(relationship.id())
+    }
+
+    fn add_relationship(&mut self, entity: Entity<'a>) -> Result<(), Refusal> {
+        let ends = RelationshipEnds::of(entity)?;
+        if ends.transformation.is_some() {
+            self.placed.entry(ends.second.id()).or_default().push(entity);
+        } else {
+            self.links.entry(ends.first.id()).or_default().push(ends.second);
+            self.links.entry(ends.second.id()).or_default().push(ends.first);
+        }
+        Ok(())
+    }
+
+    /// `NEXT_ASSEMBLY_USAGE_OCCURRENCE(id, name, text, parent, child, designator)`.
+    fn add_usage(&mut self, entity: Entity<'a>) -> Result<(), Refusal> {
+        let attributes = entity.simple();
+        let [parent, child] = [attributes.reference(3)?, attributes.reference(4)?];
+        self.usages.entry(parent.id()).or_default().push(entity);
+        self.used.insert(child.id());
+        Ok(())
+    }
+
+    /// `SHAPE_DEFINITION_REPRESENTATION(PRODUCT_DEFINITION_SHAPE(name, text, product), representation)`.
+    fn add_definition(&mut self, entity: Entity<'a>) -> Result<(), Refusal> {
+        let attributes = entity.simple();
+        let property = attributes.reference(0)?;
+        if !property.is(Keyword::ProductDefinitionShape) {
+            return Ok(());
+        }
+        let product = property.simple().reference(2)?;
+        if !is_product(product) {
+            return Ok(());
+        }
+        let representation = attributes.reference(1)?;
+        self.groups.entry(product.id()).or_default().push(representation);
+        self.owners.entry(representation.id()).or_insert(product);
+        Ok(())
+    }
+
+    /// Adds to the representations of a product those that are linked to them and belong to no other.
+    fn complete_group(&mut self, product: Entity<'a>) {
+        let Some(mut group) = self.groups.remove(&product.id()) else { return };
+        let mut next = 0;
+        while let Some(representation) = group.get(next) {
+            for linked in self.links.get(&representation.id()).into_iter().flatten() {
+                if let Entry::Vacant(owner) = self.owners.entry(linked.id()) {
+                    owner.insert(product);
+                    group.push(*linked);
+                }
+            }
+            next += 1;
+        }
+        self.groups.insert(product.id(), group);
+    }
+
+    /// The representations of a product definition.
+    pub(super) fn group(&self, product: EntityId) -> Vec<Entity<'a>> {
+        self.groups.get(&product).cloned().unwrap_or_default()
+    }
+
+    /// The representations with the shape of one that belongs to no product, itself first.
+    pub(super) fn linked(&self, representation: Entity<'a>) -> Vec<Entity<'a>> {
+        let (mut group, mut known) = (vec![representation], HashSet::from([representation.id()]));
+        let mut next = 0;
+        while let Some(representation) = group.get(next) {
+            for linked in self.links.get(&representation.id()).into_iter().flatten() {
+                if !self.owners.contains_key(&linked.id()) && known.insert(linked.id()) {
+                    group.push(*linked);
+                }
+            }
+            next += 1;
+        }
+        group
+    }
+
+    /// The product definition of a representation.
+    pub(super) fn owner(&self, representation: EntityId) -> Option<Entity<'a>> {
+        self.owners.get(&representation).copied()
+    }
+
+    /// Relationships that place other representations in this one.
+    pub(super) fn placed_in(&self, representation: EntityId) -> Vec<Entity<'a>> {
+        self.placed.get(&representation).cloned().unwrap_or_default()
+    }
+
+    /// The products that a product contains.
+    pub(super) fn usages(&self, product: EntityId) -> Vec<Entity<'a>> {
+        self.usages.get(&product).cloned().unwrap_or_default()
+    }
+
+    /// The placements of a usage.
+    pub(super) fn placements(&self, usage: EntityId) -> &[UsagePlacement<'a>] {
+        self.placements.get(&usage).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether a product is shown by itself: no other contains it, and it has a shape or contains others.
+    pub(super) fn is_root(&self, product: EntityId) -> bool {
+        !self.used.contains(&product)
+            && (self.groups.contains_key(&product) || self.usages.contains_key(&product))
+    }
+}
+
+/// Whether an entity is a product definition.
+fn is_product(entity: Entity<'_>) -> bool {
+    entity.is(Keyword::ProductDefinition) || entity.is(Keyword::ProductDefinitionWithAssociatedDocuments)
+}
+
+/// The name of a product, or else its number for people.
+pub(super) fn product_name(definition: Entity<'_>) -> String {
+    let attributes = definition.attributes(&[Keyword::ProductDefinition]);
+    let product = attributes.reference(2).and_then(|formation| formation.simple().reference(2));
+    let Ok(product) = product else { return String::new() };
+    let attributes = product.simple();
+    let name = attributes.text(1);
+    if name.is_empty() { attributes.text(0) } else { name }
+}

@@ -1,0 +1,224 @@
+//! B-spline curves and surfaces of all forms.
+
+use glanz_brep::model::{Curve, SplineCurve};
+use glanz_geometry::spline::{MAX_DEGREE, NurbsSurface};
+use glanz_math::DVec3;
+use glanz_math::glam::DVec4;
+
+use super::geometry::{CurveUnits, FileVector, GeometryReader};
+use super::part21::{Entity, EntityAttributes, Keyword, Refusal, TapeItems};
+
+/// The ways in which a file gives knots.
+enum KnotForm {
+    /// Distinct knots with multiplicities.
+    Explicit,
+    /// From `-degree` on at distance 1, none repeated.
+    Uniform,
+    /// Clamped, with distance 1 inside.
+    QuasiUniform,
+    /// Bézier segments one after the other.
+    PiecewiseBezier,
+}
+
+impl KnotForm {
+    fn of(entity: Entity<'_>) -> Result<Self, Refusal> {
+        use Keyword::{
+            BSplineCurveWithKnots, BSplineSurfaceWithKnots, BezierCurve, BezierSurface, PiecewiseBezierCurve,
+            PiecewiseBezierSurface, QuasiUniformCurve, QuasiUniformSurface, UniformCurve, UniformSurface,
+        };
+        let form = entity.kinds().find_map(|kind| match kind {
+            BSplineCurveWithKnots | BSplineSurfaceWithKnots => Some(Self::Explicit),
+            UniformCurve | UniformSurface => Some(Self::Uniform),
+            QuasiUniformCurve | QuasiUniformSurface => Some(Self::QuasiUniform),
+            BezierCurve | PiecewiseBezierCurve | BezierSurface | PiecewiseBezierSurface => {
+                Some(Self::PiecewiseBezier)
+            }
+            _ => None,
+        });
+        form.ok_or_else(|| entity.refuse("the B-spline has no knots"))
+    }
+
+    /// The knots for `count` control points.
+    fn knots(
+        &self,
+        attributes: &EntityAttributes<'_>,
+        [multiplicities, knots]: [usize; 2],
+        degree: usize,
+        count: usize,
+    ) -> Result<Vec<f64>, Refusal> {
+        if !(1..=MAX_DEGREE).contains(&degree) {
+            return Err(
+                attributes.refuse(format!("the degree is {degree}; it must be from 1 to {MAX_DEGREE}"))
+            );
+        }
+        if count <= degree {
+            return Err(
+                attributes.refuse(format!("{count} control points are too few for the degree {degree}"))
+            );
+        }
+        let steps = |count: usize| (0..count).map(|i| i as f64);
+        match self {
+            Self::Explicit => expand(attributes, [multiplicities, knots], degree + count + 1),
+            Self::Uniform => Ok(steps(degree + count + 1).map(|i| i - degree as f64).collect()),
+            Self::QuasiUniform => Ok(repeated(degree, count - degree, 1)),
+            Self::PiecewiseBezier if (count - 1).is_multiple_of(degree) => {
+                Ok(repeated(degree, (count - 1) / degree, degree))
+            }
+            Self::PiecewiseBezier => Err(attributes
+                .refuse(format!("{count} control points make no Bézier segments of degree {degree}"))),
+        }
+    }
+}
+
+/// Clamped knots 0, 1, 2 and so on, of which the inner ones are repeated.
+fn repeated(degree: usize, segments: usize, multiplicity: usize) -> Vec<f64> {
+    let times = |i: usize| if i == 0 || i == segments { degree + 1 } else { multiplicity };
+    (0..=segments).flat_map(|i| std::iter::repeat_n(i as f64, times(i))).collect()
+}
+
+/// Each knot as often as its multiplicity tells; `total` knots.
+fn expand(attributes: &EntityAttributes<'_>, at: [usize; 2], total: usize) -> Result<Vec<f64>, Refusal> {
+    let (multiplicities, knots) = (attributes.counts(at[0])?, attributes.numbers(at[1])?);
+    let (count, sum) = (knots.len(), multiplicities.iter().fold(0_usize, |sum, m| sum.saturating_add(*m)));
+    if multiplicities.len() != count {
+        let reason = format!("there are {count} knots and {} multiplicities", multiplicities.len());
+        return Err(attributes.refuse(reason));
+    }
+    if sum != total {
+        return Err(
+            attributes.refuse(format!("the multiplicities add up to {sum}; {total} knots are needed"))
+        );
+    }
+    Ok(knots.into_iter().zip(multiplicities).flat_map(|(knot, m)| std::iter::repeat_n(knot, m)).collect())
+}
+
+/// The inner knots that appear more often than the degree, by the indices of the control points that begin there: the point before
+/// each and the point itself are the two ends of a gap.
+fn gaps(degree: usize, knots: &[f64]) -> Vec<usize> {
+    let count = knots.len().saturating_sub(degree + 1);
+    (degree + 1..count).filter(|&i| knots.get(i) == knots.get(i + degree)).collect()
+}
+
+/// Removes the items at some ascending indices.
+fn remove_at<T>(items: &mut Vec<T>, indices: &[usize]) {
+    let mut i = 0..;
+    items.retain(|_| i.next().is_none_or(|i| indices.binary_search(&i).is_err()));
+}
+
+impl GeometryReader {
+    /// A B-spline curve; the form of its knots may be any.
+    pub(super) fn spline_curve<P: FileVector>(
+        &mut self,
+        entity: Entity<'_>,
+        units: CurveUnits,
+    ) -> Result<Curve<P>, Refusal> {
+        let parts = [Keyword::RepresentationItem, Keyword::BSplineCurve, Keyword::BSplineCurveWithKnots];
+        let attributes = entity.attributes(&parts);
+        let (degree, count) = (attributes.count(1)?, attributes.list(2)?.count_items());
+        self.spend(entity.id(), count)?;
+        let mut knots = KnotForm::of(entity)?.knots(&attributes, [6, 7], degree, count)?;
+        let weights = weights(entity, Keyword::RationalBSplineCurve, count, |a| a.numbers(0))?;
+        let mut points = Vec::with_capacity(count);
+        for (i, point) in attributes.references(2)?.enumerate() {
+            let weight = weights.as_ref().and_then(|w| w.get(i)).copied().unwrap_or(1.0);
+            points.push((Self::located::<P>(point?, units)? * weight).with_weight(weight));
+        }
+        let gaps = gaps(degree, &knots);
+        if gaps.iter().any(|&i| points.get(i - 1) != points.get(i)) {
+            return Err(entity.refuse("the curve has a gap at a knot"));
+        }
+        remove_at(&mut points, &gaps);
+        remove_at(&mut knots, &gaps);
+        let spline = SplineCurve::try_new(degree, knots, points);
+        spline.map(Curve::Spline).map_err(|error| entity.refuse(error.to_string()))
+    }
+
+    /// A B-spline surface with clamped knots; `length`: metres.
+    pub(super) fn spline_surface(
+        &mut self,
+        entity: Entity<'_>,
+        length: f64,
+    ) -> Result<NurbsSurface, Refusal> {
+        let parts = [Keyword::RepresentationItem, Keyword::BSplineSurface, Keyword::BSplineSurfaceWithKnots];
+        let attributes = entity.attributes(&parts);
+        let degrees = [attributes.count(1)?, attributes.count(2)?];
+        let rows = attributes.list(3)?;
+        let row_length = |at: u32| attributes.sublist(at).count_items();
+        let counts = [rows.count_items(), rows.clone().next().map_or(0, row_length)];
+        if rows.clone().any(|at| row_length(at) != counts[1]) {
+            return Err(entity.refuse("the rows of control points differ in length"));
+        }
+        let total = counts[0].saturating_mul(counts[1]);
+        self.spend(entity.id(), total)?;
+        let form = KnotForm::of(entity)?;
+        let mut knots_u = form.knots(&attributes, [8, 10], degrees[0], counts[0])?;
+        let mut knots_v = form.knots(&attributes, [9, 11], degrees[1], counts[1])?;
+        let weights = weights(entity, Keyword::RationalBSplineSurface, total, nested_numbers)?;
+        let units = CurveUnits { coordinates: DVec3::splat(length), angle: 1.0 };
+        let mut net = Vec::with_capacity(counts[0]);
+        for (i, row) in rows.enumerate() {
+            let mut points = Vec::with_capacity(counts[1]);
+            for (j, at) in attributes.sublist(row).enumerate() {
+                let weight = weights.as_ref().and_then(|w| w.get(i * counts[1] + j)).copied().unwrap_or(1.0);
+                let point: DVec3 = Self::located(attributes.reference_at(at)?, units)?;
+                points.push((point * weight).extend(weight));
+            }
+            net.push(points);
+        }
+        close_gaps(entity, degrees, [&mut knots_u, &mut knots_v], &mut net)?;
+        let surface = NurbsSurface::try_new(degrees, [knots_u, knots_v], net.concat());
+        surface.and_then(clamped).map_err(|error| entity.refuse(error.to_string()))
+    }
+}
+
+/// Removes double rows and columns of control points at inner knots that appear once too often.
+fn close_gaps(
+    entity: Entity<'_>,
+    [degree_u, degree_v]: [usize; 2],
+    [knots_u, knots_v]: [&mut Vec<f64>; 2],
+    net: &mut Vec<Vec<DVec4>>,
+) -> Result<(), Refusal> {
+    let (gaps_u, gaps_v) = (gaps(degree_u, knots_u), gaps(degree_v, knots_v));
+    let has_gap = |row: &Vec<DVec4>| gaps_v.iter().any(|&j| row.get(j - 1) != row.get(j));
+    if gaps_u.iter().any(|&i| net.get(i - 1) != net.get(i)) || net.iter().any(has_gap) {
+        return Err(entity.refuse("the surface has a gap at a knot"));
+    }
+    remove_at(knots_u, &gaps_u);
+    remove_at(knots_v, &gaps_v);
+    remove_at(net, &gaps_u);
+    net.iter_mut().for_each(|row| remove_at(row, &gaps_v));
+    Ok(())
+}
+
+/// The surface with knots that are clamped to its domain.
+fn clamped(surface: NurbsSurface) -> Result<NurbsSurface, glanz_geometry::SurfaceError> {
+    let (u, v) = (surface.knots_u(), surface.knots_v());
+    if u.is_clamped() && v.is_clamped() { Ok(surface) } else { surface.restrict([u.domain(), v.domain()]) }
+}
+
+/// The weights of a rational spline, `count` of them; `None` if it is polynomial.
+fn weights(
+    entity: Entity<'_>,
+    part: Keyword,
+    count: usize,
+    numbers: impl FnOnce(&EntityAttributes<'_>) -> Result<Vec<f64>, Refusal>,
+) -> Result<Option<Vec<f64>>, Refusal> {
+    if !entity.is(part) {
+        return Ok(None);
+    }
+    let weights = numbers(&entity.attributes(&[part]))?;
+    if weights.len() != count {
+        return Err(entity.refuse(format!("there are {} weights and {count} control points", weights.len())));
+    }
+    Ok(Some(weights))
+}
+
+/// The numbers in lists of a list.
+fn nested_numbers(attributes: &EntityAttributes<'_>) -> Result<Vec<f64>, Refusal> {
+    let rows: TapeItems<'_> = attributes.list(0)?;
+    let numbers = rows
+        .flat_map(|row| attributes.sublist(row))
+        .map(|at| attributes.number_at(at))
+        .collect::<Option<_>>();
+    numbers.ok_or_else(|| attributes.refuse("the weights must be numbers"))
+}
