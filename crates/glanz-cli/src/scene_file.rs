@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use glanz::formats::Options;
+use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
 use glanz_terminal::messages::{CommandError, Messages};
 
-use crate::arguments::ModelArgument;
+use crate::arguments::{ModelArgument, RenderCommandArguments};
 use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 
@@ -19,19 +20,24 @@ pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<Load
     print_diagnostics(glanz::open_with(path, &options), messages)
 }
 
-/// Reads a scene file or a model and prints its warnings, also that of options that have no effect on a scene.
+/// Reads the scene file or the model of a render and prints its warnings, also that of options that have no effect on a scene.
 ///
 /// # Errors
-/// The faults, which have been printed.
-pub(crate) fn open_model(
-    argument: &ModelArgument,
-    strict: bool,
+/// The faults, which have been printed; a section through a scene.
+pub(crate) fn open_cut_model(
+    arguments: &RenderCommandArguments,
     messages: Messages,
 ) -> Result<LoadedScene, CommandError> {
-    let ModelArgument { scene, studio } = argument;
-    let options = Options { strict, studio: studio.settings(), ..Options::default() };
+    let ModelArgument { scene, studio } = &arguments.model;
+    let settings = StudioSettings { section: arguments.section, ..studio.settings() };
+    let strict = arguments.render.job.strictness.strict;
+    let options = Options { strict, studio: settings, ..Options::default() };
     let loaded = print_diagnostics(glanz::open_with(scene, &options), messages)?;
     if loaded.studio_settings().is_none() {
+        if arguments.section.is_some() {
+            let message = format!("--section: {} is not a model", loaded.name());
+            return Err(CommandError::usage(message));
+        }
         studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
     }
     Ok(loaded)

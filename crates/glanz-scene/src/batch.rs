@@ -65,6 +65,11 @@ impl Scene {
     }
 
     fn closest_in_group(&self, group: &SceneGroup, rays: &[BoundedRay], hits: &mut Vec<Option<SceneHit>>) {
+        if group.section.is_some() {
+            hits.clear();
+            hits.extend(rays.iter().map(|ray| self.closest(group, &ray.ray, ray.t_max)));
+            return;
+        }
         SceneBatchMemory::with(|memory| {
             let SceneBatchMemory { all, nearest, local, hits: local_hits, nested, .. } = memory;
             nearest.clear();
@@ -85,6 +90,10 @@ impl Scene {
 
     fn occluded_in_group(&self, group: &SceneGroup, rays: &[BoundedRay], occluded: &mut Vec<bool>) {
         occluded.clear();
+        if group.section.is_some() {
+            occluded.extend(rays.iter().map(|ray| self.any(group, &ray.ray, ray.t_max)));
+            return;
+        }
         occluded.resize(rays.len(), false);
         SceneBatchMemory::with(|memory| {
             let SceneBatchMemory { all, open, local, occluded: local_occluded, .. } = memory;

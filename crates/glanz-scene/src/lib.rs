@@ -19,6 +19,7 @@ mod placed_area;
 mod receiver;
 mod resolve;
 mod scene;
+mod section;
 mod statistics;
 pub mod studio;
 

@@ -16,6 +16,7 @@ use crate::object::SceneObject;
 use crate::parameterization::{LocalPoint, ShapeParameterization};
 use crate::placed::ParametricPoint;
 use crate::receiver::NamedReceiver;
+use crate::section::GroupSection;
 
 /// Largest depth to which groups may be nested.
 pub const MAX_NESTING: usize = 8;
@@ -33,6 +34,7 @@ pub(crate) struct SceneGroup {
     /// For each instance, the number of surfaces of this group that [`Scene::placed_surfaces`] lists before those of the instance; last, the
     /// number of all.
     pub(crate) placed_before: Vec<u64>,
+    pub(crate) section: Option<GroupSection>,
 }
 
 impl SceneGroup {
@@ -187,7 +189,8 @@ impl Scene {
         self.any(self.world(), ray, t_max)
     }
 
-    fn closest(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> Option<SceneHit> {
+    /// As [`Scene::closest`], regardless of a section.
+    pub(crate) fn closest_uncut(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> Option<SceneHit> {
         let mut nearest = NearestHit::before(t_max);
         for number in 0..group.unbounded.len() {
             self.visit(group, number, ray, &mut nearest);
@@ -220,7 +223,8 @@ impl Scene {
         }
     }
 
-    fn any(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> bool {
+    /// As [`Scene::any`], regardless of a section.
+    pub(crate) fn any_uncut(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> bool {
         let stops = |primitive: Primitive| self.is_stopped_by(group, primitive, ray, t_max);
         group.unbounded.iter().any(|&primitive| stops(primitive))
             || group.bvh.any(ray, t_max, |leaf| {

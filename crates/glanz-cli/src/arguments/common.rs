@@ -59,6 +59,7 @@ impl StudioArguments {
             background: self.background.unwrap_or(default.background),
             ground: self.ground.unwrap_or(default.ground),
             material: self.material,
+            section: None,
             turntable: None,
         }
     }

@@ -9,6 +9,7 @@ use glanz::RenderOptions;
 use glanz::sampling::SamplerKind;
 use glanz::sampling::exact::MAX_TERMS;
 use glanz::scene::description::GuideSettings;
+use glanz::scene::studio::SectionPlane;
 use glanz::transport::{Aov, AovSet, BRANCHING_LIMIT, INTEGRATORS};
 use glanz_terminal::values::{one_of, sample_range, seconds, size, switch};
 
@@ -81,6 +82,10 @@ pub(crate) struct RenderCommandArguments {
     pub(crate) render: RenderArguments,
     #[command(flatten)]
     pub(crate) model: ModelArgument,
+    /// Cut the model open by a plane: x=M, y=M or z=M, metres or per cent of its size (x=50%), without the part that
+    /// faces the viewer; or NX,NY,NZ,D, without the points p with (NX, NY, NZ) . p > D. The model must be closed
+    #[arg(long, value_name = "PLANE", value_parser = clap::value_parser!(SectionPlane), allow_negative_numbers = true)]
+    pub(crate) section: Option<SectionPlane>,
     /// Write N pictures of a turn around the upward axis: NAME-1.png, NAME-2.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MAX_FRAMES),
           conflicts_with_all = ["checkpoint", "guide_out", "json"])]

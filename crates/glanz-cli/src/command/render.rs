@@ -26,13 +26,12 @@ pub(crate) fn run(
     arguments: &RenderCommandArguments,
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
-    let (model, render) = (&arguments.model, &arguments.render);
-    if let Some(count) = arguments.turntable {
-        return turntable::run(model, render, count, messages);
+    let render = &arguments.render;
+    let open = || scene_file::open_cut_model(arguments, messages);
+    match arguments.turntable {
+        Some(count) => turntable::run(open()?, render, count, messages),
+        None => render_scene(render, None, messages, open),
     }
-    render_scene(render, None, messages, || {
-        scene_file::open_model(model, render.job.strictness.strict, messages)
-    })
 }
 
 /// The output of `--json`.

@@ -2,26 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
+use glanz::LoadedScene;
 use glanz::scene::studio::{StudioSettings, TurntableFrame};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
 
-use crate::arguments::{ModelArgument, RenderArguments};
+use crate::arguments::RenderArguments;
 use crate::command::render::render_scene;
 use crate::outputs::default_path;
-use crate::scene_file;
 
 /// Renders `count` pictures of the model.
 ///
 /// # Errors
 /// A scene, which has a camera of its own; a setting or file that is refused.
 pub(crate) fn run(
-    model: &ModelArgument,
+    scene: LoadedScene,
     arguments: &RenderArguments,
     count: u32,
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
-    let scene = scene_file::open_model(model, arguments.job.strictness.strict, messages)?;
     let Some(settings) = scene.studio_settings().cloned() else {
         let name = scene.name();
         return Err(CommandError::usage(format!(

@@ -16,6 +16,7 @@ mod light;
 mod material;
 mod pass_lengths;
 mod receiver;
+mod section;
 mod shape;
 mod texture;
 mod trim;
@@ -34,6 +35,7 @@ pub use light::{EmissionDescription, EmissionPower, LightDescription, LightKind,
 pub use material::{DescriptionForm, MaterialDescription, MaterialKind};
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
+pub use section::SectionDescription;
 pub use shape::ShapeDescription;
 pub use texture::{
     FloatParameter, ImageDescription, MappingDescription, SpectrumParameter, TextureDescription, TextureKind,
@@ -82,6 +84,8 @@ pub struct Description {
     pub backdrop: Option<SpectralDistribution>,
     /// Groups that instances refer to by index; one may only refer to those before it.
     pub groups: Vec<GroupDescription>,
+    /// A plane that cuts one of the groups open.
+    pub section: Option<SectionDescription>,
     /// Shapes and instances of the world itself.
     pub world: GroupDescription,
 }

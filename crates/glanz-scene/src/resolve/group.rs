@@ -10,12 +10,14 @@ use super::join::join_small_meshes;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
 use crate::description::{
     EmissionDescription, GroupDescription, InstanceDescription, Location, ReceiverDescription,
+    SectionDescription,
 };
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightId};
 use crate::object::SceneObject;
 use crate::receiver::NamedReceiver;
 use crate::scene::{Instance, MAX_NESTING, Primitive, SceneGroup};
+use crate::section::GroupSection;
 
 /// An object that emits light, in the frame of its group.
 ///
@@ -75,6 +77,25 @@ impl GroupResolver {
         self.groups.push(self.build(objects, instances));
         self.emitters.push(emitters);
         self.depths.push(depth);
+        Ok(())
+    }
+
+    /// Cuts the group open that was added last.
+    pub(super) fn cut(
+        &mut self,
+        description: &SectionDescription,
+        warnings: &mut WarningList,
+    ) -> Result<(), SceneError> {
+        let invalid = || range_error(None, "section: normal", description.normal, "finite and not 0");
+        reference("material", description.material, self.passable.len(), None)?;
+        let Some(group) = self.groups.last_mut() else { return Ok(()) };
+        let section = GroupSection::try_new(description, group.objects.len() as u32).ok_or_else(invalid)?;
+        // Behind all objects of the hierarchy; instances have the numbers after it.
+        let id = self.next_id;
+        self.next_id = self.next_id.wrapping_add(1);
+        group.objects.extend(shape::objects(section.shape(description.material), id, warnings)?);
+        group.placed_before.iter_mut().for_each(|before| *before += 1);
+        group.section = Some(section);
         Ok(())
     }
 
@@ -196,7 +217,7 @@ impl GroupResolver {
             let inner = self.groups[instance.group].placed_before.last().copied().unwrap_or_default();
             placed_before.push(placed_before.last().copied().unwrap_or_default() + inner);
         }
-        SceneGroup { objects, instances, bounded, unbounded, bvh, placed_before }
+        SceneGroup { objects, instances, bounded, unbounded, bvh, placed_before, section: None }
     }
 }
 

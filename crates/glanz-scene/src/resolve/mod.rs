@@ -57,6 +57,9 @@ impl Scene {
         let mut groups = GroupResolver::new(&materials);
         for (index, group) in description.groups.into_iter().enumerate() {
             groups.add(group, index, &mut warnings)?;
+            if let Some(section) = description.section.as_ref().filter(|section| section.group == index) {
+                groups.cut(section, &mut warnings)?;
+            }
         }
         let ResolvedGroups { groups, mut lights, receivers } =
             groups.finish(description.world, &wavelengths, &mut warnings)?;

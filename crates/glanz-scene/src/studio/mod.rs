@@ -15,17 +15,19 @@
 mod color;
 mod light;
 mod material;
+mod section;
 mod view;
 
 pub use color::{SrgbColor, SrgbColorError};
 pub use material::{CAD_GREY, StudioMaterial, StudioMaterialError, cad_material};
+pub use section::{SectionPlane, SectionPlaneError};
 pub use view::{StudioView, TurntableFrame, UpAxis, UpAxisError};
 
 use crate::description::{Description, MaterialDescription};
 use view::ViewFrame;
 
 /// Settings of the picture of a model.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct StudioSettings {
     /// Direction from which the model is seen.
     pub view: StudioView,
@@ -37,6 +39,8 @@ pub struct StudioSettings {
     pub ground: bool,
     /// Material of all shapes; `None`: their own.
     pub material: Option<StudioMaterial>,
+    /// A plane that cuts the model open, with marked faces; `None`: the whole model.
+    pub section: Option<SectionPlane>,
     /// A frame of a turn around the upward axis, in which the model has the same size in all frames; `None`: a single picture.
     pub turntable: Option<TurntableFrame>,
 }
@@ -49,6 +53,7 @@ impl Default for StudioSettings {
             background: SrgbColor([214; 3]),
             ground: true,
             material: None,
+            section: None,
             turntable: None,
         }
     }
@@ -67,7 +72,8 @@ const GROUND_GAP: f64 = 1e-5;
 pub fn add_studio(description: &mut Description, settings: &StudioSettings) {
     let up = settings.up.unwrap_or_default();
     let above = up.direction();
-    let frame = ViewFrame::new(settings.view, up).turned(settings.turntable, above);
+    let view = ViewFrame::new(settings.view, up);
+    let frame = view.turned(settings.turntable, above);
     let bounds = description.bounds();
     let [width, height] = description.film.resolution.map(f64::from);
     let aspect = if width > 0.0 && height > 0.0 { width / height } else { 1.0 };
@@ -76,6 +82,9 @@ pub fn add_studio(description: &mut Description, settings: &StudioSettings) {
     }
     let turned_about = settings.turntable.map(|_| above);
     description.camera = view::fitted_camera(description, bounds, &frame, aspect, turned_about);
+    if let Some(plane) = settings.section {
+        section::cut(description, plane, bounds, &view);
+    }
     description.lights.extend(light::lights(&frame, above));
     description.sampler.samples_per_pixel = SAMPLES;
     let background = settings.background.to_linear();

@@ -8,3 +8,4 @@ mod emission;
 mod photometric;
 mod receivers;
 mod scene;
+mod section;

@@ -36,6 +36,8 @@ pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description
         lights: description.lights.clone(),
         backdrop: description.backdrop.clone(),
         groups: pruning.groups,
+        // The page has sections of its own.
+        section: None,
         world,
     }
 }

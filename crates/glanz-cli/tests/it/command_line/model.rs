@@ -162,3 +162,24 @@ fn a_turntable_writes_its_frames() {
     folder.run("render tower.ply -o a.png --turntable 1").refused(2, &["--turntable"]);
     folder.run("render tower.ply -o a.png --turntable 4 --json").refused(2, &["--turntable", "--json"]);
 }
+
+#[test]
+fn a_section_shows_marked_faces() {
+    let folder = with_model();
+    let line = "render tower.ply --size 32x18 --spp 16 --up z --view front -q";
+    // The tower takes the upper right quarter of the picture, the box the lower half; the plane cuts both, and is seen from the front.
+    let orange = |options: &str| {
+        folder.succeed(&format!("{line} -o a.exr {options}"));
+        let picture = folder.picture("a.exr").to_rgb().unwrap();
+        picture.iter().filter(|[r, g, b]| *r > 2.0 * g && *r > 3.0 * b).count()
+    };
+    assert_eq!(orange(""), 0);
+    assert_eq!(orange("--section z=10"), 0, "the plane misses the model");
+    let of_axis = orange("--section y=80%");
+    assert!(of_axis > 40, "{of_axis}");
+    // What is left out faces the viewer, at -y.
+    assert_eq!(of_axis, orange("--section 0,-2,0,-1.6"));
+    folder.run("render tower.ply --section w=1").refused(2, &["w=1", "50%"]);
+    folder.write("small.pbrt", SCENE);
+    folder.run("render small.pbrt -o a.png --section x=0").refused(2, &["--section", "small.pbrt"]);
+}

@@ -1,0 +1,115 @@
+//! Groups that are cut open.
+
+use glanz_geometry::BoundedRay;
+use glanz_math::{DMat4, DVec3, Ray};
+use glanz_scene::description::*;
+use glanz_scene::{Scene, SceneBuilder};
+
+/// Number of the plane, after the shapes of both groups.
+const FACES: u32 = 3;
+
+/// A ball of radius 2 about the origin with a hollow of radius 1, and a box at x from 3 to 5; cut at `normal . p = offset`.
+fn cut(normal: DVec3, offset: f64) -> Scene {
+    let mut description = SceneBuilder::new()
+        .material("grey", MaterialKind::diffuse(0.5))
+        .material("faces", MaterialKind::diffuse(0.2))
+        .group("box", |group| group.shape(ShapeDescription::cuboid([-1.0; 3], [1.0; 3]), "grey"))
+        .group("model", |group| {
+            let balls = [ShapeDescription::sphere(2.0), ShapeDescription::sphere(1.0).reversed()];
+            group.shapes(balls, "grey").instance("box", DMat4::from_translation(DVec3::new(4.0, 0.0, 0.0)))
+        })
+        .instance("model", DMat4::from_translation(DVec3::new(0.0, 0.0, 10.0)))
+        .describe()
+        .unwrap();
+    description.section = Some(SectionDescription { group: 1, normal, offset, material: 1 });
+    Scene::resolve(description).unwrap().0
+}
+
+/// Signed distances to the solids of the model, in the frame of the group: inside where negative.
+fn is_solid(p: DVec3) -> bool {
+    let ball = (1.0..=2.0).contains(&p.length());
+    ball || (p - DVec3::X * 4.0).abs().max_element() <= 1.0
+}
+
+#[test]
+fn a_ray_onto_the_plane_hits_a_face_where_it_is_inside_of_a_solid() {
+    // Everything above z = 0.5 is left out; the group is 10 above the world's origin.
+    let scene = cut(DVec3::Z * 3.0, 1.5);
+    for i in 0..60 {
+        for j in 0..30 {
+            let (x, y) = (-2.5 + 0.13 * f64::from(i), -2.21 + 0.15 * f64::from(j));
+            let ray = Ray::new(DVec3::new(x, y, 20.0), DVec3::NEG_Z);
+            let hit = scene.intersect(&ray, f64::INFINITY);
+            let at_plane = DVec3::new(x, y, 0.5);
+            assert_eq!(hit.as_ref().is_some_and(|hit| hit.id == FACES), is_solid(at_plane), "{at_plane}");
+            if let Some(hit) = hit.filter(|hit| hit.id == FACES) {
+                assert!((hit.t - 9.5).abs() < 1e-12 && hit.point.normal == DVec3::Z);
+                // Light leaves the face into the open half, and not into the solid.
+                assert!(!scene.occluded(&hit.spawn(DVec3::new(0.6, 0.0, 0.8)), f64::INFINITY));
+                assert!(scene.occluded(&hit.spawn(DVec3::new(0.0, 0.6, -0.8)), f64::INFINITY));
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_is_hit_beyond_the_plane_and_everything_as_before_on_this_side() {
+    // A plane that misses the model leaves all of it.
+    let (whole, half) = (cut(DVec3::X, 100.0), cut(DVec3::new(0.3, -0.5, 0.8), 0.1));
+    let (normal, mut faces, mut same) = (DVec3::new(0.3, -0.5, 0.8), 0, 0);
+    let (mut rays, mut expected) = (Vec::new(), Vec::new());
+    for i in 0..2000 {
+        let turn = f64::from(i) * 2.399_963;
+        let z = 1.0 - f64::from(i) / 1000.0;
+        let from = 8.0 * DVec3::new(turn.cos() * (1.0 - z * z).sqrt(), turn.sin() * (1.0 - z * z).sqrt(), z);
+        let towards = DVec3::new(3.0 * (0.7 * turn).sin(), (1.3 * turn).cos(), (2.1 * turn).sin());
+        let ray = Ray::new(from + DVec3::Z * 10.0, (towards - from).normalize());
+        let hit = half.intersect(&ray, f64::INFINITY);
+        assert_eq!(half.occluded(&ray, f64::INFINITY), hit.is_some());
+        let height = |t: f64| (ray.at(t) - DVec3::Z * 10.0).dot(normal) - 0.1;
+        if let Some(hit) = &hit {
+            assert!(height(hit.t) < 1e-9, "a hit {} beyond the plane", height(hit.t));
+            faces += u32::from(hit.id == FACES);
+            assert!(!half.occluded(&ray, hit.t * (1.0 - 1e-9)) && half.occluded(&ray, hit.t * (1.0 + 1e-9)));
+        }
+        // Rays that begin on this side and hit on this side first see no difference.
+        if let Some(before) = whole.intersect(&ray, f64::INFINITY)
+            && height(0.0) < 0.0
+            && height(before.t) < 0.0
+        {
+            assert_eq!(hit.as_ref().map(|hit| (hit.t, hit.id)), Some((before.t, before.id)));
+            same += 1;
+        }
+        rays.push(BoundedRay::from(ray));
+        expected.push(hit.map(|hit| hit.t));
+    }
+    assert!(faces > 100 && same > 100, "{faces} {same}");
+    let mut hits = Vec::new();
+    half.closest_batch(&rays, &mut hits);
+    assert_eq!(hits.iter().map(|hit| hit.as_ref().map(|hit| hit.t())).collect::<Vec<_>>(), expected);
+    let mut occluded = Vec::new();
+    half.occluded_batch(&rays, &mut occluded);
+    assert!(occluded.iter().zip(&expected).all(|(occluded, hit)| *occluded == hit.is_some()));
+}
+
+#[test]
+fn a_ray_inside_of_glass_leaves_through_the_face() {
+    let scene = cut(DVec3::Z, 0.5);
+    let ray = Ray::new(DVec3::new(1.5, 0.0, 10.0), DVec3::Z);
+    let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
+    assert!(hit.id == FACES && (hit.t - 0.5).abs() < 1e-12);
+    assert!(scene.intersect(&Ray::new(DVec3::new(0.5, 0.0, 10.0), DVec3::Z), f64::INFINITY).is_none());
+}
+
+#[test]
+fn planes_without_a_direction_are_refused() {
+    let mut description = SceneBuilder::new()
+        .group("g", |group| group.shape(ShapeDescription::sphere(1.0), MaterialKind::diffuse(0.5)))
+        .instance("g", DMat4::IDENTITY)
+        .describe()
+        .unwrap();
+    for (normal, material) in [(DVec3::ZERO, 0), (DVec3::splat(f64::NAN), 0), (DVec3::X, 7)] {
+        description.section = Some(SectionDescription { group: 0, normal, offset: 0.0, material });
+        assert!(Scene::resolve(description.clone()).is_err());
+    }
+}
