@@ -1,10 +1,11 @@
 //! Light, ground and background of the studio.
 //!
-//! The light is the same for every background: a grey environment, a soft key light from the upper left of the viewer, and a weaker one from
-//! behind. All of it is infinitely far, so that it falls on the ground evenly. The ground is infinite, and its reflectance is chosen such that it
+//! The light is the same for every background: a grey environment, a soft key light from the upper left of the viewer, a weaker one from
+//! behind, and a large one above. All of it is infinitely far, so that it falls on the ground evenly. The ground is infinite, and its reflectance is chosen such that it
 //! has the radiance of the background where no shadow falls: it has no visible end.
 
 use std::f32::consts::PI;
+use std::f64::consts::FRAC_PI_2;
 
 use glanz_math::{DMat4, DVec3};
 
@@ -24,11 +25,13 @@ struct SoftLight {
 }
 
 /// Radiance of the environment.
-const ENVIRONMENT: f32 = 0.35;
+const ENVIRONMENT: f32 = 0.2;
 
-const SOFT_LIGHTS: [SoftLight; 2] = [
-    SoftLight { azimuth: -1.3, elevation: 0.8, angular_radius: 0.35, strength: 0.8 },
-    SoftLight { azimuth: 2.4, elevation: 0.7, angular_radius: 0.35, strength: 0.25 },
+/// The key light, the light from behind, and a large one above, in which metals show a horizon.
+const SOFT_LIGHTS: [SoftLight; 3] = [
+    SoftLight { azimuth: -1.3, elevation: 0.8, angular_radius: 0.35, strength: 0.75 },
+    SoftLight { azimuth: 2.4, elevation: 0.7, angular_radius: 0.35, strength: 0.2 },
+    SoftLight { azimuth: 0.0, elevation: FRAC_PI_2, angular_radius: 1.2, strength: 0.25 },
 ];
 
 /// The lights; `above`: the upward unit vector.

@@ -8,7 +8,7 @@
 //! let mut model = SceneBuilder::new().shape(ShapeDescription::torus(2.0, 0.5), MaterialKind::diffuse(0.5)).describe()?;
 //! add_studio(&mut model, &StudioSettings::default());
 //! let (scene, _) = Scene::resolve(model)?;
-//! assert_eq!(scene.lights().len(), 3);
+//! assert_eq!(scene.lights().len(), 4);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
