@@ -5,7 +5,9 @@ pub mod carrier;
 pub mod curve;
 pub mod error;
 pub mod model;
+pub mod parameter_curve;
 
 pub use carrier::{Carrier, CarrierConversion, CarrierProjection, Pole};
 pub use curve::EdgeCurve;
 pub use error::BrepError;
+pub use parameter_curve::{EdgeParameterCurve, ParameterCurveSource, edge_on_carrier};

@@ -1,5 +1,6 @@
 //! Rational spline surfaces as carriers: clamped, scaled to metres, with closed borders and poles.
 
+use glanz_geometry::spline::basis::BasisFunctions;
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_math::glam::{DAffine2, DMat2, DVec4};
 use glanz_math::{DVec2, DVec3};
@@ -20,6 +21,7 @@ pub struct SplineCarrier {
     closed: [bool; 2],
     poles: Vec<Pole>,
     samples: Vec<(DVec2, DVec3)>,
+    speeds: [f64; 2],
     tolerance: f64,
 }
 
@@ -84,7 +86,8 @@ impl SplineCarrier {
         );
         let start = DVec2::new(domain[0][0], domain[1][0]);
         let parameters = DAffine2::from_mat2_translation(DMat2::from_diagonal(scale), -start * scale);
-        let carrier = Self { surface, closed, poles, samples, tolerance };
+        let speeds = speeds(&surface);
+        let carrier = Self { surface, closed, poles, samples, speeds, tolerance };
         Ok(SplineConversion { carrier, parameters, deviation: moved })
     }
 
@@ -98,7 +101,7 @@ impl SplineCarrier {
         [self.surface.knots_u().domain(), self.surface.knots_v().domain()]
     }
 
-    pub(super) fn periods(&self) -> [Option<f64>; 2] {
+    pub(crate) fn periods(&self) -> [Option<f64>; 2] {
         let domain = self.domain();
         [0, 1].map(|axis| self.closed[axis].then(|| domain[axis][1] - domain[axis][0]))
     }
@@ -118,6 +121,55 @@ impl SplineCarrier {
             }
         };
         DVec2::new(moved(0), moved(1))
+    }
+
+    /// Degrees in u and v.
+    pub(crate) fn degrees(&self) -> [usize; 2] {
+        [self.surface.knots_u().degree(), self.surface.knots_v().degree()]
+    }
+
+    /// The ends of the piece in u or v (`axis` 0 or 1) that contains a parameter of the domain.
+    pub(crate) fn piece(&self, axis: usize, value: f64) -> [f64; 2] {
+        let knots = if axis == 0 { self.surface.knots_u() } else { self.surface.knots_v() };
+        let span = knots.find_span(value);
+        [knots.knots()[span], knots.knots()[span + 1]]
+    }
+
+    /// Coefficients of the powers of the differences from `uv`, a point of the domain, of numerator and weight on the piece that
+    /// contains it; those of equal power of u next to each other.
+    pub(crate) fn powers(&self, uv: DVec2) -> Vec<DVec4> {
+        let in_u = BasisFunctions::at(self.surface.knots_u(), uv.x);
+        let in_v = BasisFunctions::at(self.surface.knots_v(), uv.y);
+        let ([p, q], (_, count_v)) = (self.degrees(), self.surface.counts());
+        let points = self.surface.control_points();
+        let mut powers = Vec::with_capacity((p + 1) * (q + 1));
+        let mut factor_u = 1.0;
+        for k in 0..=p {
+            factor_u /= k.max(1) as f64;
+            let row = in_u.derivatives(k);
+            let along_v: Vec<DVec4> = (0..=q)
+                .map(|j| {
+                    let column =
+                        (in_u.first()..=in_u.first() + p).map(|i| points[i * count_v + in_v.first() + j]);
+                    column.zip(row).map(|(point, n)| point * n).sum::<DVec4>()
+                })
+                .collect();
+            let mut factor = factor_u;
+            for l in 0..=q {
+                factor /= l.max(1) as f64;
+                let sum: DVec4 = along_v.iter().zip(in_v.derivatives(l)).map(|(point, n)| *point * n).sum();
+                powers.push(sum * factor);
+            }
+        }
+        powers
+    }
+
+    /// Bounds on the lengths of the derivatives by u and v.
+    ///
+    /// With the numerator A and the weight w relative to the middle of the control points, `S' = (A' - S w') / w`. Derivatives of splines
+    /// are at most their largest coefficient, |S| is at most the radius of the control points, w at least its smallest coefficient.
+    pub(crate) fn speed_bounds(&self) -> [f64; 2] {
+        self.speeds
     }
 
     pub(super) fn point(&self, uv: DVec2) -> DVec3 {
@@ -144,8 +196,15 @@ impl SplineCarrier {
         CarrierProjection { uv: DVec2::from(uv), distance: found.distance }
     }
 
-    /// The nearest of all points, or any within the tolerance.
-    fn nearest(&self, point: DVec3) -> CarrierProjection {
+    /// The least local minimum of those found from the nearest samples, moved by periods next to `near`.
+    pub(crate) fn sampled_minimum(&self, point: DVec3, near: DVec2) -> CarrierProjection {
+        let found = self.best_sampled(point);
+        let periods = self.periods();
+        let uv = [0, 1].map(|axis| unwrapped(found.uv[axis], near[axis], periods[axis]));
+        CarrierProjection { uv: DVec2::from(uv), distance: found.distance }
+    }
+
+    fn best_sampled(&self, point: DVec3) -> CarrierProjection {
         let mut order: Vec<(f64, DVec2)> =
             self.samples.iter().map(|(uv, sample)| (sample.distance_squared(point), *uv)).collect();
         let count = STARTS.min(order.len());
@@ -154,12 +213,18 @@ impl SplineCarrier {
         }
         let searched = order.iter().take(count).map(|(_, uv)| self.local_minimum(point, *uv));
         let best = searched.min_by(|a, b| a.distance.total_cmp(&b.distance));
-        if let Some(best) = best.filter(|best| best.distance <= self.tolerance) {
+        best.unwrap_or(CarrierProjection { uv: DVec2::NAN, distance: f64::INFINITY })
+    }
+
+    /// The nearest of all points, or any within the tolerance.
+    fn nearest(&self, point: DVec3) -> CarrierProjection {
+        let best = self.best_sampled(point);
+        if best.distance <= self.tolerance {
             return best;
         }
         match self.surface.closest_point(point, self.tolerance) {
             Ok(found) => CarrierProjection { uv: DVec2::new(found.u, found.v), distance: found.distance },
-            Err(_) => best.unwrap_or(CarrierProjection { uv: DVec2::NAN, distance: f64::INFINITY }),
+            Err(_) => best,
         }
     }
 
@@ -201,6 +266,36 @@ fn samples(surface: &NurbsSurface) -> Vec<(DVec2, DVec3)> {
     };
     let (us, vs) = (divided(surface.knots_u()), divided(surface.knots_v()));
     us.iter().flat_map(|u| vs.iter().map(|v| (DVec2::new(*u, *v), surface.point(*u, *v)))).collect()
+}
+
+/// See [`SplineCarrier::speed_bounds`].
+fn speeds(surface: &NurbsSurface) -> [f64; 2] {
+    let bounds = surface.bounds();
+    let (center, radius) = (bounds.center(), 0.5 * bounds.diagonal().length());
+    let (rows, columns) = surface.counts();
+    let points = surface.control_points();
+    let least = points.iter().map(|p| p.w).fold(f64::INFINITY, f64::min);
+    let difference = |a: usize, b: usize, knots: &KnotVector, i: usize| {
+        let (p, t) = (knots.degree(), knots.knots());
+        let length = t[i + p] - t[i];
+        let d = points[b] - points[a];
+        // A knot that is repeated degree times ends a piece: the difference there does not act.
+        if length <= 0.0 {
+            return 0.0;
+        }
+        p as f64 / length * ((d.truncate() - center * d.w).length() + radius * d.w.abs())
+    };
+    let mut speeds: [f64; 2] = [0.0; 2];
+    for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+        let at = i * columns + j;
+        if i > 0 {
+            speeds[0] = speeds[0].max(difference(at - columns, at, surface.knots_u(), i));
+        }
+        if j > 0 {
+            speeds[1] = speeds[1].max(difference(at - 1, at, surface.knots_v(), j));
+        }
+    }
+    speeds.map(|speed| speed / least)
 }
 
 /// Homogeneous control points in rows of equal u.

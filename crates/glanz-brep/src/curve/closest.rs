@@ -135,7 +135,8 @@ impl<P: CurveVector> Curve<P> {
         let mut inner = Vec::new();
         let divide = |ends: &[f64], parts: usize, inner: &mut Vec<f64>| {
             for pair in ends.windows(2) {
-                inner.extend((0..=parts).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / parts as f64));
+                inner.extend((0..parts).map(|i| pair[0] + (pair[1] - pair[0]) * i as f64 / parts as f64));
+                inner.push(pair[1]);
             }
         };
         match self {

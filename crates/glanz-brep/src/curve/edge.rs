@@ -142,6 +142,28 @@ impl EdgeCurve {
         self.point(0.0).distance(self.vertices[0]).max(self.point(1.0).distance(self.vertices[1]))
     }
 
+    /// The parts between the ends and the parameters of the curve in `cuts`, which lie inside and in the order of the edge.
+    #[must_use]
+    pub fn split(&self, cuts: &[f64]) -> Vec<Self> {
+        let [from, to] = self.range;
+        let ends: Vec<f64> = [from].iter().chain(cuts).chain(&[to]).copied().collect();
+        let vertex = |t: f64| {
+            let [start, end] = self.vertices;
+            if t == from {
+                start
+            } else if t == to {
+                end
+            } else {
+                self.curve.point(t)
+            }
+        };
+        let part = |pair: &[f64]| {
+            let range = [pair[0], pair[1]];
+            Self { range, vertices: range.map(vertex), ..self.clone() }
+        };
+        ends.windows(2).map(part).collect()
+    }
+
     /// Its exact rational form, from start to end.
     ///
     /// # Errors

@@ -19,4 +19,5 @@ mod spline;
 mod tests;
 
 pub(crate) use affine::AffineMap;
+pub(crate) use closest::local_minimum;
 pub use edge::EdgeCurve;

@@ -1,0 +1,123 @@
+//! Curves and carriers at the arguments of jets.
+
+use glanz_math::glam::DVec4;
+use glanz_math::{DVec2, DVec3};
+
+use super::jet::Jet;
+use crate::carrier::{Carrier, SplineCarrier};
+use crate::model::{CurveVector, Placement, SplineCurve};
+
+/// A point of space as jets of its coordinates.
+pub(super) type JetPoint = [Jet; 3];
+
+/// Coefficients of the powers of `t - center` of numerator and weight on the piece of a spline that contains `center`.
+fn powers<P: CurveVector>(curve: &SplineCurve<P>, center: f64, scale: f64) -> Vec<(P, f64)> {
+    let mut factor = 1.0;
+    let derivatives = curve.homogeneous_derivatives(center, curve.degree());
+    let scaled = derivatives.into_iter().enumerate().map(|(k, h)| {
+        if k > 0 {
+            factor *= scale / k as f64;
+        }
+        P::split(h * factor)
+    });
+    scaled.collect()
+}
+
+/// `numerators / weight` where the weight is not 1.
+fn quotients<const N: usize>(numerators: [Jet; N], weight: Jet) -> [Jet; N] {
+    if weight.0[0].middle == 1.0
+        && weight.0.iter().skip(1).all(|w| w.magnitude() == 0.0)
+        && weight.spread() == 0.0
+    {
+        return numerators;
+    }
+    let inverse = weight.inverse();
+    numerators.map(|n| n * inverse)
+}
+
+/// A curve of the plane on the interval [center - half, center + half] of one of its pieces.
+pub(super) fn plane_curve(curve: &SplineCurve<DVec2>, center: f64, half: f64) -> [Jet; 2] {
+    let powers = powers(curve, center, half);
+    let of =
+        |part: &dyn Fn(&(DVec2, f64)) -> f64| Jet::polynomial(&powers.iter().map(part).collect::<Vec<_>>());
+    quotients([of(&|p| p.0.x), of(&|p| p.0.y)], of(&|p| p.1))
+}
+
+/// A curve of space and its derivative at a parameter that is `center` plus a jet with the value 0 at 0.
+pub(super) fn space_curve(curve: &SplineCurve<DVec3>, center: f64, argument: &Jet) -> [JetPoint; 2] {
+    let powers = powers(curve, center, 1.0);
+    let (mut sums, mut slopes) = ([Jet::default(); 4], [Jet::default(); 4]);
+    for (k, (p, w)) in powers.iter().enumerate().rev() {
+        for (i, value) in [p.x, p.y, p.z, *w].into_iter().enumerate() {
+            sums[i] = sums[i] * *argument + Jet::constant(value);
+            if k > 0 {
+                slopes[i] = slopes[i] * *argument + Jet::constant(value * k as f64);
+            }
+        }
+    }
+    let ([x, y, z, w], [dx, dy, dz, dw]) = (sums, slopes);
+    let point = quotients([x, y, z], w);
+    // The quotient rule.
+    let numerators = [dx - point[0] * dw, dy - point[1] * dw, dz - point[2] * dw];
+    [point, quotients(numerators, w)]
+}
+
+/// A carrier at parameters that are jets; a spline on the piece at their values at 0.
+pub(super) fn on_carrier(carrier: &Carrier, uv: &[Jet; 2]) -> JetPoint {
+    match carrier {
+        Carrier::Plane(placement) => {
+            let zero = Jet::default();
+            placed(placement, [uv[0], uv[1], zero])
+        }
+        Carrier::Cylinder { placement, radius } => around(placement, uv[0], Jet::constant(*radius), uv[1]),
+        Carrier::Cone { placement, radius, half_angle } => {
+            let rho = uv[1] * half_angle.tan() + Jet::constant(*radius);
+            around(placement, uv[0], rho, uv[1])
+        }
+        Carrier::Sphere { placement, radius } => {
+            let [sin, cos] = uv[1].sin_cos();
+            around(placement, uv[0], cos * *radius, sin * *radius)
+        }
+        Carrier::Torus { placement, major_radius, minor_radius } => {
+            let [sin, cos] = uv[1].sin_cos();
+            let rho = cos * *minor_radius + Jet::constant(*major_radius);
+            around(placement, uv[0], rho, sin * *minor_radius)
+        }
+        Carrier::Spline(spline) => on_spline(spline, uv),
+    }
+}
+
+/// The point at an angle, a distance from the axis and a height.
+fn around(placement: &Placement, angle: Jet, rho: Jet, height: Jet) -> JetPoint {
+    let [sin, cos] = angle.sin_cos();
+    placed(placement, [cos * rho, sin * rho, height])
+}
+
+/// The point with these coordinates in a frame.
+fn placed(placement: &Placement, [x, y, z]: JetPoint) -> JetPoint {
+    let coordinate = |i: usize| {
+        x * placement.x[i] + y * placement.y[i] + z * placement.z[i] + Jet::constant(placement.origin[i])
+    };
+    [coordinate(0), coordinate(1), coordinate(2)]
+}
+
+fn on_spline(spline: &SplineCarrier, uv: &[Jet; 2]) -> JetPoint {
+    let center = spline.wrapped(DVec2::new(uv[0].center(), uv[1].center()));
+    let [du, dv] = uv.map(Jet::centered);
+    let [rows, columns] = spline.degrees().map(|degree| degree + 1);
+    let powers: Vec<DVec4> = spline.powers(center);
+    let mut sums = [Jet::default(); 4];
+    for i in (0..rows).rev() {
+        let mut row = [Jet::default(); 4];
+        for power in powers[i * columns..(i + 1) * columns].iter().rev() {
+            for (sum, value) in row.iter_mut().zip(power.to_array()) {
+                *sum = *sum * dv + Jet::constant(value);
+            }
+        }
+        for (sum, row) in sums.iter_mut().zip(row) {
+            *sum = *sum * du + row;
+        }
+    }
+    let [x, y, z, w] = sums;
+    quotients([x, y, z], w)
+}

@@ -1,0 +1,272 @@
+//! The distance of a curve on a carrier from an edge over one interval.
+
+use glanz_math::{DVec2, DVec3};
+
+use super::expansion::{JetPoint, on_carrier, plane_curve, space_curve};
+use super::jet::{Jet, ORDER};
+use crate::carrier::Carrier;
+use crate::model::SplineCurve;
+
+/// Halvings of an interval on which the bound on a polynomial is evaluated.
+const HALVINGS: usize = 3;
+
+/// Part of an interval, and of parameters, below which distances are not divided.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Three times the bound on the speed exceeds the sum of that of a piece and that of its continuation, as long as the continuation is
+/// shorter than its length over four times the squared degree.
+const OVERHANG_FACTOR: f64 = 3.0;
+
+/// A parameter of the curve on the carrier and that of the edge to which it corresponds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ParameterPair {
+    pub(super) curve: f64,
+    pub(super) edge: f64,
+}
+
+/// The curves that are compared.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CurvePair<'a> {
+    pub(super) carrier: &'a Carrier,
+    pub(super) curve: &'a SplineCurve<DVec2>,
+    pub(super) edge: &'a SplineCurve<DVec3>,
+    /// Whether equal knots correspond.
+    pub(super) same_parameter: bool,
+}
+
+/// An interval with a bound.
+#[derive(Clone, Debug)]
+pub(super) struct DeviationInterval {
+    pub(super) ends: [ParameterPair; 2],
+    /// Coefficients of the powers of x in [-1, 1] of the edge's parameter.
+    edge_parameter: [f64; ORDER],
+    /// Bound on the distance of corresponding points, metres.
+    pub(super) bound: f64,
+    /// The largest distance of sampled points, metres.
+    pub(super) sampled: f64,
+    /// Where it is to be divided.
+    pub(super) division: ParameterPair,
+}
+
+impl CurvePair<'_> {
+    /// The point of the curve on the carrier.
+    pub(super) fn point(&self, t: f64) -> DVec3 {
+        self.carrier.point(self.curve.point(t))
+    }
+
+    /// The point of the curve on the carrier and its derivative.
+    pub(super) fn on_carrier(&self, t: f64) -> [DVec3; 2] {
+        let derivatives = self.curve.derivatives(t, 1);
+        let [uv, d] = [0, 1].map(|k| derivatives.get(k).copied().unwrap_or(DVec2::NAN));
+        let [du, dv] = self.carrier.tangents(uv);
+        [self.carrier.point(uv), du * d.x + dv * d.y]
+    }
+
+    /// The interval between two pairs, within which the curve has no knot.
+    pub(super) fn interval(&self, ends: [ParameterPair; 2]) -> DeviationInterval {
+        let [from, to] = ends.map(|end| end.edge);
+        let mut edge_parameter = [0.0; ORDER];
+        edge_parameter[..2].copy_from_slice(&[0.5 * (from + to), 0.5 * (to - from)]);
+        let mut interval =
+            DeviationInterval { ends, edge_parameter, bound: f64::INFINITY, sampled: 0.0, division: ends[0] };
+        interval.division = interval.pair(0.0);
+        if let Some(division) = self.edge_knot(&interval) {
+            interval.division = division;
+            return interval;
+        }
+        let [from, to] = ends.map(|end| end.curve);
+        let uv = plane_curve(self.curve, 0.5 * (from + to), 0.5 * (to - from));
+        let on_carrier = on_carrier(self.carrier, &uv);
+        interval.edge_parameter = self.improved(&on_carrier, &edge_parameter);
+        let [edge, _] = self.on_edge(&interval.edge_parameter);
+        let difference = [0, 1, 2].map(|i| on_carrier[i] - edge[i]);
+        let (hull, sampled) = polynomial_bound(&difference);
+        let remainder = DVec3::from(difference.map(|d| d.0[ORDER].magnitude())).length();
+        let (overhang, division) = self.overhang(&interval, &uv);
+        let bound = hull + remainder + overhang;
+        interval.bound = if bound.is_nan() { f64::INFINITY } else { bound };
+        interval.sampled = if sampled.is_nan() { 0.0 } else { sampled };
+        // A knot of the carrier is only divided at while it matters.
+        if let Some(division) = division.filter(|_| overhang > remainder) {
+            interval.division = division;
+        }
+        interval
+    }
+
+    /// The edge and its derivative where its parameter is a polynomial of x.
+    fn on_edge(&self, parameter: &[f64; ORDER]) -> [JetPoint; 2] {
+        let mut argument = *parameter;
+        argument[0] = 0.0;
+        space_curve(self.edge, parameter[0], &Jet::polynomial(&argument))
+    }
+
+    /// One step of Newton's method for the parameter of the edge at which the difference is at right angles to the edge, with the same
+    /// ends; the parameter as it is, if the step is not monotone.
+    fn improved(&self, on_carrier: &JetPoint, parameter: &[f64; ORDER]) -> [f64; ORDER] {
+        let [edge, tangent] = self.on_edge(parameter);
+        let product = |a: &JetPoint, b: &JetPoint| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let difference = [0, 1, 2].map(|i| on_carrier[i] - edge[i]);
+        let step = product(&difference, &tangent) * product(&tangent, &tangent).inverse();
+        let mut improved: [f64; ORDER] = std::array::from_fn(|k| step.0[k].middle);
+        let (even, odd): (f64, f64) =
+            (improved.iter().step_by(2).sum(), improved.iter().skip(1).step_by(2).sum());
+        improved[0] -= even;
+        improved[1] -= odd;
+        improved.iter_mut().zip(parameter).for_each(|(a, b)| *a += b);
+        let slopes: [f64; ORDER] =
+            std::array::from_fn(|k| (k + 1) as f64 * improved.get(k + 1).copied().unwrap_or(0.0));
+        let rising =
+            bernstein(&slopes.map(|slope| DVec3::new(slope, 0.0, 0.0))).iter().all(|slope| slope.x >= 0.0);
+        if rising { improved } else { *parameter }
+    }
+
+    /// The division at a knot of the edge inside the interval.
+    fn edge_knot(&self, interval: &DeviationInterval) -> Option<ParameterPair> {
+        let [from, to] = interval.ends.map(|end| end.edge);
+        let knots = self.edge.knots().knots();
+        // Knots at an end up to rounding are no division.
+        let rounding = ROUNDING * (from.abs() + to.abs());
+        let knot = *knots.get(knots.partition_point(|k| *k <= from + rounding))?;
+        (knot < to - rounding).then(|| {
+            let x = root(|x| interval.edge_at(x) - knot);
+            ParameterPair { edge: knot, ..interval.pair(x) }
+        })
+    }
+
+    /// The smallest and the largest control point of the curve over an interval, u or v.
+    fn hull(&self, interval: &DeviationInterval, axis: usize) -> [f64; 2] {
+        let Ok(part) = self.curve.restrict(interval.ends.map(|end| end.curve)) else {
+            return [f64::NEG_INFINITY, f64::INFINITY];
+        };
+        let values = part.control_points().iter().map(|p| p[axis] / p.z);
+        values
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    }
+
+    /// Bound on the error of continuing the piece of a spline carrier over its knots, and where the curve crosses one.
+    fn overhang(&self, interval: &DeviationInterval, uv: &[Jet; 2]) -> (f64, Option<ParameterPair>) {
+        let Carrier::Spline(spline) = self.carrier else { return (0.0, None) };
+        let center = DVec2::new(uv[0].center(), uv[1].center());
+        let wrapped = spline.wrapped(center);
+        let (speeds, degrees) = (spline.speed_bounds(), spline.degrees());
+        let (mut error, mut division, mut farthest) = (0.0, None, 0.0);
+        for axis in [0, 1] {
+            let piece = spline.piece(axis, wrapped[axis]);
+            let reach = uv[axis].spread();
+            // Relative to the centre, which may be moved by a period.
+            let [low, high] = piece.map(|knot| knot - wrapped[axis]);
+            // A centre outside of a domain without period is clamped into it.
+            let clamped = spline.periods()[axis].map_or((center[axis] - wrapped[axis]).abs(), |_| 0.0);
+            let mut beyond = (low + reach).max(reach - high).max(0.0);
+            if beyond > 0.0 {
+                // The hull of control points, which is sharp where the curve is monotone.
+                let [least, most] = self.hull(interval, axis).map(|value| value - center[axis]);
+                beyond = (low - least).max(most - high).max(0.0);
+            }
+            if beyond == 0.0 && clamped == 0.0 {
+                continue;
+            }
+            let limit = (piece[1] - piece[0]) / (4 * degrees[axis] * degrees[axis]) as f64;
+            let over = beyond + clamped;
+            error += if over < limit { OVERHANG_FACTOR * speeds[axis] * over } else { f64::INFINITY };
+            if beyond > farthest {
+                farthest = beyond;
+                let t = |x: f64| interval.curve_at(x);
+                let offset = |x: f64, knot: f64| self.curve.point(t(x))[axis] - center[axis] - knot;
+                let crossed =
+                    [low, high].into_iter().find(|knot| offset(-1.0, *knot) * offset(1.0, *knot) < 0.0);
+                let crossing = crossed.map(|knot| root(|x| offset(x, knot)));
+                division = crossing.filter(|x| x.abs() < 1.0 - ROUNDING).map(|x| interval.pair(x));
+            }
+        }
+        (error, division)
+    }
+}
+
+impl DeviationInterval {
+    /// The parameter of the edge at x in [-1, 1].
+    fn edge_at(&self, x: f64) -> f64 {
+        self.edge_parameter.iter().rev().fold(0.0, |sum, a| sum * x + a)
+    }
+
+    /// The parameter of the curve at x in [-1, 1].
+    fn curve_at(&self, x: f64) -> f64 {
+        let [from, to] = self.ends.map(|end| end.curve);
+        0.5 * (from + to) + 0.5 * (to - from) * x
+    }
+
+    /// The corresponding parameters at x in [-1, 1].
+    fn pair(&self, x: f64) -> ParameterPair {
+        let [from, to] = self.ends.map(|end| end.edge);
+        ParameterPair { curve: self.curve_at(x), edge: self.edge_at(x).clamp(from, to.max(from)) }
+    }
+}
+
+/// A zero in (-1, 1) of a function that changes its sign, by bisection.
+fn root(f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (-1.0, 1.0);
+    let rising = f(1.0) >= 0.0;
+    for _ in 0..f64::MANTISSA_DIGITS {
+        let middle = 0.5 * (low + high);
+        if (f(middle) >= 0.0) == rising {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// A bound on the length of the polynomial of the middles of three jets over [-1, 1], and its largest length at samples.
+///
+/// Its Bernstein points on halves of halves converge to it quadratically.
+fn polynomial_bound(jets: &[Jet; 3]) -> (f64, f64) {
+    let powers: Vec<DVec3> = (0..ORDER).map(|k| DVec3::from(jets.map(|jet| jet.0[k].middle))).collect();
+    let mut rows = vec![bernstein(&powers)];
+    for _ in 0..HALVINGS {
+        rows = rows.iter().flat_map(halves).collect();
+    }
+    let longest = |points: &mut dyn Iterator<Item = &DVec3>| points.map(|p| p.length()).fold(0.0, f64::max);
+    let bound = longest(&mut rows.iter().flatten());
+    (
+        bound,
+        longest(
+            &mut rows.iter().filter_map(|row| row.first()).chain(rows.iter().filter_map(|row| row.last())),
+        ),
+    )
+}
+
+/// Bernstein coefficients on [-1, 1] of a polynomial given by coefficients of powers.
+///
+/// With x = 2 s - 1, `x^k = ((s - (1 - s)))^k` is the product of k lines from -1 to 1; its polar form at i ones and n - i zeros is the mean
+/// over the choices of k arguments of the product of their values, plus or minus one.
+fn bernstein(powers: &[DVec3]) -> [DVec3; ORDER] {
+    let n = ORDER - 1;
+    std::array::from_fn(|i| {
+        let mut sum = DVec3::ZERO;
+        for (k, power) in powers.iter().enumerate() {
+            // Of the k chosen, m are zeros, at which the line is -1.
+            let mean = (0..=k).map(|m| {
+                let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
+                sign * binomial(n - i, m) * binomial(i, k - m)
+            });
+            sum += *power * (mean.sum::<f64>() / binomial(n, k));
+        }
+        sum
+    })
+}
+
+fn binomial(n: usize, k: usize) -> f64 {
+    if k > n { 0.0 } else { (0..k).fold(1.0, |c, i| c * (n - i) as f64 / (i + 1) as f64) }
+}
+
+fn halves(row: &[DVec3; ORDER]) -> [[DVec3; ORDER]; 2] {
+    let (mut first, mut second) = (*row, *row);
+    for (i, point) in first.iter_mut().enumerate() {
+        *point = second[0];
+        for j in 0..ORDER - 1 - i {
+            second[j] = (second[j] + second[j + 1]) * 0.5;
+        }
+    }
+    [first, second]
+}
