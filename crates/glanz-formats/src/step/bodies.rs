@@ -1,6 +1,6 @@
 //! Solids, shells and sets of faces.
 
-use glanz_brep::model::{Body, Face, FaceSurface, Shell};
+use glanz_brep::model::{Body, Face, FaceBound, FaceSurface, Shell};
 
 use super::geometry::{ENTITY_COST, MAX_DEPTH};
 use super::lowering::{StepReader, is_face};
@@ -123,7 +123,7 @@ impl<'a> StepReader<'a> {
         let (base, turned) = base_shell(entity)?;
         let attributes = base.simple();
         let count = attributes.list(1)?.count_items();
-        self.geometry.spend(entity.id(), count)?;
+        self.geometry.spend(entity.id(), ENTITY_COST * count)?;
         let mut faces = Vec::with_capacity(count);
         for face in attributes.references(1)? {
             match face {
@@ -157,8 +157,11 @@ impl<'a> StepReader<'a> {
         shell
     }
 
-    /// A face that is the whole of a surface.
+    /// A face that is the whole of a surface, or of the part inside of its boundary curves.
     fn whole_surface(&mut self, entity: Entity<'a>, units: usize) -> Result<usize, Refusal> {
+        if entity.keyword() == Keyword::CurveBoundedSurface {
+            return self.bounded_surface(entity, units);
+        }
         let (surface, _) = self.surface(entity, units)?;
         let entry = self.model.surfaces.get(surface).map(|entry| &entry.surface);
         let is_bounded = matches!(
@@ -174,16 +177,26 @@ impl<'a> StepReader<'a> {
             return Err(entity.refuse("the surface has no boundary"));
         }
         self.geometry.spend(entity.id(), ENTITY_COST)?;
+        Ok(self.add_set_face(entity, surface, Vec::new()))
+    }
+
+    /// Adds a face for a surface of a set.
+    pub(super) fn add_set_face(
+        &mut self,
+        entity: Entity<'a>,
+        surface: usize,
+        bounds: Vec<FaceBound>,
+    ) -> usize {
         self.model.faces.push(Face {
             surface,
             same_sense: true,
-            bounds: Vec::new(),
+            bounds,
             name: entity.simple().text(0),
             style: self.styles.color(entity.id()),
             layer: self.styles.layer(entity.id()),
             entity: entity.id(),
         });
-        Ok(self.model.faces.len() - 1)
+        self.model.faces.len() - 1
     }
 
     /// Counts the faces of a body that the file hides.

@@ -81,7 +81,7 @@ impl<'a> StepReader<'a> {
     }
 
     /// The curves in the parameters of surfaces that belong to a curve in space. Those that cannot be read are left out.
-    fn parameter_curves(&mut self, curve: Entity<'a>, units: usize) -> Vec<ParameterCurve> {
+    pub(super) fn parameter_curves(&mut self, curve: Entity<'a>, units: usize) -> Vec<ParameterCurve> {
         if !curve.kinds().any(is_surface_curve) {
             return Vec::new();
         }

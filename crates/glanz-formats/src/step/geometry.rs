@@ -60,27 +60,16 @@ pub(super) struct CurveUnits {
 pub(super) trait FileVector: CurveVector {
     /// The point with these coordinates; a point of the plane takes two of them.
     fn from_file(coordinates: DVec3) -> Self;
-
-    /// The point in space.
-    fn to_space(self) -> DVec3;
 }
 
 impl FileVector for DVec2 {
     fn from_file(coordinates: DVec3) -> Self {
         coordinates.truncate()
     }
-
-    fn to_space(self) -> DVec3 {
-        self.extend(0.0)
-    }
 }
 
 impl FileVector for DVec3 {
     fn from_file(coordinates: DVec3) -> Self {
         coordinates
-    }
-
-    fn to_space(self) -> DVec3 {
-        self
     }
 }

@@ -135,7 +135,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
             let group = this.index.group(product.id());
             this.add_representations(&mut part, &group, &mut mapped, depth);
             for usage in this.index.usages(product.id()) {
-                match this.usage(usage, &group, &mapped, depth) {
+                match this.usage(usage, product, &mapped, depth) {
                     Ok(occurrence) => part.occurrences.extend(occurrence),
                     Err(refusal) => this.reader.omit(usage.id(), &refusal),
                 }
@@ -187,6 +187,10 @@ impl<'a, 'r> PartReader<'a, 'r> {
         mapped: &mut HashSet<EntityId>,
         depth: usize,
     ) {
+        if let Err(refusal) = self.reader.geometry.spend(part.entity, group.len()) {
+            self.reader.omit(part.entity, &refusal);
+            return;
+        }
         let mut known = HashSet::new();
         for representation in group {
             self.visited.insert(representation.id());
@@ -287,7 +291,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
     fn usage(
         &mut self,
         usage: Entity<'a>,
-        parent: &[Entity<'a>],
+        parent: Entity<'a>,
         mapped: &HashSet<EntityId>,
         depth: usize,
     ) -> Result<Option<Occurrence>, Refusal> {
@@ -313,10 +317,12 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let to_parent = match placement {
             Some(placement) => {
                 let ends = RelationshipEnds::of(placement.relationship)?;
-                let is_parent = |end: Entity<'a>| parent.iter().any(|r| r.id() == end.id());
-                let matrix = self.relationship_matrix(ends)?;
+                let is_parent =
+                    |end: Entity<'a>| self.index.owner(end.id()).is_some_and(|p| p.id() == parent.id());
                 // The first end should be the part; some writers exchange them.
-                if is_parent(ends.first) && !is_parent(ends.second) { matrix.inverse() } else { matrix }
+                let exchanged = is_parent(ends.first) && !is_parent(ends.second);
+                let matrix = self.relationship_matrix(ends)?;
+                if exchanged { matrix.inverse() } else { matrix }
             }
             None => {
                 self.reader.report.repairs.push(usage.id(), "the usage has no placement; none is taken");

@@ -33,8 +33,13 @@ fn sample_is_read_without_damage() {
 /// Bytes that mean something in a file.
 const MEANINGFUL: &[u8] = b"#(),;='.$*/\\0123456789-EXTS\"!\n";
 
+/// Number of damaged files; `GLANZ_FUZZ` multiplies it.
+fn cases() -> u32 {
+    2000 * std::env::var("GLANZ_FUZZ").ok().and_then(|v| v.parse().ok()).unwrap_or(1)
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(cases()))]
 
     #[test]
     fn any_change_of_a_file_gives_a_model_or_an_error(

@@ -152,3 +152,30 @@ fn curve_used_by_many_edges_does_not_fill_the_memory() {
     assert!(file.report.faces.read * 3000 < 3 * size);
     assert!(omissions(&file)[0].contains("repeats its geometry too often"));
 }
+
+#[test]
+fn surface_bounded_by_curves_is_a_face_with_edges() {
+    let data = "#2=GEOMETRIC_SET('',(#3));#3=CURVE_BOUNDED_SURFACE('cut',#10,(#4,#5),.F.);#4=OUTER_BOUNDARY_CURVE('',(#6,#7),.F.);
+        #6=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#8);#7=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.F.,#9);#8=POLYLINE('',(#41,#42));
+        #9=POLYLINE('',(#41,#43,#42));#5=BOUNDARY_CURVE('',(#20),.F.);#20=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#21);
+        #21=SURFACE_CURVE('',#22,(),.CURVE_3D.);#22=CIRCLE('',#11,100.);";
+    let file = shown("#2", data);
+    assert_eq!(omissions(&file), [""; 0]);
+    let face = &file.model.faces[0];
+    assert_eq!((face.name.as_str(), face.bounds[0].outer, face.bounds[1].outer), ("cut", true, false));
+    assert!(
+        matches!(&face.bounds[0].boundary, BoundaryLoop::Edges(e) if *e == [edge(0, true), edge(1, false)])
+    );
+    let ends: Vec<[DVec3; 2]> =
+        file.model.edges.iter().map(|edge| [edge.start, edge.end].map(|i| file.model.vertices[i])).collect();
+    assert_eq!(ends[..2], [[DVec3::ZERO, DVec3::X], [DVec3::ZERO, DVec3::X]]);
+    assert_eq!((ends[2][0], file.model.edges[2].start), (DVec3::X * 0.1, file.model.edges[2].end));
+}
+
+#[test]
+fn boundary_without_ends_is_refused() {
+    let data =
+        "#2=GEOMETRIC_SET('',(#3));#3=CURVE_BOUNDED_SURFACE('',#10,(#4),.F.);#4=BOUNDARY_CURVE('',(#6),.F.);
+        #6=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#8);#8=PARABOLA('',#11,1.);";
+    assert_eq!(omissions(&shown("#2", data)), ["#2: #8: the segment of a boundary has no ends"]);
+}
