@@ -93,16 +93,16 @@ impl Scene {
     /// The hit with a face of the section at `t`, where the ray crosses its plane.
     fn face_hit(&self, group: &SceneGroup, section: &GroupSection, ray: &Ray, t: f64) -> Option<SceneHit> {
         let from = Ray::new(ray.at(t), section.inward);
-        if self.count_hits(group, &from).is_multiple_of(2) {
+        if !self.is_inside(group, &from) {
             return None;
         }
         let hit = group.objects.get(section.object as usize)?.intersect(ray, f64::INFINITY)?;
         Some(SceneHit::new(hit, section.object))
     }
 
-    /// Number of hits of the ray with all surfaces of a group.
-    fn count_hits(&self, group: &SceneGroup, ray: &Ray) -> usize {
-        let (mut count, mut hits) = (0, Vec::new());
+    /// Whether the origin of a ray is inside of a solid of a group: of surfaces of the group itself, or of an instance in it.
+    fn is_inside(&self, group: &SceneGroup, ray: &Ray) -> bool {
+        let (mut inside_instance, mut count, mut hits) = (false, 0, Vec::new());
         let mut visit = |primitive: Primitive| match primitive {
             Primitive::Object(object) => {
                 hits.clear();
@@ -112,7 +112,7 @@ impl Scene {
             Primitive::Instance(index) => {
                 let instance = &group.instances[index as usize];
                 let local = instance.to_parent.inverse().ray(ray);
-                count += self.count_hits(&self.groups[instance.group], &local);
+                inside_instance |= self.is_inside(&self.groups[instance.group], &local);
             }
         };
         group.unbounded.iter().for_each(|&primitive| visit(primitive));
@@ -120,7 +120,7 @@ impl Scene {
             group.bvh.leaf(leaf).iter().for_each(|&index| visit(group.bounded[index as usize]));
             false
         });
-        count
+        inside_instance || !count.is_multiple_of(2)
     }
 }
 

@@ -5,7 +5,8 @@ use glanz_math::DVec3;
 /// A plane that cuts a group open: the part of its shapes and instances beyond the plane is left out, and the solids that they enclose get a flat
 /// face where they are cut.
 ///
-/// A point is inside of a solid if a ray from it meets the surfaces of the group an odd number of times, so that they must be closed.
+/// A point is inside of a solid if a ray from it meets the shapes of one group an odd number of times, so that they must be closed together. Solids of different
+/// groups may overlap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionDescription {
     /// Index into [`Description::groups`](super::Description::groups).

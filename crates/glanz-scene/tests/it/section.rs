@@ -8,7 +8,7 @@ use glanz_scene::{Scene, SceneBuilder};
 /// Number of the plane, after the shapes of both groups.
 const FACES: u32 = 3;
 
-/// A ball of radius 2 about the origin with a hollow of radius 1, and a box at x from 3 to 5; cut at `normal . p = offset`.
+/// A ball of radius 2 about the origin with a hollow of radius 1, and a box at x from 1.5 to 3.5, which overlaps it; cut at `normal . p = offset`.
 fn cut(normal: DVec3, offset: f64) -> Scene {
     let mut description = SceneBuilder::new()
         .material("grey", MaterialKind::diffuse(0.5))
@@ -16,7 +16,7 @@ fn cut(normal: DVec3, offset: f64) -> Scene {
         .group("box", |group| group.shape(ShapeDescription::cuboid([-1.0; 3], [1.0; 3]), "grey"))
         .group("model", |group| {
             let balls = [ShapeDescription::sphere(2.0), ShapeDescription::sphere(1.0).reversed()];
-            group.shapes(balls, "grey").instance("box", DMat4::from_translation(DVec3::new(4.0, 0.0, 0.0)))
+            group.shapes(balls, "grey").instance("box", DMat4::from_translation(DVec3::new(2.5, 0.0, 0.0)))
         })
         .instance("model", DMat4::from_translation(DVec3::new(0.0, 0.0, 10.0)))
         .describe()
@@ -25,10 +25,10 @@ fn cut(normal: DVec3, offset: f64) -> Scene {
     Scene::resolve(description).unwrap().0
 }
 
-/// Signed distances to the solids of the model, in the frame of the group: inside where negative.
+/// Whether a point in the frame of the group is inside of one of the solids.
 fn is_solid(p: DVec3) -> bool {
     let ball = (1.0..=2.0).contains(&p.length());
-    ball || (p - DVec3::X * 4.0).abs().max_element() <= 1.0
+    ball || (p - DVec3::X * 2.5).abs().max_element() <= 1.0
 }
 
 #[test]

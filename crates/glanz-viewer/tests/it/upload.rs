@@ -57,6 +57,24 @@ fn a_dropped_scene_is_shown_on_that_page_alone() {
 }
 
 #[test]
+fn a_dropped_model_is_shown_in_a_studio() {
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
+    let answer = drop_on(&server, &page, &[("a.ply", TRIANGLE)]);
+    assert_eq!(answer.status, 200, "{}", answer.text());
+    assert_eq!(page.receive_text("scene")["name"], "a.ply");
+    // The triangle in the plane z = 0, and beside it the ground, since y is up.
+    for (origin, distance) in [([0.2, 0.2, 9.0], Value::from(9.0)), ([2.0, 0.2, 9.0], Value::Null)] {
+        let pick = serde_json::json!({ "type": "pick", "id": 1, "origin": origin, "direction": [0, 0, -1] });
+        page.send(&pick.to_string());
+        assert_eq!(page.receive_text("hit")["hit"]["distance"], distance);
+    }
+    let down = r#"{"type":"pick","id":2,"origin":[2,1,9],"direction":[0,-1,0]}"#;
+    page.send(down);
+    assert!(page.receive_text("hit")["hit"]["distance"].as_f64().is_some_and(|d| (d - 1.0).abs() < 1e-3));
+}
+
+#[test]
 fn errors_of_a_dropped_scene_are_reported() {
     let server = TestServer::open(BALL);
     let page = server.connect_page();
@@ -76,7 +94,9 @@ fn errors_of_a_dropped_scene_are_reported() {
         (vec![("a.pbrt", "WorldBegin\nInclude \"b.pbrt\"\n")], "file \"b.pbrt\" is not there"),
         (vec![("a.pbrt", "WorldBegin\nShape \"sphere\" \"float radius\" -1\n")], "a.pbrt:2:1: "),
         (vec![("a.pbrt", "\u{0}\u{1}")], "not in a known scene format"),
-        (vec![("a.ply", TRIANGLE)], "none of the files is a scene"),
+        (vec![("a.txt", TRIANGLE)], "none of the files is a scene"),
+        (vec![("a.ply", TRIANGLE), ("b.ply", TRIANGLE)], "several files are models"),
+        (vec![("a.ply", "ply\nformat odd 1.0\n")], "error: a.ply:2:"),
         (vec![("a.pbrt", BALL), ("b.pbrt", BALL)], "several files may be the scene (a.pbrt, b.pbrt)"),
         (vec![], "none of the files is a scene"),
     ] {
