@@ -66,7 +66,7 @@ fn a_dropped_model_is_shown_in_a_studio() {
     // The triangle in the plane z = 0, and beside it the ground, since y is up.
     for (origin, distance) in [([0.2, 0.2, 9.0], Value::from(9.0)), ([2.0, 0.2, 9.0], Value::Null)] {
         let pick = serde_json::json!({ "type": "pick", "id": 1, "origin": origin, "direction": [0, 0, -1] });
-        page.send(&pick.to_string());
+        page.send(pick);
         assert_eq!(page.receive_text("hit")["hit"]["distance"], distance);
     }
     let down = r#"{"type":"pick","id":2,"origin":[2,1,9],"direction":[0,-1,0]}"#;
