@@ -4,6 +4,7 @@ pub mod boundary;
 pub mod carrier;
 pub mod curve;
 pub mod error;
+pub mod face;
 pub mod model;
 pub mod parameter_curve;
 

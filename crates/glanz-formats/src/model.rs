@@ -10,7 +10,8 @@ use glanz_scene::{Description, Diagnostics, Location, Severity};
 
 use crate::registry::{Loaded, ModelFormat, Options};
 use crate::source::Sources;
-use crate::{newell, ply, rib};
+use crate::step::{CadFaceOutcome, CadReport};
+use crate::{newell, ply, rib, step};
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
 pub(crate) fn load(
@@ -25,6 +26,7 @@ pub(crate) fn load(
         ModelFormat::Ply => reader.ply(bytes),
         ModelFormat::Rib => reader.rib(bytes),
         ModelFormat::Newell => reader.newell(bytes),
+        ModelFormat::Step => reader.step(bytes),
     }
     reader.finish(format.up(), bytes, options)
 }
@@ -35,6 +37,7 @@ struct ModelReader {
     diagnostics: Diagnostics,
     sources: Sources,
     file: FileId,
+    cad: Option<CadReport>,
 }
 
 impl ModelReader {
@@ -46,7 +49,7 @@ impl ModelReader {
         let grey = MaterialDescription::from(cad_material(CAD_GREY, 0.0));
         let description =
             Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
-        Self { description, diagnostics: Diagnostics::default(), sources, file }
+        Self { description, diagnostics: Diagnostics::default(), sources, file, cad: None }
     }
 
     fn finish(mut self, up: UpAxis, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
@@ -63,6 +66,7 @@ impl ModelReader {
             content_hash: hash.value(),
             sources: self.sources,
             studio: Some(StudioSettings { up: studio.up.or(Some(up)), ..studio.clone() }),
+            cad: self.cad,
         })
     }
 
@@ -123,6 +127,30 @@ impl ModelReader {
             .map(GeometryDescription::BezierPatches)
             .for_each(|patches| self.add(patches));
         file.splines.into_iter().map(GeometryDescription::Nurbs).for_each(|spline| self.add(spline));
+    }
+
+    fn step(&mut self, bytes: &[u8]) {
+        let report = match step::describe(bytes, &mut self.description) {
+            Ok(report) => report,
+            Err(error) => return self.error("step", None, error.to_string()),
+        };
+        for fault in report.reading.faults.notes() {
+            let place = fault.position.map(|[line, column]| (line, column));
+            self.report(Severity::Warning, "step-syntax", place, fault.reason.clone());
+        }
+        for omission in report.reading.omissions.notes() {
+            self.report(Severity::Warning, "step-omission", None, omission.to_string());
+        }
+        for face in &report.faces {
+            if let CadFaceOutcome::Refused(reason) = &face.outcome {
+                let message = format!("face {} is left out: {reason}", face.entity);
+                self.report(Severity::Warning, "step-face", None, message);
+            }
+        }
+        if self.description.world.shapes.is_empty() && self.description.world.instances.is_empty() {
+            return self.error("step", None, "the file shows no surface that can be read".to_owned());
+        }
+        self.cad = Some(report);
     }
 
     fn newell(&mut self, bytes: &[u8]) {

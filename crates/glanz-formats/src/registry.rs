@@ -7,6 +7,7 @@ use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::source::Sources;
+use crate::step::CadReport;
 use crate::{image, model, pbrt, rib};
 
 /// Settings of the readers.
@@ -39,6 +40,8 @@ pub struct Loaded {
     /// Of a model, which has no camera and light of its own, the settings for [`add_studio`](glanz_scene::studio::add_studio): those of the options, with the
     /// upward axis of the format if they have none. `None` for a scene.
     pub studio: Option<StudioSettings>,
+    /// Of a CAD file, what became of its faces.
+    pub cad: Option<CadReport>,
 }
 
 /// A format, recognised by content.
@@ -61,6 +64,8 @@ pub enum ModelFormat {
     Rib,
     /// Lists of bicubic patches: see [`crate::newell`].
     Newell,
+    /// CAD models: see [`crate::step`].
+    Step,
 }
 
 impl ModelFormat {
@@ -68,20 +73,17 @@ impl ModelFormat {
     pub(crate) fn up(self) -> UpAxis {
         match self {
             Self::Ply => UpAxis::Y,
-            Self::Rib | Self::Newell => UpAxis::Z,
+            Self::Rib | Self::Newell | Self::Step => UpAxis::Z,
         }
     }
 }
 
 /// Usual extensions of files of models, in lower case.
-pub const MODEL_EXTENSIONS: [&str; 2] = ["ply", "rib"];
+pub const MODEL_EXTENSIONS: [&str; 5] = ["ply", "rib", "step", "stp", "p21"];
 
 /// Signatures of other formats, with a description for the error.
-const OTHERS: &[(&[u8], &str)] = &[
-    (b"ISO-10303-21", "a STEP file, which is not read yet"),
-    (b"glTF", "a glTF file, which is not read yet"),
-    (b"GLANZ", "one of Glanz's own files, not a scene"),
-];
+const OTHERS: &[(&[u8], &str)] =
+    &[(b"glTF", "a glTF file, which is not read yet"), (b"GLANZ", "one of Glanz's own files, not a scene")];
 
 impl SceneFormat {
     /// Recognises a format by the content of a file.
@@ -91,6 +93,9 @@ impl SceneFormat {
     pub fn recognise(bytes: &[u8]) -> Result<Self, String> {
         if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
             return Ok(Self::Model(ModelFormat::Ply));
+        }
+        if bytes.trim_ascii_start().starts_with(b"ISO-10303-21") {
+            return Ok(Self::Model(ModelFormat::Step));
         }
         if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
             return Err((*what).to_owned());
@@ -193,7 +198,7 @@ mod tests {
         for (bytes, message) in [
             (&b""[..], "error: x: the file is empty\n"),
             (b" \n\t", "error: x: the file is empty\n"),
-            (b"ISO-10303-21;\n", "error: x: the file is a STEP file, which is not read yet\n"),
+            (b"ISO-10303-21;\n", "error: x: the file has no section DATA; it may be incomplete\n"),
             (b"\x89PNG\r\n\x1a\n", "error: x: the file is a picture (PNG), not a scene\n"),
             (b"Shape\0", "error: x: the file is not in a known scene format\n"),
         ] {

@@ -84,6 +84,19 @@ impl BoundaryCurve {
         moved
     }
 
+    /// The curve of the points `p * lengths`.
+    pub(crate) fn scaled(&self, lengths: DVec2) -> Self {
+        self.transformed(DMat2::from_diagonal(lengths), DVec2::ZERO)
+    }
+
+    /// Points on the curve from its start to its end.
+    #[must_use]
+    pub fn samples(&self) -> Vec<DVec2> {
+        let mut points = vec![self.start()];
+        points.extend(polyline(self));
+        points
+    }
+
     /// The same curve moved by `offset`.
     #[must_use]
     pub fn translated(&self, offset: DVec2) -> Self {
@@ -97,7 +110,7 @@ fn project(point: DVec3) -> DVec2 {
 
 /// Points on a closed chain.
 pub(super) fn polygon(chain: &[BoundaryCurve]) -> Vec<DVec2> {
-    chain.iter().flat_map(|piece| polyline(piece)).collect()
+    chain.iter().flat_map(polyline).collect()
 }
 
 /// The area that a closed chain encloses to about a percent, positive if it runs counter-clockwise.
@@ -110,41 +123,50 @@ pub(super) fn signed_area(chain: &[BoundaryCurve]) -> f64 {
 
 /// Points of a clamped spline behind its start: some on each span, then its end.
 fn polyline(curve: &BoundaryCurve) -> Vec<DVec2> {
-    let BoundaryCurve { degree, knots, points, .. } = curve;
     let mut found = Vec::new();
-    if *degree > 1 {
-        let samples = 4 * degree;
-        for span in *degree..points.len() {
-            let [Some(&low), Some(&high)] = [knots.get(span), knots.get(span + 1)] else { break };
-            if low < high {
-                found
-                    .extend((1..=samples).filter_map(|i| {
-                        de_boor(curve, span, low + (high - low) * i as f64 / samples as f64)
-                    }));
-            }
-        }
-        found.pop();
-    } else {
-        found.extend(points.iter().skip(1).map(|&p| project(p)));
-        found.pop();
+    let samples = if curve.degree > 1 { 4 * curve.degree } else { 1 };
+    for [low, high] in curve.spans() {
+        let at = |i: usize| low + (high - low) * i as f64 / samples as f64;
+        found.extend((1..=samples).map(|i| curve.point_and_derivative(at(i)).0));
     }
-    found.extend(points.last().map(|&p| project(p)));
+    found.pop();
+    found.push(curve.end());
     found
 }
 
-/// The point at `t` in the span from knot `span` to the next.
-///
-/// # Source
-/// @piegl1997 section 2.2 (de Boor's algorithm).
-fn de_boor(curve: &BoundaryCurve, span: usize, t: f64) -> Option<DVec2> {
-    let p = curve.degree;
-    let mut row: Vec<DVec3> = curve.points.get(span - p..=span)?.to_vec();
-    for level in 1..=p {
-        for i in (level..=p).rev() {
-            let (low, high) = (*curve.knots.get(span - p + i)?, *curve.knots.get(span + 1 + i - level)?);
-            let weight = if high > low { (t - low) / (high - low) } else { 0.0 };
-            row[i] = row[i - 1] * (1.0 - weight) + row[i] * weight;
-        }
+impl BoundaryCurve {
+    /// The ranges between its knots.
+    pub(crate) fn spans(&self) -> Vec<[f64; 2]> {
+        let knots =
+            self.knots.get(self.degree..self.knots.len().saturating_sub(self.degree)).unwrap_or_default();
+        knots.windows(2).filter(|pair| pair[0] < pair[1]).map(|pair| [pair[0], pair[1]]).collect()
     }
-    row.last().map(|&p| project(p))
+
+    /// The point at `t` and its derivative; not a number where knots and points do not match.
+    ///
+    /// # Source
+    /// @piegl1997 section 2.2 (de Boor's algorithm); its last step holds the derivative.
+    pub(crate) fn point_and_derivative(&self, t: f64) -> (DVec2, DVec2) {
+        self.de_boor(t).unwrap_or((DVec2::NAN, DVec2::NAN))
+    }
+
+    fn de_boor(&self, t: f64) -> Option<(DVec2, DVec2)> {
+        let p = self.degree;
+        let inner = self.knots.get(p + 1..self.points.len())?;
+        let span = p + inner.partition_point(|&knot| knot <= t);
+        let mut row: Vec<DVec3> = self.points.get(span - p..=span)?.to_vec();
+        for level in 1..p {
+            for i in (level..=p).rev() {
+                let (low, high) = (*self.knots.get(span - p + i)?, *self.knots.get(span + 1 + i - level)?);
+                let weight = if high > low { (t - low) / (high - low) } else { 0.0 };
+                row[i] = row[i - 1] * (1.0 - weight) + row[i] * weight;
+            }
+        }
+        let (low, high) = (*self.knots.get(span)?, *self.knots.get(span + 1)?);
+        let (a, b) = (*row.get(p.checked_sub(1)?)?, *row.get(p)?);
+        let slope = (b - a) * (p as f64 / (high - low));
+        let point = a + (b - a) * ((t - low) / (high - low));
+        let position = project(point);
+        Some((position, (slope.truncate() - position * slope.z) / point.z))
+    }
 }

@@ -31,7 +31,7 @@ impl ParameterSpace<'_> {
     }
 
     /// Whether the whole carrier has no border.
-    pub(super) fn is_closed(&self) -> bool {
+    pub(crate) fn is_closed(&self) -> bool {
         (0..2).all(|axis| self.periods[axis].is_some() || self.poles[axis] == [true; 2])
     }
 

@@ -93,3 +93,22 @@ pub enum FaceSurface {
         same_sense: [bool; 2],
     },
 }
+
+impl FaceSurface {
+    /// Its kind in a word.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Plane(_) => "plane",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Cone { .. } => "cone",
+            Self::Sphere { .. } => "sphere",
+            Self::Torus { .. } => "torus",
+            Self::Spline(_) => "spline",
+            Self::Revolution { .. } => "revolution",
+            Self::Extrusion { .. } => "extrusion",
+            Self::Offset { .. } => "offset",
+            Self::Rectangular { .. } => "rectangular",
+        }
+    }
+}

@@ -57,5 +57,6 @@ pub(crate) fn load(
         content_hash: finder.hash.value(),
         sources: reporter.sources,
         studio: None,
+        cad: None,
     })
 }

@@ -13,7 +13,9 @@
 mod assembly;
 mod bodies;
 mod bounded_surface;
+mod cad_report;
 mod curves;
+mod describe;
 mod edges;
 mod entities;
 mod faces;
@@ -31,8 +33,11 @@ mod tests;
 mod trim;
 mod units;
 
+pub use cad_report::{CadFace, CadFaceOutcome, CadReport};
 pub use report::{FaceCounts, NoteList, StepError, StepFile, StepNote, StepReport};
 
+use glanz_brep::face::trimmed_faces;
+use glanz_scene::Description;
 use lowering::StepReader;
 use part21::ExchangeFile;
 use parts::PartReader;
@@ -52,4 +57,15 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
     let mut reader = StepReader::new(&file);
     PartReader::new(&mut reader).read_all();
     Ok(reader.finish())
+}
+
+/// Adds what a STEP file shows to a description.
+///
+/// # Errors
+/// Those of [`read`].
+pub(crate) fn describe(bytes: &[u8], description: &mut Description) -> Result<CadReport, StepError> {
+    let file = read(bytes)?;
+    let faces = trimmed_faces(&file.model);
+    let shapes = describe::describe(&file.model, &faces, description);
+    Ok(CadReport::new(&file, &faces, shapes))
 }

@@ -1,0 +1,208 @@
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
+
+use glanz_math::DVec3;
+
+use super::*;
+use crate::model::{
+    BoundaryLoop, BrepModel, Curve, Edge, EntityId, Face, FaceBound, FaceSurface, OrientedEdge, Placement,
+    SurfaceEntry,
+};
+
+const WORLD: Placement = Placement { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
+
+fn at_height(z: f64) -> Placement {
+    Placement { origin: DVec3::Z * z, ..WORLD }
+}
+
+/// A model under construction; entities are numbered by their kind and index.
+#[derive(Default)]
+struct ModelBuilder(BrepModel);
+
+impl ModelBuilder {
+    /// A full circle about the z axis as an edge.
+    fn circle(&mut self, radius: f64, z: f64) -> usize {
+        let vertex = self.0.vertices.len();
+        self.0.vertices.push(DVec3::new(radius, 0.0, z));
+        let curve = Curve::Ellipse { center: DVec3::Z * z, a: DVec3::X * radius, b: DVec3::Y * radius };
+        self.edge([vertex, vertex], Some(curve))
+    }
+
+    fn edge(&mut self, [start, end]: [usize; 2], curve: Option<Curve<DVec3>>) -> usize {
+        let number = self.0.edges.len();
+        let entity = EntityId(1000 + number as u64);
+        self.0.edges.push(Edge { start, end, curve, same_sense: true, parameter_curves: Vec::new(), entity });
+        number
+    }
+
+    /// A face bounded by loops of single edges, forward or not.
+    fn face(&mut self, surface: FaceSurface, same_sense: bool, loops: &[(usize, bool)]) {
+        let bounds =
+            loops.iter().map(|&(edge, forward)| BoundaryLoop::Edges(vec![OrientedEdge { edge, forward }]));
+        self.bounded(surface, same_sense, bounds.collect());
+    }
+
+    fn bounded(&mut self, surface: FaceSurface, same_sense: bool, loops: Vec<BoundaryLoop>) {
+        let (number, entity) = (self.0.surfaces.len(), EntityId(2000 + self.0.surfaces.len() as u64));
+        self.0.surfaces.push(SurfaceEntry { surface, entity });
+        let bound = |(i, boundary)| FaceBound { boundary, outer: i == 0, entity: EntityId(3000 + i as u64) };
+        self.0.faces.push(Face {
+            surface: number,
+            same_sense,
+            bounds: loops.into_iter().enumerate().map(bound).collect(),
+            name: String::new(),
+            style: None,
+            layer: String::new(),
+            entity: EntityId(4000 + number as u64),
+        });
+    }
+
+    /// The faces, none of which is refused or repaired.
+    fn faces(mut self) -> Vec<TrimmedFace> {
+        self.0.uncertainty = 1e-7;
+        let faces = trimmed_faces(&self.0).faces.into_iter().map(Result::unwrap).collect::<Vec<_>>();
+        for face in &faces {
+            assert_eq!(face.repairs, vec![]);
+        }
+        faces
+    }
+}
+
+fn assert_close(value: f64, expected: f64) {
+    assert!((value - expected).abs() <= 1e-8 * expected.abs(), "{value}, not {expected}");
+}
+
+/// Sum of areas, and volume.
+fn assert_measures(faces: &[TrimmedFace], area: f64, volume: f64) {
+    let sum = faces.iter().map(|face| face.measure(1e-9)).fold(FaceMeasure::default(), |a, b| a + b);
+    assert_close(sum.area, area);
+    assert_close(sum.volume, volume);
+}
+
+#[test]
+fn a_cylinder_of_three_faces_has_its_area_and_volume() {
+    let mut model = ModelBuilder::default();
+    let (bottom, top) = (model.circle(2.0, 1.0), model.circle(2.0, 4.0));
+    model.face(
+        FaceSurface::Cylinder { placement: WORLD, radius: 2.0 },
+        true,
+        &[(bottom, true), (top, false)],
+    );
+    model.face(FaceSurface::Plane(at_height(4.0)), true, &[(top, true)]);
+    model.face(FaceSurface::Plane(at_height(1.0)), false, &[(bottom, false)]);
+    let faces = model.faces();
+    assert_measures(&faces, 4.0 * PI * (3.0 + 2.0), 12.0 * PI);
+    assert!(faces[2].reversed && !faces[1].reversed);
+}
+
+#[test]
+fn cones_end_at_their_apex_or_before() {
+    // Radius 1 at z = 0, 2 at z = 1; apex at z = -1.
+    let cone = || FaceSurface::Cone { placement: WORLD, radius: 1.0, half_angle: FRAC_PI_4 };
+    let mut frustum = ModelBuilder::default();
+    let (bottom, top) = (frustum.circle(1.0, 0.0), frustum.circle(2.0, 1.0));
+    frustum.face(cone(), true, &[(bottom, true), (top, false)]);
+    frustum.face(FaceSurface::Plane(at_height(1.0)), true, &[(top, true)]);
+    frustum.face(FaceSurface::Plane(WORLD), false, &[(bottom, false)]);
+    assert_measures(&frustum.faces(), PI * (3.0 * 2f64.sqrt() + 4.0 + 1.0), PI / 3.0 * (1.0 + 2.0 + 4.0));
+    let mut whole = ModelBuilder::default();
+    let top = whole.circle(2.0, 1.0);
+    let apex = whole.0.vertices.len();
+    whole.0.vertices.push(DVec3::NEG_Z);
+    let rim = BoundaryLoop::Edges(vec![OrientedEdge { edge: top, forward: false }]);
+    whole.bounded(cone(), true, vec![rim, BoundaryLoop::Vertex(apex)]);
+    whole.face(FaceSurface::Plane(at_height(1.0)), true, &[(top, true)]);
+    assert_measures(&whole.faces(), PI * 2.0 * 8f64.sqrt() + 4.0 * PI, PI / 3.0 * 4.0 * 2.0);
+}
+
+#[test]
+fn whole_spheres_and_tori_need_no_edges() {
+    let mut sphere = ModelBuilder::default();
+    sphere.0.vertices.push(DVec3::Z * 3.0);
+    sphere.bounded(
+        FaceSurface::Sphere { placement: WORLD, radius: 3.0 },
+        true,
+        vec![BoundaryLoop::Vertex(0)],
+    );
+    assert_measures(&sphere.faces(), 36.0 * PI, 36.0 * PI);
+    let mut torus = ModelBuilder::default();
+    let surface =
+        FaceSurface::Torus { placement: WORLD, major_radius: 3.0, minor_radius: 1.0, select_outer: true };
+    torus.bounded(surface, true, vec![]);
+    assert_measures(&torus.faces(), TAU * TAU * 3.0, PI * TAU * 3.0);
+}
+
+#[test]
+fn a_cap_of_a_sphere_and_a_disk_enclose_its_segment() {
+    for (z, sense) in [(1.0, true), (-1.5, true), (1.9, true)] {
+        let (r, h): (f64, f64) = (2.0, 2.0 - z);
+        let mut model = ModelBuilder::default();
+        let rim = model.circle((r * r - z * z).sqrt(), z);
+        model.face(FaceSurface::Sphere { placement: WORLD, radius: r }, sense, &[(rim, true)]);
+        model.face(FaceSurface::Plane(at_height(z)), false, &[(rim, false)]);
+        assert_measures(&model.faces(), TAU * r * h + PI * (r * r - z * z), PI * h * h * (3.0 * r - h) / 3.0);
+    }
+}
+
+#[test]
+fn half_a_torus_is_closed_by_two_disks() {
+    let mut model = ModelBuilder::default();
+    let circle = |model: &mut ModelBuilder, x: f64| {
+        let vertex = model.0.vertices.len();
+        model.0.vertices.push(DVec3::X * (4.0 * x));
+        let curve = Curve::Ellipse { center: DVec3::X * (3.0 * x), a: DVec3::X * x, b: DVec3::Z };
+        model.edge([vertex, vertex], Some(curve))
+    };
+    // At the azimuths 0 and pi, around the tube from outside upwards.
+    let (start, end) = (circle(&mut model, 1.0), circle(&mut model, -1.0));
+    let torus =
+        FaceSurface::Torus { placement: WORLD, major_radius: 3.0, minor_radius: 1.0, select_outer: true };
+    model.face(torus, true, &[(start, false), (end, true)]);
+    let upright = Placement { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Z, z: DVec3::NEG_Y };
+    model.face(FaceSurface::Plane(upright), true, &[(start, true)]);
+    model.face(FaceSurface::Plane(upright), true, &[(end, false)]);
+    assert_measures(&model.faces(), PI * TAU * 3.0 + TAU, PI * PI * 3.0);
+}
+
+#[test]
+fn a_box_of_polygons_has_its_volume_whatever_the_sense_of_its_planes() {
+    let corner = |i: usize| DVec3::new((i & 1) as f64, 2.0 * (i >> 1 & 1) as f64, 3.0 * (i >> 2 & 1) as f64);
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    for same_sense in [true, false] {
+        let mut model = ModelBuilder::default();
+        for side in sides {
+            let [a, b, c, d] = side.map(corner);
+            let outward = (b - a).cross(d - a).normalize();
+            let z = if same_sense { outward } else { -outward };
+            let x = (b - a).normalize();
+            let plane = Placement { origin: a, x, y: z.cross(x), z };
+            model.bounded(
+                FaceSurface::Plane(plane),
+                same_sense,
+                vec![BoundaryLoop::Polygon(vec![a, b, c, d])],
+            );
+        }
+        assert_measures(&model.faces(), 22.0, 6.0);
+    }
+}
+
+#[test]
+fn faces_beside_an_edge_extend_by_what_both_stray_from_it() {
+    let mut model = ModelBuilder::default();
+    let (bottom, top) = (model.circle(1.0, 0.0), model.circle(1.0, 1.0));
+    // The rim is a micrometre outside of the cylinder, and in the plane.
+    model.0.edges[top].curve =
+        Some(Curve::Ellipse { center: DVec3::Z, a: DVec3::X * 1.000_001, b: DVec3::Y * 1.000_001 });
+    model.face(
+        FaceSurface::Cylinder { placement: WORLD, radius: 1.0 },
+        true,
+        &[(bottom, true), (top, false)],
+    );
+    model.face(FaceSurface::Plane(at_height(1.0)), true, &[(top, true)]);
+    model.0.uncertainty = 1e-5;
+    let trimmed = trimmed_faces(&model.0);
+    assert!((1e-6..2e-6).contains(&trimmed.widths[top]), "{}", trimmed.widths[top]);
+    for face in &trimmed.faces {
+        let width = face.as_ref().unwrap().width;
+        assert!((1e-6..2.1e-6).contains(&width), "{width}");
+    }
+}
