@@ -18,7 +18,8 @@ pub struct CarrierConversion {
     pub carrier: Carrier,
     /// The map from the parameters of the surface to those of the carrier; `None` if it is not affine.
     pub parameters: Option<DAffine2>,
-    /// Bound on the distance between surface and carrier, metres; 0 if they are the same up to rounding.
+    /// Bound on the distance between surface and carrier, metres; 0 if they are the same up to rounding. For the fitted offset of a
+    /// spline it is an estimate: twice the largest distance of samples.
     pub deviation: f64,
     /// Whether their normals are opposite.
     pub reversed: bool,

@@ -2,13 +2,24 @@
 
 use std::f64::consts::PI;
 
-use glanz_math::DVec2;
+use glanz_geometry::spline::{KnotVector, NurbsSurface};
+use glanz_math::bspline::Knots;
 use glanz_math::glam::DAffine2;
+use glanz_math::{DVec2, DVec3};
 
-use super::Carrier;
 use super::conversion::{CarrierConversion, FaceExtent, scaling, torus};
+use super::{Carrier, SplineCarrier};
 use crate::error::BrepError;
 use crate::model::Placement;
+
+/// Numbers of parts of each piece of a spline whose offset is fitted, one after the other.
+const FIT_PARTS: [usize; 5] = [1, 2, 4, 8, 16];
+
+/// Degree of fitted offsets in both directions: the error falls with the sixth power of the length of the parts.
+const FIT_DEGREE: usize = 5;
+
+/// Largest number of control points of a fitted offset.
+const MAX_POINTS: usize = 1 << 15;
 
 /// The carrier at a `distance` along the normals of the surface of `basis`, metres.
 pub(super) fn convert(
@@ -61,17 +72,88 @@ pub(super) fn convert(
             let map = DAffine2::from_translation(DVec2::new(0.0, turn));
             (Carrier::Torus { placement, major_radius, minor_radius: offset.abs() }, map)
         }
-        Carrier::Spline(_) => {
-            return Err(BrepError::Unfitted {
-                shape: "offset of a spline surface",
-                deviation: distance.abs(),
-                tolerance: extent.tolerance,
-            });
-        }
+        Carrier::Spline(ref spline) => return fitted(&basis, spline, outward, extent),
     };
     let reversed = basis.reversed != (map.matrix2.determinant() < 0.0);
     let parameters = basis.parameters.map(|parameters| map * parameters);
     Ok(CarrierConversion { carrier, parameters, deviation: basis.deviation, reversed })
+}
+
+/// A spline through points of the offset of a spline, with twice the largest distance of samples between them as its deviation.
+fn fitted(
+    basis: &CarrierConversion,
+    spline: &SplineCarrier,
+    distance: f64,
+    extent: &FaceExtent,
+) -> Result<CarrierConversion, BrepError> {
+    let tolerance = extent.tolerance;
+    let refused =
+        |deviation| BrepError::Unfitted { shape: "offset of a spline surface", deviation, tolerance };
+    let mut best = f64::INFINITY;
+    for parts in FIT_PARTS {
+        let knots = [0, 1].map(|axis| divided_knots(spline, axis, parts));
+        let [knots_u, knots_v] = knots;
+        let (knots_u, knots_v) = (knots_u?, knots_v?);
+        if knots_u.count().saturating_mul(knots_v.count()) > MAX_POINTS {
+            break;
+        }
+        let [us, vs] = [knots_u.greville(), knots_v.greville()];
+        let grid = us.iter().flat_map(|u| vs.iter().map(move |v| DVec2::new(*u, *v)));
+        let points: Option<Vec<DVec3>> = grid.map(|uv| offset_point(spline, uv, distance)).collect();
+        let points = points.ok_or_else(|| refused(f64::INFINITY))?;
+        let surface = NurbsSurface::interpolate_at([knots_u, knots_v], [&us, &vs], &points)?;
+        let deviation = 2.0 * sampled_distance(&surface, spline, distance);
+        best = best.min(deviation);
+        if deviation <= tolerance {
+            let converted = SplineCarrier::try_new(&surface, tolerance)?;
+            return Ok(CarrierConversion {
+                carrier: Carrier::Spline(converted.carrier),
+                parameters: basis.parameters.map(|parameters| converted.parameters * parameters),
+                deviation: basis.deviation + deviation + converted.deviation,
+                reversed: basis.reversed,
+            });
+        }
+    }
+    Err(refused(best))
+}
+
+/// The point at a distance along the normal; `None` where there is no normal.
+fn offset_point(spline: &SplineCarrier, uv: DVec2, distance: f64) -> Option<DVec3> {
+    let surface = spline.surface();
+    surface.normal(uv.x, uv.y).map(|normal| surface.point(uv.x, uv.y) + normal * distance)
+}
+
+/// Knots that divide each piece of a spline in u or v. Between pieces the offset is only continuous: where the curvature jumps, so does
+/// its speed.
+fn divided_knots(spline: &SplineCarrier, axis: usize, parts: usize) -> Result<KnotVector, BrepError> {
+    let surface = spline.surface();
+    let knots = if axis == 0 { surface.knots_u() } else { surface.knots_v() };
+    let breaks = knots.breaks();
+    let divided = breaks.windows(2).flat_map(|pair| {
+        let [a, b] = [pair[0], pair[1]];
+        let inner = (1..parts).map(move |i| a + (b - a) * i as f64 / parts as f64);
+        std::iter::repeat_n(a, FIT_DEGREE).chain(inner)
+    });
+    Ok(KnotVector::try_new(FIT_DEGREE, Knots::clamped(FIT_DEGREE, knots.domain(), divided.skip(FIT_DEGREE)))?)
+}
+
+/// The largest distance of a surface from an offset at points inside the pieces of the surface.
+fn sampled_distance(surface: &NurbsSurface, basis: &SplineCarrier, distance: f64) -> f64 {
+    let inside = |knots: &KnotVector| {
+        let breaks = knots.breaks();
+        let samples = breaks.windows(2).flat_map(|pair| {
+            let [a, b] = [pair[0], pair[1]];
+            [0.25, 0.5, 0.75].map(|s| a + (b - a) * s)
+        });
+        samples.collect::<Vec<f64>>()
+    };
+    let (us, vs) = (inside(surface.knots_u()), inside(surface.knots_v()));
+    let grid = us.iter().flat_map(|u| vs.iter().map(move |v| DVec2::new(*u, *v)));
+    let apart = grid.map(|uv| {
+        let exact = offset_point(basis, uv, distance);
+        exact.map_or(f64::INFINITY, |exact| surface.point(uv.x, uv.y).distance(exact))
+    });
+    apart.fold(0.0, f64::max)
 }
 
 fn checked(reason: &'static str, value: f64) -> Result<f64, BrepError> {

@@ -393,3 +393,45 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn offsets_of_splines_are_fitted_within_the_tolerance() {
+    let bases = [
+        FaceSurface::Extrusion { curve: Box::new(spline_curve()), direction: vector(0.3, 2.0, 0.1) },
+        FaceSurface::Revolution {
+            curve: Box::new(spline_curve()),
+            origin: placement().origin,
+            axis: placement().z,
+        },
+    ];
+    for basis in bases {
+        let ranges = [[0.1, 0.45], [0.1, 0.45]];
+        let extent = Bounds3::from_points(grid(ranges).map(|(u, v)| definition(&basis, u, v))).expanded(0.1);
+        let surface = FaceSurface::Offset { basis: Box::new(basis), distance: 0.02 };
+        for tolerance in [1e-4, 1e-6] {
+            let converted = Carrier::try_from_surface(&surface, extent, tolerance).unwrap();
+            assert!(converted.deviation <= tolerance && converted.deviation > 0.0);
+            for (u, v) in grid(ranges) {
+                let point = definition(&surface, u, v);
+                // The definition differentiates numerically.
+                let found = converted.carrier.parameters(point, None);
+                assert!(
+                    found.distance <= converted.deviation + 1e-9,
+                    "{} {}",
+                    found.distance,
+                    converted.deviation
+                );
+                if let Some(map) = converted.parameters {
+                    let there = converted.carrier.point(map.transform_point2(DVec2::new(u, v)));
+                    assert!(there.distance(point) <= converted.deviation + 1e-9);
+                }
+            }
+        }
+    }
+    // A fold has no normal that is continuous.
+    let fold = Curve::Polyline(vec![at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0), at(1.0, 1.0, 0.0)]);
+    let basis = Box::new(FaceSurface::Extrusion { curve: Box::new(fold), direction: vector(0.0, 0.0, 1.0) });
+    let extent = Bounds3::new(DVec3::NEG_ONE, DVec3::ONE);
+    let refused = Carrier::try_from_surface(&FaceSurface::Offset { basis, distance: 0.1 }, extent, 1e-6);
+    assert!(matches!(refused, Err(BrepError::Unfitted { deviation, .. }) if deviation > 1e-3));
+}

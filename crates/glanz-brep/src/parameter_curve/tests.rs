@@ -115,7 +115,8 @@ fn check_all(
             found.curve.control_points().len()
         );
         assert!(measured <= found.deviation + rounding, "{facts}");
-        let largest = 2.0 * measured + tolerance / 512.0 + rounding;
+        // Mostly below 1.5; the distance of corresponding points may exceed that of nearest ones where the edge leaves the carrier.
+        let largest = 3.0 * measured + tolerance / 512.0 + rounding;
         assert!(found.deviation <= largest, "{facts}");
         let [start, end] = found.curve.domain().map(|t| carrier.point(found.curve.point(t)));
         assert!(
