@@ -40,7 +40,7 @@ pub struct Loaded {
     /// Of a model, which has no camera and light of its own, the settings for [`add_studio`](glanz_scene::studio::add_studio): those of the options, with the
     /// upward axis of the format if they have none. `None` for a scene.
     pub studio: Option<StudioSettings>,
-    /// Of a CAD file, what became of its faces.
+    /// Of a CAD file, the outcome for each of its faces.
     pub cad: Option<CadReport>,
 }
 

@@ -1,11 +1,11 @@
-//! What became of the faces of a CAD file.
+//! The outcome for each face of a CAD file.
 
 use glanz_brep::face::{FaceGeometry, TrimmedFaces};
 use glanz_brep::model::{BrepModel, EntityId};
 
 use super::report::{StepFile, StepReport};
 
-/// What became of the contents of a CAD file.
+/// The outcome of reading a CAD file.
 #[derive(Clone, Debug)]
 pub struct CadReport {
     /// What was read of the file.
@@ -18,7 +18,7 @@ pub struct CadReport {
     pub shapes: Vec<usize>,
 }
 
-/// What became of a face.
+/// The outcome for a face.
 #[derive(Clone, Debug)]
 pub struct CadFace {
     /// Its number in the file.
