@@ -29,6 +29,8 @@ pub(super) struct AssemblyIndex<'a> {
     placed: HashMap<EntityId, Vec<Entity<'a>>>,
     usages: HashMap<EntityId, Vec<Entity<'a>>>,
     placements: HashMap<EntityId, Vec<UsagePlacement<'a>>>,
+    /// Representations that stand for a usage, as contexts of its style.
+    usage_representations: HashMap<EntityId, Vec<EntityId>>,
     used: HashSet<EntityId>,
 }
 
@@ -119,10 +121,13 @@ impl<'a> AssemblyIndex<'a> {
             return Ok(());
         }
         let product = property.simple().reference(2)?;
+        let representation = attributes.reference(1)?;
+        if product.is(Keyword::NextAssemblyUsageOccurrence) {
+            self.usage_representations.entry(product.id()).or_default().push(representation.id());
+        }
         if !is_product(product) {
             return Ok(());
         }
-        let representation = attributes.reference(1)?;
         self.groups.entry(product.id()).or_default().push(representation);
         self.owners.entry(representation.id()).or_insert(product);
         Ok(())
@@ -182,6 +187,14 @@ impl<'a> AssemblyIndex<'a> {
     /// The placements of a usage.
     pub(super) fn placements(&self, usage: EntityId) -> &[UsagePlacement<'a>] {
         self.placements.get(&usage).map_or(&[], Vec::as_slice)
+    }
+
+    /// The entities that may be the context of the style of a usage.
+    pub(super) fn style_contexts(&self, usage: EntityId) -> Vec<EntityId> {
+        let placements = self.placements(usage).iter();
+        let placements = placements.flat_map(|p| [p.relationship.id(), p.assignment, p.property]);
+        let representations = self.usage_representations.get(&usage).into_iter().flatten().copied();
+        std::iter::once(usage).chain(placements).chain(representations).collect()
     }
 
     /// Whether a product is shown by itself: no other contains it, and it has a shape or contains others.

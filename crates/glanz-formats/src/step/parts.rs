@@ -308,8 +308,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
         if placement.is_none() && mapped.contains(&child.id()) {
             return Ok(None);
         }
-        let mut contexts = vec![usage.id()];
-        contexts.extend(placement.iter().flat_map(|p| [p.relationship.id(), p.assignment, p.property]));
+        let contexts = self.index.style_contexts(usage.id());
         if contexts.iter().any(|context| self.reader.styles.is_hidden(*context)) {
             return Err(usage.refuse("the file hides it"));
         }

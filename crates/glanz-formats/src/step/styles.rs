@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glanz_brep::model::{ColorStyle, EntityId};
 
 use super::entities::EntityLists;
+use super::lowering::is_face;
 use super::part21::{Entity, EntityAttributes, Keyword, Refusal, TapeToken};
 use super::report::StepReport;
 
@@ -90,15 +91,22 @@ impl StyleTable {
         let parts =
             [RepresentationItem, StyledItem, OverRidingStyledItem, ContextDependentOverRidingStyledItem];
         let attributes = entity.attributes(&parts);
+        let item = attributes.reference(2)?;
         let mut color = None;
-        for style in attributes.references(1)? {
-            color = color.or(assignment_color(style?)?);
+        for style in referred(&attributes, 1)? {
+            let style = style?;
+            let Some(found) = assignment_color(style)? else { continue };
+            // OpenCascade colours occurrences by the context of the style, others by that of the item.
+            if style.keyword() == Keyword::PresentationStyleByContext {
+                self.add_context(item, style.simple().reference(1)?, found)?;
+            } else {
+                color = color.or(Some(found));
+            }
         }
         let Some(color) = color else { return Ok(()) };
-        let item = attributes.reference(2)?;
         if entity.is(ContextDependentOverRidingStyledItem) {
             for context in attributes.references(4)? {
-                self.contexts.insert(context?.id(), color);
+                self.add_context(item, context?, color)?;
             }
             return Ok(());
         }
@@ -106,6 +114,22 @@ impl StyleTable {
         let known = self.colors.get(&item.id());
         if known.is_none_or(|known| overrides && !known.overrides) {
             self.colors.insert(item.id(), ItemColor { color, overrides });
+        }
+        Ok(())
+    }
+
+    /// Colours an item in one occurrence; one colour is possible, and none of a single face.
+    fn add_context(
+        &mut self,
+        item: Entity<'_>,
+        context: Entity<'_>,
+        color: ColorStyle,
+    ) -> Result<(), Refusal> {
+        if is_face(item) {
+            return Err(item.refuse("a single face has a colour of its own in one occurrence"));
+        }
+        if *self.contexts.entry(context.id()).or_insert(color) != color {
+            return Err(context.refuse("the occurrence has several colours"));
         }
         Ok(())
     }

@@ -112,3 +112,28 @@ fn style_that_cannot_be_read_is_reported() {
     let note = file.report.repairs.notes()[0].to_string();
     assert_eq!(note, "#30: #305: the colour \"mauve\" is unknown; the style is left out");
 }
+
+/// The part 300 of the products 100 with an occurrence 400, and a representation 500 that stands for it.
+const OCCURRENCE: &str = "#300=PRODUCT_DEFINITION('','',$,$);#301=PRODUCT_DEFINITION_SHAPE('','',#300);
+    #302=SHAPE_DEFINITION_REPRESENTATION(#301,#25);#310=PRODUCT_DEFINITION('','',$,$);
+    #400=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#310,#300,$);#401=PRODUCT_DEFINITION_SHAPE('','',#400);
+    #402=SHAPE_DEFINITION_REPRESENTATION(#401,#500);#500=SHAPE_REPRESENTATION('',(),#910);
+    #410=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#411,#401);#411=(REPRESENTATION_RELATIONSHIP('','',#25,#25)
+    REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#412)SHAPE_REPRESENTATION_RELATIONSHIP());
+    #412=ITEM_DEFINED_TRANSFORMATION('','',#11,#11);#40=STYLED_ITEM('',(#100),#24);";
+
+#[test]
+fn style_in_the_context_of_an_occurrence_is_that_of_the_occurrence() {
+    let by_context =
+        "#41=OVER_RIDING_STYLED_ITEM('',(#42),#24,#40);#42=PRESENTATION_STYLE_BY_CONTEXT((#201),#500);";
+    let item = "#41=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),#24,#40,(#410));";
+    for data in [by_context, item] {
+        let file = read_styles(&format!("{OCCURRENCE}{data}"));
+        assert_eq!(file.report.repairs.notes(), []);
+        assert_eq!(rgb(file.model.parts[0].bodies[0].style), ORANGE);
+        assert_eq!(rgb(file.model.parts[1].occurrences[0].style), BLUE);
+    }
+    let face = by_context.replace("#24", "#21");
+    let file = read_styles(&format!("{OCCURRENCE}{face}"));
+    assert_eq!((file.report.repairs.count(), file.model.parts[1].occurrences[0].style), (1, None));
+}
