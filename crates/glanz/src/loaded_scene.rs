@@ -2,6 +2,8 @@
 
 use std::fmt::{self, Write};
 
+#[cfg(feature = "formats")]
+use glanz_formats::step::CadReport;
 use glanz_job::ContentHash;
 use glanz_scene::studio::{StudioSettings, add_studio};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Scene, SceneWarning, Severity};
@@ -28,6 +30,8 @@ pub struct LoadedScene {
     strict: bool,
     /// Of a model to which no studio has been added yet.
     studio: Option<StudioSettings>,
+    #[cfg(feature = "formats")]
+    cad: Option<CadReport>,
 }
 
 impl LoadedScene {
@@ -43,13 +47,24 @@ impl LoadedScene {
             diagnostics: Diagnostics::default(),
             strict: false,
             studio: None,
+            #[cfg(feature = "formats")]
+            cad: None,
         }
     }
 
     #[cfg(feature = "formats")]
     pub(crate) fn from_loaded(name: String, loaded: glanz_formats::Loaded, strict: bool) -> Self {
-        let glanz_formats::Loaded { description, diagnostics, content_hash, sources, studio } = loaded;
-        Self { name, description, content_hash: Some(content_hash), sources, diagnostics, strict, studio }
+        let glanz_formats::Loaded { description, diagnostics, content_hash, sources, studio, cad } = loaded;
+        Self {
+            name,
+            description,
+            content_hash: Some(content_hash),
+            sources,
+            diagnostics,
+            strict,
+            studio,
+            cad,
+        }
     }
 
     /// Whether a part of the scene that has to be repaired or left out is an error, also when the scene is resolved.
@@ -114,6 +129,13 @@ impl LoadedScene {
     #[must_use]
     pub fn diagnostics(&self) -> &Diagnostics {
         &self.diagnostics
+    }
+
+    /// Of a CAD file, the outcome for each of its faces.
+    #[cfg(feature = "formats")]
+    #[must_use]
+    pub fn cad(&self) -> Option<&CadReport> {
+        self.cad.as_ref()
     }
 
     /// Content hash of the scene: of the bytes of its files, or of its description.
