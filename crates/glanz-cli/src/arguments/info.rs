@@ -8,12 +8,15 @@ use super::common::Strictness;
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArguments {
-    /// Scene file in pbrt's language (v3 or v4), model: .ply, .rib, or photometric file: .ies, .ldt
+    /// Scene file in pbrt's language (v3 or v4), model: .step, .ply, .rib, or photometric file: .ies, .ldt
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
     /// Draw the candela distribution of a photometric file: polar plot, .svg
     #[arg(long, value_name = "SVG", value_hint = ValueHint::FilePath)]
     pub(crate) plot: Option<PathBuf>,
+    /// Of a CAD file, list every repair and everything that is left out, with entity numbers
+    #[arg(short, long)]
+    pub(crate) verbose: bool,
     #[command(flatten)]
     pub(crate) strictness: Strictness,
     /// Print one JSON object

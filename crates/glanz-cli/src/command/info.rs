@@ -9,6 +9,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;
+use crate::command::cad::CadSummary;
 use crate::command::luminaire;
 use crate::command_error::command_error;
 use crate::notes::note_warning;
@@ -38,6 +39,9 @@ struct InfoReport {
     sampler: String,
     samples_per_pixel: u32,
     warnings: Vec<String>,
+    /// Of a CAD file, the outcome for each of its faces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cad: Option<CadSummary>,
 }
 
 #[derive(Serialize)]
@@ -65,6 +69,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
     let (textures, images) = (description.textures.len(), description.images.len());
     let (resolution, files) = (description.film.resolution, description.files.clone());
     let integrator = description.integrator.name.clone();
+    let cad = scene.cad().map(CadSummary::from);
     let sampler = description.sampler.clone();
     let (scene, resolved) = scene.resolve().map_err(command_error(messages))?;
     for warning in resolved {
@@ -90,11 +95,13 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
         sampler: sampler.name,
         samples_per_pixel: sampler.samples_per_pixel,
         warnings,
+        cad,
     };
     if arguments.json {
         report::print(&report)?
     } else {
-        report::print_text(&text(&report))?
+        let cad = report.cad.as_ref().map(|cad| cad.text(arguments.verbose)).unwrap_or_default();
+        report::print_text(&(text(&report) + &cad))?
     }
     Ok(CommandOutcome::Done)
 }

@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub(crate) mod bake;
+mod cad;
 pub(crate) mod compare;
 pub(crate) mod demo;
 pub(crate) mod illuminate;
