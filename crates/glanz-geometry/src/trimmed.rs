@@ -30,6 +30,18 @@ impl Surface {
     }
 }
 
+impl Surface {
+    /// The region that trims the surface, if one does.
+    #[must_use]
+    pub fn trim_region(&self) -> Option<&Arc<TrimRegion>> {
+        match self {
+            Self::Trimmed(trimmed) => Some(&trimmed.region),
+            Self::Freeform(freeform) => freeform.region(),
+            _ => None,
+        }
+    }
+}
+
 impl Trimmed {
     /// The surface without trimming.
     #[must_use]

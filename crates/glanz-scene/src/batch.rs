@@ -96,8 +96,10 @@ impl Scene {
         }
         occluded.resize(rays.len(), false);
         SceneBatchMemory::with(|memory| {
-            let SceneBatchMemory { all, open, local, occluded: local_occluded, .. } = memory;
-            let mut search = AnySearch { scene: self, group, rays, occluded, local, local_occluded, open };
+            let SceneBatchMemory { all, open, local, hits: local_hits, occluded: local_occluded, .. } =
+                memory;
+            let mut search =
+                AnySearch { scene: self, group, rays, occluded, local, local_hits, local_occluded, open };
             if !group.unbounded.is_empty() {
                 all.clear();
                 all.extend(0..rays.len() as u32);
@@ -137,9 +139,11 @@ impl ClosestSearch<'_> {
                 let object = &self.group.objects[index as usize];
                 self.gather(ids, |ray| object.local(ray));
                 object.closest_batch(self.local, self.local_hits);
-                for (&id, hit) in ids.iter().zip(self.local_hits.iter()) {
+                for ((&id, hit), local) in ids.iter().zip(self.local_hits.iter()).zip(self.local.iter()) {
+                    let ray = &self.rays[id as usize].ray;
+                    let hit = hit.and_then(|hit| self.group.accepted_hit(index, ray, local.t_max, hit));
                     if let Some(hit) = hit {
-                        self.nearest[id as usize].offer(SceneHit::new(*hit, index), number);
+                        self.nearest[id as usize].offer(SceneHit::new(hit, index), number);
                     }
                 }
             }
@@ -186,6 +190,7 @@ struct AnySearch<'a> {
     rays: &'a [BoundedRay],
     occluded: &'a mut [bool],
     local: &'a mut Vec<BoundedRay>,
+    local_hits: &'a mut Vec<Option<Hit>>,
     local_occluded: &'a mut Vec<bool>,
     /// Rays of the list in hand that have not hit anything.
     open: &'a mut Vec<u32>,
@@ -209,7 +214,17 @@ impl AnySearch<'_> {
             Primitive::Object(index) => {
                 let object = &group.objects[index as usize];
                 self.gather(|ray| object.local(ray));
-                object.occluded_batch(self.local, self.local_occluded);
+                if object.has_optional_hits() && !object.passable {
+                    object.closest_batch(self.local, self.local_hits);
+                    let stops = |(&id, hit): (&u32, &Option<Hit>)| {
+                        let BoundedRay { ray, t_max } = &self.rays[id as usize];
+                        hit.and_then(|hit| group.accepted_hit(index, ray, *t_max, hit)).is_some()
+                    };
+                    self.local_occluded.clear();
+                    self.local_occluded.extend(self.open.iter().zip(self.local_hits.iter()).map(stops));
+                } else {
+                    object.occluded_batch(self.local, self.local_occluded);
+                }
             }
             Primitive::Instance(index) => {
                 let instance = &group.instances[index as usize];

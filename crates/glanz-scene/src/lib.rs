@@ -20,6 +20,7 @@ mod receiver;
 mod resolve;
 mod scene;
 mod section;
+mod solid;
 mod statistics;
 pub mod studio;
 

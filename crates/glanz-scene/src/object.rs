@@ -36,6 +36,8 @@ pub struct SceneObject {
     /// The shapes that the surface was joined from, by ascending faces; `None` if it is one shape.
     shapes: Option<Arc<[JoinedShape]>>,
     pub(crate) light: Option<LightId>,
+    /// The solid of its group that it bounds.
+    pub(crate) solid: Option<u32>,
     /// Whether it is an interface, which light passes.
     pub(crate) passable: bool,
 }
@@ -43,7 +45,7 @@ pub struct SceneObject {
 impl SceneObject {
     pub(crate) fn new(surface: Surface, to_parent: Transform, attributes: ShapeAttributes) -> Self {
         let to_parent = (to_parent != Transform::IDENTITY).then_some(to_parent);
-        Self { surface, to_parent, attributes, shapes: None, light: None, passable: false }
+        Self { surface, to_parent, attributes, shapes: None, light: None, solid: None, passable: false }
     }
 
     /// Several shapes as one surface.
@@ -78,10 +80,14 @@ impl SceneObject {
             .collect()
     }
 
-    /// The same object in the frame of an outer group.
+    /// The same object in the frame of an outer group, where it bounds no solid.
     pub(crate) fn placed(&self, to_outer: &Transform) -> Self {
         let to_parent = to_outer.after(&self.to_parent.unwrap_or_default());
-        Self { to_parent: (to_parent != Transform::IDENTITY).then_some(to_parent), ..self.clone() }
+        Self {
+            to_parent: (to_parent != Transform::IDENTITY).then_some(to_parent),
+            solid: None,
+            ..self.clone()
+        }
     }
 
     /// The surface in its own frame.
@@ -114,6 +120,11 @@ impl SceneObject {
             Some(to_parent) => to_parent.bounds(&bounds),
             None => bounds,
         }
+    }
+
+    /// Whether hits in the border of a trimming curve count only if the solid has a border there.
+    pub(crate) fn has_optional_hits(&self) -> bool {
+        self.solid.is_some() && self.surface.trim_region().is_some()
     }
 
     /// The ray in the frame of the surface.

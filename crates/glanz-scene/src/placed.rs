@@ -113,11 +113,7 @@ impl PlacedSurface<'_> {
     /// Whether trimming cuts a part of it away.
     #[must_use]
     pub fn is_trimmed(&self) -> bool {
-        match self.surface() {
-            Surface::Trimmed(_) => true,
-            Surface::Freeform(freeform) => freeform.is_trimmed(),
-            _ => false,
-        }
+        self.surface().trim_region().is_some()
     }
 
     /// Its bounding box in the world.

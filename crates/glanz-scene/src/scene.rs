@@ -208,7 +208,7 @@ impl Scene {
     pub(crate) fn visit(&self, group: &SceneGroup, number: usize, ray: &Ray, nearest: &mut NearestHit) {
         let found = match group.primitive(number) {
             Primitive::Object(object) => {
-                let hit = group.objects[object as usize].intersect(ray, nearest.end());
+                let hit = group.object_hit(object, ray, nearest.end());
                 hit.map(|hit| SceneHit::new(hit, object))
             }
             Primitive::Instance(index) => {
@@ -241,7 +241,7 @@ impl Scene {
         t_max: f64,
     ) -> bool {
         match primitive {
-            Primitive::Object(object) => group.objects[object as usize].occluded(ray, t_max),
+            Primitive::Object(object) => group.is_stopped_by_object(object, ray, t_max),
             Primitive::Instance(index) => {
                 let instance = &group.instances[index as usize];
                 let local = instance.to_parent.inverse().ray(ray);

@@ -73,7 +73,10 @@ impl GroupResolver {
             let kind = SceneErrorKind::ReceiverInGroup(name.clone());
             return Err(SceneError { location: *location, kind });
         }
-        let (objects, emitters, instances, depth) = self.parts(description, index, warnings)?;
+        let (mut objects, emitters, instances, depth) = self.parts(description, index, warnings)?;
+        // Copies of what emits light are added to the world.
+        let open: Vec<u32> = emitters.iter().filter_map(|emitter| emitter.object.solid).collect();
+        release_solids(&mut objects, &open);
         self.groups.push(self.build(objects, instances));
         self.emitters.push(emitters);
         self.depths.push(depth);
@@ -137,13 +140,13 @@ impl GroupResolver {
         warnings: &mut WarningList,
     ) -> Result<(Vec<SceneObject>, Vec<EmissiveObject>, Vec<Instance>, usize), SceneError> {
         let mut objects = Vec::with_capacity(description.shapes.len());
-        let mut emitters = Vec::new();
+        let (mut emitters, mut open) = (Vec::new(), Vec::new());
         for mut shape in description.shapes {
             let id = self.next_id;
             self.next_id = self.next_id.wrapping_add(1);
             reference("material", shape.material, self.passable.len(), shape.location)?;
             let passable = self.passable[shape.material];
-            let (location, emission) = (shape.location, shape.emission.take());
+            let (location, emission, solid) = (shape.location, shape.emission.take(), shape.solid);
             let receiver = shape.receiver.take().map(|r| NamedReceiver::try_new(r, id)).transpose()?;
             let mut made = shape::objects(shape, id, warnings)?;
             let measures = receiver.is_some();
@@ -151,6 +154,7 @@ impl GroupResolver {
             for object in &mut made {
                 check_extent(&object.bounds(), location)?;
                 object.passable = passable;
+                object.solid = solid;
             }
             match emission {
                 Some(emission) => {
@@ -163,7 +167,7 @@ impl GroupResolver {
                     }));
                 }
                 // An interface that neither emits nor measures light has no effect.
-                None if passable && !measures => {}
+                None if passable && !measures => open.extend(solid),
                 None => objects.extend(made),
             }
         }
@@ -189,6 +193,8 @@ impl GroupResolver {
             check_extent(&instance_bounds(&self.groups[group], &to_parent), location)?;
             instances.push(Instance { group, to_parent });
         }
+        release_solids(&mut objects, &open);
+        release_solids(emitters.iter_mut().map(|emitter| &mut emitter.object), &open);
         Ok((join_small_meshes(objects), emitters, instances, depth))
     }
 
@@ -218,6 +224,13 @@ impl GroupResolver {
             placed_before.push(placed_before.last().copied().unwrap_or_default() + inner);
         }
         SceneGroup { objects, instances, bounded, unbounded, bvh, placed_before, section: None }
+    }
+}
+
+/// Makes objects of these solids bound none: a part of the boundary is missing.
+fn release_solids<'a>(objects: impl IntoIterator<Item = &'a mut SceneObject>, open: &[u32]) {
+    for object in objects {
+        object.solid = object.solid.filter(|solid| !open.contains(solid));
     }
 }
 

@@ -42,6 +42,7 @@ fn joinable(mesh: &Mesh, object: &SceneObject) -> bool {
     mesh.indices().len() <= LARGEST
         && object.to_parent().is_none()
         && object.light.is_none()
+        && object.solid.is_none()
         && object.shape_count() == 1
 }
 

@@ -9,3 +9,4 @@ mod photometric;
 mod receivers;
 mod scene;
 mod section;
+mod solids;

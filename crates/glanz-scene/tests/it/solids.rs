@@ -1,0 +1,431 @@
+//! Solids whose trimming curves agree with their edges up to a width: no ray slips through, and each enters and leaves in turns.
+
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+use glanz_geometry::BoundedRay;
+use glanz_math::{DMat4, DVec2, DVec3, Ray};
+use glanz_sampling::hash::{combine, unit_f64};
+use glanz_scene::description::*;
+use glanz_scene::{Scene, SceneBuilder};
+
+/// Half side of the cube, radius and half height of the cylinder, metres.
+const HALF: f64 = 0.5;
+
+/// Half side of the surfaces that are trimmed.
+const REACH: f64 = 0.7;
+
+/// Cosine of an angle at which a line runs along a face: within rounding of it, rounding decides whether the line is above or below.
+const GRAZING: f64 = 1e-5;
+
+/// Numbers that depend on a seed.
+struct Random {
+    seed: u64,
+    count: u64,
+}
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        Self { seed, count: 0 }
+    }
+
+    /// From -1 to 1.
+    fn next(&mut self) -> f64 {
+        self.count += 1;
+        2.0 * unit_f64(combine(self.seed, self.count)) - 1.0
+    }
+
+    fn vector(&mut self) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next())
+    }
+
+    /// One of `count`.
+    fn index(&mut self, count: usize) -> usize {
+        (0.5 * (self.next() + 1.0) * count as f64) as usize % count
+    }
+}
+
+/// How trimming curves deviate from the edges, within their width.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Deviation {
+    None,
+    /// Faces too small: slits.
+    Inwards,
+    /// Faces too large: overlaps.
+    Outwards,
+    /// Every point of a curve to another side.
+    Random,
+}
+
+const DEVIATIONS: [Deviation; 4] =
+    [Deviation::None, Deviation::Inwards, Deviation::Outwards, Deviation::Random];
+
+impl Deviation {
+    /// A deviation outwards of at most `most`.
+    fn distance(self, most: f64, random: &mut Random) -> f64 {
+        match self {
+            Self::None => 0.0,
+            Self::Inwards => -most * random.next().abs(),
+            Self::Outwards => most * random.next().abs(),
+            Self::Random => most * random.next(),
+        }
+    }
+}
+
+/// A polyline of the given width through `points` about the middle of a square from -REACH to REACH.
+fn polyline(points: &[DVec2], width: f64) -> TrimCurveDescription {
+    let count = points.len() - 1;
+    let inner = (0..=count).map(|i| i as f64);
+    let knots = std::iter::once(0.0).chain(inner).chain([count as f64]).collect();
+    let point = |p: &DVec2| [(p.x + REACH) / (2.0 * REACH), (p.y + REACH) / (2.0 * REACH), 1.0];
+    TrimCurveDescription { degree: 1, knots, points: points.iter().map(point).collect(), width: Some(width) }
+}
+
+/// The square from -HALF to HALF by four curves that deviate from its sides by less than `width`.
+fn square(width: f64, deviation: Deviation, random: &mut Random) -> TrimDescription {
+    let outwards = [DVec2::NEG_Y, DVec2::X, DVec2::Y, DVec2::NEG_X];
+    let mut corner = |k: usize| {
+        let (a, b) = (outwards[(k + 3) % 4], outwards[k]);
+        HALF * (a + b)
+            + deviation.distance(0.6 * width, random) * a
+            + deviation.distance(0.6 * width, random) * b
+    };
+    let corners: Vec<DVec2> = (0..4).map(&mut corner).collect();
+    let mut curves = Vec::new();
+    for k in 0..4 {
+        let (start, end) = (corners[k], corners[(k + 1) % 4]);
+        let mut points = vec![start];
+        for i in 1..7 {
+            let middle = start.lerp(end, f64::from(i) / 7.0);
+            let side = HALF + deviation.distance(0.95 * width, random);
+            points.push(middle + outwards[k] * (side - middle.dot(outwards[k])));
+        }
+        points.push(end);
+        curves.push(polyline(&points, width));
+    }
+    metric(vec![TrimLoopDescription { curves }], DVec2::splat(2.0 * REACH))
+}
+
+fn metric(loops: Vec<TrimLoopDescription>, scale: DVec2) -> TrimDescription {
+    TrimDescription { loops, scale: scale.to_array(), domain: Some([[0.0; 2], [1.0; 2]]) }
+}
+
+/// A disk of radius HALF by a polygon that deviates by less than `width`.
+fn disk(width: f64, deviation: Deviation, random: &mut Random) -> TrimDescription {
+    let count = 200;
+    let mut points: Vec<DVec2> = (0..count)
+        .map(|i| {
+            let radius = HALF + deviation.distance(0.8 * width, random);
+            radius * DVec2::from_angle(TAU * f64::from(i) / f64::from(count))
+        })
+        .collect();
+    points.push(points[0]);
+    // The middle of a chord is 6.2e-5 nearer to the centre.
+    let curves = vec![polyline(&points, width + 7e-5)];
+    metric(vec![TrimLoopDescription { curves }], DVec2::splat(2.0 * REACH))
+}
+
+/// The part from -HALF to HALF of a cylinder from -REACH to REACH, by curves that go once around and beyond the ends of u.
+fn band(width: f64, deviation: Deviation, random: &mut Random) -> TrimDescription {
+    let mut around = |outwards: f64| -> Vec<DVec2> {
+        let v = |random: &mut Random| {
+            0.5 + outwards * (HALF + deviation.distance(0.95 * width, random)) / (2.0 * REACH)
+        };
+        let heights: Vec<f64> = (0..40).map(|_| v(random)).collect();
+        let point = |i: i32| DVec2::new(f64::from(i) / 40.0, heights[i.rem_euclid(40) as usize]);
+        (-10..=50).map(point).collect()
+    };
+    let (low, mut high) = (around(-1.0), around(1.0));
+    high.reverse();
+    let curve = |points: &[DVec2], width| {
+        let points: Vec<DVec2> = points.iter().map(|p| (2.0 * *p - 1.0) * REACH).collect();
+        polyline(&points, width)
+    };
+    let ends = [[low[60], high[0]], [high[60], low[0]]];
+    let curves = vec![curve(&low, width), curve(&ends[0], 0.0), curve(&high, width), curve(&ends[1], 0.0)];
+    metric(vec![TrimLoopDescription { curves }], DVec2::new(TAU * HALF, 2.0 * REACH))
+}
+
+/// A square of half side REACH in the plane z = 0, as a plane or as a spline surface.
+fn sheet(is_spline: bool) -> ShapeDescription {
+    if !is_spline {
+        return ShapeDescription::rectangle([-REACH, REACH], [-REACH, REACH]);
+    }
+    let at = |i: usize| (2.0 * i as f64 / 3.0 - 1.0) * REACH;
+    let points = (0..16).map(|k| [at(k / 4), at(k % 4), 0.0, 1.0]).collect();
+    let knots = || vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+    GeometryDescription::Nurbs(NurbsDescription {
+        degree_u: 3,
+        degree_v: 3,
+        knots_u: knots(),
+        knots_v: knots(),
+        points,
+        domain: None,
+    })
+    .into()
+}
+
+/// A sheet moved along +z by HALF and turned to the side of the cube with this number.
+fn side(shape: ShapeDescription, number: usize) -> ShapeDescription {
+    let normal = DVec3::AXES[number / 2] * if number.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let x = normal.any_orthonormal_vector();
+    let map = glanz_math::DMat3::from_cols(x, normal.cross(x), normal);
+    shape.translated([0.0, 0.0, HALF]).transformed(DMat4::from_mat3(map))
+}
+
+/// A cube and a cylinder, by the same faces with and without a number of their solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Cube,
+    SplineCube,
+    Cylinder,
+}
+
+const FORMS: [Form; 3] = [Form::Cube, Form::SplineCube, Form::Cylinder];
+
+impl Form {
+    fn faces(self, width: f64, deviation: Deviation, seed: u64) -> Vec<ShapeDescription> {
+        let random = &mut Random::new(seed);
+        match self {
+            Self::Cylinder => {
+                let wall = ShapeDescription::cylinder(HALF, [-REACH, REACH]);
+                let mut faces = vec![wall.trimmed(band(width, deviation, random))];
+                faces.extend([4, 5].map(|k| side(sheet(false).trimmed(disk(width, deviation, random)), k)));
+                faces
+            }
+            _ => (0..6)
+                .map(|k| side(sheet(self == Self::SplineCube).trimmed(square(width, deviation, random)), k))
+                .collect(),
+        }
+    }
+
+    /// The solid, turned, in an instance.
+    fn scene(self, width: f64, deviation: Deviation, seed: u64) -> Scene {
+        let faces = self.faces(width, deviation, seed).into_iter().map(|face| face.bounding(3));
+        SceneBuilder::new()
+            .group("solid", |group| group.shapes(faces, MaterialKind::diffuse(0.5)))
+            .instance("solid", to_world())
+            .resolve()
+            .unwrap()
+            .0
+    }
+
+    /// A point of an edge, or a vertex.
+    fn edge_point(self, random: &mut Random) -> DVec3 {
+        match self {
+            Self::Cylinder => {
+                let around = DVec2::from_angle(TAU * random.next()) * HALF;
+                around.extend(HALF * random.next().signum())
+            }
+            _ => {
+                let mut p = HALF * random.vector().signum();
+                if random.next() < 0.5 {
+                    p[random.index(3)] = HALF * random.next();
+                }
+                p
+            }
+        }
+    }
+
+    /// A point inside, away from the border.
+    fn inner_point(self, random: &mut Random) -> DVec3 {
+        let p = HALF * 0.95 * random.vector();
+        if self == Self::Cylinder { p * DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 1.0) } else { p }
+    }
+}
+
+fn to_world() -> DMat4 {
+    DMat4::from_translation(DVec3::new(3.0, -2.0, 1.0))
+        * DMat4::from_axis_angle(DVec3::new(0.48, 0.6, 0.64), 0.9)
+}
+
+/// A target next to an edge, up to some widths away, or anywhere in the solid.
+fn target(form: Form, width: f64, random: &mut Random) -> DVec3 {
+    target_away(form, &[0.0, 1e-12, 1e-9, 1e-5, width, 3.0 * width], random)
+}
+
+/// A target up to one of these distances away from an edge, or anywhere in the solid.
+fn target_away(form: Form, distances: &[f64], random: &mut Random) -> DVec3 {
+    let away = distances[random.index(distances.len())];
+    match random.index(8) {
+        0 => form.inner_point(random),
+        _ => form.edge_point(random) + away * random.vector(),
+    }
+}
+
+/// Cosine between a ray and the normal at its first hit, less than zero if it enters, and the ray that continues there; `None` if it hits
+/// nothing.
+fn advance(scene: &Scene, ray: &Ray) -> Option<(f64, Ray)> {
+    let at = scene.intersect(ray, f64::INFINITY)?;
+    Some((at.point.normal.dot(ray.direction) / ray.direction.length(), at.spawn(ray.direction)))
+}
+
+/// Number of rays of each test.
+fn count(default: u64) -> u64 {
+    std::env::var("GLANZ_SOLID_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(default)
+}
+
+fn each_case(mut check: impl FnMut(Form, Deviation, f64, &Scene, &mut Random)) {
+    let mut seed = 0;
+    for form in FORMS {
+        for deviation in DEVIATIONS {
+            for width in [1e-3, 1e-6] {
+                seed += 1;
+                let scene = form.scene(width, deviation, seed);
+                check(form, deviation, width, &scene, &mut Random::new(seed + 1000));
+            }
+        }
+    }
+}
+
+#[test]
+fn no_ray_from_inside_escapes() {
+    each_case(|form, deviation, width, scene, random| {
+        for _ in 0..count(4_000) {
+            let origin = to_world().transform_point3(form.inner_point(random));
+            let to = to_world().transform_point3(target(form, width, random));
+            let ray = Ray::new(origin, to - origin);
+            let hit = advance(scene, &ray);
+            assert!(hit.is_some_and(|(cos, _)| cos > 0.0), "{form:?} {deviation:?} {width}: {hit:?} {ray:?}");
+            assert!(scene.occluded(&ray, f64::INFINITY));
+        }
+    });
+}
+
+#[test]
+fn lines_enter_and_leave_in_turns() {
+    each_case(|form, deviation, width, scene, random| {
+        let mut chords = 0;
+        for _ in 0..count(4_000) {
+            let [from, through] = match random.index(2) {
+                // Through one edge, and through two.
+                0 => [5.0 * random.vector(), target(form, width, random)],
+                _ => {
+                    let [a, b] = [target(form, width, random), target(form, width, random)];
+                    [b + (b - a).normalize_or(DVec3::X) * 4.0, a]
+                }
+            };
+            if from.length() < 1.0 {
+                continue;
+            }
+            let is_along_a_face = (through - from).normalize().abs().min_element() < GRAZING;
+            let [from, through] = [from, through].map(|p| to_world().transform_point3(p));
+            let first = Ray::new(from, through - from);
+            let (mut ray, mut sides) = (first, Vec::new());
+            while let Some((cos, next)) = advance(scene, &ray) {
+                sides.push(cos);
+                ray = next;
+            }
+            if is_along_a_face || sides.iter().any(|cos| cos.abs() < GRAZING) {
+                continue;
+            }
+            let alternate = sides.iter().enumerate().all(|(i, cos)| (*cos < 0.0) == i.is_multiple_of(2));
+            let is_even = sides.len().is_multiple_of(2);
+            assert!(alternate && is_even, "{form:?} {deviation:?} {width}: {first:?} {sides:?}");
+            assert_eq!(scene.occluded(&first, f64::INFINITY), !sides.is_empty());
+            chords += usize::from(!sides.is_empty());
+        }
+        assert!(chords as u64 > count(4_000) / 4, "{chords}");
+    });
+}
+
+#[test]
+fn without_a_solid_rays_slip_through_and_meet_faces_twice() {
+    let escapes = |form: Form, deviation, bounding: bool| {
+        let mut random = Random::new(7);
+        let faces = form.faces(1e-3, deviation, 5).into_iter().map(|mut face| {
+            face.solid = bounding.then_some(0);
+            if let (false, Some(trim)) = (bounding, &mut face.trim) {
+                trim.loops.iter_mut().flat_map(|l| &mut l.curves).for_each(|curve| curve.width = None);
+            }
+            face
+        });
+        let (scene, _) = SceneBuilder::new().shapes(faces, MaterialKind::diffuse(0.5)).resolve().unwrap();
+        let escapes = |_: &i32| {
+            let origin = form.inner_point(&mut random);
+            let ray = Ray::new(origin, form.edge_point(&mut random) + 3e-4 * random.vector() - origin);
+            advance(&scene, &ray).is_none()
+        };
+        (0..2000).filter(escapes).count()
+    };
+    for form in FORMS {
+        assert!(escapes(form, Deviation::Inwards, false) > 300, "{form:?}");
+        assert_eq!(escapes(form, Deviation::Inwards, true), 0, "{form:?}");
+    }
+}
+
+#[test]
+fn batches_give_the_hits_of_single_rays() {
+    each_case(|form, deviation, width, scene, random| {
+        let ray = |i: u64| {
+            let to = to_world().transform_point3(target(form, width, random));
+            let from = if i.is_multiple_of(2) { form.inner_point(random) } else { 3.0 * random.vector() };
+            let from = to_world().transform_point3(from);
+            let t_max = [f64::INFINITY, 1.0, 1.0 + 1e-3, 1.0 - 1e-4][i as usize % 4];
+            BoundedRay::new(Ray::new(from, to - from), t_max)
+        };
+        let rays: Vec<BoundedRay> = (0..600).map(ray).collect();
+        let (mut hits, mut occluded) = (Vec::new(), Vec::new());
+        for size in [1, 5, 200] {
+            for part in rays.chunks(size) {
+                scene.closest_batch(part, &mut hits);
+                scene.occluded_batch(part, &mut occluded);
+                for ((BoundedRay { ray, t_max }, hit), &occluded) in part.iter().zip(&hits).zip(&occluded) {
+                    let single = scene.intersect(ray, *t_max);
+                    let hit = hit.map(|hit| scene.interaction(ray, &hit));
+                    assert_eq!(format!("{hit:?}"), format!("{single:?}"), "{form:?} {deviation:?}");
+                    assert_eq!(occluded, single.is_some());
+                    assert_eq!(scene.occluded(ray, *t_max), single.is_some());
+                }
+            }
+        }
+    });
+}
+
+/// The direction behind a surface of glass with this normal, of index 1.5, refracted or totally reflected.
+fn through_glass(direction: DVec3, normal: DVec3) -> DVec3 {
+    let (cos, ratio) = (-direction.dot(normal), if direction.dot(normal) < 0.0 { 1.0 / 1.5 } else { 1.5 });
+    let normal = normal * cos.signum();
+    let sin2 = ratio * ratio * (1.0 - cos * cos);
+    if sin2 < 1.0 {
+        direction * ratio + normal * (ratio * cos.abs() - (1.0 - sin2).sqrt())
+    } else {
+        direction + normal * (2.0 * cos.abs())
+    }
+}
+
+#[test]
+fn paths_through_glass_enter_and_leave_in_turns_at_edges() {
+    each_case(|form, deviation, width, scene, random| {
+        let (mut paths, mut wrong) = (0, 0);
+        for _ in 0..count(2_000) {
+            // Farther from the edges than rounding.
+            let to = target_away(form, &[1e-9, 1e-5, width, 3.0 * width], random);
+            let [from, to] = [to + 3.0 * random.vector(), to].map(|p| to_world().transform_point3(p));
+            let first = Ray::new(from, (to - from).normalize());
+            let (mut ray, mut inside) = (first, false);
+            if (from - to_world().w_axis.truncate()).length() < 1.0 {
+                continue;
+            }
+            paths += 1;
+            // Light may be trapped by total reflection.
+            for _ in 0..30 {
+                let at = scene.intersect(&ray, f64::INFINITY);
+                let enters = at.is_some_and(|at| at.point.normal.dot(ray.direction) < 0.0);
+                let Some(at) = at.filter(|_| enters != inside) else {
+                    wrong += u64::from(inside || at.is_some());
+                    break;
+                };
+                let direction = through_glass(ray.direction, at.point.normal);
+                inside = direction.dot(at.point.normal) < 0.0;
+                ray = at.spawn(direction);
+            }
+        }
+        // Where one face is too large and the other too small, the one that counts is not always that of the true border; only beyond
+        // it, at most a width away, a refracted ray may then leave without meeting another face.
+        let most = if deviation == Deviation::Random { paths / 50 } else { 0 };
+        assert!(
+            wrong <= most && paths > count(2_000) / 2,
+            "{form:?} {deviation:?} {width}: {wrong} of {paths}"
+        );
+    });
+}
