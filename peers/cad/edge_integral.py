@@ -1,0 +1,409 @@
+"""Area of a face from its surface and the 3D curves of its edges alone: no parameter curve of anybody.
+
+Every edge is cut at its knots into panels; the Gauss points of a panel are projected orthogonally onto the surface, in closed form or by
+Newton's method from the point before, and the polynomial through their parameters is the parameter curve; panels are halved until its
+last coefficients are below a tolerance. Ends of consecutive edges are joined by straight segments of the parameters. Green's theorem
+then gives the area as the integral of F(u, v) du (or dv), where F integrates the area element from a base: across the direction in which
+no loop winds. The tolerance falls until the area stands.
+"""
+
+import math
+
+import numpy
+
+from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Curve2d, BRepAdaptor_Surface
+from OCP.collections import Array1_double
+from OCP.GeomAbs import GeomAbs_CN, GeomAbs_Cone, GeomAbs_Cylinder, GeomAbs_Plane, GeomAbs_Sphere, GeomAbs_Torus
+from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
+from OCP.gp import gp_Pnt, gp_Vec
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FORWARD, TopAbs_WIRE
+from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS
+
+from step import METRE, explore
+
+ORDER = 8
+NODES, WEIGHTS = numpy.polynomial.legendre.leggauss(ORDER)
+VANDERMONDE = numpy.linalg.inv(numpy.polynomial.legendre.legvander(NODES, ORDER - 1))
+ENDS = numpy.polynomial.legendre.legvander([-1.0, 1.0], ORDER - 1) @ VANDERMONDE
+SLOPES = numpy.array([numpy.polynomial.legendre.legval(NODES, numpy.polynomial.legendre.legder(column)) for column in VANDERMONDE.T]).T
+
+# Relative change of the area at the last halving.
+ACCURACY = 1e-8
+
+# Evaluations of the surface after which the tolerance falls no more.
+ENOUGH = 1_000_000
+
+# Tolerances of the parameter curves, of the face's size, and halvings of a panel at most.
+TOLERANCES, DEPTH = (1e-6, 1e-8, 1e-9, 1e-10), 30
+
+# Steps of Newton's method, and their relative size at the end.
+STEPS, LAST_STEP = 30, 1e-13
+
+# Distance from the surface, of the diagonal of the edge, beyond which a projection is searched anew on the whole surface.
+LOST = 1e-3
+
+
+class Undecided(Exception):
+    """Why the edges do not give an area."""
+
+
+def breaks(count, fill):
+    array = Array1_double(1, count + 1)
+    fill(array)
+    return [array.Value(i) for i in range(1, count + 2)]
+
+
+def coordinates(point):
+    return numpy.array((point.X(), point.Y(), point.Z()))
+
+
+def straight(start, end):
+    """Parameters (ORDER, 2) of a segment."""
+    return numpy.outer((1 - NODES) / 2, start) + numpy.outer((1 + NODES) / 2, end)
+
+
+class Carrier:
+    """A surface: projections onto it, periods, and integrals of its area element."""
+
+    def __init__(self, face):
+        self.adaptor = surface = BRepAdaptor_Surface(face, False)
+        self.geometry, self.kind, self.evaluations = BRep_Tool.Surface_s(face), surface.GetType(), 0
+        self.point, self.tangents = gp_Pnt(), (gp_Vec(), gp_Vec())
+        self.domain = ((surface.FirstUParameter(), surface.LastUParameter()), (surface.FirstVParameter(), surface.LastVParameter()))
+        closed = (surface.IsUPeriodic() or surface.IsUClosed(), surface.IsVPeriodic() or surface.IsVClosed())
+        self.periods = tuple(last - first if is_closed else 0.0 for (first, last), is_closed in zip(self.domain, closed))
+        self.periodic = surface.IsUPeriodic(), surface.IsVPeriodic()
+        self.elementary = {GeomAbs_Plane: "Plane", GeomAbs_Cylinder: "Cylinder", GeomAbs_Cone: "Cone", GeomAbs_Sphere: "Sphere",
+                           GeomAbs_Torus: "Torus"}.get(self.kind)
+        if self.elementary:
+            self.shape = getattr(surface, self.elementary)()
+            frame = self.shape.Position()
+            self.origin = coordinates(frame.Location())
+            self.axes = numpy.array([coordinates(axis()) for axis in (frame.XDirection, frame.YDirection, frame.Direction)])
+        else:
+            self.knots = (breaks(surface.NbUIntervals(GeomAbs_CN), lambda array: surface.UIntervals(array, GeomAbs_CN)),
+                          breaks(surface.NbVIntervals(GeomAbs_CN), lambda array: surface.VIntervals(array, GeomAbs_CN)))
+
+    def inside(self, value, direction):
+        """The parameter in the domain, of a closed surface that has no period."""
+        if self.periods[direction] and not self.periodic[direction]:
+            return self.domain[direction][0] + (value - self.domain[direction][0]) % self.periods[direction]
+        return value
+
+    def evaluate(self, u, v):
+        self.evaluations += 1
+        self.adaptor.D1(self.inside(u, 0), self.inside(v, 1), self.point, *self.tangents)
+        return self.point, *self.tangents
+
+    def element(self, u, v):
+        _, along_u, along_v = self.evaluate(u, v)
+        return along_u.Crossed(along_v).Magnitude()
+
+    def clipped(self, feet):
+        """The feet (n, 2) on the surface as far as it goes: a spline ends at its last knots."""
+        if self.elementary:
+            return feet
+        limits = [(-math.inf, math.inf) if period else domain for domain, period in zip(self.domain, self.periods)]
+        return numpy.clip(feet, *zip(*limits))
+
+    def near(self, parameters, guess):
+        """The parameters moved by periods to the guess."""
+        return tuple(value + period * round((near - value) / period) if period else value
+                     for value, near, period in zip(parameters, guess, self.periods))
+
+    def project(self, position, guess, lost):
+        """Parameters of the foot of a position (gp_Pnt) near the guess."""
+        if self.elementary:
+            local = self.axes @ (coordinates(position) - self.origin)
+            found = self.project_elementary(*local.tolist())
+        else:
+            found = self.newton(position, guess) if guess else None
+            if found is None or self.distance(position, found) > lost:
+                found = self.search(position, guess)
+        return self.near(found, guess) if guess else found
+
+    def distance(self, position, parameters):
+        return position.Distance(self.evaluate(*parameters)[0])
+
+    def project_elementary(self, x, y, z):
+        angle, radius = math.atan2(y, x), math.hypot(x, y)
+        if self.elementary == "Plane":
+            return x, y
+        if self.elementary == "Cylinder":
+            return angle, z
+        if self.elementary == "Sphere":
+            return angle, math.atan2(z, radius)
+        # Of both generators in the plane of the axis and the position, that which is nearer.
+        both = []
+        if self.elementary == "Torus":
+            major, minor = self.shape.MajorRadius(), self.shape.MinorRadius()
+            for turned, r in ((0.0, radius), (math.pi, -radius)):
+                both.append((abs(math.hypot(r - major, z) - minor), (angle + turned, math.atan2(z, r - major))))
+            return min(both)[1]
+        half, reference = self.shape.SemiAngle(), self.shape.RefRadius()
+        for turned, r in ((0.0, radius), (math.pi, -radius)):
+            along = (r - reference) * math.sin(half) + z * math.cos(half)
+            off = (r - reference) * math.cos(half) - z * math.sin(half)
+            both.append((abs(off), (angle + turned, along)))
+        return min(both)[1]
+
+    def newton(self, position, guess):
+        """Solves for the point whose difference is normal, with the curvature of the surface neglected (the difference is small)."""
+        u, v = guess
+        for _ in range(STEPS):
+            point, along_u, along_v = self.evaluate(u, v)
+            offset = gp_Vec(point, position)
+            uu, uv, vv = along_u.Dot(along_u), along_u.Dot(along_v), along_v.Dot(along_v)
+            right_u, right_v, determinant = offset.Dot(along_u), offset.Dot(along_v), uu * vv - uv * uv
+            if not determinant > 1e-14 * uu * vv:
+                return None
+            step_u, step_v = (vv * right_u - uv * right_v) / determinant, (uu * right_v - uv * right_u) / determinant
+            for_u, for_v = self.limits(step_u, 0), self.limits(step_v, 1)
+            u, v = u + for_u, v + for_v
+            if abs(for_u) <= LAST_STEP * self.width(0) and abs(for_v) <= LAST_STEP * self.width(1):
+                return u, v
+        return u, v
+
+    def width(self, direction):
+        first, last = self.domain[direction]
+        return min(last - first, max(abs(self.knots[direction][0]), abs(self.knots[direction][-1]), 1.0))
+
+    def limits(self, step, direction):
+        most = 0.2 * self.width(direction)
+        return max(-most, min(most, step))
+
+    def search(self, position, guess):
+        projection = GeomAPI_ProjectPointOnSurf(position, self.geometry)
+        if not projection.NbPoints():
+            raise Undecided("a point of an edge has no foot on the surface")
+        feet = [(projection.Distance(i), projection.Parameters(i)) for i in range(1, projection.NbPoints() + 1)]
+        least = min(distance for distance, _ in feet)
+        best = [foot for distance, foot in feet if distance <= 2 * least + 1e-9]
+        best = min(best, key=lambda foot: math.dist(self.near(foot, guess), guess)) if guess else best[0]
+        return self.newton(position, best) or best
+
+    def strip(self, u, v, across, base, pieces):
+        """Integral of the area element from the base to the point, along parameter `across` (0 or 1)."""
+        if self.elementary:
+            return self.strip_elementary(u, v, across, base)
+        at, fixed = (u, v)[across], (u, v)[1 - across]
+        low, high = min(base, at), max(base, at)
+        period = self.periods[across]
+        shifts = range(math.floor((low - self.domain[across][0]) / period), math.floor((high - self.domain[across][0]) / period) + 1) \
+            if period else (0,)
+        cuts = sorted({low, high, *(knot + shift * period for shift in shifts for knot in self.knots[across]
+                                    if low < knot + shift * period < high)})
+        total = 0.0
+        for first, last in zip(cuts, cuts[1:]):
+            half = (last - first) / pieces / 2
+            for piece in range(pieces):
+                centre = first + half * (2 * piece + 1)
+                for node, weight in zip(NODES.tolist(), WEIGHTS.tolist()):
+                    place = centre + half * node
+                    total += half * weight * (self.element(place, fixed) if across == 0 else self.element(fixed, place))
+        return total if at >= base else -total
+
+    def strip_elementary(self, u, v, across, base):
+        if across == 0:
+            return (u - base) * self.density(v)
+        return self.primitive(v) - self.primitive(base)
+
+    def density(self, v):
+        """Area element, which depends on v alone."""
+        shape = self.shape
+        return {"Plane": lambda: 1.0, "Cylinder": lambda: shape.Radius(),
+                "Cone": lambda: abs(shape.RefRadius() + v * math.sin(shape.SemiAngle())),
+                "Sphere": lambda: shape.Radius()**2 * math.cos(v),
+                "Torus": lambda: shape.MinorRadius() * abs(shape.MajorRadius() + shape.MinorRadius() * math.cos(v))}[self.elementary]()
+
+    def primitive(self, v):
+        shape = self.shape
+        if self.elementary == "Plane":
+            return v
+        if self.elementary == "Cylinder":
+            return shape.Radius() * v
+        if self.elementary == "Cone":
+            radius = shape.RefRadius() + v * math.sin(shape.SemiAngle())
+            return radius * abs(radius) / 2 / math.sin(shape.SemiAngle())
+        if self.elementary == "Sphere":
+            return shape.Radius()**2 * math.sin(v)
+        major, minor = shape.MajorRadius(), shape.MinorRadius()
+        # Where a torus meets itself, the distance from the axis changes its sign.
+        change = math.acos(max(-1.0, -major / minor))
+        at_change, half = (minor * (major * angle + minor * math.sin(angle)) for angle in (change, math.pi))
+        turns = round(v / (2 * math.pi))
+        rest = v - 2 * math.pi * turns
+        value = minor * (major * rest + minor * math.sin(rest))
+        if abs(rest) > change:
+            value = math.copysign(2 * at_change, rest) - value
+        return value + turns * 2 * (2 * at_change - half)
+
+    def pole(self, above):
+        """Parameter v of the point that a winding loop encloses."""
+        if self.elementary == "Cone":
+            return -self.shape.RefRadius() / math.sin(self.shape.SemiAngle())
+        if self.elementary not in (None, "Sphere"):
+            raise Undecided("a loop winds around a surface without poles")
+        return self.domain[1][1 if above else 0]
+
+    def total(self):
+        """Area of a surface without boundary."""
+        if self.elementary == "Sphere":
+            return 4 * math.pi * self.shape.Radius()**2
+        if self.elementary == "Torus":
+            return 2 * math.pi * (self.primitive(2 * math.pi) - self.primitive(0.0))
+        return None
+
+
+class Segment:
+    """An edge as it is passed in its loop."""
+
+    def __init__(self, shape, face):
+        self.edge, self.face = TopoDS.Edge(shape), face
+        self.forward = shape.Orientation() == TopAbs_FORWARD
+        self.degenerate = BRep_Tool.Degenerated_s(self.edge)
+        if not self.degenerate:
+            curve = self.curve = BRepAdaptor_Curve(self.edge)
+            if not curve.Is3DCurve():
+                raise Undecided("an edge has no 3D curve")
+            cuts = breaks(curve.NbIntervals(GeomAbs_CN), lambda array: curve.Intervals(array, GeomAbs_CN))
+            self.cuts = cuts if self.forward else cuts[::-1]
+            self.start, self.end = (coordinates(curve.Value(cut)) for cut in (self.cuts[0], self.cuts[-1]))
+
+    def jump(self):
+        """Change of the parameters along an edge that is a point of the surface."""
+        curve = BRepAdaptor_Curve2d(self.edge, self.face)
+        first, last = curve.Value(curve.FirstParameter()), curve.Value(curve.LastParameter())
+        sign = 1 if self.forward else -1
+        return sign * (last.X() - first.X()), sign * (last.Y() - first.Y())
+
+    def positions(self, first, last):
+        centre, half = (first + last) / 2, (last - first) / 2
+        return [self.curve.Value(centre + half * node) for node in NODES.tolist()]
+
+
+def ordered(segments):
+    """The segments in the order in which each begins where the one before ends."""
+    def gaps(chain):
+        real = [segment for segment in chain if not segment.degenerate]
+        return sum(math.dist(one.end, other.start) for one, other in zip(real, real[1:] + real[:1]))
+    return min(segments, segments[::-1], key=gaps)
+
+
+class EdgeIntegral:
+    """Area of a face in mm2; `stray` and `gap` are the largest distances of its edges from the surface and from each other, mm."""
+
+    def __init__(self, face, bounded=True):
+        self.bounded = bounded
+        self.face = TopoDS.Face(face.Located(TopLoc_Location()).Oriented(TopAbs_FORWARD))
+        self.carrier, self.stray, self.gap = Carrier(self.face), 0.0, 0.0
+        self.loops = [ordered([Segment(edge, self.face) for edge in explore(wire, TopAbs_EDGE)])
+                      for wire in explore(self.face, TopAbs_WIRE)]
+        for loop in self.loops:
+            real = [segment for segment in loop if not segment.degenerate]
+            self.gap = max([self.gap, *(math.dist(one.end, other.start) for one, other in zip(real, real[1:] + real[:1]))])
+        points = [coordinates(point) for loop in self.loops for segment in loop if not segment.degenerate
+                  for first, last in zip(segment.cuts, segment.cuts[1:]) for point in segment.positions(first, last)]
+        if not points:
+            raise Undecided("the face has no edges")
+        self.size = float(numpy.linalg.norm(numpy.ptp(points, axis=0)))
+
+    def converged(self, accuracy=ACCURACY):
+        """Area and its relative change at the last halving."""
+        area, change = None, math.inf
+        for pieces, tolerance in enumerate(TOLERANCES, 1):
+            finer = self.area(tolerance, pieces)
+            change = abs(finer - area) / abs(finer) if area is not None and finer else math.inf
+            area = finer
+            if change <= accuracy or self.carrier.evaluations > ENOUGH:
+                break
+        return area, change
+
+    def area(self, tolerance, pieces):
+        paths = [self.path(loop, tolerance) for loop in self.loops if any(not segment.degenerate for segment in loop)]
+        windings = [path[1] for path in paths]
+        if any(w[0] for w in windings) and any(w[1] for w in windings):
+            raise Undecided("loops wind in both directions")
+        across = 0 if any(w[1] for w in windings) else 1
+        rest = sum(w[1 - across] for w in windings)
+        base = paths[0][0][0][0][0][across]
+        if rest:
+            if across == 0:
+                raise Undecided("loops wind in v alone")
+            base = self.carrier.pole(rest > 0)
+        # Counterclockwise, the area is the integral of (integral du) dv and of -(integral dv) du.
+        area = (1 if across == 0 else -1) * sum(
+            weight * slope[1 - across] * self.carrier.strip(*at, across, base, pieces)
+            for path, _ in paths for nodes, slopes, weights in path for at, slope, weight in zip(nodes, slopes, weights)
+            if slope[1 - across])
+        if area < 0 and not rest:
+            total = self.carrier.total()
+            if total is None and any(w[1 - across] for w in windings):
+                raise Undecided("the area is negative")
+            return area + total if total is not None else -area
+        return abs(area)
+
+    def path(self, loop, tolerance):
+        """Nodes, slopes and weights of the parameter curves of a loop, and how often it winds."""
+        rows, guess, start, jump = [], None, None, (0.0, 0.0)
+        for segment in loop:
+            if segment.degenerate:
+                jump = tuple(x + y for x, y in zip(jump, segment.jump()))
+                continue
+            at = tuple(x + y for x, y in zip(guess, jump)) if guess else None
+            panels = self.panels(segment, at, tolerance * self.size)
+            for feet in panels:
+                begin, end = ENDS @ feet
+                if start is None:
+                    start = begin
+                else:
+                    rows.append(self.row(straight(guess, begin)))
+                rows.append(self.row(feet))
+                guess = tuple(end.tolist())
+            jump = (0.0, 0.0)
+        reached = [x + y for x, y in zip(guess, jump)]
+        winding = [round((x - s) / period) if period else 0 for x, s, period in zip(reached, start, self.carrier.periods)]
+        rows.append(self.row(straight(guess, [s + w * period for s, w, period in zip(start, winding, self.carrier.periods)])))
+        return rows, winding
+
+    def panels(self, segment, guess, tolerance):
+        """Parameters (ORDER, 2) of the feet of each panel of an edge."""
+        result = []
+        open_panels = [(first, last, 0) for first, last in zip(segment.cuts, segment.cuts[1:])][::-1]
+        while open_panels:
+            first, last, depth = open_panels.pop()
+            feet, at, positions = [], guess, segment.positions(first, last)
+            for position in positions:
+                at = self.carrier.project(position, at, LOST * self.size)
+                feet.append(at)
+            feet = numpy.array(feet)
+            if self.bounded:
+                feet = self.carrier.clipped(feet)
+            tail = numpy.abs((VANDERMONDE @ feet)[-2:]).max(0)
+            _, along_u, along_v = self.carrier.evaluate(*feet[ORDER // 2].tolist())
+            if not tail[0] * along_u.Magnitude() + tail[1] * along_v.Magnitude() <= tolerance:
+                if depth < DEPTH:
+                    middle = (first + last) / 2
+                    open_panels += [(middle, last, depth + 1), (first, middle, depth + 1)]
+                    continue
+                # The foot jumps.
+                result += [straight(one, other) for one, other in zip(feet, feet[1:])]
+            else:
+                result.append(feet)
+            self.stray = max(self.stray, *map(self.carrier.distance, positions, feet.tolist()))
+            guess = tuple((ENDS[1] @ feet).tolist())
+        return result
+
+    @staticmethod
+    def row(feet):
+        return feet.tolist(), (SLOPES @ feet).tolist(), WEIGHTS.tolist()
+
+
+def area_from_edges(face):
+    """Of a face: area (m2), area on the surface with its splines continued beyond their ends, relative error, distance of the edges from
+    the surface and gap between them (m)."""
+    bounded, extended = EdgeIntegral(face), EdgeIntegral(face, False)
+    area, change = bounded.converged()
+    return area * METRE**2, extended.converged()[0] * METRE**2, change, bounded.stray * METRE, bounded.gap * METRE
