@@ -206,3 +206,15 @@ fn faces_beside_an_edge_extend_by_what_both_stray_from_it() {
         assert!((1e-6..2.1e-6).contains(&width), "{width}");
     }
 }
+
+#[test]
+fn a_face_whose_edges_are_elsewhere_is_refused() {
+    let mut model = ModelBuilder::default();
+    let rim = model.circle(1.0, 0.5);
+    model.face(FaceSurface::Plane(WORLD), true, &[(rim, true)]);
+    let refused = trimmed_faces(&model.0).faces.remove(0).unwrap_err();
+    assert!(
+        matches!(refused, FaceRefusal::StrayingEdge { edge: EntityId(1000), distance } if distance >= 0.5),
+        "{refused}"
+    );
+}

@@ -1,6 +1,7 @@
 //! From faces and edges to trimmed surfaces.
 
 use glanz_math::{Bounds3, DMat4, DVec2, DVec3};
+use rayon::prelude::*;
 use thiserror::Error;
 
 use super::geometry::{FaceGeometry, metric, placed};
@@ -105,6 +106,14 @@ pub enum FaceRefusal {
         /// Reason.
         error: BrepError,
     },
+    /// An edge is far from its surface.
+    #[error("edge {edge} is {distance} m off its surface")]
+    StrayingEdge {
+        /// The edge.
+        edge: EntityId,
+        /// Its largest distance, metres.
+        distance: f64,
+    },
     /// Its boundary does not close.
     #[error("{0}")]
     Boundary(#[from] BoundaryError),
@@ -125,6 +134,9 @@ pub struct TrimmedFaces {
 /// Part of the size of a face up to which gaps in its boundary are bridged.
 const BRIDGED: f64 = 0.02;
 
+/// Part of the size of a face up to which its edges may be off its surface.
+const STRAYING: f64 = 0.05;
+
 /// Width of the overlap at edges that lie exactly on both surfaces, relative to the size of the face: the rounding of parameters.
 const ROUNDING: f64 = 1e-11;
 
@@ -134,17 +146,17 @@ const ACCURACY: f64 = 1e-7;
 /// Largest ratio by which the width of a curve grows where parameters are dense, as near a pole.
 const MAX_STRETCH: f64 = 1e3;
 
-/// The trimmed faces of a model.
+/// The trimmed faces of a model. They do not depend on the number of threads.
 #[must_use]
 pub fn trimmed_faces(model: &BrepModel) -> TrimmedFaces {
-    let edges: Vec<BoundedEdge> = model.edges.iter().map(|edge| BoundedEdge::new(model, edge)).collect();
+    let edges: Vec<BoundedEdge> = model.edges.par_iter().map(|edge| BoundedEdge::new(model, edge)).collect();
     let laid: Vec<Result<LaidFace, FaceRefusal>> =
-        model.faces.iter().map(|face| LaidFace::try_new(model, &edges, face)).collect();
+        model.faces.par_iter().map(|face| LaidFace::try_new(model, &edges, face)).collect();
     let mut widths = vec![0.0; model.edges.len()];
     for &(edge, deviation) in laid.iter().flatten().flat_map(|face| &face.deviations) {
         widths[edge] += deviation;
     }
-    let faces = laid.into_iter().map(|face| face?.close(model, &widths)).collect();
+    let faces = laid.into_par_iter().map(|face| face?.close(model, &widths)).collect();
     TrimmedFaces { faces, widths }
 }
 
@@ -257,6 +269,9 @@ impl LaidFace {
                 edge_on_carrier(conversion, curve, given.map(|given| &given.curve), self.accuracy);
             let parts = on_carrier.map_err(refused)?;
             let deviation = parts.iter().map(|part| part.deviation).fold(0.0, f64::max);
+            if deviation.is_nan() || deviation > STRAYING * self.size {
+                return Err(FaceRefusal::StrayingEdge { edge: edge.entity, distance: deviation });
+            }
             if deviation > self.tolerance {
                 self.repairs.push(FaceRepair::StrayingEdge { edge: edge.entity, distance: deviation });
             } else if given.is_some() && parts.iter().any(|part| part.source == ParameterCurveSource::Fitted)
