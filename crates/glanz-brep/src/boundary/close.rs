@@ -253,7 +253,11 @@ fn window(chains: &[BoundaryChain], space: &ParameterSpace<'_>, width: f64) -> [
         let [from, to] = space.domain[axis];
         let wanted = [low[axis] - margin, high[axis] + margin];
         if let Some(period) = space.periods[axis] {
-            let whole = complement || around || wanted[1] - wanted[0] >= period || !space.movable[axis];
+            let passes_seam = wanted[0] < from || wanted[1] > from + period;
+            let whole = complement
+                || around
+                || wanted[1] - wanted[0] >= period
+                || passes_seam && !space.movable[axis];
             return match (whole, space.movable[axis]) {
                 (true, true) if wanted[0].is_finite() => [low[axis], low[axis] + period],
                 (true, _) => [from, from + period],

@@ -156,7 +156,17 @@ pub(super) fn placed(carrier: &Carrier, metric: DVec2, window: [[f64; 2]; 2]) ->
             -DVec2::new(u[0], 0.0) * metric,
         ),
         Carrier::Spline(ref spline) => {
-            along(DMat4::IDENTITY, FaceGeometry::Spline(spline.surface().clone()), DVec2::ONE, DVec2::ZERO)
+            let surface = spline.surface();
+            let domain = [surface.knots_u().domain(), surface.knots_v().domain()];
+            let part = [0, 1]
+                .map(|axis| [window[axis][0].max(domain[axis][0]), window[axis][1].min(domain[axis][1])]);
+            // Files often cut small faces from large surfaces.
+            let surface = if part == domain {
+                surface.clone()
+            } else {
+                surface.restrict(part).unwrap_or_else(|_| surface.clone())
+            };
+            along(DMat4::IDENTITY, FaceGeometry::Spline(surface), DVec2::ONE, DVec2::ZERO)
         }
     }
 }

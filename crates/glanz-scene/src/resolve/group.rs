@@ -4,13 +4,14 @@ use glanz_geometry::bvh::{BuildOptions, Bvh};
 use glanz_light::Wavelengths;
 use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
+use rayon::prelude::*;
 
 use super::emission::{area_light, emission_per_object};
 use super::join::join_small_meshes;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
 use crate::description::{
     EmissionDescription, GroupDescription, InstanceDescription, Location, ReceiverDescription,
-    SectionDescription,
+    SectionDescription, ShapeDescription,
 };
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightId};
@@ -27,6 +28,37 @@ struct EmissiveObject {
     object: SceneObject,
     emission: EmissionDescription,
     location: Option<Location>,
+}
+
+/// A shape whose surfaces are still to be built.
+struct PendingShape {
+    id: u32,
+    passable: bool,
+    location: Option<Location>,
+    emission: Option<EmissionDescription>,
+    solid: Option<u32>,
+    receiver: Option<NamedReceiver>,
+    shape: ShapeDescription,
+}
+
+/// A shape with its surfaces.
+struct BuiltShape {
+    made: Result<Vec<SceneObject>, SceneError>,
+    passable: bool,
+    location: Option<Location>,
+    emission: Option<EmissionDescription>,
+    solid: Option<u32>,
+    receiver: Option<NamedReceiver>,
+    warnings: WarningList,
+}
+
+impl PendingShape {
+    fn build(self) -> BuiltShape {
+        let Self { id, passable, location, emission, solid, receiver, shape } = self;
+        let mut warnings = WarningList { warnings: Vec::new() };
+        let made = shape::objects(shape, id, &mut warnings);
+        BuiltShape { made, passable, location, emission, solid, receiver, warnings }
+    }
 }
 
 /// Resolves groups one after the other.
@@ -141,14 +173,27 @@ impl GroupResolver {
     ) -> Result<(Vec<SceneObject>, Vec<EmissiveObject>, Vec<Instance>, usize), SceneError> {
         let mut objects = Vec::with_capacity(description.shapes.len());
         let (mut emitters, mut open) = (Vec::new(), Vec::new());
+        let mut pending = Vec::with_capacity(description.shapes.len());
         for mut shape in description.shapes {
             let id = self.next_id;
             self.next_id = self.next_id.wrapping_add(1);
             reference("material", shape.material, self.passable.len(), shape.location)?;
-            let passable = self.passable[shape.material];
-            let (location, emission, solid) = (shape.location, shape.emission.take(), shape.solid);
             let receiver = shape.receiver.take().map(|r| NamedReceiver::try_new(r, id)).transpose()?;
-            let mut made = shape::objects(shape, id, warnings)?;
+            pending.push(PendingShape {
+                id,
+                passable: self.passable[shape.material],
+                location: shape.location,
+                emission: shape.emission.take(),
+                solid: shape.solid,
+                receiver,
+                shape,
+            });
+        }
+        // Surfaces of CAD models are many, and each takes a while to build.
+        let built: Vec<_> = pending.into_par_iter().map(PendingShape::build).collect();
+        for BuiltShape { made, passable, location, emission, solid, receiver, warnings: found } in built {
+            let mut made = made?;
+            warnings.warnings.extend(found.warnings);
             let measures = receiver.is_some();
             self.receivers.extend(receiver.filter(|_| !made.is_empty()));
             for object in &mut made {
