@@ -32,7 +32,8 @@ Compared:
                refused    if Glanz has refused the face or does not mention it
                twice      if OpenCascade has the hit twice, off edges
                ghost      if OpenCascade misses it: the point lies on the face within the accuracy, off its edges (needs --files, with which
-                          OpenCascade measures the distances of the points of Glanz), and Glanz has it once
+                          OpenCascade measures the distances of the points of Glanz; where it finds no nearer point than the edges, the
+                          foot on the surface counts if the 3D curves of the edges enclose it), and Glanz has it once
                wrong      otherwise: listed, and none may be
 
 The exit code is 1 if anything is beyond that. `ghost` counts for Glanz because the distance of a point to a face is found by another
@@ -58,6 +59,9 @@ REFUSED = 1e-2
 # Least accuracy, of the size: both sides work with tolerances of their own.
 LEAST_ACCURACY = 1e-7
 
+# Relative difference of the distances from a face and from its edges below which the nearest point is on an edge.
+EDGE = 1e-6
+
 EXCEPTIONS = ("edge", "loose", "tangent", "refused", "twice", "ghost")
 
 
@@ -74,7 +78,7 @@ class Arbiter:
         from step import METRE, StepFile
         from edges import Boundary
         self.boundary, self.deflection, self.metre = Boundary, deflection / METRE, METRE
-        self.faces, self.boundaries = collections.defaultdict(list), {}
+        self.faces, self.boundaries, self.integrals = collections.defaultdict(list), {}, {}
         file = StepFile(path)
         for face in file.faces():
             self.faces[file.entity(face)].append(face)
@@ -92,6 +96,17 @@ class Arbiter:
         beyond = f", {extended} beyond the ends of the surface" if relative(extended, area) > AREA / 10 else ""
         return area, extended, f"{area} within {error:.1g}{beyond}; edges {stray:.2g} m off the surface, gaps {gap:.2g} m"
 
+    def distance(self, key, face, point):
+        """Distance to the part of the surface that the 3D curves of the edges enclose; infinite if they do not decide."""
+        from edge_integral import EdgeIntegral, Undecided
+        from OCP.gp import gp_Pnt
+        try:
+            if key not in self.integrals:
+                self.integrals[key] = EdgeIntegral(face)
+            return self.integrals[key].distance(gp_Pnt(*point).Transformed(face.Location().Transformation().Inverted()))
+        except Undecided:
+            return math.inf
+
     def ask(self, entity, point):
         """Distances to the nearest occurrence of the face, and to its edges, metres."""
         from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
@@ -102,11 +117,13 @@ class Arbiter:
         for number, face in enumerate(self.faces.get(entity, [])):
             extrema = BRepExtrema_DistShapeShape(vertex, face)
             distance = extrema.Value() if extrema.IsDone() else math.inf
-            if distance < best[0]:
-                key = (entity, number)
-                if key not in self.boundaries:
-                    self.boundaries[key] = self.boundary(face, self.deflection)
-                best = distance, float(self.boundaries[key].distances([point])[0])
+            key = (entity, number)
+            if key not in self.boundaries:
+                self.boundaries[key] = self.boundary(face, self.deflection)
+            edge = float(self.boundaries[key].distances([point])[0])
+            if distance > edge * (1 - EDGE):
+                distance = min(distance, self.distance(key, face, point))
+            best = min(best, (distance, edge))
         return best[0] * self.metre, best[1] * self.metre
 
 
@@ -341,12 +358,13 @@ class FileComparison:
     def row(self):
         faces, solids, rays = self.faces, self.solids, self.rays
         return [self.name, faces.in_file, faces.theirs, faces.status["read"], faces.status["repaired"], faces.status["refused"],
-                f"{faces.compared - len(faces.different)} / {faces.compared}", faces.explained, f"{faces.largest:.1e}", f"{faces.width:.1e}", solids.theirs,
+                f"{faces.compared - len(faces.different)} / {faces.compared}", faces.explained, f"{faces.largest:.1e}",
+                f"{faces.width:.1e}", solids.theirs,
                 f"{solids.volume:.1e}", f"{rays.agree} / {rays.rays}", *(rays.counts[kind] for kind in (*EXCEPTIONS, "wrong"))]
 
 
-COLUMNS = ["file", "faces", "OpenCascade", "read", "repaired", "refused", "areas agree", "explained", "within", "width, m", "solids", "volume within",
-           "rays agree", *EXCEPTIONS, "wrong"]
+COLUMNS = ["file", "faces", "OpenCascade", "read", "repaired", "refused", "areas agree", "explained", "within", "width, m", "solids",
+           "volume within", "rays agree", *EXCEPTIONS, "wrong"]
 
 
 def line(hits):

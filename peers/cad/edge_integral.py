@@ -4,9 +4,10 @@ Every edge is cut at its knots into panels; the Gauss points of a panel are proj
 Newton's method from the point before, and the polynomial through their parameters is the parameter curve; panels are halved until its
 last coefficients are below a tolerance. Ends of consecutive edges are joined by straight segments of the parameters. Green's theorem
 then gives the area as the integral of F(u, v) du (or dv), where F integrates the area element from a base: across the direction in which
-no loop winds. The tolerance falls until the area stands.
+no loop winds. The tolerance falls, and the pieces of each panel grow in number, until the area stands.
 """
 
+import functools
 import math
 
 import numpy
@@ -17,7 +18,7 @@ from OCP.collections import Array1_double
 from OCP.GeomAbs import GeomAbs_CN, GeomAbs_Cone, GeomAbs_Cylinder, GeomAbs_Plane, GeomAbs_Sphere, GeomAbs_Torus
 from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
 from OCP.gp import gp_Pnt, gp_Vec
-from OCP.TopAbs import TopAbs_EDGE, TopAbs_FORWARD, TopAbs_WIRE
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FORWARD, TopAbs_VERTEX, TopAbs_WIRE
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
 
@@ -27,7 +28,7 @@ ORDER = 8
 NODES, WEIGHTS = numpy.polynomial.legendre.leggauss(ORDER)
 VANDERMONDE = numpy.linalg.inv(numpy.polynomial.legendre.legvander(NODES, ORDER - 1))
 ENDS = numpy.polynomial.legendre.legvander([-1.0, 1.0], ORDER - 1) @ VANDERMONDE
-SLOPES = numpy.array([numpy.polynomial.legendre.legval(NODES, numpy.polynomial.legendre.legder(column)) for column in VANDERMONDE.T]).T
+DENSE = numpy.polynomial.legendre.legvander(numpy.linspace(-1, 1, 33), ORDER - 1) @ VANDERMONDE
 
 # Relative change of the area at the last halving.
 ACCURACY = 1e-8
@@ -35,8 +36,8 @@ ACCURACY = 1e-8
 # Evaluations of the surface after which the tolerance falls no more.
 ENOUGH = 1_000_000
 
-# Tolerances of the parameter curves, of the face's size, and halvings of a panel at most.
-TOLERANCES, DEPTH = (1e-6, 1e-8, 1e-9, 1e-10), 30
+# Tolerances of the parameter curves, of the face's size, with 1, 2, 3, ... pieces of each panel; halvings of a panel at most.
+TOLERANCES, DEPTH = (1e-6, 1e-8, 1e-9, 1e-10, 1e-10, 1e-10), 30
 
 # Steps of Newton's method, and their relative size at the end.
 STEPS, LAST_STEP = 30, 1e-13
@@ -184,17 +185,26 @@ class Carrier:
         best = min(best, key=lambda foot: math.dist(self.near(foot, guess), guess)) if guess else best[0]
         return self.newton(position, best) or best
 
+    def knots_between(self, low, high, direction):
+        (first, _), period = self.domain[direction], self.periods[direction]
+        shifts = range(math.floor((low - first) / period), math.floor((high - first) / period) + 1) if period else (0,)
+        return sorted({knot + shift * period for shift in shifts for knot in self.knots[direction]
+                       if low < knot + shift * period < high})
+
+    def crossings(self, start, end):
+        """Shares of a straight segment at which it crosses knots."""
+        if self.elementary:
+            return []
+        return sorted((knot - one) / (other - one) for direction, (one, other) in enumerate(zip(start, end))
+                      for knot in self.knots_between(min(one, other), max(one, other), direction))
+
     def strip(self, u, v, across, base, pieces):
         """Integral of the area element from the base to the point, along parameter `across` (0 or 1)."""
         if self.elementary:
             return self.strip_elementary(u, v, across, base)
         at, fixed = (u, v)[across], (u, v)[1 - across]
         low, high = min(base, at), max(base, at)
-        period = self.periods[across]
-        shifts = range(math.floor((low - self.domain[across][0]) / period), math.floor((high - self.domain[across][0]) / period) + 1) \
-            if period else (0,)
-        cuts = sorted({low, high, *(knot + shift * period for shift in shifts for knot in self.knots[across]
-                                    if low < knot + shift * period < high)})
+        cuts = [low, *self.knots_between(low, high, across), high]
         total = 0.0
         for first, last in zip(cuts, cuts[1:]):
             half = (last - first) / pieces / 2
@@ -264,7 +274,10 @@ class Segment:
         self.edge, self.face = TopoDS.Edge(shape), face
         self.forward = shape.Orientation() == TopAbs_FORWARD
         self.degenerate = BRep_Tool.Degenerated_s(self.edge)
-        if not self.degenerate:
+        if self.degenerate:
+            point = BRep_Tool.Pnt_s(TopoDS.Vertex(next(explore(shape, TopAbs_VERTEX))))
+            self.start = self.end = coordinates(point)
+        else:
             curve = self.curve = BRepAdaptor_Curve(self.edge)
             if not curve.Is3DCurve():
                 raise Undecided("an edge has no 3D curve")
@@ -286,24 +299,23 @@ class Segment:
 
 def ordered(segments):
     """The segments in the order in which each begins where the one before ends."""
-    def gaps(chain):
-        real = [segment for segment in chain if not segment.degenerate]
-        return sum(math.dist(one.end, other.start) for one, other in zip(real, real[1:] + real[:1]))
-    return min(segments, segments[::-1], key=gaps)
+    return min(segments, segments[::-1], key=lambda chain: sum(gaps(chain)))
+
+
+def gaps(chain):
+    return [math.dist(one.end, other.start) for one, other in zip(chain, chain[1:] + chain[:1])]
 
 
 class EdgeIntegral:
     """Area of a face in mm2; `stray` and `gap` are the largest distances of its edges from the surface and from each other, mm."""
 
     def __init__(self, face, bounded=True):
-        self.bounded = bounded
+        self.bounded, self.polygons = bounded, None
         self.face = TopoDS.Face(face.Located(TopLoc_Location()).Oriented(TopAbs_FORWARD))
-        self.carrier, self.stray, self.gap = Carrier(self.face), 0.0, 0.0
+        self.carrier, self.stray = Carrier(self.face), 0.0
         self.loops = [ordered([Segment(edge, self.face) for edge in explore(wire, TopAbs_EDGE)])
                       for wire in explore(self.face, TopAbs_WIRE)]
-        for loop in self.loops:
-            real = [segment for segment in loop if not segment.degenerate]
-            self.gap = max([self.gap, *(math.dist(one.end, other.start) for one, other in zip(real, real[1:] + real[:1]))])
+        self.gap = max((gap for loop in self.loops for gap in gaps(loop)), default=0.0)
         points = [coordinates(point) for loop in self.loops for segment in loop if not segment.degenerate
                   for first, last in zip(segment.cuts, segment.cuts[1:]) for point in segment.positions(first, last)]
         if not points:
@@ -321,8 +333,26 @@ class EdgeIntegral:
                 break
         return area, change
 
+    def distance(self, position):
+        """Distance of a position from the nearest point of the surface; infinite if the edges do not enclose that point.
+
+        Undecided if a loop winds around the surface.
+        """
+        foot = self.carrier.project(position, None, math.inf)
+        return self.carrier.distance(position, foot) if self.encloses(foot) else math.inf
+
+    def encloses(self, foot):
+        """Whether the loops wind around the parameters, in any period."""
+        if self.polygons is None:
+            paths = [self.path(loop, TOLERANCES[1], 1) for loop in self.loops if any(not segment.degenerate for segment in loop)]
+            if any(any(winding) for _, winding in paths):
+                raise Undecided("a loop winds around the surface")
+            self.polygons = [numpy.vstack([DENSE @ numpy.array(row[0]) for row in rows]) for rows, _ in paths]
+        shifts = [[k * period for k in range(-2, 3)] if period else [0.0] for period in self.carrier.periods]
+        return any(winding_number(self.polygons, foot[0] + u, foot[1] + v) for u in shifts[0] for v in shifts[1])
+
     def area(self, tolerance, pieces):
-        paths = [self.path(loop, tolerance) for loop in self.loops if any(not segment.degenerate for segment in loop)]
+        paths = [self.path(loop, tolerance, pieces) for loop in self.loops if any(not segment.degenerate for segment in loop)]
         windings = [path[1] for path in paths]
         if any(w[0] for w in windings) and any(w[1] for w in windings):
             raise Undecided("loops wind in both directions")
@@ -338,14 +368,15 @@ class EdgeIntegral:
             weight * slope[1 - across] * self.carrier.strip(*at, across, base, pieces)
             for path, _ in paths for nodes, slopes, weights in path for at, slope, weight in zip(nodes, slopes, weights)
             if slope[1 - across])
-        if area < 0 and not rest:
-            total = self.carrier.total()
-            if total is None and any(w[1 - across] for w in windings):
-                raise Undecided("the area is negative")
-            return area + total if total is not None else -area
+        total = self.carrier.total()
+        if total is not None and not rest:
+            # A face that is the whole surface has both seams in its loop, whose direction is open where it begins at their crossing.
+            return area % total if abs(area) > ACCURACY * total else total
+        if area < 0 and any(w[1 - across] for w in windings) and not rest:
+            raise Undecided("the area is negative")
         return abs(area)
 
-    def path(self, loop, tolerance):
+    def path(self, loop, tolerance, pieces):
         """Nodes, slopes and weights of the parameter curves of a loop, and how often it winds."""
         rows, guess, start, jump = [], None, None, (0.0, 0.0)
         for segment in loop:
@@ -359,14 +390,21 @@ class EdgeIntegral:
                 if start is None:
                     start = begin
                 else:
-                    rows.append(self.row(straight(guess, begin)))
-                rows.append(self.row(feet))
+                    rows += self.join(guess, begin, pieces)
+                rows.append(row(feet, pieces))
                 guess = tuple(end.tolist())
             jump = (0.0, 0.0)
         reached = [x + y for x, y in zip(guess, jump)]
         winding = [round((x - s) / period) if period else 0 for x, s, period in zip(reached, start, self.carrier.periods)]
-        rows.append(self.row(straight(guess, [s + w * period for s, w, period in zip(start, winding, self.carrier.periods)])))
+        rows += self.join(guess, [s + w * period for s, w, period in zip(start, winding, self.carrier.periods)], pieces)
         return rows, winding
+
+    def join(self, start, end, pieces):
+        """A straight segment between two edges, cut where it crosses knots of the surface."""
+        start, end = numpy.asarray(start), numpy.asarray(end)
+        cuts = [0.0, *self.carrier.crossings(start.tolist(), end.tolist()), 1.0]
+        return [row(straight(start + first * (end - start), start + last * (end - start)), pieces)
+                for first, last in zip(cuts, cuts[1:])]
 
     def panels(self, segment, guess, tolerance):
         """Parameters (ORDER, 2) of the feet of each panel of an edge."""
@@ -396,9 +434,30 @@ class EdgeIntegral:
             guess = tuple((ENDS[1] @ feet).tolist())
         return result
 
-    @staticmethod
-    def row(feet):
-        return feet.tolist(), (SLOPES @ feet).tolist(), WEIGHTS.tolist()
+
+@functools.cache
+def quadrature(pieces):
+    """Matrices from the values at the Gauss points of a panel to values and slopes at those of its equal pieces, and the weights."""
+    places = ((2 * numpy.arange(pieces)[:, None] + 1 + NODES) / pieces - 1).ravel()
+    slopes = [numpy.polynomial.legendre.legval(places, numpy.polynomial.legendre.legder(column)) for column in VANDERMONDE.T]
+    return numpy.polynomial.legendre.legvander(places, ORDER - 1) @ VANDERMONDE, numpy.array(slopes).T, \
+        (numpy.tile(WEIGHTS, pieces) / pieces).tolist()
+
+
+def row(feet, pieces):
+    """Points, slopes and weights of the integral along a panel."""
+    values, slopes, weights = quadrature(pieces)
+    return (values @ feet).tolist(), (slopes @ feet).tolist(), weights
+
+
+def winding_number(polygons, u, v):
+    """How often closed polygons wind around a point, together."""
+    angle = 0.0
+    for polygon in polygons:
+        offset = (polygon[:, 0] - u) + 1j * (polygon[:, 1] - v)
+        offset = offset[offset != 0]
+        angle += float(numpy.angle(numpy.roll(offset, -1) / offset).sum())
+    return round(angle / (2 * math.pi))
 
 
 def area_from_edges(face):

@@ -45,10 +45,11 @@ import numpy
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Surface
-from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire
+from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire, BRepBuilderAPI_NurbsConvert
 from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
-from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism, BRepPrimAPI_MakeSphere
+from OCP.BRepPrimAPI import (BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakePrism, BRepPrimAPI_MakeSphere,
+                             BRepPrimAPI_MakeTorus)
 from OCP.collections import Array1_gp_Pnt
 from OCP.GeomAPI import GeomAPI_PointsToBSpline
 from OCP.gp import gp_Dir, gp_Lin, gp_Pnt, gp_Vec
@@ -60,6 +61,7 @@ from OCP.TopAbs import TopAbs_FACE, TopAbs_FORWARD, TopAbs_SHELL
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
 
+from edge_integral import EdgeIntegral, area_from_edges
 from edges import Boundary
 from integral import FaceIntegral
 from step import METRE, StepFile, explore
@@ -349,8 +351,14 @@ def summary(result):
             + (f" | not in the shape: {sorted(missing)}" if missing else "") + (f" | {odd}" if odd else ""))
 
 
+def edge_test(shape, expected):
+    """The areas from the edges alone against the area of a whole shape, mm2."""
+    area = sum(area_from_edges(TopoDS.Face(face))[0] for face in explore(shape, TopAbs_FACE)) / METRE**2
+    assert abs(area / expected - 1) < INTEGRATION, (area, expected)
+
+
 def self_test():
-    """The integrals of integral.py against closed forms: a ball, and a slanted prism of a closed spline."""
+    """The integrals of integral.py and edge_integral.py against closed forms: a ball, a slanted prism of a closed spline, primitives."""
     ball = next(explore(BRepPrimAPI_MakeSphere(2).Shape(), TopAbs_FACE))
     points = Array1_gp_Pnt(1, 25)
     for i in range(25):
@@ -365,6 +373,16 @@ def self_test():
     for value, expected in ((integral_of(ball)[0], 16 * math.pi * METRE**2), (integral_of(ball)[1], 32 / 3 * math.pi * METRE**3),
                             (volume, area * 12 * METRE)):
         assert abs(abs(value) / expected - 1) < INTEGRATION, (value, expected)
+    edge_test(prism, sum(integral_of(face)[0] for face in explore(prism, TopAbs_FACE)) / METRE**2)
+    for shape, expected in ((BRepPrimAPI_MakeCylinder(2, 3), 2 * math.pi * 2 * 5), (BRepPrimAPI_MakeCone(3, 0, 4), math.pi * 3 * 8),
+                            (BRepPrimAPI_MakeSphere(2, math.pi / 6), 4 * math.pi / 3 + 4 * math.pi),
+                            (BRepPrimAPI_MakeSphere(2), 16 * math.pi), (BRepPrimAPI_MakeTorus(3, 1), 12 * math.pi**2),
+                            (BRepPrimAPI_MakeTorus(3, 1, math.pi / 2), 3 * math.pi**2 + 2 * math.pi)):
+        edge_test(shape.Shape(), expected)
+        edge_test(BRepBuilderAPI_NurbsConvert(shape.Shape()).Shape(), expected)
+    enclosed = EdgeIntegral(base)
+    assert abs(enclosed.distance(gp_Pnt(1, 2, 3)) - 3) < INTEGRATION
+    assert enclosed.distance(gp_Pnt(26, 0, 0)) == math.inf
     print("the tests of the integrals pass")
 
 
