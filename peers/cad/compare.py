@@ -22,6 +22,7 @@ Compared:
     areas    within 1e-4 relative; 3 in 1000 may differ, of all files together, and are listed. With --files, an area that differs is
              integrated from the 3D curves of the edges (edge_integral.py), without the parameter curves of either side: where that confirms
              Glanz within 1e-4, the area is `explained` and does not count
+    widths   those beyond the accuracy and 10 times the distance of the edges from the surface and each other are listed (needs --files)
     solids   volume and area within 1e-4 relative, bounds within 1e-4 of the size; solids are paired by their bounds
     rays     hits are paired if they lie within the accuracy (the file's uncertainty, at least 1e-7 of the size) of each other,
              measured along the normal; best on the same face. Hits without partner, and pairs of different faces, are
@@ -62,6 +63,10 @@ LEAST_ACCURACY = 1e-7
 # Relative difference of the distances from a face and from its edges below which the nearest point is on an edge.
 EDGE = 1e-6
 
+# Tolerance of the feet of edges where their distances from the surface are measured, of the size of the face; and the factor by which a
+# width may exceed them.
+LOOSENESS, WIDE = 1e-6, 10
+
 EXCEPTIONS = ("edge", "loose", "tangent", "refused", "twice", "ghost")
 
 
@@ -95,6 +100,19 @@ class Arbiter:
         error, stray, gap = (max((a[i] for a in areas), default=0.0) for i in range(2, 5))
         beyond = f", {extended} beyond the ends of the surface" if relative(extended, area) > AREA / 10 else ""
         return area, extended, f"{area} within {error:.1g}{beyond}; edges {stray:.2g} m off the surface, gaps {gap:.2g} m"
+
+    def looseness(self, entity):
+        """Largest distance of the edges of a face from its surface and from each other, metres; infinite if unknown."""
+        from edge_integral import EdgeIntegral, Undecided
+        result = 0.0
+        for face in self.faces.get(entity, []):
+            try:
+                integral = EdgeIntegral(face)
+                integral.area(LOOSENESS, 1)
+            except Undecided:
+                return math.inf
+            result = max(result, integral.stray * self.metre, integral.gap * self.metre)
+        return result
 
     def distance(self, key, face, point):
         """Distance to the part of the surface that the 3D curves of the edges enclose; infinite if they do not decide."""
@@ -282,6 +300,13 @@ class FaceComparison:
                 self.largest = max(self.largest, deviation)
             else:
                 self.different.append(area_difference(entity, face["kind"], area, face["area"], arbiter))
+        size = math.dist(*reference["bounds"]) if reference["bounds"] else 0.0
+        accuracy = max(reference["uncertainty"] or 0.0, LEAST_ACCURACY * size)
+        self.wide = []
+        for entity, face in sorted(ours.items()) if arbiter else ():
+            width = face.get("width") or 0.0
+            if width > accuracy and width > WIDE * max(looseness := arbiter.looseness(entity), LEAST_ACCURACY * size):
+                self.wide.append(f"#{entity} {face['kind']}: width {width:.2g} m, edges within {looseness:.2g} m; {face['reason']}")
         self.explained = sum(difference.verdict.startswith("Glanz") for difference in self.different)
 
 
@@ -333,6 +358,7 @@ class FileComparison:
                  ("not in OpenCascade", [f"#{entity}" for entity in faces.only_ours]),
                  ("area differs", [f"#{entity} {kind}: OpenCascade {theirs}, Glanz {ours}, edges {text} -> {verdict}"
                                    for entity, kind, theirs, ours, verdict, text in faces.different]),
+                 ("too wide", faces.wide),
                  ("solid", solids.beyond)]
         for title, lines in lists:
             self.items(title, lines, limit)
@@ -456,6 +482,7 @@ def self_test():
     class Edges:
         def __init__(self, area, extended=None):
             self.area = lambda entity: (area, extended or area, "made")
+            self.looseness = lambda entity: 1e-6
 
     # The edges confirm Glanz, OpenCascade, neither, OpenCascade beyond the ends, or nobody.
     for area, extended, explained, verdict in ((1.0003, None, 1, "Glanz"), (1.0, None, 0, "OpenCascade"), (1.1, None, 0, "neither"),
@@ -467,6 +494,8 @@ def self_test():
         file = test(True, faces=theirs)
         file.faces = faces
         assert bool(failures([file])) != bool(explained)
+    wide = FaceComparison(reference, {**glanz, "faces": [{**ours, "width": 2e-5}, glanz["faces"][1]]}, Edges(1.0))
+    assert [text.split()[0] for text in wide.wide] == ["#7"]
 
     # A note about something else is no refused face.
     test(False, faces=[*glanz["faces"], {**ours, "entity": 99, "status": "refused"}])
