@@ -10,6 +10,7 @@ mod luminaire;
 mod material;
 mod material_stand_in;
 mod named;
+mod object;
 mod patch_file;
 mod receiver;
 mod shape;
@@ -24,7 +25,7 @@ use std::rc::Rc;
 
 use glanz_math::DMat4;
 use glanz_scene::Description;
-use glanz_scene::description::{EmissionDescription, GroupDescription};
+use glanz_scene::description::EmissionDescription;
 
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
@@ -33,6 +34,7 @@ use crate::source::{ParseResult, Reporter, Span};
 
 pub(crate) use film::finish_film;
 pub(crate) use material::NamedMaterial;
+pub(crate) use object::OpenObject;
 pub(crate) use texture::{ImageKey, TextureNames};
 
 /// State of the lowering.
@@ -44,8 +46,8 @@ pub(crate) struct Lowering {
     pub(crate) finder: FileFinder,
     /// Paths of the files being read, the innermost last; for names relative to them.
     pub(crate) reading: Vec<Option<PathBuf>>,
-    /// The group to which shapes are added; `None` for the world.
-    pub(crate) group: Option<usize>,
+    /// The object to which shapes are added; `None` for the world.
+    pub(crate) object: Option<OpenObject>,
     pub(crate) groups: BTreeMap<String, usize>,
     /// Number of emitting shapes, by group.
     pub(crate) lights_in_groups: BTreeMap<usize, usize>,
@@ -98,7 +100,7 @@ impl Lowering {
             dialect,
             finder,
             reading: Vec::new(),
-            group: None,
+            object: None,
             groups: BTreeMap::new(),
             lights_in_groups: BTreeMap::new(),
             light_copies: 0,
@@ -108,14 +110,6 @@ impl Lowering {
             images: BTreeMap::new(),
             has_film: false,
             has_filter: false,
-        }
-    }
-
-    /// Target of shapes and instances.
-    fn current_group(&mut self) -> &mut GroupDescription {
-        match self.group {
-            Some(i) if i < self.description.groups.len() => &mut self.description.groups[i],
-            _ => &mut self.description.world,
         }
     }
 

@@ -17,7 +17,7 @@ impl Lowering {
         if name.is_empty() {
             return Ok(None);
         }
-        if self.group.is_some() {
+        if self.object.is_some() {
             let message = format!(
                 "{}: receiver {:?} is in an object, every copy of which would be the same receiver",
                 list.subject,

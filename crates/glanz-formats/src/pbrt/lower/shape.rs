@@ -1,9 +1,7 @@
-//! `Shape`, `ObjectBegin`, `ObjectInstance`.
+//! `Shape`.
 
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::description::{
-    GeometryDescription, GroupDescription, InstanceDescription, ShapeDescription,
-};
+use glanz_scene::description::{EmissionDescription, GeometryDescription, ShapeDescription};
 
 use super::{EntityState, Lowering};
 use crate::nearest::nearest;
@@ -37,9 +35,6 @@ const SHAPES: &[&str] = &[
     "heightfield",
 ];
 
-/// Largest number of emitting shapes, counted once per instance: each becomes a light.
-const MAX_LIGHT_COPIES: usize = 1 << 20;
-
 impl Lowering {
     /// Adds a shape.
     pub(crate) fn shape(
@@ -66,17 +61,10 @@ impl Lowering {
             None => self.default_material(&place),
         };
         let emission = context.emission.as_deref().cloned();
-        if let (Some(_), Some(group)) = (&emission, self.group) {
-            *self.lights_in_groups.entry(group).or_insert(0) += surfaces.len();
+        if let (Some(_), Some(object)) = (&emission, &mut self.object) {
+            object.lights += surfaces.len();
         }
-        if surfaces.len() > 1 && emission.as_ref().is_some_and(|e| e.power.is_some()) {
-            let message = format!(
-                "shape {kind:?}: its file has {} surfaces, which cannot share one power",
-                surfaces.len()
-            );
-            let help = Some("give the light its radiance \"L\", or one file per kind of surface".to_owned());
-            return Err(self.reporter.error_with_help(&place, "light-power", message, help));
-        }
+        self.check_power(kind, emission.as_ref(), surfaces.len(), &place)?;
         for geometry in surfaces {
             let shape = ShapeDescription {
                 geometry,
@@ -92,6 +80,23 @@ impl Lowering {
             self.current_group().shapes.push(shape);
         }
         Ok(())
+    }
+
+    /// Refuses an emission whose power many surfaces would have to share.
+    pub(super) fn check_power(
+        &mut self,
+        kind: &str,
+        emission: Option<&EmissionDescription>,
+        surfaces: usize,
+        place: &Span,
+    ) -> ParseResult<()> {
+        if surfaces <= 1 || emission.is_none_or(|emission| emission.power.is_none()) {
+            return Ok(());
+        }
+        let message =
+            format!("shape {kind:?}: its file has {surfaces} surfaces, which cannot share one power");
+        let help = Some("give the light its radiance \"L\", or one file per kind of surface".to_owned());
+        Err(self.reporter.error_with_help(place, "light-power", message, help))
     }
 
     /// The surface; `None`, after a report, if there is no substitute.
@@ -330,60 +335,5 @@ impl Lowering {
                 Err(self.reporter.error(&p.value_place, "ply", message))
             }
         }
-    }
-
-    /// Begins a group that instances can refer to.
-    pub(crate) fn begin_object(&mut self, name: &str, place: &Span) -> ParseResult<()> {
-        if self.group.is_some() {
-            let message = "ObjectBegin within another object";
-            return Err(self.reporter.error(place, "nesting", message));
-        }
-        if self.groups.contains_key(name) {
-            let message = format!(
-                "object {:?} is defined again; the later definition counts from here",
-                shortened(name)
-            );
-            self.reporter.warning(place, "object-again", message);
-        }
-        self.description.groups.push(GroupDescription { name: name.to_owned(), ..Default::default() });
-        self.group = Some(self.description.groups.len() - 1);
-        Ok(())
-    }
-
-    /// Ends a group; only then can instances refer to it.
-    pub(crate) fn end_object(&mut self) {
-        if let Some(index) = self.group.take()
-            && let Some(group) = self.description.groups.get(index)
-        {
-            self.groups.insert(group.name.clone(), index);
-        }
-    }
-
-    /// Adds a copy of a group.
-    pub(crate) fn instance(&mut self, name: &str, place: &Span, context: &EntityState) -> ParseResult<()> {
-        let Some(&group) = self.groups.get(name) else {
-            let message = format!("there is no object {:?}", shortened(name));
-            let help =
-                nearest(name, self.groups.keys().map(String::as_str)).map(|n| format!("did you mean {n:?}?"));
-            return Err(self.reporter.error_with_help(place, "missing-object", message, help));
-        };
-        let lights = self.lights_in_groups.get(&group).copied().unwrap_or(0);
-        if lights > 0 {
-            self.light_copies = self.light_copies.saturating_add(lights);
-            let problem = if self.group.is_some() {
-                "an object that emits light cannot be part of another".to_owned()
-            } else if self.light_copies > MAX_LIGHT_COPIES {
-                format!("instances create more than {MAX_LIGHT_COPIES} lights")
-            } else {
-                String::new()
-            };
-            if !problem.is_empty() {
-                return Err(self.reporter.error(place, "instance-light", problem));
-            }
-        }
-        let to_parent = context.ctm;
-        let instance = InstanceDescription { group, to_parent, location: Some(place.location) };
-        self.current_group().instances.push(instance);
-        Ok(())
     }
 }
