@@ -150,17 +150,17 @@ fn errors_of_trimming_have_a_position() {
         ),
         (
             format!("{whole} \"float trimwidths\" [1 2]"),
-            "2:220: shape \"disk\": parameter \"trimwidths\" has 2 values; 3 are needed",
+            "2:251: shape \"disk\": parameter \"trimwidths\" has 2 values; 3 are needed",
         ),
         (
             format!("{whole} \"float trimwidths\" [1 2 -3]"),
-            "2:225: shape \"disk\": \"trimwidths\" has -3; it must not be negative",
+            "2:255: shape \"disk\": \"trimwidths\" has -3; it must not be negative",
         ),
         (
             format!("{whole} \"float trimscale\" [1 0]"),
-            "2:219: shape \"disk\": \"trimscale\" has 0; it must be positive",
+            "2:250: shape \"disk\": \"trimscale\" has 0; it must be positive",
         ),
-        (format!("{whole} \"float trimdomain\" [0 1 1 1]"), "2:220: shape \"disk\": \"trimdomain\" is empty"),
+        (format!("{whole} \"float trimdomain\" [0 1 1 1]"), "2:251: shape \"disk\": \"trimdomain\" is empty"),
         (simple("\"integer solid\" -1"), "1:41: shape \"disk\": \"solid\" is -1; it must be at least 0"),
         (
             simple("\"float trimpolygon\" [0 0 1]"),
