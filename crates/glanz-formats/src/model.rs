@@ -10,8 +10,8 @@ use glanz_scene::{Description, Diagnostics, Location, Severity};
 
 use crate::registry::{Loaded, ModelFormat, Options};
 use crate::source::Sources;
-use crate::step::{CadFaceOutcome, CadReport};
-use crate::{newell, ply, rib, step};
+use crate::step::{CadModel, CadReport, CadWarning};
+use crate::{newell, ply, rib};
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
 pub(crate) fn load(
@@ -130,22 +130,12 @@ impl ModelReader {
     }
 
     fn step(&mut self, bytes: &[u8]) {
-        let report = match step::describe(bytes, &mut self.description) {
-            Ok(report) => report,
+        let report = match CadModel::read(bytes) {
+            Ok(model) => model.into_world(&mut self.description),
             Err(error) => return self.error("step", None, error.to_string()),
         };
-        for fault in report.reading.faults.notes() {
-            let place = fault.position.map(|[line, column]| (line, column));
-            self.report(Severity::Warning, "step-syntax", place, fault.reason.clone());
-        }
-        for omission in report.reading.omissions.notes() {
-            self.report(Severity::Warning, "step-omission", None, omission.to_string());
-        }
-        for face in &report.faces {
-            if let CadFaceOutcome::Refused(reason) = &face.outcome {
-                let message = format!("face {} is left out: {reason}", face.entity);
-                self.report(Severity::Warning, "step-face", None, message);
-            }
+        for CadWarning { kind, position, message } in report.warnings() {
+            self.report(Severity::Warning, kind, position, message);
         }
         if self.description.world.shapes.is_empty() && self.description.world.instances.is_empty() {
             return self.error("step", None, "the file shows no surface that can be read".to_owned());

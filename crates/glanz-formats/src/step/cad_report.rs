@@ -44,9 +44,18 @@ pub enum CadFaceOutcome {
     Refused(String),
 }
 
+/// A warning about a CAD file.
+#[derive(Clone, Debug)]
+pub(crate) struct CadWarning {
+    pub(crate) kind: &'static str,
+    /// Line and column from 1, if it is about a place in the text.
+    pub(crate) position: Option<(u32, u32)>,
+    pub(crate) message: String,
+}
+
 impl CadReport {
-    /// The report of a file whose faces were trimmed.
-    pub(super) fn new(file: &StepFile, trimmed: &TrimmedFaces, shapes: Vec<usize>) -> Self {
+    /// The report of a file whose faces were trimmed, before shapes are made of them.
+    pub(super) fn new(file: &StepFile, trimmed: &TrimmedFaces) -> Self {
         let model: &BrepModel = &file.model;
         let faces = model.faces.iter().zip(&trimmed.faces).map(|(face, trimmed)| {
             let (kind, outcome, width) = match trimmed {
@@ -65,7 +74,31 @@ impl CadReport {
             };
             CadFace { entity: face.entity, name: face.name.clone(), kind, outcome, width }
         });
-        Self { reading: file.report.clone(), uncertainty: model.uncertainty, faces: faces.collect(), shapes }
+        Self {
+            reading: file.report.clone(),
+            uncertainty: model.uncertainty,
+            faces: faces.collect(),
+            shapes: Vec::new(),
+        }
+    }
+
+    /// The warnings about what is damaged or left out.
+    pub(crate) fn warnings(&self) -> impl Iterator<Item = CadWarning> {
+        let faults = self.reading.faults.notes().iter().map(|fault| CadWarning {
+            kind: "step-syntax",
+            position: fault.position.map(|[line, column]| (line, column)),
+            message: fault.reason.clone(),
+        });
+        let warning = |kind, message| CadWarning { kind, position: None, message };
+        let omissions = self.reading.omissions.notes().iter();
+        let omissions = omissions.map(move |omission| warning("step-omission", omission.to_string()));
+        let refusals = self.faces.iter().filter_map(move |face| match &face.outcome {
+            CadFaceOutcome::Refused(reason) => {
+                Some(warning("step-face", format!("face {} is left out: {reason}", face.entity)))
+            }
+            CadFaceOutcome::Read | CadFaceOutcome::Repaired(_) => None,
+        });
+        faults.chain(omissions).chain(refusals)
     }
 
     /// Largest distance by which faces extend beyond an edge, metres.

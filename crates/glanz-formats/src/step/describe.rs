@@ -1,6 +1,7 @@
 //! From a boundary representation to the description of a scene.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
 
 use glanz_brep::boundary::BoundaryCurve;
 use glanz_brep::face::{FaceGeometry, FaceTrim, TrimmedFace, TrimmedFaces};
@@ -8,98 +9,151 @@ use glanz_brep::model::{Body, BrepModel, ColorStyle, Occurrence, Part};
 use glanz_geometry::spline::NurbsSurface;
 use glanz_light::rgb::srgb_decode;
 use glanz_math::DMat4;
-use glanz_scene::Description;
 use glanz_scene::description::{
-    GeometryDescription, GroupDescription, InstanceDescription, MaterialDescription, NurbsDescription,
-    ShapeDescription, TrimCurveDescription, TrimDescription, TrimLoopDescription,
+    EmissionDescription, GeometryDescription, GroupDescription, InstanceDescription, MaterialDescription,
+    NurbsDescription, ShapeDescription, TrimCurveDescription, TrimDescription, TrimLoopDescription,
 };
 use glanz_scene::studio::{CAD_GREY, cad_material};
+use glanz_scene::{Description, Location};
 
-/// Adds what the file shows to a description: parts as groups, their occurrences as instances. Faces that were refused are left out.
-///
-/// A part whose occurrences bring different colors has a group for each of them. What occurs once, in the frame of the world, belongs
-/// to the world itself. Returns the face of each shape, by its index: shapes of the groups in their order, then those of the world.
-pub(super) fn describe(model: &BrepModel, faces: &TrimmedFaces, description: &mut Description) -> Vec<usize> {
-    let mut scene = CadScene {
-        model,
-        faces,
-        description,
-        groups: HashMap::new(),
-        faces_of_groups: Vec::new(),
-        materials: HashMap::new(),
-        solids: 0,
-    };
-    let (world, faces_of_world) = match model.roots.as_slice() {
-        [only] if only.to_parent == DMat4::IDENTITY => {
-            model.parts.get(only.part).map(|part| scene.group(part, only.style)).unwrap_or_default()
-        }
-        roots => (
-            GroupDescription { instances: scene.instances(roots, None), ..GroupDescription::default() },
-            Vec::new(),
-        ),
-    };
-    scene.description.world.shapes.extend(world.shapes);
-    scene.description.world.instances.extend(world.instances);
-    scene.faces_of_groups.into_iter().chain([faces_of_world]).flatten().collect()
+/// Selection and appearance of what a description shows of a file.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct CadSettings {
+    /// Name of the parts and occurrences that are shown, where they are in the whole; `None`: all.
+    pub(crate) part: Option<String>,
+    /// Materials by the name of a face, a body, an occurrence or a part; the innermost counts, and an occurrence before its part.
+    pub(crate) materials: BTreeMap<String, usize>,
+    /// Material of the others; `None`: the colors of the file.
+    pub(crate) others: Option<usize>,
+    /// Emission of all faces.
+    pub(crate) emission: Option<Rc<EmissionDescription>>,
 }
 
 /// A color as a key: its bits.
 type StyleKey = Option<[u64; 4]>;
 
-struct CadScene<'a> {
+/// What parts and faces take over from the occurrences around them.
+#[derive(Clone, Copy, Debug, Default)]
+struct InheritedStyle {
+    color: Option<ColorStyle>,
+    material: Option<usize>,
+    shown: bool,
+}
+
+/// A part and the style that its occurrences bring.
+type GroupKey = (usize, StyleKey, Option<usize>, bool);
+
+/// A scene made of what a file shows: parts are groups, their occurrences instances. Faces that were refused are left out.
+///
+/// A part whose occurrences bring different styles has a group for each of them; one without surfaces has none.
+pub(super) struct CadScene<'a> {
     model: &'a BrepModel,
     faces: &'a TrimmedFaces,
+    settings: &'a CadSettings,
+    /// That of all shapes in the input.
+    location: Option<Location>,
     description: &'a mut Description,
-    /// Groups by part and the color that its occurrences bring.
-    groups: HashMap<(usize, StyleKey), usize>,
+    groups: HashMap<GroupKey, Option<usize>>,
     /// The face of each shape of each group, by its index.
-    faces_of_groups: Vec<Vec<usize>>,
+    pub(super) faces_of_groups: Vec<Vec<usize>>,
     materials: HashMap<StyleKey, usize>,
     /// Number of closed shells so far.
     solids: u32,
 }
 
-impl CadScene<'_> {
-    fn instances(
-        &mut self,
-        occurrences: &[Occurrence],
-        inherited: Option<ColorStyle>,
-    ) -> Vec<InstanceDescription> {
+impl<'a> CadScene<'a> {
+    pub(super) fn new(
+        (model, faces): (&'a BrepModel, &'a TrimmedFaces),
+        settings: &'a CadSettings,
+        location: Option<Location>,
+        description: &'a mut Description,
+    ) -> Self {
+        Self {
+            model,
+            faces,
+            settings,
+            location,
+            description,
+            groups: HashMap::new(),
+            faces_of_groups: Vec::new(),
+            materials: HashMap::new(),
+            solids: 0,
+        }
+    }
+
+    /// The group of the whole file, which is not part of the description, and the face of each of its shapes. Those inside are added.
+    ///
+    /// What occurs once, in the frame of the world, is the group itself.
+    pub(super) fn whole(&mut self) -> (GroupDescription, Vec<usize>) {
+        let outside = InheritedStyle { shown: self.settings.part.is_none(), ..InheritedStyle::default() };
+        match self.model.roots.as_slice() {
+            [only] if only.to_parent == DMat4::IDENTITY => {
+                let Some(part) = self.model.parts.get(only.part) else { return Default::default() };
+                self.group(part, self.inherited(outside, only, part))
+            }
+            roots => {
+                let instances = self.instances(roots, outside);
+                (GroupDescription { instances, ..GroupDescription::default() }, Vec::new())
+            }
+        }
+    }
+
+    /// The material that the settings give to what has one of these names.
+    fn named_material(&self, names: [&str; 2]) -> Option<usize> {
+        names.iter().find_map(|name| self.settings.materials.get(*name)).copied()
+    }
+
+    fn inherited(&self, outside: InheritedStyle, occurrence: &Occurrence, part: &Part) -> InheritedStyle {
+        let names = [occurrence.name.as_str(), part.name.as_str()];
+        let shown = self.settings.part.as_deref().is_some_and(|name| names.contains(&name));
+        InheritedStyle {
+            // Without use it would make groups that differ in nothing else.
+            color: occurrence.style.or(outside.color).filter(|_| self.settings.others.is_none()),
+            material: self.named_material(names).or(outside.material),
+            shown: outside.shown || shown,
+        }
+    }
+
+    fn instances(&mut self, occurrences: &[Occurrence], outside: InheritedStyle) -> Vec<InstanceDescription> {
         let mut instances = Vec::with_capacity(occurrences.len());
         for occurrence in occurrences {
             let Some(part) = self.model.parts.get(occurrence.part) else { continue };
-            let style = occurrence.style.or(inherited);
-            let key = (occurrence.part, style_key(style));
+            let style = self.inherited(outside, occurrence, part);
+            let key = (occurrence.part, style_key(style.color), style.material, style.shown);
             let group = if let Some(&group) = self.groups.get(&key) {
                 group
             } else {
                 // Parts refer to parts before them only, so that this ends.
                 let (group, faces) = self.group(part, style);
-                self.description.groups.push(group);
-                self.faces_of_groups.push(faces);
-                let number = self.description.groups.len() - 1;
+                let number = (!group.shapes.is_empty() || !group.instances.is_empty()).then(|| {
+                    self.description.groups.push(group);
+                    self.faces_of_groups.push(faces);
+                    self.description.groups.len() - 1
+                });
                 self.groups.insert(key, number);
                 number
             };
-            instances.push(InstanceDescription { group, to_parent: occurrence.to_parent, location: None });
+            let Some(group) = group else { continue };
+            let to_parent = occurrence.to_parent;
+            instances.push(InstanceDescription { group, to_parent, location: self.location });
         }
         instances
     }
 
     /// The group of a part, and the face of each of its shapes.
-    fn group(&mut self, part: &Part, inherited: Option<ColorStyle>) -> (GroupDescription, Vec<usize>) {
+    fn group(&mut self, part: &Part, style: InheritedStyle) -> (GroupDescription, Vec<usize>) {
         let (mut shapes, mut faces) = (Vec::new(), Vec::new());
-        for body in &part.bodies {
-            self.body(body, inherited, &mut shapes, &mut faces);
+        for body in part.bodies.iter().filter(|_| style.shown) {
+            self.body(body, style, &mut shapes, &mut faces);
         }
-        let instances = self.instances(&part.occurrences, inherited);
+        let instances = self.instances(&part.occurrences, style);
         (GroupDescription { name: part.name.clone(), shapes, instances }, faces)
     }
 
     fn body(
         &mut self,
         body: &Body,
-        inherited: Option<ColorStyle>,
+        inherited: InheritedStyle,
         shapes: &mut Vec<ShapeDescription>,
         faces: &mut Vec<usize>,
     ) {
@@ -121,7 +175,11 @@ impl CadScene<'_> {
                 else {
                     continue;
                 };
-                let material = self.material(face.style.or(body.style).or(inherited));
+                let named = self.named_material([&face.name, &body.name]).or(inherited.material);
+                let material = match named.or(self.settings.others) {
+                    Some(material) => material,
+                    None => self.color_material(face.style.or(body.style).or(inherited.color)),
+                };
                 faces.push(index);
                 shapes.push(ShapeDescription {
                     to_parent: trimmed.to_part,
@@ -129,13 +187,15 @@ impl CadScene<'_> {
                     material,
                     trim: trimmed.trim.as_ref().map(trim),
                     solid: number,
+                    emission: self.settings.emission.as_deref().cloned(),
+                    location: self.location,
                     ..geometry(trimmed).into()
                 });
             }
         }
     }
 
-    fn material(&mut self, style: Option<ColorStyle>) -> usize {
+    fn color_material(&mut self, style: Option<ColorStyle>) -> usize {
         let key = style_key(style);
         if let Some(&number) = self.materials.get(&key) {
             return number;

@@ -13,6 +13,7 @@
 mod assembly;
 mod bodies;
 mod bounded_surface;
+mod cad_model;
 mod cad_report;
 mod curves;
 mod describe;
@@ -33,11 +34,12 @@ mod tests;
 mod trim;
 mod units;
 
+pub(crate) use cad_model::CadModel;
+pub(crate) use cad_report::CadWarning;
 pub use cad_report::{CadFace, CadFaceOutcome, CadReport};
+pub(crate) use describe::CadSettings;
 pub use report::{FaceCounts, NoteList, StepError, StepFile, StepNote, StepReport};
 
-use glanz_brep::face::trimmed_faces;
-use glanz_scene::Description;
 use lowering::StepReader;
 use part21::ExchangeFile;
 use parts::PartReader;
@@ -57,15 +59,4 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
     let mut reader = StepReader::new(&file);
     PartReader::new(&mut reader).read_all();
     Ok(reader.finish())
-}
-
-/// Adds what a STEP file shows to a description.
-///
-/// # Errors
-/// Those of [`read`].
-pub(crate) fn describe(bytes: &[u8], description: &mut Description) -> Result<CadReport, StepError> {
-    let file = read(bytes)?;
-    let faces = trimmed_faces(&file.model);
-    let shapes = describe::describe(&file.model, &faces, description);
-    Ok(CadReport::new(&file, &faces, shapes))
 }

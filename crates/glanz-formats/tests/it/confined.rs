@@ -28,12 +28,13 @@ fn read(house: &TempDir, scene: &str) -> Result<Loaded, Diagnostics> {
 }
 
 /// Everything that names a file; `{}` is the name.
-const NAMES_A_FILE: [&str; 11] = [
+const NAMES_A_FILE: [&str; 12] = [
     "Include \"{}\"",
     "Import \"{}\"",
     "Shape \"plymesh\" \"string filename\" \"{}\"",
     "Shape \"bezierpatch\" \"string filename\" \"{}\"",
     "Shape \"patchmesh\" \"string filename\" \"{}\"",
+    "Shape \"step\" \"string filename\" \"{}\"",
     "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"{}\"",
     "LightSource \"infinite\" \"string filename\" \"{}\"",
     "LightSource \"photometric\" \"string filename\" \"{}\"",

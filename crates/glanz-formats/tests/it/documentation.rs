@@ -19,6 +19,7 @@ fn every_scene_of_the_documentation_is_read_without_a_warning() {
     let folder = std::env::temp_dir().join(format!("glanz-documentation-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join("lamp.ies"), blocks("ies")[0]).unwrap();
+    fs::write(folder.join("lamp.step"), crate::step_shape::lamp()).unwrap();
     for scene in scenes {
         let whole =
             if scene.contains("WorldBegin") { scene.to_owned() } else { format!("WorldBegin\n{scene}") };

@@ -14,3 +14,4 @@ mod pbrt_errors;
 mod pbrt_files;
 mod pbrt_freeform;
 mod pbrt_lowering;
+mod step_shape;

@@ -1,5 +1,6 @@
 //! Lowering of directives to a [`Description`]; one file per kind of object.
 
+mod cad_file;
 mod camera;
 mod extension;
 mod film;
@@ -32,6 +33,7 @@ use crate::pbrt::dialect::Dialect;
 use crate::pbrt::finder::{FileFinder, FindError};
 use crate::source::{ParseResult, Reporter, Span};
 
+pub(crate) use cad_file::CadFile;
 pub(crate) use film::finish_film;
 pub(crate) use material::NamedMaterial;
 pub(crate) use object::OpenObject;
@@ -53,6 +55,7 @@ pub(crate) struct Lowering {
     pub(crate) lights_in_groups: BTreeMap<usize, usize>,
     /// Number of lights created by instances.
     pub(crate) light_copies: usize,
+    pub(crate) cad_files: BTreeMap<PathBuf, CadFile>,
     pub(crate) materials: BTreeMap<String, NamedMaterial>,
     pub(crate) default_material: Option<usize>,
     pub(crate) textures: TextureNames,
@@ -104,6 +107,7 @@ impl Lowering {
             groups: BTreeMap::new(),
             lights_in_groups: BTreeMap::new(),
             light_copies: 0,
+            cad_files: BTreeMap::new(),
             materials: BTreeMap::new(),
             default_material: None,
             textures: TextureNames::default(),

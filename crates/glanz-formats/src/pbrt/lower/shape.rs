@@ -33,6 +33,7 @@ const SHAPES: &[&str] = &[
     "patchmesh",
     "curve",
     "heightfield",
+    "step",
 ];
 
 impl Lowering {
@@ -43,6 +44,9 @@ impl Lowering {
         mut list: ParameterList,
         context: &EntityState,
     ) -> ParseResult<()> {
+        if kind == "step" {
+            return self.cad_shape(list, context);
+        }
         let place = list.place;
         let surfaces = match kind {
             "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
@@ -187,7 +191,7 @@ impl Lowering {
     }
 
     /// Reports alpha textures, which are not available yet.
-    fn alpha(&mut self, list: &mut ParameterList) -> ParseResult<()> {
+    pub(super) fn alpha(&mut self, list: &mut ParameterList) -> ParseResult<()> {
         for name in ["alpha", "shadowalpha"] {
             let place = list.value_place(name);
             let Some(p) = list.take(name) else { continue };

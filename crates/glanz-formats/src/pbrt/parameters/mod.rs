@@ -291,6 +291,22 @@ impl ParameterList {
         }
     }
 
+    /// Any count of texts, with the parameter for messages.
+    pub(crate) fn texts(
+        &mut self,
+        name: &'static str,
+        reporter: &mut Reporter,
+    ) -> ParseResult<Option<(Parameter, Vec<String>)>> {
+        let Some(mut p) = self.take(name) else { return Ok(None) };
+        match &mut p.values {
+            Values::Texts(v) if p.kind == ParameterType::Text => {
+                let texts = std::mem::take(v);
+                Ok(Some((p, texts)))
+            }
+            _ => Err(self.wrong_type(&p, "string", reporter)),
+        }
+    }
+
     /// One text.
     pub(crate) fn text(
         &mut self,
