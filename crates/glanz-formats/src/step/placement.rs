@@ -95,16 +95,21 @@ impl GeometryReader {
 
     /// The unit vector at a right angle to `z` that is nearest to `wanted`.
     fn orthogonal(&mut self, entity: Entity<'_>, wanted: Option<DVec3>, z: DVec3) -> DVec3 {
-        // The default of the standard: the x axis, or the y axis where z is along x.
-        let default = if z.x.abs() < 1.0 { DVec3::X } else { DVec3::Y };
-        let project = |v: DVec3| (v - z * v.dot(z)).try_normalize();
+        let project = |v: DVec3| {
+            // Of two unit vectors along one another, rounding is left.
+            let rest = v - z * v.dot(z);
+            let x = (rest.length() > f64::EPSILON.sqrt()).then(|| rest.try_normalize())??;
+            // The shorter the rest, the more its rounding is along z.
+            (x - z * x.dot(z)).try_normalize()
+        };
         if let Some(x) = wanted.and_then(project) {
             return x;
         }
         if wanted.is_some() {
             self.repairs.push(entity.id(), "the reference direction is along the axis; another one is taken");
         }
-        project(default).unwrap_or_else(|| z.any_orthonormal_vector())
+        // The default of the standard: the x axis, or the y axis where z is along x.
+        [DVec3::X, DVec3::Y].into_iter().find_map(project).unwrap_or_else(|| z.any_orthonormal_vector())
     }
 
     /// The transformation of a mapped item or a relationship from metres to metres: an item of geometry in its units.

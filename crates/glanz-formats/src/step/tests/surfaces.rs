@@ -183,3 +183,29 @@ fn refused_surfaces_have_a_reason() {
         assert_eq!(refusal(&format!("#10={data};")), reason);
     }
 }
+
+#[test]
+fn frames_are_orthonormal_also_where_the_reference_is_along_the_axis() {
+    let one = "1.,1.,1.";
+    for (axis, reference, repairs) in [
+        (one, Some(one), 1),
+        (one, Some("-1.,-1.,-1.00000000000001"), 1),
+        (one, Some("1.,1.,1.000001"), 0),
+        ("49.,0.,0.", None, 0),
+        ("49.,0.,0.", Some("49.,0.,0."), 1),
+        ("1.,1.E-9,0.", None, 0),
+    ] {
+        let directions =
+            format!("#41=DIRECTION('',({axis}));#42=DIRECTION('',({}));", reference.unwrap_or(one));
+        let reference = if reference.is_some() { "#42" } else { "$" };
+        let file = file(&format!(
+            "{MILLIMETRES}{ONE_FACE}{directions}#10=PLANE('',#40);#40=AXIS2_PLACEMENT_3D('',#31,#41,{reference});"
+        ));
+        assert_eq!(file.report.repairs.count(), repairs, "{directions}");
+        let FaceSurface::Plane(Placement { x, y, z, .. }) = file.model.surfaces[0].surface else { panic!() };
+        for (a, b) in [(x, y), (y, z), (z, x)] {
+            assert!(a.dot(b).abs() <= 4.0 * f64::EPSILON, "{directions}: {a} {b}");
+            assert!((a.length() - 1.0).abs() <= 4.0 * f64::EPSILON, "{directions}: {a}");
+        }
+    }
+}
