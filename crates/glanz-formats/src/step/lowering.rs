@@ -84,10 +84,8 @@ impl<'a> StepReader<'a> {
         if let Some(units) = self.contexts.get(&entity) {
             return *units;
         }
-        let units = context.map_or(Ok(ContextUnits::default()), ContextUnits::of_context);
-        let units = units.unwrap_or_else(|refusal| {
-            self.mend(entity, &refusal, "the default unit is taken");
-            ContextUnits::default()
+        let units = context.map_or_else(ContextUnits::default, |context| {
+            ContextUnits::of_context(context, |refusal| self.mend(entity, refusal, "it is left out"))
         });
         let index = self.intern(units, entity);
         self.contexts.insert(entity, index);
@@ -98,6 +96,9 @@ impl<'a> StepReader<'a> {
     fn intern(&mut self, units: ContextUnits, entity: EntityId) -> usize {
         if units.length.is_none() {
             self.report.repairs.push(entity, "no unit of length is given; millimetres are taken");
+        }
+        if units.angle.is_none() {
+            self.report.repairs.push(entity, "no unit of angle is given; radians are taken");
         }
         self.model.uncertainty = self.model.uncertainty.max(units.uncertainty);
         let units = UnitSet { length: units.length.unwrap_or(1e-3), angle: units.angle.unwrap_or(1.0) };

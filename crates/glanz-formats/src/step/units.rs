@@ -1,6 +1,6 @@
 //! Units and uncertainty of representation contexts.
 
-use super::part21::{Entity, Keyword, Refusal};
+use super::part21::{Entity, EntityAttributes, Keyword, Refusal};
 
 /// Units of the coordinates and angles of a representation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,33 +35,59 @@ enum UnitValue {
 const MAX_CONVERSIONS: usize = 8;
 
 impl ContextUnits {
-    /// The units and the uncertainty that a context assigns.
-    ///
-    /// # Errors
-    /// A unit of length or angle that cannot be read.
-    pub(super) fn of_context(context: Entity<'_>) -> Result<Self, Refusal> {
+    /// The units and the uncertainty that a context assigns, without those that cannot be read, which `refused` gets.
+    pub(super) fn of_context(context: Entity<'_>, mut refused: impl FnMut(&Refusal)) -> Self {
         let mut units = Self::default();
         if context.is(Keyword::GlobalUnitAssignedContext) {
-            for unit in context.attributes(&[Keyword::GlobalUnitAssignedContext]).references(last(context))? {
-                match value(unit?, MAX_CONVERSIONS)? {
-                    Some(UnitValue::Length(metres)) => units.length = Some(metres),
-                    Some(UnitValue::Angle(radians)) => units.angle = Some(radians),
-                    None => {}
-                }
-            }
+            let attributes = context.attributes(&[Keyword::GlobalUnitAssignedContext]);
+            let read = |unit| value(unit, MAX_CONVERSIONS);
+            for_each_readable(&attributes, last(context), &mut refused, read, |unit| match unit {
+                UnitValue::Length(metres) => units.length = Some(metres),
+                UnitValue::Angle(radians) => units.angle = Some(radians),
+            });
         }
         if context.keyword() == Keyword::Complex && context.is(Keyword::GlobalUncertaintyAssignedContext) {
-            for measure in context.attributes(&[Keyword::GlobalUncertaintyAssignedContext]).references(0)? {
-                let attributes =
-                    measure?.attributes(&[Keyword::MeasureWithUnit, Keyword::UncertaintyMeasureWithUnit]);
-                if let Some(UnitValue::Length(metres)) = value(attributes.reference(1)?, MAX_CONVERSIONS)? {
-                    let uncertainty = attributes.number(0)? * metres;
-                    units.uncertainty =
-                        units.uncertainty.max(if uncertainty.is_finite() { uncertainty } else { 0.0 });
+            let attributes = context.attributes(&[Keyword::GlobalUncertaintyAssignedContext]);
+            for_each_readable(&attributes, 0, &mut refused, uncertainty, |metres| {
+                units.uncertainty = units.uncertainty.max(metres);
+            });
+        }
+        units
+    }
+}
+
+/// Reads the entities in a list, each on its own.
+fn for_each_readable<'a, T>(
+    attributes: &EntityAttributes<'a>,
+    list: usize,
+    refused: &mut impl FnMut(&Refusal),
+    read: impl Fn(Entity<'a>) -> Result<Option<T>, Refusal>,
+    mut take: impl FnMut(T),
+) {
+    match attributes.references(list) {
+        Ok(entities) => {
+            for entity in entities {
+                match entity.and_then(&read) {
+                    Ok(value) => value.into_iter().for_each(&mut take),
+                    Err(refusal) => refused(&refusal),
                 }
             }
         }
-        Ok(units)
+        Err(refusal) => refused(&refusal),
+    }
+}
+
+/// The metres of a measure of uncertainty; `None` if it is not of length.
+fn uncertainty(measure: Entity<'_>) -> Result<Option<f64>, Refusal> {
+    let attributes = measure.attributes(&[Keyword::MeasureWithUnit, Keyword::UncertaintyMeasureWithUnit]);
+    let Some(UnitValue::Length(metres)) = value(attributes.reference(1)?, MAX_CONVERSIONS)? else {
+        return Ok(None);
+    };
+    let uncertainty = attributes.number(0)? * metres;
+    if uncertainty >= 0.0 && uncertainty.is_finite() {
+        Ok(Some(uncertainty))
+    } else {
+        Err(measure.refuse(format!("the uncertainty is {uncertainty} metres")))
     }
 }
 
@@ -86,9 +112,14 @@ fn value(unit: Entity<'_>, depth: usize) -> Result<Option<UnitValue>, Refusal> {
     if factor.is_nan() || factor <= 0.0 {
         return Err(measure.refuse(format!("a unit is {factor} times another; it must be positive")));
     }
+    let product = |unit: f64| {
+        let product = factor * unit;
+        let refusal = || measure.refuse(format!("the factor {factor} makes a unit too large or too small"));
+        if product.is_normal() { Ok(product) } else { Err(refusal()) }
+    };
     Ok(match value(attributes.reference(1)?, depth)? {
-        Some(UnitValue::Length(metres)) => Some(UnitValue::Length(factor * metres)),
-        Some(UnitValue::Angle(radians)) => Some(UnitValue::Angle(factor * radians)),
+        Some(UnitValue::Length(metres)) => Some(UnitValue::Length(product(metres)?)),
+        Some(UnitValue::Angle(radians)) => Some(UnitValue::Angle(product(radians)?)),
         None => None,
     })
 }
@@ -98,18 +129,18 @@ fn si_value(unit: Entity<'_>) -> Result<Option<UnitValue>, Refusal> {
     // A simple instance begins with the dimensions, a complex one with those of NAMED_UNIT, if they are there.
     let attributes = unit.attributes(&[Keyword::SiUnit]);
     let first = usize::from(unit.keyword() != Keyword::Complex);
-    let factor = match attributes.enumeration(first) {
-        None => 1.0,
-        Some(prefix) => {
-            let known = PREFIXES.iter().find(|(name, _)| name.as_bytes() == prefix);
-            known.ok_or_else(|| unit.refuse("the unit has an unknown prefix"))?.1
-        }
+    let value: fn(f64) -> UnitValue = match attributes.enumeration(first + 1) {
+        Some(b"METRE") => UnitValue::Length,
+        Some(b"RADIAN") => UnitValue::Angle,
+        _ => return Ok(None),
     };
-    Ok(match attributes.enumeration(first + 1) {
-        Some(b"METRE") => Some(UnitValue::Length(factor)),
-        Some(b"RADIAN") => Some(UnitValue::Angle(factor)),
-        _ => None,
-    })
+    if attributes.is_missing(first) {
+        return Ok(Some(value(1.0)));
+    }
+    let prefix = attributes.enumeration(first).unwrap_or_default();
+    let known = PREFIXES.iter().find(|(name, _)| name.as_bytes() == prefix);
+    let (_, factor) = known.ok_or_else(|| unit.refuse("the unit has an unknown prefix"))?;
+    Ok(Some(value(*factor)))
 }
 
 /// Prefixes of @iso10303-41 with their factors.

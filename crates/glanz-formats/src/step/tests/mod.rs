@@ -6,6 +6,7 @@ mod damage;
 mod faces;
 mod styles;
 mod surfaces;
+mod units;
 
 use glanz_math::DVec3;
 
