@@ -108,10 +108,10 @@ impl<'a> StructureParser<'a> {
             }
             let start = self.scanner.at;
             match self.scanner.word() {
-                b"HEADER" => self.section(Self::header_entity),
+                b"HEADER" => self.section(true),
                 b"DATA" => {
                     self.has_data = true;
-                    self.section(Self::instance);
+                    self.section(false);
                 }
                 b"ANCHOR" | b"REFERENCE" | b"SIGNATURE" => self.skip_section(),
                 b"END-ISO-10303-21" => return,
@@ -132,20 +132,21 @@ impl<'a> StructureParser<'a> {
         }
     }
 
-    /// Moves behind the next `ENDSEC;`, or to `END-ISO-10303-21` or the end of the file.
+    /// Moves behind the next `ENDSEC;`, or to `DATA`, `END-ISO-10303-21` or the end of the file.
     fn skip_section(&mut self) {
         let bytes = self.scanner.bytes;
-        let rest = bytes.get(self.scanner.at..).unwrap_or_default();
-        let end = rest.windows(6).position(|w| w == b"ENDSEC" || w == b"END-IS");
-        self.scanner.at = end.map_or(bytes.len(), |length| self.scanner.at + length);
-        if self.scanner.bytes.get(self.scanner.at + 3) == Some(&b'S') {
+        let begins = |at: usize, word| bytes.get(at..).is_some_and(|rest| rest.starts_with(word));
+        let is_end =
+            |at: &usize| begins(*at, b"ENDSEC") || begins(*at, b"END-IS") || self.scanner.is_data(*at);
+        self.scanner.at = (self.scanner.at..bytes.len()).find(is_end).unwrap_or(bytes.len());
+        if begins(self.scanner.at, b"ENDSEC") {
             self.scanner.at += 6;
             let _ = self.scanner.expect(b';', "");
         }
     }
 
-    /// Reads a section from behind its keyword to its ENDSEC.
-    fn section(&mut self, entity: fn(&mut Self) -> EntityResult) {
+    /// Reads the header or a data section from behind its keyword to its ENDSEC, or to the next section where that is missing.
+    fn section(&mut self, mut is_header: bool) {
         // Edition 3 names data sections in parentheses.
         self.scanner.at = self.scanner.bytes.get(self.scanner.at..).map_or(self.scanner.at, |rest| {
             self.scanner.at + rest.iter().position(|&b| b == b';' || b == b'#').unwrap_or(rest.len())
@@ -158,6 +159,14 @@ impl<'a> StructureParser<'a> {
             if space.is_ok() {
                 if self.scanner.at_end() {
                     return;
+                }
+                if self.scanner.is_data(start) {
+                    self.fault(start, None, "ENDSEC is missing before DATA".to_owned());
+                    return;
+                }
+                if is_header && self.scanner.is_instance(start) {
+                    self.fault(start, None, "ENDSEC is missing before the first instance".to_owned());
+                    (is_header, self.has_data) = (false, true);
                 }
                 match self.scanner.word() {
                     b"ENDSEC" => {
@@ -172,6 +181,7 @@ impl<'a> StructureParser<'a> {
                     _ => self.scanner.at = start,
                 }
             }
+            let entity = if is_header { Self::header_entity } else { Self::instance };
             let outcome = space.map_err(|reason| (None, reason)).and_then(|()| entity(self));
             if let Err((number, reason)) = outcome {
                 self.tape.truncate(tape);
@@ -184,6 +194,11 @@ impl<'a> StructureParser<'a> {
     /// Reports a damaged instance and moves to the next one.
     fn recover(&mut self, start: usize, number: Option<u64>, reason: &'static str) {
         let failed = self.scanner.at;
+        if failed > start && self.scanner.is_instance(failed) {
+            // Only the end of the damaged instance is missing.
+            self.fault(failed, number, reason.to_owned());
+            return;
+        }
         // A quote too many makes a string of the instances behind it, so the search begins with the damaged instance, as
         // long as that does not read the file many times.
         let consumed = failed - start;
@@ -193,7 +208,7 @@ impl<'a> StructureParser<'a> {
         } else {
             failed
         };
-        self.scanner.at = self.scanner.next_instance(from).max(start + 1);
+        self.scanner.at = self.scanner.next_instance(from, &mut self.rescans).max(start + 1);
         if failed >= self.scanner.bytes.len() && self.scanner.at_end() {
             self.fault(start, number, TRUNCATED.to_owned());
         } else {

@@ -173,25 +173,54 @@ impl<'a> Scanner<'a> {
     }
 
     /// The first position from `from` of an instance `#n=` or an `ENDSEC` behind a semicolon, or the end.
-    pub(super) fn next_instance(&self, from: usize) -> usize {
+    ///
+    /// Comments and spaces between are taken off `budget`; when it is used up, comments are no longer passed.
+    pub(super) fn next_instance(&mut self, from: usize, budget: &mut usize) -> usize {
         let mut at = from;
         while let Some(length) = self.bytes.get(at..).and_then(|rest| rest.iter().position(|&b| b == b';')) {
             at += length + 1;
-            let mut ahead = Scanner { bytes: self.bytes, at, uncommented: 0 };
-            // An error is a comment, which is not skipped: the position in front of it does not count.
-            if ahead.skip_space().is_err() {
+            let passes_comments = *budget > 0;
+            let uncommented = if passes_comments { self.uncommented } else { 0 };
+            let mut ahead = Scanner { bytes: self.bytes, at, uncommented };
+            let space = ahead.skip_space();
+            *budget = budget.saturating_sub(ahead.at - at);
+            if passes_comments {
+                self.uncommented = ahead.uncommented;
+            }
+            if space.is_err() {
                 continue;
             }
-            let start = ahead.at;
-            if ahead.rest().starts_with(b"ENDSEC") || ahead.rest().starts_with(b"END-ISO") {
-                return start;
-            }
-            let is_instance = ahead.take(b'#') && ahead.instance_number().is_ok();
-            if is_instance && ahead.skip_space().is_ok() && ahead.peek() == b'=' {
-                return start;
+            let rest = ahead.rest();
+            if rest.starts_with(b"ENDSEC") || rest.starts_with(b"END-ISO") || self.is_instance(ahead.at) {
+                return ahead.at;
             }
         }
         self.bytes.len()
+    }
+
+    /// A scanner at a position that passes no comments, so that its way is short.
+    fn ahead(&self, at: usize) -> Self {
+        Scanner { bytes: self.bytes, at, uncommented: 0 }
+    }
+
+    /// Whether an instance `#n=` begins at a position.
+    pub(super) fn is_instance(&self, at: usize) -> bool {
+        let mut ahead = self.ahead(at);
+        let has_number = ahead.take(b'#') && ahead.instance_number().is_ok();
+        has_number && ahead.skip_space().is_ok() && ahead.peek() == b'='
+    }
+
+    /// Whether the keyword of a data section begins at a position: `DATA;` or `DATA(`.
+    pub(super) fn is_data(&self, at: usize) -> bool {
+        let mut ahead = self.ahead(at);
+        if !ahead.rest().starts_with(b"DATA") {
+            return false;
+        }
+        let before = at.checked_sub(1).and_then(|before| self.bytes.get(before));
+        ahead.at += 4;
+        !before.is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_')
+            && ahead.skip_space().is_ok()
+            && matches!(ahead.peek(), b';' | b'(')
     }
 }
 

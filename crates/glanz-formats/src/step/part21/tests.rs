@@ -184,3 +184,47 @@ fn many_comments_without_an_end_are_read_in_linear_time() {
     assert!(ExchangeFile::parse(text.as_bytes()).unwrap().fault_count > 0);
     assert!(start.elapsed().as_secs() < 10);
 }
+
+#[test]
+fn stray_semicolon_between_sections_costs_nothing() {
+    let (read, faults) =
+        outline("ISO-10303-21;HEADER;ENDSEC;;DATA;#1=A();ENDSEC;;\nDATA ;#2=B();ENDSEC;END-ISO-10303-21;");
+    assert_eq!(read, [1, 2]);
+    assert_eq!(faults.len(), 2, "{faults:?}");
+    let unknown = "ISO-10303-21;HEADER;ENDSEC;OTHER;METADATA;X_DATA('DATA');ENDSEC;DATA;#1=A();ENDSEC;END-ISO-10303-21;";
+    assert_eq!(outline(unknown).0, [1]);
+}
+
+#[test]
+fn header_without_its_end_costs_no_data() {
+    for data in ["DATA;#1=A();", "DATA('one',('S'));#1=A();", "\n#1=A();", "FILE_NAME(;DATA;#1=A();"] {
+        let text = format!("ISO-10303-21;HEADER;FILE_SCHEMA(('X'));{data}#2=B();ENDSEC;END-ISO-10303-21;");
+        let (read, faults) = outline(&text);
+        assert_eq!(read, [1, 2], "{data}");
+        assert!(faults.iter().any(|fault| fault.contains("ENDSEC is missing")), "{faults:?}");
+    }
+}
+
+#[test]
+fn instances_behind_a_damaged_one_are_read() {
+    for (data, numbers) in [
+        ("#1=A(1;\n/* bolt */\n#2=B();#3=C();", [2, 3]),
+        ("#1=A(1;/* ; */ /* */\n#2=B();#3=C();", [2, 3]),
+        ("#1=A(1)\n#2=B();\n#3=C();", [2, 3]),
+        ("#1=A(1 /* one */ #2=B();\n#3=C();", [2, 3]),
+        ("#1=A((1)\n #2 = B();\n#3=C();", [2, 3]),
+    ] {
+        let (read, faults) = outline(&wrap(data));
+        assert_eq!((read.as_slice(), faults.len()), (numbers.as_slice(), 1), "{data}: {faults:?}");
+        assert!(faults[0].contains("Some(1)"), "{faults:?}");
+    }
+}
+
+/// This takes minutes if every look-ahead passes all comments behind it.
+#[test]
+fn semicolons_in_comments_are_passed_in_linear_time() {
+    let text = wrap(&format!("#1=A('{}*/{}", "/*;".repeat(200_000), "/**/".repeat(200_000)));
+    let start = std::time::Instant::now();
+    assert!(ExchangeFile::parse(text.as_bytes()).unwrap().fault_count > 0);
+    assert!(start.elapsed().as_secs() < 10);
+}
