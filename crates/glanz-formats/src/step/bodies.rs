@@ -122,8 +122,7 @@ impl<'a> StepReader<'a> {
     fn shell(&mut self, entity: Entity<'a>, units: usize) -> Result<Shell, Refusal> {
         let (base, turned) = base_shell(entity)?;
         let attributes = base.simple();
-        let count = attributes.list(1)?.count_items();
-        self.geometry.spend(entity.id(), ENTITY_COST * count)?;
+        let count = self.geometry.spend_items(entity.id(), attributes.list(1)?, ENTITY_COST)?;
         let mut faces = Vec::with_capacity(count);
         for face in attributes.references(1)? {
             match face {
@@ -204,8 +203,8 @@ impl<'a> StepReader<'a> {
         self.report.omissions.push(entity.id(), "the file hides it");
         let shells = shells_of(entity, kind).unwrap_or_default();
         for (shell, _) in shells.into_iter().filter_map(|shell| base_shell(shell).ok()) {
-            let count = shell.simple().list(1).map_or(0, |faces| faces.count_items());
-            if self.geometry.spend(shell.id(), count).is_err() {
+            let Ok(faces) = shell.simple().list(1) else { continue };
+            if self.geometry.spend_items(shell.id(), faces, 1).is_err() {
                 return;
             }
             let faces = shell.simple().references(1).into_iter().flatten().flatten();

@@ -79,7 +79,7 @@ impl GeometryReader {
         units: CurveUnits,
     ) -> Result<Vec<P>, Refusal> {
         let attributes = entity.simple();
-        self.spend(entity.id(), attributes.list(1)?.count_items())?;
+        self.spend_items(entity.id(), attributes.list(1)?, 1)?;
         let points: Vec<P> = attributes
             .references(1)?
             .map(|entity| Self::located(entity?, units))

@@ -123,7 +123,7 @@ impl<'a> StepReader<'a> {
         let parts = [Keyword::RepresentationItem, Keyword::EdgeLoop, Keyword::PolyLoop, Keyword::VertexLoop];
         let attributes = entity.attributes(&parts);
         if entity.is(Keyword::EdgeLoop) {
-            self.geometry.spend(entity.id(), attributes.list(1)?.count_items())?;
+            self.geometry.spend_items(entity.id(), attributes.list(1)?, 1)?;
             let edges: Vec<OrientedEdge> = attributes
                 .references(1)?
                 .map(|edge| self.oriented_edge(edge?, units))

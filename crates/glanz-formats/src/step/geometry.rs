@@ -3,7 +3,7 @@
 use glanz_brep::model::{CurveVector, EntityId};
 use glanz_math::{DVec2, DVec3};
 
-use super::part21::{Entity, Refusal};
+use super::part21::{Entity, Refusal, TapeItems};
 use super::report::NoteList;
 
 /// Entities of geometry inside one another, at most.
@@ -32,8 +32,25 @@ impl GeometryReader {
     /// The budget is used up.
     pub(super) fn spend(&mut self, entity: EntityId, count: usize) -> Result<(), Refusal> {
         let left = self.budget.checked_sub(count);
-        self.budget = left.ok_or_else(|| Refusal::new(entity, "the file repeats its geometry too often"))?;
-        Ok(())
+        // What fails uses it up, so that no list is counted again and again.
+        self.budget = left.unwrap_or_default();
+        left.map(drop).ok_or_else(|| Refusal::new(entity, "the file repeats its geometry too often"))
+    }
+
+    /// Takes `cost` for each item of a list off the budget, and returns their number.
+    ///
+    /// # Errors
+    /// The budget is used up; then the items are not counted.
+    pub(super) fn spend_items(
+        &mut self,
+        entity: EntityId,
+        items: TapeItems<'_>,
+        cost: usize,
+    ) -> Result<usize, Refusal> {
+        self.spend(entity, 1)?;
+        let count = items.count_items();
+        self.spend(entity, cost * count)?;
+        Ok(count)
     }
 }
 

@@ -114,8 +114,8 @@ impl GeometryReader {
     ) -> Result<Curve<P>, Refusal> {
         let parts = [Keyword::RepresentationItem, Keyword::BSplineCurve, Keyword::BSplineCurveWithKnots];
         let attributes = entity.attributes(&parts);
-        let (degree, count) = (attributes.count(1)?, attributes.list(2)?.count_items());
-        self.spend(entity.id(), count)?;
+        let degree = attributes.count(1)?;
+        let count = self.spend_items(entity.id(), attributes.list(2)?, 1)?;
         let mut knots = KnotForm::of(entity)?.knots(&attributes, [6, 7], degree, count)?;
         let weights = weights(entity, Keyword::RationalBSplineCurve, count, |a| a.numbers(0))?;
         let mut points = Vec::with_capacity(count);
@@ -143,6 +143,8 @@ impl GeometryReader {
         let attributes = entity.attributes(&parts);
         let degrees = [attributes.count(1)?, attributes.count(2)?];
         let rows = attributes.list(3)?;
+        // Counting takes time too.
+        self.spend(entity.id(), 1)?;
         let row_length = |at: u32| attributes.sublist(at).count_items();
         let counts = [rows.count_items(), rows.clone().next().map_or(0, row_length)];
         if rows.clone().any(|at| row_length(at) != counts[1]) {

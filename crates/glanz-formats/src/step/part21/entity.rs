@@ -116,7 +116,7 @@ pub(in crate::step) struct EntityAttributes<'a> {
 
 impl<'a> EntityAttributes<'a> {
     fn extend(&mut self, items: TapeItems<'_>) {
-        items.for_each(|at| self.push(at));
+        items.take(self.positions.len()).for_each(|at| self.push(at));
     }
 
     fn push(&mut self, at: u32) {

@@ -9,6 +9,9 @@ use super::tape::{EntityInstance, TapeToken};
 /// Lists inside one another, at most.
 const MAX_NESTING: usize = 64;
 
+/// Types of a complex instance, at most.
+const MAX_TYPES: usize = 64;
+
 /// Faults stored with their positions, at most; further ones are counted.
 const MAX_FAULTS: usize = 1000;
 
@@ -279,10 +282,16 @@ impl<'a> StructureParser<'a> {
     fn complex(&mut self) -> Result<(), &'static str> {
         let head = self.tape.len();
         self.tape.push(TapeToken::List { end: 0 });
+        let mut types = 0;
         loop {
             self.scanner.skip_space()?;
             if self.scanner.take(b')') {
                 break;
+            }
+            // Every look at a type of the instance goes through all of them.
+            types += 1;
+            if types > MAX_TYPES {
+                return Err("the instance has more than 64 types");
             }
             let keyword = self.keyword()?;
             self.scanner.expect(b'(', "\"(\" is missing")?;

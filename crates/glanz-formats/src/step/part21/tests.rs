@@ -228,3 +228,31 @@ fn semicolons_in_comments_are_passed_in_linear_time() {
     assert!(ExchangeFile::parse(text.as_bytes()).unwrap().fault_count > 0);
     assert!(start.elapsed().as_secs() < 10);
 }
+
+#[test]
+fn codes_of_characters_are_hexadecimal_digits_and_give_no_control_characters() {
+    for (file, text) in [
+        (r"\X\+Fa", r"\X\+Fa"),
+        (r"\X2\+3A6\X0\", r"\X2\+3A6\X0\"),
+        (r"\X2\03A6\X2\03A9\X0\", r"\X2\03A6Ω"),
+        (r"a\X\00\X\07b", "ab"),
+        (r"a\X2\0000001B0062\X0\", "ab"),
+        (r"a\X4\0000001B00000062\X0\", "ab"),
+    ] {
+        assert_eq!(decode(file.as_bytes()), text, "{file}");
+    }
+}
+
+#[test]
+fn directives_without_an_end_are_read_in_linear_time() {
+    let start = std::time::Instant::now();
+    assert_eq!(decode(r"\X2\q".repeat(400_000).as_bytes()).len(), 2_000_000);
+    assert!(start.elapsed().as_secs() < 10);
+}
+
+#[test]
+fn complex_instances_have_at_most_64_types() {
+    let complex = |count: usize| wrap(&format!("#1=({});", "A()".repeat(count)));
+    assert_eq!(outline(&complex(64)).0, [1]);
+    assert!(outline(&complex(65)).1[0].contains("64 types"));
+}

@@ -60,32 +60,42 @@ fn directive(rest: &str, alphabet: &mut usize) -> Option<(String, usize)> {
             // A quote as the code is doubled like any other.
             one(upper, if bytes.get(3..5) == Some(b"''") { 5 } else { 4 })
         }
-        [b'\\', b'X', b'\\', ..] => one(char::from_u32(u32::from_str_radix(rest.get(3..5)?, 16).ok()?)?, 5),
+        [b'\\', b'X', b'\\', ..] => {
+            let code = *hexadecimal(bytes.get(3..5)?, 2)?.first()?;
+            Some((visible(char::from_u32(code)), 5))
+        }
         [b'\\', b'X', size @ (b'2' | b'4'), b'\\', ..] => {
-            let length = rest.find("\\X0\\")?;
-            let digits = rest.get(4..length)?;
-            Some((if *size == b'2' { utf16(digits)? } else { utf32(digits)? }, length + 4))
+            let is_inside = |b: &&u8| b.is_ascii_hexdigit() || b.is_ascii_whitespace();
+            let run = bytes.iter().skip(4).take_while(is_inside).count();
+            bytes.get(4 + run..)?.strip_prefix(b"\\X0\\")?;
+            let digits = bytes.get(4..4 + run)?;
+            Some((if *size == b'2' { utf16(digits)? } else { utf32(digits)? }, run + 8))
         }
         _ => None,
     }
 }
 
-fn utf16(digits: &str) -> Option<String> {
-    let units = hexadecimal(digits, 4)?.into_iter().map(|unit| unit as u16);
-    Some(char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect())
+/// Characters without those that control terminals.
+fn visible(characters: impl IntoIterator<Item = char>) -> String {
+    characters.into_iter().filter(|c| !c.is_control()).collect()
 }
 
-fn utf32(digits: &str) -> Option<String> {
+fn utf16(digits: &[u8]) -> Option<String> {
+    let units = hexadecimal(digits, 4)?.into_iter().map(|unit| unit as u16);
+    Some(visible(char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))))
+}
+
+fn utf32(digits: &[u8]) -> Option<String> {
     let codes = hexadecimal(digits, 8)?.into_iter();
-    Some(codes.map(|code| char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER)).collect())
+    Some(visible(codes.map(|code| char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER))))
 }
 
 /// Numbers of `size` digits each. Lines may be wrapped inside.
-fn hexadecimal(digits: &str, size: usize) -> Option<Vec<u32>> {
-    let digits: Vec<u8> = digits.bytes().filter(|b| !b.is_ascii_whitespace()).collect();
+fn hexadecimal(digits: &[u8], size: usize) -> Option<Vec<u32>> {
+    let digits: Vec<u8> = digits.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
     if !digits.len().is_multiple_of(size) {
         return None;
     }
-    let number = |chunk| u32::from_str_radix(std::str::from_utf8(chunk).ok()?, 16).ok();
-    digits.chunks_exact(size).map(number).collect()
+    let digit = |number: u32, b: &u8| Some(number << 4 | char::from(*b).to_digit(16)?);
+    digits.chunks_exact(size).map(|chunk| chunk.iter().try_fold(0, digit)).collect()
 }
