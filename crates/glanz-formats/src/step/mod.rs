@@ -8,7 +8,7 @@
 //!
 //! Not read are offset curves, replicas, boundaries in parameters alone, wireframes and tessellated shapes.
 //!
-//! Memory is at most 300 bytes per byte of the file, whatever its content; usual files take 3 to 5.
+//! Names are cut to 200 characters. Memory is at most 300 bytes per byte of the file, whatever its content; usual files take 3 to 5.
 
 mod assembly;
 mod bodies;

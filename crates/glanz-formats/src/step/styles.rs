@@ -12,9 +12,6 @@ use super::report::StepReport;
 /// Lists of hidden things inside one another, at most.
 const MAX_DEPTH: usize = 8;
 
-/// Characters of the name of a layer that are kept: every face of the layer has a copy.
-const MAX_LAYER_NAME: usize = 200;
-
 /// A colour of an item.
 #[derive(Clone, Copy, Debug)]
 struct ItemColor {
@@ -49,7 +46,7 @@ impl StyleTable {
             let attributes = layer.simple();
             let items = attributes.references(2).into_iter().flatten().flatten();
             table.layers.extend(items.map(|item| (styled(item).id(), table.layer_names.len())));
-            table.layer_names.push(attributes.text(0).chars().take(MAX_LAYER_NAME).collect());
+            table.layer_names.push(attributes.text(0));
         }
         // Each hidden list is read once.
         let mut visited = HashSet::new();

@@ -22,6 +22,19 @@ impl Refusal {
     }
 }
 
+/// Characters of a text that are kept.
+const MAX_TEXT: usize = 200;
+
+/// Bytes of a text that are read: with its directive, no character has more than 16.
+const MAX_TEXT_BYTES: usize = 16 * MAX_TEXT;
+
+/// The first bytes of a text, to the end of a character of UTF-8.
+fn first_bytes(text: &[u8]) -> &[u8] {
+    let is_end = |at: &usize| text.get(*at).is_none_or(|b| b & 0xc0 != 0x80);
+    let end = (MAX_TEXT_BYTES - 3..=MAX_TEXT_BYTES).rev().find(is_end).unwrap_or(MAX_TEXT_BYTES);
+    text.get(..end).unwrap_or(text)
+}
+
 /// An instance of a file.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Entity<'a> {
@@ -274,10 +287,13 @@ impl<'a> EntityAttributes<'a> {
         }
     }
 
-    /// A text; empty if there is none.
+    /// A text, of which the first 200 characters are kept: many entities may share it, each with a copy. Empty if there is none.
     pub(in crate::step) fn text(&self, i: usize) -> String {
         match self.position(i).map(|at| self.file.token(at)) {
-            Ok(TapeToken::Text(span)) => decode(self.file.text(span)).trim().to_owned(),
+            Ok(TapeToken::Text(span)) => {
+                let text = decode(first_bytes(self.file.text(span)));
+                text.trim().chars().take(MAX_TEXT).collect()
+            }
             _ => String::new(),
         }
     }

@@ -192,3 +192,16 @@ fn usage_without_a_placement_is_at_the_origin_and_reported() {
     assert_eq!(file.model.parts[1].occurrences[0].to_parent, DMat4::IDENTITY);
     assert_eq!(file.report.repairs.notes()[0].to_string(), "#400: the usage has no placement; none is taken");
 }
+
+#[test]
+fn long_name_that_many_share_is_shortened() {
+    let name = "Ä".repeat(100_000);
+    let body = common().replace("MANIFOLD_SOLID_BREP(''", &format!("MANIFOLD_SOLID_BREP('{name}'"));
+    let data: String = (0..1000)
+        .map(|i| format!("#{}=ADVANCED_BREP_SHAPE_REPRESENTATION('r',(#3),#910);", 1000 + i))
+        .collect();
+    let file = file(&(body + &data));
+    let bodies = file.model.parts.iter().flat_map(|part| &part.bodies);
+    let lengths: Vec<usize> = bodies.map(|body| body.name.chars().count()).collect();
+    assert_eq!(lengths, vec![200; 1000]);
+}
