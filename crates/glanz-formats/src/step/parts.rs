@@ -9,6 +9,7 @@ use super::assembly::{AssemblyIndex, RelationshipEnds, product_name};
 use super::bodies::is_body;
 use super::lowering::StepReader;
 use super::part21::{Entity, EntityAttributes, Keyword, Refusal};
+use super::placement::invertible;
 
 /// Parts inside one another, at most.
 const MAX_ASSEMBLY_DEPTH: usize = 64;
@@ -270,6 +271,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let geometry = &mut self.reader.geometry;
         let to_parent = geometry.transformation(attributes.reference(2)?, outer)?
             * geometry.inverse_transformation(origin, inner)?;
+        let to_parent = invertible(item, to_parent)?;
         let style = self.reader.styles.color(item.id());
         Ok(Some(Occurrence { part, to_parent, name: attributes.text(0), style, entity: item.id() }))
     }
@@ -348,6 +350,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
         }
         let attributes = transformation.simple();
         let [from, to] = [attributes.reference(2)?, attributes.reference(3)?];
-        Ok(geometry.transformation(to, second)? * geometry.inverse_transformation(from, first)?)
+        let matrix = geometry.transformation(to, second)? * geometry.inverse_transformation(from, first)?;
+        invertible(transformation, matrix)
     }
 }

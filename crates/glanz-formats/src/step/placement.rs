@@ -73,6 +73,15 @@ pub(super) fn inverse_matrix(placement: &Placement) -> DMat4 {
     DMat4::from_cols_array_2d(&rows.map(|row| row.to_array())).transpose()
 }
 
+/// A transformation, if it is finite and has an inverse.
+pub(super) fn invertible(entity: Entity<'_>, matrix: DMat4) -> Result<DMat4, Refusal> {
+    if matrix.is_finite() && matrix.determinant().is_normal() && matrix.inverse().is_finite() {
+        Ok(matrix)
+    } else {
+        Err(entity.refuse("the transformation is not finite or has no inverse"))
+    }
+}
+
 impl GeometryReader {
     /// An `AXIS2_PLACEMENT_3D` or `AXIS2_PLACEMENT_2D`, in units of the file.
     ///
@@ -163,6 +172,6 @@ impl GeometryReader {
             return Err(entity.refuse(format!("the scale is {scale}; it must be positive and finite")));
         }
         let columns = [x, y, z].map(|axis| (axis * scale).extend(0.0));
-        Ok(DMat4::from_cols(columns[0], columns[1], columns[2], origin.extend(1.0)))
+        invertible(entity, DMat4::from_cols(columns[0], columns[1], columns[2], origin.extend(1.0)))
     }
 }

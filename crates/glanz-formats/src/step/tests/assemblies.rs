@@ -205,3 +205,20 @@ fn long_name_that_many_share_is_shortened() {
     let lengths: Vec<usize> = bodies.map(|body| body.name.chars().count()).collect();
     assert_eq!(lengths, vec![200; 1000]);
 }
+
+#[test]
+fn transformations_without_an_inverse_cost_their_occurrence_only() {
+    for scale in ["1.E-120", "1.E120", "0.", "-1."] {
+        let file = file(&format!(
+            "{}{}{}#400=NEXT_ASSEMBLY_USAGE_OCCURRENCE('id','','',#100,#300,$);
+             #30=MAPPED_ITEM('left',#31,#20);#31=REPRESENTATION_MAP(#10,#302);
+             #32=MAPPED_ITEM('bad',#31,#33);#33=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',#22,$,#21,{scale},$);",
+            common(),
+            product(100, "whole", "#30,#32", 910),
+            product(300, "ball", "#3", 910)
+        ));
+        let names: Vec<&str> = file.model.parts[1].occurrences.iter().map(|o| o.name.as_str()).collect();
+        assert_eq!((names, file.report.omissions.count()), (vec!["left"], 1), "{scale}");
+        assert!(omissions(&file)[0].starts_with("#32: #33: "), "{:?}", omissions(&file));
+    }
+}
