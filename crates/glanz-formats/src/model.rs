@@ -137,7 +137,7 @@ impl ModelReader {
         for CadWarning { kind, position, message } in report.warnings() {
             self.report(Severity::Warning, kind, position, message);
         }
-        if self.description.world.shapes.is_empty() && self.description.world.instances.is_empty() {
+        if report.shapes.is_empty() {
             return self.error("step", None, "the file shows no surface that can be read".to_owned());
         }
         self.cad = Some(report);

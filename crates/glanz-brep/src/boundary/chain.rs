@@ -31,6 +31,10 @@ pub fn chain(
     if !curves.iter().all(BoundaryCurve::is_finite) {
         return Err(BoundaryError::NotFinite);
     }
+    let curves: Vec<BoundaryCurve> = curves.into_iter().map(|curve| space.into_domain(curve)).collect();
+    if !curves.iter().all(|curve| space.spans_few_periods(curve)) {
+        return Err(BoundaryError::TooLarge);
+    }
     let mut joining =
         Joining { space, tolerance, limit, curves: Vec::with_capacity(curves.len()), repairs: Vec::new() };
     let mut waiting = curves.into_iter().peekable();

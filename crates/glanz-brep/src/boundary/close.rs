@@ -18,6 +18,9 @@ pub struct ClosedBoundary {
     pub repairs: Vec<BoundaryRepair>,
 }
 
+/// Largest number of control points of all copies of the loops of a face.
+const MAX_POINTS: f64 = 4e6;
+
 /// Part of the extent of a face by which its window is wider.
 const MARGIN: f64 = 1.0 / 64.0;
 
@@ -73,17 +76,29 @@ fn close_upright(
         chains.iter().flat_map(|chain| chain.repairs.iter().copied()).collect();
     gather(&mut chains, space);
     let around = chains.iter().any(|chain| chain.winding[0] != 0);
-    if around {
-        order_around(&mut chains, space, &mut repairs)?;
+    let ends = if around {
+        Some(order_around(&mut chains, space, &mut repairs)?)
     } else {
         orient(&mut chains, space, &mut repairs)?;
-    }
-    let window = window(&chains, space, width);
+        None
+    };
+    let window = window(&chains, space, width, ends);
     let turns_of = |chain: &BoundaryChain| {
         let [low, high] = bounds(&chain.curves);
         [0, 1].map(|axis| space.turns_into(axis, [low[axis] - width, high[axis] + width], window[axis]))
     };
     let (closed, open): (Vec<_>, Vec<_>) = chains.iter().partition(|chain| chain.winding[0] == 0);
+    let copies = |chain: &BoundaryChain| -> f64 {
+        let points: usize = chain.curves.iter().map(|curve| curve.points.len()).sum();
+        turns_of(chain)
+            .iter()
+            .map(|turns| f64::from(*turns.end()) - f64::from(*turns.start()) + 1.0)
+            .product::<f64>()
+            * points as f64
+    };
+    if chains.iter().map(copies).sum::<f64>() > MAX_POINTS {
+        return Err(BoundaryError::TooLarge);
+    }
     let mut loops = Vec::new();
     for chain in closed {
         let [turns_u, turns_v] = turns_of(chain);
@@ -99,8 +114,7 @@ fn close_upright(
     for chain in &open {
         loops.extend(rows.clone().map(|turns| closed_above(chain, space, turns, &window)));
     }
-    let lowest = open.iter().min_by(|a, b| bounds(&a.curves)[0].y.total_cmp(&bounds(&b.curves)[0].y));
-    if space.periods[1].is_none() && lowest.is_some_and(|chain| chain.winding[0] < 0) {
+    if space.periods[1].is_none() && ends.is_some_and(|[lowest, _]| lowest < 0) {
         loops.push(rectangle(&window));
     }
     Ok(ClosedBoundary { loops, window, repairs })
@@ -129,19 +143,26 @@ fn gather(chains: &mut [BoundaryChain], space: &ParameterSpace<'_>) {
 }
 
 /// Checks that the chains that go around bound one face, and orders them from below: on a surface that is periodic in v, too, the
-/// lowest has the face above it.
+/// lowest has the face above it. Returns the senses of the lowest and of the highest.
 fn order_around(
     chains: &mut [BoundaryChain],
     space: &ParameterSpace<'_>,
     repairs: &mut Vec<BoundaryRepair>,
-) -> Result<(), BoundaryError> {
+) -> Result<[i32; 2], BoundaryError> {
+    // Loops that do not cross are in the order of their mean heights.
     let height = |chain: &BoundaryChain| {
-        let [low, high] = bounds(&chain.curves);
-        0.5 * (low.y + high.y)
+        let corners = polygon(&chain.curves);
+        let start = chain.curves.first().map(BoundaryCurve::start);
+        let sides = start.iter().chain(&corners).zip(&corners);
+        let (integral, length) = sides.fold((0.0, 0.0), |(integral, length), (a, b)| {
+            (integral + 0.5 * (a.y + b.y) * (b.x - a.x), length + (b.x - a.x))
+        });
+        integral / length
     };
     if let Some(period) = space.periods[1] {
         let base = chains.iter().filter(|chain| chain.winding[0] > 0).map(height).next();
-        let base = base.ok_or(BoundaryError::Unpaired(0, chains.len()))?;
+        let negative = chains.iter().filter(|chain| chain.winding[0] < 0).count();
+        let base = base.ok_or(BoundaryError::Unpaired(0, negative))?;
         for chain in chains.iter_mut().filter(|chain| chain.winding[0] != 0) {
             let turns = ((height(chain) - base) / period).floor();
             let shift = DVec2::new(0.0, -turns * period);
@@ -160,18 +181,26 @@ fn order_around(
     {
         return Err(BoundaryError::Unpaired(count(1), count(-1)));
     }
-    let (first, last) = (signs.first().map_or(0, |s| s.1), signs.last().map_or(0, |s| s.1));
-    let [low, high] = space.domain[1];
-    let unbounded = |first: i32, last: i32| first < 0 && !low.is_finite() || last > 0 && !high.is_finite();
+    let (mut first, mut last) = (signs.first().map_or(0, |s| s.1), signs.last().map_or(0, |s| s.1));
+    // Beyond the loops a face ends in a pole; a border would have edges.
+    let unbounded = |first: i32, last: i32| first < 0 && !space.poles[1][0] || last > 0 && !space.poles[1][1];
     if space.periods[1].is_none() && unbounded(first, last) {
         // A face between two loops whose outside is meant, or a cap towards infinity: the loops run the wrong way.
         if unbounded(-first, -last) {
             return Err(BoundaryError::Unbounded);
         }
         reverse_all(chains);
+        (first, last) = (-first, -last);
         repairs.push(BoundaryRepair::ReversedBoundary);
     }
-    Ok(())
+    // A face that goes around has no islands: what closes is a hole.
+    for (number, chain) in chains.iter_mut().enumerate() {
+        if chain.winding[0] == 0 && signed_area(&chain.curves) > 0.0 {
+            reverse(chain);
+            repairs.push(BoundaryRepair::ReversedLoop { number });
+        }
+    }
+    Ok([first, last])
 }
 
 fn reverse(chain: &mut BoundaryChain) {
@@ -235,8 +264,13 @@ fn bounds(curves: &[BoundaryCurve]) -> [DVec2; 2] {
         .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
-/// The part of the domain that contains the face.
-fn window(chains: &[BoundaryChain], space: &ParameterSpace<'_>, width: f64) -> [[f64; 2]; 2] {
+/// The part of the domain that contains the face. `ends`: the senses of the lowest and the highest loop that go around.
+fn window(
+    chains: &[BoundaryChain],
+    space: &ParameterSpace<'_>,
+    width: f64,
+    ends: Option<[i32; 2]>,
+) -> [[f64; 2]; 2] {
     let boxes = chains.iter().map(|chain| bounds(&chain.curves));
     let [low, high] =
         boxes.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)]);
@@ -248,7 +282,7 @@ fn window(chains: &[BoundaryChain], space: &ParameterSpace<'_>, width: f64) -> [
             .map(|chain| signed_area(&chain.curves))
             .max_by(|a, b| a.abs().total_cmp(&b.abs()))
             .is_none_or(|area| area < 0.0);
-    let around = chains.iter().any(|chain| chain.winding[0] != 0);
+    let around = ends.is_some();
     [0, 1].map(|axis| {
         let [from, to] = space.domain[axis];
         let wanted = [low[axis] - margin, high[axis] + margin];
@@ -268,17 +302,10 @@ fn window(chains: &[BoundaryChain], space: &ParameterSpace<'_>, width: f64) -> [
             return [from, to];
         }
         // Loops that go around may bound a face that goes on to the end of the domain.
-        let (open_below, open_above) = if around && axis == 1 { open_sides(chains) } else { (false, false) };
+        let [open_below, open_above] =
+            ends.filter(|_| axis == 1).map_or([false; 2], |[lowest, highest]| [lowest < 0, highest > 0]);
         [if open_below { from } else { wanted[0].max(from) }, if open_above { to } else { wanted[1].min(to) }]
     })
-}
-
-/// Whether the lowest and the highest of the loops that go around have the face below and above them.
-fn open_sides(chains: &[BoundaryChain]) -> (bool, bool) {
-    let around = || chains.iter().filter(|chain| chain.winding[0] != 0);
-    let low = around().min_by(|a, b| bounds(&a.curves)[0].y.total_cmp(&bounds(&b.curves)[0].y));
-    let high = around().max_by(|a, b| bounds(&a.curves)[1].y.total_cmp(&bounds(&b.curves)[1].y));
-    (low.is_some_and(|chain| chain.winding[0] < 0), high.is_some_and(|chain| chain.winding[0] > 0))
 }
 
 /// How far beyond the window, in parts of it, curves close that are not seen.

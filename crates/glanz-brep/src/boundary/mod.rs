@@ -7,7 +7,7 @@
 //! - A loop that does not go around is closed. It appears in every copy, moved by periods, that reaches into the window.
 //! - A loop that goes around in u is continued over the width of the window and closed far above it. Run towards +u, it has the face
 //!   above it and adds one to the winding number there; run towards -u, it has the face below and takes one away. If the lowest loop
-//!   takes away, or there is none below, the face begins at the lower side of the domain, which must then be a pole or a border.
+//!   takes away, or there is none below, the face begins at the lower side of the domain, which must then be a pole.
 //! - Where two curves meet in a pole, the side of the domain that is the pole joins them.
 //!
 //! Going around in v is the same, turned by a right angle.
@@ -77,6 +77,9 @@ pub enum BoundaryError {
     /// Loops around a period that do not bound one face.
     #[error("{0} loops go around one way and {1} the other; they must alternate")]
     Unpaired(usize, usize),
+    /// Loops run over so many periods that their copies would not fit into memory.
+    #[error("the boundary goes around its surface too often")]
+    TooLarge,
     /// A coordinate is not a number.
     #[error("a curve of the boundary is not finite")]
     NotFinite,

@@ -3,6 +3,8 @@
 use glanz_math::glam::DMat2;
 use glanz_math::{DVec2, DVec3};
 
+use super::curve::BoundaryCurve;
+
 /// The parameters of a carrier as boundaries need them, in region coordinates.
 #[derive(Clone, Copy)]
 pub struct ParameterSpace<'a> {
@@ -44,6 +46,26 @@ impl ParameterSpace<'_> {
             on_side[axis] = self.domain[axis][usize::from(upper)];
             (self.point)(on_side).distance(position) <= tolerance
         })
+    }
+
+    /// The curve, moved by whole periods so that it starts in the domain.
+    pub(super) fn into_domain(&self, curve: BoundaryCurve) -> BoundaryCurve {
+        let start = curve.start();
+        let shift = [0, 1].map(|axis| match self.periods[axis] {
+            Some(period) => -((start[axis] - self.domain[axis][0]) / period).floor() * period,
+            None => 0.0,
+        });
+        curve.translated(DVec2::from_array(shift))
+    }
+
+    /// Whether a curve that starts in the domain ends after few enough periods to count them.
+    pub(super) fn spans_few_periods(&self, curve: &BoundaryCurve) -> bool {
+        /// More than any thread has turns, less than numbers count.
+        const MOST: f64 = 1e5;
+        let [low, high] = curve.bounds();
+        let spans =
+            |axis: usize| self.periods[axis].is_none_or(|period| high[axis] - low[axis] < MOST * period);
+        spans(0) && spans(1)
     }
 
     /// The displacement by whole periods that brings `from` next to `to`, and the numbers of periods.

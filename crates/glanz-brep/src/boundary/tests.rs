@@ -264,3 +264,33 @@ fn a_disk_on_a_torus_and_its_complement_add_up() {
     let closed = boundary(vec![polygon(&turned)], &TORUS).unwrap();
     assert!((area(&closed, 400) - (TAU * TAU - 1.0)).abs() < 0.1, "{}", area(&closed, 400));
 }
+
+#[test]
+fn an_oblique_cut_that_touches_a_circle_bounds_the_same_tube_in_any_order() {
+    let circle = vec![line([0.0, 0.0], [TAU, 0.0])];
+    let cut = vec![line([TAU, 0.0], [PI, 2.0]), line([PI, 2.0], [0.0, 0.0])];
+    for loops in [vec![circle.clone(), cut.clone()], vec![cut, circle]] {
+        let closed = boundary(loops, &CYLINDER).unwrap();
+        assert!((area(&closed, 400) - TAU).abs() < 0.05, "{}", area(&closed, 400));
+        assert_eq!(closed.repairs, vec![]);
+    }
+}
+
+#[test]
+fn a_hole_in_a_tube_is_a_hole_whatever_its_sense() {
+    let hole = [[1.0, 0.5], [2.0, 0.5], [2.0, 1.5], [1.0, 1.5]];
+    let (bottom, top) = (line([0.0, 0.0], [TAU, 0.0]), line([TAU, 2.0], [0.0, 2.0]));
+    let closed = boundary(vec![vec![bottom], vec![top], polygon(&hole)], &CYLINDER).unwrap();
+    assert_eq!(closed.repairs, vec![BoundaryRepair::ReversedLoop { number: 2 }]);
+    assert!((area(&closed, 400) - (2.0 * TAU - 1.0)).abs() < 0.05, "{}", area(&closed, 400));
+}
+
+#[test]
+fn curves_many_periods_away_come_home_and_endless_ones_are_refused() {
+    let far = 1e9 * TAU;
+    let tube = |x: f64| vec![vec![line([x, 0.0], [x + TAU, 0.0])], vec![line([TAU, 2.0], [0.0, 2.0])]];
+    let closed = boundary(tube(far), &CYLINDER).unwrap();
+    assert!((area(&closed, 300) - 2.0 * TAU).abs() < 0.02 * TAU);
+    let endless = vec![vec![line([0.0, 0.0], [far, 0.0])]];
+    assert_eq!(boundary(endless, &CYLINDER), Err(BoundaryError::TooLarge));
+}

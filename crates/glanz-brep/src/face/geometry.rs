@@ -141,7 +141,7 @@ pub(super) fn placed(carrier: &Carrier, metric: DVec2, window: [[f64; 2]; 2]) ->
             }
         }
         Carrier::Sphere { placement, radius } => {
-            let [low, high] = v.map(|latitude| zone_end(radius, latitude));
+            let (low, high) = (zone_end(radius, v[0], -1.0), zone_end(radius, v[1], 1.0));
             along(
                 matrix(&placement, u[0]),
                 FaceGeometry::Sphere { radius, z: [low.0, high.0], phi_max },
@@ -171,15 +171,17 @@ pub(super) fn placed(carrier: &Carrier, metric: DVec2, window: [[f64; 2]; 2]) ->
     }
 }
 
-/// Height and latitude at which a zone of a sphere ends, no nearer to the equator than a latitude.
+/// Height and latitude of the lower (`side` -1) or upper (+1) end of a zone of a sphere that reaches at least to a latitude.
 ///
-/// Near the poles a height is known to fewer digits than a latitude: there the zone goes up to the pole.
-fn zone_end(radius: f64, latitude: f64) -> (f64, f64) {
+/// Near the poles a height is known to fewer digits than a latitude: the zone goes on to the pole at its side, and begins before that at
+/// the other.
+fn zone_end(radius: f64, latitude: f64, side: f64) -> (f64, f64) {
     const HIGHEST: f64 = 0.4 * PI;
-    if latitude.abs() > HIGHEST {
-        return (radius.copysign(latitude), FRAC_PI_2.copysign(latitude));
+    let towards_pole = latitude * side;
+    if towards_pole > HIGHEST {
+        return (radius * side, FRAC_PI_2 * side);
     }
-    let z = radius * latitude.sin();
+    let z = radius * towards_pole.max(-HIGHEST).sin() * side;
     (z, z.atan2(((radius - z) * (radius + z)).sqrt()))
 }
 

@@ -5,7 +5,7 @@
 //! parts of loops beyond it add nothing. Both integrals are made of Gauss-Legendre rules, the outer one halved until it holds.
 
 use std::f64::consts::FRAC_PI_4;
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Add, Mul};
 
 use glanz_math::{DVec2, DVec3};
 
@@ -28,14 +28,6 @@ impl Add for FaceMeasure {
 
     fn add(self, other: Self) -> Self {
         Self { area: self.area + other.area, volume: self.volume + other.volume }
-    }
-}
-
-impl Sub for FaceMeasure {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        self + other * -1.0
     }
 }
 
@@ -63,9 +55,9 @@ impl TrimmedFace {
     #[must_use]
     pub fn measure(&self, accuracy: f64) -> FaceMeasure {
         let field = FaceField::new(self);
-        let [[x0, x1], [y0, y1]] = field.domain;
+        let [[_, x1], [y0, y1]] = field.domain;
         let whole = BoundaryCurve::line(DVec2::new(x1, y0), DVec2::new(x1, y1));
-        let tolerance = accuracy * (x1 - x0) * (y1 - y0);
+        let tolerance = accuracy * field.along(&whole, f64::INFINITY).area;
         let Some(FaceTrim { loops, .. }) = &self.trim else { return field.along(&whole, tolerance) };
         let count = loops.iter().map(Vec::len).sum::<usize>().max(1);
         let curves = loops.iter().flatten();
@@ -199,7 +191,8 @@ impl<'a> FaceField<'a> {
         let middle = 0.5 * (a + b);
         let [low, high] = [[a, middle], [middle, b]].map(|range| self.over(curve, range));
         let better = low + high;
-        if depth == 0 || (better.area - whole.area).abs() <= tolerance {
+        let change = (better.area - whole.area).abs();
+        if depth == 0 || change <= tolerance || change.is_nan() {
             return better;
         }
         self.halved(curve, [a, middle], low, 0.5 * tolerance, depth - 1)

@@ -133,11 +133,11 @@ fn whole_spheres_and_tori_need_no_edges() {
 
 #[test]
 fn a_cap_of_a_sphere_and_a_disk_enclose_its_segment() {
-    for (z, sense) in [(1.0, true), (-1.5, true), (1.9, true)] {
+    for z in [1.0, -1.5, 1.9, 1.99, -1.99] {
         let (r, h): (f64, f64) = (2.0, 2.0 - z);
         let mut model = ModelBuilder::default();
         let rim = model.circle((r * r - z * z).sqrt(), z);
-        model.face(FaceSurface::Sphere { placement: WORLD, radius: r }, sense, &[(rim, true)]);
+        model.face(FaceSurface::Sphere { placement: WORLD, radius: r }, true, &[(rim, true)]);
         model.face(FaceSurface::Plane(at_height(z)), false, &[(rim, false)]);
         assert_measures(&model.faces(), TAU * r * h + PI * (r * r - z * z), PI * h * h * (3.0 * r - h) / 3.0);
     }
@@ -217,4 +217,17 @@ fn a_face_whose_edges_are_elsewhere_is_refused() {
         matches!(refused, FaceRefusal::StrayingEdge { edge: EntityId(1000), distance } if distance >= 0.5),
         "{refused}"
     );
+}
+
+#[test]
+fn small_and_large_solids_are_measured_alike() {
+    for scale in [1e-4, 1e4] {
+        let mut model = ModelBuilder::default();
+        let (bottom, top) = (model.circle(2.0 * scale, 0.0), model.circle(2.0 * scale, 3.0 * scale));
+        let side = FaceSurface::Cylinder { placement: WORLD, radius: 2.0 * scale };
+        model.face(side, true, &[(bottom, true), (top, false)]);
+        model.face(FaceSurface::Plane(at_height(3.0 * scale)), true, &[(top, true)]);
+        model.face(FaceSurface::Plane(WORLD), false, &[(bottom, false)]);
+        assert_measures(&model.faces(), 20.0 * PI * scale * scale, 12.0 * PI * scale.powi(3));
+    }
 }

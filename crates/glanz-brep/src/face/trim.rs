@@ -131,6 +131,9 @@ pub struct TrimmedFaces {
     pub widths: Vec<f64>,
 }
 
+/// Part of the size of a face up to which the uncertainty of the file counts.
+const COINCIDENT: f64 = 1e-3;
+
 /// Part of the size of a face up to which gaps in its boundary are bridged.
 const BRIDGED: f64 = 0.02;
 
@@ -208,7 +211,9 @@ impl LaidFace {
         let extent = extent(model, edges, face)?;
         let size = (extent.max - extent.min).length();
         let size = if size.is_finite() { size } else { 0.0 };
-        let tolerance = model.uncertainty.max(ROUNDING * size);
+        // Points further apart than a part of the face are different points, whatever the file says.
+        let limit = if size > 0.0 { COINCIDENT * size } else { f64::INFINITY };
+        let tolerance = model.uncertainty.min(limit).max(ROUNDING * size);
         let surface = part_with_edges(&entry.surface, model, edges, face);
         let conversion = Carrier::try_from_surface(&surface, extent, tolerance)
             .map_err(|error| FaceRefusal::Surface { entity: entry.entity, error })?;
@@ -318,12 +323,10 @@ impl LaidFace {
     /// The trimmed face. `widths`: per edge.
     fn close(mut self, model: &BrepModel, widths: &[f64]) -> Result<TrimmedFace, FaceRefusal> {
         let floor = ROUNDING * self.size;
-        let mut width: f64 = 0.0;
         let mut largest: f64 = 0.0;
         for curve in self.loops.iter_mut().flatten() {
             let edge = curve.edge.and_then(|edge| widths.get(edge).copied());
             let on_surface = edge.unwrap_or(curve.width) + floor;
-            width = width.max(on_surface);
             curve.width = (on_surface * stretch(&self.carrier, self.metric, curve)).min(BRIDGED * self.size);
             largest = largest.max(curve.width);
         }
@@ -344,6 +347,8 @@ impl LaidFace {
             BoundaryRepair::ReversedBoundary => FaceRepair::ReversedBoundary,
             BoundaryRepair::ReversedLoop { number } => FaceRepair::ReversedLoop(self.bounds[number]),
         }));
+        let widths = closed.loops.iter().flatten().map(|curve| curve.width);
+        let width = widths.fold(0.0, f64::max);
         let geometry = placed(&self.carrier, self.metric, closed.window);
         let trim = (!closed.loops.is_empty()).then(|| FaceTrim {
             loops: closed

@@ -157,18 +157,13 @@ impl<'a> CadScene<'a> {
         shapes: &mut Vec<ShapeDescription>,
         faces: &mut Vec<usize>,
     ) {
-        // The voids of a solid bound the same volume as its outer shell.
-        let solid = body.solid.then(|| {
-            self.solids += 1;
-            self.solids - 1
-        });
-        for shell in &body.shells {
-            let number = solid.or_else(|| {
-                shell.closed.then(|| {
-                    self.solids += 1;
-                    self.solids - 1
-                })
-            });
+        // A shell without some of its faces bounds no volume; the voids of a solid bound the same as its outer shell.
+        let made = |&(index, _): &(usize, bool)| matches!(self.faces.faces.get(index), Some(Ok(_)));
+        let closed: Vec<bool> =
+            body.shells.iter().map(|shell| shell.closed && shell.faces.iter().all(made)).collect();
+        let solid = (body.solid && closed.iter().all(|&closed| closed)).then(|| self.next_solid());
+        for (shell, closed) in body.shells.iter().zip(closed) {
+            let number = solid.or_else(|| (closed && !body.solid).then(|| self.next_solid()));
             for &(index, reversed) in &shell.faces {
                 let (Some(face), Some(Ok(trimmed))) =
                     (self.model.faces.get(index), self.faces.faces.get(index))
@@ -193,6 +188,12 @@ impl<'a> CadScene<'a> {
                 });
             }
         }
+    }
+
+    /// The number of a solid that no shape has yet.
+    fn next_solid(&mut self) -> u32 {
+        self.solids += 1;
+        self.solids - 1
     }
 
     fn color_material(&mut self, style: Option<ColorStyle>) -> usize {
