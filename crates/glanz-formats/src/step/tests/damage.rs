@@ -1,7 +1,9 @@
 //! Damaged files.
 
+use glanz_scene::Description;
 use proptest::prelude::*;
 
+use super::super::cad_model::CadModel;
 use super::*;
 
 /// A file with all kinds of entities that refer to one another.
@@ -55,6 +57,13 @@ proptest! {
                 2 => bytes.insert(at, meaningful),
                 _ => drop(bytes.drain(at..(at + usize::from(any)).min(bytes.len() - 1).max(at))),
             }
+        }
+        // What a user runs: a scene.
+        if let Ok(model) = CadModel::read(&bytes) {
+            let mut description = Description::default();
+            let report = model.into_world(&mut description);
+            let groups: usize = description.groups.iter().map(|group| group.shapes.len()).sum();
+            prop_assert_eq!(report.shapes.len(), groups + description.world.shapes.len());
         }
         if let Ok(file) = read(&bytes) {
             let faces = file.report.faces;
