@@ -31,7 +31,7 @@ pub fn chain(
     if !curves.iter().all(BoundaryCurve::is_finite) {
         return Err(BoundaryError::NotFinite);
     }
-    let curves: Vec<BoundaryCurve> = curves.into_iter().map(|curve| space.into_domain(curve)).collect();
+    let curves: Vec<BoundaryCurve> = curves.into_iter().map(|curve| space.moved_home(curve)).collect();
     if !curves.iter().all(|curve| space.spans_few_periods(curve)) {
         return Err(BoundaryError::TooLarge);
     }

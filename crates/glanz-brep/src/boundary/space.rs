@@ -49,7 +49,7 @@ impl ParameterSpace<'_> {
     }
 
     /// The curve, moved by whole periods so that it starts in the domain.
-    pub(super) fn into_domain(&self, curve: BoundaryCurve) -> BoundaryCurve {
+    pub(super) fn moved_home(&self, curve: BoundaryCurve) -> BoundaryCurve {
         let start = curve.start();
         let shift = [0, 1].map(|axis| match self.periods[axis] {
             Some(period) => -((start[axis] - self.domain[axis][0]) / period).floor() * period,

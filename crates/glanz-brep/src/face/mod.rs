@@ -1,8 +1,8 @@
 //! Faces of a model as trimmed surfaces.
 //!
 //! [`trimmed_faces`] converts the surface of each face to its carrier, lays its edges onto it, and closes its boundary. An edge that two
-//! faces share is a curve on each; the distances by which both stray from it add up to the width by which both faces extend beyond it,
-//! so that they overlap instead of leaving a slit.
+//! faces share is a curve on each; both faces extend beyond it by several times the distance
+//! by which both stray from it, so that they overlap instead of leaving a slit.
 
 mod geometry;
 mod measure;

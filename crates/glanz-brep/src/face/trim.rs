@@ -127,7 +127,7 @@ pub enum FaceRefusal {
 pub struct TrimmedFaces {
     /// The faces.
     pub faces: Vec<Result<TrimmedFace, FaceRefusal>>,
-    /// Per edge: the distance by which the faces beside it extend beyond it, metres; 0 where no face has it.
+    /// Per edge: the sum of the distances by which the faces beside it stray from it, metres; 0 where no face has it.
     pub widths: Vec<f64>,
 }
 
@@ -136,6 +136,10 @@ const COINCIDENT: f64 = 1e-3;
 
 /// Part of the size of a face up to which gaps in its boundary are bridged.
 const BRIDGED: f64 = 0.02;
+
+/// Multiple of the distance by which two faces stray from their edge by which they extend beyond it. Surfaces that meet smoothly lie up
+/// to that distance above one another: rays at angles of less than the inverse of this pass between them.
+const OVERLAP: f64 = 8.0;
 
 /// Part of the size of a face up to which its edges may be off its surface.
 const STRAYING: f64 = 0.05;
@@ -325,8 +329,9 @@ impl LaidFace {
         let floor = ROUNDING * self.size;
         let mut largest: f64 = 0.0;
         for curve in self.loops.iter_mut().flatten() {
-            let edge = curve.edge.and_then(|edge| widths.get(edge).copied());
-            let on_surface = edge.unwrap_or(curve.width) + floor;
+            let strayed = curve.edge.and_then(|edge| widths.get(edge).copied()).unwrap_or(curve.width);
+            let overlap = if strayed <= self.tolerance { OVERLAP * strayed } else { strayed };
+            let on_surface = overlap + floor;
             curve.width = (on_surface * stretch(&self.carrier, self.metric, curve)).min(BRIDGED * self.size);
             largest = largest.max(curve.width);
         }
