@@ -16,20 +16,26 @@ fn sample() -> String {
          #56=SEAM_CURVE('',#57,(#58,#58),.PCURVE_S1.);#57=TRIMMED_CURVE('',#60,(#31),(PARAMETER_VALUE(1.)),.T.,.CARTESIAN.);
          #58=PCURVE('',#10,#59);#59=DEFINITIONAL_REPRESENTATION('',(#61),#910);#60=CIRCLE('',#30,2.);
          #61=B_SPLINE_CURVE_WITH_KNOTS('',1,(#62,#63,#63,#62),.U.,.F.,.F.,(2,2,2),(0.,1.,2.),.U.);#62=CARTESIAN_POINT('',(0.,1.));
-         #63=CARTESIAN_POINT('',(6.,1.));#64=OPEN_SHELL('',(#1,#50));#65=STYLED_ITEM('',(#66),#64);
+         #63=CARTESIAN_POINT('',(6.,1.));#64=OPEN_SHELL('',(#1,#50,#80,#82));#65=STYLED_ITEM('',(#66),#64);
          #66=PRESENTATION_STYLE_ASSIGNMENT((#67));#67=SURFACE_STYLE_USAGE(.BOTH.,#68);#68=SURFACE_SIDE_STYLE('',(#69));
          #69=SURFACE_STYLE_RENDERING(.X.,#70);#70=COLOUR_RGB('',1.,0.,0.);#71=MAPPED_ITEM('',#72,#30);#72=REPRESENTATION_MAP(#30,#73);
          #73=SHAPE_REPRESENTATION('',(#64,#74),#910);#74=OFFSET_SURFACE('',#75,1.,.F.);
          #75=BEZIER_SURFACE('',1,1,((#31,#31),(#31,#31)),.U.,.F.,.F.,.F.);#76=SHAPE_REPRESENTATION_RELATIONSHIP('','',#4,#77);
-         #77=SHAPE_REPRESENTATION('',(#71),#910);"
+         #77=SHAPE_REPRESENTATION('',(#71),#910);
+         #80=ADVANCED_FACE('',(),#81,.T.);#81=SPHERICAL_SURFACE('',#30,2.);#82=ADVANCED_FACE('',(#84),#83,.T.);#83=PLANE('',#30);
+         #84=FACE_BOUND('',#85,.T.);#85=EDGE_LOOP('',(#86));#86=ORIENTED_EDGE('',*,*,#87,.T.);#87=EDGE_CURVE('',#88,#88,#60,.T.);
+         #88=VERTEX_POINT('',#89);#89=CARTESIAN_POINT('',(1.,4.,3.));"
     ))
 }
 
 #[test]
 fn sample_is_read_without_damage() {
     let file = read(sample().as_bytes()).unwrap();
-    assert_eq!((file.report.faces.total, file.report.faces.read), (2, 2));
+    assert_eq!((file.report.faces.total, file.report.faces.read), (4, 4));
     assert_eq!(file.model.parts.len(), 2);
+    let model = CadModel::read(sample().as_bytes()).unwrap();
+    // The sphere and the disc.
+    assert_eq!(model.into_world(&mut Description::default()).shapes.len(), 2);
 }
 
 /// Bytes that mean something in a file.
