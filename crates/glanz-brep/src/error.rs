@@ -50,6 +50,9 @@ pub enum BrepError {
     /// The box of a face is empty or infinite.
     #[error("the surface is unbounded, and so is the extent of its face")]
     UnboundedExtent,
+    /// A face without edges on a surface that is trimmed by a range of parameters.
+    #[error("the range of a trimmed surface without edges is not applied")]
+    UnappliedRange,
     /// A surface is a curve, a point or nothing.
     #[error("the surface has no area: {reason} ({value})")]
     DegenerateSurface {

@@ -7,11 +7,20 @@ use glanz_math::{DVec2, DVec3};
 use super::{Carrier, unwrapped};
 use crate::model::Placement;
 
+/// Part of a vector at right angles to another below which it is only rounding: a large multiple of it, for vectors that are differences.
+const ALONG: f64 = 1.0 / (1_u32 << 26) as f64;
+
 impl Placement {
     /// The frame with this origin and z axis and with x towards a direction, of which the part at right angles to z counts; with any x
-    /// if there is none.
+    /// if there is none but rounding.
     pub(crate) fn from_axis(origin: DVec3, z: DVec3, towards: DVec3) -> Self {
-        let x = (towards - z * towards.dot(z)).try_normalize().unwrap_or_else(|| z.any_orthonormal_vector());
+        let across = |vector: DVec3| vector - z * vector.dot(z);
+        let radial = across(towards);
+        // The second projection removes what the cancellation of the first leaves along z.
+        let x = (radial.length() > ALONG * towards.length())
+            .then(|| radial.try_normalize().and_then(|x| across(x).try_normalize()))
+            .flatten()
+            .unwrap_or_else(|| z.any_orthonormal_vector());
         Self { origin, x, y: z.cross(x), z }
     }
 

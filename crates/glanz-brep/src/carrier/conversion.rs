@@ -86,8 +86,8 @@ impl Carrier {
     /// from one of a simpler kind by a small part of it become that. Offsets of splines are fitted within it.
     ///
     /// # Errors
-    /// [`BrepError::DegenerateSurface`], [`BrepError::UnboundedExtent`] if the box is needed and empty, [`BrepError::Unfitted`] for an
-    /// offset, and [`BrepError::Surface`] where numbers overflow.
+    /// [`BrepError::DegenerateSurface`], [`BrepError::UnboundedExtent`] if the box is needed and empty, [`BrepError::UnappliedRange`] for
+    /// a rectangle of a surface if the box is empty, [`BrepError::Unfitted`] for an offset, and [`BrepError::Surface`] where numbers overflow.
     pub fn try_from_surface(
         surface: &FaceSurface,
         extent: Bounds3,
@@ -120,9 +120,15 @@ pub(super) fn convert(surface: &FaceSurface, extent: &FaceExtent) -> Result<Carr
         }
         FaceSurface::Extrusion { ref curve, direction } => extrusion::convert(curve, direction, extent),
         FaceSurface::Offset { ref basis, distance } => {
-            offset::convert(convert(basis, extent)?, distance, extent)
+            // A point of the basis is at the distance from one of the face.
+            let bounds = extent.bounds.expanded(distance.abs());
+            offset::convert(convert(basis, &FaceExtent { bounds, ..*extent })?, distance, extent)
         }
         FaceSurface::Rectangular { ref basis, same_sense, .. } => {
+            // The edges of a face lie within the range; without them it would be the whole basis.
+            if extent.center().is_none() {
+                return Err(BrepError::UnappliedRange);
+            }
             let whole = convert(basis, extent)?;
             let sign = DVec2::from(same_sense.map(|same| if same { 1.0 } else { -1.0 }));
             let reversed = whole.reversed != (sign.x * sign.y < 0.0);
@@ -133,7 +139,12 @@ pub(super) fn convert(surface: &FaceSurface, extent: &FaceExtent) -> Result<Carr
 }
 
 /// The nappe of a cone on which the face lies, from its apex on.
-fn cone(placement: Placement, radius: f64, half_angle: f64, extent: &FaceExtent) -> CarrierConversion {
+pub(super) fn cone(
+    placement: Placement,
+    radius: f64,
+    half_angle: f64,
+    extent: &FaceExtent,
+) -> CarrierConversion {
     let apex = -radius / half_angle.tan();
     let beyond = extent.center().is_some_and(|center| placement.to_local(center).z < apex);
     if !beyond {
@@ -143,8 +154,14 @@ fn cone(placement: Placement, radius: f64, half_angle: f64, extent: &FaceExtent)
             0.0,
         );
     }
-    // Half a turn about x exchanges the nappes. A point at (u, v) has the radius (v - apex) tan a < 0, thus the azimuth u + pi about
-    // the old axis, which is its negative about the new one.
+    other_nappe(placement, apex, half_angle)
+}
+
+/// The nappe of a cone before its apex, which is at this height.
+///
+/// Half a turn about x exchanges the nappes. A point at (u, v) has the radius (v - apex) tan a < 0, thus the azimuth u + pi about the old
+/// axis, which is its negative about the new one.
+pub(super) fn other_nappe(placement: Placement, apex: f64, half_angle: f64) -> CarrierConversion {
     let turned = Placement {
         origin: placement.origin + placement.z * apex,
         y: -placement.y,

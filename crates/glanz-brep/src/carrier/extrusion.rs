@@ -26,7 +26,12 @@ pub(super) fn convert(
     let map = scaling(DVec2::new(profile.sign, 1.0), DVec2::ZERO);
     match *profile.curve {
         Curve::Line { origin, direction: line } => {
-            let Some(normal) = line.cross(direction).try_normalize() else {
+            let sine = line.cross(direction).length() / (line.length() * direction.length());
+            // How wide the plane is over the size of the face.
+            let width = extent.center().map(|_| sine * 2.0 * extent.radius());
+            let narrow = width.map_or(sine == 0.0, |width| width <= extent.negligible());
+            let normal = line.cross(direction).try_normalize().filter(|_| !narrow);
+            let Some(normal) = normal else {
                 let value = line.cross(direction).length();
                 return Err(BrepError::DegenerateSurface { reason: "a line along its extrusion", value });
             };

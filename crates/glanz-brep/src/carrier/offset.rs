@@ -4,16 +4,19 @@ use std::f64::consts::PI;
 
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_math::bspline::Knots;
-use glanz_math::glam::DAffine2;
-use glanz_math::{DVec2, DVec3};
+use glanz_math::glam::{DAffine2, Vec3Swizzles};
+use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::conversion::{CarrierConversion, FaceExtent, scaling, torus};
+use super::conversion::{CarrierConversion, FaceExtent, cone, other_nappe, scaling, torus};
 use super::{Carrier, SplineCarrier};
 use crate::error::BrepError;
 use crate::model::Placement;
 
 /// Numbers of parts of each piece of a spline whose offset is fitted, one after the other.
 const FIT_PARTS: [usize; 5] = [1, 2, 4, 8, 16];
+
+/// Parts of the sides of the box of a face whose distances from a carrier are compared.
+const SIDE_PARTS: usize = 8;
 
 /// Degree of fitted offsets in both directions: the error falls with the sixth power of the length of the parts.
 const FIT_DEGREE: usize = 5;
@@ -28,6 +31,10 @@ pub(super) fn convert(
     extent: &FaceExtent,
 ) -> Result<CarrierConversion, BrepError> {
     let outward = if basis.reversed { -distance } else { distance };
+    let checked = |reason: &'static str, value: f64| {
+        let degenerate = value.abs() <= extent.negligible();
+        if degenerate { Err(BrepError::DegenerateSurface { reason, value }) } else { Ok(value) }
+    };
     let (carrier, map) = match basis.carrier {
         Carrier::Plane(placement) => {
             let origin = placement.origin + placement.z * outward;
@@ -41,18 +48,7 @@ pub(super) fn convert(
             (Carrier::Cylinder { placement, radius: offset.abs() }, map)
         }
         Carrier::Cone { placement, radius, half_angle } => {
-            // The normal is (cos a, -sin a) in radius and height: r + v tan a + d cos a = r + d / cos a + (v - d sin a) tan a.
-            let (sin, cos) = half_angle.sin_cos();
-            let mut offset = radius + outward / cos;
-            let (mut placement, mut shift) = (placement, -outward * sin);
-            if offset < 0.0 {
-                let apex = -offset * cos / sin;
-                placement.origin += placement.z * apex;
-                shift -= apex;
-                offset = 0.0;
-            }
-            let map = DAffine2::from_translation(DVec2::new(0.0, shift));
-            (Carrier::Cone { placement, radius: offset, half_angle }, map)
+            nearest_nappe(placement, [radius, half_angle], outward, extent)
         }
         Carrier::Sphere { placement, radius } => {
             let offset = checked("radius of an offset sphere", radius + outward)?;
@@ -66,7 +62,10 @@ pub(super) fn convert(
         Carrier::Torus { placement, major_radius, minor_radius } => {
             let offset = checked("minor radius of an offset torus", minor_radius + outward)?;
             if offset.abs() >= major_radius {
-                return torus(placement, [major_radius, offset.abs()], true, extent);
+                let whole = torus(placement, [major_radius, offset.abs()], true, extent)?;
+                let reversed = basis.reversed != whole.reversed;
+                let deviation = basis.deviation + whole.deviation;
+                return Ok(CarrierConversion { reversed, deviation, ..whole });
             }
             let turn = if offset < 0.0 { PI } else { 0.0 };
             let map = DAffine2::from_translation(DVec2::new(0.0, turn));
@@ -77,6 +76,71 @@ pub(super) fn convert(
     let reversed = basis.reversed != (map.matrix2.determinant() < 0.0);
     let parameters = basis.parameters.map(|parameters| map * parameters);
     Ok(CarrierConversion { carrier, parameters, deviation: basis.deviation, reversed })
+}
+
+/// The offset of that nappe of a cone with this radius and half angle of which the face is one, with the map from the parameters of the
+/// nappe from the apex on.
+///
+/// An offset keeps the side of the apex but for heights up to `|d| sin a`. There the one is taken that comes nearest to all sides of the
+/// box of the face, as its edges touch them all.
+fn nearest_nappe(
+    placement: Placement,
+    [radius, half_angle]: [f64; 2],
+    outward: f64,
+    extent: &FaceExtent,
+) -> (Carrier, DAffine2) {
+    let kept = offset_nappe(placement, [radius, half_angle], outward, extent);
+    let apex = -radius / half_angle.tan();
+    let Some(height) = extent.center().map(|center| placement.to_local(center).z - apex) else { return kept };
+    let both = (outward * half_angle.sin()).abs();
+    if height > both {
+        return kept;
+    }
+    let other = other_nappe(placement, apex, half_angle);
+    let (Carrier::Cone { placement, radius, .. }, Some(exchange)) = (other.carrier, other.parameters) else {
+        return kept;
+    };
+    let (carrier, map) = offset_nappe(placement, [radius, half_angle], outward, extent);
+    let nearer =
+        height < -both || farthest_side(&carrier, &extent.bounds) < farthest_side(&kept.0, &extent.bounds);
+    if nearer { (carrier, map * exchange) } else { kept }
+}
+
+/// The offset of a nappe with the map from its parameters.
+fn offset_nappe(
+    mut placement: Placement,
+    [radius, half_angle]: [f64; 2],
+    outward: f64,
+    extent: &FaceExtent,
+) -> (Carrier, DAffine2) {
+    // The normal is (cos a, -sin a) in radius and height: r + v tan a + d cos a = r + d / cos a + (v - d sin a) tan a.
+    let (sin, cos) = half_angle.sin_cos();
+    let (mut offset, mut shift) = (radius + outward / cos, -outward * sin);
+    if offset < 0.0 {
+        let apex = -offset * cos / sin;
+        placement.origin += placement.z * apex;
+        shift -= apex;
+        offset = 0.0;
+    }
+    let nappe = cone(placement, offset, half_angle, extent);
+    let moved = DAffine2::from_translation(DVec2::new(0.0, shift));
+    (nappe.carrier, nappe.parameters.unwrap_or(DAffine2::IDENTITY) * moved)
+}
+
+/// The largest of the distances of the sides of a box from a carrier, each at the nearest point of a grid.
+fn farthest_side(carrier: &Carrier, bounds: &Bounds3) -> f64 {
+    let fraction = |i: usize| i as f64 / SIDE_PARTS as f64;
+    let side = |axis: usize, end: f64| {
+        let points = (0..=SIDE_PARTS).flat_map(|i| (0..=SIDE_PARTS).map(move |j| [fraction(i), fraction(j)]));
+        let distances = points.map(|[s, t]| {
+            let mut at = DVec3::new(s, t, end);
+            // The third coordinate becomes that of the axis.
+            at = [at.zxy(), at.yzx(), at][axis];
+            carrier.parameters(bounds.min + bounds.diagonal() * at, None).distance
+        });
+        distances.fold(f64::INFINITY, f64::min)
+    };
+    (0..3).flat_map(|axis| [side(axis, 0.0), side(axis, 1.0)]).fold(0.0, f64::max)
 }
 
 /// A spline through points of the offset of a spline, with twice the largest distance of samples between them as its deviation.
@@ -154,8 +218,4 @@ fn sampled_distance(surface: &NurbsSurface, basis: &SplineCarrier, distance: f64
         exact.map_or(f64::INFINITY, |exact| surface.point(uv.x, uv.y).distance(exact))
     });
     apart.fold(0.0, f64::max)
-}
-
-fn checked(reason: &'static str, value: f64) -> Result<f64, BrepError> {
-    if value == 0.0 { Err(BrepError::DegenerateSurface { reason, value }) } else { Ok(value) }
 }

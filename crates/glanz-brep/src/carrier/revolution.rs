@@ -93,7 +93,7 @@ fn of_line(
         // At the height of the face.
         let t = height.map_or(0.0, |height| (height - from.z) / rise);
         let radius = frame.to_local(start + direction * t).truncate().length();
-        if radius <= 0.0 {
+        if radius <= negligible {
             return None;
         }
         let carrier = Carrier::Cylinder { placement: frame, radius };

@@ -53,13 +53,13 @@ impl SplineCarrier {
             let wide = |axis: usize| lengths[axis] > 2.0 * tolerance;
             if let Some(gap) = net.border_gap(axis).filter(|gap| *gap <= tolerance && wide(axis)) {
                 closed[axis] = true;
-                moved = moved.max(0.5 * gap);
+                moved += 0.5 * gap;
                 net.join(axis);
             }
             for end in [0, 1] {
                 let spread = net.border_spread(axis, end);
                 if wide(1 - axis) && spread <= tolerance {
-                    moved = moved.max(spread);
+                    moved += spread;
                     sides.push((axis, end, net.collapse(axis, end)));
                 }
             }

@@ -268,6 +268,65 @@ fn offsets_of_elementary_surfaces_are_exact() {
 }
 
 #[test]
+fn offsets_of_cones_lie_on_the_nappe_from_which_they_come() {
+    let cone = |radius| FaceSurface::Cone { placement: placement(), radius, half_angle: FRAC_PI_4 };
+    let parts = [[0.0, TAU], [0.3, 5.0]];
+    for us in parts {
+        // Outward, on the other side of the apex, beside it and far from it; inward beyond the apex and before it.
+        for (distance, vs) in [
+            (1.0, [0.1, 0.5]),
+            (1.0, [0.8, 1.2]),
+            (1.0, [2.0, 3.0]),
+            (-1.0, [0.1, 0.5]),
+            (-1.0, [2.0, 3.0]),
+            (1.0, [-0.5, -0.1]),
+            (-1.0, [-3.0, -2.0]),
+        ] {
+            for radius in [0.0, 0.25] {
+                let vs = vs.map(|v| v - radius);
+                check(&FaceSurface::Offset { basis: Box::new(cone(radius)), distance }, [us, vs]);
+            }
+        }
+    }
+}
+
+#[test]
+fn offsets_that_become_spindles_keep_the_orientation_of_their_basis() {
+    let torus = FaceSurface::Torus {
+        placement: placement(),
+        major_radius: 0.5,
+        minor_radius: 0.4,
+        select_outer: true,
+    };
+    let ranges = [[0.0, 1.0], [0.0, 1.0]];
+    let basis =
+        Box::new(FaceSurface::Rectangular { basis: Box::new(torus), ranges, same_sense: [true, false] });
+    let converted = check(&FaceSurface::Offset { basis, distance: -0.3 }, [[0.3, 5.0], [-1.0, 1.0]]);
+    assert!(converted.reversed && matches!(converted.carrier, Carrier::Spline(_)));
+}
+
+#[test]
+fn frames_are_orthonormal_whatever_direction_they_are_given() {
+    let z = DVec3::new(0.2, -0.7, 0.4).normalize();
+    let across = z.any_orthonormal_vector();
+    for share in [1.0, 1e-3, 1e-7, 1e-9, 1e-12, 1e-16, 0.0] {
+        let frame = Placement::from_axis(DVec3::ZERO, z, (z + across * share) * 3.0);
+        let products = [frame.x.dot(frame.y), frame.y.dot(frame.z), frame.z.dot(frame.x)];
+        assert!(products.iter().all(|product| product.abs() < 1e-15), "{share}: {products:?}");
+        assert!([frame.x, frame.y].iter().all(|axis| (axis.length() - 1.0).abs() < 1e-15));
+        assert!(share < 1e-7 || frame.x.distance(across) < 1e-7);
+    }
+}
+
+#[test]
+fn rectangles_of_surfaces_without_edges_are_refused() {
+    let basis = Box::new(FaceSurface::Sphere { placement: placement(), radius: 0.5 });
+    let surface = FaceSurface::Rectangular { basis, ranges: [[0.0, 1.0]; 2], same_sense: [true; 2] };
+    let refused = Carrier::try_from_surface(&surface, Bounds3::EMPTY, 1e-7).unwrap_err();
+    assert_eq!(refused, BrepError::UnappliedRange);
+}
+
+#[test]
 fn rectangles_run_along_their_senses() {
     let basis = Box::new(FaceSurface::Cylinder { placement: placement(), radius: 0.5 });
     for same_sense in [[true, false], [false, true], [false, false]] {
@@ -361,6 +420,15 @@ fn surfaces_without_area_are_refused() {
         refused(FaceSurface::Offset { basis, distance: -0.5 }),
         BrepError::DegenerateSurface { value: 0.0, .. }
     ));
+    let basis = Box::new(FaceSurface::Sphere { placement: placement(), radius: 0.5 });
+    let rounded = FaceSurface::Offset { basis, distance: 1e-16 - 0.5 };
+    assert!(matches!(refused(rounded), BrepError::DegenerateSurface { .. }));
+    let tilted = vector(1e-15, 0.0, 1.0);
+    let along = FaceSurface::Extrusion { curve: line(at(0.0, 0.0, 0.0), tilted), direction };
+    assert!(matches!(refused(along), BrepError::DegenerateSurface { .. }));
+    let on_axis = line(at(1e-17, 0.0, 0.0), direction);
+    let spindle = FaceSurface::Revolution { curve: on_axis, origin: placement().origin, axis: placement().z };
+    assert!(matches!(refused(spindle), BrepError::DegenerateSurface { .. }));
     let askew = line(at(0.5, 0.0, 0.0), vector(0.0, 0.3, 1.0));
     let unbounded = FaceSurface::Revolution { curve: askew, origin: placement().origin, axis: placement().z };
     let refused = Carrier::try_from_surface(&unbounded, Bounds3::EMPTY, 1e-7).unwrap_err();

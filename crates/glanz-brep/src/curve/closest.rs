@@ -24,7 +24,7 @@ pub(crate) fn local_minimum<P: CurveVector>(
     [low, high]: [f64; 2],
 ) -> (f64, f64) {
     let square = |p: P| (p - query).dot(p - query);
-    let mut t = start.clamp(low, high);
+    let mut t = start.max(low).min(high);
     let mut at = curve(t);
     for _ in 0..MAX_STEPS {
         let r = at[0] - query;
@@ -38,7 +38,7 @@ pub(crate) fn local_minimum<P: CurveVector>(
         let step = -gradient / curvature;
         let (before, distance2) = (t, r.dot(r));
         let shorter = (0..MAX_STEPS).find_map(|halvings| {
-            let next = (t + step * 0.5_f64.powi(halvings as i32)).clamp(low, high);
+            let next = (t + step * 0.5_f64.powi(halvings as i32)).max(low).min(high);
             let there = curve(next);
             (square(there[0]) < distance2).then_some((next, there))
         });

@@ -77,6 +77,8 @@ impl EdgeCurve {
             return part([from, from + sign * period], false);
         }
         let forward = (sign * (found[1] - from)).rem_euclid(period);
+        // The remainder of a tiny negative number is the whole period.
+        let forward = if forward < period { forward } else { 0.0 };
         // Vertices that (nearly) coincide bound a short edge, which noise may have turned around, not a whole turn.
         let backward = period - forward;
         let chord = vertices[0].distance(vertices[1]);

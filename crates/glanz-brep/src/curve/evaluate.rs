@@ -4,6 +4,10 @@ use std::f64::consts::TAU;
 
 use crate::model::{Curve, CurveVector};
 
+/// Part of the size of a curve up to which its ends may be apart where it counts as closed: larger than what files leave open, and far
+/// smaller than a gap that is meant.
+const CLOSED: f64 = 1.0 / 4096.0;
+
 impl<P: CurveVector> Curve<P> {
     /// The kind of the curve, for messages.
     #[must_use]
@@ -44,14 +48,49 @@ impl<P: CurveVector> Curve<P> {
         end - start
     }
 
-    /// The parameters at the start and at the end of a part that runs in a sense: on a curve with a bounded domain the second may
-    /// lie outside of it, by less than its length.
+    /// The parameters at the start and at the end of a part that runs in a sense: they ascend, or descend where `same_sense` is false.
+    /// On a closed curve the second is moved by whole turns to at most one from the first, on others they change places if need be.
     pub(crate) fn trimmed_range(&self, [from, to]: [f64; 2], same_sense: bool) -> [f64; 2] {
+        let sign = if same_sense { 1.0 } else { -1.0 };
+        let along = sign * (to - from);
         let turn = self.extent();
-        match same_sense {
-            true if to <= from && turn.is_finite() => [from, to + turn],
-            false if to >= from && turn.is_finite() => [from, to - turn],
-            _ => [from, to],
+        if along > 0.0 && (along <= turn || !turn.is_finite()) {
+            return [from, to];
+        }
+        if self.returns() {
+            let part = along.rem_euclid(turn);
+            // Degrees become radians with the digits that a file gives: a turn may be longer than itself.
+            let whole = part <= f64::EPSILON.sqrt() * turn;
+            return [from, from + sign * if whole { turn } else { part }];
+        }
+        if along < 0.0 { [to, from] } else { [from, to] }
+    }
+
+    /// Whether its ends meet, compared with its size. Parts of curves, and composite curves within others, count as open: their ends
+    /// would be found again on each level of a nest.
+    fn returns(&self) -> bool {
+        let inner = |(segment, _): &(Self, bool)| segment.contains_composite();
+        match self {
+            Self::Ellipse { .. } => return true,
+            Self::Trimmed { .. } => return false,
+            Self::Composite(segments) if segments.iter().any(inner) => return false,
+            _ => {}
+        }
+        let [start, end] = self.domain();
+        if !(end - start).is_finite() {
+            return false;
+        }
+        let first = self.point(start);
+        let distance = |s: f64| first.distance_to(self.point(start + (end - start) * s));
+        let size = [0.25, 0.5, 0.75].map(distance).into_iter().fold(0.0, f64::max);
+        self.period(CLOSED * size).is_some()
+    }
+
+    fn contains_composite(&self) -> bool {
+        match self {
+            Self::Composite(_) => true,
+            Self::Trimmed { basis, .. } => basis.contains_composite(),
+            _ => false,
         }
     }
 
@@ -169,7 +208,7 @@ fn composite<P: CurveVector>(segments: &[(Curve<P>, bool)], t: f64, order: usize
         let length = segment.extent();
         if t < start + length || i + 1 == segments.len() {
             let [from, to] = segment.domain();
-            let t = (t - start).min(length);
+            let t = (t - start).min(length).max(0.0);
             return if *sense {
                 segment.derivatives(from + t, order)
             } else {

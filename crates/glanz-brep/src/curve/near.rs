@@ -10,6 +10,13 @@ impl<P: CurveVector> Curve<P> {
     /// `(e^t |a + b| - |a - b|) / 2` for t > 0. Both exceed the radius and the distance of `center` from apex or centre beyond the
     /// range.
     pub(crate) fn range_near(&self, center: P, radius: f64) -> [f64; 2] {
+        let [low, high] = self.far_limits(center, radius);
+        // A curve whose size is lost to rounding is a point.
+        if low <= high { [low, high] } else { [0.0, 0.0] }
+    }
+
+    /// The range of [`Self::range_near`]; NaN where numbers underflow.
+    fn far_limits(&self, center: P, radius: f64) -> [f64; 2] {
         match self {
             Self::Line { origin, direction } => {
                 let length2 = direction.dot(*direction);

@@ -268,6 +268,56 @@ fn trimmed_curves_of_edges_are_cut_again_by_the_vertices() {
     assert!(edge.point(0.0).distance(-DVec3::X) < 1e-15);
 }
 
+fn part(basis: Curve<DVec2>, range: [f64; 2], same_sense: bool) -> Curve<DVec2> {
+    Curve::Trimmed { basis: Box::new(basis), range, same_sense }
+}
+
+#[test]
+fn parts_against_the_sense_of_their_curve_have_ascending_domains() {
+    let line = Curve::Line { origin: DVec2::ZERO, direction: DVec2::X };
+    let flat = Curve::Ellipse { center: DVec2::ZERO, a: DVec2::X, b: DVec2::Y };
+    let open = Curve::Spline(open_spline());
+    let closed = Curve::Spline(periodic_spline());
+    let cases = [
+        (&line, [5.0, 1.0], true, [1.0, 5.0]),
+        (&line, [1.0, 5.0], false, [-5.0, -1.0]),
+        (&flat, [0.5, 7.0], true, [0.5, 7.0 - TAU]),
+        (&flat, [7.0, 0.5], true, [7.0, 0.5 + 2.0 * TAU]),
+        (&flat, [0.0, 1.0], false, [0.0, TAU - 1.0]),
+        (&flat, [0.5, 7.5], false, [-0.5, 2.0 * TAU - 7.5]),
+        (&flat, [1.0, 1.0], true, [1.0, 1.0 + TAU]),
+        (&flat, [0.0, 360.0 * 0.017_453_292_52], true, [0.0, TAU]),
+        (&open, [1.5, 0.5], true, [0.5, 1.5]),
+        (&closed, [3.0, 1.0], true, [3.0, 5.0]),
+    ];
+    for (basis, range, same_sense, expected) in cases {
+        let curve = part(basis.clone(), range, same_sense);
+        let [low, high] = curve.domain();
+        assert!(
+            (low - expected[0]).abs() < 1e-9 && (high - expected[1]).abs() < 1e-9,
+            "{} {low} {high}",
+            basis.kind()
+        );
+        let query = DVec2::new(0.3, 0.2);
+        let found = curve.closest_parameter(query, None);
+        assert!(found >= low && found <= high);
+        assert!((low..=high).contains(&curve.closest_parameter(query, Some(low - 1.0))));
+    }
+}
+
+#[test]
+fn a_parabola_whose_size_is_lost_to_rounding_has_a_nearest_point() {
+    let tiny = Curve::Parabola { apex: DVec2::ZERO, a: DVec2::X * 1e-200, b: DVec2::Y * 1e-200 };
+    assert!(tiny.closest_parameter(DVec2::ONE, None).is_finite());
+}
+
+#[test]
+fn an_edge_whose_end_is_before_its_start_by_rounding_is_not_a_whole_turn() {
+    let vertices = [DVec3::X, DVec3::new(1.0, -1e-17, 0.0)];
+    let edge = EdgeCurve::between(&circle(), vertices, false, true, 1e-30);
+    assert!(matches!(edge, Err(BrepError::ShortEdge { .. })), "{edge:?}");
+}
+
 #[test]
 fn edges_without_extent_and_closed_edges_on_open_curves_are_refused() {
     let line = Curve::Line { origin: DVec3::ZERO, direction: DVec3::X };
