@@ -1,0 +1,115 @@
+//! Offsets of surfaces.
+
+use super::*;
+
+#[test]
+fn offsets_of_elementary_surfaces_are_exact() {
+    let placement = placement();
+    let surfaces = [
+        FaceSurface::Plane(placement),
+        FaceSurface::Cylinder { placement, radius: 0.5 },
+        FaceSurface::Cone { placement, radius: 0.5, half_angle: 0.4 },
+        FaceSurface::Sphere { placement, radius: 0.5 },
+        FaceSurface::Torus { placement, major_radius: 0.9, minor_radius: 0.3, select_outer: true },
+        FaceSurface::Extrusion {
+            curve: line(at(0.0, 1.0, 0.0), vector(2.0, 0.0, 0.0)),
+            direction: vector(1.0, 0.0, 1.0),
+        },
+        FaceSurface::Revolution {
+            curve: line(at(0.5, 0.0, 1.0), vector(0.2, 0.0, -2.0)),
+            origin: placement.origin,
+            axis: placement.z,
+        },
+    ];
+    for basis in surfaces {
+        for distance in [0.1, -0.1, -0.7] {
+            let surface = FaceSurface::Offset { basis: Box::new(basis.clone()), distance };
+            let beyond = matches!(basis, FaceSurface::Cone { .. } | FaceSurface::Revolution { .. });
+            if distance < -0.5 && beyond {
+                // The offset passes the apex within the patch.
+                continue;
+            }
+            check(&surface, [[0.3, 5.0], [0.2, 1.2]]);
+        }
+    }
+}
+
+#[test]
+fn offsets_of_cones_lie_on_the_nappe_from_which_they_come() {
+    let cone = |radius| FaceSurface::Cone { placement: placement(), radius, half_angle: FRAC_PI_4 };
+    let parts = [[0.0, TAU], [0.3, 5.0]];
+    for us in parts {
+        // Outward, on the other side of the apex, beside it and far from it; inward beyond the apex and before it.
+        for (distance, vs) in [
+            (1.0, [0.1, 0.5]),
+            (1.0, [0.8, 1.2]),
+            (1.0, [2.0, 3.0]),
+            (-1.0, [0.1, 0.5]),
+            (-1.0, [2.0, 3.0]),
+            (1.0, [-0.5, -0.1]),
+            (-1.0, [-3.0, -2.0]),
+        ] {
+            for radius in [0.0, 0.25] {
+                let vs = vs.map(|v| v - radius);
+                check(&FaceSurface::Offset { basis: Box::new(cone(radius)), distance }, [us, vs]);
+            }
+        }
+    }
+}
+
+#[test]
+fn offsets_that_become_spindles_keep_the_orientation_of_their_basis() {
+    let torus = FaceSurface::Torus {
+        placement: placement(),
+        major_radius: 0.5,
+        minor_radius: 0.4,
+        select_outer: true,
+    };
+    let ranges = [[0.0, 1.0], [0.0, 1.0]];
+    let basis =
+        Box::new(FaceSurface::Rectangular { basis: Box::new(torus), ranges, same_sense: [true, false] });
+    let converted = check(&FaceSurface::Offset { basis, distance: -0.3 }, [[0.3, 5.0], [-1.0, 1.0]]);
+    assert!(converted.reversed && matches!(converted.carrier, Carrier::Spline(_)));
+}
+
+#[test]
+fn offsets_of_splines_are_fitted_within_the_tolerance() {
+    let bases = [
+        FaceSurface::Extrusion { curve: Box::new(spline_curve()), direction: vector(0.3, 2.0, 0.1) },
+        FaceSurface::Revolution {
+            curve: Box::new(spline_curve()),
+            origin: placement().origin,
+            axis: placement().z,
+        },
+    ];
+    for basis in bases {
+        let ranges = [[0.1, 0.45], [0.1, 0.45]];
+        let extent = Bounds3::from_points(grid(ranges).map(|(u, v)| definition(&basis, u, v))).expanded(0.1);
+        let surface = FaceSurface::Offset { basis: Box::new(basis), distance: 0.02 };
+        for tolerance in [1e-4, 1e-6] {
+            let converted = Carrier::try_from_surface(&surface, extent, tolerance).unwrap();
+            assert!(converted.deviation <= tolerance && converted.deviation > 0.0);
+            for (u, v) in grid(ranges) {
+                let point = definition(&surface, u, v);
+                // The definition differentiates numerically.
+                let found = converted.carrier.parameters(point, None);
+                assert!(
+                    found.distance <= converted.deviation + 1e-9,
+                    "{} {}",
+                    found.distance,
+                    converted.deviation
+                );
+                if let Some(map) = converted.parameters {
+                    let there = converted.carrier.point(map.transform_point2(DVec2::new(u, v)));
+                    assert!(there.distance(point) <= converted.deviation + 1e-9);
+                }
+            }
+        }
+    }
+    // A fold has no normal that is continuous.
+    let fold = Curve::Polyline(vec![at(0.0, 0.0, 0.0), at(1.0, 0.0, 0.0), at(1.0, 1.0, 0.0)]);
+    let basis = Box::new(FaceSurface::Extrusion { curve: Box::new(fold), direction: vector(0.0, 0.0, 1.0) });
+    let extent = Bounds3::new(DVec3::NEG_ONE, DVec3::ONE);
+    let refused = Carrier::try_from_surface(&FaceSurface::Offset { basis, distance: 0.1 }, extent, 1e-6);
+    assert!(matches!(refused, Err(BrepError::Unfitted { deviation, .. }) if deviation > 1e-3));
+}
