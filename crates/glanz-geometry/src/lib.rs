@@ -9,7 +9,8 @@
 //! - [`triangle`], [`mesh`], [`bilinear`], [`cuboid`], [`polyhedron`]: flat facets and bilinear patches;
 //! - [`spline`] (NURBS) and [`bezier`] (patches over squares and triangles): control points, evaluation, editing;
 //!   [`freeform`] intersects them with rays; [`rational`] represents other surfaces as such patches;
-//! - [`trim`]: parts of parameter domains inside loops of curves; [`trimmed`]: surfaces restricted to them;
+//! - [`trim`]: parts of parameter domains inside loops of curves; [`trimmed`]: surfaces restricted to them; [`edge_tube`]: where
+//!   neighbours may leave gaps;
 //! - [`face`]: evaluation of surfaces by face and parameters;
 //! - [`batch`]: queries of many rays at once;
 //! - [`bvh`]: the bounding volume hierarchy over boxes.
@@ -21,6 +22,7 @@ pub mod bilinear;
 pub mod bvh;
 mod convex;
 pub mod cuboid;
+pub mod edge_tube;
 pub mod error;
 pub mod face;
 pub mod freeform;
@@ -38,6 +40,7 @@ pub mod trim;
 pub mod trimmed;
 
 pub use batch::BoundedRay;
+pub use edge_tube::{EdgeTubes, TubeContact};
 pub use error::SurfaceError;
 pub use face::{FaceDomain, FacePoint};
 pub use glanz_math::{Bounds3, DVec2, DVec3, DVec4, Ray};

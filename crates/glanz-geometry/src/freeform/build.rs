@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
-use glanz_math::{Bounds3, DVec3};
+use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::control_net::MAX_DEGREE;
 use super::leaf::PatchLeaf;
@@ -13,6 +13,7 @@ use super::patch_list::PatchList;
 use super::polynomial_patches::PolynomialPatches;
 use super::ray_space::SurfaceFrame;
 use super::subpatches::{Subpatch, SubpatchList, SubpatchLocation};
+use super::surface_patch::PatchPlacement;
 use super::{Freeform, SurfacePatch};
 use crate::bvh::{BuildOptions, Bvh, PARALLEL_CHUNK, parallel_flat_map, parallel_map};
 use crate::error::SurfaceError;
@@ -52,6 +53,18 @@ impl Freeform {
     /// [`SurfaceError::TooFew`] without patches, [`SurfaceError::DegreeTooHigh`] above [`MAX_DEGREE`],
     /// [`SurfaceError::Degenerate`] if all control points coincide.
     pub fn try_new(patches: Vec<SurfacePatch>) -> Result<Self, SurfaceError> {
+        Self::build(patches, None)
+    }
+
+    /// The part of a surface of `patches` that `region` keeps: [`Freeform::try_new`] and [`Freeform::trimmed`] without the leaves of the rest.
+    ///
+    /// # Errors
+    /// Those of [`Freeform::try_new`].
+    pub fn try_trimmed(patches: Vec<SurfacePatch>, region: Arc<TrimRegion>) -> Result<Self, SurfaceError> {
+        Self::build(patches, Some(region))
+    }
+
+    fn build(patches: Vec<SurfacePatch>, region: Option<Arc<TrimRegion>>) -> Result<Self, SurfaceError> {
         if patches.is_empty() {
             return Err(SurfaceError::TooFew { parameter: "patches", count: 0, min: 1 });
         }
@@ -74,19 +87,22 @@ impl Freeform {
             });
         }
         let frame = SurfaceFrame::new(&hull, size, degrees);
-        let rules = LeafRules { smallest: SMALLEST * extent, origin: frame.center };
+        let rules =
+            LeafRules { smallest: SMALLEST * extent, origin: frame.center, region: region.as_deref() };
         if is_polynomial {
             let PolynomialPatches { placements, corrections, powers, leaves } =
                 PolynomialPatches::new(patches, &rules);
             let list = PatchList::Powers { placements, corrections };
             let (patches, subpatches) = (Arc::new(list), Arc::new(SubpatchList::Polynomial(powers)));
-            return Ok(Self::assemble(patches, subpatches, Arc::new([]), extent, frame, leaves, None));
+            return Ok(Self::assemble(patches, subpatches, Arc::new([]), extent, frame, leaves, region));
         }
         let subpatches = parallel_flat_map(&patches, PARALLEL_CHUNK, |index, patch, done| {
             Subpatch::append_all(index as u32, patch, MOST_HALVINGS, done);
         });
         let leaves = LeafList::new(&subpatches, |index, subpatch, leaves| {
-            rules.leaves(index as u32, subpatch).iter().for_each(|leaf| leaves.push(leaf, rules.origin));
+            let placement = &patches[subpatch.location.patch as usize].placement;
+            let found = rules.leaves(index as u32, subpatch, placement);
+            found.iter().for_each(|leaf| leaves.push(leaf, rules.origin));
         });
         let locations: Arc<[SubpatchLocation]> = if subpatches.len() == patches.len() {
             Arc::new([])
@@ -94,33 +110,41 @@ impl Freeform {
             subpatches.iter().map(|subpatch| subpatch.location).collect()
         };
         let (patches, subpatches) = (PatchList::Nets(patches), SubpatchList::new(subpatches));
-        Ok(Self::assemble(Arc::new(patches), Arc::new(subpatches), locations, extent, frame, leaves, None))
+        Ok(Self::assemble(Arc::new(patches), Arc::new(subpatches), locations, extent, frame, leaves, region))
     }
 
     /// The part of the surface that `region` keeps, by its parameters [`SurfacePoint::uv`](crate::SurfacePoint::uv). Both share their
     /// patches.
     #[must_use]
     pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
-        let rules = LeafRules { smallest: SMALLEST * self.extent, origin: self.frame.center };
+        let rules =
+            LeafRules { smallest: SMALLEST * self.extent, origin: self.frame.center, region: Some(&region) };
         let faces: Vec<u32> = (0..self.patch_count() as u32).collect();
         let leaves = LeafList::new(&faces, |_, &face, leaves| {
             let Some(patch) = self.patch(face) else { return };
             let mut subpatches = Vec::new();
             Subpatch::append_all(face, &patch, MOST_HALVINGS, &mut subpatches);
             for (index, subpatch) in (self.first_subpatch(face)..).zip(&subpatches) {
-                for mut leaf in rules.leaves(index, subpatch) {
-                    let [low, high] = patch.placement.range(&leaf.part.within(subpatch.location.part).rect());
-                    let containment = region.classify(low, high);
-                    leaf.crossed = containment == Containment::Crossed;
-                    if containment != Containment::Outside {
-                        leaves.push(&leaf, rules.origin);
-                    }
-                }
+                let found = rules.leaves(index, subpatch, &patch.placement);
+                found.iter().for_each(|leaf| leaves.push(leaf, rules.origin));
             }
         });
         let (patches, subpatches) = (Arc::clone(&self.patches), Arc::clone(&self.subpatches));
         let locations = Arc::clone(&self.locations);
         Self::assemble(patches, subpatches, locations, self.extent, self.frame, leaves, Some(region))
+    }
+
+    /// The patch over a point of the parameters of the surface, and its parameters there; the nearest if none is, and `None` if all patches lie
+    /// over other quadrilaterals than rectangles.
+    pub(crate) fn patch_at(&self, uv: DVec2) -> Option<(u32, DVec2)> {
+        let faces = 0..self.patch_count() as u32;
+        let rectangle = |face: u32| Some((face, self.patches.placement(face)?.rectangle()?));
+        let nearest = faces.filter_map(rectangle).map(|(face, rect)| {
+            let [low, high] = [0, 1].map(|end| DVec2::new(rect.u[end], rect.v[end]));
+            let at = uv.clamp(low, high);
+            (face, (at - low) / (high - low), at.distance_squared(uv))
+        });
+        nearest.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(face, at, _)| (face, at))
     }
 
     /// The number of the first subpatch of a patch.
@@ -224,21 +248,30 @@ impl LeafList {
 struct OpenLeaf {
     leaf: LeafBuilder,
     halvings: usize,
+    /// Whether the region keeps all of it.
+    inside: bool,
     /// Deviations of its parent and of the parent of that.
     before: [f64; 2],
 }
 
 /// Rules by which all patches of a surface are divided into leaves.
-pub(super) struct LeafRules {
+pub(super) struct LeafRules<'a> {
     /// Size below which leaves are not halved further, metres.
     smallest: f64,
     /// The centre of the surface.
     pub(super) origin: DVec3,
+    /// The part of the surface that is kept; without it all of it.
+    region: Option<&'a TrimRegion>,
 }
 
-impl LeafRules {
-    /// The leaves of the subpatch number `index`.
-    pub(super) fn leaves(&self, index: u32, subpatch: &Subpatch) -> Vec<LeafBuilder> {
+impl LeafRules<'_> {
+    /// The leaves of the subpatch number `index` of the patch at `placement`.
+    pub(super) fn leaves(
+        &self,
+        index: u32,
+        subpatch: &Subpatch,
+        placement: &PatchPlacement,
+    ) -> Vec<LeafBuilder> {
         let degrees = subpatch.degrees;
         let limit = MOST_DEVIATION[usize::from(degrees.0.max(degrees.1) > 3)];
         let whole = LeafBuilder::new(index, DyadicRect::WHOLE, subpatch.net.to_vec(), degrees);
@@ -246,9 +279,18 @@ impl LeafRules {
         let mut open = vec![OpenLeaf {
             leaf: whole,
             halvings: subpatch.location.part.count(),
+            inside: self.region.is_none(),
             before: [f64::INFINITY; 2],
         }];
-        while let Some(OpenLeaf { leaf, halvings, before }) = open.pop() {
+        while let Some(OpenLeaf { mut leaf, halvings, mut inside, before }) = open.pop() {
+            if let Some(region) = self.region.filter(|_| !inside) {
+                let [low, high] = placement.range(&leaf.part.within(subpatch.location.part).rect());
+                match region.classify(low, high) {
+                    Containment::Outside => continue,
+                    Containment::Inside => inside = true,
+                    Containment::Crossed => leaf.crossed = true,
+                }
+            }
             let large = leaf.bounds.diagonal().length() > self.smallest;
             // NaN, of a leaf without area, is above every limit.
             let deviation = leaf.parallelogram.jacobian_deviation();
@@ -261,6 +303,7 @@ impl LeafRules {
                 open.extend(halves.map(|leaf| OpenLeaf {
                     leaf,
                     halvings: halvings + 1,
+                    inside,
                     before: [deviation, before[0]],
                 }));
             }

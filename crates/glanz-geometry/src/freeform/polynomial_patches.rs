@@ -23,7 +23,7 @@ pub(super) struct PolynomialPatches {
 
 impl PolynomialPatches {
     /// Turns patches into powers and leaves, from the last to the first: memory that was allocated last goes back to the system first.
-    pub(super) fn new(mut patches: Vec<SurfacePatch>, rules: &LeafRules) -> Self {
+    pub(super) fn new(mut patches: Vec<SurfacePatch>, rules: &LeafRules<'_>) -> Self {
         let mut all = Self {
             placements: Vec::with_capacity(patches.len()),
             powers: Vec::with_capacity(patches.len()),
@@ -59,14 +59,14 @@ impl PolynomialPatches {
     }
 
     /// Those of `patches`, of which the first is number `first`, without placements, in reverse order.
-    fn reversed(first: u32, patches: &[SurfacePatch], rules: &LeafRules) -> Self {
+    fn reversed(first: u32, patches: &[SurfacePatch], rules: &LeafRules<'_>) -> Self {
         let mut part = Self { powers: Vec::with_capacity(patches.len()), ..Self::default() };
         for (index, patch) in (first..first + patches.len() as u32).zip(patches).rev() {
             let subpatch = Subpatch::whole(index, patch);
             let powers = Bicubic::new(&subpatch.net, subpatch.degrees);
             part.corrections.push(&subpatch.net, &powers.control_points(subpatch.degrees));
             part.powers.push(powers);
-            let leaves = rules.leaves(index, &subpatch);
+            let leaves = rules.leaves(index, &subpatch, &patch.placement);
             leaves.iter().rev().for_each(|leaf| part.leaves.push(leaf, rules.origin));
         }
         part

@@ -31,6 +31,17 @@ const MAX_HALVINGS: usize = 4096;
 /// Largest number of Newton steps; from a good start, four are enough.
 const MAX_NEWTON_STEPS: usize = 32;
 
+/// Relative rounding of squared distances.
+const ROUNDING: f64 = 8.0 * UNIT_ROUNDOFF;
+
+/// A step of Newton's method in the parameters.
+struct NewtonStep {
+    du: f64,
+    dv: f64,
+    /// By how much it lowers the squared distance, m^2.
+    decrease: f64,
+}
+
 /// A part of a Bézier piece, with a bound on its distance.
 struct PatchPart {
     /// Parameter ranges of the whole piece, in which Newton's method may move.
@@ -155,33 +166,42 @@ impl NurbsSurface {
     }
 
     /// A local minimum of the distance within `ranges`, by Newton's method; each step is halved until the distance
-    /// decreases.
+    /// decreases, if rounding lets it.
     fn improve(&self, query: DVec3, start: [f64; 2], ranges: [[f64; 2]; 2]) -> ([f64; 2], DVec3, f64) {
         let [mut u, mut v] = start;
         let mut point = self.point(u, v);
         for _ in 0..MAX_NEWTON_STEPS {
-            let Some((du, dv)) = self.newton_step(query, [u, v], ranges) else { break };
+            let Some(NewtonStep { du, dv, decrease }) = self.newton_step(query, [u, v], ranges) else {
+                break;
+            };
             let distance2 = (point - query).length_squared();
-            let shorter = (0..MAX_NEWTON_STEPS).find_map(|halvings| {
-                let scale = 0.5_f64.powi(halvings as i32);
-                let at = |x: f64, d: f64, [a, b]: [f64; 2]| (x + d * scale).clamp(a, b);
-                let (u, v) = (at(u, du, ranges[0]), at(v, dv, ranges[1]));
-                let point = self.point(u, v);
-                ((point - query).length_squared() < distance2).then_some((u, v, point))
-            });
-            let Some(next) = shorter else { break };
-            let moved = (next.0 - u).abs().max((next.1 - v).abs());
-            (u, v, point) = next;
-            if moved <= UNIT_ROUNDOFF * (u.abs() + v.abs()) {
+            let at = |x: f64, d: f64, [a, b]: [f64; 2]| (x + d).clamp(a, b);
+            let moved = |scale: f64| {
+                let (u, v) = (at(u, du * scale, ranges[0]), at(v, dv * scale, ranges[1]));
+                (u, v, self.point(u, v))
+            };
+            let limit = UNIT_ROUNDOFF * (u.abs() + v.abs());
+            let rounding = ROUNDING * distance2.sqrt() * (distance2.sqrt() + query.abs().max_element());
+            if du.abs().max(dv.abs()) <= limit || decrease <= rounding {
+                // The last step: distances cannot tell whether it helps.
+                let next = moved(1.0);
+                if (next.2 - query).length_squared() <= distance2 + rounding {
+                    (u, v, point) = next;
+                }
                 break;
             }
+            let shorter = (0..MAX_NEWTON_STEPS)
+                .map(|halvings| moved(0.5_f64.powi(halvings as i32)))
+                .find(|(_, _, point)| (*point - query).length_squared() < distance2);
+            let Some(next) = shorter else { break };
+            (u, v, point) = next;
         }
         ([u, v], point, point.distance(query))
     }
 
     /// Newton's step for `|S - q|^2`, or the Gauss-Newton step where the Hessian is not positive definite. A parameter that
     /// would leave its range stays at its end. `None` at a stationary point.
-    fn newton_step(&self, query: DVec3, [u, v]: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<(f64, f64)> {
+    fn newton_step(&self, query: DVec3, [u, v]: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<NewtonStep> {
         let d = self.derivatives(u, v, 2);
         let (r, du, dv) = (d.at(0, 0) - query, d.at(1, 0), d.at(0, 1));
         let (gu, gv) = (r.dot(du), r.dot(dv));
@@ -193,21 +213,22 @@ impl NurbsSurface {
             let curvature = if newton > 0.0 { newton } else { gauss };
             (gradient != 0.0 && curvature > 0.0).then(|| -gradient / curvature)
         };
+        let step = |du: f64, dv: f64| NewtonStep { du, dv, decrease: -(gu * du + gv * dv) };
+        let along_u = |curvature: f64| one_parameter(gu, curvature, e).map(|s| step(s, 0.0));
+        let along_v = |curvature: f64| one_parameter(gv, curvature, g).map(|s| step(0.0, s));
         match (held_u, held_v) {
             (true, true) => None,
-            (true, false) => one_parameter(gv, c, g).map(|s| (0.0, s)),
-            (false, true) => one_parameter(gu, a, e).map(|s| (s, 0.0)),
+            (true, false) => along_v(c),
+            (false, true) => along_u(a),
             (false, false) => {
                 let newton = a > 0.0 && a * c - b * b > 0.0;
                 let (a, b, c) = if newton { (a, b, c) } else { (e, f, g) };
                 let determinant = a * c - b * b;
                 if determinant > 0.0 && (gu != 0.0 || gv != 0.0) {
-                    return Some(((b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant));
+                    return Some(step((b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant));
                 }
                 // At a pole one of the derivatives vanishes.
-                one_parameter(gu, a, e)
-                    .map(|s| (s, 0.0))
-                    .or_else(|| one_parameter(gv, c, g).map(|s| (0.0, s)))
+                along_u(a).or_else(|| along_v(c))
             }
         }
     }

@@ -68,8 +68,15 @@ impl NurbsSurface {
     /// # Errors
     /// Those of [`NurbsSurface::bezier_patches`] and [`Freeform::try_new`].
     pub fn to_freeform(&self) -> Result<Freeform, SurfaceError> {
-        let pieces =
-            self.bezier_patches()?.into_iter().map(|p| SurfacePatch::over_rectangle(p.patch, p.u, p.v));
-        Freeform::try_new(pieces.collect::<Result<_, _>>()?)
+        Freeform::try_new(self.surface_patches()?)
+    }
+
+    /// The pieces between knots with their places in the parameters of this surface.
+    ///
+    /// # Errors
+    /// Those of [`NurbsSurface::bezier_patches`].
+    pub fn surface_patches(&self) -> Result<Vec<SurfacePatch>, SurfaceError> {
+        let pieces = self.bezier_patches()?.into_iter();
+        pieces.map(|piece| SurfacePatch::over_rectangle(piece.patch, piece.u, piece.v)).collect()
     }
 }

@@ -139,10 +139,19 @@ impl NurbsSurface {
     /// At a knot they are those of the piece that starts there.
     #[must_use]
     pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Derivatives {
-        let bases = [&BasisFunctions::at(&self.knots_u, u), &BasisFunctions::at(&self.knots_v, v)];
+        let (in_u, in_v) = (BasisFunctions::at(&self.knots_u, u), BasisFunctions::at(&self.knots_v, v));
+        let rows = |basis: &BasisFunctions<'_>| (0..=order).map(|k| basis.derivatives(k)).collect::<Vec<_>>();
+        let (rows_u, rows_v) = (rows(&in_u), rows(&in_v));
         let mut homogeneous = vec![DVec4::ZERO; derivative_index(0, order) + 1];
-        for (k, l) in (0..=order).flat_map(|k| (0..=order - k).map(move |l| (k, l))) {
-            homogeneous[derivative_index(k, l)] = self.homogeneous(bases, [k, l]);
+        for i in 0..=self.knots_u.degree() {
+            let first = (in_u.first() + i) * self.knots_v.count() + in_v.first();
+            let points = &self.points[first..=first + self.knots_v.degree()];
+            for (l, row_v) in rows_v.iter().enumerate() {
+                let sum = points.iter().zip(row_v).map(|(point, m)| *point * *m).sum::<DVec4>();
+                for (k, row_u) in rows_u.iter().enumerate().take(order + 1 - l) {
+                    homogeneous[derivative_index(k, l)] += sum * row_u[i];
+                }
+            }
         }
         Derivatives::project(order, &homogeneous)
     }

@@ -3,7 +3,7 @@
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
 
-use super::curve::project;
+use super::curve::{evaluate, project};
 use crate::bezier::bernstein::{binomials, halve, split};
 
 /// Largest number of halvings in the search for a turning point: down to 4e-15, where a smooth curve is flat to twice as many
@@ -21,6 +21,14 @@ pub struct MonotonePiece {
     pub control_points: Vec<DVec3>,
     /// Distance from it within which points are kept, in the coordinates of the region.
     pub width: f64,
+}
+
+impl MonotonePiece {
+    /// The point at `t`, from 0 at the start to 1 at the end.
+    #[must_use]
+    pub fn point(&self, t: f64) -> DVec2 {
+        evaluate(&self.control_points, t)
+    }
 }
 
 /// Control points of the pieces of a rational Bézier piece between its turning points.

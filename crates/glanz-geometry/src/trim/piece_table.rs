@@ -106,6 +106,11 @@ impl PieceTable {
         Ok(Self { pieces, terms, slack: reach * gamma(64 * (highest + 4)) })
     }
 
+    /// The largest width of a piece.
+    pub(super) fn max_width(&self) -> f64 {
+        self.pieces.iter().fold(0.0, |width, piece| width.max(piece.width))
+    }
+
     /// Distance from a cell within which a piece belongs to it: the corners of a cell, the cell of a point and both sides of a piece
     /// are each accurate to the slack.
     pub(super) fn margin(&self, piece: &PieceRecord) -> DVec2 {
@@ -222,6 +227,15 @@ impl PieceTable {
             *point = *term / binomial;
         }
         part_is_within(points, p, piece.width, self.slack.max_element(), 60)
+    }
+
+    /// The largest width of those pieces of a list within whose width `p` lies; 0 without any.
+    pub(super) fn border_width(&self, list: &[u32], p: DVec2) -> f64 {
+        let near = |&&i: &&u32| {
+            let piece = self.pieces.get(i as usize)?;
+            (piece.near(p, self.slack + piece.width) && self.is_within_width(piece, p)).then_some(piece.width)
+        };
+        list.iter().filter_map(|i| near(&i)).fold(0.0, f64::max)
     }
 
     /// The side of `piece` on which `p` lies, and whether it is within the width, for points about as near as that.

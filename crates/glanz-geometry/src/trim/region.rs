@@ -98,6 +98,35 @@ pub struct TrimRegion {
     scale: DVec2,
     /// Winding number far outside.
     outermost: i32,
+    /// See [`TrimRegion::max_width`].
+    max_width: f64,
+}
+
+/// Closed loops of curves in the coordinates of a region, and the corners of its domain.
+fn joined(
+    loops: Vec<Vec<TrimCurve>>,
+    settings: RegionSettings,
+) -> Result<(Vec<TrimLoop>, [DVec2; 2]), SurfaceError> {
+    if loops.iter().all(Vec::is_empty) {
+        return Err(SurfaceError::TooFew { parameter: "trimming curves", count: 0, min: 1 });
+    }
+    let RegionSettings { scale, domain } = settings;
+    for factor in scale.to_array() {
+        positive("scale of a trimming region", factor)?;
+    }
+    let scaled = |curves: Vec<TrimCurve>| curves.into_iter().map(|curve| curve.scaled(scale)).collect();
+    let loops: Vec<Vec<TrimCurve>> = loops.into_iter().map(scaled).collect();
+    let [low, high] = loops
+        .iter()
+        .flatten()
+        .map(|curve| curve.bounds)
+        .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
+    let extent = (high - low).max_element();
+    let margin = DVec2::splat(DOMAIN_MARGIN * extent);
+    let domain = domain.map_or([low - margin, high + margin], |corners| corners.map(|p| p * scale));
+    let trim_loop = |curves| TrimLoop::with_default_width(curves, LOOP_GAP * extent, WIDTH * extent);
+    let loops: Vec<TrimLoop> = loops.into_iter().map(trim_loop).collect::<Result<_, _>>()?;
+    Ok((loops, domain))
 }
 
 impl TrimRegion {
@@ -127,7 +156,8 @@ impl TrimRegion {
         let outermost = i32::from(loops.is_empty() || largest < 0.0);
         let pieces = PieceTable::try_new(&loops, min.abs().max(max.abs()))?;
         let cells = CellTree::try_new(&pieces, domain, outermost)?;
-        Ok(Self { pieces, cells, domain, scale, outermost })
+        let max_width = pieces.max_width();
+        Ok(Self { pieces, cells, domain, scale, outermost, max_width })
     }
 
     /// The region that loops of curves keep, with tolerances in proportion to their extent.
@@ -153,26 +183,18 @@ impl TrimRegion {
         loops: Vec<Vec<TrimCurve>>,
         settings: RegionSettings,
     ) -> Result<Self, SurfaceError> {
-        if loops.iter().all(Vec::is_empty) {
-            return Err(SurfaceError::TooFew { parameter: "trimming curves", count: 0, min: 1 });
-        }
-        let RegionSettings { scale, domain } = settings;
-        for factor in scale.to_array() {
-            positive("scale of a trimming region", factor)?;
-        }
-        let scaled = |curves: Vec<TrimCurve>| curves.into_iter().map(|curve| curve.scaled(scale)).collect();
-        let loops: Vec<Vec<TrimCurve>> = loops.into_iter().map(scaled).collect();
-        let [low, high] = loops
-            .iter()
-            .flatten()
-            .map(|curve| curve.bounds)
-            .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[a, b], [low, high]| [a.min(low), b.max(high)]);
-        let extent = (high - low).max_element();
-        let margin = DVec2::splat(DOMAIN_MARGIN * extent);
-        let domain = domain.map_or([low - margin, high + margin], |corners| corners.map(|p| p * scale));
-        let trim_loop = |curves| TrimLoop::with_default_width(curves, LOOP_GAP * extent, WIDTH * extent);
-        let loops: Vec<TrimLoop> = loops.into_iter().map(trim_loop).collect::<Result<_, _>>()?;
+        let scale = settings.scale;
+        let (loops, domain) = joined(loops, settings)?;
         Self::with_scale(loops, domain, scale)
+    }
+
+    /// Checks what [`TrimRegion::try_with_settings`] checks of curves, without the tree that takes most of its time.
+    ///
+    /// # Errors
+    /// Those of [`TrimRegion::try_with_settings`] but [`SurfaceError::TooMany`].
+    pub fn check(loops: Vec<Vec<TrimCurve>>, settings: RegionSettings) -> Result<(), SurfaceError> {
+        let (_, [min, max]) = joined(loops, settings)?;
+        check_range("domain", min, max)
     }
 
     /// The region extended by all points within `tolerance` of a curve, in its coordinates.
@@ -185,7 +207,8 @@ impl TrimRegion {
             piece.width = piece.width.max(width);
         }
         let cells = CellTree::try_new(&self.pieces, self.domain, self.outermost)?;
-        Ok(Self { cells, ..self })
+        let max_width = self.pieces.max_width();
+        Ok(Self { cells, max_width, ..self })
     }
 
     /// Whether the point `uv` is kept; exact except for points within rounding of a curve, which are kept.
@@ -263,7 +286,17 @@ impl TrimRegion {
     /// The largest width of a curve, in the coordinates of the region.
     #[must_use]
     pub fn max_width(&self) -> f64 {
-        self.pieces.pieces.iter().fold(0.0, |width, piece| width.max(piece.width))
+        self.max_width
+    }
+
+    /// The largest width of the curves within whose widths a point lies, in the coordinates of the region; 0 if it lies in no border.
+    #[must_use]
+    pub fn border_width(&self, uv: DVec2) -> f64 {
+        let p = (uv * self.scale).max(self.domain[0]).min(self.domain[1]);
+        match self.cells.find(p) {
+            CellLookup::Uniform(_) => 0.0,
+            CellLookup::Crossed(leaf) => self.pieces.border_width(self.cells.entries(leaf), p),
+        }
     }
 
     /// Factors from the parameters of the surface to the coordinates of the region; see [`RegionSettings::scale`].

@@ -299,6 +299,10 @@ fn trimmed_surface_has_the_hits_whose_parameters_are_kept() {
         let region = plate(0.16, 0.02);
         let trimmed = whole.trimmed(region.clone());
         assert!(trimmed.is_trimmed() && trimmed.sample(DVec2::splat(0.5)).is_none());
+        let patches = (0..whole.patch_count() as u32).filter_map(|face| whole.patch(face)).collect();
+        let built = Freeform::try_trimmed(patches, region.clone()).unwrap();
+        assert_eq!(built.leaves.len(), trimmed.leaves.len());
+        assert!(built.leaves.len() < whole.leaves.len());
         let bounds = whole.bounds();
         let (center, size) = (bounds.center(), bounds.diagonal().length());
         let (mut counts, mut borders) = ([0; 2], [0; 3]);
@@ -321,6 +325,7 @@ fn trimmed_surface_has_the_hits_whose_parameters_are_kept() {
                 borders[hit.border as usize] += 1;
             }
             assert_eq!(trimmed.intersect(&ray, f64::INFINITY), hits.first().copied());
+            assert_eq!(all(&built, &ray), hits);
             assert_eq!(trimmed.occluded(&ray, f64::INFINITY), !hits.is_empty());
         }
         assert!(counts[1] > 500 && counts[0] > counts[1] + 50, "{counts:?}");
