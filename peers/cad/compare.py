@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""STEP files: what Glanz has made of them against what OpenCascade says.
+"""STEP and IGES files: what Glanz has made of them against what OpenCascade says.
 
     VENV/bin/python peers/cad/reference.py FILES -o REF/
     cargo build --release -p glanz-formats --example peer_cad
@@ -80,11 +80,12 @@ class Arbiter:
     """Distances of points to the faces of a file, from OpenCascade, and areas of faces from their edges alone."""
 
     def __init__(self, path, deflection):
-        from step import METRE, StepFile
         from edges import Boundary
+        from iges import open_file
+        from step import METRE
         self.boundary, self.deflection, self.metre = Boundary, deflection / METRE, METRE
         self.faces, self.boundaries, self.integrals = collections.defaultdict(list), {}, {}
-        file = StepFile(path)
+        file = open_file(path)
         for face in file.faces():
             self.faces[file.entity(face)].append(face)
 

@@ -1,4 +1,4 @@
-//! What Glanz makes of a STEP file: faces, solids, and all hits of given rays; `compare.py` has the format and makes the comparison.
+//! What Glanz makes of a STEP or IGES file: faces, solids, and all hits of given rays; `compare.py` has the format and makes the comparison.
 //!
 //!     cargo run --release -p glanz-formats --example peer_cad -- FILE.step REF.json > GLANZ.json
 
@@ -7,7 +7,7 @@ use std::io::Write as _;
 
 use glanz_brep::face::{FaceMeasure, TrimmedFace, TrimmedFaces, trimmed_faces};
 use glanz_brep::model::{Body, BrepModel, Occurrence};
-use glanz_formats::step::{CadFaceOutcome, CadReport};
+use glanz_formats::cad::{CadFaceOutcome, CadReport};
 use glanz_formats::{Options, load};
 use glanz_geometry::trim::{RegionSettings, TrimCurve, TrimRegion};
 use glanz_math::{Bounds3, DMat4, DVec2, DVec3, Ray};
@@ -31,13 +31,19 @@ fn main() -> Result<(), Failure> {
         return Err("usage: peer_cad FILE.step REF.json".into());
     };
     let reference: Value = serde_json::from_slice(&std::fs::read(reference)?)?;
-    let step = glanz_formats::step::read(&std::fs::read(&file)?)?;
-    let trimmed = trimmed_faces(&step.model);
+    let bytes = std::fs::read(&file)?;
+    let is_step = bytes.trim_ascii_start().starts_with(b"ISO-10303-21");
+    let model = if is_step {
+        glanz_formats::step::read(&bytes)?.model
+    } else {
+        glanz_formats::iges::read(&bytes)?.model
+    };
+    let trimmed = trimmed_faces(&model);
     let loaded = load(file.as_ref(), &Options::default()).map_err(|diagnostics| diagnostics.to_string())?;
     let report = loaded.cad.ok_or("the file is no CAD file")?;
     let output = json!({
         "faces": faces(&report, &trimmed),
-        "solids": solids(&step.model, &trimmed),
+        "solids": solids(&model, &trimmed),
         "rays": rays(&loaded.description, &report, &reference["rays"])?,
     });
     writeln!(std::io::stdout(), "{output}")?;

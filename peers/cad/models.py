@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""STEP files that OpenCascade writes, for the comparison.
+"""STEP and IGES files that OpenCascade writes, for the comparison.
 
     python3 -m venv VENV && VENV/bin/pip install cadquery-ocp matplotlib     # matplotlib for its font
     VENV/bin/python peers/cad/models.py FOLDER [NAME ...]
 
 Every model is written twice, with parameter curves (NAME-pcurves.step) and without (NAME.step), and the schemas AP203, AP214 and AP242 take
-turns. Lengths are millimetres, or inches where the name says so. Printed: faces, volume and area as OpenCascade has them before
+turns. Those without products are written as IGES files, too: NAME-faces.igs (trimmed surfaces) and NAME-solids.igs. Lengths are millimetres, or inches where the name says so. Printed: faces, volume and area as OpenCascade has them before
 writing, and where a closed form is known, the relative deviation of the volume from it. Volumes and areas are those of integral.py.
 """
 
@@ -37,6 +37,7 @@ from OCP.GeomAPI import GeomAPI_PointsToBSpline
 from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Dir, gp_Dir2d, gp_Elips, gp_Pnt, gp_Pnt2d, gp_Trsf, gp_Vec
 from OCP.GProp import GProp_GProps
 from OCP.IFSelect import IFSelect_RetDone
+from OCP.IGESControl import IGESControl_Writer
 from OCP.Interface import Interface_Static
 from OCP.Message import Message
 from OCP.Quantity import Quantity_Color, Quantity_TypeOfColor
@@ -395,6 +396,16 @@ def write(model, path, schema, unit, curves):
         raise RuntimeError(f"OpenCascade does not write {path}")
 
 
+def write_iges(model, path, unit, mode):
+    """Writes a shape; `mode`: 0 for trimmed surfaces (144), 1 for solids (186)."""
+    writer = IGESControl_Writer("IN" if unit == "INCH" else unit, mode)
+    if not writer.AddShape(model):
+        raise RuntimeError(f"OpenCascade does not write {path}")
+    writer.ComputeModel()
+    if not writer.Write(str(path)):
+        raise RuntimeError(f"OpenCascade does not write {path}")
+
+
 def describe(name, model, expected):
     if isinstance(model, TDocStd_Document):
         return f"{name}: document"
@@ -415,7 +426,7 @@ def silence():
 
 def main():
     silence()
-    parser = argparse.ArgumentParser(description="Writes the models of the comparison as STEP files.")
+    parser = argparse.ArgumentParser(description="Writes the models of the comparison as STEP files, those without products as IGES files, too.")
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("names", nargs="*", choices=[[], *MODELS])
     arguments = parser.parse_args()
@@ -429,6 +440,9 @@ def main():
         for curves in (True, False):
             path = arguments.folder / f"{name}{'-pcurves' if curves else ''}.step"
             write(model, path, SCHEMAS[index % len(SCHEMAS)], unit, curves)
+        if not isinstance(model, TDocStd_Document):
+            for kind, mode in (("faces", 0), ("solids", 1)):
+                write_iges(model, arguments.folder / f"{name}-{kind}.igs", unit, mode)
 
 
 main()

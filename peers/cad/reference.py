@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What OpenCascade says of a STEP file: faces, solids, and all intersections of random rays.
+"""What OpenCascade says of a STEP or IGES file: faces, solids, and all intersections of random rays.
 
     python3 -m venv VENV && VENV/bin/pip install cadquery-ocp numpy
     VENV/bin/python peers/cad/reference.py FILE.step ... -o FOLDER|REF.json [--rays 10000] [--seed 1]
@@ -63,8 +63,9 @@ from OCP.TopoDS import TopoDS
 
 from edge_integral import EdgeIntegral, area_from_edges
 from edges import Boundary
+from iges import open_file
 from integral import FaceIntegral
-from step import METRE, StepFile, explore
+from step import METRE, explore
 
 # Relative error of areas and volumes that the integration aims at.
 INTEGRATION = 1e-7
@@ -214,7 +215,7 @@ class FileReference:
         self.count, self.seed, self.skip, self.at, self.seconds = count, seed, skip, at, {}
         self.path = path
         start = time.perf_counter()
-        self.file = StepFile(path)
+        self.file = open_file(path)
         self.occurrences = [TopoDS.Face(face) for face in self.file.faces()]
         self.order = {}
         for face in self.occurrences:
@@ -387,7 +388,7 @@ def self_test():
 
 
 def main():
-    parser = argparse.ArgumentParser(description="What OpenCascade says of STEP files; the top of the program describes the result.")
+    parser = argparse.ArgumentParser(description="What OpenCascade says of STEP and IGES files; the top of the program describes the result.")
     parser.add_argument("files", nargs="*", type=pathlib.Path)
     parser.add_argument("-o", "--out", type=pathlib.Path, default=".", help="file, or folder for several")
     parser.add_argument("--rays", type=int, default=10000)

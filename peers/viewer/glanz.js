@@ -31,6 +31,8 @@ async function viewer() {
     net: false,
     section: null,
     maps: false,
+    seams: true,
+    edge: null,
     background: [0.5, 0.5, 0.5],
   });
   const wait = () => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));

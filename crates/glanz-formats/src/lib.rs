@@ -4,10 +4,12 @@
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` resolves to a scene, and [`Diagnostics`]
 //! with positions in the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
-//! patches, [`photometry`] the light of luminaires, [`step`] CAD models, [`image`] reads and writes pictures, [`glb`] writes models. Any bytes give a result or an error, without a panic or an endless loop, and without
+//! patches, [`photometry`] the light of luminaires, [`step`] and [`iges`] CAD models (with [`cad`]), [`image`] reads and writes pictures, [`glb`] writes models with light, [`tessellated`] triangles. Any bytes give a result or an error, without a panic or an endless loop, and without
 //! more memory than the size of the input justifies.
 
+pub mod cad;
 pub mod glb;
+pub mod iges;
 pub mod image;
 mod model;
 mod nearest;
@@ -19,6 +21,7 @@ pub mod registry;
 pub mod rib;
 pub mod source;
 pub mod step;
+pub mod tessellated;
 
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;

@@ -8,9 +8,9 @@ use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription,
 use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
 use glanz_scene::{Description, Diagnostics, Location, Severity};
 
+use crate::cad::{CadModel, CadReport, CadWarning};
 use crate::registry::{Loaded, ModelFormat, Options};
 use crate::source::Sources;
-use crate::step::{CadModel, CadReport, CadWarning};
 use crate::{newell, ply, rib};
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
@@ -26,7 +26,8 @@ pub(crate) fn load(
         ModelFormat::Ply => reader.ply(bytes),
         ModelFormat::Rib => reader.rib(bytes),
         ModelFormat::Newell => reader.newell(bytes),
-        ModelFormat::Step => reader.step(bytes),
+        ModelFormat::Step => reader.cad("step", bytes, options.edges),
+        ModelFormat::Iges => reader.cad("iges", bytes, options.edges),
     }
     reader.finish(format.up(), bytes, options)
 }
@@ -129,16 +130,16 @@ impl ModelReader {
         file.splines.into_iter().map(GeometryDescription::Nurbs).for_each(|spline| self.add(spline));
     }
 
-    fn step(&mut self, bytes: &[u8]) {
-        let report = match CadModel::read(bytes) {
+    fn cad(&mut self, kind: &'static str, bytes: &[u8], with_edges: bool) {
+        let report = match CadModel::read(bytes, with_edges) {
             Ok(model) => model.into_world(&mut self.description),
-            Err(error) => return self.error("step", None, error.to_string()),
+            Err(error) => return self.error(kind, None, error.to_string()),
         };
         for CadWarning { kind, position, message } in report.warnings() {
             self.report(Severity::Warning, kind, position, message);
         }
         if report.shapes.is_empty() {
-            return self.error("step", None, "the file shows no surface that can be read".to_owned());
+            return self.error(kind, None, "the file shows no surface that can be read".to_owned());
         }
         self.cad = Some(report);
     }

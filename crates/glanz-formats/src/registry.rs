@@ -6,9 +6,9 @@ use std::sync::Arc;
 use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
+use crate::cad::CadReport;
 use crate::source::Sources;
-use crate::step::CadReport;
-use crate::{image, model, pbrt, rib};
+use crate::{iges, image, model, pbrt, rib};
 
 /// Settings of the readers.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +24,8 @@ pub struct Options {
     pub confined: bool,
     /// Camera, ground and light for models, which have none of their own.
     pub studio: StudioSettings,
+    /// Whether the edges of CAD models are sampled, for [`EdgeDescription`](glanz_scene::description::EdgeDescription)s.
+    pub edges: bool,
 }
 
 /// A scene that was read.
@@ -66,6 +68,8 @@ pub enum ModelFormat {
     Newell,
     /// CAD models: see [`crate::step`].
     Step,
+    /// CAD models: see [`crate::iges`].
+    Iges,
 }
 
 impl ModelFormat {
@@ -73,13 +77,13 @@ impl ModelFormat {
     pub(crate) fn up(self) -> UpAxis {
         match self {
             Self::Ply => UpAxis::Y,
-            Self::Rib | Self::Newell | Self::Step => UpAxis::Z,
+            Self::Rib | Self::Newell | Self::Step | Self::Iges => UpAxis::Z,
         }
     }
 }
 
 /// Usual extensions of files of models, in lower case.
-pub const MODEL_EXTENSIONS: [&str; 5] = ["ply", "rib", "step", "stp", "p21"];
+pub const MODEL_EXTENSIONS: [&str; 7] = ["ply", "rib", "step", "stp", "p21", "igs", "iges"];
 
 /// Signatures of other formats, with a description for the error.
 const OTHERS: &[(&[u8], &str)] =
@@ -96,6 +100,9 @@ impl SceneFormat {
         }
         if bytes.trim_ascii_start().starts_with(b"ISO-10303-21") {
             return Ok(Self::Model(ModelFormat::Step));
+        }
+        if iges::is_iges(bytes) {
+            return Ok(Self::Model(ModelFormat::Iges));
         }
         if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
             return Err((*what).to_owned());
@@ -210,8 +217,10 @@ mod tests {
     #[test]
     fn models_are_recognised_by_content() {
         let model = |format| Ok(SceneFormat::Model(format));
+        let iges = format!("{:<72}S      1\n", "Patch");
         for (bytes, format) in [
             (&b"ply\r\nformat"[..], model(ModelFormat::Ply)),
+            (iges.as_bytes(), model(ModelFormat::Iges)),
             (b"32\n1,2,3", model(ModelFormat::Newell)),
             (b"AttributeBegin\nPatch \"bicubic\" \"P\" [", model(ModelFormat::Rib)),
             (b"##RenderMan RIB\n# Shape\nTranslate 0 0 5 NuPatch 4", model(ModelFormat::Rib)),

@@ -1,6 +1,6 @@
 //! Surfaces with their place in a group.
 
-use glanz_geometry::{AreaSample, BoundedRay, Hit, RaySurface, ShadingPoint, Surface};
+use glanz_geometry::{AreaSample, BoundedRay, EdgeTubes, Hit, RaySurface, ShadingPoint, Surface};
 use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray, Transform};
 
 use std::sync::Arc;
@@ -38,6 +38,8 @@ pub struct SceneObject {
     pub(crate) light: Option<LightId>,
     /// The solid of its group that it bounds.
     pub(crate) solid: Option<u32>,
+    /// Where rays may pass between the object and its neighbours in the solid.
+    tubes: Option<Arc<EdgeTubes>>,
     /// Whether it is an interface, which light passes.
     pub(crate) passable: bool,
 }
@@ -45,7 +47,32 @@ pub struct SceneObject {
 impl SceneObject {
     pub(crate) fn new(surface: Surface, to_parent: Transform, attributes: ShapeAttributes) -> Self {
         let to_parent = (to_parent != Transform::IDENTITY).then_some(to_parent);
-        Self { surface, to_parent, attributes, shapes: None, light: None, solid: None, passable: false }
+        Self {
+            surface,
+            to_parent,
+            attributes,
+            shapes: None,
+            light: None,
+            solid: None,
+            tubes: None,
+            passable: false,
+        }
+    }
+
+    /// The same object as a part of the boundary of a solid.
+    pub(crate) fn bounding(self, solid: u32) -> Self {
+        let tubes = self.surface.edge_tubes().map(Arc::new);
+        Self { solid: Some(solid), tubes, ..self }
+    }
+
+    /// Makes it bound no solid.
+    pub(crate) fn release(&mut self) {
+        (self.solid, self.tubes) = (None, None);
+    }
+
+    /// Where rays may pass between the object and its neighbours in the solid, in the frame of the surface.
+    pub(crate) fn tubes(&self) -> Option<&EdgeTubes> {
+        self.tubes.as_deref()
     }
 
     /// Several shapes as one surface.
@@ -86,6 +113,7 @@ impl SceneObject {
         Self {
             to_parent: (to_parent != Transform::IDENTITY).then_some(to_parent),
             solid: None,
+            tubes: None,
             ..self.clone()
         }
     }
@@ -108,10 +136,11 @@ impl SceneObject {
         self.attributes.reversed
     }
 
-    /// A box that holds the object; infinite where the object is.
+    /// A box that holds the object and its tubes; infinite where the object is.
     #[must_use]
     pub fn bounds(&self) -> Bounds3 {
         let bounds = self.surface.bounds();
+        let bounds = self.tubes.as_ref().map_or(bounds, |tubes| bounds.union(tubes.bounds()));
         match &self.to_parent {
             // Products of infinity and zero are not numbers: an object that is infinite in its own frame is so in every frame.
             Some(_) if !bounds.is_finite() && !bounds.is_empty() => {

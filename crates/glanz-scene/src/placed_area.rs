@@ -167,6 +167,7 @@ mod tests {
                 knots: vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
                 points: points.collect(),
                 width: None,
+                edge: None,
             };
             TrimLoopDescription { curves: vec![curve] }
         };

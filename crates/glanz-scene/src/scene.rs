@@ -9,6 +9,7 @@ use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use glanz_shading::{Material, Textures};
 
 use crate::camera::Camera;
+use crate::description::EdgeDescription;
 use crate::hit::{NearestHit, SceneHit};
 use crate::interaction::{Interaction, LightSampleContext};
 use crate::light::{Light, LightId, LightSample, LightSelector};
@@ -34,7 +35,12 @@ pub(crate) struct SceneGroup {
     /// For each instance, the number of surfaces of this group that [`Scene::placed_surfaces`] lists before those of the instance; last, the
     /// number of all.
     pub(crate) placed_before: Vec<u64>,
+    /// Largest distance, over all copies, of the origin of the frame from those of the frames around it up to the world's, in its own units.
+    pub(crate) placement_distance: f64,
     pub(crate) section: Option<GroupSection>,
+    pub(crate) edges: Vec<EdgeDescription>,
+    /// Whether it has edges, or one of its instances.
+    pub(crate) has_edges: bool,
 }
 
 impl SceneGroup {

@@ -1,15 +1,22 @@
 //! Groups that are cut open by a plane.
 //!
-//! What a plane leaves of a ray is one piece, so that the ray is clipped and hits need not be. Where a ray crosses the plane inside of a solid it hits the
-//! flat face of the cut, which the number of hits from there to infinity decides.
+//! What a plane leaves of a ray is one piece, so that the ray is clipped and hits need not be. Where a ray crosses the plane above the inside of a solid it hits
+//! the flat face of the cut, which the number of hits from just below to infinity decides. A face of the model that lies in the plane is neither above nor
+//! below it within rounding: it is hit in place of the face of the cut if the solid ends there, and not at all if no solid is below.
+
+use std::collections::BTreeSet;
 
 use glanz_geometry::Hit;
-use glanz_math::{DMat4, DVec3, Frame, Ray};
+use glanz_math::{DMat4, DVec3, Frame, Ray, Transform};
 
 use crate::description::{SectionDescription, ShapeDescription};
 use crate::hit::SceneHit;
 use crate::object::SceneObject;
 use crate::scene::{Primitive, Scene, SceneGroup};
+
+/// Distance from the plane below which a point lies in it, relative to the size of the coordinates: ten times the distance within which a ray starts from a
+/// surface.
+const IN_PLANE: f64 = 1e-11;
 
 /// The plane of a section, with its faces.
 #[derive(Clone, Debug)]
@@ -40,6 +47,12 @@ impl GroupSection {
         offset.is_finite().then_some(Self { normal, offset, object, inward })
     }
 
+    /// The half space `normal . p <= offset` of the world that is left. `to_world`: from the frame of the group.
+    pub(crate) fn half_space(&self, to_world: &Transform) -> (DVec3, f64) {
+        let normal = to_world.normal(self.normal).normalize();
+        (normal, normal.dot(to_world.point(self.offset * self.normal)))
+    }
+
     /// The whole plane as a shape.
     pub(crate) fn shape(&self, material: usize) -> ShapeDescription {
         let Frame { x, y, z } = Frame::from_z(self.normal);
@@ -48,16 +61,37 @@ impl GroupSection {
         ShapeDescription { to_parent, material, ..ShapeDescription::plane() }
     }
 
+    /// Largest distance from the plane of points that lie in it, near a point in the frame of the group, metres.
+    fn in_plane(&self, group: &SceneGroup, point: DVec3) -> f64 {
+        let bounds = group.bvh.bounds();
+        let size = if bounds.is_empty() { 0.0 } else { bounds.diagonal().length() };
+        IN_PLANE * (size + point.length())
+    }
+
+    /// The end of a ray that leaves through the plane at `t`, without what lies in the plane.
+    fn end_below(&self, group: &SceneGroup, ray: &Ray, t: f64) -> f64 {
+        t - self.in_plane(group, ray.at(t)) / self.normal.dot(ray.direction)
+    }
+
+    /// The ray from `t`, where it arrives at the plane, without what lies in the plane.
+    fn below(&self, group: &SceneGroup, ray: &Ray, t: f64) -> Ray {
+        let point = ray.at(t);
+        Ray::new(point - self.in_plane(group, point) * self.normal, ray.direction)
+    }
+
     /// `None` if nothing is left of the ray with `0 < t < t_max`.
-    fn part(&self, ray: &Ray, t_max: f64) -> Option<RayPart> {
+    ///
+    /// A ray that begins in the plane has just left it, or begins below.
+    fn part(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> Option<RayPart> {
         let (height, slope) = (self.normal.dot(ray.origin) - self.offset, self.normal.dot(ray.direction));
+        if height.abs() <= self.in_plane(group, ray.origin) {
+            return (slope <= 0.0).then_some(RayPart { start: 0.0, end: t_max, crossing: None });
+        }
         let crossing = Some(-height / slope).filter(|&t| t > 0.0 && t < t_max);
         match (height > 0.0, crossing) {
             (true, None) => None,
             (true, Some(t)) => Some(RayPart { start: t, end: t_max, crossing }),
             (false, Some(t)) if slope > 0.0 => Some(RayPart { start: 0.0, end: t, crossing }),
-            // It begins in the plane or before it, and does not leave.
-            (false, _) if slope > 0.0 && height == 0.0 => None,
             (false, _) => Some(RayPart { start: 0.0, end: t_max, crossing: None }),
         }
     }
@@ -67,34 +101,45 @@ impl Scene {
     /// The first hit of the ray with `0 < t < t_max` in a group.
     pub(crate) fn closest(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> Option<SceneHit> {
         let Some(section) = &group.section else { return self.closest_uncut(group, ray, t_max) };
-        let RayPart { start, end, crossing } = section.part(ray, t_max)?;
+        let RayPart { start, end, crossing } = section.part(group, ray, t_max)?;
         let face = || self.face_hit(group, section, ray, crossing?);
         if start > 0.0 {
-            let inside = Ray::new(ray.at(start), ray.direction);
             let beyond = || {
-                let found = self.closest_uncut(group, &inside, end - start)?;
+                let found = self.closest_uncut(group, &section.below(group, ray, start), end - start)?;
                 let hit = Hit { t: start + found.hit.t, ..found.hit };
                 Some(SceneHit { hit, ..found })
             };
             return face().or_else(beyond);
         }
+        let end = crossing.map_or(end, |t| section.end_below(group, ray, t));
         self.closest_uncut(group, ray, end).or_else(face)
     }
 
     /// Whether the ray hits anything with `0 < t < t_max` in a group.
     pub(crate) fn any(&self, group: &SceneGroup, ray: &Ray, t_max: f64) -> bool {
         let Some(section) = &group.section else { return self.any_uncut(group, ray, t_max) };
-        let Some(RayPart { start, end, crossing }) = section.part(ray, t_max) else { return false };
-        let inside = Ray::new(ray.at(start), ray.direction);
+        let Some(RayPart { start, end, crossing }) = section.part(group, ray, t_max) else { return false };
+        let (inside, end) = match crossing {
+            Some(_) if start > 0.0 => (section.below(group, ray, start), end),
+            Some(t) => (*ray, section.end_below(group, ray, t)),
+            None => (*ray, end),
+        };
         crossing.is_some_and(|t| self.face_hit(group, section, ray, t).is_some())
             || self.any_uncut(group, &inside, end - start)
     }
 
-    /// The hit with a face of the section at `t`, where the ray crosses its plane.
+    /// The hit with a face of the section at `t`, where the ray crosses its plane; with a face of the model that lies in the plane and ends a solid there.
     fn face_hit(&self, group: &SceneGroup, section: &GroupSection, ray: &Ray, t: f64) -> Option<SceneHit> {
-        let from = Ray::new(ray.at(t), section.inward);
-        if !self.is_inside(group, &from) {
+        let (point, height) = (ray.at(t), section.in_plane(group, ray.at(t)) * section.normal);
+        let is_inside = |point: DVec3| self.is_inside(group, &Ray::new(point, section.inward));
+        if !is_inside(point - height) {
             return None;
+        }
+        let slope = section.normal.dot(ray.direction);
+        let before = Ray::new(point - slope.signum() * height, ray.direction);
+        let own = self.closest_uncut(group, &before, 2.0 * height.length() / slope.abs());
+        if let Some(own) = own.filter(|_| !is_inside(point + height)) {
+            return Some(SceneHit { hit: Hit { t, ..own.hit }, ..own });
         }
         let hit = group.objects.get(section.object as usize)?.intersect(ray, f64::INFINITY)?;
         Some(SceneHit::new(hit, section.object))
@@ -103,10 +148,16 @@ impl Scene {
     /// Whether the origin of a ray is inside of a solid of a group: of surfaces of the group itself, or of an instance in it.
     fn is_inside(&self, group: &SceneGroup, ray: &Ray) -> bool {
         let (mut inside_instance, mut count, mut hits) = (false, 0, Vec::new());
+        let mut solids = BTreeSet::new();
         let mut visit = |primitive: Primitive| match primitive {
             Primitive::Object(object) => {
+                let object = &group.objects[object as usize];
+                if let Some(solid) = object.solid {
+                    solids.insert(solid);
+                    return;
+                }
                 hits.clear();
-                group.objects[object as usize].all_hits(ray, &mut hits);
+                object.all_hits(ray, &mut hits);
                 count += hits.len();
             }
             Primitive::Instance(index) => {
@@ -120,7 +171,8 @@ impl Scene {
             group.bvh.leaf(leaf).iter().for_each(|&index| visit(group.bounded[index as usize]));
             false
         });
-        inside_instance || !count.is_multiple_of(2)
+        let in_solid = || solids.iter().any(|&solid| group.solid_holds_origin(solid, ray));
+        inside_instance || !count.is_multiple_of(2) || in_solid()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::{self, Write};
 
 #[cfg(feature = "formats")]
-use glanz_formats::step::CadReport;
+use glanz_formats::cad::CadReport;
 use glanz_job::ContentHash;
 use glanz_scene::studio::{StudioSettings, add_studio};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Scene, SceneWarning, Severity};

@@ -18,22 +18,24 @@ pub struct BoundaryCurve {
     pub width: f64,
     /// The edge that it is the image of; `None` for sides that the file does not have: poles, seams, bridged gaps.
     pub edge: Option<usize>,
+    /// The fractions of the edge, 0 at its start and 1 at its end, at which the curve starts and ends.
+    pub range: [f64; 2],
 }
 
 impl BoundaryCurve {
-    /// A spline without a width.
+    /// The image of a part of an edge without a width; `range`: the fractions of the edge at which it starts and ends.
     #[must_use]
-    pub fn from_spline(curve: &SplineCurve<DVec2>, edge: usize) -> Self {
+    pub fn from_spline(curve: &SplineCurve<DVec2>, edge: usize, range: [f64; 2]) -> Self {
         let (knots, points) = (curve.knots(), curve.control_points());
         let (degree, knots) = (knots.degree(), knots.knots().to_vec());
-        Self { degree, knots, points: points.to_vec(), width: 0.0, edge: Some(edge) }
+        Self { degree, knots, points: points.to_vec(), width: 0.0, edge: Some(edge), range }
     }
 
     /// The straight segment between two points.
     #[must_use]
     pub fn line(from: DVec2, to: DVec2) -> Self {
         let points = vec![from.extend(1.0), to.extend(1.0)];
-        Self { degree: 1, knots: vec![0.0, 0.0, 1.0, 1.0], points, width: 0.0, edge: None }
+        Self { degree: 1, knots: vec![0.0, 0.0, 1.0, 1.0], points, width: 0.0, edge: None, range: [0.0, 1.0] }
     }
 
     /// Its first point.
@@ -71,6 +73,7 @@ impl BoundaryCurve {
             knots.iter_mut().for_each(|knot| *knot = first + (last - *knot));
         }
         self.points.reverse();
+        self.range.reverse();
         self
     }
 

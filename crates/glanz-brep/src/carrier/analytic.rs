@@ -13,7 +13,8 @@ const ALONG: f64 = 1.0 / (1_u32 << 26) as f64;
 impl Placement {
     /// The frame with this origin and z axis and with x towards a direction, of which the part at right angles to z counts; with any x
     /// if there is none but rounding.
-    pub(crate) fn from_axis(origin: DVec3, z: DVec3, towards: DVec3) -> Self {
+    #[must_use]
+    pub fn from_axis(origin: DVec3, z: DVec3, towards: DVec3) -> Self {
         let across = |vector: DVec3| vector - z * vector.dot(z);
         let radial = across(towards);
         // The second projection removes what the cancellation of the first leaves along z.

@@ -67,6 +67,14 @@ impl CarrierConversion {
         Self { carrier, parameters: Some(parameters), deviation, reversed }
     }
 
+    /// The conversion of the same surface with parameters that run against its own where `same_sense` is false.
+    pub(crate) fn turned(self, same_sense: [bool; 2]) -> Self {
+        let sign = DVec2::from(same_sense.map(|same| if same { 1.0 } else { -1.0 }));
+        let reversed = self.reversed != (sign.x * sign.y < 0.0);
+        let parameters = self.parameters.map(|map| map * scaling(sign, DVec2::ZERO));
+        Self { parameters, reversed, ..self }
+    }
+
     /// A spline over other parameters that run in the same directions.
     pub(super) fn reparameterized(spline: SplineConversion, deviation: f64) -> Self {
         let carrier = Carrier::Spline(spline.carrier);
@@ -129,11 +137,7 @@ pub(super) fn convert(surface: &FaceSurface, extent: &FaceExtent) -> Result<Carr
             if extent.center().is_none() {
                 return Err(BrepError::UnappliedRange);
             }
-            let whole = convert(basis, extent)?;
-            let sign = DVec2::from(same_sense.map(|same| if same { 1.0 } else { -1.0 }));
-            let reversed = whole.reversed != (sign.x * sign.y < 0.0);
-            let parameters = whole.parameters.map(|map| map * scaling(sign, DVec2::ZERO));
-            Ok(CarrierConversion { parameters, reversed, ..whole })
+            Ok(convert(basis, extent)?.turned(same_sense))
         }
     }
 }
@@ -183,6 +187,14 @@ pub(super) fn torus(
     if major_radius > minor_radius {
         let carrier = Carrier::Torus { placement, major_radius, minor_radius };
         return Ok(CarrierConversion::affine(carrier, DAffine2::IDENTITY, 0.0));
+    }
+    // Of a tube that touches the axis, a hole too narrow to matter makes a whole torus: its meridians all pass through one point.
+    let opened = minor_radius + extent.negligible();
+    // A tube that passes the axis meets it at these heights, between which the whole torus has an inner part.
+    let inner = ((minor_radius - major_radius) * (minor_radius + major_radius)).sqrt();
+    if select_outer && opened > minor_radius && inner <= extent.negligible() {
+        let carrier = Carrier::Torus { placement, major_radius: opened, minor_radius };
+        return Ok(CarrierConversion::affine(carrier, DAffine2::IDENTITY, opened - major_radius + inner));
     }
     // The tube meets the axis where R + r cos v = 0.
     let end = (-major_radius / minor_radius).clamp(-1.0, 0.0).acos();

@@ -177,7 +177,7 @@ impl SplineCarrier {
         self.surface.point(uv.x, uv.y)
     }
 
-    pub(super) fn tangents(&self, uv: DVec2) -> [DVec3; 2] {
+    pub(crate) fn tangents(&self, uv: DVec2) -> [DVec3; 2] {
         let uv = self.wrapped(uv);
         let (_, du, dv) = self.surface.tangents(uv.x, uv.y);
         [du, dv]

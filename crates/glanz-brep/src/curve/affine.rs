@@ -58,3 +58,11 @@ impl<P: CurveVector, Q: CurveVector, F: Fn(P) -> Q> AffineMap<P, Q, F> {
         })
     }
 }
+
+impl<P: CurveVector> Curve<P> {
+    /// The image under `x -> linear(x) + offset`, with the same parameters; `None` if it overflows.
+    #[must_use]
+    pub fn mapped<Q: CurveVector>(&self, linear: impl Fn(P) -> Q, offset: Q) -> Option<Curve<Q>> {
+        AffineMap::new(linear, offset).curve(self)
+    }
+}

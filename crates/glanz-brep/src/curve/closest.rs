@@ -64,6 +64,21 @@ fn on_polyline<P: CurveVector>(points: &[P], query: P) -> f64 {
     nearest.map_or(0.0, |(t, _)| t)
 }
 
+/// The parameter of the nearest point of a composite curve.
+fn on_segments<P: CurveVector>(segments: &[(Curve<P>, bool)], query: P) -> f64 {
+    let (mut best, mut start) = ((0.0, f64::INFINITY), 0.0);
+    for (segment, same_sense) in segments {
+        let [a, b] = segment.domain();
+        let t = segment.closest_parameter(query, None);
+        let distance = segment.point(t).distance_to(query);
+        if distance < best.1 {
+            best = (start + if *same_sense { t - a } else { b - t }, distance);
+        }
+        start += b - a;
+    }
+    best.0
+}
+
 impl<P: CurveVector> Curve<P> {
     /// The point and its first two derivatives.
     pub(crate) fn second_order(&self, t: f64) -> [P; 3] {
@@ -88,6 +103,10 @@ impl<P: CurveVector> Curve<P> {
         }
         match self {
             Self::Polyline(points) => on_polyline(points, query),
+            // Segment by segment: to find a point, all segments before it are passed.
+            Self::Composite(segments) if range.iter().all(|end| end.is_finite()) => {
+                on_segments(segments, query)
+            }
             _ => self.closest_in(query, range),
         }
     }

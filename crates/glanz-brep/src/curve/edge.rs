@@ -138,6 +138,14 @@ impl EdgeCurve {
         if fraction > 0.5 { to + (from - to) * (1.0 - fraction) } else { from + (to - from) * fraction }
     }
 
+    /// The fraction at which it is nearest to a point (metres).
+    #[must_use]
+    pub fn nearest_fraction(&self, point: DVec3) -> f64 {
+        let [from, to] = self.range;
+        let t = self.curve.closest_in(point, [from.min(to), from.max(to)]);
+        ((t - from) / (to - from)).clamp(0.0, 1.0)
+    }
+
     /// The larger distance of an end of the curve from its vertex, metres.
     #[must_use]
     pub fn vertex_gap(&self) -> f64 {

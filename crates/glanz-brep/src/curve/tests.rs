@@ -331,3 +331,22 @@ fn edges_without_extent_and_closed_edges_on_open_curves_are_refused() {
     assert!(reversed.sense_repaired() && reversed.range() == [1.0, 0.0]);
     assert!(DVec3::X.distance_to(DVec3::Y) == SQRT_2);
 }
+
+#[test]
+fn nearest_point_of_a_composite_curve_is_that_of_the_nearest_segment() {
+    let quarter = Curve::Trimmed {
+        basis: Box::new(Curve::Ellipse { center: DVec2::ZERO, a: DVec2::X, b: DVec2::Y }),
+        range: [0.0, PI / 2.0],
+        same_sense: true,
+    };
+    // From (-1, 1) to (0, 1), which is run through backwards.
+    let line = Curve::Polyline(vec![DVec2::new(-1.0, 1.0), DVec2::new(-0.5, 1.5), DVec2::Y]);
+    let composite = Curve::Composite(vec![(quarter, true), (line, false)]);
+    for query in [DVec2::new(2.0, 0.5), DVec2::new(-0.4, 2.0), DVec2::new(-2.0, 0.0), DVec2::new(0.3, 0.2)] {
+        let found = composite.closest_parameter(query, None);
+        let samples = (0..=100_000).map(|i| composite.domain()[1] * f64::from(i) / 1e5);
+        let least = samples.map(|t| composite.point(t).distance(query)).fold(f64::INFINITY, f64::min);
+        let distance = composite.point(found).distance(query);
+        assert!((distance - least).abs() < 1e-4 && distance <= least + 1e-12, "{query}: {distance}, {least}");
+    }
+}

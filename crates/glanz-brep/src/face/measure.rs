@@ -12,6 +12,7 @@ use glanz_math::{DVec2, DVec3};
 use super::geometry::FaceGeometry;
 use super::trim::{FaceTrim, TrimmedFace};
 use crate::boundary::BoundaryCurve;
+use crate::curve::GAUSS;
 
 /// Integrals over a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,19 +43,14 @@ impl Mul<f64> for FaceMeasure {
 /// Deepest halving of a curve.
 const MAX_DEPTH: u32 = 14;
 
-/// Nodes in [-1, 1] and weights of the Gauss-Legendre rule of eight points; symmetric.
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-];
+/// How many times more accurate rows are than the whole, so that their errors do not divide curves.
+const ROWS: f64 = 8.0;
 
 impl TrimmedFace {
     /// Area and volume to a relative `accuracy` of the area of its surface, where the face is smooth.
     #[must_use]
     pub fn measure(&self, accuracy: f64) -> FaceMeasure {
-        let field = FaceField::new(self);
+        let field = FaceField::new(self, accuracy);
         let [[_, x1], [y0, y1]] = field.domain;
         let whole = BoundaryCurve::line(DVec2::new(x1, y0), DVec2::new(x1, y1));
         let tolerance = accuracy * field.along(&whole, f64::INFINITY).area;
@@ -77,10 +73,12 @@ struct FaceField<'a> {
     domain: [[f64; 2]; 2],
     /// Where the inner integrals are divided.
     breaks: Vec<f64>,
+    /// Relative accuracy of the inner integrals.
+    accuracy: f64,
 }
 
 impl<'a> FaceField<'a> {
-    fn new(face: &'a TrimmedFace) -> Self {
+    fn new(face: &'a TrimmedFace, accuracy: f64) -> Self {
         let domain = face.domain();
         let [x, _] = domain;
         let mut breaks: Vec<f64> = match &face.geometry {
@@ -95,7 +93,7 @@ impl<'a> FaceField<'a> {
         breaks.retain(|&at| at > x[0] && at <= x[1]);
         breaks.sort_by(f64::total_cmp);
         breaks.dedup();
-        Self { face, domain, breaks }
+        Self { face, domain, breaks, accuracy: accuracy / ROWS }
     }
 
     /// The integrand at a point of the region.
@@ -117,15 +115,20 @@ impl<'a> FaceField<'a> {
             return FaceMeasure::default();
         }
         let end = point.x.min(x1);
-        let (mut sum, mut from) = (FaceMeasure::default(), x0);
+        let integrand = |x| self.at(DVec2::new(x, point.y));
+        let (mut parts, mut from) = (Vec::with_capacity(self.breaks.len()), x0);
         for &at in &self.breaks {
             let to = at.min(end);
             if to > from {
-                sum = sum + gauss(from, to, |x| self.at(DVec2::new(x, point.y)));
+                parts.push(([from, to], gauss(from, to, integrand)));
                 from = to;
             }
         }
-        sum
+        let estimate: f64 = parts.iter().map(|(_, whole)| whole.area).sum();
+        let tolerance = self.accuracy * estimate / parts.len().max(1) as f64;
+        parts.into_iter().fold(FaceMeasure::default(), |sum, (range, whole)| {
+            sum + refined(&integrand, range, whole, tolerance, MAX_DEPTH)
+        })
     }
 
     /// The integral of rows along a curve.
@@ -198,6 +201,25 @@ impl<'a> FaceField<'a> {
         self.halved(curve, [a, middle], low, 0.5 * tolerance, depth - 1)
             + self.halved(curve, [middle, b], high, 0.5 * tolerance, depth - 1)
     }
+}
+
+/// The integral over a part of a row, of which `whole` is the first estimate, halved until it changes by at most `tolerance`, m^2.
+fn refined(
+    integrand: &impl Fn(f64) -> FaceMeasure,
+    [a, b]: [f64; 2],
+    whole: FaceMeasure,
+    tolerance: f64,
+    depth: u32,
+) -> FaceMeasure {
+    let middle = 0.5 * (a + b);
+    let [low, high] = [[a, middle], [middle, b]].map(|[a, b]| gauss(a, b, integrand));
+    let better = low + high;
+    let change = (better.area - whole.area).abs();
+    if depth == 0 || change <= tolerance || change.is_nan() {
+        return better;
+    }
+    refined(integrand, [a, middle], low, 0.5 * tolerance, depth - 1)
+        + refined(integrand, [middle, b], high, 0.5 * tolerance, depth - 1)
 }
 
 fn gauss(a: f64, b: f64, f: impl Fn(f64) -> FaceMeasure) -> FaceMeasure {

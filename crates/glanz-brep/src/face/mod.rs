@@ -3,13 +3,20 @@
 //! [`trimmed_faces`] converts the surface of each face to its carrier, lays its edges onto it, and closes its boundary. An edge that two
 //! faces share is a curve on each; both faces extend beyond it by several times the distance
 //! by which both stray from it, so that they overlap instead of leaving a slit.
+//! [`trimmed_faces_with_edges`] adds what a picture of the edges needs.
 
+mod border;
+mod check;
+mod edges;
 mod geometry;
 mod measure;
+mod outcome;
 #[cfg(test)]
 mod tests;
 mod trim;
 
+pub use edges::EdgeNormals;
 pub use geometry::FaceGeometry;
 pub use measure::FaceMeasure;
-pub use trim::{FaceRefusal, FaceRepair, FaceTrim, TrimmedFace, TrimmedFaces, trimmed_faces};
+pub use outcome::{FaceRefusal, FaceRepair};
+pub use trim::{FaceTrim, TrimmedFace, TrimmedFaces, trimmed_faces, trimmed_faces_with_edges};

@@ -2,17 +2,21 @@
 
 use glanz_math::{Bounds3, DMat4, DVec2, DVec3};
 use rayon::prelude::*;
-use thiserror::Error;
 
+use super::border::{border, border_extent, ranges};
+use super::edges::{EdgeNormals, polylines};
 use super::geometry::{FaceGeometry, metric, placed};
+use super::outcome::{FaceRefusal, FaceRepair};
 use crate::boundary::{
     BoundaryChain, BoundaryCurve, BoundaryError, BoundaryRepair, ParameterSpace, chain, close,
 };
 use crate::carrier::{Carrier, CarrierConversion};
-use crate::curve::EdgeCurve;
+use crate::curve::{EdgeCurve, EdgePolyline};
 use crate::error::BrepError;
-use crate::model::{BoundaryLoop, BrepModel, CurveVector, Edge, EntityId, Face, FaceSurface, OrientedEdge};
-use crate::parameter_curve::{ParameterCurveSource, edge_on_carrier};
+use crate::model::{
+    BoundaryLoop, BrepModel, CurveVector, Edge, EntityId, Face, FaceSurface, OrientedEdge, Placement,
+};
+use crate::parameter_curve::{EdgeParameterCurve, ParameterCurveSource, edge_on_carrier};
 
 /// A face as a trimmed surface in the frame of its part.
 #[derive(Clone, Debug)]
@@ -29,6 +33,8 @@ pub struct TrimmedFace {
     pub width: f64,
     /// Repairs that were necessary.
     pub repairs: Vec<FaceRepair>,
+    /// Its normals along the edges of its loops, twice along a seam; empty unless made by [`trimmed_faces_with_edges`].
+    pub edge_normals: Vec<EdgeNormals>,
 }
 
 /// The boundary of a face in parameters of its surface.
@@ -42,86 +48,6 @@ pub struct FaceTrim {
     pub domain: [[f64; 2]; 2],
 }
 
-/// A repair of a face.
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum FaceRepair {
-    /// Consecutive edges do not meet.
-    #[error("a gap of {gap} m in its boundary is bridged")]
-    BridgedGap {
-        /// Length of the gap, metres.
-        gap: f64,
-    },
-    /// An edge runs against its loop.
-    #[error("edge {0}, which runs against its loop, is reversed")]
-    ReversedEdge(EntityId),
-    /// The boundary has the face on its right.
-    #[error("its boundary has the outside on its left; it is reversed")]
-    ReversedBoundary,
-    /// An outer loop runs as a hole, or a hole as an outer loop.
-    #[error("loop {0} has the outside on its left; it is reversed")]
-    ReversedLoop(EntityId),
-    /// The curve that the file gives in the parameters of the surface does not hold; another was made from the edge.
-    #[error("the parameter curve of edge {0} is not on the edge; another was made")]
-    ParameterCurve(EntityId),
-    /// The edge does not lie on the surface.
-    #[error("edge {edge} is {distance} m off the surface")]
-    StrayingEdge {
-        /// The edge.
-        edge: EntityId,
-        /// Its largest distance, metres.
-        distance: f64,
-    },
-    /// A loop is a single point that is not a pole.
-    #[error("loop {0} is a point; it is ignored")]
-    VertexLoop(EntityId),
-    /// The boundary of a surface that has borders is missing.
-    #[error("it has no boundary; the whole surface is taken")]
-    MissingBoundary,
-    /// A surface that cannot be taken over exactly is approximated.
-    #[error("its surface is approximated to {deviation} m")]
-    FittedSurface {
-        /// Largest distance from the surface in the file, metres.
-        deviation: f64,
-    },
-}
-
-/// Why a face is left out.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum FaceRefusal {
-    /// Its surface cannot be converted.
-    #[error("surface {entity}: {error}")]
-    Surface {
-        /// The surface.
-        entity: EntityId,
-        /// Reason.
-        error: BrepError,
-    },
-    /// An edge cannot be laid onto its surface.
-    #[error("edge {entity}: {error}")]
-    Edge {
-        /// The edge.
-        entity: EntityId,
-        /// Reason.
-        error: BrepError,
-    },
-    /// An edge is far from its surface.
-    #[error("edge {edge} is {distance} m off its surface")]
-    StrayingEdge {
-        /// The edge.
-        edge: EntityId,
-        /// Its largest distance, metres.
-        distance: f64,
-    },
-    /// Its boundary does not close.
-    #[error("{0}")]
-    Boundary(#[from] BoundaryError),
-    /// An index of the model is invalid.
-    #[error("it refers to a part that the model lacks")]
-    Dangling,
-}
-
 /// The faces of a model, by their indices, with the widths of their edges.
 #[derive(Clone, Debug)]
 pub struct TrimmedFaces {
@@ -129,6 +55,8 @@ pub struct TrimmedFaces {
     pub faces: Vec<Result<TrimmedFace, FaceRefusal>>,
     /// Per edge: the sum of the distances by which the faces beside it stray from it, metres; 0 where no face has it.
     pub widths: Vec<f64>,
+    /// Of [`trimmed_faces_with_edges`]: points along the edges, `None` for those without a curve.
+    pub edges: Option<Vec<Option<EdgePolyline>>>,
 }
 
 /// Part of the size of a face up to which the uncertainty of the file counts.
@@ -147,6 +75,10 @@ const STRAYING: f64 = 0.05;
 /// Width of the overlap at edges that lie exactly on both surfaces, relative to the size of the face: the rounding of parameters.
 const ROUNDING: f64 = 1e-11;
 
+/// Distance below which points coincide, relative to the size of the face, however small an uncertainty the file states: it gives ten
+/// digits or so.
+const RESOLUTION: f64 = 1e-9;
+
 /// Accuracy of curves on surfaces, relative to the size of the face: many files state uncertainties that would change areas.
 const ACCURACY: f64 = 1e-7;
 
@@ -156,22 +88,33 @@ const MAX_STRETCH: f64 = 1e3;
 /// The trimmed faces of a model. They do not depend on the number of threads.
 #[must_use]
 pub fn trimmed_faces(model: &BrepModel) -> TrimmedFaces {
+    trimmed(model, false)
+}
+
+/// The same, with points along the edges and the normals of the faces there.
+#[must_use]
+pub fn trimmed_faces_with_edges(model: &BrepModel) -> TrimmedFaces {
+    trimmed(model, true)
+}
+
+fn trimmed(model: &BrepModel, with_edges: bool) -> TrimmedFaces {
     let edges: Vec<BoundedEdge> = model.edges.par_iter().map(|edge| BoundedEdge::new(model, edge)).collect();
     let laid: Vec<Result<LaidFace, FaceRefusal>> =
-        model.faces.par_iter().map(|face| LaidFace::try_new(model, &edges, face)).collect();
+        model.faces.par_iter().map(|face| LaidFace::try_new(model, &edges, face, with_edges)).collect();
     let mut widths = vec![0.0; model.edges.len()];
     for &(edge, deviation) in laid.iter().flatten().flat_map(|face| &face.deviations) {
         widths[edge] += deviation;
     }
     let faces = laid.into_par_iter().map(|face| face?.close(model, &widths)).collect();
-    TrimmedFaces { faces, widths }
+    let edges = with_edges.then(|| polylines(model, &edges));
+    TrimmedFaces { faces, widths, edges }
 }
 
 /// An edge with a box around it.
-struct BoundedEdge {
-    curve: Result<EdgeCurve, BrepError>,
+pub(super) struct BoundedEdge {
+    pub(super) curve: Result<EdgeCurve, BrepError>,
     /// Around its control points; around its vertices where there is no curve.
-    bounds: Bounds3,
+    pub(super) bounds: Bounds3,
 }
 
 impl BoundedEdge {
@@ -207,46 +150,73 @@ struct LaidFace {
     /// Distance up to which curves on the surface may stray from edges if they can be closer, metres.
     accuracy: f64,
     repairs: Vec<FaceRepair>,
+    /// `None` unless they are needed.
+    normals: Option<Vec<EdgeNormals>>,
 }
 
 impl LaidFace {
-    fn try_new(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> Result<Self, FaceRefusal> {
+    fn try_new(
+        model: &BrepModel,
+        edges: &[BoundedEdge],
+        face: &Face,
+        with_normals: bool,
+    ) -> Result<Self, FaceRefusal> {
         let entry = model.surfaces.get(face.surface).ok_or(FaceRefusal::Dangling)?;
         let extent = extent(model, edges, face)?;
         let size = (extent.max - extent.min).length();
         let size = if size.is_finite() { size } else { 0.0 };
         // Points further apart than a part of the face are different points, whatever the file says.
         let limit = if size > 0.0 { COINCIDENT * size } else { f64::INFINITY };
-        let tolerance = model.uncertainty.min(limit).max(ROUNDING * size);
-        let surface = part_with_edges(&entry.surface, model, edges, face);
-        let conversion = Carrier::try_from_surface(&surface, extent, tolerance)
-            .map_err(|error| FaceRefusal::Surface { entity: entry.entity, error })?;
+        let tolerance = model.uncertainty.min(limit).max(RESOLUTION * size);
+        let mut repairs = Vec::new();
+        let (surface, same_sense) = match plane_of_polygons(&entry.surface, face, size, tolerance) {
+            Some((plane, distance)) => {
+                repairs.push(FaceRepair::PolygonPlane { distance });
+                (FaceSurface::Plane(plane), true)
+            }
+            None => (part_with_edges(&entry.surface, model, edges, face), face.same_sense),
+        };
+        let refused = |error| FaceRefusal::Surface { entity: entry.entity, error };
+        let has_border = ends_at_border(&surface, face);
+        let extent =
+            if has_border { border_extent(&surface, extent, tolerance).map_err(refused)? } else { extent };
+        let size = if has_border { (extent.max - extent.min).length() } else { size };
+        let conversion = Carrier::try_from_surface(&surface, extent, tolerance).map_err(refused)?;
         let reach = reach(&conversion.carrier, extent);
         let mut laid = Self {
             metric: metric(&conversion.carrier, reach),
-            reversed: face.same_sense == conversion.reversed,
+            reversed: same_sense == conversion.reversed,
             carrier: conversion.carrier.clone(),
             loops: Vec::with_capacity(face.bounds.len()),
             deviations: Vec::new(),
             bounds: Vec::with_capacity(face.bounds.len()),
             size,
             tolerance,
-            accuracy: tolerance.min(ACCURACY * size).max(ROUNDING * size),
-            repairs: Vec::new(),
+            accuracy: tolerance.min(ACCURACY * size),
+            repairs,
+            normals: with_normals.then(Vec::new),
         };
-        if conversion.deviation > 0.0 {
+        if conversion.deviation > ROUNDING * size {
             laid.repairs.push(FaceRepair::FittedSurface { deviation: conversion.deviation });
+        }
+        if has_border {
+            let ranges = ranges(&surface, &conversion).map_err(refused)?;
+            for curves in border(&laid.carrier, ranges) {
+                laid.loops.push(curves.into_iter().map(|curve| curve.scaled(laid.metric)).collect());
+                laid.bounds.push(face.entity);
+            }
         }
         for bound in &face.bounds {
             let mut curves = match &bound.boundary {
                 BoundaryLoop::Edges(oriented) => {
                     laid.edges(model, edges, face.surface, &conversion, oriented)?
                 }
-                BoundaryLoop::Polygon(corners) => laid.polygon(corners),
+                BoundaryLoop::Polygon(corners) => laid.polygon(corners, bound.entity)?,
                 BoundaryLoop::Vertex(vertex) => {
                     laid.vertex(*model.vertices.get(*vertex).ok_or(FaceRefusal::Dangling)?, bound.entity);
                     continue;
                 }
+                BoundaryLoop::Border => continue,
             };
             if laid.reversed {
                 curves = curves.into_iter().rev().map(BoundaryCurve::reversed).collect();
@@ -288,8 +258,13 @@ impl LaidFace {
                 self.repairs.push(FaceRepair::ParameterCurve(edge.entity));
             }
             self.deviations.push((number, deviation));
-            let laid =
-                parts.iter().map(|part| BoundaryCurve::from_spline(&part.curve, number).scaled(self.metric));
+            if let Some(normals) = &mut self.normals {
+                normals.push(EdgeNormals::new(number, (&self.carrier, self.reversed), curve, &parts));
+            }
+            let ranges = part_ranges(&self.carrier, curve, &parts);
+            let laid = parts.iter().zip(ranges).map(|(part, range)| {
+                BoundaryCurve::from_spline(&part.curve, number, range).scaled(self.metric)
+            });
             if forward {
                 curves.extend(laid);
             } else {
@@ -300,7 +275,7 @@ impl LaidFace {
     }
 
     /// Straight sides between points.
-    fn polygon(&mut self, corners: &[DVec3]) -> Vec<BoundaryCurve> {
+    fn polygon(&mut self, corners: &[DVec3], bound: EntityId) -> Result<Vec<BoundaryCurve>, FaceRefusal> {
         let mut near = None;
         let mut strays: f64 = 0.0;
         let mut points: Vec<DVec2> = Vec::with_capacity(corners.len() + 1);
@@ -310,9 +285,15 @@ impl LaidFace {
             strays = strays.max(projection.distance);
             points.push(projection.uv * self.metric);
         }
+        if strays.is_nan() || strays > STRAYING * self.size {
+            return Err(FaceRefusal::StrayingPolygon { bound, distance: strays });
+        }
+        if strays > self.tolerance {
+            self.repairs.push(FaceRepair::StrayingPolygon { bound, distance: strays });
+        }
         points.dedup();
         let side = |pair: &[DVec2]| BoundaryCurve { width: strays, ..BoundaryCurve::line(pair[0], pair[1]) };
-        points.windows(2).map(side).collect()
+        Ok(points.windows(2).map(side).collect())
     }
 
     /// A loop that is a point: a pole, which bounds nothing, or a mistake.
@@ -364,14 +345,17 @@ impl LaidFace {
             scale: geometry.scale,
             domain: geometry.domain(closed.window),
         });
-        Ok(TrimmedFace {
+        let face = TrimmedFace {
             geometry: geometry.geometry,
             to_part: geometry.to_part,
             reversed: self.reversed,
             trim,
             width,
             repairs,
-        })
+            edge_normals: self.normals.unwrap_or_default(),
+        };
+        face.check()?;
+        Ok(face)
     }
 
     /// The parameters of the carrier in region coordinates.
@@ -393,6 +377,35 @@ impl LaidFace {
             point,
         }
     }
+}
+
+/// Whether a face ends where its surface does: without edges on a surface with a range, or because it says so.
+fn ends_at_border(surface: &FaceSurface, face: &Face) -> bool {
+    let has_range = matches!(surface, FaceSurface::Rectangular { .. });
+    let says_so = face.bounds.iter().any(|bound| matches!(bound.boundary, BoundaryLoop::Border));
+    says_so || has_range && face.bounds.is_empty()
+}
+
+/// The plane of a face between polygons that are far from the plane in the file, and how far.
+fn plane_of_polygons(
+    surface: &FaceSurface,
+    face: &Face,
+    size: f64,
+    tolerance: f64,
+) -> Option<(Placement, f64)> {
+    let FaceSurface::Plane(given) = *surface else { return None };
+    let mut corners: Vec<DVec3> = Vec::new();
+    for bound in &face.bounds {
+        let BoundaryLoop::Polygon(polygon) = &bound.boundary else { return None };
+        corners.extend(polygon);
+    }
+    let distance = |plane: Placement| corners.iter().map(|&p| plane.to_local(p).z.abs()).fold(0.0, f64::max);
+    let off = distance(given);
+    if off <= STRAYING * size {
+        return None;
+    }
+    let plane = Placement::of_polygons(&face.bounds)?;
+    (distance(plane) <= tolerance).then_some((plane, off))
 }
 
 /// Of a torus whose tube meets the axis, the part on which the edges lie: files often give the other one.
@@ -431,6 +444,16 @@ fn part_with_edges(
     }
 }
 
+/// The fractions of an edge at which its parts start and end.
+fn part_ranges(carrier: &Carrier, edge: &EdgeCurve, parts: &[EdgeParameterCurve]) -> Vec<[f64; 2]> {
+    let ends = parts.split_last().map_or(&[][..], |(_, others)| others).iter().map(|part| {
+        let end = part.curve.control_points().last().copied().map_or(DVec2::NAN, DVec2::project);
+        edge.nearest_fraction(carrier.point(end))
+    });
+    let cuts: Vec<f64> = [0.0].into_iter().chain(ends).chain([1.0]).collect();
+    cuts.windows(2).map(|pair| [pair[0], pair[1]]).collect()
+}
+
 /// A box around the edges of a face.
 fn extent(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> Result<Bounds3, FaceRefusal> {
     let mut points: Vec<DVec3> = Vec::new();
@@ -444,6 +467,7 @@ fn extent(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> Result<Bound
             }
             BoundaryLoop::Polygon(corners) => points.extend(corners),
             BoundaryLoop::Vertex(vertex) => points.extend(model.vertices.get(*vertex)),
+            BoundaryLoop::Border => {}
         }
     }
     Ok(Bounds3::from_points(points))

@@ -14,6 +14,6 @@ pub use spline_curve::SplineCurve;
 pub use surface::{FaceSurface, Placement};
 pub use topology::{
     Body, BoundaryLoop, BrepModel, ColorStyle, Edge, EntityId, Face, FaceBound, Occurrence, OrientedEdge,
-    ParameterCurve, Part, Shell, SurfaceEntry,
+    ParameterCurve, Part, Shell, StyleOverride, SurfaceEntry,
 };
 pub use vector::CurveVector;

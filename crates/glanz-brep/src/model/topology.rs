@@ -5,7 +5,7 @@ use std::fmt;
 use glanz_math::{DMat4, DVec2, DVec3};
 
 use super::curve::Curve;
-use super::surface::FaceSurface;
+use super::surface::{FaceSurface, Placement};
 
 /// The number by which the file refers to an entity: `#120` in STEP, the directory entry in IGES.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -32,8 +32,13 @@ pub struct BrepModel {
     pub parts: Vec<Part>,
     /// What the file shows: occurrences of parts in the world.
     pub roots: Vec<Occurrence>,
+    /// Colours that items have in some occurrences only. Where several are about one item, that of the outer occurrence counts, and of those
+    /// the first.
+    pub overrides: Vec<StyleOverride>,
     /// Distance below which points of the file are meant to coincide, metres; the largest of its contexts.
     pub uncertainty: f64,
+    /// The unit of length of the file, metres: the first, where it has several.
+    pub length_unit: Option<f64>,
 }
 
 /// A surface with its place in the file.
@@ -100,6 +105,29 @@ pub enum BoundaryLoop {
     Polygon(Vec<DVec3>),
     /// A single point, as the apex of a cone, by the index of its vertex.
     Vertex(usize),
+    /// The border of the surface, which is bounded: that of its range, or of its domain.
+    Border,
+}
+
+impl Placement {
+    /// The frame in the plane of the largest polygon of a face; its z axis is the normal for which the polygon runs counter-clockwise.
+    /// `None` if no polygon has an area.
+    #[must_use]
+    pub fn of_polygons(bounds: &[FaceBound]) -> Option<Self> {
+        let polygons = bounds.iter().filter_map(|bound| match &bound.boundary {
+            BoundaryLoop::Polygon(corners) => Some(corners.split_first()?),
+            _ => None,
+        });
+        let areas = polygons.map(|(&origin, rest)| {
+            let pairs = rest.iter().zip(rest.iter().skip(1));
+            let area: DVec3 = pairs.map(|(a, b)| (*a - origin).cross(*b - origin)).sum();
+            (area, origin, rest)
+        });
+        let largest = areas.max_by(|a, b| a.0.length_squared().total_cmp(&b.0.length_squared()));
+        let (area, origin, rest) = largest?;
+        let towards = rest.first().map_or(DVec3::ZERO, |next| *next - origin);
+        Some(Self::from_axis(origin, area.try_normalize()?, towards))
+    }
 }
 
 /// A bounded part of a surface.
@@ -180,8 +208,19 @@ pub struct Occurrence {
     pub to_parent: DMat4,
     /// Its name; may be empty.
     pub name: String,
-    /// Its colour, which overrides those inside.
+    /// Its colour, for what is inside without one.
     pub style: Option<ColorStyle>,
     /// Its number in the file.
     pub entity: EntityId,
+}
+
+/// A colour in the context of an occurrence, whatever colours there are inside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StyleOverride {
+    /// The numbers of occurrences, each of which is in the part of the one before. None: wherever no other override is about the item.
+    pub path: Vec<EntityId>,
+    /// The number of what it colours: a face, a shell, a body or an occurrence inside the last occurrence, or that itself.
+    pub item: EntityId,
+    /// The colour.
+    pub style: ColorStyle,
 }

@@ -5,6 +5,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
 
+use super::interval::largest;
+use super::size::{curve_size, evaluation_size};
 use super::{EdgeParameterCurve, ParameterCurveSource};
 use crate::carrier::Carrier;
 use crate::curve::{AffineMap, EdgeCurve};
@@ -13,16 +15,15 @@ use crate::model::{Curve, Placement, SplineCurve};
 /// Number of chained operations for a coordinate.
 const OPERATIONS: u32 = 64;
 
-/// The exact image, if there is one of which the edge deviates by at most `tolerance` (metres); on a plane at any deviation, since no other
-/// curve is closer.
+/// The image of the edge if it were exactly on the surface, with its deviation, however large; `None` where its form is not known.
 pub(super) fn parameter_curve(
     carrier: &Carrier,
     edge: &EdgeCurve,
     spline: &SplineCurve<DVec3>,
-    tolerance: f64,
 ) -> Option<EdgeParameterCurve> {
-    let size = edge.vertices().iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
-    let rounding = gamma(OPERATIONS) * size;
+    let rounding = |curve: &SplineCurve<DVec2>| {
+        gamma(OPERATIONS) * evaluation_size(carrier, curve, curve_size(edge.curve(), spline))
+    };
     let (curve, deviation) = match (carrier, edge.curve()) {
         (Carrier::Plane(placement), _) => return projected(placement, spline, rounding),
         (Carrier::Cylinder { .. } | Carrier::Cone { .. }, Curve::Line { .. }) => ruling(carrier, edge)?,
@@ -30,24 +31,20 @@ pub(super) fn parameter_curve(
         (_, Curve::Ellipse { center, a, b }) => circle(carrier, edge, [*center, *a, *b])?,
         _ => return None,
     };
-    let deviation = deviation + rounding;
-    (deviation <= tolerance).then_some(EdgeParameterCurve {
-        curve,
-        deviation,
-        source: ParameterCurveSource::Exact,
-    })
+    let deviation = deviation + rounding(&curve);
+    Some(EdgeParameterCurve { curve, deviation, source: ParameterCurveSource::Exact })
 }
 
 /// The projection onto a plane. The distance of a rational curve from it is at most that of its control points.
 fn projected(
     placement: &Placement,
     spline: &SplineCurve<DVec3>,
-    rounding: f64,
+    rounding: impl Fn(&SplineCurve<DVec2>) -> f64,
 ) -> Option<EdgeParameterCurve> {
     let linear = |p: DVec3| DVec2::new(p.dot(placement.x), p.dot(placement.y));
     let curve = AffineMap::new(linear, -linear(placement.origin)).spline(spline)?;
     let heights = spline.control_points().iter().map(|h| placement.to_local(h.truncate() / h.w).z.abs());
-    let deviation = heights.fold(0.0, f64::max) + rounding;
+    let deviation = largest(heights) + rounding(&curve);
     Some(EdgeParameterCurve { curve, deviation, source: ParameterCurveSource::Exact })
 }
 
@@ -73,8 +70,8 @@ struct CircleOnCarrier {
     slope: DVec2,
 }
 
-/// A latitude or a meridian. The difference of two circles with the same angle t is `c + cos t a + sin t b`, which is at most
-/// `|c| + sqrt(|a|^2 + |b|^2)`.
+/// A latitude or a meridian. The difference of two circles with the same angle t is `c + cos t a + sin t b`, the square of
+/// which is at most that of |c|, that of the largest singular value of the matrix of a and b, and `2 |(c . a, c . b)|`.
 fn circle(
     carrier: &Carrier,
     edge: &EdgeCurve,
@@ -94,8 +91,11 @@ fn circle(
     } else {
         meridian(carrier, &placement, [center, a, b], 0.5 * (from + to))?
     };
-    let [c, da, db] = [0, 1, 2].map(|i| ([center, a, b][i] - on_carrier.circle[i]).length_squared());
-    let mut deviation = c.sqrt() + (da + db).sqrt();
+    let [c, da, db] = [0, 1, 2].map(|i| [center, a, b][i] - on_carrier.circle[i]);
+    let (e, f, g) = (da.length_squared(), da.dot(db), db.length_squared());
+    let square =
+        c.length_squared() + 0.5 * (e + g) + (0.5 * (e - g)).hypot(f) + 2.0 * c.dot(da).hypot(c.dot(db));
+    let mut deviation = square.sqrt();
     let mut ends = [from, to].map(|t| on_carrier.start + on_carrier.slope * t);
     if let (Carrier::Sphere { radius, .. }, true) = (carrier, on_carrier.slope.y != 0.0) {
         // An edge that ends in the pole up to the tolerance may pass it.

@@ -3,6 +3,7 @@
 use glanz_math::{DVec2, DVec3};
 
 use super::deviation::deviation;
+use super::interval::largest;
 use super::{EdgeParameterCurve, ParameterCurveSource};
 use crate::carrier::Carrier;
 use crate::error::BrepError;
@@ -10,6 +11,18 @@ use crate::model::SplineCurve;
 
 /// Part of the tolerance that a fitted curve may be off the projection of the edge.
 const FIT_SHARE: f64 = 0.25;
+
+/// Part of the distance of the edge from the carrier that matters as little.
+const STRAY_SHARE: f64 = 1.0 / 16.0;
+
+/// Ratio of deviation and distance of the edge from the carrier at which a better curve is not worth a search.
+const ATTAINED: f64 = 1.05;
+
+/// Fewest steps between sampled points; less than a quarter of a turn each on an edge of one turn.
+const MIN_STEPS: usize = 9;
+
+/// Steps that are taken if they are not more per piece of the edge than its degree and one: edges may have several turns.
+const STEPS: usize = 96;
 
 /// Largest number of halvings of a piece.
 const MAX_HALVINGS: u32 = 12;
@@ -22,6 +35,10 @@ pub(super) struct EdgeProjector<'a> {
     pub(super) carrier: &'a Carrier,
     pub(super) edge: &'a SplineCurve<DVec3>,
     pub(super) tolerance: f64,
+    /// Projections of points of the edge, from its start to its end.
+    pub(super) samples: Vec<DVec2>,
+    /// The largest distance of these points from the carrier, metres: no curve on it deviates less.
+    stray: f64,
 }
 
 /// A cubic piece under construction.
@@ -32,15 +49,32 @@ struct PieceBuilder {
 
 impl<'a> EdgeProjector<'a> {
     pub(super) fn new(carrier: &'a Carrier, edge: &'a SplineCurve<DVec3>, tolerance: f64) -> Self {
-        Self { carrier, edge, tolerance }
+        let mut projector = Self { carrier, edge, tolerance, samples: Vec::new(), stray: 0.0 };
+        let at = steps(edge);
+        // Poles may be at the ends, thus from the inside.
+        let mut inner: Vec<DVec2> = Vec::with_capacity(at.len());
+        for &t in at.get(1..at.len() - 1).unwrap_or(&[]) {
+            inner.push(projector.project(t, inner.last().copied()));
+        }
+        let [from, to] = edge.domain();
+        let first = projector.project(from, inner.first().copied());
+        let last = projector.project(to, inner.last().copied());
+        projector.samples = std::iter::once(first).chain(inner).chain([last]).collect();
+        let distances = projector.samples.iter().zip(&at);
+        projector.stray = largest(distances.map(|(uv, t)| carrier.point(*uv).distance(edge.point(*t))));
+        projector
+    }
+
+    /// The deviation at which a curve is good enough, metres: the tolerance, or little more than the best curve has.
+    pub(super) fn limit(&self) -> f64 {
+        self.tolerance.max(ATTAINED * self.stray)
     }
 
     /// The parameters nearest to the point of the edge at `t`, continued from `near`.
     pub(super) fn project(&self, t: f64, near: Option<DVec2>) -> DVec2 {
         let point = self.edge.point(t);
         let found = self.carrier.parameters(point, near);
-        let (Carrier::Spline(spline), Some(near), true) =
-            (self.carrier, near, found.distance > self.tolerance)
+        let (Carrier::Spline(spline), Some(near), true) = (self.carrier, near, found.distance > self.limit())
         else {
             return found.uv;
         };
@@ -92,9 +126,11 @@ impl<'a> EdgeProjector<'a> {
         while let Some((range, halvings)) = waiting.pop() {
             let points = self.thirds(range, last);
             let control = interpolant(&points);
-            let full = halvings >= MAX_HALVINGS || builder.knots.len() + waiting.len() >= MAX_PIECES;
-            if !full && !self.is_close(range, &control) {
-                let middle = 0.5 * (range[0] + range[1]);
+            let middle = 0.5 * (range[0] + range[1]);
+            let full = halvings >= MAX_HALVINGS || builder.pieces() + waiting.len() >= MAX_PIECES;
+            // Neighbours of numbers have none between them.
+            let divisible = middle > range[0] && middle < range[1];
+            if !full && divisible && !self.is_close(range, &control) {
                 waiting.push(([middle, range[1]], halvings + 1));
                 waiting.push(([range[0], middle], halvings + 1));
                 continue;
@@ -110,13 +146,25 @@ impl<'a> EdgeProjector<'a> {
 
     /// Whether a cubic piece is near enough to the projection of the edge between the points through which it passes.
     fn is_close(&self, [from, to]: [f64; 2], control: &[DVec2; 4]) -> bool {
+        let share = (FIT_SHARE * self.tolerance).max(STRAY_SHARE * self.stray);
         [1.0 / 6.0, 0.5, 5.0 / 6.0].into_iter().all(|s| {
             let uv = cubic(control, s);
             let point = self.carrier.point(uv);
             let projected = self.project(from + (to - from) * s, Some(uv));
-            point.distance(self.carrier.point(projected)) <= FIT_SHARE * self.tolerance
+            point.distance(self.carrier.point(projected)) <= share
         })
     }
+}
+
+/// Parameters from the start of an edge to its end, at equal steps in each of its pieces.
+fn steps(edge: &SplineCurve<DVec3>) -> Vec<f64> {
+    let breaks = edge.knots().breaks();
+    let pieces = breaks.len().max(2) - 1;
+    let parts = (STEPS / pieces).clamp(1, edge.degree() + 1).max(MIN_STEPS.div_ceil(pieces));
+    let inner = breaks
+        .windows(2)
+        .flat_map(|ends| (0..parts).map(move |i| ends[0] + (ends[1] - ends[0]) * (i as f64 / parts as f64)));
+    inner.chain(breaks.last().copied()).collect()
 }
 
 /// The point of a pole whose other parameter continues those of points at equal steps, the nearest one first.
@@ -142,6 +190,11 @@ fn cubic(&[a, b, c, d]: &[DVec2; 4], s: f64) -> DVec2 {
 }
 
 impl PieceBuilder {
+    /// The number of pieces, each of which adds three knots.
+    fn pieces(&self) -> usize {
+        self.knots.len() / 3
+    }
+
     fn push(&mut self, from: f64, control: &[DVec2; 4]) {
         let skipped = usize::from(!self.points.is_empty());
         self.knots.extend(std::iter::repeat_n(from, 3));

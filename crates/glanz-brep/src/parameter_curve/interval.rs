@@ -1,5 +1,8 @@
 //! The distance of a curve on a carrier from an edge over one interval.
 
+use std::cmp::Ordering;
+use std::sync::LazyLock;
+
 use glanz_math::{DVec2, DVec3};
 
 use super::expansion::{JetPoint, on_carrier, plane_curve, space_curve};
@@ -44,6 +47,8 @@ pub(super) struct DeviationInterval {
     pub(super) bound: f64,
     /// The largest distance of sampled points, metres.
     pub(super) sampled: f64,
+    /// Whether the bound is that of all pairs of points, since the interval has to be divided before jets can be used.
+    pub(super) forced: bool,
     /// Where it is to be divided.
     pub(super) division: ParameterPair,
 }
@@ -67,12 +72,21 @@ impl CurvePair<'_> {
         let [from, to] = ends.map(|end| end.edge);
         let mut edge_parameter = [0.0; ORDER];
         edge_parameter[..2].copy_from_slice(&[0.5 * (from + to), 0.5 * (to - from)]);
-        let mut interval =
-            DeviationInterval { ends, edge_parameter, bound: f64::INFINITY, sampled: 0.0, division: ends[0] };
-        interval.division = interval.pair(0.0);
-        if let Some(division) = self.edge_knot(&interval) {
-            interval.division = division;
+        let mut interval = DeviationInterval {
+            ends,
+            edge_parameter,
+            bound: f64::INFINITY,
+            sampled: 0.0,
+            forced: false,
+            division: ends[0],
+        };
+        if from.is_nan() || to.is_nan() || from > to {
+            // Running back, the edge would not be covered in its order.
             return interval;
+        }
+        interval.division = interval.pair(0.0);
+        if let Some(division) = self.edge_knot(ends) {
+            return self.forced(DeviationInterval { division, ..interval });
         }
         let [from, to] = ends.map(|end| end.curve);
         let uv = plane_curve(self.curve, 0.5 * (from + to), 0.5 * (to - from));
@@ -83,14 +97,43 @@ impl CurvePair<'_> {
         let (hull, sampled) = polynomial_bound(&difference);
         let remainder = DVec3::from(difference.map(|d| d.0[ORDER].magnitude())).length();
         let (overhang, division) = self.overhang(&interval, &uv);
-        let bound = hull + remainder + overhang;
-        interval.bound = if bound.is_nan() { f64::INFINITY } else { bound };
-        interval.sampled = if sampled.is_nan() { 0.0 } else { sampled };
+        interval.bound = hull + remainder + overhang;
         // A knot of the carrier is only divided at while it matters.
         if let Some(division) = division.filter(|_| overhang > remainder) {
             interval.division = division;
         }
+        if !interval.bound.is_finite() {
+            return self.forced(interval);
+        }
+        interval.sampled = sampled;
         interval
+    }
+
+    /// The interval with a bound on the distance of any point of its part of the curve from any of its part of the edge: that of two
+    /// points, and how far others are from these.
+    fn forced(&self, interval: DeviationInterval) -> DeviationInterval {
+        let middle = interval.ends.map(|end| end.curve);
+        let center = self.curve.point(0.5 * (middle[0] + middle[1]));
+        let [from, to] = interval.ends.map(|end| end.edge);
+        let point = self.edge.point(0.5 * (from + to));
+        let reach = [0, 1].map(|axis| {
+            let [least, most] = self.hull(&interval, axis);
+            largest([center[axis] - least, most - center[axis]])
+        });
+        let speeds = speed_bounds(self.carrier, center.y, reach[1]);
+        let edge_reach = if to > from {
+            self.edge.restrict([from, to]).map_or(f64::INFINITY, |part| {
+                largest(part.control_points().iter().map(|h| (h.truncate() / h.w).distance(point)))
+            })
+        } else {
+            0.0
+        };
+        let bound = self.carrier.point(center).distance(point)
+            + speeds[0] * reach[0]
+            + speeds[1] * reach[1]
+            + edge_reach;
+        let bound = if bound.is_nan() { f64::INFINITY } else { bound };
+        DeviationInterval { bound, forced: true, ..interval }
     }
 
     /// The edge and its derivative where its parameter is a polynomial of x.
@@ -120,16 +163,15 @@ impl CurvePair<'_> {
         if rising { improved } else { *parameter }
     }
 
-    /// The division at a knot of the edge inside the interval.
-    fn edge_knot(&self, interval: &DeviationInterval) -> Option<ParameterPair> {
-        let [from, to] = interval.ends.map(|end| end.edge);
+    /// The division at the first knot of the edge between two pairs.
+    pub(super) fn edge_knot(&self, [from, to]: [ParameterPair; 2]) -> Option<ParameterPair> {
         let knots = self.edge.knots().knots();
         // Knots at an end up to rounding are no division.
-        let rounding = ROUNDING * (from.abs() + to.abs());
-        let knot = *knots.get(knots.partition_point(|k| *k <= from + rounding))?;
-        (knot < to - rounding).then(|| {
-            let x = root(|x| interval.edge_at(x) - knot);
-            ParameterPair { edge: knot, ..interval.pair(x) }
+        let rounding = ROUNDING * (from.edge.abs() + to.edge.abs());
+        let knot = *knots.get(knots.partition_point(|k| *k <= from.edge + rounding))?;
+        (knot < to.edge - rounding).then(|| {
+            let part = (knot - from.edge) / (to.edge - from.edge);
+            ParameterPair { curve: from.curve + (to.curve - from.curve) * part, edge: knot }
         })
     }
 
@@ -139,8 +181,13 @@ impl CurvePair<'_> {
             return [f64::NEG_INFINITY, f64::INFINITY];
         };
         let values = part.control_points().iter().map(|p| p[axis] / p.z);
-        values
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+        let around = |[low, high]: [f64; 2], value: f64| {
+            if value.is_nan() {
+                return [f64::NEG_INFINITY, f64::INFINITY];
+            }
+            [low.min(value), high.max(value)]
+        };
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], around)
     }
 
     /// Bound on the error of continuing the piece of a spline carrier over its knots, and where the curve crosses one.
@@ -153,6 +200,7 @@ impl CurvePair<'_> {
         for axis in [0, 1] {
             let piece = spline.piece(axis, wrapped[axis]);
             let reach = uv[axis].spread();
+            let reach = if reach.is_nan() { f64::INFINITY } else { reach };
             // Relative to the centre, which may be moved by a period.
             let [low, high] = piece.map(|knot| knot - wrapped[axis]);
             // A centre outside of a domain without period is clamped into it.
@@ -202,6 +250,47 @@ impl DeviationInterval {
     }
 }
 
+impl Ord for DeviationInterval {
+    /// By the bounds.
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.bound.total_cmp(&other.bound)
+    }
+}
+
+impl PartialOrd for DeviationInterval {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for DeviationInterval {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for DeviationInterval {}
+
+/// The largest of values, at least 0; NaN if one of them is, which `f64::max` would pass over.
+pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |most, value| if most >= value || most.is_nan() { most } else { value })
+}
+
+/// Bounds on the speeds in u and v, at most `reach` from `v`.
+fn speed_bounds(carrier: &Carrier, v: f64, reach: f64) -> [f64; 2] {
+    match carrier {
+        Carrier::Plane(_) => [1.0; 2],
+        Carrier::Cylinder { radius, .. } => [*radius, 1.0],
+        Carrier::Cone { radius, half_angle, .. } => {
+            let slope = half_angle.tan();
+            [(radius + v * slope).abs() + reach * slope, 1.0 / half_angle.cos()]
+        }
+        Carrier::Sphere { radius, .. } => [*radius; 2],
+        Carrier::Torus { major_radius, minor_radius, .. } => [major_radius + minor_radius, *minor_radius],
+        Carrier::Spline(spline) => spline.speed_bounds(),
+    }
+}
+
 /// A zero in (-1, 1) of a function that changes its sign, by bisection.
 fn root(f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (-1.0, 1.0);
@@ -226,34 +315,30 @@ fn polynomial_bound(jets: &[Jet; 3]) -> (f64, f64) {
     for _ in 0..HALVINGS {
         rows = rows.iter().flat_map(halves).collect();
     }
-    let longest = |points: &mut dyn Iterator<Item = &DVec3>| points.map(|p| p.length()).fold(0.0, f64::max);
-    let bound = longest(&mut rows.iter().flatten());
-    (
-        bound,
-        longest(
-            &mut rows.iter().filter_map(|row| row.first()).chain(rows.iter().filter_map(|row| row.last())),
-        ),
-    )
+    let ends = rows.iter().flat_map(|row| [row[0], row[ORDER - 1]]);
+    (largest(rows.iter().flatten().map(|p| p.length())), largest(ends.map(DVec3::length)))
 }
 
-/// Bernstein coefficients on [-1, 1] of a polynomial given by coefficients of powers.
+/// The Bernstein coefficients on [-1, 1] of powers: row i has those with which the powers of x contribute to coefficient i.
 ///
 /// With x = 2 s - 1, `x^k = ((s - (1 - s)))^k` is the product of k lines from -1 to 1; its polar form at i ones and n - i zeros is the mean
 /// over the choices of k arguments of the product of their values, plus or minus one.
-fn bernstein(powers: &[DVec3]) -> [DVec3; ORDER] {
+static BERNSTEIN: LazyLock<[[f64; ORDER]; ORDER]> = LazyLock::new(|| {
     let n = ORDER - 1;
-    std::array::from_fn(|i| {
-        let mut sum = DVec3::ZERO;
-        for (k, power) in powers.iter().enumerate() {
-            // Of the k chosen, m are zeros, at which the line is -1.
-            let mean = (0..=k).map(|m| {
-                let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
-                sign * binomial(n - i, m) * binomial(i, k - m)
-            });
-            sum += *power * (mean.sum::<f64>() / binomial(n, k));
-        }
-        sum
-    })
+    let factor = |i: usize, k: usize| {
+        // Of the k chosen, m are zeros, at which the line is -1.
+        let mean = (0..=k).map(|m| {
+            let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
+            sign * binomial(n - i, m) * binomial(i, k - m)
+        });
+        mean.sum::<f64>() / binomial(n, k)
+    };
+    std::array::from_fn(|i| std::array::from_fn(|k| factor(i, k)))
+});
+
+/// Bernstein coefficients on [-1, 1] of a polynomial given by coefficients of powers.
+fn bernstein(powers: &[DVec3]) -> [DVec3; ORDER] {
+    BERNSTEIN.map(|row| powers.iter().zip(row).map(|(power, factor)| *power * factor).sum())
 }
 
 fn binomial(n: usize, k: usize) -> f64 {

@@ -4,37 +4,27 @@ use glanz_math::DVec2;
 
 use super::deviation::deviation;
 use super::fit::EdgeProjector;
+use super::interval::largest;
 use super::{EdgeParameterCurve, ParameterCurveSource};
+use crate::carrier::Carrier;
 use crate::model::SplineCurve;
 
-/// Steps between projected points; less than a quarter of a turn each on an edge of one turn.
-const STEPS: usize = 9;
-
-/// The straight line of constant u or v that is the edge within the tolerance; `None` if there is none. On borders the line is exactly there.
+/// The straight line of constant u or v that is the edge as nearly as the carrier allows; `None` if there is none. On borders the line is exactly there.
 pub(super) fn parameter_curve(projector: &EdgeProjector<'_>) -> Option<EdgeParameterCurve> {
-    let [from, to] = projector.edge.domain();
-    let at = |i: usize| if i == STEPS { to } else { from + (to - from) * (i as f64 / STEPS as f64) };
-    // Poles may be at the ends, thus from the inside.
-    let mut points = vec![projector.project(at(1), None)];
-    for i in 2..STEPS {
-        points.push(projector.project(at(i), points.last().copied()));
-    }
-    let inner = points.clone();
-    let first = projector.project(from, inner.first().copied());
-    let last = projector.project(to, inner.last().copied());
-    let poles = [from, to].map(|t| projector.pole(t));
+    let [first, inner @ .., last] = projector.samples.as_slice() else { return None };
+    let poles = projector.edge.domain().map(|t| projector.pole(t));
     (0..2).find_map(|axis| {
         // In a pole the parameter that is not fixed there is not defined.
         let undefined = |pole: Option<(usize, f64)>| pole.is_some_and(|(fixed, _)| fixed != axis);
-        let mut all = inner.clone();
+        let mut all = inner.to_vec();
         all.extend(
-            [(first, poles[0]), (last, poles[1])]
+            [(*first, poles[0]), (*last, poles[1])]
                 .into_iter()
                 .filter(|(_, pole)| !undefined(*pole))
                 .map(|(uv, _)| uv),
         );
         let value = constant(projector, &all, axis)?;
-        let ends = [(first, poles[0]), (last, poles[1])].map(|(mut uv, pole)| {
+        let ends = [(*first, poles[0]), (*last, poles[1])].map(|(mut uv, pole)| {
             if let Some((fixed, value)) = pole {
                 uv[fixed] = value;
             }
@@ -43,7 +33,7 @@ pub(super) fn parameter_curve(projector: &EdgeProjector<'_>) -> Option<EdgeParam
         });
         let curve = SplineCurve::line(ends[0], ends[1], [0.0, 1.0]).ok()?;
         let deviation = deviation(projector.carrier, &curve, projector.edge, false, projector.tolerance);
-        (deviation <= projector.tolerance).then_some(EdgeParameterCurve {
+        (deviation <= projector.limit()).then_some(EdgeParameterCurve {
             curve,
             deviation,
             source: ParameterCurveSource::Exact,
@@ -55,10 +45,16 @@ pub(super) fn parameter_curve(projector: &EdgeProjector<'_>) -> Option<EdgeParam
 fn constant(projector: &EdgeProjector<'_>, points: &[DVec2], axis: usize) -> Option<f64> {
     let first = points.first()?[axis];
     let mean = first + points.iter().map(|uv| uv[axis] - first).sum::<f64>() / points.len() as f64;
-    let speed = points.iter().map(|uv| projector.carrier.tangents(*uv)[axis].length()).fold(0.0, f64::max);
-    let near = |value: f64| points.iter().all(|uv| (uv[axis] - value).abs() * speed <= projector.tolerance);
+    let speed = largest(points.iter().map(|uv| projector.carrier.tangents(*uv)[axis].length()));
+    let near = |value: f64| points.iter().all(|uv| (uv[axis] - value).abs() * speed <= projector.limit());
     if !near(mean) {
         return None;
+    }
+    // Other surfaces have no border but their poles.
+    let has_border = matches!(projector.carrier, Carrier::Spline(_))
+        || projector.carrier.poles().iter().any(|pole| pole.axis == axis);
+    if !has_border {
+        return Some(mean);
     }
     // Of a seam, the side on which the points are.
     let [low, high] = projector.carrier.domain()[axis];

@@ -11,7 +11,7 @@
 use std::ops::{Add, Mul, Sub};
 
 /// Order of the last coefficient, from which the remainder is bounded.
-pub(super) const ORDER: usize = 6;
+pub(super) const ORDER: usize = 9;
 
 /// All numbers at most `radius` from `middle`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

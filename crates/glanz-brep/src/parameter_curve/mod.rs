@@ -12,11 +12,13 @@ mod given;
 mod interval;
 mod isoline;
 mod jet;
+mod size;
 #[cfg(test)]
 mod tests;
 
 use glanz_math::DVec2;
 
+use self::fit::EdgeProjector;
 use crate::carrier::{Carrier, CarrierConversion};
 use crate::curve::EdgeCurve;
 use crate::error::BrepError;
@@ -52,7 +54,7 @@ pub struct EdgeParameterCurve {
 /// (metres). The best curve is returned, even if its deviation exceeds the tolerance.
 ///
 /// # Errors
-/// [`BrepError::Range`] or [`BrepError::Surface`] if the edge has no rational form.
+/// [`BrepError::Range`] or [`BrepError::Surface`] if the edge has no rational form, or if there is no curve at all.
 pub fn edge_on_carrier(
     conversion: &CarrierConversion,
     edge: &EdgeCurve,
@@ -72,24 +74,30 @@ fn part_on_carrier(
 ) -> Result<EdgeParameterCurve, BrepError> {
     let carrier = &conversion.carrier;
     let spline = edge.to_spline()?;
-    if let Some(exact) = exact::parameter_curve(carrier, edge, &spline, tolerance) {
-        return Ok(exact);
+    let exact = exact::parameter_curve(carrier, edge, &spline);
+    // In a plane no other curve is closer.
+    let holds = |curve: &&EdgeParameterCurve| curve.deviation <= tolerance;
+    let is_plane = matches!(carrier, Carrier::Plane(_));
+    if let Some(exact) = exact.as_ref().filter(|exact| is_plane || holds(exact)) {
+        return Ok(exact.clone());
     }
-    let projector = fit::EdgeProjector::new(carrier, &spline, tolerance);
-    if let Some(exact) = isoline::parameter_curve(&projector) {
-        return Ok(exact);
+    let projector = EdgeProjector::new(carrier, &spline, tolerance);
+    let isoline = isoline::parameter_curve(&projector);
+    if let Some(isoline) = isoline.as_ref().filter(holds) {
+        return Ok(isoline.clone());
     }
     let given = given
         .zip(conversion.parameters)
         .and_then(|(given, map)| given::parameter_curve(carrier, edge, &spline, given, map, tolerance));
-    match given {
-        Some(given) if given.deviation <= tolerance => Ok(given),
-        _ => {
-            let fitted = projector.fit()?;
-            let better =
-                given.filter(|given| fitted.deviation > tolerance && given.deviation < fitted.deviation);
-            Ok(better.unwrap_or(fitted))
+    let known = [given, exact, isoline].into_iter().flatten().filter(|curve| curve.deviation.is_finite());
+    let known = known.min_by(|a, b| a.deviation.total_cmp(&b.deviation));
+    match known {
+        // No other curve is much closer.
+        Some(known) if known.deviation <= projector.limit() => Ok(known),
+        Some(known) => {
+            Ok(projector.fit().ok().filter(|fitted| fitted.deviation <= known.deviation).unwrap_or(known))
         }
+        None => projector.fit(),
     }
 }
 
@@ -103,6 +111,14 @@ fn pole_passages(carrier: &Carrier, edge: &EdgeCurve, tolerance: f64) -> Vec<f64
             continue;
         }
         let t = curve.closest_in(pole.point, [from.min(to), from.max(to)]);
+        // Two poles may be one point.
+        let is_found = cuts.iter().any(|cut| {
+            let near = |s: f64| curve.point(s).distance(pole.point) <= tolerance;
+            near(*cut) && near(0.5 * (*cut + t))
+        });
+        if is_found {
+            continue;
+        }
         if t != from && t != to && curve.point(t).distance(pole.point) <= tolerance {
             cuts.push(t);
         }

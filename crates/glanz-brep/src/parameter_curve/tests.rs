@@ -9,6 +9,8 @@ use proptest::prelude::*;
 use super::*;
 use crate::model::{FaceSurface, Placement};
 
+mod bounds;
+
 const FRAME: Placement = Placement { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
 
 fn conversion(surface: FaceSurface) -> CarrierConversion {
@@ -382,6 +384,12 @@ proptest! {
             // Around the point (1, 0.4) of the carrier, or a part of the domain of a spline.
             let scale = if matches!(carrier, Carrier::Spline(_)) { 2.0 } else { 1.0 };
             let at = |s: f64| DVec2::new(1.0 + s + a * (3.0 * s).sin(), 0.4 + b * s + c * (5.0 * s).cos() + d * s * s);
+            // Where a fitted curve runs beyond the end of a spline, the bound counts that several times.
+            let [_, [low, high]] = carrier.domain();
+            let is_inside = |s: f64| (low + 0.02..high - 0.02).contains(&(at(s).y * scale));
+            if matches!(carrier, Carrier::Spline(_)) && !samples([0.0, 1.0], 200).all(is_inside) {
+                continue;
+            }
             let points: Vec<DVec3> = samples([0.0, 1.0], 30).map(|s| carrier.point(at(s) * scale)).collect();
             check(&conversion, &through(&points), tolerance);
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use glanz::formats::step::{CadFace, CadFaceOutcome, CadReport, NoteList};
+use glanz::formats::cad::{CadFace, CadFaceOutcome, CadReport, NoteList};
 use serde::Serialize;
 
 use crate::report::grouped;

@@ -77,10 +77,10 @@ const CLAMP_TO_EDGE: u32 = 33071;
 
 /// The binary chunk with its views and accessors.
 #[derive(Default)]
-struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
+pub(crate) struct Buffer {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) views: Vec<Value>,
+    pub(crate) accessors: Vec<Value>,
 }
 
 impl Buffer {
@@ -102,7 +102,8 @@ impl Buffer {
         self.accessors.len() - 1
     }
 
-    fn vectors<const N: usize>(&mut self, list: &[[f32; N]], with_bounds: bool) -> usize {
+    /// Adds vectors as an accessor; returns its number.
+    pub(crate) fn vectors<const N: usize>(&mut self, list: &[[f32; N]], with_bounds: bool) -> usize {
         let bytes: Vec<u8> = list.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         let view = self.view(&bytes, Some(ARRAY_BUFFER));
         let mut accessor = json!({ "componentType": FLOAT, "count": list.len(), "type": format!("VEC{N}") });
@@ -118,6 +119,14 @@ impl Buffer {
         self.accessor(accessor, view)
     }
 
+    /// Adds the corners of triangles as an accessor; returns its number.
+    pub(crate) fn indices(&mut self, triangles: &[[u32; 3]]) -> usize {
+        let bytes: Vec<u8> = triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
+        let view = self.view(&bytes, Some(ELEMENT_ARRAY_BUFFER));
+        let count = 3 * triangles.len();
+        self.accessor(json!({ "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR" }), view)
+    }
+
     fn part(&mut self, part: &GlbPrimitive) -> Value {
         let position = self.vectors(&part.positions, true);
         let normal = self.vectors(&part.normals, false);
@@ -126,11 +135,7 @@ impl Buffer {
         if part.picture.is_some() {
             attributes["TEXCOORD_1"] = json!(self.vectors(&part.coordinates[1], false));
         }
-        let bytes: Vec<u8> = part.indices.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
-        let view = self.view(&bytes, Some(ELEMENT_ARRAY_BUFFER));
-        let count = 3 * part.indices.len();
-        let indices =
-            self.accessor(json!({ "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR" }), view);
+        let indices = self.indices(&part.indices);
         json!({
             "attributes": attributes,
             "indices": indices,
@@ -233,7 +238,7 @@ fn check(part: &GlbPrimitive, model: &GlbModel) -> Result<(), fn(String, usize) 
 }
 
 /// The bytes of a file with its header and chunks: JSON, padded with blanks, and the binary part, padded with zeros.
-fn file(mut json: Vec<u8>, mut bytes: Vec<u8>) -> Result<Vec<u8>, GlbError> {
+pub(crate) fn file(mut json: Vec<u8>, mut bytes: Vec<u8>) -> Result<Vec<u8>, GlbError> {
     json.resize(json.len().next_multiple_of(4), b' ');
     bytes.resize(bytes.len().next_multiple_of(4), 0);
     let with_bytes = !bytes.is_empty();

@@ -1,7 +1,7 @@
 //! pbrt's scene language, versions 1 to 4.
 //!
 //! `lexer` reads words, `parameters` typed lists of them, `parser` the directives, and `state` holds the graphics state that they change;
-//! `lower` creates the description, by the rules of the `dialect`. `docs/scene-format.md` lists the supported features and the substitutes for
+//! `lower` creates the description, by the rules of the `dialect`; `write` makes a text of a model again. `docs/scene-format.md` lists the supported features and the substitutes for
 //! others.
 //!
 //! # Source
@@ -15,17 +15,21 @@ mod lower;
 mod parameters;
 mod parser;
 mod state;
+mod write;
 
 use std::path::Path;
 use std::sync::Arc;
 
 use glanz_scene::Diagnostics;
+use glanz_scene::studio::StudioSettings;
 
 use crate::registry::{Loaded, Options, failure};
 use crate::source::Reporter;
 use finder::FileFinder;
 use lower::Lowering;
 use parser::Parser;
+
+pub use write::{PbrtWriteError, write};
 
 /// Reads a scene from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
 pub(crate) fn load(
@@ -44,9 +48,10 @@ pub(crate) fn load(
     finder.paths.extend(path.map(Path::to_owned));
     finder.hash.add_file(&bytes);
     let dialect = dialect::detect(&bytes);
-    let mut parser = Parser::new(Lowering::new(reporter, dialect, finder));
+    let lowering = Lowering { edges: options.edges, ..Lowering::new(reporter, dialect, finder) };
+    let mut parser = Parser::new(lowering);
     parser.run(name, path, bytes);
-    let Lowering { description, mut reporter, finder, .. } = parser.lowering;
+    let Lowering { description, mut reporter, finder, studio_up, .. } = parser.lowering;
     reporter.sources.set_paths(finder.paths);
     if reporter.diagnostics.has_errors() {
         return Err(reporter.diagnostics);
@@ -56,7 +61,10 @@ pub(crate) fn load(
         diagnostics: reporter.diagnostics,
         content_hash: finder.hash.value(),
         sources: reporter.sources,
-        studio: None,
+        studio: studio_up.map(|up| {
+            let given = &options.studio;
+            StudioSettings { up: given.up.or(Some(up)), ..given.clone() }
+        }),
         cad: None,
     })
 }

@@ -8,13 +8,8 @@ use glanz_brep::model::EntityId;
 use super::entities::EntityLists;
 use super::part21::{Entity, Keyword, Refusal};
 
-/// The placement of a usage: the relationship of two representations, with the entity that assigns it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct UsagePlacement<'a> {
-    pub(super) relationship: Entity<'a>,
-    pub(super) assignment: EntityId,
-    pub(super) property: EntityId,
-}
+/// Parts inside one another, at most.
+pub(super) const MAX_ASSEMBLY_DEPTH: usize = 64;
 
 /// Products, their representations and the relations between them.
 #[derive(Debug, Default)]
@@ -28,9 +23,12 @@ pub(super) struct AssemblyIndex<'a> {
     /// Relationships with a transformation that belong to no usage, by the representation that contains the other one.
     placed: HashMap<EntityId, Vec<Entity<'a>>>,
     usages: HashMap<EntityId, Vec<Entity<'a>>>,
-    placements: HashMap<EntityId, Vec<UsagePlacement<'a>>>,
-    /// Representations that stand for a usage, as contexts of its style.
-    usage_representations: HashMap<EntityId, Vec<EntityId>>,
+    /// The relationships of representations that place a usage.
+    placements: HashMap<EntityId, Vec<Entity<'a>>>,
+    /// Entities that stand for a usage, as contexts of its style.
+    usage_contexts: HashMap<EntityId, Vec<EntityId>>,
+    /// The usages for which an entity stands.
+    usages_of_contexts: HashMap<EntityId, Vec<Entity<'a>>>,
     used: HashSet<EntityId>,
 }
 
@@ -88,9 +86,17 @@ impl<'a> AssemblyIndex<'a> {
         let attributes = entity.simple();
         let [relationship, property] = [attributes.reference(0)?, attributes.reference(1)?];
         let usage = property.simple().reference(2)?;
-        let placement = UsagePlacement { relationship, assignment: entity.id(), property: property.id() };
-        self.placements.entry(usage.id()).or_default().push(placement);
+        for context in [relationship.id(), entity.id(), property.id()] {
+            self.add_context(usage, context);
+        }
+        self.placements.entry(usage.id()).or_default().push(relationship);
         Ok(relationship.id())
+    }
+
+    /// Notes that an entity stands for a usage.
+    fn add_context(&mut self, usage: Entity<'a>, context: EntityId) {
+        self.usage_contexts.entry(usage.id()).or_default().push(context);
+        self.usages_of_contexts.entry(context).or_default().push(usage);
     }
 
     fn add_relationship(&mut self, entity: Entity<'a>) -> Result<(), Refusal> {
@@ -122,8 +128,9 @@ impl<'a> AssemblyIndex<'a> {
         }
         let product = property.simple().reference(2)?;
         let representation = attributes.reference(1)?;
-        if product.is(Keyword::NextAssemblyUsageOccurrence) {
-            self.usage_representations.entry(product.id()).or_default().push(representation.id());
+        if is_usage(product) {
+            self.add_context(product, property.id());
+            self.add_context(product, representation.id());
         }
         if !is_product(product) {
             return Ok(());
@@ -184,29 +191,70 @@ impl<'a> AssemblyIndex<'a> {
         self.usages.get(&product).cloned().unwrap_or_default()
     }
 
-    /// The placements of a usage.
-    pub(super) fn placements(&self, usage: EntityId) -> &[UsagePlacement<'a>] {
+    /// The relationships of representations that place a usage.
+    pub(super) fn placements(&self, usage: EntityId) -> &[Entity<'a>] {
         self.placements.get(&usage).map_or(&[], Vec::as_slice)
     }
 
     /// The entities that may be the context of the style of a usage.
-    pub(super) fn style_contexts(&self, usage: EntityId) -> Vec<EntityId> {
-        let placements = self.placements(usage).iter();
-        let placements = placements.flat_map(|p| [p.relationship.id(), p.assignment, p.property]);
-        let representations = self.usage_representations.get(&usage).into_iter().flatten().copied();
-        std::iter::once(usage).chain(placements).chain(representations).collect()
+    pub(super) fn style_contexts(&self, usage: EntityId) -> impl Iterator<Item = EntityId> {
+        std::iter::once(usage).chain(self.usage_contexts.get(&usage).into_iter().flatten().copied())
+    }
+
+    /// The usages for which an entity stands: itself, or those of whose style it may be the context.
+    pub(super) fn usages_of_context(&self, context: Entity<'a>) -> Vec<Entity<'a>> {
+        if is_usage(context) {
+            return vec![context];
+        }
+        let mut usages = self.usages_of_contexts.get(&context.id()).cloned().unwrap_or_default();
+        usages.dedup_by_key(|usage| usage.id());
+        usages
+    }
+
+    /// Whether it is the number of a product with a shape, or with others in it.
+    pub(super) fn is_product(&self, entity: EntityId) -> bool {
+        self.groups.contains_key(&entity) || self.usages.contains_key(&entity)
     }
 
     /// Whether a product is shown by itself: no other contains it, and it has a shape or contains others.
     pub(super) fn is_root(&self, product: EntityId) -> bool {
-        !self.used.contains(&product)
-            && (self.groups.contains_key(&product) || self.usages.contains_key(&product))
+        !self.used.contains(&product) && self.is_product(product)
     }
 }
 
 /// Whether an entity is a product definition.
 fn is_product(entity: Entity<'_>) -> bool {
     entity.is(Keyword::ProductDefinition) || entity.is(Keyword::ProductDefinitionWithAssociatedDocuments)
+}
+
+/// Whether an entity is the usage of a product in another, perhaps deep inside of it.
+pub(super) fn is_usage(entity: Entity<'_>) -> bool {
+    entity.is(Keyword::NextAssemblyUsageOccurrence) || entity.is(Keyword::SpecifiedHigherUsageOccurrence)
+}
+
+/// The products `[parent, child]` of a usage.
+pub(super) fn usage_ends(usage: Entity<'_>) -> Result<[EntityId; 2], Refusal> {
+    let attributes = usage.simple();
+    Ok([attributes.reference(3)?.id(), attributes.reference(4)?.id()])
+}
+
+/// The usages inside one another for which one stands, the outer one first.
+///
+/// `SPECIFIED_HIGHER_USAGE_OCCURRENCE(id, name, text, parent, child, designator, upper, next)` is a usage inside another.
+pub(super) fn usage_path(usage: Entity<'_>) -> Result<Vec<EntityId>, Refusal> {
+    let mut path = Vec::new();
+    let mut usage = usage;
+    while usage.is(Keyword::SpecifiedHigherUsageOccurrence) {
+        if path.len() >= MAX_ASSEMBLY_DEPTH {
+            return Err(usage.refuse(format!("usages are nested deeper than {MAX_ASSEMBLY_DEPTH} levels")));
+        }
+        let attributes = usage.simple();
+        path.push(attributes.reference(7)?.id());
+        usage = attributes.reference(6)?;
+    }
+    path.push(usage.id());
+    path.reverse();
+    Ok(path)
 }
 
 /// The name of a product, or else its number for people.

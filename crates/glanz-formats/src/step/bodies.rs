@@ -3,12 +3,13 @@
 use glanz_brep::model::{Body, Face, FaceBound, FaceSurface, Shell};
 
 use super::geometry::{ENTITY_COST, MAX_DEPTH};
+use super::hidden::HIDDEN;
 use super::lowering::{StepReader, is_face};
 use super::part21::{Entity, Keyword, Refusal};
 
 /// The kinds of shape items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum BodyKind {
+pub(super) enum BodyKind {
     Solid,
     /// A list of shells.
     Shells,
@@ -20,7 +21,8 @@ enum BodyKind {
     Set,
 }
 
-fn body_kind(entity: Entity<'_>) -> Option<BodyKind> {
+/// The kind of a shape item; `None` of others.
+pub(super) fn body_kind(entity: Entity<'_>) -> Option<BodyKind> {
     if is_face(entity) || entity.keyword() == Keyword::OrientedFace {
         return Some(BodyKind::Face);
     }
@@ -43,7 +45,7 @@ pub(super) fn is_body(entity: Entity<'_>) -> bool {
 }
 
 /// The shells of a body, the outer one of a solid first.
-fn shells_of<'a>(entity: Entity<'a>, kind: BodyKind) -> Result<Vec<Entity<'a>>, Refusal> {
+pub(super) fn shells_of<'a>(entity: Entity<'a>, kind: BodyKind) -> Result<Vec<Entity<'a>>, Refusal> {
     let parts = [Keyword::RepresentationItem, Keyword::ManifoldSolidBrep, Keyword::BrepWithVoids];
     let attributes = entity.attributes(&parts);
     match kind {
@@ -63,7 +65,7 @@ fn shells_of<'a>(entity: Entity<'a>, kind: BodyKind) -> Result<Vec<Entity<'a>>, 
 }
 
 /// A shell behind its orientations, and whether it is turned.
-fn base_shell(entity: Entity<'_>) -> Result<(Entity<'_>, bool), Refusal> {
+pub(super) fn base_shell(entity: Entity<'_>) -> Result<(Entity<'_>, bool), Refusal> {
     let (mut entity, mut turned) = (entity, false);
     for _ in 0..MAX_DEPTH {
         match entity.keyword() {
@@ -85,8 +87,7 @@ impl<'a> StepReader<'a> {
     /// A body; `None` if it is hidden, or nothing of it can be read, which is reported.
     pub(super) fn body(&mut self, entity: Entity<'a>, units: usize) -> Option<Body> {
         let kind = body_kind(entity)?;
-        if self.styles.is_hidden(entity.id()) {
-            self.hide(entity, kind);
+        if self.hides(entity) {
             return None;
         }
         let mut body = Body {
@@ -105,12 +106,18 @@ impl<'a> StepReader<'a> {
             BodyKind::Set => body.shells.push(self.surface_set(entity, units)),
             _ => match shells_of(entity, kind) {
                 Ok(shells) => {
+                    let count = shells.len();
                     for shell in shells {
+                        if self.hides(shell) {
+                            continue;
+                        }
                         match self.shell(shell, units) {
                             Ok(shell) => body.shells.push(shell),
                             Err(refusal) => self.omit(shell.id(), &refusal),
                         }
                     }
+                    // Without one of its shells it bounds another volume.
+                    body.solid &= body.shells.len() == count;
                 }
                 Err(refusal) => self.omit(entity.id(), &refusal),
             },
@@ -158,6 +165,9 @@ impl<'a> StepReader<'a> {
 
     /// A face that is the whole of a surface, or of the part inside of its boundary curves.
     fn whole_surface(&mut self, entity: Entity<'a>, units: usize) -> Result<usize, Refusal> {
+        if self.styles.is_hidden(entity.id()) {
+            return Err(entity.refuse(HIDDEN));
+        }
         if entity.keyword() == Keyword::CurveBoundedSurface {
             return self.bounded_surface(entity, units);
         }
@@ -196,20 +206,5 @@ impl<'a> StepReader<'a> {
             entity: entity.id(),
         });
         self.model.faces.len() - 1
-    }
-
-    /// Counts the faces of a body that the file hides.
-    fn hide(&mut self, entity: Entity<'a>, kind: BodyKind) {
-        self.report.omissions.push(entity.id(), "the file hides it");
-        let shells = shells_of(entity, kind).unwrap_or_default();
-        for (shell, _) in shells.into_iter().filter_map(|shell| base_shell(shell).ok()) {
-            let Ok(faces) = shell.simple().list(1) else { continue };
-            if self.geometry.spend_items(shell.id(), faces, 1).is_err() {
-                return;
-            }
-            let faces = shell.simple().references(1).into_iter().flatten().flatten();
-            let faces = faces.filter_map(|face| super::faces::base_face(face).ok());
-            self.hidden_faces.extend(faces.map(|(face, _)| face.id()));
-        }
     }
 }

@@ -18,6 +18,9 @@ impl<'a> StepReader<'a> {
         for boundary in attributes.references(2)? {
             bounds.push(self.boundary_curve(boundary?, units)?);
         }
+        if attributes.boolean(3)? {
+            bounds.push(FaceBound { boundary: BoundaryLoop::Border, outer: true, entity: entity.id() });
+        }
         Ok(self.add_set_face(entity, surface, bounds))
     }
 

@@ -6,23 +6,7 @@ use glanz_math::DVec3;
 use super::geometry::{CurveUnits, FileVector, GeometryReader, deeper};
 use super::part21::{Entity, Keyword, Refusal};
 use super::placement::{point, vector};
-
-/// Whether a type is that of a B-spline curve.
-fn is_spline(kind: Keyword) -> bool {
-    use Keyword::{
-        BSplineCurve, BSplineCurveWithKnots, BezierCurve, PiecewiseBezierCurve, QuasiUniformCurve,
-        UniformCurve,
-    };
-    matches!(
-        kind,
-        BSplineCurve
-            | BSplineCurveWithKnots
-            | BezierCurve
-            | PiecewiseBezierCurve
-            | QuasiUniformCurve
-            | UniformCurve
-    )
-}
+use super::spline::is_spline_curve;
 
 /// Whether a type is that of a curve in space with its curves in the parameters of surfaces.
 pub(super) fn is_surface_curve(kind: Keyword) -> bool {
@@ -44,7 +28,7 @@ impl GeometryReader {
         let depth = deeper(entity, depth)?;
         self.spend(entity.id(), 1)?;
         let kinds = || entity.kinds();
-        if kinds().any(is_spline) {
+        if kinds().any(is_spline_curve) {
             return self.spline_curve(entity, units);
         }
         if kinds().any(is_surface_curve) {

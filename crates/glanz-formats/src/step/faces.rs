@@ -1,9 +1,9 @@
 //! Faces with their surfaces and boundaries.
 
 use glanz_brep::model::{BoundaryLoop, Face, FaceBound, FaceSurface, OrientedEdge, Placement, SurfaceEntry};
-use glanz_math::DVec3;
 
 use super::geometry::{ENTITY_COST, MAX_DEPTH};
+use super::hidden::HIDDEN;
 use super::lowering::{StepReader, is_face};
 use super::part21::{Entity, Keyword, Refusal};
 use super::surfaces::{ScaledSurface, curve_units};
@@ -30,8 +30,8 @@ impl<'a> StepReader<'a> {
     pub(super) fn oriented_face(&mut self, entity: Entity<'a>, units: usize) -> Option<(usize, bool)> {
         match base_face(entity) {
             Ok((face, _)) if self.styles.is_hidden(face.id()) || self.styles.is_hidden(entity.id()) => {
-                if self.hidden_faces.insert(face.id()) {
-                    self.report.omissions.push(face.id(), "the file hides it");
+                if self.hidden_items.insert(face.id()) {
+                    self.report.omissions.push(face.id(), HIDDEN);
                 }
                 None
             }
@@ -83,20 +83,12 @@ impl<'a> StepReader<'a> {
         Ok(self.model.faces.len() - 1)
     }
 
-    /// The plane of a face that has none, by the normal of its first polygon.
+    /// The plane of a face that has none: that of its largest polygon.
     fn plane_of(&mut self, entity: Entity<'a>, bounds: &[FaceBound]) -> Result<usize, Refusal> {
-        let points = bounds.iter().find_map(|bound| match &bound.boundary {
-            BoundaryLoop::Polygon(points) => Some(points.as_slice()),
-            _ => None,
-        });
-        let Some((&origin, rest)) = points.and_then(<[DVec3]>::split_first) else {
-            return Err(entity.refuse("the face has neither a surface nor a polygon"));
-        };
-        let triangles = rest.windows(2).filter_map(|pair| pair.first_chunk::<2>());
-        let area: DVec3 = triangles.map(|[a, b]| (*a - origin).cross(*b - origin)).sum();
-        let z = area.try_normalize().ok_or_else(|| entity.refuse("the polygon of the face has no area"))?;
-        let x = z.any_orthonormal_vector();
-        Ok(self.add_surface(FaceSurface::Plane(Placement { origin, x, y: z.cross(x), z }), entity))
+        let plane = Placement::of_polygons(bounds);
+        let plane = plane
+            .ok_or_else(|| entity.refuse("the face has neither a surface nor a polygon with an area"))?;
+        Ok(self.add_surface(FaceSurface::Plane(plane), entity))
     }
 
     /// `FACE_BOUND(name, loop, orientation)`.
@@ -113,7 +105,7 @@ impl<'a> StepReader<'a> {
                     edges.iter_mut().for_each(|edge| edge.forward ^= true);
                 }
                 BoundaryLoop::Polygon(points) => points.reverse(),
-                BoundaryLoop::Vertex(_) => {}
+                BoundaryLoop::Vertex(_) | BoundaryLoop::Border => {}
             }
         }
         Ok(FaceBound { boundary, outer: entity.keyword() == Keyword::FaceOuterBound, entity: entity.id() })

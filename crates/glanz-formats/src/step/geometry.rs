@@ -4,37 +4,31 @@ use glanz_brep::model::{CurveVector, EntityId};
 use glanz_math::{DVec2, DVec3};
 
 use super::part21::{Entity, Refusal, TapeItems};
-use super::report::NoteList;
+pub(super) use crate::cad::ENTITY_COST;
+use crate::cad::{CopyBudget, NoteList};
 
 /// Entities of geometry inside one another, at most.
 pub(super) const MAX_DEPTH: usize = 16;
 
 /// A reader of points, curves and surfaces.
-///
-/// A file may use one curve many times, in each of which it is copied. A budget of copies keeps memory in proportion to the file: no
-/// file reaches it whose curves are used once or twice.
 pub(super) struct GeometryReader {
     /// What was mended.
     pub(super) repairs: NoteList,
-    budget: usize,
+    budget: CopyBudget,
 }
 
 impl GeometryReader {
     /// A reader of a file of `size` bytes.
     pub(super) fn new(size: usize) -> Self {
-        Self { repairs: NoteList::default(), budget: size.saturating_mul(2).saturating_add(1000) }
+        Self { repairs: NoteList::default(), budget: CopyBudget::new(size) }
     }
 
-    /// Takes `count` points, or other things of about that size, off the budget. Each is at least one reference in the file, such as
-    /// `#1,`.
+    /// Takes `count` points, or other things of about that size, off the budget.
     ///
     /// # Errors
-    /// The budget is used up.
+    /// Those of [`CopyBudget::spend`].
     pub(super) fn spend(&mut self, entity: EntityId, count: usize) -> Result<(), Refusal> {
-        let left = self.budget.checked_sub(count);
-        // What fails uses it up, so that no list is counted again and again.
-        self.budget = left.unwrap_or_default();
-        left.map(drop).ok_or_else(|| Refusal::new(entity, "the file repeats its geometry too often"))
+        self.budget.spend(entity, count)
     }
 
     /// Takes `cost` for each item of a list off the budget, and returns their number.
@@ -53,9 +47,6 @@ impl GeometryReader {
         Ok(count)
     }
 }
-
-/// The size of an edge, a face or a surface, in points; in the file each has more bytes.
-pub(super) const ENTITY_COST: usize = 8;
 
 /// One level of entities less, or a refusal.
 pub(super) fn deeper(entity: Entity<'_>, depth: usize) -> Result<usize, Refusal> {

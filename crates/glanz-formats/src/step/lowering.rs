@@ -7,9 +7,9 @@ use glanz_brep::model::{BrepModel, EntityId};
 use super::entities::EntityLists;
 use super::geometry::GeometryReader;
 use super::part21::{Entity, EntityAttributes, ExchangeFile, Keyword, Refusal};
-use super::report::{FaceCounts, StepFile, StepNote, StepReport};
 use super::styles::StyleTable;
 use super::units::{ContextUnits, UnitSet};
+use crate::cad::{BrepFile, EntityNote, FaceCounts, ReadingReport};
 
 /// An entity read in some units, by its number and the index of the units: what was made of it, or the reason against it.
 pub(super) type LoweredEntities<T> = HashMap<(EntityId, usize), Result<T, Refusal>>;
@@ -18,10 +18,10 @@ pub(super) type LoweredEntities<T> = HashMap<(EntityId, usize), Result<T, Refusa
 pub(super) struct StepReader<'a> {
     pub(super) file: &'a ExchangeFile<'a>,
     pub(super) lists: EntityLists<'a>,
-    pub(super) styles: StyleTable,
+    pub(super) styles: StyleTable<'a>,
     pub(super) geometry: GeometryReader,
     pub(super) model: BrepModel,
-    pub(super) report: StepReport,
+    pub(super) report: ReadingReport,
     /// Pairs of units, each once.
     pub(super) unit_sets: Vec<UnitSet>,
     contexts: HashMap<EntityId, usize>,
@@ -29,15 +29,16 @@ pub(super) struct StepReader<'a> {
     pub(super) vertices: LoweredEntities<usize>,
     pub(super) edges: LoweredEntities<usize>,
     pub(super) faces: LoweredEntities<usize>,
-    pub(super) hidden_faces: HashSet<EntityId>,
+    /// What the file hides, with all that it contains.
+    pub(super) hidden_items: HashSet<EntityId>,
 }
 
 impl<'a> StepReader<'a> {
     pub(super) fn new(file: &'a ExchangeFile<'a>) -> Self {
         let lists = EntityLists::new(file);
-        let mut report = StepReport { schemas: file.schemas.clone(), ..StepReport::default() };
+        let mut report = ReadingReport { schemas: file.schemas.clone(), ..ReadingReport::default() };
         for fault in &file.faults {
-            report.faults.push_with(|| StepNote {
+            report.faults.push_with(|| EntityNote {
                 entity: fault.instance.map(EntityId),
                 position: Some([fault.line, fault.column]),
                 reason: fault.reason.clone(),
@@ -58,29 +59,38 @@ impl<'a> StepReader<'a> {
             vertices: HashMap::new(),
             edges: HashMap::new(),
             faces: HashMap::new(),
-            hidden_faces: HashSet::new(),
+            hidden_items: HashSet::new(),
         }
     }
 
     /// Notes that an entity is not in the model.
     pub(super) fn omit(&mut self, entity: EntityId, refusal: &Refusal) {
-        self.report.omissions.push_with(|| {
-            let cause =
-                if refusal.entity == entity { String::new() } else { format!("{}: ", refusal.entity) };
-            StepNote { entity: Some(entity), position: None, reason: format!("{cause}{}", refusal.reason) }
-        });
+        self.report.omit(entity, refusal);
     }
 
     /// Notes that an entity was mended.
     pub(super) fn mend(&mut self, entity: EntityId, refusal: &Refusal, remedy: &str) {
-        let reason = || format!("{}: {}; {remedy}", refusal.entity, refusal.reason);
-        self.report.repairs.push_with(|| StepNote { entity: Some(entity), position: None, reason: reason() });
+        self.report.mend(entity, refusal, remedy);
     }
 
     /// The index of the units of a representation, from its attributes: name, items, context.
     pub(super) fn representation_units(&mut self, attributes: &EntityAttributes<'a>) -> usize {
         let context = attributes.optional_reference(2).ok().flatten();
-        let entity = context.map_or(attributes.id(), |context| context.id());
+        self.context_units(context, attributes.id())
+    }
+
+    /// The index of the units of a shape without a representation: those of the first context in the file that has units.
+    pub(super) fn file_units(&mut self, shape: EntityId) -> usize {
+        let context = self.file.entities().find(|entity| entity.is(Keyword::GlobalUnitAssignedContext));
+        if let Some(context) = context {
+            let reason = format!("no representation has the shape; the units are those of {}", context.id());
+            self.report.repairs.push(shape, reason);
+        }
+        self.context_units(context, shape)
+    }
+
+    fn context_units(&mut self, context: Option<Entity<'a>>, user: EntityId) -> usize {
+        let entity = context.map_or(user, |context| context.id());
         if let Some(units) = self.contexts.get(&entity) {
             return *units;
         }
@@ -101,6 +111,7 @@ impl<'a> StepReader<'a> {
             self.report.repairs.push(entity, "no unit of angle is given; radians are taken");
         }
         self.model.uncertainty = self.model.uncertainty.max(units.uncertainty);
+        self.model.length_unit = self.model.length_unit.or(units.length);
         let units = UnitSet { length: units.length.unwrap_or(1e-3), angle: units.angle.unwrap_or(1.0) };
         self.unit_sets.iter().position(|known| *known == units).unwrap_or_else(|| {
             self.unit_sets.push(units);
@@ -114,7 +125,7 @@ impl<'a> StepReader<'a> {
     }
 
     /// The model with the completed report.
-    pub(super) fn finish(mut self) -> StepFile {
+    pub(super) fn finish(mut self) -> BrepFile {
         let mut faces = FaceCounts::default();
         let mut outcomes: HashMap<EntityId, bool> = HashMap::new();
         for ((entity, _), outcome) in &self.faces {
@@ -125,13 +136,13 @@ impl<'a> StepReader<'a> {
             match outcomes.get(&entity.id()) {
                 Some(true) => faces.read += 1,
                 Some(false) => faces.refused += 1,
-                None if self.hidden_faces.contains(&entity.id()) => faces.hidden += 1,
+                None if self.hidden_items.contains(&entity.id()) => faces.hidden += 1,
                 None => faces.unreachable += 1,
             }
         }
         self.report.faces = faces;
         self.report.repairs.append(self.geometry.repairs);
-        StepFile { model: self.model, report: self.report }
+        BrepFile { model: self.model, report: self.report }
     }
 }
 

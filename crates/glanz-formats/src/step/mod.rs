@@ -3,7 +3,7 @@
 //! [`read`] gives a [`BrepModel`](glanz_brep::model::BrepModel) of solids, shells and surfaces, in products that contain one another,
 //! with their names, colours and layers. Every length is in metres and every angle in radians, whatever the units of its representation.
 //!
-//! `part21` reads the syntax; the other modules read kinds of entities. Nothing is dropped silently: the [`StepReport`] counts every face
+//! `part21` reads the syntax; the other modules read kinds of entities. Nothing is dropped silently: the [`ReadingReport`](crate::cad::ReadingReport) counts every face
 //! of the file, and lists by entity number what was left out and what was mended. A damaged file gives what of it can be read.
 //!
 //! Not read are offset curves, replicas, boundaries in parameters alone, wireframes and tessellated shapes.
@@ -13,20 +13,20 @@
 mod assembly;
 mod bodies;
 mod bounded_surface;
-mod cad_model;
-mod cad_report;
+mod colors;
 mod curves;
-mod describe;
 mod edges;
 mod entities;
+mod error;
 mod faces;
 mod geometry;
+mod hidden;
 mod lowering;
 mod part21;
 mod parts;
 mod placement;
-mod report;
 mod spline;
+mod style_overrides;
 mod styles;
 mod surfaces;
 #[cfg(test)]
@@ -34,15 +34,13 @@ mod tests;
 mod trim;
 mod units;
 
-pub(crate) use cad_model::CadModel;
-pub(crate) use cad_report::CadWarning;
-pub use cad_report::{CadFace, CadFaceOutcome, CadReport};
-pub(crate) use describe::CadSettings;
-pub use report::{FaceCounts, NoteList, StepError, StepFile, StepNote, StepReport};
+pub use error::StepError;
 
 use lowering::StepReader;
 use part21::ExchangeFile;
 use parts::PartReader;
+
+use crate::cad::BrepFile;
 
 /// Reads a STEP file.
 ///
@@ -54,7 +52,7 @@ use parts::PartReader;
 ///
 /// # Errors
 /// [`StepError`] if the bytes are no STEP file, have no data, or are too many. Everything else that cannot be read is in the report.
-pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
+pub fn read(bytes: &[u8]) -> Result<BrepFile, StepError> {
     let file = ExchangeFile::parse(bytes)?;
     let mut reader = StepReader::new(&file);
     PartReader::new(&mut reader).read_all();

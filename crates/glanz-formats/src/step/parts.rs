@@ -5,14 +5,13 @@ use std::collections::{HashMap, HashSet};
 use glanz_brep::model::{EntityId, Occurrence, Part};
 use glanz_math::DMat4;
 
-use super::assembly::{AssemblyIndex, RelationshipEnds, product_name};
+use super::assembly::{AssemblyIndex, MAX_ASSEMBLY_DEPTH, RelationshipEnds, product_name};
 use super::bodies::is_body;
+use super::geometry::ENTITY_COST;
+use super::hidden::HIDDEN;
 use super::lowering::StepReader;
 use super::part21::{Entity, EntityAttributes, Keyword, Refusal};
 use super::placement::invertible;
-
-/// Parts inside one another, at most.
-const MAX_ASSEMBLY_DEPTH: usize = 64;
 
 /// The state of the part of a product or a representation.
 #[derive(Clone, Copy, Debug)]
@@ -25,8 +24,8 @@ enum PartState {
 
 /// Parts by the number of their product definition or representation.
 pub(super) struct PartReader<'a, 'r> {
-    reader: &'r mut StepReader<'a>,
-    index: AssemblyIndex<'a>,
+    pub(super) reader: &'r mut StepReader<'a>,
+    pub(super) index: AssemblyIndex<'a>,
     states: HashMap<EntityId, PartState>,
     visited: HashSet<EntityId>,
 }
@@ -53,15 +52,16 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let maps = self.reader.lists.maps.iter().filter_map(|map| map.simple().reference(1).ok());
         let mapped: HashSet<EntityId> = maps.map(|representation| representation.id()).collect();
         for representation in representations {
-            if self.visited.contains(&representation.id()) {
+            let id = representation.id();
+            if self.visited.contains(&id) || self.reader.hidden_items.contains(&id) {
                 continue;
             }
             if shows_products {
                 if self.has_bodies(representation) {
                     let reason = "the representation belongs to no product that is shown";
-                    self.reader.report.omissions.push(representation.id(), reason);
+                    self.reader.report.omissions.push(id, reason);
                 }
-            } else if !mapped.contains(&representation.id()) {
+            } else if !mapped.contains(&id) {
                 let part = self.representation(representation, MAX_ASSEMBLY_DEPTH);
                 self.add_root(representation, part);
             }
@@ -69,6 +69,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
         if self.reader.model.roots.is_empty() {
             self.read_bodies();
         }
+        self.override_styles();
     }
 
     fn has_bodies(&self, representation: Entity<'a>) -> bool {
@@ -111,9 +112,10 @@ impl<'a, 'r> PartReader<'a, 'r> {
             let is_shell = |kind| matches!(kind, Keyword::OpenShell | Keyword::ClosedShell);
             wholes = file.entities().filter(|entity| entity.kinds().any(is_shell)).collect();
         }
-        wholes.retain(|entity| !self.reader.styles.is_hidden(entity.id()));
+        // Those in something that is hidden were counted there.
+        wholes.retain(|entity| !self.reader.hidden_items.contains(&entity.id()));
         let Some(first) = wholes.first().copied() else { return };
-        let units = self.reader.representation_units(&first.attributes(&[]));
+        let units = self.reader.file_units(first.id());
         let bodies = wholes.iter().filter_map(|entity| self.reader.body(*entity, units)).collect();
         let part = self.add(Part { bodies, entity: first.id(), ..Part::default() });
         self.add_root(first, Ok(part));
@@ -150,6 +152,8 @@ impl<'a, 'r> PartReader<'a, 'r> {
         if let Some(product) = self.index.owner(representation.id()) {
             return self.product(product, depth);
         }
+        // Nothing is looked for once the budget is used up.
+        self.reader.geometry.spend(representation.id(), 1)?;
         self.part(representation, depth, |this, depth| {
             let name = representation.attributes(&[Keyword::Representation]).text(0);
             let mut part = Part { name, entity: representation.id(), ..Part::default() };
@@ -195,6 +199,9 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let mut known = HashSet::new();
         for representation in group {
             self.visited.insert(representation.id());
+            if self.reader.hides(*representation) {
+                continue;
+            }
             let attributes = representation.attributes(&[Keyword::Representation]);
             let first = part.bodies.len();
             for at in attributes.list(1).into_iter().flatten() {
@@ -213,7 +220,13 @@ impl<'a, 'r> PartReader<'a, 'r> {
                     body.style.get_or_insert(color);
                 }
             }
-            for relationship in self.index.placed_in(representation.id()) {
+            let placed = self.index.placed_in(representation.id());
+            if let Err(refusal) = self.reader.geometry.spend(representation.id(), ENTITY_COST * placed.len())
+            {
+                self.reader.omit(representation.id(), &refusal);
+                continue;
+            }
+            for relationship in placed {
                 match self.placed(relationship, depth) {
                     Ok(occurrence) => part.occurrences.extend(occurrence),
                     Err(refusal) => self.reader.omit(relationship.id(), &refusal),
@@ -238,8 +251,8 @@ impl<'a, 'r> PartReader<'a, 'r> {
             return Ok(());
         }
         if item.is(Keyword::MappedItem) {
-            if self.reader.styles.is_hidden(item.id()) {
-                return Err(item.refuse("the file hides it"));
+            if self.reader.hides(item) {
+                return Ok(());
             }
             part.occurrences.extend(self.mapped_item(item, representation, mapped, depth)?);
             return Ok(());
@@ -281,6 +294,21 @@ impl<'a, 'r> PartReader<'a, 'r> {
         self.reader.units(units).length
     }
 
+    /// Counts the faces of a product that the file hides.
+    fn hide_product(&mut self, product: Entity<'a>) {
+        let mut open = vec![product];
+        while let Some(product) = open.pop() {
+            if !self.reader.hidden_items.insert(product.id()) {
+                continue;
+            }
+            for representation in self.index.group(product.id()) {
+                self.reader.hide(representation);
+            }
+            let children = self.index.usages(product.id()).into_iter();
+            open.extend(children.filter_map(|usage| usage.simple().reference(4).ok()));
+        }
+    }
+
     /// A representation that a relationship places in another.
     fn placed(&mut self, relationship: Entity<'a>, depth: usize) -> Result<Option<Occurrence>, Refusal> {
         let ends = RelationshipEnds::of(relationship)?;
@@ -310,14 +338,14 @@ impl<'a, 'r> PartReader<'a, 'r> {
         if placement.is_none() && mapped.contains(&child.id()) {
             return Ok(None);
         }
-        let contexts = self.index.style_contexts(usage.id());
-        if contexts.iter().any(|context| self.reader.styles.is_hidden(*context)) {
-            return Err(usage.refuse("the file hides it"));
+        if self.index.style_contexts(usage.id()).any(|context| self.reader.styles.is_hidden(context)) {
+            self.hide_product(child);
+            return Err(usage.refuse(HIDDEN));
         }
         let Some(part) = self.product(child, depth)? else { return Ok(None) };
         let to_parent = match placement {
             Some(placement) => {
-                let ends = RelationshipEnds::of(placement.relationship)?;
+                let ends = RelationshipEnds::of(placement)?;
                 let is_parent =
                     |end: Entity<'a>| self.index.owner(end.id()).is_some_and(|p| p.id() == parent.id());
                 // The first end should be the part; some writers exchange them.
@@ -332,7 +360,8 @@ impl<'a, 'r> PartReader<'a, 'r> {
         };
         let (id, name) = (attributes.text(0), attributes.text(1));
         let name = if name.is_empty() { id } else { name };
-        let style = self.reader.styles.context_color(&contexts);
+        let mut contexts = self.index.style_contexts(usage.id());
+        let style = contexts.find_map(|context| self.reader.styles.color(context));
         Ok(Some(Occurrence { part, to_parent, name, style, entity: usage.id() }))
     }
 

@@ -73,8 +73,14 @@ pub(super) fn inverse_matrix(placement: &Placement) -> DMat4 {
     DMat4::from_cols_array_2d(&rows.map(|row| row.to_array())).transpose()
 }
 
+/// Largest entry of a transformation, metres or a factor: beyond, a scene has no coordinates.
+const FARTHEST: f64 = 1e12;
+
 /// A transformation, if it is finite and has an inverse.
 pub(super) fn invertible(entity: Entity<'_>, matrix: DMat4) -> Result<DMat4, Refusal> {
+    if matrix.to_cols_array().iter().any(|entry| entry.abs() > FARTHEST) {
+        return Err(entity.refuse(format!("the transformation has an entry of more than {FARTHEST:e}")));
+    }
     if matrix.is_finite() && matrix.determinant().is_normal() && matrix.inverse().is_finite() {
         Ok(matrix)
     } else {

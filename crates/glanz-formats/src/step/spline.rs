@@ -1,14 +1,15 @@
 //! B-spline curves and surfaces of all forms.
 
-use glanz_brep::model::{Curve, SplineCurve};
+use glanz_brep::model::Curve;
 use glanz_geometry::spline::{MAX_DEGREE, NurbsSurface};
 use glanz_math::DVec3;
-use glanz_math::glam::DVec4;
 
 use super::geometry::{CurveUnits, FileVector, GeometryReader};
 use super::part21::{Entity, EntityAttributes, Keyword, Refusal, TapeItems};
+use crate::cad::{spline_curve, spline_surface};
 
 /// The ways in which a file gives knots.
+#[derive(Clone, Copy, Debug)]
 enum KnotForm {
     /// Distinct knots with multiplicities.
     Explicit,
@@ -20,22 +21,30 @@ enum KnotForm {
     PiecewiseBezier,
 }
 
+/// Types of curves and surfaces with their knots.
+const FORMS: [(Keyword, Keyword, KnotForm); 5] = [
+    (Keyword::BSplineCurveWithKnots, Keyword::BSplineSurfaceWithKnots, KnotForm::Explicit),
+    (Keyword::UniformCurve, Keyword::UniformSurface, KnotForm::Uniform),
+    (Keyword::QuasiUniformCurve, Keyword::QuasiUniformSurface, KnotForm::QuasiUniform),
+    (Keyword::BezierCurve, Keyword::BezierSurface, KnotForm::PiecewiseBezier),
+    (Keyword::PiecewiseBezierCurve, Keyword::PiecewiseBezierSurface, KnotForm::PiecewiseBezier),
+];
+
+/// Whether a type is that of a B-spline curve.
+pub(super) fn is_spline_curve(kind: Keyword) -> bool {
+    kind == Keyword::BSplineCurve || FORMS.iter().any(|(curve, ..)| *curve == kind)
+}
+
+/// Whether a type is that of a B-spline surface.
+pub(super) fn is_spline_surface(kind: Keyword) -> bool {
+    kind == Keyword::BSplineSurface || FORMS.iter().any(|(_, surface, _)| *surface == kind)
+}
+
 impl KnotForm {
     fn of(entity: Entity<'_>) -> Result<Self, Refusal> {
-        use Keyword::{
-            BSplineCurveWithKnots, BSplineSurfaceWithKnots, BezierCurve, BezierSurface, PiecewiseBezierCurve,
-            PiecewiseBezierSurface, QuasiUniformCurve, QuasiUniformSurface, UniformCurve, UniformSurface,
-        };
-        let form = entity.kinds().find_map(|kind| match kind {
-            BSplineCurveWithKnots | BSplineSurfaceWithKnots => Some(Self::Explicit),
-            UniformCurve | UniformSurface => Some(Self::Uniform),
-            QuasiUniformCurve | QuasiUniformSurface => Some(Self::QuasiUniform),
-            BezierCurve | PiecewiseBezierCurve | BezierSurface | PiecewiseBezierSurface => {
-                Some(Self::PiecewiseBezier)
-            }
-            _ => None,
-        });
-        form.ok_or_else(|| entity.refuse("the B-spline has no knots"))
+        let form = |kind| FORMS.iter().find(|(curve, surface, _)| *curve == kind || *surface == kind);
+        let form = entity.kinds().find_map(form);
+        form.map(|(.., form)| *form).ok_or_else(|| entity.refuse("the B-spline has no knots"))
     }
 
     /// The knots for `count` control points.
@@ -92,19 +101,6 @@ fn expand(attributes: &EntityAttributes<'_>, at: [usize; 2], total: usize) -> Re
     Ok(knots.into_iter().zip(multiplicities).flat_map(|(knot, m)| std::iter::repeat_n(knot, m)).collect())
 }
 
-/// The inner knots that appear more often than the degree, by the indices of the control points that begin there: the point before
-/// each and the point itself are the two ends of a gap.
-fn gaps(degree: usize, knots: &[f64]) -> Vec<usize> {
-    let count = knots.len().saturating_sub(degree + 1);
-    (degree + 1..count).filter(|&i| knots.get(i) == knots.get(i + degree)).collect()
-}
-
-/// Removes the items at some ascending indices.
-fn remove_at<T>(items: &mut Vec<T>, indices: &[usize]) {
-    let mut i = 0..;
-    items.retain(|_| i.next().is_none_or(|i| indices.binary_search(&i).is_err()));
-}
-
 impl GeometryReader {
     /// A B-spline curve; the form of its knots may be any.
     pub(super) fn spline_curve<P: FileVector>(
@@ -116,21 +112,15 @@ impl GeometryReader {
         let attributes = entity.attributes(&parts);
         let degree = attributes.count(1)?;
         let count = self.spend_items(entity.id(), attributes.list(2)?, 1)?;
-        let mut knots = KnotForm::of(entity)?.knots(&attributes, [6, 7], degree, count)?;
+        let knots = KnotForm::of(entity)?.knots(&attributes, [6, 7], degree, count)?;
         let weights = weights(entity, Keyword::RationalBSplineCurve, count, |a| a.numbers(0))?;
         let mut points = Vec::with_capacity(count);
         for (i, point) in attributes.references(2)?.enumerate() {
             let weight = weights.as_ref().and_then(|w| w.get(i)).copied().unwrap_or(1.0);
             points.push((Self::located::<P>(point?, units)? * weight).with_weight(weight));
         }
-        let gaps = gaps(degree, &knots);
-        if gaps.iter().any(|&i| points.get(i - 1) != points.get(i)) {
-            return Err(entity.refuse("the curve has a gap at a knot"));
-        }
-        remove_at(&mut points, &gaps);
-        remove_at(&mut knots, &gaps);
-        let spline = SplineCurve::try_new(degree, knots, points);
-        spline.map(Curve::Spline).map_err(|error| entity.refuse(error.to_string()))
+        let spline = spline_curve::<P>(degree, knots, points);
+        spline.map(Curve::Spline).map_err(|reason| entity.refuse(reason))
     }
 
     /// A B-spline surface with clamped knots; `length`: metres.
@@ -153,8 +143,8 @@ impl GeometryReader {
         let total = counts[0].saturating_mul(counts[1]);
         self.spend(entity.id(), total)?;
         let form = KnotForm::of(entity)?;
-        let mut knots_u = form.knots(&attributes, [8, 10], degrees[0], counts[0])?;
-        let mut knots_v = form.knots(&attributes, [9, 11], degrees[1], counts[1])?;
+        let knots_u = form.knots(&attributes, [8, 10], degrees[0], counts[0])?;
+        let knots_v = form.knots(&attributes, [9, 11], degrees[1], counts[1])?;
         let weights = weights(entity, Keyword::RationalBSplineSurface, total, nested_numbers)?;
         let units = CurveUnits { coordinates: DVec3::splat(length), angle: 1.0 };
         let mut net = Vec::with_capacity(counts[0]);
@@ -167,35 +157,8 @@ impl GeometryReader {
             }
             net.push(points);
         }
-        close_gaps(entity, degrees, [&mut knots_u, &mut knots_v], &mut net)?;
-        let surface = NurbsSurface::try_new(degrees, [knots_u, knots_v], net.concat());
-        surface.and_then(clamped).map_err(|error| entity.refuse(error.to_string()))
+        spline_surface(degrees, [knots_u, knots_v], net).map_err(|reason| entity.refuse(reason))
     }
-}
-
-/// Removes double rows and columns of control points at inner knots that appear once too often.
-fn close_gaps(
-    entity: Entity<'_>,
-    [degree_u, degree_v]: [usize; 2],
-    [knots_u, knots_v]: [&mut Vec<f64>; 2],
-    net: &mut Vec<Vec<DVec4>>,
-) -> Result<(), Refusal> {
-    let (gaps_u, gaps_v) = (gaps(degree_u, knots_u), gaps(degree_v, knots_v));
-    let has_gap = |row: &Vec<DVec4>| gaps_v.iter().any(|&j| row.get(j - 1) != row.get(j));
-    if gaps_u.iter().any(|&i| net.get(i - 1) != net.get(i)) || net.iter().any(has_gap) {
-        return Err(entity.refuse("the surface has a gap at a knot"));
-    }
-    remove_at(knots_u, &gaps_u);
-    remove_at(knots_v, &gaps_v);
-    remove_at(net, &gaps_u);
-    net.iter_mut().for_each(|row| remove_at(row, &gaps_v));
-    Ok(())
-}
-
-/// The surface with knots that are clamped to its domain.
-fn clamped(surface: NurbsSurface) -> Result<NurbsSurface, glanz_geometry::SurfaceError> {
-    let (u, v) = (surface.knots_u(), surface.knots_v());
-    if u.is_clamped() && v.is_clamped() { Ok(surface) } else { surface.restrict([u.domain(), v.domain()]) }
 }
 
 /// The weights of a rational spline, `count` of them; `None` if it is polynomial.

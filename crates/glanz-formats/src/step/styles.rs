@@ -4,10 +4,10 @@ use std::collections::{HashMap, HashSet};
 
 use glanz_brep::model::{ColorStyle, EntityId};
 
+use super::colors::{ColorReader, referred};
 use super::entities::EntityLists;
-use super::lowering::is_face;
-use super::part21::{Entity, EntityAttributes, Keyword, Refusal, TapeToken};
-use super::report::StepReport;
+use super::part21::{Entity, Keyword, Refusal};
+use crate::cad::ReadingReport;
 
 /// Lists of hidden things inside one another, at most.
 const MAX_DEPTH: usize = 8;
@@ -20,22 +20,33 @@ struct ItemColor {
     overrides: bool,
 }
 
+/// A colour that an item has in some contexts only.
+#[derive(Clone, Debug)]
+pub(super) struct ContextualColor<'a> {
+    /// The styled item.
+    pub(super) style: EntityId,
+    pub(super) item: Entity<'a>,
+    /// Entities that stand for occurrences: one occurrence inside another, or several.
+    pub(super) contexts: Vec<EntityId>,
+    pub(super) color: ColorStyle,
+}
+
 /// Colours, layers and visibility by the number of the item.
 #[derive(Debug, Default)]
-pub(super) struct StyleTable {
+pub(super) struct StyleTable<'a> {
     colors: HashMap<EntityId, ItemColor>,
-    /// Colours that hold in the context of an occurrence only, by the number of the context.
-    contexts: HashMap<EntityId, ColorStyle>,
+    pub(super) contextual: Vec<ContextualColor<'a>>,
     hidden: HashSet<EntityId>,
     layers: HashMap<EntityId, usize>,
     layer_names: Vec<String>,
 }
 
-impl StyleTable {
-    pub(super) fn new(lists: &EntityLists<'_>, report: &mut StepReport) -> Self {
+impl<'a> StyleTable<'a> {
+    pub(super) fn new(lists: &EntityLists<'a>, report: &mut ReadingReport) -> Self {
         let mut table = Self::default();
+        let mut colors = ColorReader::default();
         for item in &lists.styled_items {
-            if let Err(refusal) = table.add_styled_item(*item) {
+            if let Err(refusal) = table.add_styled_item(*item, &mut colors) {
                 report.repairs.push(
                     item.id(),
                     format!("{}: {}; the style is left out", refusal.entity, refusal.reason),
@@ -63,11 +74,9 @@ impl StyleTable {
         self.colors.get(&item).map(|item| item.color)
     }
 
-    /// The colour of an occurrence, by the entities that may stand for it.
-    pub(super) fn context_color(&self, contexts: &[EntityId]) -> Option<ColorStyle> {
-        contexts
-            .iter()
-            .find_map(|context| self.contexts.get(context).copied().or_else(|| self.color(*context)))
+    /// The colour of an item that overrides those inside of it.
+    pub(super) fn overriding_color(&self, item: EntityId) -> Option<ColorStyle> {
+        self.colors.get(&item).filter(|item| item.overrides).map(|item| item.color)
     }
 
     /// Whether the file hides an item.
@@ -81,7 +90,7 @@ impl StyleTable {
     }
 
     /// `STYLED_ITEM(name, styles, item)`, with what it overrides and in which contexts.
-    fn add_styled_item(&mut self, entity: Entity<'_>) -> Result<(), Refusal> {
+    fn add_styled_item(&mut self, entity: Entity<'a>, colors: &mut ColorReader) -> Result<(), Refusal> {
         use Keyword::{
             ContextDependentOverRidingStyledItem, OverRidingStyledItem, RepresentationItem, StyledItem,
         };
@@ -89,44 +98,29 @@ impl StyleTable {
             [RepresentationItem, StyledItem, OverRidingStyledItem, ContextDependentOverRidingStyledItem];
         let attributes = entity.attributes(&parts);
         let item = attributes.reference(2)?;
+        let contextual = |contexts, color| ContextualColor { style: entity.id(), item, contexts, color };
         let mut color = None;
         for style in referred(&attributes, 1)? {
             let style = style?;
-            let Some(found) = assignment_color(style)? else { continue };
+            let Some(found) = colors.color(style)? else { continue };
             // OpenCascade colours occurrences by the context of the style, others by that of the item.
             if style.keyword() == Keyword::PresentationStyleByContext {
-                self.add_context(item, style.simple().reference(1)?, found)?;
+                let context = style.simple().reference(1)?;
+                self.contextual.push(contextual(vec![context.id()], found));
             } else {
                 color = color.or(Some(found));
             }
         }
         let Some(color) = color else { return Ok(()) };
         if entity.is(ContextDependentOverRidingStyledItem) {
-            for context in attributes.references(4)? {
-                self.add_context(item, context?, color)?;
-            }
+            let contexts = attributes.references(4)?.map(|context| Ok(context?.id()));
+            self.contextual.push(contextual(contexts.collect::<Result<_, Refusal>>()?, color));
             return Ok(());
         }
         let overrides = entity.is(OverRidingStyledItem);
         let known = self.colors.get(&item.id());
         if known.is_none_or(|known| overrides && !known.overrides) {
             self.colors.insert(item.id(), ItemColor { color, overrides });
-        }
-        Ok(())
-    }
-
-    /// Colours an item in one occurrence; one colour is possible, and none of a single face.
-    fn add_context(
-        &mut self,
-        item: Entity<'_>,
-        context: Entity<'_>,
-        color: ColorStyle,
-    ) -> Result<(), Refusal> {
-        if is_face(item) {
-            return Err(item.refuse("a single face has a colour of its own in one occurrence"));
-        }
-        if *self.contexts.entry(context.id()).or_insert(color) != color {
-            return Err(context.refuse("the occurrence has several colours"));
         }
         Ok(())
     }
@@ -138,13 +132,14 @@ impl StyleTable {
         }
         let entity = styled(entity);
         self.hidden.insert(entity.id());
+        let attributes = entity.attributes(&[Keyword::Representation]);
         let list = match entity.keyword() {
             Keyword::PresentationLayerAssignment => 2,
-            Keyword::Unknown => 1,
+            // Representations of styles, whose types have many names, have a name, items and a context.
+            Keyword::Unknown | Keyword::Complex => 1,
             _ => return,
         };
-        // Representations of styles, whose types have many names, have a name, items and a context.
-        for item in entity.simple().references(list).into_iter().flatten().flatten() {
+        for item in attributes.references(list).into_iter().flatten().flatten() {
             self.hide(item, visited, depth - 1);
         }
     }
@@ -163,96 +158,3 @@ fn styled(entity: Entity<'_>) -> Entity<'_> {
     }
     entity.attributes(&[RepresentationItem, StyledItem]).reference(2).unwrap_or(entity)
 }
-
-/// The colour of surfaces in `PRESENTATION_STYLE_ASSIGNMENT((styles))`.
-fn assignment_color(entity: Entity<'_>) -> Result<Option<ColorStyle>, Refusal> {
-    if !matches!(entity.keyword(), Keyword::PresentationStyleAssignment | Keyword::PresentationStyleByContext)
-    {
-        return usage_color(entity);
-    }
-    let mut color = None;
-    for style in referred(&entity.simple(), 0)? {
-        color = color.or(usage_color(style?)?);
-    }
-    Ok(color)
-}
-
-/// The entities in a list, without its other items, such as `NULL_STYLE(.NULL.)`.
-fn referred<'a>(
-    attributes: &EntityAttributes<'a>,
-    i: usize,
-) -> Result<impl Iterator<Item = Result<Entity<'a>, Refusal>> + use<'a>, Refusal> {
-    let attributes = *attributes;
-    let is_reference = move |at: &u32| matches!(attributes.token(*at), TapeToken::Reference(_));
-    Ok(attributes.list(i)?.filter(is_reference).map(move |at| attributes.reference_at(at)))
-}
-
-/// The colour of `SURFACE_STYLE_USAGE(side, SURFACE_SIDE_STYLE(name, (elements)))`; `None` for styles of curves and points.
-fn usage_color(entity: Entity<'_>) -> Result<Option<ColorStyle>, Refusal> {
-    if entity.keyword() != Keyword::SurfaceStyleUsage {
-        return Ok(None);
-    }
-    let side = entity.simple().reference(1)?;
-    if side.keyword() != Keyword::SurfaceSideStyle {
-        return Ok(None);
-    }
-    let (mut rgb, mut transparency) = (None, 0.0);
-    for element in referred(&side.simple(), 1)? {
-        let element = element?;
-        let attributes = element.simple();
-        match element.keyword() {
-            Keyword::SurfaceStyleFillArea => {
-                let area = attributes.reference(0)?.simple();
-                for fill in referred(&area, 1)? {
-                    let fill = fill?;
-                    if fill.keyword() == Keyword::FillAreaStyleColour {
-                        rgb = color(fill.simple().reference(1)?)?.or(rgb);
-                    }
-                }
-            }
-            Keyword::SurfaceStyleRendering | Keyword::SurfaceStyleRenderingWithProperties => {
-                rgb = rgb.or(color(attributes.reference(1)?)?);
-                let properties = (attributes.len() > 2).then(|| referred(&attributes, 2)).transpose()?;
-                for property in properties.into_iter().flatten() {
-                    let property = property?;
-                    if property.keyword() == Keyword::SurfaceStyleTransparent {
-                        transparency = property.simple().number(0)?.clamp(0.0, 1.0);
-                    }
-                }
-            }
-            _ => {}
-        }
-    }
-    Ok(rgb.map(|rgb| ColorStyle { rgb, transparency }))
-}
-
-/// Red, green and blue of `COLOUR_RGB(name, r, g, b)` or of a colour by name.
-fn color(entity: Entity<'_>) -> Result<Option<[f64; 3]>, Refusal> {
-    let attributes = entity.simple();
-    match entity.keyword() {
-        Keyword::ColourRgb => {
-            let [r, g, b] = [1, 2, 3].map(|i| attributes.number(i).map(|value| value.clamp(0.0, 1.0)));
-            Ok(Some([r?, g?, b?]))
-        }
-        Keyword::DraughtingPreDefinedColour | Keyword::PreDefinedColour => {
-            let name = attributes.text(0);
-            let known = NAMED_COLORS.iter().find(|(known, _)| known.eq_ignore_ascii_case(&name));
-            known
-                .map(|(_, rgb)| Some(*rgb))
-                .ok_or_else(|| entity.refuse(format!("the colour {name:?} is unknown")))
-        }
-        _ => Ok(None),
-    }
-}
-
-/// Colours of @iso10303-46 with a name.
-const NAMED_COLORS: [(&str, [f64; 3]); 8] = [
-    ("red", [1.0, 0.0, 0.0]),
-    ("green", [0.0, 1.0, 0.0]),
-    ("blue", [0.0, 0.0, 1.0]),
-    ("yellow", [1.0, 1.0, 0.0]),
-    ("magenta", [1.0, 0.0, 1.0]),
-    ("cyan", [0.0, 1.0, 1.0]),
-    ("black", [0.0; 3]),
-    ("white", [1.0; 3]),
-];

@@ -6,6 +6,7 @@ use glanz_math::DVec3;
 use super::geometry::{CurveUnits, ENTITY_COST, GeometryReader, deeper};
 use super::part21::{Entity, EntityAttributes, Keyword, Refusal};
 use super::placement::{axis, vector};
+use super::spline::is_spline_surface;
 use super::trim::parameter_scale;
 use super::units::UnitSet;
 
@@ -16,23 +17,6 @@ pub(super) struct ScaledSurface {
     pub(super) surface: FaceSurface,
     /// Factors of u and v; negative where they run in the other direction.
     pub(super) scale: [f64; 2],
-}
-
-/// Whether a type is that of a B-spline surface.
-fn is_spline(kind: Keyword) -> bool {
-    use Keyword::{
-        BSplineSurface, BSplineSurfaceWithKnots, BezierSurface, PiecewiseBezierSurface, QuasiUniformSurface,
-        UniformSurface,
-    };
-    matches!(
-        kind,
-        BSplineSurface
-            | BSplineSurfaceWithKnots
-            | BezierSurface
-            | PiecewiseBezierSurface
-            | QuasiUniformSurface
-            | UniformSurface
-    )
 }
 
 impl GeometryReader {
@@ -48,7 +32,7 @@ impl GeometryReader {
     ) -> Result<ScaledSurface, Refusal> {
         let depth = deeper(entity, depth)?;
         self.spend(entity.id(), ENTITY_COST)?;
-        if entity.kinds().any(is_spline) {
+        if entity.kinds().any(is_spline_surface) {
             let surface = FaceSurface::Spline(self.spline_surface(entity, units.length)?);
             return Ok(ScaledSurface { surface, scale: [1.0; 2] });
         }
@@ -59,8 +43,9 @@ impl GeometryReader {
             | Keyword::SphericalSurface
             | Keyword::ToroidalSurface
             | Keyword::DegenerateToroidalSurface => self.elementary(entity, units),
-            Keyword::SurfaceOfRevolution => self.revolution(entity, units, depth),
-            Keyword::SurfaceOfLinearExtrusion => self.extrusion(entity, units, depth),
+            Keyword::SurfaceOfRevolution | Keyword::SurfaceOfLinearExtrusion => {
+                self.swept(entity, units, depth)
+            }
             Keyword::OffsetSurface => self.offset(entity, units, depth),
             Keyword::RectangularTrimmedSurface => self.rectangular(entity, units, depth),
             _ => Err(entity.refuse_type("surface")),
@@ -93,32 +78,21 @@ impl GeometryReader {
         Ok(ScaledSurface { surface, scale })
     }
 
-    fn revolution(
-        &mut self,
-        entity: Entity<'_>,
-        units: UnitSet,
-        depth: usize,
-    ) -> Result<ScaledSurface, Refusal> {
+    /// `SURFACE_OF_REVOLUTION(name, curve, axis)` or `SURFACE_OF_LINEAR_EXTRUSION(name, curve, vector)`.
+    fn swept(&mut self, entity: Entity<'_>, units: UnitSet, depth: usize) -> Result<ScaledSurface, Refusal> {
         let attributes = entity.simple();
         let curve: Curve<DVec3> = self.curve(attributes.reference(1)?, curve_units(units), depth)?;
-        let [origin, axis] = axis(attributes.reference(2)?)?;
-        let scale = [units.angle, parameter_scale(&curve, units.angle)];
+        let along = parameter_scale(&curve, units.angle);
+        let (curve, path) = (Box::new(curve), attributes.reference(2)?);
+        if entity.keyword() == Keyword::SurfaceOfLinearExtrusion {
+            let direction = finite(entity, vector(path)? * units.length)?;
+            let surface = FaceSurface::Extrusion { curve, direction };
+            return Ok(ScaledSurface { surface, scale: [along, 1.0] });
+        }
+        let [origin, axis] = axis(path)?;
         let origin = finite(entity, origin * units.length)?;
-        let surface = FaceSurface::Revolution { curve: Box::new(curve), origin, axis };
-        Ok(ScaledSurface { surface, scale })
-    }
-
-    fn extrusion(
-        &mut self,
-        entity: Entity<'_>,
-        units: UnitSet,
-        depth: usize,
-    ) -> Result<ScaledSurface, Refusal> {
-        let attributes = entity.simple();
-        let curve: Curve<DVec3> = self.curve(attributes.reference(1)?, curve_units(units), depth)?;
-        let direction = finite(entity, vector(attributes.reference(2)?)? * units.length)?;
-        let scale = [parameter_scale(&curve, units.angle), 1.0];
-        Ok(ScaledSurface { surface: FaceSurface::Extrusion { curve: Box::new(curve), direction }, scale })
+        let surface = FaceSurface::Revolution { curve, origin, axis };
+        Ok(ScaledSurface { surface, scale: [units.angle, along] })
     }
 
     fn offset(&mut self, entity: Entity<'_>, units: UnitSet, depth: usize) -> Result<ScaledSurface, Refusal> {

@@ -33,7 +33,7 @@ impl GeometryReader {
             let by_point = point.filter(|_| prefers_points || parameter.is_none());
             *end = match (by_point, parameter) {
                 (Some(point), _) => {
-                    self.spend(entity.id(), SEARCH_COST * search_size(&basis))?;
+                    self.spend(entity.id(), search_size(&basis).saturating_mul(SEARCH_COST))?;
                     basis.closest_parameter(point, None)
                 }
                 (None, Some(parameter)) => parameter * scale,
@@ -51,8 +51,14 @@ fn search_size<P: CurveVector>(curve: &Curve<P>) -> usize {
     match curve {
         Curve::Spline(spline) => spline.control_points().len(),
         Curve::Polyline(points) => points.len(),
-        Curve::Trimmed { basis, .. } => search_size(basis),
-        Curve::Composite(segments) => segments.iter().map(|(segment, _)| search_size(segment)).sum(),
+        Curve::Trimmed { basis, .. } => match basis.as_ref() {
+            // To find a point, all segments before it are passed.
+            Curve::Composite(segments) => segments.len().saturating_mul(search_size(basis)),
+            basis => search_size(basis),
+        },
+        Curve::Composite(segments) => {
+            segments.iter().fold(0, |size: usize, (segment, _)| size.saturating_add(search_size(segment)))
+        }
         _ => 1,
     }
 }

@@ -14,4 +14,5 @@ mod pbrt_errors;
 mod pbrt_files;
 mod pbrt_freeform;
 mod pbrt_lowering;
+mod pbrt_write;
 mod step_shape;

@@ -207,6 +207,7 @@ fn trimmed_mirror_shows_what_is_left_of_the_image() {
         knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0],
         points,
         width: None,
+        edge: None,
     };
     let mut mirror = (rectangle([-2.0, 2.0], [-2.0, 2.0]), MIRROR);
     mirror.0.trim = Some(vec![TrimLoopDescription { curves: vec![curve] }].into());

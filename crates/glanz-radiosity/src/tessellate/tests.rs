@@ -47,6 +47,7 @@ fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
         knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0],
         points: square.iter().map(|[x, y]| [*x, *y, 1.0]).collect(),
         width: None,
+        edge: None,
     };
     let mut loops = Vec::new();
     if !kept {
@@ -55,7 +56,7 @@ fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
     }
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
     loops.push(TrimLoopDescription {
-        curves: vec![TrimCurveDescription { degree: 2, knots, points: round, width: None }],
+        curves: vec![TrimCurveDescription { degree: 2, knots, points: round, width: None, edge: None }],
     });
     let shape = shape.trimmed(TrimDescription::from(loops));
     SceneBuilder::new().shape(shape, MaterialKind::diffuse(0.5)).resolve().unwrap().0

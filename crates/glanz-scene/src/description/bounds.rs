@@ -193,6 +193,7 @@ mod tests {
             knots: vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0],
             points: corners.map(|[u, v]| [2.0 * u, 2.0 * v, 2.0]).to_vec(),
             width: None,
+            edge: None,
         };
         let trim = TrimDescription::from(vec![TrimLoopDescription { curves: vec![curve] }]);
         let shape = ShapeDescription::plane().trimmed(trim).translated([0.0, 0.0, 5.0]);

@@ -3,6 +3,7 @@
 use glanz_math::DMat4;
 
 use super::Location;
+use super::edge::EdgeDescription;
 use super::shape::ShapeDescription;
 
 /// Shapes and instances with one frame.
@@ -14,6 +15,8 @@ pub struct GroupDescription {
     pub shapes: Vec<ShapeDescription>,
     /// Copies of other groups.
     pub instances: Vec<InstanceDescription>,
+    /// Edges of the shapes, where the reader was asked for them.
+    pub edges: Vec<EdgeDescription>,
 }
 
 /// A copy of a group.

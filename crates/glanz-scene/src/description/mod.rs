@@ -6,6 +6,7 @@
 
 mod bounds;
 mod camera;
+mod edge;
 mod film;
 mod freeform;
 mod geometry;
@@ -24,6 +25,7 @@ mod trim;
 use glanz_light::SpectralDistribution;
 
 pub use camera::{CameraDescription, CameraKind, look_at};
+pub use edge::{EdgeDescription, EdgeKind, EdgeTransition};
 pub use film::{FilmDescription, FilterDescription, FilterKind};
 pub use freeform::{BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription};
 pub use geometry::GeometryDescription;
@@ -40,7 +42,7 @@ pub use shape::ShapeDescription;
 pub use texture::{
     FloatParameter, ImageDescription, MappingDescription, SpectrumParameter, TextureDescription, TextureKind,
 };
-pub use trim::{TrimCurveDescription, TrimDescription, TrimLoopDescription};
+pub use trim::{TrimCurveDescription, TrimDescription, TrimEdgeDescription, TrimLoopDescription};
 
 /// Index into [`Description::files`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -38,4 +38,17 @@ pub struct TrimCurveDescription {
     /// Distance from the curve within which points are kept on both sides, after the scale of the trimming; `None`: 1e-9 of the extent
     /// of all loops.
     pub width: Option<f64>,
+    /// The edge of which it is the image, where several surfaces share it.
+    pub edge: Option<TrimEdgeDescription>,
+}
+
+/// A part of an edge that shapes of one group share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrimEdgeDescription {
+    /// Its number in the group.
+    pub edge: u32,
+    /// Numbers of the vertices in the group where the edge starts and ends.
+    pub vertices: [u32; 2],
+    /// The fractions of the edge, 0 at its start and 1 at its end, at which the trimming curve starts and ends.
+    pub range: [f64; 2],
 }

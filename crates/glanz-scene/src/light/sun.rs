@@ -76,7 +76,12 @@ impl SunLight {
             let degrees = angular_radius.to_degrees();
             return Err(range_error("sun: angular radius", degrees, "between 0 and 90 degrees"));
         }
-        Ok(Self::new(towards, angular_radius, input.emission))
+        let light = Self::new(towards, angular_radius, input.emission);
+        if !light.radiance.is_finite() || light.one_minus_cos <= 0.0 {
+            let range = "so large that the radiance is finite; use a light of the kind \"distant\"";
+            return Err(range_error("sun: angular radius", format!("{angular_radius:e} radians"), range));
+        }
+        Ok(light)
     }
 }
 
@@ -121,5 +126,24 @@ impl LightModel for SunLight {
 
     fn pdf_of_ray(&self, _: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {
         self.pdf(-ray.ray.direction)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+    use crate::description::{Description, LightDescription, LightKind};
+
+    #[test]
+    fn disks_too_small_for_their_radiance_are_refused() {
+        for (angular_radius, valid) in
+            [(1e-9, true), (1e-25, false), (1e-200, false), (f64::MIN_POSITIVE, false)]
+        {
+            let kind = LightKind::Sun { from: DVec3::Z, to: DVec3::ZERO, angular_radius };
+            let lights = vec![LightDescription::new(kind, 1.0)];
+            let resolved = Scene::resolve(Description { lights, ..Description::default() });
+            assert_eq!(resolved.is_ok(), valid, "{angular_radius}");
+        }
     }
 }

@@ -19,25 +19,43 @@ fn homogeneous(points: Vec<[f64; 4]>) -> Vec<DVec4> {
     points.into_iter().map(DVec4::from_array).collect()
 }
 
-pub(super) fn nurbs(description: NurbsDescription) -> Result<Surface, SurfaceError> {
+/// The part of a surface that a region keeps, or all of it.
+fn freeform(patches: Vec<SurfacePatch>, region: Option<&Arc<TrimRegion>>) -> Result<Surface, SurfaceError> {
+    let surface = match region {
+        Some(region) => Freeform::try_trimmed(patches, Arc::clone(region)),
+        None => Freeform::try_new(patches),
+    };
+    Ok(surface?.into())
+}
+
+pub(super) fn nurbs(
+    description: NurbsDescription,
+    region: Option<&Arc<TrimRegion>>,
+) -> Result<Surface, SurfaceError> {
     let NurbsDescription { degree_u, degree_v, knots_u, knots_v, points, domain } = description;
     let mut surface = NurbsSurface::try_new([degree_u, degree_v], [knots_u, knots_v], homogeneous(points))?;
     if let Some(domain) = domain {
         surface = surface.restrict(domain)?;
     }
-    Ok(surface.to_freeform()?.into())
+    freeform(surface.surface_patches()?, region)
 }
 
-pub(super) fn patches(description: BezierPatchesDescription) -> Result<Surface, SurfaceError> {
+pub(super) fn patches(
+    description: BezierPatchesDescription,
+    region: Option<&Arc<TrimRegion>>,
+) -> Result<Surface, SurfaceError> {
     let BezierPatchesDescription { degree_u, degree_v, patches } = description;
     let pieces = patches.into_iter().map(|points| {
         let patch = TensorPatch::try_new(degree_u, degree_v, homogeneous(points))?;
         SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0])
     });
-    Ok(Freeform::try_new(pieces.collect::<Result<_, _>>()?)?.into())
+    freeform(pieces.collect::<Result<_, _>>()?, region)
 }
 
-pub(super) fn triangles(description: BezierTrianglesDescription) -> Result<Surface, SurfaceError> {
+pub(super) fn triangles(
+    description: BezierTrianglesDescription,
+    region: Option<&Arc<TrimRegion>>,
+) -> Result<Surface, SurfaceError> {
     let mut pieces = Vec::new();
     for points in description.patches {
         let triangle = TrianglePatch::try_new(description.degree, homogeneous(points))?;
@@ -45,11 +63,11 @@ pub(super) fn triangles(description: BezierTrianglesDescription) -> Result<Surfa
             pieces.push(SurfacePatch::over_quad(quad.patch, quad.corners)?);
         }
     }
-    Ok(Freeform::try_new(pieces)?.into())
+    freeform(pieces, region)
 }
 
 /// The region of the parameters that `trim` keeps.
-pub(super) fn region(trim: TrimDescription) -> Result<Arc<TrimRegion>, SurfaceError> {
+pub(crate) fn region(trim: TrimDescription) -> Result<Arc<TrimRegion>, SurfaceError> {
     let curve = |curve: TrimCurveDescription| {
         let points: Vec<DVec3> = curve.points.into_iter().map(DVec3::from_array).collect();
         let made = TrimCurve::try_nurbs(curve.degree, &curve.knots, &points)?;

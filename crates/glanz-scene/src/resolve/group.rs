@@ -1,5 +1,7 @@
 //! Resolves groups of shapes and instances.
 
+use std::collections::BTreeSet;
+
 use glanz_geometry::bvh::{BuildOptions, Bvh};
 use glanz_light::Wavelengths;
 use glanz_math::{Bounds3, Transform};
@@ -10,8 +12,8 @@ use super::emission::{area_light, emission_per_object};
 use super::join::join_small_meshes;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
 use crate::description::{
-    EmissionDescription, GroupDescription, InstanceDescription, Location, ReceiverDescription,
-    SectionDescription, ShapeDescription,
+    EdgeDescription, EmissionDescription, GroupDescription, InstanceDescription, Location,
+    ReceiverDescription, SectionDescription, ShapeDescription,
 };
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightId};
@@ -57,6 +59,11 @@ impl PendingShape {
         let Self { id, passable, location, emission, solid, receiver, shape } = self;
         let mut warnings = WarningList { warnings: Vec::new() };
         let made = shape::objects(shape, id, &mut warnings);
+        let bounding = |object: SceneObject| match solid {
+            Some(solid) => object.bounding(solid),
+            None => object,
+        };
+        let made = made.map(|objects| objects.into_iter().map(bounding).collect());
         BuiltShape { made, passable, location, emission, solid, receiver, warnings }
     }
 }
@@ -96,10 +103,11 @@ impl GroupResolver {
     /// Adds the group with this index, after all groups that it refers to.
     pub(super) fn add(
         &mut self,
-        description: GroupDescription,
+        mut description: GroupDescription,
         index: usize,
         warnings: &mut WarningList,
     ) -> Result<(), SceneError> {
+        let edges = std::mem::take(&mut description.edges);
         let inner = description.shapes.iter().find_map(|shape| shape.receiver.as_ref());
         if let Some(ReceiverDescription { name, location, .. }) = inner {
             let kind = SceneErrorKind::ReceiverInGroup(name.clone());
@@ -107,9 +115,9 @@ impl GroupResolver {
         }
         let (mut objects, emitters, instances, depth) = self.parts(description, index, warnings)?;
         // Copies of what emits light are added to the world.
-        let open: Vec<u32> = emitters.iter().filter_map(|emitter| emitter.object.solid).collect();
+        let open: BTreeSet<u32> = emitters.iter().filter_map(|emitter| emitter.object.solid).collect();
         release_solids(&mut objects, &open);
-        self.groups.push(self.build(objects, instances));
+        self.groups.push(self.build(objects, instances, edges));
         self.emitters.push(emitters);
         self.depths.push(depth);
         Ok(())
@@ -137,11 +145,12 @@ impl GroupResolver {
     /// Adds the world and makes lights of all objects that emit.
     pub(super) fn finish(
         mut self,
-        world: GroupDescription,
+        mut world: GroupDescription,
         wavelengths: &Wavelengths,
         warnings: &mut WarningList,
     ) -> Result<ResolvedGroups, SceneError> {
         let index = self.groups.len();
+        let edges = std::mem::take(&mut world.edges);
         let (mut objects, emitters, instances, _) = self.parts(world, index, warnings)?;
         let mut lights = Vec::with_capacity(emitters.len());
         for emitter in emitters {
@@ -159,8 +168,9 @@ impl GroupResolver {
             lights.push(Light::Area(light));
             objects.push(object);
         }
-        let world = self.build(objects, instances);
+        let world = self.build(objects, instances, edges);
         self.groups.push(world);
+        measure_placements(&mut self.groups);
         Ok(ResolvedGroups { groups: self.groups, lights, receivers: self.receivers })
     }
 
@@ -172,7 +182,7 @@ impl GroupResolver {
         warnings: &mut WarningList,
     ) -> Result<(Vec<SceneObject>, Vec<EmissiveObject>, Vec<Instance>, usize), SceneError> {
         let mut objects = Vec::with_capacity(description.shapes.len());
-        let (mut emitters, mut open) = (Vec::new(), Vec::new());
+        let (mut emitters, mut open) = (Vec::new(), BTreeSet::new());
         let mut pending = Vec::with_capacity(description.shapes.len());
         for mut shape in description.shapes {
             let id = self.next_id;
@@ -199,7 +209,6 @@ impl GroupResolver {
             for object in &mut made {
                 check_extent(&object.bounds(), location)?;
                 object.passable = passable;
-                object.solid = solid;
             }
             match emission {
                 Some(emission) => {
@@ -243,7 +252,12 @@ impl GroupResolver {
         Ok((join_small_meshes(objects), emitters, instances, depth))
     }
 
-    fn build(&self, objects: Vec<SceneObject>, instances: Vec<Instance>) -> SceneGroup {
+    fn build(
+        &self,
+        objects: Vec<SceneObject>,
+        instances: Vec<Instance>,
+        edges: Vec<EdgeDescription>,
+    ) -> SceneGroup {
         let mut bounded = Vec::new();
         let mut unbounded = Vec::new();
         let mut boxes = Vec::new();
@@ -268,15 +282,43 @@ impl GroupResolver {
             let inner = self.groups[instance.group].placed_before.last().copied().unwrap_or_default();
             placed_before.push(placed_before.last().copied().unwrap_or_default() + inner);
         }
-        SceneGroup { objects, instances, bounded, unbounded, bvh, placed_before, section: None }
+        let has_edges =
+            !edges.is_empty() || instances.iter().any(|instance| self.groups[instance.group].has_edges);
+        SceneGroup {
+            objects,
+            instances,
+            bounded,
+            unbounded,
+            bvh,
+            placed_before,
+            placement_distance: 0.0,
+            section: None,
+            edges,
+            has_edges,
+        }
+    }
+}
+
+/// Sets the distances of the groups, the last of which is the world, from the origins of the frames around them.
+fn measure_placements(groups: &mut [SceneGroup]) {
+    for index in (0..groups.len()).rev() {
+        // Instances refer to groups before their own.
+        let (inner, outer) = groups.split_at_mut(index);
+        let Some(group) = outer.first() else { continue };
+        for Instance { group: number, to_parent } in &group.instances {
+            let Some(placed) = inner.get_mut(*number) else { continue };
+            let axes = to_parent.inverse().forward().matrix3;
+            let per_unit = axes.x_axis.length().max(axes.y_axis.length()).max(axes.z_axis.length());
+            let distance = per_unit * (to_parent.forward().translation.length() + group.placement_distance);
+            placed.placement_distance = placed.placement_distance.max(distance);
+        }
     }
 }
 
 /// Makes objects of these solids bound none: a part of the boundary is missing.
-fn release_solids<'a>(objects: impl IntoIterator<Item = &'a mut SceneObject>, open: &[u32]) {
-    for object in objects {
-        object.solid = object.solid.filter(|solid| !open.contains(solid));
-    }
+fn release_solids<'a>(objects: impl IntoIterator<Item = &'a mut SceneObject>, open: &BTreeSet<u32>) {
+    let is_open = |object: &&mut SceneObject| object.solid.is_some_and(|solid| open.contains(&solid));
+    objects.into_iter().filter(is_open).for_each(SceneObject::release);
 }
 
 /// Numbers of surfaces are below this one, so that sums of two do not overflow.
@@ -303,7 +345,7 @@ fn check_extent(bounds: &Bounds3, location: Option<Location>) -> Result<(), Scen
     Ok(())
 }
 
-fn reference(
+pub(super) fn reference(
     what: &'static str,
     index: usize,
     count: usize,

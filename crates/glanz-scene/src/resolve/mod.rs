@@ -18,14 +18,16 @@ use crate::description::{Description, GeometryDescription, Location};
 use crate::error::{SceneError, SceneErrorKind, SceneWarning};
 use crate::light::{Light, LightId, LightSelector};
 use crate::scene::Scene;
+pub(crate) use freeform::region as trim_region;
 use group::{GroupResolver, ResolvedGroups};
+pub(crate) use shape::surface as shape_surface;
 
 /// Coordinates beyond this, in metres, leave the range of the hierarchy's `f32` boxes.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e30;
 
 /// The bounding box of a surface in its own frame; `None` if its description is invalid.
 pub(crate) fn surface_bounds(geometry: &GeometryDescription) -> Option<Bounds3> {
-    Some(shape::surface(geometry.clone()).ok()?.bounds())
+    Some(shape::surface(geometry.clone(), None).ok()?.bounds())
 }
 
 /// Warnings so far.
@@ -55,6 +57,9 @@ impl Scene {
         let materials = material::materials(&description, &textures, &wavelengths, &mut warnings)?;
         let textures = textures.textures;
         let mut groups = GroupResolver::new(&materials);
+        if let Some(section) = &description.section {
+            group::reference("group", section.group, description.groups.len(), None)?;
+        }
         for (index, group) in description.groups.into_iter().enumerate() {
             groups.add(group, index, &mut warnings)?;
             if let Some(section) = description.section.as_ref().filter(|section| section.group == index) {

@@ -11,6 +11,7 @@ use glanz_geometry::quadric::{
     Cone, Cylinder, Disk, Hyperboloid, Paraboloid, Plane, Sphere, TwoSheetedHyperboloid,
 };
 use glanz_geometry::torus::Torus;
+use glanz_geometry::trim::TrimRegion;
 use glanz_geometry::{Surface, SurfaceError};
 use glanz_math::{Bounds3, DVec3, Transform};
 
@@ -33,8 +34,9 @@ pub(super) fn objects(
     let trim_error = |error| SceneError { location, kind: SceneErrorKind::Trim(error) };
     let region = shape.trim.map(freeform::region).transpose().map_err(trim_error)?;
     let trimmed = |surface: Surface| match &region {
-        Some(region) => surface.trimmed(Arc::clone(region)),
-        None => surface,
+        // Freeform surfaces are built without the rest.
+        Some(region) if surface.trim_region().is_none() => surface.trimmed(Arc::clone(region)),
+        _ => surface,
     };
     let placed = |surface: Surface| vec![SceneObject::new(trimmed(surface), to_parent, attributes)];
     let in_parent = |surface: Surface, flipped: bool| {
@@ -70,7 +72,7 @@ pub(super) fn objects(
                 .collect::<Result<_, _>>()
                 .map_err(at)?
         }
-        analytic => placed(surface(analytic).map_err(at)?),
+        other => placed(surface(other, region.as_ref()).map_err(at)?),
     })
 }
 
@@ -107,7 +109,11 @@ fn bilinear_patches<'a>(
     })
 }
 
-pub(super) fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceError> {
+/// The surface in its own frame. `region`: the part that is kept, if it is a freeform surface; others are trimmed afterwards.
+pub(crate) fn surface(
+    geometry: GeometryDescription,
+    region: Option<&Arc<TrimRegion>>,
+) -> Result<Surface, SurfaceError> {
     Ok(match geometry {
         GeometryDescription::Sphere { radius, z, phi_max } => Sphere::try_new(radius, z, phi_max)?.into(),
         GeometryDescription::Cylinder { radius, z, phi_max } => Cylinder::try_new(radius, z, phi_max)?.into(),
@@ -152,8 +158,8 @@ pub(super) fn surface(geometry: GeometryDescription) -> Result<Surface, SurfaceE
             let first = bilinear_patches(&positions, &indices, &identity).next();
             first.unwrap_or(Err(SurfaceError::TooFew { parameter: "patches", count: 0, min: 1 }))?.into()
         }
-        GeometryDescription::Nurbs(description) => freeform::nurbs(description)?,
-        GeometryDescription::BezierPatches(description) => freeform::patches(description)?,
-        GeometryDescription::BezierTriangles(description) => freeform::triangles(description)?,
+        GeometryDescription::Nurbs(description) => freeform::nurbs(description, region)?,
+        GeometryDescription::BezierPatches(description) => freeform::patches(description, region)?,
+        GeometryDescription::BezierTriangles(description) => freeform::triangles(description, region)?,
     })
 }

@@ -1,6 +1,33 @@
 //! Crossings of a line with the boundary of a solid.
 
-use glanz_geometry::{Hit, HitBorder};
+use glanz_geometry::Hit;
+
+/// The certainty of a crossing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum CrossingKind {
+    /// Away from borders: it counts in any case.
+    Certain,
+    /// Away from borders, but of a surface that runs through the tube of an edge near by, within about its radius: where the line passes between two
+    /// faces there, they meet in such a way that it passes back through one of them.
+    BesideTube,
+    /// In a border, on the kept side.
+    Inner,
+    /// In a border, on the side that is cut away.
+    Outer,
+    /// In the tube of an edge: the line may pass between two faces there.
+    InTube,
+}
+
+impl CrossingKind {
+    /// Whether it lies in a border or a tube.
+    pub(super) fn is_near_edge(self) -> bool {
+        !matches!(self, Self::Certain | Self::BesideTube)
+    }
+
+    fn is_border(self) -> bool {
+        matches!(self, Self::Inner | Self::Outer)
+    }
+}
 
 /// A crossing of a line with an object that bounds a solid.
 #[derive(Clone, Copy, Debug)]
@@ -9,10 +36,12 @@ pub(super) struct BoundaryCrossing {
     pub(super) t: f64,
     /// Whether the line arrives at the front of the object.
     pub(super) entering: bool,
-    /// Away from borders it counts in any case; else it may be dropped.
-    pub(super) border: HitBorder,
-    /// In a border, a distance that is not smaller than the width of the border, in units of t.
+    /// Whether it may be dropped.
+    pub(super) kind: CrossingKind,
+    /// In a border or a tube, a distance that is not smaller than the width of the border, or the radius, in units of t.
     pub(super) width: f64,
+    /// Cosine of the angle between line and normal, positive.
+    pub(super) cos: f64,
     /// Number of the object in its group.
     pub(super) object: u32,
     /// The hit with it.
@@ -24,10 +53,14 @@ pub(super) struct BoundaryCrossing {
 struct ParityCost {
     /// Crossings that enter where the line is inside, or leave where it is outside; one more if the line ends inside.
     violations: u32,
+    /// Crossings beside tubes that do not count.
+    passed: u32,
+    /// Crossings in tubes that count: only where the turns lack one.
+    between: u32,
     /// Chords and gaps between two borders that are about as short as these are wide: the line passes by, beyond or within rounding of an edge, and what
     /// starts in such a chord in another direction would miss the faces around it.
     slivers: u32,
-    /// Crossings that do not count although they might: a chord through the solid is not overlooked.
+    /// Crossings in borders that do not count although they might: a chord through the solid is not overlooked.
     dropped: u32,
     /// Crossings that count on the side that their curve cuts away: of two overlapping faces, that within its curves has the true border.
     outer: u32,
@@ -37,6 +70,8 @@ impl ParityCost {
     fn plus(self, other: Self) -> Self {
         Self {
             violations: self.violations + other.violations,
+            passed: self.passed + other.passed,
+            between: self.between + other.between,
             slivers: self.slivers + other.slivers,
             dropped: self.dropped + other.dropped,
             outer: self.outer + other.outer,
@@ -46,21 +81,62 @@ impl ParityCost {
 
 impl BoundaryCrossing {
     fn is_optional(&self) -> bool {
-        self.border != HitBorder::Away
+        self.kind != CrossingKind::Certain
     }
 
     /// The cost if this one counts next after `before`, or first; `None` if it must not.
     fn cost_after(&self, before: Option<&Self>) -> Option<ParityCost> {
         let fits = self.entering != before.is_some_and(|before| before.entering);
-        let both = before.filter(|before| before.is_optional() && self.is_optional());
+        let both = before.filter(|before| before.kind.is_border() && self.kind.is_border());
         // Twice, since at a vertex the borders of three edges meet.
         let is_sliver = both.is_some_and(|before| self.t - before.t <= 2.0 * (before.width + self.width));
         (fits || !self.is_optional()).then(|| ParityCost {
             violations: u32::from(!fits),
+            passed: 0,
+            between: u32::from(self.kind == CrossingKind::InTube),
             slivers: u32::from(is_sliver),
             dropped: 0,
-            outer: u32::from(self.border == HitBorder::Outer),
+            outer: u32::from(self.kind == CrossingKind::Outer),
         })
+    }
+
+    /// The cost if it does not count.
+    fn cost_if_dropped(&self) -> ParityCost {
+        ParityCost {
+            passed: u32::from(self.kind == CrossingKind::BesideTube),
+            dropped: u32::from(self.kind.is_border()),
+            ..ParityCost::default()
+        }
+    }
+
+    /// Whether its surface, continued straight, runs within twice the radius of a tube in which the line has this contact.
+    fn runs_beside(&self, contact: &Self) -> bool {
+        contact.kind == CrossingKind::InTube && (self.t - contact.t).abs() * self.cos <= 2.0 * contact.width
+    }
+}
+
+/// Finds, among crossings in ascending order, those that lie next to one in a tube.
+pub(super) fn find_crossings_beside_tubes(crossings: &mut [BoundaryCrossing]) {
+    let is_beside = |index: usize, crossing: &BoundaryCrossing| {
+        let neighbour = |contact: Option<&BoundaryCrossing>| contact.is_some_and(|c| crossing.runs_beside(c));
+        let behind = crossings.get(index + 1..).unwrap_or_default();
+        let before = crossings.get(..index).unwrap_or_default();
+        neighbour(
+            behind.iter().find(|other| other.kind != CrossingKind::InTube || crossing.runs_beside(other)),
+        ) || neighbour(
+            before.iter().rfind(|other| other.kind != CrossingKind::InTube || crossing.runs_beside(other)),
+        )
+    };
+    let certain = |(index, crossing): &(usize, &BoundaryCrossing)| {
+        crossing.kind == CrossingKind::Certain && is_beside(*index, crossing)
+    };
+    let found: Vec<usize> = crossings.iter().enumerate().filter(certain).map(|(index, _)| index).collect();
+    for index in found {
+        crossings
+            .iter_mut()
+            .skip(index)
+            .take(1)
+            .for_each(|crossing| crossing.kind = CrossingKind::BesideTube);
     }
 }
 
@@ -81,19 +157,21 @@ impl ParityChoice {
                 best = Some(choice);
             }
         };
+        let mut before_next = ParityCost::default();
         for (dropped, (next, after)) in rest.iter().zip(choices.iter().rev()).enumerate() {
             if let Some(cost) = next.cost_after(before) {
-                let after = ParityCost { dropped: after.cost.dropped + dropped as u32, ..after.cost };
+                let cost = before_next.plus(cost).plus(after.cost);
                 // Of equal ones the line enters at the last and leaves at the first: at a convex edge these lie within the curves.
-                offer(Self { cost: cost.plus(after), dropped }, next.entering);
+                offer(Self { cost, dropped }, next.entering);
             }
             if !next.is_optional() {
                 return best.unwrap_or_default();
             }
+            before_next = before_next.plus(next.cost_if_dropped());
         }
         let violations = u32::from(before.is_some_and(|before| before.entering));
         let dropped = rest.len();
-        let none = ParityCost { violations, dropped: dropped as u32, ..ParityCost::default() };
+        let none = ParityCost { violations, ..before_next };
         offer(Self { cost: none, dropped }, before.is_none_or(|before| !before.entering));
         best.unwrap_or_default()
     }
@@ -101,8 +179,9 @@ impl ParityChoice {
 
 /// Which of the crossings of a line, in ascending order, count: those that make the line, outside at both ends, enter and leave in turns.
 ///
-/// All crossings away from borders count. Of those in borders, the choice is that of the least number of violations of the turns; then that of the
-/// fewest slivers; then that of the most crossings; then that of the fewest beyond their curves.
+/// All certain crossings count. Of the others, the choice is that of the least number of violations of the turns; then that of the most that count
+/// beside tubes; then that of the fewest in tubes; then that of the fewest slivers; then that of the most crossings in borders; then that of the fewest
+/// beyond their curves.
 pub(super) fn accepted_crossings(crossings: &[BoundaryCrossing]) -> Vec<bool> {
     let mut choices: Vec<ParityChoice> = Vec::with_capacity(crossings.len());
     for (index, crossing) in crossings.iter().enumerate().rev() {
@@ -122,20 +201,23 @@ pub(super) fn accepted_crossings(crossings: &[BoundaryCrossing]) -> Vec<bool> {
 mod tests {
     use super::*;
 
-    /// `>` enters and `<` leaves away from borders, `i` and `o` enter in the inner and the outer border, `I` and `O` leave there.
+    /// `>` enters and `<` leaves away from borders, `i` and `o` enter in the inner and the outer border, `I` and `O` leave there; `t` and `T` do in a
+    /// tube, `b` and `B` beside one.
     fn crossings(text: &str, width: f64) -> Vec<BoundaryCrossing> {
-        let crossing = |(index, symbol)| {
-            let (entering, border) = match symbol {
-                '>' => (true, HitBorder::Away),
-                '<' => (false, HitBorder::Away),
-                'i' => (true, HitBorder::Inner),
-                'o' => (true, HitBorder::Outer),
-                'I' => (false, HitBorder::Inner),
-                'O' => (false, HitBorder::Outer),
-                other => panic!("{other}"),
+        let crossing = |(index, symbol): (usize, char)| {
+            let (entering, kind) = match symbol {
+                '>' => (true, CrossingKind::Certain),
+                '<' => (false, CrossingKind::Certain),
+                other => match other.to_ascii_lowercase() {
+                    'i' => (other == 'i', CrossingKind::Inner),
+                    'o' => (other == 'o', CrossingKind::Outer),
+                    't' => (other == 't', CrossingKind::InTube),
+                    'b' => (other == 'b', CrossingKind::BesideTube),
+                    _ => panic!("{other}"),
+                },
             };
             let hit = Hit::new(index as f64, 0.0, 0.0, 0);
-            BoundaryCrossing { t: hit.t, entering, border, width, object: index as u32, hit }
+            BoundaryCrossing { t: hit.t, entering, kind, width, cos: 1.0, object: index as u32, hit }
         };
         text.chars().enumerate().map(crossing).collect()
     }
@@ -179,6 +261,24 @@ mod tests {
             ("i<o<", "i<o<"),
             (">oO<", ">..<"),
             (">Oo<", ">Oo<"),
+            // Between faces: only where one is missing.
+            (">T", ">T"),
+            ("t<", "t<"),
+            (">T<", ">.<"),
+            (">TO", ">.O"),
+            (">TT", ">T."),
+            ("tT", ".."),
+            (">TtI", ">..I"),
+            (">T>", ">T>"),
+            (">T><", ">T><"),
+            // A step between faces that meet smoothly: both faces lie on one side of the line, then on the other.
+            (">tb<", ">..<"),
+            (">tb", ">.."),
+            (">BTB", ">B.."),
+            (">b<", ">.<"),
+            // A tube beside the entry does not explain a missing exit.
+            ("tbT", ".bT"),
+            ("bB", "bB"),
             // Open shells: what is certain counts.
             (">>", ">>"),
             ("<<", "<<"),
@@ -208,16 +308,35 @@ mod tests {
         }
     }
 
+    #[test]
+    fn surfaces_through_tubes_run_beside_them() {
+        for (text, cos, expected) in [
+            (">T>", 0.05, [false, false, true]),
+            (">T>", 0.5, [false, false, false]),
+            ("<T>", 0.05, [true, false, true]),
+            (">IT", 0.05, [false, false, false]),
+        ] {
+            let mut crossings = crossings(text, 0.05);
+            crossings.iter_mut().for_each(|crossing| crossing.cos = cos);
+            // Farther away, at the same angle.
+            crossings[0].t = if text.starts_with('<') { 0.0 } else { -5.0 };
+            find_crossings_beside_tubes(&mut crossings);
+            let found = crossings.iter().map(|crossing| crossing.kind == CrossingKind::BesideTube);
+            assert!(found.eq(expected), "{text} {cos}: {crossings:?}");
+        }
+    }
+
     /// Cost of a choice, by bits, or `None` if it is not allowed.
-    fn slow_cost(crossings: &[BoundaryCrossing], choice: u32) -> Option<[u32; 4]> {
-        let (mut before, mut cost) = (None::<&BoundaryCrossing>, [0; 4]);
+    fn slow_cost(crossings: &[BoundaryCrossing], choice: u32) -> Option<[u32; 6]> {
+        let (mut before, mut cost) = (None::<&BoundaryCrossing>, [0; 6]);
         for (i, crossing) in crossings.iter().enumerate() {
-            let (counts, optional) = (choice >> i & 1 != 0, crossing.border != HitBorder::Away);
+            let (counts, optional) = (choice >> i & 1 != 0, crossing.kind != CrossingKind::Certain);
             if !counts {
                 if !optional {
                     return None;
                 }
-                cost[2] += 1;
+                cost[1] += u32::from(crossing.kind == CrossingKind::BesideTube);
+                cost[4] += u32::from(crossing.kind.is_border());
                 continue;
             }
             let inside = before.is_some_and(|before| before.entering);
@@ -228,12 +347,13 @@ mod tests {
                 }
             }
             if let Some(before) = before {
-                let is_between_borders = optional && before.border != HitBorder::Away;
-                cost[1] += u32::from(
+                let is_between_borders = crossing.kind.is_border() && before.kind.is_border();
+                cost[3] += u32::from(
                     is_between_borders && crossing.t - before.t <= 2.0 * (before.width + crossing.width),
                 );
             }
-            cost[3] += u32::from(crossing.border == HitBorder::Outer);
+            cost[2] += u32::from(crossing.kind == CrossingKind::InTube);
+            cost[5] += u32::from(crossing.kind == CrossingKind::Outer);
             before = Some(crossing);
         }
         cost[0] += u32::from(before.is_some_and(|before| before.entering));
@@ -242,15 +362,16 @@ mod tests {
 
     #[test]
     fn choices_are_the_best_of_all() {
-        let symbols = ['>', '<', 'i', 'o', 'I', 'O'];
-        let cases = (0..=6_u32).flat_map(|length| (0..6_u32.pow(length)).map(move |number| (length, number)));
+        let symbols = ['>', '<', 'i', 'o', 'I', 'O', 't', 'T', 'b', 'B'];
+        let cases =
+            (0..=5_u32).flat_map(|length| (0..10_u32.pow(length)).map(move |number| (length, number)));
         for (length, number) in cases {
-            let text: String = (0..length).map(|i| symbols[(number / 6_u32.pow(i) % 6) as usize]).collect();
+            let text: String = (0..length).map(|i| symbols[(number / 10_u32.pow(i) % 10) as usize]).collect();
             for width in [0.05, 0.3] {
                 let crossings = crossings(&text, width);
                 let bit = |(i, &accepted): (usize, &bool)| u32::from(accepted) << i;
                 let found: u32 = accepted_crossings(&crossings).iter().enumerate().map(bit).sum();
-                let costs: Vec<([u32; 4], u32)> = (0..1 << length)
+                let costs: Vec<([u32; 6], u32)> = (0..1 << length)
                     .filter_map(|choice| Some((slow_cost(&crossings, choice)?, choice)))
                     .collect();
                 let least = costs.iter().map(|(cost, _)| *cost).min().unwrap();

@@ -5,13 +5,17 @@
 //! if their object bounds a solid: of all crossings of the ray's line with the boundary, [`accepted_crossings`] accepts those by which the line
 //! enters and leaves the solid in turns. The whole line counts, not only the part ahead of the ray: a ray that has just left through one of
 //! two overlapping faces would leave through the other once more, and one that has just entered could not be told from one that passes by.
+//!
+//! A ray at a small angle to two faces that meet smoothly passes between them however far they overlap, and no face extends beyond the end of its
+//! surface. Such a ray passes through the tube of the edge ([`EdgeTubes`](glanz_geometry::EdgeTubes)), where a crossing is accepted if the turns lack one.
 
 mod crossing;
 
-use glanz_geometry::{Hit, HitBorder, RaySurface, SurfacePoint};
+use glanz_geometry::trim::TrimRegion;
+use glanz_geometry::{Hit, HitBorder, RaySurface, SurfacePoint, TubeContact};
 use glanz_math::{DVec2, DVec3, Ray};
 
-use self::crossing::{BoundaryCrossing, accepted_crossings};
+use self::crossing::{BoundaryCrossing, CrossingKind, accepted_crossings, find_crossings_beside_tubes};
 use crate::object::SceneObject;
 use crate::scene::{Primitive, SceneGroup};
 
@@ -22,44 +26,88 @@ const LINE_MARGIN: f64 = 0.01;
 /// a point on a freeform surface. With more, a ray that starts next to an edge would start from both faces.
 const START_DISTANCE: f64 = 1e-12;
 
+/// Largest distance by which rounding moves a hit along a line, even at a small angle, relative to the size of the group.
+const MISPLACED: f64 = 1e-6;
+
 impl SceneObject {
-    /// The crossing at a hit of the line that is `local` in the frame of the surface, at `t`, with the cosine of the angle between line and
-    /// normal. `number`: that of the object.
-    fn boundary_crossing(&self, number: u32, local: &Ray, hit: &Hit, t: f64) -> (BoundaryCrossing, f64) {
+    /// Whether a ray may pass between the object and a neighbour before `t_max`.
+    #[inline]
+    fn meets_tube(&self, ray: &Ray, t_max: f64) -> bool {
+        self.tubes().is_some_and(|tubes| tubes.meets(&self.local(ray), t_max))
+    }
+
+    /// The crossing at a hit of the line that is `local` in the frame of the surface, at `t`; `None` if it is beyond the object.
+    fn boundary_crossing(&self, number: u32, local: &Ray, hit: &Hit, t: f64) -> Option<BoundaryCrossing> {
         let surface = self.surface();
-        let (normal, width) = match surface.trim_region().filter(|_| hit.border != HitBorder::Away) {
+        let (kind, normal, width) = match surface.trim_region().filter(|_| hit.border != HitBorder::Away) {
             Some(region) => {
-                let SurfacePoint { normal, dpdu, dpdv, .. } = surface.point(local, hit);
-                // Metres per unit of the coordinates in which the region has its widths.
-                let scale = DVec2::new(dpdu.length(), dpdv.length()) / region.scale();
-                (normal, region.max_width() * scale.max_element() / local.direction.length())
+                let point = surface.point(local, hit);
+                let width = self.border_width(region, &point);
+                (self.border_kind(hit.border, point.position, width)?, point.normal, width)
             }
-            None => (surface.location(local, hit).normal, 0.0),
+            None => (CrossingKind::Certain, surface.location(local, hit).normal, 0.0),
         };
-        let along = normal.dot(local.direction);
+        let (along, length) = (normal.dot(local.direction), local.direction.length());
         // The side does not depend on the frame.
         let entering = (along < 0.0) != self.attributes(hit.face).reversed;
-        let cos = along.abs() / (normal.length() * local.direction.length());
-        (BoundaryCrossing { t, entering, border: hit.border, width, object: number, hit: *hit }, cos)
+        let cos = along.abs() / (normal.length() * length);
+        Some(BoundaryCrossing { t, entering, kind, width: width / length, cos, object: number, hit: *hit })
+    }
+
+    /// The width, in space, of the border in which a point lies, metres.
+    fn border_width(&self, region: &TrimRegion, point: &SurfacePoint) -> f64 {
+        // Metres per unit of the coordinates in which the region has its widths; less along one of them near a pole.
+        let scale = DVec2::new(point.dpdu.length(), point.dpdv.length()) / region.scale();
+        region.border_width(point.uv) * scale.min_element()
+    }
+
+    /// The kind of a crossing in a border of this width at a point. Where parameters are dense, as near a pole, a border in parameters reaches far
+    /// beyond the tubes in space, which then decide.
+    fn border_kind(&self, border: HitBorder, position: DVec3, width: f64) -> Option<CrossingKind> {
+        let is_beyond = self.tubes().is_some_and(|tubes| tubes.cover(width) && !tubes.contain(position));
+        match border {
+            HitBorder::Away => Some(CrossingKind::Certain),
+            HitBorder::Inner => Some(if is_beyond { CrossingKind::Certain } else { CrossingKind::Inner }),
+            HitBorder::Outer => (!is_beyond).then_some(CrossingKind::Outer),
+        }
+    }
+
+    /// Crossings beside the object, in its tubes. `start`: the parameter, along the ray, of the origin of `line`, which is `local` in the
+    /// frame of the surface.
+    fn crossings_in_tubes(&self, number: u32, local: &Ray, start: f64) -> Vec<BoundaryCrossing> {
+        let contacts = self.tubes().map(|tubes| tubes.contacts(local)).unwrap_or_default();
+        let length = local.direction.length();
+        let crossing = |contact: TubeContact| {
+            let normal = self.surface().location(local, &contact.hit).normal;
+            let along = normal.dot(local.direction);
+            let entering = (along < 0.0) != self.attributes(contact.hit.face).reversed;
+            let cos = along.abs() / (normal.length() * length);
+            let (t, width) = (start + contact.hit.t, contact.radius / length);
+            // A ray that starts in a tube starts behind it.
+            let t = if t <= width { t.min(0.0) } else { t };
+            let (kind, hit) = (CrossingKind::InTube, Hit { t, ..contact.hit });
+            BoundaryCrossing { t, entering, kind, width, cos, object: number, hit }
+        };
+        contacts.into_iter().map(crossing).collect()
     }
 }
 
 impl SceneGroup {
     /// The first hit of a ray with an object of the group that counts.
     pub(crate) fn object_hit(&self, object: u32, ray: &Ray, t_max: f64) -> Option<Hit> {
-        let hit = self.objects[object as usize].intersect(ray, t_max)?;
-        self.accepted_hit(object, ray, t_max, hit)
+        self.accepted_hit(object, ray, t_max, self.objects[object as usize].intersect(ray, t_max))
     }
 
-    /// The first hit with an object that counts, of which `hit` is the first.
+    /// The first hit with an object that counts; `hit` is the first of all.
     #[inline]
-    pub(crate) fn accepted_hit(&self, object: u32, ray: &Ray, t_max: f64, hit: Hit) -> Option<Hit> {
-        if hit.border == HitBorder::Away {
-            return Some(hit);
-        }
-        match self.objects[object as usize].solid {
-            Some(solid) => self.first_accepted_hit(object, solid, ray, t_max),
-            None => Some(hit),
+    pub(crate) fn accepted_hit(&self, object: u32, ray: &Ray, t_max: f64, hit: Option<Hit>) -> Option<Hit> {
+        let surface = &self.objects[object as usize];
+        let is_certain = hit.is_none_or(|hit| hit.border == HitBorder::Away);
+        match surface.solid {
+            Some(solid) if !is_certain || surface.meets_tube(ray, hit.map_or(t_max, |hit| hit.t)) => {
+                self.first_accepted_hit(object, solid, ray, t_max)
+            }
+            _ => hit,
         }
     }
 
@@ -67,7 +115,7 @@ impl SceneGroup {
     fn first_accepted_hit(&self, object: u32, solid: u32, ray: &Ray, t_max: f64) -> Option<Hit> {
         let crossings = self.boundary_crossings(solid, ray);
         let mut accepted = accepted_crossings(&crossings);
-        self.drop_chords_outside(solid, ray, &crossings, &mut accepted);
+        self.drop_false_chords(solid, ray, &crossings, &mut accepted);
         let mut counting = crossings.iter().zip(accepted).filter(|(_, counts)| *counts);
         let is_found =
             |crossing: &BoundaryCrossing| crossing.object == object && crossing.t > 0.0 && crossing.t < t_max;
@@ -75,28 +123,33 @@ impl SceneGroup {
     }
 
     /// Drops chords from border to border whose middle lies outside: such lines run just above a face, from one face beyond its edge to
-    /// another. Their own turns cannot tell them from lines through two slits.
-    fn drop_chords_outside(
+    /// another. Their own turns cannot tell them from lines through two slits. Likewise gaps whose middle lies inside, where faces reach into the
+    /// solid beyond edges between them.
+    fn drop_false_chords(
         &self,
         solid: u32,
         ray: &Ray,
         crossings: &[BoundaryCrossing],
         accepted: &mut [bool],
     ) {
-        let mut before: Option<usize> = None;
+        let mut open: Vec<(usize, &BoundaryCrossing)> = Vec::new();
         for (index, crossing) in crossings.iter().enumerate() {
             if !accepted.get(index).is_some_and(|accepted| *accepted) {
                 continue;
             }
-            let start = before.replace(index).and_then(|before| Some((before, crossings.get(before)?)));
-            let Some((start_index, start)) = start else { continue };
-            if start.entering
-                && ![start.border, crossing.border].contains(&HitBorder::Away)
-                && !self.is_inside(solid, ray.at(0.5 * (start.t + crossing.t)), ray.direction)
-            {
-                for dropped in [start_index, index] {
-                    accepted.iter_mut().skip(dropped).take(1).for_each(|accepted| *accepted = false);
+            let is_false = |(_, start): &(usize, &BoundaryCrossing)| {
+                start.entering != crossing.entering
+                    && [start.kind, crossing.kind].into_iter().all(CrossingKind::is_near_edge)
+                    && self.is_inside(solid, ray.at(0.5 * (start.t + crossing.t)), ray.direction)
+                        != start.entering
+            };
+            match open.pop_if(|start| is_false(start)) {
+                Some((start, _)) => {
+                    for dropped in [start, index] {
+                        accepted.iter_mut().skip(dropped).take(1).for_each(|accepted| *accepted = false);
+                    }
                 }
+                None => open.push((index, crossing)),
             }
         }
     }
@@ -105,7 +158,12 @@ impl SceneGroup {
     fn is_inside(&self, solid: u32, point: DVec3, direction: DVec3) -> bool {
         let (x, y) = direction.normalize_or(DVec3::Z).any_orthonormal_pair();
         // Oblique, since faces are often parallel or perpendicular to each other.
-        let crossings = self.boundary_crossings(solid, &Ray::new(point, 0.8 * x + 0.53 * y));
+        self.solid_holds_origin(solid, &Ray::new(point, 0.8 * x + 0.53 * y))
+    }
+
+    /// Whether the origin of a ray is inside of a solid, by the line of the ray.
+    pub(crate) fn solid_holds_origin(&self, solid: u32, ray: &Ray) -> bool {
+        let crossings = self.boundary_crossings(solid, ray);
         let accepted = accepted_crossings(&crossings);
         let mut behind =
             crossings.iter().zip(accepted).filter(|(crossing, counts)| *counts && crossing.t <= 0.0);
@@ -118,12 +176,15 @@ impl SceneGroup {
     /// there met it.
     fn boundary_crossings(&self, solid: u32, ray: &Ray) -> Vec<BoundaryCrossing> {
         let diagonal = self.bvh.bounds().diagonal().length();
+        // Of nothing but infinite objects there is no box.
+        let diagonal = if diagonal.is_finite() { diagonal } else { 0.0 };
         let (start, per_length) = (self.line_start(ray, diagonal), 1.0 / ray.direction.length());
-        let near = START_DISTANCE * per_length * (diagonal + ray.origin.length());
+        // Rounding is that of the frame of the world, in which rays are made.
+        let near = START_DISTANCE * per_length * (diagonal + ray.origin.length() + self.placement_distance);
         let line = if start < 0.0 { Ray::new(ray.at(start), ray.direction) } else { *ray };
         let (mut crossings, mut behind, mut ahead) = (Vec::new(), Vec::new(), Vec::new());
         let mut origin: Option<(f64, f64, u32)> = None;
-        let mut visit = |primitive: Primitive| {
+        let mut visit = |primitive: Primitive, is_bounded: bool| {
             let Primitive::Object(object) = primitive else { return };
             let surface = &self.objects[object as usize];
             if surface.solid != Some(solid) {
@@ -133,35 +194,44 @@ impl SceneGroup {
             ahead.clear();
             behind.clear();
             surface.surface().all_hits(&local, f64::INFINITY, &mut ahead);
-            if start < 0.0 {
+            let (from, offset) = if is_bounded { (surface.local(&line), start) } else { (local, 0.0) };
+            if !is_bounded {
+                // No start of the line is before all of an infinite object.
+                let back = Ray::new(local.origin, -local.direction);
+                surface.surface().all_hits(&back, f64::INFINITY, &mut behind);
+                behind.iter_mut().for_each(|hit| hit.t = -hit.t);
+            } else if start < 0.0 {
                 // Those of the line that the ray does not have.
-                let local = surface.local(&line);
-                surface.surface().all_hits(&local, f64::INFINITY, &mut behind);
-                behind.truncate(behind.len().saturating_sub(ahead.len()));
-                for hit in &behind {
-                    let t = (start + hit.t).min(0.0);
-                    let (crossing, cos) = surface.boundary_crossing(object, &local, hit, t);
-                    // Rays start as far above their surface as rounding may move it, and nearer to others by chance only.
-                    let height = -t * cos;
-                    if height <= near && origin.is_none_or(|(highest, ..)| height > highest) {
-                        origin = Some((height, t, object));
-                    }
-                    crossings.push(crossing);
-                }
+                surface.surface().all_hits(&from, f64::INFINITY, &mut behind);
+                let misplaced = MISPLACED * per_length * diagonal;
+                behind.truncate(count_behind(&behind, &ahead, -start, misplaced));
             }
-            crossings.extend(ahead.iter().map(|hit| surface.boundary_crossing(object, &local, hit, hit.t).0));
+            for hit in &behind {
+                let t = (offset + hit.t).min(0.0);
+                let Some(crossing) = surface.boundary_crossing(object, &from, hit, t) else { continue };
+                // Rays start as far above their surface as rounding may move it, and nearer to others by chance only.
+                let height = -t * crossing.cos;
+                if height <= near && origin.is_none_or(|(highest, ..)| height > highest) {
+                    origin = Some((height, t, object));
+                }
+                crossings.push(crossing);
+            }
+            let ahead = ahead.iter().filter_map(|hit| surface.boundary_crossing(object, &local, hit, hit.t));
+            crossings.extend(ahead);
+            crossings.extend(surface.crossings_in_tubes(object, &surface.local(&line), start));
         };
-        self.unbounded.iter().for_each(|&primitive| visit(primitive));
+        self.unbounded.iter().for_each(|&primitive| visit(primitive, false));
         self.bvh.closest(&line, f64::INFINITY, |leaf, _| {
-            self.bvh.leaf(leaf).iter().for_each(|&index| visit(self.bounded[index as usize]));
+            self.bvh.leaf(leaf).iter().for_each(|&index| visit(self.bounded[index as usize], true));
             f64::INFINITY
         });
+        crossings.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.object.cmp(&b.object)));
+        find_crossings_beside_tubes(&mut crossings);
         if let Some((_, t, object)) = origin {
             let started =
-                crossings.iter_mut().filter(|crossing| crossing.t == t && crossing.object == object);
-            started.for_each(|crossing| crossing.border = HitBorder::Away);
+                |c: &&mut BoundaryCrossing| c.t == t && c.object == object && c.kind != CrossingKind::InTube;
+            crossings.iter_mut().filter(started).for_each(|c| c.kind = CrossingKind::Certain);
         }
-        crossings.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.object.cmp(&b.object)));
         crossings
     }
 
@@ -184,6 +254,42 @@ impl SceneGroup {
             !surface.passable && self.object_hit(object, ray, t_max).is_some()
         } else {
             surface.occluded(ray, t_max)
+        }
+    }
+}
+
+/// Number of the hits of a line that lie behind `origin`, a parameter of it; `ahead`: the hits of the ray that starts there.
+///
+/// They are those that the ray does not have: a hit at the origin itself is on one side of it only. If that contradicts their parameters by more than
+/// `misplaced`, one of the two searches lacks a hit, as at a silhouette, and the parameters decide.
+fn count_behind(line: &[Hit], ahead: &[Hit], origin: f64, misplaced: f64) -> usize {
+    let count = line.len().saturating_sub(ahead.len());
+    let (behind, rest) = line.split_at(count);
+    let agree = behind.last().is_none_or(|hit| hit.t <= origin + misplaced)
+        && rest.first().is_none_or(|hit| hit.t >= origin - misplaced);
+    if agree { count } else { line.partition_point(|hit| hit.t <= origin) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hits_behind_the_origin_are_those_that_the_ray_lacks() {
+        for (line, ahead, expected) in [
+            (&[1.0, 2.0, 4.0][..], &[1.0][..], 2),
+            (&[], &[], 0),
+            // At the origin, on either side of it.
+            (&[1.0, 3.0 + 1e-9, 4.0], &[1.0], 2),
+            (&[1.0, 3.0 - 1e-9, 4.0], &[1e-12, 1.0], 1),
+            // The ray lacks one that touches the surface, or the line does.
+            (&[1.0, 3.5, 4.0], &[1.0], 1),
+            (&[1.0, 4.0], &[0.5, 1.0], 1),
+            (&[4.0], &[0.5, 1.0], 0),
+        ] {
+            let [line, ahead] =
+                [line, ahead].map(|t| -> Vec<Hit> { t.iter().map(|&t| Hit::new(t, 0.0, 0.0, 0)).collect() });
+            assert_eq!(count_behind(&line, &ahead, 3.0, 1e-6), expected, "{line:?} {ahead:?}");
         }
     }
 }

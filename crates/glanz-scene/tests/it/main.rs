@@ -9,4 +9,5 @@ mod photometric;
 mod receivers;
 mod scene;
 mod section;
+mod smooth_edges;
 mod solids;

@@ -113,3 +113,115 @@ fn planes_without_a_direction_are_refused() {
         assert!(Scene::resolve(description.clone()).is_err());
     }
 }
+
+/// Boxes of the sides 2 about (0, 0, z) with their axes turned, cut at the height 1 of their own frame; with the plane as group 1.
+fn boxes(heights: &[f64]) -> (Scene, DMat4) {
+    let turn = DMat4::from_rotation_x(0.7)
+        * DMat4::from_rotation_y(-0.4)
+        * DMat4::from_translation(DVec3::splat(0.1));
+    let normal = turn.transform_vector3(DVec3::Z);
+    let shapes = heights
+        .iter()
+        .map(|&z| ShapeDescription::cuboid([-1.0; 3], [1.0; 3]).translated([0.0, 0.0, z]).transformed(turn));
+    let shapes: Vec<ShapeDescription> = shapes.collect();
+    let mut description = SceneBuilder::new()
+        .material("grey", MaterialKind::diffuse(0.5))
+        .group("boxes", |group| group.shapes(shapes, "grey"))
+        .instance("boxes", DMat4::IDENTITY)
+        .describe()
+        .unwrap();
+    let offset = normal.dot(turn.transform_point3(DVec3::Z));
+    description.section = Some(SectionDescription { group: 0, normal, offset, material: 0 });
+    (Scene::resolve(description).unwrap().0, turn)
+}
+
+/// Ids of what rays from above the plane and below it meet in the plane, in a raster that reaches beyond a box.
+fn met_in_plane(heights: &[f64], from: f64) -> Vec<(DVec3, Option<u32>)> {
+    let (scene, turn) = boxes(heights);
+    let mut met = Vec::new();
+    for i in -20..=20 {
+        for j in -20..=20 {
+            let at = DVec3::new(0.0731 * f64::from(i), 0.0717 * f64::from(j), 1.0);
+            let eye = DVec3::new(0.3 * at.x, 0.1, from);
+            let [eye, point] = [eye, at].map(|p| turn.transform_point3(p));
+            let ray = Ray::new(eye, point - eye);
+            let hit = scene.intersect(&ray, f64::INFINITY);
+            let is_hit = hit.as_ref().is_some_and(|hit| hit.t < 1.0 + 1e-9);
+            assert_eq!(scene.occluded(&ray, 1.0 + 1e-9), is_hit, "{at}");
+            met.push((at, hit.filter(|hit| (hit.t - 1.0).abs() < 1e-9).map(|hit| hit.id)));
+        }
+    }
+    met
+}
+
+#[test]
+fn a_face_in_the_plane_is_hit_where_its_solid_ends_and_is_left_out_where_it_begins() {
+    let is_inside = |p: DVec3| p.truncate().abs().max_element() < 1.0;
+    for from in [9.0, 0.2] {
+        for (at, id) in met_in_plane(&[0.0], from) {
+            assert_eq!(id, is_inside(at).then_some(0), "the top of the box is its own face at {at}");
+        }
+        for (at, id) in met_in_plane(&[0.0, 2.0], from) {
+            assert_eq!(id, is_inside(at).then_some(2), "between two boxes is a face of the section at {at}");
+        }
+        for (at, id) in met_in_plane(&[2.0], from) {
+            assert_eq!(id, None, "nothing is left at {at}");
+        }
+    }
+}
+
+/// A square of the side 1 in a plane, which extends beyond it by `width` as a border that overlaps those of other squares.
+fn bordered_square(width: f64) -> ShapeDescription {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
+    let points = corners.map(|[x, y]| [0.5 + 0.25 * x, 0.5 + 0.25 * y, 1.0]);
+    let knots = vec![0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0];
+    let curve =
+        TrimCurveDescription { degree: 1, knots, points: points.to_vec(), width: Some(width), edge: None };
+    let loops = vec![TrimLoopDescription { curves: vec![curve] }];
+    let trim = TrimDescription { loops, scale: [2.0; 2], domain: Some([[0.0; 2], [1.0; 2]]) };
+    ShapeDescription::rectangle([-1.0, 1.0], [-1.0, 1.0]).trimmed(trim).bounding(0)
+}
+
+#[test]
+fn faces_that_overlap_at_the_edges_of_a_solid_count_once() {
+    let width = 0.06;
+    let up = bordered_square(width).translated([0.0, 0.0, 0.5]);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let around = (0..4).map(|k| up.clone().rotated(DVec3::X, quarter * f64::from(k)));
+    let sides = [quarter, -quarter].map(|angle| up.clone().rotated(DVec3::Y, angle));
+    let shapes: Vec<ShapeDescription> = around.chain(sides).collect();
+    let mut description = SceneBuilder::new()
+        .material("grey", MaterialKind::diffuse(0.5))
+        .group("cube", |group| group.shapes(shapes, "grey"))
+        .instance("cube", DMat4::IDENTITY)
+        .describe()
+        .unwrap();
+    for height in [0.4, 0.1, -0.2, -0.35] {
+        description.section =
+            Some(SectionDescription { group: 0, normal: DVec3::Z, offset: height, material: 0 });
+        let (scene, _) = Scene::resolve(description.clone()).unwrap();
+        for i in -60..=60 {
+            for j in -60..=60 {
+                let (x, y) = (0.0117 * f64::from(i), 0.0119 * f64::from(j));
+                let reach = x.abs().max(y.abs());
+                if (reach - 0.5).abs() <= width {
+                    continue;
+                }
+                let hit = scene.intersect(&Ray::new(DVec3::new(x, y, 3.0), DVec3::NEG_Z), f64::INFINITY);
+                let on_face = hit.is_some_and(|hit| hit.id == 6);
+                assert_eq!(on_face, reach < 0.5, "({x}, {y}) at {height}");
+            }
+        }
+    }
+}
+
+#[test]
+fn sections_of_groups_that_do_not_exist_are_refused() {
+    let mut description = SceneBuilder::new()
+        .shape(ShapeDescription::sphere(1.0), MaterialKind::diffuse(0.5))
+        .describe()
+        .unwrap();
+    description.section = Some(SectionDescription { group: 0, normal: DVec3::X, offset: 0.0, material: 0 });
+    let error = Scene::resolve(description).unwrap_err().to_string();
+    assert!(error.contains("group"), "{error}");
+}

@@ -9,27 +9,27 @@ use glanz_scene::description::*;
 use glanz_scene::{Scene, SceneBuilder};
 
 /// Half side of the cube, radius and half height of the cylinder, metres.
-const HALF: f64 = 0.5;
+pub(crate) const HALF: f64 = 0.5;
 
 /// Half side of the surfaces that are trimmed.
-const REACH: f64 = 0.7;
+pub(crate) const REACH: f64 = 0.7;
 
 /// Cosine of an angle at which a line runs along a face: within rounding of it, rounding decides whether the line is above or below.
 const GRAZING: f64 = 1e-5;
 
 /// Numbers that depend on a seed.
-struct Random {
+pub(crate) struct Random {
     seed: u64,
     count: u64,
 }
 
 impl Random {
-    fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self { seed, count: 0 }
     }
 
     /// From -1 to 1.
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.count += 1;
         2.0 * unit_f64(combine(self.seed, self.count)) - 1.0
     }
@@ -72,12 +72,18 @@ impl Deviation {
 }
 
 /// A polyline of the given width through `points` about the middle of a square from -REACH to REACH.
-fn polyline(points: &[DVec2], width: f64) -> TrimCurveDescription {
+pub(crate) fn polyline(points: &[DVec2], width: f64) -> TrimCurveDescription {
     let count = points.len() - 1;
     let inner = (0..=count).map(|i| i as f64);
     let knots = std::iter::once(0.0).chain(inner).chain([count as f64]).collect();
     let point = |p: &DVec2| [(p.x + REACH) / (2.0 * REACH), (p.y + REACH) / (2.0 * REACH), 1.0];
-    TrimCurveDescription { degree: 1, knots, points: points.iter().map(point).collect(), width: Some(width) }
+    TrimCurveDescription {
+        degree: 1,
+        knots,
+        points: points.iter().map(point).collect(),
+        width: Some(width),
+        edge: None,
+    }
 }
 
 /// The square from -HALF to HALF by four curves that deviate from its sides by less than `width`.
@@ -105,7 +111,7 @@ fn square(width: f64, deviation: Deviation, random: &mut Random) -> TrimDescript
     metric(vec![TrimLoopDescription { curves }], DVec2::splat(2.0 * REACH))
 }
 
-fn metric(loops: Vec<TrimLoopDescription>, scale: DVec2) -> TrimDescription {
+pub(crate) fn metric(loops: Vec<TrimLoopDescription>, scale: DVec2) -> TrimDescription {
     TrimDescription { loops, scale: scale.to_array(), domain: Some([[0.0; 2], [1.0; 2]]) }
 }
 
@@ -146,7 +152,7 @@ fn band(width: f64, deviation: Deviation, random: &mut Random) -> TrimDescriptio
 }
 
 /// A square of half side REACH in the plane z = 0, as a plane or as a spline surface.
-fn sheet(is_spline: bool) -> ShapeDescription {
+pub(crate) fn sheet(is_spline: bool) -> ShapeDescription {
     if !is_spline {
         return ShapeDescription::rectangle([-REACH, REACH], [-REACH, REACH]);
     }
@@ -165,7 +171,7 @@ fn sheet(is_spline: bool) -> ShapeDescription {
 }
 
 /// A sheet moved along +z by HALF and turned to the side of the cube with this number.
-fn side(shape: ShapeDescription, number: usize) -> ShapeDescription {
+pub(crate) fn side(shape: ShapeDescription, number: usize) -> ShapeDescription {
     let normal = DVec3::AXES[number / 2] * if number.is_multiple_of(2) { 1.0 } else { -1.0 };
     let x = normal.any_orthonormal_vector();
     let map = glanz_math::DMat3::from_cols(x, normal.cross(x), normal);
@@ -200,10 +206,14 @@ impl Form {
 
     /// The solid, turned, in an instance.
     fn scene(self, width: f64, deviation: Deviation, seed: u64) -> Scene {
+        self.placed(width, deviation, seed, to_world())
+    }
+
+    fn placed(self, width: f64, deviation: Deviation, seed: u64, to_world: DMat4) -> Scene {
         let faces = self.faces(width, deviation, seed).into_iter().map(|face| face.bounding(3));
         SceneBuilder::new()
             .group("solid", |group| group.shapes(faces, MaterialKind::diffuse(0.5)))
-            .instance("solid", to_world())
+            .instance("solid", to_world)
             .resolve()
             .unwrap()
             .0
@@ -326,6 +336,63 @@ fn lines_enter_and_leave_in_turns() {
         }
         assert!(chords as u64 > count(4_000) / 4, "{chords}");
     });
+}
+
+#[test]
+fn lines_enter_and_leave_in_turns_far_from_the_origin() {
+    let far = DMat4::from_translation(DVec3::new(3e5, -2e6, 1e6)) * to_world();
+    for form in FORMS {
+        let (width, mut chords) = (1e-3, 0);
+        let scene = form.placed(width, Deviation::Outwards, 5, far);
+        let mut random = Random::new(6);
+        for _ in 0..count(4_000) {
+            let through = target_away(form, &[1e-5, 0.3 * width, width], &mut random);
+            let direction = random.vector();
+            if direction.normalize().abs().min_element() < 1e-2 {
+                continue;
+            }
+            let [from, through] =
+                [through - 5.0 * direction.normalize(), through].map(|p| far.transform_point3(p));
+            let (mut ray, mut sides) = (Ray::new(from, (through - from).normalize()), Vec::new());
+            while let Some((cos, next)) = advance(&scene, &ray) {
+                sides.push(cos);
+                ray = next;
+            }
+            let alternate = sides.iter().enumerate().all(|(i, cos)| (*cos < 0.0) == i.is_multiple_of(2));
+            assert!(alternate && sides.len().is_multiple_of(2), "{form:?} {through:?} {sides:?}");
+            chords += u64::from(!sides.is_empty());
+        }
+        assert!(chords > count(4_000) / 4, "{form:?}: {chords}");
+    }
+}
+
+#[test]
+fn trimmed_infinite_planes_bound_a_solid() {
+    let width = 1e-3;
+    for deviation in DEVIATIONS {
+        let mut random = Random::new(8);
+        let plane = |number: usize| {
+            let mut trim = square(width, deviation, &mut random);
+            // The parameters of an infinite plane are metres.
+            for point in trim.loops.iter_mut().flat_map(|l| &mut l.curves).flat_map(|curve| &mut curve.points)
+            {
+                *point = [(2.0 * point[0] - 1.0) * REACH, (2.0 * point[1] - 1.0) * REACH, 1.0];
+            }
+            (trim.scale, trim.domain) = ([1.0; 2], Some([[-REACH; 2], [REACH; 2]]));
+            side(ShapeDescription::plane().trimmed(trim), number).bounding(0)
+        };
+        let faces: Vec<ShapeDescription> = (0..6).map(plane).collect();
+        let scene = SceneBuilder::new().shapes(faces, MaterialKind::diffuse(0.5)).resolve().unwrap().0;
+        for _ in 0..count(4_000) {
+            let (from, to) = (Form::Cube.inner_point(&mut random), target(Form::Cube, width, &mut random));
+            let ray = Ray::new(from, to - from);
+            let (cos, next) = advance(&scene, &ray).unwrap();
+            assert!(cos > 0.0, "{deviation:?} {ray:?}");
+            if cos > 0.1 {
+                assert!(advance(&scene, &next).is_none(), "{deviation:?} {ray:?}");
+            }
+        }
+    }
 }
 
 #[test]

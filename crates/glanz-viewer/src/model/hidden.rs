@@ -77,7 +77,8 @@ impl Pruning<'_> {
                 instances.push(instance);
             }
         }
-        GroupDescription { name: group.name.clone(), shapes, instances }
+        // Edges refer to shapes by their numbers, and no ray meets them.
+        GroupDescription { name: group.name.clone(), shapes, instances, edges: Vec::new() }
     }
 
     /// The hidden leaves from `start` to `end` (not included), relative to the first.

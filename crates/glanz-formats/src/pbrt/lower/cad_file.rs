@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use super::{EntityState, Lowering};
+use crate::cad::{CadModel, CadSettings, CadWarning, TOO_MANY_COLORS};
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::source::{ParseResult, Span};
-use crate::step::{CadModel, CadSettings, CadWarning};
 
 /// The name of all parts that a table of materials does not name.
 const OTHERS: &str = "*";
@@ -70,7 +70,7 @@ impl Lowering {
         }
         let (shown, bytes) = self.read_file(name).map_err(|problem| missing(self, &problem))?;
         let shown = shown.display().to_string();
-        let model = CadModel::read(&bytes).map_err(|error| {
+        let model = CadModel::read(&bytes, self.edges).map_err(|error| {
             self.reporter.error(&p.value_place, "step", format!("{subject}: {shown}: {error}"))
         })?;
         for CadWarning { kind, position, message } in model.report.warnings() {
@@ -166,7 +166,11 @@ impl Lowering {
             return Some(*group);
         }
         let first = self.description.groups.len();
-        let group = file.model.add_group(&settings, place.location, &mut self.description)?;
+        let (group, is_exhausted) = file.model.add_group(&settings, place.location, &mut self.description);
+        if is_exhausted {
+            self.reporter.warning(place, "cad-colors", TOO_MANY_COLORS);
+        }
+        let group = group?;
         if settings.emission.is_some() {
             // Groups contain earlier ones only.
             for (index, added) in self.description.groups.iter().enumerate().skip(first) {

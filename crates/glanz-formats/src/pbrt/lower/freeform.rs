@@ -8,7 +8,7 @@ use glanz_scene::description::{
 use super::Lowering;
 use super::spline::KnotParameters;
 use crate::newell::{self, transposed};
-use crate::pbrt::parameters::ParameterList;
+use crate::pbrt::parameters::{Parameter, ParameterList};
 use crate::source::ParseResult;
 
 /// Default degree of patches, and that of lists in Newell's format.
@@ -209,15 +209,34 @@ impl Lowering {
 
     /// The homogeneous points of one or more patches of `count` points each.
     fn patches(&mut self, list: &mut ParameterList, count: usize, what: &str) -> ParseResult<Vec<[f64; 4]>> {
+        if let Some((p, points)) = list.groups::<4>("Pw", &mut self.reporter)? {
+            for (i, [x, y, z, w]) in points.iter().enumerate() {
+                self.check_weight(&list.subject, (&p, 4 * i + 3), &[*x, *y, *z], *w)?;
+            }
+            self.check_patch_points(list, &p, points.len(), (count, what))?;
+            return Ok(points);
+        }
         let (p, points) = self.positions(list)?;
         let weights = list.floats("weights", &mut self.reporter)?;
-        if points.is_empty() || !points.len().is_multiple_of(count) {
+        self.check_patch_points(list, &p, points.len(), (count, what))?;
+        self.weighted(&list.subject, &points, weights)
+    }
+
+    /// Refuses points that are not those of one or more patches of `count` points each.
+    fn check_patch_points(
+        &mut self,
+        list: &ParameterList,
+        p: &Parameter,
+        found: usize,
+        (count, what): (usize, &str),
+    ) -> ParseResult<()> {
+        if found == 0 || !found.is_multiple_of(count) {
             let message =
-                format!("{}: there are {} points \"P\", {what} has {count}", list.subject, points.len());
+                format!("{}: there are {found} points {:?}, {what} has {count}", list.subject, p.name);
             let help = Some(format!("give {count} points, or a multiple for several patches"));
             return Err(self.reporter.error_with_help(&p.value_place, "parameter-count", message, help));
         }
-        self.weighted(&list.subject, &points, weights)
+        Ok(())
     }
 
     /// Bicubic patches with shared points.

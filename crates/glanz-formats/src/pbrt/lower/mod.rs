@@ -27,10 +27,12 @@ use std::rc::Rc;
 use glanz_math::DMat4;
 use glanz_scene::Description;
 use glanz_scene::description::EmissionDescription;
+use glanz_scene::studio::{UpAxis, UpAxisError};
 
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::finder::{FileFinder, FindError};
+use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::{ParseResult, Reporter, Span};
 
 pub(crate) use cad_file::CadFile;
@@ -62,6 +64,10 @@ pub(crate) struct Lowering {
     pub(crate) images: BTreeMap<ImageKey, Option<usize>>,
     pub(crate) has_film: bool,
     pub(crate) has_filter: bool,
+    /// Whether the edges of CAD models are sampled.
+    pub(crate) edges: bool,
+    /// Upward axis of a model, to which a studio gives camera and light.
+    pub(crate) studio_up: Option<UpAxis>,
 }
 
 /// Error of a file that a parameter names.
@@ -114,7 +120,23 @@ impl Lowering {
             images: BTreeMap::new(),
             has_film: false,
             has_filter: false,
+            edges: false,
+            studio_up: None,
         }
+    }
+
+    /// `Option`: those of pbrt have no effect; `studio` makes the scene a model.
+    pub(crate) fn option(&mut self, list: &mut ParameterList) -> ParseResult<()> {
+        let Some((p, axis)) = list.text_parameter("studio", &mut self.reporter)? else { return Ok(()) };
+        match axis.parse() {
+            Ok(up) => self.studio_up = Some(up),
+            Err(UpAxisError) => {
+                let message =
+                    format!("Option \"studio\" is {:?}; it must be \"y\" or \"z\"", shortened(&axis));
+                return Err(self.reporter.error(&p.value_place, "parameter-range", message));
+            }
+        }
+        Ok(())
     }
 
     /// Finds a file that a parameter names.

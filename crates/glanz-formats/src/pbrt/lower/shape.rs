@@ -1,5 +1,7 @@
 //! `Shape`.
 
+use std::f64::consts::TAU;
+
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{EmissionDescription, GeometryDescription, ShapeDescription};
 
@@ -34,6 +36,7 @@ const SHAPES: &[&str] = &[
     "curve",
     "heightfield",
     "step",
+    "iges",
 ];
 
 impl Lowering {
@@ -44,7 +47,7 @@ impl Lowering {
         mut list: ParameterList,
         context: &EntityState,
     ) -> ParseResult<()> {
-        if kind == "step" {
+        if matches!(kind, "step" | "iges") {
             return self.cad_shape(list, context);
         }
         let place = list.place;
@@ -185,8 +188,11 @@ impl Lowering {
         Ok([a.min(b), a.max(b)])
     }
 
-    /// `phimax`, degrees, clamped to [0, 360] as in pbrt; in radians.
+    /// `phimax`, degrees, clamped to [0, 360] as in pbrt, or `phimaxradians`; in radians.
     pub(super) fn phi_max(&mut self, list: &mut ParameterList) -> ParseResult<f64> {
+        if let Some(radians) = list.float("phimaxradians", &mut self.reporter)? {
+            return Ok(radians.clamp(0.0, TAU));
+        }
         Ok(self.float(list, "phimax", 360.0)?.clamp(0.0, 360.0).to_radians())
     }
 

@@ -2,7 +2,9 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use glanz_scene::description::{TrimCurveDescription, TrimDescription, TrimLoopDescription};
+use glanz_scene::description::{
+    TrimCurveDescription, TrimDescription, TrimEdgeDescription, TrimLoopDescription,
+};
 
 use super::Lowering;
 use super::spline::KnotParameters;
@@ -59,6 +61,37 @@ impl Lowering {
             return Err(self.reporter.error(&place, "parameter-range", message));
         }
         Ok(Some(widths))
+    }
+
+    /// The edges of which curves are the images, if the scene states them.
+    fn trim_edges(
+        &mut self,
+        list: &mut ParameterList,
+        curves: usize,
+    ) -> ParseResult<Vec<Option<TrimEdgeDescription>>> {
+        let numbers = list.integers("trimedges", &mut self.reporter)?;
+        let ranges = list.groups::<2>("trimedgeranges", &mut self.reporter)?;
+        let Some((p, numbers)) = numbers else { return Ok(Vec::new()) };
+        let help = "each curve has the number of an edge and those of its first and last vertex";
+        self.check_count((list, &p), (numbers.len(), "values"), 3 * curves, help)?;
+        let ranges = match ranges {
+            None => vec![[0.0, 1.0]; curves],
+            Some((p, ranges)) => {
+                let help = "each curve has the fractions of the edge at its start and its end";
+                self.check_count((list, &p), (ranges.len(), "pairs"), curves, help)?;
+                if let Some(i) = ranges.as_flattened().iter().position(|x| !(0.0..=1.0).contains(x)) {
+                    let place = self.number_place(&p, i);
+                    let message = format!("{}: a fraction of an edge is not from 0 to 1", list.subject);
+                    return Err(self.reporter.error(&place, "parameter-range", message));
+                }
+                ranges
+            }
+        };
+        let numbers = numbers.chunks_exact(3).zip(ranges).map(|(numbers, range)| {
+            let [edge, start, end] = [0, 1, 2].map(|i| numbers.get(i).and_then(|&n| u32::try_from(n).ok()));
+            Some(TrimEdgeDescription { edge: edge?, vertices: [start?, end?], range })
+        });
+        Ok(numbers.collect())
     }
 
     /// Loops of rational spline curves.
@@ -155,6 +188,7 @@ impl Lowering {
             self.check_weight(&list.subject, (&p_points, 3 * i + 2), &[*u, *v], *w)?;
         }
         let mut widths = self.trim_widths(list, orders.len())?.map(Vec::into_iter);
+        let mut edges = self.trim_edges(list, orders.len())?.into_iter();
         let mut curves = Vec::with_capacity(orders.len());
         let (mut first, mut values, mut rest) = (0, knots.as_slice(), points.into_iter());
         for (&order, &count) in orders.iter().zip(counts) {
@@ -167,6 +201,7 @@ impl Lowering {
                 knots: of_curve.to_vec(),
                 points,
                 width: widths.as_mut().and_then(Iterator::next),
+                edge: edges.next().flatten(),
             });
             (first, values) = (first + of_curve.len(), others);
         }
@@ -287,7 +322,7 @@ fn polygon(mut corners: Vec<[f64; 2]>, side: TrimSide) -> Option<TrimCurveDescri
     let inner = (0..corners.len()).map(|i| i as f64);
     let knots = std::iter::once(0.0).chain(inner).chain([last]).collect();
     let points = corners.into_iter().map(|[u, v]| [u, v, 1.0]).collect();
-    Some(TrimCurveDescription { degree: 1, knots, points, width: None })
+    Some(TrimCurveDescription { degree: 1, knots, points, width: None, edge: None })
 }
 
 /// An ellipse from centre and radii: four exact quarters of a rational quadratic.
@@ -315,5 +350,5 @@ fn ellipse([cu, cv, ru, rv]: [f64; 4], side: TrimSide) -> TrimCurveDescription {
         points.reverse();
     }
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
-    TrimCurveDescription { degree: 2, knots, points, width: None }
+    TrimCurveDescription { degree: 2, knots, points, width: None, edge: None }
 }

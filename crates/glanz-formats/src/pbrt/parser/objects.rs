@@ -23,7 +23,8 @@ const MAX_ATTRIBUTES: usize = 32;
 impl Parser {
     pub(super) fn option(&mut self, word: &str, place: Span) -> ParseResult<()> {
         if word == "Option" {
-            return self.parameters("Option".to_owned(), place).map(drop);
+            let mut list = self.parameters("Option".to_owned(), place)?;
+            return self.lowering.option(&mut list);
         }
         let (kind, name_place) = self.name(word, &place)?;
         if word == "ColorSpace" {

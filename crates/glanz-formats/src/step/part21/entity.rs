@@ -6,21 +6,7 @@ use super::ExchangeFile;
 use super::keyword::Keyword;
 use super::tape::{EntityInstance, TapeItems, TapeToken};
 use super::text::decode;
-
-/// An entity that cannot be used, with the reason.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::step) struct Refusal {
-    /// Its number.
-    pub(in crate::step) entity: EntityId,
-    /// The reason.
-    pub(in crate::step) reason: String,
-}
-
-impl Refusal {
-    pub(in crate::step) fn new(entity: EntityId, reason: impl Into<String>) -> Self {
-        Self { entity, reason: reason.into() }
-    }
-}
+use crate::cad::Refusal;
 
 /// Characters of a text that are kept.
 const MAX_TEXT: usize = 200;

@@ -149,6 +149,7 @@ keywords! {
     ShapeRepresentationWithParameters "SHAPE_REPRESENTATION_WITH_PARAMETERS"
     ShellBasedSurfaceModel "SHELL_BASED_SURFACE_MODEL"
     SiUnit "SI_UNIT"
+    SpecifiedHigherUsageOccurrence "SPECIFIED_HIGHER_USAGE_OCCURRENCE"
     SphericalSurface "SPHERICAL_SURFACE"
     StyledItem "STYLED_ITEM"
     Subedge "SUBEDGE"

@@ -13,7 +13,7 @@ mod tape;
 mod tests;
 mod text;
 
-pub(super) use entity::{Entity, EntityAttributes, Refusal};
+pub(super) use entity::{Entity, EntityAttributes};
 pub(super) use keyword::Keyword;
 pub(super) use parser::SyntaxFault;
 pub(super) use tape::{EntityInstance, TapeItems, TapeToken, TextSpan};
@@ -21,7 +21,8 @@ pub(super) use text::decode;
 
 use parser::StructureParser;
 
-use super::report::StepError;
+use super::error::StepError;
+pub(super) use crate::cad::Refusal;
 
 /// The instances of a file.
 #[derive(Debug)]

@@ -151,7 +151,14 @@ fn files_without_products_show_their_representations_or_their_bodies() {
     assert_eq!((with.model.parts[0].name.as_str(), with.model.roots.len()), ("r", 1));
     let without = file(&common());
     assert_eq!((without.model.parts[0].bodies.len(), without.report.faces.read), (1, 1));
-    assert!(without.report.repairs.notes()[0].reason.contains("millimetres"));
+    assert_eq!(
+        without.report.repairs.notes()[0].to_string(),
+        "#3: no representation has the shape; the units are those of #910"
+    );
+    let inches = file(&common().replace(MILLIMETRES, ""));
+    assert!((sphere_radius(&inches.model.surfaces[0].surface) - 0.0254).abs() < 1e-15);
+    let none = file(&common().replace(MILLIMETRES, "").replace("GLOBAL_UNIT_ASSIGNED", "OTHER"));
+    assert!(none.report.repairs.notes()[0].reason.contains("millimetres"));
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use glanz_scene::Description;
 use proptest::prelude::*;
 
-use super::super::cad_model::CadModel;
 use super::*;
+use crate::cad::CadModel;
 
 /// A file with all kinds of entities that refer to one another.
 fn sample() -> String {
@@ -33,7 +33,7 @@ fn sample_is_read_without_damage() {
     let file = read(sample().as_bytes()).unwrap();
     assert_eq!((file.report.faces.total, file.report.faces.read), (4, 4));
     assert_eq!(file.model.parts.len(), 2);
-    let model = CadModel::read(sample().as_bytes()).unwrap();
+    let model = CadModel::read(sample().as_bytes(), false).unwrap();
     // The sphere and the disc.
     assert_eq!(model.into_world(&mut Description::default()).shapes.len(), 2);
 }
@@ -65,7 +65,7 @@ proptest! {
             }
         }
         // What a user runs: a scene.
-        if let Ok(model) = CadModel::read(&bytes) {
+        if let Ok(model) = CadModel::read(&bytes, true) {
             let mut description = Description::default();
             let report = model.into_world(&mut description);
             let groups: usize = description.groups.iter().map(|group| group.shapes.len()).sum();

@@ -1,8 +1,10 @@
 //! Faces, shells and bodies.
 
 use glanz_brep::model::{BoundaryLoop, FaceSurface, OrientedEdge};
+use glanz_scene::Description;
 
 use super::*;
+use crate::cad::{CadFaceOutcome, CadModel};
 
 /// Points of a tetrahedron with their vertices #51 to #54, straight edges #61 to #66, a plane #10, and a triangle of them as the loop #70.
 const TETRAHEDRON: &str = "#41=CARTESIAN_POINT('',(0.,0.,0.));#42=CARTESIAN_POINT('',(1000.,0.,0.));
@@ -13,7 +15,7 @@ const TETRAHEDRON: &str = "#41=CARTESIAN_POINT('',(0.,0.,0.));#42=CARTESIAN_POIN
     #70=EDGE_LOOP('',(#71,#72,#73));#71=ORIENTED_EDGE('',*,*,#61,.T.);#72=ORIENTED_EDGE('',*,*,#62,.F.);
     #73=ORIENTED_EDGE('',*,*,#63,.T.);#74=ORIENTED_EDGE('',*,*,#73,.F.);#80=POLY_LOOP('',(#41,#42,#43));";
 
-fn shown(items: &str, data: &str) -> StepFile {
+fn shown(items: &str, data: &str) -> BrepFile {
     file(&format!("{MILLIMETRES}{TETRAHEDRON}#1=SHAPE_REPRESENTATION('r',({items}),#910);{data}"))
 }
 
@@ -178,4 +180,81 @@ fn boundary_without_ends_is_refused() {
         "#2=GEOMETRIC_SET('',(#3));#3=CURVE_BOUNDED_SURFACE('',#10,(#4),.F.);#4=BOUNDARY_CURVE('',(#6),.F.);
         #6=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#8);#8=PARABOLA('',#11,1.);";
     assert_eq!(omissions(&shown("#2", data)), ["#2: #8: the segment of a boundary has no ends"]);
+}
+
+#[test]
+fn surface_that_ends_at_its_own_border_says_so() {
+    let bounds = |implicit: &str| {
+        let data = format!(
+            "#2=GEOMETRIC_SET('',(#3));#3=CURVE_BOUNDED_SURFACE('',#4,(#5),.{implicit}.);
+             #4=RECTANGULAR_TRIMMED_SURFACE('',#10,-5.,5.,-5.,5.,.T.,.T.);#5=BOUNDARY_CURVE('',(#20),.F.);
+             #20=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.F.,#22);#22=CIRCLE('',#11,1.);"
+        );
+        let mut description = Description::default();
+        let model = CadModel::read(
+            text(&format!("{MILLIMETRES}{TETRAHEDRON}#1=SHAPE_REPRESENTATION('r',(#2),#910);{data}"))
+                .as_bytes(),
+            false,
+        )
+        .unwrap();
+        let report = model.into_world(&mut description);
+        assert_eq!(report.reading.omissions.notes(), []);
+        let loops = description.world.shapes.iter().filter_map(|shape| shape.trim.as_ref());
+        loops.map(|trim| trim.loops.len()).collect::<Vec<_>>()
+    };
+    assert_eq!(bounds("T"), [2]);
+    assert_eq!(bounds("F"), [1]);
+}
+
+#[test]
+fn plane_of_a_face_between_polygons_is_that_of_the_largest() {
+    // The hole, which runs the other way, is named first.
+    let data = "#2=FACE('',(#3,#4));#3=FACE_BOUND('',#5,.T.);#4=FACE_BOUND('',#80,.T.);#5=POLY_LOOP('',(#91,#92,#93));
+        #91=CARTESIAN_POINT('',(100.,100.,0.));#92=CARTESIAN_POINT('',(100.,200.,0.));#93=CARTESIAN_POINT('',(200.,100.,0.));";
+    let file = shown("#2", data);
+    let FaceSurface::Plane(plane) = file.model.surfaces[file.model.faces[0].surface].surface else {
+        panic!()
+    };
+    assert_eq!(plane.z, DVec3::Z);
+}
+
+#[test]
+fn one_face_that_no_scene_takes_leaves_the_others() {
+    let data =
+        "#2=GEOMETRIC_SET('',(#3,#4));#3=SPHERICAL_SURFACE('',#11,1.E30);#4=SPHERICAL_SURFACE('',#11,1.);";
+    let bytes = text(&format!("{MILLIMETRES}{TETRAHEDRON}#1=SHAPE_REPRESENTATION('r',(#2),#910);{data}"));
+    let mut description = Description::default();
+    let report = CadModel::read(bytes.as_bytes(), false).unwrap().into_world(&mut description);
+    assert_eq!(description.world.shapes.len(), 1);
+    assert!(
+        matches!(&report.faces[0].outcome, CadFaceOutcome::Refused(reason) if reason.contains("coordinate"))
+    );
+    assert_eq!(report.faces[0].entity.0, 3);
+}
+
+#[test]
+fn searches_on_composite_curves_take_time_in_proportion_to_the_file() {
+    let segments: String = (0..20_000)
+        .map(|i| format!("#{}=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#67);", 1000 + i))
+        .collect();
+    let list: Vec<String> = (0..20_000).map(|i| format!("#{}", 1000 + i)).collect();
+    // Many curves are cut out of a composite one, or out of a part of it.
+    let cut: String = (0..50)
+        .map(|i| {
+            let [curve, part, edge] = [100_000 + i, 110_000 + i, 120_000 + i];
+            format!(
+                "#{curve}=TRIMMED_CURVE('',#900000,(#41),(#42),.T.,.CARTESIAN.);
+                 #{part}=TRIMMED_CURVE('',#{curve},(#41),(#42),.T.,.CARTESIAN.);#{edge}=EDGE_CURVE('',#51,#52,#{part},.T.);"
+            )
+        })
+        .collect();
+    let edges: Vec<String> = (0..50).map(|i| format!("#{}", 120_000 + i)).collect();
+    let data = format!(
+        "{segments}#900000=COMPOSITE_CURVE('',({}),.F.);{cut}#2=ADVANCED_FACE('',(#3),#10,.T.);
+         #3=FACE_BOUND('',#4,.T.);#4=EDGE_LOOP('',({}));",
+        list.join(","),
+        edges.join(",")
+    );
+    let file = shown("#2", &data);
+    assert!(omissions(&file)[0].contains("repeats its geometry too often"), "{:?}", omissions(&file));
 }

@@ -3,6 +3,7 @@
 mod assemblies;
 mod curves;
 mod damage;
+mod edges;
 mod faces;
 mod styles;
 mod surfaces;
@@ -10,7 +11,8 @@ mod units;
 
 use glanz_math::DVec3;
 
-use super::{StepFile, read};
+use super::read;
+use crate::cad::BrepFile;
 
 /// A context with the number 910 in millimetres and radians.
 const MILLIMETRES: &str = "#900=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
@@ -44,12 +46,12 @@ fn text(data: &str) -> String {
     )
 }
 
-fn file(data: &str) -> StepFile {
+fn file(data: &str) -> BrepFile {
     read(text(data).as_bytes()).unwrap()
 }
 
 /// A file in which nothing is wrong.
-fn clean(data: &str) -> StepFile {
+fn clean(data: &str) -> BrepFile {
     let file = file(data);
     let report = &file.report;
     for list in [&report.faults, &report.omissions, &report.repairs] {
@@ -60,7 +62,7 @@ fn clean(data: &str) -> StepFile {
 }
 
 /// The reasons of what is left out.
-fn omissions(file: &StepFile) -> Vec<String> {
+fn omissions(file: &BrepFile) -> Vec<String> {
     file.report.omissions.notes().iter().map(ToString::to_string).collect()
 }
 

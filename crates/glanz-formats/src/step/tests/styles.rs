@@ -1,8 +1,13 @@
 //! Colours, layers and what is hidden.
 
 use glanz_brep::model::ColorStyle;
+use glanz_light::rgb::srgb_decode;
+use glanz_scene::Description;
+use glanz_scene::description::MaterialDescription;
+use glanz_scene::studio::cad_material;
 
 use super::*;
+use crate::cad::CadModel;
 
 /// Two faces #21 and #22 in the shell #23 of the solid #24 of the representation #25.
 const SOLID: &str =
@@ -22,7 +27,7 @@ fn style(n: usize, color: &str) -> String {
     )
 }
 
-fn read_styles(data: &str) -> StepFile {
+fn read_styles(data: &str) -> BrepFile {
     let styles =
         style(100, "COLOUR_RGB('',1.,0.5,0.)") + &style(200, "DRAUGHTING_PRE_DEFINED_COLOUR('blue')");
     file(&format!("{MILLIMETRES}{SOLID}{styles}{data}"))
@@ -122,18 +127,208 @@ const OCCURRENCE: &str = "#300=PRODUCT_DEFINITION('','',$,$);#301=PRODUCT_DEFINI
     REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#412)SHAPE_REPRESENTATION_RELATIONSHIP());
     #412=ITEM_DEFINED_TRANSFORMATION('','',#11,#11);#40=STYLED_ITEM('',(#100),#24);";
 
+/// Colours of the shapes of a file in the scene: those of groups in their order, then those of the world.
+fn scene_colors(data: &str) -> Vec<Option<[f64; 3]>> {
+    let styles =
+        style(100, "COLOUR_RGB('',1.,0.5,0.)") + &style(200, "DRAUGHTING_PRE_DEFINED_COLOUR('blue')");
+    let model =
+        CadModel::read(text(&format!("{MILLIMETRES}{SOLID}{styles}{data}")).as_bytes(), false).unwrap();
+    let mut description = Description::default();
+    let report = model.into_world(&mut description);
+    assert_eq!(report.reading.repairs.notes(), []);
+    let color = |rgb: [f64; 3]| {
+        let material = MaterialDescription::from(cad_material(rgb.map(|c| srgb_decode(c as f32)), 0.0));
+        format!("{material:?}")
+    };
+    let known: Vec<(String, Option<[f64; 3]>)> =
+        [ORANGE, BLUE].into_iter().map(|rgb| (color(rgb.unwrap()), rgb)).collect();
+    let groups = description.groups.iter().chain([&description.world]);
+    let shapes = groups.flat_map(|group| &group.shapes);
+    let find = |material: usize| {
+        let material = format!("{:?}", description.materials[material]);
+        known.iter().find(|(known, _)| *known == material).and_then(|(_, rgb)| *rgb)
+    };
+    shapes.map(|shape| find(shape.material)).collect()
+}
+
 #[test]
-fn style_in_the_context_of_an_occurrence_is_that_of_the_occurrence() {
+fn style_in_the_context_of_an_occurrence_overrides_those_of_its_body_and_faces() {
     let by_context =
         "#41=OVER_RIDING_STYLED_ITEM('',(#42),#24,#40);#42=PRESENTATION_STYLE_BY_CONTEXT((#201),#500);";
     let item = "#41=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),#24,#40,(#410));";
-    for data in [by_context, item] {
-        let file = read_styles(&format!("{OCCURRENCE}{data}"));
-        assert_eq!(file.report.repairs.notes(), []);
-        assert_eq!(rgb(file.model.parts[0].bodies[0].style), ORANGE);
-        assert_eq!(rgb(file.model.parts[1].occurrences[0].style), BLUE);
+    let of_the_part = item.replace("#24,#40", "#25,#40");
+    let face = "#43=STYLED_ITEM('',(#100),#21);";
+    assert_eq!(scene_colors(OCCURRENCE), [ORANGE, ORANGE]);
+    for data in [by_context, item, &of_the_part] {
+        assert_eq!(scene_colors(&format!("{OCCURRENCE}{data}")), [BLUE, BLUE], "{data}");
     }
-    let face = by_context.replace("#24", "#21");
-    let file = read_styles(&format!("{OCCURRENCE}{face}"));
-    assert_eq!((file.report.repairs.count(), file.model.parts[1].occurrences[0].style), (1, None));
+    // A body that is painted in an occurrence is so with its faces, whatever their colours.
+    assert_eq!(scene_colors(&format!("{OCCURRENCE}{face}{item}")), [BLUE, BLUE]);
+    let of_the_face = item.replace("#24", "#21");
+    assert_eq!(scene_colors(&format!("{OCCURRENCE}{of_the_face}")), [BLUE, ORANGE]);
+    let of_the_shell = item.replace("#24", "#23");
+    assert_eq!(scene_colors(&format!("{OCCURRENCE}{of_the_shell}")), [BLUE, BLUE]);
+}
+
+#[test]
+fn style_in_the_context_of_the_shape_of_a_product_holds_in_all_occurrences() {
+    let data = "#41=STYLED_ITEM('',(#42),#21);#42=PRESENTATION_STYLE_BY_CONTEXT((#201),#25);";
+    assert_eq!(scene_colors(&format!("{OCCURRENCE}{data}")), [BLUE, ORANGE]);
+    let occurrence = "#43=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#100),#21,#40,(#410));";
+    assert_eq!(scene_colors(&format!("{OCCURRENCE}{data}{occurrence}")), [ORANGE, ORANGE]);
+}
+
+#[test]
+fn mapped_item_overrides_colours_inside_only_where_its_style_is_overriding() {
+    let mapped =
+        "#31=MAPPED_ITEM('',#32,#11);#32=REPRESENTATION_MAP(#11,#25);#33=SHAPE_REPRESENTATION('',(#31),#910);
+        #40=STYLED_ITEM('',(#100),#24);";
+    let plain = format!("{mapped}#41=STYLED_ITEM('',(#200),#31);");
+    let overriding = format!("{mapped}#41=OVER_RIDING_STYLED_ITEM('',(#200),#31,#40);");
+    assert_eq!(scene_colors(&plain), [ORANGE, ORANGE]);
+    assert_eq!(scene_colors(&overriding), [BLUE, BLUE]);
+}
+
+/// Two occurrences 600 and 700 of the product 310 of [`OCCURRENCE`], which contains the occurrence 400, in a product 320.
+const TWICE: &str = "#320=PRODUCT_DEFINITION('','',$,$);#321=PRODUCT_DEFINITION_SHAPE('','',#320);
+    #322=SHAPE_DEFINITION_REPRESENTATION(#321,#323);#323=SHAPE_REPRESENTATION('',(),#910);#312=PRODUCT_DEFINITION_SHAPE('','',#310);
+    #313=SHAPE_DEFINITION_REPRESENTATION(#312,#324);#324=SHAPE_REPRESENTATION('',(),#910);
+    #600=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#320,#310,$);#601=PRODUCT_DEFINITION_SHAPE('','',#600);
+    #602=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#603,#601);#603=(REPRESENTATION_RELATIONSHIP('','',#324,#323)
+    REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#412)SHAPE_REPRESENTATION_RELATIONSHIP());
+    #700=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#320,#310,$);#701=PRODUCT_DEFINITION_SHAPE('','',#700);
+    #702=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#703,#701);#703=(REPRESENTATION_RELATIONSHIP('','',#324,#323)
+    REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#412)SHAPE_REPRESENTATION_RELATIONSHIP());";
+
+#[test]
+fn style_on_a_path_of_occurrences_counts_there_only() {
+    let higher = "#41=OVER_RIDING_STYLED_ITEM('',(#42),#24,#40);#42=PRESENTATION_STYLE_BY_CONTEXT((#201),#800);
+        #800=SHAPE_REPRESENTATION('',(),#910);#801=SPECIFIED_HIGHER_USAGE_OCCURRENCE('','','',#320,#300,$,#600,#400);
+        #802=PRODUCT_DEFINITION_SHAPE('','',#801);#803=SHAPE_DEFINITION_REPRESENTATION(#802,#800);";
+    let list = |contexts: &str| {
+        format!("#41=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),#24,#40,({contexts}));")
+    };
+    for data in [higher, &list("#602,#410"), &list("#410,#602")] {
+        assert_eq!(
+            scene_colors(&format!("{OCCURRENCE}{TWICE}{data}")),
+            [BLUE, BLUE, ORANGE, ORANGE],
+            "{data}"
+        );
+    }
+    // Both occurrences of the assembly: its group is made once.
+    assert_eq!(scene_colors(&format!("{OCCURRENCE}{TWICE}{}", list("#410"))), [BLUE, BLUE]);
+    // The outer occurrence counts before the inner one.
+    let outer = "#44=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#100),#310,#40,(#602));";
+    let both = format!("{OCCURRENCE}{TWICE}{}{outer}", list("#410"));
+    assert_eq!(scene_colors(&both), [ORANGE, ORANGE, BLUE, BLUE]);
+}
+
+#[test]
+fn contexts_and_items_that_are_not_there_are_reported() {
+    for (item, context, reason) in [
+        ("#24", "#100", "#41: #100: the context of the style is no occurrence; the style is left out"),
+        ("#24", "#999", "#41: #999: the context of the style is no occurrence; the style is left out"),
+        ("#12", "#410", "#41: #12: the item is not shown; the style is left out"),
+    ] {
+        let file = read_styles(&format!(
+            "{OCCURRENCE}#41=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),{item},#40,({context}));"
+        ));
+        let notes: Vec<String> = file.report.repairs.notes().iter().map(ToString::to_string).collect();
+        // A reference to what does not exist is found earlier.
+        let known = notes.len() == 1 && (notes[0] == reason || context == "#999");
+        assert!(known && file.model.overrides.is_empty(), "{notes:?}");
+    }
+}
+
+#[test]
+fn styles_that_refer_to_one_another_often_are_read_once() {
+    let often = |n: usize| vec![format!("#{n}"); 1000].join(",");
+    // 1000^5 ways lead from the item to the colour.
+    let data = format!(
+        "#30=STYLED_ITEM('',({}),#24);#50=PRESENTATION_STYLE_ASSIGNMENT(({}));#51=SURFACE_STYLE_USAGE(.BOTH.,#52);
+         #52=SURFACE_SIDE_STYLE('',({}));#53=SURFACE_STYLE_FILL_AREA(#54);#54=FILL_AREA_STYLE('',({}));
+         #55=FILL_AREA_STYLE_COLOUR('',#56);#56=COLOUR_RGB('',0.,0.,1.);#57=STYLED_ITEM('',(#58),#21);
+         #58=PRESENTATION_STYLE_ASSIGNMENT(({}));",
+        often(50),
+        often(51),
+        often(53),
+        often(55),
+        often(58)
+    );
+    assert_eq!(colors(&data), [None, None, BLUE]);
+}
+
+#[test]
+fn colours_of_many_paths_do_not_fill_the_memory() {
+    // Each of 30 products contains the next one twice, in two colours of another face: 2^30 combinations.
+    let mut data = String::new();
+    let mut faces = String::new();
+    for level in 0..30 {
+        let [product, next, face] = [10_000 + 100 * level, 10_100 + 100 * level, 2000 + level];
+        faces += &format!(",#{face}");
+        let [a, b] = [product + 10, product + 20];
+        data += &format!(
+            "#{face}=ADVANCED_FACE('',(),#10,.T.);#{product}=PRODUCT_DEFINITION('','',$,$);
+             #{a}=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#{product},#{next},$);
+             #{b}=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#{product},#{next},$);
+             #{}=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#100),#{face},#40,(#{a}));
+             #{}=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),#{face},#40,(#{b}));",
+            product + 30,
+            product + 40
+        );
+    }
+    data += "#13000=PRODUCT_DEFINITION('','',$,$);#13001=PRODUCT_DEFINITION_SHAPE('','',#13000);
+        #13002=SHAPE_DEFINITION_REPRESENTATION(#13001,#25);";
+    let styles =
+        style(100, "COLOUR_RGB('',1.,0.5,0.)") + &style(200, "DRAUGHTING_PRE_DEFINED_COLOUR('blue')");
+    let solid = SOLID.replace("(#21,#22)", &format!("(#21,#22{faces})"));
+    let model =
+        CadModel::read(text(&format!("{MILLIMETRES}{solid}{styles}{data}")).as_bytes(), false).unwrap();
+    let mut description = Description::default();
+    let report = model.into_world(&mut description);
+    assert!(report.shapes.len() < 200_000, "{}", report.shapes.len());
+    let last = report.reading.repairs.notes().last().unwrap();
+    assert!(last.reason.contains("too many different colors"), "{last}");
+}
+
+#[test]
+fn hidden_things_of_all_kinds_are_left_out_counted_and_reported() {
+    let mapped = "#31=MAPPED_ITEM('',#32,#11);#32=REPRESENTATION_MAP(#11,#25);#33=SHAPE_REPRESENTATION('',(#31),#910);";
+    let product = "#300=PRODUCT_DEFINITION('','',$,$);#301=PRODUCT_DEFINITION_SHAPE('','',#300);
+        #302=SHAPE_DEFINITION_REPRESENTATION(#301,#25);";
+    for (context, hidden) in [
+        ("", "#24"),
+        ("", "#23"),
+        ("", "#25"),
+        (product, "#25"),
+        (product, "#23"),
+        (mapped, "#31"),
+        (mapped, "#25"),
+        (OCCURRENCE, "#400"),
+        (OCCURRENCE, "#410"),
+        (OCCURRENCE, "#25"),
+    ] {
+        let layer = format!("#90=PRESENTATION_LAYER_ASSIGNMENT('','',({hidden}));#91=INVISIBILITY((#90));");
+        let styled = format!("#90=STYLED_ITEM('',(#100),{hidden});#91=INVISIBILITY((#90));");
+        for data in [
+            format!("{context}#91=INVISIBILITY(({hidden}));"),
+            format!("{context}{layer}"),
+            format!("{context}{styled}"),
+        ] {
+            let file = read_styles(&data);
+            assert_eq!((file.model.roots.len(), file.report.faces.hidden), (0, 2), "{hidden}: {data}");
+            let named = if hidden == "#410" { "#400" } else { hidden };
+            assert_eq!(omissions(&file), [format!("{named}: the file hides it")], "{data}");
+        }
+    }
+}
+
+#[test]
+fn bodies_without_a_representation_are_hidden_too() {
+    for hidden in ["#24", "#23"] {
+        let data = format!("#30=INVISIBILITY(({hidden}));");
+        let file =
+            file(&format!("{MILLIMETRES}{}{data}", SOLID.replace("#25=SHAPE_REPRESENTATION", "#25=UNKNOWN")));
+        assert_eq!((file.model.roots.len(), file.report.faces.hidden), (0, 2), "{hidden}");
+    }
 }

@@ -36,7 +36,7 @@ fn instance(group: usize, x: f64) -> InstanceDescription {
 /// Groups in groups, some shapes of which shine: decimals of x say which copy it is. With the x of every leaf by the order of the walk.
 fn nested() -> (Description, Vec<f64>) {
     let mut description = description();
-    let group = |shapes, instances| GroupDescription { name: "group".into(), shapes, instances };
+    let group = |shapes, instances| GroupDescription { name: "group".into(), shapes, instances, edges: Vec::new() };
     let inner: Vec<_> = (0..4).map(|k| shape(k, f64::from(k), k % 2 == 1)).collect();
     let middle = vec![shape(2, 0.0, true), shape(0, 1.0, false)];
     description.groups = vec![
@@ -161,7 +161,7 @@ fn joined_meshes_are_an_object_each() {
 fn a_million_copies_are_refused() {
     let mut description = description();
     let ten = |group| (0..10).map(|k| instance(group, f64::from(k))).collect::<Vec<_>>();
-    let group = |shapes, instances| GroupDescription { name: String::new(), shapes, instances };
+    let group = |shapes, instances| GroupDescription { name: String::new(), shapes, instances, edges: Vec::new() };
     description.groups.push(group(vec![shape(0, 0.0, false)], vec![]));
     for level in 0..5 {
         description.groups.push(group(vec![], ten(level)));

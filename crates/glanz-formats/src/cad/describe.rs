@@ -11,10 +11,14 @@ use glanz_light::rgb::srgb_decode;
 use glanz_math::DMat4;
 use glanz_scene::description::{
     EmissionDescription, GeometryDescription, GroupDescription, InstanceDescription, MaterialDescription,
-    NurbsDescription, ShapeDescription, TrimCurveDescription, TrimDescription, TrimLoopDescription,
+    NurbsDescription, ShapeDescription, TrimCurveDescription, TrimDescription, TrimEdgeDescription,
+    TrimLoopDescription,
 };
 use glanz_scene::studio::{CAD_GREY, cad_material};
 use glanz_scene::{Description, Location};
+
+use super::describe_edges::BodyEdges;
+use super::occurrence_colors::{ActiveOverrides, ColorKey, OverrideIndex};
 
 /// Selection and appearance of what a description shows of a file.
 #[derive(Clone, Debug, Default)]
@@ -29,19 +33,23 @@ pub(crate) struct CadSettings {
     pub(crate) emission: Option<Rc<EmissionDescription>>,
 }
 
-/// A color as a key: its bits.
-type StyleKey = Option<[u64; 4]>;
-
 /// What parts and faces take over from the occurrences around them.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 struct InheritedStyle {
-    color: Option<ColorStyle>,
+    color: Option<ColorKey>,
+    overrides: ActiveOverrides,
     material: Option<usize>,
     shown: bool,
 }
 
 /// A part and the style that its occurrences bring.
-type GroupKey = (usize, StyleKey, Option<usize>, bool);
+type GroupKey = (usize, InheritedStyle);
+
+/// Copies of the model in different colors, at most, without [`FREE_COPIES`]: beyond, occurrences bring no colors.
+const MAX_COPIES: usize = 32;
+
+/// Control points and instances that are copied in any case.
+const FREE_COPIES: usize = 100_000;
 
 /// A scene made of what a file shows: parts are groups, their occurrences instances. Faces that were refused are left out.
 ///
@@ -53,10 +61,13 @@ pub(super) struct CadScene<'a> {
     /// That of all shapes in the input.
     location: Option<Location>,
     description: &'a mut Description,
+    overrides: OverrideIndex<'a>,
     groups: HashMap<GroupKey, Option<usize>>,
+    /// Control points and instances that may still be copied for different colors.
+    copies_left: usize,
     /// The face of each shape of each group, by its index.
     pub(super) faces_of_groups: Vec<Vec<usize>>,
-    materials: HashMap<StyleKey, usize>,
+    materials: HashMap<Option<ColorKey>, usize>,
     /// Number of closed shells so far.
     solids: u32,
 }
@@ -68,13 +79,17 @@ impl<'a> CadScene<'a> {
         location: Option<Location>,
         description: &'a mut Description,
     ) -> Self {
+        let occurrences: usize = model.parts.iter().map(|part| part.occurrences.len()).sum();
+        let all = faces.faces.iter().flatten().map(size).sum::<usize>() + occurrences + model.roots.len();
         Self {
             model,
             faces,
             settings,
             location,
             description,
+            overrides: OverrideIndex::new(&model.overrides),
             groups: HashMap::new(),
+            copies_left: all.saturating_mul(MAX_COPIES).saturating_add(FREE_COPIES),
             faces_of_groups: Vec::new(),
             materials: HashMap::new(),
             solids: 0,
@@ -89,10 +104,11 @@ impl<'a> CadScene<'a> {
         match self.model.roots.as_slice() {
             [only] if only.to_parent == DMat4::IDENTITY => {
                 let Some(part) = self.model.parts.get(only.part) else { return Default::default() };
-                self.group(part, self.inherited(outside, only, part))
+                let style = self.inherited(&outside, only, part);
+                self.group(part, &style)
             }
             roots => {
-                let instances = self.instances(roots, outside);
+                let instances = self.instances(roots, &outside);
                 (GroupDescription { instances, ..GroupDescription::default() }, Vec::new())
             }
         }
@@ -103,28 +119,45 @@ impl<'a> CadScene<'a> {
         names.iter().find_map(|name| self.settings.materials.get(*name)).copied()
     }
 
-    fn inherited(&self, outside: InheritedStyle, occurrence: &Occurrence, part: &Part) -> InheritedStyle {
+    /// Whether colors of occurrences are left out, because there would be too many copies of parts.
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.copies_left == 0
+    }
+
+    fn inherited(&self, outside: &InheritedStyle, occurrence: &Occurrence, part: &Part) -> InheritedStyle {
         let names = [occurrence.name.as_str(), part.name.as_str()];
         let shown = self.settings.part.as_deref().is_some_and(|name| names.contains(&name));
-        InheritedStyle {
-            // Without use it would make groups that differ in nothing else.
-            color: occurrence.style.or(outside.color).filter(|_| self.settings.others.is_none()),
+        let inside = InheritedStyle {
             material: self.named_material(names).or(outside.material),
             shown: outside.shown || shown,
+            ..InheritedStyle::default()
+        };
+        // Without use colors would make groups that differ in nothing else.
+        if self.settings.others.is_some() || self.is_exhausted() {
+            return inside;
+        }
+        InheritedStyle {
+            color: occurrence.style.map(ColorKey::from).or(outside.color),
+            overrides: self.overrides.inside(&outside.overrides, occurrence.entity),
+            ..inside
         }
     }
 
-    fn instances(&mut self, occurrences: &[Occurrence], outside: InheritedStyle) -> Vec<InstanceDescription> {
+    fn instances(
+        &mut self,
+        occurrences: &[Occurrence],
+        outside: &InheritedStyle,
+    ) -> Vec<InstanceDescription> {
         let mut instances = Vec::with_capacity(occurrences.len());
         for occurrence in occurrences {
             let Some(part) = self.model.parts.get(occurrence.part) else { continue };
             let style = self.inherited(outside, occurrence, part);
-            let key = (occurrence.part, style_key(style.color), style.material, style.shown);
+            let key = (occurrence.part, style);
             let group = if let Some(&group) = self.groups.get(&key) {
                 group
             } else {
                 // Parts refer to parts before them only, so that this ends.
-                let (group, faces) = self.group(part, style);
+                let (group, faces) = self.group(part, &key.1);
                 let number = (!group.shapes.is_empty() || !group.instances.is_empty()).then(|| {
                     self.description.groups.push(group);
                     self.faces_of_groups.push(faces);
@@ -141,20 +174,27 @@ impl<'a> CadScene<'a> {
     }
 
     /// The group of a part, and the face of each of its shapes.
-    fn group(&mut self, part: &Part, style: InheritedStyle) -> (GroupDescription, Vec<usize>) {
-        let (mut shapes, mut faces) = (Vec::new(), Vec::new());
+    fn group(&mut self, part: &Part, style: &InheritedStyle) -> (GroupDescription, Vec<usize>) {
+        // Before those inside, so that groups without a shape count, too.
+        self.copies_left = self.copies_left.saturating_sub(1 + style.overrides.len());
+        let mut group = GroupDescription { name: part.name.clone(), ..GroupDescription::default() };
+        let mut faces = Vec::new();
         for body in part.bodies.iter().filter(|_| style.shown) {
-            self.body(body, style, &mut shapes, &mut faces);
+            self.body(body, style, &mut group, &mut faces);
         }
-        let instances = self.instances(&part.occurrences, style);
-        (GroupDescription { name: part.name.clone(), shapes, instances }, faces)
+        group.instances = self.instances(&part.occurrences, style);
+        let sizes = faces.iter().filter_map(|face| self.faces.faces.get(*face)?.as_ref().ok());
+        let polylines = group.edges.iter().map(|edge| edge.points.len());
+        let made = sizes.map(size).sum::<usize>() + group.instances.len() + polylines.sum::<usize>();
+        self.copies_left = self.copies_left.saturating_sub(made);
+        (group, faces)
     }
 
     fn body(
         &mut self,
         body: &Body,
-        inherited: InheritedStyle,
-        shapes: &mut Vec<ShapeDescription>,
+        inherited: &InheritedStyle,
+        group: &mut GroupDescription,
         faces: &mut Vec<usize>,
     ) {
         // A shell without some of its faces bounds no volume; the voids of a solid bound the same as its outer shell.
@@ -162,6 +202,8 @@ impl<'a> CadScene<'a> {
         let closed: Vec<bool> =
             body.shells.iter().map(|shell| shell.closed && shell.faces.iter().all(made)).collect();
         let solid = (body.solid && closed.iter().all(|&closed| closed)).then(|| self.next_solid());
+        let polylines = self.faces.edges.as_deref();
+        let mut edges = polylines.map(|_| BodyEdges::default());
         for (shell, closed) in body.shells.iter().zip(closed) {
             let number = solid.or_else(|| (closed && !body.solid).then(|| self.next_solid()));
             for &(index, reversed) in &shell.faces {
@@ -173,20 +215,32 @@ impl<'a> CadScene<'a> {
                 let named = self.named_material([&face.name, &body.name]).or(inherited.material);
                 let material = match named.or(self.settings.others) {
                     Some(material) => material,
-                    None => self.color_material(face.style.or(body.style).or(inherited.color)),
+                    None => {
+                        let items = [face.entity, shell.entity, body.entity];
+                        let overriding = self.overrides.color(&inherited.overrides, items);
+                        let own = face.style.or(body.style).map(ColorKey::from);
+                        self.color_material(overriding.or(own).or(inherited.color))
+                    }
                 };
+                let loops = face.bounds.iter().map(|bound| &bound.boundary);
+                if let Some(edges) = &mut edges {
+                    edges.add(group.shapes.len(), loops, trimmed, reversed);
+                }
                 faces.push(index);
-                shapes.push(ShapeDescription {
+                group.shapes.push(ShapeDescription {
                     to_parent: trimmed.to_part,
                     reverse_orientation: trimmed.reversed != reversed,
                     material,
-                    trim: trimmed.trim.as_ref().map(trim),
+                    trim: trimmed.trim.as_ref().map(|cut| trim(cut, self.model)),
                     solid: number,
                     emission: self.settings.emission.as_deref().cloned(),
                     location: self.location,
                     ..geometry(trimmed).into()
                 });
             }
+        }
+        if let Some((edges, polylines)) = edges.zip(polylines) {
+            edges.describe(self.model, (polylines, &self.faces.widths), &mut group.edges);
         }
     }
 
@@ -196,24 +250,30 @@ impl<'a> CadScene<'a> {
         self.solids - 1
     }
 
-    fn color_material(&mut self, style: Option<ColorStyle>) -> usize {
-        let key = style_key(style);
-        if let Some(&number) = self.materials.get(&key) {
+    fn color_material(&mut self, color: Option<ColorKey>) -> usize {
+        if let Some(&number) = self.materials.get(&color) {
             return number;
         }
-        let (rgb, transparency) = style.map_or((CAD_GREY, 0.0), |style| {
+        let (rgb, transparency) = color.map_or((CAD_GREY, 0.0), |color| {
+            let style = ColorStyle::from(color);
             (style.rgb.map(|c| srgb_decode(c as f32)), style.transparency as f32)
         });
         let material = MaterialDescription::from(cad_material(rgb, transparency));
         self.description.materials.push(material);
         let number = self.description.materials.len() - 1;
-        self.materials.insert(key, number);
+        self.materials.insert(color, number);
         number
     }
 }
 
-fn style_key(style: Option<ColorStyle>) -> StyleKey {
-    style.map(|ColorStyle { rgb: [r, g, b], transparency }| [r, g, b, transparency].map(f64::to_bits))
+/// The size of a shape: its control points, and those of its boundary.
+fn size(face: &TrimmedFace) -> usize {
+    let points = match &face.geometry {
+        FaceGeometry::Spline(surface) => surface.control_points().len(),
+        _ => 1,
+    };
+    let loops = face.trim.iter().flat_map(|trim| &trim.loops);
+    loops.flatten().fold(points, |points, curve| points + curve.points.len())
 }
 
 fn geometry(face: &TrimmedFace) -> GeometryDescription {
@@ -243,12 +303,13 @@ fn nurbs(surface: &NurbsSurface) -> NurbsDescription {
     }
 }
 
-fn trim(trim: &FaceTrim) -> TrimDescription {
+fn trim(trim: &FaceTrim, model: &BrepModel) -> TrimDescription {
     let curve = |curve: &BoundaryCurve| TrimCurveDescription {
         degree: curve.degree,
         knots: curve.knots.clone(),
         points: curve.points.iter().map(|point| point.to_array()).collect(),
         width: Some(curve.width),
+        edge: trim_edge(curve, model),
     };
     let [u, v] = trim.domain;
     TrimDescription {
@@ -260,4 +321,15 @@ fn trim(trim: &FaceTrim) -> TrimDescription {
         scale: trim.scale.to_array(),
         domain: Some([[u[0], v[0]], [u[1], v[1]]]),
     }
+}
+
+fn trim_edge(curve: &BoundaryCurve, model: &BrepModel) -> Option<TrimEdgeDescription> {
+    let number = curve.edge?;
+    let edge = model.edges.get(number)?;
+    let small = |index: usize| u32::try_from(index).ok();
+    Some(TrimEdgeDescription {
+        edge: small(number)?,
+        vertices: [small(edge.start)?, small(edge.end)?],
+        range: curve.range,
+    })
 }

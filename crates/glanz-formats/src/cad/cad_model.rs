@@ -1,30 +1,39 @@
 //! A CAD file as a part of a scene.
 
-use glanz_brep::face::{TrimmedFaces, trimmed_faces};
+use std::sync::Arc;
+
+use glanz_brep::face::{TrimmedFaces, trimmed_faces, trimmed_faces_with_edges};
 use glanz_brep::model::BrepModel;
 use glanz_scene::{Description, Location};
 
 use super::cad_report::CadReport;
 use super::describe::{CadScene, CadSettings};
-use super::report::StepError;
+use super::error::CadError;
+use super::report::EntityNote;
+use crate::{iges, step};
+
+/// The reason why occurrences lack their colors.
+pub(crate) const TOO_MANY_COLORS: &str =
+    "parts occur in too many different colors; some occurrences are shown without theirs";
 
 /// A CAD file whose faces are trimmed, from which descriptions are made.
 #[derive(Debug)]
 pub(crate) struct CadModel {
     model: BrepModel,
-    faces: TrimmedFaces,
+    faces: Arc<TrimmedFaces>,
     /// The outcome for each face; without shapes.
     pub(crate) report: CadReport,
 }
 
 impl CadModel {
-    /// Reads a STEP file.
+    /// Reads a file of STEP or IGES. `with_edges`: whether descriptions made of it have edges.
     ///
     /// # Errors
-    /// Those of [`super::read`].
-    pub(crate) fn read(bytes: &[u8]) -> Result<Self, StepError> {
-        let file = super::read(bytes)?;
-        let faces = trimmed_faces(&file.model);
+    /// Those of [`step::read`] and [`iges::read`].
+    pub(crate) fn read(bytes: &[u8], with_edges: bool) -> Result<Self, CadError> {
+        let file = if iges::is_iges(bytes) { iges::read(bytes)? } else { step::read(bytes)? };
+        let trimmed = if with_edges { trimmed_faces_with_edges } else { trimmed_faces };
+        let faces = Arc::new(trimmed(&file.model));
         let report = CadReport::new(&file, &faces);
         Ok(Self { model: file.model, faces, report })
     }
@@ -34,26 +43,40 @@ impl CadModel {
         let settings = CadSettings::default();
         let mut scene = CadScene::new((&self.model, &self.faces), &settings, None, description);
         let (world, faces_of_world) = scene.whole();
+        let is_exhausted = scene.is_exhausted();
         let shapes = scene.faces_of_groups.into_iter().chain([faces_of_world]).flatten().collect();
+        let whole = (!world.name.is_empty()).then(|| world.name.clone());
         description.world.shapes.extend(world.shapes);
         description.world.instances.extend(world.instances);
-        CadReport { shapes, ..self.report }
+        description.world.edges.extend(world.edges);
+        let mut report = self.report;
+        (report.shapes, report.whole) = (shapes, whole);
+        if is_exhausted {
+            report.reading.repairs.push_with(|| EntityNote {
+                entity: None,
+                position: None,
+                reason: TOO_MANY_COLORS.to_owned(),
+            });
+        }
+        report
     }
 
     /// Adds a group of what the settings select, after the groups that it contains, and returns its index; `None` if it has no surface.
+    /// The second value tells whether colors are left out, because parts occur in too many ([`TOO_MANY_COLORS`]).
     pub(crate) fn add_group(
         &self,
         settings: &CadSettings,
         location: Location,
         description: &mut Description,
-    ) -> Option<usize> {
+    ) -> (Option<usize>, bool) {
         let mut scene = CadScene::new((&self.model, &self.faces), settings, Some(location), description);
         let (group, _) = scene.whole();
+        let is_exhausted = scene.is_exhausted();
         if group.shapes.is_empty() && group.instances.is_empty() {
-            return None;
+            return (None, is_exhausted);
         }
         description.groups.push(group);
-        Some(description.groups.len() - 1)
+        (Some(description.groups.len() - 1), is_exhausted)
     }
 
     /// The names of parts and their occurrences, in the order of the file, perhaps several times.

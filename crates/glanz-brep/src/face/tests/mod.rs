@@ -1,6 +1,10 @@
+mod border;
+
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
-use glanz_math::DVec3;
+use glanz_geometry::spline::NurbsSurface;
+use glanz_math::glam::DVec4;
+use glanz_math::{DMat4, DVec3};
 
 use super::*;
 use crate::model::{
@@ -230,4 +234,53 @@ fn small_and_large_solids_are_measured_alike() {
         model.face(FaceSurface::Plane(WORLD), false, &[(bottom, false)]);
         assert_measures(&model.faces(), 20.0 * PI * scale * scale, 12.0 * PI * scale.powi(3));
     }
+}
+
+/// The angle between the normals of two faces along an edge of which each has one.
+fn angle(faces: &[TrimmedFace], [a, b]: [usize; 2], edge: usize) -> f64 {
+    let [a, b] = [a, b].map(|face| faces[face].edge_normals.iter().find(|n| n.edge == edge).unwrap());
+    a.angle_to(b)
+}
+
+#[test]
+fn normals_along_an_edge_tell_whether_faces_continue_each_other() {
+    // A cylinder with a hemisphere on it, closed by a disk below: a cap of a ball of radius 1 about (0, 0, 2).
+    let mut model = ModelBuilder::default();
+    let (bottom, rim) = (model.circle(1.0, 0.0), model.circle(1.0, 2.0));
+    model.face(
+        FaceSurface::Cylinder { placement: WORLD, radius: 1.0 },
+        true,
+        &[(bottom, true), (rim, false)],
+    );
+    model.face(FaceSurface::Sphere { placement: at_height(2.0), radius: 1.0 }, true, &[(rim, true)]);
+    model.face(FaceSurface::Plane(WORLD), false, &[(bottom, false)]);
+    assert!(trimmed_faces(&model.0).edges.is_none());
+    let trimmed = trimmed_faces_with_edges(&model.0);
+    let faces: Vec<TrimmedFace> = trimmed.faces.into_iter().map(Result::unwrap).collect();
+    assert!(angle(&faces, [0, 1], rim) < 1e-7);
+    assert!((angle(&faces, [0, 2], bottom) - FRAC_PI_4 * 2.0).abs() < 1e-7);
+    let edges = trimmed.edges.unwrap();
+    let polyline = edges[rim].as_ref().unwrap();
+    assert!((polyline.length - TAU).abs() < 1e-9 && polyline.points.len() > 49);
+    assert!(polyline.points.iter().all(|p| (p.truncate().length() - 1.0).abs() < 1e-12 && p.z == 2.0));
+}
+
+#[test]
+fn areas_hold_where_weights_make_parameters_uneven() {
+    // The unit square, of which the first thousandth of u is most.
+    let points = [(0.0, 0.0, 1.0), (0.0, 1.0, 1.0), (1.0, 0.0, 1e3), (1.0, 1.0, 1e3)];
+    let points = points.map(|(x, y, w)| DVec4::new(w * x, w * y, 0.0, w)).to_vec();
+    let knots = || vec![0.0, 0.0, 1.0, 1.0];
+    let surface = NurbsSurface::try_new([1, 1], [knots(), knots()], points).unwrap();
+    let face = TrimmedFace {
+        geometry: FaceGeometry::Spline(surface),
+        to_part: DMat4::IDENTITY,
+        reversed: false,
+        trim: None,
+        width: 0.0,
+        repairs: Vec::new(),
+        edge_normals: Vec::new(),
+    };
+    let area = face.measure(1e-9).area;
+    assert!((area - 1.0).abs() < 1e-8, "{area}");
 }

@@ -4,34 +4,21 @@ use std::fmt;
 
 use glanz_brep::model::{BrepModel, EntityId};
 
-/// A STEP file that was read.
+use super::refusal::Refusal;
+
+/// A CAD file that was read.
 #[derive(Clone, Debug, Default)]
-pub struct StepFile {
+pub struct BrepFile {
     /// Its shapes.
     pub model: BrepModel,
     /// What was read, mended and left out.
-    pub report: StepReport,
-}
-
-/// Errors of reading a STEP file.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StepError {
-    /// The first line of a STEP file is missing.
-    #[error("the file does not begin with ISO-10303-21; it is no STEP file")]
-    NotStep,
-    /// There is no data section.
-    #[error("the file has no section DATA; it may be incomplete")]
-    NoData,
-    /// The file is too large.
-    #[error("the file has {0} bytes; fewer than 2^32 can be read")]
-    TooLarge(usize),
+    pub report: ReadingReport,
 }
 
 /// What was read of a file, mended, and left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct StepReport {
-    /// Names of its schemas, such as `AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }`.
+pub struct ReadingReport {
+    /// Names of its schemas, such as `AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }`, or its version of IGES.
     pub schemas: Vec<String>,
     /// Faces by what became part of the model.
     pub faces: FaceCounts,
@@ -43,6 +30,23 @@ pub struct StepReport {
     pub repairs: NoteList,
 }
 
+impl ReadingReport {
+    /// Notes that an entity is not in the model.
+    pub(crate) fn omit(&mut self, entity: EntityId, refusal: &Refusal) {
+        self.omissions.push_with(|| {
+            let cause =
+                if refusal.entity == entity { String::new() } else { format!("{}: ", refusal.entity) };
+            EntityNote { entity: Some(entity), position: None, reason: format!("{cause}{}", refusal.reason) }
+        });
+    }
+
+    /// Notes that an entity was mended.
+    pub(crate) fn mend(&mut self, entity: EntityId, refusal: &Refusal, remedy: &str) {
+        let reason = || format!("{}: {}; {remedy}", refusal.entity, refusal.reason);
+        self.repairs.push_with(|| EntityNote { entity: Some(entity), position: None, reason: reason() });
+    }
+}
+
 /// Numbers of face entities of a file; `total` is the sum of the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FaceCounts {
@@ -50,7 +54,7 @@ pub struct FaceCounts {
     pub total: usize,
     /// Faces in the model.
     pub read: usize,
-    /// Faces that cannot be read, each with its reason in [`StepReport::omissions`].
+    /// Faces that cannot be read, each with its reason in [`ReadingReport::omissions`].
     pub refused: usize,
     /// Faces that the file hides.
     pub hidden: usize,
@@ -61,7 +65,7 @@ pub struct FaceCounts {
 /// Notes, of which the first are stored and all are counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct NoteList {
-    notes: Vec<StepNote>,
+    notes: Vec<EntityNote>,
     count: usize,
 }
 
@@ -71,7 +75,7 @@ impl NoteList {
 
     /// The first notes.
     #[must_use]
-    pub fn notes(&self) -> &[StepNote] {
+    pub fn notes(&self) -> &[EntityNote] {
         &self.notes
     }
 
@@ -82,7 +86,7 @@ impl NoteList {
     }
 
     /// Adds the note that `note` makes, as long as there is room.
-    pub(super) fn push_with(&mut self, note: impl FnOnce() -> StepNote) {
+    pub(crate) fn push_with(&mut self, note: impl FnOnce() -> EntityNote) {
         self.count += 1;
         if self.notes.len() < Self::CAPACITY {
             self.notes.push(note());
@@ -90,26 +94,26 @@ impl NoteList {
     }
 
     /// Adds a note about an entity.
-    pub(super) fn push(&mut self, entity: EntityId, reason: impl Into<String>) {
-        self.push_with(|| StepNote { entity: Some(entity), position: None, reason: reason.into() });
+    pub(crate) fn push(&mut self, entity: EntityId, reason: impl Into<String>) {
+        self.push_with(|| EntityNote { entity: Some(entity), position: None, reason: reason.into() });
     }
 
     /// Adds the notes of another list.
-    pub(super) fn append(&mut self, other: Self) {
+    pub(crate) fn append(&mut self, other: Self) {
         self.count += other.count;
         let room = Self::CAPACITY.saturating_sub(self.notes.len());
         self.notes.extend(other.notes.into_iter().take(room));
     }
 
     /// Counts notes that are not stored.
-    pub(super) fn add_uncounted(&mut self, count: usize) {
+    pub(crate) fn add_uncounted(&mut self, count: usize) {
         self.count += count;
     }
 }
 
 /// A remark about an entity of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StepNote {
+pub struct EntityNote {
     /// Number of the entity.
     pub entity: Option<EntityId>,
     /// Line and column from 1, of errors in the syntax.
@@ -118,7 +122,7 @@ pub struct StepNote {
     pub reason: String,
 }
 
-impl fmt::Display for StepNote {
+impl fmt::Display for EntityNote {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some([line, column]) = self.position {
             write!(f, "{line}:{column}: ")?;

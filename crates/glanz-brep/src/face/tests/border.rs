@@ -1,0 +1,221 @@
+//! Faces that end at the borders of their surfaces, polygons beside their planes, and geometry that no scene takes.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glanz_geometry::spline::{KnotVector, NurbsSurface};
+use glanz_math::glam::DVec4;
+
+use super::*;
+
+/// The face without edges on a part of a surface.
+fn part(basis: FaceSurface, ranges: [[f64; 2]; 2], same_sense: [bool; 2]) -> TrimmedFace {
+    let mut model = ModelBuilder::default();
+    model.bounded(FaceSurface::Rectangular { basis: Box::new(basis), ranges, same_sense }, true, Vec::new());
+    model.faces().remove(0)
+}
+
+#[test]
+fn range_of_a_surface_without_edges_is_applied() {
+    let cylinder = || FaceSurface::Cylinder { placement: WORLD, radius: 2.0 };
+    let sphere = || FaceSurface::Sphere { placement: WORLD, radius: 2.0 };
+    let cone = || FaceSurface::Cone { placement: WORLD, radius: 1.0, half_angle: PI / 6.0 };
+    let torus =
+        || FaceSurface::Torus { placement: WORLD, major_radius: 3.0, minor_radius: 1.0, select_outer: true };
+    for (name, basis, ranges, area) in [
+        ("plane", FaceSurface::Plane(WORLD), [[-1.0, 2.0], [3.0, 5.0]], 6.0),
+        ("cylinder", cylinder(), [[0.5, 1.5], [1.0, 3.0]], 4.0),
+        ("cylinder over the seam", cylinder(), [[6.0, 1.0], [1.0, 3.0]], 4.0 * (TAU - 5.0)),
+        ("whole turn", cylinder(), [[0.0, TAU], [1.0, 3.0]], 4.0 * TAU),
+        ("whole turn from elsewhere", cylinder(), [[1.0, 1.0 + TAU], [1.0, 3.0]], 4.0 * TAU),
+        ("cone", cone(), [[0.0, 1.0], [0.0, 2.0]], cone_area(0.0, 2.0)),
+        (
+            "cone to its apex",
+            cone(),
+            [[0.0, TAU], [-(3.0_f64.sqrt()), 0.0]],
+            TAU * cone_area(-(3.0_f64.sqrt()), 0.0),
+        ),
+        ("sphere", sphere(), [[0.0, 1.0], [0.25, 1.0]], 4.0 * (1.0_f64.sin() - 0.25_f64.sin())),
+        ("sphere to its pole", sphere(), [[0.5, 1.5], [0.0, FRAC_PI_2]], 4.0),
+        ("cap", sphere(), [[0.0, TAU], [0.5, FRAC_PI_2]], 4.0 * TAU * (1.0 - 0.5_f64.sin())),
+        ("whole sphere", sphere(), [[0.0, TAU], [-FRAC_PI_2, FRAC_PI_2]], 8.0 * TAU),
+        ("torus", torus(), [[0.5, 2.0], [1.0, 2.0]], 1.5 * (3.0 + 2.0_f64.sin() - 1.0_f64.sin())),
+        ("tube of a torus", torus(), [[0.5, 2.0], [0.0, TAU]], 1.5 * 3.0 * TAU),
+        ("ring of a torus", torus(), [[0.0, TAU], [6.0, 7.0]], TAU * (3.0 + 7.0_f64.sin() - 6.0_f64.sin())),
+    ] {
+        let measured = part(basis, ranges, [true; 2]).measure(1e-9).area;
+        assert!((measured - area).abs() <= 1e-7 * area, "{name}: {measured}, not {area}");
+    }
+}
+
+/// The area of a radian of the cone of radius 1 and half angle pi / 6 between two heights: the integral of r / cos a.
+fn cone_area(low: f64, high: f64) -> f64 {
+    let (tan, cos) = ((PI / 6.0).tan(), (PI / 6.0).cos());
+    let integral = |v: f64| v + 0.5 * v * v * tan;
+    (integral(high) - integral(low)) / cos
+}
+
+#[test]
+fn range_that_runs_backwards_turns_the_normal() {
+    let cylinder = || FaceSurface::Cylinder { placement: WORLD, radius: 2.0 };
+    let along = part(cylinder(), [[0.5, 1.5], [1.0, 3.0]], [true, true]);
+    let back = part(cylinder(), [[1.5, 0.5], [1.0, 3.0]], [false, true]);
+    let twice = part(cylinder(), [[1.5, 0.5], [3.0, 1.0]], [false, false]);
+    for face in [&along, &back, &twice] {
+        assert_close(face.measure(1e-9).area, 4.0);
+    }
+    assert!(!along.reversed && back.reversed && !twice.reversed);
+}
+
+#[test]
+fn range_of_a_line_that_is_swept_is_applied_or_refused_with_a_reason() {
+    let mut model = ModelBuilder::default();
+    let line = Curve::Line { origin: DVec3::X, direction: DVec3::Z };
+    let basis =
+        Box::new(FaceSurface::Revolution { curve: Box::new(line), origin: DVec3::ZERO, axis: DVec3::Z });
+    let ranges = [[0.0, 1.0], [0.0, 1.0]];
+    model.bounded(FaceSurface::Rectangular { basis, ranges, same_sense: [true; 2] }, true, Vec::new());
+    let face = trimmed_faces(&model.0).faces.remove(0);
+    // The line needs no end to become a cylinder; another profile would.
+    match face {
+        Ok(face) => assert_close(face.measure(1e-9).area, 1.0),
+        Err(refusal) => assert!(matches!(refusal, FaceRefusal::Surface { .. }), "{refusal}"),
+    }
+}
+
+#[test]
+fn border_of_a_bounded_surface_is_the_outer_loop_around_holes() {
+    let mut model = ModelBuilder::default();
+    let rim = model.circle(0.25, 0.0);
+    let line = || KnotVector::try_new(1, vec![0.0, 0.0, 1.0, 1.0]).unwrap();
+    let corner = |x: f64, y: f64| DVec4::new(x - 0.5, y - 0.5, 0.0, 1.0);
+    let points = vec![corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 0.0), corner(1.0, 1.0)];
+    let square = NurbsSurface::from_knots(line(), line(), points).unwrap();
+    let hole = BoundaryLoop::Edges(vec![OrientedEdge { edge: rim, forward: false }]);
+    model.bounded(FaceSurface::Spline(square.clone()), true, vec![BoundaryLoop::Border, hole]);
+    model.bounded(FaceSurface::Spline(square), true, vec![BoundaryLoop::Border]);
+    let areas: Vec<f64> = model.faces().iter().map(|face| face.measure(1e-10).area).collect();
+    assert_close(areas[0], 1.0 - PI / 16.0);
+    assert_close(areas[1], 1.0);
+}
+
+#[test]
+fn border_of_an_unbounded_surface_is_refused() {
+    let mut model = ModelBuilder::default();
+    model.bounded(FaceSurface::Plane(WORLD), true, vec![BoundaryLoop::Border]);
+    assert!(matches!(trimmed_faces(&model.0).faces[0], Err(FaceRefusal::Surface { .. })));
+}
+
+#[test]
+fn polygons_far_from_their_plane_take_their_own() {
+    // A tetrahedron whose faces all name the plane z = 0.
+    let [o, a, b, c] =
+        [DVec3::ZERO, DVec3::new(12.0, 0.0, 0.0), DVec3::new(2.0, 9.0, 0.0), DVec3::new(3.0, 2.0, 14.0)];
+    let mut model = ModelBuilder::default();
+    for corners in [[o, b, a], [o, a, c], [o, c, b], [a, b, c]] {
+        model.bounded(FaceSurface::Plane(WORLD), true, vec![BoundaryLoop::Polygon(corners.to_vec())]);
+    }
+    let faces: Vec<TrimmedFace> = trimmed_faces(&model.0).faces.into_iter().map(Result::unwrap).collect();
+    let sum = faces.iter().map(|face| face.measure(1e-9)).fold(FaceMeasure::default(), |a, b| a + b);
+    assert_close(sum.volume, 252.0);
+    let area = |p: DVec3, q: DVec3, r: DVec3| 0.5 * (q - p).cross(r - p).length();
+    assert_close(sum.area, area(o, a, b) + area(o, a, c) + area(o, b, c) + area(a, b, c));
+    let off: Vec<f64> = faces
+        .iter()
+        .flat_map(|face| &face.repairs)
+        .filter_map(|repair| match repair {
+            FaceRepair::PolygonPlane { distance } => Some(*distance),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(off, [14.0; 3]);
+}
+
+#[test]
+fn polygon_beside_its_plane_is_repaired_up_to_a_part_of_its_size_and_refused_beyond() {
+    let polygon = |height: f64| {
+        let mut model = ModelBuilder::default();
+        let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        // No plane contains it.
+        let corners = vec![
+            corner(0.0, 0.0, 0.0),
+            corner(1.0, 0.0, height),
+            corner(1.0, 1.0, 0.0),
+            corner(0.0, 1.0, height),
+        ];
+        model.bounded(FaceSurface::Plane(WORLD), true, vec![BoundaryLoop::Polygon(corners)]);
+        trimmed_faces(&model.0).faces.remove(0)
+    };
+    let bound = EntityId(3000);
+    assert_eq!(polygon(0.01).unwrap().repairs, [FaceRepair::StrayingPolygon { bound, distance: 0.01 }]);
+    assert_eq!(polygon(0.5).unwrap_err(), FaceRefusal::StrayingPolygon { bound, distance: 0.5 });
+}
+
+#[test]
+fn largest_polygon_tells_the_plane() {
+    let square = |size: f64, x: f64| {
+        BoundaryLoop::Polygon(vec![
+            DVec3::new(x, 0.0, 1.0),
+            DVec3::new(x + size, 0.0, 1.0),
+            DVec3::new(x + size, size, 1.0),
+            DVec3::new(x, size, 1.0),
+        ])
+    };
+    let hole = match square(1.0, 1.0) {
+        BoundaryLoop::Polygon(points) => BoundaryLoop::Polygon(points.into_iter().rev().collect()),
+        other => other,
+    };
+    let bound = |boundary| FaceBound { boundary, outer: false, entity: EntityId(1) };
+    let plane = Placement::of_polygons(&[bound(hole), bound(square(4.0, 0.0))]).unwrap();
+    assert_eq!((plane.origin.z, plane.z), (1.0, DVec3::Z));
+    assert!(
+        Placement::of_polygons(&[bound(BoundaryLoop::Polygon(vec![DVec3::ZERO, DVec3::X, DVec3::X * 2.0]))])
+            .is_none()
+    );
+    assert!(Placement::of_polygons(&[bound(BoundaryLoop::Border)]).is_none());
+}
+
+#[test]
+fn geometry_that_no_scene_takes_is_refused_alone() {
+    let mut model = ModelBuilder::default();
+    model.bounded(FaceSurface::Sphere { placement: WORLD, radius: 1e20 }, true, Vec::new());
+    model.bounded(FaceSurface::Sphere { placement: WORLD, radius: 1.0 }, true, Vec::new());
+    let far = Placement { origin: DVec3::X * 1e200, ..WORLD };
+    model.bounded(FaceSurface::Sphere { placement: far, radius: 1.0 }, true, Vec::new());
+    let faces = trimmed_faces(&model.0).faces;
+    assert!(faces[1].is_ok());
+    for i in [0, 2] {
+        assert!(matches!(faces[i], Err(FaceRefusal::Geometry(_))), "{:?}", faces[i]);
+    }
+}
+
+#[test]
+fn wedge_of_a_horn_torus_between_two_meridians_is_measured() {
+    let mut model = ModelBuilder::default();
+    let mut loops = Vec::new();
+    for (turn, is_first) in [(0.0_f64, true), (0.2, false)] {
+        let out = DVec3::new(turn.cos(), turn.sin(), 0.0);
+        // A whole meridian in two edges, from the horn and back to it: at first down and around, then back.
+        let circle = || Some(Curve::Ellipse { center: out, a: -out, b: -DVec3::Z });
+        let first = model.0.vertices.len();
+        model.0.vertices.extend([DVec3::ZERO, out + out * 2.0_f64.cos() * -1.0 - DVec3::Z * 2.0_f64.sin()]);
+        let [down, up] = [model.edge([first, first + 1], circle()), model.edge([first + 1, first], circle())];
+        // Down along the horn is along +v: the face is on the left of the second meridian, and of the first one run backwards.
+        let edges = [down, up].map(|edge| OrientedEdge { edge, forward: !is_first });
+        loops.extend(if is_first { [edges[1], edges[0]] } else { edges });
+    }
+    let surface = |gap: f64| FaceSurface::Torus {
+        placement: WORLD,
+        major_radius: 1.0 - gap,
+        minor_radius: 1.0,
+        select_outer: true,
+    };
+    model.0.uncertainty = 1e-5;
+    for gap in [0.0, 4e-15] {
+        model.bounded(surface(gap), true, vec![BoundaryLoop::Edges(loops.clone())]);
+    }
+    for face in trimmed_faces(&model.0).faces {
+        let face = face.unwrap();
+        let area = face.measure(1e-9).area;
+        assert!((area - 0.2 * TAU).abs() < 1e-6, "{area}, not {}: {:?}", 0.2 * TAU, face.repairs);
+    }
+}

@@ -1,0 +1,51 @@
+//! CAD models in IGES files, version 5.3 and before (@iges53).
+//!
+//! [`read`] gives a [`BrepModel`](glanz_brep::model::BrepModel) as that of [`step`](crate::step): solids (186) and shells (514) whose faces
+//! share their edges, and faces without topology: trimmed surfaces (144), bounded surfaces (143), and surfaces by themselves. Entities have
+//! the numbers of their directory entries.
+//!
+//! Surfaces are planes (108), ruled surfaces (118), surfaces of revolution (120), tabulated cylinders (122), rational splines (128), their offsets (140), and those of
+//! the types 190 to 198; curves are arcs (100), composite curves (102), conics (104), copious data (106), lines (110), and splines (112, 126). Transformations (124),
+//! subfigures (308, 408), groups (402), names (406 form 15), colours (314), levels and blank status are taken over. All else is reported,
+//! such as offset curves (130), constructive solids and boundaries that exist in parameters alone. The compressed form is refused.
+//!
+//! Memory is in proportion to the file. A damaged file gives what of it can be read.
+
+mod attributes;
+mod border;
+mod boundary;
+mod conic;
+mod curves;
+mod entity;
+mod error;
+mod file;
+mod global;
+mod lowering;
+mod parts;
+mod records;
+mod solids;
+mod surfaces;
+#[cfg(test)]
+mod tests;
+mod trimmed;
+mod values;
+
+pub use error::IgesError;
+pub(crate) use records::is_iges;
+
+use crate::cad::{BrepFile, ReadingReport};
+use file::IgesFile;
+use lowering::IgesReader;
+
+/// Reads an IGES file.
+///
+/// # Errors
+/// [`IgesError`] if the bytes are no IGES file, are in its compressed form, have no directory, or are too many. Everything else that cannot
+/// be read is in the report.
+pub fn read(bytes: &[u8]) -> Result<BrepFile, IgesError> {
+    let mut report = ReadingReport::default();
+    let file = IgesFile::parse(bytes, &mut report)?;
+    let mut reader = IgesReader::new(&file, report);
+    reader.read_all();
+    Ok(reader.finish())
+}

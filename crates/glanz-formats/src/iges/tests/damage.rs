@@ -1,0 +1,99 @@
+//! Damaged files.
+
+use glanz_scene::Description;
+use proptest::prelude::*;
+
+use super::*;
+use crate::cad::CadModel;
+
+/// A file with all kinds of entities that refer to one another.
+fn sample() -> String {
+    text(&[
+        EntityText { color: 3, matrix: 31, ..entity(144, 0, "3,1,1,5,7,0,1,33") },
+        entity(128, 0, BILINEAR),
+        entity(142, 0, "1,3,9,9,3"),
+        entity(142, 0, "1,3,11,11,3"),
+        entity(102, 0, "4,13,15,17,19"),
+        entity(100, 0, "0.,0.5,0.5,0.75,0.5,0.75,0.5"),
+        entity(110, 0, "0.,0.,0.,1.,0.,0."),
+        entity(110, 0, "1.,0.,0.,1.,1.,0."),
+        entity(106, 11, "1,2,0.,1.,1.,0.,1."),
+        entity(126, 0, "1,1,1,0,1,0,0.,0.,1.,1.,1.,1.,0.,1.,0.,0.,0.,0.,0.,1.,0.,0.,1."),
+        entity(120, 0, "23,25,0.,2."),
+        entity(110, 0, "0.,0.,0.,0.,0.,1."),
+        entity(104, 1, "0.25,0.,1.,-1.5,0.,1.25,0.,5.,0.,3.,1."),
+        entity(122, 0, "11,1.,2.,3."),
+        entity(118, 1, "13,17,0,0"),
+        entity(124, 0, "0.,-1.,0.,1.,1.,0.,0.,2.,0.,0.,1.,3."),
+        entity(406, 15, "1,4Hname"),
+        entity(308, 0, "0,3Hsub,1,37"),
+        entity(196, 0, "39,2."),
+        entity(116, 0, "1.,2.,3."),
+        entity(408, 0, "35,1.,2.,3.,1."),
+        entity(408, 0, "35,1.,2.,4.,1."),
+        entity(186, 0, "47,1,0"),
+        entity(514, 1, "1,49,1"),
+        entity(510, 1, "3,1,1,51"),
+        entity(508, 1, "4,0,53,1,1,1,0,13,0,53,2,1,0,0,53,3,1,0,0,53,4,1,0"),
+        entity(504, 1, "4,13,55,1,55,2,15,55,2,55,3,17,55,3,55,4,19,55,4,55,1"),
+        entity(502, 1, "4,0.,0.,0.,1.,0.,0.,1.,1.,0.,0.,1.,0."),
+        entity(143, 0, "1,3,1,59"),
+        entity(141, 0, "1,0,3,2,11,1,0,9,2,1,9"),
+        entity(402, 7, "2,1,57"),
+    ])
+}
+
+#[test]
+fn sample_is_read_without_damage() {
+    let file = read(sample().as_bytes()).unwrap();
+    let faces = file.report.faces;
+    assert_eq!((faces.total, faces.read), (7, 7), "{:?}", omissions(&file));
+    let model = CadModel::read(sample().as_bytes(), true).unwrap();
+    assert!(model.into_world(&mut Description::default()).shapes.len() >= 6);
+}
+
+/// Bytes that mean something in a file.
+const MEANINGFUL: &[u8] = b",;.0123456789-+EDHPGST \n";
+
+/// Number of damaged files; `GLANZ_FUZZ` multiplies it.
+fn cases() -> u32 {
+    100 * std::env::var("GLANZ_FUZZ").ok().and_then(|v| v.parse().ok()).unwrap_or(1)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(cases()))]
+
+    #[test]
+    fn any_change_of_a_file_gives_a_model_or_an_error(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 0_u8..6, any::<prop::sample::Index>(), any::<u8>()), 1..8),
+    ) {
+        let mut bytes = sample().into_bytes();
+        for (at, kind, byte, any) in changes {
+            let at = at.index(bytes.len());
+            let meaningful = MEANINGFUL[byte.index(MEANINGFUL.len())];
+            match kind {
+                // Most changes keep the columns, without which little is read.
+                0..3 => bytes[at] = meaningful,
+                3 => bytes[at] = any,
+                4 => bytes.insert(at, meaningful),
+                _ => drop(bytes.drain(at..(at + usize::from(any)).min(bytes.len() - 1).max(at))),
+            }
+        }
+        // What a user runs: a scene.
+        if let Ok(model) = CadModel::read(&bytes, true) {
+            let mut description = Description::default();
+            let report = model.into_world(&mut description);
+            let groups: usize = description.groups.iter().map(|group| group.shapes.len()).sum();
+            prop_assert_eq!(report.shapes.len(), groups + description.world.shapes.len());
+        }
+        if let Ok(file) = read(&bytes) {
+            let faces = file.report.faces;
+            prop_assert_eq!(faces.total, faces.read + faces.refused + faces.hidden + faces.unreachable);
+            let model = &file.model;
+            prop_assert!(model.faces.iter().all(|face| face.surface < model.surfaces.len()));
+            for (i, part) in model.parts.iter().enumerate() {
+                prop_assert!(part.occurrences.iter().all(|occurrence| occurrence.part < i));
+            }
+        }
+    }
+}

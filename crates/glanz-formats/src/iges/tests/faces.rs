@@ -1,0 +1,155 @@
+//! Trimmed and bounded surfaces.
+
+use std::f64::consts::PI;
+
+use glanz_brep::model::BoundaryLoop;
+
+use super::*;
+
+/// The unit square with a round hole of radius 1/4, both with curves in parameters and in space; `hole`: the start and the end of the hole
+/// in parameters, at a quarter of the circle around its centre and back.
+fn square_with_hole<'a>(outer: &'a str, ends: [&'a str; 4]) -> Vec<EntityText<'a>> {
+    vec![
+        entity(128, 0, BILINEAR),
+        entity(144, 0, "1,1,1,5,7"),
+        entity(142, 0, "1,1,9,11,3"),
+        entity(142, 0, "1,1,13,15,3"),
+        entity(102, 0, outer),
+        entity(102, 0, outer),
+        entity(100, 0, "0.,0.5,0.5,0.75,0.5,0.75,0.5"),
+        entity(100, 0, "0.,0.5,0.5,0.75,0.5,0.75,0.5"),
+        entity(110, 0, ends[0]),
+        entity(110, 0, ends[1]),
+        entity(110, 0, ends[2]),
+        entity(110, 0, ends[3]),
+    ]
+}
+
+const COUNTERCLOCKWISE: [&str; 4] =
+    ["0.,0.,0.,1.,0.,0.", "1.,0.,0.,1.,1.,0.", "1.,1.,0.,0.,1.,0.", "0.,1.,0.,0.,0.,0."];
+
+const CLOCKWISE: [&str; 4] =
+    ["0.,0.,0.,0.,1.,0.", "0.,1.,0.,1.,1.,0.", "1.,1.,0.,1.,0.,0.", "1.,0.,0.,0.,0.,0."];
+
+#[test]
+fn loops_in_any_direction_bound_the_same_face() {
+    for ends in [COUNTERCLOCKWISE, CLOCKWISE] {
+        let file = clean(&square_with_hole("4,17,19,21,23", ends));
+        assert_close(areas(&file)[0], 1.0 - PI / 16.0);
+        assert!(file.model.faces[0].same_sense);
+        assert!(file.model.edges.iter().all(|edge| edge.parameter_curves.len() == 1));
+        let [outer, hole] = file.model.faces[0].bounds.as_slice() else { panic!() };
+        assert!(outer.outer && !hole.outer);
+        // The circle of the file is counterclockwise, a hole is not.
+        assert!(
+            matches!(&hole.boundary, BoundaryLoop::Edges(edges) if edges.len() == 1 && !edges[0].forward)
+        );
+    }
+}
+
+#[test]
+fn holes_in_a_whole_surface_are_within_its_border() {
+    let mut entities = square_with_hole("4,17,19,21,23", COUNTERCLOCKWISE);
+    entities[1] = entity(144, 0, "1,0,1,0,7");
+    let file = file(&entities);
+    assert_close(areas(&file)[0], 1.0 - PI / 16.0);
+    assert_eq!(file.model.faces[0].bounds.len(), 2);
+}
+
+#[test]
+fn bounded_surface_runs_through_its_curves_in_their_senses() {
+    // The second and the last side run against the boundary.
+    let entities = [
+        entity(143, 0, "1,3,1,5"),
+        entity(128, 0, BILINEAR),
+        entity(141, 0, "1,0,3,4,7,1,1,7,9,2,1,11,13,1,1,13,15,2,1,17"),
+        entity(110, 0, COUNTERCLOCKWISE[0]),
+        entity(110, 0, "1.,1.,0.,1.,0.,0."),
+        entity(110, 0, COUNTERCLOCKWISE[1]),
+        entity(110, 0, COUNTERCLOCKWISE[2]),
+        entity(110, 0, "0.,0.,0.,0.,1.,0."),
+        entity(110, 0, COUNTERCLOCKWISE[3]),
+    ];
+    let file = clean(&entities);
+    assert_close(areas(&file)[0], 1.0);
+    let BoundaryLoop::Edges(edges) = &file.model.faces[0].bounds[0].boundary else { panic!() };
+    let senses: Vec<bool> = edges.iter().map(|edge| edge.forward).collect();
+    assert_eq!(senses, [true, false, true, false]);
+}
+
+#[test]
+fn curves_in_parameters_are_those_of_the_surface_in_the_file() {
+    // A quarter of a cylinder about z: the first parameter is that of the generatrix, from 0 to 1, the second the angle, here from 1 to 2.
+    let entities = [
+        entity(144, 0, "3,1,0,9"),
+        entity(120, 0, "5,7,0.,3."),
+        entity(110, 0, "0.,0.,0.,0.,0.,1."),
+        entity(110, 0, "2.,0.,0.,2.,0.,3."),
+        entity(142, 0, "1,3,11,13,3"),
+        entity(102, 0, "4,15,17,19,21"),
+        entity(102, 0, "4,23,25,27,29"),
+        entity(110, 0, "0.,1.,0.,1.,1.,0."),
+        entity(110, 0, "1.,1.,0.,1.,2.,0."),
+        entity(110, 0, "1.,2.,0.,0.,2.,0."),
+        entity(110, 0, "0.,2.,0.,0.,1.,0."),
+        entity(110, 0, "1.0806046117362795,1.682941969615793,0.,1.0806046117362795,1.682941969615793,3."),
+        entity(
+            100,
+            0,
+            "3.,0.,0.,1.0806046117362795,1.682941969615793,-0.8322936730942848,1.8185948536513634",
+        ),
+        entity(110, 0, "-0.8322936730942848,1.8185948536513634,3.,-0.8322936730942848,1.8185948536513634,0."),
+        EntityText {
+            matrix: 31,
+            ..entity(
+                100,
+                0,
+                "0.,0.,0.,-0.8322936730942848,-1.8185948536513634,1.0806046117362795,-1.682941969615793",
+            )
+        },
+        entity(124, 0, "1.,0.,0.,0.,0.,-1.,0.,0.,0.,0.,-1.,0."),
+    ];
+    let file = clean(&entities);
+    assert_close(areas(&file)[0], 2.0 * 3.0);
+    // The derivatives by u (up) and v (along the angle) have the inner side in front.
+    let trimmed = trimmed_faces(&file.model);
+    let volume = trimmed.faces[0].as_ref().unwrap().measure(1e-9).volume;
+    assert!(volume.abs() > 1.0);
+    let spline_edges = file.model.edges.iter().map(|edge| &edge.parameter_curves[0].curve);
+    let first: Vec<_> = spline_edges.map(|curve| curve.point(curve.domain()[0])).collect();
+    assert_eq!(
+        first.iter().map(|p| [p.x, p.y]).collect::<Vec<_>>(),
+        [[1.0, 0.0], [1.0, 1.0], [2.0, 1.0], [2.0, 0.0]]
+    );
+}
+
+#[test]
+fn boundaries_in_parameters_alone_are_reported() {
+    let mut entities = square_with_hole("4,17,19,21,23", COUNTERCLOCKWISE);
+    entities[2] = entity(142, 0, "1,1,9,0,1");
+    let file = file(&entities);
+    assert_eq!(omissions(&file)[0], "#3: #5: the boundary has no curve in space, only one in parameters");
+    let faces = file.report.faces;
+    assert_eq!((faces.total, faces.read, faces.refused), (1, 0, 1));
+}
+
+#[test]
+fn boundary_that_runs_back_through_a_seam_bounds_a_whole_turn() {
+    // A sphere as a half circle turned about z, trimmed by its seam, once upwards and once downwards; the poles are points.
+    let half = "0.,0.,0.,0.,-1.,0.,1.";
+    let entities = [
+        entity(144, 0, "3,1,0,9"),
+        entity(120, 0, "5,7,0.,6.283185307179586"),
+        entity(110, 0, "0.,0.,0.,0.,1.,0."),
+        EntityText { matrix: 0, ..entity(100, 0, half) },
+        entity(142, 0, "1,3,0,11,2"),
+        entity(102, 0, "2,13,15"),
+        entity(100, 0, half),
+        EntityText { matrix: 17, ..entity(100, 0, half) },
+        // Half a turn about x.
+        entity(124, 0, "1.,0.,0.,0.,0.,-1.,0.,0.,0.,0.,-1.,0."),
+    ];
+    let file = clean(&entities);
+    assert_eq!(file.model.edges.len(), 1);
+    assert_close(areas(&file)[0], 4.0 * PI);
+}

@@ -1,0 +1,60 @@
+//! What a file hides.
+
+use super::bodies::{base_shell, body_kind, shells_of};
+use super::lowering::{StepReader, is_face};
+use super::part21::{Entity, Keyword};
+
+/// The reason of leaving out what a file hides.
+pub(super) const HIDDEN: &str = "the file hides it";
+
+impl<'a> StepReader<'a> {
+    /// Whether the file hides an item, which is reported once.
+    pub(super) fn hides(&mut self, entity: Entity<'a>) -> bool {
+        let base = base_shell(entity).map_or(entity, |(base, _)| base);
+        if !self.styles.is_hidden(entity.id()) && !self.styles.is_hidden(base.id()) {
+            return false;
+        }
+        if self.hide(entity) {
+            self.report.omissions.push(entity.id(), HIDDEN);
+        }
+        true
+    }
+
+    /// Counts all that a hidden entity contains as hidden: a representation, or an item of one. Each entity is counted once;
+    /// the result tells whether this one was not counted before.
+    pub(super) fn hide(&mut self, entity: Entity<'a>) -> bool {
+        let is_new = !self.hidden_items.contains(&entity.id());
+        let mut open = vec![entity];
+        while let Some(entity) = open.pop() {
+            if self.hidden_items.insert(entity.id()) {
+                open.extend(contents(entity));
+            }
+        }
+        is_new
+    }
+}
+
+/// The entities in one that has faces, directly below it.
+fn contents(entity: Entity<'_>) -> Vec<Entity<'_>> {
+    let attributes = entity.attributes(&[Keyword::RepresentationItem, Keyword::MappedItem]);
+    let all = |list| entity.simple().references(list).into_iter().flatten().flatten().collect();
+    match entity.keyword() {
+        _ if is_face(entity) => Vec::new(),
+        _ if entity.is(Keyword::MappedItem) => {
+            let source = attributes.reference(1).and_then(|map| map.simple().reference(1));
+            source.into_iter().collect()
+        }
+        Keyword::OrientedFace | Keyword::OrientedOpenShell | Keyword::OrientedClosedShell => {
+            attributes.reference(2).into_iter().collect()
+        }
+        Keyword::OpenShell | Keyword::ClosedShell | Keyword::ConnectedFaceSet => all(1),
+        _ => match body_kind(entity) {
+            Some(kind) => shells_of(entity, kind).unwrap_or_default(),
+            // A representation and its items.
+            None => {
+                let attributes = entity.attributes(&[Keyword::Representation]);
+                attributes.references(1).into_iter().flatten().flatten().collect()
+            }
+        },
+    }
+}

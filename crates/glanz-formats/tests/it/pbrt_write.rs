@@ -1,0 +1,193 @@
+//! Models as scene files.
+
+use glanz_formats::pbrt::write;
+use glanz_formats::{Loaded, Options, load_str};
+use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_scene::Description;
+use glanz_scene::description::*;
+use glanz_scene::studio::UpAxis;
+use proptest::prelude::*;
+
+use crate::step_shape::lamp;
+
+fn read(text: &str) -> Loaded {
+    let loaded = load_str("model.pbrt", text, &Options::default()).unwrap_or_else(|d| panic!("{d}\n{text}"));
+    assert!(loaded.diagnostics.is_empty(), "{}", loaded.diagnostics);
+    loaded
+}
+
+/// All that counts of a description: its text form without places and names of materials. Two texts are the same if all numbers have
+/// the same bits, but for the sign of zero.
+fn content(description: &Description) -> String {
+    let mut plain = description.clone();
+    plain.files.clear();
+    plain.film.location = None;
+    for material in &mut plain.materials {
+        (material.name, material.location) = (String::new(), None);
+    }
+    for group in plain.groups.iter_mut().chain([&mut plain.world]) {
+        group.shapes.iter_mut().for_each(|shape| shape.location = None);
+        group.instances.iter_mut().for_each(|instance| instance.location = None);
+    }
+    format!("{plain:?}")
+}
+
+fn assert_same(description: &Description) {
+    let text = write(description, UpAxis::Z).unwrap();
+    let loaded = read(&text);
+    assert_eq!(content(&loaded.description), content(description), "{text}");
+    assert_eq!(loaded.studio.unwrap().up, Some(UpAxis::Z));
+}
+
+fn model(shapes: Vec<ShapeDescription>) -> Description {
+    Description {
+        materials: vec![MaterialDescription::from(MaterialKind::diffuse(0.3))],
+        world: GroupDescription { shapes, ..GroupDescription::default() },
+        ..Description::default()
+    }
+}
+
+/// A shape of every kind with these numbers, which are positive and below 6.
+fn shapes(n: [f64; 6]) -> Vec<ShapeDescription> {
+    let [a, b, c, d, e, phi_max] = n;
+    let z = [-a, b];
+    let (p, q, r) = (DVec3::new(a, -b, c), DVec3::new(-d, e, a), DVec3::new(b, c, -d));
+    let point = |p: DVec3, w: f64| (p * w).extend(w).to_array();
+    let net = |count: usize| (0..count).map(|i| point(p * (i + 1) as f64, a + i as f64)).collect::<Vec<_>>();
+    let knots = vec![0.0, 0.0, 0.0, a, a + b, a + b, a + b];
+    let nurbs = NurbsDescription {
+        degree_u: 2,
+        degree_v: 1,
+        knots_u: knots,
+        knots_v: vec![-c, -c, d, d],
+        points: net(8),
+        domain: Some([[0.0, a], [-c, 0.5 * d]]),
+    };
+    let patches = BezierPatchesDescription { degree_u: 2, degree_v: 1, patches: vec![net(6), net(6)] };
+    let triangles = BezierTrianglesDescription { degree: 2, patches: vec![net(6)] };
+    let positions = vec![p, q, r, p + q];
+    let kinds = vec![
+        GeometryDescription::Sphere { radius: a + b, z, phi_max },
+        GeometryDescription::Cylinder { radius: a, z, phi_max },
+        GeometryDescription::Cone { radius: a, height: b, phi_max },
+        GeometryDescription::Paraboloid { radius: a, z: [b, b + c], phi_max },
+        GeometryDescription::Hyperboloid { p1: p, p2: q, phi_max },
+        GeometryDescription::TwoSheetedHyperboloid { a, c, z: [c, c + d], phi_max },
+        GeometryDescription::Disk { height: -a, radius: b + c, inner_radius: c, phi_max },
+        GeometryDescription::Plane { x: z, y: [c, c + d] },
+        GeometryDescription::Plane { x: [f64::NEG_INFINITY, f64::INFINITY], y: z },
+        GeometryDescription::Algebraic {
+            terms: vec![([2, 0, 1], a), ([0, 0, 0], -b)],
+            clip: [-p.abs(), q.abs()],
+        },
+        GeometryDescription::Torus { major_radius: a, minor_radius: b, phi_max },
+        GeometryDescription::Polyhedron { half_spaces: vec![(p, a), (q, b), (r, c)] },
+        GeometryDescription::Cuboid { min: -p.abs(), max: q.abs() },
+        GeometryDescription::Triangles {
+            positions: positions.clone(),
+            indices: vec![[0, 1, 2], [1, 3, 2]],
+            normals: Some(positions.clone()),
+            uvs: Some(vec![DVec2::new(a, -b); 4]),
+        },
+        GeometryDescription::Bilinear { positions, indices: vec![[0, 1, 2, 3]] },
+        GeometryDescription::Nurbs(nurbs),
+        GeometryDescription::BezierPatches(patches),
+        GeometryDescription::BezierTriangles(triangles),
+    ];
+    kinds.into_iter().map(ShapeDescription::from).collect()
+}
+
+/// A triangle whose sides are two edges and a line without one.
+fn trim([a, b, c, d, ..]: [f64; 6]) -> TrimDescription {
+    let corners = [[0.0, 0.0], [a, 0.0], [0.0, b]];
+    let curve = |i: usize, edge: Option<TrimEdgeDescription>| TrimCurveDescription {
+        degree: 1,
+        knots: vec![-c, -c, d, d],
+        points: [corners[i], corners[(i + 1) % 3]].map(|[u, v]| [u, v, 1.0]).to_vec(),
+        width: Some(1e-7 * a),
+        edge,
+    };
+    let edge = |edge: u32, range| Some(TrimEdgeDescription { edge, vertices: [3, edge], range });
+    let curves = vec![curve(0, edge(7, [1.0, 0.125 * b])), curve(1, None), curve(2, edge(0, [0.0, 1.0]))];
+    TrimDescription {
+        loops: vec![TrimLoopDescription { curves }],
+        scale: [c, d],
+        domain: Some([[-a, -b], [c, d]]),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn shapes_of_every_kind_read_back_to_the_same_bits(
+        n in prop::array::uniform6(0.01_f64..6.0),
+        angle in 0.0_f64..6.0,
+        reversed: bool,
+    ) {
+        let trim = trim(n);
+        let placed = shapes(n).into_iter().enumerate().map(|(i, shape)| {
+            let matrix = DMat4::from_rotation_y(angle) * DMat4::from_translation(DVec3::splat(n[i % 6]));
+            let shape = ShapeDescription { reverse_orientation: reversed, ..shape.transformed(matrix) };
+            if i % 2 == 0 { shape.trimmed(trim.clone()).bounding(i as u32) } else { shape }
+        });
+        assert_same(&model(placed.collect()));
+    }
+
+    #[test]
+    fn materials_read_back_to_the_same_bits(n in prop::array::uniform6(0.0_f32..1.0)) {
+        let [a, b, c, d, e, f] = n;
+        let kinds = [
+            MaterialKind::diffuse([a, b, c]),
+            MaterialKind::mirror(d),
+            MaterialKind::conductor([a, b, c], [d, e, f]),
+            MaterialKind::dielectric(1.0 + a, b, [c, d, e]),
+            MaterialKind::thin_dielectric(1.0 + a, 1.0, [c, d, e]),
+            MaterialKind::phong([a, b, c], [d, e, f], 0.04, 100.0 * a),
+            MaterialKind::Interface,
+        ];
+        let materials = kinds.map(MaterialDescription::from).to_vec();
+        assert_same(&Description { materials, ..model(vec![ShapeDescription::sphere(1.0)]) });
+    }
+}
+
+#[test]
+fn assemblies_read_back_with_their_instances_and_names() {
+    let loaded = load_str("lamp.step", &lamp(), &Options::default()).unwrap();
+    assert_same(&loaded.description);
+    assert!(!loaded.description.groups.is_empty());
+}
+
+#[test]
+fn names_that_occur_twice_get_numbers() {
+    let group = |name: &str, shape: ShapeDescription| GroupDescription {
+        name: name.to_owned(),
+        shapes: vec![shape],
+        ..GroupDescription::default()
+    };
+    let instance = |group| InstanceDescription { group, to_parent: DMat4::IDENTITY, location: None };
+    let mut description = model(Vec::new());
+    description.groups = vec![
+        group("bolt \"M6\"", ShapeDescription::sphere(1.0)),
+        group("bolt \"M6\"", ShapeDescription::sphere(2.0)),
+        group("", ShapeDescription::sphere(3.0)),
+    ];
+    description.world.instances = vec![instance(2), instance(0), instance(1)];
+    let loaded = read(&write(&description, UpAxis::Y).unwrap()).description;
+    let names: Vec<&str> = loaded.groups.iter().map(|group| group.name.as_str()).collect();
+    assert_eq!(names, ["bolt \"M6\"", "bolt \"M6\" 2", "part 3"]);
+    let order: Vec<usize> = loaded.world.instances.iter().map(|instance| instance.group).collect();
+    assert_eq!(order, [2, 0, 1]);
+}
+
+#[test]
+fn what_the_language_cannot_say_is_refused() {
+    let emitting = model(vec![ShapeDescription::sphere(1.0).emitting(1.0)]);
+    let infinite = model(vec![ShapeDescription::rectangle([0.0, f64::INFINITY], [0.0, 1.0])]);
+    let mut lit = model(vec![ShapeDescription::sphere(1.0)]);
+    lit.lights.push(LightDescription::infinite(1.0));
+    for (description, word) in [(emitting, "emission"), (infinite, "not finite"), (lit, "a light")] {
+        let error = write(&description, UpAxis::Z).unwrap_err().to_string();
+        assert!(error.contains(word), "{error}");
+    }
+}

@@ -1,0 +1,358 @@
+//! The edges of the patches of a group, their vertices, and the outlines that follow.
+
+use std::collections::HashMap;
+
+use glanz_math::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::TessellationSettings;
+use super::outline::{Outline, SidePoint, SideRange, Window};
+use super::patch::MeshPatch;
+use super::patch_side::PatchSide;
+use super::shared_edge::{EdgeKey, EdgePlace, EdgeSampler, EdgeUse, SharedEdge};
+use super::triangulation::PatchTriangulation;
+
+/// The edges of all patches with their samples.
+pub(super) struct EdgeNetwork<'a> {
+    patches: &'a [MeshPatch],
+    windows: Vec<Window>,
+    edges: Vec<SharedEdge>,
+    keys: HashMap<EdgeKey, usize>,
+    /// Points of the vertices.
+    pub(super) positions: Vec<DVec3>,
+    /// Vertices that are the same: each refers to another or to itself.
+    joined: Vec<u32>,
+    /// Sides of patches that are points.
+    poles: Vec<Vec<bool>>,
+    vertices: HashMap<u32, u32>,
+}
+
+/// Parts of the deviation within which the sides of a window are one line, or a point.
+const SIDES: f64 = 1e-3;
+
+impl<'a> EdgeNetwork<'a> {
+    pub(super) fn new(patches: &'a [MeshPatch], deviation: f64) -> Self {
+        let mut network = Self {
+            patches,
+            windows: Vec::with_capacity(patches.len()),
+            edges: Vec::new(),
+            keys: HashMap::new(),
+            positions: Vec::new(),
+            joined: Vec::new(),
+            poles: Vec::new(),
+            vertices: HashMap::new(),
+        };
+        for (number, patch) in patches.iter().enumerate() {
+            let closed = closed_axes(patch, SIDES * deviation);
+            network.windows.push(Window::new(patch, closed));
+            network.poles.push(pole_sides(patch, SIDES * deviation));
+            network.add_sides(number, patch, closed);
+            network.add_curves(number, patch);
+        }
+        network
+    }
+
+    fn add_use(&mut self, key: EdgeKey, a_use: EdgeUse) -> (usize, usize) {
+        let next = self.edges.len();
+        let number = *self.keys.entry(key).or_insert(next);
+        if number == next {
+            self.edges.push(SharedEdge::default());
+        }
+        let uses = &mut self.edges[number].uses;
+        uses.push(a_use);
+        (number, uses.len() - 1)
+    }
+
+    fn add_sides(&mut self, number: usize, patch: &MeshPatch, closed: [bool; 2]) {
+        let mut firsts: [Option<EdgeKey>; 2] = [None, None];
+        for (side, curve) in patch.sides.iter().enumerate() {
+            let own = EdgeKey::Own(self.edges.len());
+            // The sides 0 and 2 run along u and are opposite in v, the sides 1 and 3 along v; the second runs back.
+            let seam = patch.sides.len() == 4 && closed[1 - side % 2];
+            let (key, range) = match (&firsts[side % 2], curve) {
+                (Some(first), _) if seam => (first.clone(), [1.0, 0.0]),
+                (None, _) if seam => (own, [0.0, 1.0]),
+                (_, Some(curve)) => canonical(curve),
+                (_, None) => (own, [0.0, 1.0]),
+            };
+            if seam && side < 2 {
+                firsts[side] = Some(key.clone());
+            }
+            self.add_use(key, EdgeUse { patch: number, place: EdgePlace::Side(side), range });
+        }
+    }
+
+    fn add_curves(&mut self, number: usize, patch: &MeshPatch) {
+        let Some(trim) = &patch.trim else { return };
+        for (loop_number, curves) in trim.loops.iter().enumerate() {
+            for (index, curve) in curves.iter().enumerate() {
+                let places = curve.places();
+                let points: Vec<DVec2> = places.iter().map(|&t| curve.at(t)).collect();
+                let Some(window) = self.windows.get(number) else { continue };
+                if !window.meets(&points) {
+                    continue;
+                }
+                let (key, range) = match curve.edge {
+                    Some(edge) => (EdgeKey::Numbered(edge.edge), edge.range),
+                    None => (EdgeKey::Own(self.edges.len()), [0.0, 1.0]),
+                };
+                let place = EdgePlace::Curve { number: loop_number, curve: index };
+                let (edge, _) = self.add_use(key, EdgeUse { patch: number, place, range });
+                if let Some(shared) = curve.edge {
+                    self.edges[edge].vertices = Some(shared.vertices);
+                }
+            }
+        }
+    }
+}
+
+/// The key of a side's curve whichever way it runs, and the way.
+fn canonical(curve: &PatchSide) -> (EdgeKey, [f64; 2]) {
+    let reversed = curve.reversed();
+    if *curve <= reversed {
+        (EdgeKey::Side(curve.clone()), [0.0, 1.0])
+    } else {
+        (EdgeKey::Side(reversed), [1.0, 0.0])
+    }
+}
+
+/// Places on a side that are compared.
+const PLACES: [f64; 7] = [0.0, 0.13, 0.29, 0.5, 0.67, 0.83, 1.0];
+
+/// Whether the sides of each axis are one line, within a distance (metres).
+fn closed_axes(patch: &MeshPatch, tolerance: f64) -> [bool; 2] {
+    /// The middle is this many times as far away.
+    const APART: f64 = 100.0;
+    if patch.sides.len() != 4 {
+        return [false; 2];
+    }
+    let [low, high] = patch.window();
+    [0, 1].map(|axis| {
+        let at = |across: f64, along: f64| {
+            let mut t = DVec2::splat(along);
+            t[axis] = across;
+            patch.point(low + (high - low) * t)
+        };
+        let apart = |along: &f64| at(0.0, *along).distance(at(1.0, *along));
+        let away = PLACES.iter().map(|&along| at(0.0, along).distance(at(0.5, along))).fold(0.0, f64::max);
+        PLACES.iter().all(|along| apart(along) <= tolerance) && away > APART * tolerance
+    })
+}
+
+/// Whether each side is a point, within a distance (metres).
+fn pole_sides(patch: &MeshPatch, tolerance: f64) -> Vec<bool> {
+    let side = |number: usize| {
+        let a_use = EdgeUse { patch: 0, place: EdgePlace::Side(number), range: [0.0, 1.0] };
+        let first = patch.point(a_use.at(patch, 0.0));
+        PLACES.iter().all(|&t| patch.point(a_use.at(patch, t)).distance(first) <= tolerance)
+    };
+    (0..patch.sides.len()).map(side).collect()
+}
+
+impl EdgeNetwork<'_> {
+    /// Samples all edges and triangulates the outlines of all patches. `closer`: factor on the deviation of the edges of each patch.
+    pub(super) fn triangulations(
+        &mut self,
+        closer: &[f64],
+        settings: TessellationSettings,
+    ) -> Vec<PatchTriangulation> {
+        let is_side = |edge: &SharedEdge| {
+            edge.uses.first().is_some_and(|a_use| matches!(a_use.place, EdgePlace::Side(_)))
+        };
+        let (sides, curves): (Vec<usize>, Vec<usize>) =
+            (0..self.edges.len()).partition(|&number| self.edges.get(number).is_some_and(is_side));
+        self.pin_crossings(&curves, settings);
+        self.sample(&curves, closer, settings);
+        let mut outlines: Vec<Outline> = vec![Outline::default(); self.patches.len()];
+        let mut on_sides: Vec<(Vec<SidePoint>, Vec<SideRange>)> =
+            vec![Default::default(); self.patches.len()];
+        for &number in &curves {
+            let Some(edge) = self.edges.get(number) else { continue };
+            let sampler = EdgeSampler::new(self.patches, edge, settings);
+            for (index, a_use) in edge.uses.iter().enumerate() {
+                let (Some(patch), Some(window)) =
+                    (self.patches.get(a_use.patch), self.windows.get(a_use.patch))
+                else {
+                    continue;
+                };
+                let (points, covered) =
+                    outlines[a_use.patch].add_curve(patch, window, (edge, index), &sampler);
+                on_sides[a_use.patch].0.extend(points);
+                on_sides[a_use.patch].1.extend(covered);
+            }
+        }
+        self.pin_sides(&sides, &on_sides);
+        self.sample(&sides, closer, settings);
+        for &number in &sides {
+            let Some(edge) = self.edges.get(number) else { continue };
+            let sampler = EdgeSampler::new(self.patches, edge, settings);
+            for (index, a_use) in edge.uses.iter().enumerate() {
+                if let (Some(patch), Some(window)) =
+                    (self.patches.get(a_use.patch), self.windows.get(a_use.patch))
+                {
+                    outlines[a_use.patch].add_side(patch, window, (edge, index), &sampler);
+                }
+            }
+        }
+        self.join(&outlines);
+        for point in outlines.iter_mut().flat_map(|outline| &mut outline.points) {
+            point.vertex = self.representative(point.vertex);
+        }
+        let positions = &self.positions;
+        outlines
+            .into_par_iter()
+            .zip(self.patches)
+            .map(|(outline, patch)| PatchTriangulation::new(patch, &outline, positions, settings))
+            .collect()
+    }
+
+    /// Curves are sampled where they cross the sides of a window.
+    fn pin_crossings(&mut self, curves: &[usize], settings: TessellationSettings) {
+        for &number in curves {
+            let Some(edge) = self.edges.get(number) else { continue };
+            let sampler = EdgeSampler::new(self.patches, edge, settings);
+            let mut pinned = Vec::new();
+            for (index, a_use) in edge.uses.iter().enumerate() {
+                let (Some(patch), Some(window), EdgePlace::Curve { number, curve }) =
+                    (self.patches.get(a_use.patch), self.windows.get(a_use.patch), a_use.place)
+                else {
+                    continue;
+                };
+                let Some(curve) = patch.trim.as_ref().and_then(|trim| trim.loops.get(number)?.get(curve))
+                else {
+                    continue;
+                };
+                for t in window.crossings(&curve.places(), |t| curve.at(t)) {
+                    pinned.push((index, sampler.fraction(index, t), t));
+                }
+            }
+            if let Some(edge) = self.edges.get_mut(number) {
+                edge.pins = pinned.iter().map(|&(_, fraction, _)| (fraction, None)).collect();
+                edge.pinned = pinned;
+            }
+        }
+    }
+
+    /// Sides are sampled where curves meet them, and not where curves lie on them.
+    fn pin_sides(&mut self, sides: &[usize], on_sides: &[(Vec<SidePoint>, Vec<SideRange>)]) {
+        for &number in sides {
+            let Some(edge) = self.edges.get_mut(number) else { continue };
+            (edge.pins, edge.covered) = (Vec::new(), Vec::new());
+            for a_use in edge.uses.clone() {
+                let EdgePlace::Side(side) = a_use.place else { continue };
+                let Some((points, covered)) = on_sides.get(a_use.patch) else { continue };
+                let here = points.iter().filter(|point| point.0 == side);
+                edge.pins
+                    .extend(here.map(|&(_, t, vertex)| (a_use.fraction_at(t.clamp(0.0, 1.0)), Some(vertex))));
+                let ranges = covered.iter().filter(|range| range.0 == side);
+                edge.covered.extend(ranges.map(|&(_, ends)| {
+                    let [a, b] = ends.map(|t| a_use.fraction_at(t.clamp(0.0, 1.0)));
+                    [a.min(b), a.max(b)]
+                }));
+            }
+        }
+    }
+
+    /// Samples edges.
+    fn sample(&mut self, numbers: &[usize], closer: &[f64], settings: TessellationSettings) {
+        let sampled: Vec<Vec<(f64, DVec3)>> = numbers
+            .par_iter()
+            .map(|&number| {
+                let Some(edge) = self.edges.get(number) else { return Vec::new() };
+                let factors = edge.uses.iter().filter_map(|a_use| closer.get(a_use.patch));
+                let factor = factors.copied().fold(1.0, f64::min);
+                let settings = TessellationSettings { deviation: factor * settings.deviation, ..settings };
+                let sampler = EdgeSampler::new(self.patches, edge, settings);
+                let fractions = if self.is_pole(edge) { pole_fractions(edge) } else { sampler.fractions() };
+                fractions.into_iter().map(|fraction| (fraction, sampler.point(fraction))).collect()
+            })
+            .collect();
+        for (&number, sampled) in numbers.iter().zip(sampled) {
+            let Some(edge) = self.edges.get(number).cloned() else { continue };
+            let mut samples: Vec<(f64, u32)> = Vec::with_capacity(sampled.len());
+            for (fraction, position) in sampled {
+                let pins = edge.pins.iter().filter(|pin| pin.0 == fraction);
+                let mut here: Vec<u32> = pins.filter_map(|pin| pin.1).collect();
+                if let Some([start, end]) = edge.vertices.filter(|_| fraction == 0.0 || fraction == 1.0) {
+                    let vertex = if fraction == 0.0 { start } else { end };
+                    let next = self.positions.len() as u32;
+                    let known = *self.vertices.entry(vertex).or_insert(next);
+                    if known == next {
+                        self.add_vertex(position);
+                    }
+                    here.push(known);
+                }
+                let vertex = match here.first() {
+                    Some(&first) => first,
+                    None => self.add_vertex(position),
+                };
+                here.iter().for_each(|&other| self.unite(vertex, other));
+                samples.push((fraction, vertex));
+            }
+            if let Some(edge) = self.edges.get_mut(number) {
+                edge.samples = samples;
+            }
+        }
+    }
+
+    fn add_vertex(&mut self, position: DVec3) -> u32 {
+        let number = self.positions.len() as u32;
+        self.positions.push(position);
+        self.joined.push(number);
+        number
+    }
+
+    fn is_pole(&self, edge: &SharedEdge) -> bool {
+        edge.uses.iter().any(|a_use| match a_use.place {
+            EdgePlace::Side(side) => {
+                self.poles.get(a_use.patch).and_then(|poles| poles.get(side)).is_some_and(|&pole| pole)
+            }
+            EdgePlace::Curve { .. } => false,
+        })
+    }
+
+    /// The vertex that stands for one and all that are the same.
+    fn representative(&mut self, vertex: u32) -> u32 {
+        let parent = |joined: &[u32], i: u32| joined.get(i as usize).copied().unwrap_or(i);
+        let mut at = vertex;
+        while parent(&self.joined, at) != at {
+            let above = parent(&self.joined, parent(&self.joined, at));
+            self.joined[at as usize] = above;
+            at = above;
+        }
+        at
+    }
+
+    fn unite(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.representative(a), self.representative(b));
+        let (low, high) = (a.min(b), a.max(b));
+        if let Some(parent) = self.joined.get_mut(high as usize) {
+            *parent = low;
+        }
+    }
+
+    /// Joins vertices at the same parameters, and those of sides that are points.
+    fn join(&mut self, outlines: &[Outline]) {
+        outlines.iter().flat_map(|outline| &outline.same).for_each(|&[a, b]| self.unite(a, b));
+        let poles: Vec<Vec<u32>> = self
+            .edges
+            .iter()
+            .filter(|edge| self.is_pole(edge))
+            .map(|edge| edge.samples.iter().map(|sample| sample.1).collect())
+            .collect();
+        for vertices in poles {
+            vertices.windows(2).for_each(|pair| self.unite(pair[0], pair[1]));
+        }
+    }
+}
+
+/// Fractions of an edge that is a point: triangles that meet in it have corners beside each other.
+fn pole_fractions(edge: &SharedEdge) -> Vec<f64> {
+    const PARTS: u32 = 32;
+    let even = (0..=PARTS).map(|i| f64::from(i) / f64::from(PARTS));
+    let mut fractions: Vec<f64> = edge.pins.iter().map(|pin| pin.0).chain(even).collect();
+    fractions.retain(|fraction| (0.0..=1.0).contains(fraction));
+    fractions.sort_by(f64::total_cmp);
+    fractions.dedup();
+    fractions
+}

@@ -1,0 +1,100 @@
+//! The triangles of the shapes of a group.
+
+use rayon::prelude::*;
+
+use super::edge_network::EdgeNetwork;
+use super::patch::MeshPatch;
+use super::polygons::{add_polygons, polygons};
+use super::triangulation::TriangulatedPatch;
+use super::{GroupMesh, MeshVertex, ShapeMesh, TessellationFaultKind, TessellationSettings};
+use crate::description::ShapeDescription;
+
+/// The mesh of a group, its largest deviation, and faults by shape.
+#[derive(Default)]
+pub(super) struct GroupOutcome {
+    pub(super) mesh: GroupMesh,
+    pub(super) deviation: f64,
+    pub(super) faults: Vec<(usize, TessellationFaultKind)>,
+}
+
+/// How often edges whose chords cross are sampled again.
+const ATTEMPTS: usize = 4;
+
+/// The factor by which they are sampled more closely.
+const CLOSER: f64 = 0.25;
+
+/// Triangles of all shapes, in the frame of the group; lengths of the settings are in this frame, too.
+pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) -> GroupOutcome {
+    let mut outcome = GroupOutcome::default();
+    outcome.mesh.shapes = vec![ShapeMesh::default(); shapes.len()];
+    let mut patches: Vec<MeshPatch> = Vec::new();
+    let made: Vec<_> = shapes
+        .par_iter()
+        .enumerate()
+        .map(|(number, shape)| match polygons(shape) {
+            Some(polygons) => (polygons.map(Some), Ok(Vec::new())),
+            None => (Ok(None), MeshPatch::of_shape(number, shape)),
+        })
+        .collect();
+    for (number, (polygons, found)) in made.into_iter().enumerate() {
+        match (polygons, found) {
+            (Ok(Some(polygons)), _) => add_polygons(&mut outcome.mesh, number, polygons),
+            (Ok(None), Ok(found)) => patches.extend(found),
+            (Err(fault), _) | (_, Err(fault)) => outcome.faults.push((number, fault)),
+        }
+    }
+    if patches.is_empty() {
+        return outcome;
+    }
+    let mut closer = vec![1.0_f64; patches.len()];
+    let mut network = EdgeNetwork::new(&patches, settings.deviation);
+    let mut triangulations = network.triangulations(&closer, settings);
+    for _ in 1..ATTEMPTS {
+        let crossing: Vec<usize> =
+            (0..patches.len()).filter(|&i| triangulations.get(i).is_some_and(|t| t.crosses)).collect();
+        if crossing.is_empty() {
+            break;
+        }
+        crossing.into_iter().for_each(|number| closer[number] *= CLOSER);
+        network = EdgeNetwork::new(&patches, settings.deviation);
+        triangulations = network.triangulations(&closer, settings);
+    }
+    let filled: Vec<TriangulatedPatch> = triangulations
+        .into_par_iter()
+        .zip(&patches)
+        .map(|(triangulation, patch)| triangulation.fill(patch, settings))
+        .collect();
+    let base = outcome.mesh.positions.len() as u32;
+    outcome.mesh.positions.extend(&network.positions);
+    for (patch, filled) in patches.iter().zip(filled) {
+        outcome.deviation = outcome.deviation.max(filled.deviation);
+        outcome.faults.extend(filled.fault.map(|fault| (patch.shape, fault)));
+        let Some(shape) = outcome.mesh.shapes.get_mut(patch.shape) else { continue };
+        let mut inner = outcome.mesh.positions.len() as u32..;
+        outcome.mesh.positions.extend(&filled.inner);
+        let first = shape.vertices.len() as u32;
+        shape.vertices.extend(filled.vertices.iter().map(|&(number, normal)| {
+            let position = number.map(|vertex| base + vertex).or_else(|| inner.next());
+            MeshVertex { position: position.unwrap_or(u32::MAX), normal }
+        }));
+        let turned = |[a, b, c]: [u32; 3]| if patch.flipped { [a, c, b] } else { [a, b, c] };
+        shape.triangles.extend(filled.triangles.iter().map(|&corners| turned(corners).map(|i| first + i)));
+    }
+    compact(&mut outcome.mesh);
+    outcome
+}
+
+/// Removes positions without triangles.
+fn compact(mesh: &mut GroupMesh) {
+    let mut numbers = vec![u32::MAX; mesh.positions.len()];
+    let mut kept = Vec::new();
+    for vertex in mesh.shapes.iter_mut().flat_map(|shape| &mut shape.vertices) {
+        let Some(number) = numbers.get_mut(vertex.position as usize) else { continue };
+        if *number == u32::MAX {
+            *number = kept.len() as u32;
+            kept.extend(mesh.positions.get(vertex.position as usize));
+        }
+        vertex.position = *number;
+    }
+    mesh.positions = kept;
+}
