@@ -9,6 +9,7 @@
 //! | 4, 8 each | number of sample ranges; first and end of each, ascending |
 //! | 16 | samples dropped, samples cut |
 //! | | with passes: their weight, samples and last weight (8 each); length (8) and state of the training, see [`Guide`](crate::Guide) |
+//! | 1 | 1 with lines over the picture: their red, green and blue (`f32`), the covered share of each pixel of the crop window in 255ths (1 each), row by row |
 //! | 8 each | the sums of all pixels, tile after tile, and of the light splatted to them, row by row, see [`Film`] |
 //! | 4 | CRC-32 (IEEE) of all preceding bytes |
 //!
@@ -19,6 +20,7 @@ use glanz_scene::description::{FilterDescription, FilterKind};
 
 use crate::aov::AovSet;
 use crate::codec::{Decoder, Encoder, EnvelopeError, FileEnvelope};
+use crate::edges::EdgeLayer;
 use crate::film::{Film, FilmError, FilmFormat};
 use crate::guide::{decode_training, encode_training};
 use crate::identity::PictureIdentity;
@@ -30,7 +32,7 @@ use crate::ranges::SampleRanges;
 
 /// Envelope of checkpoint files.
 const ENVELOPE: FileEnvelope =
-    FileEnvelope { magic: b"GLANZCKP", version: 4, content: "the checkpoint", kind: "a checkpoint of Glanz" };
+    FileEnvelope { magic: b"GLANZCKP", version: 5, content: "the checkpoint", kind: "a checkpoint of Glanz" };
 
 /// Errors of reading a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -78,6 +80,7 @@ impl Checkpoint {
             if film.format().passes {
                 encode_passes(e, film.passes());
             }
+            encode_edges(e, film.edges());
             e.0.reserve(film.words().len() * 8 + 4);
             for &word in film.words() {
                 e.u64(word);
@@ -101,6 +104,7 @@ impl Checkpoint {
             true => decode_passes(&mut d, &samples).ok_or(CheckpointError::Content("its training state"))?,
             false => Passes::default(),
         };
+        let edges = decode_edges(&mut d, &identity.film).ok_or(CheckpointError::Content("its edges"))?;
         // Sizes are compared before anything is allocated for them.
         if identity.film.words()?.checked_mul(8) != Some(d.0.len() as u64) {
             return Err(CheckpointError::Content("its size"));
@@ -108,7 +112,7 @@ impl Checkpoint {
         let (words, _) = d.0.as_chunks::<8>();
         let words = words.iter().map(|w| u64::from_le_bytes(*w)).collect();
         let film = Film::try_from_words(identity.film, words, samples, rejects)?;
-        Ok(Self { identity, film: film.with_passes(passes) })
+        Ok(Self { identity, film: film.with_passes(passes).with_edges(edges) })
     }
 }
 
@@ -137,6 +141,23 @@ fn decode_passes(d: &mut Decoder<'_>, taken: &SampleRanges) -> Option<Passes> {
         _ => Some(Box::new(decode_training(&mut state)?)),
     };
     state.0.is_empty().then_some(Passes { weight, samples, last, training })
+}
+
+fn encode_edges(e: &mut Encoder, edges: Option<&EdgeLayer>) {
+    e.u8(u8::from(edges.is_some()));
+    if let Some(EdgeLayer { color, coverage }) = edges {
+        color.iter().for_each(|band| e.u32(band.to_bits()));
+        e.0.extend(coverage);
+    }
+}
+
+fn decode_edges(d: &mut Decoder<'_>, format: &FilmFormat) -> Option<Option<EdgeLayer>> {
+    if d.u8()? == 0 {
+        return Some(None);
+    }
+    let color = [d.u32()?, d.u32()?, d.u32()?].map(f32::from_bits);
+    let coverage = d.take(usize::try_from(format.crop.len()).ok()?)?.to_vec();
+    color.iter().all(|band| band.is_finite()).then_some(Some(EdgeLayer { color, coverage }))
 }
 
 fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
@@ -265,6 +286,8 @@ mod tests {
         }
         film.finish_pass(4..5, rejects).unwrap();
         film.finish_pass(7..9, Rejects::default()).unwrap();
+        let coverage = (0..60).map(|pixel| pixel * 4).collect();
+        let film = film.with_edges(Some(EdgeLayer { color: [0.1, 0.2, 0.3], coverage }));
         let identity = PictureIdentity {
             scene: 0x0123_4567_89ab_cdef_0011_2233_4455_6677,
             film: format,
@@ -333,16 +356,22 @@ mod tests {
 
     #[test]
     fn sizes_beyond_the_file_are_refused_before_allocation() {
-        let bytes = example().to_bytes();
         // Version text, 16 bytes of hash, then the resolution and the crop.
         let resolution = PREFIX_LENGTH + 1 + glanz_job::current_version().len() + 16;
-        let mut huge = bytes.clone();
-        for offset in [0, 4, 16, 20] {
-            huge[resolution + offset..resolution + offset + 4].copy_from_slice(&40_000_u32.to_le_bytes());
+        let Checkpoint { identity, film } = example();
+        let with_edges = film.edges().cloned();
+        let written = |edges| {
+            Checkpoint { identity: identity.clone(), film: film.clone().with_edges(edges) }.to_bytes()
+        };
+        for (edges, reason) in [(None, "its size"), (with_edges, "its edges")] {
+            let mut huge = written(edges);
+            for offset in [0, 4, 16, 20] {
+                huge[resolution + offset..resolution + offset + 4].copy_from_slice(&40_000_u32.to_le_bytes());
+            }
+            huge[resolution + 8..resolution + 16].fill(0);
+            assert_eq!(Checkpoint::from_bytes(&sealed(huge)), Err(CheckpointError::Content(reason)));
         }
-        huge[resolution + 8..resolution + 16].fill(0);
-        assert_eq!(Checkpoint::from_bytes(&sealed(huge)), Err(CheckpointError::Content("its size")));
-        let mut outside = bytes;
+        let mut outside = written(None);
         outside[resolution..resolution + 4].copy_from_slice(&1_u32.to_le_bytes());
         assert!(matches!(Checkpoint::from_bytes(&sealed(outside)), Err(CheckpointError::Film(_))));
     }

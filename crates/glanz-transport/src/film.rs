@@ -5,6 +5,7 @@ use glanz_light::{Pixels, PixelsError};
 use crate::aov::{Aov, AovSet};
 pub use crate::channels::channel_names;
 use crate::channels::channel_values;
+use crate::edges::EdgeLayer;
 use crate::guide::{Guide, Training};
 use crate::passes::Passes;
 use crate::pixel::{PixelLayout, PixelSums, PixelValue, Rejects};
@@ -136,6 +137,8 @@ pub struct Film {
     samples: SampleRanges,
     rejects: Rejects,
     passes: Passes,
+    /// Lines that are drawn over the picture.
+    edges: Option<EdgeLayer>,
 }
 
 impl Film {
@@ -153,7 +156,7 @@ impl Film {
         let layout = format.layout();
         // Not all sums start as zero bits: the shape's number starts as "none".
         let (samples, rejects, passes) = Default::default();
-        let mut film = Self { format, words, samples, rejects, passes };
+        let mut film = Self { format, words, samples, rejects, passes, edges: None };
         for pixel in film.sums_mut().0.chunks_exact_mut(layout.words()) {
             PixelSums::default().write(&layout, pixel);
         }
@@ -176,13 +179,26 @@ impl Film {
         if samples.total() > u64::from(MAX_TERMS) {
             return Err(FilmError::Samples(samples.total()));
         }
-        Ok(Self { format, words, samples, rejects, passes: Passes::default() })
+        Ok(Self { format, words, samples, rejects, passes: Passes::default(), edges: None })
     }
 
     /// The film with this state of its passes.
     pub(crate) fn with_passes(mut self, passes: Passes) -> Self {
         self.passes = passes;
         self
+    }
+
+    /// The film with lines over its picture, drawn for its format, or without.
+    #[must_use]
+    pub fn with_edges(mut self, edges: Option<EdgeLayer>) -> Self {
+        self.edges = edges;
+        self
+    }
+
+    /// The lines over its picture.
+    #[must_use]
+    pub fn edges(&self) -> Option<&EdgeLayer> {
+        self.edges.as_ref()
     }
 
     /// The state of its passes.
@@ -324,6 +340,9 @@ impl Film {
         if self.format != other.format {
             return Err(FilmError::Layout("size, crop, filter or channels"));
         }
+        if self.edges != other.edges {
+            return Err(FilmError::Layout("edges"));
+        }
         if self.format.passes {
             return Err(FilmError::Learning);
         }
@@ -373,7 +392,7 @@ impl Film {
     /// The picture of the crop window: `R G B` and the extra channels.
     ///
     /// The values are those of [`PixelSums::radiance`], with the splatted light, and [`PixelSums::first_hit`], rounded to `f32`. Where no
-    /// sample hit a surface, geometry and albedo are 0 and `id` is -1. A film without samples is black.
+    /// sample hit a surface, geometry and albedo are 0 and `id` is -1. A film without samples is black. Edges lie over `R G B` alone.
     ///
     /// # Errors
     /// [`PixelsError`] as [`Pixels::try_new`] and [`Pixels::add_channel`].
@@ -392,6 +411,10 @@ impl Film {
             {
                 own.mean += splatted.mean;
                 own.variance += splatted.variance;
+            }
+            if let Some(edges) = &self.edges {
+                let [r, g, b] = edges.over(at, radiance.map(|band| band.mean));
+                [radiance[0].mean, radiance[1].mean, radiance[2].mean] = [r, g, b];
             }
             let values = channel_values(self.format.aovs, &radiance, sums.first_hit().as_ref());
             for (plane, value) in planes.iter_mut().zip(values) {

@@ -8,12 +8,14 @@
 //! - [`render()`] exposes a film, and reports to a [`RenderSink`];
 //! - a [`ParticleTracer`] traces particles from lights, for illuminance;
 //! - a [`Guide`] holds the densities of incident light that guided integrators sample;
+//! - an [`EdgeLayer`] holds lines along the edges of the scene, which lie over the picture;
 //! - a [`Checkpoint`] is a file of a film with its [`PictureIdentity`]; [`merge()`] joins several.
 
 pub mod aov;
 mod channels;
 pub mod checkpoint;
 pub mod codec;
+mod edges;
 pub mod film;
 pub mod filter;
 pub mod guide;
@@ -32,6 +34,7 @@ mod weighted_sums;
 
 pub use aov::{Aov, AovSet};
 pub use checkpoint::{Checkpoint, CheckpointError};
+pub use edges::{EdgeLayer, EdgeStyle, MAX_EDGES};
 pub use film::{Film, FilmError, FilmFormat};
 pub use filter::{Filter, FilterError};
 pub use guide::{GridError, GridGuide, Guide, GuideFileError, GuideSize, Training};

@@ -1,0 +1,90 @@
+//! Lines of constant width along the edges of a scene, drawn over a picture.
+//!
+//! Edges are projected to the film in steps of at most a pixel (`film_curve`), lines of sight decide which points are seen (`visibility`), and
+//! the visible parts cover pixels (`coverage`). Where a section shows its faces, rays find their outlines (`outline`). The layer depends on the scene, the camera and the style alone, not on samples: it is drawn once,
+//! and mixed with the mean radiance of the pixels, so that a pixel half of which a line covers shows half of the light.
+
+mod coverage;
+mod film_curve;
+mod outline;
+mod visibility;
+
+use glanz_job::{CancelFlag, Interrupted};
+use glanz_math::DVec2;
+use glanz_scene::description::EdgeDescription;
+use glanz_scene::{PlacedEdges, Scene};
+use rayon::prelude::*;
+
+use crate::film::FilmFormat;
+use coverage::CoverageMap;
+use film_curve::FilmCurves;
+
+/// Largest number of edges of a scene, see [`Scene::edge_count`], that it makes sense to draw.
+pub const MAX_EDGES: u64 = 10_000_000;
+
+/// Appearance of the lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EdgeStyle {
+    /// Width, pixels, positive.
+    pub width: f64,
+    /// Linear red, green and blue.
+    pub color: [f32; 3],
+}
+
+/// Lines over the crop window of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeLayer {
+    /// Linear red, green and blue of the lines.
+    pub(crate) color: [f32; 3],
+    /// Covered share of each pixel in 255ths, row by row.
+    pub(crate) coverage: Vec<u8>,
+}
+
+impl EdgeLayer {
+    /// Draws the visible [feature edges](glanz_scene::description::EdgeTransition::is_feature) of the scene, and the outlines of the faces of its section.
+    ///
+    /// With a lens, edges are drawn as its centre sees them, and sharp.
+    ///
+    /// The time is at least proportional to the number of edges, see [`MAX_EDGES`].
+    ///
+    /// # Errors
+    /// [`Interrupted`] if cancelled.
+    pub fn draw(
+        scene: &Scene,
+        format: &FilmFormat,
+        style: EdgeStyle,
+        cancel: &CancelFlag,
+    ) -> Result<Self, Interrupted> {
+        let curves = FilmCurves::new(scene.camera(), format.resolution, style.width);
+        let placed = scene.placed_edges();
+        let edges: Vec<(&PlacedEdges<'_>, &EdgeDescription)> = placed
+            .iter()
+            .flat_map(|group| group.edges.iter().map(move |edge| (group, edge)))
+            .filter(|(_, edge)| edge.transition.is_feature())
+            .collect();
+        let lines = |&(group, edge): &(&PlacedEdges<'_>, &EdgeDescription)| {
+            cancel.check()?;
+            let deviation = group.deviation(edge);
+            let pieces = group.pieces(edge);
+            let seen = pieces.iter().flat_map(|points| curves.project(points));
+            Ok(seen
+                .flat_map(|curve| visibility::visible_parts(scene, &curve, deviation, style.width))
+                .collect())
+        };
+        let lines: Result<Vec<Vec<Vec<DVec2>>>, Interrupted> = edges.par_iter().map(lines).collect();
+        let mut map = CoverageMap::new(format.crop, style.width);
+        lines?.iter().flatten().for_each(|line| map.add(line));
+        cancel.check()?;
+        outline::section_outline(scene, format.crop, style.width).iter().for_each(|line| map.add(line));
+        Ok(Self { color: style.color, coverage: map.bytes() })
+    }
+
+    /// The radiance of a pixel under the layer. `pixel`: its index, row by row.
+    pub(crate) fn over(&self, pixel: usize, radiance: [f64; 3]) -> [f64; 3] {
+        let covered = f64::from(self.coverage.get(pixel).copied().unwrap_or_default()) / 255.0;
+        [0, 1, 2].map(|band| radiance[band] + covered * (f64::from(self.color[band]) - radiance[band]))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,67 @@
+//! Outlines of the faces of a section.
+
+use glanz_math::DVec2;
+use glanz_scene::Scene;
+use rayon::prelude::*;
+
+use super::film_curve::CENTER;
+use crate::pixel_rect::PixelRect;
+
+/// Halvings of the side of a pixel on which an outline lies.
+const HALVINGS: u32 = 4;
+
+/// The border of the part of the film in which the camera sees the faces of the section, as short lines, pixels.
+///
+/// Rays through the corners of all pixels tell on which sides of pixels the border lies; more rays find it there, and lines connect these points
+/// within each pixel. The lines do not depend on the crop window, as far as they reach into it.
+///
+/// # Source
+/// @lorensen1987, in the plane.
+pub(super) fn section_outline(scene: &Scene, crop: PixelRect, width: f64) -> Vec<[DVec2; 2]> {
+    let Some(section) = scene.section_id() else { return Vec::new() };
+    let shows = |film: DVec2| {
+        scene.intersect(&scene.camera().ray(film, CENTER), f64::INFINITY).is_some_and(|hit| hit.id == section)
+    };
+    let margin = (0.5 * width).ceil() as i64 + 1;
+    let [x, y] = [0, 1].map(|axis| {
+        let first = i64::from(crop.min[axis]) - margin;
+        first..first + i64::from(crop.size[axis]) + 2 * margin
+    });
+    let corner = |x: i64, y: i64| DVec2::new(x as f64, y as f64);
+    let row = |y: i64| -> Vec<bool> { (x.start..=x.end).map(|x| shows(corner(x, y))).collect() };
+    let rows: Vec<Vec<bool>> = (y.start..=y.end).into_par_iter().map(row).collect();
+    let lines_of_row = |(y, rows): (i64, &[Vec<bool>])| {
+        let [above, below] = rows else { return Vec::new() };
+        let mut lines = Vec::new();
+        for ((x, above), below) in x.clone().zip(above.windows(2)).zip(below.windows(2)) {
+            let corners = [(corner(x, y), above[0]), (corner(x + 1, y), above[1])];
+            let corners =
+                [corners[0], corners[1], (corner(x + 1, y + 1), below[1]), (corner(x, y + 1), below[0])];
+            let sides = (0..4).map(|side| [corners[side], corners[(side + 1) % 4]]);
+            let crossed = sides.filter(|[start, end]| start.1 != end.1);
+            let points: Vec<DVec2> = crossed.map(|ends| border(ends, &shows)).collect();
+            // Two points, or four where two corners face each other.
+            lines.extend(points.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
+        }
+        lines
+    };
+    let pairs: Vec<(i64, &[Vec<bool>])> = y.zip(rows.windows(2)).collect();
+    pairs.into_par_iter().flat_map_iter(lines_of_row).collect()
+}
+
+/// Where the faces begin on the side of a pixel, of whose ends one shows them.
+fn border([start, end]: [(DVec2, bool); 2], shows: &impl Fn(DVec2) -> bool) -> DVec2 {
+    // From the end with the smaller coordinates, so that both pixels beside it find the same point.
+    let (mut low, mut high) =
+        if start.0.x + start.0.y < end.0.x + end.0.y { (start, end) } else { (end, start) };
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low.0 + high.0);
+        let shown = shows(middle);
+        if shown == low.1 {
+            low.0 = middle;
+        } else {
+            high.0 = middle;
+        }
+    }
+    0.5 * (low.0 + high.0)
+}
