@@ -32,6 +32,7 @@ fn is_usage(error: &Error) -> bool {
         | Error::Branching { .. }
         | Error::SampleRange { .. }
         | Error::SampleOrder { .. }
+        | Error::NoModel { .. }
         | Error::Accuracy { .. } => true,
         Error::File { fault, .. } => matches!(fault, FileFault::Extension(_)),
         _ => false,
@@ -45,6 +46,7 @@ fn advice(error: &Error) -> Option<String> {
         Error::NoScene { .. } => {
             "write a scene file with lights that names the model, such as by Shape \"plymesh\" \"string filename\" \"FILE\""
         }
+        Error::NoModel { .. } => "triangles can be made of a scene: .glb, .obj or .ply",
         Error::NoGuide { .. } => "add --integrator guided",
         Error::NoStoredLight { .. } => "add --integrator radiosity",
         Error::Branching { .. } => "add --integrator path or distributed, or leave out --branching",
@@ -84,6 +86,7 @@ fn file_advice(fault: &FileFault) -> Option<String> {
         FileFault::NoFolder(_) => "create the folder first, or choose another",
         FileFault::Exists => "continue from it with --resume, or remove it to start anew",
         FileFault::Extension("pictures") => "the extension selects the format: .exr, .png, .hdr or .pfm",
+        FileFault::Extension("scenes") => "the extension selects the format: .pbrt, .glb, .obj or .ply",
         FileFault::Extension("models") => "models are written as .glb",
         FileFault::Extension("luminaires") => "candela distributions are written as .ldt or .ies",
         FileFault::Identity(_) => {

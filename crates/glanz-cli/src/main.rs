@@ -56,6 +56,10 @@ fn main() -> ExitCode {
             let messages = Messages::new(view.quiet);
             (messages, command::view::run(&view, messages))
         }
+        Command::Convert(convert) => {
+            let messages = Messages::new(convert.verbosity.quiet);
+            (messages, command::convert::run(&convert, messages))
+        }
         Command::Compare(compare) => {
             let messages = Messages::new(false);
             (messages, command::compare::run(&compare, messages))

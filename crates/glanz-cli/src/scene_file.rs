@@ -31,7 +31,8 @@ pub(crate) fn open_cut_model(
     let ModelArgument { scene, studio } = &arguments.model;
     let settings = StudioSettings { section: arguments.section, ..studio.settings() };
     let strict = arguments.render.job.strictness.strict;
-    let options = Options { strict, studio: settings, ..Options::default() };
+    let edges = arguments.render.draws_edges();
+    let options = Options { strict, studio: settings, edges, ..Options::default() };
     let loaded = print_diagnostics(glanz::open_with(scene, &options), messages)?;
     if loaded.studio_settings().is_none() {
         if arguments.section.is_some() {

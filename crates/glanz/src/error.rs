@@ -27,6 +27,12 @@ pub enum Error {
         /// The job.
         job: &'static str,
     },
+    /// A scene where a model is needed.
+    #[error("{name}: a scene cannot be written as a scene file; only models can")]
+    NoModel {
+        /// Name of the scene.
+        name: String,
+    },
     /// A file that cannot be read or written, or has the wrong content.
     #[error("{}: {fault}", path.display())]
     File {
@@ -118,6 +124,17 @@ pub enum Error {
     #[cfg(feature = "formats")]
     #[error("the model: {0}")]
     Image(#[from] glanz_formats::image::ImageError),
+    /// Settings of triangles that are out of range.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    Tessellation(#[from] glanz_scene::tessellation::TessellationError),
+    /// A scene without shapes of which triangles could be made.
+    #[cfg(feature = "formats")]
+    #[error("{scene}: nothing in this scene can be made of triangles")]
+    NoTriangles {
+        /// Name of the scene.
+        scene: String,
+    },
     /// A scene without receivers.
     #[cfg(feature = "illumination")]
     #[error("{scene}: nothing in this scene receives light")]
@@ -197,6 +214,9 @@ pub enum FileFault {
     /// Its folder does not exist.
     #[error("there is no folder {}", .0.display())]
     NoFolder(PathBuf),
+    /// It is the input of the same command.
+    #[error("this is the input, which would be replaced; choose another name")]
+    IsInput,
     /// It is a folder.
     #[error("this is a folder, not a file")]
     IsFolder,
@@ -209,6 +229,14 @@ pub enum FileFault {
     /// Its extension is not that of a supported output format.
     #[error("no format for {0} has this extension")]
     Extension(&'static str),
+    /// A format that cannot hold the triangles.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    Tessellated(#[from] glanz_formats::tessellated::TessellatedError),
+    /// A model that the scene language cannot describe.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    SceneText(#[from] glanz_formats::pbrt::PbrtWriteError),
     /// Another kind or version of file, or a damaged one.
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),

@@ -46,6 +46,13 @@ pub enum Warning {
         /// Their number.
         samples: u64,
     },
+    /// Edges were to be drawn over the picture, but the scene has none.
+    NoEdges,
+    /// Edges were to be drawn over the picture, but there are too many.
+    TooManyEdges {
+        /// Their number.
+        edges: u64,
+    },
     /// A camera that models cannot represent: its picture is off-centre, sheared or mirrored.
     CameraLeftOut,
     /// Charts with fewer texels than requested, because their sides have at most 4096.
@@ -104,6 +111,12 @@ impl fmt::Display for Warning {
             Self::Cut { samples } => {
                 write!(f, "{} too bright to be added and cut", plural(*samples, "sample was", "samples were"))
             }
+            Self::NoEdges => f.write_str("no edges are drawn: only models from CAD files have edges"),
+            Self::TooManyEdges { edges } => write!(
+                f,
+                "no edges are drawn: the scene has {edges}, more than {}",
+                glanz_transport::MAX_EDGES
+            ),
             Self::CameraLeftOut => {
                 f.write_str("a camera whose picture is off-centre, sheared or mirrored is not in the model")
             }

@@ -31,6 +31,17 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
         .map_err(|error| FileFault::NotWritable(error).of(path))
 }
 
+/// Checks that the output `path` is not the file `input`, also by another name.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn check_not_input(path: &Path, input: &Path) -> Result<(), Error> {
+    match (fs::canonicalize(path), fs::canonicalize(input)) {
+        (Ok(output), Ok(input)) if output == input => Err(FileFault::IsInput.of(path)),
+        _ => Ok(()),
+    }
+}
+
 /// Checks that the checkpoint `path` can be written without losing an existing one; `resume`: whether an existing one is resumed.
 ///
 /// # Errors

@@ -10,6 +10,9 @@
 //! | [`LoadedScene::bake`] | a [`BakeOutcome`]: light maps, and a model that shows them |
 //! | [`LoadedScene::illuminate`] | an [`IlluminateOutcome`]: lux maps with errors, reports |
 //!
+//! [`LoadedScene::tessellate`] makes a [`MeshOutcome`] of it: triangles, to be saved as glTF, OBJ or PLY. [`LoadedScene::save_exact`] writes a model as
+//! a scene file.
+//!
 //! Every job reports progress to a [`ProgressSink`](job::ProgressSink) and warnings as a [`JobEvent`], ends when its
 //! [`CancelFlag`](job::CancelFlag) is raised, and saves its state in a checkpoint from which it resumes to the same bits.
 //! [`merge`] joins pictures of disjoint samples. An [`Error`] states the facts; advice is left to the program.
@@ -31,8 +34,12 @@
 //!
 //! Without features the engine renders scenes that are built in code.
 
+#[cfg(feature = "formats")]
+mod axes;
 #[cfg(feature = "radiosity")]
 mod bake;
+#[cfg(feature = "formats")]
+mod convert;
 mod error;
 mod event;
 pub mod file;
@@ -49,6 +56,8 @@ mod running_job;
 pub use bake::{BakeBuilder, BakeOutcome, LightFile};
 #[cfg(all(feature = "radiosity", feature = "formats"))]
 pub use bake::{ModelFiles, ModelSettings, check_model_path};
+#[cfg(feature = "formats")]
+pub use convert::{ChordalDeviation, MeshOutcome, MeshSettings, SolidCounts, is_exact_path};
 pub use error::{Error, FileFault};
 pub use event::{JobEvent, ResumedState, Warning};
 #[cfg(feature = "illumination")]
@@ -61,7 +70,9 @@ pub use loaded_scene::LoadedScene;
 pub use overlay::LightOverlay;
 #[cfg(feature = "formats")]
 pub use render::picture_format;
-pub use render::{Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics, merge};
+pub use render::{
+    EdgeLines, MAX_LINE_WIDTH, Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics, merge,
+};
 
 #[cfg(feature = "formats")]
 #[doc(inline)]

@@ -171,6 +171,22 @@ impl LoadedScene {
         Ok((scene, diagnostics.iter().cloned().map(Warning::Scene).chain(omitted).collect()))
     }
 
+    /// The scene without shapes and lights.
+    #[cfg(feature = "formats")]
+    pub(crate) fn without_shapes(&self) -> Self {
+        let Description { camera, film, images, textures, materials, .. } = &self.description;
+        let description = Description {
+            camera: camera.clone(),
+            film: film.clone(),
+            images: images.clone(),
+            textures: textures.clone(),
+            materials: materials.clone(),
+            ..Description::default()
+        };
+        let bare = Self::from_description(self.name.clone(), description).strict(self.strict);
+        Self { sources: self.sources.clone(), ..bare }
+    }
+
     /// Builder of a render of the scene.
     pub fn render<'a>(self) -> RenderBuilder<'a> {
         RenderBuilder::new(self)

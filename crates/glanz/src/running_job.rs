@@ -48,7 +48,6 @@ impl RunningJob<'_> {
     }
 
     /// Runs `work` with the requested number of threads.
-    #[cfg(any(feature = "radiosity", feature = "illumination"))]
     pub(crate) fn in_pool<T: Send>(
         &mut self,
         work: impl FnOnce(&mut Self) -> Result<T, Error> + Send,

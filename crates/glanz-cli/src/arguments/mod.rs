@@ -5,6 +5,7 @@ use clap::{Parser, Subcommand};
 mod bake;
 mod common;
 mod compare;
+mod convert;
 mod illuminate;
 mod info;
 mod merge;
@@ -16,6 +17,7 @@ mod view;
 pub(crate) use bake::BakeArguments;
 pub(crate) use common::{JobArguments, ModelArgument};
 pub(crate) use compare::{CompareArguments, Metric};
+pub(crate) use convert::ConvertArguments;
 pub(crate) use illuminate::IlluminateArguments;
 pub(crate) use info::InfoArguments;
 pub(crate) use merge::MergeArguments;
@@ -39,6 +41,7 @@ Examples:
   glanz bake room.pbrt -o room.glb             the light on its surfaces, for other programs
   glanz illuminate room.pbrt -o lux            illuminance on its receivers
   glanz view room.pbrt                         an interactive view in the browser
+  glanz convert part.step part.glb             triangles without gaps, to a tolerance
   glanz compare room.exr reference.exr         differences between two pictures
 
 Exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted after saving.";
@@ -59,6 +62,8 @@ pub(crate) enum Command {
     Info(InfoArguments),
     /// View a scene in the browser: exact surfaces at any zoom, then the rendered picture
     View(ViewArguments),
+    /// Convert a model to a scene file, or a scene or a model to triangles: .glb, .obj, .ply
+    Convert(ConvertArguments),
     /// Measure the differences between two pictures
     Compare(CompareArguments),
     /// Name the program that runs the studies

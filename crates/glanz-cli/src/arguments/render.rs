@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueHint};
-use glanz::RenderOptions;
 use glanz::sampling::SamplerKind;
 use glanz::sampling::exact::MAX_TERMS;
 use glanz::scene::description::GuideSettings;
 use glanz::scene::studio::SectionPlane;
 use glanz::transport::{Aov, AovSet, BRANCHING_LIMIT, INTEGRATORS};
-use glanz_terminal::values::{one_of, sample_range, seconds, size, switch};
+use glanz::{EdgeLines, MAX_LINE_WIDTH, RenderOptions};
+use glanz_terminal::values::{one_of, positive, sample_range, seconds, size, switch};
 
 use super::common::{JobArguments, ModelArgument, ToneArguments};
 
@@ -51,6 +51,7 @@ Examples:
   glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume
   glanz render part.ply -o part.png --view front --material steel
   glanz render part.ply -o turn.png --turntable 36
+  glanz render part.step -o part.png --edges
 
   Half of the samples on each of two machines, with the bits of 256 samples on one:
   glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
@@ -121,6 +122,9 @@ pub(crate) struct RenderArguments {
         Aov::ALL.into_iter().map(Aov::name).chain([ALL_AOVS])
     ))]
     pub(crate) aov: Vec<String>,
+    /// Draw the edges of CAD models over the picture, with lines of this many pixels, up to 64 [default: 1.5 where the shorter side has 720]
+    #[arg(long, value_name = "WIDTH", num_args = 0..=1, require_equals = true, value_parser = line_width)]
+    edges: Option<Option<f64>>,
     /// Render only the samples of every pixel from A up to, but not including, B
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
     pub(crate) samples: Option<Range<u32>>,
@@ -167,7 +171,13 @@ impl RenderArguments {
             guide_output: self.guide_out.clone(),
             light_input: self.light_in.clone(),
             aovs: self.aovs(),
+            edges: self.edges.map(|width| EdgeLines { width }),
         }
+    }
+
+    /// Whether the scene must be read with its edges.
+    pub(crate) fn draws_edges(&self) -> bool {
+        self.edges.is_some()
     }
 
     fn aovs(&self) -> AovSet {
@@ -176,4 +186,10 @@ impl RenderArguments {
         }
         self.aov.iter().filter_map(|name| Aov::from_name(name)).collect()
     }
+}
+
+/// A width of lines, pixels.
+fn line_width(text: &str) -> Result<f64, String> {
+    let width = positive(text)?;
+    if width <= MAX_LINE_WIDTH { Ok(width) } else { Err(format!("it must be at most {MAX_LINE_WIDTH}")) }
 }

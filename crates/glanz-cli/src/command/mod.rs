@@ -3,6 +3,7 @@
 pub(crate) mod bake;
 mod cad;
 pub(crate) mod compare;
+pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod illuminate;
 pub(crate) mod info;

@@ -5,7 +5,7 @@ use glanz_math::{Bounds3, DMat3, DVec2, DVec3, glam::DQuat};
 use glanz_scene::camera::Screen;
 use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
 
-use super::model::Axes;
+use crate::axes::Axes;
 
 /// Near plane, relative to the diagonal of the scene: close enough for almost all views, and far enough for precise depth buffers.
 const NEAR: f64 = 0.002;

@@ -10,9 +10,10 @@ use glanz_math::Bounds3;
 use glanz_scene::Description;
 use glanz_scene::description::{CameraDescription, FilmDescription};
 
-use super::model::{Axes, ModelBuilder, pixels};
+use super::model::{ModelBuilder, pixels};
 use super::model_camera;
 use super::outcome::BakeOutcome;
+use crate::axes::Axes;
 use crate::error::{Error, FileFault};
 use crate::file;
 

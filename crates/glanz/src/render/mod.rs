@@ -1,5 +1,6 @@
 //! Rendering: pictures of a scene, and their files.
 
+mod edges;
 mod guide_file;
 mod picture;
 #[cfg(feature = "formats")]
@@ -27,6 +28,7 @@ use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::{JobSink, RunningJob};
 
+pub use edges::{EdgeLines, MAX_LINE_WIDTH};
 pub use picture::{Picture, RenderStatistics, merge};
 #[cfg(feature = "formats")]
 pub use picture_files::picture_format;
@@ -66,6 +68,9 @@ pub struct RenderOptions {
     pub light_input: Option<PathBuf>,
     /// Channels beside the colour.
     pub aovs: AovSet,
+    /// Lines over the picture along the feature edges of CAD models that were read with [their edges](glanz_scene::description::EdgeDescription);
+    /// `None`: no lines.
+    pub edges: Option<EdgeLines>,
 }
 
 /// Builder of a render.
@@ -145,6 +150,10 @@ impl<'a> RenderBuilder<'a> {
         warnings.into_iter().for_each(|warning| job.warn(warning));
         job.options.cancel.check()?;
         job.emit(JobEvent::RenderStarted(&plan));
+        let film = match plan.edges {
+            Some(style) => film.with_edges(edges::layer(&scene, &plan.identity.film, style, &mut job)?),
+            None => film.with_edges(None),
+        };
         let integrator = plan.integrator(&scene, &mut job)?;
         let outcome = expose(&scene, integrator.as_ref(), &plan, film, &mut job)?;
         finish(plan, outcome, scene.undecided(), options.guide_output.as_deref(), job)

@@ -9,8 +9,8 @@ use glanz_sampling::exact::MAX_TERMS;
 use glanz_scene::Scene;
 use glanz_scene::description::FilmDescription;
 use glanz_transport::{
-    FilmFormat, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect, RenderSettings,
-    StoredLight,
+    EdgeStyle, FilmFormat, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect,
+    RenderSettings, StoredLight,
 };
 
 use super::RenderOptions;
@@ -33,6 +33,8 @@ pub struct RenderPlan {
     pub time_limit: Option<Duration>,
     /// Samples to render of each pixel.
     pub samples: Range<u32>,
+    /// Lines over the picture.
+    pub(super) edges: Option<EdgeStyle>,
     filter: Filter,
     /// A frozen guide.
     guide: Option<FixedGuide>,
@@ -92,11 +94,13 @@ impl RenderPlan {
             threads => threads,
         };
         let time_limit = options.time_limit;
+        let edges = options.edges.map(|lines| lines.style(identity.film.resolution));
         Ok(Self {
             identity,
             threads,
             time_limit,
             samples,
+            edges,
             filter,
             guide,
             #[cfg(feature = "radiosity")]

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bake;
+mod convert;
 mod illuminate;
 mod model;
 mod render;

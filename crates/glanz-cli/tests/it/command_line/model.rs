@@ -183,3 +183,59 @@ fn a_section_shows_marked_faces() {
     folder.write("small.pbrt", SCENE);
     folder.run("render small.pbrt -o a.png --section x=0").refused(2, &["--section", "small.pbrt"]);
 }
+
+/// A cube of polygons with the side 1 mm, as a STEP file.
+fn cube() -> String {
+    let mut data = String::new();
+    for i in 0..8 {
+        let [x, y, z] = [i & 1, i >> 1 & 1, i >> 2 & 1];
+        data += &format!("#{}=CARTESIAN_POINT('',({x}.,{y}.,{z}.));", 40 + i);
+    }
+    let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    for (i, [a, b, c, d]) in sides.into_iter().enumerate() {
+        let [a, b, c, d] = [a, b, c, d].map(|corner| corner + 40);
+        data +=
+            &format!("#{}=FACE('',(#{}));#{}=FACE_OUTER_BOUND('',#{},.T.);", 10 + i, 20 + i, 20 + i, 30 + i);
+        data += &format!("#{}=POLY_LOOP('',(#{a},#{b},#{c},#{d}));", 30 + i);
+    }
+    format!(
+        "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC;DATA;
+        #1=FACETED_BREP('cube',#2);#2=CLOSED_SHELL('',(#10,#11,#12,#13,#14,#15));
+        #4=FACETED_BREP_SHAPE_REPRESENTATION('r',(#1),#910);
+        #900=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+        #910=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#900))REPRESENTATION_CONTEXT('',''));
+        {data}ENDSEC;END-ISO-10303-21;"
+    )
+}
+
+#[test]
+fn edges_are_drawn_over_cad_models() {
+    let folder = Folder::new();
+    folder.write("cube.step", cube());
+    let line = "render cube.step --size 64x36 --view front --material plastic:white --ground off -q";
+    // Seen from the front, four edges bound a square that fills 90 % of the height.
+    let dark = |options: &str| {
+        folder.succeed(&format!("{line} --spp 4 -o a.exr {options}"));
+        let pixels = folder.picture("a.exr").to_rgb().unwrap();
+        pixels.iter().filter(|[r, ..]| *r < 0.1).count()
+    };
+    assert_eq!(dark(""), 0);
+    let (thin, wide) = (dark("--edges=1"), dark("--edges=3"));
+    // Sides of 32 pixels.
+    assert!((115..=140).contains(&thin) && (365..=400).contains(&wide), "{thin} {wide}");
+    let cut = dark("--edges=3 --section z=50%");
+    assert!(cut < wide && cut > wide / 3, "{cut} of {wide}");
+    // Parts of the samples have the same edges, and are joined to the bits of the whole.
+    folder.succeed(&format!("{line} --edges --spp 4 -o whole.exr"));
+    for (name, samples) in [("first", "0..1"), ("second", "1..4")] {
+        folder.succeed(&format!(
+            "{line} --edges --spp 4 --samples {samples} --checkpoint {name}.glanz -o {name}.exr"
+        ));
+    }
+    folder.succeed("merge first.glanz second.glanz -o joined.exr");
+    assert_eq!(folder.bytes("whole.exr"), folder.bytes("joined.exr"));
+    folder.write("small.pbrt", SCENE);
+    let ran = folder.succeed("render small.pbrt -o a.png --spp 1 --edges");
+    assert!(ran.stderr.contains("warning: no edges are drawn"), "{}", ran.stderr);
+    folder.run("render cube.step -o a.png --edges=0").refused(2, &["--edges", "above 0"]);
+}

@@ -1,0 +1,147 @@
+//! `glanz convert`: from a scene or a model to triangles.
+
+use std::time::Instant;
+
+use glanz::{LoadedScene, MeshOutcome, is_exact_path};
+use glanz_terminal::CommandOutcome;
+use glanz_terminal::messages::{CommandError, Messages};
+use serde::Serialize;
+
+use crate::arguments::ConvertArguments;
+use crate::command_error::command_error;
+use crate::notes::note_warning;
+use crate::report::{self, duration, plural};
+use crate::scene_file;
+
+/// The output of `--json`.
+#[derive(Serialize)]
+struct ConvertReport {
+    scene: String,
+    outputs: Vec<String>,
+    shapes: usize,
+    triangles: usize,
+    /// Metres.
+    tolerance: f64,
+    /// Largest measured distance, metres.
+    deviation: f64,
+    solids: usize,
+    watertight_solids: usize,
+    /// Shapes without triangles.
+    left_out: usize,
+    seconds: f64,
+    peak_memory_bytes: Option<u64>,
+    warnings: Vec<String>,
+}
+
+/// Converts the file.
+///
+/// # Errors
+/// A scene, setting or file that is refused.
+pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
+    let exact = is_exact_path(&arguments.output).map_err(command_error(messages))?;
+    glanz::file::check_writable(&arguments.output).map_err(command_error(messages))?;
+    glanz::file::check_not_input(&arguments.output, &arguments.scene).map_err(command_error(messages))?;
+    let start = Instant::now();
+    let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
+    let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
+    if exact {
+        return write_exact(arguments, &scene, (start, warnings), messages);
+    }
+    let (outcome, resolved) = scene.tessellate(&arguments.mesh()).map_err(command_error(messages))?;
+    for warning in resolved {
+        note_warning(&warning, messages);
+        warnings.push(warning.to_string());
+    }
+    warnings.extend(faults(&outcome, messages));
+    let paths = outcome.save(&arguments.output).map_err(command_error(messages))?;
+    let solids = outcome.solids();
+    let report = ConvertReport {
+        scene: scene.name().to_owned(),
+        outputs: paths.iter().map(|path| path.display().to_string()).collect(),
+        shapes: outcome.shape_count(),
+        triangles: outcome.tessellation().triangle_count(),
+        tolerance: outcome.settings().deviation,
+        deviation: outcome.tessellation().deviation,
+        solids: solids.solids,
+        watertight_solids: solids.watertight,
+        left_out: outcome.tessellation().faults.iter().filter(|fault| fault.kind.is_omission()).count(),
+        seconds: start.elapsed().as_secs_f64(),
+        peak_memory_bytes: report::peak_memory_bytes(),
+        warnings,
+    };
+    messages.note(&sentence(&report));
+    if arguments.verbosity.json {
+        report::print(&report)?;
+    }
+    Ok(CommandOutcome::Done)
+}
+
+/// The output of `--json` for a scene file.
+#[derive(Serialize)]
+struct ExactReport {
+    scene: String,
+    outputs: [String; 1],
+    seconds: f64,
+    warnings: Vec<String>,
+}
+
+fn write_exact(
+    arguments: &ConvertArguments,
+    scene: &LoadedScene,
+    (start, warnings): (Instant, Vec<String>),
+    messages: Messages,
+) -> Result<CommandOutcome, CommandError> {
+    scene.save_exact(&arguments.output).map_err(command_error(messages))?;
+    let output = arguments.output.display().to_string();
+    let seconds = start.elapsed().as_secs_f64();
+    messages.note(&format!("wrote {output}: exact surfaces, in {}", duration(seconds)));
+    if arguments.verbosity.json {
+        report::print(&ExactReport { scene: scene.name().to_owned(), outputs: [output], seconds, warnings })?;
+    }
+    Ok(CommandOutcome::Done)
+}
+
+/// Prints what is left out; returns the sentences.
+fn faults(outcome: &MeshOutcome, messages: Messages) -> Vec<String> {
+    let faults = outcome.tessellation().faults.iter().map(|fault| {
+        let number = fault.shape + 1;
+        let place = fault.location.map_or(String::new(), |location| format!(" (line {})", location.line));
+        match fault.group {
+            Some(group) => format!("shape {number} of group {}{place}: {}", group + 1, fault.kind),
+            None => format!("shape {number}{place}: {}", fault.kind),
+        }
+    });
+    let mut sentences: Vec<String> = faults.collect();
+    if outcome.has_light_or_textures() {
+        sentences.push("lights and textures are not converted".to_owned());
+    }
+    sentences.iter().for_each(|sentence| messages.warning(sentence));
+    sentences
+}
+
+fn sentence(report: &ConvertReport) -> String {
+    let ConvertReport { solids, watertight_solids, .. } = *report;
+    let mut sentence = format!(
+        "wrote {}: {} of {}, at most {} from the surface (tolerance {})",
+        report.outputs.join(", "),
+        plural(report.triangles as u64, "triangle", "triangles"),
+        plural(report.shapes as u64, "shape", "shapes"),
+        length(report.deviation),
+        length(report.tolerance),
+    );
+    if solids > 0 {
+        let solids = plural(solids as u64, "solid", "solids");
+        sentence += &format!("; {watertight_solids} of {solids} watertight");
+    }
+    if report.left_out > 0 {
+        sentence += &format!("; {} left out", plural(report.left_out as u64, "shape", "shapes"));
+    }
+    sentence + &format!(", in {}", duration(report.seconds))
+}
+
+/// A length with three digits, millimetres.
+fn length(metres: f64) -> String {
+    let mm = 1e3 * metres;
+    let digits = if mm > 0.0 { (2.0 - mm.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    format!("{mm:.digits$} mm")
+}
