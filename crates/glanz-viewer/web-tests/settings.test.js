@@ -19,7 +19,7 @@ test("a key turns its own shading on whichever other is shown, and off again", (
 });
 
 test("untouched settings are rendered, and everything that rendering does not show is a reason not to", () => {
-  assert.equal(realTimeOnly(defaultSettings()), null);
+  assert.equal(realTimeOnly(defaultSettings(), false), null);
   /** @type {Partial<import("../web/settings.js").Settings>[]} */
   const reasons = [
     { integrator: "none" },
@@ -30,7 +30,8 @@ test("untouched settings are rendered, and everything that rendering does not sh
     { edges: true },
     { isocurves: 1 },
   ];
-  for (const reason of reasons) assert.ok(realTimeOnly({ ...defaultSettings(), ...reason }), JSON.stringify(reason));
+  for (const reason of reasons)
+    assert.ok(realTimeOnly({ ...defaultSettings(), ...reason }, false), JSON.stringify(reason));
 });
 
 test("section plane goes from one end of the box to the other", () => {
@@ -66,4 +67,10 @@ test("section through a picked point has it on the plane", () => {
 
 test("full colour is a power of ten over the size of the scene", () => {
   assert.equal(fullColour({ ...defaultSettings(), curvature: 2 }, 4), 25);
+});
+
+test("edges of the scene are drawn over the rendered image, borders of patches are not", () => {
+  const settings = { ...defaultSettings(), edges: true };
+  assert.equal(realTimeOnly(settings, true), null);
+  assert.equal(realTimeOnly(settings, false), "lines on surfaces");
 });

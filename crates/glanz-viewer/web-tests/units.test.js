@@ -1,7 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { angleText, areaText, directionText, lengthText, plain, timeText } from "../web/ui/units.js";
+import {
+  angleText,
+  areaText,
+  directionText,
+  fixLengthUnit,
+  lengthText,
+  plain,
+  pointText,
+  timeText,
+  volumeText,
+} from "../web/ui/units.js";
 
 test("lengths are said in the largest unit that makes them at least 1", () => {
   assert.equal(lengthText(0.0125), "12.5 mm");
@@ -34,4 +44,18 @@ test("angles are degrees, times minutes and seconds", () => {
   assert.equal(angleText(Math.PI / 3), "60°");
   assert.equal(timeText(4.25), "4.3 s");
   assert.equal(timeText(125.9), "2 min 5 s");
+});
+
+test("measures of a CAD file have its unit, if it is a known one", () => {
+  fixLengthUnit(0.025400000001);
+  assert.equal(lengthText(0.0127), "0.5 in");
+  assert.equal(areaText(0.0254 ** 2 * 3), "3 in²");
+  assert.equal(volumeText(0.0254 ** 3 * 2), "2 in³");
+  assert.equal(pointText([0.0254, 0, -0.0508]), "1, 0, −2 in");
+  for (const unknown of [null, 201.168]) {
+    fixLengthUnit(unknown);
+    assert.equal(lengthText(0.0127), "12.7 mm");
+    assert.equal(volumeText(2e-9), "2 mm³");
+    assert.equal(pointText([0.0254, 0, 0]), "0.0254, 0, 0 m");
+  }
 });

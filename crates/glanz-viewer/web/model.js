@@ -17,13 +17,16 @@
  * @typedef {PatchSurface | MeshSurface | AlgebraicSurface} Surface
  * @typedef {{ cells: [number, number], firstCell: number, min: [number, number], max: [number, number] }} Region
  * @typedef {{ surface: number, toWorld: number[], material: number, leaf: number, kind: string, reversed: boolean,
- *   light: boolean, map: number | null }} SceneObject
+ *   light: boolean, shared: boolean, map: number | null }} SceneObject
  * @typedef {{ name: string, kind: string, base: Vector, metallic: number, roughness: number, opacity: number,
  *   specular: Vector, exponent: number | null, emission: Vector }} Material
  * @typedef {{ kind: "point" | "spot" | "distant" | "area" | "infinite", position: Vector, direction: Vector,
  *   intensity: Vector, cosInner: number, cosOuter: number, range: number | null }} Light
  * @typedef {{ name: string, kind: "group" | "shape", leaf?: number, what?: string, place?: string,
  *   children?: TreeNode[] }} TreeNode
+ * @typedef {{ first: number, count: number, kind: "line" | "circle" | "ellipse" | "spline", radii: number[], length: number,
+ *   angle: number, shapes: number[] }} Edge
+ * @typedef {{ toWorld: number[], first: number, count: number, firstLeaf: number }} EdgeCopy
  * @typedef {{ name: string, unit: string, block: string, width: number, height: number, largest: number }} LightMap
  */
 
@@ -40,6 +43,7 @@
  * @property {Float32Array} positions 3 each
  * @property {Float32Array} normals 3 each
  * @property {Uint32Array} indices 3 each triangle
+ * @property {Float32Array} edgePoints 3 each
  */
 
 /**
@@ -55,6 +59,9 @@
  * @property {Material[]} materials
  * @property {Light[]} lights
  * @property {TreeNode} tree
+ * @property {number | null} lengthUnit metres, of CAD files
+ * @property {Edge[]} edges
+ * @property {EdgeCopy[]} edgeCopies
  * @property {LightMap[]} maps
  * @property {string[]} notes
  * @property {Blocks} blocks
@@ -78,6 +85,7 @@ const WORDS = {
   positions: 3,
   normals: 3,
   indices: 3,
+  edgePoints: 3,
 };
 
 /**
@@ -105,11 +113,13 @@ export function decodeModel(bytes) {
     positions: floats("positions"),
     normals: floats("normals"),
     indices: integers("indices"),
+    edgePoints: floats("edgePoints"),
   };
   /** @type {LightMap[]} */
   const maps = head.maps ?? [];
   const mapValues = maps.map((map) => new Float32Array(...block(map.block, 3)));
-  const model = { ...head, maps, notes: head.notes ?? [], blocks, mapValues };
+  const { notes = [], edges = [], edgeCopies = [] } = head;
+  const model = { ...head, maps, notes, edges, edgeCopies, blocks, mapValues };
   checkReferences(model);
   return model;
 }
@@ -165,6 +175,10 @@ function checkReferences(model) {
   regions.forEach((region, i) => {
     within(region.firstCell + region.cells[0] * region.cells[1], blocks.regionCells.length / 4, `cells of region ${i}`);
   });
+  model.edges.forEach(({ first, count }, i) => {
+    within(first + count, blocks.edgePoints.length / WORDS.edgePoints, `points of edge ${i}`);
+  });
+  model.edgeCopies.forEach(({ first, count }, i) => within(first + count, model.edges.length, `edges of copy ${i}`));
   model.maps.forEach((map, i) => {
     if (model.mapValues[i].length !== 3 * map.width * map.height)
       throw damaged(`map ${i} does not have its declared size`);

@@ -5,7 +5,9 @@
  */
 
 import { rayThrough } from "./camera.js";
+import { edgesNear, isInSight } from "./edge_picking.js";
 import { Renderer } from "./gl/renderer.js";
+import { length } from "./linear.js";
 import { decodeModel } from "./model.js";
 import { AdaptiveResolution } from "./adaptive_resolution.js";
 import { SceneParts, ranges } from "./scene_parts.js";
@@ -17,12 +19,12 @@ import { showProblem } from "./ui/files.js";
 import { PointerControls } from "./ui/pointer_controls.js";
 import { showLegend } from "./ui/legend.js";
 import { MeasureTool } from "./ui/measure_tool.js";
-import { PropertiesPanel } from "./ui/properties_panel.js";
+import { PropertiesPanel, edgeRows } from "./ui/properties_panel.js";
 import { StatusBar } from "./ui/status_bar.js";
 import { backgroundColour } from "./ui/theme.js";
 import { SettingsPanel } from "./ui/settings_panel.js";
 import { SceneTree } from "./ui/scene_tree.js";
-import { pointText } from "./ui/units.js";
+import { fixLengthUnit, pointText } from "./ui/units.js";
 import { Viewpoint } from "./viewpoint.js";
 
 /** @typedef {import("./linear.js").Vector} Vector */
@@ -53,6 +55,8 @@ export class Page {
     this.parts = null;
     /** The last pick. @type {Hit | null} */
     this.hit = null;
+    /** The selected edge. @type {import("./gl/edge_lines.js").PlacedEdge | null} */
+    this.edge = null;
     /** @type {ReturnType<Renderer["draw"]> | null} */
     this.frame = null;
     /** Pixels of the canvas when nothing moves. @type {import("./camera.js").Size} */
@@ -151,11 +155,15 @@ export class Page {
   show(model, isSame) {
     this.renderer.setModel(model);
     this.model = model;
+    fixLengthUnit(model.lengthUnit);
     const parts = new SceneParts(model.tree);
     if (isSame && this.parts) parts.inherit(this.parts);
     this.parts = parts;
     this.tree.set(parts);
-    if (!isSame) this.settings.maps = model.maps.length > 0;
+    if (!isSame) {
+      this.settings.maps = model.maps.length > 0;
+      this.settings.edges = model.edges.length > 0;
+    }
     this.tools.write();
     this.measure.activate(false);
     this.select(parts.selected, null);
@@ -199,6 +207,9 @@ export class Page {
       selected: this.parts?.selectedLeaf ?? null,
       curvature: fullColour(this.settings, this.viewpoint.extent),
       section: this.section,
+      // Slow graphics do without while something moves.
+      seams: share === 1,
+      edge: this.edge,
       background: backgroundColour(),
       ...{ exposure, shading, stripes, isocurves, edges, net, maps },
     };
@@ -220,10 +231,19 @@ export class Page {
     this.invalidate();
   }
 
+  get hasEdges() {
+    return (this.model?.edges.length ?? 0) > 0;
+  }
+
+  /** Reason why nothing is rendered, `null` if there is none. */
+  get realTimeOnly() {
+    return realTimeOnly(this.settings, this.hasEdges);
+  }
+
   /** The settings that the rendered picture depends on, as a key. */
   get rendering() {
     if (!this.model) return "no scene";
-    return realTimeOnly(this.settings) ?? `by ${this.settings.integrator}`;
+    return this.realTimeOnly ?? `by ${this.settings.integrator}`;
   }
 
   settingsChanged() {
@@ -271,7 +291,7 @@ export class Page {
     this.tileTimer = undefined;
     this.drawnAt = performance.now();
     const { picture, status } = this.renderedImage;
-    this.status.show(status, this.settings.integrator, realTimeOnly(this.settings));
+    this.status.show(status, this.settings.integrator, this.realTimeOnly);
     element("orthographic", HTMLInputElement).checked = this.viewpoint.camera.kind === "orthographic";
     this.saveExr.disabled = (status?.samples ?? 0) === 0;
     if (!this.model) return;
@@ -279,7 +299,9 @@ export class Page {
     const view = this.view(share);
     const glance = this.drawnAt < this.glanceUntil;
     if (glance || !picture?.covered) this.drawScene(view, share, whole);
-    if (picture && !glance && !picture.empty) this.renderer.drawRenderedImage(picture, view);
+    // Edges are drawn over all of the rendered picture or none of it.
+    const isWhole = picture?.covered || !(view.edges && this.hasEdges);
+    if (picture && !glance && !picture.empty && isWhole) this.renderer.drawRenderedImage(picture, view);
     this.measure.draw(view.camera, this.viewpoint.size);
     if (this.frame?.pending === 0) this.isReady();
   }
@@ -306,15 +328,32 @@ export class Page {
    */
   select(item, hit) {
     this.hit = hit;
+    this.edge = null;
     this.parts?.select(item);
     this.tree.reveal();
     this.properties.show(hit, item);
+    this.measurePart(item);
     this.tools.allowPicked(hit !== null);
     if (item) announce(hit ? `${item.label}, ${hit.kind}, at ${pointText(hit.point)}` : item.label);
     // The rendered picture does not show what is selected.
     this.glanceUntil = performance.now() + GLANCE;
     setTimeout(() => this.invalidate(), GLANCE);
     this.settingsChanged();
+  }
+
+  /**
+   * Shows area and volume of the part that an item is in, once the server has them.
+   * @param {Item | null} item
+   */
+  async measurePart(item) {
+    const part = item?.node.kind === "shape" ? item.parent : item;
+    if (!part || part.first === part.end) return;
+    try {
+      const reply = await this.session.request({ type: "measure", leaves: [[part.first, part.end - 1]] });
+      if (this.parts?.selected === item) this.properties.add(part, reply.measures);
+    } catch {
+      // Without a server there are no measures.
+    }
   }
 
   /**
@@ -336,15 +375,52 @@ export class Page {
   }
 
   /**
-   * A click: the next end of a distance while measuring, else what is to be selected.
+   * The edge in sight at a place of the canvas, with the surface there.
+   * @param {number} x
+   * @param {number} y
+   */
+  async pickEdge(x, y) {
+    if (!this.model || !this.settings.edges) return null;
+    const { camera, size } = this.viewpoint;
+    for (const place of edgesNear(this.model, camera, size, { x, y }, this.parts?.hidden ?? new Set()).slice(0, 4)) {
+      const hit = await this.pick(place.x, place.y);
+      if (isInSight(camera, size, place, hit?.point ?? null)) return { place, hit };
+    }
+    return null;
+  }
+
+  /** @param {import("./gl/edge_lines.js").PlacedEdge} placed */
+  selectEdge({ copy, edge }) {
+    if (!this.model) return;
+    this.select(null, null);
+    this.edge = { copy, edge };
+    const { toWorld, firstLeaf } = this.model.edgeCopies[copy];
+    const enlarged = length([toWorld[0], toWorld[1], toWorld[2]]);
+    const known = this.model.edges[edge];
+    const faces = [...new Set(known.shapes)].map((shape) => this.parts?.shape(firstLeaf + shape)?.label ?? "");
+    const rows = edgeRows(known, enlarged, faces);
+    this.properties.showRows(rows);
+    this.properties.shown = Object.fromEntries(rows);
+    announce(rows.map((row) => row.join(" ")).join(", "));
+    this.invalidate();
+  }
+
+  /**
+   * A click: the next end of a distance while measuring, else what is to be selected. Edges come before the surfaces beside them.
    * @param {number} x
    * @param {number} y
    */
   async click(x, y) {
-    const hit = await this.pick(x, y);
+    const edge = await this.pickEdge(x, y);
+    const hit = edge ? edge.hit : await this.pick(x, y);
     if (this.measure.active) {
-      if (hit) this.measure.add(hit);
+      const point = edge?.place.point ?? hit?.point;
+      if (point) this.measure.add({ point, normal: hit?.normal ?? null });
       this.invalidate();
+      return;
+    }
+    if (edge) {
+      this.selectEdge(edge.place);
       return;
     }
     if (!hit) announce("No surface here");

@@ -30,6 +30,7 @@ export function scriptInterface(page) {
       hidden: [...(page.parts?.hidden ?? [])],
       selected: page.parts?.selectedLeaf ?? null,
       hit: page.hit,
+      edge: page.edge,
       settings: { ...page.settings },
       section: page.section,
       frame: page.frame,

@@ -9,8 +9,10 @@
 /**
  * A hit on the exact surface; lengths in metres, curvatures in 1/m, in world space.
  * @typedef {{ minimum: number, maximum: number, gaussian: number, mean: number, radius: number | null }} Curvature
+ * @typedef {{ radius: number | null, majorRadius: number | null, minorRadius: number | null, halfAngle: number | null }} Dimensions
+ * @typedef {{ faces: number, area: number | null, volume: number | null }} Measures
  * @typedef {{ leaf: number, object: number, kind: string, name: string, material: string, degree: [number, number] | null,
- *   area: number | null, uv: [number, number], face: number, point: Vector, normal: Vector, distance: number,
+ *   area: number | null, dimensions: Dimensions | null, entity: string | null, uv: [number, number], face: number, point: Vector, normal: Vector, distance: number,
  *   curvature: Curvature | null }} Hit
  */
 

@@ -54,13 +54,14 @@ export function nextShading(shading, order) {
 /**
  * Reason why these settings exclude rendering, `null` if they do not.
  * @param {Settings} settings
+ * @param {boolean} hasEdges whether the scene has edges of its own, which are drawn over the rendered image, too
  */
-export function realTimeOnly(settings) {
+export function realTimeOnly(settings, hasEdges) {
   if (settings.integrator === "none") return "chosen";
   if (settings.section) return "section plane";
   if (settings.shading !== "material") return "surface colours";
   if (settings.maps) return "illuminance";
-  if (settings.net || settings.isocurves > 0 || settings.edges) return "lines on surfaces";
+  if (settings.net || settings.isocurves > 0 || (settings.edges && !hasEdges)) return "lines on surfaces";
   return null;
 }
 

@@ -23,6 +23,7 @@ pub(super) struct Blocks {
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) indices: Vec<[u32; 3]>,
+    pub(super) edge_points: Vec<[f32; 3]>,
     /// Values of each map, by rows.
     pub(super) maps: Vec<Vec<[f32; 3]>>,
 }
@@ -78,6 +79,7 @@ impl Blocks {
         layout.add("positions", &self.positions);
         layout.add("normals", &self.normals);
         layout.add("indices", &self.indices);
+        layout.add("edgePoints", &self.edge_points);
         for (number, map) in self.maps.iter().enumerate() {
             layout.add(format!("map{number}"), map);
         }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 /// Content of the JSON text without the positions of the blocks.
 #[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub(super) struct ModelHead {
     pub(super) name: String,
     pub(super) up: [f64; 3],
@@ -18,6 +19,9 @@ pub(super) struct ModelHead {
     pub(super) materials: Vec<ModelMaterial>,
     pub(super) lights: Vec<ModelLight>,
     pub(super) tree: TreeNode,
+    pub(super) length_unit: Option<f64>,
+    pub(super) edges: Vec<ModelEdge>,
+    pub(super) edge_copies: Vec<EdgeCopy>,
     pub(super) maps: Vec<ModelMap>,
     pub(super) notes: Vec<String>,
 }
@@ -102,6 +106,7 @@ pub(super) struct ModelObject {
     pub(super) kind: &'static str,
     pub(super) reversed: bool,
     pub(super) light: bool,
+    pub(super) shared: bool,
     pub(super) map: Option<usize>,
 }
 
@@ -136,6 +141,29 @@ pub(super) struct ModelLight {
 pub(super) enum TreeNode {
     Group { name: String, place: String, children: Vec<TreeNode> },
     Shape { name: String, leaf: u32, what: &'static str, place: String },
+}
+
+/// A feature edge of a group; lengths in its frame.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct ModelEdge {
+    pub(super) first: usize,
+    pub(super) count: usize,
+    pub(super) kind: &'static str,
+    pub(super) radii: Vec<f64>,
+    pub(super) length: f64,
+    pub(super) angle: f64,
+    /// Shapes that meet in it, counted from the first of the group.
+    pub(super) shapes: Vec<usize>,
+}
+
+/// The edges of a copy of a group.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct EdgeCopy {
+    pub(super) to_world: [f64; 12],
+    pub(super) first: usize,
+    pub(super) count: usize,
+    pub(super) first_leaf: usize,
 }
 
 /// A map of values that the page draws on objects.

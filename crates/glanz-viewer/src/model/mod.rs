@@ -6,6 +6,9 @@
 
 mod appearance;
 mod blocks;
+mod cad;
+mod dimensions;
+mod edges;
 mod error;
 mod head;
 mod hidden;
@@ -29,6 +32,10 @@ use glanz_math::{Bounds3, DVec3};
 use glanz_scene::{Description, Light, ParametricPoint, PlacedSurface, Scene};
 
 use self::blocks::Blocks;
+use self::cad::CadModelFacts;
+pub use self::cad::PartMeasures;
+pub use self::dimensions::SurfaceDimensions;
+use self::edges::ModelEdges;
 pub use self::error::ModelError;
 use self::head::ModelHead;
 pub use self::hidden::without;
@@ -46,6 +53,8 @@ pub struct Model {
     objects: Vec<Vec<(u32, u32)>>,
     /// Cache of the areas of leaves.
     areas: Arc<Mutex<HashMap<u32, Option<f64>>>>,
+    /// Of a CAD file.
+    cad: Option<CadModelFacts>,
 }
 
 impl Model {
@@ -67,7 +76,8 @@ impl Model {
         for (surface, parts) in placed.iter().zip(tree.leaves_of(&placed)) {
             objects.add(description, scene, surface, &parts, &tree.leaves)?;
         }
-        let surfaces = objects.surfaces;
+        let mut surfaces = objects.surfaces;
+        let edges = ModelEdges::of(description, &mut surfaces.blocks);
         let mut notes = surfaces.notes;
         let (lights, left_out) = lights::lights(scene, &placed);
         if left_out {
@@ -90,6 +100,9 @@ impl Model {
             materials: objects.materials,
             lights,
             tree: tree.root,
+            length_unit: None,
+            edges: edges.edges,
+            edge_copies: edges.copies,
             maps: Vec::new(),
             notes,
         };
@@ -99,6 +112,7 @@ impl Model {
             leaves: tree.leaves,
             objects: objects.by_surface,
             areas: Arc::default(),
+            cad: None,
         })
     }
 
@@ -151,6 +165,10 @@ impl Model {
     /// Area of a leaf, m^2, in the scene with the surfaces `placed`; `None` if it has none. Cached.
     #[must_use]
     pub fn area_of(&self, leaf: u32, placed: &[PlacedSurface<'_>]) -> Option<f64> {
+        // That of a face is exact, that of a trimmed surface an estimate.
+        if let Some(area) = self.face_area(leaf) {
+            return Some(area);
+        }
         let known = || self.areas.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(&area) = known().get(&leaf) {
             return area;
@@ -210,6 +228,7 @@ impl Objects {
                 kind: leaves.get(leaf as usize).map_or("", |leaf| leaf.what),
                 reversed: placed.is_reversed(face),
                 light: placed.light().is_some(),
+                shared: leaves.get(leaf as usize).is_some_and(|leaf| leaf.shared),
                 map: None,
             });
         }

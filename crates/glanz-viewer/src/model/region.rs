@@ -10,7 +10,7 @@ use super::head;
 /// Cells along a side.
 const CELLS: std::ops::RangeInclusive<usize> = 4..=256;
 
-/// A cell lists the parts within this distance of it, in sizes of the cell.
+/// A cell lists the parts within this distance of it, in sizes of the cell, and those within whose width it is.
 const MARGIN: f64 = 0.05;
 
 /// Number of bisections for a point of a curve: down to rounding.
@@ -31,6 +31,8 @@ struct RegionPart {
     rows: [f32; 2],
     /// +1 if v ascends along it, else -1.
     direction: i32,
+    /// Points within an ellipse of these half axes around one of its points are kept: its width along u and along v.
+    width: DVec2,
 }
 
 /// From one height (included) to another (not included), possibly none.
@@ -50,7 +52,7 @@ struct Crossing {
     part: usize,
     /// Heights at which it is left of the right side and not left of the left side.
     inside: Heights,
-    /// Heights between which it is in the column or near it.
+    /// Heights between which points of the column may be near it or within its width.
     near: [f64; 2],
 }
 
@@ -139,6 +141,7 @@ impl Grid {
                     end,
                     rows,
                     direction: if end.y > start.y { 1 } else { -1 },
+                    width: piece.width / (region.scale() * (max - min)),
                 }
             })
             .collect();
@@ -169,7 +172,9 @@ impl Grid {
             let (low, high) = (part.start.min(part.end), part.start.max(part.end));
             let degree = part.points.len().saturating_sub(1) as f32;
             let [bottom, top] = part.rows;
-            blocks.region_parts.push([low.x as f32, bottom, high.x as f32, top, first, degree, 0.0, 0.0]);
+            let [width_u, width_v] = part.width.to_array().map(|width| width as f32);
+            let row = [low.x as f32, bottom, high.x as f32, top, first, degree, width_u, width_v];
+            blocks.region_parts.push(row);
             blocks
                 .region_points
                 .extend(part.points.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32, 0.0]));
@@ -185,20 +190,22 @@ impl Grid {
     fn crossings(&self, column: usize) -> Vec<Crossing> {
         // Powers of two: exact.
         let (left, right) = (column as f64 * self.side(), (column + 1) as f64 * self.side());
-        let margin = MARGIN * self.side();
+        let margin = |part: &RegionPart| part.width.max(DVec2::splat(MARGIN * self.side()));
         let near = |part: &RegionPart| {
             let (low, high) = (part.start.x.min(part.end.x), part.start.x.max(part.end.x));
+            let margin = margin(part).x;
             low <= right + margin && high >= left - margin
         };
         let crossing = |(number, part): (usize, &RegionPart)| {
             let (_, inside) = part.sides(right);
             // The last column has what is left of it in points of the domain only.
             let (beyond, _) = part.sides(left);
-            let (a, b) = (part.height(left - margin), part.height(right + margin));
+            let margin = margin(part);
+            let (a, b) = (part.height(left - margin.x), part.height(right + margin.x));
             Crossing {
                 part: number,
                 inside: [inside[0].max(beyond[0]), inside[1].min(beyond[1])],
-                near: [a.min(b), a.max(b)],
+                near: [a.min(b) - margin.y, a.max(b) + margin.y],
             }
         };
         self.parts.iter().enumerate().filter(|(_, part)| near(part)).map(crossing).collect()
@@ -229,13 +236,12 @@ impl Grid {
         first_part: usize,
     ) -> Result<(), ModelError> {
         let (crossings, changes) = (self.crossings(column), self.changes(column));
-        let margin = MARGIN * self.side();
         let mut rows: Vec<Vec<&Crossing>> = vec![Vec::new(); self.cells];
         for crossing in &crossings {
             let row = |v: f64| (v / self.side()).floor().clamp(0.0, (self.cells - 1) as f64) as usize;
             let [low, high] = crossing.near;
-            if high >= -margin && low <= 1.0 + margin {
-                let rows = rows.get_mut(row(low - margin)..=row(high + margin)).unwrap_or_default();
+            if high >= 0.0 && low <= 1.0 {
+                let rows = rows.get_mut(row(low)..=row(high)).unwrap_or_default();
                 rows.iter_mut().for_each(|row| row.push(crossing));
             }
         }

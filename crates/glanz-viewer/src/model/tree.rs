@@ -3,6 +3,7 @@
 use glanz_scene::description::{GeometryDescription, GroupDescription, ShapeDescription};
 use glanz_scene::{Description, Location, PlacedSurface};
 
+use super::dimensions::SurfaceDimensions;
 use super::error::ModelError;
 use super::head::TreeNode;
 
@@ -24,6 +25,12 @@ pub(super) struct TreeLeaf {
     pub(super) name: String,
     /// Name of its surface in scene files.
     pub(super) what: &'static str,
+    /// Whether it is trimmed along edges that other shapes share.
+    pub(super) shared: bool,
+    /// Number of its shape: those of the groups in their order, then those of the world.
+    pub(super) shape: usize,
+    /// Lengths and angles of its surface, in the frame of its group.
+    pub(super) dimensions: SurfaceDimensions,
 }
 
 /// State of the traversal.
@@ -152,7 +159,10 @@ impl TreeBuilder<'_> {
         let named = [receiver, material].into_iter().flatten().find(|name| !name.is_empty());
         let name = named.unwrap_or(what).to_owned();
         let leaf = self.leaves.len() as u32;
-        self.leaves.push(TreeLeaf { name: name.clone(), what });
+        let mut curves = shape.trim.iter().flat_map(|trim| &trim.loops).flat_map(|l| &l.curves);
+        let shared = curves.any(|curve| curve.edge.is_some());
+        let dimensions = SurfaceDimensions::of(&shape.geometry);
+        self.leaves.push(TreeLeaf { name: name.clone(), what, shared, shape: number, dimensions });
         if let Some(copies) = self.copies.get_mut(number) {
             copies.push(leaf);
         }

@@ -12,7 +12,7 @@ use glanz_scene::{Interaction, ParametricPoint, PlacedSurface, Scene};
 use serde::Serialize;
 
 pub use self::curvature::Curvature;
-use crate::model::Model;
+use crate::model::{Model, SurfaceDimensions};
 
 /// Largest number of hidden surfaces that a ray passes.
 const MOST_PASSED: usize = 1 << 12;
@@ -34,6 +34,10 @@ pub struct PickResult {
     pub degree: Option<[usize; 2]>,
     /// Area of the shape, m^2, without what is trimmed away; `None` if it has none.
     pub area: Option<f64>,
+    /// Lengths and angles of the surface; `None` if it is not enlarged the same in all directions.
+    pub dimensions: Option<SurfaceDimensions>,
+    /// Number of its face in the CAD file, such as `#120`.
+    pub entity: Option<String>,
     /// Parameters of the surface.
     pub uv: [f64; 2],
     /// Face of the surface.
@@ -95,6 +99,8 @@ fn pick_result(
         material: model.material_of(object).to_owned(),
         degree: surface.and_then(|surface| degree(surface, place.face)),
         area: model.area_of(leaf, &placed),
+        dimensions: model.dimensions_of(object),
+        entity: model.entity_of(leaf),
         uv: point.uv.to_array(),
         face: place.face,
         point: point.position.to_array(),

@@ -161,3 +161,43 @@ fn surfaces_that_light_passes_cannot_be_picked() {
     assert_eq!((found.leaf, found.distance), (1, 5.0));
     assert!(!scene.1.is_seen(0) && scene.1.is_seen(1) && !scene.1.is_seen(2));
 }
+
+/// The two discs of radius 20 mm and height 10 mm of `tests/discs.step`, the first at the origin, the second 60 mm along x.
+fn discs() -> (Scene, Model) {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/discs.step");
+    let loaded = glanz_formats::load(&path, &Options::default()).unwrap();
+    let description = loaded.description;
+    let scene = Scene::resolve(description.clone()).unwrap().0;
+    let model = Model::try_new("discs.step", &description, &scene, &[]).unwrap();
+    (scene, model.with_cad(loaded.cad.unwrap()))
+}
+
+#[test]
+fn a_picked_face_has_its_number_in_the_file_its_area_and_its_radius() {
+    let discs = discs();
+    let wall = pick_from(&discs, [-1.0, 0.0, 0.005], [1.0, 0.0, 0.0]).unwrap();
+    assert_eq!((wall.name.as_str(), wall.kind, wall.entity.as_deref()), ("wall", "cylinder", Some("#40")));
+    let radius = wall.dimensions.unwrap().radius.unwrap();
+    assert!((radius - 0.02).abs() < 1e-12, "{radius}");
+    let top = pick_from(&discs, [0.06, 0.0, 1.0], [0.0, 0.0, -1.0]).unwrap();
+    // It has no name of its own.
+    assert_eq!((top.name.as_str(), top.kind, top.leaf), ("#50", "plane", 4));
+    assert!((top.area.unwrap() - PI * 0.02 * 0.02).abs() < 1e-9, "{:?}", top.area);
+}
+
+#[test]
+fn parts_have_areas_and_volumes_in_closed_form() {
+    let (_, model) = discs();
+    let of = |leaves: std::ops::Range<u32>| model.measures_of(&leaves.collect());
+    let (radius, height) = (0.02, 0.01);
+    let (area, volume) = (2.0 * PI * radius * (radius + height), PI * radius * radius * height);
+    for (leaves, copies) in [(0..3, 1.0), (3..6, 1.0), (0..6, 2.0)] {
+        let measures = of(leaves.clone());
+        let (found, inside) = (measures.area.unwrap(), measures.volume.unwrap());
+        assert!((found / (copies * area) - 1.0).abs() < 1e-7, "{leaves:?}: {found}");
+        assert!((inside / (copies * volume) - 1.0).abs() < 1e-7, "{leaves:?}: {inside}");
+    }
+    // Without its bottom a disc bounds no volume.
+    let open = of(0..2);
+    assert!(open.volume.is_none() && open.area.is_some_and(|found| found < area), "{open:?}");
+}

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde::{Deserialize, Serialize};
 
 use super::leaf_ranges::leaves;
+use crate::model::PartMeasures;
 use crate::query::PickResult;
 use crate::stream::{IntegratorName, ViewCamera};
 
@@ -38,6 +39,12 @@ pub(crate) enum PageRequest {
         /// (a, b, c, d): only points with a x + b y + c z <= d are visible.
         #[serde(default)]
         section: Option<[f64; 4]>,
+    },
+    /// Return area and volume of leaves.
+    Measure {
+        id: u32,
+        #[serde(deserialize_with = "leaves")]
+        leaves: BTreeSet<u32>,
     },
     /// Send the picture so far as OpenEXR.
     Save { id: u32 },
@@ -81,6 +88,8 @@ pub(crate) enum ServerMessage {
     Stopped { id: u32 },
     /// Hit of a ray.
     Hit { id: u32, hit: Option<Box<PickResult>> },
+    /// Area and volume of leaves.
+    Measures { id: u32, measures: PartMeasures },
     /// A request that cannot be served.
     Failed { id: u32, message: String },
 }
@@ -137,6 +146,10 @@ mod tests {
         assert_eq!((hidden, integrator), (BTreeSet::from([1, 2, 4]), Some(IntegratorName::Guided)));
         assert_eq!(PageRequest::parse(r#"{"type":"stop","id":1}"#), Ok(PageRequest::Stop { id: 1 }));
         assert_eq!(PageRequest::parse(r#"{"type":"save","id":2}"#), Ok(PageRequest::Save { id: 2 }));
+        assert_eq!(
+            PageRequest::parse(r#"{"type":"measure","id":2,"leaves":[[3,5]]}"#),
+            Ok(PageRequest::Measure { id: 2, leaves: BTreeSet::from([3, 4, 5]) })
+        );
         let pick =
             r#"{"type":"pick","id":3,"origin":[0,0,0],"direction":[0,0,1],"hidden":[],"section":null}"#;
         assert!(matches!(PageRequest::parse(pick), Ok(PageRequest::Pick { id: 3, section: None, .. })));

@@ -169,6 +169,10 @@ impl PageConnection {
                 };
                 self.reply(answer).await
             }
+            PageRequest::Measure { id, leaves } => {
+                let viewer_scene = self.session.published().viewer_scene;
+                self.reply(measure(id, viewer_scene, leaves).await).await
+            }
             PageRequest::Save { id } => match save(id, Arc::clone(&self.picture)).await {
                 Ok(bytes) => self.send(Message::binary(bytes)).await,
                 Err(message) => self.reply(ServerMessage::Failed { id, message }).await,
@@ -215,6 +219,14 @@ async fn find(
     let pick = move || query::pick(&viewer_scene.scene, &viewer_scene.model, &ray, &hidden, section);
     match spawn_blocking(pick).await {
         Ok(hit) => ServerMessage::Hit { id, hit: hit.map(Box::new) },
+        Err(error) => ServerMessage::Failed { id, message: error.to_string() },
+    }
+}
+
+/// Measures of leaves, which may take a while the first time.
+async fn measure(id: u32, viewer_scene: Arc<ViewerScene>, leaves: BTreeSet<u32>) -> ServerMessage {
+    match spawn_blocking(move || viewer_scene.model.measures_of(&leaves)).await {
+        Ok(measures) => ServerMessage::Measures { id, measures },
         Err(error) => ServerMessage::Failed { id, message: error.to_string() },
     }
 }

@@ -36,7 +36,7 @@ impl ViewerScene {
         options: &Options,
         overlay: Option<&dyn SceneOverlay>,
     ) -> Result<Self, Diagnostics> {
-        let loaded = load(path, options)?;
+        let loaded = load(path, &Options { edges: true, ..options.clone() })?;
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let sources = &loaded.sources;
         let refuse = |location, message| {
@@ -64,6 +64,10 @@ impl ViewerScene {
         }
         let broken = |error: crate::model::ModelError| refuse(None, error.to_string());
         let model = Model::try_new(&name, &description, &scene, &sources.names()).map_err(broken)?;
+        let model = match loaded.cad {
+            Some(report) => model.with_cad(report),
+            None => model,
+        };
         let model = match overlay {
             Some(overlay) => {
                 let with_maps = overlay.add_maps(&scene, loaded.content_hash, model);

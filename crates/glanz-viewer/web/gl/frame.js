@@ -26,7 +26,7 @@ struct Light {
 };
 layout(std140) uniform Frame {
   vec4 lens;       // half width and half height at w = 1; a, b with w = a z + b
-  vec4 depths;     // clip z = x z + y; z: pixels per metre at w = 1
+  vec4 depths;     // clip z = x z + y; z: pixels per metre at w = 1; w: pixels by which surfaces that fill seams are behind
   vec4 picture;    // width, height, gain of the exposure, number of the selected leaf or -1
   vec4 section;    // what has dot(xyz, p) > w is cut away
   vec4 upward;     // the world's up; w: number of stripes
@@ -44,6 +44,9 @@ layout(std140) uniform Frame {
   Light lights[${MOST_LIGHTS}];
 };
 `;
+
+/** Where the block has the distance of surfaces that fill seams: 0 for those that are drawn as they are. */
+export const SEAM = 7;
 
 /** Floats before the lights. */
 export const FRAME_HEAD = 16 * 4;
@@ -189,7 +192,7 @@ export class Frame {
     const { slope, offset } = this.depths();
     const { right, up, forward } = this.camera;
     block.set([this.halfWidth, this.halfHeight, this.a, this.b], 0);
-    block.set([slope, offset, this.scale, 0], 4);
+    block.set([slope, offset, this.scale, 0], SEAM - 3);
     block.set([this.width, this.height], 8);
     for (let axis = 0; axis < 3; axis++) block.set([right[axis], up[axis], forward[axis], 0], 24 + 4 * axis);
   }

@@ -51,7 +51,8 @@ void main() {
   mat4x3 place = placeOf(instance.y);
   vec3 p = mat3(place) * position(facts.y, parameters) + place[3];
   eyePoint = p;
-  gl_Position = vec4(p.xy / lens.xy, depths.x * p.z + depths.y, lens.z * p.z + lens.w);
+  float w = lens.z * p.z + lens.w, behind = p.z + depths.w * w / depths.z;
+  gl_Position = vec4(p.xy / lens.xy, (depths.x * behind + depths.y) * w / (lens.z * behind + lens.w), w);
 }
 `;
 }
@@ -181,13 +182,24 @@ const SECTION = `
   }
 `;
 
+/** Statements that end soon where a seam is filled, but is not near. */
+const FAR_FROM_SEAMS = `
+  if (depths.w > 0.0) {
+    mat2 unused;
+    vec2 near = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, clamp(parameters, 0.0, 1.0), unused);
+    vec2 pixels = 3.0 * (abs(dFdx(near)) + abs(dFdy(near)));
+    if ((facts.bits & SHARED) == 0u || !isNearCurve(facts.firstCell, facts.cells, near, pixels)) discard;
+  }
+`;
+
 const TRIM = `
   mat2 toSurface;
   vec2 at = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, w, toSurface);
   mat2 back = toPixels * inverse(toSurface);
-  float border = trimmingDistance(facts.firstCell, facts.cells, at, back, true);
-  point.coverage *= clamp(border + 0.5, 0.0, 1.0);
-  point.line = drawn.x * clamp(1.2 - abs(border), 0.0, 1.0);
+  vec2 border = trimmingDistance(facts.firstCell, facts.cells, at, back, true);
+  // Of two faces that meet in a pixel, both cover the same samples first: where they fill their seam, one of them covers all.
+  point.coverage *= clamp(border.x + (depths.w > 0.0 ? 1.0 : 0.5), 0.0, 1.0);
+  point.line = drawn.x * clamp(1.2 - border.y, 0.0, 1.0);
 `;
 
 const SHARES = `
@@ -218,7 +230,7 @@ ${second ? CURVATURE_TEXT : ""}${NEAR}${NEWTON}${LINES}
 layout(location = 0) out vec4 colour;
 void main() {
   Facts facts = factsOf(which.y);
-${LOCATE}${trimmed ? TRIM : ""}${SECTION}
+${trimmed ? FAR_FROM_SEAMS : ""}${LOCATE}${trimmed ? TRIM : ""}${SECTION}
   if (point.coverage <= 0.0) discard;
 ${lines ? `  if (drawn.x > 0.0) point.line = max(point.line, borderLines(w, toParameters, which.w));\n${SHARES}` : ""}
 ${second ? "  bend(point, su, sv, turn * jet.suu, turn * jet.suv, turn * jet.svv, toParameters);" : ""}
@@ -239,7 +251,7 @@ function depthText(trimmed) {
   Facts facts = factsOf(which.y);
   mat2 toSurface;
   vec2 at = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, parameters, toSurface);
-  if (trimmingDistance(facts.firstCell, facts.cells, at, mat2(1.0), false) < 0.0) discard;
+  if (trimmingDistance(facts.firstCell, facts.cells, at, mat2(1.0), false).x < 0.0) discard;
 `;
   return `${PRECISION_TEXT}${shadingModeText("depth")}${INPUTS}${trimmed ? TRIMMING_TEXT : ""}
 in vec3 eyePoint;

@@ -284,8 +284,9 @@ export class Patches {
    * @param {ShadingMode} mode
    * @param {boolean} wait for programs that are being compiled
    * @param {FrameStatistics} statistics
+   * @param {boolean} trimmedOnly
    */
-  draw(programs, mode, wait, statistics) {
+  draw(programs, mode, wait, statistics, trimmedOnly = false) {
     let first = 0;
     for (let kind = 0; kind < this.classes.length * 64; kind++) {
       const end = this.starts[kind * STEPS + STEPS - 1];
@@ -294,6 +295,10 @@ export class Patches {
       const gridU = (kind >> 3) & 7;
       const gridV = kind & 7;
       const { shape, trimmed, map, name } = this.classes[kind >> 6];
+      if (trimmedOnly && !trimmed) {
+        first = end;
+        continue;
+      }
       const text = () => ({ vertex: patchVertexText(shape), fragment: patchFragmentText(shape, trimmed, mode) });
       const program = programs.get(`${name} ${mode}`, text, wait);
       if (program) {

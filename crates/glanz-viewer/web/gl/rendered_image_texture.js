@@ -72,7 +72,7 @@ export class RenderedImageTexture {
     image.changed.length = 0;
   }
 
-  /** Draws the received pixels over the canvas. @param {Programs} programs @param {number} width @param {number} height @param {number} gain */
+  /** Draws the received pixels over the target that is bound. @param {Programs} programs @param {number} width @param {number} height @param {number} gain */
   draw(programs, width, height, gain) {
     const { gl } = this;
     const program = programs.get("rendered image", () => ({ vertex: VERTEX, fragment: FRAGMENT }), true);
@@ -81,7 +81,6 @@ export class RenderedImageTexture {
     gl.uniform3f(program.place("shown"), width, height, gain);
     gl.activeTexture(gl.TEXTURE0 + UNITS.picture);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, width, height);
     gl.disable(gl.DEPTH_TEST);
     gl.bindVertexArray(this.array);

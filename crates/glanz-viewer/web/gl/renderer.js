@@ -20,7 +20,7 @@ import { RenderedImageTexture } from "./rendered_image_texture.js";
  * @typedef {{ camera: Camera, width: number, height: number, hidden: Set<number>, selected: number | null, exposure: number,
  *   shading: "material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals", stripes: number, curvature: number,
  *   edges: boolean, isocurves: number, net: boolean, section: { normal: Vector, offset: number } | null, maps: boolean,
- *   background: Vector }} View
+ *   seams: boolean, edge: import("./edge_lines.js").PlacedEdge | null, background: Vector }} View
  */
 
 /** Resources that are recreated after the graphics context was lost. */
@@ -112,16 +112,25 @@ export class Renderer {
   }
 
   /**
-   * Draws the rendered picture over what is drawn, enlarged or reduced to the view's size. Takes over what has changed in it.
+   * Draws the rendered picture over what is drawn, enlarged or reduced to the view's size, and the model's edges over it. Takes over what has changed in it.
    * @param {RenderedImage} image
    * @param {View} view
    */
   drawRenderedImage(image, view) {
     if (this.gl.isContextLost()) return;
-    const { renderedImage: texture, programs } = this.context;
+    const { renderedImage: texture, programs, scene, target } = this.context;
     this.fit(view);
     texture.update(image);
-    texture.draw(programs, view.width, view.height, 2 ** view.exposure);
+    const draw = () => texture.draw(programs, view.width, view.height, 2 ** view.exposure);
+    if (!view.edges || !scene || scene.edges.isEmpty) {
+      this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, null);
+      draw();
+      return;
+    }
+    target.begin(view.width, view.height);
+    this.gl.clear(this.gl.COLOR_BUFFER_BIT | this.gl.DEPTH_BUFFER_BIT);
+    scene.drawEdges(view, draw);
+    target.resolve();
   }
 
   /**

@@ -6,8 +6,9 @@
 
 import { dot } from "../linear.js";
 import { AlgebraicSurfaces } from "./algebraic.js";
+import { EdgeLines } from "./edge_lines.js";
 import { boxesOfSurfaces, isCut } from "./surface_boxes.js";
-import { FRAME_FLOATS, Frame, PLACE } from "./frame.js";
+import { FRAME_FLOATS, Frame, PLACE, SEAM } from "./frame.js";
 import { Lights } from "./lights.js";
 import { Meshes } from "./meshes.js";
 import { ControlNets } from "./control_nets.js";
@@ -22,6 +23,9 @@ import { DataTexture } from "./data_texture.js";
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
 /** @typedef {import("./programs.js").Programs} Programs */
 /** @typedef {import("./renderer.js").View} View */
+
+/** Distance of surfaces that fill seams behind those that are drawn as they are, pixels. */
+const SEAM_DEPTH = 3;
 
 export class Scene {
   /**
@@ -41,6 +45,7 @@ export class Scene {
     this.meshes = new Meshes(gl, model);
     this.algebraic = new AlgebraicSurfaces(gl, model);
     this.nets = new ControlNets(gl, model);
+    this.edges = new EdgeLines(gl, model);
     this.lights = new Lights(model);
     this.shadows = new Shadows(gl, model, this.lights.main);
     this.boxes = boxesOfSurfaces(model);
@@ -90,10 +95,50 @@ export class Scene {
     gl.enable(gl.DEPTH_TEST);
     if (mode !== "read") gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     this.drawSurfaces(mode, wait, statistics);
+    if (view.seams && mode !== "read") this.fillSeams(mode, wait, statistics);
+    if (view.edges && mode !== "read") this.edges.draw(this.programs, frame, view.hidden, view.edge, wait);
     gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
     if (view.net && mode !== "read") this.drawNets(view, wait, statistics);
     this.drawBlended(frame, blended, wait, statistics);
     return statistics;
+  }
+
+  /**
+   * Draws faces that share edges again, half a pixel larger and some pixels farther away, so that they are seen only where the samples of a pixel on
+   * an edge are covered by neither of its faces.
+   * @param {ShadingMode} mode @param {boolean} wait @param {FrameStatistics} statistics
+   */
+  fillSeams(mode, wait, statistics) {
+    this.block[SEAM] = SEAM_DEPTH;
+    this.upload();
+    this.patches.draw(this.programs, mode, wait, statistics, true);
+    this.block[SEAM] = 0;
+    this.upload();
+  }
+
+  /**
+   * Draws the edges that no opaque surface hides, and nothing else, into the target that is bound; its depths are cleared.
+   * @param {View} view
+   * @param {() => void} behind draws what is behind them
+   */
+  drawEdges(view, behind) {
+    const { gl } = this;
+    const frame = new Frame(view.camera, view.width, view.height);
+    const { opaque } = this.shownObjects(view);
+    this.place(frame);
+    this.cull(frame, opaque);
+    frame.write(this.block);
+    this.writeShading(frame, view);
+    this.upload();
+    gl.enable(gl.DEPTH_TEST);
+    gl.colorMask(false, false, false, false);
+    this.drawSurfaces("depth", true, { patches: 0, quads: 0, triangles: 0, draws: 0 });
+    gl.colorMask(true, true, true, true);
+    behind();
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    this.edges.draw(this.programs, frame, view.hidden, view.edge, true);
+    gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
   }
 
   /** @param {View} view @param {boolean} wait @param {FrameStatistics} statistics */
@@ -188,7 +233,11 @@ export class Scene {
     this.writeSection(frame, view);
     this.block.set([2 ** view.exposure, view.selected ?? -1], 10);
     this.block.set([...frame.turn(this.model.up), view.stripes], 16);
-    this.block.set([view.edges ? 1 : 0, view.isocurves, view.maps ? 1 : 0, view.curvature || 1], 20);
+    // Borders of patches and trimming curves, where the model does not tell which of them are edges.
+    this.block.set(
+      [view.edges && this.edges.isEmpty ? 1 : 0, view.isocurves, view.maps ? 1 : 0, view.curvature || 1],
+      20,
+    );
   }
 
   /** Sends the shared block, and binds all textures. */
@@ -209,6 +258,7 @@ export class Scene {
     this.meshes.delete();
     this.algebraic.delete();
     this.nets.delete();
+    this.edges.delete();
     this.shadows.delete();
     this.gl.deleteBuffer(this.uniforms);
   }

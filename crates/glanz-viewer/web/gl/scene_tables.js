@@ -15,6 +15,7 @@ import { SCRATCH_UNIT, DataTexture } from "./data_texture.js";
 const REVERSED = 1;
 const REVOLUTION = 2;
 const MAPPED = 4;
+const SHARED = 8;
 
 export class SceneTables {
   /**
@@ -69,6 +70,7 @@ function objectRows(model) {
     const surface = model.surfaces[object.surface];
     let bits = object.reversed ? REVERSED : 0;
     if (object.map !== null) bits |= MAPPED;
+    if (object.shared) bits |= SHARED;
     rows.set([object.material, 0, 0, 0, object.leaf, bits], i * 8);
     if (surface.kind !== "patches") return;
     if (surface.mapping === "revolution") rows[i * 8 + 5] |= REVOLUTION;

@@ -31,7 +31,7 @@ export const OBJECT_TEXT = `
 uniform usampler2D objectFacts;
 uniform sampler2D objectPlaces;
 struct Facts { uint material, firstCell; ivec2 cells; uint leaf, bits; };
-const uint REVERSED = 1u, REVOLUTION = 2u, MAPPED = 4u;
+const uint REVERSED = 1u, REVOLUTION = 2u, MAPPED = 4u, SHARED = 8u;
 Facts factsOf(uint number) {
   uint at = number * 2u;
   ivec2 place = ivec2(at & 2047u, at >> 11u);

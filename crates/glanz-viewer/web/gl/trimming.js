@@ -86,32 +86,55 @@ bool isRightOf(uint first, int degree, bool ascends, vec2 p) {
   return h.x > p.x * h.z;
 }
 
-// Squared distance of p from the part in pixels, if below 'limit', else 'limit'; 'toPixels' takes differences of p to pixels.
-float partDistance(uint first, int degree, vec2 p, mat2 toPixels, float limit) {
+// Distance of p from the part, and the width of its border there, in pixels; 'toPixels' takes differences of p to pixels.
+vec2 partDistance(uint first, int degree, vec2 width, vec2 p, mat2 toPixels) {
   vec3 h = fetchAt(regionPoints, first).xyz, dh;
   vec3 e = fetchAt(regionPoints, first + uint(degree)).xyz;
   vec2 begin = toPixels * (h.xy / h.z - p), chord = toPixels * (e.xy / e.z - p) - begin;
   float t = clamp(-dot(begin, chord) / max(dot(chord, chord), 1e-30), 0.0, 1.0);
-  vec2 off = begin;
+  vec2 off = begin, along = vec2(1.0, 0.0);
   for (int k = 0; k < 5; k++) {
     partAt(first, degree, t, h, dh);
     vec2 c = h.xy / h.z;
     off = toPixels * (c - p);
-    vec2 tangent = toPixels * ((dh.xy - c * dh.z) / h.z);
+    along = (dh.xy - c * dh.z) / h.z;
+    vec2 tangent = toPixels * along;
     float next = clamp(t - dot(off, tangent) / max(dot(tangent, tangent), 1e-30), 0.0, 1.0);
     if (abs(next - t) < 1e-7) break;
     t = next;
   }
-  return min(limit, dot(off, off));
+  // The border ends beside the curve, across it on the surface; what counts is how far that is from the curve in the picture.
+  vec2 stretched = along * width.yx;
+  vec2 side = toPixels * (width * vec2(-stretched.y, stretched.x) * inversesqrt(max(dot(stretched, stretched), 1e-36)));
+  vec2 tangent = toPixels * along;
+  float across = abs(side.x * tangent.y - side.y * tangent.x) * inversesqrt(max(dot(tangent, tangent), 1e-36));
+  return vec2(length(off), across);
 }
 
-// Whether p is kept, and its distance from the nearest border in pixels up to REACH: above 0 where it is kept.
-const float REACH = 2.0;
-float trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool measured) {
-  vec2 p = clamp(at, 0.0, 1.0);
+uvec4 regionCellAt(uint firstCell, ivec2 cells, vec2 p) {
   ivec2 cell = clamp(ivec2(floor(p * vec2(cells))), ivec2(0), cells - 1);
   uint number = firstCell + uint(cell.y * cells.x + cell.x);
-  uvec4 facts = texelFetch(regionCells, ivec2(number & 2047u, number >> 11u), 0);
+  return texelFetch(regionCells, ivec2(number & 2047u, number >> 11u), 0);
+}
+
+// Whether a listed part of a curve may be this near to p, along both axes.
+bool isNearCurve(uint firstCell, ivec2 cells, vec2 at, vec2 near) {
+  vec2 p = clamp(at, 0.0, 1.0);
+  uvec4 facts = regionCellAt(firstCell, cells, p);
+  for (uint k = 0u; k < facts.y; k++) {
+    uint part = uint(fetchAt(regionEntries, facts.x + k).x);
+    vec4 box = fetchAt(regionParts, 2u * part);
+    vec2 reach = fetchAt(regionParts, 2u * part + 1u).zw + near;
+    if (all(lessThanEqual(box.xy - reach, p)) && all(lessThanEqual(p, box.zw + reach))) return true;
+  }
+  return false;
+}
+
+// Distance in pixels from the border of what is kept, above 0 where p is kept, and from the nearest curve; both up to REACH.
+const float REACH = 2.0;
+vec2 trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool measured) {
+  vec2 p = clamp(at, 0.0, 1.0);
+  uvec4 facts = regionCellAt(firstCell, cells, p);
   int winding = int(facts.w >> 16u) - 128;
   uint steps = facts.w & 65535u;
   for (uint k = 0u; k < steps; k++) {
@@ -123,7 +146,8 @@ float trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool
   float half2 = 0.5 * (dot(toPixels[0], toPixels[0]) + dot(toPixels[1], toPixels[1]));
   float det = determinant(toPixels);
   float least = max(0.0, half2 - sqrt(max(0.0, half2 * half2 - det * det)));
-  float nearest = REACH * REACH;
+  // Distances from the curves, from their borders on the other side, and on this side, for points inside and outside.
+  float nearest = REACH, inside = REACH, outside = REACH;
   for (uint k = 0u; k < facts.y; k++) {
     vec4 entry = fetchAt(regionEntries, facts.x + k);
     uint part = uint(entry.x);
@@ -133,10 +157,15 @@ float trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool
     if (entry.y <= p.y && p.y < entry.z && p.x < box.z) {
       if (p.x < box.x || isRightOf(first, degree, entry.w > 0.0, p)) winding += int(entry.w);
     }
-    vec2 away = max(max(box.xy - p, p - box.zw), 0.0);
-    if (measured && dot(away, away) * least < nearest) nearest = partDistance(first, degree, p, toPixels, nearest);
+    vec2 away = max(max(box.xy - more.zw - p, p - box.zw - more.zw), 0.0);
+    if (measured && dot(away, away) * least < inside * inside) {
+      vec2 border = partDistance(first, degree, more.zw, p, toPixels);
+      nearest = min(nearest, border.x);
+      inside = min(inside, border.x + border.y);
+      outside = min(outside, border.x - border.y);
+    }
   }
-  return winding > 0 ? sqrt(nearest) : -sqrt(nearest);
+  return vec2(winding > 0 ? inside : -max(outside, -REACH), nearest);
 }
 `;
 

@@ -13,7 +13,7 @@ import { angleText, lengthText } from "./units.js";
 /** @typedef {import("../camera.js").Size} Size */
 /** @typedef {import("../linear.js").Vector} Vector */
 
-/** @typedef {{ point: Vector, normal: Vector }} MeasuredPoint */
+/** A point, with the normal of the surface there, if there is one. @typedef {{ point: Vector, normal: Vector | null }} MeasuredPoint */
 
 /**
  * Distance, offset and angle between two points.
@@ -22,8 +22,8 @@ import { angleText, lengthText } from "./units.js";
  */
 export function measured(from, to) {
   const step = subtract(to.point, from.point);
-  const cos = Math.max(-1, Math.min(1, dot(from.normal, to.normal)));
-  return { distance: length(step), step, angle: Math.acos(cos) };
+  const cos = from.normal && to.normal ? Math.max(-1, Math.min(1, dot(from.normal, to.normal))) : null;
+  return { distance: length(step), step, angle: cos === null ? null : Math.acos(cos) };
 }
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -75,7 +75,8 @@ export class MeasureTool {
     const { distance, step, angle } = measured(from, to);
     /** @type {[string, string][]} */
     const axes = [0, 1, 2].map((i) => [`Δ${"xyz"[i]}`, lengthText(step[i])]);
-    describe(this.list, [["Distance", lengthText(distance)], ...axes, ["Angle of the normals", angleText(angle)]]);
+    if (angle !== null) axes.push(["Angle of the normals", angleText(angle)]);
+    describe(this.list, [["Distance", lengthText(distance)], ...axes]);
     announce(`Distance ${lengthText(distance)}`);
   }
 

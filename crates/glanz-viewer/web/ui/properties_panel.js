@@ -5,12 +5,39 @@
  */
 
 import { announce, describe, element } from "./dom.js";
-import { areaText, curvatureText, directionText, lengthText, plain, pointText } from "./units.js";
+import {
+  angleText,
+  areaText,
+  curvatureText,
+  directionText,
+  lengthText,
+  plain,
+  pointText,
+  volumeText,
+} from "./units.js";
 
 /** @typedef {import("../session.js").Hit} Hit */
+/** @typedef {import("../session.js").Dimensions} Dimensions */
+/** @typedef {import("../session.js").Measures} Measures */
 /** @typedef {import("../scene_parts.js").Item} Item */
 
 /** @typedef {[term: string, description: string][]} Rows */
+
+/**
+ * @param {Dimensions | null} dimensions
+ * @returns {Rows}
+ */
+function dimensionRows(dimensions) {
+  if (!dimensions) return [];
+  const { radius, majorRadius, minorRadius, halfAngle } = dimensions;
+  /** @type {Rows} */
+  const rows = [];
+  if (radius !== null) rows.push(["Radius", lengthText(radius)]);
+  if (majorRadius !== null) rows.push(["Major radius", lengthText(majorRadius)]);
+  if (minorRadius !== null) rows.push(["Minor radius", lengthText(minorRadius)]);
+  if (halfAngle !== null) rows.push(["Half angle", angleText(halfAngle)]);
+  return rows;
+}
 
 /**
  * @param {Hit} hit
@@ -20,11 +47,13 @@ import { areaText, curvatureText, directionText, lengthText, plain, pointText } 
 function hitRows(hit, item) {
   /** @type {Rows} */
   const rows = [["Name", hit.name || "–"]];
+  if (hit.entity) rows.push(["Entity", hit.entity]);
   rows.push(["Kind", hit.kind], ["Material", hit.material || "–"]);
   if (item?.node.place) rows.push(["Defined at", item.node.place]);
   if (hit.degree) rows.push(["Degree", `${hit.degree[0]} × ${hit.degree[1]}`]);
   if (hit.area !== null) rows.push(["Area", areaText(hit.area)]);
-  rows.push(["Face", String(hit.face)]);
+  rows.push(...dimensionRows(hit.dimensions));
+  if (!hit.entity) rows.push(["Face", String(hit.face)]);
   rows.push(["(u, v)", hit.uv.map((x) => plain(x)).join(", ")]);
   rows.push(["Point", pointText(hit.point)], ["Normal", directionText(hit.normal)]);
   rows.push(["From the camera", lengthText(hit.distance)]);
@@ -51,6 +80,42 @@ function itemRows(item) {
   return rows;
 }
 
+/**
+ * What is known of a part.
+ * @param {Item} part
+ * @param {Measures} measures
+ * @returns {Rows}
+ */
+function measureRows(part, { area, volume }) {
+  /** @type {Rows} */
+  const rows = [];
+  if (area !== null) rows.push([`Area of ${part.label}`, areaText(area)]);
+  if (volume !== null) rows.push([`Volume of ${part.label}`, volumeText(volume)]);
+  return rows;
+}
+
+/** Names of the kinds of edges. */
+const EDGES = { line: "Straight edge", circle: "Circular edge", ellipse: "Elliptical edge", spline: "Curved edge" };
+
+/**
+ * @param {import("../model.js").Edge} edge
+ * @param {number} enlarged by its copy
+ * @param {string[]} faces names
+ * @returns {Rows}
+ */
+export function edgeRows({ kind, length, radii, angle }, enlarged, faces) {
+  /** @type {Rows} */
+  const rows = [
+    ["Kind", EDGES[kind]],
+    ["Length", lengthText(length * enlarged)],
+  ];
+  if (kind === "circle") rows.push(["Radius", lengthText(radii[0] * enlarged)], ["Arc", angleText(length / radii[0])]);
+  if (kind === "ellipse") rows.push(["Radii", radii.map((radius) => lengthText(radius * enlarged)).join(", ")]);
+  if (faces.length > 1) rows.push(["Angle of the faces", angleText(angle)]);
+  rows.push([faces.length > 1 ? "Faces" : "Face", faces.join(", ")]);
+  return rows;
+}
+
 export class PropertiesPanel {
   constructor() {
     this.list = element("properties", HTMLElement);
@@ -58,6 +123,8 @@ export class PropertiesPanel {
     this.copy = element("copy", HTMLButtonElement);
     /** @type {unknown} what the button copies */
     this.shown = null;
+    /** @type {Rows} */
+    this.rows = [];
     this.copy.addEventListener("click", () => this.toClipboard());
   }
 
@@ -66,11 +133,26 @@ export class PropertiesPanel {
    * @param {Item | null} item
    */
   show(hit, item) {
-    const rows = hit ? hitRows(hit, item) : item ? itemRows(item) : [];
+    this.showRows(hit ? hitRows(hit, item) : item ? itemRows(item) : []);
+    this.shown = hit ?? Object.fromEntries(this.rows);
+  }
+
+  /**
+   * Adds measures of a part to what is shown.
+   * @param {Item} part
+   * @param {Measures} measures
+   */
+  add(part, measures) {
+    this.showRows([...this.rows, ...measureRows(part, measures)]);
+    this.shown = { .../** @type {object} */ (this.shown), part: { name: part.label, ...measures } };
+  }
+
+  /** @param {Rows} rows */
+  showRows(rows) {
+    this.rows = rows;
     describe(this.list, rows);
     this.nothing.hidden = rows.length > 0;
     this.copy.hidden = rows.length === 0;
-    this.shown = hit ?? Object.fromEntries(rows);
   }
 
   async toClipboard() {

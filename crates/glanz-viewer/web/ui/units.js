@@ -25,11 +25,37 @@ const LENGTHS = [
   ["km", 1e3],
 ];
 
+/** Units of CAD files: name, metres. @type {[string, number][]} */
+const FILE_UNITS = [
+  ["µm", 1e-6],
+  ["mm", 1e-3],
+  ["cm", 1e-2],
+  ["in", 0.0254],
+  ["ft", 0.3048],
+  ["m", 1],
+  ["km", 1e3],
+];
+
+/** Relative difference of the same unit, as files give it. */
+const SAME_UNIT = 1e-6;
+
+/** The unit of all lengths, `null` for one that depends on the length. @type {[string, number] | null} */
+let fixedUnit = null;
+
 /**
- * The largest unit that makes a length at least 1, metres for nothing.
+ * Fixes the unit of lengths, areas and volumes, if it is a known one.
+ * @param {number | null} metres
+ */
+export function fixLengthUnit(metres) {
+  fixedUnit = FILE_UNITS.find(([, unit]) => metres !== null && Math.abs(metres / unit - 1) < SAME_UNIT) ?? null;
+}
+
+/**
+ * The fixed unit; without one the largest that makes a length at least 1, metres for nothing.
  * @param {number} metres
  */
 function lengthUnit(metres) {
+  if (fixedUnit) return fixedUnit;
   const size = Math.abs(metres);
   if (size === 0) return LENGTHS[3];
   return LENGTHS.findLast(([, unit]) => size >= unit) ?? LENGTHS[0];
@@ -47,9 +73,16 @@ export function areaText(squareMetres) {
   return `${plain(squareMetres / unit ** 2)} ${name}²`;
 }
 
+/** @param {number} cubicMetres */
+export function volumeText(cubicMetres) {
+  const [name, unit] = lengthUnit(Math.cbrt(Math.abs(cubicMetres)));
+  return `${plain(cubicMetres / unit ** 3)} ${name}³`;
+}
+
 /** @param {Vector} point metres */
 export function pointText(point) {
-  return `${point.map((x) => plain(x)).join(", ")} m`;
+  const [name, unit] = fixedUnit ?? LENGTHS[3];
+  return `${point.map((x) => plain(x / unit)).join(", ")} ${name}`;
 }
 
 /** @param {Vector} direction */

@@ -36,7 +36,12 @@ fn instance(group: usize, x: f64) -> InstanceDescription {
 /// Groups in groups, some shapes of which shine: decimals of x say which copy it is. With the x of every leaf by the order of the walk.
 fn nested() -> (Description, Vec<f64>) {
     let mut description = description();
-    let group = |shapes, instances| GroupDescription { name: "group".into(), shapes, instances, edges: Vec::new() };
+    let group = |shapes, instances| GroupDescription {
+        name: "group".into(),
+        shapes,
+        instances,
+        ..GroupDescription::default()
+    };
     let inner: Vec<_> = (0..4).map(|k| shape(k, f64::from(k), k % 2 == 1)).collect();
     let middle = vec![shape(2, 0.0, true), shape(0, 1.0, false)];
     description.groups = vec![
@@ -161,7 +166,7 @@ fn joined_meshes_are_an_object_each() {
 fn a_million_copies_are_refused() {
     let mut description = description();
     let ten = |group| (0..10).map(|k| instance(group, f64::from(k))).collect::<Vec<_>>();
-    let group = |shapes, instances| GroupDescription { name: String::new(), shapes, instances, edges: Vec::new() };
+    let group = |shapes, instances| GroupDescription { shapes, instances, ..GroupDescription::default() };
     description.groups.push(group(vec![shape(0, 0.0, false)], vec![]));
     for level in 0..5 {
         description.groups.push(group(vec![], ten(level)));
@@ -170,4 +175,69 @@ fn a_million_copies_are_refused() {
     let scene = Scene::resolve(description.clone()).unwrap().0;
     let error = Model::try_new("test", &description, &scene, &[]).unwrap_err();
     assert!(matches!(error, ModelError::TooMany { count, .. } if count > 1_000_000), "{error}");
+}
+
+/// The labels of a tree, with those of children in brackets.
+fn outline(node: &Value) -> String {
+    let name = node["name"].as_str().unwrap();
+    match node["children"].as_array() {
+        Some(children) => format!("{name}[{}]", children.iter().map(outline).collect::<Vec<_>>().join(" ")),
+        None => name.to_owned(),
+    }
+}
+
+fn cad_model(text: &str) -> File {
+    let options = Options { edges: true, ..Options::default() };
+    let loaded = load_str("a.step", text, &options).unwrap();
+    let scene = Scene::resolve(loaded.description.clone()).unwrap().0;
+    let model = Model::try_new("a.step", &loaded.description, &scene, &[]).unwrap();
+    File::read(&model.with_cad(loaded.cad.unwrap()).to_bytes().unwrap())
+}
+
+#[test]
+fn tree_of_a_cad_file_is_its_assembly() {
+    let text = include_str!("../../../tests/discs.step");
+    let file = cad_model(text);
+    let disc = "disc[wall #50 #55]";
+    assert_eq!(outline(&file.head["tree"]), format!("a.step[pair[{disc} {disc}]]"));
+    assert_eq!(file.head["lengthUnit"], 0.001);
+    assert!(file.list("objects").iter().all(|object| object["shared"] == true));
+}
+
+#[test]
+fn bodies_of_a_part_are_groups_where_it_has_several() {
+    // The top alone as a second body.
+    let text = include_str!("../../../tests/discs.step");
+    let text = text
+        .replace("(#40,#50,#55)", "(#40,#55)")
+        .replace("(#60,#10),#910", "(#60,#62,#10),#910")
+        .replace("#61=", "#62=SHELL_BASED_SURFACE_MODEL('lid',(#63));#63=OPEN_SHELL('',(#50));\n#61=");
+    let disc = "disc[body[wall #55] lid[#50]]";
+    assert_eq!(outline(&cad_model(&text).head["tree"]), format!("a.step[pair[{disc} {disc}]]"));
+}
+
+#[test]
+fn edges_of_a_cad_file_are_placed_with_the_copies_of_their_part() {
+    let file = cad_model(include_str!("../../../tests/discs.step"));
+    // Bottom and top circle of the disc; the seam of its wall is no feature.
+    let edges = file.list("edges");
+    assert_eq!(edges.len(), 2);
+    for edge in edges {
+        assert_eq!(edge["kind"], "circle");
+        assert!((numbers(&edge["radii"])[0] - 0.02).abs() < 1e-12, "{edge}");
+        assert!((edge["length"].as_f64().unwrap() - 0.04 * std::f64::consts::PI).abs() < 1e-9, "{edge}");
+        assert!((edge["angle"].as_f64().unwrap() - std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{edge}");
+    }
+    let copies = file.list("edgeCopies");
+    let firsts: Vec<usize> = copies.iter().map(|copy| number(&copy["firstLeaf"])).collect();
+    assert_eq!(firsts, [0, 3]);
+    let points = file.floats("edgePoints");
+    for (copy, middle) in copies.iter().zip([0.0, 0.06]) {
+        let to_world = numbers(&copy["toWorld"]);
+        for point in points.chunks_exact(3) {
+            let x = to_world[0] * point[0] + to_world[9] - middle;
+            let y = to_world[4] * point[1] + to_world[10];
+            assert!((x.hypot(y) - 0.02).abs() < 1e-5, "{point:?}");
+        }
+    }
 }

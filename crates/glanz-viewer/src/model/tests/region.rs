@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glanz_geometry::trim::{TrimCurve, TrimLoop, TrimRegion};
+use glanz_geometry::trim::{RegionSettings, TrimCurve, TrimLoop, TrimRegion};
 use glanz_math::{DVec2, DVec3};
 
 use super::super::blocks::Blocks;
@@ -66,6 +66,20 @@ fn winding(blocks: &Blocks, region: &head::ModelRegion, at: [f32; 2]) -> i32 {
         winding += if point_of(points, before)[0] > u { *direction as i32 } else { 0 };
     }
     winding
+}
+
+/// Whether a listed part of the cell has `at` within its width, as the shader finds it: in units of the width.
+fn is_within_width(blocks: &Blocks, region: &head::ModelRegion, at: [f32; 2]) -> bool {
+    let [first, count, ..] = cell_of(blocks, region, at).map(|word| word as usize);
+    blocks.region_entries[first..first + count].iter().any(|entry| {
+        let part = &blocks.region_parts[entry[0] as usize];
+        let points = points_of(blocks, part);
+        let there = |t: f32| {
+            let [u, v] = point_of(points, t);
+            ((u - at[0]) / part[6]).hypot((v - at[1]) / part[7])
+        };
+        (0..=4000).any(|i| there(i as f32 / 4000.0) <= 1.0)
+    })
 }
 
 /// Distance from the nearest curve, roughly, over the unit square; infinite if there is none within a thousandth.
@@ -258,4 +272,34 @@ fn winding_numbers_are_those_of_circles_in_circles() {
             assert_eq!(winding(&blocks, &head, [at.x as f32, at.y as f32]), expected, "{radius} {turn}");
         }
     }
+}
+
+#[test]
+fn points_within_the_width_of_a_curve_are_kept_as_by_the_exact_region() {
+    let curve = circle(DVec2::new(0.5, 0.4), 0.25).with_width(0.03).unwrap();
+    // Metres per unit of u and v: the border is an ellipse in the unit square, three times as long along u.
+    let settings = RegionSettings {
+        scale: DVec2::new(0.5, 1.5),
+        domain: Some([DVec2::new(0.1, 0.0), DVec2::new(1.1, 0.8)]),
+    };
+    let region = TrimRegion::try_with_settings(vec![vec![curve]], settings).unwrap();
+    let (blocks, head) = laid(&region);
+    let [min, max] = region.domain();
+    let (mut random, mut borders) = (Random(9), 0);
+    for _ in 0..4000 {
+        let single = random.point().to_array().map(|x| x as f32);
+        let at = DVec2::from(single.map(f64::from));
+        let kept = winding(&blocks, &head, single) > 0;
+        let found = kept || is_within_width(&blocks, &head, single);
+        let uv = min + at * (max - min);
+        // Which points are kept is certain a thousandth of the width off the border's own border.
+        let location = |share: f64| {
+            let curve = circle(DVec2::new(0.5, 0.4), 0.25).with_width(0.03 * share).unwrap();
+            TrimRegion::try_with_settings(vec![vec![curve]], settings).unwrap().contains(uv)
+        };
+        assert!(!found || location(1.002), "{uv}");
+        assert!(found || !location(0.998), "{uv}");
+        borders += usize::from(found && !kept);
+    }
+    assert!(borders > 200, "{borders}");
 }

@@ -1,5 +1,6 @@
 //! The page in Chromium, driven over its DevTools protocol. `cargo xtask test` runs these tests in a separate step.
 
+mod cad;
 mod devtools;
 mod page;
 mod pixels;

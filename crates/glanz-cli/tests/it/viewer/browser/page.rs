@@ -124,6 +124,36 @@ impl Page {
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
     }
 
+    /// Opens a file as if it were chosen, and returns the seconds until its first whole picture.
+    pub(crate) fn open_file(&mut self, name: &str, bytes: &[u8]) -> f64 {
+        let content = BASE64.encode(bytes);
+        let open = format!(
+            "(async () => {{
+                const bytes = Uint8Array.from(atob('{content}'), (c) => c.charCodeAt(0));
+                const chosen = new DataTransfer();
+                chosen.items.add(new File([bytes], '{name}'));
+                const input = document.querySelector('#files');
+                const before = window.glanz.state().frame;
+                const start = performance.now();
+                input.files = chosen.files;
+                input.dispatchEvent(new Event('change'));
+                const isDrawn = () => {{
+                    const {{ scene, frame }} = window.glanz.state();
+                    // A rendered image that covers all may come before the last program for drawing.
+                    const isWhole = (frame !== before && frame.pending === 0) || window.glanz.renderStatus()?.covered;
+                    return scene === '{name}' && document.title.startsWith('{name}') && isWhole;
+                }};
+                while (!isDrawn()) {{
+                    if (document.querySelector('#problem').open) return document.querySelector('#problem-text').textContent;
+                    await new Promise((resolve) => setTimeout(resolve, 5));
+                }}
+                return (performance.now() - start) / 1000;
+            }})()"
+        );
+        let seconds = self.evaluate(&open);
+        seconds.as_f64().unwrap_or_else(|| panic!("{name}: {seconds}"))
+    }
+
     /// A screenshot of the window as PNG.
     pub(crate) fn screenshot(&mut self) -> Vec<u8> {
         let picture = self.call("Page.captureScreenshot", json!({ "format": "png" }));

@@ -99,6 +99,14 @@ impl SurfacePixels {
         found
     }
 
+    /// Number of pixels amid a surface of the exact picture where this one shows nothing.
+    pub(crate) fn uncovered(&self, exact: &Self) -> usize {
+        let [width, height] = self.size.map(|n| n as i64);
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let amid = |x: i64, y: i64| (-1..=1).all(|i| (-1..=1).all(|j| exact.object(x + i, y + j) > 0));
+        places.filter(|&(x, y)| self.object(x, y) == 0 && amid(x, y)).count()
+    }
+
     /// The object at a pixel; outside the picture the object of the nearest pixel.
     fn object(&self, x: i64, y: i64) -> u32 {
         let [width, height] = self.size.map(|n| n as i64);
@@ -142,6 +150,17 @@ fn shifted_edges_and_rotated_normals_are_detected() {
     assert_eq!(difference.farthest, 2.0);
     assert!((difference.angles[0] - 2.0).abs() < 1e-9, "{}", difference.angles[0]);
     assert_eq!([difference.within(1.9), difference.within(2.1)], [0.0, 1.0]);
+}
+
+#[test]
+fn holes_are_counted_amid_surfaces_only() {
+    let mut holed = halves(0, 0.0);
+    holed.objects[107] = 0;
+    assert_eq!(holed.uncovered(&halves(0, 0.0)), 1);
+    // The exact picture ends at the next pixel.
+    let mut smaller = halves(0, 0.0);
+    smaller.objects[108] = 0;
+    assert_eq!(holed.uncovered(&smaller), 0);
 }
 
 #[test]

@@ -1,0 +1,146 @@
+//! STEP files that are opened on the page: drawn where rays meet them, without gaps between faces.
+
+use std::path::{Path, PathBuf};
+
+use super::page::Page;
+use super::surfaces::compare_drawn;
+use crate::viewer::server::{ViewServer, scene_file};
+
+/// Size of the window in pixels; the bars of the page leave about 400 x 300 for the picture.
+const SIZE: [u32; 2] = [400, 390];
+
+/// Two discs of radius 20 mm and height 10 mm.
+fn discs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../glanz-viewer/tests/discs.step")
+}
+
+/// Name and bytes of a file.
+fn file(path: &Path) -> (String, Vec<u8>) {
+    let name = path.file_name().expect("a name").to_string_lossy().into_owned();
+    (name, std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
+}
+
+/// Draws the faces that are in sight, without those behind them and the ground, on black and on white, and counts the samples, in pixels, that are of the
+/// background amid the model: with and without filled seams.
+fn samples_of_background(page: &mut Page) -> [f64; 2] {
+    let counts = page.evaluate(
+        "(async () => {
+            const { Renderer } = await import('/gl/renderer.js');
+            const { decodeModel } = await import('/model.js');
+            const urls = performance.getEntriesByType('resource').map(({ name }) => name);
+            const model = decodeModel(await (await fetch(urls.filter((name) => name.includes('/model/')).at(-1))).arrayBuffer());
+            const canvas = document.createElement('canvas');
+            const renderer = new Renderer(canvas);
+            renderer.setModel(model);
+            const [width, height] = [1200, 900];
+            const hidden = new Set(model.objects.filter(({ shared }) => !shared).map(({ leaf }) => leaf));
+            const view = { camera: model.camera, width, height, hidden, selected: null, exposure: 0, shading: 'normals',
+                stripes: 16, curvature: 1, edges: false, isocurves: 0, net: false, section: null, maps: false, background: [0, 0, 0] };
+            const drawn = (seams, shade) => {
+                renderer.drawWhole({ ...view, seams, background: [shade, shade, shade] });
+                const copy = document.createElement('canvas').getContext('2d');
+                [copy.canvas.width, copy.canvas.height] = [width, height];
+                copy.drawImage(canvas, 0, 0);
+                return copy.getImageData(0, 0, width, height).data;
+            };
+            const { data: shown } = renderer.readNormals(view);
+            const isShown = (at) => shown[4 * at + 3] > 0;
+            const seen = new Set(shown.filter((_, at) => at % 4 === 3).map((number) => model.objects[number - 1]?.leaf ?? -1));
+            for (const { leaf } of model.objects) if (!seen.has(leaf)) hidden.add(leaf);
+            const sum = (seams) => {
+                const [black, white] = [0, 1].map((shade) => drawn(seams, shade));
+                let share = 0;
+                for (let y = 1; y < height - 1; y++) {
+                    for (let x = 1; x < width - 1; x++) {
+                        let amid = true;
+                        for (let k = 0; k < 9; k++) amid &&= isShown((y + Math.floor(k / 3) - 1) * width + x + (k % 3) - 1);
+                        if (amid) share += (white[4 * (y * width + x)] - black[4 * (y * width + x)]) / 255;
+                    }
+                }
+                return share;
+            };
+            return [sum(true), sum(false)];
+        })()",
+    );
+    [0, 1].map(|i| counts[i].as_f64().expect("a number"))
+}
+
+#[test]
+fn a_step_file_is_drawn_where_rays_meet_it() {
+    let served = ViewServer::start(&scene_file("teapot.pbrt"));
+    let mut page = Page::open(&served.address(), SIZE);
+    let (name, bytes) = file(&discs());
+    page.open_file(&name, &bytes);
+    compare_drawn(&mut page, &name, &discs());
+}
+
+#[test]
+fn seams_of_faces_show_no_background() {
+    let served = ViewServer::start(&discs());
+    let mut page = Page::open(&served.address(), SIZE);
+    let [filled, open] = samples_of_background(&mut page);
+    println!("background through seams: {filled} pixels, {open} where they are not filled");
+    assert!(open > 0.0, "nothing is to be filled between walls and tops");
+    assert_eq!(filled, 0.0);
+}
+
+#[test]
+fn edges_are_picked_before_the_faces_beside_them() {
+    let served = ViewServer::start(&discs());
+    let mut page = Page::open(&served.address(), SIZE);
+    // The point of the top circle of the left disc that is nearest to the camera, in the window.
+    let place = page.evaluate(
+        "(async () => {
+            const { project } = await import('/camera.js');
+            const canvas = document.querySelector('canvas');
+            const { camera } = window.glanz.state();
+            const [x, y] = camera.position;
+            const radius = 0.02 / Math.hypot(x, y);
+            const size = { width: canvas.clientWidth, height: canvas.clientHeight };
+            const at = project(camera, size, [x * radius, y * radius, 0.01]);
+            const { left, top } = canvas.getBoundingClientRect();
+            return [left + at.x, top + at.y];
+        })()",
+    );
+    let [x, y] = [0, 1].map(|i| place[i].as_f64().expect("a number"));
+    page.click([x + 1.0, y + 1.0]);
+    page.until("an edge is selected", "window.glanz.state().edge !== null");
+    let shown = page.evaluate("document.querySelector('#properties').textContent");
+    let shown = shown.as_str().expect("text");
+    for known in ["Circular edge", "125.664 mm", "20 mm", "360°", "90°", "wall, #50"] {
+        assert!(shown.contains(known), "{known}: {shown}");
+    }
+    // Far from edges, the face is picked, with the volume of its part.
+    page.click([x, y + 12.0]);
+    page.until(
+        "the part is measured",
+        "document.querySelector('#properties').textContent.includes('Volume of disc')",
+    );
+    let shown = page.evaluate("document.querySelector('#properties').textContent");
+    let shown = shown.as_str().expect("text");
+    for known in ["#40", "cylinder", "20 mm", "12566.4 mm\u{b3}"] {
+        assert!(shown.contains(known), "{known}: {shown}");
+    }
+    assert_eq!(page.faults(), [""; 0]);
+}
+
+/// Real files, named in `GLANZ_STEP_FILES` and divided as paths are: first picture within this many seconds.
+const FIRST_PICTURE: f64 = 3.0;
+
+#[test]
+#[ignore = "needs STEP files in GLANZ_STEP_FILES, and a release build for its times"]
+fn named_step_files_are_drawn_in_time_and_where_rays_meet_them() {
+    let paths = std::env::var_os("GLANZ_STEP_FILES").expect("paths in GLANZ_STEP_FILES");
+    for path in std::env::split_paths(&paths) {
+        let served = ViewServer::start(&scene_file("teapot.pbrt"));
+        let mut page = Page::open(&served.address(), SIZE);
+        let (name, bytes) = file(&path);
+        let seconds = page.open_file(&name, &bytes);
+        println!("{name}: first picture after {seconds:.2} s");
+        assert!(seconds <= FIRST_PICTURE, "{name} is slow");
+        let [filled, open] = samples_of_background(&mut page);
+        println!("{name}: background through seams: {filled} pixels, {open} where they are not filled");
+        assert_eq!(filled, 0.0);
+        compare_drawn(&mut page, &name, &path);
+    }
+}
