@@ -53,6 +53,9 @@ pub enum BrepError {
     /// A face without edges on a surface that is trimmed by a range of parameters.
     #[error("the range of a trimmed surface without edges is not applied")]
     UnappliedRange,
+    /// The range of a trimmed surface without edges goes on behind an apex or a pole, by so many metres.
+    #[error("the range of the surface goes {0} m beyond its apex or pole; it must end there")]
+    RangeBeyondPole(f64),
     /// A surface is a curve, a point or nothing.
     #[error("the surface has no area: {reason} ({value})")]
     DegenerateSurface {

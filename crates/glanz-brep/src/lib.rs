@@ -7,6 +7,7 @@ pub mod error;
 pub mod face;
 pub mod model;
 pub mod parameter_curve;
+mod quadrature;
 
 pub use carrier::{Carrier, CarrierConversion, CarrierProjection, Pole};
 pub use curve::EdgeCurve;

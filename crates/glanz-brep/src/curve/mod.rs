@@ -23,4 +23,3 @@ pub(crate) use affine::AffineMap;
 pub(crate) use closest::local_minimum;
 pub use edge::EdgeCurve;
 pub use polyline::EdgePolyline;
-pub(crate) use polyline::GAUSS;

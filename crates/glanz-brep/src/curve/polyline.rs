@@ -6,26 +6,24 @@ use glanz_math::glam::DVec4;
 use super::edge::EdgeCurve;
 use crate::error::BrepError;
 use crate::model::CurveVector;
+use crate::parameter_curve::largest;
+use crate::quadrature::{MAX_DEPTH, gauss, refined};
 
 /// Halvings of a Bézier piece of an edge, at most.
 const MAX_HALVINGS: u32 = 12;
 
-/// Nodes in [-1, 1] and weights of the Gauss-Legendre rule of eight points; symmetric.
-pub(crate) const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
-];
+/// Accuracy of arc lengths, relative to that of the part of the curve along a segment.
+const LENGTH_ACCURACY: f64 = 1e-11;
 
 /// Straight segments along an edge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgePolyline {
     /// The vertex at its start, points of the curve, the vertex at its end, metres.
     pub points: Vec<DVec3>,
-    /// Bound on the distance between curve and segments, metres: each point of one has a point of the other within it, in the same order.
+    /// Bound on the distance between curve and segments, metres: each point of one has a point of the other within it. Along a segment the
+    /// curve may go back and forth.
     pub deviation: f64,
-    /// Arc length of the curve, metres, to about 10 digits.
+    /// Arc length of the curve, metres, to about 10 digits where the curve is smooth.
     pub length: f64,
 }
 
@@ -64,10 +62,11 @@ impl EdgePolyline {
         let (Some(&first), Some(&last)) = (controls.first(), controls.last()) else { return };
         let [start, end] = [first, last].map(DVec3::project);
         let inner = controls.iter().map(|&point| distance_to_segment(DVec3::project(point), [start, end]));
-        let deviation = inner.fold(0.0, f64::max);
-        if halvings == 0 || deviation <= tolerance {
+        let deviation = largest(inner);
+        // Halving does not help numbers that are too large.
+        if halvings == 0 || deviation <= tolerance || !deviation.is_finite() {
             self.points.push(end);
-            self.deviation = self.deviation.max(deviation);
+            self.deviation = largest([self.deviation, deviation]);
             self.length += arc_length(controls);
             return;
         }
@@ -101,10 +100,11 @@ fn halves(controls: &[DVec4]) -> [Vec<DVec4>; 2] {
     [before, after]
 }
 
-/// Arc length of a Bézier curve that is nearly straight.
+/// Arc length of a Bézier curve.
 fn arc_length(controls: &[DVec4]) -> f64 {
-    let nodes = GAUSS.iter().flat_map(|&(x, weight)| [(-x, weight), (x, weight)]);
-    nodes.map(|(x, weight)| 0.5 * weight * speed(controls, 0.5 * (1.0 + x))).sum()
+    let rule = |range: [f64; 2]| gauss(range, |t| speed(controls, t));
+    let whole = rule([0.0, 1.0]);
+    refined(&rule, [0.0, 1.0], whole, LENGTH_ACCURACY * whole, MAX_DEPTH)
 }
 
 /// Length of the derivative of a Bézier curve over [0, 1].
@@ -202,6 +202,17 @@ mod tests {
         let parabola = Curve::Parabola { apex: DVec3::ZERO, a: DVec3::Y, b: DVec3::X };
         let length = edge(&parabola, [0.0, 1.0]).polyline(1e-3).unwrap().length;
         assert!((length - (2f64.sqrt() + 1f64.asinh())).abs() < 1e-10, "{length}");
+    }
+
+    #[test]
+    fn a_flat_ellipse_has_its_length_however_coarse_the_segments() {
+        let flat = Curve::Ellipse { center: DVec3::Z, a: DVec3::X, b: 0.01 * DVec3::Y };
+        // 4 E(e^2) with e^2 = 1 - 1e-4.
+        let expected = 4.001_098_329_722_652;
+        for tolerance in [0.1, 1e-3] {
+            let length = edge(&flat, [0.0, TAU]).polyline(tolerance).unwrap().length;
+            assert!((length - expected).abs() < 1e-9, "{length}");
+        }
     }
 
     #[test]

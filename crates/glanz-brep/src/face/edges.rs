@@ -3,7 +3,7 @@
 use glanz_math::{Bounds3, DVec3};
 use rayon::prelude::*;
 
-use super::trim::BoundedEdge;
+use super::bounded_edge::BoundedEdge;
 use crate::carrier::Carrier;
 use crate::curve::{EdgeCurve, EdgePolyline};
 use crate::model::BrepModel;
@@ -28,19 +28,21 @@ pub struct EdgeNormals {
 }
 
 impl EdgeNormals {
-    /// The normals of a face on `carrier`, opposite to its own if `reversed`. `curves`: the edge in parameters of the carrier.
+    /// The normals of a face on `carrier`, opposite to its own if `reversed`. `curves`: the edge in parameters of the carrier; `ranges`: the
+    /// fractions of the edge at which each of them starts and ends.
     pub(super) fn new(
         edge: usize,
         (carrier, reversed): (&Carrier, bool),
         curve: &EdgeCurve,
-        curves: &[EdgeParameterCurve],
+        (curves, ranges): (&[EdgeParameterCurve], &[[f64; 2]]),
     ) -> Self {
         let side = if reversed { -1.0 } else { 1.0 };
         let normal = |fraction: f64| {
             let point = curve.point(fraction);
-            let projections = curves.iter().map(|part| {
+            let projections = curves.iter().zip(ranges).map(|(part, [from, to])| {
                 let [start, end] = part.curve.domain();
-                carrier.parameters(point, Some(part.curve.point(start + fraction * (end - start))))
+                let share = if to > from { ((fraction - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+                carrier.parameters(point, Some(part.curve.point(start + share * (end - start))))
             });
             let nearest = projections.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
             carrier.normal(nearest.uv).map(|normal| side * normal)

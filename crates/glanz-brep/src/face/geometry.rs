@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glanz_geometry::spline::NurbsSurface;
 use glanz_math::glam::DMat2;
-use glanz_math::{DMat4, DVec2, DVec3};
+use glanz_math::{Bounds3, DMat4, DVec2, DVec3};
 
 use crate::boundary::BoundaryCurve;
 use crate::carrier::Carrier;
@@ -98,6 +98,18 @@ pub(super) fn metric(carrier: &Carrier, reach: f64) -> DVec2 {
             DVec2::new(major_radius + minor_radius, minor_radius)
         }
     }
+}
+
+/// The largest distance of a box from the axis of a carrier; the radius at the origin of a cone where the box is empty.
+pub(super) fn reach(carrier: &Carrier, extent: Bounds3) -> f64 {
+    let Carrier::Cone { placement, radius, .. } = carrier else { return 1.0 };
+    let corners = (0..8).map(|i| {
+        let pick = |axis: usize| if i >> axis & 1 == 0 { extent.min[axis] } else { extent.max[axis] };
+        DVec3::new(pick(0), pick(1), pick(2)) - placement.origin
+    });
+    let distance = |p: DVec3| (p - placement.z * p.dot(placement.z)).length();
+    let largest = corners.map(distance).fold(0.0, f64::max);
+    if largest.is_finite() && largest > 0.0 { largest } else { radius.max(f64::MIN_POSITIVE) }
 }
 
 /// The part of a carrier over a window in region coordinates.

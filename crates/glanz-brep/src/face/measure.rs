@@ -12,7 +12,7 @@ use glanz_math::{DVec2, DVec3};
 use super::geometry::FaceGeometry;
 use super::trim::{FaceTrim, TrimmedFace};
 use crate::boundary::BoundaryCurve;
-use crate::curve::GAUSS;
+use crate::quadrature::{Integral, MAX_DEPTH, gauss, refined};
 
 /// Integrals over a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,8 +40,11 @@ impl Mul<f64> for FaceMeasure {
     }
 }
 
-/// Deepest halving of a curve.
-const MAX_DEPTH: u32 = 14;
+impl Integral for FaceMeasure {
+    fn magnitude(self) -> f64 {
+        self.area
+    }
+}
 
 /// How many times more accurate rows are than the whole, so that their errors do not divide curves.
 const ROWS: f64 = 8.0;
@@ -115,19 +118,19 @@ impl<'a> FaceField<'a> {
             return FaceMeasure::default();
         }
         let end = point.x.min(x1);
-        let integrand = |x| self.at(DVec2::new(x, point.y));
+        let rule = |range: [f64; 2]| gauss(range, |x| self.at(DVec2::new(x, point.y)));
         let (mut parts, mut from) = (Vec::with_capacity(self.breaks.len()), x0);
         for &at in &self.breaks {
             let to = at.min(end);
             if to > from {
-                parts.push(([from, to], gauss(from, to, integrand)));
+                parts.push(([from, to], rule([from, to])));
                 from = to;
             }
         }
         let estimate: f64 = parts.iter().map(|(_, whole)| whole.area).sum();
         let tolerance = self.accuracy * estimate / parts.len().max(1) as f64;
         parts.into_iter().fold(FaceMeasure::default(), |sum, (range, whole)| {
-            sum + refined(&integrand, range, whole, tolerance, MAX_DEPTH)
+            sum + refined(&rule, range, whole, tolerance, MAX_DEPTH)
         })
     }
 
@@ -139,9 +142,15 @@ impl<'a> FaceField<'a> {
         }
         let spans = self.divided(curve);
         let part = tolerance / spans.len().max(1) as f64;
-        spans.iter().fold(FaceMeasure::default(), |sum, &[a, b]| {
-            sum + self.halved(curve, [a, b], self.over(curve, [a, b]), part, MAX_DEPTH)
-        })
+        let rule = |range: [f64; 2]| {
+            gauss(range, |t| {
+                let (point, derivative) = curve.point_and_derivative(t);
+                self.row(point) * derivative.y
+            })
+        };
+        spans
+            .into_iter()
+            .fold(FaceMeasure::default(), |sum, span| sum + refined(&rule, span, rule(span), part, MAX_DEPTH))
     }
 
     /// The spans of a curve, divided where it leaves the domain: there the integrand has a step.
@@ -175,58 +184,6 @@ impl<'a> FaceField<'a> {
         }
         divided
     }
-
-    fn over(&self, curve: &BoundaryCurve, [a, b]: [f64; 2]) -> FaceMeasure {
-        gauss(a, b, |t| {
-            let (point, derivative) = curve.point_and_derivative(t);
-            self.row(point) * derivative.y
-        })
-    }
-
-    fn halved(
-        &self,
-        curve: &BoundaryCurve,
-        [a, b]: [f64; 2],
-        whole: FaceMeasure,
-        tolerance: f64,
-        depth: u32,
-    ) -> FaceMeasure {
-        let middle = 0.5 * (a + b);
-        let [low, high] = [[a, middle], [middle, b]].map(|range| self.over(curve, range));
-        let better = low + high;
-        let change = (better.area - whole.area).abs();
-        if depth == 0 || change <= tolerance || change.is_nan() {
-            return better;
-        }
-        self.halved(curve, [a, middle], low, 0.5 * tolerance, depth - 1)
-            + self.halved(curve, [middle, b], high, 0.5 * tolerance, depth - 1)
-    }
-}
-
-/// The integral over a part of a row, of which `whole` is the first estimate, halved until it changes by at most `tolerance`, m^2.
-fn refined(
-    integrand: &impl Fn(f64) -> FaceMeasure,
-    [a, b]: [f64; 2],
-    whole: FaceMeasure,
-    tolerance: f64,
-    depth: u32,
-) -> FaceMeasure {
-    let middle = 0.5 * (a + b);
-    let [low, high] = [[a, middle], [middle, b]].map(|[a, b]| gauss(a, b, integrand));
-    let better = low + high;
-    let change = (better.area - whole.area).abs();
-    if depth == 0 || change <= tolerance || change.is_nan() {
-        return better;
-    }
-    refined(integrand, [a, middle], low, 0.5 * tolerance, depth - 1)
-        + refined(integrand, [middle, b], high, 0.5 * tolerance, depth - 1)
-}
-
-fn gauss(a: f64, b: f64, f: impl Fn(f64) -> FaceMeasure) -> FaceMeasure {
-    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
-    GAUSS.iter().fold(FaceMeasure::default(), |sum, &(node, weight)| {
-        sum + (f(middle - half * node) + f(middle + half * node)) * (weight * half)
-    })
 }
 
 impl TrimmedFace {

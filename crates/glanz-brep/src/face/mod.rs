@@ -6,11 +6,15 @@
 //! [`trimmed_faces_with_edges`] adds what a picture of the edges needs.
 
 mod border;
+mod bounded_edge;
 mod check;
 mod edges;
 mod geometry;
+mod laid_face;
 mod measure;
 mod outcome;
+mod stretch;
+mod surface;
 #[cfg(test)]
 mod tests;
 mod trim;

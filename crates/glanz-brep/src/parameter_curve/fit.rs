@@ -37,7 +37,8 @@ pub(super) struct EdgeProjector<'a> {
     pub(super) tolerance: f64,
     /// Projections of points of the edge, from its start to its end.
     pub(super) samples: Vec<DVec2>,
-    /// The largest distance of these points from the carrier, metres: no curve on it deviates less.
+    /// The largest distance of these points from the edge, metres. No curve on the carrier deviates less, as far as they are the nearest
+    /// points: on a spline they are local minima, of which others may be nearer.
     stray: f64,
 }
 
@@ -125,7 +126,7 @@ impl<'a> EdgeProjector<'a> {
         let mut last = None;
         while let Some((range, halvings)) = waiting.pop() {
             let points = self.thirds(range, last);
-            let control = interpolant(&points);
+            let control = interpolant(&points).map(|uv| self.inside(uv));
             let middle = 0.5 * (range[0] + range[1]);
             let full = halvings >= MAX_HALVINGS || builder.pieces() + waiting.len() >= MAX_PIECES;
             // Neighbours of numbers have none between them.
@@ -142,6 +143,18 @@ impl<'a> EdgeProjector<'a> {
         let curve = builder.finish(end)?;
         let deviation = deviation(self.carrier, &curve, self.edge, true, self.tolerance);
         Ok(EdgeParameterCurve { curve, deviation, source: ParameterCurveSource::Fitted })
+    }
+
+    /// The nearest point of the domain of a spline; beyond its ends, where the carrier stops, curves are bounded less sharply. Elsewhere
+    /// domains end in poles or not at all.
+    fn inside(&self, mut uv: DVec2) -> DVec2 {
+        if let Carrier::Spline(spline) = self.carrier {
+            let (domain, periods) = (self.carrier.domain(), spline.periods());
+            for axis in (0..2).filter(|axis| periods[*axis].is_none()) {
+                uv[axis] = uv[axis].clamp(domain[axis][0], domain[axis][1]);
+            }
+        }
+        uv
     }
 
     /// Whether a cubic piece is near enough to the projection of the edge between the points through which it passes.

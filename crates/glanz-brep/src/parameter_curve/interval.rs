@@ -272,7 +272,7 @@ impl PartialEq for DeviationInterval {
 impl Eq for DeviationInterval {}
 
 /// The largest of values, at least 0; NaN if one of them is, which `f64::max` would pass over.
-pub(super) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |most, value| if most >= value || most.is_nan() { most } else { value })
 }
 

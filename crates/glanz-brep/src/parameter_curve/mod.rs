@@ -19,6 +19,7 @@ mod tests;
 use glanz_math::DVec2;
 
 use self::fit::EdgeProjector;
+pub(crate) use self::interval::largest;
 use crate::carrier::{Carrier, CarrierConversion};
 use crate::curve::EdgeCurve;
 use crate::error::BrepError;

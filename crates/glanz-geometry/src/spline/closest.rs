@@ -34,6 +34,10 @@ const MAX_NEWTON_STEPS: usize = 32;
 /// Relative rounding of squared distances.
 const ROUNDING: f64 = 8.0 * UNIT_ROUNDOFF;
 
+/// Part of the curvature of the squared distance without second derivatives below which that with them is not told from none: by its step,
+/// all directions being equally good, the point would move far for a decrease of rounding.
+const SINGULAR: f64 = 1.0 / (1_u32 << 26) as f64;
+
 /// A step of Newton's method in the parameters.
 struct NewtonStep {
     du: f64,
@@ -199,7 +203,7 @@ impl NurbsSurface {
         ([u, v], point, point.distance(query))
     }
 
-    /// Newton's step for `|S - q|^2`, or the Gauss-Newton step where the Hessian is not positive definite. A parameter that
+    /// Newton's step for `|S - q|^2`, or the Gauss-Newton step where the Hessian is not positive definite or nearly singular. A parameter that
     /// would leave its range stays at its end. `None` at a stationary point.
     fn newton_step(&self, query: DVec3, [u, v]: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<NewtonStep> {
         let d = self.derivatives(u, v, 2);
@@ -210,7 +214,7 @@ impl NurbsSurface {
         let (e, f, g) = (du.dot(du), du.dot(dv), dv.dot(dv));
         let (a, b, c) = (e + r.dot(d.at(2, 0)), f + r.dot(d.at(1, 1)), g + r.dot(d.at(0, 2)));
         let one_parameter = |gradient: f64, newton: f64, gauss: f64| {
-            let curvature = if newton > 0.0 { newton } else { gauss };
+            let curvature = if newton > SINGULAR * gauss { newton } else { gauss };
             (gradient != 0.0 && curvature > 0.0).then(|| -gradient / curvature)
         };
         let step = |du: f64, dv: f64| NewtonStep { du, dv, decrease: -(gu * du + gv * dv) };
@@ -221,7 +225,9 @@ impl NurbsSurface {
             (true, false) => along_v(c),
             (false, true) => along_u(a),
             (false, false) => {
-                let newton = a > 0.0 && a * c - b * b > 0.0;
+                // Of the two curvatures relative to those without second derivatives, product over sum is at most the smaller one.
+                let smaller = SINGULAR * (a * g + c * e - 2.0 * b * f);
+                let newton = a > 0.0 && a * c - b * b > smaller.max(0.0);
                 let (a, b, c) = if newton { (a, b, c) } else { (e, f, g) };
                 let determinant = a * c - b * b;
                 if determinant > 0.0 && (gu != 0.0 || gv != 0.0) {

@@ -104,17 +104,21 @@ fn spline_curve() -> Curve<DVec3> {
     Curve::Spline(SplineCurve::try_new(2, vec![0.0, 0.0, 0.0, 0.5, 1.5, 1.5, 1.5], points).unwrap())
 }
 
-#[test]
-fn elementary_surfaces_keep_their_parameters() {
+/// One of each surface that is a carrier as it is.
+fn elementary() -> [FaceSurface; 5] {
     let placement = placement();
-    let surfaces = [
+    [
         FaceSurface::Plane(placement),
         FaceSurface::Cylinder { placement, radius: 0.5 },
         FaceSurface::Cone { placement, radius: 0.5, half_angle: 0.4 },
         FaceSurface::Sphere { placement, radius: 0.5 },
-        FaceSurface::Torus { placement, major_radius: 0.5, minor_radius: 0.2, select_outer: true },
-    ];
-    for surface in surfaces {
+        FaceSurface::Torus { placement, major_radius: 0.9, minor_radius: 0.3, select_outer: true },
+    ]
+}
+
+#[test]
+fn elementary_surfaces_keep_their_parameters() {
+    for surface in elementary() {
         let converted = check(&surface, PATCH);
         assert!(converted.deviation == 0.0 && !converted.reversed);
         assert_eq!(converted.parameters, Some(glanz_math::glam::DAffine2::IDENTITY));

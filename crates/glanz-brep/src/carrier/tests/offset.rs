@@ -4,24 +4,18 @@ use super::*;
 
 #[test]
 fn offsets_of_elementary_surfaces_are_exact() {
-    let placement = placement();
-    let surfaces = [
-        FaceSurface::Plane(placement),
-        FaceSurface::Cylinder { placement, radius: 0.5 },
-        FaceSurface::Cone { placement, radius: 0.5, half_angle: 0.4 },
-        FaceSurface::Sphere { placement, radius: 0.5 },
-        FaceSurface::Torus { placement, major_radius: 0.9, minor_radius: 0.3, select_outer: true },
+    let swept = [
         FaceSurface::Extrusion {
             curve: line(at(0.0, 1.0, 0.0), vector(2.0, 0.0, 0.0)),
             direction: vector(1.0, 0.0, 1.0),
         },
         FaceSurface::Revolution {
             curve: line(at(0.5, 0.0, 1.0), vector(0.2, 0.0, -2.0)),
-            origin: placement.origin,
-            axis: placement.z,
+            origin: placement().origin,
+            axis: placement().z,
         },
     ];
-    for basis in surfaces {
+    for basis in elementary().into_iter().chain(swept) {
         for distance in [0.1, -0.1, -0.7] {
             let surface = FaceSurface::Offset { basis: Box::new(basis.clone()), distance };
             let beyond = matches!(basis, FaceSurface::Cone { .. } | FaceSurface::Revolution { .. });

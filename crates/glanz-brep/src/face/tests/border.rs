@@ -6,6 +6,7 @@ use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_math::glam::DVec4;
 
 use super::*;
+use crate::error::BrepError;
 
 /// The face without edges on a part of a surface.
 fn part(basis: FaceSurface, ranges: [[f64; 2]; 2], same_sense: [bool; 2]) -> TrimmedFace {
@@ -27,6 +28,9 @@ fn range_of_a_surface_without_edges_is_applied() {
         ("cylinder over the seam", cylinder(), [[6.0, 1.0], [1.0, 3.0]], 4.0 * (TAU - 5.0)),
         ("whole turn", cylinder(), [[0.0, TAU], [1.0, 3.0]], 4.0 * TAU),
         ("whole turn from elsewhere", cylinder(), [[1.0, 1.0 + TAU], [1.0, 3.0]], 4.0 * TAU),
+        // Ends with the digits of a file, less and more than a turn apart.
+        ("whole turn downwards", cylinder(), [[TAU - 2e-10, 0.0], [1.0, 3.0]], 4.0 * TAU),
+        ("more than a turn downwards", cylinder(), [[TAU + 8e-10, 0.0], [1.0, 3.0]], 4.0 * TAU),
         ("cone", cone(), [[0.0, 1.0], [0.0, 2.0]], cone_area(0.0, 2.0)),
         (
             "cone to its apex",
@@ -55,6 +59,41 @@ fn cone_area(low: f64, high: f64) -> f64 {
 }
 
 #[test]
+fn range_that_misses_a_turn_by_less_than_the_uncertainty_goes_around() {
+    let area = |uncertainty: f64| {
+        let mut model = ModelBuilder::default();
+        model.0.uncertainty = uncertainty;
+        let basis = Box::new(FaceSurface::Cylinder { placement: WORLD, radius: 2.0 });
+        // 2.7e-5 rad, or 5.4e-5 m, short of a turn.
+        let ranges = [[0.0, 6.283_158], [1.0, 3.0]];
+        model.bounded(FaceSurface::Rectangular { basis, ranges, same_sense: [true; 2] }, true, Vec::new());
+        trimmed_faces(&model.0).faces.remove(0).unwrap().measure(1e-9).area
+    };
+    assert!((area(1e-4) - 4.0 * TAU).abs() < 1e-6, "{}", area(1e-4));
+    assert!((area(1e-6) - 4.0 * 6.283_158).abs() < 1e-6, "{}", area(1e-6));
+}
+
+#[test]
+fn ranges_that_are_empty_or_go_beyond_a_pole_are_refused_with_the_reason() {
+    let cylinder = || FaceSurface::Cylinder { placement: WORLD, radius: 2.0 };
+    let sphere = || FaceSurface::Sphere { placement: WORLD, radius: 2.0 };
+    // The apex is at z = -1.
+    let cone = || FaceSurface::Cone { placement: WORLD, radius: 1.0, half_angle: PI / 4.0 };
+    for (basis, ranges, reason) in [
+        (cylinder(), [[1.0, 1.0], [1.0, 3.0]], "the range of a parameter is empty"),
+        (cylinder(), [[0.0, 1.0], [3.0, 3.0]], "the range of a parameter is empty"),
+        (cone(), [[0.0, 1.0], [-2.0, 2.0]], "beyond its apex or pole"),
+        (sphere(), [[0.0, 1.0], [0.0, 2.0]], "beyond its apex or pole"),
+    ] {
+        let mut model = ModelBuilder::default();
+        let basis = Box::new(basis);
+        model.bounded(FaceSurface::Rectangular { basis, ranges, same_sense: [true; 2] }, true, Vec::new());
+        let refusal = trimmed_faces(&model.0).faces.remove(0).unwrap_err().to_string();
+        assert!(refusal.contains(reason), "{refusal}");
+    }
+}
+
+#[test]
 fn range_that_runs_backwards_turns_the_normal() {
     let cylinder = || FaceSurface::Cylinder { placement: WORLD, radius: 2.0 };
     let along = part(cylinder(), [[0.5, 1.5], [1.0, 3.0]], [true, true]);
@@ -67,19 +106,20 @@ fn range_that_runs_backwards_turns_the_normal() {
 }
 
 #[test]
-fn range_of_a_line_that_is_swept_is_applied_or_refused_with_a_reason() {
-    let mut model = ModelBuilder::default();
-    let line = Curve::Line { origin: DVec3::X, direction: DVec3::Z };
-    let basis =
-        Box::new(FaceSurface::Revolution { curve: Box::new(line), origin: DVec3::ZERO, axis: DVec3::Z });
-    let ranges = [[0.0, 1.0], [0.0, 1.0]];
-    model.bounded(FaceSurface::Rectangular { basis, ranges, same_sense: [true; 2] }, true, Vec::new());
-    let face = trimmed_faces(&model.0).faces.remove(0);
-    // The line needs no end to become a cylinder; another profile would.
-    match face {
-        Ok(face) => assert_close(face.measure(1e-9).area, 1.0),
-        Err(refusal) => assert!(matches!(refusal, FaceRefusal::Surface { .. }), "{refusal}"),
-    }
+fn range_of_a_swept_curve_is_applied_where_it_needs_no_end() {
+    let revolved = |curve: Curve<DVec3>| {
+        let mut model = ModelBuilder::default();
+        let basis =
+            Box::new(FaceSurface::Revolution { curve: Box::new(curve), origin: DVec3::ZERO, axis: DVec3::Z });
+        let ranges = [[0.0, 1.0], [0.0, 1.0]];
+        model.bounded(FaceSurface::Rectangular { basis, ranges, same_sense: [true; 2] }, true, Vec::new());
+        trimmed_faces(&model.0).faces.remove(0)
+    };
+    let cylinder = revolved(Curve::Line { origin: DVec3::X, direction: DVec3::Z }).unwrap();
+    assert_close(cylinder.measure(1e-9).area, 1.0);
+    let endless = revolved(Curve::Parabola { apex: DVec3::X, a: DVec3::X, b: DVec3::Z }).unwrap_err();
+    let expected = FaceRefusal::Surface { entity: EntityId(2000), error: BrepError::UnboundedExtent };
+    assert_eq!(endless, expected);
 }
 
 #[test]
@@ -148,6 +188,11 @@ fn polygon_beside_its_plane_is_repaired_up_to_a_part_of_its_size_and_refused_bey
     let bound = EntityId(3000);
     assert_eq!(polygon(0.01).unwrap().repairs, [FaceRepair::StrayingPolygon { bound, distance: 0.01 }]);
     assert_eq!(polygon(0.5).unwrap_err(), FaceRefusal::StrayingPolygon { bound, distance: 0.5 });
+    let nowhere = polygon(f64::NAN).unwrap_err();
+    assert!(
+        matches!(nowhere, FaceRefusal::StrayingPolygon { distance, .. } if distance.is_nan()),
+        "{nowhere}"
+    );
 }
 
 #[test]

@@ -56,8 +56,8 @@ fn bounds_hold_over_hundreds_of_knots() {
 
 #[test]
 fn numbers_that_are_none_stay() {
-    assert!(interval::largest([1.0, f64::NAN, 2.0]).is_nan() && interval::largest([f64::NAN]).is_nan());
-    assert_eq!(interval::largest([1.0, 3.0, 2.0]), 3.0);
+    assert!(largest([1.0, f64::NAN, 2.0]).is_nan() && largest([f64::NAN]).is_nan());
+    assert_eq!(largest([1.0, 3.0, 2.0]), 3.0);
 }
 
 #[test]
@@ -133,4 +133,25 @@ fn an_edge_of_many_turns_in_few_pieces_keeps_to_its_turn() {
     let found =
         edge_on_carrier(&conversion(FaceSurface::Spline(surface)), &whole, None, 1e-7).unwrap().remove(0);
     assert!(found.deviation < 4.0 * off, "{}", found.deviation);
+}
+
+#[test]
+fn fitted_curves_stay_within_the_ends_of_a_spline() {
+    // A straight edge that enters a unit square over one of its sides: its projection runs along the side first, with a corner.
+    let points = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X + DVec3::Y];
+    let knots = || vec![0.0, 0.0, 1.0, 1.0];
+    let square = NurbsSurface::try_from_points([1, 1], [knots(), knots()], &points, None).unwrap();
+    let carrier = conversion(FaceSurface::Spline(square)).carrier;
+    let edge = EdgeCurve::straight([DVec3::new(-1e-4, 0.1, 0.0), DVec3::new(1.3e-4, 0.9, 0.0)]).unwrap();
+    let spline = edge.to_spline().unwrap();
+    let found = EdgeProjector::new(&carrier, &spline, 1e-5).fit().unwrap();
+    let [[low, high], _] = carrier.domain();
+    let outside = found.curve.control_points().iter().map(|p| p.x / p.z).find(|u| !(low..=high).contains(u));
+    assert_eq!(outside, None);
+    let measured = measured(&carrier, &found.curve, &edge);
+    assert!(
+        measured <= found.deviation && found.deviation < 1.3 * measured,
+        "{} of {measured}",
+        found.deviation
+    );
 }

@@ -170,6 +170,18 @@ fn closest_point_of_a_sphere_lies_under_the_query() {
 }
 
 #[test]
+fn a_point_near_which_the_search_starts_stays_where_all_are_equally_near() {
+    // From the centre of a sphere rounding alone tells where the distance is least.
+    let sphere = octant();
+    for (i, j) in (1..20).flat_map(|i| (1..20).map(move |j| (i, j))) {
+        let start = [f64::from(i) / 20.0, f64::from(j) / 20.0];
+        let found = sphere.closest_point_from(DVec3::ZERO, start, [[0.0, 1.0]; 2]);
+        let moved = found.point.distance(sphere.point(start[0], start[1]));
+        assert!(moved < 1e-6, "{moved} from {start:?}");
+    }
+}
+
+#[test]
 fn closest_point_is_no_farther_than_any_of_a_dense_grid() {
     let surface = reference();
     for i in 0..12 {

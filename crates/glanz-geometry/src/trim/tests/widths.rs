@@ -12,11 +12,16 @@ fn rectangle(min: DVec2, max: DVec2, widths: [Option<f64>; 4]) -> Vec<TrimCurve>
     corners.windows(2).zip(widths).map(side).collect()
 }
 
-/// Distance from the segment, where a point is in the border of a side.
-fn expected(p: DVec2, min: DVec2, max: DVec2, widths: [f64; 4]) -> RegionLocation {
+/// The widths of the sides in whose borders a point lies, by its distance from the segments.
+fn borders(p: DVec2, min: DVec2, max: DVec2, widths: [f64; 4]) -> Vec<f64> {
     let corners = [min, at(max.x, min.y), max, at(min.x, max.y), min];
-    let mut sides = corners.windows(2).zip(widths);
-    let in_border = sides.any(|(ends, width)| distance(p, ends[0], ends[1]) <= width);
+    let sides = corners.windows(2).zip(widths);
+    sides.filter(|(ends, width)| distance(p, ends[0], ends[1]) <= *width).map(|(_, width)| width).collect()
+}
+
+/// The location of a point by its distances from the sides.
+fn expected(p: DVec2, min: DVec2, max: DVec2, widths: [f64; 4]) -> RegionLocation {
+    let in_border = !borders(p, min, max, widths).is_empty();
     let inside = p.cmpgt(min).all() && p.cmplt(max).all();
     match (inside, in_border) {
         (true, true) => RegionLocation::InnerBorder,
@@ -46,6 +51,8 @@ fn every_side_of_a_rectangle_has_a_border_of_its_own_width() {
             seen[found as usize] += 1;
             assert_eq!(found, expected(p, min, max, widths), "{p}");
             assert_eq!(region.contains(p), found != RegionLocation::Outside);
+            let widest = borders(p, min, max, widths).into_iter().fold(0.0, f64::max);
+            assert_eq!(region.border_width(p), widest, "{p}");
         }
         assert!(seen.iter().all(|&n| n > 300), "{seen:?}");
     }
@@ -101,8 +108,12 @@ fn scaled_regions_measure_widths_in_their_own_coordinates() {
         assert!(piece.start.distance(corner) < 1e-15 && piece.control_points.len() == 2);
     }
     let wrong = RegionSettings { scale: at(1.0, 0.0), domain: None };
-    let wrong = TrimRegion::try_with_settings(loops(), wrong);
-    assert!(matches!(wrong, Err(crate::SurfaceError::NotPositive { .. })));
+    let refused =
+        [TrimRegion::check(loops(), wrong), TrimRegion::try_with_settings(loops(), wrong).map(drop)];
+    assert!(refused.iter().all(|r| matches!(r, Err(crate::SurfaceError::NotPositive { .. }))), "{refused:?}");
+    assert!(TrimRegion::check(loops(), settings).is_ok());
+    let empty = RegionSettings { domain: Some([max, min]), ..settings };
+    assert!(matches!(TrimRegion::check(loops(), empty), Err(crate::SurfaceError::EmptyRange { .. })));
     let line = TrimCurve::try_line(min, max).unwrap();
     assert!(matches!(line.with_width(-1.0), Err(crate::SurfaceError::Negative { .. })));
 }
