@@ -59,12 +59,17 @@ impl IgesFile {
         let global = GlobalSection::parse(&sections.global, report);
         let mut parser = ParameterParser::new(&sections, &global);
         let mut entries = Vec::with_capacity(sections.directory.len() / 2);
-        for pair in sections.directory.chunks(2) {
-            if let [first, second] = pair {
+        let mut records = sections.directory.iter().peekable();
+        while let Some(first) = records.next() {
+            // Entries have two records, from an odd number on; by their numbers a lost record costs one entry only.
+            let is_second = |second: &&IgesRecord<'_>| {
+                first.number % 2 == 1 && Some(second.number) == first.number.checked_add(1)
+            };
+            if let Some(second) = records.next_if(is_second) {
                 entries.push(parser.entry([first, second], &mut report.faults));
             } else {
-                let position = pair.first().map(|record| [record.line, 1]);
-                let reason = "the second record of the directory entry is missing; it is left out".to_owned();
+                let position = Some([first.line, 1]);
+                let reason = "the other record of the directory entry is missing; it is left out".to_owned();
                 report.faults.push_with(|| EntityNote { entity: None, position, reason });
             }
         }
@@ -208,13 +213,36 @@ impl<'a, 'b> ParameterParser<'a, 'b> {
             let entity = Some(EntityId(entry.number.into()));
             faults.push_with(|| EntityNote { entity, position, reason });
         };
-        if let Some(known) = self.known.get(&at) {
-            return *known;
+        let known = self.known.get(&at).copied();
+        let [first, end] = known.unwrap_or_else(|| self.new_parameters(at, count, &mut fault));
+        self.known.insert(at, [first, end]);
+        let own = IgesValue::Number(entry.kind.into());
+        if self.values.get(first..end).and_then(<[IgesValue]>::first) != Some(&own) {
+            let position = self.records.get(at).map(|record| [record.line, 1]);
+            fault(position, format!("the parameters are not those of an entity of type {}", entry.kind));
+            return [0, 0];
         }
+        [first, end]
+    }
+
+    /// The range of the values in records that were not read before; faults have a line and a column.
+    fn new_parameters(
+        &mut self,
+        at: usize,
+        count: usize,
+        mut fault: impl FnMut(Option<[u32; 2]>, String),
+    ) -> [usize; 2] {
         let records = self.records.get(at..).unwrap_or_default();
-        let records = records.get(..count.clamp(1, records.len().max(1))).unwrap_or_default();
-        let start = FreeText::new(records, PARAMETER_COLUMNS, self.delimiters);
-        let (mut text, first) = (start, self.values.len());
+        let wanted = count.clamp(1, records.len().max(1));
+        // Beyond, each of many entries would read all records.
+        let allowed = wanted.min(self.characters_left / PARAMETER_COLUMNS);
+        let records = records.get(..allowed).unwrap_or_default();
+        let mut text = FreeText::new(records, PARAMETER_COLUMNS, self.delimiters);
+        let first = self.values.len();
+        if allowed < wanted {
+            let position = self.records.get(at).map(|record| [record.line, 1]);
+            fault(position, "many entries share these parameters; they are cut off".to_owned());
+        }
         loop {
             let position = text.position();
             let (value, end) = text.value();
@@ -233,10 +261,6 @@ impl<'a, 'b> ParameterParser<'a, 'b> {
                 }
             };
             self.values.push(value);
-            if text.passed > self.characters_left {
-                fault(position, "many entries share these parameters; they are cut off".to_owned());
-                break;
-            }
             match end {
                 ValueEnd::Parameter => {}
                 ValueEnd::Record => break,
@@ -247,15 +271,28 @@ impl<'a, 'b> ParameterParser<'a, 'b> {
             }
         }
         self.characters_left = self.characters_left.saturating_sub(text.passed);
-        let range = [first, self.values.len()];
-        if self.values.get(first) != Some(&IgesValue::Number(entry.kind.into())) {
-            fault(
-                start.position(),
-                format!("the parameters are not those of an entity of type {}", entry.kind),
-            );
-            return [0, 0];
+        [first, self.values.len()]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_are_read_twice_at_most() {
+        // Every entry claims all records from its own on, each of which begins a text that never ends.
+        let count = 1000;
+        let mut text = format!("{:<72}S0000001\n{:<72}G0000001\n", "", ",,;");
+        for i in 1..=count {
+            text += &format!("{:8}{i:8}{:56}D{:07}\n", 116, "", 2 * i - 1);
+            text += &format!("{:8}{:16}{count:8}{:40}D{:07}\n", 116, "", "", 2 * i);
         }
-        self.known.insert(at, range);
-        range
+        for i in 1..=count {
+            text += &format!("{:<64}{:8}P{i:07}\n", "99999999H", 2 * i - 1);
+        }
+        let mut report = ReadingReport::default();
+        let file = IgesFile::parse(text.as_bytes(), &mut report).unwrap();
+        assert_eq!((file.entries.len(), file.values.len()), (count, 3));
     }
 }

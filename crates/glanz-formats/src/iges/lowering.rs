@@ -1,6 +1,6 @@
 //! The state of reading one file.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glanz_brep::model::{BrepModel, EntityId, FaceSurface, SurfaceEntry};
 use glanz_math::{DMat4, DVec3};
@@ -35,6 +35,8 @@ pub(super) struct IgesReader<'a> {
     pub(super) edges: HashMap<(usize, usize), Result<usize, Refusal>>,
     /// Parts of subfigures; `None` while one is read.
     pub(super) subfigures: HashMap<usize, Option<Result<usize, Refusal>>>,
+    /// Solids and shells that are not shown, so that their faces are counted once.
+    pub(super) concealed: HashSet<usize>,
 }
 
 impl<'a> IgesReader<'a> {
@@ -43,13 +45,14 @@ impl<'a> IgesReader<'a> {
         Self {
             file,
             budget: CopyBudget::new(file.size),
-            model: BrepModel { uncertainty, ..BrepModel::default() },
+            model: BrepModel { uncertainty, length_unit: Some(file.global.length), ..BrepModel::default() },
             report,
             faces: HashMap::new(),
             surfaces: HashMap::new(),
             vertices: HashMap::new(),
             edges: HashMap::new(),
             subfigures: HashMap::new(),
+            concealed: HashSet::new(),
         }
     }
 

@@ -23,6 +23,7 @@ mod global;
 mod lowering;
 mod parts;
 mod records;
+mod ruled;
 mod solids;
 mod surfaces;
 #[cfg(test)]

@@ -44,7 +44,10 @@ impl<'a> IgesReader<'a> {
         // What a subfigure contains is shown by its instances only.
         for definition in file.entities().filter(|entity| entity.kind() == 308) {
             for i in 0..definition.list_length(3, 4, 1).unwrap_or_default() {
-                let _ = definition.optional_reference(4 + i);
+                let item = definition.pointer(4 + i).ok().flatten();
+                if let Some(item) = item.filter(|item| !file.is_used(item.index)) {
+                    mark_with_shells(item);
+                }
             }
         }
         // Nor are surfaces that belong to faces, also to those that are not shown.
@@ -257,18 +260,14 @@ impl<'a> IgesReader<'a> {
                 let _ = entity.optional_reference(if entity.kind() == 143 { 2 } else { 1 });
             }
             186 | 514 => {
+                // Of a shell that is concealed twice the faces are known.
+                if !self.concealed.insert(entity.index) {
+                    return;
+                }
                 self.report.omissions.push(entity.id(), reason);
-                // The outer shell and its sense, the number of voids, and these with theirs; or the number of faces, and these with theirs.
-                let (outer, first) = if entity.kind() == 186 { (Some(1), 4) } else { (None, 2) };
-                for i in outer.into_iter().chain((first..=entity.len()).step_by(2)) {
-                    // Of a shell that is concealed twice the faces are known.
-                    let child = entity.pointer(i).ok().flatten();
-                    let child = child.filter(|child| !self.file.is_used(child.index));
-                    let needed = if entity.kind() == 186 { 514 } else { 510 };
-                    if let Some(child) = child.filter(|child| child.kind() == needed) {
-                        self.file.mark(child.index);
-                        self.conceal(child, reason);
-                    }
+                for child in shells_or_faces(entity) {
+                    self.file.mark(child.index);
+                    self.conceal(child, reason);
                 }
             }
             _ => {
@@ -277,6 +276,27 @@ impl<'a> IgesReader<'a> {
             }
         }
     }
+}
+
+/// The shells of a solid, or the faces of a shell; nothing of other entities.
+fn shells_or_faces(entity: IgesEntity<'_>) -> impl Iterator<Item = IgesEntity<'_>> {
+    // The outer shell and its sense, the number of voids, and these with theirs; or the number of faces, and these with theirs.
+    let (outer, list, kind) = match entity.kind() {
+        186 => (Some(1), Some(3), 514),
+        514 => (None, Some(1), 510),
+        _ => (None, None, 0),
+    };
+    let behind = list.map(|i| (i, entity.list_length(i, i + 1, 2).unwrap_or_default()));
+    let items = behind.into_iter().flat_map(|(i, count)| (0..count).map(move |k| i + 1 + 2 * k));
+    let children = outer.into_iter().chain(items).filter_map(move |i| entity.pointer(i).ok().flatten());
+    children.filter(move |child| child.kind() == kind)
+}
+
+/// Marks an entity as part of another, with the shells and faces that are inside of it.
+fn mark_with_shells(entity: IgesEntity<'_>) {
+    entity.file.mark(entity.index);
+    // What is marked is passed once, for many solids may have the same shell.
+    shells_or_faces(entity).filter(|child| !child.file.is_used(child.index)).for_each(mark_with_shells);
 }
 
 impl GroupIndex {

@@ -6,7 +6,7 @@ use glanz_math::DVec3;
 use super::entity::IgesEntity;
 use super::lowering::{IgesReader, MAX_DEPTH};
 use super::surfaces::SurfaceLink;
-use super::trimmed::model_parameters;
+use super::trimmed::{LEFT_OUT, model_parameters};
 use crate::cad::{ENTITY_COST, Refusal};
 
 impl<'a> IgesReader<'a> {
@@ -108,16 +108,21 @@ impl<'a> IgesReader<'a> {
             let (is_vertex, list) = (entity.flag(at)?, entity.reference(at + 1)?);
             let (number, forward) = (entity.count(at + 2)?, entity.flag(at + 3)?);
             let curves = entity.list_length(at + 4, at + 5, 2)?;
+            let mut parameter_curves = Vec::new();
             for i in 0..curves {
-                entity.optional_reference(at + 6 + 2 * i)?;
+                match entity.optional_reference(at + 6 + 2 * i) {
+                    Ok(curve) => parameter_curves.extend(curve),
+                    Err(refusal) => self.report.mend(entity.id(), &refusal, LEFT_OUT),
+                }
             }
             if is_vertex {
                 point = Some(self.vertex(list, number)?);
             } else {
                 let edge = self.edge(list, number)?;
                 oriented.push(OrientedEdge { edge, forward });
-                if curves == 1 {
-                    self.add_parameter_curve(entity, entity.reference(at + 6)?, edge, link);
+                // Of several, each is only a piece of the edge, and they are not needed.
+                if let (1, Some(curve)) = (curves, parameter_curves.pop()) {
+                    self.add_parameter_curve(entity, curve, edge, link);
                 }
             }
             at += 5 + 2 * curves;
@@ -147,7 +152,7 @@ impl<'a> IgesReader<'a> {
                     edge.parameter_curves.push(ParameterCurve { surface: link.index, curve });
                 }
             }
-            Err(refusal) => self.report.mend(entity.id(), &refusal, "the parameter curve is left out"),
+            Err(refusal) => self.report.mend(entity.id(), &refusal, LEFT_OUT),
         }
     }
 

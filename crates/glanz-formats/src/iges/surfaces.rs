@@ -2,8 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glanz_brep::model::{Curve, FaceSurface, Placement, SplineCurve};
-use glanz_geometry::spline::{NurbsCurve, NurbsSurface};
+use glanz_brep::model::{FaceSurface, Placement};
 use glanz_math::glam::{DAffine2, DMat2};
 use glanz_math::{DMat4, DVec2, DVec3};
 
@@ -12,6 +11,9 @@ use super::curves::check_degree;
 use super::entity::IgesEntity;
 use super::lowering::{IgesReader, MAX_DEPTH};
 use crate::cad::{Refusal, spline_surface};
+
+/// Difference from a turn up to which a sweep is one, radians: files write it with five digits or more.
+const TURN_SLACK: f64 = 1e-4;
 
 /// A surface with its relation to that of the file.
 #[derive(Clone, Debug)]
@@ -36,11 +38,11 @@ pub(super) struct SurfaceLink {
 
 impl IgesSurface {
     /// A surface with the parameters of the file.
-    fn same(surface: FaceSurface, ranges: Option<[[f64; 2]; 2]>) -> Self {
+    pub(super) fn same(surface: FaceSurface, ranges: Option<[[f64; 2]; 2]>) -> Self {
         Self { surface, parameters: Some(DAffine2::IDENTITY), reversed: false, ranges }
     }
 
-    fn without_parameters(surface: FaceSurface) -> Self {
+    pub(super) fn without_parameters(surface: FaceSurface) -> Self {
         Self { surface, parameters: None, reversed: false, ranges: None }
     }
 }
@@ -70,8 +72,20 @@ impl<'a> IgesReader<'a> {
             122 => self.tabulated_cylinder(entity, outer),
             128 => rational_spline(entity, outer),
             140 => self.offset(entity, outer),
-            190 | 192 | 194 | 196 | 198 => analytic(entity, outer),
+            190 | 192 | 194 | 196 | 198 => {
+                self.check_rigid(entity, &outer)?;
+                analytic(entity, outer)
+            }
             _ => Err(entity.refuse_kind("surface")),
+        }
+    }
+
+    /// Refuses surfaces that a map other than a rotation or reflection makes into others.
+    fn check_rigid(&self, entity: IgesEntity<'_>, outer: &DMat4) -> Result<(), Refusal> {
+        if is_rigid(&(self.metres().inverse() * *outer)) {
+            Ok(())
+        } else {
+            Err(entity.refuse("its transformation is neither a rotation nor a reflection"))
         }
     }
 
@@ -79,9 +93,7 @@ impl<'a> IgesReader<'a> {
     fn revolution(&mut self, entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, Refusal> {
         let (line, generatrix) = (entity.reference(1)?, entity.reference(2)?);
         let [start, end] = entity.numbers(3)?;
-        if !is_rigid(&(self.metres().inverse() * outer)) {
-            return Err(entity.refuse("its transformation is neither a rotation nor a reflection"));
-        }
+        self.check_rigid(entity, &outer)?;
         let line = self.curve(line, outer, MAX_DEPTH)?;
         let curve = self.curve(generatrix, outer, MAX_DEPTH)?;
         let [from, to] = line.domain();
@@ -92,11 +104,13 @@ impl<'a> IgesReader<'a> {
         // A reflection turns the sense of rotations.
         let axis = axis * outer.determinant().signum();
         let exchange = DAffine2::from_mat2(DMat2::from_cols(DVec2::Y, DVec2::X));
-        let ranges = [[start, end], curve.domain()];
-        if !(start < end && end - start <= TAU * (1.0 + f64::EPSILON.sqrt())) {
+        let sweep = end - start;
+        if !(sweep > 0.0 && sweep <= TAU + TURN_SLACK) {
             return Err(entity
                 .refuse(format!("the angles are {start} and {end}; they must ascend by at most a turn")));
         }
+        let sweep = if sweep >= TAU - TURN_SLACK { TAU } else { sweep };
+        let ranges = [[start, start + sweep], curve.domain()];
         let surface = FaceSurface::Revolution { curve: Box::new(curve), origin, axis };
         Ok(IgesSurface { surface, parameters: Some(exchange), reversed: true, ranges: Some(ranges) })
     }
@@ -120,6 +134,7 @@ impl<'a> IgesReader<'a> {
     /// `NX, NY, NZ, D, SURFACE`: a spline moved along its normal, to the side of a vector in the middle of its parameters.
     fn offset(&mut self, entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, Refusal> {
         let [x, y, z, distance] = entity.numbers(1)?;
+        self.check_rigid(entity, &outer)?;
         let basis = entity.reference(5)?;
         if basis.kind() != 128 {
             return Err(basis.refuse_kind("surface with an offset"));
@@ -143,73 +158,22 @@ impl<'a> IgesReader<'a> {
             FaceSurface::Offset { basis: Box::new(surface), distance: distance * length * cosine.signum() };
         Ok(IgesSurface { surface, parameters, reversed, ranges })
     }
-
-    /// `C1, C2, DIRFLG, DEVFLG`: straight lines between points of two curves.
-    fn ruled(&mut self, entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, Refusal> {
-        let mut sides = Vec::with_capacity(2);
-        for i in 0..2 {
-            let curve = self.curve(entity.reference(1 + i)?, outer, MAX_DEPTH)?;
-            // Lines have the same parameter in both forms: by arc length, and their own.
-            if entity.form() == 0 && !is_straight(&curve) {
-                return Err(entity
-                    .refuse("a ruled surface of form 0 between curves that are not straight is not read"));
-            }
-            let spline = curve.to_spline(curve.domain()).map_err(|error| entity.refuse(error.to_string()))?;
-            let spline = spline.over([0.0, 1.0]);
-            let reversed = i == 1 && entity.flag(3)?;
-            let spline = spline
-                .and_then(|spline| if reversed { spline.reversed()?.over([0.0, 1.0]) } else { Ok(spline) });
-            sides.push(spline.map_err(|error| entity.refuse(error.to_string()))?);
-        }
-        let surface = ruled_spline(&sides).map_err(|error| entity.refuse(error.to_string()))?;
-        let surface =
-            surface.ok_or_else(|| entity.refuse("the curves of the ruled surface cannot be joined"))?;
-        Ok(IgesSurface::same(FaceSurface::Spline(surface), Some([[0.0, 1.0]; 2])))
-    }
 }
 
-fn is_straight(curve: &Curve<DVec3>) -> bool {
-    match curve {
-        Curve::Line { .. } => true,
-        Curve::Trimmed { basis, .. } => is_straight(basis),
-        _ => false,
-    }
-}
-
-/// The surface between two splines over the same range; `None` if their knots cannot be made the same.
-fn ruled_spline(sides: &[SplineCurve<DVec3>]) -> Result<Option<NurbsSurface>, glanz_geometry::SurfaceError> {
-    let degree = sides.iter().map(SplineCurve::degree).max().unwrap_or(1);
-    let mut curves = Vec::with_capacity(2);
-    for side in sides {
-        let side = side.elevated(degree)?;
-        curves.push(NurbsCurve::from_knots(side.knots().clone(), side.control_points().to_vec())?);
-    }
-    let [mut first, mut second] = match <[NurbsCurve; 2]>::try_from(curves) {
-        Ok(curves) => curves,
-        Err(_) => return Ok(None),
-    };
-    let missing = |from: &NurbsCurve, to: &NurbsCurve| {
-        let count =
-            |curve: &NurbsCurve, u: f64| curve.knots().knots().iter().filter(|knot| **knot == u).count();
-        let knots = from.knots().knots();
-        knots.iter().copied().find_map(|u| {
-            let more = count(from, u).checked_sub(count(to, u))?;
-            (more > 0).then_some((u, more))
-        })
-    };
-    while let Some((u, more)) = missing(&first, &second) {
-        second = second.insert_knot(u, more)?;
-    }
-    while let Some((u, more)) = missing(&second, &first) {
-        first = first.insert_knot(u, more)?;
-    }
-    if first.knots() != second.knots() {
-        return Ok(None);
-    }
-    let points = first.control_points().iter().zip(second.control_points()).flat_map(|(a, b)| [*a, *b]);
-    let knots_v = vec![0.0, 0.0, 1.0, 1.0];
-    let knots_u = first.knots().knots().to_vec();
-    NurbsSurface::try_new([degree, 1], [knots_u, knots_v], points.collect()).map(Some)
+/// Number of parameters of a surface in front of its references to notes and properties.
+pub(super) fn own_parameters(entity: IgesEntity<'_>) -> Result<usize, Refusal> {
+    let has_reference = usize::from(entity.form() == 1);
+    Ok(match entity.kind() {
+        108 => 9,
+        128 => rational_spline_layout(entity)?.ranges_at + 3,
+        140 => 5,
+        190 => 2 + has_reference,
+        192 => 3 + has_reference,
+        194 | 198 => 4 + has_reference,
+        196 => 2 + 2 * has_reference,
+        // 118, 120 and 122.
+        _ => 4,
+    })
 }
 
 /// `A, B, C, D`: the points with A x + B y + C z = D. It has no parameters.
@@ -230,8 +194,18 @@ fn plane(entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, Refusal> {
     Ok(IgesSurface::without_parameters(FaceSurface::Plane(Placement::from_axis(origin, z, x))))
 }
 
-/// `K1, K2, M1, M2, PROP1-5, knots, weights, points, U0, U1, V0, V1`; the first parameter runs fastest.
-fn rational_spline(entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, Refusal> {
+/// Where the parameters of a rational spline are.
+struct SplineLayout {
+    counts: [usize; 2],
+    degrees: [usize; 2],
+    knots_v_at: usize,
+    weights_at: usize,
+    points_at: usize,
+    ranges_at: usize,
+}
+
+/// `K1, K2, M1, M2, PROP1-5, knots, weights, points, U0, U1, V0, V1`.
+fn rational_spline_layout(entity: IgesEntity<'_>) -> Result<SplineLayout, Refusal> {
     let counts = [entity.count(1)? + 1, entity.count(2)? + 1];
     let degrees = [check_degree(entity, 3)?, check_degree(entity, 4)?];
     let total = counts[0].saturating_mul(counts[1]);
@@ -243,6 +217,13 @@ fn rational_spline(entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, 
         let [m, n] = counts;
         return Err(entity.refuse(format!("there are too few parameters for {m} x {n} control points")));
     }
+    Ok(SplineLayout { counts, degrees, knots_v_at, weights_at, points_at, ranges_at })
+}
+
+/// A rational spline, of whose control points the first parameter runs fastest.
+fn rational_spline(entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, Refusal> {
+    let SplineLayout { counts, degrees, knots_v_at, weights_at, points_at, ranges_at } =
+        rational_spline_layout(entity)?;
     let knots =
         |range: std::ops::Range<usize>| range.map(|i| entity.number(i)).collect::<Result<Vec<f64>, _>>();
     let (knots_u, knots_v) = (knots(10..knots_v_at)?, knots(knots_v_at..weights_at)?);
@@ -301,10 +282,14 @@ fn analytic(entity: IgesEntity<'_>, outer: DMat4) -> Result<IgesSurface, Refusal
     };
     let missing = |what: &str| entity.refuse(format!("the surface has no {what}"));
     let origin = located(entity, at, 116, outer)?.ok_or_else(|| missing("location"))?;
-    let is_sphere = entity.kind() == 196;
     let optional = |i: usize| if i <= entity.len() { located(entity, i, 123, outer) } else { Ok(None) };
-    let z = optional(axis_at)?.or(is_sphere.then_some(DVec3::Z)).ok_or_else(|| missing("axis"))?;
+    // In form 0 there are references to notes and properties in place of the directions.
     let has_reference = entity.form() == 1;
+    let z = match entity.kind() {
+        196 if !has_reference => DVec3::Z,
+        196 => optional(axis_at)?.unwrap_or(DVec3::Z),
+        _ => optional(axis_at)?.ok_or_else(|| missing("axis"))?,
+    };
     let x = if has_reference { optional(reference_at)? } else { None };
     let placement = Placement::from_axis(origin, z, x.unwrap_or_else(|| z.any_orthonormal_vector()));
     let radius = |i: usize| {

@@ -7,8 +7,11 @@ use glanz_math::{DMat4, DVec2};
 use super::boundary::{BoundarySegment, is_counterclockwise};
 use super::entity::IgesEntity;
 use super::lowering::{IgesFaceState, IgesReader, MAX_DEPTH};
-use super::surfaces::SurfaceLink;
+use super::surfaces::{SurfaceLink, own_parameters};
 use crate::cad::{ENTITY_COST, Refusal};
+
+/// What is done about a damaged curve in parameters: the curve in space is enough.
+pub(super) const LEFT_OUT: &str = "the parameter curve is left out";
 
 impl<'a> IgesReader<'a> {
     /// The index of a face; `None` if it cannot be read, which is reported.
@@ -77,15 +80,16 @@ impl<'a> IgesReader<'a> {
         let bounds = if entity.kind() == 108 {
             let boundary = match entity.form() {
                 1 => entity.optional_reference(5)?,
+                -1 => return Err(entity.refuse("the plane is a hole of another one, which is not read")),
                 _ => None,
             };
             let boundary = boundary.ok_or_else(|| entity.refuse("the plane has no boundary"))?;
-            let curves = self.segments(boundary, self.metres(), MAX_DEPTH)?;
+            let curves = self.segments(boundary, self.metres() * entity.matrix()?, MAX_DEPTH)?;
             vec![self.bound(boundary, link.index, BoundarySegment::zip(curves, Vec::new()), false, true)?]
         } else {
             self.whole(entity, &link, false)?
         };
-        self.add_face(entity, &link, bounds, usize::MAX - 1)
+        self.add_face(entity, &link, bounds, own_parameters(entity)?)
     }
 
     /// The outer bounds of a face that ends where its surface does: none if it is all of a spline, and has no holes.
@@ -120,11 +124,12 @@ impl<'a> IgesReader<'a> {
         let Some(curve) = entity.optional_reference(4)? else {
             return Err(entity.refuse("the boundary has no curve in space, only one in parameters"));
         };
-        let parameters = entity.optional_reference(3)?;
+        let parameters = entity.optional_reference(3);
         let curves = self.segments(curve, self.metres(), MAX_DEPTH)?;
-        let given = parameters.map(|parameters| self.curves_in_parameters(parameters)).transpose();
+        let given =
+            parameters.and_then(|curve| curve.map(|curve| self.curves_in_parameters(curve)).transpose());
         let given = given.unwrap_or_else(|refusal| {
-            self.report.mend(entity.id(), &refusal, "the parameter curve is left out");
+            self.report.mend(entity.id(), &refusal, LEFT_OUT);
             None
         });
         let given = given.unwrap_or_default();
@@ -174,11 +179,21 @@ impl<'a> IgesReader<'a> {
             let reversed = entity.count(at + 1)? == 2;
             let given = entity.list_length(at + 2, at + 3, 1)?;
             let mut curves = self.segments(curve, self.metres(), MAX_DEPTH)?;
-            let mut parameter_curves = Vec::new();
+            let (mut parameter_curves, mut complete) = (Vec::new(), given > 0);
             for i in 0..given {
-                parameter_curves.extend(self.curves_in_parameters(entity.reference(at + 3 + i)?)?);
+                let curve = entity.reference(at + 3 + i);
+                match curve.and_then(|curve| self.curves_in_parameters(curve)) {
+                    Ok(curves) => parameter_curves.extend(curves),
+                    Err(refusal) => {
+                        self.report.mend(entity.id(), &refusal, LEFT_OUT);
+                        complete = false;
+                    }
+                }
             }
-            if let Some(whole) = loop_in_parameters.as_mut().filter(|_| given > 0) {
+            if !complete {
+                parameter_curves.clear();
+            }
+            if let Some(whole) = loop_in_parameters.as_mut().filter(|_| complete) {
                 whole.extend(parameter_curves.iter().cloned());
             } else {
                 loop_in_parameters = None;

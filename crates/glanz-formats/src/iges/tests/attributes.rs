@@ -124,3 +124,16 @@ fn what_is_not_read_is_reported_by_type_and_number() {
         ]
     );
 }
+
+#[test]
+fn whole_surface_has_the_name_of_its_property() {
+    let spline = format!("{BILINEAR},0,1,3");
+    let file = clean(&[entity(128, 0, &spline), entity(406, 15, "1,5Hcover")]);
+    assert_eq!(file.model.faces[0].name, "cover");
+    let file =
+        clean(&[entity(196, 0, "3,2.,0,1,5"), entity(116, 0, "0.,0.,0."), entity(406, 15, "1,4Hball")]);
+    assert_eq!(file.model.faces[0].name, "ball");
+    // A note stands where form 1 has the axis.
+    let noted = super::file(&[entity(196, 0, "3,2.,1,5,0"), entity(116, 0, "0.,0.,0."), entity(212, 0, "0")]);
+    assert_eq!(noted.report.faces.read, 1);
+}

@@ -153,3 +153,39 @@ fn boundary_that_runs_back_through_a_seam_bounds_a_whole_turn() {
     assert_eq!(file.model.edges.len(), 1);
     assert_close(areas(&file)[0], 4.0 * PI);
 }
+
+#[test]
+fn boundary_of_a_plane_moves_with_it() {
+    // The plane z = 0 becomes x = 5.
+    let entities = [
+        EntityText { matrix: 11, ..entity(108, 1, "0.,0.,1.,0.,3") },
+        entity(102, 0, "3,5,7,9"),
+        entity(110, 0, "0.,0.,0.,1.,0.,0."),
+        entity(110, 0, "1.,0.,0.,1.,1.,0."),
+        entity(110, 0, "1.,1.,0.,0.,0.,0."),
+        entity(124, 0, "0.,0.,1.,5.,1.,0.,0.,0.,0.,1.,0.,0."),
+    ];
+    let file = clean(&entities);
+    assert_close(areas(&file)[0], 0.5);
+    assert!(file.model.vertices.iter().all(|vertex| vertex.x == 5.0));
+}
+
+#[test]
+fn missing_parameter_curves_cost_no_face() {
+    let mut trimmed = square_with_hole("4,17,19,21,23", COUNTERCLOCKWISE);
+    trimmed[2] = entity(142, 0, "1,1,999,11,3");
+    let bounded = [
+        entity(143, 0, "1,3,1,5"),
+        entity(128, 0, BILINEAR),
+        entity(141, 0, "1,0,3,4,7,1,1,999,9,1,1,9,11,1,1,11,13,1,1,13"),
+        entity(110, 0, COUNTERCLOCKWISE[0]),
+        entity(110, 0, COUNTERCLOCKWISE[1]),
+        entity(110, 0, COUNTERCLOCKWISE[2]),
+        entity(110, 0, COUNTERCLOCKWISE[3]),
+    ];
+    for (entities, area) in [(trimmed.as_slice(), 1.0 - PI / 16.0), (&bounded, 1.0)] {
+        let file = file(entities);
+        assert_eq!((file.report.faces.read, file.report.repairs.count()), (1, 1));
+        assert_close(trimmed_faces(&file.model).faces[0].as_ref().unwrap().measure(1e-9).area, area);
+    }
+}

@@ -13,6 +13,7 @@ use glanz_math::DVec3;
 
 use super::read;
 use crate::cad::BrepFile;
+use crate::cad::testing::{self, assert_near, omissions};
 
 /// An entity of a file; the first has the number 1, the next 3, and so on.
 #[derive(Clone, Copy, Default)]
@@ -77,17 +78,7 @@ fn file(entities: &[EntityText<'_>]) -> BrepFile {
 
 /// A file in which nothing is wrong.
 fn clean(entities: &[EntityText<'_>]) -> BrepFile {
-    let file = file(entities);
-    let report = &file.report;
-    for list in [&report.faults, &report.omissions, &report.repairs] {
-        assert_eq!(list.notes(), []);
-    }
-    assert_eq!(report.faces.total, report.faces.read);
-    file
-}
-
-fn omissions(file: &BrepFile) -> Vec<String> {
-    file.report.omissions.notes().iter().map(ToString::to_string).collect()
+    testing::clean(file(entities))
 }
 
 /// The areas of all faces, none of which needs a repair.
@@ -104,10 +95,6 @@ fn areas(file: &BrepFile) -> Vec<f64> {
 
 fn assert_close(value: f64, expected: f64) {
     assert!((value - expected).abs() <= 1e-6 * expected.abs(), "{value} is not {expected}");
-}
-
-fn assert_near(a: DVec3, b: DVec3) {
-    assert!(a.distance(b) <= 1e-12 * (1.0 + b.length()), "{a} is not {b}");
 }
 
 #[test]
@@ -146,11 +133,33 @@ fn damaged_records_are_faults_with_line_and_column() {
 }
 
 #[test]
+fn lost_record_of_the_directory_costs_one_entry() {
+    let whole = text(&[entity(116, 0, "0.,0.,0."), entity(128, 0, BILINEAR), entity(128, 0, BILINEAR)]);
+    for lost in ["D0000001", "D0000002"] {
+        let lines: Vec<&str> = whole.lines().filter(|line| !line.ends_with(lost)).collect();
+        let report = read(lines.join("\n").as_bytes()).unwrap().report;
+        assert_eq!((report.faces.read, report.faults.count(), report.omissions.count()), (2, 1, 0));
+    }
+}
+
+#[test]
+fn parameters_of_another_type_are_not_taken() {
+    let whole = text(&[entity(128, 0, BILINEAR), entity(116, 0, "0.,0.,0.")]);
+    let shared = whole.replacen("     116       3", "     116       1", 1);
+    assert_ne!(whole, shared);
+    let file = read(shared.as_bytes()).unwrap();
+    let faults: Vec<String> = file.report.faults.notes().iter().map(ToString::to_string).collect();
+    assert!(
+        faults.len() == 1 && faults[0].contains("#3: the parameters are not those of an entity of type 116")
+    );
+}
+
+#[test]
 fn units_and_scale_make_metres() {
     let global = ",,4Hpart,,,,32,38,6,308,15,,0.5,2,2HMM,1,0.01,,0.25,1.,,,11,0,;";
     let text = text_with_global(global, &[entity(128, 0, BILINEAR)]);
     let file = read(text.as_bytes()).unwrap();
-    assert_eq!(file.model.uncertainty, 5e-4);
+    assert_eq!((file.model.uncertainty, file.model.length_unit), (5e-4, Some(2e-3)));
     // A square of 1 unit, which is 1 mm, in a model of half its size.
     let trimmed = trimmed_faces(&file.model);
     assert_close(trimmed.faces[0].as_ref().unwrap().measure(1e-9).area, 4e-6);

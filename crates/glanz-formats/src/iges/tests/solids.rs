@@ -116,3 +116,21 @@ fn shell_by_itself_is_a_body_of_surfaces() {
     assert!(!body.solid && body.shells[0].closed && body.entity == id(3));
     assert_eq!(omissions(&file), ["#1: 1 entity of type 116 (point) belongs to no face; it is not shown"]);
 }
+
+#[test]
+fn solid_of_an_unused_subfigure_is_not_shown() {
+    let mut list = tetrahedron();
+    list.push((308, 0, "0,1Ha,1,1".to_owned()));
+    let file = file(&entities(&list));
+    assert_eq!((file.report.faces.unreachable, file.model.parts.len()), (4, 0));
+}
+
+#[test]
+fn missing_parameter_curve_costs_no_face() {
+    for (curve, repairs) in [("0", 0), ("999", 1)] {
+        let mut list = tetrahedron();
+        list[10].2 = format!("3,0,41,2,1,1,0,{curve},0,41,4,0,0,0,41,1,0,0");
+        let report = file(&entities(&list)).report;
+        assert_eq!((report.faces.read, report.repairs.count()), (4, repairs));
+    }
+}
