@@ -144,7 +144,12 @@ impl SceneBuilder {
     pub fn instance(mut self, group: &str, to_parent: DMat4) -> Self {
         let known = self.description.groups.iter().rposition(|known| known.name == group);
         let Some(group) = known else { return self.unknown("group", group.to_owned()) };
-        self.description.world.instances.push(InstanceDescription { group, to_parent, location: None });
+        self.description.world.instances.push(InstanceDescription {
+            name: String::new(),
+            group,
+            to_parent,
+            location: None,
+        });
         self
     }
 

@@ -6,6 +6,7 @@ mod builder;
 pub mod camera;
 pub mod description;
 pub mod diagnostic;
+mod edge_section;
 pub mod error;
 mod hit;
 mod hit_location;

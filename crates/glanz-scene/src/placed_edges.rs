@@ -3,6 +3,7 @@
 use glanz_math::{DVec3, Ray, Transform};
 
 use crate::description::EdgeDescription;
+use crate::edge_section::EdgeSection;
 use crate::scene::{Scene, SceneGroup};
 
 /// Surfaces that a line of sight may pass in front of a point that it shows, at most.
@@ -14,42 +15,46 @@ pub struct PlacedEdges<'a> {
     /// The edges in the frame of the group.
     pub edges: &'a [EdgeDescription],
     to_world: Transform,
-    /// The half space `normal . p <= offset` of the world that a section leaves.
-    section: Option<(DVec3, f64)>,
+    /// Bound on lengths in the world over those in the group.
+    stretch: f64,
+    section: Option<EdgeSection>,
 }
 
-impl PlacedEdges<'_> {
+impl<'a> PlacedEdges<'a> {
+    /// `half_space`: the normal and the offset of what a section leaves of the world.
+    fn new(edges: &'a [EdgeDescription], to_world: Transform, half_space: Option<(DVec3, f64)>) -> Self {
+        let stretch = stretch(&to_world);
+        let section = half_space.map(|half_space| EdgeSection::new(half_space, edges, &to_world, stretch));
+        Self { edges, to_world, stretch, section }
+    }
+
     /// The points of an edge of the group in world space, metres, without what a section cuts away: several pieces where it cuts often.
+    ///
+    /// An edge that lies in the plane of the section is left if a shape that meets in it reaches below.
     #[must_use]
     pub fn pieces(&self, edge: &EdgeDescription) -> Vec<Vec<DVec3>> {
         let points: Vec<DVec3> = edge.points.iter().map(|&point| self.to_world.point(point)).collect();
-        let Some((normal, offset)) = self.section else { return vec![points] };
-        let mut pieces = vec![Vec::new()];
-        for pair in points.windows(2) {
-            let [start, end] = [pair[0], pair[1]];
-            let [h0, h1] = [start, end].map(|point| normal.dot(point) - offset);
-            let cut = || start + (h0 / (h0 - h1)) * (end - start);
-            let part = match (h0 <= 0.0, h1 <= 0.0) {
-                (true, true) => [start, end],
-                (true, false) => [start, cut()],
-                (false, true) => [cut(), end],
-                (false, false) => continue,
-            };
-            match pieces.last_mut() {
-                Some(piece) if piece.last() == Some(&part[0]) => piece.push(part[1]),
-                _ => pieces.push(part.to_vec()),
-            }
+        match &self.section {
+            Some(section) => section.pieces(&points, self.deviation(edge), &edge.shapes),
+            None => vec![points],
         }
-        pieces.retain(|piece| !piece.is_empty());
-        pieces
     }
 
-    /// The deviation of an edge of the group in world space, metres.
+    /// Bound on the deviation of an edge of the group in world space, metres: the least one if the group is scaled alike in all directions.
     #[must_use]
     pub fn deviation(&self, edge: &EdgeDescription) -> f64 {
-        let stretch = DVec3::AXES.map(|axis| self.to_world.vector(axis).length_squared());
-        edge.deviation * stretch.iter().sum::<f64>().sqrt()
+        self.stretch * edge.deviation
     }
+}
+
+/// Bound on the factor by which a map stretches lengths; the least one if it scales alike in all directions.
+///
+/// Its square is the largest sum of absolute values in a column of the Gram matrix, which bounds the largest eigenvalue; that of a turned scale is diagonal.
+fn stretch(map: &Transform) -> f64 {
+    let axes = map.forward().matrix3;
+    let gram = axes.transpose() * axes;
+    let sums = [gram.x_axis, gram.y_axis, gram.z_axis].map(|column| column.abs().element_sum());
+    sums.into_iter().fold(0.0, f64::max).sqrt()
 }
 
 impl Scene {
@@ -84,7 +89,7 @@ impl Scene {
         let own = group.section.as_ref().map(|section| section.half_space(&to_world));
         let section = own.or(around);
         if !group.edges.is_empty() {
-            placed.push(PlacedEdges { edges: &group.edges, to_world, section });
+            placed.push(PlacedEdges::new(&group.edges, to_world, section));
         }
         for instance in &group.instances {
             let Some(inner) = self.groups.get(instance.group).filter(|inner| inner.has_edges) else {
@@ -126,5 +131,28 @@ impl Scene {
             ray = hit.spawn(direction);
         }
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::DMat4;
+
+    use super::*;
+
+    #[test]
+    fn stretch_is_that_of_a_scale_and_bounds_that_of_other_maps() {
+        let turn = DMat4::from_rotation_x(0.7) * DMat4::from_rotation_y(-0.4);
+        for (scale, exact) in
+            [(DVec3::ONE, true), (DVec3::splat(0.25), true), (DVec3::new(3.0, 1.0, 0.1), false)]
+        {
+            for matrix in [turn * DMat4::from_scale(scale), DMat4::from_scale(scale) * turn] {
+                let found = stretch(&Transform::try_from_matrix(matrix).unwrap());
+                let ratio = found / scale.max_element();
+                // The sums in the columns of a symmetric 3 x 3 matrix exceed its largest eigenvalue at most by a factor of the root of three.
+                let most = if exact { 1.0 } else { 3.0_f64.sqrt().sqrt() };
+                assert!((1.0 - 1e-12..=most + 1e-12).contains(&ratio), "{scale} {ratio}");
+            }
+        }
     }
 }

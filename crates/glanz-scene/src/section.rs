@@ -16,7 +16,7 @@ use crate::scene::{Primitive, Scene, SceneGroup};
 
 /// Distance from the plane below which a point lies in it, relative to the size of the coordinates: ten times the distance within which a ray starts from a
 /// surface.
-const IN_PLANE: f64 = 1e-11;
+pub(crate) const IN_PLANE: f64 = 1e-11;
 
 /// The plane of a section, with its faces.
 #[derive(Clone, Debug)]

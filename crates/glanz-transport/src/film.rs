@@ -333,7 +333,7 @@ impl Film {
     /// Adds the samples of another film of the same picture.
     ///
     /// # Errors
-    /// [`FilmError::Layout`] if the formats differ, [`FilmError::Overlap`] if a sample is in both, and
+    /// [`FilmError::Layout`] if the formats or the edges differ, [`FilmError::Overlap`] if a sample is in both, and
     /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes; after an error this film is
     /// unchanged.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
@@ -341,7 +341,7 @@ impl Film {
             return Err(FilmError::Layout("size, crop, filter or channels"));
         }
         if self.edges != other.edges {
-            return Err(FilmError::Layout("edges"));
+            return Err(FilmError::Layout("edges over the picture"));
         }
         if self.format.passes {
             return Err(FilmError::Learning);
@@ -515,6 +515,9 @@ mod tests {
         let mut film = Film::try_new(format()).unwrap();
         let other = Film::try_new(FilmFormat { aovs: AovSet::NONE, ..format() }).unwrap();
         assert!(matches!(film.merge(&other), Err(FilmError::Layout(_))));
+        let layer = EdgeLayer { color: [0.0; 3], coverage: vec![0; format().crop.len() as usize] };
+        let other = Film::try_new(format()).unwrap().with_edges(Some(layer));
+        assert_eq!(film.merge(&other), Err(FilmError::Layout("edges over the picture")));
         expose(&mut film, 0..4);
         let same = film.clone();
         assert_eq!(film.merge(&same), Err(FilmError::Overlap(OverlapError(0..4))));

@@ -9,7 +9,7 @@ use glanz_scene::{Description, Location};
 use super::cad_report::CadReport;
 use super::describe::{CadScene, CadSettings};
 use super::error::CadError;
-use super::report::EntityNote;
+use super::report::{BrepFile, EntityNote};
 use crate::{iges, step};
 
 /// The reason why occurrences lack their colors.
@@ -31,11 +31,12 @@ impl CadModel {
     /// # Errors
     /// Those of [`step::read`] and [`iges::read`].
     pub(crate) fn read(bytes: &[u8], with_edges: bool) -> Result<Self, CadError> {
-        let file = if iges::is_iges(bytes) { iges::read(bytes)? } else { step::read(bytes)? };
+        let BrepFile { model, report } =
+            if iges::is_iges(bytes) { iges::read(bytes)? } else { step::read(bytes)? };
         let trimmed = if with_edges { trimmed_faces_with_edges } else { trimmed_faces };
-        let faces = Arc::new(trimmed(&file.model));
-        let report = CadReport::new(&file, &faces);
-        Ok(Self { model: file.model, faces, report })
+        let faces = Arc::new(trimmed(&model));
+        let report = CadReport::new(&model, report, &faces);
+        Ok(Self { model, faces, report })
     }
 
     /// Adds all of it to the world, with the colors of the file.

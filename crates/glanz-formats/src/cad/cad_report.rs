@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use glanz_brep::face::{FaceGeometry, FaceMeasure, TrimmedFaces};
 use glanz_brep::model::{Body, BrepModel, EntityId};
 
-use super::report::{BrepFile, ReadingReport};
+use super::report::ReadingReport;
 
 /// Accuracy of areas, relative to those of surfaces.
 const ACCURACY: f64 = 1e-8;
@@ -82,8 +82,7 @@ pub(crate) struct CadWarning {
 
 impl CadReport {
     /// The report of a file whose faces were trimmed, before shapes are made of them.
-    pub(super) fn new(file: &BrepFile, trimmed: &Arc<TrimmedFaces>) -> Self {
-        let model: &BrepModel = &file.model;
+    pub(super) fn new(model: &BrepModel, reading: ReadingReport, trimmed: &Arc<TrimmedFaces>) -> Self {
         let faces = model.faces.iter().zip(&trimmed.faces).map(|(face, trimmed)| {
             let (kind, outcome, width) = match trimmed {
                 Ok(trimmed) if trimmed.repairs.is_empty() => {
@@ -102,7 +101,7 @@ impl CadReport {
             CadFace { entity: face.entity, name: face.name.clone(), kind, outcome, width }
         });
         Self {
-            reading: file.report.clone(),
+            reading,
             uncertainty: model.uncertainty,
             length_unit: model.length_unit,
             faces: faces.collect(),

@@ -51,6 +51,9 @@ const MAX_COPIES: usize = 32;
 /// Control points and instances that are copied in any case.
 const FREE_COPIES: usize = 100_000;
 
+/// Colors and paths that are handed on from occurrences to those inside of them in any case: about a second of work.
+const FREE_STEPS: usize = 20_000_000;
+
 /// A scene made of what a file shows: parts are groups, their occurrences instances. Faces that were refused are left out.
 ///
 /// A part whose occurrences bring different styles has a group for each of them; one without surfaces has none.
@@ -65,6 +68,8 @@ pub(super) struct CadScene<'a> {
     groups: HashMap<GroupKey, Option<usize>>,
     /// Control points and instances that may still be copied for different colors.
     copies_left: usize,
+    /// Colors and paths that may still be handed on.
+    steps_left: usize,
     /// The face of each shape of each group, by its index.
     pub(super) faces_of_groups: Vec<Vec<usize>>,
     materials: HashMap<Option<ColorKey>, usize>,
@@ -90,6 +95,7 @@ impl<'a> CadScene<'a> {
             overrides: OverrideIndex::new(&model.overrides),
             groups: HashMap::new(),
             copies_left: all.saturating_mul(MAX_COPIES).saturating_add(FREE_COPIES),
+            steps_left: all.saturating_mul(MAX_COPIES).saturating_add(FREE_STEPS),
             faces_of_groups: Vec::new(),
             materials: HashMap::new(),
             solids: 0,
@@ -119,12 +125,17 @@ impl<'a> CadScene<'a> {
         names.iter().find_map(|name| self.settings.materials.get(*name)).copied()
     }
 
-    /// Whether colors of occurrences are left out, because there would be too many copies of parts.
+    /// Whether colors of occurrences are left out, because there would be too many copies of parts, or too many colors to hand on.
     pub(super) fn is_exhausted(&self) -> bool {
-        self.copies_left == 0
+        self.copies_left == 0 || self.steps_left == 0
     }
 
-    fn inherited(&self, outside: &InheritedStyle, occurrence: &Occurrence, part: &Part) -> InheritedStyle {
+    fn inherited(
+        &mut self,
+        outside: &InheritedStyle,
+        occurrence: &Occurrence,
+        part: &Part,
+    ) -> InheritedStyle {
         let names = [occurrence.name.as_str(), part.name.as_str()];
         let shown = self.settings.part.as_deref().is_some_and(|name| names.contains(&name));
         let inside = InheritedStyle {
@@ -136,6 +147,8 @@ impl<'a> CadScene<'a> {
         if self.settings.others.is_some() || self.is_exhausted() {
             return inside;
         }
+        let steps = self.overrides.steps(&outside.overrides, occurrence.entity);
+        self.steps_left = self.steps_left.saturating_sub(steps);
         InheritedStyle {
             color: occurrence.style.map(ColorKey::from).or(outside.color),
             overrides: self.overrides.inside(&outside.overrides, occurrence.entity),
@@ -167,8 +180,8 @@ impl<'a> CadScene<'a> {
                 number
             };
             let Some(group) = group else { continue };
-            let to_parent = occurrence.to_parent;
-            instances.push(InstanceDescription { group, to_parent, location: self.location });
+            let (name, to_parent) = (occurrence.name.clone(), occurrence.to_parent);
+            instances.push(InstanceDescription { name, group, to_parent, location: self.location });
         }
         instances
     }

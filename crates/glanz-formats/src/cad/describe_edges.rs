@@ -51,7 +51,8 @@ impl BodyEdges {
         for corners in loops {
             let BoundaryLoop::Polygon(corners) = corners else { continue };
             for (&start, &end) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                let mut key = [start, end].map(|corner| corner.to_array().map(f64::to_bits));
+                // Of the two zeros, which have different bits, one is left.
+                let mut key = [start, end].map(|corner| corner.to_array().map(|x| (x + 0.0).to_bits()));
                 key.sort_unstable();
                 let side = PolygonSide { ends: [start, end], faces: Vec::new() };
                 let valid = start != end && start.is_finite() && end.is_finite();

@@ -14,6 +14,8 @@ mod occurrence_colors;
 mod refusal;
 mod report;
 mod spline;
+#[cfg(test)]
+pub(crate) mod testing;
 
 pub(crate) use budget::{CopyBudget, ENTITY_COST};
 pub(crate) use cad_model::{CadModel, TOO_MANY_COLORS};

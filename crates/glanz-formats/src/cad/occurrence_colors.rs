@@ -67,6 +67,11 @@ impl<'a> OverrideIndex<'a> {
             .or_else(|| single(&|item| self.everywhere.get(item).copied()))
     }
 
+    /// The number of colors and paths that [`Self::inside`] looks at.
+    pub(super) fn steps(&self, outside: &ActiveOverrides, occurrence: EntityId) -> usize {
+        outside.len() + self.starts.get(&occurrence).map_or(0, Vec::len)
+    }
+
     /// What holds inside an occurrence, by what holds around it: outer occurrences before inner ones.
     pub(super) fn inside(&self, outside: &ActiveOverrides, occurrence: EntityId) -> ActiveOverrides {
         let mut inside = ActiveOverrides { open: Vec::new(), ..outside.clone() };

@@ -1,8 +1,8 @@
 //! pbrt's scene language, versions 1 to 4.
 //!
 //! `lexer` reads words, `parameters` typed lists of them, `parser` the directives, and `state` holds the graphics state that they change;
-//! `lower` creates the description, by the rules of the `dialect`; `write` makes a text of a model again. `docs/scene-format.md` lists the supported features and the substitutes for
-//! others.
+//! `lower` creates the description, by the rules of the `dialect`; `write` makes a text of a model again.
+//! `docs/scene-format.md` lists the supported features and the substitutes for others.
 //!
 //! # Source
 //! @pbrtformat; defaults as documented there for version 3 and version 4.
@@ -52,6 +52,11 @@ pub(crate) fn load(
     let mut parser = Parser::new(lowering);
     parser.run(name, path, bytes);
     let Lowering { description, mut reporter, finder, studio_up, .. } = parser.lowering;
+    let is_lit = !description.lights.is_empty();
+    if let Some((_, place)) = studio_up.filter(|_| is_lit || description.camera.location.is_some()) {
+        let message = "Option \"studio\": the scene is a model; a studio replaces its camera and adds light";
+        reporter.stand_in(&place, "stand-in-studio", message);
+    }
     reporter.sources.set_paths(finder.paths);
     if reporter.diagnostics.has_errors() {
         return Err(reporter.diagnostics);
@@ -61,7 +66,7 @@ pub(crate) fn load(
         diagnostics: reporter.diagnostics,
         content_hash: finder.hash.value(),
         sources: reporter.sources,
-        studio: studio_up.map(|up| {
+        studio: studio_up.map(|(up, _)| {
             let given = &options.studio;
             StudioSettings { up: given.up.or(Some(up)), ..given.clone() }
         }),

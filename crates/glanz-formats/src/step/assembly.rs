@@ -96,7 +96,10 @@ impl<'a> AssemblyIndex<'a> {
     /// Notes that an entity stands for a usage.
     fn add_context(&mut self, usage: Entity<'a>, context: EntityId) {
         self.usage_contexts.entry(usage.id()).or_default().push(context);
-        self.usages_of_contexts.entry(context).or_default().push(usage);
+        let usages = self.usages_of_contexts.entry(context).or_default();
+        if usages.last().is_none_or(|last| last.id() != usage.id()) {
+            usages.push(usage);
+        }
     }
 
     fn add_relationship(&mut self, entity: Entity<'a>) -> Result<(), Refusal> {
@@ -182,8 +185,8 @@ impl<'a> AssemblyIndex<'a> {
     }
 
     /// Relationships that place other representations in this one.
-    pub(super) fn placed_in(&self, representation: EntityId) -> Vec<Entity<'a>> {
-        self.placed.get(&representation).cloned().unwrap_or_default()
+    pub(super) fn placed_in(&self, representation: EntityId) -> &[Entity<'a>] {
+        self.placed.get(&representation).map_or(&[], Vec::as_slice)
     }
 
     /// The products that a product contains.
@@ -202,13 +205,11 @@ impl<'a> AssemblyIndex<'a> {
     }
 
     /// The usages for which an entity stands: itself, or those of whose style it may be the context.
-    pub(super) fn usages_of_context(&self, context: Entity<'a>) -> Vec<Entity<'a>> {
-        if is_usage(context) {
-            return vec![context];
+    pub(super) fn usages_of_context<'s>(&'s self, context: &'s Entity<'a>) -> &'s [Entity<'a>] {
+        if is_usage(*context) {
+            return std::slice::from_ref(context);
         }
-        let mut usages = self.usages_of_contexts.get(&context.id()).cloned().unwrap_or_default();
-        usages.dedup_by_key(|usage| usage.id());
-        usages
+        self.usages_of_contexts.get(&context.id()).map_or(&[], Vec::as_slice)
     }
 
     /// Whether it is the number of a product with a shape, or with others in it.
@@ -240,20 +241,22 @@ pub(super) fn usage_ends(usage: Entity<'_>) -> Result<[EntityId; 2], Refusal> {
 
 /// The usages inside one another for which one stands, the outer one first.
 ///
-/// `SPECIFIED_HIGHER_USAGE_OCCURRENCE(id, name, text, parent, child, designator, upper, next)` is a usage inside another.
+/// `SPECIFIED_HIGHER_USAGE_OCCURRENCE(id, name, text, parent, child, designator, upper, next)` is a usage inside another. The standard
+/// wants another such usage as the upper one; some writers have it as the next one.
 pub(super) fn usage_path(usage: Entity<'_>) -> Result<Vec<EntityId>, Refusal> {
-    let mut path = Vec::new();
-    let mut usage = usage;
-    while usage.is(Keyword::SpecifiedHigherUsageOccurrence) {
-        if path.len() >= MAX_ASSEMBLY_DEPTH {
+    let (mut path, mut open) = (Vec::new(), vec![usage]);
+    while let Some(usage) = open.pop() {
+        if !usage.is(Keyword::SpecifiedHigherUsageOccurrence) {
+            path.push(usage.id());
+            continue;
+        }
+        if path.len() + open.len() >= MAX_ASSEMBLY_DEPTH {
             return Err(usage.refuse(format!("usages are nested deeper than {MAX_ASSEMBLY_DEPTH} levels")));
         }
         let attributes = usage.simple();
-        path.push(attributes.reference(7)?.id());
-        usage = attributes.reference(6)?;
+        let [upper, next] = [attributes.reference(6)?, attributes.reference(7)?];
+        open.extend([next, upper]);
     }
-    path.push(usage.id());
-    path.reverse();
     Ok(path)
 }
 

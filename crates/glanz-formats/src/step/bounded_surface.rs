@@ -18,7 +18,14 @@ impl<'a> StepReader<'a> {
         for boundary in attributes.references(2)? {
             bounds.push(self.boundary_curve(boundary?, units)?);
         }
-        if attributes.boolean(3)? {
+        let has_border = if attributes.is_missing(3) {
+            let reason = "whether its border bounds it is not given; it does where no curve does";
+            self.report.repairs.push(entity.id(), reason);
+            bounds.is_empty()
+        } else {
+            attributes.boolean(3)?
+        };
+        if has_border {
             bounds.push(FaceBound { boundary: BoundaryLoop::Border, outer: true, entity: entity.id() });
         }
         Ok(self.add_set_face(entity, surface, bounds))

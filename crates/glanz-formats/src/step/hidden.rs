@@ -1,8 +1,10 @@
 //! What a file hides.
 
+use super::assembly::RelationshipEnds;
 use super::bodies::{base_shell, body_kind, shells_of};
 use super::lowering::{StepReader, is_face};
 use super::part21::{Entity, Keyword};
+use super::parts::PartReader;
 
 /// The reason of leaving out what a file hides.
 pub(super) const HIDDEN: &str = "the file hides it";
@@ -31,6 +33,39 @@ impl<'a> StepReader<'a> {
             }
         }
         is_new
+    }
+}
+
+impl<'a> PartReader<'a, '_> {
+    /// Counts as hidden all that a product contains: its representations, those that are placed in them, and the products inside.
+    pub(super) fn hide_product(&mut self, product: Entity<'a>) {
+        let mut open = vec![product];
+        while let Some(product) = open.pop() {
+            if !self.reader.hidden_items.insert(product.id()) {
+                continue;
+            }
+            let mut representations = self.index.group(product.id());
+            for representation in &representations {
+                self.reader.hide(*representation);
+            }
+            while let Some(representation) = representations.pop() {
+                for relationship in self.index.placed_in(representation.id()).to_vec() {
+                    // One that cannot be read places nothing.
+                    let Ok(RelationshipEnds { first, .. }) = RelationshipEnds::of(relationship) else {
+                        continue;
+                    };
+                    if let Some(inner) = self.index.owner(first.id()) {
+                        open.push(inner);
+                    } else if !self.reader.hidden_items.contains(&first.id()) {
+                        let mut linked = self.index.linked(first);
+                        linked.retain(|representation| self.reader.hide(*representation));
+                        representations.extend(linked);
+                    }
+                }
+            }
+            let children = self.index.usages(product.id()).into_iter();
+            open.extend(children.filter_map(|usage| usage.simple().reference(4).ok()));
+        }
     }
 }
 

@@ -3,8 +3,9 @@
 //! [`read`] gives a [`BrepModel`](glanz_brep::model::BrepModel) of solids, shells and surfaces, in products that contain one another,
 //! with their names, colours and layers. Every length is in metres and every angle in radians, whatever the units of its representation.
 //!
-//! `part21` reads the syntax; the other modules read kinds of entities. Nothing is dropped silently: the [`ReadingReport`](crate::cad::ReadingReport) counts every face
-//! of the file, and lists by entity number what was left out and what was mended. A damaged file gives what of it can be read.
+//! `part21` reads the syntax; the other modules read kinds of entities. Nothing is dropped silently: the
+//! [`ReadingReport`](crate::cad::ReadingReport) counts every face of the file, and lists by entity number what was left out and what was
+//! mended. A damaged file gives what of it can be read.
 //!
 //! Not read are offset curves, replicas, boundaries in parameters alone, wireframes and tessellated shapes.
 //!

@@ -11,7 +11,7 @@ use super::geometry::ENTITY_COST;
 use super::hidden::HIDDEN;
 use super::lowering::StepReader;
 use super::part21::{Entity, EntityAttributes, Keyword, Refusal};
-use super::placement::invertible;
+use super::placement::{NestedReach, invertible};
 
 /// The state of the part of a product or a representation.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +27,8 @@ pub(super) struct PartReader<'a, 'r> {
     pub(super) reader: &'r mut StepReader<'a>,
     pub(super) index: AssemblyIndex<'a>,
     states: HashMap<EntityId, PartState>,
+    /// By the index of the part.
+    reaches: Vec<NestedReach>,
     visited: HashSet<EntityId>,
 }
 
@@ -36,7 +38,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
         for refusal in refusals {
             reader.omit(refusal.entity, &refusal);
         }
-        Self { reader, index, states: HashMap::new(), visited: HashSet::new() }
+        Self { reader, index, states: HashMap::new(), reaches: Vec::new(), visited: HashSet::new() }
     }
 
     /// Reads all that the file shows.
@@ -126,8 +128,26 @@ impl<'a, 'r> PartReader<'a, 'r> {
         if part.bodies.is_empty() && part.occurrences.is_empty() {
             return None;
         }
+        let occurrences = part.occurrences.iter();
+        let reaches = occurrences.map(|occurrence| self.placed_reach(occurrence.part, &occurrence.to_parent));
+        let reach = reaches.fold(NestedReach::UNPLACED, NestedReach::max);
+        self.reaches.push(reach);
         self.reader.model.parts.push(part);
         Some(self.reader.model.parts.len() - 1)
+    }
+
+    /// How far a transformation and those inside of a part take what is in it.
+    fn placed_reach(&self, part: usize, to_parent: &DMat4) -> NestedReach {
+        self.reaches.get(part).copied().unwrap_or(NestedReach::UNPLACED).placed(to_parent)
+    }
+
+    /// Refuses a transformation of a part that takes what is in it out of the reach of a scene.
+    fn check_reach(&self, entity: Entity<'a>, part: usize, to_parent: &DMat4) -> Result<(), Refusal> {
+        if self.placed_reach(part, to_parent).is_too_far() {
+            let reason = "with those inside, the transformation goes beyond the coordinates of a scene";
+            return Err(entity.refuse(reason));
+        }
+        Ok(())
     }
 
     /// The part of a product definition; `None` if nothing of it is shown.
@@ -226,6 +246,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
                 self.reader.omit(representation.id(), &refusal);
                 continue;
             }
+            let placed = placed.to_vec();
             for relationship in placed {
                 match self.placed(relationship, depth) {
                     Ok(occurrence) => part.occurrences.extend(occurrence),
@@ -285,6 +306,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let to_parent = geometry.transformation(attributes.reference(2)?, outer)?
             * geometry.inverse_transformation(origin, inner)?;
         let to_parent = invertible(item, to_parent)?;
+        self.check_reach(item, part, &to_parent)?;
         let style = self.reader.styles.color(item.id());
         Ok(Some(Occurrence { part, to_parent, name: attributes.text(0), style, entity: item.id() }))
     }
@@ -294,26 +316,12 @@ impl<'a, 'r> PartReader<'a, 'r> {
         self.reader.units(units).length
     }
 
-    /// Counts the faces of a product that the file hides.
-    fn hide_product(&mut self, product: Entity<'a>) {
-        let mut open = vec![product];
-        while let Some(product) = open.pop() {
-            if !self.reader.hidden_items.insert(product.id()) {
-                continue;
-            }
-            for representation in self.index.group(product.id()) {
-                self.reader.hide(representation);
-            }
-            let children = self.index.usages(product.id()).into_iter();
-            open.extend(children.filter_map(|usage| usage.simple().reference(4).ok()));
-        }
-    }
-
     /// A representation that a relationship places in another.
     fn placed(&mut self, relationship: Entity<'a>, depth: usize) -> Result<Option<Occurrence>, Refusal> {
         let ends = RelationshipEnds::of(relationship)?;
         let Some(part) = self.representation(ends.first, depth)? else { return Ok(None) };
         let to_parent = self.relationship_matrix(ends)?;
+        self.check_reach(relationship, part, &to_parent)?;
         Ok(Some(Occurrence { part, to_parent, name: String::new(), style: None, entity: relationship.id() }))
     }
 
@@ -358,6 +366,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
                 DMat4::IDENTITY
             }
         };
+        self.check_reach(usage, part, &to_parent)?;
         let (id, name) = (attributes.text(0), attributes.text(1));
         let name = if name.is_empty() { id } else { name };
         let mut contexts = self.index.style_contexts(usage.id());

@@ -88,6 +88,38 @@ pub(super) fn invertible(entity: Entity<'_>, matrix: DMat4) -> Result<DMat4, Ref
     }
 }
 
+/// How far transformations inside one another take what they place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NestedReach {
+    /// Largest factor by which lengths grow.
+    scale: f64,
+    /// Largest distance of the origin of a frame, metres.
+    distance: f64,
+}
+
+impl NestedReach {
+    /// That of bodies, which no transformation places.
+    pub(super) const UNPLACED: Self = Self { scale: 1.0, distance: 0.0 };
+
+    /// That of what another transformation places.
+    pub(super) fn placed(self, matrix: &DMat4) -> Self {
+        let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
+        let scale = axes.iter().map(|axis| axis.truncate().length()).fold(0.0, f64::max);
+        let distance = matrix.w_axis.truncate().length() + scale * self.distance;
+        Self { scale: scale * self.scale, distance }
+    }
+
+    /// The larger of both values.
+    pub(super) fn max(self, other: Self) -> Self {
+        Self { scale: self.scale.max(other.scale), distance: self.distance.max(other.distance) }
+    }
+
+    /// Whether a scene has no coordinates there.
+    pub(super) fn is_too_far(self) -> bool {
+        self.scale.max(self.distance) > FARTHEST
+    }
+}
+
 impl GeometryReader {
     /// An `AXIS2_PLACEMENT_3D` or `AXIS2_PLACEMENT_2D`, in units of the file.
     ///

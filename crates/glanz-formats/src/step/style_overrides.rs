@@ -4,9 +4,9 @@ use std::collections::HashSet;
 
 use glanz_brep::model::{BrepModel, EntityId, StyleOverride};
 
-use super::assembly::{usage_ends, usage_path};
+use super::assembly::{MAX_ASSEMBLY_DEPTH, usage_ends, usage_path};
 use super::geometry::ENTITY_COST;
-use super::part21::{Entity, Refusal};
+use super::part21::{Entity, Keyword, Refusal};
 use super::parts::PartReader;
 use super::styles::ContextualColor;
 
@@ -51,11 +51,11 @@ impl<'a> PartReader<'a, '_> {
         }
         let mut usages: Vec<Entity<'a>> = Vec::new();
         for &context in &color.contexts {
-            let found = self.reader.file.find(context.0).map(|context| self.index.usages_of_context(context));
-            let found = found.unwrap_or_default();
+            let entity = self.reader.file.find(context.0);
+            let found = entity.as_ref().map_or(&[][..], |entity| self.index.usages_of_context(entity));
             if found.is_empty() && !is_part && self.index.owner(context).is_some() {
-                // The shape of a product is a context, too: that of all its occurrences.
-                let path = Vec::new();
+                // The shape of a product is a context, too: that of all its occurrences. A mapped item is an occurrence itself.
+                let path = if color.item.is(Keyword::MappedItem) { vec![item] } else { Vec::new() };
                 self.reader.model.overrides.push(StyleOverride { path, item, style: color.color });
                 continue;
             }
@@ -65,7 +65,7 @@ impl<'a> PartReader<'a, '_> {
             self.reader.geometry.spend(context, ENTITY_COST * found.len())?;
             usages.extend(found);
         }
-        let paths = match self.nested(&usages) {
+        let paths = match Self::nested(&usages) {
             Some(path) => vec![path],
             None => usages.into_iter().map(usage_path).collect::<Result<_, _>>()?,
         };
@@ -80,13 +80,13 @@ impl<'a> PartReader<'a, '_> {
     }
 
     /// The path of several usages of which each contains the next, whichever is named first.
-    fn nested(&self, usages: &[Entity<'a>]) -> Option<Vec<EntityId>> {
-        if usages.len() < 2 {
+    fn nested(usages: &[Entity<'a>]) -> Option<Vec<EntityId>> {
+        if !(2..=MAX_ASSEMBLY_DEPTH).contains(&usages.len()) {
             return None;
         }
-        let mut ends: Vec<(EntityId, [EntityId; 2])> = usages
+        let mut ends: Vec<(Entity<'a>, [EntityId; 2])> = usages
             .iter()
-            .map(|usage| usage_ends(*usage).ok().map(|ends| (usage.id(), ends)))
+            .map(|usage| usage_ends(*usage).ok().map(|ends| (*usage, ends)))
             .collect::<Option<_>>()?;
         if ends.first().zip(ends.get(1)).is_some_and(|((_, [parent, _]), (_, [_, child]))| parent == child) {
             ends.reverse();
@@ -94,7 +94,9 @@ impl<'a> PartReader<'a, '_> {
         let is_chain = ends
             .windows(2)
             .all(|pair| matches!(pair, [(_, [_, child]), (_, [parent, _])] if child == parent));
-        is_chain.then(|| ends.into_iter().map(|(usage, _)| usage).collect())
+        // One of them may be a chain of others.
+        let paths = ends.into_iter().map(|(usage, _)| usage_path(usage).ok());
+        is_chain.then(|| paths.collect::<Option<Vec<_>>>())?.map(|paths| paths.concat())
     }
 }
 

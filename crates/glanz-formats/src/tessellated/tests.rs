@@ -9,7 +9,12 @@ use crate::ply::read as read_ply;
 fn described() -> (Description, SceneTessellation) {
     let cuboid = ShapeDescription::cuboid([0.0; 3], [1.0, 2.0, 3.0]).bounding(0);
     let ball = ShapeDescription { material: 1, ..ShapeDescription::sphere(0.5) };
-    let instance = |matrix: DMat4| InstanceDescription { group: 0, to_parent: matrix, location: None };
+    let instance = |matrix: DMat4| InstanceDescription {
+        name: String::new(),
+        group: 0,
+        to_parent: matrix,
+        location: None,
+    };
     let description = Description {
         materials: vec![MaterialDescription::from(MaterialKind::diffuse(0.5)); 2],
         groups: vec![GroupDescription { name: "a box".into(), shapes: vec![cuboid], ..Default::default() }],
@@ -125,12 +130,17 @@ fn glb_files_have_the_tree_with_shared_meshes() {
 fn instances_beyond_the_limit_are_refused() {
     let (mut description, _) = described();
     for group in 0..20 {
-        let instance = InstanceDescription { group, to_parent: DMat4::IDENTITY, location: None };
+        let instance =
+            InstanceDescription { name: String::new(), group, to_parent: DMat4::IDENTITY, location: None };
         let instances = vec![instance.clone(), instance];
         description.groups.push(GroupDescription { instances, ..Default::default() });
     }
-    description.world.instances =
-        vec![InstanceDescription { group: 20, to_parent: DMat4::IDENTITY, location: None }];
+    description.world.instances = vec![InstanceDescription {
+        name: String::new(),
+        group: 20,
+        to_parent: DMat4::IDENTITY,
+        location: None,
+    }];
     let settings = TessellationSettings { deviation: 0.05, angle: 1.0 };
     let tessellation = SceneTessellation::try_new(&description, settings).unwrap();
     let scene = TessellatedScene {

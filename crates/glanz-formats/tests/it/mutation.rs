@@ -40,12 +40,13 @@ const SCENES: &[&str] = &[
     ReverseOrientation ActiveTransform EndTime Rotate 90 1 0 0 ActiveTransform All MediumInterface "a" "b"
     Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] MakeNamedMaterial "q" "string type" "glass"
     Material "mix" "string namedmaterial1" "q""#,
-    r#"WorldBegin Shape "nurbs" "integer nu" 2 "integer nv" 3 "integer uorder" 2 "integer vorder" [3] "float uknots" [0 0 1 1]
+    r#"Option "string studio" "z" WorldBegin Shape "nurbs" "integer nu" 2 "integer nv" 3 "integer uorder" 2 "integer vorder" [3] "float uknots" [0 0 1 1]
     "float vknots" [0 0 0 2 2 2] "float Pw" [0 0 0 1 1 0 0 1 0 1 0 .5 1 1 0 .5 0 2 0 1 1 2 0 1] "float v1" 1.5
     "float trimellipse" [.5 1 .2 .3] "float trimpolygon" [0 0 1 0 1 1] "string trimside" "inside" Shape "bezierpatch" "integer udegree" 1
     "integer vdegree" 1 "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] "float weights" [1 2 3 4] "integer trimloops" 1 "integer trimorders" 2
     "integer trimcounts" 4 "float trimknots" [0 0 1 2 3 3] "float trimpoints" [0 0 1 1 0 1 0 1 1 0 0 1] "float trimwidths" 1e-3
-    "float trimscale" [2 3] "float trimdomain" [0 0 1 1] "integer solid" 1 Shape "beziertriangle"
+    "float trimscale" [2 3] "float trimdomain" [0 0 1 1] "integer trimedges" [0 1 2] "float trimedgeranges" [1 0] "integer solid" 1
+    Shape "beziertriangle"
     "integer degree" 1 "point3 P" [0 0 0 1 0 0 0 1 0] Shape "patchmesh" "point3 P" [0 0 0] "integer indices" [0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0]"#,
 ];
 

@@ -16,7 +16,7 @@ fn read(text: &str) -> Loaded {
     loaded
 }
 
-/// All that counts of a description: its text form without places and names of materials. Two texts are the same if all numbers have
+/// All that counts of a description: its text form without places and names of materials and occurrences. Two texts are the same if all numbers have
 /// the same bits, but for the sign of zero.
 fn content(description: &Description) -> String {
     let mut plain = description.clone();
@@ -27,7 +27,9 @@ fn content(description: &Description) -> String {
     }
     for group in plain.groups.iter_mut().chain([&mut plain.world]) {
         group.shapes.iter_mut().for_each(|shape| shape.location = None);
-        group.instances.iter_mut().for_each(|instance| instance.location = None);
+        for instance in &mut group.instances {
+            (instance.name, instance.location) = (String::new(), None);
+        }
     }
     format!("{plain:?}")
 }
@@ -165,7 +167,12 @@ fn names_that_occur_twice_get_numbers() {
         shapes: vec![shape],
         ..GroupDescription::default()
     };
-    let instance = |group| InstanceDescription { group, to_parent: DMat4::IDENTITY, location: None };
+    let instance = |group| InstanceDescription {
+        name: String::new(),
+        group,
+        to_parent: DMat4::IDENTITY,
+        location: None,
+    };
     let mut description = model(Vec::new());
     description.groups = vec![
         group("bolt \"M6\"", ShapeDescription::sphere(1.0)),
@@ -178,6 +185,31 @@ fn names_that_occur_twice_get_numbers() {
     assert_eq!(names, ["bolt \"M6\"", "bolt \"M6\" 2", "part 3"]);
     let order: Vec<usize> = loaded.world.instances.iter().map(|instance| instance.group).collect();
     assert_eq!(order, [2, 0, 1]);
+}
+
+#[test]
+fn a_studio_in_a_scene_with_camera_or_lights_is_reported() {
+    let load = |text: &str, strict: bool| {
+        let text = format!("Option \"string studio\" \"y\" {text} Shape \"sphere\"");
+        load_str("model.pbrt", &text, &Options { strict, ..Options::default() })
+    };
+    for (text, reported) in [
+        ("WorldBegin", false),
+        ("Camera \"perspective\" WorldBegin", true),
+        ("WorldBegin LightSource \"point\"", true),
+    ] {
+        let loaded = load(text, false).unwrap();
+        let warnings = loaded.diagnostics.to_string();
+        assert_eq!(
+            warnings.contains("1:24: Option \"studio\": the scene is a model"),
+            reported,
+            "{warnings}"
+        );
+        assert_eq!(loaded.studio.unwrap().up, Some(UpAxis::Y));
+        assert_eq!(load(text, true).is_err(), reported, "{text}");
+    }
+    let error = load_str("model.pbrt", "Option \"string studio\" \"x\"", &Options::default()).unwrap_err();
+    assert!(error.to_string().contains("Option \"studio\" is \"x\"; it must be \"y\" or \"z\""), "{error}");
 }
 
 #[test]

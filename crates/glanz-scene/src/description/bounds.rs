@@ -135,14 +135,20 @@ mod tests {
             shapes: vec![ShapeDescription::cuboid([-1.0, -1.0, 0.0], [1.0, 1.0, 1.0])],
             ..GroupDescription::default()
         };
-        let turned =
-            InstanceDescription { group: 0, to_parent: DMat4::from_rotation_z(FRAC_PI_4), location: None };
+        let turned = InstanceDescription {
+            name: String::new(),
+            group: 0,
+            to_parent: DMat4::from_rotation_z(FRAC_PI_4),
+            location: None,
+        };
         let moved = InstanceDescription {
+            name: String::new(),
             group: 1,
             to_parent: DMat4::from_translation(DVec3::new(0.0, 0.0, 7.0)),
             location: None,
         };
-        let missing = InstanceDescription { group: 9, to_parent: DMat4::IDENTITY, location: None };
+        let missing =
+            InstanceDescription { name: String::new(), group: 9, to_parent: DMat4::IDENTITY, location: None };
         let middle = GroupDescription { instances: vec![turned], ..GroupDescription::default() };
         let world = GroupDescription { instances: vec![moved, missing], ..GroupDescription::default() };
         let description = Description { groups: vec![bar, middle], world, ..Description::default() };
@@ -155,6 +161,7 @@ mod tests {
         let mut groups = vec![ball];
         for group in 0..20 {
             let at = |x: f64| InstanceDescription {
+                name: String::new(),
                 group,
                 to_parent: DMat4::from_translation(DVec3::X * x),
                 location: None,
@@ -162,7 +169,12 @@ mod tests {
             let side = f64::from(1 << group);
             groups.push(GroupDescription { instances: vec![at(-side), at(side)], ..Default::default() });
         }
-        let all = InstanceDescription { group: 20, to_parent: DMat4::IDENTITY, location: None };
+        let all = InstanceDescription {
+            name: String::new(),
+            group: 20,
+            to_parent: DMat4::IDENTITY,
+            location: None,
+        };
         let world = GroupDescription { instances: vec![all], ..Default::default() };
         let description = Description { groups, world, ..Description::default() };
         let end = f64::from((1 << 20) - 1) + 1.0;

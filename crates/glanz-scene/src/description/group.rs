@@ -22,6 +22,8 @@ pub struct GroupDescription {
 /// A copy of a group.
 #[derive(Clone, Debug)]
 pub struct InstanceDescription {
+    /// Its name, such as that of an occurrence in an assembly; may be empty.
+    pub name: String,
     /// Index into [`Description::groups`](super::Description::groups).
     pub group: usize,
     /// Transformation from the group's frame to that of the group that contains this instance.

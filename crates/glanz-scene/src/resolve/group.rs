@@ -227,7 +227,7 @@ impl GroupResolver {
         }
         let mut instances = Vec::with_capacity(description.instances.len());
         let (mut depth, mut placed) = (0, objects.len() as u64);
-        for InstanceDescription { group, to_parent, location } in description.instances {
+        for InstanceDescription { name: _, group, to_parent, location } in description.instances {
             reference("object", group, index.min(self.groups.len()), location)?;
             let to_parent = transform(to_parent, "instance", location)?;
             depth = depth.max(self.depths[group] + 1);

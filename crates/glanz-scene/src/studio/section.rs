@@ -88,7 +88,8 @@ pub(super) fn cut(description: &mut Description, plane: SectionPlane, bounds: Bo
     let world = std::mem::take(&mut description.world);
     let group = description.groups.len();
     description.groups.push(world);
-    let instance = InstanceDescription { group, to_parent: DMat4::IDENTITY, location: None };
+    let instance =
+        InstanceDescription { name: String::new(), group, to_parent: DMat4::IDENTITY, location: None };
     description.world = GroupDescription { instances: vec![instance], ..GroupDescription::default() };
     let material = description.materials.len();
     description.materials.push(MaterialKind::diffuse(FACE.to_linear()).into());

@@ -292,6 +292,7 @@ fn groups_are_as_fine_as_their_largest_instance() {
     let ball = GroupDescription { shapes: vec![ShapeDescription::sphere(1.0)], ..Default::default() };
     let count = |scale: f64| {
         let instance = InstanceDescription {
+            name: String::new(),
             group: 0,
             to_parent: DMat4::from_scale(DVec3::splat(scale)),
             location: None,

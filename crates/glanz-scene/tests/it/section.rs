@@ -1,5 +1,7 @@
 //! Groups that are cut open.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glanz_geometry::BoundedRay;
 use glanz_math::{DMat4, DVec3, Ray};
 use glanz_scene::description::*;
@@ -170,6 +172,63 @@ fn a_face_in_the_plane_is_hit_where_its_solid_ends_and_is_left_out_where_it_begi
     }
 }
 
+/// The edges of a cube of the side 1 whose lowest points have the height `low`. The shape 0 is its top, 1 its bottom, 2 to 5 are its sides.
+fn cube_edges(low: f64) -> Vec<EdgeDescription> {
+    let corner = |i: usize, height: f64| {
+        let [x, y] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][i % 4];
+        DVec3::new(x, y, low + height)
+    };
+    let edge = |from: DVec3, to: DVec3, shapes: [usize; 2]| EdgeDescription {
+        points: (0..=8).map(|i| from.lerp(to, f64::from(i) / 8.0)).collect(),
+        deviation: 0.0,
+        kind: EdgeKind::Line,
+        length: 1.0,
+        shapes: shapes.to_vec(),
+        transition: EdgeTransition::Sharp,
+        angle: FRAC_PI_2,
+    };
+    let mut edges = Vec::new();
+    for i in 0..4 {
+        let [side, next] = [2 + i, 2 + (i + 1) % 4];
+        edges.push(edge(corner(i, 1.0), corner(i + 1, 1.0), [0, side]));
+        edges.push(edge(corner(i, 0.0), corner(i + 1, 0.0), [1, side]));
+        edges.push(edge(corner(i + 1, 0.0), corner(i + 1, 1.0), [side, next]));
+    }
+    edges
+}
+
+#[test]
+fn edges_in_the_plane_are_left_with_what_is_below_it() {
+    // Rounding puts points of the world above the plane or below it.
+    let turn = DMat4::from_rotation_x(0.7)
+        * DMat4::from_rotation_y(-0.4)
+        * DMat4::from_translation(DVec3::new(0.1, 0.2, 0.3));
+    let to_parent = turn * DMat4::from_scale(DVec3::splat(2.0));
+    // Numbers of pieces in all, and their length, of a cube below the plane, of one above it, and of one that it cuts in the middle.
+    for (low, count, length) in [(0.0, 12, 12.0), (1.0, 0, 0.0), (0.5, 8, 6.0)] {
+        let group = GroupDescription { edges: cube_edges(low), ..GroupDescription::default() };
+        let instances =
+            vec![InstanceDescription { name: String::new(), group: 0, to_parent, location: None }];
+        let description = Description {
+            materials: vec![MaterialKind::diffuse(0.5).into()],
+            groups: vec![group],
+            world: GroupDescription { instances, ..GroupDescription::default() },
+            section: Some(SectionDescription { group: 0, normal: DVec3::Z, offset: 1.0, material: 0 }),
+            ..Description::default()
+        };
+        let (scene, _) = Scene::resolve(description).unwrap();
+        let placed = scene.placed_edges();
+        let pieces: Vec<Vec<DVec3>> = placed
+            .iter()
+            .flat_map(|group| group.edges.iter().flat_map(move |edge| group.pieces(edge)))
+            .collect();
+        assert_eq!(pieces.len(), count, "{low}");
+        let found: f64 =
+            pieces.iter().flat_map(|piece| piece.windows(2).map(|pair| pair[0].distance(pair[1]))).sum();
+        assert!((found - 2.0 * length).abs() < 1e-12, "{low} {found}");
+    }
+}
+
 /// A square of the side 1 in a plane, which extends beyond it by `width` as a border that overlaps those of other squares.
 fn bordered_square(width: f64) -> ShapeDescription {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]];
@@ -186,7 +245,7 @@ fn bordered_square(width: f64) -> ShapeDescription {
 fn faces_that_overlap_at_the_edges_of_a_solid_count_once() {
     let width = 0.06;
     let up = bordered_square(width).translated([0.0, 0.0, 0.5]);
-    let quarter = std::f64::consts::FRAC_PI_2;
+    let quarter = FRAC_PI_2;
     let around = (0..4).map(|k| up.clone().rotated(DVec3::X, quarter * f64::from(k)));
     let sides = [quarter, -quarter].map(|angle| up.clone().rotated(DVec3::Y, angle));
     let shapes: Vec<ShapeDescription> = around.chain(sides).collect();

@@ -6,6 +6,9 @@ use glanz_scene::Camera;
 /// Longest step between points of a curve on the film, pixels.
 const STEP: f64 = 1.0;
 
+/// Length of steps up to which points of a curve are left out on the film, pixels, since every point costs rays.
+const SHORT_STEP: f64 = 0.25;
+
 /// Halvings of a segment, at most: from a step in front of the camera to the horizon.
 const MAX_HALVINGS: u32 = 48;
 
@@ -41,12 +44,15 @@ impl<'a> FilmCurves<'a> {
         Self { camera, window: [-margin, size + margin] }
     }
 
-    /// The parts of a polyline within the picture, in steps of at most a pixel. They do not depend on the crop window.
+    /// The parts of a polyline within the picture, in steps of at most a pixel; how many depends on their lengths on the film, not on the number of
+    /// points. They do not depend on the crop window.
     pub(super) fn project(&self, points: &[DVec3]) -> Vec<Vec<FilmPoint>> {
         let mut curves = vec![Vec::new()];
-        for pair in points.windows(2) {
-            let ends = [pair[0], pair[1]].map(|point| (point, self.at(point)));
-            self.segment(ends, MAX_HALVINGS, &mut curves);
+        let mut ends = points.iter().map(|&point| (point, self.at(point)));
+        let Some(mut start) = ends.next() else { return Vec::new() };
+        for end in ends {
+            self.segment([start, end], MAX_HALVINGS, &mut curves);
+            start = end;
         }
         curves.retain(|curve| curve.len() > 1);
         curves
@@ -77,7 +83,7 @@ impl<'a> FilmCurves<'a> {
                 if curve.is_empty() {
                     curve.push(a);
                 }
-                curve.push(b);
+                add_point(curve, b);
                 return;
             }
             _ if halvings == 0 => return interrupt(curves),
@@ -94,4 +100,15 @@ impl<'a> FilmCurves<'a> {
         let [low, high] = self.window;
         a.max(b).cmplt(low).any() || a.min(b).cmpgt(high).any()
     }
+}
+
+/// Adds a point to a curve, in the place of the last one if that is a short step behind the one before.
+fn add_point(curve: &mut Vec<FilmPoint>, point: FilmPoint) {
+    if let [.., before, last] = curve.as_slice()
+        && before.film.distance(last.film) <= SHORT_STEP
+        && before.film.distance(point.film) <= STEP
+    {
+        curve.pop();
+    }
+    curve.push(point);
 }

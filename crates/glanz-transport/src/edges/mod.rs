@@ -1,15 +1,18 @@
 //! Lines of constant width along the edges of a scene, drawn over a picture.
 //!
 //! Edges are projected to the film in steps of at most a pixel (`film_curve`), lines of sight decide which points are seen (`visibility`), and
-//! the visible parts cover pixels (`coverage`). Where a section shows its faces, rays find their outlines (`outline`). The layer depends on the scene, the camera and the style alone, not on samples: it is drawn once,
-//! and mixed with the mean radiance of the pixels, so that a pixel half of which a line covers shows half of the light.
+//! the visible parts cover pixels (`coverage`). Where a section shows its faces, rays find their outlines (`outline`). The layer depends on the
+//! scene, the camera and the style alone, not on samples: it is drawn once, and mixed with the mean radiance of the pixels, so that a pixel half
+//! of which a line covers shows half of the light.
 
 mod coverage;
 mod film_curve;
 mod outline;
 mod visibility;
 
-use glanz_job::{CancelFlag, Interrupted};
+use std::time::Instant;
+
+use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink, WorkCount};
 use glanz_math::DVec2;
 use glanz_scene::description::EdgeDescription;
 use glanz_scene::{PlacedEdges, Scene};
@@ -21,6 +24,9 @@ use film_curve::FilmCurves;
 
 /// Largest number of edges of a scene, see [`Scene::edge_count`], that it makes sense to draw.
 pub const MAX_EDGES: u64 = 10_000_000;
+
+/// Number of edges per thread between two reports of progress.
+const PORTION: usize = 64;
 
 /// Appearance of the lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +51,7 @@ impl EdgeLayer {
     ///
     /// With a lens, edges are drawn as its centre sees them, and sharp.
     ///
-    /// The time is at least proportional to the number of edges, see [`MAX_EDGES`].
+    /// The time is at least proportional to the number of edges, see [`MAX_EDGES`], and to their points.
     ///
     /// # Errors
     /// [`Interrupted`] if cancelled.
@@ -53,6 +59,7 @@ impl EdgeLayer {
         scene: &Scene,
         format: &FilmFormat,
         style: EdgeStyle,
+        sink: &mut dyn ProgressSink,
         cancel: &CancelFlag,
     ) -> Result<Self, Interrupted> {
         let curves = FilmCurves::new(scene.camera(), format.resolution, style.width);
@@ -71,11 +78,19 @@ impl EdgeLayer {
                 .flat_map(|curve| visibility::visible_parts(scene, &curve, deviation, style.width))
                 .collect())
         };
-        let lines: Result<Vec<Vec<Vec<DVec2>>>, Interrupted> = edges.par_iter().map(lines).collect();
         let mut map = CoverageMap::new(format.crop, style.width);
-        lines?.iter().flatten().for_each(|line| map.add(line));
-        cancel.check()?;
-        outline::section_outline(scene, format.crop, style.width).iter().for_each(|line| map.add(line));
+        let (start, mut done) = (Instant::now(), 0);
+        for portion in edges.chunks(PORTION * rayon::current_num_threads()) {
+            let lines: Result<Vec<Vec<Vec<DVec2>>>, Interrupted> = portion.par_iter().map(lines).collect();
+            lines?.iter().flatten().for_each(|line| map.add(line));
+            done += portion.len();
+            let fraction = done as f64 / edges.len() as f64;
+            let count =
+                WorkCount { done: done as u64, wanted: Some(edges.len() as u64), unit: ["edge", "edges"] };
+            sink.on_progress(&JobProgress::by_work("edges", fraction, start.elapsed()).with_count(count));
+        }
+        let outline = outline::section_outline(scene, format.crop, style.width, sink, cancel)?;
+        outline.iter().for_each(|line| map.add(line));
         Ok(Self { color: style.color, coverage: map.bytes() })
     }
 

@@ -1,5 +1,8 @@
 //! Outlines of the faces of a section.
 
+use std::time::Instant;
+
+use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink};
 use glanz_math::DVec2;
 use glanz_scene::Scene;
 use rayon::prelude::*;
@@ -10,15 +13,27 @@ use crate::pixel_rect::PixelRect;
 /// Halvings of the side of a pixel on which an outline lies.
 const HALVINGS: u32 = 4;
 
+/// Number of rows of pixels per thread between two reports of progress.
+const PORTION: usize = 16;
+
 /// The border of the part of the film in which the camera sees the faces of the section, as short lines, pixels.
 ///
 /// Rays through the corners of all pixels tell on which sides of pixels the border lies; more rays find it there, and lines connect these points
 /// within each pixel. The lines do not depend on the crop window, as far as they reach into it.
 ///
+/// # Errors
+/// [`Interrupted`] if cancelled.
+///
 /// # Source
 /// @lorensen1987, in the plane.
-pub(super) fn section_outline(scene: &Scene, crop: PixelRect, width: f64) -> Vec<[DVec2; 2]> {
-    let Some(section) = scene.section_id() else { return Vec::new() };
+pub(super) fn section_outline(
+    scene: &Scene,
+    crop: PixelRect,
+    width: f64,
+    sink: &mut dyn ProgressSink,
+    cancel: &CancelFlag,
+) -> Result<Vec<[DVec2; 2]>, Interrupted> {
+    let Some(section) = scene.section_id() else { return Ok(Vec::new()) };
     let shows = |film: DVec2| {
         scene.intersect(&scene.camera().ray(film, CENTER), f64::INFINITY).is_some_and(|hit| hit.id == section)
     };
@@ -29,9 +44,17 @@ pub(super) fn section_outline(scene: &Scene, crop: PixelRect, width: f64) -> Vec
     });
     let corner = |x: i64, y: i64| DVec2::new(x as f64, y as f64);
     let row = |y: i64| -> Vec<bool> { (x.start..=x.end).map(|x| shows(corner(x, y))).collect() };
-    let rows: Vec<Vec<bool>> = (y.start..=y.end).into_par_iter().map(row).collect();
-    let lines_of_row = |(y, rows): (i64, &[Vec<bool>])| {
-        let [above, below] = rows else { return Vec::new() };
+    let (start, heights): (Instant, Vec<i64>) = (Instant::now(), (y.start..=y.end).collect());
+    let mut rows: Vec<Vec<bool>> = Vec::with_capacity(heights.len());
+    for portion in heights.chunks(PORTION * rayon::current_num_threads()) {
+        cancel.check()?;
+        rows.par_extend(portion.par_iter().map(|&y| row(y)));
+        let fraction = rows.len() as f64 / heights.len() as f64;
+        sink.on_progress(&JobProgress::by_work("outline of the section", fraction, start.elapsed()));
+    }
+    let lines_of_row = |(y, rows): (i64, &[Vec<bool>])| -> Result<Vec<[DVec2; 2]>, Interrupted> {
+        cancel.check()?;
+        let [above, below] = rows else { return Ok(Vec::new()) };
         let mut lines = Vec::new();
         for ((x, above), below) in x.clone().zip(above.windows(2)).zip(below.windows(2)) {
             let corners = [(corner(x, y), above[0]), (corner(x + 1, y), above[1])];
@@ -43,10 +66,11 @@ pub(super) fn section_outline(scene: &Scene, crop: PixelRect, width: f64) -> Vec
             // Two points, or four where two corners face each other.
             lines.extend(points.chunks_exact(2).map(|pair| [pair[0], pair[1]]));
         }
-        lines
+        Ok(lines)
     };
     let pairs: Vec<(i64, &[Vec<bool>])> = y.zip(rows.windows(2)).collect();
-    pairs.into_par_iter().flat_map_iter(lines_of_row).collect()
+    let lines: Result<Vec<_>, Interrupted> = pairs.into_par_iter().map(lines_of_row).collect();
+    Ok(lines?.concat())
 }
 
 /// Where the faces begin on the side of a pixel, of whose ends one shows them.

@@ -1,7 +1,9 @@
 //! Lines over pictures with known ones.
 
+use std::f64::consts::TAU;
+
 use glanz_geometry::DVec3;
-use glanz_job::CancelFlag;
+use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink, Silent};
 use glanz_math::DMat4;
 use glanz_scene::Scene;
 use glanz_scene::description::{
@@ -10,6 +12,7 @@ use glanz_scene::description::{
 };
 use glanz_scene::description::{FilmDescription, MaterialKind};
 
+use super::film_curve::{FilmCurves, FilmPoint};
 use super::{EdgeLayer, EdgeStyle};
 use crate::film::FilmFormat;
 use crate::pixel_rect::PixelRect;
@@ -48,7 +51,7 @@ fn described(kind: CameraKind, shapes: Vec<ShapeDescription>, edges: Vec<EdgeDes
 fn layer(description: Description, crop: PixelRect) -> EdgeLayer {
     let format = FilmFormat { crop, ..FilmFormat::plain([SIDE; 2]) };
     let (scene, _) = Scene::resolve(description).unwrap();
-    EdgeLayer::draw(&scene, &format, STYLE, &CancelFlag::default()).unwrap()
+    EdgeLayer::draw(&scene, &format, STYLE, &mut Silent, &CancelFlag::default()).unwrap()
 }
 
 fn drawn(shapes: Vec<ShapeDescription>, edges: Vec<EdgeDescription>) -> EdgeLayer {
@@ -161,7 +164,12 @@ fn edges_are_placed_and_cut_with_their_group() {
     let mut description = described(CameraKind::Orthographic, Vec::new(), Vec::new());
     description.groups.push(group);
     let to_parent = DMat4::from_translation(DVec3::Y * 0.5);
-    description.world.instances.push(InstanceDescription { group: 0, to_parent, location: None });
+    description.world.instances.push(InstanceDescription {
+        name: String::new(),
+        group: 0,
+        to_parent,
+        location: None,
+    });
     let whole = layer(description.clone(), PixelRect::full([SIDE; 2]));
     assert!((6..58).all(|x| (column(&whole, x) - 1.5).abs() < 0.05));
     assert!((0..SIDE).all(|x| share(&whole, x, 32) == 0.0), "the copy is half a metre higher");
@@ -188,23 +196,29 @@ fn lines_that_begin_behind_the_camera_are_drawn_in_front_of_it() {
     assert!((33..63).all(|x| column(&layer, x) > 1.0));
 }
 
-#[test]
-fn faces_of_a_section_have_outlines() {
-    // A ball of radius 1/2 is cut through its middle across the line of sight: a circle of 16 pixels radius about the middle.
+/// A ball of radius 1/2, cut through its middle across the line of sight: a circle of 16 pixels radius about the middle.
+fn cut_ball() -> Description {
     let ball =
         GroupDescription { shapes: vec![ShapeDescription::sphere(0.5)], ..GroupDescription::default() };
     let mut description = described(CameraKind::Orthographic, Vec::new(), Vec::new());
     description.groups.push(ball);
     description.world.instances.push(InstanceDescription {
+        name: String::new(),
         group: 0,
         to_parent: DMat4::IDENTITY,
         location: None,
     });
     description.section =
         Some(SectionDescription { group: 0, normal: DVec3::NEG_Z, offset: 0.0, material: 0 });
+    description
+}
+
+#[test]
+fn faces_of_a_section_have_outlines() {
+    let description = cut_ball();
     let whole = layer(description.clone(), PixelRect::full([SIDE; 2]));
     let area: f64 = whole.coverage.iter().map(|&share| f64::from(share) / 255.0).sum();
-    assert!((area - 1.5 * std::f64::consts::TAU * 16.0).abs() < 4.0, "{area}");
+    assert!((area - 1.5 * TAU * 16.0).abs() < 4.0, "{area}");
     for (pixel, [x, y]) in PixelRect::full([SIDE; 2]).pixels().enumerate() {
         let distance = (f64::from(x) + 0.5 - 32.0).hypot(f64::from(y) + 0.5 - 32.0);
         assert!(whole.coverage[pixel] == 0 || (distance - 16.0).abs() < 1.5, "{x} {y}");
@@ -213,5 +227,51 @@ fn faces_of_a_section_have_outlines() {
     let part = layer(description, crop);
     for (pixel, [x, y]) in crop.pixels().enumerate() {
         assert_eq!(part.coverage[pixel], whole.coverage[(y * SIDE + x) as usize], "{x} {y}");
+    }
+}
+
+/// Cancels a job in a phase.
+struct PhaseCanceller {
+    phase: &'static str,
+    cancel: CancelFlag,
+}
+
+impl ProgressSink for PhaseCanceller {
+    fn on_progress(&mut self, progress: &JobProgress<'_>) {
+        if progress.phase == self.phase {
+            self.cancel.cancel();
+        }
+    }
+}
+
+#[test]
+fn drawing_is_cancelled_in_each_phase() {
+    let mut description = cut_ball();
+    description.world.edges.push(line(DVec3::NEG_X, DVec3::X));
+    let (scene, _) = Scene::resolve(description).unwrap();
+    for phase in ["edges", "outline of the section"] {
+        let cancel = CancelFlag::default();
+        let mut sink = PhaseCanceller { phase, cancel: cancel.clone() };
+        let drawn = EdgeLayer::draw(&scene, &FilmFormat::plain([SIDE; 2]), STYLE, &mut sink, &cancel);
+        assert_eq!(drawn, Err(Interrupted), "{phase}");
+    }
+}
+
+#[test]
+fn points_on_the_film_are_as_many_as_its_pixels_need() {
+    let (scene, _) = Scene::resolve(described(CameraKind::Orthographic, Vec::new(), Vec::new())).unwrap();
+    let curves = FilmCurves::new(scene.camera(), [SIDE; 2], STYLE.width);
+    // Circles of 20 000 points with these radii, pixels. Two steps in a row together have at least a quarter of a pixel.
+    for radius in [1e-3_f64, 16.0] {
+        let points = (0..=20_000).map(|i| {
+            let angle = TAU * f64::from(i) / 20_000.0;
+            radius / 32.0 * DVec3::new(angle.cos(), angle.sin(), 0.0)
+        });
+        let found = curves.project(&points.collect::<Vec<DVec3>>());
+        assert_eq!(found.len(), 1);
+        let is_step = |pair: &[FilmPoint]| pair[0].film.distance(pair[1].film) <= 1.0;
+        assert!(found[0].windows(2).all(is_step));
+        let most = 2.0 + TAU * radius / 0.125;
+        assert!((2.0..=most).contains(&(found[0].len() as f64)), "{radius} {}", found[0].len());
     }
 }

@@ -1,11 +1,13 @@
 //! Lines along edges, over the picture.
 
+use glanz_job::{ProgressSink, Silent};
 use glanz_scene::Scene;
 use glanz_scene::studio::SrgbColor;
 use glanz_transport::{EdgeLayer, EdgeStyle, FilmFormat, MAX_EDGES};
 
 use crate::error::Error;
 use crate::event::Warning;
+use crate::job_options::JobOptions;
 use crate::running_job::RunningJob;
 
 /// Colour of the lines.
@@ -54,5 +56,13 @@ pub(super) fn layer(
         job.warn(Warning::TooManyEdges { edges });
         return Ok(None);
     }
-    job.in_pool(|job| Ok(Some(EdgeLayer::draw(scene, format, style, &job.options.cancel)?)))
+    job.in_pool(|job| {
+        let JobOptions { sink, cancel, .. } = &mut job.options;
+        let mut silent = Silent;
+        let sink: &mut dyn ProgressSink = match sink {
+            Some(sink) => &mut **sink,
+            None => &mut silent,
+        };
+        Ok(Some(EdgeLayer::draw(scene, format, style, sink, cancel)?))
+    })
 }

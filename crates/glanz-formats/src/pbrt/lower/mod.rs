@@ -66,8 +66,8 @@ pub(crate) struct Lowering {
     pub(crate) has_filter: bool,
     /// Whether the edges of CAD models are sampled.
     pub(crate) edges: bool,
-    /// Upward axis of a model, to which a studio gives camera and light.
-    pub(crate) studio_up: Option<UpAxis>,
+    /// Upward axis of a model, to which a studio gives camera and light, with its place.
+    pub(crate) studio_up: Option<(UpAxis, Span)>,
 }
 
 /// Error of a file that a parameter names.
@@ -129,7 +129,7 @@ impl Lowering {
     pub(crate) fn option(&mut self, list: &mut ParameterList) -> ParseResult<()> {
         let Some((p, axis)) = list.text_parameter("studio", &mut self.reporter)? else { return Ok(()) };
         match axis.parse() {
-            Ok(up) => self.studio_up = Some(up),
+            Ok(up) => self.studio_up = Some((up, p.value_place)),
             Err(UpAxisError) => {
                 let message =
                     format!("Option \"studio\" is {:?}; it must be \"y\" or \"z\"", shortened(&axis));

@@ -88,7 +88,8 @@ impl Lowering {
             }
         }
         let to_parent = context.ctm;
-        let instance = InstanceDescription { group, to_parent, location: Some(place.location) };
+        let instance =
+            InstanceDescription { name: String::new(), group, to_parent, location: Some(place.location) };
         self.current_group().instances.push(instance);
         Ok(())
     }

@@ -69,29 +69,43 @@ impl Lowering {
         list: &mut ParameterList,
         curves: usize,
     ) -> ParseResult<Vec<Option<TrimEdgeDescription>>> {
-        let numbers = list.integers("trimedges", &mut self.reporter)?;
-        let ranges = list.groups::<2>("trimedgeranges", &mut self.reporter)?;
-        let Some((p, numbers)) = numbers else { return Ok(Vec::new()) };
+        let Some((p, numbers)) = list.integers("trimedges", &mut self.reporter)? else {
+            // Fractions have no effect and are reported as not used.
+            return Ok(Vec::new());
+        };
         let help = "each curve has the number of an edge and those of its first and last vertex";
         self.check_count((list, &p), (numbers.len(), "values"), 3 * curves, help)?;
-        let ranges = match ranges {
+        let (numbers, _) = numbers.as_chunks::<3>();
+        for (curve, numbers) in numbers.iter().enumerate().filter(|(_, numbers)| **numbers != [-1; 3]) {
+            if let Some((i, number)) = numbers.iter().enumerate().find(|(_, number)| **number < 0) {
+                let place = self.number_place(&p, 3 * curve + i);
+                let subject = &list.subject;
+                let message = format!(
+                    "{subject}: \"trimedges\" has {number}; numbers must be at least 0, or all three of a curve -1"
+                );
+                return Err(self.reporter.error(&place, "parameter-range", message));
+            }
+        }
+        let ranges = match list.groups::<2>("trimedgeranges", &mut self.reporter)? {
             None => vec![[0.0, 1.0]; curves],
             Some((p, ranges)) => {
                 let help = "each curve has the fractions of the edge at its start and its end";
                 self.check_count((list, &p), (ranges.len(), "pairs"), curves, help)?;
-                if let Some(i) = ranges.as_flattened().iter().position(|x| !(0.0..=1.0).contains(x)) {
+                let mut fractions = ranges.as_flattened().iter().enumerate();
+                if let Some((i, x)) = fractions.find(|(_, x)| !(0.0..=1.0).contains(*x)) {
                     let place = self.number_place(&p, i);
-                    let message = format!("{}: a fraction of an edge is not from 0 to 1", list.subject);
+                    let message =
+                        format!("{}: \"trimedgeranges\" has {x}; it must be from 0 to 1", list.subject);
                     return Err(self.reporter.error(&place, "parameter-range", message));
                 }
                 ranges
             }
         };
-        let numbers = numbers.chunks_exact(3).zip(ranges).map(|(numbers, range)| {
-            let [edge, start, end] = [0, 1, 2].map(|i| numbers.get(i).and_then(|&n| u32::try_from(n).ok()));
+        let edges = numbers.iter().zip(ranges).map(|(numbers, range)| {
+            let [edge, start, end] = numbers.map(|number| u32::try_from(number).ok());
             Some(TrimEdgeDescription { edge: edge?, vertices: [start?, end?], range })
         });
-        Ok(numbers.collect())
+        Ok(edges.collect())
     }
 
     /// Loops of rational spline curves.

@@ -229,3 +229,20 @@ fn transformations_without_an_inverse_cost_their_occurrence_only() {
         assert!(omissions(&file)[0].starts_with("#32: #33: "), "{:?}", omissions(&file));
     }
 }
+
+#[test]
+fn transformations_inside_one_another_are_refused_where_they_go_too_far_together() {
+    // Each enlarges by 1e7, so that two make 1e14.
+    let file = file(&format!(
+        "{}{}{}{}#30=MAPPED_ITEM('inner',#31,#33);#31=REPRESENTATION_MAP(#10,#302);#32=MAPPED_ITEM('outer',#34,#33);
+         #33=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',#22,$,#11,1.E7,$);#34=REPRESENTATION_MAP(#10,#202);#35=MAPPED_ITEM('alone',#31,#33);",
+        common(),
+        product(100, "whole", "#32,#35", 910),
+        product(200, "middle", "#30", 910),
+        product(300, "ball", "#3", 910)
+    ));
+    let whole = file.model.parts.iter().find(|part| part.name == "whole").unwrap();
+    let names: Vec<&str> = whole.occurrences.iter().map(|occurrence| occurrence.name.as_str()).collect();
+    assert_eq!(names, ["alone"]);
+    assert!(omissions(&file)[0].contains("#32: with those inside"), "{:?}", omissions(&file));
+}

@@ -41,44 +41,12 @@ fn sample_is_read_without_damage() {
 /// Bytes that mean something in a file.
 const MEANINGFUL: &[u8] = b"#(),;='.$*/\\0123456789-EXTS\"!\n";
 
-/// Number of damaged files; `GLANZ_FUZZ` multiplies it.
-fn cases() -> u32 {
-    2000 * std::env::var("GLANZ_FUZZ").ok().and_then(|v| v.parse().ok()).unwrap_or(1)
-}
-
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(cases()))]
+    #![proptest_config(testing::config(2000))]
 
     #[test]
-    fn any_change_of_a_file_gives_a_model_or_an_error(
-        changes in prop::collection::vec((any::<prop::sample::Index>(), 0_u8..4, any::<prop::sample::Index>(), any::<u8>()), 1..8),
-    ) {
-        let mut bytes = sample().into_bytes();
-        for (at, kind, byte, any) in changes {
-            let at = at.index(bytes.len());
-            let meaningful = MEANINGFUL[byte.index(MEANINGFUL.len())];
-            match kind {
-                0 => bytes[at] = meaningful,
-                1 => bytes[at] = any,
-                2 => bytes.insert(at, meaningful),
-                _ => drop(bytes.drain(at..(at + usize::from(any)).min(bytes.len() - 1).max(at))),
-            }
-        }
-        // What a user runs: a scene.
-        if let Ok(model) = CadModel::read(&bytes, true) {
-            let mut description = Description::default();
-            let report = model.into_world(&mut description);
-            let groups: usize = description.groups.iter().map(|group| group.shapes.len()).sum();
-            prop_assert_eq!(report.shapes.len(), groups + description.world.shapes.len());
-        }
-        if let Ok(file) = read(&bytes) {
-            let faces = file.report.faces;
-            prop_assert_eq!(faces.total, faces.read + faces.refused + faces.hidden + faces.unreachable);
-            let model = &file.model;
-            prop_assert!(model.faces.iter().all(|face| face.surface < model.surfaces.len()));
-            for (i, part) in model.parts.iter().enumerate() {
-                prop_assert!(part.occurrences.iter().all(|occurrence| occurrence.part < i));
-            }
-        }
+    fn any_change_of_a_file_gives_a_model_or_an_error(changes in testing::changes()) {
+        let bytes = testing::damaged(sample().into_bytes(), changes, MEANINGFUL);
+        testing::check(&bytes, read)?;
     }
 }

@@ -83,6 +83,15 @@ fn sides_of_polygons_are_edges() {
 }
 
 #[test]
+fn sign_of_a_zero_parts_no_sides() {
+    // The first polygon has corners of its own at those that it shares.
+    let negative = OPEN_BOX
+        .replace("#30=POLY_LOOP('',(#40,#42,#43,#41));", "#30=POLY_LOOP('',(#60,#42,#43,#61));")
+        + "#60=CARTESIAN_POINT('',(-0.,0.,-0.));#61=CARTESIAN_POINT('',(1.,-0.,0.));";
+    assert_eq!(edges(&negative, true).len(), 12);
+}
+
+#[test]
 fn edges_are_left_out_unless_they_are_wanted() {
     assert_eq!(edges(CYLINDER, false).len() + edges(OPEN_BOX, false).len(), 0);
 }

@@ -186,7 +186,7 @@ fn boundary_without_ends_is_refused() {
 fn surface_that_ends_at_its_own_border_says_so() {
     let bounds = |implicit: &str| {
         let data = format!(
-            "#2=GEOMETRIC_SET('',(#3));#3=CURVE_BOUNDED_SURFACE('',#4,(#5),.{implicit}.);
+            "#2=GEOMETRIC_SET('',(#3));#3=CURVE_BOUNDED_SURFACE('',#4,(#5),{implicit});
              #4=RECTANGULAR_TRIMMED_SURFACE('',#10,-5.,5.,-5.,5.,.T.,.T.);#5=BOUNDARY_CURVE('',(#20),.F.);
              #20=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.F.,#22);#22=CIRCLE('',#11,1.);"
         );
@@ -202,8 +202,9 @@ fn surface_that_ends_at_its_own_border_says_so() {
         let loops = description.world.shapes.iter().filter_map(|shape| shape.trim.as_ref());
         loops.map(|trim| trim.loops.len()).collect::<Vec<_>>()
     };
-    assert_eq!(bounds("T"), [2]);
-    assert_eq!(bounds("F"), [1]);
+    assert_eq!(bounds(".T."), [2]);
+    assert_eq!(bounds(".F."), [1]);
+    assert_eq!(bounds("$"), [1]);
 }
 
 #[test]

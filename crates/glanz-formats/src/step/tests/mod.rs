@@ -5,6 +5,7 @@ mod curves;
 mod damage;
 mod edges;
 mod faces;
+mod hidden;
 mod styles;
 mod surfaces;
 mod units;
@@ -13,6 +14,7 @@ use glanz_math::DVec3;
 
 use super::read;
 use crate::cad::BrepFile;
+use crate::cad::testing::{self, assert_near, omissions};
 
 /// A context with the number 910 in millimetres and radians.
 const MILLIMETRES: &str = "#900=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
@@ -52,20 +54,5 @@ fn file(data: &str) -> BrepFile {
 
 /// A file in which nothing is wrong.
 fn clean(data: &str) -> BrepFile {
-    let file = file(data);
-    let report = &file.report;
-    for list in [&report.faults, &report.omissions, &report.repairs] {
-        assert_eq!(list.notes(), []);
-    }
-    assert_eq!(report.faces.total, report.faces.read);
-    file
-}
-
-/// The reasons of what is left out.
-fn omissions(file: &BrepFile) -> Vec<String> {
-    file.report.omissions.notes().iter().map(ToString::to_string).collect()
-}
-
-fn assert_near(a: DVec3, b: DVec3) {
-    assert!(a.distance(b) <= 1e-12 * (1.0 + b.length()), "{a} is not {b}");
+    testing::clean(file(data))
 }

@@ -1,4 +1,4 @@
-//! Colours, layers and what is hidden.
+//! Colours and layers.
 
 use glanz_brep::model::ColorStyle;
 use glanz_light::rgb::srgb_decode;
@@ -10,7 +10,7 @@ use super::*;
 use crate::cad::CadModel;
 
 /// Two faces #21 and #22 in the shell #23 of the solid #24 of the representation #25.
-const SOLID: &str =
+pub(super) const SOLID: &str =
     "#10=SPHERICAL_SURFACE('',#11,1.);#11=AXIS2_PLACEMENT_3D('',#12,$,$);#12=CARTESIAN_POINT('',(0.,0.,0.));
     #21=ADVANCED_FACE('',(),#10,.T.);#22=ADVANCED_FACE('',(),#10,.T.);#23=CLOSED_SHELL('',(#21,#22));
     #24=MANIFOLD_SOLID_BREP('',#23);#25=SHAPE_REPRESENTATION('',(#24),#910);";
@@ -27,7 +27,7 @@ fn style(n: usize, color: &str) -> String {
     )
 }
 
-fn read_styles(data: &str) -> BrepFile {
+pub(super) fn read_styles(data: &str) -> BrepFile {
     let styles =
         style(100, "COLOUR_RGB('',1.,0.5,0.)") + &style(200, "DRAUGHTING_PRE_DEFINED_COLOUR('blue')");
     file(&format!("{MILLIMETRES}{SOLID}{styles}{data}"))
@@ -90,19 +90,6 @@ fn mapped_items_have_the_colour_of_their_occurrence() {
 }
 
 #[test]
-fn hidden_bodies_are_left_out_and_reported() {
-    for data in [
-        "#30=STYLED_ITEM('',(#100),#24);#31=INVISIBILITY((#30));",
-        "#30=PRESENTATION_LAYER_ASSIGNMENT('l','',(#24));#31=INVISIBILITY((#30));",
-        "#30=STYLED_ITEM('',(#100),#24);#32=DRAUGHTING_MODEL('',(#30),#910);#31=INVISIBILITY((#32));",
-    ] {
-        let file = read_styles(data);
-        assert_eq!((file.model.roots.len(), file.report.faces.hidden), (0, 2));
-        assert_eq!(omissions(&file), ["#24: the file hides it"]);
-    }
-}
-
-#[test]
 fn layers_are_named_on_faces_and_bodies() {
     let file = read_styles("#30=PRESENTATION_LAYER_ASSIGNMENT('paint','',(#22,#24));");
     let layers: Vec<&str> = file.model.faces.iter().map(|face| face.layer.as_str()).collect();
@@ -119,7 +106,8 @@ fn style_that_cannot_be_read_is_reported() {
 }
 
 /// The part 300 of the products 100 with an occurrence 400, and a representation 500 that stands for it.
-const OCCURRENCE: &str = "#300=PRODUCT_DEFINITION('','',$,$);#301=PRODUCT_DEFINITION_SHAPE('','',#300);
+pub(super) const OCCURRENCE: &str =
+    "#300=PRODUCT_DEFINITION('','',$,$);#301=PRODUCT_DEFINITION_SHAPE('','',#300);
     #302=SHAPE_DEFINITION_REPRESENTATION(#301,#25);#310=PRODUCT_DEFINITION('','',$,$);
     #400=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#310,#300,$);#401=PRODUCT_DEFINITION_SHAPE('','',#400);
     #402=SHAPE_DEFINITION_REPRESENTATION(#401,#500);#500=SHAPE_REPRESENTATION('',(),#910);
@@ -176,6 +164,13 @@ fn style_in_the_context_of_the_shape_of_a_product_holds_in_all_occurrences() {
     assert_eq!(scene_colors(&format!("{OCCURRENCE}{data}")), [BLUE, ORANGE]);
     let occurrence = "#43=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#100),#21,#40,(#410));";
     assert_eq!(scene_colors(&format!("{OCCURRENCE}{data}{occurrence}")), [ORANGE, ORANGE]);
+    // A mapped item is an occurrence, too.
+    let mapped =
+        "#31=MAPPED_ITEM('',#32,#11);#32=REPRESENTATION_MAP(#11,#25);#33=SHAPE_REPRESENTATION('',(#31),#910);
+        #300=PRODUCT_DEFINITION('','',$,$);#301=PRODUCT_DEFINITION_SHAPE('','',#300);
+        #302=SHAPE_DEFINITION_REPRESENTATION(#301,#33);#40=STYLED_ITEM('',(#100),#24);
+        #41=STYLED_ITEM('',(#42),#31);#42=PRESENTATION_STYLE_BY_CONTEXT((#201),#33);";
+    assert_eq!(scene_colors(mapped), [BLUE, BLUE]);
 }
 
 #[test]
@@ -221,6 +216,48 @@ fn style_on_a_path_of_occurrences_counts_there_only() {
     let outer = "#44=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#100),#310,#40,(#602));";
     let both = format!("{OCCURRENCE}{TWICE}{}{outer}", list("#410"));
     assert_eq!(scene_colors(&both), [ORANGE, ORANGE, BLUE, BLUE]);
+}
+
+#[test]
+fn paths_of_many_occurrences_are_joined_whatever_usages_stand_for_them() {
+    let mut whole = String::from(
+        "#1000=PRODUCT_DEFINITION('','',$,$);#1001=PRODUCT_DEFINITION_SHAPE('','',#1000);
+         #1002=SHAPE_DEFINITION_REPRESENTATION(#1001,#1003);#1003=SHAPE_REPRESENTATION('',(),#910);
+         #801=SPECIFIED_HIGHER_USAGE_OCCURRENCE('','','',#320,#300,$,#600,#400);#802=PRODUCT_DEFINITION_SHAPE('','',#801);
+         #803=SHAPE_DEFINITION_REPRESENTATION(#802,#800);#800=SHAPE_REPRESENTATION('',(),#910);
+         #810=SPECIFIED_HIGHER_USAGE_OCCURRENCE('','','',#1000,#310,$,#1100,#600);
+         #811=SPECIFIED_HIGHER_USAGE_OCCURRENCE('','','',#1000,#300,$,#810,#400);
+         #812=SPECIFIED_HIGHER_USAGE_OCCURRENCE('','','',#1000,#300,$,#1100,#801);",
+    );
+    for usage in [1100, 1200] {
+        let [property, placement, relationship] = [usage + 1, usage + 2, usage + 3];
+        whole += &format!(
+            "#{usage}=NEXT_ASSEMBLY_USAGE_OCCURRENCE('','','',#1000,#320,$);#{property}=PRODUCT_DEFINITION_SHAPE('','',#{usage});
+             #{placement}=CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relationship},#{property});
+             #{relationship}=(REPRESENTATION_RELATIONSHIP('','',#323,#1003)
+             REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#412)SHAPE_REPRESENTATION_RELATIONSHIP());"
+        );
+    }
+    for contexts in ["#1102,#602,#410", "#1102,#802", "#802,#1102", "#811", "#812"] {
+        let data = format!("#41=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),#24,#40,({contexts}));");
+        assert_eq!(
+            scene_colors(&format!("{OCCURRENCE}{TWICE}{whole}{data}")),
+            [BLUE, BLUE, ORANGE, ORANGE],
+            "{contexts}"
+        );
+    }
+}
+
+#[test]
+fn usages_that_contain_themselves_have_no_path() {
+    for [upper, next] in [[801, 400], [600, 801], [801, 801]] {
+        let file = read_styles(&format!(
+            "{OCCURRENCE}{TWICE}#801=SPECIFIED_HIGHER_USAGE_OCCURRENCE('','','',#320,#300,$,#{upper},#{next});
+             #41=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),#24,#40,(#801));"
+        ));
+        let notes: Vec<String> = file.report.repairs.notes().iter().map(ToString::to_string).collect();
+        assert_eq!(notes, ["#41: #801: usages are nested deeper than 64 levels; the style is left out"]);
+    }
 }
 
 #[test]
@@ -292,43 +329,30 @@ fn colours_of_many_paths_do_not_fill_the_memory() {
 }
 
 #[test]
-fn hidden_things_of_all_kinds_are_left_out_counted_and_reported() {
-    let mapped = "#31=MAPPED_ITEM('',#32,#11);#32=REPRESENTATION_MAP(#11,#25);#33=SHAPE_REPRESENTATION('',(#31),#910);";
-    let product = "#300=PRODUCT_DEFINITION('','',$,$);#301=PRODUCT_DEFINITION_SHAPE('','',#300);
-        #302=SHAPE_DEFINITION_REPRESENTATION(#301,#25);";
-    for (context, hidden) in [
-        ("", "#24"),
-        ("", "#23"),
-        ("", "#25"),
-        (product, "#25"),
-        (product, "#23"),
-        (mapped, "#31"),
-        (mapped, "#25"),
-        (OCCURRENCE, "#400"),
-        (OCCURRENCE, "#410"),
-        (OCCURRENCE, "#25"),
-    ] {
-        let layer = format!("#90=PRESENTATION_LAYER_ASSIGNMENT('','',({hidden}));#91=INVISIBILITY((#90));");
-        let styled = format!("#90=STYLED_ITEM('',(#100),{hidden});#91=INVISIBILITY((#90));");
-        for data in [
-            format!("{context}#91=INVISIBILITY(({hidden}));"),
-            format!("{context}{layer}"),
-            format!("{context}{styled}"),
-        ] {
-            let file = read_styles(&data);
-            assert_eq!((file.model.roots.len(), file.report.faces.hidden), (0, 2), "{hidden}: {data}");
-            let named = if hidden == "#410" { "#400" } else { hidden };
-            assert_eq!(omissions(&file), [format!("{named}: the file hides it")], "{data}");
-        }
+fn colours_are_not_handed_on_to_many_occurrences_for_ever() {
+    // An occurrence colours 4000 faces, and contains 6000 occurrences of them.
+    let (mut data, mut faces, mut maps) = (String::from(OCCURRENCE), String::new(), String::new());
+    for face in 20_000..24_000 {
+        let style = face + 10_000;
+        faces += &format!(",#{face}");
+        data += &format!(
+            "#{face}=ADVANCED_FACE('',(),#10,.T.);
+             #{style}=CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#200),#{face},#40,(#410));"
+        );
     }
-}
-
-#[test]
-fn bodies_without_a_representation_are_hidden_too() {
-    for hidden in ["#24", "#23"] {
-        let data = format!("#30=INVISIBILITY(({hidden}));");
-        let file =
-            file(&format!("{MILLIMETRES}{}{data}", SOLID.replace("#25=SHAPE_REPRESENTATION", "#25=UNKNOWN")));
-        assert_eq!((file.model.roots.len(), file.report.faces.hidden), (0, 2), "{hidden}");
+    for item in 40_000..46_000 {
+        maps += &format!(",#{item}");
+        data += &format!("#{item}=MAPPED_ITEM('',#27,#11);");
     }
+    data += "#26=SHAPE_REPRESENTATION('',(#24),#910);#27=REPRESENTATION_MAP(#11,#26);";
+    let solid = SOLID
+        .replace("(#21,#22)", &format!("(#21,#22{faces})"))
+        .replace("('',(#24),#910)", &format!("('',(#11{maps}),#910)"));
+    let styles =
+        style(100, "COLOUR_RGB('',1.,0.5,0.)") + &style(200, "DRAUGHTING_PRE_DEFINED_COLOUR('blue')");
+    let model =
+        CadModel::read(text(&format!("{MILLIMETRES}{solid}{styles}{data}")).as_bytes(), false).unwrap();
+    let report = model.into_world(&mut Description::default());
+    let last = report.reading.repairs.notes().last().unwrap();
+    assert!(last.reason.contains("too many different colors"), "{last}");
 }

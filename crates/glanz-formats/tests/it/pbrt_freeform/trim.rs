@@ -157,6 +157,16 @@ fn errors_of_trimming_have_a_position() {
             "2:255: shape \"disk\": \"trimwidths\" has -3; it must not be negative",
         ),
         (
+            format!("{whole} \"integer trimedges\" [-1 -1 -1 3 -2 4 0 0 1]"),
+            "2:263: shape \"disk\": \"trimedges\" has -2; numbers must be at least 0, or all three of a curve -1",
+        ),
+        (
+            format!(
+                "{whole} \"integer trimedges\" [0 0 1 0 0 1 0 0 1] \"float trimedgeranges\" [0 1 0 1.5 0 1]"
+            ),
+            "2:301: shape \"disk\": \"trimedgeranges\" has 1.5; it must be from 0 to 1",
+        ),
+        (
             format!("{whole} \"float trimscale\" [1 0]"),
             "2:250: shape \"disk\": \"trimscale\" has 0; it must be positive",
         ),
@@ -188,6 +198,14 @@ fn errors_of_trimming_have_a_position() {
             "1:73: shape \"disk\": \"trimside\" is \"in\"",
         ),
     ]);
+}
+
+#[test]
+fn fractions_of_edges_without_edges_are_not_used() {
+    let text = format!("WorldBegin Shape \"sphere\" {HALF_DISC} \"float trimedgeranges\" [0 1 0 1 0 1]");
+    let loaded = load_str("odd.pbrt", &text, &Options::default()).unwrap();
+    let warnings = loaded.diagnostics.to_string();
+    assert!(warnings.contains("parameter \"trimedgeranges\" is not used by shape \"sphere\""), "{warnings}");
 }
 
 #[test]
