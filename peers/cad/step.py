@@ -46,7 +46,38 @@ def context(entity):
     return unit, reader.Uncertainty() * unit if reader.HasUncertainty() else None
 
 
-class StepFile:
+class CadFile:
+    """What all files that OpenCascade has transferred have: `shape`, `results`, and the entities in `known`."""
+
+    def label(self, entity):
+        """What was set as the number of an entity, or None."""
+        raise NotImplementedError
+
+    def entity(self, shape):
+        """Number of the entity that a face or solid comes from, or None."""
+        key = shape.TShape()
+        if key not in self.known:
+            self.known[key] = self.find_entity(shape)
+        return self.known[key]
+
+    def find_entity(self, shape):
+        try:
+            # Results are known without their placement.
+            entity = self.results.EntityFromShapeResult(shape.Located(TopLoc_Location()), 1)
+        except Standard_Failure:
+            return None
+        label = self.label(entity) if entity is not None else None
+        label = label.ToCString() if label is not None else ""
+        return int(label[1:]) if re.fullmatch(r"#\d+", label) else None
+
+    def faces(self):
+        return list(explore(self.shape, TopAbs_FACE))
+
+    def solids(self):
+        return list(explore(self.shape, TopAbs_SOLID))
+
+
+class StepFile(CadFile):
     """A file that OpenCascade has read and transferred.
 
     The Python binding does not accept the entities that it returns as arguments, so that `Model.Number` and `IdentLabel` answer 0.
@@ -92,28 +123,8 @@ class StepFile:
                 uncertainties.add(uncertainty)
         self.uncertainties, self.units = sorted(uncertainties - {None}), sorted(units)
 
-    def entity(self, shape):
-        """Number of the entity that a face or solid comes from, or None."""
-        key = shape.TShape()
-        if key not in self.known:
-            self.known[key] = self.find_entity(shape)
-        return self.known[key]
-
-    def find_entity(self, shape):
-        try:
-            # Results are known without their placement.
-            entity = self.results.EntityFromShapeResult(shape.Located(TopLoc_Location()), 1)
-        except Standard_Failure:
-            return None
-        name = entity.Name() if entity is not None and hasattr(entity, "Name") else None
-        name = name.ToCString() if name is not None else ""
-        return int(name[1:]) if re.fullmatch(r"#\d+", name) else None
-
-    def faces(self):
-        return list(explore(self.shape, TopAbs_FACE))
-
-    def solids(self):
-        return list(explore(self.shape, TopAbs_SOLID))
+    def label(self, entity):
+        return entity.Name() if hasattr(entity, "Name") else None
 
     def deduce_entity(self):
         """Gives the only face without a number the only number without a face."""

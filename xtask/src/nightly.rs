@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode};
 use crate::checks::{BROWSER_TESTS, HEAVY_TESTS, all_tests, run_tests};
 use crate::setup::{Tool, Toolbox};
 use crate::suite::{self, Check, Verdict, succeed};
-use crate::{publish, workspace};
+use crate::{chromium, publish, workspace};
 
 /// Integration tests that take their extent from environment variables, optimised.
 struct NightlyPart {
@@ -16,7 +16,18 @@ struct NightlyPart {
     /// Divisor of the numbers of the settings in `nightly`, so that it ends in a night on two cores.
     nightly_divisor: u64,
     settings: &'static [Setting],
+    /// Files of the caller that it takes as well.
+    files: Option<FileList>,
+    /// Whether its tests drive a browser.
+    needs_browser: bool,
     help: &'static str,
+}
+
+/// Files that the last option of the command names.
+struct FileList {
+    option: &'static str,
+    /// Their absolute paths with colons between.
+    variable: &'static str,
 }
 
 /// A number that an option of the command sets.
@@ -37,6 +48,8 @@ const PARTS: &[NightlyPart] = &[
         filter: "contract::",
         nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
+        files: None,
+        needs_browser: false,
         help: "the contract of every kind of surface over random rays",
     },
     NightlyPart {
@@ -48,6 +61,8 @@ const PARTS: &[NightlyPart] = &[
             setting("--rays", "GLANZ_ZOO_RAYS", 10_000_000),
             setting("--adversarial", "GLANZ_ZOO_ADVERSARIAL", 1_000_000),
         ],
+        files: Some(FileList { option: "--patches", variable: "GLANZ_ZOO_PATCHES" }),
+        needs_browser: false,
         help: "roots of rays with freeform patches against a reference of interval arithmetic; --patches FILE... adds patches",
     },
     NightlyPart {
@@ -56,6 +71,8 @@ const PARTS: &[NightlyPart] = &[
         filter: "seam::",
         nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_SEAM_RAYS", 100_000_000)],
+        files: None,
+        needs_browser: false,
         help: "rays across the seam of two trimmed faces",
     },
     NightlyPart {
@@ -64,6 +81,8 @@ const PARTS: &[NightlyPart] = &[
         filter: "unbiased::",
         nightly_divisor: 1,
         settings: &[setting("--samples", "GLANZ_UNBIASED_SAMPLES", 16_384)],
+        files: None,
+        needs_browser: false,
         help: "a Z-test of `guided` and `light` against `path` in all scenes, with this number of samples per pixel",
     },
     NightlyPart {
@@ -77,6 +96,8 @@ const PARTS: &[NightlyPart] = &[
             setting("--density", "GLANZ_BAKE_DENSITY", 25),
             setting("--rays", "GLANZ_BAKE_RAYS", 512),
         ],
+        files: None,
+        needs_browser: false,
         help: "light maps of both methods, with this density (texels per metre) and number of gather rays, against path tracing at random points",
     },
     NightlyPart {
@@ -88,9 +109,24 @@ const PARTS: &[NightlyPart] = &[
             setting("--pages", "GLANZ_SOAK_PAGES", 100),
             setting("--seconds", "GLANZ_SOAK_SECONDS", 300),
         ],
+        files: None,
+        needs_browser: false,
         help: "clients of `glanz view` that connect, misbehave and disconnect; threads and memory must be released",
     },
+    NightlyPart {
+        name: "cad",
+        package: "glanz-cli",
+        filter: "viewer::browser::cad::step_files_",
+        nightly_divisor: 1,
+        settings: &[setting("--seconds", "GLANZ_CAD_SECONDS", 3)],
+        files: Some(FileList { option: "--files", variable: "GLANZ_CAD_FILES" }),
+        needs_browser: true,
+        help: "a STEP file opened on the page: first picture within this time, no gaps, drawn where rays meet it; --files FILE... adds files",
+    },
 ];
+
+/// What tests that drive a browser need.
+const BROWSER_TOOLS: [Tool; 2] = [Tool::Node, Tool::Chromium];
 
 /// The command of each part with its default numbers, and its purpose.
 pub(crate) fn help() -> String {
@@ -107,14 +143,21 @@ pub(crate) fn help() -> String {
 /// An option is unknown or wrong. `None`: there is no part of that name.
 pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, String>> {
     let part = PARTS.iter().find(|part| part.name == name)?;
-    Some(part.command(options).map(|mut command| match run_tests(&mut command) {
-        Ok(counts) => {
-            println!("{name}: {counts}");
-            ExitCode::SUCCESS
+    Some(part.command(options).map(|mut command| {
+        let toolbox = Toolbox::prepare(part.needs_browser.then_some(BROWSER_TOOLS).into_iter().flatten());
+        if let Some(why) = part.missing(&toolbox) {
+            eprintln!("error: {name}: {why}");
+            return ExitCode::FAILURE;
         }
-        Err(counts) => {
-            eprintln!("error: {name}: {counts}, see above");
-            ExitCode::FAILURE
+        match part.run(&mut command) {
+            Ok(counts) => {
+                println!("{name}: {counts}");
+                ExitCode::SUCCESS
+            }
+            Err(counts) => {
+                eprintln!("error: {name}: {counts}, see above");
+                ExitCode::FAILURE
+            }
         }
     }))
 }
@@ -124,9 +167,10 @@ pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, Stri
 /// # Errors
 /// An unknown name.
 pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
-    let needs_browser = names.is_empty() || names.contains(&"browser");
-    let tools: &[Tool] = if needs_browser { &[Tool::Node, Tool::Chromium] } else { &[] };
-    let toolbox = Toolbox::prepare(tools.iter().copied());
+    let is_chosen = |name: &str| names.is_empty() || names.contains(&name);
+    let needs_browser =
+        is_chosen("browser") || PARTS.iter().any(|part| part.needs_browser && is_chosen(part.name));
+    let toolbox = Toolbox::prepare(needs_browser.then_some(BROWSER_TOOLS).into_iter().flatten());
     let mut checks: Vec<Check<'_>> = vec![
         Check { name: "heavy", run: Box::new(|| selected_tests(&[HEAVY_TESTS, "--skip", BROWSER_TESTS])) },
         Check {
@@ -141,15 +185,18 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     ];
     checks.extend(PARTS.iter().map(|part| Check {
         name: part.name,
-        run: Box::new(|| {
-            part.nightly_command().and_then(|mut command| run_tests(&mut command)).map(Verdict::Passed)
+        run: Box::new(|| match part.missing(&toolbox) {
+            Some(why) => Ok(Verdict::Skipped(why)),
+            None => {
+                part.nightly_command().and_then(|mut command| part.run(&mut command)).map(Verdict::Passed)
+            }
         }),
     }));
     if let Some(unknown) = names.iter().find(|name| checks.iter().all(|check| check.name != **name)) {
         let known: Vec<&str> = checks.iter().map(|check| check.name).collect();
         return Err(format!("there is no part \"{unknown}\", choose from {}", known.join(", ")));
     }
-    checks.retain(|check| names.is_empty() || names.contains(&check.name));
+    checks.retain(|check| is_chosen(check.name));
     Ok(suite::run("nightly", &checks))
 }
 
@@ -165,6 +212,21 @@ fn benches() -> Result<Verdict, String> {
 }
 
 impl NightlyPart {
+    /// Why it cannot run; `None` if it can. Waits for tools that are being installed.
+    fn missing(&self, toolbox: &Toolbox) -> Option<String> {
+        self.needs_browser.then(|| toolbox.missing(Tool::Chromium)).flatten()
+    }
+
+    /// Runs its command. The browser is looked for here, since it may have been installed meanwhile.
+    fn run(&self, command: &mut Command) -> Result<String, String> {
+        if self.needs_browser
+            && let Some(program) = chromium::find()
+        {
+            command.env("CHROMIUM", program);
+        }
+        run_tests(command)
+    }
+
     /// The command with the numbers of `nightly`.
     fn nightly_command(&self) -> Result<Command, String> {
         let number = |setting: &Setting| (setting.number / self.nightly_divisor).to_string();
@@ -180,13 +242,19 @@ impl NightlyPart {
         for setting in self.settings {
             command.env(setting.variable, setting.number.to_string());
         }
+        if let Some(FileList { option, variable }) = &self.files
+            && let Some(at) = options.iter().position(|word| word == option)
+        {
+            let (before, files) = options.split_at(at);
+            if files.len() == 1 {
+                return Err(format!("{}: \"{option}\" needs files", self.name));
+            }
+            command.env(variable, paths(&files[1..])?);
+            options = before;
+        }
         loop {
             options = match *options {
                 [] => return Ok(command),
-                ["--patches", ref files @ ..] if self.name == "zoo" && !files.is_empty() => {
-                    command.env("GLANZ_ZOO_PATCHES", patch_files(files)?);
-                    &[]
-                }
                 [option, number, ref rest @ ..] => {
                     let setting = self.settings.iter().find(|setting| setting.option == option);
                     let setting =
@@ -202,7 +270,7 @@ impl NightlyPart {
 }
 
 /// Absolute paths with colons between; the test runs in the folder of its crate.
-fn patch_files(files: &[&str]) -> Result<String, String> {
+fn paths(files: &[&str]) -> Result<String, String> {
     let absolute = |file: &&str| match std::path::absolute(file) {
         Ok(path) => Ok(path.display().to_string()),
         Err(error) => Err(format!("{file}: {error}")),
@@ -244,10 +312,13 @@ mod tests {
     }
 
     #[test]
-    fn files_of_patches_stand_last() {
+    fn files_stand_last() {
         let options = ["--adversarial", "5", "--patches", "/a.rib", "/b.txt"];
         assert_eq!(variable("zoo", &options, "GLANZ_ZOO_ADVERSARIAL"), Ok("5".to_owned()));
         assert_eq!(variable("zoo", &options, "GLANZ_ZOO_PATCHES"), Ok("/a.rib:/b.txt".to_owned()));
         assert!(variable("zoo", &["--patches"], "GLANZ_ZOO_RAYS").is_err());
+        let options = ["--seconds", "5", "--files", "/a.step"];
+        assert_eq!(variable("cad", &options, "GLANZ_CAD_FILES"), Ok("/a.step".to_owned()));
+        assert!(variable("zoo", &options[2..], "GLANZ_ZOO_RAYS").is_err());
     }
 }

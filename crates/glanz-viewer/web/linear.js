@@ -60,6 +60,20 @@ export function mapDirection(map, d) {
   ];
 }
 
+/** Relative difference of lengths, and cosine of right angles, that are so up to rounding. */
+const ROUNDING = 1e-9;
+
+/**
+ * The factor by which a map enlarges, `null` if it is not the same in all directions.
+ * @param {Affine} map
+ */
+export function similarityFactor(map) {
+  const [a, b, c] = [0, 3, 6].map((at) => /** @type {Vector} */ ([map[at], map[at + 1], map[at + 2]]));
+  const square = dot(a, a);
+  const off = [dot(b, b) - square, dot(c, c) - square, dot(a, b), dot(b, c), dot(c, a)];
+  return off.every((x) => Math.abs(x) <= ROUNDING * square) ? Math.sqrt(square) : null;
+}
+
 /**
  * A bound on the factor by which a map lengthens: the largest eigenvalue of M^T M is at most its largest sum of absolute values in a row.
  * @param {Affine} map

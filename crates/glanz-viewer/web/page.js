@@ -4,12 +4,11 @@
  * @module
  */
 
-import { rayThrough } from "./camera.js";
-import { edgesNear, isInSight } from "./edge_picking.js";
+import { edgeDimensions } from "./edge_picking.js";
 import { Renderer } from "./gl/renderer.js";
-import { length } from "./linear.js";
 import { decodeModel } from "./model.js";
 import { AdaptiveResolution } from "./adaptive_resolution.js";
+import { Picker } from "./picker.js";
 import { SceneParts, ranges } from "./scene_parts.js";
 import { Session } from "./session.js";
 import { defaultSettings, fullColour, realTimeOnly, sectionPlane } from "./settings.js";
@@ -76,6 +75,7 @@ export class Page {
     this.viewpoint = new Viewpoint(() => this.viewChanged());
     this.session = new Session(new URL("ws", location.href.replace(/^http/, "ws")), this.listener());
     this.renderedImage = new RenderedImage(this.session, () => this.renderedImageChanged());
+    this.picker = new Picker(this);
     this.tree = new SceneTree({
       selected: (item) => this.select(item, null),
       visibility: () => this.visibilityChanged(),
@@ -85,7 +85,7 @@ export class Page {
     this.status = new StatusBar();
     this.tools = new SettingsPanel(this.settings, () => this.settingsChanged());
     this.pointer = new PointerControls(this.canvas, this.viewpoint, {
-      pick: async (x, y) => (await this.pick(x, y))?.point ?? null,
+      pick: async (x, y) => (await this.picker.surface(x, y))?.point ?? null,
       clicked: (x, y) => this.click(x, y),
       hover: (place) => this.hover(place),
       // A click without a move leaves the rendered picture as it is.
@@ -346,47 +346,8 @@ export class Page {
    * @param {Item | null} item
    */
   async measurePart(item) {
-    const part = item?.node.kind === "shape" ? item.parent : item;
-    if (!part || part.first === part.end) return;
-    try {
-      const reply = await this.session.request({ type: "measure", leaves: [[part.first, part.end - 1]] });
-      if (this.parts?.selected === item) this.properties.add(part, reply.measures);
-    } catch {
-      // Without a server there are no measures.
-    }
-  }
-
-  /**
-   * What is at a place of the canvas, CSS pixels; `null` also while there is no server to ask.
-   * @param {number} x
-   * @param {number} y
-   * @returns {Promise<Hit | null>}
-   */
-  async pick(x, y) {
-    const { origin, direction } = rayThrough(this.viewpoint.camera, this.viewpoint.size, x, y);
-    const plane = this.section;
-    const section = plane && [...plane.normal, plane.offset];
-    const hidden = ranges(this.parts?.hidden ?? new Set());
-    try {
-      return (await this.session.request({ type: "pick", origin, direction, hidden, section })).hit;
-    } catch {
-      return null;
-    }
-  }
-
-  /**
-   * The edge in sight at a place of the canvas, with the surface there.
-   * @param {number} x
-   * @param {number} y
-   */
-  async pickEdge(x, y) {
-    if (!this.model || !this.settings.edges) return null;
-    const { camera, size } = this.viewpoint;
-    for (const place of edgesNear(this.model, camera, size, { x, y }, this.parts?.hidden ?? new Set()).slice(0, 4)) {
-      const hit = await this.pick(place.x, place.y);
-      if (isInSight(camera, size, place, hit?.point ?? null)) return { place, hit };
-    }
-    return null;
+    const found = await this.picker.measures(item);
+    if (found) this.properties.add(found.part, found.measures);
   }
 
   /** @param {import("./gl/edge_lines.js").PlacedEdge} placed */
@@ -394,11 +355,10 @@ export class Page {
     if (!this.model) return;
     this.select(null, null);
     this.edge = { copy, edge };
-    const { toWorld, firstLeaf } = this.model.edgeCopies[copy];
-    const enlarged = length([toWorld[0], toWorld[1], toWorld[2]]);
-    const known = this.model.edges[edge];
-    const faces = [...new Set(known.shapes)].map((shape) => this.parts?.shape(firstLeaf + shape)?.label ?? "");
-    const rows = edgeRows(known, enlarged, faces);
+    const { firstLeaf } = this.model.edgeCopies[copy];
+    const shapes = new Set(this.model.edges[edge].shapes);
+    const faces = [...shapes].map((shape) => this.parts?.shape(firstLeaf + shape)?.label ?? "");
+    const rows = edgeRows(edgeDimensions(this.model, this.edge), faces);
     this.properties.showRows(rows);
     this.properties.shown = Object.fromEntries(rows);
     announce(rows.map((row) => row.join(" ")).join(", "));
@@ -411,8 +371,8 @@ export class Page {
    * @param {number} y
    */
   async click(x, y) {
-    const edge = await this.pickEdge(x, y);
-    const hit = edge ? edge.hit : await this.pick(x, y);
+    const edge = await this.picker.edge(x, y);
+    const hit = edge ? edge.hit : await this.picker.surface(x, y);
     if (this.measure.active) {
       const point = edge?.place.point ?? hit?.point;
       if (point) this.measure.add({ point, normal: hit?.normal ?? null });
@@ -429,7 +389,7 @@ export class Page {
 
   /** @param {{ x: number, y: number } | null} place */
   async hover(place) {
-    const hit = place && this.model ? await this.pick(place.x, place.y) : null;
+    const hit = place && this.model ? await this.picker.surface(place.x, place.y) : null;
     this.status.point(hit?.point ?? null);
   }
 }

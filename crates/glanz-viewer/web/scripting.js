@@ -39,7 +39,7 @@ export function scriptInterface(page) {
     /** @param {Camera} camera */
     setCamera: (camera) => page.viewpoint.set(camera),
     /** @param {number} x @param {number} y */
-    pick: (x, y) => page.pick(x, y),
+    pick: (x, y) => page.picker.surface(x, y),
     normals: () => page.renderer.readNormals(page.view()),
     renderStatus: () => page.renderedImage.status && { ...page.renderedImage.status },
     get latency() {

@@ -11,7 +11,7 @@ use super::dimensions::SurfaceDimensions;
 use super::head::TreeNode;
 use super::tree::TreeLeaf;
 
-/// Relative difference of lengths that are the same up to rounding.
+/// Relative difference of squares of lengths that are the same, and cosine of right angles, up to rounding.
 const SAME_SCALE: f64 = 1e-9;
 
 /// Measures of some leaves of a model.
@@ -175,15 +175,19 @@ impl Model {
     fn volume_of(&self, leaves: &BTreeSet<u32>) -> Option<f64> {
         let cad = self.cad.as_ref()?;
         // All leaves of a copy of a body are enlarged the same: copies that are not are told apart by it.
-        let mut found: BTreeMap<(usize, u32), (f64, usize)> = BTreeMap::new();
+        let mut found: BTreeMap<(usize, u32), (f64, HashMap<usize, usize>)> = BTreeMap::new();
         for &leaf in leaves {
-            let body = cad.body(self.leaves.get(leaf as usize)?)?;
+            let shown = self.leaves.get(leaf as usize)?;
+            let (face, body) = (cad.face(shown)?, cad.body(shown)?);
             let scale = self.scale(*cad.objects.get(leaf as usize)?)?;
-            found.entry((body, (scale as f32).to_bits())).or_insert((scale, 0)).1 += 1;
+            let copies = found.entry((body, (scale as f32).to_bits()));
+            *copies.or_insert_with(|| (scale, HashMap::new())).1.entry(face).or_default() += 1;
         }
-        let volumes = found.into_iter().map(|((body, _), (scale, count))| {
-            let faces = cad.report.bodies.get(body)?.faces.len().max(1);
-            let copies = (count % faces == 0).then_some(count / faces)?;
+        let volumes = found.into_iter().map(|((body, _), (scale, counts))| {
+            let faces = &cad.report.bodies.get(body)?.faces;
+            // Copies are whole if no face is there more often than another.
+            let copies = *counts.values().next()?;
+            let copies = faces.iter().all(|(face, _)| counts.get(face) == Some(&copies)).then_some(copies)?;
             Some(cad.report.body_volume(body)? * scale.powi(3) * copies as f64)
         });
         volumes.sum()
@@ -191,11 +195,32 @@ impl Model {
 
     /// The factor by which an object is enlarged; `None` if it is not the same in all directions.
     fn scale(&self, object: u32) -> Option<f64> {
-        let columns = &self.head.objects.get(object as usize)?.to_world;
-        let axes = columns.chunks_exact(3).take(3).map(DVec3::from_slice).collect::<Vec<_>>();
-        let lengths: Vec<f64> = axes.iter().map(|axis| axis.length()).collect();
-        let [x, y, z] = <[f64; 3]>::try_from(lengths).ok()?;
-        let same = |other: f64| (other - x).abs() <= SAME_SCALE * x;
-        (same(y) && same(z)).then_some(x)
+        similarity_factor(&self.head.objects.get(object as usize)?.to_world)
+    }
+}
+
+/// The factor by which a map enlarges, given by its columns; `None` if it is not the same in all directions.
+fn similarity_factor(columns: &[f64; 12]) -> Option<f64> {
+    let [x, y, z] = [0, 3, 6].map(|at| DVec3::new(columns[at], columns[at + 1], columns[at + 2]));
+    let square = x.length_squared();
+    let off = [y.length_squared() - square, z.length_squared() - square, x.dot(y), y.dot(z), z.dot(x)];
+    off.iter().all(|off| off.abs() <= SAME_SCALE * square).then(|| square.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::similarity_factor;
+
+    #[test]
+    fn only_similarities_have_a_factor() {
+        let turned = [0.0, 2.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 2.0, 5.0, 6.0, 7.0];
+        assert_eq!(similarity_factor(&turned), Some(2.0));
+        let mirrored = [-3.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0];
+        assert_eq!(similarity_factor(&mirrored), Some(3.0));
+        let stretched = [2.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+        assert_eq!(similarity_factor(&stretched), None);
+        // Columns of length 1 that are not at right angles.
+        let sheared = [1.0, 0.0, 0.0, 0.6, 0.8, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+        assert_eq!(similarity_factor(&sheared), None);
     }
 }

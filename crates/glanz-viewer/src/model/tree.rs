@@ -146,7 +146,12 @@ impl TreeBuilder<'_> {
             if let Some(inner) = inner {
                 let children = self.children(inner, instance.group);
                 let place = self.place(instance.location);
-                nodes.push(TreeNode::Group { name: inner.name.clone(), place, children });
+                let name = match instance.name.as_str() {
+                    "" => inner.name.clone(),
+                    name if inner.name.is_empty() || name == inner.name => name.to_owned(),
+                    name => format!("{} ({name})", inner.name),
+                };
+                nodes.push(TreeNode::Group { name, place, children });
             }
         }
         nodes

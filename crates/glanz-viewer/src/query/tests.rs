@@ -200,4 +200,7 @@ fn parts_have_areas_and_volumes_in_closed_form() {
     // Without its bottom a disc bounds no volume.
     let open = of(0..2);
     assert!(open.volume.is_none() && open.area.is_some_and(|found| found < area), "{open:?}");
+    // As many faces as a disc has, of two.
+    let mixed = model.measures_of(&BTreeSet::from([0, 1, 3]));
+    assert!(mixed.volume.is_none() && mixed.faces == 3, "{mixed:?}");
 }

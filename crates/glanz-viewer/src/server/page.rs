@@ -62,6 +62,7 @@ static FILES: &[PageFile] = files![
     "main.js",
     "model.js",
     "page.js",
+    "picker.js",
     "rendered_image.js",
     "scene_parts.js",
     "scripting.js",

@@ -8,7 +8,7 @@ use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
 use glanz_formats::image::{self, Format};
 use glanz_light::Tone;
 use glanz_math::{DVec3, Ray};
-use tokio::task::spawn_blocking;
+use tokio::task::{JoinSet, spawn_blocking};
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout};
 
 use super::message::{MalformedRequest, PageRequest, ProgressMessage, ServerMessage};
@@ -20,6 +20,9 @@ use crate::stream::{
     LatestImage, Outbox, OutboxMessage, RenderRequest, Stream, StreamContext, StreamStatus, VisibleScene,
     file,
 };
+
+/// Largest number of requests for measures of a page that are being served.
+const MOST_MEASURES: usize = 4;
 
 /// Reasons for the end of a connection.
 enum ConnectionEnd {
@@ -38,6 +41,8 @@ struct PageConnection {
     picture: Arc<LatestImage>,
     visible: Arc<VisibleScene>,
     stream: Option<Stream>,
+    /// Answers to come: measures may take seconds, and nothing else waits for them.
+    measures: JoinSet<ServerMessage>,
     malformed: usize,
     last_sign: Instant,
 }
@@ -52,6 +57,7 @@ pub(crate) async fn serve_page(app: Arc<AppState>, slot: SessionSlot, socket: We
         picture: Arc::default(),
         visible: Arc::default(),
         stream: None,
+        measures: JoinSet::new(),
         malformed: 0,
         last_sign: Instant::now(),
     };
@@ -83,6 +89,7 @@ impl PageConnection {
                     None => return Ok(()),
                 },
                 () = self.session.notify.notified() => self.send_pending().await?,
+                Some(Ok(answer)) = self.measures.join_next() => self.reply(answer).await?,
                 message = self.outbox.next() => self.send(message_of(message)).await?,
                 _ = ping.tick() => {
                     if self.last_sign.elapsed() > limits.silence {
@@ -170,8 +177,14 @@ impl PageConnection {
                 self.reply(answer).await
             }
             PageRequest::Measure { id, leaves } => {
+                if self.measures.len() >= MOST_MEASURES
+                    && let Some(Ok(answer)) = self.measures.join_next().await
+                {
+                    self.reply(answer).await?;
+                }
                 let viewer_scene = self.session.published().viewer_scene;
-                self.reply(measure(id, viewer_scene, leaves).await).await
+                self.measures.spawn(measure(id, viewer_scene, leaves));
+                Ok(())
             }
             PageRequest::Save { id } => match save(id, Arc::clone(&self.picture)).await {
                 Ok(bytes) => self.send(Message::binary(bytes)).await,

@@ -37,7 +37,7 @@ void main() {
   vec3 a = place * vec4(from.xyz, 1.0), b = place * vec4(to.xyz, 1.0);
   // What lies behind the eye is drawn up to a little before it.
   float least = lens.z > 0.0 ? -0.999 * depths.y / (depths.x + 1.0) : -1e30;
-  bool hidden = from.w != to.w || (a.z < least && b.z < least);
+  bool hidden = from.w != to.w || max(a.z, b.z) <= least;
   if (a.z < least && b.z > least) a = mix(a, b, (least - a.z) / (b.z - a.z));
   if (b.z < least && a.z > least) b = mix(b, a, (least - b.z) / (a.z - b.z));
   vec4 ca = clip(a), cb = clip(b);
@@ -51,6 +51,8 @@ void main() {
   eyePoint = atEnd ? b : a;
   // Segments overlap by half a pixel, so that nothing is left between them.
   at.xy += (vec2(-along.y, along.x) * across + along * (atEnd ? 0.5 : -0.5)) / half2 * at.w;
+  // Pixels across are interpolated in the picture, not in space: gl_FragCoord.w divides by what is multiplied here.
+  across *= at.w;
   gl_Position = hidden ? vec4(2.0, 2.0, 2.0, 1.0) : at;
 }
 `;
@@ -63,7 +65,7 @@ in float across;
 layout(location = 0) out vec4 colour;
 void main() {
   if (section.xyz != vec3(0.0) && dot(section.xyz, eyePoint) > section.w) discard;
-  float coverage = clamp(halfWidth + 0.5 - abs(across), 0.0, 1.0);
+  float coverage = clamp(halfWidth + 0.5 - abs(across * gl_FragCoord.w), 0.0, 1.0);
   if (coverage <= 0.0) discard;
   colour = vec4(ink, coverage);
 }

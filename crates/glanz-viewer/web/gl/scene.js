@@ -124,8 +124,10 @@ export class Scene {
   drawEdges(view, behind) {
     const { gl } = this;
     const frame = new Frame(view.camera, view.width, view.height);
-    const { opaque } = this.shownObjects(view);
+    const { opaque, clear } = this.shownObjects(view);
     this.place(frame);
+    // For the depths of the clipping planes alone: objects that let light through have edges, too.
+    if (clear.length > 0) this.cull(frame, clear);
     this.cull(frame, opaque);
     frame.write(this.block);
     this.writeShading(frame, view);

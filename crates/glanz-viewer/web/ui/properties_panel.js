@@ -98,20 +98,19 @@ function measureRows(part, { area, volume }) {
 const EDGES = { line: "Straight edge", circle: "Circular edge", ellipse: "Elliptical edge", spline: "Curved edge" };
 
 /**
- * @param {import("../model.js").Edge} edge
- * @param {number} enlarged by its copy
+ * @param {import("../edge_picking.js").EdgeDimensions} edge
  * @param {string[]} faces names
  * @returns {Rows}
  */
-export function edgeRows({ kind, length, radii, angle }, enlarged, faces) {
+export function edgeRows({ kind, length, isExact, radii, angle }, faces) {
   /** @type {Rows} */
   const rows = [
     ["Kind", EDGES[kind]],
-    ["Length", lengthText(length * enlarged)],
+    ["Length", `${isExact ? "" : "about "}${lengthText(length)}`],
   ];
-  if (kind === "circle") rows.push(["Radius", lengthText(radii[0] * enlarged)], ["Arc", angleText(length / radii[0])]);
-  if (kind === "ellipse") rows.push(["Radii", radii.map((radius) => lengthText(radius * enlarged)).join(", ")]);
-  if (faces.length > 1) rows.push(["Angle of the faces", angleText(angle)]);
+  if (kind === "circle") rows.push(["Radius", lengthText(radii[0])], ["Arc", angleText(length / radii[0])]);
+  if (kind === "ellipse" && radii.length > 0) rows.push(["Radii", radii.map(lengthText).join(", ")]);
+  if (faces.length > 1 && angle !== null) rows.push(["Angle of the faces", angleText(angle)]);
   rows.push([faces.length > 1 ? "Faces" : "Face", faces.join(", ")]);
   return rows;
 }

@@ -30,7 +30,12 @@ fn shape(kind: u32, x: f64, shines: bool) -> ShapeDescription {
 }
 
 fn instance(group: usize, x: f64) -> InstanceDescription {
-    InstanceDescription { group, to_parent: DMat4::from_translation(DVec3::X * x), location: None }
+    InstanceDescription {
+        name: String::new(),
+        group,
+        to_parent: DMat4::from_translation(DVec3::X * x),
+        location: None,
+    }
 }
 
 /// Groups in groups, some shapes of which shine: decimals of x say which copy it is. With the x of every leaf by the order of the walk.
@@ -198,8 +203,12 @@ fn cad_model(text: &str) -> File {
 fn tree_of_a_cad_file_is_its_assembly() {
     let text = include_str!("../../../tests/discs.step");
     let file = cad_model(text);
-    let disc = "disc[wall #50 #55]";
-    assert_eq!(outline(&file.head["tree"]), format!("a.step[pair[{disc} {disc}]]"));
+    let faces = "[wall #50 #55]";
+    let expected = format!("a.step[pair[disc (left){faces} disc (right){faces}]]");
+    assert_eq!(outline(&file.head["tree"]), expected);
+    // An occurrence without a name, and one with that of its part.
+    let text = text.replace("'id','left'", "'',''").replace("'right'", "'disc'");
+    assert_eq!(outline(&cad_model(&text).head["tree"]), format!("a.step[pair[disc{faces} disc{faces}]]"));
     assert_eq!(file.head["lengthUnit"], 0.001);
     assert!(file.list("objects").iter().all(|object| object["shared"] == true));
 }
@@ -212,8 +221,9 @@ fn bodies_of_a_part_are_groups_where_it_has_several() {
         .replace("(#40,#50,#55)", "(#40,#55)")
         .replace("(#60,#10),#910", "(#60,#62,#10),#910")
         .replace("#61=", "#62=SHELL_BASED_SURFACE_MODEL('lid',(#63));#63=OPEN_SHELL('',(#50));\n#61=");
-    let disc = "disc[body[wall #55] lid[#50]]";
-    assert_eq!(outline(&cad_model(&text).head["tree"]), format!("a.step[pair[{disc} {disc}]]"));
+    let bodies = "[body[wall #55] lid[#50]]";
+    let expected = format!("a.step[pair[disc (left){bodies} disc (right){bodies}]]");
+    assert_eq!(outline(&cad_model(&text).head["tree"]), expected);
 }
 
 #[test]

@@ -126,12 +126,12 @@ impl Page {
 
     /// Opens a file as if it were chosen, and returns the seconds until its first whole picture.
     pub(crate) fn open_file(&mut self, name: &str, bytes: &[u8]) -> f64 {
-        let content = BASE64.encode(bytes);
+        let (content, quoted) = (BASE64.encode(bytes), json!(name).to_string());
         let open = format!(
             "(async () => {{
                 const bytes = Uint8Array.from(atob('{content}'), (c) => c.charCodeAt(0));
                 const chosen = new DataTransfer();
-                chosen.items.add(new File([bytes], '{name}'));
+                chosen.items.add(new File([bytes], {quoted}));
                 const input = document.querySelector('#files');
                 const before = window.glanz.state().frame;
                 const start = performance.now();
@@ -141,7 +141,7 @@ impl Page {
                     const {{ scene, frame }} = window.glanz.state();
                     // A rendered image that covers all may come before the last program for drawing.
                     const isWhole = (frame !== before && frame.pending === 0) || window.glanz.renderStatus()?.covered;
-                    return scene === '{name}' && document.title.startsWith('{name}') && isWhole;
+                    return scene === {quoted} && document.title.startsWith({quoted}) && isWhole;
                 }};
                 while (!isDrawn()) {{
                     if (document.querySelector('#problem').open) return document.querySelector('#problem-text').textContent;
