@@ -134,17 +134,10 @@ impl Freeform {
         Self::assemble(patches, subpatches, locations, self.extent, self.frame, leaves, Some(region))
     }
 
-    /// The patch over a point of the parameters of the surface, and its parameters there; the nearest if none is, and `None` if all patches lie
-    /// over other quadrilaterals than rectangles.
-    pub(crate) fn patch_at(&self, uv: DVec2) -> Option<(u32, DVec2)> {
-        let faces = 0..self.patch_count() as u32;
-        let rectangle = |face: u32| Some((face, self.patches.placement(face)?.rectangle()?));
-        let nearest = faces.filter_map(rectangle).map(|(face, rect)| {
-            let [low, high] = [0, 1].map(|end| DVec2::new(rect.u[end], rect.v[end]));
-            let at = uv.clamp(low, high);
-            (face, (at - low) / (high - low), at.distance_squared(uv))
-        });
-        nearest.min_by(|a, b| a.2.total_cmp(&b.2)).map(|(face, at, _)| (face, at))
+    /// Corners, in the parameters of the surface, of the rectangle over which a patch lies; `None` if that is another quadrilateral.
+    pub(crate) fn patch_rectangle(&self, face: u32) -> Option<[DVec2; 2]> {
+        let rect = self.patches.placement(face)?.rectangle()?;
+        Some([0, 1].map(|end| DVec2::new(rect.u[end], rect.v[end])))
     }
 
     /// The number of the first subpatch of a patch.
