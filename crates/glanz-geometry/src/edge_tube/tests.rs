@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use glanz_math::DVec4;
 
+use super::patch_index::PatchIndex;
 use super::*;
 use crate::bezier::TensorPatch;
 use crate::freeform::{Freeform, SurfacePatch};

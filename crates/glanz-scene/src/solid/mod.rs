@@ -2,20 +2,23 @@
 //!
 //! Trimming curves of two faces agree with the common edge only up to their widths, so that both faces extend beyond it: next to an edge a
 //! ray may hit one face, both, or beyond the edge a face that it should pass. Hits in the border of a trimming curve are therefore optional
-//! if their object bounds a solid: of all crossings of the ray's line with the boundary, [`accepted_crossings`] accepts those by which the line
+//! if their object bounds a solid: of all crossings of the ray's line with the boundary, [`LineCrossings`] accepts those by which the line
 //! enters and leaves the solid in turns. The whole line counts, not only the part ahead of the ray: a ray that has just left through one of
 //! two overlapping faces would leave through the other once more, and one that has just entered could not be told from one that passes by.
 //!
 //! A ray at a small angle to two faces that meet smoothly passes between them however far they overlap, and no face extends beyond the end of its
-//! surface. Such a ray passes through the tube of the edge ([`EdgeTubes`](glanz_geometry::EdgeTubes)), where a crossing is accepted if the turns lack one.
+//! surface. Such a ray passes through the tube of the edge ([`EdgeTubes`]), where a crossing is accepted if the turns lack one. It may pass there in
+//! either direction if a face runs along it and turns from one side to the other within the tube.
 
 mod crossing;
+mod parity;
 
 use glanz_geometry::trim::TrimRegion;
-use glanz_geometry::{Hit, HitBorder, RaySurface, SurfacePoint, TubeContact};
+use glanz_geometry::{EdgeTubes, Hit, HitBorder, RaySurface, SurfacePoint, TubeContact};
 use glanz_math::{DVec2, DVec3, Ray};
 
-use self::crossing::{BoundaryCrossing, CrossingKind, accepted_crossings, find_crossings_beside_tubes};
+use self::crossing::{BoundaryCrossing, CrossingKind, find_crossings_beside_tubes};
+use self::parity::LineCrossings;
 use crate::object::SceneObject;
 use crate::scene::{Primitive, SceneGroup};
 
@@ -29,11 +32,31 @@ const START_DISTANCE: f64 = 1e-12;
 /// Largest distance by which rounding moves a hit along a line, even at a small angle, relative to the size of the group.
 const MISPLACED: f64 = 1e-6;
 
+/// Directions in the plane across a line, by two perpendicular ones.
+const OBLIQUE: [(f64, f64); 3] = [(0.8, 0.53), (-0.37, 0.89), (-0.66, -0.31)];
+
 impl SceneObject {
-    /// Whether a ray may pass between the object and a neighbour before `t_max`.
+    /// Whether a ray may pass between the object and a neighbour before `t_max`; if it has a hit, before this one, or so close behind that the surface
+    /// at the hit runs through the tube.
     #[inline]
-    fn meets_tube(&self, ray: &Ray, t_max: f64) -> bool {
-        self.tubes().is_some_and(|tubes| tubes.meets(&self.local(ray), t_max))
+    fn meets_tube(&self, ray: &Ray, t_max: f64, hit: Option<&Hit>) -> bool {
+        let Some(tubes) = self.tubes() else { return false };
+        let local = self.local(ray);
+        match hit {
+            None => tubes.meets(&local, t_max),
+            // Few rays that hit a surface meet any of its tubes, and the end of the ray must not decide about the hit.
+            Some(hit) => {
+                tubes.meets(&local, f64::INFINITY) && tubes.meets(&local, self.end_beside(tubes, &local, hit))
+            }
+        }
+    }
+
+    /// The parameter behind a hit up to which a tube may be beside it, see [`find_crossings_beside_tubes`].
+    #[cold]
+    fn end_beside(&self, tubes: &EdgeTubes, local: &Ray, hit: &Hit) -> f64 {
+        let normal = self.surface().location(local, hit).normal;
+        let sine = normal.dot(local.direction).abs() / normal.length();
+        hit.t + 2.0 * tubes.largest_radius() / sine
     }
 
     /// The crossing at a hit of the line that is `local` in the frame of the surface, at `t`; `None` if it is beyond the object.
@@ -77,18 +100,22 @@ impl SceneObject {
     fn crossings_in_tubes(&self, number: u32, local: &Ray, start: f64) -> Vec<BoundaryCrossing> {
         let contacts = self.tubes().map(|tubes| tubes.contacts(local)).unwrap_or_default();
         let length = local.direction.length();
-        let crossing = |contact: TubeContact| {
-            let normal = self.surface().location(local, &contact.hit).normal;
+        let crossing = |hit: Hit, radius: f64| {
+            let normal = self.surface().location(local, &hit).normal;
             let along = normal.dot(local.direction);
-            let entering = (along < 0.0) != self.attributes(contact.hit.face).reversed;
+            let entering = (along < 0.0) != self.attributes(hit.face).reversed;
             let cos = along.abs() / (normal.length() * length);
-            let (t, width) = (start + contact.hit.t, contact.radius / length);
+            let (t, width) = (start + hit.t, radius / length);
             // A ray that starts in a tube starts behind it.
             let t = if t <= width { t.min(0.0) } else { t };
-            let (kind, hit) = (CrossingKind::InTube, Hit { t, ..contact.hit });
+            let (kind, hit) = (CrossingKind::InTube, Hit { t, ..hit });
             BoundaryCrossing { t, entering, kind, width, cos, object: number, hit }
         };
-        contacts.into_iter().map(crossing).collect()
+        let both = |contact: TubeContact| {
+            let turned = self.surface().turned_contact(local, &contact);
+            std::iter::once(contact.hit).chain(turned).map(move |hit| crossing(hit, contact.radius))
+        };
+        contacts.into_iter().flat_map(both).collect()
     }
 }
 
@@ -104,7 +131,7 @@ impl SceneGroup {
         let surface = &self.objects[object as usize];
         let is_certain = hit.is_none_or(|hit| hit.border == HitBorder::Away);
         match surface.solid {
-            Some(solid) if !is_certain || surface.meets_tube(ray, hit.map_or(t_max, |hit| hit.t)) => {
+            Some(solid) if !is_certain || surface.meets_tube(ray, t_max, hit.as_ref()) => {
                 self.first_accepted_hit(object, solid, ray, t_max)
             }
             _ => hit,
@@ -113,61 +140,56 @@ impl SceneGroup {
 
     #[cold]
     fn first_accepted_hit(&self, object: u32, solid: u32, ray: &Ray, t_max: f64) -> Option<Hit> {
-        let crossings = self.boundary_crossings(solid, ray);
-        let mut accepted = accepted_crossings(&crossings);
-        self.drop_false_chords(solid, ray, &crossings, &mut accepted);
+        let (crossings, accepted) = self.settled_crossings(solid, ray);
         let mut counting = crossings.iter().zip(accepted).filter(|(_, counts)| *counts);
         let is_found =
             |crossing: &BoundaryCrossing| crossing.object == object && crossing.t > 0.0 && crossing.t < t_max;
         counting.find(|(crossing, _)| is_found(crossing)).map(|(crossing, _)| crossing.hit)
     }
 
-    /// Drops chords from border to border whose middle lies outside: such lines run just above a face, from one face beyond its edge to
-    /// another. Their own turns cannot tell them from lines through two slits. Likewise gaps whose middle lies inside, where faces reach into the
-    /// solid beyond edges between them.
-    fn drop_false_chords(
-        &self,
-        solid: u32,
-        ray: &Ray,
-        crossings: &[BoundaryCrossing],
-        accepted: &mut [bool],
-    ) {
-        let mut open: Vec<(usize, &BoundaryCrossing)> = Vec::new();
-        for (index, crossing) in crossings.iter().enumerate() {
-            if !accepted.get(index).is_some_and(|accepted| *accepted) {
-                continue;
+    /// The crossings of the line of a ray with a solid, and which of them count. Where their turns leave doubt on which side of the boundary a part of the
+    /// line is, a line through its middle in another direction tells.
+    fn settled_crossings(&self, solid: u32, ray: &Ray) -> (Vec<BoundaryCrossing>, Vec<bool>) {
+        let crossings = self.boundary_crossings(solid, ray);
+        let mut sides: Vec<Option<bool>> = Vec::new();
+        loop {
+            let line = LineCrossings { crossings: &crossings, sides: &sides };
+            let accepted = line.accepted();
+            let doubtful = line.doubtful_gaps(&accepted);
+            if doubtful.is_empty() {
+                return (crossings, accepted);
             }
-            let is_false = |(_, start): &(usize, &BoundaryCrossing)| {
-                start.entering != crossing.entering
-                    && [start.kind, crossing.kind].into_iter().all(CrossingKind::is_near_edge)
-                    && self.is_inside(solid, ray.at(0.5 * (start.t + crossing.t)), ray.direction)
-                        != start.entering
-            };
-            match open.pop_if(|start| is_false(start)) {
-                Some((start, _)) => {
-                    for dropped in [start, index] {
-                        accepted.iter_mut().skip(dropped).take(1).for_each(|accepted| *accepted = false);
-                    }
-                }
-                None => open.push((index, crossing)),
+            // Every round settles at least one more of them.
+            sides.resize(crossings.len(), None);
+            for gap in doubtful {
+                let Some([before, after]) = crossings.get(gap..gap + 2) else { continue };
+                let middle = ray.at(0.5 * (before.t + after.t));
+                sides[gap] = Some(self.is_inside(solid, middle, ray.direction));
             }
         }
     }
 
-    /// Whether a point is inside of a solid, by a line in another direction than `direction`.
+    /// Whether a point is inside of a solid, by a line in another direction than `direction`: the first of some that is away from edges, or else the
+    /// first of all.
     fn is_inside(&self, solid: u32, point: DVec3, direction: DVec3) -> bool {
         let (x, y) = direction.normalize_or(DVec3::Z).any_orthonormal_pair();
+        let mut of_first = None;
         // Oblique, since faces are often parallel or perpendicular to each other.
-        self.solid_holds_origin(solid, &Ray::new(point, 0.8 * x + 0.53 * y))
+        for (along_x, along_y) in OBLIQUE {
+            let line = Ray::new(point, along_x * x + along_y * y);
+            let crossings = self.boundary_crossings(solid, &line);
+            let is_inside = holds_origin(&crossings);
+            if crossings.iter().all(|crossing| crossing.kind == CrossingKind::Certain) {
+                return is_inside;
+            }
+            of_first.get_or_insert(is_inside);
+        }
+        of_first.unwrap_or_default()
     }
 
     /// Whether the origin of a ray is inside of a solid, by the line of the ray.
     pub(crate) fn solid_holds_origin(&self, solid: u32, ray: &Ray) -> bool {
-        let crossings = self.boundary_crossings(solid, ray);
-        let accepted = accepted_crossings(&crossings);
-        let mut behind =
-            crossings.iter().zip(accepted).filter(|(crossing, counts)| *counts && crossing.t <= 0.0);
-        behind.next_back().is_some_and(|(crossing, _)| crossing.entering)
+        holds_origin(&self.boundary_crossings(solid, ray))
     }
 
     /// All crossings of the line of a ray with the objects that bound a solid, in ascending order; those behind its origin have t <= 0.
@@ -256,6 +278,13 @@ impl SceneGroup {
             surface.occluded(ray, t_max)
         }
     }
+}
+
+/// Whether the origin of a line lies between two of its crossings, in ascending order, that enter and leave.
+fn holds_origin(crossings: &[BoundaryCrossing]) -> bool {
+    let accepted = LineCrossings { crossings, sides: &[] }.accepted();
+    let mut behind = crossings.iter().zip(accepted).filter(|(crossing, counts)| *counts && crossing.t <= 0.0);
+    behind.next_back().is_some_and(|(crossing, _)| crossing.entering)
 }
 
 /// Number of the hits of a line that lie behind `origin`, a parameter of it; `ahead`: the hits of the ray that starts there.
