@@ -10,4 +10,5 @@ mod receivers;
 mod scene;
 mod section;
 mod smooth_edges;
+mod solid_forms;
 mod solids;

@@ -5,7 +5,7 @@ use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;
 use glanz_scene::{Scene, SceneBuilder};
 
-use crate::solids::{HALF, REACH, Random, metric, polyline, sheet, side};
+use crate::solid_forms::{HALF, REACH, Random, metric, polyline, sheet, side};
 
 /// Distance of the halves of the top along its normal, metres.
 const STEP: f64 = 1e-6;
