@@ -90,7 +90,7 @@ pub(super) mod tests {
     use super::*;
 
     /// `>` enters and `<` leaves away from borders, `i` and `o` enter in the inner and the outer border, `I` and `O` leave there; `t` and `T` do in a
-    /// tube, `b` and `B` beside one. All one apart; a blank, for a longer gap, is to be removed.
+    /// tube, `b` and `B` beside one. All are one apart.
     pub(in crate::solid) fn crossings(text: &str, width: f64) -> Vec<BoundaryCrossing> {
         let crossing = |(index, symbol): (usize, char)| {
             let (entering, kind) = match symbol {
@@ -101,7 +101,6 @@ pub(super) mod tests {
                     'o' => (other == 'o', CrossingKind::Outer),
                     't' => (other == 't', CrossingKind::InTube),
                     'b' => (other == 'b', CrossingKind::BesideTube),
-                    ' ' => (false, CrossingKind::Certain),
                     _ => panic!("{other}"),
                 },
             };
