@@ -141,17 +141,31 @@ impl LineCrossings<'_> {
 
     /// The gaps of unknown side, by the crossing before each, that would be on the other side by another choice of as few violations, if one in a border
     /// or a tube on either side of the gap did not count, or did: lines just above a face, from one face beyond its edge to another, are not told from
-    /// lines through two slits by their turns. Gaps about as short as borders are wide are slivers, unless the choice itself relies on them.
+    /// lines through two slits by their turns. Gaps about as short as borders are wide are slivers; where nothing else is in a chord from border to border,
+    /// the longest of them stands for all.
     pub(super) fn doubtful_gaps(&self, accepted: &[bool]) -> Vec<usize> {
         let counts = |index: usize| accepted.get(index).is_some_and(|accepted| *accepted);
+        let length = |gap: usize| self.crossings[gap + 1].t - self.crossings[gap].t;
+        let is_sliver =
+            |gap: usize| length(gap) <= 2.0 * (self.crossings[gap].width + self.crossings[gap + 1].width);
+        // Whether the gap is the longest of the slivers from one crossing that counts to the next.
+        let stands_for_chord = |gap: usize| {
+            let first = (0..=gap).rev().find(|&index| counts(index));
+            let Some(chord) = first.zip((gap + 1..self.crossings.len()).find(|&index| counts(index))) else {
+                return false;
+            };
+            let [from, to] = [&self.crossings[chord.0], &self.crossings[chord.1]];
+            let is_chord = from.entering && from.kind.is_border() && to.kind.is_border();
+            let mut gaps = chord.0..chord.1;
+            gaps.len() == 1
+                || is_chord && gaps.clone().all(is_sliver) && gaps.all(|other| length(other) <= length(gap))
+        };
         let mut doubtful = Vec::new();
         let mut is_inside = false;
-        for (index, pair) in self.crossings.windows(2).enumerate() {
-            let [before, after] = pair else { continue };
+        for (index, before) in self.crossings.iter().enumerate().take(self.crossings.len().saturating_sub(1))
+        {
             is_inside = if counts(index) { before.entering } else { is_inside };
-            let relies = counts(index) && counts(index + 1);
-            let is_sliver = after.t - before.t <= 2.0 * (before.width + after.width);
-            if self.side_after(index).is_some() || is_sliver && !relies {
+            if self.side_after(index).is_some() || is_sliver(index) && !stands_for_chord(index) {
                 continue;
             }
             // On either side, up to the next that counts, one that does not count would turn the line to the other side, or that one would not.
@@ -354,6 +368,16 @@ mod tests {
             let line = LineCrossings { sides: &sides, ..line };
             assert!(line.doubtful_gaps(&line.accepted()).is_empty(), "{text}");
         }
+    }
+
+    #[test]
+    fn chord_of_slivers_is_doubtful_once() {
+        // From border to border, with a crossing in a tube between that does not count.
+        let mut crossings = crossings("oTO", 0.3);
+        crossings[1].t = crossings[0].t + 0.9;
+        let line = LineCrossings { crossings: &crossings, sides: &[] };
+        assert_eq!(line.accepted(), [true, false, true]);
+        assert_eq!(line.doubtful_gaps(&line.accepted()), [1]);
     }
 
     #[test]
