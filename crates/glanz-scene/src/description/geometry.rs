@@ -134,3 +134,29 @@ pub enum GeometryDescription {
     /// Rational Bézier patches over triangles.
     BezierTriangles(BezierTrianglesDescription),
 }
+
+impl GeometryDescription {
+    /// The name of its kind in scene files.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Sphere { .. } => "sphere",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Cone { .. } => "cone",
+            Self::Paraboloid { .. } => "paraboloid",
+            Self::Hyperboloid { .. } => "hyperboloid",
+            Self::TwoSheetedHyperboloid { .. } => "twosheetedhyperboloid",
+            Self::Disk { .. } => "disk",
+            Self::Plane { .. } => "plane",
+            Self::Algebraic { .. } => "algebraic",
+            Self::Torus { .. } => "torus",
+            Self::Polyhedron { .. } => "polyhedron",
+            Self::Cuboid { .. } => "box",
+            Self::Triangles { .. } => "trianglemesh",
+            Self::Bilinear { .. } => "bilinearmesh",
+            Self::Nurbs(_) => "nurbs",
+            Self::BezierPatches(_) => "bezierpatch",
+            Self::BezierTriangles(_) => "beziertriangle",
+        }
+    }
+}

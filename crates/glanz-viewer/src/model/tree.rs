@@ -158,7 +158,7 @@ impl TreeBuilder<'_> {
     }
 
     fn shape(&mut self, shape: &ShapeDescription, number: usize) -> TreeNode {
-        let what = kind(&shape.geometry);
+        let what = shape.geometry.name();
         let receiver = shape.receiver.as_ref().map(|receiver| receiver.name.as_str());
         let material = self.description.materials.get(shape.material).map(|m| m.name.as_str());
         let named = [receiver, material].into_iter().flatten().find(|name| !name.is_empty());
@@ -177,28 +177,5 @@ impl TreeBuilder<'_> {
     fn place(&self, location: Option<Location>) -> String {
         let file = |at: Location| self.file_names.get(at.file.0 as usize).map(|name| (name, at.line));
         location.and_then(file).map_or_else(String::new, |(name, line)| format!("{name}:{line}"))
-    }
-}
-
-/// Name of a surface in scene files.
-fn kind(geometry: &GeometryDescription) -> &'static str {
-    match geometry {
-        GeometryDescription::Sphere { .. } => "sphere",
-        GeometryDescription::Cylinder { .. } => "cylinder",
-        GeometryDescription::Cone { .. } => "cone",
-        GeometryDescription::Paraboloid { .. } => "paraboloid",
-        GeometryDescription::Hyperboloid { .. } => "hyperboloid",
-        GeometryDescription::TwoSheetedHyperboloid { .. } => "twosheetedhyperboloid",
-        GeometryDescription::Disk { .. } => "disk",
-        GeometryDescription::Plane { .. } => "plane",
-        GeometryDescription::Algebraic { .. } => "algebraic",
-        GeometryDescription::Torus { .. } => "torus",
-        GeometryDescription::Polyhedron { .. } => "polyhedron",
-        GeometryDescription::Cuboid { .. } => "box",
-        GeometryDescription::Triangles { .. } => "trianglemesh",
-        GeometryDescription::Bilinear { .. } => "bilinearmesh",
-        GeometryDescription::Nurbs(_) => "nurbs",
-        GeometryDescription::BezierPatches(_) => "bezierpatch",
-        GeometryDescription::BezierTriangles(_) => "beziertriangle",
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn write(text: &mut String, shape: &ShapeDescription) -> Result<(), &
         return Err("a receiver cannot be written yet");
     }
     // Writing to a text cannot fail.
-    let _ = write!(text, "Shape \"{}\"", kind(&shape.geometry));
+    let _ = write!(text, "Shape \"{}\"", shape.geometry.name());
     let mut list = ParameterWriter::new(text);
     geometry(&mut list, &shape.geometry)?;
     if let Some(trim) = &shape.trim {
@@ -30,28 +30,6 @@ pub(super) fn write(text: &mut String, shape: &ShapeDescription) -> Result<(), &
         list.integers("solid", [i64::from(solid)]);
     }
     list.finish()
-}
-
-fn kind(geometry: &GeometryDescription) -> &'static str {
-    match geometry {
-        GeometryDescription::Sphere { .. } => "sphere",
-        GeometryDescription::Cylinder { .. } => "cylinder",
-        GeometryDescription::Cone { .. } => "cone",
-        GeometryDescription::Paraboloid { .. } => "paraboloid",
-        GeometryDescription::Hyperboloid { .. } => "hyperboloid",
-        GeometryDescription::TwoSheetedHyperboloid { .. } => "twosheetedhyperboloid",
-        GeometryDescription::Disk { .. } => "disk",
-        GeometryDescription::Plane { .. } => "plane",
-        GeometryDescription::Algebraic { .. } => "algebraic",
-        GeometryDescription::Torus { .. } => "torus",
-        GeometryDescription::Polyhedron { .. } => "polyhedron",
-        GeometryDescription::Cuboid { .. } => "box",
-        GeometryDescription::Triangles { .. } => "trianglemesh",
-        GeometryDescription::Bilinear { .. } => "bilinearmesh",
-        GeometryDescription::Nurbs(_) => "nurbs",
-        GeometryDescription::BezierPatches(_) => "bezierpatch",
-        GeometryDescription::BezierTriangles(_) => "beziertriangle",
-    }
 }
 
 fn geometry(list: &mut ParameterWriter<'_>, geometry: &GeometryDescription) -> Result<(), &'static str> {
