@@ -58,10 +58,22 @@ pub enum TessellatedError {
     /// More than the format can hold.
     #[error("the scene has more vertices or bytes than this format can hold")]
     Size,
+    /// Copies of groups would make a file that is too large.
+    #[error(
+        "the scene has {triangles} triangles with those of all instances, which this format cannot share; at most {MAX_TRIANGLES} \
+         are written: choose .glb, or a larger tolerance"
+    )]
+    Triangles {
+        /// Number of triangles, those of instances counted each.
+        triangles: usize,
+    },
 }
 
 /// Largest number of instances, each of which is written.
 const MAX_INSTANCES: usize = 1 << 20;
+
+/// Largest number of triangles of a file that repeats them for each instance.
+const MAX_TRIANGLES: usize = 1 << 27;
 
 /// A copy of a group in the file.
 struct PlacedGroup<'a> {
@@ -105,15 +117,17 @@ impl<'a> TessellatedScene<'a> {
     /// Numbers of vertices and triangles of the file, instances counted each.
     ///
     /// # Errors
-    /// [`TessellatedError::Instances`].
+    /// [`TessellatedError::Instances`], and [`TessellatedError::Triangles`] if they are more than a file can repeat.
     pub fn counts(&self) -> Result<[usize; 2], TessellatedError> {
         let placed = self.placed()?;
         let triangles =
             |mesh: &GroupMesh| mesh.shapes.iter().map(|shape| shape.triangles.len()).sum::<usize>();
-        Ok([
-            placed.iter().map(|placed| placed.mesh.positions.len()).sum(),
-            placed.iter().map(|placed| triangles(placed.mesh)).sum(),
-        ])
+        let vertices = placed.iter().map(|placed| placed.mesh.positions.len()).sum();
+        let triangles = placed.iter().map(|placed| triangles(placed.mesh)).sum();
+        if triangles > MAX_TRIANGLES {
+            return Err(TessellatedError::Triangles { triangles });
+        }
+        Ok([vertices, triangles])
     }
 }
 

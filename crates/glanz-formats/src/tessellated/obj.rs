@@ -22,6 +22,7 @@ pub struct ObjFiles {
 /// # Errors
 /// [`TessellatedError`].
 pub fn write_obj(scene: &TessellatedScene<'_>, library: &str) -> Result<ObjFiles, TessellatedError> {
+    scene.counts()?;
     let (names, library) = (material_names(scene.materials), word(library));
     let mut obj = format!("# Glanz {}, metres\nmtllib {library}\n", env!("CARGO_PKG_VERSION"));
     let (mut positions, mut normals) = (1, 1);

@@ -21,8 +21,7 @@ pub fn write_glb(scene: &TessellatedScene<'_>) -> Result<Vec<u8>, TessellatedErr
     let numbers: Vec<Option<usize>> = groups.map(|(group, mesh)| writer.mesh(group, mesh)).collect();
     let world = writer.mesh(&scene.description.world, &scene.tessellation.world);
     let root = writer.node(scene.name, world, scene.to_file);
-    let children = writer.instances(&scene.description.world, &numbers)?;
-    writer.adopt(root, children);
+    writer.instances(root, &numbers)?;
     writer.finish()
 }
 
@@ -95,32 +94,27 @@ impl GlbScene<'_> {
         self.nodes.len() - 1
     }
 
-    fn adopt(&mut self, parent: usize, children: Vec<usize>) {
-        if let Some(node) = self.nodes.get_mut(parent).filter(|_| !children.is_empty()) {
-            node["children"] = json!(children);
-        }
-    }
-
-    /// Adds a node for each instance in a group, and those inside; returns the former.
-    fn instances(
-        &mut self,
-        group: &GroupDescription,
-        meshes: &[Option<usize>],
-    ) -> Result<Vec<usize>, TessellatedError> {
-        let mut children = Vec::with_capacity(group.instances.len());
-        for instance in &group.instances {
-            let Some(inner) = self.scene.description.groups.get(instance.group) else { continue };
-            if self.nodes.len() >= MAX_INSTANCES {
-                return Err(TessellatedError::Instances(MAX_INSTANCES));
+    /// Adds a node below the root for each instance in the world, and those inside.
+    fn instances(&mut self, root: usize, meshes: &[Option<usize>]) -> Result<(), TessellatedError> {
+        let description = self.scene.description;
+        let mut waiting = vec![(root, &description.world)];
+        while let Some((parent, group)) = waiting.pop() {
+            let mut children = Vec::with_capacity(group.instances.len());
+            for instance in &group.instances {
+                let Some(inner) = description.groups.get(instance.group) else { continue };
+                if self.nodes.len() >= MAX_INSTANCES {
+                    return Err(TessellatedError::Instances(MAX_INSTANCES));
+                }
+                let mesh = meshes.get(instance.group).copied().flatten();
+                let node = self.node(&inner.name, mesh, instance.to_parent);
+                children.push(node);
+                waiting.push((node, inner));
             }
-            let mesh = meshes.get(instance.group).copied().flatten();
-            let node = self.node(&inner.name, mesh, instance.to_parent);
-            // Groups refer to those before them only, and their number limits the depth.
-            let own = self.instances(inner, meshes)?;
-            self.adopt(node, own);
-            children.push(node);
+            if let Some(node) = self.nodes.get_mut(parent).filter(|_| !children.is_empty()) {
+                node["children"] = json!(children);
+            }
         }
-        Ok(children)
+        Ok(())
     }
 
     fn finish(self) -> Result<Vec<u8>, TessellatedError> {

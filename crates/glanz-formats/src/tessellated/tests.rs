@@ -153,3 +153,53 @@ fn instances_beyond_the_limit_are_refused() {
     assert_eq!(write_ply(&scene), Err(TessellatedError::Instances(MAX_INSTANCES)));
     assert_eq!(write_glb(&scene), Err(TessellatedError::Instances(MAX_INSTANCES)));
 }
+
+#[test]
+fn deep_groups_are_written() {
+    const DEPTH: usize = 200_000;
+    let (mut description, mut tessellation) = described();
+    let instance = |group: usize| InstanceDescription {
+        name: String::new(),
+        group,
+        to_parent: DMat4::IDENTITY,
+        location: None,
+    };
+    for group in 0..DEPTH {
+        description.groups.push(GroupDescription { instances: vec![instance(group)], ..Default::default() });
+    }
+    description.world.instances = vec![instance(DEPTH)];
+    tessellation.groups.resize(DEPTH + 1, GroupMesh::default());
+    let scene = TessellatedScene {
+        name: "nested",
+        description: &description,
+        tessellation: &tessellation,
+        materials: &materials(),
+        to_file: DMat4::IDENTITY,
+    };
+    let file = write_glb(&scene).unwrap();
+    let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    let document: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+    assert_eq!(document["nodes"].as_array().unwrap().len(), DEPTH + 2);
+    assert_eq!(document["nodes"][DEPTH + 1]["mesh"], 0);
+    assert!(write_ply(&scene).is_ok());
+}
+
+#[test]
+fn copies_of_too_many_triangles_are_refused() {
+    let (mut description, mut tessellation) = described();
+    let instance = description.world.instances[0].clone();
+    description.world.instances = vec![instance; 1 << 12];
+    tessellation.groups[0].shapes[0].triangles.resize(1 << 15, [0, 1, 2]);
+    let scene = TessellatedScene {
+        name: "many",
+        description: &description,
+        tessellation: &tessellation,
+        materials: &materials(),
+        to_file: DMat4::IDENTITY,
+    };
+    let triangles = (1 << 27) + tessellation.world.shapes[0].triangles.len();
+    let refused = TessellatedError::Triangles { triangles };
+    assert_eq!(write_ply(&scene), Err(refused));
+    assert_eq!(write_obj(&scene, "many.mtl"), Err(refused));
+    assert!(write_glb(&scene).is_ok());
+}
