@@ -36,12 +36,12 @@ pub(crate) struct ConvertArguments {
     #[arg(value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
     /// Largest distance of triangles from the surface: a length with unit (um, mm, cm, m, in), or a part of the diagonal
-    /// of the model (0.1%)
-    #[arg(long, value_name = "LENGTH|%", default_value = "0.1%", value_parser = deviation)]
-    tolerance: ChordalDeviation,
-    /// Largest angle between the normals at the corners of a triangle, degrees, up to 180
-    #[arg(long, value_name = "DEGREES", default_value_t = 20.0, value_parser = angle)]
-    angle: f64,
+    /// of the model [default: 0.1%]
+    #[arg(long, value_name = "LENGTH|%", value_parser = deviation)]
+    tolerance: Option<ChordalDeviation>,
+    /// Largest angle between the normals at the corners of a triangle, degrees, up to 180 [default: 20]
+    #[arg(long, value_name = "DEGREES", value_parser = angle)]
+    angle: Option<f64>,
     #[command(flatten)]
     threads: ThreadArguments,
     #[command(flatten)]
@@ -53,11 +53,17 @@ pub(crate) struct ConvertArguments {
 impl ConvertArguments {
     /// How close triangles are to surfaces.
     pub(crate) fn mesh(&self) -> MeshSettings {
+        let default = MeshSettings::default();
         MeshSettings {
-            deviation: self.tolerance,
-            angle: self.angle.to_radians(),
+            deviation: self.tolerance.unwrap_or(default.deviation),
+            angle: self.angle.map_or(default.angle, f64::to_radians),
             threads: self.threads.count(),
         }
+    }
+
+    /// Whether it is said how close triangles are to be.
+    pub(crate) fn has_mesh_settings(&self) -> bool {
+        self.tolerance.is_some() || self.angle.is_some()
     }
 }
 

@@ -45,6 +45,11 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     if exact {
+        if arguments.has_mesh_settings() {
+            let text = "--tolerance and --angle have no effect: a .pbrt file has no triangles, but the exact surfaces";
+            messages.warning(text);
+            warnings.push(text.to_owned());
+        }
         return write_exact(arguments, &scene, (start, warnings), messages);
     }
     let (outcome, resolved) = scene.tessellate(&arguments.mesh()).map_err(command_error(messages))?;

@@ -105,3 +105,12 @@ fn wrong_conversions_are_refused() {
     let ran = folder.succeed("convert small.pbrt small.obj");
     assert!(ran.stderr.contains("lights and textures are not converted"), "{}", ran.stderr);
 }
+
+#[test]
+fn settings_of_triangles_without_triangles_are_noted() {
+    let folder = with_pin();
+    let report = folder.succeed("convert pin.step pin.pbrt --tolerance 1mm --json -q").json();
+    assert!(report["warnings"][0].as_str().is_some_and(|text| text.contains("no effect")), "{report}");
+    let report = folder.succeed("convert pin.step pin.pbrt --json -q").json();
+    assert_eq!(report["warnings"], serde_json::json!([]));
+}
