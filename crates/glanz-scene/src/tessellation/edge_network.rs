@@ -27,6 +27,12 @@ pub(super) struct EdgeNetwork<'a> {
     vertices: HashMap<u32, u32>,
 }
 
+/// A chord between two pins is never shorter than this power of one half of their part of an edge.
+const MAX_DEPTH: u32 = 18;
+
+/// Largest number of samples of all edges, if each lies between two pins.
+const MAX_SAMPLES: usize = 1 << 28;
+
 /// Parts of the deviation within which the sides of a window are one line, or a point.
 const SIDES: f64 = 1e-3;
 
@@ -92,13 +98,15 @@ impl<'a> EdgeNetwork<'a> {
                 if !window.meets(&points) {
                     continue;
                 }
-                let (key, range) = match curve.edge {
+                // A part of an edge without length says nothing about the places on it.
+                let shared = curve.edge.filter(|edge| edge.range[0] != edge.range[1]);
+                let (key, range) = match shared {
                     Some(edge) => (EdgeKey::Numbered(edge.edge), edge.range),
                     None => (EdgeKey::Own(self.edges.len()), [0.0, 1.0]),
                 };
                 let place = EdgePlace::Curve { number: loop_number, curve: index };
                 let (edge, _) = self.add_use(key, EdgeUse { patch: number, place, range });
-                if let Some(shared) = curve.edge {
+                if let Some(shared) = shared {
                     self.edges[edge].vertices = Some(shared.vertices);
                 }
             }
@@ -255,19 +263,26 @@ impl EdgeNetwork<'_> {
 
     /// Samples edges.
     fn sample(&mut self, numbers: &[usize], closer: &[f64], settings: TessellationSettings) {
-        let sampled: Vec<Vec<(f64, DVec3)>> = numbers
+        let depth = MAX_SAMPLES.checked_div(self.edges.len()).and_then(usize::checked_ilog2).unwrap_or(0);
+        let sampled: Vec<(Vec<(f64, DVec3)>, f64)> = numbers
             .par_iter()
             .map(|&number| {
-                let Some(edge) = self.edges.get(number) else { return Vec::new() };
+                let Some(edge) = self.edges.get(number) else { return Default::default() };
                 let factors = edge.uses.iter().filter_map(|a_use| closer.get(a_use.patch));
                 let factor = factors.copied().fold(1.0, f64::min);
                 let settings = TessellationSettings { deviation: factor * settings.deviation, ..settings };
                 let sampler = EdgeSampler::new(self.patches, edge, settings);
-                let fractions = if self.is_pole(edge) { pole_fractions(edge) } else { sampler.fractions() };
-                fractions.into_iter().map(|fraction| (fraction, sampler.point(fraction))).collect()
+                let (fractions, coarse) = if self.is_pole(edge) {
+                    (pole_fractions(edge), 0.0)
+                } else {
+                    sampler.fractions(depth.min(MAX_DEPTH))
+                };
+                let samples = fractions.into_iter().map(|fraction| (fraction, sampler.point(fraction)));
+                // Where no patch has the edge, there is nothing to sample.
+                (samples.filter(|(_, point)| point.is_finite()).collect(), coarse)
             })
             .collect();
-        for (&number, sampled) in numbers.iter().zip(sampled) {
+        for (&number, (sampled, coarse)) in numbers.iter().zip(sampled) {
             let Some(edge) = self.edges.get(number).cloned() else { continue };
             let mut samples: Vec<(f64, u32)> = Vec::with_capacity(sampled.len());
             for (fraction, position) in sampled {
@@ -290,9 +305,15 @@ impl EdgeNetwork<'_> {
                 samples.push((fraction, vertex));
             }
             if let Some(edge) = self.edges.get_mut(number) {
-                edge.samples = samples;
+                (edge.samples, edge.coarse) = (samples, coarse);
             }
         }
+    }
+
+    /// Patches with an edge whose chords are too far from it, with the distance in metres.
+    pub(super) fn coarse_patches(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let coarse = self.edges.iter().filter(|edge| edge.coarse > 0.0);
+        coarse.flat_map(|edge| edge.uses.iter().map(|a_use| (a_use.patch, edge.coarse)))
     }
 
     fn add_vertex(&mut self, position: DVec3) -> u32 {

@@ -64,6 +64,12 @@ pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) 
         .zip(&patches)
         .map(|(triangulation, patch)| triangulation.fill(patch, settings))
         .collect();
+    for (number, deviation) in network.coarse_patches() {
+        outcome.deviation = outcome.deviation.max(deviation);
+        let shape =
+            patches.get(number).map(|patch| (patch.shape, TessellationFaultKind::Coarse { deviation }));
+        outcome.faults.extend(shape);
+    }
     let base = outcome.mesh.positions.len() as u32;
     outcome.mesh.positions.extend(&network.positions);
     for (patch, filled) in patches.iter().zip(filled) {

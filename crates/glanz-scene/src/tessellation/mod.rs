@@ -5,8 +5,9 @@
 //! sides of a seam. A side of the parameters that is a point (a pole) is a single vertex.
 //!
 //! `patch` divides shapes into surfaces over a rectangle or a triangle of parameters. `shared_edge` samples edges, `outline` makes a
-//! polygon of samples of the border of each patch, within the rectangle and with the patch on its left. `triangulation` fills it: a constrained Delaunay
-//! triangulation of the parameters, to which points are added until it is as close to the surface as the settings demand. `edge_network` and `group` bring the steps together for the shapes of a group.
+//! polygon of samples of the border of each patch, within the rectangle and with the patch on its left. `triangulation` fills it: a
+//! constrained Delaunay triangulation of the parameters, to which points are added until it is as close to the surface as the settings
+//! demand. `edge_network` and `group` bring the steps together for the shapes of a group.
 //!
 //! Triangle meshes are taken over as they are.
 
@@ -27,6 +28,7 @@ mod triangulation;
 use std::f64::consts::PI;
 
 use glanz_math::DVec3;
+use glanz_math::glam::{DMat3, DMat4};
 use rayon::prelude::*;
 
 use crate::description::{Description, InstanceDescription, Location};
@@ -209,11 +211,25 @@ fn scales(description: &Description) -> Vec<f64> {
 /// Takes the instances of a group that grows by `outer` into account.
 fn place(scales: &mut [f64], instances: &[InstanceDescription], outer: f64) {
     for instance in instances {
-        let matrix = instance.to_parent;
-        let columns = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
-        let factor = columns.iter().map(|column| column.truncate().length()).fold(0.0, f64::max);
         if let Some(scale) = scales.get_mut(instance.group) {
-            *scale = scale.max(outer * factor);
+            *scale = scale.max(outer * stretch(instance.to_parent));
         }
     }
+}
+
+/// The largest factor by which lengths grow: the spectral norm of the linear part.
+///
+/// # Source
+/// The eigenvalues of a symmetric matrix of three rows by trigonometry: O. K. Smith, Communications of the ACM 4 (1961), 168.
+fn stretch(matrix: DMat4) -> f64 {
+    let linear = DMat3::from_mat4(matrix);
+    let square = linear.transpose() * linear;
+    let mean = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
+    let rest = square - DMat3::from_diagonal(DVec3::splat(mean));
+    let size = (rest.to_cols_array().iter().map(|x| x * x).sum::<f64>() / 6.0).sqrt();
+    if size == 0.0 {
+        return mean.sqrt();
+    }
+    let angle = (0.5 * (rest * size.recip()).determinant()).clamp(-1.0, 1.0).acos() / 3.0;
+    (mean + 2.0 * size * angle.cos()).sqrt()
 }

@@ -110,6 +110,8 @@ pub(super) struct SharedEdge {
     pub(super) covered: Vec<[f64; 2]>,
     /// Fractions with the vertices there, ascending.
     pub(super) samples: Vec<(f64, u32)>,
+    /// Largest distance of a chord that is more than the settings allow, metres; else 0.
+    pub(super) coarse: f64,
 }
 
 /// Evaluation of an edge.
@@ -142,15 +144,21 @@ impl<'a> EdgeSampler<'a> {
         self.patches.get(a_use.patch).map_or(DVec3::NAN, |patch| patch.point(a_use.at(patch, t)))
     }
 
-    /// The point of the edge: that of the first patch that has it there, inside its parameters if possible.
+    /// The point of the edge: that of the first patch that has it there, inside its parameters if possible. NaN where none has it.
     pub(super) fn point(&self, fraction: f64) -> DVec3 {
-        let here = || self.edge.uses.iter().filter(|a_use| a_use.covers(fraction));
-        let inside = |a_use: &&EdgeUse| {
-            let patch = self.patches.get(a_use.patch);
-            patch.is_some_and(|patch| patch.has(a_use.at(patch, a_use.place_of(fraction))))
-        };
-        let found = here().find(inside).or_else(|| here().next());
-        found.map_or(DVec3::NAN, |a_use| self.on_use(a_use, a_use.place_of(fraction)))
+        let mut beside = DVec3::NAN;
+        for a_use in self.edge.uses.iter().filter(|a_use| a_use.covers(fraction)) {
+            let Some(patch) = self.patches.get(a_use.patch) else { continue };
+            let uv = a_use.at(patch, a_use.place_of(fraction));
+            let point = patch.point(uv);
+            if point.is_finite() && patch.has(uv) {
+                return point;
+            }
+            if !beside.is_finite() {
+                beside = point;
+            }
+        }
+        beside
     }
 
     /// The place of a use where it is nearest to the point of the edge at a fraction.
@@ -202,8 +210,9 @@ impl<'a> EdgeSampler<'a> {
         if distance(found) < distance(guess) { found } else { guess }
     }
 
-    /// Fractions of samples, ascending, from 0 to 1.
-    pub(super) fn fractions(&self) -> Vec<f64> {
+    /// Fractions of samples, ascending, from 0 to 1, and the largest distance of a chord from the edge that is more than the settings
+    /// allow, else 0. A chord is never shorter than one half to the power of `depth` between two pins.
+    pub(super) fn fractions(&self, depth: u32) -> (Vec<f64>, f64) {
         let mut ends: Vec<f64> = self.edge.pins.iter().map(|pin| pin.0).chain([0.0, 1.0]).collect();
         // Parts of one use may end where others go on.
         ends.extend(self.edge.uses.iter().flat_map(|a_use| a_use.range));
@@ -211,39 +220,42 @@ impl<'a> EdgeSampler<'a> {
         ends.sort_by(f64::total_cmp);
         ends.dedup();
         let mut fractions = vec![0.0];
+        let mut coarse = 0.0_f64;
         for pair in ends.windows(2) {
             let (low, high) = (pair[0], pair[1]);
             let middle = 0.5 * (low + high);
             if !self.edge.covered.iter().any(|&[a, b]| a <= middle && middle <= b) {
-                self.divide(low, high, 0, &mut fractions);
+                coarse = coarse.max(self.divide(low, high, depth, &mut fractions));
             }
             fractions.push(high);
         }
-        fractions
+        (fractions, coarse)
     }
 
-    /// Adds the samples between two fractions.
-    fn divide(&self, low: f64, high: f64, depth: u32, fractions: &mut Vec<f64>) {
-        /// A chord is never shorter than this power of one half of an edge.
-        const MAX_DEPTH: u32 = 18;
-        if depth == MAX_DEPTH || self.is_chord(low, high) {
-            return;
+    /// Adds the samples between two fractions, and returns the largest distance that is too much.
+    fn divide(&self, low: f64, high: f64, depth: u32, fractions: &mut Vec<f64>) -> f64 {
+        let (is_chord, strays) = self.chord(low, high);
+        if is_chord {
+            return 0.0;
+        }
+        if depth == 0 {
+            return if strays > self.settings.deviation { strays } else { 0.0 };
         }
         let middle = 0.5 * (low + high);
-        self.divide(low, middle, depth + 1, fractions);
+        let before = self.divide(low, middle, depth - 1, fractions);
         fractions.push(middle);
-        self.divide(middle, high, depth + 1, fractions);
+        before.max(self.divide(middle, high, depth - 1, fractions))
     }
 
-    /// Whether a chord is as close to the edge as the settings demand.
-    fn is_chord(&self, low: f64, high: f64) -> bool {
+    /// Whether a chord is as close to the edge as the settings demand, and its distance from it.
+    fn chord(&self, low: f64, high: f64) -> (bool, f64) {
         /// Points compared on a smooth curve, and at most.
         const POINTS: [usize; 2] = [8, 256];
         let breaks = self.breaks.iter().filter(|at| (low..high).contains(*at)).count();
         let parts = (2 * (breaks + 1)).clamp(POINTS[0], POINTS[1]);
         let points: Vec<DVec3> =
             (0..=parts).map(|i| self.point(low + (high - low) * i as f64 / parts as f64)).collect();
-        let (Some(&from), Some(&to)) = (points.first(), points.last()) else { return true };
+        let (Some(&from), Some(&to)) = (points.first(), points.last()) else { return (true, 0.0) };
         let mut steps: Vec<DVec3> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
         steps.retain(|step| *step != DVec3::ZERO);
         let length: f64 = steps.iter().map(|step| step.length()).sum();
@@ -253,9 +265,10 @@ impl<'a> EdgeSampler<'a> {
         let strays = points.iter().map(|&p| distance_to_segment(p, from, to)).fold(0.0, f64::max);
         // Rounding turns curves that are points.
         if length.is_nan() || length <= f64::EPSILON * from.length() * 64.0 {
-            return true;
+            return (true, strays);
         }
-        strays <= deviation && turn <= if length <= deviation { angle.max(FRAC_PI_2) } else { angle }
+        let angle = if length <= deviation { angle.max(FRAC_PI_2) } else { angle };
+        (strays <= deviation && turn <= angle, strays)
     }
 }
 

@@ -306,3 +306,65 @@ fn groups_are_as_fine_as_their_largest_instance() {
     // As the scale, since the deviation grows as the square of the chord.
     assert!(count(16.0) > 8 * count(1.0));
 }
+
+#[test]
+fn ends_that_no_part_of_an_edge_reaches_leave_the_neighbours_whole() {
+    let mut shapes = tube(None, true);
+    for l in &mut shapes[0].trim.as_mut().unwrap().loops {
+        for edge in l.curves.iter_mut().filter_map(|curve| curve.edge.as_mut()).filter(|edge| edge.edge == 2)
+        {
+            edge.range = edge.range.map(|fraction| 0.4 * fraction);
+        }
+    }
+    let (mesh, _) = tessellate(shapes, 0.01);
+    assert!(mesh.positions.iter().all(|point| point.is_finite()));
+    assert_eq!(mesh.open_sides(0..3), 0);
+}
+
+#[test]
+fn parts_of_edges_without_length_are_curves_of_their_own() {
+    let mut shapes = tube(None, true);
+    let edge = shapes[1].trim.as_mut().unwrap().loops[0].curves[0].edge.as_mut().unwrap();
+    edge.range = [0.3, 0.3];
+    let (mesh, measured) = tessellate(shapes, 0.01);
+    assert!(mesh.positions.iter().all(|point| point.is_finite()) && measured <= 0.01);
+    assert!((mesh.area([1]) - PI).abs() < 0.1, "{}", mesh.area([1]));
+}
+
+#[test]
+fn groups_that_are_sheared_grow_by_the_spectral_norm() {
+    let shear = DMat4::from_cols_array(&[
+        1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 3.0, 4.0, 5.0, 1.0,
+    ]);
+    assert!((stretch(shear) - 0.5 * (1.0 + 5.0_f64.sqrt())).abs() < 1e-14);
+    assert_eq!(stretch(DMat4::from_scale(DVec3::new(2.0, -3.0, 1.0))), 3.0);
+    assert_eq!(stretch(DMat4::from_scale(DVec3::splat(-2.0))), 2.0);
+}
+
+#[test]
+fn splines_with_common_borders_are_joined_whichever_way_they_run() {
+    use crate::description::NurbsDescription;
+    // Two strips on both sides of a curve with a knot whose complement is not exact.
+    let strip = |side: f64, forward: bool| {
+        let along = [0.0, 0.2, 0.9, 1.0];
+        let heights = [0.0, 0.5, -0.4, 0.1];
+        let order: Vec<usize> = if forward { (0..4).collect() } else { (0..4).rev().collect() };
+        let rows = order
+            .into_iter()
+            .flat_map(|i| [[along[i], 0.0, heights[i], 1.0], [along[i], side, heights[i], 1.0]]);
+        let knot = if forward { 0.1 } else { 0.9 };
+        ShapeDescription::from(GeometryDescription::Nurbs(NurbsDescription {
+            degree_u: 2,
+            degree_v: 1,
+            knots_u: vec![0.0, 0.0, 0.0, knot, 1.0, 1.0, 1.0],
+            knots_v: vec![0.0, 0.0, 1.0, 1.0],
+            points: rows.collect(),
+            domain: None,
+        }))
+    };
+    let (mesh, _) = tessellate(vec![strip(1.0, true), strip(-1.0, false)], 1e-3);
+    let alone = |shape: ShapeDescription| tessellate(vec![shape], 1e-3).0.positions.len();
+    let common = mesh.positions.iter().filter(|point| point.y == 0.0).count();
+    let apart = alone(strip(1.0, true)) + alone(strip(-1.0, false));
+    assert!(common > 4 && mesh.positions.len() == apart - common, "{common} {apart}");
+}
