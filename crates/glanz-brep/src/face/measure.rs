@@ -53,10 +53,11 @@ impl TrimmedFace {
     /// Area and volume to a relative `accuracy` of the area of its surface, where the face is smooth.
     #[must_use]
     pub fn measure(&self, accuracy: f64) -> FaceMeasure {
-        let field = FaceField::new(self, accuracy);
+        let mut field = FaceField::new(self);
         let [[_, x1], [y0, y1]] = field.domain;
         let whole = BoundaryCurve::line(DVec2::new(x1, y0), DVec2::new(x1, y1));
         let tolerance = accuracy * field.along(&whole, f64::INFINITY).area;
+        field.row_tolerance = tolerance / (ROWS * (y1 - y0));
         let Some(FaceTrim { loops, .. }) = &self.trim else { return field.along(&whole, tolerance) };
         let count = loops.iter().map(Vec::len).sum::<usize>().max(1);
         let curves = loops.iter().flatten();
@@ -76,12 +77,12 @@ struct FaceField<'a> {
     domain: [[f64; 2]; 2],
     /// Where the inner integrals are divided.
     breaks: Vec<f64>,
-    /// Relative accuracy of the inner integrals.
-    accuracy: f64,
+    /// Largest error of the area of the inner integrals, m^2 per unit of y; the same for all, as short rows count little.
+    row_tolerance: f64,
 }
 
 impl<'a> FaceField<'a> {
-    fn new(face: &'a TrimmedFace, accuracy: f64) -> Self {
+    fn new(face: &'a TrimmedFace) -> Self {
         let domain = face.domain();
         let [x, _] = domain;
         let mut breaks: Vec<f64> = match &face.geometry {
@@ -96,7 +97,7 @@ impl<'a> FaceField<'a> {
         breaks.retain(|&at| at > x[0] && at <= x[1]);
         breaks.sort_by(f64::total_cmp);
         breaks.dedup();
-        Self { face, domain, breaks, accuracy: accuracy / ROWS }
+        Self { face, domain, breaks, row_tolerance: f64::INFINITY }
     }
 
     /// The integrand at a point of the region.
@@ -127,8 +128,7 @@ impl<'a> FaceField<'a> {
                 from = to;
             }
         }
-        let estimate: f64 = parts.iter().map(|(_, whole)| whole.area).sum();
-        let tolerance = self.accuracy * estimate / parts.len().max(1) as f64;
+        let tolerance = self.row_tolerance / parts.len().max(1) as f64;
         parts.into_iter().fold(FaceMeasure::default(), |sum, (range, whole)| {
             sum + refined(&rule, range, whole, tolerance, MAX_DEPTH)
         })
