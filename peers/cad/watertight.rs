@@ -78,9 +78,10 @@ fn check(file: &str, [random, aimed]: [usize; 2]) -> Result<usize, Failure> {
             writeln!(out, "{file}: solid {solid}: no point inside was found")?;
             continue;
         }
+        let targets = targets(&model, &scene);
+        let aimed = if targets.is_empty() { 0 } else { aimed };
         let start = |uniform: &mut Uniform| starts[(uniform.next() * starts.len() as f64) as usize];
         let lost = [count_escapes(&scene, random, || Ray::new(start(&mut uniform), uniform.direction())), {
-            let targets = targets(&model, &scene);
             let beside = BESIDE * scene.bounds().diagonal().length();
             count_escapes(&scene, aimed, || {
                 let target = targets[(uniform.next() * targets.len() as f64) as usize];
