@@ -29,6 +29,12 @@ const BRIDGED: f64 = 0.02;
 /// to that distance above one another: rays at angles of less than the inverse of this pass between them.
 const OVERLAP: f64 = 8.0;
 
+/// The same where faces stray by little: a wide overlap costs nothing up to [`UNSEEN`].
+const NARROW_OVERLAP: f64 = 1000.0;
+
+/// Width of an overlap, relative to the size of the face, that no picture shows; with more, edges would get tubes.
+const UNSEEN: f64 = 5e-7;
+
 /// Width of the overlap at edges that lie exactly on both surfaces, relative to the size of the face: the rounding of parameters.
 const ROUNDING: f64 = 1e-11;
 
@@ -215,13 +221,12 @@ impl LaidFace {
 
     /// The trimmed face. `widths`: per edge.
     pub(super) fn close(mut self, model: &BrepModel, widths: &[f64]) -> Result<TrimmedFace, FaceRefusal> {
-        let floor = ROUNDING * self.size;
+        let (size, tolerance) = (self.size, self.tolerance);
         let mut largest: f64 = 0.0;
         for curve in self.loops.iter_mut().flatten() {
             let strayed = curve.edge.and_then(|edge| widths.get(edge).copied()).unwrap_or(curve.width);
-            let overlap = if strayed <= self.tolerance { OVERLAP * strayed } else { strayed };
-            let on_surface = overlap + floor;
-            curve.width = (on_surface * stretch(&self.carrier, self.metric, curve)).min(BRIDGED * self.size);
+            let on_surface = overlap(strayed, tolerance, size) + ROUNDING * size;
+            curve.width = (on_surface * stretch(&self.carrier, self.metric, curve)).min(BRIDGED * size);
             largest = largest.max(curve.width);
         }
         let point = |at: DVec2| self.carrier.point(at / self.metric);
@@ -285,6 +290,13 @@ impl LaidFace {
             point,
         }
     }
+}
+
+/// How far a face of this size extends on its surface beyond an edge from which the faces beside it stray by `strayed`, metres: the farther, the more
+/// they stray, but beyond the tolerance no farther than needed.
+fn overlap(strayed: f64, tolerance: f64, size: f64) -> f64 {
+    let narrow = (NARROW_OVERLAP * strayed).min(UNSEEN * size);
+    strayed.max(OVERLAP * strayed.min(tolerance)).max(narrow)
 }
 
 /// The fractions of an edge at which its parts start and end.

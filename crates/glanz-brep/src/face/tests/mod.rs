@@ -189,25 +189,43 @@ fn a_box_of_polygons_has_its_volume_whatever_the_sense_of_its_planes() {
     }
 }
 
-#[test]
-fn faces_beside_an_edge_extend_by_what_both_stray_from_it() {
+/// A cylinder with a lid whose rim is off the cylinder by a distance: by how much the faces stray from the rim, and how far they extend beyond it.
+fn rim_beside_cylinder(distance: f64, uncertainty: f64) -> (f64, [f64; 2]) {
     let mut model = ModelBuilder::default();
     let (bottom, top) = (model.circle(1.0, 0.0), model.circle(1.0, 1.0));
-    // The rim is a micrometre outside of the cylinder, and in the plane.
+    let radius = 1.0 + distance;
     model.0.edges[top].curve =
-        Some(Curve::Ellipse { center: DVec3::Z, a: DVec3::X * 1.000_001, b: DVec3::Y * 1.000_001 });
+        Some(Curve::Ellipse { center: DVec3::Z, a: DVec3::X * radius, b: DVec3::Y * radius });
     model.face(
         FaceSurface::Cylinder { placement: WORLD, radius: 1.0 },
         true,
         &[(bottom, true), (top, false)],
     );
     model.face(FaceSurface::Plane(at_height(1.0)), true, &[(top, true)]);
-    model.0.uncertainty = 1e-5;
+    model.0.uncertainty = uncertainty;
     let trimmed = trimmed_faces(&model.0);
-    assert!((1e-6..2e-6).contains(&trimmed.widths[top]), "{}", trimmed.widths[top]);
-    for face in &trimmed.faces {
-        let width = face.as_ref().unwrap().width;
-        assert!((8e-6..17e-6).contains(&width), "{width}");
+    (trimmed.widths[top], [0, 1].map(|face| trimmed.faces[face].as_ref().unwrap().width))
+}
+
+#[test]
+fn faces_beside_an_edge_extend_by_what_both_stray_from_it() {
+    let (strayed, widths) = rim_beside_cylinder(1e-6, 1e-5);
+    assert!((1e-6..2e-6).contains(&strayed), "{strayed}");
+    assert!(widths.iter().all(|width| (8e-6..17e-6).contains(width)), "{widths:?}");
+}
+
+#[test]
+fn faces_that_hardly_stray_extend_far_beyond_it_whatever_the_file_states() {
+    // The rim is farther from the cylinder than the resolution that takes the place of the uncertainty.
+    let (strayed, widths) = rim_beside_cylinder(5e-9, 1e-17);
+    assert!((5e-9..6e-9).contains(&strayed), "{strayed}");
+    assert!(widths.iter().all(|width| (1e-6..4e-6).contains(width)), "{widths:?}");
+    // Farther away they never extend less.
+    let mut before = [0.0; 2];
+    for exponent in -12..=-3 {
+        let (_, widths) = rim_beside_cylinder(10.0_f64.powi(exponent), 1e-6);
+        assert!(widths.iter().zip(before).all(|(width, before)| *width >= before), "{exponent}: {widths:?}");
+        before = widths;
     }
 }
 
