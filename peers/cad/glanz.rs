@@ -103,8 +103,14 @@ fn solid(body: &Body, trimmed: &TrimmedFaces, to_world: DMat4) -> Value {
 /// Points of a face that are extreme along the axes.
 fn extremes(face: &TrimmedFace, to_world: DMat4) -> Vec<DVec3> {
     let (region, border) = region(face);
-    let kept = |uv: DVec2| region.as_ref().is_none_or(|region| region.contains(uv));
     let [[u0, u1], [v0, v1]] = face.domain();
+    // Loops that go around close outside of the domain.
+    let domain = [DVec2::new(u0, v0), DVec2::new(u1, v1)];
+    let kept = |uv: DVec2| {
+        uv.cmpge(domain[0]).all()
+            && uv.cmple(domain[1]).all()
+            && region.as_ref().is_none_or(|region| region.contains(uv))
+    };
     let size = DVec2::new(u1 - u0, v1 - v0);
     let point = |uv: DVec2| (to_world * face.to_part).transform_point3(face.geometry.point(uv));
     let lattice = (0..=LATTICE).flat_map(|i| {
@@ -131,16 +137,13 @@ fn extremes(face: &TrimmedFace, to_world: DMat4) -> Vec<DVec3> {
         .collect()
 }
 
-/// The part of the parameters that a face keeps, and points of its border.
+/// The part of the parameters within the edges of a face, and points of its border.
 fn region(face: &TrimmedFace) -> (Option<TrimRegion>, Vec<DVec2>) {
     let Some(trim) = &face.trim else { return (None, Vec::new()) };
-    let curves = trim.loops.iter().map(|l| {
-        l.iter()
-            .filter_map(|c| {
-                TrimCurve::try_nurbs(c.degree, &c.knots, &c.points).ok()?.with_width(c.width).ok()
-            })
-            .collect()
-    });
+    let curves = trim
+        .loops
+        .iter()
+        .map(|l| l.iter().filter_map(|c| TrimCurve::try_nurbs(c.degree, &c.knots, &c.points).ok()).collect());
     let [u, v] = trim.domain;
     let domain = Some([DVec2::new(u[0], v[0]), DVec2::new(u[1], v[1])]);
     let region =

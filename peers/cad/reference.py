@@ -48,6 +48,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge, BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeWire, BRepBuilderAPI_NurbsConvert
 from OCP.BRepBndLib import BRepBndLib
 from OCP.BRepGProp import BRepGProp
+from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepPrimAPI import (BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakePrism, BRepPrimAPI_MakeSphere,
                              BRepPrimAPI_MakeTorus)
 from OCP.collections import Array1_gp_Pnt
@@ -100,6 +101,20 @@ def bounds_of(shape, optimal=True):
     return [[x * METRE for x in (p.X(), p.Y(), p.Z())] for p in (low, high)]
 
 
+def bounds_of_solid(solid):
+    """Minimum and maximum in metres, also of its triangles: the optimal box of a hemisphere may be smaller."""
+    low, high = (numpy.array(end) for end in bounds_of(solid))
+    BRepMesh_IncrementalMesh(solid, numpy.linalg.norm(high - low) / METRE * DEFLECTION / 5, False, 0.1)
+    for face in explore(solid, TopAbs_FACE):
+        location = TopLoc_Location()
+        triangles = BRep_Tool.Triangulation_s(TopoDS.Face(face), location)
+        for number in range(1, triangles.NbNodes() + 1 if triangles else 1):
+            node = triangles.Node(number).Transformed(location.Transformation())
+            node = METRE * numpy.array([node.X(), node.Y(), node.Z()])
+            low, high = numpy.minimum(low, node), numpy.maximum(high, node)
+    return [low.tolist(), high.tolist()]
+
+
 def kind_of(face):
     name = BRepAdaptor_Surface(face).GetType().name.removeprefix("GeomAbs_")
     return KINDS.get(name, name.lower())
@@ -139,7 +154,7 @@ def describe_solid(solid, entity):
     entry = {"entity": entity, "volume": None, "area": None, "faces": sum(1 for _ in explore(solid, TopAbs_FACE))}
     try:
         entry["closed"] = all(BRep_Tool.IsClosed_s(shell) for shell in explore(solid, TopAbs_SHELL))
-        entry["bounds"] = bounds_of(solid)
+        entry["bounds"] = bounds_of_solid(solid)
         measures = []
         for measure in (BRepGProp.VolumeProperties_s, BRepGProp.SurfaceProperties_s):
             for accuracy in ((INTEGRATION,), ()):
