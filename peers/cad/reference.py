@@ -104,7 +104,7 @@ def bounds_of(shape, optimal=True):
 def bounds_of_solid(solid):
     """Minimum and maximum in metres, also of its triangles: the optimal box of a hemisphere may be smaller."""
     low, high = (numpy.array(end) for end in bounds_of(solid))
-    BRepMesh_IncrementalMesh(solid, numpy.linalg.norm(high - low) / METRE * DEFLECTION / 5, False, 0.1)
+    BRepMesh_IncrementalMesh(solid, numpy.linalg.norm(high - low) / METRE * DEFLECTION / 2, False, 0.5)
     for face in explore(solid, TopAbs_FACE):
         location = TopLoc_Location()
         triangles = BRep_Tool.Triangulation_s(TopoDS.Face(face), location)
