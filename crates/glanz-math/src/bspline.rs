@@ -228,20 +228,32 @@ impl Knots {
         degree: usize,
         divide: impl Fn(usize, f64, f64, f64) -> [f64; 2],
     ) -> [f64; N] {
-        let t = &self.knots;
         let mut row = [0.0; N];
         row[0] = 1.0;
         for q in 1..=degree {
-            let mut rising = 0.0;
-            for j in 0..q {
-                let [staying, next] = divide(q, row[j], t[span + 1 + j - q], t[span + 1 + j]);
-                row[j] = rising + staying;
-                rising = next;
-            }
-            // Blossoms of negative numbers may rise to -0, which the sum turns into 0.
-            row[q] = rising + 0.0;
+            self.recursion_step(span, q, &mut row, |value, left, right| divide(q, value, left, right));
         }
         row
+    }
+
+    /// Step `q` of [`Self::recursion`]: from the functions of degree q - 1 to those of degree q.
+    #[inline]
+    pub fn recursion_step<const N: usize>(
+        &self,
+        span: usize,
+        q: usize,
+        row: &mut [f64; N],
+        divide: impl Fn(f64, f64, f64) -> [f64; 2],
+    ) {
+        let t = &self.knots;
+        let mut rising = 0.0;
+        for j in 0..q {
+            let [staying, next] = divide(row[j], t[span + 1 + j - q], t[span + 1 + j]);
+            row[j] = rising + staying;
+            rising = next;
+        }
+        // Blossoms of negative numbers may rise to -0, which the sum turns into 0.
+        row[q] = rising + 0.0;
     }
 }
 

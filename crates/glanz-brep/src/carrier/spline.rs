@@ -143,21 +143,21 @@ impl SplineCarrier {
         let ([p, q], (_, count_v)) = (self.degrees(), self.surface.counts());
         let points = self.surface.control_points();
         let mut powers = Vec::with_capacity((p + 1) * (q + 1));
+        let (rows_u, rows_v) = (in_u.rows_up_to(p), in_v.rows_up_to(q));
         let mut factor_u = 1.0;
-        for k in 0..=p {
+        for (k, row) in rows_u.iter().enumerate() {
             factor_u /= k.max(1) as f64;
-            let row = in_u.derivatives(k);
             let along_v: Vec<DVec4> = (0..=q)
                 .map(|j| {
                     let column =
                         (in_u.first()..=in_u.first() + p).map(|i| points[i * count_v + in_v.first() + j]);
-                    column.zip(row).map(|(point, n)| point * n).sum::<DVec4>()
+                    column.zip(row).map(|(point, n)| point * *n).sum::<DVec4>()
                 })
                 .collect();
             let mut factor = factor_u;
-            for l in 0..=q {
+            for (l, row) in rows_v.iter().enumerate() {
                 factor /= l.max(1) as f64;
-                let sum: DVec4 = along_v.iter().zip(in_v.derivatives(l)).map(|(point, n)| *point * n).sum();
+                let sum: DVec4 = along_v.iter().zip(row).map(|(point, n)| *point * *n).sum();
                 powers.push(sum * factor);
             }
         }

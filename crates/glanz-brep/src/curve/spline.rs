@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glanz_geometry::SurfaceError;
-use glanz_geometry::spline::basis::BasisFunctions;
+use glanz_geometry::spline::basis::{BasisFunctions, BasisRow};
 use glanz_geometry::spline::{KnotVector, polygon};
 
 use crate::model::{CurveVector, SplineCurve};
@@ -37,7 +37,8 @@ impl<P: CurveVector> SplineCurve<P> {
     /// The point at `t`; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, t: f64) -> P {
-        P::project(self.homogeneous(&BasisFunctions::at(self.knots(), t), 0))
+        let basis = BasisFunctions::at(self.knots(), t);
+        P::project(self.homogeneous(&basis, &basis.values()))
     }
 
     /// The point and its derivatives of the orders 1 to `order`; at a knot those of the piece that starts there.
@@ -50,13 +51,13 @@ impl<P: CurveVector> SplineCurve<P> {
     #[must_use]
     pub fn homogeneous_derivatives(&self, t: f64, order: usize) -> Vec<P::Homogeneous> {
         let basis = BasisFunctions::at(self.knots(), t);
-        (0..=order).map(|k| self.homogeneous(&basis, k)).collect()
+        basis.rows_up_to(order).iter().map(|row| self.homogeneous(&basis, row)).collect()
     }
 
-    fn homogeneous(&self, basis: &BasisFunctions<'_>, order: usize) -> P::Homogeneous {
-        let (row, first) = (basis.derivatives(order), basis.first());
+    fn homogeneous(&self, basis: &BasisFunctions<'_>, row: &BasisRow) -> P::Homogeneous {
+        let first = basis.first();
         let points = &self.control_points()[first..=first + self.degree()];
-        let weighted = points.iter().zip(row).map(|(p, n)| *p * n);
+        let weighted = points.iter().zip(row).map(|(p, n)| *p * *n);
         weighted.reduce(|sum, p| sum + p).unwrap_or(P::ZERO.with_weight(0.0))
     }
 

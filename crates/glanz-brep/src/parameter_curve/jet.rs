@@ -187,8 +187,11 @@ impl Mul for Jet {
 
     fn mul(self, other: Self) -> Self {
         let mut jet = Self::default();
+        // Arguments are often polynomials of a low degree.
+        let last = other.0.iter().rposition(|ball| *ball != Ball::default()).unwrap_or(0);
         for k in 0..=ORDER {
-            jet.0[k] = (0..=k).fold(Ball::default(), |sum, j| sum + self.0[j] * other.0[k - j]);
+            let from = k.saturating_sub(last);
+            jet.0[k] = (from..=k).fold(Ball::default(), |sum, j| sum + self.0[j] * other.0[k - j]);
         }
         jet
     }

@@ -144,35 +144,36 @@ fn rational_bounds(
     let thickness = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
     let steepest =
         |w: &BivariatePolynomial<f64>| w.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+    let [space_u, space_v] = [true, false].map(|by_first| space.derivative(by_first));
+    let [weight_u, weight_v] = [true, false].map(|by_first| weight.derivative(by_first));
+    let [steepest_u, steepest_v] = [steepest(&weight_u), steepest(&weight_v)];
     // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b up to the thickness.
-    let deviation = |by_first: bool, along: DVec3| {
-        let rise = weight.derivative(by_first);
-        let mean = BivariatePolynomial {
-            degrees,
-            coefficients: weight.coefficients.iter().map(|&w| along * (2.0 * w)).collect(),
+    let deviation =
+        |rise: &BivariatePolynomial<DVec3>, mut fall: BivariatePolynomial<DVec3>, along: DVec3, by| {
+            for (fall, w) in fall.coefficients.iter_mut().zip(weight.clone().elevated(by).coefficients) {
+                *fall += along * (2.0 * w);
+            }
+            apart(rise.clone().elevated((1, 1)), fall)
         };
-        let mean = mean.elevated(if by_first { (0, 1) } else { (1, 0) });
-        let mut fall = rise.times_bilinear(affine);
-        for (fall, mean) in fall.coefficients.iter_mut().zip(&mean.coefficients) {
-            *fall += *mean;
-        }
-        // By s, which goes twice as far as u.
-        0.5 * (apart(space.derivative(by_first).elevated((1, 1)), fall) + thickness * steepest(&rise)) / least
-    };
-    let (m_a, m_b) = (deviation(true, a), deviation(false, b));
+    // By s, which goes twice as far as u.
+    let m_a = deviation(&space_u, weight_u.times_bilinear(affine), a, (0, 1)) + thickness * steepest_u;
+    let m_b = deviation(&space_v, weight_v.times_bilinear(affine), b, (1, 0)) + thickness * steepest_v;
+    let (m_a, m_b) = (0.5 * m_a / least, 0.5 * m_b / least);
     // S_st = (X_st - S_s W_t - S_t W_s - S W_st) / W, and so on, where derivatives by s and t are halves of those by u and v.
     let (size, [rise_a, rise_b]) =
         (a.length() + b.length() + thickness, [a.length() + m_a, b.length() + m_b]);
-    let second = |by: [bool; 2], [rise, other]: [f64; 2]| {
-        let [first, second] = by.map(|by_first| steepest(&weight.derivative(by_first)));
-        let twice = |by: [bool; 2]| {
-            let curved = largest(space.derivative(by[0]).derivative(by[1]).coefficients.into_iter());
-            curved + size * steepest(&weight.derivative(by[0]).derivative(by[1]))
-        };
-        (0.25 * twice(by) + 0.5 * (rise * second + other * first)) / least
+    let second = |space: &BivariatePolynomial<DVec3>,
+                  weight: &BivariatePolynomial<f64>,
+                  by_first: bool,
+                  products: f64| {
+        let curved = largest(space.derivative(by_first).coefficients.into_iter());
+        let twice = curved + size * steepest(&weight.derivative(by_first));
+        (0.25 * twice + 0.5 * products) / least
     };
-    let pure = second([true; 2], [rise_a; 2]).max(second([false; 2], [rise_b; 2]));
-    (thickness, m_a, m_b, 0.5 * (pure + second([true, false], [rise_a, rise_b])))
+    let along_u = second(&space_u, &weight_u, true, 2.0 * rise_a * steepest_u);
+    let along_v = second(&space_v, &weight_v, false, 2.0 * rise_b * steepest_v);
+    let mixed = second(&space_u, &weight_u, false, rise_a * steepest_v + rise_b * steepest_u);
+    (thickness, m_a, m_b, 0.5 * (along_u.max(along_v) + mixed))
 }
 
 impl LeafBuilder {

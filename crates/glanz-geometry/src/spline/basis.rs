@@ -30,27 +30,55 @@ impl<'a> BasisFunctions<'a> {
     }
 
     /// The basis functions number `first()` to `first() + degree`.
-    ///
-    /// # Source
-    /// @markgraf2019 eq. 4, corrected: all spans except the last are half-open, so that the sum is 1 everywhere.
-    /// Order of evaluation: @piegl1997 algorithm A2.2.
     #[must_use]
     pub fn values(&self) -> BasisRow {
-        self.of_degree(self.knots.degree())
+        self.rows::<1>()[0]
     }
 
-    /// Their derivatives of some order; the 0th is the function itself.
+    /// Values and derivatives of the basis functions number `first()` to `first() + degree`: the derivatives of order k in row k, from the functions
+    /// themselves in row 0 up to any order.
     ///
     /// # Source
-    /// @markgraf2019 eq. 10, from the functions of degree `degree - order` upwards.
+    /// Values: @markgraf2019 eq. 4, corrected: all spans except the last are half-open, so that the sum is 1 everywhere. Order of evaluation:
+    /// @piegl1997 algorithm A2.2. Derivatives: @markgraf2019 eq. 10, from the functions of degree `degree - order` upwards.
     #[must_use]
-    pub fn derivatives(&self, order: usize) -> BasisRow {
-        let degree = self.knots.degree();
-        if order > degree {
-            return [0.0; MAX_DEGREE + 1];
+    pub fn rows<const N: usize>(&self) -> [BasisRow; N] {
+        let mut rows = [[0.0; MAX_DEGREE + 1]; N];
+        self.write_rows(&mut rows);
+        rows
+    }
+
+    /// [`Self::rows`] from order 0 to `order`.
+    #[must_use]
+    pub fn rows_up_to(&self, order: usize) -> Vec<BasisRow> {
+        let mut rows = vec![[0.0; MAX_DEGREE + 1]; order + 1];
+        self.write_rows(&mut rows);
+        rows
+    }
+
+    fn write_rows(&self, rows: &mut [BasisRow]) {
+        let (degree, u) = (self.knots.degree(), self.u);
+        let mut lower: BasisRow = [0.0; MAX_DEGREE + 1];
+        lower[0] = 1.0;
+        for q in 0..=degree {
+            if q > 0 {
+                self.knots.recursion_step(self.span, q, &mut lower, |value, left, right| {
+                    let share = value / (right - left);
+                    [(right - u) * share, (u - left) * share]
+                });
+            }
+            if let Some(row) = rows.get_mut(degree - q) {
+                *row = lower;
+            }
         }
-        let t = self.knots.knots();
-        let mut row = self.of_degree(degree - order);
+        for (order, row) in rows.iter_mut().enumerate().take(degree + 1) {
+            self.differentiate(row, order);
+        }
+    }
+
+    /// Derivatives of this order from the functions of degree `degree - order`.
+    fn differentiate(&self, row: &mut BasisRow, order: usize) {
+        let (degree, t) = (self.knots.degree(), self.knots.knots());
         for q in degree - order + 1..=degree {
             // Entry j of degree q - 1 belongs to function span - q + 1 + j: one further right than entry j of degree
             // q. Each quotient is used twice: at its own place and, negative, one to the left.
@@ -63,15 +91,6 @@ impl<'a> BasisFunctions<'a> {
             }
             row[0] = -right;
         }
-        row
-    }
-
-    fn of_degree(&self, degree: usize) -> BasisRow {
-        let u = self.u;
-        self.knots.recursion(self.span, degree, |_, value, left, right| {
-            let share = value / (right - left);
-            [(right - u) * share, (u - left) * share]
-        })
     }
 }
 
@@ -127,7 +146,7 @@ mod tests {
                 assert!(values.iter().all(|v| *v >= 0.0));
                 assert!((values.iter().sum::<f64>() - 1.0).abs() < 1e-15, "{u}");
                 for order in 1..=knots.degree() + 1 {
-                    let row = basis.derivatives(order);
+                    let row = basis.rows_up_to(order)[order];
                     let size = row.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
                     assert!(row.iter().sum::<f64>().abs() <= 1e-14 * size, "{u} {order}");
                 }
@@ -143,10 +162,10 @@ mod tests {
                     let u = pair[0] + (pair[1] - pair[0]) * f64::from(i) / 10.0;
                     let h = 1e-6;
                     for order in 1..=knots.degree() {
-                        let row = BasisFunctions::at(&knots, u).derivatives(order);
+                        let row = BasisFunctions::at(&knots, u).rows_up_to(order)[order];
                         let (low, high) =
                             (BasisFunctions::at(&knots, u - h), BasisFunctions::at(&knots, u + h));
-                        let (low, high) = (low.derivatives(order - 1), high.derivatives(order - 1));
+                        let [low, high] = [low, high].map(|basis| basis.rows_up_to(order - 1)[order - 1]);
                         for j in 0..=knots.degree() {
                             let difference = (high[j] - low[j]) / (2.0 * h);
                             assert!((row[j] - difference).abs() < 1e-6 * (1.0 + row[j].abs()));
@@ -167,7 +186,8 @@ mod tests {
             assert!((a - b).abs() < 1e-15);
         }
         // Third derivatives: 3! times the differences of the unit vectors.
-        assert_eq!(BasisFunctions::at(&knots, u).derivatives(3)[..4], [-6.0, 18.0, -18.0, 6.0]);
-        assert_eq!(BasisFunctions::at(&knots, u).derivatives(4), [0.0; MAX_DEGREE + 1]);
+        let rows: [BasisRow; 5] = BasisFunctions::at(&knots, u).rows();
+        assert_eq!(rows[3][..4], [-6.0, 18.0, -18.0, 6.0]);
+        assert_eq!(rows[4], [0.0; MAX_DEGREE + 1]);
     }
 }

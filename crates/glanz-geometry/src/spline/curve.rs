@@ -3,7 +3,7 @@
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
-use super::basis::BasisFunctions;
+use super::basis::{BasisFunctions, BasisRow};
 use super::homogeneous::{check, deviation, homogeneous_points, project};
 use super::knots::KnotVector;
 use super::polygon;
@@ -70,7 +70,8 @@ impl NurbsCurve {
     /// The point at `u`, metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, u: f64) -> DVec3 {
-        project(self.homogeneous(&BasisFunctions::at(&self.knots, u), 0))
+        let basis = BasisFunctions::at(&self.knots, u);
+        project(self.homogeneous(&basis, &basis.values()))
     }
 
     /// The point and its derivatives by u of the orders 1 to `order`.
@@ -79,14 +80,15 @@ impl NurbsCurve {
     #[must_use]
     pub fn derivatives(&self, u: f64, order: usize) -> Vec<DVec3> {
         let basis = BasisFunctions::at(&self.knots, u);
-        let homogeneous: Vec<DVec4> = (0..=order).map(|k| self.homogeneous(&basis, k)).collect();
+        let homogeneous: Vec<DVec4> =
+            basis.rows_up_to(order).iter().map(|row| self.homogeneous(&basis, row)).collect();
         project_derivatives(&homogeneous)
     }
 
-    fn homogeneous(&self, basis: &BasisFunctions<'_>, order: usize) -> DVec4 {
-        let (row, first) = (basis.derivatives(order), basis.first());
+    fn homogeneous(&self, basis: &BasisFunctions<'_>, row: &BasisRow) -> DVec4 {
+        let first = basis.first();
         let points = &self.points[first..=first + self.knots.degree()];
-        points.iter().zip(row).map(|(p, n)| *p * n).sum()
+        points.iter().zip(row).map(|(p, n)| *p * *n).sum()
     }
 
     /// The same curve after inserting the knot `u` `times` times.

@@ -4,7 +4,7 @@ use glanz_math::glam::DVec4;
 use glanz_math::rounding::{UNIT_ROUNDOFF, gamma};
 use glanz_math::{Bounds3, DVec3};
 
-use super::basis::BasisFunctions;
+use super::basis::{BasisFunctions, BasisRow};
 use super::homogeneous::{check, homogeneous_points, project};
 use super::knots::{KnotVector, check_degree};
 use super::polygon;
@@ -112,10 +112,10 @@ impl NurbsSurface {
     /// The point at (u, v), metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> DVec3 {
-        project(self.homogeneous(
-            [&BasisFunctions::at(&self.knots_u, u), &BasisFunctions::at(&self.knots_v, v)],
-            [0, 0],
-        ))
+        let bases = self.bases(u, v);
+        let mut value = [DVec4::ZERO];
+        self.homogeneous(&bases, [&[bases[0].values()], &[bases[1].values()]], &mut value);
+        project(value[0])
     }
 
     /// The point and its first derivatives by u and v.
@@ -124,14 +124,13 @@ impl NurbsSurface {
     /// @markgraf2019 eq. 20.
     #[must_use]
     pub fn tangents(&self, u: f64, v: f64) -> (DVec3, DVec3, DVec3) {
-        let bases = [&BasisFunctions::at(&self.knots_u, u), &BasisFunctions::at(&self.knots_v, v)];
-        let value = self.homogeneous(bases, [0, 0]);
+        let bases = self.bases(u, v);
+        let mut all = [DVec4::ZERO; 3];
+        self.homogeneous(&bases, [&bases[0].rows::<2>(), &bases[1].rows::<2>()], &mut all);
+        let [value, by_u, by_v] = all;
         let point = project(value);
-        let tangent = |orders| {
-            let a = self.homogeneous(bases, orders);
-            (a.truncate() - a.w * point) / value.w
-        };
-        (point, tangent([1, 0]), tangent([0, 1]))
+        let tangent = |a: DVec4| (a.truncate() - a.w * point) / value.w;
+        (point, tangent(by_u), tangent(by_v))
     }
 
     /// All partial derivatives up to a total `order`.
@@ -139,19 +138,13 @@ impl NurbsSurface {
     /// At a knot they are those of the piece that starts there.
     #[must_use]
     pub fn derivatives(&self, u: f64, v: f64, order: usize) -> Derivatives {
-        let (in_u, in_v) = (BasisFunctions::at(&self.knots_u, u), BasisFunctions::at(&self.knots_v, v));
-        let rows = |basis: &BasisFunctions<'_>| (0..=order).map(|k| basis.derivatives(k)).collect::<Vec<_>>();
-        let (rows_u, rows_v) = (rows(&in_u), rows(&in_v));
+        let bases = self.bases(u, v);
         let mut homogeneous = vec![DVec4::ZERO; derivative_index(0, order) + 1];
-        for i in 0..=self.knots_u.degree() {
-            let first = (in_u.first() + i) * self.knots_v.count() + in_v.first();
-            let points = &self.points[first..=first + self.knots_v.degree()];
-            for (l, row_v) in rows_v.iter().enumerate() {
-                let sum = points.iter().zip(row_v).map(|(point, m)| *point * *m).sum::<DVec4>();
-                for (k, row_u) in rows_u.iter().enumerate().take(order + 1 - l) {
-                    homogeneous[derivative_index(k, l)] += sum * row_u[i];
-                }
-            }
+        if order <= 2 {
+            self.homogeneous(&bases, [&bases[0].rows::<3>(), &bases[1].rows::<3>()], &mut homogeneous);
+        } else {
+            let [rows_u, rows_v] = [0, 1].map(|axis| bases[axis].rows_up_to(order));
+            self.homogeneous(&bases, [&rows_u, &rows_v], &mut homogeneous);
         }
         Derivatives::project(order, &homogeneous)
     }
@@ -191,16 +184,29 @@ impl NurbsSurface {
         du.cross(dv).try_normalize()
     }
 
-    fn homogeneous(&self, [in_u, in_v]: [&BasisFunctions<'_>; 2], [k, l]: [usize; 2]) -> DVec4 {
-        let (row_u, row_v) = (in_u.derivatives(k), in_v.derivatives(l));
-        let (p, q) = (self.knots_u.degree(), self.knots_v.degree());
-        let (count_v, first_v) = (self.knots_v.count(), in_v.first());
-        let mut sum = DVec4::ZERO;
-        for (i, n) in (in_u.first()..=in_u.first() + p).zip(row_u) {
-            let row = &self.points[i * count_v + first_v..=i * count_v + first_v + q];
-            sum += row.iter().zip(row_v).map(|(p, m)| *p * m).sum::<DVec4>() * n;
+    fn bases(&self, u: f64, v: f64) -> [BasisFunctions<'_>; 2] {
+        [BasisFunctions::at(&self.knots_u, u), BasisFunctions::at(&self.knots_v, v)]
+    }
+
+    /// Adds the derivatives of the homogeneous form, by [`derivative_index`], to `sums`: as many of them as it has.
+    fn homogeneous(
+        &self,
+        [in_u, in_v]: &[BasisFunctions<'_>; 2],
+        [rows_u, rows_v]: [&[BasisRow]; 2],
+        sums: &mut [DVec4],
+    ) {
+        for i in 0..=self.knots_u.degree() {
+            let first = (in_u.first() + i) * self.knots_v.count() + in_v.first();
+            let points = &self.points[first..=first + self.knots_v.degree()];
+            for (l, row_v) in rows_v.iter().enumerate() {
+                let along_v = points.iter().zip(row_v).map(|(point, m)| *point * *m).sum::<DVec4>();
+                for (k, row_u) in rows_u.iter().enumerate() {
+                    if let Some(sum) = sums.get_mut(derivative_index(k, l)) {
+                        *sum += along_v * row_u[i];
+                    }
+                }
+            }
         }
-        sum
     }
 
     /// A surface that is closed in u, in v, or in both, from control points that are not repeated.
