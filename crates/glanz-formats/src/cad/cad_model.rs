@@ -9,7 +9,7 @@ use glanz_scene::{Description, Location};
 use super::cad_report::CadReport;
 use super::describe::{CadScene, CadSettings};
 use super::error::CadError;
-use super::report::{BrepFile, EntityNote};
+use super::report::BrepFile;
 use crate::{iges, step};
 
 /// The reason why occurrences lack their colors.
@@ -53,11 +53,7 @@ impl CadModel {
         let mut report = self.report;
         (report.shapes, report.whole) = (shapes, whole);
         if is_exhausted {
-            report.reading.repairs.push_with(|| EntityNote {
-                entity: None,
-                position: None,
-                reason: TOO_MANY_COLORS.to_owned(),
-            });
+            report.reading.repairs.push_whole(TOO_MANY_COLORS);
         }
         report
     }

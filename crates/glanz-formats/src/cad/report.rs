@@ -73,7 +73,7 @@ impl NoteList {
     /// Notes stored, at most.
     pub const CAPACITY: usize = 1000;
 
-    /// The first notes.
+    /// The first notes, and the last one about the whole file.
     #[must_use]
     pub fn notes(&self) -> &[EntityNote] {
         &self.notes
@@ -91,6 +91,13 @@ impl NoteList {
         if self.notes.len() < Self::CAPACITY {
             self.notes.push(note());
         }
+    }
+
+    /// Adds a note about the whole file, which is stored however many notes there are.
+    pub(crate) fn push_whole(&mut self, reason: &str) {
+        self.count += 1;
+        self.notes.truncate(Self::CAPACITY - 1);
+        self.notes.push(EntityNote { entity: None, position: None, reason: reason.to_owned() });
     }
 
     /// Adds a note about an entity.
@@ -131,5 +138,22 @@ impl fmt::Display for EntityNote {
             write!(f, "{entity}: ")?;
         }
         f.write_str(&self.reason)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn note_about_the_whole_file_is_stored_behind_any_number_of_others() {
+        for others in [0, 1, NoteList::CAPACITY, NoteList::CAPACITY + 5] {
+            let mut list = NoteList::default();
+            (0..others).for_each(|i| list.push(EntityId(i as u64), "mended"));
+            list.push_whole("too many");
+            assert_eq!(list.count(), others + 1);
+            assert_eq!(list.notes().len(), (others + 1).min(NoteList::CAPACITY));
+            assert_eq!(list.notes().last().unwrap().to_string(), "too many");
+        }
     }
 }
