@@ -6,6 +6,7 @@ use std::collections::{HashMap, HashSet};
 use glanz_brep::model::EntityId;
 
 use super::entities::EntityLists;
+use super::geometry::GeometryReader;
 use super::part21::{Entity, Keyword, Refusal};
 
 /// Parts inside one another, at most.
@@ -75,8 +76,9 @@ impl<'a> AssemblyIndex<'a> {
         for definition in &lists.definitions {
             refusals.extend(index.add_definition(*definition).err());
         }
+        let mut followed = HashSet::new();
         for product in &lists.products {
-            index.complete_group(*product);
+            index.complete_group(*product, &mut followed);
         }
         (index, refusals)
     }
@@ -143,12 +145,15 @@ impl<'a> AssemblyIndex<'a> {
         Ok(())
     }
 
-    /// Adds to the representations of a product those that are linked to them and belong to no other.
-    fn complete_group(&mut self, product: Entity<'a>) {
+    /// Adds to the representations of a product those that are linked to them and belong to no other. `followed`: the representations whose
+    /// links are known to lead to no other, as those that several products have.
+    fn complete_group(&mut self, product: Entity<'a>, followed: &mut HashSet<EntityId>) {
         let Some(mut group) = self.groups.remove(&product.id()) else { return };
         let mut next = 0;
         while let Some(representation) = group.get(next) {
-            for linked in self.links.get(&representation.id()).into_iter().flatten() {
+            let is_new = followed.insert(representation.id());
+            let links = self.links.get(&representation.id()).filter(|_| is_new);
+            for linked in links.into_iter().flatten() {
                 if let Entry::Vacant(owner) = self.owners.entry(linked.id()) {
                     owner.insert(product);
                     group.push(*linked);
@@ -164,19 +169,29 @@ impl<'a> AssemblyIndex<'a> {
         self.groups.get(&product).cloned().unwrap_or_default()
     }
 
-    /// The representations with the shape of one that belongs to no product, itself first.
-    pub(super) fn linked(&self, representation: Entity<'a>) -> Vec<Entity<'a>> {
+    /// The representations with the shape of one that belongs to no product, itself first. Every link is taken off the budget, also
+    /// those that lead to the same representation.
+    ///
+    /// # Errors
+    /// Those of [`GeometryReader::spend`].
+    pub(super) fn linked(
+        &self,
+        representation: Entity<'a>,
+        geometry: &mut GeometryReader,
+    ) -> Result<Vec<Entity<'a>>, Refusal> {
         let (mut group, mut known) = (vec![representation], HashSet::from([representation.id()]));
         let mut next = 0;
         while let Some(representation) = group.get(next) {
-            for linked in self.links.get(&representation.id()).into_iter().flatten() {
+            let links = self.links.get(&representation.id()).map_or(&[][..], Vec::as_slice);
+            geometry.spend(representation.id(), links.len())?;
+            for linked in links {
                 if !self.owners.contains_key(&linked.id()) && known.insert(linked.id()) {
                     group.push(*linked);
                 }
             }
             next += 1;
         }
-        group
+        Ok(group)
     }
 
     /// The product definition of a representation.

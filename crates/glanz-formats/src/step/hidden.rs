@@ -57,9 +57,10 @@ impl<'a> PartReader<'a, '_> {
                     if let Some(inner) = self.index.owner(first.id()) {
                         open.push(inner);
                     } else if !self.reader.hidden_items.contains(&first.id()) {
-                        let mut linked = self.index.linked(first);
-                        linked.retain(|representation| self.reader.hide(*representation));
-                        representations.extend(linked);
+                        // Of what is not followed the faces count as unreachable.
+                        let linked = self.index.linked(first, &mut self.reader.geometry);
+                        let linked = linked.unwrap_or_default().into_iter();
+                        representations.extend(linked.filter(|item| self.reader.hide(*item)));
                     }
                 }
             }

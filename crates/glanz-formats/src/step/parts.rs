@@ -11,7 +11,7 @@ use super::geometry::ENTITY_COST;
 use super::hidden::HIDDEN;
 use super::lowering::StepReader;
 use super::part21::{Entity, EntityAttributes, Keyword, Refusal};
-use super::placement::{NestedReach, invertible};
+use crate::cad::{PartReaches, invertible};
 
 /// The state of the part of a product or a representation.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +27,7 @@ pub(super) struct PartReader<'a, 'r> {
     pub(super) reader: &'r mut StepReader<'a>,
     pub(super) index: AssemblyIndex<'a>,
     states: HashMap<EntityId, PartState>,
-    /// By the index of the part.
-    reaches: Vec<NestedReach>,
+    reaches: PartReaches,
     visited: HashSet<EntityId>,
 }
 
@@ -38,7 +37,13 @@ impl<'a, 'r> PartReader<'a, 'r> {
         for refusal in refusals {
             reader.omit(refusal.entity, &refusal);
         }
-        Self { reader, index, states: HashMap::new(), reaches: Vec::new(), visited: HashSet::new() }
+        Self {
+            reader,
+            index,
+            states: HashMap::new(),
+            reaches: PartReaches::default(),
+            visited: HashSet::new(),
+        }
     }
 
     /// Reads all that the file shows.
@@ -128,26 +133,9 @@ impl<'a, 'r> PartReader<'a, 'r> {
         if part.bodies.is_empty() && part.occurrences.is_empty() {
             return None;
         }
-        let occurrences = part.occurrences.iter();
-        let reaches = occurrences.map(|occurrence| self.placed_reach(occurrence.part, &occurrence.to_parent));
-        let reach = reaches.fold(NestedReach::UNPLACED, NestedReach::max);
-        self.reaches.push(reach);
+        self.reaches.push(&part);
         self.reader.model.parts.push(part);
         Some(self.reader.model.parts.len() - 1)
-    }
-
-    /// How far a transformation and those inside of a part take what is in it.
-    fn placed_reach(&self, part: usize, to_parent: &DMat4) -> NestedReach {
-        self.reaches.get(part).copied().unwrap_or(NestedReach::UNPLACED).placed(to_parent)
-    }
-
-    /// Refuses a transformation of a part that takes what is in it out of the reach of a scene.
-    fn check_reach(&self, entity: Entity<'a>, part: usize, to_parent: &DMat4) -> Result<(), Refusal> {
-        if self.placed_reach(part, to_parent).is_too_far() {
-            let reason = "with those inside, the transformation goes beyond the coordinates of a scene";
-            return Err(entity.refuse(reason));
-        }
-        Ok(())
     }
 
     /// The part of a product definition; `None` if nothing of it is shown.
@@ -177,8 +165,10 @@ impl<'a, 'r> PartReader<'a, 'r> {
         self.part(representation, depth, |this, depth| {
             let name = representation.attributes(&[Keyword::Representation]).text(0);
             let mut part = Part { name, entity: representation.id(), ..Part::default() };
-            let group = this.index.linked(representation);
-            this.add_representations(&mut part, &group, &mut HashSet::new(), depth);
+            match this.index.linked(representation, &mut this.reader.geometry) {
+                Ok(group) => this.add_representations(&mut part, &group, &mut HashSet::new(), depth),
+                Err(refusal) => this.reader.omit(representation.id(), &refusal),
+            }
             part
         })
     }
@@ -305,8 +295,8 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let geometry = &mut self.reader.geometry;
         let to_parent = geometry.transformation(attributes.reference(2)?, outer)?
             * geometry.inverse_transformation(origin, inner)?;
-        let to_parent = invertible(item, to_parent)?;
-        self.check_reach(item, part, &to_parent)?;
+        let to_parent = invertible(item.id(), to_parent)?;
+        self.reaches.check(item.id(), part, &to_parent)?;
         let style = self.reader.styles.color(item.id());
         Ok(Some(Occurrence { part, to_parent, name: attributes.text(0), style, entity: item.id() }))
     }
@@ -321,7 +311,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let ends = RelationshipEnds::of(relationship)?;
         let Some(part) = self.representation(ends.first, depth)? else { return Ok(None) };
         let to_parent = self.relationship_matrix(ends)?;
-        self.check_reach(relationship, part, &to_parent)?;
+        self.reaches.check(relationship.id(), part, &to_parent)?;
         Ok(Some(Occurrence { part, to_parent, name: String::new(), style: None, entity: relationship.id() }))
     }
 
@@ -366,7 +356,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
                 DMat4::IDENTITY
             }
         };
-        self.check_reach(usage, part, &to_parent)?;
+        self.reaches.check(usage.id(), part, &to_parent)?;
         let (id, name) = (attributes.text(0), attributes.text(1));
         let name = if name.is_empty() { id } else { name };
         let mut contexts = self.index.style_contexts(usage.id());
@@ -389,6 +379,6 @@ impl<'a, 'r> PartReader<'a, 'r> {
         let attributes = transformation.simple();
         let [from, to] = [attributes.reference(2)?, attributes.reference(3)?];
         let matrix = geometry.transformation(to, second)? * geometry.inverse_transformation(from, first)?;
-        invertible(transformation, matrix)
+        invertible(transformation.id(), matrix)
     }
 }

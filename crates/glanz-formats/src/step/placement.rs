@@ -5,6 +5,7 @@ use glanz_math::{DMat4, DVec3};
 
 use super::geometry::GeometryReader;
 use super::part21::{Entity, Keyword, Refusal};
+use crate::cad::invertible;
 
 /// Coordinates as in the file; those that are missing are 0.
 fn coordinates(entity: Entity<'_>) -> Result<DVec3, Refusal> {
@@ -71,53 +72,6 @@ pub(super) fn inverse_matrix(placement: &Placement) -> DMat4 {
     let Placement { origin: o, x, y, z } = *placement;
     let rows = [x.extend(-x.dot(o)), y.extend(-y.dot(o)), z.extend(-z.dot(o)), DVec3::ZERO.extend(1.0)];
     DMat4::from_cols_array_2d(&rows.map(|row| row.to_array())).transpose()
-}
-
-/// Largest entry of a transformation, metres or a factor: beyond, a scene has no coordinates.
-const FARTHEST: f64 = 1e12;
-
-/// A transformation, if it is finite and has an inverse.
-pub(super) fn invertible(entity: Entity<'_>, matrix: DMat4) -> Result<DMat4, Refusal> {
-    if matrix.to_cols_array().iter().any(|entry| entry.abs() > FARTHEST) {
-        return Err(entity.refuse(format!("the transformation has an entry of more than {FARTHEST:e}")));
-    }
-    if matrix.is_finite() && matrix.determinant().is_normal() && matrix.inverse().is_finite() {
-        Ok(matrix)
-    } else {
-        Err(entity.refuse("the transformation is not finite or has no inverse"))
-    }
-}
-
-/// How far transformations inside one another take what they place.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct NestedReach {
-    /// Largest factor by which lengths grow.
-    scale: f64,
-    /// Largest distance of the origin of a frame, metres.
-    distance: f64,
-}
-
-impl NestedReach {
-    /// That of bodies, which no transformation places.
-    pub(super) const UNPLACED: Self = Self { scale: 1.0, distance: 0.0 };
-
-    /// That of what another transformation places.
-    pub(super) fn placed(self, matrix: &DMat4) -> Self {
-        let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
-        let scale = axes.iter().map(|axis| axis.truncate().length()).fold(0.0, f64::max);
-        let distance = matrix.w_axis.truncate().length() + scale * self.distance;
-        Self { scale: scale * self.scale, distance }
-    }
-
-    /// The larger of both values.
-    pub(super) fn max(self, other: Self) -> Self {
-        Self { scale: self.scale.max(other.scale), distance: self.distance.max(other.distance) }
-    }
-
-    /// Whether a scene has no coordinates there.
-    pub(super) fn is_too_far(self) -> bool {
-        self.scale.max(self.distance) > FARTHEST
-    }
 }
 
 impl GeometryReader {
@@ -210,6 +164,6 @@ impl GeometryReader {
             return Err(entity.refuse(format!("the scale is {scale}; it must be positive and finite")));
         }
         let columns = [x, y, z].map(|axis| (axis * scale).extend(0.0));
-        invertible(entity, DMat4::from_cols(columns[0], columns[1], columns[2], origin.extend(1.0)))
+        invertible(entity.id(), DMat4::from_cols(columns[0], columns[1], columns[2], origin.extend(1.0)))
     }
 }

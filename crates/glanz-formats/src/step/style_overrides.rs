@@ -65,12 +65,18 @@ impl<'a> PartReader<'a, '_> {
             self.reader.geometry.spend(context, ENTITY_COST * found.len())?;
             usages.extend(found);
         }
-        let paths = match Self::nested(&usages) {
-            Some(path) => vec![path],
-            None => usages.into_iter().map(usage_path).collect::<Result<_, _>>()?,
-        };
-        for path in paths {
+        // Each path is taken off the budget before the next one is made.
+        let mut paths = Vec::new();
+        let mut add = |path: Vec<EntityId>| -> Result<(), Refusal> {
             self.reader.geometry.spend(item, ENTITY_COST + path.len())?;
+            paths.push(path);
+            Ok(())
+        };
+        match Self::nested(&usages) {
+            Some(path) => add(path)?,
+            None => usages.into_iter().try_for_each(|usage| add(usage_path(usage)?))?,
+        }
+        for path in paths {
             let last = path.last().copied().filter(|last| shown.contains(last));
             let last = last.ok_or_else(|| Refusal::new(color.style, "its occurrence is not shown"))?;
             let item = if is_part { last } else { item };

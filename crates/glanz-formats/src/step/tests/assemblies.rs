@@ -213,36 +213,78 @@ fn long_name_that_many_share_is_shortened() {
     assert_eq!(lengths, vec![200; 1000]);
 }
 
+/// A product with the occurrence "left", and another one "bad" of a scale.
+fn one_scale(scale: &str) -> String {
+    format!(
+        "{}{}{}#400=NEXT_ASSEMBLY_USAGE_OCCURRENCE('id','','',#100,#300,$);
+         #30=MAPPED_ITEM('left',#31,#20);#31=REPRESENTATION_MAP(#10,#302);
+         #32=MAPPED_ITEM('bad',#31,#33);#33=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',#22,$,#21,{scale},$);",
+        common(),
+        product(100, "whole", "#30,#32", 910),
+        product(300, "ball", "#3", 910)
+    )
+}
+
 #[test]
 fn transformations_without_an_inverse_cost_their_occurrence_only() {
     for scale in ["1.E-120", "1.E120", "0.", "-1."] {
-        let file = file(&format!(
-            "{}{}{}#400=NEXT_ASSEMBLY_USAGE_OCCURRENCE('id','','',#100,#300,$);
-             #30=MAPPED_ITEM('left',#31,#20);#31=REPRESENTATION_MAP(#10,#302);
-             #32=MAPPED_ITEM('bad',#31,#33);#33=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',#22,$,#21,{scale},$);",
-            common(),
-            product(100, "whole", "#30,#32", 910),
-            product(300, "ball", "#3", 910)
-        ));
+        let file = file(&one_scale(scale));
         let names: Vec<&str> = file.model.parts[1].occurrences.iter().map(|o| o.name.as_str()).collect();
         assert_eq!((names, file.report.omissions.count()), (vec!["left"], 1), "{scale}");
         assert!(omissions(&file)[0].starts_with("#32: #33: "), "{:?}", omissions(&file));
     }
 }
 
-#[test]
-fn transformations_inside_one_another_are_refused_where_they_go_too_far_together() {
-    // Each enlarges by 1e7, so that two make 1e14.
+/// The omissions of an assembly in which a transformation of a scale is inside another of the same scale, and the occurrences that are left.
+fn nested_scales(scale: &str) -> (Vec<String>, Vec<String>) {
     let file = file(&format!(
         "{}{}{}{}#30=MAPPED_ITEM('inner',#31,#33);#31=REPRESENTATION_MAP(#10,#302);#32=MAPPED_ITEM('outer',#34,#33);
-         #33=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',#22,$,#11,1.E7,$);#34=REPRESENTATION_MAP(#10,#202);#35=MAPPED_ITEM('alone',#31,#33);",
+         #33=CARTESIAN_TRANSFORMATION_OPERATOR_3D('',#22,$,#11,{scale},$);#34=REPRESENTATION_MAP(#10,#202);#35=MAPPED_ITEM('alone',#31,#33);",
         common(),
         product(100, "whole", "#32,#35", 910),
         product(200, "middle", "#30", 910),
         product(300, "ball", "#3", 910)
     ));
     let whole = file.model.parts.iter().find(|part| part.name == "whole").unwrap();
-    let names: Vec<&str> = whole.occurrences.iter().map(|occurrence| occurrence.name.as_str()).collect();
-    assert_eq!(names, ["alone"]);
-    assert!(omissions(&file)[0].contains("#32: with those inside"), "{:?}", omissions(&file));
+    let names = whole.occurrences.iter().map(|occurrence| occurrence.name.clone()).collect();
+    (omissions(&file), names)
+}
+
+#[test]
+fn transformations_inside_one_another_are_refused_where_they_go_too_far_together() {
+    // Each enlarges by 1e7, so that two make 1e14, or shrinks by as much.
+    for (scale, reason) in
+        [("1.E7", "beyond the coordinates"), ("1.E-7", "shrinks lengths to less than 1e-12")]
+    {
+        let (omissions, names) = nested_scales(scale);
+        assert_eq!(names, ["alone"]);
+        assert!(
+            omissions[0].starts_with("#32: with those inside") && omissions[0].contains(reason),
+            "{omissions:?}"
+        );
+    }
+    // The determinant of one is 1e-300, that of two would be 0.
+    let file = file(&one_scale("1.E-100"));
+    assert_eq!(file.model.parts[1].occurrences.len(), 1);
+    assert!(omissions(&file)[0].starts_with("#32: with those inside"), "{:?}", omissions(&file));
+}
+
+#[test]
+fn parallel_links_are_taken_off_the_budget() {
+    // Each of 100 placed representations is linked to all others, and two of them are linked 3000 times.
+    let mut data =
+        common() + "#40=ITEM_DEFINED_TRANSFORMATION('','',#10,#20);#50=SHAPE_REPRESENTATION('',(#10),#910);";
+    for i in 0..100 {
+        let [placed, link, placement] = [1000, 2000, 3000].map(|first| first + i);
+        data += &format!(
+            "#{placed}=SHAPE_REPRESENTATION('',(#3),#910);#{link}=SHAPE_REPRESENTATION_RELATIONSHIP('','',#1000,#{placed});
+             #{placement}=(REPRESENTATION_RELATIONSHIP('','',#{placed},#50)REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#40)
+             SHAPE_REPRESENTATION_RELATIONSHIP());"
+        );
+    }
+    let parallel = |i: usize| format!("#{i}=SHAPE_REPRESENTATION_RELATIONSHIP('','',#1000,#1001);");
+    let once = file(&data);
+    assert_eq!(omissions(&once), [""; 0]);
+    let often = file(&(data + &(10_000..13_000).map(parallel).collect::<String>()));
+    assert!(omissions(&often)[0].contains("repeats its geometry too often"), "{:?}", omissions(&often));
 }
