@@ -28,8 +28,15 @@ impl IgesEntity<'_> {
     /// # Errors
     /// What is wrong with its matrix.
     pub(super) fn matrix(&self) -> Result<DMat4, Refusal> {
+        self.transformation(self.entry.matrix)
+    }
+
+    /// A transformation to which it refers, in units of the file; `pointer`: the number of its directory entry, 0 for none.
+    ///
+    /// # Errors
+    /// What is wrong with the matrix.
+    pub(super) fn transformation(&self, mut pointer: i64) -> Result<DMat4, Refusal> {
         let mut matrix = DMat4::IDENTITY;
-        let mut pointer = self.entry.matrix;
         for _ in 0..MAX_DEPTH {
             if pointer == 0 {
                 return Ok(matrix);
@@ -46,19 +53,6 @@ impl IgesEntity<'_> {
             pointer = entity.entry.matrix;
         }
         Err(self.refuse("transformations refer to one another"))
-    }
-
-    /// Its transformation if it keeps lengths: a rotation or reflection and a translation.
-    ///
-    /// # Errors
-    /// What is wrong with its matrix.
-    pub(super) fn rigid_matrix(&self) -> Result<DMat4, Refusal> {
-        let matrix = self.matrix()?;
-        if is_rigid(&matrix) {
-            Ok(matrix)
-        } else {
-            Err(self.refuse("its transformation is neither a rotation nor a reflection"))
-        }
     }
 
     /// Its colour.

@@ -110,6 +110,13 @@ impl IgesFile {
         }
     }
 
+    /// Makes an entry one that stands by itself again.
+    pub(super) fn unmark(&self, index: usize) {
+        if let Some(used) = self.used.get(index) {
+            used.set(false);
+        }
+    }
+
     /// Whether the entry is part of another that was read.
     pub(super) fn is_used(&self, index: usize) -> bool {
         self.used.get(index).is_some_and(Cell::get)

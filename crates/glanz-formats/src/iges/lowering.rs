@@ -8,7 +8,7 @@ use glanz_math::{DMat4, DVec3};
 use super::entity::{IgesEntity, type_name};
 use super::file::IgesFile;
 use super::surfaces::SurfaceLink;
-use crate::cad::{BrepFile, CopyBudget, FaceCounts, ReadingReport, Refusal};
+use crate::cad::{BrepFile, CopyBudget, FaceCounts, PartReaches, ReadingReport, Refusal};
 
 /// Entities inside one another, at most.
 pub(super) const MAX_DEPTH: usize = 16;
@@ -33,9 +33,12 @@ pub(super) struct IgesReader<'a> {
     /// By list and number in it.
     pub(super) vertices: HashMap<(usize, usize), Result<usize, Refusal>>,
     pub(super) edges: HashMap<(usize, usize), Result<usize, Refusal>>,
-    /// Parts of subfigures; `None` while one is read.
-    pub(super) subfigures: HashMap<usize, Option<Result<usize, Refusal>>>,
-    /// Solids and shells that are not shown, so that their faces are counted once.
+    /// Parts of subfigures, solids and assemblies; `None` while one is read.
+    pub(super) definitions: HashMap<usize, Option<Result<usize, Refusal>>>,
+    pub(super) reaches: PartReaches,
+    /// What is not shown, and why.
+    pub(super) unshown: Vec<(IgesEntity<'a>, &'static str)>,
+    /// Solids, shells and assemblies that are not shown, so that their faces are counted once.
     pub(super) concealed: HashSet<usize>,
 }
 
@@ -51,7 +54,9 @@ impl<'a> IgesReader<'a> {
             surfaces: HashMap::new(),
             vertices: HashMap::new(),
             edges: HashMap::new(),
-            subfigures: HashMap::new(),
+            definitions: HashMap::new(),
+            reaches: PartReaches::default(),
+            unshown: Vec::new(),
             concealed: HashSet::new(),
         }
     }

@@ -1,25 +1,26 @@
-//! What a file shows: bodies, sets of faces, groups, and instances of subfigures.
+//! What a file shows: bodies, sets of faces, groups, and parts that occur in it.
 
 use std::collections::{BTreeMap, HashMap};
 
 use glanz_brep::model::{Body, Occurrence, Part, Shell};
-use glanz_math::{DMat4, DVec3};
+use glanz_math::DMat4;
 
+use super::contents::{HIDDEN, mark_contents, mark_with_contents};
 use super::entity::IgesEntity;
 use super::lowering::{IgesReader, MAX_DEPTH};
-use crate::cad::{ENTITY_COST, Refusal};
+use crate::cad::Refusal;
 
 /// What has the same transformation in a part.
 #[derive(Default)]
-struct PartContents {
-    bodies: Vec<Body>,
+pub(super) struct PartContents {
+    pub(super) bodies: Vec<Body>,
     /// Faces without a shell by the group in which they are.
-    loose_faces: BTreeMap<Option<usize>, Vec<usize>>,
-    occurrences: Vec<Occurrence>,
+    pub(super) loose_faces: BTreeMap<Option<usize>, Vec<usize>>,
+    pub(super) occurrences: Vec<Occurrence>,
 }
 
 /// Groups of the file: their names, and their members by place in the directory.
-struct GroupIndex {
+pub(super) struct GroupIndex {
     names: Vec<(glanz_brep::model::EntityId, String)>,
     members: HashMap<usize, usize>,
 }
@@ -27,7 +28,7 @@ struct GroupIndex {
 /// The order in which shapes are read: what contains others is first, so that these are not shown again.
 fn rank(kind: u32) -> Option<u8> {
     match kind {
-        408 => Some(0),
+        184 | 408 | 430 => Some(0),
         186 => Some(1),
         514 => Some(2),
         510 | 143 | 144 => Some(3),
@@ -41,15 +42,7 @@ impl<'a> IgesReader<'a> {
     pub(super) fn read_all(&mut self) {
         let groups = GroupIndex::new(self);
         let file = self.file;
-        // What a subfigure contains is shown by its instances only.
-        for definition in file.entities().filter(|entity| entity.kind() == 308) {
-            for i in 0..definition.list_length(3, 4, 1).unwrap_or_default() {
-                let item = definition.pointer(4 + i).ok().flatten();
-                if let Some(item) = item.filter(|item| !file.is_used(item.index)) {
-                    mark_with_shells(item);
-                }
-            }
-        }
+        mark_contents(file);
         // Nor are surfaces that belong to faces, also to those that are not shown.
         for entity in file.entities() {
             let surface = match entity.kind() {
@@ -62,6 +55,10 @@ impl<'a> IgesReader<'a> {
         }
         let entities: Vec<IgesEntity<'a>> = file.entities().collect();
         let part = self.part(&entities, &groups, MAX_DEPTH, true);
+        // What is shown elsewhere has been read by now.
+        for (entity, reason) in std::mem::take(&mut self.unshown) {
+            self.conceal(entity, reason);
+        }
         let Some((part, entity)) = part.zip(entities.first().map(IgesEntity::id)) else { return };
         if let Some(part) = self.model.parts.get_mut(part) {
             part.name = file.global.product.clone();
@@ -77,7 +74,7 @@ impl<'a> IgesReader<'a> {
     }
 
     /// The part of some entities; `None` if it is empty. `free`: whether those that belong to others are left out.
-    fn part(
+    pub(super) fn part(
         &mut self,
         entities: &[IgesEntity<'a>],
         groups: &GroupIndex,
@@ -94,10 +91,9 @@ impl<'a> IgesReader<'a> {
                 // Surfaces that help to define others, as 2D geometry or construction.
                 let helps = wanted == 4 && entity.entry.usage != 0;
                 if entity.entry.hidden || helps {
-                    self.conceal(
-                        entity,
-                        if helps { "it is geometry for construction" } else { "the file hides it" },
-                    );
+                    mark_with_contents(entity);
+                    self.unshown
+                        .push((entity, if helps { "it is geometry for construction" } else { HIDDEN }));
                     continue;
                 }
                 // Instances have their matrix in their own transformation, surfaces in their points.
@@ -117,29 +113,16 @@ impl<'a> IgesReader<'a> {
                 whole = contents;
                 continue;
             }
-            let placed = self.rigid_placement(entity);
+            let placed = self.rigid_placement(entity).and_then(|to_parent| {
+                let part = self.add_part(entity, contents, groups);
+                part.map(|part| self.occurrence(entity, part, to_parent)).transpose()
+            });
             match placed {
-                Ok(to_parent) => {
-                    let part = self.add_part(entity, contents, groups);
-                    whole.occurrences.extend(part.map(|part| Occurrence {
-                        part,
-                        to_parent,
-                        name: String::new(),
-                        style: None,
-                        entity: entity.id(),
-                    }));
-                }
+                Ok(occurrence) => whole.occurrences.extend(occurrence),
                 Err(refusal) => self.report.omit(entity.id(), &refusal),
             }
         }
         self.add_part(first?, whole, groups)
-    }
-
-    /// The transformation of an entity in metres.
-    fn rigid_placement(&self, entity: IgesEntity<'_>) -> Result<DMat4, Refusal> {
-        let matrix = entity.rigid_matrix()?;
-        let placed = self.metres() * matrix * self.metres().inverse();
-        if placed.is_finite() { Ok(placed) } else { Err(entity.refuse("its transformation is not finite")) }
     }
 
     fn add_item(
@@ -150,8 +133,13 @@ impl<'a> IgesReader<'a> {
         contents: &mut PartContents,
     ) -> Result<(), Refusal> {
         let face = match entity.kind() {
-            408 => {
-                contents.occurrences.extend(self.instance(entity, groups, depth)?);
+            184 | 408 | 430 => {
+                let occurrence = if entity.kind() == 408 {
+                    self.subfigure_instance(entity, groups, depth)?
+                } else {
+                    self.placed_solid(entity, DMat4::IDENTITY, groups, depth)?
+                };
+                contents.occurrences.push(occurrence);
                 return Ok(());
             }
             186 | 514 => {
@@ -172,7 +160,7 @@ impl<'a> IgesReader<'a> {
     }
 
     /// The index of the part with these contents; `None` if there are none.
-    fn add_part(
+    pub(super) fn add_part(
         &mut self,
         entity: IgesEntity<'_>,
         contents: PartContents,
@@ -191,112 +179,11 @@ impl<'a> IgesReader<'a> {
         if bodies.is_empty() && occurrences.is_empty() {
             return None;
         }
-        self.model.parts.push(Part { name: String::new(), bodies, occurrences, entity: entity.id() });
+        let part = Part { name: String::new(), bodies, occurrences, entity: entity.id() };
+        self.reaches.push(&part);
+        self.model.parts.push(part);
         Some(self.model.parts.len() - 1)
     }
-
-    /// `DE, X, Y, Z, S`: an instance of a subfigure.
-    fn instance(
-        &mut self,
-        entity: IgesEntity<'a>,
-        groups: &GroupIndex,
-        depth: usize,
-    ) -> Result<Option<Occurrence>, Refusal> {
-        self.budget.spend(entity.id(), ENTITY_COST)?;
-        let definition = entity.reference(1)?;
-        if definition.kind() != 308 {
-            return Err(definition.refuse_kind("subfigure"));
-        }
-        let [x, y, z] = entity.numbers(2)?;
-        let scale = if entity.len() < 5 { 1.0 } else { entity.number(5)? };
-        let scale = if scale == 0.0 { 1.0 } else { scale };
-        let placed = self.rigid_placement(entity)?
-            * DMat4::from_translation(DVec3::new(x, y, z) * self.file.global.length)
-            * DMat4::from_scale(DVec3::splat(scale));
-        if !(placed.is_finite() && placed.determinant().is_normal()) {
-            return Err(entity.refuse("the placement is not finite, or has no inverse"));
-        }
-        let part = match self.subfigures.get(&definition.index) {
-            Some(Some(known)) => known.clone()?,
-            Some(None) => return Err(definition.refuse("the subfigure contains itself")),
-            None => {
-                self.subfigures.insert(definition.index, None);
-                let part = self.subfigure(definition, groups, depth);
-                self.subfigures.insert(definition.index, Some(part.clone()));
-                part?
-            }
-        };
-        let (name, style) = (entity.name(5), entity.color());
-        Ok(Some(Occurrence { part, to_parent: placed, name, style, entity: entity.id() }))
-    }
-
-    /// `DEPTH, NAME, N, DE...`: the part of a subfigure.
-    fn subfigure(
-        &mut self,
-        entity: IgesEntity<'a>,
-        groups: &GroupIndex,
-        depth: usize,
-    ) -> Result<usize, Refusal> {
-        let depth = depth
-            .checked_sub(1)
-            .ok_or_else(|| entity.refuse(format!("subfigures are nested deeper than {MAX_DEPTH} levels")))?;
-        self.spend(entity)?;
-        let count = entity.list_length(3, 4, 1)?;
-        let items = (0..count).map(|i| entity.reference(4 + i)).collect::<Result<Vec<_>, _>>()?;
-        let part = self.part(&items, groups, depth, false);
-        let part = part.ok_or_else(|| entity.refuse("the subfigure has no surface that can be read"))?;
-        if let Some(part) = self.model.parts.get_mut(part) {
-            part.name = entity.text(2).to_owned();
-            part.entity = entity.id();
-        }
-        Ok(part)
-    }
-
-    /// Counts the faces of what is not shown.
-    fn conceal(&mut self, entity: IgesEntity<'a>, reason: &str) {
-        match entity.kind() {
-            143 | 144 | 510 => {
-                self.hide_face(entity.index, entity.id());
-                let _ = entity.optional_reference(if entity.kind() == 143 { 2 } else { 1 });
-            }
-            186 | 514 => {
-                // Of a shell that is concealed twice the faces are known.
-                if !self.concealed.insert(entity.index) {
-                    return;
-                }
-                self.report.omissions.push(entity.id(), reason);
-                for child in shells_or_faces(entity) {
-                    self.file.mark(child.index);
-                    self.conceal(child, reason);
-                }
-            }
-            _ => {
-                self.report.omissions.push(entity.id(), reason);
-                self.file.mark(entity.index);
-            }
-        }
-    }
-}
-
-/// The shells of a solid, or the faces of a shell; nothing of other entities.
-fn shells_or_faces(entity: IgesEntity<'_>) -> impl Iterator<Item = IgesEntity<'_>> {
-    // The outer shell and its sense, the number of voids, and these with theirs; or the number of faces, and these with theirs.
-    let (outer, list, kind) = match entity.kind() {
-        186 => (Some(1), Some(3), 514),
-        514 => (None, Some(1), 510),
-        _ => (None, None, 0),
-    };
-    let behind = list.map(|i| (i, entity.list_length(i, i + 1, 2).unwrap_or_default()));
-    let items = behind.into_iter().flat_map(|(i, count)| (0..count).map(move |k| i + 1 + 2 * k));
-    let children = outer.into_iter().chain(items).filter_map(move |i| entity.pointer(i).ok().flatten());
-    children.filter(move |child| child.kind() == kind)
-}
-
-/// Marks an entity as part of another, with the shells and faces that are inside of it.
-fn mark_with_shells(entity: IgesEntity<'_>) {
-    entity.file.mark(entity.index);
-    // What is marked is passed once, for many solids may have the same shell.
-    shells_or_faces(entity).filter(|child| !child.file.is_used(child.index)).for_each(mark_with_shells);
 }
 
 impl GroupIndex {

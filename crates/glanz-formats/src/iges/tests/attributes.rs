@@ -72,6 +72,37 @@ fn subfigures_that_contain_themselves_are_refused() {
 }
 
 #[test]
+fn placements_beyond_the_coordinates_of_a_scene_are_refused() {
+    // Fifteen times 1e11 m, of which each alone is near enough.
+    let mut entities = vec![entity(128, 0, BILINEAR), EntityText { matrix: 5, ..entity(144, 0, "1,0,0,0") }];
+    for next in (7..35).step_by(2).chain([0]) {
+        entities
+            .push(EntityText { matrix: next, ..entity(124, 0, "1.,0.,0.,1.E11,0.,1.,0.,0.,0.,0.,1.,0.") });
+    }
+    let refused = omissions(&file(&entities));
+    assert_eq!(refused, ["#3: the transformation has an entry of more than 1e12"]);
+    // Two scales inside one another.
+    for (scale, reason) in [("1.E7", "goes beyond the coordinates"), ("1.E-7", "shrinks lengths")] {
+        let [inner, outer] = ["1", "7"].map(|definition| format!("{definition},0.,0.,0.,{scale}"));
+        let entities = [
+            entity(308, 0, "0,5Hinner,1,3"),
+            entity(144, 0, "5,0,0,0"),
+            entity(128, 0, BILINEAR),
+            entity(308, 0, "0,5Houter,1,9"),
+            entity(408, 0, &inner),
+            entity(408, 0, &outer),
+            entity(408, 0, &inner),
+        ];
+        let file = file(&entities);
+        let refused = omissions(&file);
+        assert_eq!(refused.len(), 1);
+        assert!(refused[0].starts_with("#11: with those inside") && refused[0].contains(reason), "{refused:?}");
+        let [alone] = file.model.parts.last().unwrap().occurrences.as_slice() else { panic!() };
+        assert_eq!(alone.entity, id(13));
+    }
+}
+
+#[test]
 fn colors_names_groups_and_levels_are_taken_over() {
     let entities = [
         EntityText { color: 4, level: 7, label: "LABEL", ..entity(128, 0, BILINEAR) },

@@ -1,5 +1,6 @@
 //! Small files, with facts that follow from the standard.
 
+mod assemblies;
 mod attributes;
 mod curves;
 mod damage;

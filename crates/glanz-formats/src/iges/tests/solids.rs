@@ -3,7 +3,7 @@
 use super::*;
 
 /// A tetrahedron of edge 1 at the origin: planes (190) through its faces, straight edges, normals outwards.
-fn tetrahedron() -> Vec<(u32, u32, String)> {
+pub(super) fn tetrahedron() -> Vec<(u32, u32, String)> {
     let mut entities = vec![
         (186, 0, "3,1,0".to_owned()),
         (514, 1, "4,5,1,7,1,9,1,11,1".to_owned()),
@@ -46,7 +46,7 @@ fn tetrahedron() -> Vec<(u32, u32, String)> {
     entities
 }
 
-fn entities(list: &[(u32, u32, String)]) -> Vec<EntityText<'_>> {
+pub(super) fn entities(list: &[(u32, u32, String)]) -> Vec<EntityText<'_>> {
     list.iter().map(|(kind, form, parameters)| entity(*kind, *form, parameters)).collect()
 }
 
