@@ -250,9 +250,20 @@ impl<'a, 'b> ParameterParser<'a, 'b> {
             let position = self.records.get(at).map(|record| [record.line, 1]);
             fault(position, "many entries share these parameters; they are cut off".to_owned());
         }
+        // Records of which there are fewer than the directory tells.
+        let is_short = wanted < count && allowed == wanted;
+        let behind = records.last().filter(|_| is_short).map(|last| last.number.saturating_add(1));
         loop {
             let position = text.position();
             let (value, end) = text.value();
+            if let (ValueEnd::Missing, Some(lost)) = (end, text.lost.or(behind)) {
+                fault(
+                    position,
+                    format!("record {lost} of the parameters is missing; they end in front of it"),
+                );
+                self.values.push(IgesValue::Invalid);
+                break;
+            }
             let value = match value {
                 // Behind the last value there may be blanks only.
                 FreeValue::Missing if end == ValueEnd::Missing => break,

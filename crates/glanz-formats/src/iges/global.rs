@@ -129,6 +129,10 @@ fn values(records: &[IgesRecord<'_>], report: &mut ReadingReport) -> ([u8; 2], V
             break;
         }
     }
+    if let Some(lost) = text.lost {
+        let reason = format!("record {lost} of the global section is missing; what follows is left out");
+        report.faults.push_with(|| EntityNote { entity: None, position: None, reason });
+    }
     (text.delimiters, values)
 }
 
@@ -156,6 +160,18 @@ mod tests {
         let (section, _) = global("1H//1H#/4Hpart//////////4./3/2HCM/1/0.01//0.5#");
         assert_eq!((section.delimiters, section.product.as_str()), (*b"/#", "part"));
         assert_eq!((section.length, section.resolution), (2.5e-3, 0.5));
+    }
+
+    #[test]
+    fn lost_record_is_a_fault_and_ends_the_section() {
+        let text = ",,4Hpart,,,,32,38,6,308,15,,1.,2,2HMM,1,0.01,,0.001,1.,,,11,0,;";
+        let (first, last) = text.as_bytes().split_at(40);
+        let record = |text, number| IgesRecord { text, line: number, number };
+        let mut report = ReadingReport::default();
+        let section = GlobalSection::parse(&[record(first, 1), record(last, 3)], &mut report);
+        assert_eq!((section.product.as_str(), section.length), ("part", 0.0254));
+        assert!(report.faults.notes()[0].reason.contains("record 2 of the global section is missing"));
+        assert_eq!((report.faults.count(), report.repairs.count()), (1, 2));
     }
 
     #[test]

@@ -50,11 +50,13 @@ pub(super) struct FreeText<'a, 'b> {
     pub(super) delimiters: [u8; 2],
     /// Characters passed.
     pub(super) passed: usize,
+    /// The number of a record that is missing; the text ends in front of it, since what follows does not belong to what is before.
+    pub(super) lost: Option<u32>,
 }
 
 impl<'a, 'b> FreeText<'a, 'b> {
     pub(super) fn new(records: &'b [IgesRecord<'a>], width: usize, delimiters: [u8; 2]) -> Self {
-        Self { records, width, column: 0, delimiters, passed: 0 }
+        Self { records, width, column: 0, delimiters, passed: 0, lost: None }
     }
 
     /// Line and column from 1.
@@ -71,7 +73,12 @@ impl<'a, 'b> FreeText<'a, 'b> {
         self.passed += 1;
         if self.column >= self.width {
             self.column = 0;
+            let next = record.number.saturating_add(1);
             self.records = self.records.get(1..).unwrap_or_default();
+            if self.records.first().is_some_and(|following| following.number > next) {
+                self.records = &[];
+                self.lost = Some(next);
+            }
         }
         Some(byte)
     }

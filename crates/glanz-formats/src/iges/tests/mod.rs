@@ -144,6 +144,23 @@ fn lost_record_of_the_directory_costs_one_entry() {
 }
 
 #[test]
+fn lost_record_of_parameters_costs_one_entity() {
+    // Two records each.
+    let whole = text(&[entity(128, 0, BILINEAR), entity(128, 0, BILINEAR)]);
+    for (lost, fault) in [
+        (1, "#1: its parameters are in record 1, which is missing"),
+        (2, "#1: record 2 of the parameters is missing"),
+        (4, "#3: record 4 of the parameters is missing"),
+    ] {
+        let lines = whole.lines().filter(|line| !line.ends_with(&format!("P{lost:07}")));
+        let lines: Vec<&str> = lines.collect();
+        let report = read(lines.join("\n").as_bytes()).unwrap().report;
+        assert_eq!((report.faces.read, report.faces.refused, report.faults.count()), (1, 1, 1));
+        assert!(report.faults.notes()[0].to_string().contains(fault), "{:?}", report.faults);
+    }
+}
+
+#[test]
 fn parameters_of_another_type_are_not_taken() {
     let whole = text(&[entity(128, 0, BILINEAR), entity(116, 0, "0.,0.,0.")]);
     let shared = whole.replacen("     116       3", "     116       1", 1);
