@@ -1,5 +1,7 @@
 //! The border of a surface as the boundary of a face.
 
+use std::f64::consts::TAU;
+
 use glanz_brep::model::{Curve, FaceBound, FaceSurface, SplineCurve};
 use glanz_geometry::spline::{NurbsCurve, ParameterDirection};
 use glanz_math::DVec3;
@@ -58,45 +60,68 @@ impl IgesReader<'_> {
 }
 
 /// The sides of a surface of a kind that has parameters in the standard.
-fn sides(surface: &FaceSurface, [[u0, u1], [v0, v1]]: [[f64; 2]; 2]) -> Option<BorderSides> {
+fn sides(surface: &FaceSurface, [u, v]: [[f64; 2]; 2]) -> Option<BorderSides> {
+    Some([
+        isoline(surface, 1, v[0], u)?,
+        isoline(surface, 1, v[1], u)?,
+        isoline(surface, 0, u[0], v)?,
+        isoline(surface, 0, u[1], v)?,
+    ])
+}
+
+/// The line along which a parameter (0: u, 1: v) has a value, over an ascending range of the other one, which is its own parameter. `None`
+/// beyond the surface, and on kinds of surfaces that have no parameters in the standard.
+pub(super) fn isoline(
+    surface: &FaceSurface,
+    fixed: usize,
+    value: f64,
+    range: [f64; 2],
+) -> Option<Curve<DVec3>> {
     match surface {
+        FaceSurface::Extrusion { curve, direction } if fixed == 0 => {
+            let origin = contains(curve, [value; 2]).then(|| curve.point(value))?;
+            Some(part(Curve::Line { origin, direction: *direction }, range))
+        }
         FaceSurface::Extrusion { curve, direction } => {
-            let moved = |v: f64| curve.mapped(|p| p, *direction * v);
-            let ruling =
-                |u: f64| part(Curve::Line { origin: curve.point(u), direction: *direction }, [v0, v1]);
-            Some([moved(v0)?, moved(v1)?, ruling(u0), ruling(u1)])
+            whole_or_part(curve.mapped(|p| p, *direction * value)?, range)
+        }
+        FaceSurface::Revolution { curve, origin, axis } if fixed == 0 => {
+            let rotation = DQuat::from_axis_angle(*axis, value);
+            whole_or_part(curve.mapped(|v| rotation * v, *origin - rotation * *origin)?, range)
         }
         FaceSurface::Revolution { curve, origin, axis } => {
-            let turned = |angle: f64| {
-                let rotation = DQuat::from_axis_angle(*axis, angle);
-                curve.mapped(|v| rotation * v, *origin - rotation * *origin)
-            };
-            let circle = |v: f64| {
-                let point = curve.point(v);
-                let center = *origin + *axis * (point - *origin).dot(*axis);
-                let a = point - center;
-                let ellipse = Curve::Ellipse { center, a, b: axis.cross(a) };
-                if a.length() > 0.0 { part(ellipse, [u0, u1]) } else { Curve::Polyline(vec![center; 2]) }
-            };
-            Some([circle(v0), circle(v1), turned(u0)?, turned(u1)?])
+            let point = contains(curve, [value; 2]).then(|| curve.point(value))?;
+            let center = *origin + *axis * (point - *origin).dot(*axis);
+            let a = point - center;
+            if a.length() <= 0.0 {
+                return Some(Curve::Polyline(vec![center; 2]));
+            }
+            // An ellipse has no part longer than itself.
+            let is_turn = range[1] - range[0] <= TAU * (1.0 + f64::EPSILON.sqrt());
+            is_turn.then(|| part(Curve::Ellipse { center, a, b: axis.cross(a) }, range))
         }
         FaceSurface::Spline(surface) => {
-            let side = |fixed, value: f64, range| {
-                let curve: NurbsCurve = surface.isocurve(fixed, value).ok()?;
-                let points = curve.control_points().to_vec();
-                let spline = SplineCurve::<DVec3>::from_knots(curve.knots().clone(), points).ok()?;
-                Some(Curve::Spline(spline.restrict(range).ok()?))
-            };
-            let (u, v) = (ParameterDirection::U, ParameterDirection::V);
-            Some([
-                side(v, v0, [u0, u1])?,
-                side(v, v1, [u0, u1])?,
-                side(u, u0, [v0, v1])?,
-                side(u, u1, [v0, v1])?,
-            ])
+            let fixed = [ParameterDirection::U, ParameterDirection::V].get(fixed).copied()?;
+            let curve: NurbsCurve = surface.isocurve(fixed, value).ok()?;
+            let points = curve.control_points().to_vec();
+            let spline = SplineCurve::<DVec3>::from_knots(curve.knots().clone(), points).ok()?;
+            Some(Curve::Spline(spline.restrict(range).ok()?))
         }
         _ => None,
     }
+}
+
+/// Whether a curve has these parameters.
+fn contains(curve: &Curve<DVec3>, [from, to]: [f64; 2]) -> bool {
+    let [start, end] = curve.domain();
+    start <= from && to <= end
+}
+
+fn whole_or_part(curve: Curve<DVec3>, range: [f64; 2]) -> Option<Curve<DVec3>> {
+    if curve.domain() == range {
+        return Some(curve);
+    }
+    contains(&curve, range).then(|| part(curve, range))
 }
 
 /// Whether two curves with the same parameters coincide.

@@ -1,10 +1,11 @@
 //! Solids and shells of faces that share their edges.
 
-use glanz_brep::model::{Body, BoundaryLoop, Edge, FaceBound, OrientedEdge, ParameterCurve, Shell};
+use glanz_brep::model::{Body, BoundaryLoop, Curve, Edge, FaceBound, OrientedEdge, ParameterCurve, Shell};
 use glanz_math::DVec3;
 
 use super::entity::IgesEntity;
 use super::lowering::{IgesReader, MAX_DEPTH};
+use super::surface_curves::LIFTED;
 use super::surfaces::SurfaceLink;
 use super::trimmed::{LEFT_OUT, model_parameters};
 use crate::cad::{ENTITY_COST, Refusal};
@@ -120,6 +121,11 @@ impl<'a> IgesReader<'a> {
             } else {
                 let edge = self.edge(list, number)?;
                 oriented.push(OrientedEdge { edge, forward });
+                if self.model.edges.get(edge).is_some_and(|edge| edge.curve.is_none()) {
+                    let all =
+                        if parameter_curves.len() == curves { parameter_curves.as_slice() } else { &[] };
+                    self.lift_edge(list, link, all, (edge, forward))?;
+                }
                 // Of several, each is only a piece of the edge, and they are not needed.
                 if let (1, Some(curve)) = (curves, parameter_curves.pop()) {
                     self.add_parameter_curve(entity, curve, edge, link);
@@ -156,6 +162,36 @@ impl<'a> IgesReader<'a> {
         }
     }
 
+    /// Gives an edge without a curve in space that of its curves in the parameters of a surface, which run as its loop.
+    fn lift_edge(
+        &mut self,
+        list: IgesEntity<'a>,
+        link: &SurfaceLink,
+        parameter_curves: &[IgesEntity<'a>],
+        (index, forward): (usize, bool),
+    ) -> Result<(), Refusal> {
+        let mut images = Vec::new();
+        for curve in parameter_curves {
+            images.extend(self.curves_in_parameters(*curve)?);
+        }
+        let segments = self.surface_curves(list, link, &model_parameters(images, link.parameters))?;
+        let mut curves = segments.into_iter().map(|segment| (segment.curve, true));
+        let curve = match (curves.next(), curves.len()) {
+            (Some((only, _)), 0) => only,
+            (first, _) => Curve::Composite(first.into_iter().chain(curves).collect()),
+        };
+        let Some(edge) = self.model.edges.get_mut(index) else { return Ok(()) };
+        let vertex = |index: usize| self.model.vertices.get(index).copied().unwrap_or(DVec3::NAN);
+        let [start, end] = [edge.start, edge.end].map(vertex);
+        let [first, last] = curve.domain().map(|t| curve.point(t));
+        let runs_back =
+            first.distance(end) + last.distance(start) < first.distance(start) + last.distance(end);
+        edge.same_sense = if edge.start == edge.end { forward } else { !runs_back };
+        edge.curve = Some(curve);
+        self.report.repairs.push(list.id(), LIFTED);
+        Ok(())
+    }
+
     /// The edge of a list, counted from 1: `N, (CURV, SVP, SV, TVP, TV)...`.
     fn edge(&mut self, list: IgesEntity<'a>, number: usize) -> Result<usize, Refusal> {
         if let Some(known) = self.edges.get(&(list.index, number)) {
@@ -169,11 +205,11 @@ impl<'a> IgesReader<'a> {
     fn lower_edge(&mut self, list: IgesEntity<'a>, number: usize) -> Result<usize, Refusal> {
         let at = item(list, 504, number, 5)?;
         self.budget.spend(list.id(), ENTITY_COST)?;
-        let curve = list.reference(at)?;
+        let curve = list.optional_reference(at)?;
         let start = self.vertex(list.reference(at + 1)?, list.count(at + 2)?)?;
         let end = self.vertex(list.reference(at + 3)?, list.count(at + 4)?)?;
-        let entity = curve.id();
-        let curve = Some(self.curve(curve, self.metres(), MAX_DEPTH)?);
+        let entity = curve.map_or(list.id(), |curve| curve.id());
+        let curve = curve.map(|curve| self.curve(curve, self.metres(), MAX_DEPTH)).transpose()?;
         self.model.edges.push(Edge {
             start,
             end,

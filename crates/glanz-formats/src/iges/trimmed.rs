@@ -7,6 +7,7 @@ use glanz_math::{DMat4, DVec2};
 use super::boundary::{BoundarySegment, is_counterclockwise};
 use super::entity::IgesEntity;
 use super::lowering::{IgesFaceState, IgesReader, MAX_DEPTH};
+use super::surface_curves::LIFTED;
 use super::surfaces::{SurfaceLink, own_parameters};
 use crate::cad::{ENTITY_COST, Refusal};
 
@@ -121,11 +122,9 @@ impl<'a> IgesReader<'a> {
         }
         // It refers to the surface, too.
         entity.optional_reference(2)?;
-        let Some(curve) = entity.optional_reference(4)? else {
-            return Err(entity.refuse("the boundary has no curve in space, only one in parameters"));
-        };
+        let curve = entity.optional_reference(4)?;
         let parameters = entity.optional_reference(3);
-        let curves = self.segments(curve, self.metres(), MAX_DEPTH)?;
+        let curves = curve.map(|curve| self.segments(curve, self.metres(), MAX_DEPTH)).transpose()?;
         let given =
             parameters.and_then(|curve| curve.map(|curve| self.curves_in_parameters(curve)).transpose());
         let given = given.unwrap_or_else(|refusal| {
@@ -134,7 +133,16 @@ impl<'a> IgesReader<'a> {
         });
         let given = given.unwrap_or_default();
         let counterclockwise = is_counterclockwise(&given).unwrap_or(outer);
-        let segments = BoundarySegment::zip(curves, model_parameters(given, link.parameters));
+        let images = model_parameters(given, link.parameters);
+        let curves = match curves {
+            Some(curves) => curves,
+            None => {
+                let curves = self.surface_curves(entity, link, &images)?;
+                self.report.repairs.push(entity.id(), LIFTED);
+                curves
+            }
+        };
+        let segments = BoundarySegment::zip(curves, images);
         self.bound(entity, link.index, segments, counterclockwise != outer, outer)
     }
 
@@ -173,12 +181,14 @@ impl<'a> IgesReader<'a> {
         entity.optional_reference(3)?;
         let mut segments = Vec::new();
         let mut loop_in_parameters: Option<Vec<Curve<DVec2>>> = Some(Vec::new());
+        let mut lifted = false;
         let mut at = 5;
         for _ in 0..entity.list_length(4, 5, 3)? {
-            let curve = entity.reference(at)?;
-            let reversed = entity.count(at + 1)? == 2;
+            let curve = entity.optional_reference(at)?;
+            // The images run as the boundary, the curve in space may not.
+            let reversed = curve.is_some() && entity.count(at + 1)? == 2;
             let given = entity.list_length(at + 2, at + 3, 1)?;
-            let mut curves = self.segments(curve, self.metres(), MAX_DEPTH)?;
+            let curves = curve.map(|curve| self.segments(curve, self.metres(), MAX_DEPTH)).transpose()?;
             let (mut parameter_curves, mut complete) = (Vec::new(), given > 0);
             for i in 0..given {
                 let curve = entity.reference(at + 3 + i);
@@ -199,7 +209,14 @@ impl<'a> IgesReader<'a> {
                 loop_in_parameters = None;
             }
             let mut parameter_curves = model_parameters(parameter_curves, link.parameters);
-            // The images run as the boundary, the curve in space may not; only single ones correspond then.
+            let mut curves = match curves {
+                Some(curves) => curves,
+                None => {
+                    lifted = true;
+                    self.surface_curves(entity, link, &parameter_curves)?
+                }
+            };
+            // Only single ones correspond then.
             if reversed && (curves.len() > 1 || parameter_curves.len() > 1) {
                 parameter_curves.clear();
             }
@@ -209,6 +226,9 @@ impl<'a> IgesReader<'a> {
             let part = BoundarySegment::zip(curves, parameter_curves).into_iter();
             segments.extend(part.map(|segment| BoundarySegment { reversed, ..segment }));
             at += 3 + given;
+        }
+        if lifted {
+            self.report.repairs.push(entity.id(), LIFTED);
         }
         let counterclockwise =
             loop_in_parameters.and_then(|curves| is_counterclockwise(&curves)).unwrap_or(outer);

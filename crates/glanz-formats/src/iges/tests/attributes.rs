@@ -96,7 +96,10 @@ fn placements_beyond_the_coordinates_of_a_scene_are_refused() {
         let file = file(&entities);
         let refused = omissions(&file);
         assert_eq!(refused.len(), 1);
-        assert!(refused[0].starts_with("#11: with those inside") && refused[0].contains(reason), "{refused:?}");
+        assert!(
+            refused[0].starts_with("#11: with those inside") && refused[0].contains(reason),
+            "{refused:?}"
+        );
         let [alone] = file.model.parts.last().unwrap().occurrences.as_slice() else { panic!() };
         assert_eq!(alone.entity, id(13));
     }

@@ -42,6 +42,8 @@ fn sample() -> String {
         entity(402, 7, "2,1,57"),
         entity(184, 1, "2,45,65,0,31"),
         entity(430, 1, "45"),
+        entity(144, 0, "3,1,0,69"),
+        entity(142, 0, "1,3,9,0,1"),
     ])
 }
 
@@ -49,7 +51,7 @@ fn sample() -> String {
 fn sample_is_read_without_damage() {
     let file = read(sample().as_bytes()).unwrap();
     let faces = file.report.faces;
-    assert_eq!((faces.total, faces.read), (7, 7), "{:?}", omissions(&file));
+    assert_eq!((faces.total, faces.read), (8, 8), "{:?}", omissions(&file));
     let model = CadModel::read(sample().as_bytes(), true).unwrap();
     assert!(model.into_world(&mut Description::default()).shapes.len() >= 6);
 }

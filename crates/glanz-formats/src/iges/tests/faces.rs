@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
-use glanz_brep::model::BoundaryLoop;
+use glanz_brep::model::{BoundaryLoop, Curve};
 
+use super::super::surface_curves::LIFTED;
 use super::*;
 
 /// The unit square with a round hole of radius 1/4, both with curves in parameters and in space; `hole`: the start and the end of the hole
@@ -123,14 +124,90 @@ fn curves_in_parameters_are_those_of_the_surface_in_the_file() {
     );
 }
 
+/// What was mended.
+fn repairs(file: &BrepFile) -> Vec<String> {
+    file.report.repairs.notes().iter().map(ToString::to_string).collect()
+}
+
 #[test]
-fn boundaries_in_parameters_alone_are_reported() {
-    let mut entities = square_with_hole("4,17,19,21,23", COUNTERCLOCKWISE);
-    entities[2] = entity(142, 0, "1,1,9,0,1");
-    let file = file(&entities);
-    assert_eq!(omissions(&file)[0], "#3: #5: the boundary has no curve in space, only one in parameters");
-    let faces = file.report.faces;
-    assert_eq!((faces.total, faces.read, faces.refused), (1, 0, 1));
+fn boundaries_in_parameters_alone_have_the_curves_of_their_surface() {
+    let note = |number: u64| format!("{}: {LIFTED}", id(number));
+    for ends in [COUNTERCLOCKWISE, CLOCKWISE] {
+        let mut entities = square_with_hole("4,17,19,21,23", ends);
+        entities[2] = entity(142, 0, "1,1,9,0,1");
+        entities[3] = entity(142, 0, "1,1,13,0,1");
+        let file = file(&entities);
+        assert_close(areas(&file)[0], 1.0 - PI / 16.0);
+        assert_eq!((file.report.faces.read, repairs(&file)), (1, vec![note(5), note(7)]));
+        // All points of the circle, also those between the ones through which its curve runs.
+        let circle = file.model.edges.last().unwrap().curve.as_ref().unwrap();
+        let [from, to] = circle.domain();
+        for i in 0..1000 {
+            let point = circle.point(from + (to - from) * (f64::from(i) / 999.0));
+            assert!((point.distance(DVec3::new(0.5, 0.5, 0.0)) - 0.25).abs() < 1e-8, "{point}");
+        }
+    }
+    let bounded = [
+        entity(143, 0, "1,3,1,5"),
+        entity(128, 0, BILINEAR),
+        entity(141, 0, "1,0,3,4,0,1,1,7,0,1,1,9,0,1,1,11,0,2,1,13"),
+        entity(110, 0, COUNTERCLOCKWISE[0]),
+        entity(110, 0, COUNTERCLOCKWISE[1]),
+        entity(110, 0, COUNTERCLOCKWISE[2]),
+        entity(110, 0, COUNTERCLOCKWISE[3]),
+    ];
+    let file = file(&bounded);
+    assert_close(areas(&file)[0], 1.0);
+    assert_eq!(repairs(&file), [note(5)]);
+}
+
+#[test]
+fn curves_of_a_round_surface_are_arcs_and_lines_or_near_them() {
+    // On a cylinder of radius 2, whose parameters are the height in thirds and the angle: a rectangle, and a triangle with a slanted side.
+    let cylinder = [
+        entity(144, 0, "3,1,0,9"),
+        entity(120, 0, "5,7,0.,3."),
+        entity(110, 0, "0.,0.,0.,0.,0.,1."),
+        entity(110, 0, "2.,0.,0.,2.,0.,3."),
+        entity(142, 0, "1,3,11,0,1"),
+    ];
+    let sides = ["0.,1.,0.,1.,1.,0.", "1.,1.,0.,1.,2.,0.", "1.,2.,0.,0.,2.,0.", "0.,2.,0.,0.,1.,0."];
+    let mut rectangle = cylinder.to_vec();
+    rectangle.push(entity(102, 0, "4,13,15,17,19"));
+    rectangle.extend(sides.map(|side| entity(110, 0, side)));
+    let mut triangle = cylinder.to_vec();
+    triangle.push(entity(102, 0, "3,13,15,17"));
+    triangle.extend([sides[0], sides[1], "1.,2.,0.,0.,1.,0."].map(|side| entity(110, 0, side)));
+    for (entities, area) in [(&rectangle, 6.0), (&triangle, 3.0)] {
+        let file = file(entities);
+        assert_close(areas(&file)[0], area);
+        let curves = file.model.edges.iter().map(|edge| edge.curve.as_ref().unwrap());
+        let fitted = curves.filter(|curve| matches!(curve, Curve::Spline(_)));
+        // Only the slanted side, a helix, is no line of a constant parameter.
+        assert_eq!(fitted.count(), usize::from(area < 6.0));
+    }
+}
+
+#[test]
+fn boundary_without_any_curve_is_refused_by_number() {
+    let neither = "there is neither a curve in space nor one in the parameters of its surface";
+    let mut trimmed = square_with_hole("4,17,19,21,23", COUNTERCLOCKWISE);
+    trimmed[2] = entity(142, 0, "1,1,0,0,1");
+    let bounded = vec![entity(143, 0, "1,3,1,5"), entity(128, 0, BILINEAR), entity(141, 0, "1,0,3,1,0,1,0")];
+    // A plane has no parameters.
+    let mut plane = square_with_hole("4,17,19,21,23", COUNTERCLOCKWISE);
+    plane[0] = entity(108, 0, "0.,0.,1.,0.,0");
+    plane[2] = entity(142, 0, "1,1,9,0,1");
+    for (entities, face) in [(&trimmed, 3), (&bounded, 1), (&plane, 3)] {
+        let file = file(entities);
+        assert_eq!(omissions(&file)[0], format!("{}: #5: {neither}", id(face)));
+        assert_eq!((file.report.faces.read, file.report.faces.refused), (0, 1));
+    }
+    // Twice as high as the surface.
+    let mut beyond = square_with_hole("4,17,19,21,23", COUNTERCLOCKWISE);
+    beyond[2] = entity(142, 0, "1,1,9,0,1");
+    beyond[9] = entity(110, 0, "1.,0.,0.,1.,2.,0.");
+    assert!(omissions(&file(&beyond))[0].contains("#5: the curve in parameters leaves its surface"));
 }
 
 #[test]

@@ -134,3 +134,35 @@ fn missing_parameter_curve_costs_no_face() {
         assert_eq!((report.faces.read, report.repairs.count()), (4, repairs));
     }
 }
+
+/// A square as a shell of one face, whose edges have no curves in space; the second one runs from its end to its start in the loop.
+fn square_without_curves(loop_of_edges: &str) -> Vec<(u32, u32, String)> {
+    let mut list = vec![
+        (514, 2, "1,3,1".to_owned()),
+        (510, 1, "5,1,1,7".to_owned()),
+        (128, 0, BILINEAR.to_owned()),
+        (508, 1, loop_of_edges.to_owned()),
+        (504, 1, "4,0,11,1,11,2,0,11,3,11,2,0,11,3,11,4,0,11,4,11,1".to_owned()),
+        (502, 1, "4,0.,0.,0.,1.,0.,0.,1.,1.,0.,0.,1.,0.".to_owned()),
+    ];
+    for line in ["0.,0.,0.,1.,0.,0.", "1.,0.,0.,1.,1.,0.", "1.,1.,0.,0.,1.,0.", "0.,1.,0.,0.,0.,0."] {
+        list.push((110, 0, line.to_owned()));
+    }
+    list
+}
+
+#[test]
+fn edges_without_a_curve_in_space_take_it_from_their_surface() {
+    let list = square_without_curves("4,0,9,1,1,1,0,13,0,9,2,0,1,0,15,0,9,3,1,1,0,17,0,9,4,1,1,0,19");
+    let whole = file(&entities(&list));
+    assert_eq!((whole.report.faces.read, whole.report.repairs.count()), (1, 4));
+    assert_close(areas(&whole)[0], 1.0);
+    // From the third vertex to the second, against the curve in parameters.
+    let senses: Vec<bool> = whole.model.edges.iter().map(|edge| edge.same_sense).collect();
+    assert_eq!(senses, [true, false, true, true]);
+    // The first edge has none in parameters either.
+    let list = square_without_curves("4,0,9,1,1,0,0,9,2,0,1,0,15,0,9,3,1,1,0,17,0,9,4,1,1,0,19");
+    let refused = file(&entities(&list));
+    let neither = "there is neither a curve in space nor one in the parameters of its surface";
+    assert_eq!(omissions(&refused)[0], format!("#3: #9: {neither}"));
+}
