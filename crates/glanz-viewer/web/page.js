@@ -299,9 +299,7 @@ export class Page {
     const view = this.view(share);
     const glance = this.drawnAt < this.glanceUntil;
     if (glance || !picture?.covered) this.drawScene(view, share, whole);
-    // Edges are drawn over all of the rendered picture or none of it.
-    const isWhole = picture?.covered || !(view.edges && this.hasEdges);
-    if (picture && !glance && !picture.empty && isWhole) this.renderer.drawRenderedImage(picture, view);
+    if (picture && !glance && !picture.empty) this.renderer.drawRenderedImage(picture, view);
     this.measure.draw(view.camera, this.viewpoint.size);
     if (this.frame?.pending === 0) this.isReady();
   }

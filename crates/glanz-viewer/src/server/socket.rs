@@ -1,6 +1,5 @@
 //! The WebSocket connection with a page.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -8,6 +7,7 @@ use axum::extract::ws::{CloseFrame, Message, WebSocket, close_code};
 use glanz_formats::image::{self, Format};
 use glanz_light::Tone;
 use glanz_math::{DVec3, Ray};
+use tokio::sync::Semaphore;
 use tokio::task::{JoinSet, spawn_blocking};
 use tokio::time::{Instant, MissedTickBehavior, interval, timeout};
 
@@ -21,8 +21,11 @@ use crate::stream::{
     file,
 };
 
-/// Largest number of requests for measures of a page that are being served.
-const MOST_MEASURES: usize = 4;
+/// Largest number of queries of a page that are worked on at a time.
+const MOST_WORKERS: usize = 4;
+
+/// Largest number of queries of a page that are worked on or wait for it.
+const MOST_QUERIES: usize = 64;
 
 /// Reasons for the end of a connection.
 enum ConnectionEnd {
@@ -41,8 +44,9 @@ struct PageConnection {
     picture: Arc<LatestImage>,
     visible: Arc<VisibleScene>,
     stream: Option<Stream>,
-    /// Answers to come: measures may take seconds, and nothing else waits for them.
-    measures: JoinSet<ServerMessage>,
+    /// Answers to come: areas and volumes may take seconds, and nothing else waits for them.
+    answers: JoinSet<ServerMessage>,
+    workers: Arc<Semaphore>,
     malformed: usize,
     last_sign: Instant,
 }
@@ -57,7 +61,8 @@ pub(crate) async fn serve_page(app: Arc<AppState>, slot: SessionSlot, socket: We
         picture: Arc::default(),
         visible: Arc::default(),
         stream: None,
-        measures: JoinSet::new(),
+        answers: JoinSet::new(),
+        workers: Arc::new(Semaphore::new(MOST_WORKERS)),
         malformed: 0,
         last_sign: Instant::now(),
     };
@@ -89,7 +94,7 @@ impl PageConnection {
                     None => return Ok(()),
                 },
                 () = self.session.notify.notified() => self.send_pending().await?,
-                Some(Ok(answer)) = self.measures.join_next() => self.reply(answer).await?,
+                Some(Ok(answer)) = self.answers.join_next() => self.reply(answer).await?,
                 message = self.outbox.next() => self.send(message_of(message)).await?,
                 _ = ping.tick() => {
                     if self.last_sign.elapsed() > limits.silence {
@@ -169,28 +174,45 @@ impl PageConnection {
                 self.reply(ServerMessage::Stopped { id }).await
             }
             PageRequest::Pick { id, origin, direction, hidden, section } => {
-                let viewer_scene = self.session.published().viewer_scene;
-                let answer = match ray(origin, direction) {
-                    Some(ray) => find(id, viewer_scene, ray, hidden, section).await,
-                    None => ServerMessage::Failed { id, message: "the ray has no direction".to_owned() },
+                let Some(ray) = ray(origin, direction) else {
+                    let message = "the ray has no direction".to_owned();
+                    return self.reply(ServerMessage::Failed { id, message }).await;
                 };
-                self.reply(answer).await
+                let viewer_scene = self.session.published().viewer_scene;
+                self.spawn_query(id, move || {
+                    let ViewerScene { scene, model, .. } = &*viewer_scene;
+                    let hit = query::pick(scene, model, &ray, &hidden, section);
+                    ServerMessage::Hit { id, hit: hit.map(Box::new) }
+                })
+                .await
             }
             PageRequest::Measure { id, leaves } => {
-                if self.measures.len() >= MOST_MEASURES
-                    && let Some(Ok(answer)) = self.measures.join_next().await
-                {
-                    self.reply(answer).await?;
-                }
                 let viewer_scene = self.session.published().viewer_scene;
-                self.measures.spawn(measure(id, viewer_scene, leaves));
-                Ok(())
+                self.spawn_query(id, move || {
+                    let measures = viewer_scene.model.measures_of(&leaves);
+                    ServerMessage::Measures { id, measures }
+                })
+                .await
             }
             PageRequest::Save { id } => match save(id, Arc::clone(&self.picture)).await {
                 Ok(bytes) => self.send(Message::binary(bytes)).await,
                 Err(message) => self.reply(ServerMessage::Failed { id, message }).await,
             },
         }
+    }
+
+    /// Lets a blocking thread find an answer; other requests are served meanwhile.
+    async fn spawn_query(
+        &mut self,
+        id: u32,
+        query: impl FnOnce() -> ServerMessage + Send + 'static,
+    ) -> Result<(), ConnectionEnd> {
+        if self.answers.len() >= MOST_QUERIES {
+            let message = format!("{MOST_QUERIES} queries are open; wait for one of their answers");
+            return self.reply(ServerMessage::Failed { id, message }).await;
+        }
+        self.answers.spawn(answer(id, Arc::clone(&self.workers), query));
+        Ok(())
     }
 
     /// Ends the stream; nothing of it is sent after this.
@@ -221,25 +243,16 @@ fn ray(origin: [f64; 3], direction: [f64; 3]) -> Option<Ray> {
     Some(Ray::new(origin, direction))
 }
 
-/// Hit of a ray. Areas may take a while the first time, so this runs on a blocking thread.
-async fn find(
+/// The answer to a query, once one of the workers is free for it.
+async fn answer(
     id: u32,
-    viewer_scene: Arc<ViewerScene>,
-    ray: Ray,
-    hidden: BTreeSet<u32>,
-    section: Option<[f64; 4]>,
+    workers: Arc<Semaphore>,
+    query: impl FnOnce() -> ServerMessage + Send + 'static,
 ) -> ServerMessage {
-    let pick = move || query::pick(&viewer_scene.scene, &viewer_scene.model, &ray, &hidden, section);
-    match spawn_blocking(pick).await {
-        Ok(hit) => ServerMessage::Hit { id, hit: hit.map(Box::new) },
-        Err(error) => ServerMessage::Failed { id, message: error.to_string() },
-    }
-}
-
-/// Measures of leaves, which may take a while the first time.
-async fn measure(id: u32, viewer_scene: Arc<ViewerScene>, leaves: BTreeSet<u32>) -> ServerMessage {
-    match spawn_blocking(move || viewer_scene.model.measures_of(&leaves)).await {
-        Ok(measures) => ServerMessage::Measures { id, measures },
+    // Nothing closes the semaphore.
+    let _permit = workers.acquire().await;
+    match spawn_blocking(query).await {
+        Ok(answer) => answer,
         Err(error) => ServerMessage::Failed { id, message: error.to_string() },
     }
 }

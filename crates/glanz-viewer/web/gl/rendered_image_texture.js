@@ -12,8 +12,9 @@ import { SCRATCH_UNIT } from "./data_texture.js";
 /** @typedef {import("./programs.js").Programs} Programs */
 
 /**
- * The image so far: four half floats per pixel, rows from the top; the fourth is 0 where no sample has arrived. `changed`: rectangles that differ since the last draw.
- * @typedef {{ width: number, height: number, data: Uint16Array, changed: [x: number, y: number, width: number, height: number][] }} RenderedImage
+ * The image so far: four half floats per pixel, rows from the top; the fourth is 0 where no sample has arrived. `covered`: all have. `changed`: rectangles that differ
+ * since the last draw.
+ * @typedef {{ width: number, height: number, data: Uint16Array, covered: boolean, changed: [x: number, y: number, width: number, height: number][] }} RenderedImage
  */
 
 const VERTEX = `#version 300 es

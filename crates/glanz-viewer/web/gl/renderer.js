@@ -113,6 +113,7 @@ export class Renderer {
 
   /**
    * Draws the rendered picture over what is drawn, enlarged or reduced to the view's size, and the model's edges over it. Takes over what has changed in it.
+   * What is drawn is the same view, unless the picture covers it.
    * @param {RenderedImage} image
    * @param {View} view
    */
@@ -128,7 +129,8 @@ export class Renderer {
       return;
     }
     target.begin(view.width, view.height);
-    this.gl.clear(this.gl.COLOR_BUFFER_BIT | this.gl.DEPTH_BUFFER_BIT);
+    // Where the picture has holes, the target shows the scene that was drawn last.
+    this.gl.clear((image.covered ? this.gl.COLOR_BUFFER_BIT : 0) | this.gl.DEPTH_BUFFER_BIT);
     scene.drawEdges(view, draw);
     target.resolve();
   }
