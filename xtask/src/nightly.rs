@@ -280,6 +280,8 @@ fn paths(files: &[&str]) -> Result<String, String> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     /// The value of a variable that a part's tests get, with these options.
@@ -320,5 +322,15 @@ mod tests {
         let options = ["--seconds", "5", "--files", "/a.step"];
         assert_eq!(variable("cad", &options, "GLANZ_CAD_FILES"), Ok("/a.step".to_owned()));
         assert!(variable("zoo", &options[2..], "GLANZ_ZOO_RAYS").is_err());
+    }
+
+    #[test]
+    fn workflow_runs_every_part() {
+        let workflow = workspace::root().join(".github/workflows/ci.yml");
+        let workflow = std::fs::read_to_string(workflow).unwrap();
+        let list = workflow.lines().find_map(|line| line.trim().strip_prefix("part: [")?.strip_suffix(']'));
+        let listed: BTreeSet<&str> = list.unwrap().split(", ").collect();
+        let others = ["heavy", "browser", "benches", "publish"];
+        assert_eq!(listed, PARTS.iter().map(|part| part.name).chain(others).collect());
     }
 }
