@@ -64,6 +64,9 @@ fn advice(error: &Error) -> Option<String> {
         Error::Merge(MergeError::Picture { .. }) => {
             "parts must be rendered from the same scene with the same settings"
         }
+        Error::Merge(MergeError::Film { error: FilmError::Layout(_), .. }) => {
+            "render every part with the same --edges, or without"
+        }
         Error::Merge(MergeError::Overlap { .. }) => {
             "render every part with a range of its own: --samples A..B"
         }

@@ -112,7 +112,7 @@ impl Checkpoint {
         let (words, _) = d.0.as_chunks::<8>();
         let words = words.iter().map(|w| u64::from_le_bytes(*w)).collect();
         let film = Film::try_from_words(identity.film, words, samples, rejects)?;
-        Ok(Self { identity, film: film.with_passes(passes).with_edges(edges) })
+        Ok(Self { identity, film: film.with_passes(passes).with_edges(edges)? })
     }
 }
 
@@ -145,7 +145,7 @@ fn decode_passes(d: &mut Decoder<'_>, taken: &SampleRanges) -> Option<Passes> {
 
 fn encode_edges(e: &mut Encoder, edges: Option<&EdgeLayer>) {
     e.u8(u8::from(edges.is_some()));
-    if let Some(EdgeLayer { color, coverage }) = edges {
+    if let Some(EdgeLayer { color, coverage, .. }) = edges {
         color.iter().for_each(|band| e.u32(band.to_bits()));
         e.0.extend(coverage);
     }
@@ -157,7 +157,11 @@ fn decode_edges(d: &mut Decoder<'_>, format: &FilmFormat) -> Option<Option<EdgeL
     }
     let color = [d.u32()?, d.u32()?, d.u32()?].map(f32::from_bits);
     let coverage = d.take(usize::try_from(format.crop.len()).ok()?)?.to_vec();
-    color.iter().all(|band| band.is_finite()).then_some(Some(EdgeLayer { color, coverage }))
+    color.iter().all(|band| band.is_finite()).then_some(Some(EdgeLayer {
+        crop: format.crop,
+        color,
+        coverage,
+    }))
 }
 
 fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
@@ -287,7 +291,7 @@ mod tests {
         film.finish_pass(4..5, rejects).unwrap();
         film.finish_pass(7..9, Rejects::default()).unwrap();
         let coverage = (0..60).map(|pixel| pixel * 4).collect();
-        let film = film.with_edges(Some(EdgeLayer { color: [0.1, 0.2, 0.3], coverage }));
+        let film = film.with_edges(Some(EdgeLayer { crop, color: [0.1, 0.2, 0.3], coverage })).unwrap();
         let identity = PictureIdentity {
             scene: 0x0123_4567_89ab_cdef_0011_2233_4455_6677,
             film: format,
@@ -361,7 +365,8 @@ mod tests {
         let Checkpoint { identity, film } = example();
         let with_edges = film.edges().cloned();
         let written = |edges| {
-            Checkpoint { identity: identity.clone(), film: film.clone().with_edges(edges) }.to_bytes()
+            let film = film.clone().with_edges(edges).unwrap();
+            Checkpoint { identity: identity.clone(), film }.to_bytes()
         };
         for (edges, reason) in [(None, "its size"), (with_edges, "its edges")] {
             let mut huge = written(edges);

@@ -33,6 +33,17 @@ pub enum FilmError {
     /// The sums do not fit in memory.
     #[error("there is no memory for a film of {0} bytes")]
     Memory(u64),
+    /// Lines along edges that are drawn for other pixels.
+    #[error(
+        "the edges are drawn for {} x {} pixels from {:?} on, the film has {} x {} from {:?} on; draw them for the film",
+        .drawn.size[0], .drawn.size[1], .drawn.min, .crop.size[0], .crop.size[1], .crop.min
+    )]
+    Edges {
+        /// The pixels of the lines.
+        drawn: PixelRect,
+        /// The pixels of the film.
+        crop: PixelRect,
+    },
     /// Two films of different pictures.
     #[error("the films differ in {0}")]
     Layout(&'static str),
@@ -189,10 +200,16 @@ impl Film {
     }
 
     /// The film with lines over its picture, drawn for its format, or without.
-    #[must_use]
-    pub fn with_edges(mut self, edges: Option<EdgeLayer>) -> Self {
+    ///
+    /// # Errors
+    /// [`FilmError::Edges`] if they are drawn for other pixels.
+    pub fn with_edges(mut self, edges: Option<EdgeLayer>) -> Result<Self, FilmError> {
+        let crop = self.format.crop;
+        if let Some(layer) = edges.as_ref().filter(|layer| layer.crop != crop) {
+            return Err(FilmError::Edges { drawn: layer.crop, crop });
+        }
         self.edges = edges;
-        self
+        Ok(self)
     }
 
     /// The lines over its picture.
@@ -510,13 +527,29 @@ mod tests {
         assert!(picture.channel("id").unwrap().iter().all(|&id| id == -1.0));
     }
 
+    fn lines(crop: PixelRect) -> EdgeLayer {
+        EdgeLayer { crop, color: [0.0; 3], coverage: vec![0; crop.len() as usize] }
+    }
+
+    #[test]
+    fn edges_for_other_pixels_are_refused() {
+        let crop = format().crop;
+        let [width, height] = crop.size;
+        for size in [[width + 1, height], [width, height - 1], [height, width]] {
+            let drawn = PixelRect { size, ..crop };
+            let refused = Film::try_new(format()).unwrap().with_edges(Some(lines(drawn)));
+            assert_eq!(refused, Err(FilmError::Edges { drawn, crop }));
+        }
+        let film = Film::try_new(format()).unwrap().with_edges(Some(lines(crop))).unwrap();
+        assert!(film.edges().is_some() && film.with_edges(None).unwrap().edges().is_none());
+    }
+
     #[test]
     fn films_of_other_pictures_and_common_samples_are_refused() {
         let mut film = Film::try_new(format()).unwrap();
         let other = Film::try_new(FilmFormat { aovs: AovSet::NONE, ..format() }).unwrap();
         assert!(matches!(film.merge(&other), Err(FilmError::Layout(_))));
-        let layer = EdgeLayer { color: [0.0; 3], coverage: vec![0; format().crop.len() as usize] };
-        let other = Film::try_new(format()).unwrap().with_edges(Some(layer));
+        let other = Film::try_new(format()).unwrap().with_edges(Some(lines(format().crop))).unwrap();
         assert_eq!(film.merge(&other), Err(FilmError::Layout("edges over the picture")));
         expose(&mut film, 0..4);
         let same = film.clone();

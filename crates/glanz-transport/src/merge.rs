@@ -16,7 +16,7 @@ pub enum MergeError {
     #[error("there are no parts; at least one is needed")]
     Empty,
     /// A part of another picture than the first.
-    #[error("part {part} does not match the first: {mismatch}")]
+    #[error("parts 0 and {part} are of different pictures: {} is {} in part 0 and {} in part {part}", .mismatch.what, .mismatch.wanted, .mismatch.found)]
     Picture {
         /// Its number.
         part: usize,
@@ -39,9 +39,14 @@ pub enum MergeError {
         /// The first common samples.
         samples: Range<u32>,
     },
-    /// Films that cannot be added.
-    #[error(transparent)]
-    Film(#[from] FilmError),
+    /// A part whose film cannot be added to those before it.
+    #[error("part {part} cannot be joined with part 0: {error}")]
+    Film {
+        /// Its number.
+        part: usize,
+        /// The reason.
+        error: FilmError,
+    },
 }
 
 /// The film of all `parts`, identical bit for bit to that of one run over all their samples.
@@ -49,7 +54,7 @@ pub enum MergeError {
 /// Parts are taken one by one, so that an iterator that reads files needs memory for two of them.
 ///
 /// # Errors
-/// [`MergeError`] if the parts are of different pictures or share samples.
+/// [`MergeError`] if the parts are of different pictures or edges, share samples, or have more than a film can hold.
 pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, MergeError> {
     let mut parts = parts.into_iter();
     let mut whole = parts.next().ok_or(MergeError::Empty)?;
@@ -64,7 +69,7 @@ pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, 
         if let Some((first, samples)) = shared {
             return Err(MergeError::Overlap { first, second: part, samples });
         }
-        whole.film.merge(&next.film)?;
+        whole.film.merge(&next.film).map_err(|error| MergeError::Film { part, error })?;
         // Parts may have different plans if the sampler does not use the plan.
         whole.identity.samples_per_pixel =
             whole.identity.samples_per_pixel.max(next.identity.samples_per_pixel);

@@ -62,7 +62,14 @@ fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -
         |part: usize| arguments.parts.get(part).map_or_else(String::new, |path| path.display().to_string());
     let message = match &error {
         Error::Merge(MergeError::Picture { part, mismatch }) => {
-            Some(format!("{} and {} are not parts of one picture: {mismatch}", name(*part), name(0)))
+            let (first, other) = (name(0), name(*part));
+            Some(format!(
+                "{first} and {other} are not parts of one picture: {} is {} in {first} and {} in {other}",
+                mismatch.what, mismatch.wanted, mismatch.found
+            ))
+        }
+        Error::Merge(MergeError::Film { part, error }) => {
+            Some(format!("{} cannot be joined with {}: {error}", name(*part), name(0)))
         }
         Error::Merge(MergeError::Overlap { first, second, samples }) => {
             let (first, second, last) = (name(*first), name(*second), samples.end - 1);

@@ -19,6 +19,7 @@ use glanz_scene::{PlacedEdges, Scene};
 use rayon::prelude::*;
 
 use crate::film::FilmFormat;
+use crate::pixel_rect::PixelRect;
 use coverage::CoverageMap;
 use film_curve::FilmCurves;
 
@@ -40,6 +41,8 @@ pub struct EdgeStyle {
 /// Lines over the crop window of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeLayer {
+    /// The pixels for which they are drawn.
+    pub(crate) crop: PixelRect,
     /// Linear red, green and blue of the lines.
     pub(crate) color: [f32; 3],
     /// Covered share of each pixel in 255ths, row by row.
@@ -91,7 +94,7 @@ impl EdgeLayer {
         }
         let outline = outline::section_outline(scene, format.crop, style.width, sink, cancel)?;
         outline.iter().for_each(|line| map.add(line));
-        Ok(Self { color: style.color, coverage: map.bytes() })
+        Ok(Self { crop: format.crop, color: style.color, coverage: map.bytes() })
     }
 
     /// The radiance of a pixel under the layer. `pixel`: its index, row by row.

@@ -121,7 +121,7 @@ fn merged_halves_are_one_run() {
         let mut foreign = halves[1].clone();
         foreign.identity.seed = 7;
         let error = merge([halves[0].clone(), foreign]).unwrap_err().to_string();
-        assert_eq!(error, "part 1 does not match the first: it is of another picture: the seed is 7, not 2");
+        assert_eq!(error, "parts 0 and 1 are of different pictures: the seed is 2 in part 0 and 7 in part 1");
         let mut foreign = halves[1].clone();
         foreign.identity.integrator.branching += 1;
         assert!(matches!(merge([halves[0].clone(), foreign]), Err(MergeError::Picture { .. })));

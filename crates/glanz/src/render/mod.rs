@@ -150,10 +150,11 @@ impl<'a> RenderBuilder<'a> {
         warnings.into_iter().for_each(|warning| job.warn(warning));
         job.options.cancel.check()?;
         job.emit(JobEvent::RenderStarted(&plan));
-        let film = match plan.edges {
-            Some(style) => film.with_edges(edges::layer(&scene, &plan.identity.film, style, &mut job)?),
-            None => film.with_edges(None),
+        let lines = match plan.edges {
+            Some(style) => edges::layer(&scene, &plan.identity.film, style, &mut job)?,
+            None => None,
         };
+        let film = film.with_edges(lines)?;
         let integrator = plan.integrator(&scene, &mut job)?;
         let outcome = expose(&scene, integrator.as_ref(), &plan, film, &mut job)?;
         finish(plan, outcome, scene.undecided(), options.guide_output.as_deref(), job)

@@ -234,6 +234,9 @@ fn edges_are_drawn_over_cad_models() {
     }
     folder.succeed("merge first.glanz second.glanz -o joined.exr");
     assert_eq!(folder.bytes("whole.exr"), folder.bytes("joined.exr"));
+    folder.succeed(&format!("{line} --spp 4 --samples 1..4 --checkpoint plain.glanz -o plain.exr"));
+    let words = ["plain.glanz cannot be joined with first.glanz", "differ in edges", "the same --edges"];
+    folder.run("merge first.glanz plain.glanz -o m.exr").refused(1, &words);
     folder.write("small.pbrt", SCENE);
     let ran = folder.succeed("render small.pbrt -o a.png --spp 1 --edges");
     assert!(ran.stderr.contains("warning: no edges are drawn"), "{}", ran.stderr);

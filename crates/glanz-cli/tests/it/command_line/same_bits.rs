@@ -144,7 +144,7 @@ fn parts_that_do_not_go_together_are_refused() {
     folder.succeed("render small.pbrt --samples 3..6 --checkpoint b.glanz -o b.exr -q");
     folder.succeed("render small.pbrt --samples 4..6 --seed 9 --checkpoint c.glanz -o c.exr -q");
     folder.run("merge a.glanz b.glanz -o m.exr").refused(1, &["a.glanz", "b.glanz", "3", "--samples"]);
-    folder.run("merge a.glanz c.glanz -o m.exr").refused(1, &["c.glanz", "seed"]);
+    folder.run("merge a.glanz c.glanz -o m.exr").refused(1, &["a.glanz and c.glanz", "seed", "9 in c.glanz"]);
     folder.run("merge a.glanz none.glanz -o m.exr").refused(1, &["none.glanz"]);
     assert!(!folder.has("m.exr"));
 }
