@@ -23,7 +23,7 @@ pub(crate) use cad_model::{CadModel, TOO_MANY_COLORS};
 pub(crate) use cad_report::CadWarning;
 pub use cad_report::{CadBody, CadFace, CadFaceOutcome, CadReport};
 pub(crate) use describe::CadSettings;
-pub(crate) use nested_reach::{PartReaches, invertible};
+pub(crate) use nested_reach::{PartReaches, bounded, invertible};
 pub(crate) use refusal::Refusal;
 pub use report::{BrepFile, EntityNote, FaceCounts, NoteList, ReadingReport};
 pub(crate) use spline::{spline_curve, spline_surface};

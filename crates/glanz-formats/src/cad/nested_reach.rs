@@ -8,12 +8,18 @@ use super::refusal::Refusal;
 /// Largest entry of a transformation, metres or a factor: beyond, a scene has no coordinates. Lengths may shrink by as much.
 const FARTHEST: f64 = 1e12;
 
-/// A transformation, if it is finite and has an inverse.
-pub(crate) fn invertible(entity: EntityId, matrix: DMat4) -> Result<DMat4, Refusal> {
+/// A transformation, unless it goes beyond the coordinates of a scene.
+pub(crate) fn bounded(entity: EntityId, matrix: DMat4) -> Result<DMat4, Refusal> {
     if matrix.to_cols_array().iter().any(|entry| entry.abs() > FARTHEST) {
         let reason = format!("the transformation has an entry of more than {FARTHEST:e}");
         return Err(Refusal::new(entity, reason));
     }
+    Ok(matrix)
+}
+
+/// A transformation, if it is finite, has an inverse, and does not go beyond the coordinates of a scene.
+pub(crate) fn invertible(entity: EntityId, matrix: DMat4) -> Result<DMat4, Refusal> {
+    let matrix = bounded(entity, matrix)?;
     if matrix.is_finite() && matrix.determinant().is_normal() && matrix.inverse().is_finite() {
         Ok(matrix)
     } else {

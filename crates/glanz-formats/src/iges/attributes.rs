@@ -5,7 +5,7 @@ use glanz_math::{DMat4, DVec3};
 
 use super::entity::IgesEntity;
 use super::lowering::MAX_DEPTH;
-use crate::cad::Refusal;
+use crate::cad::{Refusal, bounded};
 
 /// Colours by their numbers from 1.
 const NUMBERED_COLORS: [[f64; 3]; 8] = [
@@ -39,7 +39,7 @@ impl IgesEntity<'_> {
         let mut matrix = DMat4::IDENTITY;
         for _ in 0..MAX_DEPTH {
             if pointer == 0 {
-                return Ok(matrix);
+                return bounded(self.id(), matrix);
             }
             let number = u32::try_from(pointer.unsigned_abs()).ok();
             let entity = number.and_then(|number| self.file.entity(number));

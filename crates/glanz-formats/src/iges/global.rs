@@ -169,9 +169,10 @@ mod tests {
         let record = |text, number| IgesRecord { text, line: number, number };
         let mut report = ReadingReport::default();
         let section = GlobalSection::parse(&[record(first, 1), record(last, 3)], &mut report);
-        assert_eq!((section.product.as_str(), section.length), ("part", 0.0254));
+        // The unit stands in front of it, the resolution behind.
+        assert_eq!((section.product.as_str(), section.length, section.resolution), ("part", 1e-3, 1e-4));
         assert!(report.faults.notes()[0].reason.contains("record 2 of the global section is missing"));
-        assert_eq!((report.faults.count(), report.repairs.count()), (1, 2));
+        assert_eq!((report.faults.count(), report.repairs.count()), (1, 1));
     }
 
     #[test]

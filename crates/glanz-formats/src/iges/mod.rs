@@ -6,9 +6,9 @@
 //!
 //! Surfaces are planes (108), ruled surfaces (118), surfaces of revolution (120), tabulated cylinders (122), rational splines (128), their offsets (140), and those of
 //! the types 190 to 198; curves are arcs (100), composite curves (102), conics (104), copious data (106), lines (110), and splines (112, 126). Transformations (124),
-//! subfigures (308, 408), assemblies and instances of solids (184, 430), groups (402), names (406 form 15), colours (314), levels and blank status are taken over. All else is reported,
-//! such as offset curves (130) and constructive solids. Where a boundary or an edge has no curve in space, its curves in parameters give one. The compressed
-//! form is refused.
+//! subfigures (308, 408), assemblies and instances of solids (184, 430), groups (402), names (406 form 15), colours (314), levels and blank status are taken over.
+//! Where a boundary or an edge has no curve in space, its curves in parameters give one. All else is reported, such as offset curves (130) and constructive solids. The
+//! compressed form is refused.
 //!
 //! Memory is in proportion to the file. A damaged file gives what of it can be read.
 
