@@ -139,3 +139,51 @@ fn edges_are_picked_before_the_faces_beside_them() {
     }
     assert_eq!(page.faults(), [""; 0]);
 }
+
+#[test]
+fn tiles_are_shown_under_edges_before_they_cover_the_view() {
+    let served = ViewServer::start(&discs());
+    let mut page = Page::open(&served.address(), SIZE);
+    // Green tiles over the left half of the view: the shares of green there, of ink there, and of what has changed on the right.
+    let shares = page.evaluate(
+        "(async () => {
+            const { Renderer } = await import('/gl/renderer.js');
+            const { TileImage } = await import('/rendered_image.js');
+            const { decodeModel } = await import('/model.js');
+            const urls = performance.getEntriesByType('resource').map(({ name }) => name);
+            const model = decodeModel(await (await fetch(urls.filter((name) => name.includes('/model/')).at(-1))).arrayBuffer());
+            const canvas = document.createElement('canvas');
+            const renderer = new Renderer(canvas);
+            renderer.setModel(model);
+            const [width, height, half] = [800, 600, 400];
+            const view = { camera: model.camera, width, height, hidden: new Set(), selected: null, exposure: 0, shading: 'normals', stripes: 16,
+                curvature: 1, edges: true, edge: null, isocurves: 0, net: false, section: null, maps: false, seams: true, background: [1, 1, 1] };
+            const shown = () => {
+                const copy = document.createElement('canvas').getContext('2d');
+                [copy.canvas.width, copy.canvas.height] = [width, height];
+                copy.drawImage(canvas, 0, 0);
+                return copy.getImageData(0, 0, width, height).data;
+            };
+            renderer.drawWhole(view);
+            const before = shown();
+            const image = new TileImage({ width, height });
+            const pixels = new Uint16Array(3 * half * height).map((_, i) => (i % 3 === 1 ? 0x3c00 : 0));
+            image.put({ x: 0, y: 0, width: half, height, pixels });
+            renderer.drawWhole(view);
+            renderer.drawRenderedImage(image, view);
+            const after = shown();
+            const count = [0, 0, 0];
+            for (let at = 0; at < width * height; at++) {
+                const [r, g, b] = after.subarray(4 * at, 4 * at + 3);
+                if (at % width < half) {
+                    if (g > 100 && r < 60 && b < 60) count[0]++;
+                    else if (g < 100 && r < 60 && b < 60) count[1]++;
+                } else if ([r, g, b].some((value, k) => Math.abs(value - before[4 * at + k]) > 64)) count[2]++;
+            }
+            return count.map((pixels) => pixels / (half * height));
+        })()",
+    );
+    let [green, ink, changed] = [0, 1, 2].map(|i| shares[i].as_f64().expect("a number"));
+    assert!(green > 0.9 && ink > 1e-4 && changed < 5e-3, "{green} {ink} {changed}");
+    assert_eq!(page.faults(), [""; 0]);
+}
