@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
+use glanz_math::glam::DVec4;
 use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::control_net::MAX_DEGREE;
@@ -239,7 +240,8 @@ impl LeafList {
 
 /// A part of a subpatch that may be halved further.
 struct OpenLeaf {
-    leaf: LeafBuilder,
+    part: DyadicRect,
+    net: Vec<DVec4>,
     halvings: usize,
     /// Whether the region keeps all of it.
     inside: bool,
@@ -267,23 +269,25 @@ impl LeafRules<'_> {
     ) -> Vec<LeafBuilder> {
         let degrees = subpatch.degrees;
         let limit = MOST_DEVIATION[usize::from(degrees.0.max(degrees.1) > 3)];
-        let whole = LeafBuilder::new(index, DyadicRect::WHOLE, subpatch.net.to_vec(), degrees);
         let mut done = Vec::new();
         let mut open = vec![OpenLeaf {
-            leaf: whole,
+            part: DyadicRect::WHOLE,
+            net: subpatch.net.to_vec(),
             halvings: subpatch.location.part.count(),
             inside: self.region.is_none(),
             before: [f64::INFINITY; 2],
         }];
-        while let Some(OpenLeaf { mut leaf, halvings, mut inside, before }) = open.pop() {
+        while let Some(OpenLeaf { part, net, halvings, mut inside, before }) = open.pop() {
+            let mut crossed = false;
             if let Some(region) = self.region.filter(|_| !inside) {
-                let [low, high] = placement.range(&leaf.part.within(subpatch.location.part).rect());
+                let [low, high] = placement.range(&part.within(subpatch.location.part).rect());
                 match region.classify(low, high) {
                     Containment::Outside => continue,
                     Containment::Inside => inside = true,
-                    Containment::Crossed => leaf.crossed = true,
+                    Containment::Crossed => crossed = true,
                 }
             }
+            let leaf = LeafBuilder { crossed, ..LeafBuilder::new(index, part, net, degrees) };
             let large = leaf.bounds.diagonal().length() > self.smallest;
             // NaN, of a leaf without area, is above every limit.
             let deviation = leaf.parallelogram.jacobian_deviation();
@@ -293,8 +297,9 @@ impl LeafRules<'_> {
                 done.push(leaf);
             } else {
                 let halves = leaf.halves();
-                open.extend(halves.map(|leaf| OpenLeaf {
-                    leaf,
+                open.extend(halves.map(|(part, net)| OpenLeaf {
+                    part,
+                    net,
                     halvings: halvings + 1,
                     inside,
                     before: [deviation, before[0]],

@@ -344,32 +344,6 @@ pub(super) struct BivariatePolynomial<T> {
 }
 
 impl<T: BernsteinCoefficient> BivariatePolynomial<T> {
-    /// The product with a bilinear function, given at (0, 0), (1, 0) and at (0, 1), (1, 1); one degree higher.
-    pub(super) fn times_bilinear<U>(&self, corners: [[U; 2]; 2]) -> BivariatePolynomial<U>
-    where
-        U: BernsteinCoefficient + std::ops::Mul<T, Output = U>,
-    {
-        let (p, q) = self.degrees;
-        let mut coefficients = Vec::with_capacity((p + 2) * (q + 2));
-        for i in 0..=p + 1 {
-            for j in 0..=q + 1 {
-                // Weights of the neighbours below and above in both directions.
-                let (x, y) = (i as f64 / (p + 1) as f64, j as f64 / (q + 1) as f64);
-                let mut sum = corners[0][0] * 0.0;
-                for (k, share_x) in [(0, 1.0 - x), (1, x)] {
-                    for (l, share_y) in [(0, 1.0 - y), (1, y)] {
-                        if share_x * share_y > 0.0 {
-                            let coefficient = self.coefficients[(i - k) * (q + 1) + j - l];
-                            sum = sum + (corners[l][k] * (share_x * share_y)) * coefficient;
-                        }
-                    }
-                }
-                coefficients.push(sum);
-            }
-        }
-        BivariatePolynomial { degrees: (p + 1, q + 1), coefficients }
-    }
-
     /// The same polynomial, elevated by degrees `by`.
     pub(super) fn elevated(mut self, by: (usize, usize)) -> Self {
         for _ in 0..by.0 {
@@ -426,6 +400,30 @@ impl<T: BernsteinCoefficient> BivariatePolynomial<T> {
     }
 }
 
+impl BivariatePolynomial<f64> {
+    /// The product with `(2 x - 1) a + (2 y - 1) b`, one degree higher in both variables.
+    pub(super) fn times_affine(&self, a: DVec3, b: DVec3) -> BivariatePolynomial<DVec3> {
+        let (p, q) = self.degrees;
+        let mut coefficients = Vec::with_capacity((p + 2) * (q + 2));
+        // Of the four neighbours, those beyond the ends have no share.
+        let row = |i: usize| &self.coefficients[i * (q + 1)..(i + 1) * (q + 1)];
+        for i in 0..=p + 1 {
+            let x = i as f64 / (p + 1) as f64;
+            let (below, above) = (row(i.saturating_sub(1)), row(i.min(p)));
+            for j in 0..=q + 1 {
+                let y = j as f64 / (q + 1) as f64;
+                let (left, right) = (j.saturating_sub(1), j.min(q));
+                let [low, high] = [below, above].map(|row| (row[left] * y, row[right] * (1.0 - y)));
+                let (low, high) = ((low.0 * x, low.1 * x), (high.0 * (1.0 - x), high.1 * (1.0 - x)));
+                let by_x = (low.0 + low.1) - (high.0 + high.1);
+                let by_y = (low.0 + high.0) - (low.1 + high.1);
+                coefficients.push(a * by_x + b * by_y);
+            }
+        }
+        BivariatePolynomial { degrees: (p + 1, q + 1), coefficients }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -463,12 +461,18 @@ mod tests {
     #[test]
     fn elevated_polynomial_and_its_product_have_the_right_values() {
         let a = BivariatePolynomial { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
-        let product = a.times_bilinear([[0.5, 1.5], [1.0, -2.0]]);
+        let product = a.times_affine(DVec3::new(0.5, 0.0, 1.0), DVec3::new(0.0, -2.0, 3.0));
+        let component = |axis: usize| BivariatePolynomial {
+            degrees: product.degrees,
+            coefficients: product.coefficients.iter().map(|c| c[axis]).collect(),
+        };
         let higher = a.clone().elevated((2, 3));
         assert_eq!((product.degrees, higher.degrees), ((3, 2), (4, 4)));
         for (u, v) in [(0.0, 0.0), (0.2, 0.9), (1.0, 0.4), (0.7, 1.0)] {
-            let bilinear = (0.5 * (1.0 - u) + 1.5 * u) * (1.0 - v) + (1.0 - u - 2.0 * u) * v;
-            assert!((value(&product, u, v) - value(&a, u, v) * bilinear).abs() < 1e-14);
+            let (s, t) = (2.0 * u - 1.0, 2.0 * v - 1.0);
+            for (axis, factor) in [0.5 * s, -2.0 * t, s + 3.0 * t].into_iter().enumerate() {
+                assert!((value(&component(axis), u, v) - value(&a, u, v) * factor).abs() < 1e-14);
+            }
             assert!((value(&higher, u, v) - value(&a, u, v)).abs() < 1e-14);
         }
     }

@@ -136,12 +136,10 @@ fn rational_bounds(
     };
     let weight = BivariatePolynomial { degrees, coefficients: points.iter().map(|p| p.w).collect() };
     let least = points.iter().fold(f64::INFINITY, |least, p| least.min(p.w));
-    // s a + t b at the corners.
-    let affine = [[-a - b, a - b], [b - a, a + b]];
     let apart = |x: BivariatePolynomial<DVec3>, y: BivariatePolynomial<DVec3>| {
         largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
     };
-    let thickness = apart(space.clone().elevated((1, 1)), weight.times_bilinear(affine)) / least;
+    let thickness = apart(space.clone().elevated((1, 1)), weight.times_affine(a, b)) / least;
     let steepest =
         |w: &BivariatePolynomial<f64>| w.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let [space_u, space_v] = [true, false].map(|by_first| space.derivative(by_first));
@@ -156,8 +154,8 @@ fn rational_bounds(
             apart(rise.clone().elevated((1, 1)), fall)
         };
     // By s, which goes twice as far as u.
-    let m_a = deviation(&space_u, weight_u.times_bilinear(affine), a, (0, 1)) + thickness * steepest_u;
-    let m_b = deviation(&space_v, weight_v.times_bilinear(affine), b, (1, 0)) + thickness * steepest_v;
+    let m_a = deviation(&space_u, weight_u.times_affine(a, b), a, (0, 1)) + thickness * steepest_u;
+    let m_b = deviation(&space_v, weight_v.times_affine(a, b), b, (1, 0)) + thickness * steepest_v;
     let (m_a, m_b) = (0.5 * m_a / least, 0.5 * m_b / least);
     // S_st = (X_st - S_s W_t - S_t W_s - S W_st) / W, and so on, where derivatives by s and t are halves of those by u and v.
     let (size, [rise_a, rise_b]) =
@@ -188,13 +186,12 @@ impl LeafBuilder {
         Self { parallelogram, bounds, subpatch, part, degrees, net, crossed: false }
     }
 
-    /// Its halves along the direction in which it is more curved.
-    pub(super) fn halves(&self) -> [Self; 2] {
-        let degrees = self.degrees;
-        let across_u = is_more_curved_along_u(&self.net, degrees);
-        let [low, high] = control_net::split(&self.net, degrees, across_u);
+    /// Parts and nets of its halves along the direction in which it is more curved.
+    pub(super) fn halves(&self) -> [(DyadicRect, Vec<DVec4>); 2] {
+        let across_u = is_more_curved_along_u(&self.net, self.degrees);
+        let [low, high] = control_net::split(&self.net, self.degrees, across_u);
         let [below, above] = self.part.halves(across_u);
-        [Self::new(self.subpatch, below, low, degrees), Self::new(self.subpatch, above, high, degrees)]
+        [(below, low), (above, high)]
     }
 }
 

@@ -68,7 +68,7 @@ impl<'a> BasisFunctions<'a> {
                 });
             }
             if let Some(row) = rows.get_mut(degree - q) {
-                *row = lower;
+                row[..=q].copy_from_slice(&lower[..=q]);
             }
         }
         for (order, row) in rows.iter_mut().enumerate().take(degree + 1) {
