@@ -8,7 +8,8 @@ use super::edges::EdgeNormals;
 use super::geometry::{metric, placed, reach};
 use super::outcome::{FaceRefusal, FaceRepair};
 use super::stretch::stretch;
-use super::surface::{STRAYING, ends_at_border, part_with_edges, plane_of_polygons};
+use super::surface::{STRAYING, ends_at_border, plane_of_polygons};
+use super::surface_part::part_with_edges;
 use super::trim::{FaceTrim, TrimmedFace};
 use crate::boundary::{
     BoundaryChain, BoundaryCurve, BoundaryError, BoundaryRepair, ParameterSpace, chain, close,
@@ -150,6 +151,9 @@ impl LaidFace {
         oriented: &[OrientedEdge],
     ) -> Result<Vec<BoundaryCurve>, FaceRefusal> {
         let mut curves = Vec::with_capacity(oriented.len());
+        // Else the curves of the file are not compared with the edges.
+        let keeps_parameters = conversion.parameters.is_some();
+        let is_fitted = |part: &EdgeParameterCurve| part.source == ParameterCurveSource::Fitted;
         for &OrientedEdge { edge: number, forward } in oriented {
             let (Some(edge), Some(curve)) = (model.edges.get(number), edges.get(number)) else {
                 return Err(FaceRefusal::Dangling);
@@ -166,8 +170,7 @@ impl LaidFace {
             }
             if deviation > self.tolerance {
                 self.repairs.push(FaceRepair::StrayingEdge { edge: edge.entity, distance: deviation });
-            } else if given.is_some() && parts.iter().any(|part| part.source == ParameterCurveSource::Fitted)
-            {
+            } else if given.is_some() && keeps_parameters && parts.iter().any(is_fitted) {
                 self.repairs.push(FaceRepair::ParameterCurve(edge.entity));
             }
             self.deviations.push((number, deviation));

@@ -15,6 +15,7 @@ mod measure;
 mod outcome;
 mod stretch;
 mod surface;
+mod surface_part;
 #[cfg(test)]
 mod tests;
 mod trim;

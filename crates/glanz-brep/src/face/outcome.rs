@@ -12,7 +12,7 @@ use crate::model::EntityId;
 #[non_exhaustive]
 pub enum FaceRepair {
     /// Consecutive edges do not meet.
-    #[error("a gap of {gap} m in its boundary is bridged")]
+    #[error("a gap of {gap:.1e} m in its boundary is bridged")]
     BridgedGap {
         /// Length of the gap, metres.
         gap: f64,
@@ -30,7 +30,7 @@ pub enum FaceRepair {
     #[error("the parameter curve of edge {0} is not on the edge; another was made")]
     ParameterCurve(EntityId),
     /// The edge does not lie on the surface.
-    #[error("edge {edge} is {distance} m off the surface")]
+    #[error("edge {edge} is {distance:.1e} m off the surface")]
     StrayingEdge {
         /// The edge.
         edge: EntityId,
@@ -38,7 +38,7 @@ pub enum FaceRepair {
         distance: f64,
     },
     /// A polygon does not lie on the surface.
-    #[error("loop {bound} is {distance} m off the surface")]
+    #[error("loop {bound} is {distance:.1e} m off the surface")]
     StrayingPolygon {
         /// The loop.
         bound: EntityId,
@@ -46,7 +46,7 @@ pub enum FaceRepair {
         distance: f64,
     },
     /// The polygons of the face lie in another plane.
-    #[error("its polygons are {distance} m off its plane; their own is taken")]
+    #[error("its polygons are {distance:.1e} m off its plane; their own is taken")]
     PolygonPlane {
         /// Their largest distance from the plane in the file, metres.
         distance: f64,
@@ -58,7 +58,7 @@ pub enum FaceRepair {
     #[error("it has no boundary; the whole surface is taken")]
     MissingBoundary,
     /// A surface that cannot be taken over exactly is approximated.
-    #[error("its surface is approximated to {deviation} m")]
+    #[error("its surface is approximated to {deviation:.1e} m")]
     FittedSurface {
         /// Largest distance from the surface in the file, metres.
         deviation: f64,
@@ -86,7 +86,7 @@ pub enum FaceRefusal {
         error: BrepError,
     },
     /// An edge is far from its surface.
-    #[error("edge {edge} is {distance} m off its surface")]
+    #[error("edge {edge} is {distance:.1e} m off its surface")]
     StrayingEdge {
         /// The edge.
         edge: EntityId,
@@ -94,7 +94,7 @@ pub enum FaceRefusal {
         distance: f64,
     },
     /// A polygon is far from its surface, and not plane.
-    #[error("loop {bound} is {distance} m off its surface")]
+    #[error("loop {bound} is {distance:.1e} m off its surface")]
     StrayingPolygon {
         /// The loop.
         bound: EntityId,

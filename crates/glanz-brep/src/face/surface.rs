@@ -2,8 +2,7 @@
 
 use glanz_math::DVec3;
 
-use super::bounded_edge::BoundedEdge;
-use crate::model::{BoundaryLoop, BrepModel, Face, FaceSurface, Placement};
+use crate::model::{BoundaryLoop, Face, FaceSurface, Placement};
 
 /// Part of the size of a face up to which its edges may be off its surface.
 pub(super) const STRAYING: f64 = 0.05;
@@ -35,40 +34,4 @@ pub(super) fn plane_of_polygons(
     }
     let plane = Placement::of_polygons(&face.bounds)?;
     (distance(plane) <= tolerance).then_some((plane, off))
-}
-
-/// Of a torus whose tube meets the axis, the part on which the edges lie: files often give the other one.
-pub(super) fn part_with_edges(
-    surface: &FaceSurface,
-    model: &BrepModel,
-    edges: &[BoundedEdge],
-    face: &Face,
-) -> FaceSurface {
-    let FaceSurface::Torus { placement, major_radius, minor_radius, .. } = *surface else {
-        return surface.clone();
-    };
-    if minor_radius < major_radius {
-        return surface.clone();
-    }
-    let oriented = face.bounds.iter().filter_map(|bound| match &bound.boundary {
-        BoundaryLoop::Edges(oriented) => Some(oriented),
-        _ => None,
-    });
-    let curves = oriented.flatten().filter_map(|oriented| edges.get(oriented.edge)?.curve.as_ref().ok());
-    let points: Vec<DVec3> = curves.flat_map(|curve| [0.0, 0.5, 1.0].map(|at| curve.point(at))).collect();
-    // The outer part is where the distance from the axis grows with that from the tube's circle on the near side.
-    let outside = |point: &DVec3| {
-        let p = *point - placement.origin;
-        let (z, rho) = (p.dot(placement.z), (p - placement.z * p.dot(placement.z)).length());
-        let outer = (rho - major_radius).hypot(z) - minor_radius;
-        let inner = (rho + major_radius).hypot(z) - minor_radius;
-        outer.abs() - inner.abs()
-    };
-    let balance = points.iter().map(outside).max_by(|a, b| a.abs().total_cmp(&b.abs()));
-    match balance {
-        Some(balance) if balance.abs() > model.uncertainty => {
-            FaceSurface::Torus { placement, major_radius, minor_radius, select_outer: balance < 0.0 }
-        }
-        _ => surface.clone(),
-    }
 }

@@ -1,4 +1,5 @@
 mod border;
+mod revolution;
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 

@@ -1,0 +1,194 @@
+//! The part of a surface on which a face lies, where the whole surface passes through itself.
+
+use glanz_math::DVec3;
+
+use super::bounded_edge::BoundedEdge;
+use crate::model::{BoundaryLoop, BrepModel, Curve, Face, FaceSurface};
+
+/// Largest distance of the points of a curve from the middle of the edges of a face, relative to that of the edges, up to which the face may need it.
+const REACH: f64 = 1.125;
+
+/// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
+///
+/// Files often give the other part of such a torus, and whole conics as the profiles of reflectors.
+pub(super) fn part_with_edges(
+    surface: &FaceSurface,
+    model: &BrepModel,
+    edges: &[BoundedEdge],
+    face: &Face,
+) -> FaceSurface {
+    match surface {
+        FaceSurface::Torus { minor_radius, major_radius, .. } if minor_radius >= major_radius => {
+            part_of_torus(surface, &points(edges, face), model.uncertainty)
+        }
+        FaceSurface::Revolution { curve, origin, axis } => {
+            let points = points(edges, face);
+            let Some(profile) = CrossingProfile::new(curve, [*origin, *axis], &points, model.uncertainty)
+            else {
+                return surface.clone();
+            };
+            let range = profile.part(&profile_parameters(model, edges, face), &points);
+            let curve = Box::new(Curve::Trimmed { basis: curve.clone(), range, same_sense: true });
+            FaceSurface::Revolution { curve, origin: *origin, axis: *axis }
+        }
+        _ => surface.clone(),
+    }
+}
+
+/// The numbers of the edges of a face.
+fn edge_numbers(face: &Face) -> impl Iterator<Item = usize> {
+    let loops = face.bounds.iter().filter_map(|bound| match &bound.boundary {
+        BoundaryLoop::Edges(oriented) => Some(oriented),
+        _ => None,
+    });
+    loops.flatten().map(|oriented| oriented.edge)
+}
+
+/// Points of the edges of a face, metres.
+fn points(edges: &[BoundedEdge], face: &Face) -> Vec<DVec3> {
+    let curves = edge_numbers(face).filter_map(|edge| edges.get(edge)?.curve.as_ref().ok());
+    curves.flat_map(|curve| [0.0, 0.25, 0.5, 0.75, 1.0].map(|at| curve.point(at))).collect()
+}
+
+/// The parameters v that the file gives to the middles of the edges of a face.
+fn profile_parameters(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> Vec<f64> {
+    let mut found = Vec::new();
+    for number in edge_numbers(face) {
+        let (Some(edge), Some(bounded)) = (model.edges.get(number), edges.get(number)) else { continue };
+        let Ok(curve) = &bounded.curve else { continue };
+        let given = edge.parameter_curves.iter().filter(|given| given.surface == face.surface);
+        found.extend(given.map(|given| given.curve.point(curve.parameter(0.5)).y));
+    }
+    found.retain(|v| v.is_finite());
+    found
+}
+
+/// Of a torus whose tube meets the axis, the part on which points lie.
+fn part_of_torus(surface: &FaceSurface, points: &[DVec3], uncertainty: f64) -> FaceSurface {
+    let FaceSurface::Torus { placement, major_radius, minor_radius, .. } = *surface else {
+        return surface.clone();
+    };
+    // The outer part is where the distance from the axis grows with that from the tube's circle on the near side.
+    let outside = |point: &DVec3| {
+        let p = *point - placement.origin;
+        let (z, rho) = (p.dot(placement.z), (p - placement.z * p.dot(placement.z)).length());
+        let outer = (rho - major_radius).hypot(z) - minor_radius;
+        let inner = (rho + major_radius).hypot(z) - minor_radius;
+        outer.abs() - inner.abs()
+    };
+    let balance = points.iter().map(outside).max_by(|a, b| a.abs().total_cmp(&b.abs()));
+    match balance {
+        Some(balance) if balance.abs() > uncertainty => {
+            FaceSurface::Torus { placement, major_radius, minor_radius, select_outer: balance < 0.0 }
+        }
+        _ => surface.clone(),
+    }
+}
+
+/// A curve that crosses the axis about which it is turned.
+struct CrossingProfile<'a> {
+    curve: &'a Curve<DVec3>,
+    origin: DVec3,
+    axis: DVec3,
+    /// Unit vector across the axis, in the plane of the curve.
+    across: DVec3,
+    /// The ranges of parameters between crossings, ascending; of a closed curve the last may pass its seam.
+    parts: Vec<[f64; 2]>,
+}
+
+impl<'a> CrossingProfile<'a> {
+    /// `None` if the curve stays on one side of the axis, but for `tolerance` (metres), within reach of `points`.
+    fn new(
+        curve: &'a Curve<DVec3>,
+        [origin, axis]: [DVec3; 2],
+        points: &[DVec3],
+        tolerance: f64,
+    ) -> Option<Self> {
+        let domain = curve.domain();
+        let range = if domain.iter().all(|t| t.is_finite()) {
+            domain
+        } else {
+            let heights = points.iter().map(|p| (*p - origin).dot(axis));
+            let (low, high) =
+                heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
+            // A turn does not change the distance from a point of the axis.
+            let middle = origin + axis * (0.5 * (low + high));
+            let reach = points.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
+            curve.range_near(middle, REACH * reach + tolerance)
+        };
+        if !(range[0] < range[1] && range.iter().all(|t| t.is_finite())) {
+            return None;
+        }
+        let samples = curve.samples(range);
+        let radial = |t: f64| (curve.point(t) - origin).reject_from(axis);
+        let farthest = samples.iter().map(|t| radial(*t)).max_by(|a, b| a.length().total_cmp(&b.length()))?;
+        let mut profile = Self { curve, origin, axis, across: farthest.try_normalize()?, parts: Vec::new() };
+        let far: Vec<(f64, f64)> = samples
+            .into_iter()
+            .map(|t| (t, profile.signed_radius(t)))
+            .filter(|(_, radius)| radius.abs() > tolerance)
+            .collect();
+        let changes = far.windows(2).filter(|pair| (pair[0].1 < 0.0) != (pair[1].1 < 0.0));
+        let crossings: Vec<f64> = changes.map(|pair| profile.crossing([pair[0].0, pair[1].0])).collect();
+        let (first, last) = (*crossings.first()?, *crossings.last()?);
+        let ends: Vec<f64> = [range[0]].into_iter().chain(crossings).chain([range[1]]).collect();
+        profile.parts = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();
+        if let Some(period) =
+            curve.period(tolerance).filter(|_| profile.signed_radius(range[0]).abs() > tolerance)
+        {
+            profile.parts.remove(0);
+            profile.parts.pop();
+            profile.parts.push([last, first + period]);
+        }
+        Some(profile)
+    }
+
+    /// Distance of a point of the curve from the axis, on one of its sides negative, metres.
+    fn signed_radius(&self, t: f64) -> f64 {
+        (self.curve.point(t) - self.origin).dot(self.across)
+    }
+
+    /// The parameter between two on different sides of the axis at which the curve crosses it.
+    fn crossing(&self, [mut low, mut high]: [f64; 2]) -> f64 {
+        let is_below = |t: f64| self.signed_radius(t) < 0.0;
+        let below = is_below(low);
+        loop {
+            let middle = low + 0.5 * (high - low);
+            if !(middle > low && middle < high) {
+                return middle;
+            }
+            *(if is_below(middle) == below { &mut low } else { &mut high }) = middle;
+        }
+    }
+
+    /// The part in which most of the given parameters lie; without them the part that is nearest to the points when it is turned. Of parts that
+    /// are equal in that, as those of a parabola about its axis, the last.
+    fn part(&self, parameters: &[f64], points: &[DVec3]) -> [f64; 2] {
+        let beyond = |[from, to]: [f64; 2], t: f64| (from - t).max(t - to).max(0.0);
+        let is_in =
+            |part: [f64; 2], t: f64| self.parts.iter().all(|other| beyond(part, t) <= beyond(*other, t));
+        let inside = |part: [f64; 2]| parameters.iter().filter(|t| is_in(part, **t)).count();
+        let scores = self.parts.iter().map(|part| (inside(*part), self.distance(*part, points), *part));
+        let best = scores.reduce(|best, next| {
+            let is_better = next.0 > best.0 || next.0 == best.0 && next.1 <= best.1;
+            if is_better { next } else { best }
+        });
+        best.map_or_else(|| self.curve.domain(), |(_, _, part)| part)
+    }
+
+    /// The largest distance of a point from a part that is turned about the axis, metres; in multiples of the rounding of coordinates, so that parts
+    /// that mirror one another are equally far.
+    fn distance(&self, part: [f64; 2], points: &[DVec3]) -> f64 {
+        let side = self.signed_radius(0.5 * (part[0] + part[1])).signum();
+        let distance = |point: &DVec3| {
+            let height = (*point - self.origin).dot(self.axis);
+            let radius = (*point - self.origin).reject_from(self.axis).length();
+            let turned = self.origin + self.axis * height + self.across * (side * radius);
+            self.curve.point(self.curve.closest_in(turned, part)).distance(turned)
+        };
+        let size = points.iter().map(|point| point.distance(self.origin)).fold(0.0, f64::max);
+        let rounding = f64::EPSILON.sqrt() * size;
+        let largest = points.iter().map(distance).fold(0.0, f64::max);
+        if rounding > 0.0 { (largest / rounding).round() } else { largest }
+    }
+}

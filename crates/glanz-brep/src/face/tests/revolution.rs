@@ -1,0 +1,67 @@
+//! Faces on turned curves that cross their axis.
+
+use glanz_math::DVec2;
+
+use super::*;
+use crate::model::ParameterCurve;
+
+/// A face inside a rim of radius 1 at a height, on a curve in the plane y = 0 that is turned about the z axis; where v is given, the file says that the
+/// rim is there.
+fn inside_rim(profile: &Curve<DVec3>, height: f64, v: Option<f64>, same_sense: bool) -> TrimmedFace {
+    let mut model = ModelBuilder::default();
+    let rim = model.circle(1.0, height);
+    let surface =
+        FaceSurface::Revolution { curve: Box::new(profile.clone()), origin: DVec3::ZERO, axis: DVec3::Z };
+    let at_rim = |v| Curve::Line { origin: DVec2::new(0.0, v), direction: DVec2::X };
+    model.0.edges[rim].parameter_curves =
+        v.map(|v| ParameterCurve { surface: 0, curve: at_rim(v) }).into_iter().collect();
+    // From above, the inside is on the left.
+    model.face(surface, same_sense, &[(rim, true)]);
+    model.faces().remove(0)
+}
+
+/// Area of the paraboloid z = r^2 h up to the height h and radius 1.
+fn paraboloid(h: f64) -> f64 {
+    PI / (6.0 * h * h) * ((1.0 + 4.0 * h * h).powf(1.5) - 1.0)
+}
+
+#[test]
+fn a_whole_parabola_makes_a_reflector_on_the_side_that_the_file_names() {
+    // Focal length 1 / 2, z = r^2 / 2; the rim at v = 1 or -1.
+    let profile = Curve::Parabola { apex: DVec3::ZERO, a: DVec3::Z * 0.5, b: DVec3::X * 0.5 };
+    for (v, same_sense) in [(Some(1.0), false), (Some(-1.0), true), (None, false)] {
+        let face = inside_rim(&profile, 0.5, v, same_sense);
+        assert_close(face.measure(1e-9).area, paraboloid(0.5));
+        // Where r grows with v, du x dv points away from the axis and down, and the face has its normal upwards.
+        assert_eq!(face.reversed, !same_sense, "{v:?}");
+    }
+}
+
+#[test]
+fn a_hyperbola_and_an_ellipse_end_at_their_axis() {
+    let hyperbola = Curve::Hyperbola { center: DVec3::ZERO, a: DVec3::Z, b: DVec3::X };
+    let face = inside_rim(&hyperbola, 2f64.sqrt(), Some(1f64.asinh()), false);
+    // z^2 - r^2 = 1: the integral of 2 pi sqrt(1 + 2 s^2) s ds / sqrt(1 + s^2), by s = sinh t.
+    let area = simpson(|t: f64| TAU * (1.0 + 2.0 * t.sinh().powi(2)).sqrt() * t.sinh(), 1f64.asinh());
+    assert!((face.measure(1e-9).area - area).abs() < 1e-7 * area);
+    // Half axes 2 along z and 1 across, from its highest point around; the rim at the equator. The part of v in 0 .. pi.
+    let ellipse = Curve::Ellipse { center: DVec3::ZERO, a: DVec3::Z * 2.0, b: DVec3::X };
+    for v in [0.5 * PI, 1.5 * PI] {
+        // Downwards at the equator, as in the first half, the surface has its normal inwards.
+        let face = inside_rim(&ellipse, 0.0, Some(v), v > PI);
+        let e = 0.75f64.sqrt();
+        assert_close(face.measure(1e-9).area, PI * (1.0 + 2.0 * e.asin() / e));
+    }
+    // The same curve from a point of its equator: the part with the rim passes the seam of the curve.
+    let ellipse = Curve::Ellipse { center: DVec3::ZERO, a: DVec3::X, b: DVec3::Z * 2.0 };
+    let face = inside_rim(&ellipse, 0.0, Some(0.0), true);
+    assert_close(face.measure(1e-9).area, PI * (1.0 + 2.0 * 0.75f64.sqrt().asin() / 0.75f64.sqrt()));
+}
+
+/// The integral of a smooth function from 0 to `end`.
+fn simpson(f: impl Fn(f64) -> f64, end: f64) -> f64 {
+    const N: u32 = 1000;
+    let weight = |i: u32| if i == 0 || i == N { 1.0 } else { f64::from(2 + 2 * (i % 2)) };
+    (0..=N).map(|i| weight(i) * f(end * f64::from(i) / f64::from(N))).sum::<f64>() * end
+        / (3.0 * f64::from(N))
+}
