@@ -39,7 +39,7 @@ pub enum BrepError {
     },
     /// An edge ends at the vertex where it starts, but its curve is open.
     #[error(
-        "the edge is closed, but its curve is open: its ends are {gap} m apart; the tolerance is {tolerance} m"
+        "the edge is closed, but its curve is open: its ends are {gap:.1e} m apart; the tolerance is {tolerance:.1e} m"
     )]
     OpenCurve {
         /// Distance of the ends of the curve, metres.
@@ -54,7 +54,7 @@ pub enum BrepError {
     #[error("the range of a trimmed surface without edges is not applied")]
     UnappliedRange,
     /// The range of a trimmed surface without edges goes on behind an apex or a pole, by so many metres.
-    #[error("the range of the surface goes {0} m beyond its apex or pole; it must end there")]
+    #[error("the range of the surface goes {0:.1e} m beyond its apex or pole; it must end there")]
     RangeBeyondPole(f64),
     /// A surface is a curve, a point or nothing.
     #[error("the surface has no area: {reason} ({value})")]
@@ -65,7 +65,9 @@ pub enum BrepError {
         value: f64,
     },
     /// No spline within the limits is close enough.
-    #[error("the {shape} is fitted with a deviation of {deviation} m; the tolerance is {tolerance} m")]
+    #[error(
+        "the {shape} is fitted with a deviation of {deviation:.1e} m; the tolerance is {tolerance:.1e} m"
+    )]
     Unfitted {
         /// What was fitted.
         shape: &'static str,

@@ -44,7 +44,7 @@ fn advice(error: &Error) -> Option<String> {
     let text = match error {
         Error::File { fault, .. } => return file_advice(fault),
         Error::NoScene { .. } => {
-            "write a scene file with lights that names the model, such as by Shape \"plymesh\" \"string filename\" \"FILE\""
+            "write a scene file with lights that names the model: Shape \"step\", \"iges\" or \"plymesh\" with \"string filename\" \"FILE\""
         }
         Error::NoModel { .. } => "triangles can be made of a scene: .glb, .obj or .ply",
         Error::NoGuide { .. } => "add --integrator guided",
