@@ -34,7 +34,7 @@ from OCP.Geom import Geom_BezierCurve, Geom_CylindricalSurface, Geom_ToroidalSur
 from OCP.Geom2d import Geom2d_Line
 from OCP.GeomAbs import GeomAbs_Arc, GeomAbs_CurveType
 from OCP.GeomAPI import GeomAPI_PointsToBSpline
-from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Dir, gp_Dir2d, gp_Elips, gp_Pnt, gp_Pnt2d, gp_Trsf, gp_Vec
+from OCP.gp import gp_Ax1, gp_Ax2, gp_Ax3, gp_Dir, gp_Dir2d, gp_Elips, gp_Hypr, gp_Parab, gp_Pnt, gp_Pnt2d, gp_Trsf, gp_Vec
 from OCP.GProp import GProp_GProps
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.IGESControl import IGESControl_Writer
@@ -303,6 +303,60 @@ def egg():
     return BRepPrimAPI_MakeRevol(face, gp_Ax1(ORIGIN, Z)).Shape()
 
 
+# Conics about the z axis, in the plane y = 0, x = -v.
+UPRIGHT = gp_Ax2(ORIGIN, gp_Dir(0, -1, 0), Z)
+SECTOR = 2 * math.pi / 3
+
+
+def turned(*profile, angle=2 * math.pi):
+    """A closed profile of edges, turned about the z axis."""
+    maker = BRepBuilderAPI_MakeWire()
+    for edge in profile:
+        maker.Add(edge)
+    return BRepPrimAPI_MakeRevol(BRepBuilderAPI_MakeFace(maker.Wire()).Face(), gp_Ax1(ORIGIN, Z), angle).Shape()
+
+
+def segment(a, b):
+    return BRepBuilderAPI_MakeEdge(gp_Pnt(a[0], 0, a[1]), gp_Pnt(b[0], 0, b[1])).Edge()
+
+
+def dish():
+    """A paraboloid of focal length 50 mm and radius 100 mm, filled to its rim: its profile is a whole parabola, which crosses the axis."""
+    return turned(BRepBuilderAPI_MakeEdge(gp_Parab(UPRIGHT, 50), -100.0, 0.0).Edge(), segment((0, 0), (0, 50)), segment((0, 50), (100, 50)))
+
+
+def dish_sector():
+    """A third of its ring from the radius 30 mm on: the parabola crosses the axis beyond the face."""
+    inner = 30**2 / 200
+    return turned(BRepBuilderAPI_MakeEdge(gp_Parab(UPRIGHT, 50), -100.0, -30.0).Edge(), segment((30, inner), (30, 50)),
+                  segment((30, 50), (100, 50)), angle=SECTOR)
+
+
+def dish_sector_volume():
+    """The angle times the integral of (50 - r^2 / 200) r."""
+    return SECTOR * (25 * (100**2 - 30**2) - (100**4 - 30**4) / 800)
+
+
+# The lens ends where the hyperbola of half axes 40 and 30 mm is 20 mm from the axis.
+RIM = math.asinh(20 / 30)
+
+
+def lens():
+    """Behind a hyperboloid and before half an ellipsoid, with a rim between."""
+    height = 40 * math.cosh(RIM)
+    centre = gp_Ax2(gp_Pnt(0, 0, height + 5), gp_Dir(0, -1, 0), Z)
+    ellipse = BRepBuilderAPI_MakeEdge(gp_Elips(centre, 25, 20), 1.5 * math.pi, 2 * math.pi).Edge()
+    hyperbola = BRepBuilderAPI_MakeEdge(gp_Hypr(UPRIGHT, 40, 30), -RIM, 0.0).Edge()
+    return turned(hyperbola, segment((0, 40), (0, height + 30)), ellipse, segment((20, height + 5), (20, height)))
+
+
+def lens_volume():
+    """Half an ellipsoid, the rim, and what a hyperboloid of two sheets cuts out of a cylinder."""
+    height = 40 * math.cosh(RIM)
+    filled = math.pi * 30**2 * ((height**3 - 40**3) / (3 * 40**2) - (height - 40))
+    return 2 / 3 * math.pi * 20**2 * 25 + math.pi * 20**2 * 5 + filled
+
+
 def extruded_spline():
     """A prism of a closed spline, and a hole of an ellipse."""
     outer = [(25 * math.cos(a) * (1 + 0.2 * math.cos(3 * a)), 25 * math.sin(a) * (1 + 0.2 * math.cos(3 * a)), 0)
@@ -372,6 +426,7 @@ MODELS = {"sphere_minus_torus": (sphere_minus_torus, None), "filleted_box": (fil
           "engraved_cylinder": (engraved_cylinder, None), "drilled_plate": (drilled_plate, None), "lofted": (lofted, None),
           "swept": (swept, None), "apple": (apple, lambda: spindle_volume(-MEETING, MEETING)),
           "lemon": (lemon, lambda: spindle_volume(MEETING, 2 * math.pi - MEETING)), "egg": (egg, None),
+          "dish": (dish, lambda: math.pi * 100**2 * 50 / 2), "dish_sector": (dish_sector, dish_sector_volume), "lens": (lens, lens_volume),
           "extruded_spline": (extruded_spline, None), "nurbs_plate": (nurbs_plate, None),
           "nurbs_sphere_minus_torus": (nurbs_sphere_minus_torus, None),
           "void_ball": (void_ball, lambda: 4 / 3 * math.pi * (20**3 - 5**3) - 6**3),
