@@ -3,10 +3,13 @@
 use glanz_math::DVec3;
 
 use super::bounded_edge::BoundedEdge;
-use crate::model::{BoundaryLoop, BrepModel, Curve, Face, FaceSurface};
+use crate::model::{BoundaryLoop, BrepModel, Curve, Face, FaceSurface, OrientedEdge};
 
 /// Largest distance of the points of a curve from the middle of the edges of a face, relative to that of the edges, up to which the face may need it.
 const REACH: f64 = 1.125;
+
+/// Fractions of an edge at which it is sampled.
+const FRACTIONS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
 ///
@@ -19,15 +22,15 @@ pub(super) fn part_with_edges(
 ) -> FaceSurface {
     match surface {
         FaceSurface::Torus { minor_radius, major_radius, .. } if minor_radius >= major_radius => {
-            part_of_torus(surface, &points(edges, face), model.uncertainty)
+            part_of_torus(surface, &EdgeSamples::new(model, edges, face).points, model.uncertainty)
         }
         FaceSurface::Revolution { curve, origin, axis } => {
-            let points = points(edges, face);
-            let Some(profile) = CrossingProfile::new(curve, [*origin, *axis], &points, model.uncertainty)
+            let samples = EdgeSamples::new(model, edges, face);
+            let Some(profile) = CrossingProfile::new(curve, [*origin, *axis], &samples, model.uncertainty)
             else {
                 return surface.clone();
             };
-            let range = profile.part(&profile_parameters(model, edges, face), &points);
+            let range = profile.part(&samples, face.same_sense);
             let curve = Box::new(Curve::Trimmed { basis: curve.clone(), range, same_sense: true });
             FaceSurface::Revolution { curve, origin: *origin, axis: *axis }
         }
@@ -35,32 +38,42 @@ pub(super) fn part_with_edges(
     }
 }
 
-/// The numbers of the edges of a face.
-fn edge_numbers(face: &Face) -> impl Iterator<Item = usize> {
-    let loops = face.bounds.iter().filter_map(|bound| match &bound.boundary {
-        BoundaryLoop::Edges(oriented) => Some(oriented),
-        _ => None,
-    });
-    loops.flatten().map(|oriented| oriented.edge)
+/// What the edges of a face tell of the part of its surface.
+#[derive(Default)]
+struct EdgeSamples {
+    /// Points of the edges, metres.
+    points: Vec<DVec3>,
+    /// Of each edge, points inside of it, the middle first.
+    inner: Vec<[DVec3; 3]>,
+    /// The parameters v that the file gives to the middles of edges.
+    parameters: Vec<f64>,
+    /// Area of the loops seen along each axis, where they run counter-clockwise, square metres: roughly.
+    area: DVec3,
 }
 
-/// Points of the edges of a face, metres.
-fn points(edges: &[BoundedEdge], face: &Face) -> Vec<DVec3> {
-    let curves = edge_numbers(face).filter_map(|edge| edges.get(edge)?.curve.as_ref().ok());
-    curves.flat_map(|curve| [0.0, 0.25, 0.5, 0.75, 1.0].map(|at| curve.point(at))).collect()
-}
-
-/// The parameters v that the file gives to the middles of the edges of a face.
-fn profile_parameters(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> Vec<f64> {
-    let mut found = Vec::new();
-    for number in edge_numbers(face) {
-        let (Some(edge), Some(bounded)) = (model.edges.get(number), edges.get(number)) else { continue };
-        let Ok(curve) = &bounded.curve else { continue };
-        let given = edge.parameter_curves.iter().filter(|given| given.surface == face.surface);
-        found.extend(given.map(|given| given.curve.point(curve.parameter(0.5)).y));
+impl EdgeSamples {
+    fn new(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> Self {
+        let mut samples = Self::default();
+        for bound in &face.bounds {
+            let BoundaryLoop::Edges(oriented) = &bound.boundary else { continue };
+            let mut around = Vec::new();
+            for &OrientedEdge { edge: number, forward } in oriented {
+                let (Some(edge), Some(bounded)) = (model.edges.get(number), edges.get(number)) else {
+                    continue;
+                };
+                let Ok(curve) = &bounded.curve else { continue };
+                around.extend(FRACTIONS.map(|at| curve.point(if forward { at } else { 1.0 - at })));
+                samples.inner.push([0.5, 0.25, 0.75].map(|at| curve.point(at)));
+                let given = edge.parameter_curves.iter().filter(|given| given.surface == face.surface);
+                let heights = given.map(|given| given.curve.point(curve.parameter(0.5)).y);
+                samples.parameters.extend(heights.filter(|v| v.is_finite()));
+            }
+            let sides = around.iter().zip(around.iter().cycle().skip(1));
+            samples.area += 0.5 * sides.map(|(a, b)| a.cross(*b)).sum::<DVec3>();
+            samples.points.extend(around);
+        }
+        samples
     }
-    found.retain(|v| v.is_finite());
-    found
 }
 
 /// Of a torus whose tube meets the axis, the part on which points lie.
@@ -97,11 +110,11 @@ struct CrossingProfile<'a> {
 }
 
 impl<'a> CrossingProfile<'a> {
-    /// `None` if the curve stays on one side of the axis, but for `tolerance` (metres), within reach of `points`.
+    /// `None` if the curve stays on one side of the axis, but for `tolerance` (metres), within reach of the edges.
     fn new(
         curve: &'a Curve<DVec3>,
         [origin, axis]: [DVec3; 2],
-        points: &[DVec3],
+        EdgeSamples { points, .. }: &EdgeSamples,
         tolerance: f64,
     ) -> Option<Self> {
         let domain = curve.domain();
@@ -161,23 +174,40 @@ impl<'a> CrossingProfile<'a> {
         }
     }
 
-    /// The part in which most of the given parameters lie; without them the part that is nearest to the points when it is turned. Of parts that
-    /// are equal in that, as those of a parabola about its axis, the last.
-    fn part(&self, parameters: &[f64], points: &[DVec3]) -> [f64; 2] {
+    /// The part in which most edges lie that have a parameter in the file or lie on the curve before it is turned; else the part that is nearest to
+    /// all when it is turned; of parts that mirror one another, that on which the face has its loops on the right side; else the last.
+    fn part(&self, samples: &EdgeSamples, same_sense: bool) -> [f64; 2] {
+        let size = samples.points.iter().map(|point| point.distance(self.origin)).fold(0.0, f64::max);
+        let accuracy = (f64::EPSILON.sqrt() * size).max(f64::MIN_POSITIVE);
+        let range =
+            [self.parts.first().map_or(0.0, |part| part[0]), self.parts.last().map_or(0.0, |part| part[1])];
+        let nearest = |point: DVec3| self.curve.closest_in(point, range);
+        let is_on = |point: &DVec3| self.curve.point(nearest(*point)).distance(*point) <= accuracy;
+        let on_curve =
+            samples.inner.iter().filter(|points| points.iter().all(is_on)).map(|points| nearest(points[0]));
+        let parameters: Vec<f64> = samples.parameters.iter().copied().chain(on_curve).collect();
         let beyond = |[from, to]: [f64; 2], t: f64| (from - t).max(t - to).max(0.0);
         let is_in =
             |part: [f64; 2], t: f64| self.parts.iter().all(|other| beyond(part, t) <= beyond(*other, t));
-        let inside = |part: [f64; 2]| parameters.iter().filter(|t| is_in(part, **t)).count();
-        let scores = self.parts.iter().map(|part| (inside(*part), self.distance(*part, points), *part));
-        let best = scores.reduce(|best, next| {
-            let is_better = next.0 > best.0 || next.0 == best.0 && next.1 <= best.1;
-            if is_better { next } else { best }
+        let scores = self.parts.iter().map(|&part| {
+            let inside = parameters.iter().filter(|t| is_in(part, **t)).count();
+            // Parts that mirror one another are equally far, up to rounding.
+            let distance = (self.distance(part, &samples.points) / accuracy).round();
+            // Where the distance from the axis grows with v, the surface has its normal against the axis.
+            let growth = self.signed_radius(part[1]).abs() - self.signed_radius(part[0]).abs();
+            let along = if same_sense { -growth } else { growth } * samples.area.dot(self.axis);
+            (inside, -distance, along > 0.0, part)
         });
-        best.map_or_else(|| self.curve.domain(), |(_, _, part)| part)
+        let best =
+            scores.reduce(
+                |best, next| {
+                    if (next.0, next.1, next.2) >= (best.0, best.1, best.2) { next } else { best }
+                },
+            );
+        best.map_or(range, |(.., part)| part)
     }
 
-    /// The largest distance of a point from a part that is turned about the axis, metres; in multiples of the rounding of coordinates, so that parts
-    /// that mirror one another are equally far.
+    /// The largest distance of a point from a part that is turned about the axis, metres.
     fn distance(&self, part: [f64; 2], points: &[DVec3]) -> f64 {
         let side = self.signed_radius(0.5 * (part[0] + part[1])).signum();
         let distance = |point: &DVec3| {
@@ -186,9 +216,6 @@ impl<'a> CrossingProfile<'a> {
             let turned = self.origin + self.axis * height + self.across * (side * radius);
             self.curve.point(self.curve.closest_in(turned, part)).distance(turned)
         };
-        let size = points.iter().map(|point| point.distance(self.origin)).fold(0.0, f64::max);
-        let rounding = f64::EPSILON.sqrt() * size;
-        let largest = points.iter().map(distance).fold(0.0, f64::max);
-        if rounding > 0.0 { (largest / rounding).round() } else { largest }
+        points.iter().map(distance).fold(0.0, f64::max)
     }
 }

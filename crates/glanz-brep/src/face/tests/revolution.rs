@@ -29,12 +29,35 @@ fn paraboloid(h: f64) -> f64 {
 fn a_whole_parabola_makes_a_reflector_on_the_side_that_the_file_names() {
     // Focal length 1 / 2, z = r^2 / 2; the rim at v = 1 or -1.
     let profile = Curve::Parabola { apex: DVec3::ZERO, a: DVec3::Z * 0.5, b: DVec3::X * 0.5 };
-    for (v, same_sense) in [(Some(1.0), false), (Some(-1.0), true), (None, false)] {
+    // Where the file names none, it is that on which the rim has the face on its left.
+    for (v, same_sense) in [(Some(1.0), false), (Some(-1.0), true), (None, false), (None, true)] {
         let face = inside_rim(&profile, 0.5, v, same_sense);
         assert_close(face.measure(1e-9).area, paraboloid(0.5));
         // Where r grows with v, du x dv points away from the axis and down, and the face has its normal upwards.
         assert_eq!(face.reversed, !same_sense, "{v:?}");
     }
+}
+
+#[test]
+fn an_edge_on_the_curve_before_it_is_turned_tells_its_side() {
+    // Half a turn of an ellipse, of which no end has a larger radius: two arcs from pole to pole, the first of which is the second part of the curve.
+    let ellipse = Curve::Ellipse { center: DVec3::ZERO, a: DVec3::Z * 2.0, b: DVec3::NEG_X };
+    let mut model = ModelBuilder::default();
+    model.0.vertices.extend([DVec3::NEG_Z * 2.0, DVec3::Z * 2.0]);
+    let arc = |b: DVec3| Some(Curve::Ellipse { center: DVec3::ZERO, a: DVec3::Z * 2.0, b });
+    // Upwards over x = 1, and over y = 1 at a quarter turn.
+    let (first, second) = (model.edge([0, 1], arc(DVec3::NEG_X)), model.edge([0, 1], arc(DVec3::NEG_Y)));
+    let surface = FaceSurface::Revolution { curve: Box::new(ellipse), origin: DVec3::ZERO, axis: DVec3::Z };
+    let forward = |edge, forward| OrientedEdge { edge, forward };
+    // Upwards the surface has its normal outwards, and the quarter between is on the left of the downward arc at y = 1 and the upward arc at x = 1.
+    model.bounded(
+        surface,
+        true,
+        vec![BoundaryLoop::Edges(vec![forward(second, true), forward(first, false)])],
+    );
+    let face = model.faces().remove(0);
+    let e = 0.75f64.sqrt();
+    assert_close(face.measure(1e-9).area, 0.5 * PI * (1.0 + 2.0 * e.asin() / e));
 }
 
 #[test]
