@@ -7,7 +7,7 @@ use super::bounded_edge::{BoundedEdge, extent};
 use super::edges::EdgeNormals;
 use super::geometry::{metric, placed, reach};
 use super::outcome::{FaceRefusal, FaceRepair};
-use super::stretch::stretch;
+use super::stretch::{StretchedCurve, WidenedCurve};
 use super::surface::{STRAYING, ends_at_border, plane_of_polygons};
 use super::surface_part::part_with_edges;
 use super::trim::{FaceTrim, TrimmedFace};
@@ -223,14 +223,19 @@ impl LaidFace {
     }
 
     /// The trimmed face. `widths`: per edge.
-    pub(super) fn close(mut self, model: &BrepModel, widths: &[f64]) -> Result<TrimmedFace, FaceRefusal> {
+    pub(super) fn close(
+        mut self,
+        model: &BrepModel,
+        edges: &[BoundedEdge],
+        widths: &[f64],
+    ) -> Result<TrimmedFace, FaceRefusal> {
         let (size, tolerance) = (self.size, self.tolerance);
         let mut largest: f64 = 0.0;
         for curve in self.loops.iter_mut().flatten() {
             let strayed = curve.edge.and_then(|edge| widths.get(edge).copied()).unwrap_or(curve.width);
-            let on_surface = overlap(strayed, tolerance, size) + ROUNDING * size;
-            curve.width = (on_surface * stretch(&self.carrier, self.metric, curve)).min(BRIDGED * size);
-            largest = largest.max(curve.width);
+            curve.width = overlap(strayed, tolerance, size) + ROUNDING * size;
+            let stretch = StretchedCurve::new(&self.carrier, self.metric, curve).largest();
+            largest = largest.max((curve.width * stretch).min(BRIDGED * size));
         }
         let point = |at: DVec2| self.carrier.point(at / self.metric);
         let space = self.space(&point);
@@ -242,21 +247,24 @@ impl LaidFace {
         let chains: Result<Vec<BoundaryChain>, BoundaryError> =
             loops.into_iter().map(|curves| chain(curves, &space, self.tolerance, limit)).collect();
         let closed = close(chains?, &space, largest)?;
-        let mut repairs = self.repairs;
+        let mut repairs = std::mem::take(&mut self.repairs);
         repairs.extend(closed.repairs.iter().map(|&repair| match repair {
             BoundaryRepair::BridgedGap { gap } => FaceRepair::BridgedGap { gap },
             BoundaryRepair::ReversedEdge { edge } => FaceRepair::ReversedEdge(model.edges[edge].entity),
             BoundaryRepair::ReversedBoundary => FaceRepair::ReversedBoundary,
             BoundaryRepair::ReversedLoop { number } => FaceRepair::ReversedLoop(self.bounds[number]),
         }));
-        let widths = closed.loops.iter().flatten().map(|curve| curve.width);
-        let width = widths.fold(0.0, f64::max);
+        let widened: Vec<Vec<WidenedCurve>> = closed
+            .loops
+            .iter()
+            .map(|curves| curves.iter().flat_map(|curve| self.widened(edges, curve)).collect())
+            .collect();
+        let width = widened.iter().flatten().map(|widened| widened.distance).fold(0.0, f64::max);
         let geometry = placed(&self.carrier, self.metric, closed.window);
-        let trim = (!closed.loops.is_empty()).then(|| FaceTrim {
-            loops: closed
-                .loops
+        let trim = (!widened.is_empty()).then(|| FaceTrim {
+            loops: widened
                 .iter()
-                .map(|l| l.iter().map(|curve| geometry.curve(curve)).collect())
+                .map(|l| l.iter().map(|widened| geometry.curve(&widened.curve)).collect())
                 .collect(),
             scale: geometry.scale,
             domain: geometry.domain(closed.window),
@@ -272,6 +280,16 @@ impl LaidFace {
         };
         face.check()?;
         Ok(face)
+    }
+
+    /// A curve of a closed boundary with widths in region coordinates.
+    fn widened(&self, edges: &[BoundedEdge], curve: &BoundaryCurve) -> Vec<WidenedCurve> {
+        let fraction = |at: DVec2| {
+            let edge = edges.get(curve.edge?)?.curve.as_ref().ok()?;
+            Some(edge.nearest_fraction(self.carrier.point(at / self.metric)))
+        };
+        let stretched = StretchedCurve::new(&self.carrier, self.metric, curve);
+        stretched.widened(BRIDGED * self.size, UNSEEN * self.size, fraction)
     }
 
     /// The parameters of the carrier in region coordinates.

@@ -1,26 +1,205 @@
-//! By how much distances on a surface grow in region coordinates.
+//! Widths of curves in region coordinates.
 
+use glanz_geometry::spline::KnotVector;
+use glanz_geometry::trim::scale_across;
 use glanz_math::DVec2;
 
 use crate::boundary::BoundaryCurve;
 use crate::carrier::Carrier;
+use crate::model::SplineCurve;
 
-/// Largest ratio by which the width of a curve grows where parameters are dense, as near a pole.
+/// Largest ratio by which the width of a curve grows where parameters are dense, as next to a pole.
 const MAX_STRETCH: f64 = 1e3;
 
-/// How much longer a small distance on the surface may be in region coordinates, at the points of a curve.
-pub(super) fn stretch(carrier: &Carrier, metric: DVec2, curve: &BoundaryCurve) -> f64 {
-    /// Between samples the ratio is taken to change by less than this.
-    const SAFETY: f64 = 1.25;
-    let mut least = f64::INFINITY;
-    for at in curve.samples() {
-        let [du, dv] = carrier.tangents(at / metric);
-        let (du, dv) = (du / metric.x, dv / metric.y);
-        // The smallest singular value of the two columns.
-        let (e, f, g) = (du.length_squared(), du.dot(dv), dv.length_squared());
-        let mean = 0.5 * (e + g);
-        let square = mean - ((0.5 * (e - g)).powi(2) + f * f).sqrt();
-        least = least.min(square.max(0.0).sqrt());
+/// Ratio of the stretches on a curve up to which it has one width.
+const VARIATION: f64 = 4.0;
+
+/// Ratio of the stretches at neighbouring samples up to which none are made between them, and by which widths are larger therefore.
+const STEP: f64 = 1.25;
+
+/// Halvings between samples, at most: each halves the distance from a pole.
+const MOST_HALVINGS: u32 = 12;
+
+/// Parts of the interval between two knots that are sampled.
+const SAMPLES: u32 = 8;
+
+/// A curve on a carrier, in region coordinates: parameters times `metric`.
+pub(super) struct StretchedCurve<'a> {
+    carrier: &'a Carrier,
+    metric: DVec2,
+    curve: &'a BoundaryCurve,
+    /// Parameters of the curve, ascending, with the stretches there.
+    samples: Vec<(f64, f64)>,
+}
+
+/// A curve with a width in region coordinates.
+pub(super) struct WidenedCurve {
+    pub(super) curve: BoundaryCurve,
+    /// The largest distance on the surface, metres, that the width amounts to.
+    pub(super) distance: f64,
+}
+
+impl<'a> StretchedCurve<'a> {
+    pub(super) fn new(carrier: &'a Carrier, metric: DVec2, curve: &'a BoundaryCurve) -> Self {
+        let mut stretched = Self { carrier, metric, curve, samples: Vec::new() };
+        for [low, high] in curve.spans() {
+            let at = |i: u32| low + (high - low) * f64::from(i) / f64::from(SAMPLES);
+            for i in 0..SAMPLES {
+                let ends = [at(i), at(i + 1)].map(|t| (t, stretched.at(t)));
+                if stretched.samples.last().is_none_or(|last| last.0 < ends[0].0) {
+                    stretched.samples.push(ends[0]);
+                }
+                stretched.refine(ends, MOST_HALVINGS);
+            }
+        }
+        stretched
     }
-    if least.is_finite() { (SAFETY / least).clamp(1.0, MAX_STRETCH) } else { 1.0 }
+
+    /// How much longer a small distance across the curve is in region coordinates than on the surface, at least 1.
+    fn at(&self, t: f64) -> f64 {
+        let (at, along) = self.curve.point_and_derivative(t);
+        let [du, dv] = self.carrier.tangents(at / self.metric);
+        let scale = scale_across([du / self.metric.x, dv / self.metric.y], along);
+        if scale.is_nan() { 1.0 } else { scale.recip().clamp(1.0, MAX_STRETCH) }
+    }
+
+    /// Adds samples behind the first end, up to the second.
+    fn refine(&mut self, [start, end]: [(f64, f64); 2], halvings: u32) {
+        let middle = 0.5 * (start.0 + end.0);
+        if halvings > 0
+            && start.1.max(end.1) > STEP * start.1.min(end.1)
+            && middle > start.0
+            && middle < end.0
+        {
+            let middle = (middle, self.at(middle));
+            self.refine([start, middle], halvings - 1);
+            self.refine([middle, end], halvings - 1);
+        } else {
+            self.samples.push(end);
+        }
+    }
+
+    /// The largest stretch.
+    pub(super) fn largest(&self) -> f64 {
+        STEP * self.samples.iter().map(|sample| sample.1).fold(1.0, f64::max)
+    }
+
+    /// The curve whose width is a distance on the surface with widths in region coordinates of at most `limit`: in parts on which the stretch varies
+    /// little, or as a whole where none is wider than `unseen`; metres. `fraction`: that of the edge at a point in region coordinates.
+    pub(super) fn widened(
+        &self,
+        limit: f64,
+        unseen: f64,
+        fraction: impl Fn(DVec2) -> Option<f64>,
+    ) -> Vec<WidenedCurve> {
+        let distance = self.curve.width;
+        let mut parts = Vec::new();
+        if distance * self.largest() > unseen {
+            parts = self.parts(fraction).unwrap_or_default();
+        }
+        if parts.is_empty() {
+            parts.push((self.curve.clone(), [0, self.samples.len().saturating_sub(1)]));
+        }
+        let widened = parts.into_iter().map(|(curve, [first, last])| {
+            let stretches = self.samples.get(first..=last).unwrap_or_default().iter().map(|sample| sample.1);
+            let (least, most) = stretches.fold((f64::INFINITY, 1.0), |(a, b), s| (s.min(a), s.max(b)));
+            let width = (STEP * most * distance).min(limit);
+            WidenedCurve { curve: BoundaryCurve { width, ..curve }, distance: width / least.min(most) }
+        });
+        widened.collect()
+    }
+
+    /// Parts of the curve, with their first and last sample; `None` if it need not or cannot be divided.
+    fn parts(&self, fraction: impl Fn(DVec2) -> Option<f64>) -> Option<Vec<(BoundaryCurve, [usize; 2])>> {
+        let mut cuts = vec![0];
+        let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+        for (i, sample) in self.samples.iter().enumerate() {
+            (least, most) = (least.min(sample.1), most.max(sample.1));
+            let before = i.saturating_sub(1);
+            if most > VARIATION * least && cuts.last().is_some_and(|cut| *cut < before) {
+                cuts.push(before);
+                let [a, b] = [self.samples.get(before)?.1, sample.1];
+                (least, most) = (a.min(b), a.max(b));
+            }
+        }
+        if cuts.len() == 1 {
+            return None;
+        }
+        cuts.push(self.samples.len() - 1);
+        let knots = KnotVector::try_new(self.curve.degree, self.curve.knots.clone()).ok()?;
+        let spline = SplineCurve::<DVec2>::from_knots(knots, self.curve.points.clone()).ok()?;
+        let [start, end] = self.curve.range;
+        let mut from = start;
+        let mut parts: Vec<(BoundaryCurve, [usize; 2])> = Vec::with_capacity(cuts.len());
+        for (k, pair) in cuts.windows(2).enumerate() {
+            let ends = [self.samples.get(pair[0])?.0, self.samples.get(pair[1])?.0];
+            let part = spline.restrict(ends).ok()?;
+            let mut points = part.control_points().to_vec();
+            // Each part starts, to the bit, where the one before ends.
+            if let Some(before) = parts.last().and_then(|(curve, _)| curve.points.last()) {
+                *points.first_mut()? = *before;
+            }
+            let to = if k + 2 == cuts.len() {
+                end
+            } else {
+                fraction(self.curve.point_and_derivative(ends[1]).0).unwrap_or(end)
+            };
+            // On a closed edge a point near its ends may have the fraction of either.
+            let to = if start <= end { to.clamp(from, end) } else { to.clamp(end, from) };
+            let knots = part.knots().knots().to_vec();
+            parts.push((
+                BoundaryCurve { knots, points, range: [from, to], ..self.curve.clone() },
+                [pair[0], pair[1]],
+            ));
+            from = to;
+        }
+        Some(parts)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use glanz_math::DVec3;
+
+    use super::*;
+    use crate::model::Placement;
+
+    const DISTANCE: f64 = 1e-6;
+
+    /// A sphere of radius 1, and a line in its parameters whose width is [`DISTANCE`] on the surface, widened.
+    fn widened(from: DVec2, to: DVec2) -> Vec<WidenedCurve> {
+        let placement = Placement { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
+        let carrier = Carrier::Sphere { placement, radius: 1.0 };
+        let curve = BoundaryCurve { width: DISTANCE, edge: Some(0), ..BoundaryCurve::line(from, to) };
+        let stretched = StretchedCurve::new(&carrier, DVec2::ONE, &curve);
+        stretched.widened(0.02, 1e-9, |at| Some((at - from).length() / (to - from).length()))
+    }
+
+    #[test]
+    fn meridians_get_wider_towards_their_pole_and_parallels_do_not() {
+        let parts = widened(DVec2::ZERO, DVec2::new(0.0, FRAC_PI_2));
+        assert!((5..12).contains(&parts.len()), "{}", parts.len());
+        assert_eq!((parts[0].curve.range[0], parts.last().unwrap().curve.range[1]), (0.0, 1.0));
+        for pair in parts.windows(2) {
+            assert_eq!(pair[0].curve.end(), pair[1].curve.start());
+            assert_eq!(pair[0].curve.range[1], pair[1].curve.range[0]);
+            assert!(pair[0].curve.width < pair[1].curve.width);
+        }
+        for WidenedCurve { curve, distance } in &parts {
+            for i in 0..=10 {
+                let v = curve.start().lerp(curve.end(), f64::from(i) / 10.0).y;
+                // Parallels are shorter by cos v.
+                let on_surface = curve.width * v.cos();
+                assert!(on_surface <= 1.01 * distance, "{v} {on_surface} {distance}");
+                assert!(on_surface >= DISTANCE.min(1e3 * DISTANCE * v.cos()), "{v} {on_surface}");
+            }
+            assert!(*distance < 8.0 * DISTANCE, "{distance}");
+            assert!((curve.range[1] - curve.end().y / FRAC_PI_2).abs() < 1e-12);
+        }
+        // A parallel next to the pole.
+        let parts = widened(DVec2::new(0.0, 1.57), DVec2::new(3.0, 1.57));
+        assert!(parts.len() == 1 && parts[0].curve.width < 1.3 * DISTANCE, "{}", parts[0].curve.width);
+    }
 }

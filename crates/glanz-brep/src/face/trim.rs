@@ -73,7 +73,7 @@ fn trimmed(model: &BrepModel, with_edges: bool) -> TrimmedFaces {
     for &(edge, deviation) in laid.iter().flatten().flat_map(|face| &face.deviations) {
         widths[edge] += deviation;
     }
-    let faces = laid.into_par_iter().map(|face| face?.close(model, &widths)).collect();
+    let faces = laid.into_par_iter().map(|face| face?.close(model, &edges, &widths)).collect();
     let edges = with_edges.then(|| polylines(model, &edges));
     TrimmedFaces { faces, widths, edges }
 }

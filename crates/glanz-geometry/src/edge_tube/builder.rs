@@ -6,7 +6,7 @@ use super::patch_index::PatchIndex;
 use super::tube::EdgeTube;
 use crate::hit::SurfacePoint;
 use crate::surface::Surface;
-use crate::trim::{MonotonePiece, TrimRegion};
+use crate::trim::{MonotonePiece, TrimRegion, scale_across};
 
 /// Widths of curves, relative to the size of the surface, up to which they have no tubes: few rays meet such a gap at a small angle, and tubes as thin as
 /// these would take more memory than the surfaces.
@@ -46,10 +46,8 @@ struct TubeEnd {
     face: u32,
     parameters: DVec2,
     position: DVec3,
-    /// Least distance in space of points of the surface that are one unit apart in the coordinates of the region.
-    least_scale: f64,
-    /// The same of points that differ in one of the coordinates only.
-    axis_scale: f64,
+    /// See [`scale_across`], in the coordinates of the region.
+    scale: f64,
 }
 
 impl<'a> TubeBuilder<'a> {
@@ -64,13 +62,11 @@ impl<'a> TubeBuilder<'a> {
             self.widest_without = f64::INFINITY;
             return;
         };
-        let largest = |scale: fn(&TubeEnd) -> f64| {
-            piece.width * [start, middle, end].iter().map(scale).fold(0.0, f64::max)
-        };
-        if largest(|end| end.least_scale) > LEAST_WIDTH * self.extent {
+        let width = piece.width * [start, middle, end].iter().map(|end| end.scale).fold(0.0, f64::max);
+        if width > LEAST_WIDTH * self.extent {
             self.divide(piece, [start, middle, end], MOST_HALVINGS);
         } else {
-            self.widest_without = self.widest_without.max(VARIATION * largest(|end| end.axis_scale));
+            self.widest_without = self.widest_without.max(VARIATION * width);
         }
     }
 
@@ -82,7 +78,7 @@ impl<'a> TubeBuilder<'a> {
             return;
         };
         let between = [first, middle, third];
-        let scale = between.iter().fold(start.least_scale.max(end.least_scale), |s, p| s.max(p.least_scale));
+        let scale = between.iter().fold(start.scale.max(end.scale), |s, p| s.max(p.scale));
         let radius = (piece.width * scale).max(LEAST_RADIUS * self.extent);
         let off_axis = |(point, share): (&TubeEnd, f64)| {
             point.position.distance(start.position.lerp(end.position, share))
@@ -119,12 +115,8 @@ impl<'a> TubeBuilder<'a> {
             _ => return None,
         };
         let SurfacePoint { position, dpdu, dpdv, .. } = self.surface.untrimmed_at(face, parameters)?;
-        let scale = self.region.scale();
-        let (du, dv) = (dpdu / scale.x, dpdv / scale.y);
-        // The smallest singular value of the two columns.
-        let (e, f, g) = (du.length_squared(), du.dot(dv), dv.length_squared());
-        let square = 0.5 * (e + g) - (0.5 * (e - g)).hypot(f);
-        let (least_scale, axis_scale) = (square.max(0.0).sqrt(), e.min(g).sqrt());
-        position.is_finite().then_some(TubeEnd { t, face, parameters, position, least_scale, axis_scale })
+        let units = self.region.scale();
+        let scale = scale_across([dpdu / units.x, dpdv / units.y], piece.direction(t) * units);
+        position.is_finite().then_some(TubeEnd { t, face, parameters, position, scale })
     }
 }

@@ -78,9 +78,8 @@ impl ContactRun {
 impl Surface {
     /// The tubes around the trimming curves whose width is more than rounding; `None` if there are none, or the surface has no parameters.
     ///
-    /// The radius of a tube is the width of its curve times the least stretch of the surface, at the best of five points along the tube, and
-    /// twice the largest distance from its axis of the three between its ends. Where the surface stretches more in another direction, or curves
-    /// more between the points, points of the border may be outside of the tube.
+    /// The radius of a tube is the largest width of its curve in space at five points along the tube, and twice the largest distance from its axis of
+    /// the three between its ends. Where the surface curves more between the points, points of the border may be outside of the tube.
     #[must_use]
     pub fn edge_tubes(&self) -> Option<EdgeTubes> {
         let region = self.trim_region()?;

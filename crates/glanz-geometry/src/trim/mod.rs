@@ -25,6 +25,7 @@
 //! # Ok::<(), glanz_geometry::SurfaceError>(())
 //! ```
 
+mod border;
 mod cell_builder;
 mod cell_tree;
 mod curve;
@@ -36,6 +37,7 @@ mod region;
 #[cfg(test)]
 mod tests;
 
+pub use border::{RegionBorder, scale_across};
 pub use curve::{MAX_DEGREE, TrimCurve};
 pub use loops::TrimLoop;
 pub use monotone::MonotonePiece;

@@ -29,6 +29,16 @@ impl MonotonePiece {
     pub fn point(&self, t: f64) -> DVec2 {
         evaluate(&self.control_points, t)
     }
+
+    /// The direction in which it runs at `t`, of any length; that of its chord where it stands still.
+    #[must_use]
+    pub fn direction(&self, t: f64) -> DVec2 {
+        // The last step of de Casteljau's algorithm joins two points of the tangent.
+        let Some((_, before)) = self.control_points.split_last() else { return DVec2::ZERO };
+        let behind = self.control_points.get(1..).unwrap_or_default();
+        let along = evaluate(behind, t) - evaluate(before, t);
+        if along == DVec2::ZERO { self.end - self.start } else { along }
+    }
 }
 
 /// Control points of the pieces of a rational Bézier piece between its turning points.

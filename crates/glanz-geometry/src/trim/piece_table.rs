@@ -3,6 +3,7 @@
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
 
+use super::border::RegionBorder;
 use super::curve::MAX_DEGREE;
 use super::loops::TrimLoop;
 use crate::bezier::bernstein::{binomials, halve};
@@ -215,58 +216,58 @@ impl PieceTable {
         !misses(above, side_below) && !misses(below, side_above)
     }
 
-    /// Whether the curve comes within its width of `p` (Euclidean distance).
+    /// The direction of the curve where it comes within its width of `p` (Euclidean distance); `None` if it does not.
     ///
     /// A part is at most as far from its chord as its control points are; parts for which this bound does not decide are halved
     /// until they are straight up to rounding.
-    fn is_within_width(&self, piece: &PieceRecord, p: DVec2) -> bool {
+    fn direction_within_width(&self, piece: &PieceRecord, p: DVec2) -> Option<DVec2> {
         let terms = self.terms(piece);
         let mut points = [DVec3::ZERO; MAX_DEGREE + 1];
-        let Some(points) = points.get_mut(..terms.len()) else { return false };
+        let points = points.get_mut(..terms.len())?;
         for ((point, term), binomial) in points.iter_mut().zip(terms).zip(binomials(piece.degree as usize)) {
             *point = *term / binomial;
         }
-        part_is_within(points, p, piece.width, self.slack.max_element(), 60)
+        part_within(points, p, piece.width, self.slack.max_element(), 60)
     }
 
-    /// The largest width of those pieces of a list within whose width `p` lies; 0 without any.
-    pub(super) fn border_width(&self, list: &[u32], p: DVec2) -> f64 {
-        let near = |&&i: &&u32| {
-            let piece = self.pieces.get(i as usize)?;
-            (piece.near(p, self.slack + piece.width) && self.is_within_width(piece, p)).then_some(piece.width)
-        };
-        list.iter().filter_map(|i| near(&i)).fold(0.0, f64::max)
+    /// The border of the widest of those pieces of a list within whose width `p` lies.
+    pub(super) fn border(&self, list: &[u32], p: DVec2) -> Option<RegionBorder> {
+        let pieces = list.iter().filter_map(|&i| self.pieces.get(i as usize));
+        let near = pieces.filter(|piece| piece.near(p, self.slack + piece.width));
+        let borders = near.filter_map(|piece| {
+            let along = self.direction_within_width(piece, p)?;
+            Some(RegionBorder { width: piece.width, along })
+        });
+        borders.max_by(|a, b| a.width.total_cmp(&b.width))
     }
 
     /// The side of `piece` on which `p` lies, and whether it is within the width, for points about as near as that.
     #[cold]
     pub(super) fn side_near(&self, piece: &PieceRecord, p: DVec2) -> (CurveSide, bool) {
         let side = if piece.near(p, self.slack) { self.side(piece, p) } else { CurveSide::Left };
-        (side, self.is_within_width(piece, p))
+        (side, self.direction_within_width(piece, p).is_some())
     }
 }
 
-fn part_is_within(points: &[DVec3], p: DVec2, tolerance: f64, slack: f64, splits: u32) -> bool {
-    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return false };
+/// The chord of a part of a curve that comes within the tolerance of `p`.
+fn part_within(points: &[DVec3], p: DVec2, tolerance: f64, slack: f64, splits: u32) -> Option<DVec2> {
+    let (&first, &last) = (points.first()?, points.last()?);
     let (start, end) = (first.truncate() / first.z - p, last.truncate() / last.z - p);
     let distance = segment_distance(start, end, DVec2::ZERO);
     let sag =
         points.iter().fold(0.0_f64, |sag, q| sag.max(segment_distance(start, end, q.truncate() / q.z - p)));
-    if distance + sag <= tolerance {
-        return true;
-    }
     if distance - sag > tolerance {
-        return false;
+        return None;
     }
-    if sag <= slack || splits == 0 {
-        return true;
+    if distance + sag <= tolerance || sag <= slack || splits == 0 {
+        return Some(end - start);
     }
     let (mut left, mut right) = ([DVec3::ZERO; MAX_DEGREE + 1], [DVec3::ZERO; MAX_DEGREE + 1]);
     let count = points.len();
     left[..count].copy_from_slice(points);
     halve(&mut left[..count], &mut right[..count]);
-    part_is_within(&left[..count], p, tolerance, slack, splits - 1)
-        || part_is_within(&right[..count], p, tolerance, slack, splits - 1)
+    part_within(&left[..count], p, tolerance, slack, splits - 1)
+        .or_else(|| part_within(&right[..count], p, tolerance, slack, splits - 1))
 }
 
 /// Distance of `q` from the straight line between two points.

@@ -2,6 +2,7 @@
 
 use glanz_math::{DVec2, DVec3};
 
+use super::border::RegionBorder;
 use super::cell_tree::{CellLookup, CellTree};
 use super::curve::{TrimCurve, check_range};
 use super::loops::TrimLoop;
@@ -289,13 +290,13 @@ impl TrimRegion {
         self.max_width
     }
 
-    /// The largest width of the curves within whose widths a point lies, in the coordinates of the region; 0 if it lies in no border.
+    /// The border of the largest width in which a point lies; `None` if it lies in none.
     #[must_use]
-    pub fn border_width(&self, uv: DVec2) -> f64 {
+    pub fn border(&self, uv: DVec2) -> Option<RegionBorder> {
         let p = (uv * self.scale).max(self.domain[0]).min(self.domain[1]);
         match self.cells.find(p) {
-            CellLookup::Uniform(_) => 0.0,
-            CellLookup::Crossed(leaf) => self.pieces.border_width(self.cells.entries(leaf), p),
+            CellLookup::Uniform(_) => None,
+            CellLookup::Crossed(leaf) => self.pieces.border(self.cells.entries(leaf), p),
         }
     }
 

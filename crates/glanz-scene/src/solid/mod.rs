@@ -15,7 +15,7 @@ mod parity;
 
 use glanz_geometry::trim::TrimRegion;
 use glanz_geometry::{EdgeTubes, Hit, HitBorder, RaySurface, SurfacePoint, TubeContact};
-use glanz_math::{DVec2, DVec3, Ray};
+use glanz_math::{DVec3, Ray};
 
 use self::crossing::{BoundaryCrossing, CrossingKind, find_crossings_beside_tubes};
 use self::parity::LineCrossings;
@@ -79,9 +79,9 @@ impl SceneObject {
 
     /// The width, in space, of the border in which a point lies, metres.
     fn border_width(&self, region: &TrimRegion, point: &SurfacePoint) -> f64 {
-        // Metres per unit of the coordinates in which the region has its widths; less along one of them near a pole.
-        let scale = DVec2::new(point.dpdu.length(), point.dpdv.length()) / region.scale();
-        region.border_width(point.uv) * scale.min_element()
+        let scale = region.scale();
+        let derivatives = [point.dpdu / scale.x, point.dpdv / scale.y];
+        region.border(point.uv).map_or(0.0, |border| border.space_width(derivatives))
     }
 
     /// The kind of a crossing in a border of this width at a point. Where parameters are dense, as near a pole, a border in parameters reaches far

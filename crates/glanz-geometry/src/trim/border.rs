@@ -1,0 +1,54 @@
+//! Widths of borders in space.
+
+use glanz_math::{DVec2, DVec3};
+
+/// A border of a region at a point in it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegionBorder {
+    /// The width of its curve, in the coordinates of the region.
+    pub width: f64,
+    /// The direction of the curve next to the point, of any length.
+    pub along: DVec2,
+}
+
+impl RegionBorder {
+    /// The width in space, metres, on a surface with these derivatives by the coordinates of the region.
+    #[must_use]
+    pub fn space_width(&self, derivatives: [DVec3; 2]) -> f64 {
+        self.width * scale_across(derivatives, self.along)
+    }
+}
+
+/// Distance in space, metres, between a curve on a surface and the curve beside it whose distance in parameters is 1. `du` and `dv`: the derivatives of
+/// the surface by the parameters, metres; `along`: direction of the curve in parameters.
+///
+/// It is the area of the parallelogram of both derivatives over the length in space of a unit of the curve. Next to a pole, where a parallel has no length, it
+/// remains the distance of parallels; that of meridians vanishes.
+#[must_use]
+pub fn scale_across([du, dv]: [DVec3; 2], along: DVec2) -> f64 {
+    let along = along.normalize_or(DVec2::X);
+    let (on_curve, across) = (du * along.x + dv * along.y, dv * along.x - du * along.y);
+    // Less its part along the curve; all of it where the curve stands still.
+    let skew = across.dot(on_curve) / on_curve.length_squared();
+    if skew.is_finite() { (across - skew * on_curve).length() } else { across.length() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scale_across_a_curve_is_the_distance_of_its_neighbours() {
+        let (du, dv) = (DVec3::X * 3.0, DVec3::Y * 0.5);
+        assert_eq!(scale_across([du, dv], DVec2::X * 7.0), 0.5);
+        assert_eq!(scale_across([du, dv], DVec2::Y), 3.0);
+        // Lines u + v = c are 1 / sqrt 2 apart in parameters per unit of c: in space x / 3 + 2 y = c.
+        let apart = (1.0 / 9.0 + 4.0_f64).sqrt().recip() * 2.0_f64.sqrt();
+        assert!((scale_across([du, dv], DVec2::new(1.0, -1.0)) - apart).abs() < 1e-15);
+        // Sheared parameters: lines of constant v are as far apart as before.
+        assert!((scale_across([du, dv + 10.0 * du], DVec2::X) - 0.5).abs() < 1e-14);
+        // At a pole.
+        assert_eq!(scale_across([DVec3::ZERO, dv], DVec2::X), 0.5);
+        assert_eq!(scale_across([DVec3::ZERO, dv], DVec2::Y), 0.0);
+    }
+}
