@@ -20,7 +20,7 @@ pub(super) struct CadSummary {
     faces_hidden: usize,
     faces_unreachable: usize,
     faces: Vec<FaceSummary>,
-    /// Entities that are left out, damaged, or read other than the file says: the first ones.
+    /// Entities that are left out, damaged, or read other than the file says: the first ones, and how many more there are.
     omissions: Vec<String>,
     faults: Vec<String>,
     repairs: Vec<String>,
@@ -51,7 +51,11 @@ impl From<&CadFace> for FaceSummary {
 
 impl From<&CadReport> for CadSummary {
     fn from(report: &CadReport) -> Self {
-        let notes = |list: &NoteList| list.notes().iter().map(ToString::to_string).collect();
+        let notes = |list: &NoteList| {
+            let rest = list.count().saturating_sub(list.notes().len());
+            let rest = (rest > 0).then(|| format!("{} more, which are not listed", grouped(rest as u64)));
+            list.notes().iter().map(ToString::to_string).chain(rest).collect()
+        };
         let reading = &report.reading;
         Self {
             schemas: reading.schemas.clone(),

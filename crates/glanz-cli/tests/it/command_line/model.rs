@@ -209,6 +209,21 @@ fn cube() -> String {
 }
 
 #[test]
+fn info_counts_the_omissions_that_it_does_not_list() {
+    let folder = Folder::new();
+    // A thousand are stored.
+    let points: String =
+        (2000..3300).map(|number| format!("#{number}=CARTESIAN_POINT('',(0.,0.,0.));")).collect();
+    let items: String = (2000..3300).map(|number| format!(",#{number}")).collect();
+    let text = cube().replace("(#1)", &format!("(#1{items})")).replace("#900=", &format!("{points}#900="));
+    folder.write("points.step", text);
+    let text = folder.succeed("info -v points.step").stdout;
+    let omitted: Vec<&str> = text.lines().filter(|line| line.starts_with("omitted")).collect();
+    assert_eq!(omitted.len(), 1001, "{text}");
+    assert!(omitted[1000].contains("300 more"), "{}", omitted[1000]);
+}
+
+#[test]
 fn edges_are_drawn_over_cad_models() {
     let folder = Folder::new();
     folder.write("cube.step", cube());
