@@ -90,6 +90,11 @@ fn extension(path: &Path) -> Option<&'static str> {
     FORMATS.into_iter().find(|format| *format == own)
 }
 
+/// The last part of a path.
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+}
+
 impl LoadedScene {
     /// Writes a model in the scene language: the same exact surfaces, parts, occurrences and materials, to which a render adds the same studio.
     ///
@@ -139,7 +144,8 @@ impl LoadedScene {
             None => Axes::of_camera(&description.camera.to_world).matrix(),
         };
         let outcome = MeshOutcome {
-            name: self.name().to_owned(),
+            // Files do not depend on the folder of the scene.
+            name: file_name(Path::new(self.name())),
             description: description.clone(),
             tessellation,
             materials,
@@ -235,9 +241,8 @@ impl MeshOutcome {
                 file::write(path, &write_glb(&upright).map_err(Error::of_file(path))?)?;
             }
             Some("obj") => {
-                let name =
-                    path.with_extension("mtl").file_name().map(|name| name.to_string_lossy().into_owned());
-                let files = write_obj(&scene, &name.unwrap_or_default()).map_err(Error::of_file(path))?;
+                let name = file_name(&path.with_extension("mtl"));
+                let files = write_obj(&scene, &name).map_err(Error::of_file(path))?;
                 let library = path.with_file_name(&files.library);
                 file::write(&library, files.mtl.as_bytes())?;
                 file::write(path, files.obj.as_bytes())?;

@@ -51,6 +51,16 @@ fn a_cad_file_becomes_watertight_triangles_within_the_tolerance() {
 }
 
 #[test]
+fn a_file_has_the_same_bytes_by_whichever_path_it_is_named() {
+    let folder = with_pin();
+    let absolute = folder.path("pin.step").display().to_string();
+    for (number, path) in ["pin.step", "./pin.step", &absolute].into_iter().enumerate() {
+        folder.succeed(&format!("convert {path} {number}.glb -q"));
+        assert_eq!(folder.bytes("0.glb"), folder.bytes(&format!("{number}.glb")), "{path}");
+    }
+}
+
+#[test]
 fn triangles_render_as_the_exact_surfaces_do() {
     let folder = with_pin();
     folder.succeed("convert pin.step pin.ply --tolerance 0.002mm --angle 5 -q");
