@@ -144,9 +144,31 @@ fn sentence(report: &ConvertReport) -> String {
     sentence + &format!(", in {}", duration(report.seconds))
 }
 
-/// A length with three digits, millimetres.
+/// A length with three digits, millimetres; below a nanometre with an exponent.
 fn length(metres: f64) -> String {
     let mm = 1e3 * metres;
-    let digits = if mm > 0.0 { (2.0 - mm.log10().floor()).clamp(0.0, 12.0) as usize } else { 0 };
+    if mm > 0.0 && mm < 1e-6 {
+        return format!("{mm:.2e} mm");
+    }
+    let digits = if mm > 0.0 { (2.0 - mm.log10().floor()).max(0.0) as usize } else { 0 };
     format!("{mm:.digits$} mm")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_three_digits() {
+        for (metres, expected) in [
+            (0.0, "0 mm"),
+            (3.4567e-17, "3.46e-14 mm"),
+            (1.234e-9, "0.00000123 mm"),
+            (5.2857e-5, "0.0529 mm"),
+            (0.0125, "12.5 mm"),
+            (12.3, "12300 mm"),
+        ] {
+            assert_eq!(length(metres), expected);
+        }
+    }
 }
