@@ -6,6 +6,7 @@ use super::border::{border, border_extent, ranges};
 use super::bounded_edge::{BoundedEdge, extent};
 use super::edges::EdgeNormals;
 use super::geometry::{metric, placed, reach};
+use super::offset_part::offset_part;
 use super::outcome::{FaceRefusal, FaceRepair};
 use super::stretch::{StretchedCurve, WidenedCurve};
 use super::surface::{STRAYING, ends_at_border, plane_of_polygons};
@@ -95,7 +96,11 @@ impl LaidFace {
         let extent =
             if has_border { border_extent(&surface, extent, tolerance).map_err(refused)? } else { extent };
         let size = if has_border { (extent.max - extent.min).length() } else { size };
-        let conversion = Carrier::try_from_surface(&surface, extent, tolerance).map_err(refused)?;
+        let conversion = Carrier::try_from_surface(&surface, extent, tolerance).or_else(|error| {
+            let part = offset_part(&surface, edges, face, tolerance).ok_or(error)?;
+            Carrier::try_from_surface(&part, extent, tolerance)
+        });
+        let conversion = conversion.map_err(refused)?;
         let reach = reach(&conversion.carrier, extent);
         let mut laid = Self {
             metric: metric(&conversion.carrier, reach),

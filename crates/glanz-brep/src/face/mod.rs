@@ -12,6 +12,7 @@ mod edges;
 mod geometry;
 mod laid_face;
 mod measure;
+mod offset_part;
 mod outcome;
 mod stretch;
 mod surface;
