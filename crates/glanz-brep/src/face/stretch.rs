@@ -55,12 +55,12 @@ impl<'a> StretchedCurve<'a> {
         stretched
     }
 
-    /// How much longer a small distance across the curve is in region coordinates than on the surface, at least 1.
+    /// How much longer a small distance across the curve is in region coordinates than on the surface; less than 1 where parameters are sparse.
     fn at(&self, t: f64) -> f64 {
         let (at, along) = self.curve.point_and_derivative(t);
         let [du, dv] = self.carrier.tangents(at / self.metric);
         let scale = scale_across([du / self.metric.x, dv / self.metric.y], along);
-        if scale.is_nan() { 1.0 } else { scale.recip().clamp(1.0, MAX_STRETCH) }
+        if scale.is_nan() { 1.0 } else { scale.recip().clamp(MAX_STRETCH.recip(), MAX_STRETCH) }
     }
 
     /// Adds samples behind the first end, up to the second.
@@ -79,7 +79,7 @@ impl<'a> StretchedCurve<'a> {
         }
     }
 
-    /// The largest stretch.
+    /// The largest stretch, at least 1.
     pub(super) fn largest(&self) -> f64 {
         STEP * self.samples.iter().map(|sample| sample.1).fold(1.0, f64::max)
     }
@@ -113,13 +113,15 @@ impl<'a> StretchedCurve<'a> {
     fn parts(&self, fraction: impl Fn(DVec2) -> Option<f64>) -> Option<Vec<(BoundaryCurve, [usize; 2])>> {
         let mut cuts = vec![0];
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
-        for (i, sample) in self.samples.iter().enumerate() {
-            (least, most) = (least.min(sample.1), most.max(sample.1));
+        // Widths never shrink, so that smaller stretches need no parts of their own.
+        let stretches: Vec<f64> = self.samples.iter().map(|sample| sample.1.max(1.0)).collect();
+        for (i, &stretch) in stretches.iter().enumerate() {
+            (least, most) = (least.min(stretch), most.max(stretch));
             let before = i.saturating_sub(1);
             if most > VARIATION * least && cuts.last().is_some_and(|cut| *cut < before) {
                 cuts.push(before);
-                let [a, b] = [self.samples.get(before)?.1, sample.1];
-                (least, most) = (a.min(b), a.max(b));
+                let last = *stretches.get(before)?;
+                (least, most) = (last.min(stretch), last.max(stretch));
             }
         }
         if cuts.len() == 1 {
@@ -161,10 +163,12 @@ impl<'a> StretchedCurve<'a> {
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
-    use glanz_math::DVec3;
+    use glanz_geometry::spline::NurbsSurface;
+    use glanz_math::glam::DVec4;
+    use glanz_math::{Bounds3, DVec3};
 
     use super::*;
-    use crate::model::Placement;
+    use crate::model::{FaceSurface, Placement};
 
     const DISTANCE: f64 = 1e-6;
 
@@ -175,6 +179,21 @@ mod tests {
         let curve = BoundaryCurve { width: DISTANCE, edge: Some(0), ..BoundaryCurve::line(from, to) };
         let stretched = StretchedCurve::new(&carrier, DVec2::ONE, &curve);
         stretched.widened(0.02, 1e-9, |at| Some((at - from).length() / (to - from).length()))
+    }
+
+    #[test]
+    fn distance_on_the_surface_is_larger_where_parameters_are_sparse() {
+        // x = u^2: at its end, a step in u is twice as long on the surface.
+        let points = [0.0, 0.0, 1.0].into_iter().flat_map(|x| [0.0, 1.0].map(|y| DVec4::new(x, y, 0.0, 1.0)));
+        let knots = [vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+        let surface = FaceSurface::Spline(NurbsSurface::try_new([2, 1], knots, points.collect()).unwrap());
+        let extent = Bounds3::new(DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0));
+        let carrier = Carrier::try_from_surface(&surface, extent, 1e-9).unwrap().carrier;
+        let curve = BoundaryCurve { width: DISTANCE, ..BoundaryCurve::line(DVec2::X, DVec2::ONE) };
+        let stretched = StretchedCurve::new(&carrier, DVec2::ONE, &curve);
+        let [part] = <[WidenedCurve; 1]>::try_from(stretched.widened(0.02, 1e-9, |_| None)).ok().unwrap();
+        assert_eq!(part.curve.width, STEP * DISTANCE);
+        assert!((part.distance / part.curve.width - 2.0).abs() < 1e-12, "{}", part.distance);
     }
 
     #[test]
