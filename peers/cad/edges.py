@@ -7,6 +7,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
 from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from OCP.GCPnts import GCPnts_QuasiUniformDeflection
+from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_Shape
 from OCP.gp import gp_Pnt
 from OCP.Standard import Standard_Failure
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_VERTEX
@@ -20,20 +21,33 @@ BLOCK = 1 << 20
 # Points of an edge whose deflection cannot be controlled.
 SAMPLES = 257
 
+# Parts into which each smooth part of an edge is divided before its points follow from the deflection.
+PARTS = 5
+
 # Below so many deflections, the distance is that to the curve, else to its polyline.
 EXACT = 20
 
 
 def polyline(edge, deflection):
+    """Points of an edge. Each smooth part is divided first: of ten turns of a helix, the middle lies on the chord, and seems straight."""
     curve = BRepAdaptor_Curve(edge)
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    if curve.GetType() == GeomAbs_CurveType.GeomAbs_Line:
+        ends = numpy.array([first, last])
+    else:
+        ends = numpy.linspace(first, last, PARTS * curve.NbIntervals(GeomAbs_Shape.GeomAbs_C2) + 1)
     try:
-        points = GCPnts_QuasiUniformDeflection(curve, deflection)
-        if points.IsDone() and points.NbPoints() > 1:
-            return [(p.X(), p.Y(), p.Z()) for p in map(points.Value, range(1, points.NbPoints() + 1))]
+        result = []
+        for low, high in zip(ends[:-1], ends[1:]):
+            points = GCPnts_QuasiUniformDeflection(curve, deflection, float(low), float(high))
+            if not points.IsDone() or points.NbPoints() < 2:
+                raise Standard_Failure()
+            part = [(p.X(), p.Y(), p.Z()) for p in map(points.Value, range(1, points.NbPoints() + 1))]
+            result += part[1:] if result else part
+        return result
     except Standard_Failure:
         pass
-    parameters = numpy.linspace(curve.FirstParameter(), curve.LastParameter(), SAMPLES)
-    return [(p.X(), p.Y(), p.Z()) for p in (curve.Value(float(u)) for u in parameters)]
+    return [(p.X(), p.Y(), p.Z()) for p in (curve.Value(float(u)) for u in numpy.linspace(first, last, SAMPLES))]
 
 
 class Boundary:
