@@ -186,7 +186,8 @@ const SECTION = `
 const FAR_FROM_SEAMS = `
   if (depths.w > 0.0) {
     mat2 unused;
-    vec2 near = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, clamp(parameters, 0.0, 1.0), unused);
+    // Not clamped: beyond a side of the patch, clamped parameters would not change from pixel to pixel.
+    vec2 near = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, parameters, unused);
     vec2 pixels = 3.0 * (abs(dFdx(near)) + abs(dFdy(near)));
     if ((facts.bits & SHARED) == 0u || !isNearCurve(facts.firstCell, facts.cells, near, pixels)) discard;
   }
