@@ -33,6 +33,29 @@ uint snapped(uint at, uint level, uint side) {
   return (at >> shift) << shift;
 }
 
+// How far a vertex on a side is moved past it where seams are filled: pixels in the picture, pixels along the surface, and cells.
+const float BEYOND = 1.0, FARTHEST = 4.0, MOST = 2.0;
+
+// Moves p, on sides of the patch, straight on past them; 'outward': -1 or 1 along u and v on a side, else 0.
+void extend(uint first, mat4x3 place, vec2 outward, inout vec3 p) {
+  vec3 on = p;
+  vec2 from = parameters;
+  float w = lens.z * on.z + lens.w;
+  for (int axis = 0; axis < 2; axis++) {
+    if (outward[axis] == 0.0) continue;
+    vec2 inner = from;
+    float quarter = 0.25 * outward[axis] * cellSize[axis];
+    inner[axis] -= quarter;
+    // In pixels.
+    vec3 step = (on - mat3(place) * position(first, inner) - place[3]) * depths.z / w;
+    float across = length(step.xy - on.xy * (lens.z * step.z / w));
+    float quarters = min(BEYOND / max(across, 1e-6), FARTHEST / max(length(step), 1e-6));
+    quarters = min(quarters, 4.0 * MOST);
+    p += step * (quarters * w / depths.z);
+    parameters[axis] += quarters * quarter;
+  }
+}
+
 void main() {
   uvec2 at = uvec2(instance.z & 65535u, instance.z >> 16u) + uvec2(cell);
   uint levels = instance.w;
@@ -50,6 +73,7 @@ void main() {
   cellSize = 1.0 / vec2(count);
   mat4x3 place = placeOf(instance.y);
   vec3 p = mat3(place) * position(facts.y, parameters) + place[3];
+  if (depths.w > 0.0) extend(facts.y, place, vec2(equal(at, count)) - vec2(equal(at, uvec2(0u))), p);
   eyePoint = p;
   float w = lens.z * p.z + lens.w, behind = p.z + depths.w * w / depths.z;
   gl_Position = vec4(p.xy / lens.xy, (depths.x * behind + depths.y) * w / (lens.z * behind + lens.w), w);
@@ -144,7 +168,10 @@ const LOCATE = `
     }
     rest = newtonStep(s, su, sv, ray, reach);
   }
-  rest = clamp(rest, -0.1 * cellSize, 0.1 * cellSize);
+  // Where seams are filled, the surface goes straight on past the sides of the patch.
+  bvec2 past = bvec2((w.x == 0.0 && rest.x < 0.0) || (w.x == 1.0 && rest.x > 0.0), (w.y == 0.0 && rest.y < 0.0) || (w.y == 1.0 && rest.y > 0.0));
+  vec2 slack = cellSize * (depths.w > 0.0 ? mix(vec2(0.1), vec2(2.0), past) : vec2(0.1));
+  rest = clamp(rest, -slack, slack);
   Point point;
   point.object = which.y;
   point.position = s + su * rest.x + sv * rest.y;
@@ -188,7 +215,7 @@ const FAR_FROM_SEAMS = `
     mat2 unused;
     // Not clamped: beyond a side of the patch, clamped parameters would not change from pixel to pixel.
     vec2 near = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, parameters, unused);
-    vec2 pixels = 3.0 * (abs(dFdx(near)) + abs(dFdy(near)));
+    vec2 pixels = 4.0 * (abs(dFdx(near)) + abs(dFdy(near)));
     if ((facts.bits & SHARED) == 0u || !isNearCurve(facts.firstCell, facts.cells, near, pixels)) discard;
   }
 `;
@@ -198,8 +225,9 @@ const TRIM = `
   vec2 at = surfaceParameters(which.z, (facts.bits & REVOLUTION) != 0u, w, toSurface);
   mat2 back = toPixels * inverse(toSurface);
   vec2 border = trimmingDistance(facts.firstCell, facts.cells, at, back, true);
-  // Of two faces that meet in a pixel, both cover the same samples first: where they fill their seam, one of them covers all.
-  point.coverage *= clamp(border.x + (depths.w > 0.0 ? 1.0 : 0.5), 0.0, 1.0);
+  // Of two faces that meet in a pixel, both cover the same samples first: where they fill their seam, each covers all if one may be on it, that is less
+  // than 0.4 pixels from the middle.
+  point.coverage *= clamp(depths.w > 0.0 ? 2.0 * border.x + 1.8 : border.x + 0.5, 0.0, 1.0);
   point.line = drawn.x * clamp(1.2 - border.y, 0.0, 1.0);
 `;
 

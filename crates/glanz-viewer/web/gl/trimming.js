@@ -111,30 +111,39 @@ vec2 partDistance(uint first, int degree, vec2 width, vec2 p, mat2 toPixels) {
   return vec2(length(off), across);
 }
 
-uvec4 regionCellAt(uint firstCell, ivec2 cells, vec2 p) {
-  ivec2 cell = clamp(ivec2(floor(p * vec2(cells))), ivec2(0), cells - 1);
+// Cells of a region: those that are within a distance of a point, at most MOST_CELLS along each side.
+const int MOST_CELLS = 4;
+struct Cells { ivec2 low, high, step; };
+ivec2 cellAt(ivec2 cells, vec2 p) {
+  return clamp(ivec2(clamp(p, 0.0, 1.0) * vec2(cells)), ivec2(0), cells - 1);
+}
+Cells cellsAround(ivec2 cells, vec2 p, vec2 near) {
+  ivec2 low = cellAt(cells, p - near), high = cellAt(cells, p + near);
+  return Cells(low, high, max((high - low + MOST_CELLS - 2) / (MOST_CELLS - 1), 1));
+}
+uvec4 regionCell(uint firstCell, ivec2 cells, ivec2 cell) {
   uint number = firstCell + uint(cell.y * cells.x + cell.x);
   return texelFetch(regionCells, ivec2(number & 2047u, number >> 11u), 0);
 }
 
-// Whether a listed part of a curve may be this near to p, along both axes.
-bool isNearCurve(uint firstCell, ivec2 cells, vec2 at, vec2 near) {
-  vec2 p = clamp(at, 0.0, 1.0);
-  uvec4 facts = regionCellAt(firstCell, cells, p);
-  for (uint k = 0u; k < facts.y; k++) {
-    uint part = uint(fetchAt(regionEntries, facts.x + k).x);
-    vec4 box = fetchAt(regionParts, 2u * part);
-    vec2 reach = fetchAt(regionParts, 2u * part + 1u).zw + near;
-    if (all(lessThanEqual(box.xy - reach, p)) && all(lessThanEqual(p, box.zw + reach))) return true;
+// Whether a curve may be this near to p, along both axes.
+bool isNearCurve(uint firstCell, ivec2 cells, vec2 p, vec2 near) {
+  Cells around = cellsAround(cells, p, near);
+  for (int y = around.low.y; y <= around.high.y; y += around.step.y) {
+    for (int x = around.low.x; x <= around.high.x; x += around.step.x) {
+      uvec4 facts = regionCell(firstCell, cells, ivec2(x, y));
+      for (uint k = 0u; k < facts.y; k++) {
+        uint part = uint(fetchAt(regionEntries, facts.x + k).x);
+        vec4 box = fetchAt(regionParts, 2u * part);
+        vec2 reach = fetchAt(regionParts, 2u * part + 1u).zw + near;
+        if (all(lessThanEqual(box.xy - reach, p)) && all(lessThanEqual(p, box.zw + reach))) return true;
+      }
+    }
   }
   return false;
 }
 
-// Distance in pixels from the border of what is kept, above 0 where p is kept, and from the nearest curve; both up to REACH.
-const float REACH = 2.0;
-vec2 trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool measured) {
-  vec2 p = clamp(at, 0.0, 1.0);
-  uvec4 facts = regionCellAt(firstCell, cells, p);
+int windingNumber(uvec4 facts, vec2 p) {
   int winding = int(facts.w >> 16u) - 128;
   uint steps = facts.w & 65535u;
   for (uint k = 0u; k < steps; k++) {
@@ -142,30 +151,57 @@ vec2 trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool 
     if (step.x > p.y) break;
     winding += int(step.y);
   }
+  for (uint k = 0u; k < facts.y; k++) {
+    vec4 entry = fetchAt(regionEntries, facts.x + k);
+    if (!(entry.y <= p.y && p.y < entry.z)) continue;
+    uint part = uint(entry.x);
+    vec4 box = fetchAt(regionParts, 2u * part), more = fetchAt(regionParts, 2u * part + 1u);
+    if (p.x < box.z && (p.x < box.x || isRightOf(uint(more.x), int(more.y), entry.w > 0.0, p))) winding += int(entry.w);
+  }
+  return winding;
+}
+
+// Distances in pixels from the curves, from their borders on the other side, and on this side, for points inside and outside; up to REACH.
+const float REACH = 2.0;
+void measure(uvec4 facts, vec2 p, mat2 toPixels, float least, inout float nearest, inout float inside, inout float outside) {
+  for (uint k = 0u; k < facts.y; k++) {
+    uint part = uint(fetchAt(regionEntries, facts.x + k).x);
+    vec4 box = fetchAt(regionParts, 2u * part), more = fetchAt(regionParts, 2u * part + 1u);
+    vec2 away = max(max(box.xy - more.zw - p, p - box.zw - more.zw), 0.0);
+    if (dot(away, away) * least >= inside * inside) continue;
+    vec2 border = partDistance(uint(more.x), int(more.y), more.zw, p, toPixels);
+    nearest = min(nearest, border.x);
+    inside = min(inside, border.x + border.y);
+    outside = min(outside, border.x - border.y);
+  }
+}
+
+// Distance in pixels from the border of what is kept, above 0 where 'at' is kept, and from the nearest curve; both up to REACH.
+vec2 trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool measured) {
+  vec2 p = clamp(at, 0.0, 1.0);
+  uvec4 facts = regionCell(firstCell, cells, cellAt(cells, p));
+  // Surfaces that fill seams go on beyond their domains, where nothing is kept.
+  bool isKept = windingNumber(facts, p) > 0 && (depths.w == 0.0 || p == at);
+  if (!measured) return vec2(isKept ? REACH : -REACH, REACH);
   // The least stretch of toPixels: a bound from below on distances in pixels.
   float half2 = 0.5 * (dot(toPixels[0], toPixels[0]) + dot(toPixels[1], toPixels[1]));
   float det = determinant(toPixels);
   float least = max(0.0, half2 - sqrt(max(0.0, half2 * half2 - det * det)));
-  // Distances from the curves, from their borders on the other side, and on this side, for points inside and outside.
   float nearest = REACH, inside = REACH, outside = REACH;
-  for (uint k = 0u; k < facts.y; k++) {
-    vec4 entry = fetchAt(regionEntries, facts.x + k);
-    uint part = uint(entry.x);
-    vec4 box = fetchAt(regionParts, 2u * part), more = fetchAt(regionParts, 2u * part + 1u);
-    uint first = uint(more.x);
-    int degree = int(more.y);
-    if (entry.y <= p.y && p.y < entry.z && p.x < box.z) {
-      if (p.x < box.x || isRightOf(first, degree, entry.w > 0.0, p)) winding += int(entry.w);
-    }
-    vec2 away = max(max(box.xy - more.zw - p, p - box.zw - more.zw), 0.0);
-    if (measured && dot(away, away) * least < inside * inside) {
-      vec2 border = partDistance(first, degree, more.zw, p, toPixels);
-      nearest = min(nearest, border.x);
-      inside = min(inside, border.x + border.y);
-      outside = min(outside, border.x - border.y);
+  if (depths.w == 0.0) {
+    measure(facts, at, toPixels, least, nearest, inside, outside);
+  } else {
+    // The cell of a point lists what is near it compared with the cell, which may be less than a pixel.
+    mat2 back = inverse(toPixels);
+    vec2 pixel = vec2(length(vec2(back[0].x, back[1].x)), length(vec2(back[0].y, back[1].y)));
+    Cells around = cellsAround(cells, at, pixel);
+    for (int y = around.low.y; y <= around.high.y; y += around.step.y) {
+      for (int x = around.low.x; x <= around.high.x; x += around.step.x) {
+        measure(regionCell(firstCell, cells, ivec2(x, y)), at, toPixels, least, nearest, inside, outside);
+      }
     }
   }
-  return vec2(winding > 0 ? inside : -max(outside, -REACH), nearest);
+  return vec2(isKept ? inside : -max(outside, -REACH), nearest);
 }
 `;
 
