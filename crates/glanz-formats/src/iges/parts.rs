@@ -96,8 +96,8 @@ impl<'a> IgesReader<'a> {
                         .push((entity, if helps { "it is geometry for construction" } else { HIDDEN }));
                     continue;
                 }
-                // Instances have their matrix in their own transformation, surfaces in their points.
-                let matrix = if matches!(wanted, 0 | 4) { 0 } else { entity.entry.matrix };
+                // Instances have their matrix in their own transformation, surfaces in their points. Its sign means nothing.
+                let matrix = if matches!(wanted, 0 | 4) { 0 } else { entity.entry.matrix.saturating_abs() };
                 let (_, contents) =
                     contents.entry(matrix).or_insert_with(|| (entity, PartContents::default()));
                 if let Err(refusal) = self.add_item(entity, groups, depth, contents) {

@@ -72,6 +72,20 @@ fn subfigures_that_contain_themselves_are_refused() {
 }
 
 #[test]
+fn faces_with_a_negative_number_of_a_matrix_stand_beside_others() {
+    let file = clean(&[
+        entity(128, 0, BILINEAR),
+        EntityText { matrix: -9, ..entity(144, 0, "1,0,0,0") },
+        EntityText { matrix: 9, ..entity(144, 0, "1,0,0,0") },
+        entity(144, 0, "1,0,0,0"),
+        entity(124, 0, "1.,0.,0.,1.,0.,1.,0.,0.,0.,0.,1.,0."),
+    ]);
+    let [moved, whole] = file.model.parts.as_slice() else { panic!("{:?}", file.model.parts) };
+    assert_eq!((whole.bodies.len(), whole.occurrences.len(), whole.occurrences[0].part), (1, 1, 0));
+    assert_eq!(moved.bodies[0].shells[0].faces.len(), 2);
+}
+
+#[test]
 fn placements_beyond_the_coordinates_of_a_scene_are_refused() {
     // Fifteen times 1e11 m, of which each alone is near enough.
     let mut entities = vec![entity(128, 0, BILINEAR), EntityText { matrix: 5, ..entity(144, 0, "1,0,0,0") }];

@@ -23,7 +23,7 @@ struct EntityText<'a> {
     form: u32,
     /// Parameters without the type.
     parameters: &'a str,
-    matrix: u32,
+    matrix: i32,
     color: i32,
     level: u32,
     status: &'a str,
