@@ -133,7 +133,8 @@ struct ParameterParser<'a, 'b> {
     known: HashMap<usize, [usize; 2]>,
     values: Vec<IgesValue>,
     texts: Vec<String>,
-    /// Characters that may still be read: entries may claim the same records.
+    /// Characters that may still be read, and values that may still be shared: entries may claim the same records, and readers go
+    /// through the values of each entry.
     characters_left: usize,
 }
 
@@ -220,8 +221,18 @@ impl<'a, 'b> ParameterParser<'a, 'b> {
             let entity = Some(EntityId(entry.number.into()));
             faults.push_with(|| EntityNote { entity, position, reason });
         };
-        let known = self.known.get(&at).copied();
-        let [first, end] = known.unwrap_or_else(|| self.new_parameters(at, count, &mut fault));
+        let [first, end] = match self.known.get(&at).copied() {
+            Some([first, end]) if end - first > self.characters_left => {
+                let position = self.records.get(at).map(|record| [record.line, 1]);
+                fault(position, "many entries share these parameters; they are left out".to_owned());
+                return [0, 0];
+            }
+            Some([first, end]) => {
+                self.characters_left -= end - first;
+                [first, end]
+            }
+            None => self.new_parameters(at, count, &mut fault),
+        };
         self.known.insert(at, [first, end]);
         let own = IgesValue::Number(entry.kind.into());
         if self.values.get(first..end).and_then(<[IgesValue]>::first) != Some(&own) {
@@ -312,5 +323,27 @@ mod tests {
         let mut report = ReadingReport::default();
         let file = IgesFile::parse(text.as_bytes(), &mut report).unwrap();
         assert_eq!((file.entries.len(), file.values.len()), (count, 3));
+    }
+
+    #[test]
+    fn entries_that_share_parameters_have_no_more_values_than_characters() {
+        // Each is an assembly of the same 1000 items, of which every reader would go through all.
+        let (entries, items) = (1000, 1000);
+        let mut text = format!("{:<72}S0000001\n{:<72}G0000001\n", "", ",,;");
+        let parameters = format!("184,{items},{}0;", "1,".repeat(items));
+        let records: Vec<&[u8]> = parameters.as_bytes().chunks(PARAMETER_COLUMNS).collect();
+        for i in 1..=entries {
+            text += &format!("{:8}{:8}{:56}D{:07}\n", 184, 1, "", 2 * i - 1);
+            text += &format!("{:8}{:16}{:8}{:40}D{:07}\n", 184, "", records.len(), "", 2 * i);
+        }
+        for (record, i) in records.iter().zip(1..) {
+            text += &format!("{:<64}{:8}P{i:07}\n", str::from_utf8(record).unwrap(), 1);
+        }
+        let mut report = ReadingReport::default();
+        let file = IgesFile::parse(text.as_bytes(), &mut report).unwrap();
+        let values: usize = file.entries.iter().map(|entry| file.values(entry).len()).sum();
+        let characters = PARAMETER_COLUMNS * records.len();
+        assert!((2 * items..=2 * characters).contains(&values), "{values} values, {characters} characters");
+        assert!(report.faults.notes()[0].reason.contains("many entries share these parameters"));
     }
 }

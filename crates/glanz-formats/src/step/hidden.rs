@@ -49,6 +49,10 @@ impl<'a> PartReader<'a, '_> {
                 self.reader.hide(*representation);
             }
             while let Some(representation) = representations.pop() {
+                // Many products may have the same.
+                if !self.followed.insert(representation.id()) {
+                    continue;
+                }
                 for relationship in self.index.placed_in(representation.id()).to_vec() {
                     // One that cannot be read places nothing.
                     let Ok(RelationshipEnds { first, .. }) = RelationshipEnds::of(relationship) else {

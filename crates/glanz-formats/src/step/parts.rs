@@ -29,6 +29,8 @@ pub(super) struct PartReader<'a, 'r> {
     states: HashMap<EntityId, PartState>,
     reaches: PartReaches,
     visited: HashSet<EntityId>,
+    /// Representations whose placed ones are hidden with them.
+    pub(super) followed: HashSet<EntityId>,
 }
 
 impl<'a, 'r> PartReader<'a, 'r> {
@@ -43,6 +45,7 @@ impl<'a, 'r> PartReader<'a, 'r> {
             states: HashMap::new(),
             reaches: PartReaches::default(),
             visited: HashSet::new(),
+            followed: HashSet::new(),
         }
     }
 
