@@ -41,13 +41,7 @@ impl IgesReader<'_> {
                 "a ruled surface between a conic and another curve, or one of another angle, is not read",
             ));
         }
-        let surface = ruled_spline(&first.spline, &second.spline);
-        let surface = surface.map_err(|error| entity.refuse(error.to_string()))?;
-        let Some((surface, same_weights)) = surface else {
-            return Err(entity.refuse(format!(
-                "the curves of the ruled surface have more than {MAX_INSERTED} different knots"
-            )));
-        };
+        let (surface, same_weights) = self.ruled_spline(entity, &first.spline, &second.spline)?;
         let (surface, ranges) = (FaceSurface::Spline(surface), Some([[0.0, 1.0]; 2]));
         if keeps_parameters && same_weights {
             Ok(IgesSurface::same(surface, ranges))
@@ -71,12 +65,56 @@ impl IgesReader<'_> {
         let spline = spline.map_err(|error| entity.refuse(error.to_string()))?;
         Ok(RuledSide { curve, spline })
     }
+
+    /// The surface between two splines over [0, 1], and whether their weights are the same but for a factor, without which the second
+    /// parameter is no longer linear.
+    fn ruled_spline(
+        &mut self,
+        entity: IgesEntity<'_>,
+        first: &SplineCurve<DVec3>,
+        second: &SplineCurve<DVec3>,
+    ) -> Result<(NurbsSurface, bool), Refusal> {
+        let fault = |error: SurfaceError| entity.refuse(error.to_string());
+        let degree = first.degree().max(second.degree());
+        let elevated = |side: &SplineCurve<DVec3>| {
+            let side = side.elevated(degree)?;
+            NurbsCurve::from_knots(side.knots().clone(), side.control_points().to_vec())
+        };
+        let (mut first, mut second) = (elevated(first).map_err(fault)?, elevated(second).map_err(fault)?);
+        let distinct = [first.knots().distinct(), second.knots().distinct()];
+        let (to_first, to_second) =
+            (missing(&distinct[0], &distinct[1]), missing(&distinct[1], &distinct[0]));
+        if to_first.len() + to_second.len() > MAX_INSERTED {
+            return Err(entity.refuse(format!(
+                "the curves of the ruled surface have more than {MAX_INSERTED} different knots"
+            )));
+        }
+        // Degree and knots may make many control points of few in the file.
+        let inserted: usize = to_first.iter().map(|(_, count)| count).sum();
+        self.budget.spend(entity.id(), 2 * (first.control_points().len() + inserted))?;
+        for (knot, count) in to_first {
+            first = first.insert_knot(knot, count).map_err(fault)?;
+        }
+        for (knot, count) in to_second {
+            second = second.insert_knot(knot, count).map_err(fault)?;
+        }
+        let pairs = || first.control_points().iter().zip(second.control_points());
+        let ratios: Vec<f64> = pairs().map(|(a, b)| b.w / a.w).collect();
+        let ratio = ratios.first().copied().unwrap_or(1.0);
+        let same_weights = ratios.iter().all(|other| (other / ratio - 1.0).abs() <= SAME);
+        let points = pairs().flat_map(|(a, b)| [*a, *b * (1.0 / ratio)]);
+        let knots = [first.knots().knots().to_vec(), vec![0.0, 0.0, 1.0, 1.0]];
+        let surface = NurbsSurface::try_new([degree, 1], knots, points.collect()).map_err(fault)?;
+        Ok((surface, same_weights))
+    }
 }
 
 /// Whether the parameter of a curve is in proportion to its length.
 fn is_by_length(curve: &Curve<DVec3>) -> bool {
     match curve {
         Curve::Line { .. } => true,
+        // A line without a length, too.
+        Curve::Polyline(points) => points.len() == 2,
         Curve::Ellipse { a, b, .. } => {
             let (square, slack) = (a.length_squared(), SAME * a.length_squared());
             (b.length_squared() - square).abs() <= slack && a.dot(*b).abs() <= slack
@@ -137,36 +175,4 @@ fn missing(own: &[(f64, usize)], other: &[(f64, usize)]) -> Vec<(f64, usize)> {
         }
     }
     more
-}
-
-/// The surface between two splines over [0, 1], and whether their weights are the same but for a factor, without which the second
-/// parameter is no longer linear; `None` if they have too many different knots.
-fn ruled_spline(
-    first: &SplineCurve<DVec3>,
-    second: &SplineCurve<DVec3>,
-) -> Result<Option<(NurbsSurface, bool)>, SurfaceError> {
-    let degree = first.degree().max(second.degree());
-    let elevated = |side: &SplineCurve<DVec3>| {
-        let side = side.elevated(degree)?;
-        NurbsCurve::from_knots(side.knots().clone(), side.control_points().to_vec())
-    };
-    let (mut first, mut second) = (elevated(first)?, elevated(second)?);
-    let distinct = [first.knots().distinct(), second.knots().distinct()];
-    let (to_first, to_second) = (missing(&distinct[0], &distinct[1]), missing(&distinct[1], &distinct[0]));
-    if to_first.len() + to_second.len() > MAX_INSERTED {
-        return Ok(None);
-    }
-    for (knot, count) in to_first {
-        first = first.insert_knot(knot, count)?;
-    }
-    for (knot, count) in to_second {
-        second = second.insert_knot(knot, count)?;
-    }
-    let pairs = || first.control_points().iter().zip(second.control_points());
-    let ratios: Vec<f64> = pairs().map(|(a, b)| b.w / a.w).collect();
-    let ratio = ratios.first().copied().unwrap_or(1.0);
-    let same_weights = ratios.iter().all(|other| (other / ratio - 1.0).abs() <= SAME);
-    let points = pairs().flat_map(|(a, b)| [*a, *b * (1.0 / ratio)]);
-    let knots = [first.knots().knots().to_vec(), vec![0.0, 0.0, 1.0, 1.0]];
-    Ok(Some((NurbsSurface::try_new([degree, 1], knots, points.collect())?, same_weights)))
 }

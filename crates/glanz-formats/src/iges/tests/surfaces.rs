@@ -54,6 +54,16 @@ fn ruled_surface_between_lines_is_their_rectangle() {
 }
 
 #[test]
+fn ruled_surface_from_a_point_is_a_triangle() {
+    let sides = [entity(110, 0, "0.,0.,0.,2.,0.,0."), entity(110, 0, "0.,3.,0.,0.,3.,0.")];
+    for form in [0, 1] {
+        let file = file(&[sides[0], sides[1], entity(118, form, "1,3,0,0")]);
+        assert_eq!((omissions(&file), file.report.faces.read), (Vec::new(), 1));
+        assert_close(first_area(&file), 3.0);
+    }
+}
+
+#[test]
 fn ruled_surface_between_arcs_is_a_cone() {
     // Quarters of circles of radius 1 and 2, at heights 0 and 1.
     let arcs = [entity(100, 0, "0.,0.,0.,1.,0.,0.,1."), entity(100, 0, "1.,0.,0.,2.,0.,0.,2.")];
@@ -88,6 +98,27 @@ fn ruled_surface_between_curves_of_many_different_knots_is_refused() {
     let (first, second) = (chain(400, 0.0), chain(401, 1.0));
     let entities = [entity(106, 11, &first), entity(106, 11, &second), entity(118, 1, "1,3,0,0")];
     assert!(omissions(&file(&entities))[0].contains("more than 512 different knots"));
+}
+
+#[test]
+fn ruled_surfaces_are_no_larger_than_their_budget() {
+    // Between a chain of 150 segments and a spline of degree 15, which has 16 control points, they have 2 * 2251.
+    let chain: Vec<String> = (0..=150).map(|i| format!("{i}.,0.")).collect();
+    let chain = format!("1,151,0.,{}", chain.join(","));
+    let points: Vec<String> = (0..16).map(|i| format!("{i}.,1.,0.")).collect();
+    let knots = [["0."; 16], ["1."; 16]].concat().join(",");
+    let spline =
+        format!("15,15,1,0,1,0,{knots},{},{},0.,1.,0.,0.,1.", ["1."; 16].join(","), points.join(","));
+    let mut entities = vec![entity(106, 11, &chain), entity(126, 0, &spline)];
+    entities.extend([entity(118, 1, "1,3,0,0"); 4]);
+    let file = file(&entities);
+    let points = file.model.surfaces.iter().map(|entry| match &entry.surface {
+        glanz_brep::model::FaceSurface::Spline(surface) => surface.control_points().len(),
+        _ => 0,
+    });
+    let (points, size) = (points.sum::<usize>(), text(&entities).len());
+    assert!((4502..=2 * size + 1000).contains(&points), "{points} control points from {size} bytes");
+    assert!(omissions(&file)[0].contains("repeats its geometry too often"), "{:?}", omissions(&file));
 }
 
 #[test]
