@@ -44,7 +44,12 @@ impl IgesReader<'_> {
         let surface = self.model.surfaces.get(link.index).filter(|_| !curves.is_empty());
         let surface = &surface
             .ok_or_else(|| {
-                entity.refuse("there is neither a curve in space nor one in the parameters of its surface")
+                entity.refuse(match link.parameters {
+                    Some(_) => "there is neither a curve in space nor one in the parameters of its surface",
+                    None => {
+                        "there is no curve in space, and curves in the parameters of its surface are not read"
+                    }
+                })
             })?
             .surface;
         let mut segments = Vec::with_capacity(curves.len());

@@ -106,7 +106,8 @@ impl GlbScene<'_> {
                     return Err(TessellatedError::Instances(MAX_INSTANCES));
                 }
                 let mesh = meshes.get(instance.group).copied().flatten();
-                let node = self.node(&inner.name, mesh, instance.to_parent);
+                let name = if instance.name.is_empty() { &inner.name } else { &instance.name };
+                let node = self.node(name, mesh, instance.to_parent);
                 children.push(node);
                 waiting.push((node, inner));
             }

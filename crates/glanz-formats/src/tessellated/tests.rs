@@ -5,12 +5,12 @@ use serde_json::Value;
 use super::*;
 use crate::ply::read as read_ply;
 
-/// A box in a group that occurs twice, once mirrored, and a ball of another material in the world.
+/// A box in a group that occurs twice, as "left" and mirrored without a name, and a ball of another material in the world.
 fn described() -> (Description, SceneTessellation) {
     let cuboid = ShapeDescription::cuboid([0.0; 3], [1.0, 2.0, 3.0]).bounding(0);
     let ball = ShapeDescription { material: 1, ..ShapeDescription::sphere(0.5) };
-    let instance = |matrix: DMat4| InstanceDescription {
-        name: String::new(),
+    let instance = |name: &str, matrix: DMat4| InstanceDescription {
+        name: name.into(),
         group: 0,
         to_parent: matrix,
         location: None,
@@ -21,8 +21,8 @@ fn described() -> (Description, SceneTessellation) {
         world: GroupDescription {
             shapes: vec![ball],
             instances: vec![
-                instance(DMat4::from_translation(DVec3::X * 5.0)),
-                instance(DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0))),
+                instance("left", DMat4::from_translation(DVec3::X * 5.0)),
+                instance("", DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0))),
             ],
             ..Default::default()
         },
@@ -115,7 +115,7 @@ fn glb_files_have_the_tree_with_shared_meshes() {
     let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
     let document: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
     let names: Vec<_> = document["nodes"].as_array().unwrap().iter().map(|node| &node["name"]).collect();
-    assert_eq!(names, ["scene", "a box", "a box"]);
+    assert_eq!(names, ["scene", "left", "a box"]);
     assert_eq!(document["nodes"][0]["children"], serde_json::json!([1, 2]));
     assert_eq!(document["nodes"][1]["mesh"], document["nodes"][2]["mesh"]);
     assert_eq!(document["nodes"][1]["matrix"][12], 5.0);
