@@ -1,6 +1,6 @@
 //! The edges of the patches of a group, their vertices, and the outlines that follow.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glanz_math::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -10,7 +10,6 @@ use super::outline::{Outline, SidePoint, SideRange, Window};
 use super::patch::MeshPatch;
 use super::patch_side::PatchSide;
 use super::shared_edge::{EdgeKey, EdgePlace, EdgeSampler, EdgeUse, SharedEdge};
-use super::triangulation::PatchTriangulation;
 
 /// The edges of all patches with their samples.
 pub(super) struct EdgeNetwork<'a> {
@@ -25,7 +24,16 @@ pub(super) struct EdgeNetwork<'a> {
     /// Sides of patches that are points.
     poles: Vec<Vec<bool>>,
     vertices: HashMap<u32, u32>,
+    /// For each patch, its edges and the indices of its uses of them.
+    uses_of: Vec<Vec<[usize; 2]>>,
+    /// For each patch, its samples on its sides.
+    on_sides: Vec<OnSides>,
+    /// For each patch.
+    pub(super) outlines: Vec<Outline>,
 }
+
+/// Samples of curves on the sides of a patch, and the parts of sides on which curves lie.
+type OnSides = (Vec<SidePoint>, Vec<SideRange>);
 
 /// A chord between two pins is never shorter than this power of one half of their part of an edge.
 const MAX_DEPTH: u32 = 18;
@@ -47,10 +55,13 @@ impl<'a> EdgeNetwork<'a> {
             joined: Vec::new(),
             poles: Vec::new(),
             vertices: HashMap::new(),
+            uses_of: vec![Vec::new(); patches.len()],
+            on_sides: vec![OnSides::default(); patches.len()],
+            outlines: vec![Outline::default(); patches.len()],
         };
         for (number, patch) in patches.iter().enumerate() {
             let closed = closed_axes(patch, SIDES * deviation);
-            network.windows.push(Window::new(patch, closed));
+            network.windows.push(Window::new(patch, closed, SIDES * deviation));
             network.poles.push(pole_sides(patch, SIDES * deviation));
             network.add_sides(number, patch, closed);
             network.add_curves(number, patch);
@@ -58,7 +69,7 @@ impl<'a> EdgeNetwork<'a> {
         network
     }
 
-    fn add_use(&mut self, key: EdgeKey, a_use: EdgeUse) -> (usize, usize) {
+    fn add_use(&mut self, key: EdgeKey, a_use: EdgeUse) -> usize {
         let next = self.edges.len();
         let number = *self.keys.entry(key).or_insert(next);
         if number == next {
@@ -66,7 +77,11 @@ impl<'a> EdgeNetwork<'a> {
         }
         let uses = &mut self.edges[number].uses;
         uses.push(a_use);
-        (number, uses.len() - 1)
+        let index = uses.len() - 1;
+        if let Some(uses) = self.uses_of.get_mut(a_use.patch) {
+            uses.push([number, index]);
+        }
+        number
     }
 
     fn add_sides(&mut self, number: usize, patch: &MeshPatch, closed: [bool; 2]) {
@@ -105,7 +120,7 @@ impl<'a> EdgeNetwork<'a> {
                     None => (EdgeKey::Own(self.edges.len()), [0.0, 1.0]),
                 };
                 let place = EdgePlace::Curve { number: loop_number, curve: index };
-                let (edge, _) = self.add_use(key, EdgeUse { patch: number, place, range });
+                let edge = self.add_use(key, EdgeUse { patch: number, place, range });
                 if let Some(shared) = shared {
                     self.edges[edge].vertices = Some(shared.vertices);
                 }
@@ -158,60 +173,92 @@ fn pole_sides(patch: &MeshPatch, tolerance: f64) -> Vec<bool> {
 }
 
 impl EdgeNetwork<'_> {
-    /// Samples all edges and triangulates the outlines of all patches. `closer`: factor on the deviation of the edges of each patch.
-    pub(super) fn triangulations(
-        &mut self,
-        closer: &[f64],
-        settings: TessellationSettings,
-    ) -> Vec<PatchTriangulation> {
-        let is_side = |edge: &SharedEdge| {
-            edge.uses.first().is_some_and(|a_use| matches!(a_use.place, EdgePlace::Side(_)))
-        };
+    /// Samples all edges and makes the outlines of all patches.
+    pub(super) fn sample_all(&mut self, settings: TessellationSettings) {
         let (sides, curves): (Vec<usize>, Vec<usize>) =
-            (0..self.edges.len()).partition(|&number| self.edges.get(number).is_some_and(is_side));
+            (0..self.edges.len()).partition(|&number| self.is_side(number));
         self.pin_crossings(&curves, settings);
-        self.sample(&curves, closer, settings);
-        let mut outlines: Vec<Outline> = vec![Outline::default(); self.patches.len()];
-        let mut on_sides: Vec<(Vec<SidePoint>, Vec<SideRange>)> =
-            vec![Default::default(); self.patches.len()];
-        for &number in &curves {
-            let Some(edge) = self.edges.get(number) else { continue };
-            let sampler = EdgeSampler::new(self.patches, edge, settings);
-            for (index, a_use) in edge.uses.iter().enumerate() {
-                let (Some(patch), Some(window)) =
-                    (self.patches.get(a_use.patch), self.windows.get(a_use.patch))
-                else {
-                    continue;
-                };
-                let (points, covered) =
-                    outlines[a_use.patch].add_curve(patch, window, (edge, index), &sampler);
-                on_sides[a_use.patch].0.extend(points);
-                on_sides[a_use.patch].1.extend(covered);
+        self.sample(&curves, settings);
+        let all: Vec<usize> = (0..self.patches.len()).collect();
+        self.outline(&all, &sides, settings);
+    }
+
+    /// Samples edges at further fractions, and makes the outlines of the patches that have them anew. Returns these patches.
+    pub(super) fn divide(
+        &mut self,
+        fractions: &BTreeMap<usize, Vec<f64>>,
+        settings: TessellationSettings,
+    ) -> BTreeSet<usize> {
+        for (&number, fractions) in fractions {
+            if let Some(edge) = self.edges.get_mut(number) {
+                edge.divisions.extend(fractions);
             }
         }
-        self.pin_sides(&sides, &on_sides);
-        self.sample(&sides, closer, settings);
-        for &number in &sides {
-            let Some(edge) = self.edges.get(number) else { continue };
-            let sampler = EdgeSampler::new(self.patches, edge, settings);
-            for (index, a_use) in edge.uses.iter().enumerate() {
-                if let (Some(patch), Some(window)) =
-                    (self.patches.get(a_use.patch), self.windows.get(a_use.patch))
-                {
-                    outlines[a_use.patch].add_side(patch, window, (edge, index), &sampler);
+        let patches_of = |network: &Self, numbers: &[usize]| -> BTreeSet<usize> {
+            let edges = numbers.iter().filter_map(|&number| network.edges.get(number));
+            edges.flat_map(|edge| edge.uses.iter().map(|a_use| a_use.patch)).collect()
+        };
+        let (mut sides, curves): (Vec<usize>, Vec<usize>) =
+            fractions.keys().partition(|&&number| self.is_side(number));
+        let edges: Vec<usize> = fractions.keys().copied().collect();
+        let mut patches = patches_of(self, &edges);
+        let own = patches.iter().filter_map(|&patch| self.uses_of.get(patch)).flatten();
+        sides.extend(own.map(|&[edge, _]| edge).filter(|&edge| self.is_side(edge)));
+        sides.sort_unstable();
+        sides.dedup();
+        patches.extend(patches_of(self, &sides));
+        self.sample(&curves, settings);
+        let changed: Vec<usize> = patches.iter().copied().collect();
+        self.outline(&changed, &sides, settings);
+        patches
+    }
+
+    fn is_side(&self, number: usize) -> bool {
+        let first = self.edges.get(number).and_then(|edge| edge.uses.first());
+        first.is_some_and(|a_use| matches!(a_use.place, EdgePlace::Side(_)))
+    }
+
+    /// Makes the outlines of patches whose curves are sampled, and samples these sides.
+    fn outline(&mut self, patches: &[usize], sides: &[usize], settings: TessellationSettings) {
+        self.add_to_outlines(patches, false, settings);
+        self.pin_sides(sides);
+        self.sample(sides, settings);
+        self.add_to_outlines(patches, true, settings);
+        self.join(patches);
+    }
+
+    /// Adds the samples of the sides of patches to their outlines, or those of their curves to new ones.
+    fn add_to_outlines(&mut self, patches: &[usize], sides: bool, settings: TessellationSettings) {
+        let added: Vec<(usize, Outline, OnSides)> = patches
+            .par_iter()
+            .filter_map(|&number| {
+                let (patch, window) = (self.patches.get(number)?, self.windows.get(number)?);
+                let mut outline = if sides { self.outlines.get(number)?.clone() } else { Outline::default() };
+                let mut on_sides = OnSides::default();
+                for &[edge_number, number] in self.uses_of.get(number)? {
+                    let Some(edge) = self.edges.get(edge_number) else { continue };
+                    if self.is_side(edge_number) != sides {
+                        continue;
+                    }
+                    let sampler = EdgeSampler::new(self.patches, edge, settings);
+                    let numbers = [edge_number, number];
+                    if sides {
+                        outline.add_side(patch, window, edge, numbers, &sampler);
+                    } else {
+                        let (points, covered) = outline.add_curve(patch, window, edge, numbers, &sampler);
+                        on_sides.0.extend(points);
+                        on_sides.1.extend(covered);
+                    }
                 }
+                Some((number, outline, on_sides))
+            })
+            .collect();
+        for (number, outline, on_sides) in added {
+            self.outlines[number] = outline;
+            if !sides {
+                self.on_sides[number] = on_sides;
             }
         }
-        self.join(&outlines);
-        for point in outlines.iter_mut().flat_map(|outline| &mut outline.points) {
-            point.vertex = self.representative(point.vertex);
-        }
-        let positions = &self.positions;
-        outlines
-            .into_par_iter()
-            .zip(self.patches)
-            .map(|(outline, patch)| PatchTriangulation::new(patch, &outline, positions, settings))
-            .collect()
     }
 
     /// Curves are sampled where they cross the sides of a window.
@@ -234,6 +281,17 @@ impl EdgeNetwork<'_> {
                     pinned.push((index, sampler.fraction(index, t), t));
                 }
             }
+            pinned.sort_by(|a: &(usize, f64, f64), b| a.1.total_cmp(&b.1));
+            // A seam is crossed at the same point on both of its sides.
+            for i in 1..pinned.len() {
+                let first = pinned[i - 1].1;
+                let mut known = pinned[..i].iter().rev().take_while(|pin| pin.1 == first);
+                let is_other = known.all(|pin| pin.0 != pinned[i].0);
+                let apart = sampler.point(first).distance(sampler.point(pinned[i].1));
+                if is_other && apart <= SIDES * settings.deviation {
+                    pinned[i].1 = first;
+                }
+            }
             if let Some(edge) = self.edges.get_mut(number) {
                 edge.pins = pinned.iter().map(|&(_, fraction, _)| (fraction, None)).collect();
                 edge.pinned = pinned;
@@ -242,7 +300,8 @@ impl EdgeNetwork<'_> {
     }
 
     /// Sides are sampled where curves meet them, and not where curves lie on them.
-    fn pin_sides(&mut self, sides: &[usize], on_sides: &[(Vec<SidePoint>, Vec<SideRange>)]) {
+    fn pin_sides(&mut self, sides: &[usize]) {
+        let on_sides = &self.on_sides;
         for &number in sides {
             let Some(edge) = self.edges.get_mut(number) else { continue };
             (edge.pins, edge.covered) = (Vec::new(), Vec::new());
@@ -262,15 +321,12 @@ impl EdgeNetwork<'_> {
     }
 
     /// Samples edges.
-    fn sample(&mut self, numbers: &[usize], closer: &[f64], settings: TessellationSettings) {
+    fn sample(&mut self, numbers: &[usize], settings: TessellationSettings) {
         let depth = MAX_SAMPLES.checked_div(self.edges.len()).and_then(usize::checked_ilog2).unwrap_or(0);
         let sampled: Vec<(Vec<(f64, DVec3)>, f64)> = numbers
             .par_iter()
             .map(|&number| {
                 let Some(edge) = self.edges.get(number) else { return Default::default() };
-                let factors = edge.uses.iter().filter_map(|a_use| closer.get(a_use.patch));
-                let factor = factors.copied().fold(1.0, f64::min);
-                let settings = TessellationSettings { deviation: factor * settings.deviation, ..settings };
                 let sampler = EdgeSampler::new(self.patches, edge, settings);
                 let (fractions, coarse) = if self.is_pole(edge) {
                     (pole_fractions(edge), 0.0)
@@ -333,7 +389,7 @@ impl EdgeNetwork<'_> {
     }
 
     /// The vertex that stands for one and all that are the same.
-    fn representative(&mut self, vertex: u32) -> u32 {
+    pub(super) fn representative(&mut self, vertex: u32) -> u32 {
         let parent = |joined: &[u32], i: u32| joined.get(i as usize).copied().unwrap_or(i);
         let mut at = vertex;
         while parent(&self.joined, at) != at {
@@ -352,9 +408,11 @@ impl EdgeNetwork<'_> {
         }
     }
 
-    /// Joins vertices at the same parameters, and those of sides that are points.
-    fn join(&mut self, outlines: &[Outline]) {
-        outlines.iter().flat_map(|outline| &outline.same).for_each(|&[a, b]| self.unite(a, b));
+    /// Joins vertices at the same parameters of patches, and those of sides that are points.
+    fn join(&mut self, patches: &[usize]) {
+        let outlines = patches.iter().filter_map(|&patch| self.outlines.get(patch));
+        let same: Vec<[u32; 2]> = outlines.flat_map(|outline| &outline.same).copied().collect();
+        same.into_iter().for_each(|[a, b]| self.unite(a, b));
         let poles: Vec<Vec<u32>> = self
             .edges
             .iter()

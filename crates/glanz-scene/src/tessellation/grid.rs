@@ -56,6 +56,20 @@ fn is_straight(patch: &MeshPatch, axis: usize, [from, to]: [f64; 2], settings: T
 pub(super) fn grid_scale(patch: &MeshPatch, grid: &[Vec<f64>; 2]) -> DVec2 {
     let [low, high] = patch.window();
     let size = high - low;
+    let counts = DVec2::new((grid[0].len() - 1) as f64, (grid[1].len() - 1) as f64);
+    if counts.max_element() > 1.0 {
+        // Triangles as long as the surface is straight: points inside would only bring more of them.
+        return counts / size;
+    }
+    let lengths = lengths(patch).max(DVec2::splat(f64::MIN_POSITIVE));
+    let scale = lengths / lengths.min_element() / size;
+    if scale.is_finite() { scale } else { size.recip() }
+}
+
+/// The largest lengths of lines of the surface along both axes, metres.
+pub(super) fn lengths(patch: &MeshPatch) -> DVec2 {
+    let [low, high] = patch.window();
+    let size = high - low;
     let length = |axis: usize| {
         let along = |line: &f64| {
             let at = |i: u32| {
@@ -67,12 +81,5 @@ pub(super) fn grid_scale(patch: &MeshPatch, grid: &[Vec<f64>; 2]) -> DVec2 {
         };
         LINES.iter().map(along).fold(0.0, f64::max)
     };
-    let counts = DVec2::new((grid[0].len() - 1) as f64, (grid[1].len() - 1) as f64);
-    if counts.max_element() > 1.0 {
-        // Triangles as long as the surface is straight: points inside would only bring more of them.
-        return counts / size;
-    }
-    let lengths = DVec2::new(length(0), length(1)).max(DVec2::splat(f64::MIN_POSITIVE));
-    let scale = lengths / lengths.min_element() / size;
-    if scale.is_finite() { scale } else { size.recip() }
+    DVec2::new(length(0), length(1))
 }

@@ -1,11 +1,13 @@
 //! The triangles of the shapes of a group.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::edge_network::EdgeNetwork;
 use super::patch::MeshPatch;
 use super::polygons::{add_polygons, polygons};
-use super::triangulation::TriangulatedPatch;
+use super::triangulation::{PatchTriangulation, TriangulatedPatch};
 use super::{GroupMesh, MeshVertex, ShapeMesh, TessellationFaultKind, TessellationSettings};
 use crate::description::ShapeDescription;
 
@@ -17,11 +19,54 @@ pub(super) struct GroupOutcome {
     pub(super) faults: Vec<(usize, TessellationFaultKind)>,
 }
 
-/// How often edges whose chords cross are sampled again.
-const ATTEMPTS: usize = 4;
+/// How often edges are divided whose chords cross.
+const ROUNDS: usize = 12;
 
-/// The factor by which they are sampled more closely.
-const CLOSER: f64 = 0.25;
+/// Parts of the deviation by which chords may be moved where they cross.
+const MOVED: f64 = 0.02;
+
+/// The edges of patches, and the triangulations of their outlines; edges are sampled more closely where chords cross.
+fn triangulations(
+    patches: &[MeshPatch],
+    settings: TessellationSettings,
+) -> (EdgeNetwork<'_>, Vec<PatchTriangulation>) {
+    let mut network = EdgeNetwork::new(patches, settings.deviation);
+    network.sample_all(settings);
+    let mut changed: Vec<usize> = (0..patches.len()).collect();
+    let mut triangulations: BTreeMap<usize, PatchTriangulation> = BTreeMap::new();
+    for round in 0.. {
+        let made: Vec<(usize, PatchTriangulation)> = changed
+            .par_iter()
+            .filter_map(|&number| {
+                let (patch, outline) = (patches.get(number)?, network.outlines.get(number)?);
+                Some((number, PatchTriangulation::new(patch, outline, &network.positions, settings)))
+            })
+            .collect();
+        triangulations.extend(made);
+        let mut divisions: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for &number in changed.iter().filter(|_| round < ROUNDS) {
+            let (Some(made), Some(outline)) = (triangulations.get(&number), network.outlines.get(number))
+            else {
+                continue;
+            };
+            let conflicts = made.outline.conflicts.iter();
+            let high = conflicts.filter(|conflict| conflict.height > MOVED * settings.deviation);
+            let segments =
+                high.flat_map(|conflict| &conflict.segments).filter_map(|&i| outline.segments.get(i));
+            for segment in segments.filter(|segment| segment.curved) {
+                let [from, to] = segment.fractions;
+                divisions.entry(segment.edge).or_default().push(0.5 * (from + to));
+            }
+        }
+        if divisions.is_empty() {
+            break;
+        }
+        changed = network.divide(&divisions, settings).into_iter().collect();
+    }
+    let mut made: Vec<PatchTriangulation> = triangulations.into_values().collect();
+    made.iter_mut().for_each(|made| made.rename(|vertex| network.representative(vertex)));
+    (network, made)
+}
 
 /// Triangles of all shapes, in the frame of the group; lengths of the settings are in this frame, too.
 pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) -> GroupOutcome {
@@ -46,19 +91,7 @@ pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) 
     if patches.is_empty() {
         return outcome;
     }
-    let mut closer = vec![1.0_f64; patches.len()];
-    let mut network = EdgeNetwork::new(&patches, settings.deviation);
-    let mut triangulations = network.triangulations(&closer, settings);
-    for _ in 1..ATTEMPTS {
-        let crossing: Vec<usize> =
-            (0..patches.len()).filter(|&i| triangulations.get(i).is_some_and(|t| t.crosses)).collect();
-        if crossing.is_empty() {
-            break;
-        }
-        crossing.into_iter().for_each(|number| closer[number] *= CLOSER);
-        network = EdgeNetwork::new(&patches, settings.deviation);
-        triangulations = network.triangulations(&closer, settings);
-    }
+    let (network, triangulations) = triangulations(&patches, settings);
     let filled: Vec<TriangulatedPatch> = triangulations
         .into_par_iter()
         .zip(&patches)

@@ -16,6 +16,7 @@ mod edge_network;
 mod grid;
 mod group;
 mod outline;
+mod outline_constraints;
 mod patch;
 mod patch_side;
 mod polygons;

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use glanz_math::DVec2;
 
+use super::grid::lengths;
 use super::patch::MeshPatch;
 use super::shared_edge::{EdgePlace, EdgeSampler, EdgeUse, SharedEdge};
 
@@ -19,12 +20,18 @@ pub(super) struct Window {
     high: DVec2,
     /// Whether the sides of each axis are one line of the surface.
     pub(super) closed: [bool; 2],
+    /// Parts of the window by which points may be off the sides of each axis and are meant to lie on them.
+    same: [f64; 2],
 }
 
 impl Window {
-    pub(super) fn new(patch: &MeshPatch, closed: [bool; 2]) -> Self {
+    /// `tolerance`: the distance within which a point lies on a side, metres.
+    pub(super) fn new(patch: &MeshPatch, closed: [bool; 2], tolerance: f64) -> Self {
+        /// Largest part of the window that counts as rounding.
+        const MOST: f64 = 1e-6;
         let [low, high] = patch.window();
-        Self { low, high, closed }
+        let same = lengths(patch).to_array().map(|length| (tolerance / length).clamp(SAME, MOST));
+        Self { low, high, closed, same }
     }
 
     /// Distances of a point from the sides in the order of the patch, inside positive, parts of the window; 0 where they are the same.
@@ -32,8 +39,9 @@ impl Window {
         let (low, high) =
             ((uv - self.low) / (self.high - self.low), (self.high - uv) / (self.high - self.low));
         let snapped = |distance: f64, axis: usize| {
-            let beyond = if self.closed[axis] { SAME } else { BEYOND };
-            if distance.abs() <= SAME || distance < 0.0 && distance >= -beyond { 0.0 } else { distance }
+            let same = self.same[axis];
+            let beyond = if self.closed[axis] { same } else { BEYOND };
+            if distance.abs() <= same || distance < 0.0 && distance >= -beyond { 0.0 } else { distance }
         };
         [snapped(low.y, 1), snapped(high.x, 0), snapped(high.y, 1), snapped(low.x, 0)]
     }
@@ -73,6 +81,12 @@ impl Window {
             2 => 1.0 - t.x,
             _ => 1.0 - t.y,
         }
+    }
+
+    /// Whether a point is not on a straight segment, but for rounding.
+    fn is_apart(&self, uv: DVec2, ends: [DVec2; 2]) -> bool {
+        let [at, from, to] = [uv, ends[0], ends[1]].map(|uv| (uv - self.low) / (self.high - self.low));
+        (to - from).perp_dot(at - from).abs() > SAME * (to - from).length()
     }
 
     /// Whether any part of a curve through these points lies inside, or on a side.
@@ -134,11 +148,24 @@ pub(super) struct OutlinePoint {
     pub(super) vertex: u32,
 }
 
-/// The border of a patch: segments between samples, the patch on their left.
+/// A chord of the border, the patch on its left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OutlineSegment {
+    /// Indices of its points.
+    pub(super) ends: [u32; 2],
+    /// Number of its edge.
+    pub(super) edge: usize,
+    /// The fractions of the edge at its ends.
+    pub(super) fractions: [f64; 2],
+    /// Whether the edge is not straight in the parameters of the patch: then samples between the ends move it.
+    pub(super) curved: bool,
+}
+
+/// The border of a patch: segments between samples.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outline {
     pub(super) points: Vec<OutlinePoint>,
-    pub(super) segments: Vec<[u32; 2]>,
+    pub(super) segments: Vec<OutlineSegment>,
     /// Pairs of vertices that are at the same parameters.
     pub(super) same: Vec<[u32; 2]>,
     /// Points by the cell of their parameters.
@@ -180,22 +207,24 @@ impl Outline {
         &mut self,
         patch: &MeshPatch,
         window: &Window,
-        (edge, number): (&SharedEdge, usize),
+        edge: &SharedEdge,
+        [edge_number, number]: [usize; 2],
         sampler: &EdgeSampler<'_>,
     ) -> (Vec<SidePoint>, Vec<SideRange>) {
         let (mut on_sides, mut covered) = (Vec::new(), Vec::new());
         let Some(a_use) = edge.uses.get(number) else { return (on_sides, covered) };
         let samples = use_samples(edge, number, sampler);
-        let mut last: Option<(f64, DVec2, [bool; 4], u32)> = None;
-        for (t, vertex) in samples {
+        let mut last: Option<(UseSample, DVec2, [bool; 4])> = None;
+        for sample in samples {
+            let UseSample { t, vertex, .. } = sample;
             let (uv, sides) = window.snapped(a_use.at(patch, t));
             if window.contains(uv) {
                 on_sides.extend(
                     (0..4).filter(|&side| sides[side]).map(|side| (side, window.along(side, uv), vertex)),
                 );
             }
-            if let Some((before, from, from_sides, start)) = last {
-                let middle = window.snapped(a_use.at(patch, 0.5 * (before + t)));
+            if let Some((before, from, from_sides)) = last {
+                let middle = window.snapped(a_use.at(patch, 0.5 * (before.t + t)));
                 let common = (0..4).find(|&side| sides[side] && from_sides[side] && middle.1[side]);
                 let inside = window.contains(middle.0) && window.contains(uv) && window.contains(from);
                 match common {
@@ -204,15 +233,20 @@ impl Outline {
                         covered.push((side, [ends[0].min(ends[1]), ends[0].max(ends[1])]));
                     }
                     None if inside => {
-                        let ends = [self.point(window, from, start), self.point(window, uv, vertex)];
+                        let ends = [self.point(window, from, before.vertex), self.point(window, uv, vertex)];
                         if ends[0] != ends[1] {
-                            self.segments.push(ends);
+                            self.segments.push(OutlineSegment {
+                                ends,
+                                edge: edge_number,
+                                fractions: [before.fraction, sample.fraction],
+                                curved: window.is_apart(middle.0, [from, uv]),
+                            });
                         }
                     }
                     _ => {}
                 }
             }
-            last = Some((t, uv, sides, vertex));
+            last = Some((sample, uv, sides));
         }
         (on_sides, covered)
     }
@@ -222,31 +256,50 @@ impl Outline {
         &mut self,
         patch: &MeshPatch,
         window: &Window,
-        (edge, number): (&SharedEdge, usize),
+        edge: &SharedEdge,
+        [edge_number, number]: [usize; 2],
         sampler: &EdgeSampler<'_>,
     ) {
         let Some(a_use) = edge.uses.get(number) else { return };
-        let mut last = None;
-        for (t, vertex) in use_samples(edge, number, sampler) {
+        let mut last: Option<(u32, f64)> = None;
+        for UseSample { t, fraction, vertex } in use_samples(edge, number, sampler) {
             let next = self.point(window, a_use.at(patch, t), vertex);
-            if let Some(last) = last.filter(|&last| last != next) {
-                self.segments.push([last, next]);
+            if let Some((last, before)) = last.filter(|&(last, _)| last != next) {
+                let fractions = [before, fraction];
+                self.segments.push(OutlineSegment {
+                    ends: [last, next],
+                    edge: edge_number,
+                    fractions,
+                    curved: false,
+                });
             }
-            last = Some(next);
+            last = Some((next, fraction));
         }
     }
 }
 
-/// The samples of an edge within a use, in its order: places and vertices.
-fn use_samples(edge: &SharedEdge, number: usize, sampler: &EdgeSampler<'_>) -> Vec<(f64, u32)> {
+/// A sample of an edge in one of its uses.
+#[derive(Clone, Copy)]
+struct UseSample {
+    /// Its place in the use, in [0, 1].
+    t: f64,
+    fraction: f64,
+    vertex: u32,
+}
+
+/// The samples of an edge within a use, in its order.
+fn use_samples(edge: &SharedEdge, number: usize, sampler: &EdgeSampler<'_>) -> Vec<UseSample> {
     let Some(&EdgeUse { range: [from, to], place, .. }) = edge.uses.get(number) else { return Vec::new() };
     let (low, high) = (from.min(to), from.max(to));
     let within = edge.samples.iter().filter(|(fraction, _)| (low..=high).contains(fraction));
-    let mut samples: Vec<(f64, u32)> = within
-        .map(|&(fraction, vertex)| match place {
-            // Fractions of sides are distances in the parameters.
-            EdgePlace::Side(_) => (edge.uses[number].place_of(fraction), vertex),
-            EdgePlace::Curve { .. } => (sampler.place(number, fraction), vertex),
+    let mut samples: Vec<UseSample> = within
+        .map(|&(fraction, vertex)| {
+            let t = match place {
+                // Fractions of sides are distances in the parameters.
+                EdgePlace::Side(_) => edge.uses[number].place_of(fraction),
+                EdgePlace::Curve { .. } => sampler.place(number, fraction),
+            };
+            UseSample { t, fraction, vertex }
         })
         .collect();
     if from > to {
@@ -254,9 +307,9 @@ fn use_samples(edge: &SharedEdge, number: usize, sampler: &EdgeSampler<'_>) -> V
     }
     // Nearest places are in order but for rounding where curves are slow.
     let mut least = 0.0_f64;
-    for (t, _) in &mut samples {
-        least = least.max(*t);
-        *t = least;
+    for sample in &mut samples {
+        least = least.max(sample.t);
+        sample.t = least;
     }
     samples
 }

@@ -106,6 +106,8 @@ pub(super) struct SharedEdge {
     pub(super) pins: Vec<(f64, Option<u32>)>,
     /// Places of some uses that belong to a pin: the index of the use, the fraction, the place.
     pub(super) pinned: Vec<(usize, f64, f64)>,
+    /// Further fractions at which it is sampled.
+    pub(super) divisions: Vec<f64>,
     /// Ranges of fractions in which other edges lie on it.
     pub(super) covered: Vec<[f64; 2]>,
     /// Fractions with the vertices there, ascending.
@@ -229,6 +231,9 @@ impl<'a> EdgeSampler<'a> {
             }
             fractions.push(high);
         }
+        fractions.extend(&self.edge.divisions);
+        fractions.sort_by(f64::total_cmp);
+        fractions.dedup();
         (fractions, coarse)
     }
 
@@ -267,8 +272,24 @@ impl<'a> EdgeSampler<'a> {
         if length.is_nan() || length <= f64::EPSILON * from.length() * 64.0 {
             return (true, strays);
         }
+        let strays = strays.max(self.image_bend(low, high));
         let angle = if length <= deviation { angle.max(FRAC_PI_2) } else { angle };
         (strays <= deviation && turn <= angle, strays)
+    }
+
+    /// How much the line that is straight in the parameters of a patch bends between two fractions, metres: triangles next to the chord end there.
+    fn image_bend(&self, low: f64, high: f64) -> f64 {
+        const PLACES: [f64; 3] = [0.25, 0.5, 0.75];
+        let curves = self.edge.uses.iter().filter(|a_use| matches!(a_use.place, EdgePlace::Curve { .. }));
+        let within = curves.filter(|a_use| a_use.covers(low) && a_use.covers(high));
+        let bends = within.filter_map(|a_use| {
+            let patch = self.patches.get(a_use.patch)?;
+            let [start, end] = [low, high].map(|fraction| a_use.at(patch, a_use.place_of(fraction)));
+            let (from, to) = (patch.point(start), patch.point(end));
+            let distance = |&t: &f64| distance_to_segment(patch.point(start + (end - start) * t), from, to);
+            Some(PLACES.iter().map(distance).fold(0.0, f64::max))
+        });
+        bends.fold(0.0, f64::max)
     }
 }
 

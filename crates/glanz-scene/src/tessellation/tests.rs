@@ -1,3 +1,5 @@
+mod crossing;
+
 use std::f64::consts::{PI, TAU};
 
 use glanz_math::DMat4;

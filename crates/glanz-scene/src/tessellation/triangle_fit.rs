@@ -5,7 +5,7 @@ use glanz_math::{DVec2, DVec3};
 use super::TessellationSettings;
 use super::patch::MeshPatch;
 use super::shared_edge::distance_to_segment;
-use super::triangulation::{MeshSite, SiteFace};
+use super::triangulation::{MeshSite, SiteFace, height};
 
 /// How well a triangle fits its surface.
 pub(super) struct TriangleFit {
@@ -53,9 +53,7 @@ impl TriangleFit {
         let angle = turn(0, 1).max(turn(1, 2)).max(turn(2, 0));
         // A narrow triangle across the bend of the surface may even show its back. Rounding turns those that are narrower still.
         let front = if patch.flipped { -normal } else { normal };
-        let [p, q, r] = corners.map(|corner| corner.point);
-        let longest_side = p.distance(q).max(q.distance(r)).max(r.distance(p));
-        let height = (q - p).cross(r - p).length() / longest_side;
+        let height = height(&corners.map(|corner| corner.point));
         let turned = |corner: &MeshSite| corner.normal != DVec3::ZERO && corner.normal.dot(front) < 0.5;
         let folded = height > Self::NARROW * settings.deviation && corners.iter().any(turned);
         let angle = if folded { f64::INFINITY } else { angle };

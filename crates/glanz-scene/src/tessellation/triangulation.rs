@@ -4,7 +4,7 @@
 //! The constrained Delaunay triangulation is that of the crate `spade`. Points are added in the middle of edges and triangles that are too far from the
 //! surface, as in @chew1993, but the test is the distance from the surface instead of the shape.
 
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 
 use glanz_math::{DVec2, DVec3};
 use spade::handles::{FixedVertexHandle, InnerTag};
@@ -15,6 +15,7 @@ use spade::{
 
 use super::grid::{grid_scale, straight_breaks};
 use super::outline::Outline;
+use super::outline_constraints::OutlineConstraints;
 use super::patch::MeshPatch;
 use super::triangle_fit::TriangleFit;
 use super::{TessellationFaultKind, TessellationSettings};
@@ -41,17 +42,16 @@ impl HasPosition for MeshSite {
     }
 }
 
-type SiteTriangulation = ConstrainedDelaunayTriangulation<MeshSite, (), (), (), HierarchyHintGenerator<f64>>;
+pub(super) type SiteTriangulation =
+    ConstrainedDelaunayTriangulation<MeshSite, (), (), (), HierarchyHintGenerator<f64>>;
 pub(super) type SiteFace<'a> = spade::handles::FaceHandle<'a, InnerTag, MeshSite, (), spade::CdtEdge<()>, ()>;
+type SiteHandle<'a> = spade::handles::VertexHandle<'a, MeshSite, (), spade::CdtEdge<()>, ()>;
 
 /// The triangulation of the outline of a patch.
 pub(super) struct PatchTriangulation {
     sites: SiteTriangulation,
     scale: DVec2,
-    /// How much larger the winding number is on the left of an edge, by its ends.
-    changes: HashMap<[usize; 2], i32>,
-    /// Whether segments of the outline cross.
-    pub(super) crosses: bool,
+    pub(super) outline: OutlineConstraints,
     /// Parameters between which the surface is nearly straight.
     grid: [Vec<f64>; 2],
 }
@@ -81,8 +81,7 @@ impl PatchTriangulation {
         let mut made = Self {
             sites: SiteTriangulation::new(),
             scale: grid_scale(patch, &grid),
-            changes: HashMap::new(),
-            crosses: false,
+            outline: OutlineConstraints::default(),
             grid,
         };
         let handles: Vec<Option<FixedVertexHandle>> = outline
@@ -94,16 +93,8 @@ impl PatchTriangulation {
                 made.sites.insert(site).ok()
             })
             .collect();
-        for &[from, to] in &outline.segments {
-            let handle = |i: u32| handles.get(i as usize).copied().flatten();
-            let (Some(from), Some(to)) = (handle(from), handle(to)) else {
-                made.crosses = true;
-                continue;
-            };
-            if from != to {
-                made.constrain(from, to);
-            }
-        }
+        made.outline = OutlineConstraints::new(&mut made.sites, outline, &handles);
+        made.add_turned(patch, settings);
         made
     }
 
@@ -113,47 +104,83 @@ impl PatchTriangulation {
         MeshSite { uv, at: Point2::new(at.x, at.y), vertex, point, normal: patch.normal(uv) }
     }
 
-    fn constrain(&mut self, from: FixedVertexHandle, to: FixedVertexHandle) {
-        let edges = self.sites.try_add_constraint(from, to);
-        self.crosses |= edges.is_empty();
-        for edge in edges {
-            let edge = self.sites.directed_edge(edge);
-            *self.changes.entry([edge.from().index(), edge.to().index()]).or_insert(0) += 1;
+    /// Gives vertices the numbers of those that stand for them.
+    pub(super) fn rename(&mut self, mut representative: impl FnMut(u32) -> u32) {
+        let handles: Vec<FixedVertexHandle> = self.sites.fixed_vertices().collect();
+        for handle in handles {
+            let site = self.sites.vertex_data_mut(handle);
+            site.vertex = site.vertex.map(&mut representative);
         }
     }
 
-    /// Whether each face, by its index, is a part of the patch.
-    fn inside(&self, patch: &MeshPatch) -> Vec<bool> {
+    /// Number of faces whose middles tell how often the outline goes around them.
+    const VOTES: usize = 16;
+
+    /// How often the outline goes around each face, by its index; `None` where it does not tell.
+    fn windings(&self, patch: &MeshPatch) -> Vec<Option<i32>> {
         let count = self.sites.num_all_faces();
-        let Some(trim) = &patch.trim else { return vec![true; count] };
-        let middle =
-            |face: &SiteFace<'_>| face.vertices().iter().map(|vertex| vertex.data().uv).sum::<DVec2>() / 3.0;
-        let mut inside = vec![false; count];
-        if self.crosses {
-            for face in self.sites.inner_faces() {
-                inside[face.index()] = trim.region.contains(middle(&face));
-            }
-            return inside;
-        }
-        let largest = self.sites.inner_faces().max_by(|a, b| a.area().total_cmp(&b.area()));
-        let Some(start) = largest else { return inside };
+        let Some(trim) = &patch.trim else { return vec![Some(1); count] };
         let mut winding: Vec<Option<i32>> = vec![None; count];
-        winding[start.index()] = Some(patch.winding(middle(&start)));
+        if self.outline.is_incomplete {
+            for face in self.sites.inner_faces() {
+                winding[face.index()] = Some(i32::from(trim.region.contains(middle(&face))));
+            }
+            return winding;
+        }
+        let mut largest: Vec<SiteFace<'_>> = self.sites.inner_faces().collect();
+        largest.sort_by(|a, b| b.area().total_cmp(&a.area()));
+        let Some(&start) = largest.first() else { return winding };
+        winding[start.index()] = Some(0);
         let mut queue = VecDeque::from([start]);
         while let Some(face) = queue.pop_front() {
             let Some(here) = winding[face.index()] else { continue };
-            inside[face.index()] = here > 0;
             for edge in face.adjacent_edges() {
                 let Some(next) = edge.rev().face().as_inner() else { continue };
                 if winding[next.index()].is_none() {
                     let [from, to] = [edge.from().index(), edge.to().index()];
-                    let change = |ends: [usize; 2]| self.changes.get(&ends).copied().unwrap_or(0);
+                    let change = |ends: [usize; 2]| self.outline.changes.get(&ends).copied().unwrap_or(0);
                     winding[next.index()] = Some(here - change([from, to]) + change([to, from]));
                     queue.push_back(next);
                 }
             }
         }
-        inside
+        // Where chords are coarse, even the middle of a large face may be on the other side of the curve: what most area says counts.
+        let mut votes: BTreeMap<i32, f64> = BTreeMap::new();
+        for face in largest.iter().take(Self::VOTES) {
+            if let Some(here) = winding[face.index()] {
+                *votes.entry(patch.winding(middle(face)) - here).or_default() += face.area();
+            }
+        }
+        let first = votes.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(first, _)| first);
+        winding.into_iter().map(|here| here.map(|here| here + first)).collect()
+    }
+
+    /// Whether each face, by its index, is a part of the patch.
+    fn inside(&self, patch: &MeshPatch) -> Vec<bool> {
+        self.windings(patch).into_iter().map(|winding| winding.is_some_and(|winding| winding > 0)).collect()
+    }
+
+    /// Notes the faces that lie between chords in the wrong order, which need not cross.
+    fn add_turned(&mut self, patch: &MeshPatch, settings: TessellationSettings) {
+        /// Parts of the deviation: two chords are no farther on the wrong sides of each other.
+        const APART: f64 = 2.0;
+        let windings = self.windings(patch);
+        for face in self.sites.inner_faces() {
+            let Some(winding) = windings[face.index()].filter(|winding| !(0..=1).contains(winding)) else {
+                continue;
+            };
+            let height = height(&face.vertices().map(|corner| corner.data().point));
+            if height <= APART * settings.deviation {
+                let edges = face.adjacent_edges().map(|edge| edge.vertices().map(|end| end.index()));
+                self.outline.add_conflict(edges, height);
+                let corners = face.vertices().map(|corner| corner.fix());
+                // As often as the outline goes around them, so that no side is open.
+                let [a, b, c] = corners;
+                let corners = if winding < 0 { [a, c, b] } else { corners };
+                let missing = if winding < 0 { -winding } else { winding - 1 };
+                self.outline.flaps.extend(std::iter::repeat_n(corners, missing as usize));
+            }
+        }
     }
 
     /// Adds points until the triangles are close enough to the surface.
@@ -163,7 +190,9 @@ impl PatchTriangulation {
         self.add_grid(patch);
         let mut close: HashSet<[usize; 3]> = HashSet::new();
         let mut done = TriangulatedPatch::default();
-        if self.crosses {
+        let height = self.outline.conflicts.iter().map(|conflict| conflict.height).fold(0.0, f64::max);
+        done.deviation = height;
+        if self.outline.is_incomplete || height > settings.deviation {
             done.fault = Some(TessellationFaultKind::CrossingBorder);
         }
         let mut deviation: HashMap<[usize; 3], f64> = HashMap::new();
@@ -224,7 +253,7 @@ impl PatchTriangulation {
             _ => false,
         };
         if free {
-            self.crosses |= self.sites.insert(site).is_err();
+            let _ = self.sites.insert(site);
         }
     }
 
@@ -288,33 +317,61 @@ impl PatchTriangulation {
         let inside = self.inside(patch);
         let mut numbers: HashMap<usize, u32> = HashMap::new();
         for face in self.sites.inner_faces().filter(|face| inside[face.index()]) {
-            let corners = face.vertices();
-            let [a, b, c] = corners.map(|corner| corner.data().vertex);
-            // At poles and across bridged gaps.
-            if a.is_some() && (a == b || a == c) || b.is_some() && b == c {
-                continue;
+            let far = deviations.get(&face_key(&face)).copied().unwrap_or(far);
+            if done.add(face.vertices(), &mut numbers, patch.flipped) {
+                done.deviation = done.deviation.max(far);
             }
-            done.deviation = done.deviation.max(deviations.get(&face_key(&face)).copied().unwrap_or(far));
-            let flat = {
-                let [a, b, c] = corners.map(|corner| corner.data().point);
-                (b - a).cross(c - a).normalize_or_zero() * if patch.flipped { -1.0 } else { 1.0 }
-            };
-            let triangle = corners.map(|corner| {
-                let next = done.vertices.len() as u32;
-                let number = *numbers.entry(corner.index()).or_insert(next);
-                if number == next {
-                    let MeshSite { vertex, point, normal, .. } = *corner.data();
-                    if vertex.is_none() {
-                        done.inner.push(point);
-                    }
-                    done.vertices.push((vertex, if normal == DVec3::ZERO { flat } else { normal }));
-                }
-                number
-            });
-            done.triangles.push(triangle);
+        }
+        for corners in &self.outline.flaps {
+            done.add(corners.map(|corner| self.sites.vertex(corner)), &mut numbers, patch.flipped);
         }
         done
     }
+}
+
+impl TriangulatedPatch {
+    /// Adds a triangle, unless two of its corners are the same vertex of the group.
+    fn add(
+        &mut self,
+        corners: [SiteHandle<'_>; 3],
+        numbers: &mut HashMap<usize, u32>,
+        flipped: bool,
+    ) -> bool {
+        let [a, b, c] = corners.map(|corner| corner.data().vertex);
+        // At poles and across bridged gaps.
+        if a.is_some() && (a == b || a == c) || b.is_some() && b == c {
+            return false;
+        }
+        let flat = {
+            let [a, b, c] = corners.map(|corner| corner.data().point);
+            (b - a).cross(c - a).normalize_or_zero() * if flipped { -1.0 } else { 1.0 }
+        };
+        let triangle = corners.map(|corner| {
+            let next = self.vertices.len() as u32;
+            let number = *numbers.entry(corner.index()).or_insert(next);
+            if number == next {
+                let MeshSite { vertex, point, normal, .. } = *corner.data();
+                if vertex.is_none() {
+                    self.inner.push(point);
+                }
+                self.vertices.push((vertex, if normal == DVec3::ZERO { flat } else { normal }));
+            }
+            number
+        });
+        self.triangles.push(triangle);
+        true
+    }
+}
+
+/// The middle of a face in the parameters.
+fn middle(face: &SiteFace<'_>) -> DVec2 {
+    face.vertices().iter().map(|vertex| vertex.data().uv).sum::<DVec2>() / 3.0
+}
+
+/// The smallest height of a triangle.
+pub(super) fn height(&[a, b, c]: &[DVec3; 3]) -> f64 {
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    if longest > 0.0 { (b - a).cross(c - a).length() / longest } else { 0.0 }
 }
 
 /// The corners of a face in ascending order.
