@@ -85,8 +85,8 @@ impl LaidFace {
         let tolerance = model.uncertainty.min(limit).max(RESOLUTION * size);
         let mut repairs = Vec::new();
         let (surface, same_sense) = match plane_of_polygons(&entry.surface, face, size, tolerance) {
-            Some((plane, distance)) => {
-                repairs.push(FaceRepair::PolygonPlane { distance });
+            Some((plane, repair)) => {
+                repairs.push(repair);
                 (FaceSurface::Plane(plane), true)
             }
             None => (part_with_edges(&entry.surface, model, edges, face), face.same_sense),

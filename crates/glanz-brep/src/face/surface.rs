@@ -2,6 +2,7 @@
 
 use glanz_math::DVec3;
 
+use super::outcome::FaceRepair;
 use crate::model::{BoundaryLoop, Face, FaceSurface, Placement};
 
 /// Part of the size of a face up to which its edges may be off its surface.
@@ -14,13 +15,15 @@ pub(super) fn ends_at_border(surface: &FaceSurface, face: &Face) -> bool {
     says_so || has_range && face.bounds.is_empty()
 }
 
-/// The plane of a face between polygons that are far from the plane in the file, and how far.
+/// The plane of a face between polygons that are far from the plane in the file or run around its other side, and the repair.
+///
+/// Polygons agree with those of the neighbours, whose corners they share; a plane may be one for all faces.
 pub(super) fn plane_of_polygons(
     surface: &FaceSurface,
     face: &Face,
     size: f64,
     tolerance: f64,
-) -> Option<(Placement, f64)> {
+) -> Option<(Placement, FaceRepair)> {
     let FaceSurface::Plane(given) = *surface else { return None };
     let mut corners: Vec<DVec3> = Vec::new();
     for bound in &face.bounds {
@@ -28,10 +31,14 @@ pub(super) fn plane_of_polygons(
         corners.extend(polygon);
     }
     let distance = |plane: Placement| corners.iter().map(|&p| plane.to_local(p).z.abs()).fold(0.0, f64::max);
-    let off = distance(given);
-    if off <= STRAYING * size {
-        return None;
-    }
     let plane = Placement::of_polygons(&face.bounds)?;
-    (distance(plane) <= tolerance).then_some((plane, off))
+    let off = distance(given);
+    let repair = if off > STRAYING * size {
+        FaceRepair::PolygonPlane { distance: off }
+    } else if (plane.z.dot(given.z) < 0.0) == face.same_sense {
+        FaceRepair::TurnedPlane
+    } else {
+        return None;
+    };
+    (distance(plane) <= tolerance).then_some((plane, repair))
 }

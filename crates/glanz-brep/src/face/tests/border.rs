@@ -147,12 +147,16 @@ fn border_of_an_unbounded_surface_is_refused() {
 
 #[test]
 fn polygons_far_from_their_plane_take_their_own() {
-    // A tetrahedron whose faces all name the plane z = 0.
+    // A tetrahedron whose faces all name the plane z = 5, in which one of them lies and has its normal downwards.
     let [o, a, b, c] =
-        [DVec3::ZERO, DVec3::new(12.0, 0.0, 0.0), DVec3::new(2.0, 9.0, 0.0), DVec3::new(3.0, 2.0, 14.0)];
+        [(0.0, 0.0, 5.0), (12.0, 0.0, 5.0), (2.0, 9.0, 5.0), (3.0, 2.0, 19.0)].map(DVec3::from);
     let mut model = ModelBuilder::default();
     for corners in [[o, b, a], [o, a, c], [o, c, b], [a, b, c]] {
-        model.bounded(FaceSurface::Plane(WORLD), true, vec![BoundaryLoop::Polygon(corners.to_vec())]);
+        model.bounded(
+            FaceSurface::Plane(at_height(5.0)),
+            true,
+            vec![BoundaryLoop::Polygon(corners.to_vec())],
+        );
     }
     let faces: Vec<TrimmedFace> = trimmed_faces(&model.0).faces.into_iter().map(Result::unwrap).collect();
     let sum = faces.iter().map(|face| face.measure(1e-9)).fold(FaceMeasure::default(), |a, b| a + b);
@@ -168,6 +172,7 @@ fn polygons_far_from_their_plane_take_their_own() {
         })
         .collect();
     assert_eq!(off, [14.0; 3]);
+    assert_eq!(faces[0].repairs, [FaceRepair::TurnedPlane]);
 }
 
 #[test]
