@@ -15,6 +15,10 @@ import { MAPPING_TEXT, TRIMMING_TEXT } from "./trimming.js";
 /** Words of a grid to be drawn: patch, object, first cell (x + 65536 y), levels of the grid (u, v) and of the four sides (4 bits each). */
 export const INSTANCE_WORDS = 4;
 
+/** How far grids go on past the sides of their patches where seams are filled: pixels in the picture, but at most pixels along the surface, and cells. */
+const PAST_SIDES = `const float BEYOND = 1.0, FARTHEST = 4.0, MOST = 2.0;
+`;
+
 /** @param {Shape} shape */
 export function patchVertexText(shape) {
   return `${PRECISION_TEXT}
@@ -33,9 +37,7 @@ uint snapped(uint at, uint level, uint side) {
   return (at >> shift) << shift;
 }
 
-// How far a vertex on a side is moved past it where seams are filled: pixels in the picture, pixels along the surface, and cells.
-const float BEYOND = 1.0, FARTHEST = 4.0, MOST = 2.0;
-
+${PAST_SIDES}
 // Moves p, on sides of the patch, straight on past them; 'outward': -1 or 1 along u and v on a side, else 0.
 void extend(uint first, mat4x3 place, vec2 outward, inout vec3 p) {
   vec3 on = p;
@@ -49,8 +51,9 @@ void extend(uint first, mat4x3 place, vec2 outward, inout vec3 p) {
     // In pixels.
     vec3 step = (on - mat3(place) * position(first, inner) - place[3]) * depths.z / w;
     float across = length(step.xy - on.xy * (lens.z * step.z / w));
-    float quarters = min(BEYOND / max(across, 1e-6), FARTHEST / max(length(step), 1e-6));
-    quarters = min(quarters, 4.0 * MOST);
+    // Not at a silhouette: longer triangles would be farther within it.
+    if (!(across * FARTHEST > length(step))) continue;
+    float quarters = min(BEYOND / across, 4.0 * MOST);
     p += step * (quarters * w / depths.z);
     parameters[axis] += quarters * quarter;
   }
@@ -168,9 +171,14 @@ const LOCATE = `
     }
     rest = newtonStep(s, su, sv, ray, reach);
   }
-  // Where seams are filled, the surface goes straight on past the sides of the patch.
-  bvec2 past = bvec2((w.x == 0.0 && rest.x < 0.0) || (w.x == 1.0 && rest.x > 0.0), (w.y == 0.0 && rest.y < 0.0) || (w.y == 1.0 && rest.y > 0.0));
-  vec2 slack = cellSize * (depths.w > 0.0 ? mix(vec2(0.1), vec2(2.0), past) : vec2(0.1));
+  vec2 slack = 0.1 * cellSize;
+  if (depths.w > 0.0) {
+    // Where seams are filled, the surface goes straight on past the sides of the patch, as far as the grid does.
+    bvec2 past = bvec2((w.x == 0.0 && rest.x < 0.0) || (w.x == 1.0 && rest.x > 0.0), (w.y == 0.0 && rest.y < 0.0) || (w.y == 1.0 && rest.y > 0.0));
+    float pixel = (lens.z * s.z + lens.w) / depths.z;
+    vec2 most = FARTHEST * pixel / max(vec2(length(su), length(sv)), 1e-20);
+    slack = max(slack, vec2(past) * min(most, MOST * cellSize));
+  }
   rest = clamp(rest, -slack, slack);
   Point point;
   point.object = which.y;
@@ -255,7 +263,7 @@ export function patchFragmentText(shape, trimmed, mode) {
   const second = needsCurvature(mode);
   const lines = mode !== "read" && mode !== "normals";
   return `${PRECISION_TEXT}${shadingModeText(mode)}${INPUTS}${jetText(shape, second)}${trimmed ? TRIMMING_TEXT : MAPPING_TEXT}
-${second ? CURVATURE_TEXT : ""}${NEAR}${NEWTON}${LINES}
+${second ? CURVATURE_TEXT : ""}${NEAR}${PAST_SIDES}${NEWTON}${LINES}
 layout(location = 0) out vec4 colour;
 void main() {
   Facts facts = factsOf(which.y);

@@ -111,15 +111,16 @@ vec2 partDistance(uint first, int degree, vec2 width, vec2 p, mat2 toPixels) {
   return vec2(length(off), across);
 }
 
-// Cells of a region: those that are within a distance of a point, at most MOST_CELLS along each side.
+// Cells of a region: that of a point and others within a distance of it, about MOST_CELLS along each side, not all if there are more.
 const int MOST_CELLS = 4;
 struct Cells { ivec2 low, high, step; };
 ivec2 cellAt(ivec2 cells, vec2 p) {
   return clamp(ivec2(clamp(p, 0.0, 1.0) * vec2(cells)), ivec2(0), cells - 1);
 }
 Cells cellsAround(ivec2 cells, vec2 p, vec2 near) {
-  ivec2 low = cellAt(cells, p - near), high = cellAt(cells, p + near);
-  return Cells(low, high, max((high - low + MOST_CELLS - 2) / (MOST_CELLS - 1), 1));
+  ivec2 low = cellAt(cells, p - near), own = cellAt(cells, p), high = cellAt(cells, p + near);
+  ivec2 step = max((high - low + MOST_CELLS - 2) / (MOST_CELLS - 1), 1);
+  return Cells(own - (own - low) / step * step, high, step);
 }
 uvec4 regionCell(uint firstCell, ivec2 cells, ivec2 cell) {
   uint number = firstCell + uint(cell.y * cells.x + cell.x);
@@ -129,6 +130,7 @@ uvec4 regionCell(uint firstCell, ivec2 cells, ivec2 cell) {
 // Whether a curve may be this near to p, along both axes.
 bool isNearCurve(uint firstCell, ivec2 cells, vec2 p, vec2 near) {
   Cells around = cellsAround(cells, p, near);
+  if (any(greaterThan(around.step, ivec2(1)))) return true;
   for (int y = around.low.y; y <= around.high.y; y += around.step.y) {
     for (int x = around.low.x; x <= around.high.x; x += around.step.x) {
       uvec4 facts = regionCell(firstCell, cells, ivec2(x, y));
@@ -188,17 +190,17 @@ vec2 trimmingDistance(uint firstCell, ivec2 cells, vec2 at, mat2 toPixels, bool 
   float det = determinant(toPixels);
   float least = max(0.0, half2 - sqrt(max(0.0, half2 * half2 - det * det)));
   float nearest = REACH, inside = REACH, outside = REACH;
-  if (depths.w == 0.0) {
-    measure(facts, at, toPixels, least, nearest, inside, outside);
-  } else {
+  vec2 pixel = vec2(0.0);
+  if (depths.w > 0.0) {
     // The cell of a point lists what is near it compared with the cell, which may be less than a pixel.
     mat2 back = inverse(toPixels);
-    vec2 pixel = vec2(length(vec2(back[0].x, back[1].x)), length(vec2(back[0].y, back[1].y)));
-    Cells around = cellsAround(cells, at, pixel);
-    for (int y = around.low.y; y <= around.high.y; y += around.step.y) {
-      for (int x = around.low.x; x <= around.high.x; x += around.step.x) {
-        measure(regionCell(firstCell, cells, ivec2(x, y)), at, toPixels, least, nearest, inside, outside);
-      }
+    pixel = vec2(length(vec2(back[0].x, back[1].x)), length(vec2(back[0].y, back[1].y)));
+  }
+  // One call, since drivers copy functions to where they are called.
+  Cells around = cellsAround(cells, at, pixel);
+  for (int y = around.low.y; y <= around.high.y; y += around.step.y) {
+    for (int x = around.low.x; x <= around.high.x; x += around.step.x) {
+      measure(regionCell(firstCell, cells, ivec2(x, y)), at, toPixels, least, nearest, inside, outside);
     }
   }
   return vec2(isKept ? inside : -max(outside, -REACH), nearest);
