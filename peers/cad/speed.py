@@ -18,10 +18,12 @@ resident memory (MB of 10^6 bytes) of OpenCascade less that of the same process 
                 shading: this favours Embree
     Glanz       GLANZ render FILE -o PICTURE --size 1280x720 --spp 16 --json: `all` is the whole program, `render` the time that it reports
                 for its loop (with light and shading). `first pixels` is the whole program for 16 x 9 pixels of one sample: reading,
-                building, and hardly more
+                building, and hardly more. `one plane` is the same program for a scene of one plane, with the same picture: the
+                program, its libraries and threads, as what is subtracted from OpenCascade's memory
 
-`ratio` is read + mesh + building of Embree over the first pixels of Glanz, and the memory of meshing plus Embree's over the peak memory of
-Glanz for its first pixels, from which nothing is subtracted.
+`ratio` is read + mesh + building of Embree over the first pixels of Glanz, from which no time is subtracted, and the memory of meshing
+plus Embree's over that of Glanz for its first pixels: `memory` less that of one plane, which is like with like, and `whole` without
+subtraction.
 """
 
 import argparse
@@ -42,6 +44,14 @@ import numpy
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent))
 from sides import Side
+
+PLANE = """
+LookAt 0 0 5  0 0 0  0 1 0
+Camera "perspective"
+WorldBegin
+LightSource "infinite"
+Shape "disk"
+"""
 
 DEFLECTION = 1e-4
 ANGLE = 0.5
@@ -207,6 +217,8 @@ def measure(path, arguments, program, folder):
         if arguments.glanz:
             run["glanz"] = run_glanz(arguments.glanz, path, folder, arguments.threads, f"{WIDTH}x{HEIGHT}", SAMPLES)
             run["first"] = run_glanz(arguments.glanz, path, folder, arguments.threads, "16x9", 1)
+            (folder / "plane.pbrt").write_text(PLANE)
+            run["plane"] = run_glanz(arguments.glanz, folder / "plane.pbrt", folder, arguments.threads, "16x9", 1)
         runs.append(run)
     return {"file": path.name, "bytes": path.stat().st_size, "median": medians(runs), "each": runs}
 
@@ -221,8 +233,10 @@ def rows(result):
     yield f"Embree: build, {embree['triangles']:.0f} triangles", embree["build"], embree["memory"]
     yield "Embree: trace", embree["trace"], None
     yield "Embree: trace in packets", embree["trace packets"], None
-    glanz, first = m.get("glanz", {}), m.get("first", {})
+    glanz, first, plane = m.get("glanz", {}), m.get("first", {}), m.get("plane", {})
     yield "Glanz: first pixels", first.get("all"), first.get("memory")
+    yield "Glanz: one plane", plane.get("all"), plane.get("memory")
+    yield "Glanz: first pixels, less one plane", None, first["memory"] - plane["memory"] if first else None
     yield "Glanz: render", glanz.get("render"), None
     yield "Glanz: all", glanz.get("all"), glanz.get("memory")
 
@@ -237,8 +251,9 @@ def show(result):
     if "first" in m:
         for name in ("mesh", "parallel"):
             peers = m["read"]["read"]["wall"] + m[name]["mesh"]["wall"] + m["embree"]["build"]["wall"]
+            memory, whole = m[name]["memory"] + m["embree"]["memory"], m["first"]["memory"]
             print(f"ratio ({'one thread' if name == 'mesh' else 'parallel'}): time {peers / m['first']['all']['wall']:.2f}, "
-                  f"memory {(m[name]['memory'] + m['embree']['memory']) / m['first']['memory']:.2f}")
+                  f"memory {memory / (whole - m['plane']['memory']):.2f}, whole {memory / whole:.2f}")
     sys.stdout.flush()
 
 
