@@ -20,8 +20,8 @@ const STEP: f64 = 1.25;
 /// Halvings between samples, at most: each halves the distance from a pole.
 const MOST_HALVINGS: u32 = 12;
 
-/// Parts of the interval between two knots that are sampled.
-const SAMPLES: u32 = 8;
+/// Parts of a curve that are sampled, at least: between knots at equal distances.
+const SAMPLES: usize = 16;
 
 /// A curve on a carrier, in region coordinates: parameters times `metric`.
 pub(super) struct StretchedCurve<'a> {
@@ -42,14 +42,18 @@ pub(super) struct WidenedCurve {
 impl<'a> StretchedCurve<'a> {
     pub(super) fn new(carrier: &'a Carrier, metric: DVec2, curve: &'a BoundaryCurve) -> Self {
         let mut stretched = Self { carrier, metric, curve, samples: Vec::new() };
-        for [low, high] in curve.spans() {
-            let at = |i: u32| low + (high - low) * f64::from(i) / f64::from(SAMPLES);
-            for i in 0..SAMPLES {
-                let ends = [at(i), at(i + 1)].map(|t| (t, stretched.at(t)));
-                if stretched.samples.last().is_none_or(|last| last.0 < ends[0].0) {
-                    stretched.samples.push(ends[0]);
-                }
-                stretched.refine(ends, MOST_HALVINGS);
+        let spans = curve.spans();
+        let parts = SAMPLES.div_ceil(spans.len().max(1));
+        let Some(mut start) = spans.first().map(|span| (span[0], stretched.at(span[0]))) else {
+            return stretched;
+        };
+        stretched.samples.push(start);
+        for [low, high] in spans {
+            for i in 1..=parts {
+                let t = if i == parts { high } else { low + (high - low) * i as f64 / parts as f64 };
+                let end = (t, stretched.at(t));
+                stretched.refine([start, end], MOST_HALVINGS);
+                start = end;
             }
         }
         stretched
@@ -66,11 +70,9 @@ impl<'a> StretchedCurve<'a> {
     /// Adds samples behind the first end, up to the second.
     fn refine(&mut self, [start, end]: [(f64, f64); 2], halvings: u32) {
         let middle = 0.5 * (start.0 + end.0);
-        if halvings > 0
-            && start.1.max(end.1) > STEP * start.1.min(end.1)
-            && middle > start.0
-            && middle < end.0
-        {
+        // Where parameters are sparse, widths do not change.
+        let [a, b] = [start.1.max(1.0), end.1.max(1.0)];
+        if halvings > 0 && a.max(b) > STEP * a.min(b) && middle > start.0 && middle < end.0 {
             let middle = (middle, self.at(middle));
             self.refine([start, middle], halvings - 1);
             self.refine([middle, end], halvings - 1);

@@ -28,9 +28,12 @@ impl RegionBorder {
 pub fn scale_across([du, dv]: [DVec3; 2], along: DVec2) -> f64 {
     let along = along.normalize_or(DVec2::X);
     let (on_curve, across) = (du * along.x + dv * along.y, dv * along.x - du * along.y);
-    // Less its part along the curve; all of it where the curve stands still.
+    // Where the curve stands still, up to the rounding of derivatives, it has no direction.
+    if on_curve.length() <= f64::EPSILON.sqrt() * across.length() {
+        return across.length();
+    }
     let skew = across.dot(on_curve) / on_curve.length_squared();
-    if skew.is_finite() { (across - skew * on_curve).length() } else { across.length() }
+    (across - skew * on_curve).length()
 }
 
 #[cfg(test)]
@@ -49,6 +52,7 @@ mod tests {
         assert!((scale_across([du, dv + 10.0 * du], DVec2::X) - 0.5).abs() < 1e-14);
         // At a pole.
         assert_eq!(scale_across([DVec3::ZERO, dv], DVec2::X), 0.5);
+        assert_eq!(scale_across([1e-15 * dv, dv], DVec2::X), 0.5);
         assert_eq!(scale_across([DVec3::ZERO, dv], DVec2::Y), 0.0);
     }
 }
