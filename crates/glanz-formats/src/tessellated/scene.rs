@@ -10,8 +10,8 @@ use serde_json::{Value, json};
 use super::{MAX_INSTANCES, MeshMaterial, TessellatedError, TessellatedScene};
 use crate::glb::{Buffer, file};
 
-/// The bytes of a GLB file: a mesh per group, a node per instance with its name, materials by metallic and roughness. Materials that let light pass have
-/// the extension `KHR_materials_transmission`.
+/// The bytes of a GLB file: a mesh per group, a node per instance with its name (that of its group, if it has none), materials by metallic and roughness.
+/// Materials that let light pass have the extension `KHR_materials_transmission`.
 ///
 /// # Errors
 /// [`TessellatedError`].
