@@ -3,7 +3,7 @@
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
-use crate::bezier::bernstein::{BernsteinCoefficient, ROW_DEGREE, halve, mix};
+use crate::bezier::bernstein::{BernsteinCoefficient, ROW_DEGREE, halve};
 use crate::bvh::simd::{Isa, Simd, Task};
 
 /// The largest degree of a patch in one direction; that of the common CAD kernels.
@@ -336,94 +336,6 @@ where
     [low, high]
 }
 
-/// A polynomial in two variables with its degrees: the Bernstein coefficient (i, j) is at i (q + 1) + j.
-#[derive(Clone, Debug)]
-pub(super) struct BivariatePolynomial<T> {
-    pub(super) degrees: (usize, usize),
-    pub(super) coefficients: Vec<T>,
-}
-
-impl<T: BernsteinCoefficient> BivariatePolynomial<T> {
-    /// The same polynomial, elevated by degrees `by`.
-    pub(super) fn elevated(mut self, by: (usize, usize)) -> Self {
-        for _ in 0..by.0 {
-            let (p, q) = self.degrees;
-            let mut coefficients = Vec::with_capacity((p + 2) * (q + 1));
-            for i in 0..=p + 1 {
-                let share = i as f64 / (p + 1) as f64;
-                for j in 0..=q {
-                    let at = |i: usize| self.coefficients[i * (q + 1) + j];
-                    coefficients.push(match i {
-                        0 => at(0),
-                        _ if i == p + 1 => at(p),
-                        _ => mix(at(i), at(i - 1), share),
-                    });
-                }
-            }
-            self = Self { degrees: (p + 1, q), coefficients };
-        }
-        for _ in 0..by.1 {
-            let (p, q) = self.degrees;
-            let mut coefficients = Vec::with_capacity((p + 1) * (q + 2));
-            for row in self.coefficients.chunks_exact(q + 1) {
-                for j in 0..=q + 1 {
-                    let share = j as f64 / (q + 1) as f64;
-                    coefficients.push(match j {
-                        0 => row[0],
-                        _ if j == q + 1 => row[q],
-                        _ => mix(row[j], row[j - 1], share),
-                    });
-                }
-            }
-            self = Self { degrees: (p, q + 1), coefficients };
-        }
-        self
-    }
-
-    /// The derivative by the first variable, or the second; degree 0 stays 0.
-    pub(super) fn derivative(&self, by_first: bool) -> Self {
-        let (p, q) = self.degrees;
-        let (m, n) = if by_first { (p.saturating_sub(1), q) } else { (p, q.saturating_sub(1)) };
-        let (next, degree) = if by_first { (q + 1, p) } else { (1, q) };
-        let mut coefficients = Vec::with_capacity((m + 1) * (n + 1));
-        for i in 0..=m {
-            for j in 0..=n {
-                let at = i * (q + 1) + j;
-                let low = self.coefficients[at];
-                coefficients.push(match degree {
-                    0 => low * 0.0,
-                    _ => (self.coefficients[at + next] + low * -1.0) * degree as f64,
-                });
-            }
-        }
-        Self { degrees: (m, n), coefficients }
-    }
-}
-
-impl BivariatePolynomial<f64> {
-    /// The product with `(2 x - 1) a + (2 y - 1) b`, one degree higher in both variables.
-    pub(super) fn times_affine(&self, a: DVec3, b: DVec3) -> BivariatePolynomial<DVec3> {
-        let (p, q) = self.degrees;
-        let mut coefficients = Vec::with_capacity((p + 2) * (q + 2));
-        // Of the four neighbours, those beyond the ends have no share.
-        let row = |i: usize| &self.coefficients[i * (q + 1)..(i + 1) * (q + 1)];
-        for i in 0..=p + 1 {
-            let x = i as f64 / (p + 1) as f64;
-            let (below, above) = (row(i.saturating_sub(1)), row(i.min(p)));
-            for j in 0..=q + 1 {
-                let y = j as f64 / (q + 1) as f64;
-                let (left, right) = (j.saturating_sub(1), j.min(q));
-                let [low, high] = [below, above].map(|row| (row[left] * y, row[right] * (1.0 - y)));
-                let (low, high) = ((low.0 * x, low.1 * x), (high.0 * (1.0 - x), high.1 * (1.0 - x)));
-                let by_x = (low.0 + low.1) - (high.0 + high.1);
-                let by_y = (low.0 + high.0) - (low.1 + high.1);
-                coefficients.push(a * by_x + b * by_y);
-            }
-        }
-        BivariatePolynomial { degrees: (p + 1, q + 1), coefficients }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -451,39 +363,5 @@ mod tests {
         for degree in 1..=MAX_DEGREE {
             with_room!(degree, N => check::<N>(degree));
         }
-    }
-
-    fn value(p: &BivariatePolynomial<f64>, u: f64, v: f64) -> f64 {
-        let net: Vec<DVec4> = p.coefficients.iter().map(|&c| DVec4::new(c, 0.0, 0.0, 1.0)).collect();
-        second_order_jet(&net, p.degrees, u, v).s.x
-    }
-
-    #[test]
-    fn elevated_polynomial_and_its_product_have_the_right_values() {
-        let a = BivariatePolynomial { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
-        let product = a.times_affine(DVec3::new(0.5, 0.0, 1.0), DVec3::new(0.0, -2.0, 3.0));
-        let component = |axis: usize| BivariatePolynomial {
-            degrees: product.degrees,
-            coefficients: product.coefficients.iter().map(|c| c[axis]).collect(),
-        };
-        let higher = a.clone().elevated((2, 3));
-        assert_eq!((product.degrees, higher.degrees), ((3, 2), (4, 4)));
-        for (u, v) in [(0.0, 0.0), (0.2, 0.9), (1.0, 0.4), (0.7, 1.0)] {
-            let (s, t) = (2.0 * u - 1.0, 2.0 * v - 1.0);
-            for (axis, factor) in [0.5 * s, -2.0 * t, s + 3.0 * t].into_iter().enumerate() {
-                assert!((value(&component(axis), u, v) - value(&a, u, v) * factor).abs() < 1e-14);
-            }
-            assert!((value(&higher, u, v) - value(&a, u, v)).abs() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn derivative_is_the_one_of_the_jet() {
-        let a = BivariatePolynomial { degrees: (2, 1), coefficients: vec![1.0, 2.0, -1.0, 0.5, 3.0, 0.25] };
-        let net: Vec<DVec4> = a.coefficients.iter().map(|&c| DVec4::new(c, 0.0, 0.0, 1.0)).collect();
-        let here = second_order_jet(&net, a.degrees, 0.3, 0.8);
-        assert!((value(&a.derivative(true), 0.3, 0.8) - here.su.x).abs() < 1e-14);
-        assert!((value(&a.derivative(false), 0.3, 0.8) - here.sv.x).abs() < 1e-14);
-        assert_eq!(value(&a.derivative(false).derivative(false), 0.3, 0.8), 0.0);
     }
 }

@@ -1,11 +1,14 @@
 //! Parts of patches while the surface is built, with bounds on their deviation from parallelograms.
 
+use std::ops::Sub;
+
 use glanz_math::glam::DVec4;
 use glanz_math::rounding::gamma;
 use glanz_math::{Bounds3, DVec3};
 
-use super::control_net::{self, BivariatePolynomial};
+use super::control_net;
 use super::parameter_rect::DyadicRect;
+use crate::bezier::bernstein::BernsteinCoefficient;
 
 /// A parallelogram with a thickness: for (s, t) in [-1, 1]^2 the point of the leaf is within `thickness` of
 /// `center + s along_u + t along_v`.
@@ -47,11 +50,26 @@ impl ThickParallelogram {
     pub(super) fn new(points: &[DVec4], degrees: (usize, usize)) -> Self {
         let middle = control_net::second_order_jet(points, degrees, 0.5, 0.5);
         let (center, a, b) = (middle.s, middle.su * 0.5, middle.sv * 0.5);
-        let (thickness, m_a, m_b, curvature_bound) = if points.iter().all(|p| p.w == 1.0) {
-            polynomial_bounds(points, degrees, center, a, b)
-        } else {
-            rational_bounds(points, degrees, center, a, b)
-        };
+        // With S = X / W, D = S - center - s a - t b is N / W: its derivatives are (N_s - D W_s) / W, (N_ss - 2 D_s W_s - D W_ss) / W and so on.
+        let ([n, n_s, n_t, n_ss, n_st, n_tt], [_, w_s, w_t, w_ss, w_st, w_tt], least) =
+            if points.iter().all(|p| p.w == 1.0) {
+                let residual = residual(points, degrees, center, a, b);
+                (derivative_bounds(&residual, degrees, DVec3::length_squared), [0.0; 6], 1.0)
+            } else {
+                let (numerator, higher) = numerator(points, degrees, center, a, b);
+                let weights: Vec<f64> = points.iter().map(|p| p.w).collect();
+                let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
+                let of_weights = derivative_bounds(&weights, degrees, |w| w * w);
+                (derivative_bounds(&numerator, higher, DVec3::length_squared), of_weights, least)
+            };
+        let thickness = n / least;
+        let (m_a, m_b) = ((n_s + thickness * w_s) / least, (n_t + thickness * w_t) / least);
+        // Halves of the pure second derivatives.
+        let ss = (n_ss + m_a * w_s + thickness * w_ss) / least;
+        let tt = (n_tt + m_b * w_t + thickness * w_tt) / least;
+        let st = (n_st + m_a * w_t + m_b * w_s + thickness * w_st) / least;
+        // Along (x, y) of length 1, x^2 ss + y^2 tt is at most the larger of both, and |x y| at most 1/2.
+        let curvature_bound = ss.max(tt) + 0.5 * st;
         // The bounds themselves are rounded, as is the net of the leaf.
         let size = largest(points.iter().map(|p| p.truncate() / p.w));
         let thickness = thickness * (1.0 + 1e-12) + gamma(64) * size;
@@ -80,30 +98,68 @@ impl ThickParallelogram {
     }
 }
 
-/// Thickness, deviations and curvature bound of a polynomial patch, from coefficients whose hull contains it.
-fn polynomial_bounds(
+/// Coefficients of a polynomial patch less `center + s a + t b`.
+fn residual(points: &[DVec4], (p, q): (usize, usize), center: DVec3, a: DVec3, b: DVec3) -> Vec<DVec3> {
+    let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
+    let rows = points.chunks_exact(q + 1).enumerate();
+    let row = |(i, row): (usize, &[DVec4])| {
+        let first = center + a * along(i, p);
+        row.iter()
+            .enumerate()
+            .map(|(j, point)| point.truncate() - first - b * along(j, q))
+            .collect::<Vec<_>>()
+    };
+    rows.flat_map(row).collect()
+}
+
+/// Coefficients of `X - (center + s a + t b) W` for a rational patch X / W, and their degrees, one higher than those of the patch.
+fn numerator(
     points: &[DVec4],
     (p, q): (usize, usize),
     center: DVec3,
     a: DVec3,
     b: DVec3,
-) -> (f64, f64, f64, f64) {
-    let at = |i: usize, j: usize| points[i * (q + 1) + j].truncate();
-    let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
+) -> (Vec<DVec3>, (usize, usize)) {
+    let mut numerator = vec![DVec3::ZERO; (p + 2) * (q + 2)];
+    for (i, row) in points.chunks_exact(q + 1).enumerate() {
+        for (j, point) in row.iter().enumerate() {
+            // About the centre, so that cancellation is least.
+            let here = point.truncate() - center * point.w;
+            for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                // The product with Bernstein polynomials of degree 1.
+                let share = |k: usize, i: usize, degree: usize| {
+                    (if k == 0 { degree + 1 - i } else { i + 1 }) as f64 / (degree + 1) as f64
+                };
+                let corner = a * (2.0 * k as f64 - 1.0) + b * (2.0 * l as f64 - 1.0);
+                numerator[(i + k) * (q + 2) + j + l] +=
+                    (here - corner * point.w) * (share(k, i, p) * share(l, j, q));
+            }
+        }
+    }
+    (numerator, (p + 1, q + 1))
+}
+
+/// Bounds on a polynomial in s and t over [-1, 1]^2 and its derivatives by s, t, s s, s t and t t, the pure second ones halved: the largest
+/// of their Bernstein coefficients.
+fn derivative_bounds<T: BernsteinCoefficient + Sub<Output = T>>(
+    coefficients: &[T],
+    (p, q): (usize, usize),
+    length_squared: impl Fn(T) -> f64,
+) -> [f64; 6] {
+    let at = |i: usize, j: usize| coefficients[i * (q + 1) + j];
     let (dp, dq) = (0.5 * p as f64, 0.5 * q as f64);
     let (ddp, ddq) = (0.25 * dp * (p as f64 - 1.0), 0.25 * dq * (q as f64 - 1.0));
-    // Squares: thickness, deviations, and second derivatives by (s, t), halved where they are pure.
     let mut most = [0.0_f64; 6];
-    let mut meet = |k: usize, v: DVec3| most[k] = most[k].max(v.length_squared());
+    let mut meet = |k: usize, v: T| most[k] = most[k].max(length_squared(v));
     for i in 0..=p {
         for j in 0..=q {
             let here = at(i, j);
-            meet(0, here - center - a * along(i, p) - b * along(j, q));
+            meet(0, here);
             if i < p {
-                meet(1, (at(i + 1, j) - here) * dp - a);
+                meet(1, (at(i + 1, j) - here) * dp);
             }
             if j < q {
-                meet(2, (at(i, j + 1) - here) * dq - b);
+                meet(2, (at(i, j + 1) - here) * dq);
             }
             if i + 2 <= p {
                 meet(3, (at(i + 2, j) - at(i + 1, j) * 2.0 + here) * ddp);
@@ -116,62 +172,7 @@ fn polynomial_bounds(
             }
         }
     }
-    let [thickness, m_a, m_b, uu, uv, vv] = most.map(f64::sqrt);
-    // Along (x, y) of length 1, x^2 uu + y^2 vv is at most the larger of both, and |x y| at most 1/2.
-    (thickness, m_a, m_b, uu.max(vv) + 0.5 * uv)
-}
-
-/// The same for a rational patch S = X / W: a quotient is bounded by its numerator over the least denominator.
-fn rational_bounds(
-    points: &[DVec4],
-    degrees: (usize, usize),
-    center: DVec3,
-    a: DVec3,
-    b: DVec3,
-) -> (f64, f64, f64, f64) {
-    // About the centre, so that cancellation in the products is least.
-    let space = BivariatePolynomial {
-        degrees,
-        coefficients: points.iter().map(|p| p.truncate() - center * p.w).collect(),
-    };
-    let weight = BivariatePolynomial { degrees, coefficients: points.iter().map(|p| p.w).collect() };
-    let least = points.iter().fold(f64::INFINITY, |least, p| least.min(p.w));
-    let apart = |x: BivariatePolynomial<DVec3>, y: BivariatePolynomial<DVec3>| {
-        largest(x.coefficients.iter().zip(&y.coefficients).map(|(&x, &y)| x - y))
-    };
-    let thickness = apart(space.clone().elevated((1, 1)), weight.times_affine(a, b)) / least;
-    let steepest =
-        |w: &BivariatePolynomial<f64>| w.coefficients.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
-    let [space_u, space_v] = [true, false].map(|by_first| space.derivative(by_first));
-    let [weight_u, weight_v] = [true, false].map(|by_first| weight.derivative(by_first));
-    let [steepest_u, steepest_v] = [steepest(&weight_u), steepest(&weight_v)];
-    // S_s - a = (X_s - S W_s - a W) / W, where S is s a + t b up to the thickness.
-    let deviation =
-        |rise: &BivariatePolynomial<DVec3>, mut fall: BivariatePolynomial<DVec3>, along: DVec3, by| {
-            for (fall, w) in fall.coefficients.iter_mut().zip(weight.clone().elevated(by).coefficients) {
-                *fall += along * (2.0 * w);
-            }
-            apart(rise.clone().elevated((1, 1)), fall)
-        };
-    // By s, which goes twice as far as u.
-    let m_a = deviation(&space_u, weight_u.times_affine(a, b), a, (0, 1)) + thickness * steepest_u;
-    let m_b = deviation(&space_v, weight_v.times_affine(a, b), b, (1, 0)) + thickness * steepest_v;
-    let (m_a, m_b) = (0.5 * m_a / least, 0.5 * m_b / least);
-    // S_st = (X_st - S_s W_t - S_t W_s - S W_st) / W, and so on, where derivatives by s and t are halves of those by u and v.
-    let (size, [rise_a, rise_b]) =
-        (a.length() + b.length() + thickness, [a.length() + m_a, b.length() + m_b]);
-    let second = |space: &BivariatePolynomial<DVec3>,
-                  weight: &BivariatePolynomial<f64>,
-                  by_first: bool,
-                  products: f64| {
-        let curved = largest(space.derivative(by_first).coefficients.into_iter());
-        let twice = curved + size * steepest(&weight.derivative(by_first));
-        (0.25 * twice + 0.5 * products) / least
-    };
-    let along_u = second(&space_u, &weight_u, true, 2.0 * rise_a * steepest_u);
-    let along_v = second(&space_v, &weight_v, false, 2.0 * rise_b * steepest_v);
-    let mixed = second(&space_u, &weight_u, false, rise_a * steepest_v + rise_b * steepest_u);
-    (thickness, m_a, m_b, 0.5 * (along_u.max(along_v) + mixed))
+    most.map(f64::sqrt)
 }
 
 impl LeafBuilder {
