@@ -5,6 +5,9 @@ use super::knots::{KnotVector, MAX_DEGREE};
 /// Values of the basis functions that do not vanish on a span; entries past the degree are 0.
 pub type BasisRow = [f64; MAX_DEGREE + 1];
 
+/// Entries of a row up to which most degrees have functions.
+const SHORT: usize = 8;
+
 /// The basis functions of a knot vector at one parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct BasisFunctions<'a> {
@@ -68,7 +71,11 @@ impl<'a> BasisFunctions<'a> {
                 });
             }
             if let Some(row) = rows.get_mut(degree - q) {
-                row[..=q].copy_from_slice(&lower[..=q]);
+                // The rest is 0. Copies of unknown or large sizes are calls.
+                match (row.first_chunk_mut::<SHORT>(), lower.first_chunk::<SHORT>()) {
+                    (Some(row), Some(lower)) if q < SHORT => *row = *lower,
+                    _ => *row = lower,
+                }
             }
         }
         for (order, row) in rows.iter_mut().enumerate().take(degree + 1) {

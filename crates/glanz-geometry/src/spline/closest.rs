@@ -7,6 +7,7 @@ use glanz_math::{Bounds3, DVec3};
 use super::homogeneous::project;
 use super::polygon::mix;
 use super::surface::NurbsSurface;
+use crate::bezier::Derivatives;
 use crate::error::{SurfaceError, finite, positive};
 
 /// The nearest point of a surface.
@@ -173,69 +174,71 @@ impl NurbsSurface {
     /// decreases, if rounding lets it.
     fn improve(&self, query: DVec3, start: [f64; 2], ranges: [[f64; 2]; 2]) -> ([f64; 2], DVec3, f64) {
         let [mut u, mut v] = start;
-        let mut point = self.point(u, v);
+        let mut here = self.derivatives(u, v, 2);
+        let mut point = here.at(0, 0);
         for _ in 0..MAX_NEWTON_STEPS {
-            let Some(NewtonStep { du, dv, decrease }) = self.newton_step(query, [u, v], ranges) else {
+            let Some(NewtonStep { du, dv, decrease }) = newton_step(&here, query, [u, v], ranges) else {
                 break;
             };
             let distance2 = (point - query).length_squared();
             let at = |x: f64, d: f64, [a, b]: [f64; 2]| (x + d).clamp(a, b);
-            let moved = |scale: f64| {
-                let (u, v) = (at(u, du * scale, ranges[0]), at(v, dv * scale, ranges[1]));
-                (u, v, self.point(u, v))
-            };
+            let moved = |scale: f64| (at(u, du * scale, ranges[0]), at(v, dv * scale, ranges[1]));
             let limit = UNIT_ROUNDOFF * (u.abs() + v.abs());
             let rounding = ROUNDING * distance2.sqrt() * (distance2.sqrt() + query.abs().max_element());
             if du.abs().max(dv.abs()) <= limit || decrease <= rounding {
                 // The last step: distances cannot tell whether it helps.
                 let next = moved(1.0);
-                if (next.2 - query).length_squared() <= distance2 + rounding {
-                    (u, v, point) = next;
+                let end = self.point(next.0, next.1);
+                if (end - query).length_squared() <= distance2 + rounding {
+                    ((u, v), point) = (next, end);
                 }
                 break;
             }
             let shorter = (0..MAX_NEWTON_STEPS)
-                .map(|halvings| moved(0.5_f64.powi(halvings as i32)))
-                .find(|(_, _, point)| (*point - query).length_squared() < distance2);
+                .map(|halvings| {
+                    let (u, v) = moved(0.5_f64.powi(halvings as i32));
+                    ((u, v), self.derivatives(u, v, 2))
+                })
+                .find(|(_, there)| (there.at(0, 0) - query).length_squared() < distance2);
             let Some(next) = shorter else { break };
-            (u, v, point) = next;
+            ((u, v), here) = next;
+            point = here.at(0, 0);
         }
         ([u, v], point, point.distance(query))
     }
+}
 
-    /// Newton's step for `|S - q|^2`, or the Gauss-Newton step where the Hessian is not positive definite or nearly singular. A parameter that
-    /// would leave its range stays at its end. `None` at a stationary point.
-    fn newton_step(&self, query: DVec3, [u, v]: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<NewtonStep> {
-        let d = self.derivatives(u, v, 2);
-        let (r, du, dv) = (d.at(0, 0) - query, d.at(1, 0), d.at(0, 1));
-        let (gu, gv) = (r.dot(du), r.dot(dv));
-        let held = |x: f64, g: f64, [a, b]: [f64; 2]| (x <= a && g > 0.0) || (x >= b && g < 0.0);
-        let (held_u, held_v) = (held(u, gu, ranges[0]), held(v, gv, ranges[1]));
-        let (e, f, g) = (du.dot(du), du.dot(dv), dv.dot(dv));
-        let (a, b, c) = (e + r.dot(d.at(2, 0)), f + r.dot(d.at(1, 1)), g + r.dot(d.at(0, 2)));
-        let one_parameter = |gradient: f64, newton: f64, gauss: f64| {
-            let curvature = if newton > SINGULAR * gauss { newton } else { gauss };
-            (gradient != 0.0 && curvature > 0.0).then(|| -gradient / curvature)
-        };
-        let step = |du: f64, dv: f64| NewtonStep { du, dv, decrease: -(gu * du + gv * dv) };
-        let along_u = |curvature: f64| one_parameter(gu, curvature, e).map(|s| step(s, 0.0));
-        let along_v = |curvature: f64| one_parameter(gv, curvature, g).map(|s| step(0.0, s));
-        match (held_u, held_v) {
-            (true, true) => None,
-            (true, false) => along_v(c),
-            (false, true) => along_u(a),
-            (false, false) => {
-                // Of the two curvatures relative to those without second derivatives, product over sum is at most the smaller one.
-                let smaller = SINGULAR * (a * g + c * e - 2.0 * b * f);
-                let newton = a > 0.0 && a * c - b * b > smaller.max(0.0);
-                let (a, b, c) = if newton { (a, b, c) } else { (e, f, g) };
-                let determinant = a * c - b * b;
-                if determinant > 0.0 && (gu != 0.0 || gv != 0.0) {
-                    return Some(step((b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant));
-                }
-                // At a pole one of the derivatives vanishes.
-                along_u(a).or_else(|| along_v(c))
+/// Newton's step for `|S - q|^2` from the derivatives up to second order, or the Gauss-Newton step where the Hessian is not positive definite or
+/// nearly singular. A parameter that would leave its range stays at its end. `None` at a stationary point.
+fn newton_step(d: &Derivatives, query: DVec3, [u, v]: [f64; 2], ranges: [[f64; 2]; 2]) -> Option<NewtonStep> {
+    let (r, du, dv) = (d.at(0, 0) - query, d.at(1, 0), d.at(0, 1));
+    let (gu, gv) = (r.dot(du), r.dot(dv));
+    let held = |x: f64, g: f64, [a, b]: [f64; 2]| (x <= a && g > 0.0) || (x >= b && g < 0.0);
+    let (held_u, held_v) = (held(u, gu, ranges[0]), held(v, gv, ranges[1]));
+    let (e, f, g) = (du.dot(du), du.dot(dv), dv.dot(dv));
+    let (a, b, c) = (e + r.dot(d.at(2, 0)), f + r.dot(d.at(1, 1)), g + r.dot(d.at(0, 2)));
+    let one_parameter = |gradient: f64, newton: f64, gauss: f64| {
+        let curvature = if newton > SINGULAR * gauss { newton } else { gauss };
+        (gradient != 0.0 && curvature > 0.0).then(|| -gradient / curvature)
+    };
+    let step = |du: f64, dv: f64| NewtonStep { du, dv, decrease: -(gu * du + gv * dv) };
+    let along_u = |curvature: f64| one_parameter(gu, curvature, e).map(|s| step(s, 0.0));
+    let along_v = |curvature: f64| one_parameter(gv, curvature, g).map(|s| step(0.0, s));
+    match (held_u, held_v) {
+        (true, true) => None,
+        (true, false) => along_v(c),
+        (false, true) => along_u(a),
+        (false, false) => {
+            // Of the two curvatures relative to those without second derivatives, product over sum is at most the smaller one.
+            let smaller = SINGULAR * (a * g + c * e - 2.0 * b * f);
+            let newton = a > 0.0 && a * c - b * b > smaller.max(0.0);
+            let (a, b, c) = if newton { (a, b, c) } else { (e, f, g) };
+            let determinant = a * c - b * b;
+            if determinant > 0.0 && (gu != 0.0 || gv != 0.0) {
+                return Some(step((b * gv - c * gu) / determinant, (b * gu - a * gv) / determinant));
             }
+            // At a pole one of the derivatives vanishes.
+            along_u(a).or_else(|| along_v(c))
         }
     }
 }
