@@ -1,23 +1,6 @@
-//! Widths of borders in space.
+//! Distances across curves on surfaces.
 
 use glanz_math::{DVec2, DVec3};
-
-/// A border of a region at a point in it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RegionBorder {
-    /// The width of its curve, in the coordinates of the region.
-    pub width: f64,
-    /// The direction of the curve next to the point, of any length.
-    pub along: DVec2,
-}
-
-impl RegionBorder {
-    /// The width in space, metres, on a surface with these derivatives by the coordinates of the region.
-    #[must_use]
-    pub fn space_width(&self, derivatives: [DVec3; 2]) -> f64 {
-        self.width * scale_across(derivatives, self.along)
-    }
-}
 
 /// Distance in space, metres, between a curve on a surface and the curve beside it whose distance in parameters is 1. `du` and `dv`: the derivatives of
 /// the surface by the parameters, metres; `along`: direction of the curve in parameters.

@@ -37,7 +37,7 @@ mod region;
 #[cfg(test)]
 mod tests;
 
-pub use border::{RegionBorder, scale_across};
+pub use border::scale_across;
 pub use curve::{MAX_DEGREE, TrimCurve};
 pub use loops::TrimLoop;
 pub use monotone::MonotonePiece;

@@ -3,7 +3,7 @@
 use glanz_math::rounding::gamma;
 use glanz_math::{DVec2, DVec3};
 
-use super::border::RegionBorder;
+use super::border::scale_across;
 use super::curve::MAX_DEGREE;
 use super::loops::TrimLoop;
 use crate::bezier::bernstein::{binomials, halve};
@@ -230,15 +230,16 @@ impl PieceTable {
         part_within(points, p, piece.width, self.slack.max_element(), 60)
     }
 
-    /// The border of the widest of those pieces of a list within whose width `p` lies.
-    pub(super) fn border(&self, list: &[u32], p: DVec2) -> Option<RegionBorder> {
+    /// The largest width in space, metres, of those pieces of a list within whose width `p` lies, 0 without any. `derivatives`: of the surface by
+    /// the coordinates of the pieces, metres.
+    pub(super) fn border_width(&self, list: &[u32], p: DVec2, derivatives: [DVec3; 2]) -> f64 {
         let pieces = list.iter().filter_map(|&i| self.pieces.get(i as usize));
         let near = pieces.filter(|piece| piece.near(p, self.slack + piece.width));
-        let borders = near.filter_map(|piece| {
+        let widths = near.filter_map(|piece| {
             let along = self.direction_within_width(piece, p)?;
-            Some(RegionBorder { width: piece.width, along })
+            Some(piece.width * scale_across(derivatives, along))
         });
-        borders.max_by(|a, b| a.width.total_cmp(&b.width))
+        widths.fold(0.0, f64::max)
     }
 
     /// The side of `piece` on which `p` lies, and whether it is within the width, for points about as near as that.

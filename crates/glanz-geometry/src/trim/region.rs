@@ -2,7 +2,6 @@
 
 use glanz_math::{DVec2, DVec3};
 
-use super::border::RegionBorder;
 use super::cell_tree::{CellLookup, CellTree};
 use super::curve::{TrimCurve, check_range};
 use super::loops::TrimLoop;
@@ -290,13 +289,17 @@ impl TrimRegion {
         self.max_width
     }
 
-    /// The border of the largest width in which a point lies; `None` if it lies in none.
+    /// The largest width in space, metres, of the borders in which a point lies, 0 if it lies in none. `derivatives`: of the surface by u and v,
+    /// metres.
     #[must_use]
-    pub fn border(&self, uv: DVec2) -> Option<RegionBorder> {
+    pub fn border_width(&self, uv: DVec2, [du, dv]: [DVec3; 2]) -> f64 {
         let p = (uv * self.scale).max(self.domain[0]).min(self.domain[1]);
         match self.cells.find(p) {
-            CellLookup::Uniform(_) => None,
-            CellLookup::Crossed(leaf) => self.pieces.border(self.cells.entries(leaf), p),
+            CellLookup::Uniform(_) => 0.0,
+            CellLookup::Crossed(leaf) => {
+                let derivatives = [du / self.scale.x, dv / self.scale.y];
+                self.pieces.border_width(self.cells.entries(leaf), p, derivatives)
+            }
         }
     }
 

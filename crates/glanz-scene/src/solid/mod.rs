@@ -13,8 +13,7 @@
 mod crossing;
 mod parity;
 
-use glanz_geometry::trim::TrimRegion;
-use glanz_geometry::{EdgeTubes, Hit, HitBorder, RaySurface, SurfacePoint, TubeContact};
+use glanz_geometry::{EdgeTubes, Hit, HitBorder, RaySurface, TubeContact};
 use glanz_math::{DVec3, Ray};
 
 use self::crossing::{BoundaryCrossing, CrossingKind, find_crossings_beside_tubes};
@@ -65,7 +64,7 @@ impl SceneObject {
         let (kind, normal, width) = match surface.trim_region().filter(|_| hit.border != HitBorder::Away) {
             Some(region) => {
                 let point = surface.point(local, hit);
-                let width = self.border_width(region, &point);
+                let width = region.border_width(point.uv, [point.dpdu, point.dpdv]);
                 (self.border_kind(hit.border, point.position, width)?, point.normal, width)
             }
             None => (CrossingKind::Certain, surface.location(local, hit).normal, 0.0),
@@ -75,13 +74,6 @@ impl SceneObject {
         let entering = (along < 0.0) != self.attributes(hit.face).reversed;
         let cos = along.abs() / (normal.length() * length);
         Some(BoundaryCrossing { t, entering, kind, width: width / length, cos, object: number, hit: *hit })
-    }
-
-    /// The width, in space, of the border in which a point lies, metres.
-    fn border_width(&self, region: &TrimRegion, point: &SurfacePoint) -> f64 {
-        let scale = region.scale();
-        let derivatives = [point.dpdu / scale.x, point.dpdv / scale.y];
-        region.border(point.uv).map_or(0.0, |border| border.space_width(derivatives))
     }
 
     /// The kind of a crossing in a border of this width at a point. Where parameters are dense, as near a pole, a border in parameters reaches far

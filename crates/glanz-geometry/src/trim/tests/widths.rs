@@ -12,11 +12,10 @@ fn rectangle(min: DVec2, max: DVec2, widths: [Option<f64>; 4]) -> Vec<TrimCurve>
     corners.windows(2).zip(widths).map(side).collect()
 }
 
-/// The widths of the sides in whose borders a point lies, by its distance from the segments.
-fn borders(p: DVec2, min: DVec2, max: DVec2, widths: [f64; 4]) -> Vec<f64> {
+/// The sides, by their number, in whose borders a point lies, by its distance from the segments.
+fn borders(p: DVec2, min: DVec2, max: DVec2, widths: [f64; 4]) -> Vec<usize> {
     let corners = [min, at(max.x, min.y), max, at(min.x, max.y), min];
-    let sides = corners.windows(2).zip(widths);
-    sides.filter(|(ends, width)| distance(p, ends[0], ends[1]) <= *width).map(|(_, width)| width).collect()
+    (0..4).filter(|side| distance(p, corners[*side], corners[side + 1]) <= widths[*side]).collect()
 }
 
 /// The location of a point by its distances from the sides.
@@ -51,8 +50,13 @@ fn every_side_of_a_rectangle_has_a_border_of_its_own_width() {
             seen[found as usize] += 1;
             assert_eq!(found, expected(p, min, max, widths), "{p}");
             assert_eq!(region.contains(p), found != RegionLocation::Outside);
-            let widest = borders(p, min, max, widths).into_iter().fold(0.0, f64::max);
-            assert_eq!(region.border(p).map_or(0.0, |border| border.width), widest, "{p}");
+            // Across the sides along x, a unit of y is half a metre; across the others, one of x is three.
+            let [across_x, across_y] = [0.5, 3.0];
+            let lengths = [across_x, across_y, across_x, across_y];
+            let in_space: [f64; 4] = std::array::from_fn(|side| widths[side] * lengths[side]);
+            let widest =
+                borders(p, min, max, widths).into_iter().map(|side| in_space[side]).fold(0.0, f64::max);
+            assert_eq!(region.border_width(p, [DVec3::X * 3.0, DVec3::Y * 0.5]), widest, "{p}");
         }
         assert!(seen.iter().all(|&n| n > 300), "{seen:?}");
     }
