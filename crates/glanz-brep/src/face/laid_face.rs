@@ -12,9 +12,7 @@ use super::stretch::{StretchedCurve, WidenedCurve};
 use super::surface::{STRAYING, ends_at_border, plane_of_polygons};
 use super::surface_part::part_with_edges;
 use super::trim::{FaceTrim, TrimmedFace};
-use crate::boundary::{
-    BoundaryChain, BoundaryCurve, BoundaryError, BoundaryRepair, ParameterSpace, chain, close,
-};
+use crate::boundary::{BoundaryChain, BoundaryCurve, BoundaryRepair, ParameterSpace, chain, close};
 use crate::carrier::{Carrier, CarrierConversion};
 use crate::curve::EdgeCurve;
 use crate::error::BrepError;
@@ -156,7 +154,7 @@ impl LaidFace {
         oriented: &[OrientedEdge],
     ) -> Result<Vec<BoundaryCurve>, FaceRefusal> {
         let mut curves = Vec::with_capacity(oriented.len());
-        // Else the curves of the file are not compared with the edges.
+        // Without a map of the parameters, curves of the file are not compared with the edges: nothing is repaired.
         let keeps_parameters = conversion.parameters.is_some();
         let is_fitted = |part: &EdgeParameterCurve| part.source == ParameterCurveSource::Fitted;
         for &OrientedEdge { edge: number, forward } in oriented {
@@ -235,12 +233,9 @@ impl LaidFace {
         widths: &[f64],
     ) -> Result<TrimmedFace, FaceRefusal> {
         let (size, tolerance) = (self.size, self.tolerance);
-        let mut largest: f64 = 0.0;
         for curve in self.loops.iter_mut().flatten() {
             let strayed = curve.edge.and_then(|edge| widths.get(edge).copied()).unwrap_or(curve.width);
             curve.width = overlap(strayed, tolerance, size) + ROUNDING * size;
-            let stretch = StretchedCurve::new(&self.carrier, self.metric, curve).largest();
-            largest = largest.max((curve.width * stretch).min(BRIDGED * size));
         }
         let point = |at: DVec2| self.carrier.point(at / self.metric);
         let space = self.space(&point);
@@ -249,9 +244,19 @@ impl LaidFace {
         if loops.is_empty() && !space.is_closed() {
             self.repairs.push(FaceRepair::MissingBoundary);
         }
-        let chains: Result<Vec<BoundaryChain>, BoundaryError> =
-            loops.into_iter().map(|curves| chain(curves, &space, self.tolerance, limit)).collect();
-        let closed = close(chains?, &space, largest)?;
+        let mut chains: Vec<BoundaryChain> = Vec::with_capacity(loops.len());
+        let (mut width, mut margin): (f64, f64) = (0.0, 0.0);
+        for curves in loops {
+            let mut chain = chain(curves, &space, tolerance, limit)?;
+            let widened: Vec<WidenedCurve> =
+                chain.curves.iter().flat_map(|curve| self.widened(edges, curve)).collect();
+            for part in &widened {
+                (width, margin) = (width.max(part.distance), margin.max(part.curve.width));
+            }
+            chain.curves = widened.into_iter().map(|widened| widened.curve).collect();
+            chains.push(chain);
+        }
+        let closed = close(chains, &space, margin)?;
         let mut repairs = std::mem::take(&mut self.repairs);
         repairs.extend(closed.repairs.iter().map(|&repair| match repair {
             BoundaryRepair::BridgedGap { gap } => FaceRepair::BridgedGap { gap },
@@ -259,17 +264,12 @@ impl LaidFace {
             BoundaryRepair::ReversedBoundary => FaceRepair::ReversedBoundary,
             BoundaryRepair::ReversedLoop { number } => FaceRepair::ReversedLoop(self.bounds[number]),
         }));
-        let widened: Vec<Vec<WidenedCurve>> = closed
-            .loops
-            .iter()
-            .map(|curves| curves.iter().flat_map(|curve| self.widened(edges, curve)).collect())
-            .collect();
-        let width = widened.iter().flatten().map(|widened| widened.distance).fold(0.0, f64::max);
         let geometry = placed(&self.carrier, self.metric, closed.window);
-        let trim = (!widened.is_empty()).then(|| FaceTrim {
-            loops: widened
+        let trim = (!closed.loops.is_empty()).then(|| FaceTrim {
+            loops: closed
+                .loops
                 .iter()
-                .map(|l| l.iter().map(|widened| geometry.curve(&widened.curve)).collect())
+                .map(|curves| curves.iter().map(|curve| geometry.curve(curve)).collect())
                 .collect(),
             scale: geometry.scale,
             domain: geometry.domain(closed.window),
@@ -287,7 +287,7 @@ impl LaidFace {
         Ok(face)
     }
 
-    /// A curve of a closed boundary with widths in region coordinates.
+    /// A curve of a boundary with widths in region coordinates.
     fn widened(&self, edges: &[BoundedEdge], curve: &BoundaryCurve) -> Vec<WidenedCurve> {
         let fraction = |at: DVec2| {
             let edge = edges.get(curve.edge?)?.curve.as_ref().ok()?;

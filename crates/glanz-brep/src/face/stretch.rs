@@ -14,14 +14,17 @@ const MAX_STRETCH: f64 = 1e3;
 /// Ratio of the stretches on a curve up to which it has one width.
 const VARIATION: f64 = 4.0;
 
-/// Ratio of the stretches at neighbouring samples up to which none are made between them, and by which widths are larger therefore.
+/// Largest ratio of the stretches at neighbouring samples; widths are larger by it, as the stretch varies between samples.
 const STEP: f64 = 1.25;
 
 /// Halvings between samples, at most: each halves the distance from a pole.
 const MOST_HALVINGS: u32 = 12;
 
-/// Parts of a curve that are sampled, at least: between knots at equal distances.
+/// Least number of parts of a curve between whose ends it is sampled.
 const SAMPLES: usize = 16;
+
+/// Most parts of a curve with widths of their own; a meridian with the largest ratio of stretches has fewer than a dozen.
+const MOST_PARTS: usize = 64;
 
 /// A curve on a carrier, in region coordinates: parameters times `metric`.
 pub(super) struct StretchedCurve<'a> {
@@ -35,7 +38,7 @@ pub(super) struct StretchedCurve<'a> {
 /// A curve with a width in region coordinates.
 pub(super) struct WidenedCurve {
     pub(super) curve: BoundaryCurve,
-    /// The largest distance on the surface, metres, that the width amounts to.
+    /// The largest distance on the surface, metres, that the width amounts to at samples along the curve; between them it may be larger.
     pub(super) distance: f64,
 }
 
@@ -43,7 +46,7 @@ impl<'a> StretchedCurve<'a> {
     pub(super) fn new(carrier: &'a Carrier, metric: DVec2, curve: &'a BoundaryCurve) -> Self {
         let mut stretched = Self { carrier, metric, curve, samples: Vec::new() };
         let spans = curve.spans();
-        let parts = SAMPLES.div_ceil(spans.len().max(1));
+        let parts = SAMPLES.max(stretched.knots()).div_ceil(spans.len().max(1));
         let Some(mut start) = spans.first().map(|span| (span[0], stretched.at(span[0]))) else {
             return stretched;
         };
@@ -57,6 +60,16 @@ impl<'a> StretchedCurve<'a> {
             }
         }
         stretched
+    }
+
+    /// The number of knots of a spline in the box around the curve: between two of them, the stretch varies little.
+    fn knots(&self) -> usize {
+        let Carrier::Spline(spline) = self.carrier else { return 0 };
+        let [low, high] = self.curve.bounds().map(|corner| corner / self.metric);
+        let inside = |knots: &KnotVector, axis: usize| {
+            knots.inner().iter().filter(|knot| (low[axis]..=high[axis]).contains(knot)).count()
+        };
+        inside(spline.surface().knots_u(), 0) + inside(spline.surface().knots_v(), 1)
     }
 
     /// How much longer a small distance across the curve is in region coordinates than on the surface; less than 1 where parameters are sparse.
@@ -82,12 +95,13 @@ impl<'a> StretchedCurve<'a> {
     }
 
     /// The largest stretch, at least 1.
-    pub(super) fn largest(&self) -> f64 {
+    fn largest(&self) -> f64 {
         STEP * self.samples.iter().map(|sample| sample.1).fold(1.0, f64::max)
     }
 
-    /// The curve whose width is a distance on the surface with widths in region coordinates of at most `limit`: in parts on which the stretch varies
-    /// little, or as a whole where none is wider than `unseen`; metres. `fraction`: that of the edge at a point in region coordinates.
+    /// The curve with widths in region coordinates, at most `limit`, that amount to its width on the surface: one part, or several on each of
+    /// which the stretch varies by at most [`VARIATION`]. It stays one where no width exceeds `unseen`; metres. `fraction`: that of the edge at a
+    /// point in region coordinates.
     pub(super) fn widened(
         &self,
         limit: f64,
@@ -126,7 +140,7 @@ impl<'a> StretchedCurve<'a> {
                 (least, most) = (last.min(stretch), last.max(stretch));
             }
         }
-        if cuts.len() == 1 {
+        if cuts.len() == 1 || cuts.len() > MOST_PARTS {
             return None;
         }
         cuts.push(self.samples.len() - 1);
@@ -201,6 +215,7 @@ mod tests {
     #[test]
     fn meridians_get_wider_towards_their_pole_and_parallels_do_not() {
         let parts = widened(DVec2::ZERO, DVec2::new(0.0, FRAC_PI_2));
+        // Stretches from 1 to MAX_STRETCH, with a part per factor of VARIATION: their logarithms are 10 and 2.
         assert!((5..12).contains(&parts.len()), "{}", parts.len());
         assert_eq!((parts[0].curve.range[0], parts.last().unwrap().curve.range[1]), (0.0, 1.0));
         for pair in parts.windows(2) {

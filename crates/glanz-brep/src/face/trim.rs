@@ -23,7 +23,7 @@ pub struct TrimmedFace {
     pub reversed: bool,
     /// The part of the surface that is the face; `None`: all of it.
     pub trim: Option<FaceTrim>,
-    /// Largest distance by which the face extends beyond an edge, metres.
+    /// Largest distance by which the face extends beyond an edge, metres, at samples along the edges; between them it may be larger.
     pub width: f64,
     /// Repairs that were necessary.
     pub repairs: Vec<FaceRepair>,
