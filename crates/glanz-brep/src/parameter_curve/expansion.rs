@@ -3,7 +3,7 @@
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
-use super::jet::Jet;
+use super::jet::{Expansion, Jet};
 use crate::carrier::{Carrier, SplineCarrier};
 use crate::model::{CurveVector, Placement, SplineCurve};
 
@@ -24,15 +24,12 @@ fn powers<P: CurveVector>(curve: &SplineCurve<P>, center: f64, scale: f64) -> Ve
 }
 
 /// `numerators / weight` where the weight is not 1.
-fn quotients<const N: usize>(numerators: [Jet; N], weight: Jet) -> [Jet; N] {
-    if weight.0[0].middle == 1.0
-        && weight.0.iter().skip(1).all(|w| w.magnitude() == 0.0)
-        && weight.spread() == 0.0
-    {
+fn quotients<T: Expansion, const N: usize>(numerators: [T; N], weight: &T) -> [T; N] {
+    if weight.is_one() {
         return numerators;
     }
     let inverse = weight.inverse();
-    numerators.map(|n| n * inverse)
+    numerators.map(|n| n.times(&inverse))
 }
 
 /// A curve of the plane on the interval [center - half, center + half] of one of its pieces.
@@ -40,26 +37,39 @@ pub(super) fn plane_curve(curve: &SplineCurve<DVec2>, center: f64, half: f64) ->
     let powers = powers(curve, center, half);
     let of =
         |part: &dyn Fn(&(DVec2, f64)) -> f64| Jet::polynomial(&powers.iter().map(part).collect::<Vec<_>>());
-    quotients([of(&|p| p.0.x), of(&|p| p.0.y)], of(&|p| p.1))
+    quotients([of(&|p| p.0.x), of(&|p| p.0.y)], &of(&|p| p.1))
 }
 
-/// A curve of space and its derivative at a parameter that is `center` plus a jet with the value 0 at 0.
-pub(super) fn space_curve(curve: &SplineCurve<DVec3>, center: f64, argument: &Jet) -> [JetPoint; 2] {
-    let powers = powers(curve, center, 1.0);
-    let (mut sums, mut slopes) = ([Jet::default(); 4], [Jet::default(); 4]);
-    for (k, (p, w)) in powers.iter().enumerate().rev() {
-        for (i, value) in [p.x, p.y, p.z, *w].into_iter().enumerate() {
-            sums[i] = sums[i] * *argument + Jet::constant(value);
-            if k > 0 {
-                slopes[i] = slopes[i] * *argument + Jet::constant(value * k as f64);
-            }
+/// A curve of space at a parameter that is `center` plus an argument with the value 0 at 0.
+pub(super) fn space_curve<T: Expansion>(curve: &SplineCurve<DVec3>, center: f64, argument: &T) -> [T; 3] {
+    let [x, y, z, w] = horner(powers(curve, center, 1.0).into_iter().map(|(p, w)| p.extend(w)), argument);
+    quotients([x, y, z], &w)
+}
+
+/// A curve as [`space_curve`] gives it, and its derivative by the parameter.
+pub(super) fn space_curve_and_tangent<T: Expansion>(
+    curve: &SplineCurve<DVec3>,
+    center: f64,
+    argument: &T,
+) -> [[T; 3]; 2] {
+    let powers = powers(curve, center, 1.0).into_iter().map(|(p, w)| p.extend(w));
+    let slopes = powers.clone().enumerate().skip(1).map(|(k, h)| h * k as f64);
+    let ([x, y, z, w], [dx, dy, dz, dw]) = (horner(powers, argument), horner(slopes, argument));
+    let point = quotients([x, y, z], &w);
+    // The quotient rule.
+    let [px, py, pz] = point.map(|p| p.times(&dw));
+    [point, quotients([dx - px, dy - py, dz - pz], &w)]
+}
+
+/// The polynomials with these coefficients, the constant first, at an argument.
+fn horner<T: Expansion>(powers: impl DoubleEndedIterator<Item = DVec4>, argument: &T) -> [T; 4] {
+    let mut sums = [T::default(); 4];
+    for power in powers.rev() {
+        for (sum, value) in sums.iter_mut().zip(power.to_array()) {
+            *sum = sum.times(argument) + T::constant(value);
         }
     }
-    let ([x, y, z, w], [dx, dy, dz, dw]) = (sums, slopes);
-    let point = quotients([x, y, z], w);
-    // The quotient rule.
-    let numerators = [dx - point[0] * dw, dy - point[1] * dw, dz - point[2] * dw];
-    [point, quotients(numerators, w)]
+    sums
 }
 
 /// A carrier at parameters that are jets; a spline on the piece at their values at 0.
@@ -90,7 +100,7 @@ pub(super) fn on_carrier(carrier: &Carrier, uv: &[Jet; 2]) -> JetPoint {
 /// The point at an angle, a distance from the axis and a height.
 fn around(placement: &Placement, angle: Jet, rho: Jet, height: Jet) -> JetPoint {
     let [sin, cos] = angle.sin_cos();
-    placed(placement, [cos * rho, sin * rho, height])
+    placed(placement, [cos.times(&rho), sin.times(&rho), height])
 }
 
 /// The point with these coordinates in a frame.
@@ -107,17 +117,12 @@ fn on_spline(spline: &SplineCarrier, uv: &[Jet; 2]) -> JetPoint {
     let [rows, columns] = spline.degrees().map(|degree| degree + 1);
     let powers: Vec<DVec4> = spline.powers(center);
     let mut sums = [Jet::default(); 4];
-    for i in (0..rows).rev() {
-        let mut row = [Jet::default(); 4];
-        for power in powers[i * columns..(i + 1) * columns].iter().rev() {
-            for (sum, value) in row.iter_mut().zip(power.to_array()) {
-                *sum = *sum * dv + Jet::constant(value);
-            }
-        }
+    for row in powers.chunks_exact(columns).take(rows).rev() {
+        let row = horner(row.iter().copied(), &dv);
         for (sum, row) in sums.iter_mut().zip(row) {
-            *sum = *sum * du + row;
+            *sum = sum.times(&du) + row;
         }
     }
     let [x, y, z, w] = sums;
-    quotients([x, y, z], w)
+    quotients([x, y, z], &w)
 }

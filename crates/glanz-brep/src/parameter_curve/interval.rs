@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 
 use glanz_math::{DVec2, DVec3};
 
-use super::expansion::{JetPoint, on_carrier, plane_curve, space_curve};
-use super::jet::{Jet, ORDER};
+use super::expansion::{JetPoint, on_carrier, plane_curve, space_curve, space_curve_and_tangent};
+use super::jet::{Expansion, Jet, ORDER, Series};
 use crate::carrier::Carrier;
 use crate::model::SplineCurve;
 
@@ -92,10 +92,11 @@ impl CurvePair<'_> {
         let uv = plane_curve(self.curve, 0.5 * (from + to), 0.5 * (to - from));
         let on_carrier = on_carrier(self.carrier, &uv);
         interval.edge_parameter = self.improved(&on_carrier, &edge_parameter);
-        let [edge, _] = self.on_edge(&interval.edge_parameter);
+        let (center, argument) = centered(&interval.edge_parameter);
+        let edge = space_curve(self.edge, center, &Jet::polynomial(&argument));
         let difference = [0, 1, 2].map(|i| on_carrier[i] - edge[i]);
         let (hull, sampled) = polynomial_bound(&difference);
-        let remainder = DVec3::from(difference.map(|d| d.0[ORDER].magnitude())).length();
+        let remainder = DVec3::from(difference.map(|d| d.magnitude(ORDER))).length();
         let (overhang, division) = self.overhang(&interval, &uv);
         interval.bound = hull + remainder + overhang;
         // A knot of the carrier is only divided at while it matters.
@@ -136,21 +137,16 @@ impl CurvePair<'_> {
         DeviationInterval { bound, forced: true, ..interval }
     }
 
-    /// The edge and its derivative where its parameter is a polynomial of x.
-    fn on_edge(&self, parameter: &[f64; ORDER]) -> [JetPoint; 2] {
-        let mut argument = *parameter;
-        argument[0] = 0.0;
-        space_curve(self.edge, parameter[0], &Jet::polynomial(&argument))
-    }
-
     /// One step of Newton's method for the parameter of the edge at which the difference is at right angles to the edge, with the same
     /// ends; the parameter as it is, if the step is not monotone.
     fn improved(&self, on_carrier: &JetPoint, parameter: &[f64; ORDER]) -> [f64; ORDER] {
-        let [edge, tangent] = self.on_edge(parameter);
-        let product = |a: &JetPoint, b: &JetPoint| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let difference = [0, 1, 2].map(|i| on_carrier[i] - edge[i]);
-        let step = product(&difference, &tangent) * product(&tangent, &tangent).inverse();
-        let mut improved: [f64; ORDER] = std::array::from_fn(|k| step.0[k].middle);
+        let (center, argument) = centered(parameter);
+        let [edge, tangent] = space_curve_and_tangent(self.edge, center, &Series::polynomial(&argument));
+        let product =
+            |a: &[Series; 3], b: &[Series; 3]| a[0].times(&b[0]) + a[1].times(&b[1]) + a[2].times(&b[2]);
+        let difference = [0, 1, 2].map(|i| on_carrier[i].middles - edge[i]);
+        let Series(step) = product(&difference, &tangent).times(&product(&tangent, &tangent).inverse());
+        let mut improved: [f64; ORDER] = std::array::from_fn(|k| step[k]);
         let (even, odd): (f64, f64) =
             (improved.iter().step_by(2).sum(), improved.iter().skip(1).step_by(2).sum());
         improved[0] -= even;
@@ -306,17 +302,30 @@ fn root(f: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// A polynomial as its value at 0 and the rest.
+fn centered(polynomial: &[f64; ORDER]) -> (f64, [f64; ORDER]) {
+    let mut rest = *polynomial;
+    rest[0] = 0.0;
+    (polynomial[0], rest)
+}
+
 /// A bound on the length of the polynomial of the middles of three jets over [-1, 1], and its largest length at samples.
 ///
 /// Its Bernstein points on halves of halves converge to it quadratically.
 fn polynomial_bound(jets: &[Jet; 3]) -> (f64, f64) {
-    let powers: Vec<DVec3> = (0..ORDER).map(|k| DVec3::from(jets.map(|jet| jet.0[k].middle))).collect();
-    let mut rows = vec![bernstein(&powers)];
-    for _ in 0..HALVINGS {
-        rows = rows.iter().flat_map(halves).collect();
+    let powers: [DVec3; ORDER] = std::array::from_fn(|k| DVec3::from_array(jets.map(|jet| jet.middles.0[k])));
+    let [hull, sampled] = squared_bound(&bernstein(&powers), HALVINGS);
+    (hull.sqrt(), sampled.sqrt())
+}
+
+/// The squares of the largest lengths of the Bernstein points of all parts after this many halvings, and of the ends of parts.
+fn squared_bound(row: &[DVec3; ORDER], halvings: usize) -> [f64; 2] {
+    if halvings == 0 {
+        let ends = [row[0], row[ORDER - 1]].into_iter();
+        return [largest(row.iter().map(|p| p.length_squared())), largest(ends.map(DVec3::length_squared))];
     }
-    let ends = rows.iter().flat_map(|row| [row[0], row[ORDER - 1]]);
-    (largest(rows.iter().flatten().map(|p| p.length())), largest(ends.map(DVec3::length)))
+    let [first, second] = halves(row).map(|half| squared_bound(&half, halvings - 1));
+    [0, 1].map(|k| largest([first[k], second[k]]))
 }
 
 /// The Bernstein coefficients on [-1, 1] of powers: row i has those with which the powers of x contribute to coefficient i.

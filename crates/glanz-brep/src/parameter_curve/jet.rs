@@ -5,6 +5,8 @@
 //! `f(x) = sum of k < n of m_k x^k + r`, where `m_k` are the middles and `|r| <= |m_n| + r_n`. Sums and products of balls contain those of
 //! their elements, so that this holds for every expression. Rounding is not contained; it is added at the end.
 //!
+//! A [`Series`] has the middles alone, where nothing has to be proven.
+//!
 //! # Source
 //! @moore2009 chapter 6 (recurrences for Taylor coefficients), in the arithmetic of middles and radii.
 
@@ -13,187 +15,241 @@ use std::ops::{Add, Mul, Sub};
 /// Order of the last coefficient, from which the remainder is bounded.
 pub(super) const ORDER: usize = 9;
 
-/// All numbers at most `radius` from `middle`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Ball {
-    pub(super) middle: f64,
-    pub(super) radius: f64,
-}
+/// A number for each order.
+type Row = [f64; ORDER + 1];
 
-impl Ball {
-    fn exact(middle: f64) -> Self {
-        Self { middle, radius: 0.0 }
-    }
-
-    /// The largest absolute value.
-    pub(super) fn magnitude(self) -> f64 {
-        self.middle.abs() + self.radius
-    }
-
-    /// The inverses; all numbers if 0 is among these.
-    fn inverse(self) -> Self {
-        let least = self.middle.abs() - self.radius;
-        if least.is_nan() || least <= 0.0 {
-            return Self { middle: 0.0, radius: f64::INFINITY };
-        }
-        Self { middle: 1.0 / self.middle, radius: self.radius / (self.middle.abs() * least) }
-    }
-
-    /// Sines and cosines, whose slopes are at most 1.
-    fn sin_cos(self) -> [Self; 2] {
-        let (sin, cos) = self.middle.sin_cos();
-        let radius = self.radius.min(2.0);
-        [Self { middle: sin, radius }, Self { middle: cos, radius }]
-    }
-}
-
-impl Add for Ball {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { middle: self.middle + other.middle, radius: self.radius + other.radius }
-    }
-}
-
-impl Sub for Ball {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Self { middle: self.middle - other.middle, radius: self.radius + other.radius }
-    }
-}
-
-impl Mul for Ball {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        let radius = self.middle.abs() * other.radius + self.radius * other.magnitude();
-        Self { middle: self.middle * other.middle, radius }
-    }
-}
-
-impl Mul<f64> for Ball {
-    type Output = Self;
-
-    fn mul(self, factor: f64) -> Self {
-        Self { middle: self.middle * factor, radius: self.radius * factor.abs() }
-    }
-}
-
-/// Taylor coefficients of a function on [-1, 1].
+/// Taylor coefficients at 0.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Jet(pub(super) [Ball; ORDER + 1]);
+pub(super) struct Series(pub(super) Row);
+
+/// Taylor coefficients of a function on [-1, 1]: all numbers at most a radius from a middle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Jet {
+    pub(super) middles: Series,
+    pub(super) radii: Row,
+}
+
+/// What curves and surfaces are evaluated in.
+pub(super) trait Expansion:
+    Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
+{
+    /// The polynomial with these coefficients of powers of x.
+    fn polynomial(coefficients: &[f64]) -> Self;
+
+    /// The product of two functions.
+    fn times(&self, other: &Self) -> Self;
+
+    /// `1 / f`.
+    fn inverse(&self) -> Self;
+
+    /// Whether the function is the constant 1.
+    fn is_one(&self) -> bool;
+
+    /// A constant.
+    fn constant(value: f64) -> Self {
+        Self::polynomial(&[value])
+    }
+}
+
+fn zip(mut a: Row, b: &Row, f: impl Fn(f64, f64) -> f64) -> Row {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a = f(*a, *b));
+    a
+}
+
+/// The number of coefficients up to the last that is not 0.
+fn count(row: &Row) -> usize {
+    row.iter().rposition(|value| *value != 0.0).map_or(0, |last| last + 1)
+}
+
+/// Adds the product of two series, of which `b` has `count` coefficients, to `sum`.
+fn add_product(sum: &mut Row, a: &Row, b: &Row, count: usize) {
+    for (j, factor) in b.iter().enumerate().take(count) {
+        for (sum, a) in sum[j..].iter_mut().zip(a) {
+            *sum += a * factor;
+        }
+    }
+}
+
+/// Coefficient k >= 1 of a quotient 1 / f times f(0), from those before it.
+fn quotient(f: &Row, inverse: &Row, k: usize) -> f64 {
+    -(1..=k).map(|j| f[j] * inverse[k - j]).sum::<f64>()
+}
+
+impl Expansion for Series {
+    fn polynomial(coefficients: &[f64]) -> Self {
+        let mut series = Self::default();
+        series.0.iter_mut().zip(coefficients).for_each(|(a, b)| *a = *b);
+        series
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let mut product = Self::default();
+        // Arguments are often polynomials of a low degree.
+        add_product(&mut product.0, &self.0, &other.0, count(&other.0));
+        product
+    }
+
+    fn inverse(&self) -> Self {
+        let mut inverse = Self::default();
+        let first = 1.0 / self.0[0];
+        inverse.0[0] = first;
+        for k in 1..=ORDER {
+            inverse.0[k] = first * quotient(&self.0, &inverse.0, k);
+        }
+        inverse
+    }
+
+    fn is_one(&self) -> bool {
+        self.0[0] == 1.0 && count(&self.0) == 1
+    }
+}
 
 impl Jet {
-    /// A constant.
-    pub(super) fn constant(value: f64) -> Self {
-        let mut jet = Self::default();
-        jet.0[0] = Ball::exact(value);
-        jet
-    }
-
-    /// The polynomial with these coefficients of powers of x. The derivative of order k over k! is
-    /// `sum of binomial(j, k) a_j x^(j - k)`.
-    pub(super) fn polynomial(coefficients: &[f64]) -> Self {
-        let mut jet = Self::default();
-        for (k, ball) in jet.0.iter_mut().enumerate() {
-            let mut binomial = 1.0;
-            for (j, a) in coefficients.iter().enumerate().skip(k) {
-                if j == k {
-                    ball.middle = *a;
-                } else {
-                    binomial *= j as f64 / (j - k) as f64;
-                    ball.radius += binomial * a.abs();
-                }
-            }
-        }
-        jet
-    }
-
     /// The value at 0.
     pub(super) fn center(&self) -> f64 {
-        self.0[0].middle
+        self.middles.0[0]
     }
 
     /// The function less its value at 0.
     pub(super) fn centered(mut self) -> Self {
-        self.0[0].middle = 0.0;
+        self.middles.0[0] = 0.0;
         self
     }
 
     /// Bound on the distance of the values from that at 0.
     pub(super) fn spread(&self) -> f64 {
-        self.0[0].radius
+        self.radii[0]
     }
 
-    /// `1 / f`.
-    pub(super) fn inverse(&self) -> Self {
-        let mut jet = Self::default();
-        let first = self.0[0].inverse();
-        jet.0[0] = first;
-        for k in 1..=ORDER {
-            let sum = (1..=k).fold(Ball::default(), |sum, j| sum + self.0[j] * jet.0[k - j]);
-            jet.0[k] = first * sum * -1.0;
-        }
-        jet
+    /// The largest absolute value of the coefficient of an order.
+    pub(super) fn magnitude(&self, order: usize) -> f64 {
+        self.middles.0[order].abs() + self.radii[order]
+    }
+
+    fn magnitudes(&self) -> Row {
+        zip(self.radii, &self.middles.0, |radius, middle| radius + middle.abs())
     }
 
     /// The sine and the cosine of f.
     pub(super) fn sin_cos(&self) -> [Self; 2] {
         let (mut sin, mut cos) = (Self::default(), Self::default());
-        [sin.0[0], cos.0[0]] = self.0[0].sin_cos();
+        let [middles, magnitudes] = [self.middles.0, self.magnitudes()];
+        (sin.middles.0[0], cos.middles.0[0]) = self.center().sin_cos();
+        // The slopes are at most 1, and the values between -1 and 1.
+        let radius = self.radii[0].min(2.0);
+        (sin.radii[0], cos.radii[0]) = (radius, radius);
         for k in 1..=ORDER {
-            let (mut s, mut c) = (Ball::default(), Ball::default());
             for j in 1..=k {
-                let slope = self.0[j] * (j as f64 / k as f64);
-                s = s + slope * cos.0[k - j];
-                c = c - slope * sin.0[k - j];
+                let share = j as f64 / k as f64;
+                let (middle, radius) = (share * middles[j], share * self.radii[j]);
+                sin.middles.0[k] += middle * cos.middles.0[k - j];
+                cos.middles.0[k] -= middle * sin.middles.0[k - j];
+                sin.radii[k] +=
+                    share * magnitudes[j] * cos.radii[k - j] + radius * cos.middles.0[k - j].abs();
+                cos.radii[k] +=
+                    share * magnitudes[j] * sin.radii[k - j] + radius * sin.middles.0[k - j].abs();
             }
-            (sin.0[k], cos.0[k]) = (s, c);
         }
         [sin, cos]
+    }
+}
+
+impl Expansion for Jet {
+    /// The derivative of order k over k! is `sum of binomial(j, k) a_j x^(j - k)`.
+    fn polynomial(coefficients: &[f64]) -> Self {
+        let mut jet = Self { middles: Series::polynomial(coefficients), radii: Row::default() };
+        for (k, radius) in jet.radii.iter_mut().enumerate() {
+            let mut binomial = 1.0;
+            for (j, a) in coefficients.iter().enumerate().skip(k + 1) {
+                binomial *= j as f64 / (j - k) as f64;
+                *radius += binomial * a.abs();
+            }
+        }
+        jet
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        let mut product = Self { middles: self.middles.times(&other.middles), radii: Row::default() };
+        let of_middles = self.middles.0.map(f64::abs);
+        add_product(&mut product.radii, &of_middles, &other.radii, count(&other.radii));
+        let magnitudes = other.magnitudes();
+        add_product(&mut product.radii, &self.radii, &magnitudes, count(&magnitudes));
+        product
+    }
+
+    /// All numbers if f may be 0.
+    fn inverse(&self) -> Self {
+        let mut inverse = Self { middles: self.middles.inverse(), radii: Row::default() };
+        let middle = self.center().abs();
+        let least = middle - self.radii[0];
+        if least.is_nan() || least <= 0.0 {
+            return Self { middles: Series::default(), radii: [f64::INFINITY; ORDER + 1] };
+        }
+        inverse.radii[0] = self.radii[0] / (middle * least);
+        let magnitudes = self.magnitudes();
+        for k in 1..=ORDER {
+            // The sum is -f(0) times the middle of the coefficient, and is multiplied by the ball of 1 / f.
+            let sum = quotient(&self.middles.0, &inverse.middles.0, k).abs();
+            let radius: f64 = (1..=k)
+                .map(|j| {
+                    magnitudes[j] * inverse.radii[k - j] + self.radii[j] * inverse.middles.0[k - j].abs()
+                })
+                .sum();
+            inverse.radii[k] = (sum + radius) * inverse.radii[0] + radius / middle;
+        }
+        inverse
+    }
+
+    fn is_one(&self) -> bool {
+        self.middles.is_one() && count(&self.radii) == 0
+    }
+}
+
+impl Add for Series {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self(zip(self.0, &other.0, |a, b| a + b))
+    }
+}
+
+impl Sub for Series {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self(zip(self.0, &other.0, |a, b| a - b))
+    }
+}
+
+impl Mul<f64> for Series {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self(self.0.map(|a| a * factor))
     }
 }
 
 impl Add for Jet {
     type Output = Self;
 
-    fn add(mut self, other: Self) -> Self {
-        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a = *a + b);
-        self
+    fn add(self, other: Self) -> Self {
+        Self { middles: self.middles + other.middles, radii: zip(self.radii, &other.radii, |a, b| a + b) }
     }
 }
 
 impl Sub for Jet {
     type Output = Self;
 
-    fn sub(mut self, other: Self) -> Self {
-        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a = *a - b);
-        self
+    fn sub(self, other: Self) -> Self {
+        Self { middles: self.middles - other.middles, radii: zip(self.radii, &other.radii, |a, b| a + b) }
     }
 }
 
 impl Mul<f64> for Jet {
     type Output = Self;
 
-    fn mul(mut self, factor: f64) -> Self {
-        self.0.iter_mut().for_each(|a| *a = *a * factor);
-        self
-    }
-}
-
-impl Mul for Jet {
-    type Output = Self;
-
-    fn mul(self, other: Self) -> Self {
-        let mut jet = Self::default();
-        // Arguments are often polynomials of a low degree.
-        let last = other.0.iter().rposition(|ball| *ball != Ball::default()).unwrap_or(0);
-        for k in 0..=ORDER {
-            let from = k.saturating_sub(last);
-            jet.0[k] = (from..=k).fold(Ball::default(), |sum, j| sum + self.0[j] * other.0[k - j]);
-        }
-        jet
+    fn mul(self, factor: f64) -> Self {
+        Self { middles: self.middles * factor, radii: self.radii.map(|radius| radius * factor.abs()) }
     }
 }
 
@@ -212,7 +268,7 @@ mod tests {
                 reach * reach / 8.0,
             ];
             let [sin, _] = Jet::polynomial(&shifted).sin_cos();
-            sin * Jet::polynomial(&[3.0 + center / 2.0, 0.5 * reach]).inverse()
+            sin.times(&Jet::polynomial(&[3.0 + center / 2.0, 0.5 * reach]).inverse())
         };
         let whole = at(0.0, 1.0);
         for i in -10..=10 {
@@ -220,22 +276,22 @@ mod tests {
             let (x, reach) = (f64::from(i) / 10.0, 1e-2);
             let point = at(x, reach);
             for k in 0..=ORDER {
-                let value = point.0[k].middle / reach.powi(k as i32);
-                let ball = whole.0[k];
+                let value = point.middles.0[k] / reach.powi(k as i32);
+                let (middle, radius) = (whole.middles.0[k], whole.radii[k]);
                 assert!(
-                    (value - ball.middle).abs() <= ball.radius + 1e-12,
-                    "order {k} at {x}: {value} {ball:?}"
+                    (value - middle).abs() <= radius + 1e-12,
+                    "order {k} at {x}: {value} {middle} {radius}"
                 );
             }
         }
         let x: f64 = 0.7;
-        let taylor = |n: usize| (0..n).map(|k| whole.0[k].middle * x.powi(k as i32)).sum::<f64>();
+        let taylor = |n: usize| (0..n).map(|k| whole.middles.0[k] * x.powi(k as i32)).sum::<f64>();
         let value = (2.0 + x / 4.0 + x * x / 8.0).sin() / (3.0 + x / 2.0);
-        assert!((value - taylor(ORDER)).abs() <= whole.0[ORDER].magnitude());
+        assert!((value - taylor(ORDER)).abs() <= whole.magnitude(ORDER));
     }
 
     #[test]
     fn quotients_by_functions_with_a_zero_are_unbounded() {
-        assert_eq!(Jet::polynomial(&[1.0, 1.5]).inverse().0[0].magnitude(), f64::INFINITY);
+        assert_eq!(Jet::polynomial(&[1.0, 1.5]).inverse().magnitude(0), f64::INFINITY);
     }
 }
