@@ -35,10 +35,10 @@ use crate::curve::local_minimum;
 use crate::model::{Curve, SplineCurve};
 
 /// Ratio of bound and sampled distance at which the search ends.
-const SHARPNESS: f64 = 1.25;
+pub(super) const SHARPNESS: f64 = 1.25;
 
 /// Part of the tolerance below which a bound is small enough.
-const ENOUGH: f64 = 1.0 / 1024.0;
+pub(super) const ENOUGH: f64 = 1.0 / 1024.0;
 
 /// Divisions besides those at knots.
 const MAX_DIVISIONS: usize = 256;

@@ -39,7 +39,7 @@ pub(super) struct EdgeProjector<'a> {
     pub(super) samples: Vec<DVec2>,
     /// The largest distance of these points from the edge, metres. No curve on the carrier deviates less, as far as they are the nearest
     /// points: on a spline they are local minima, of which others may be nearer.
-    stray: f64,
+    pub(super) stray: f64,
 }
 
 /// A cubic piece under construction.

@@ -2,7 +2,7 @@
 //!
 //! [`edge_on_carrier`] lays an edge onto a carrier: exactly where surface and curve allow it (`exact`, `isoline`), by the curve that the file gives
 //! if it holds (`given`), else by a cubic spline through projected points (`fit`). Whatever the source, a bound on the distance between
-//! the edge and the curve on the carrier is derived (`deviation`).
+//! the edge and the curve on the carrier is derived (`deviation`; from control points where both are the same curve, `isoline`).
 
 mod deviation;
 mod exact;
