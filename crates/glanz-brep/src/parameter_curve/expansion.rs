@@ -64,9 +64,12 @@ pub(super) fn space_curve_and_tangent<T: Expansion>(
 /// The polynomials with these coefficients, the constant first, at an argument.
 fn horner<T: Expansion>(powers: impl DoubleEndedIterator<Item = DVec4>, argument: &T) -> [T; 4] {
     let mut sums = [T::default(); 4];
-    for power in powers.rev() {
+    for (i, power) in powers.rev().enumerate() {
         for (sum, value) in sums.iter_mut().zip(power.to_array()) {
-            *sum = sum.times(argument) + T::constant(value);
+            if i > 0 {
+                *sum = sum.times(argument);
+            }
+            sum.add_constant(value);
         }
     }
     sums
@@ -79,9 +82,12 @@ pub(super) fn on_carrier(carrier: &Carrier, uv: &[Jet; 2]) -> JetPoint {
             let zero = Jet::default();
             placed(placement, [uv[0], uv[1], zero])
         }
-        Carrier::Cylinder { placement, radius } => around(placement, uv[0], Jet::constant(*radius), uv[1]),
+        Carrier::Cylinder { placement, radius } => {
+            around(placement, uv[0], Jet::polynomial(&[*radius]), uv[1])
+        }
         Carrier::Cone { placement, radius, half_angle } => {
-            let rho = uv[1] * half_angle.tan() + Jet::constant(*radius);
+            let mut rho = uv[1] * half_angle.tan();
+            rho.add_constant(*radius);
             around(placement, uv[0], rho, uv[1])
         }
         Carrier::Sphere { placement, radius } => {
@@ -90,7 +96,8 @@ pub(super) fn on_carrier(carrier: &Carrier, uv: &[Jet; 2]) -> JetPoint {
         }
         Carrier::Torus { placement, major_radius, minor_radius } => {
             let [sin, cos] = uv[1].sin_cos();
-            let rho = cos * *minor_radius + Jet::constant(*major_radius);
+            let mut rho = cos * *minor_radius;
+            rho.add_constant(*major_radius);
             around(placement, uv[0], rho, sin * *minor_radius)
         }
         Carrier::Spline(spline) => on_spline(spline, uv),
@@ -106,7 +113,9 @@ fn around(placement: &Placement, angle: Jet, rho: Jet, height: Jet) -> JetPoint 
 /// The point with these coordinates in a frame.
 fn placed(placement: &Placement, [x, y, z]: JetPoint) -> JetPoint {
     let coordinate = |i: usize| {
-        x * placement.x[i] + y * placement.y[i] + z * placement.z[i] + Jet::constant(placement.origin[i])
+        let mut sum = x * placement.x[i] + y * placement.y[i] + z * placement.z[i];
+        sum.add_constant(placement.origin[i]);
+        sum
     };
     [coordinate(0), coordinate(1), coordinate(2)]
 }
@@ -116,11 +125,13 @@ fn on_spline(spline: &SplineCarrier, uv: &[Jet; 2]) -> JetPoint {
     let [du, dv] = uv.map(Jet::centered);
     let [rows, columns] = spline.degrees().map(|degree| degree + 1);
     let powers: Vec<DVec4> = spline.powers(center);
+    // Of a curve of constant u, all powers of du but the first vanish.
+    let rows = if du.is_zero() { 1 } else { rows };
     let mut sums = [Jet::default(); 4];
-    for row in powers.chunks_exact(columns).take(rows).rev() {
+    for (i, row) in powers.chunks_exact(columns).take(rows).rev().enumerate() {
         let row = horner(row.iter().copied(), &dv);
         for (sum, row) in sums.iter_mut().zip(row) {
-            *sum = sum.times(&du) + row;
+            *sum = if i > 0 { sum.times(&du) + row } else { row };
         }
     }
     let [x, y, z, w] = sums;

@@ -45,15 +45,12 @@ pub(super) trait Expansion:
     /// Whether the function is the constant 1.
     fn is_one(&self) -> bool;
 
-    /// A constant.
-    fn constant(value: f64) -> Self {
-        Self::polynomial(&[value])
-    }
+    /// Adds a constant.
+    fn add_constant(&mut self, value: f64);
 }
 
-fn zip(mut a: Row, b: &Row, f: impl Fn(f64, f64) -> f64) -> Row {
-    a.iter_mut().zip(b).for_each(|(a, b)| *a = f(*a, *b));
-    a
+fn combine(a: &Row, b: &Row, f: impl Fn(f64, f64) -> f64) -> Row {
+    std::array::from_fn(|k| f(a[k], b[k]))
 }
 
 /// The number of coefficients up to the last that is not 0.
@@ -63,9 +60,13 @@ fn count(row: &Row) -> usize {
 
 /// Adds the product of two series, of which `b` has `count` coefficients, to `sum`.
 fn add_product(sum: &mut Row, a: &Row, b: &Row, count: usize) {
-    for (j, factor) in b.iter().enumerate().take(count) {
-        for (sum, a) in sum[j..].iter_mut().zip(a) {
-            *sum += a * factor;
+    // With constant numbers of steps, the loops are unrolled.
+    for j in 0..=ORDER {
+        if j == count {
+            break;
+        }
+        for k in j..=ORDER {
+            sum[k] += a[k - j] * b[j];
         }
     }
 }
@@ -102,6 +103,10 @@ impl Expansion for Series {
     fn is_one(&self) -> bool {
         self.0[0] == 1.0 && count(&self.0) == 1
     }
+
+    fn add_constant(&mut self, value: f64) {
+        self.0[0] += value;
+    }
 }
 
 impl Jet {
@@ -121,13 +126,18 @@ impl Jet {
         self.radii[0]
     }
 
+    /// Whether the function is the constant 0.
+    pub(super) fn is_zero(&self) -> bool {
+        count(&self.middles.0) == 0 && count(&self.radii) == 0
+    }
+
     /// The largest absolute value of the coefficient of an order.
     pub(super) fn magnitude(&self, order: usize) -> f64 {
         self.middles.0[order].abs() + self.radii[order]
     }
 
     fn magnitudes(&self) -> Row {
-        zip(self.radii, &self.middles.0, |radius, middle| radius + middle.abs())
+        combine(&self.radii, &self.middles.0, |radius, middle| radius + middle.abs())
     }
 
     /// The sine and the cosine of f.
@@ -203,13 +213,17 @@ impl Expansion for Jet {
     fn is_one(&self) -> bool {
         self.middles.is_one() && count(&self.radii) == 0
     }
+
+    fn add_constant(&mut self, value: f64) {
+        self.middles.add_constant(value);
+    }
 }
 
 impl Add for Series {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self(zip(self.0, &other.0, |a, b| a + b))
+        Self(combine(&self.0, &other.0, |a, b| a + b))
     }
 }
 
@@ -217,7 +231,7 @@ impl Sub for Series {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        Self(zip(self.0, &other.0, |a, b| a - b))
+        Self(combine(&self.0, &other.0, |a, b| a - b))
     }
 }
 
@@ -233,7 +247,10 @@ impl Add for Jet {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self { middles: self.middles + other.middles, radii: zip(self.radii, &other.radii, |a, b| a + b) }
+        Self {
+            middles: self.middles + other.middles,
+            radii: combine(&self.radii, &other.radii, |a, b| a + b),
+        }
     }
 }
 
@@ -241,7 +258,10 @@ impl Sub for Jet {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        Self { middles: self.middles - other.middles, radii: zip(self.radii, &other.radii, |a, b| a + b) }
+        Self {
+            middles: self.middles - other.middles,
+            radii: combine(&self.radii, &other.radii, |a, b| a + b),
+        }
     }
 }
 
