@@ -73,7 +73,7 @@ impl From<&CadReport> for CadSummary {
 }
 
 impl CadSummary {
-    /// Lines for a reader; `verbose`: with every repair, refusal and omission.
+    /// Lines for a reader; `verbose`: with repairs and what is left out.
     pub(super) fn text(&self, verbose: bool) -> String {
         let mut text = String::new();
         let mut line = |name: &str, value: &str| {

@@ -49,7 +49,7 @@ impl<'a> PartReader<'a, '_> {
                 self.reader.hide(*representation);
             }
             while let Some(representation) = representations.pop() {
-                // Many products may have the same.
+                // Products may share a representation.
                 if !self.followed.insert(representation.id()) {
                     continue;
                 }

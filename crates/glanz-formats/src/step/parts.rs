@@ -29,7 +29,7 @@ pub(super) struct PartReader<'a, 'r> {
     states: HashMap<EntityId, PartState>,
     reaches: PartReaches,
     visited: HashSet<EntityId>,
-    /// Representations whose placed ones are hidden with them.
+    /// Hidden representations whose placed representations were hidden, too.
     pub(super) followed: HashSet<EntityId>,
 }
 
