@@ -39,7 +39,7 @@ pub enum BrepError {
     },
     /// An edge ends at the vertex where it starts, but its curve is open.
     #[error(
-        "the edge is closed, but its curve is open: its ends are {gap:.1e} m apart; the tolerance is {tolerance:.1e} m"
+        "the edge is closed, but its curve is open: its ends are {gap:.2e} m apart; the tolerance is {tolerance:.2e} m"
     )]
     OpenCurve {
         /// Distance of the ends of the curve, metres.
@@ -66,7 +66,7 @@ pub enum BrepError {
     },
     /// No spline within the limits is close enough.
     #[error(
-        "the {shape} is fitted with a deviation of {deviation:.1e} m; the tolerance is {tolerance:.1e} m"
+        "the {shape} is fitted with a deviation of {deviation:.2e} m; the tolerance is {tolerance:.2e} m"
     )]
     Unfitted {
         /// What was fitted.

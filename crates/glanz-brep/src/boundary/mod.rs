@@ -59,7 +59,7 @@ pub enum BoundaryError {
     #[error("a loop has no edges")]
     Empty,
     /// A loop does not close.
-    #[error("consecutive edges are {gap:.1e} m apart; at most {limit:.1e} m can be bridged")]
+    #[error("consecutive edges are {gap:.2e} m apart; at most {limit:.2e} m can be bridged")]
     OpenLoop {
         /// Distance, metres.
         gap: f64,
