@@ -51,8 +51,8 @@ pub enum FaceRepair {
         /// Their largest distance from the plane in the file, metres.
         distance: f64,
     },
-    /// The polygons of the face run around the other side of its plane.
-    #[error("its polygons run around the other side of its plane; their own is taken")]
+    /// The polygons of the face run clockwise about its normal.
+    #[error("its polygons run clockwise about its normal; its plane is turned")]
     TurnedPlane,
     /// A loop is a single point that is not a pole.
     #[error("loop {0} is a point; it is ignored")]

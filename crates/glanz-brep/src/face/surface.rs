@@ -15,7 +15,7 @@ pub(super) fn ends_at_border(surface: &FaceSurface, face: &Face) -> bool {
     says_so || has_range && face.bounds.is_empty()
 }
 
-/// The plane of a face between polygons that are far from the plane in the file or run around its other side, and the repair.
+/// The plane of a face between polygons that are far from the plane in the file or run clockwise about its normal, and the repair.
 ///
 /// Polygons agree with those of the neighbours, whose corners they share; a plane may be one for all faces.
 pub(super) fn plane_of_polygons(
@@ -32,13 +32,15 @@ pub(super) fn plane_of_polygons(
     }
     let distance = |plane: Placement| corners.iter().map(|&p| plane.to_local(p).z.abs()).fold(0.0, f64::max);
     let plane = Placement::of_polygons(&face.bounds)?;
-    let off = distance(given);
-    let repair = if off > STRAYING * size {
-        FaceRepair::PolygonPlane { distance: off }
-    } else if (plane.z.dot(given.z) < 0.0) == face.same_sense {
-        FaceRepair::TurnedPlane
-    } else {
+    let (off, is_flat) = (distance(given), distance(plane) <= tolerance);
+    if off > STRAYING * size {
+        return is_flat.then_some((plane, FaceRepair::PolygonPlane { distance: off }));
+    }
+    let is_opposite = plane.z.dot(given.z) < 0.0;
+    if is_opposite != face.same_sense {
         return None;
-    };
-    (distance(plane) <= tolerance).then_some((plane, repair))
+    }
+    // Of polygons in no plane the given one holds, on the side around which they run.
+    let side = if is_opposite { Placement { y: -given.y, z: -given.z, ..given } } else { given };
+    Some((if is_flat { plane } else { side }, FaceRepair::TurnedPlane))
 }

@@ -176,6 +176,28 @@ fn polygons_far_from_their_plane_take_their_own() {
 }
 
 #[test]
+fn polygon_that_is_not_flat_turns_its_plane() {
+    // Above the unit square; no plane contains it.
+    let heights = [1.0, 1.01, 1.0, 1.01];
+    let corners: Vec<DVec3> = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+        .iter()
+        .zip(heights)
+        .map(|(&(x, y), z)| DVec3::new(x, y, z))
+        .collect();
+    let downwards = Placement { y: DVec3::NEG_Y, z: DVec3::NEG_Z, ..at_height(1.0) };
+    for (plane, same_sense) in [(downwards, true), (at_height(1.0), false)] {
+        let mut model = ModelBuilder::default();
+        let polygon = BoundaryLoop::Polygon(corners.clone());
+        model.bounded(FaceSurface::Plane(plane), same_sense, vec![polygon]);
+        let face = trimmed_faces(&model.0).faces.remove(0).unwrap();
+        // Counter-clockwise from above: a third of the height times the area, as above the origin.
+        assert_close(face.measure(1e-9).volume, 1.0 / 3.0);
+        assert_eq!(face.repairs[0], FaceRepair::TurnedPlane);
+        assert!(matches!(face.repairs[1..], [FaceRepair::StrayingPolygon { .. }]), "{:?}", face.repairs);
+    }
+}
+
+#[test]
 fn polygon_beside_its_plane_is_repaired_up_to_a_part_of_its_size_and_refused_beyond() {
     let polygon = |height: f64| {
         let mut model = ModelBuilder::default();
