@@ -5,7 +5,7 @@ use glanz_math::{Bounds3, DVec3};
 use super::outcome::FaceRefusal;
 use crate::curve::EdgeCurve;
 use crate::error::BrepError;
-use crate::model::{BoundaryLoop, BrepModel, CurveVector, Edge, Face};
+use crate::model::{BoundaryLoop, BrepModel, CurveVector, Edge, Face, OrientedEdge};
 
 /// An edge with a box around it.
 pub(super) struct BoundedEdge {
@@ -47,4 +47,16 @@ pub(super) fn extent(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> R
         }
     }
     Ok(Bounds3::from_points(points))
+}
+
+/// Points of the edges of a loop in its order and sense, the ends of `parts` equal parts of each; edges without a curve are passed over.
+pub(super) fn loop_points(edges: &[BoundedEdge], oriented: &[OrientedEdge], parts: u32) -> Vec<DVec3> {
+    let curves = oriented.iter().filter_map(|&OrientedEdge { edge, forward }| {
+        edges.get(edge).and_then(|edge| edge.curve.as_ref().ok()).map(|curve| (curve, forward))
+    });
+    let points = curves.flat_map(|(curve, forward)| {
+        let fraction = move |i: u32| f64::from(if forward { i } else { parts - i }) / f64::from(parts);
+        (0..=parts).map(move |i| curve.point(fraction(i)))
+    });
+    points.collect()
 }

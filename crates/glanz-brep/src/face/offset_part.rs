@@ -2,12 +2,12 @@
 
 use glanz_math::{Bounds3, DVec2, DVec3};
 
-use super::bounded_edge::BoundedEdge;
-use crate::carrier::Carrier;
+use super::bounded_edge::{BoundedEdge, loop_points};
+use crate::carrier::{Carrier, CarrierProjection};
 use crate::model::{BoundaryLoop, Face, FaceSurface};
 
-/// Parts of an edge between which its points are sampled: between them, an arc goes on by half a percent of its radius.
-const SAMPLES: u32 = 32;
+/// Parts into which samples divide an edge: a full circle rises half a percent of its radius above their chords.
+const PARTS: u32 = 32;
 
 /// Part of the range of the edges in a parameter by which the part goes on beyond them.
 const MARGIN: f64 = 1.0 / 16.0;
@@ -27,12 +27,18 @@ pub(super) fn offset_part(
     let FaceSurface::Spline(spline) = basis.as_ref() else { return None };
     let conversion = Carrier::try_from_surface(basis, Bounds3::EMPTY, tolerance).ok()?;
     let to_surface = conversion.parameters?.inverse();
+    let loops: Vec<Vec<DVec3>> = face
+        .bounds
+        .iter()
+        .filter_map(|bound| match &bound.boundary {
+            BoundaryLoop::Edges(oriented) => Some(loop_points(edges, oriented, PARTS)),
+            _ => None,
+        })
+        .collect();
     // The nearest point of the basis is the one from which a point of the offset comes, unless the basis curves more than the offset is far.
-    let feet = edge_points(edges, face)?
-        .into_iter()
-        .map(|point| to_surface.transform_point2(conversion.carrier.parameters(point, None).uv));
-    let [low, high] =
-        feet.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
+    let feet = feet(&conversion.carrier, &loops, tolerance);
+    let feet = feet.into_iter().map(|foot| to_surface.transform_point2(foot)).map(|at| [at, at]);
+    let [low, high] = feet.reduce(|[low, high], [a, b]| [low.min(a), high.max(b)])?;
     let (periods, poles) = (conversion.carrier.periods(), conversion.carrier.poles());
     let domain = [spline.knots_u().domain(), spline.knots_v().domain()];
     let part = [0, 1].map(|axis| {
@@ -50,15 +56,33 @@ pub(super) fn offset_part(
     Some(FaceSurface::Offset { basis, distance: *distance })
 }
 
-/// Points of the boundary of a face; `None` where it has another one than edges.
-fn edge_points(edges: &[BoundedEdge], face: &Face) -> Option<Vec<DVec3>> {
-    let mut points = Vec::new();
-    for bound in &face.bounds {
-        let BoundaryLoop::Edges(oriented) = &bound.boundary else { return None };
-        for oriented in oriented {
-            let curve = edges.get(oriented.edge)?.curve.as_ref().ok()?;
-            points.extend((0..=SAMPLES).map(|i| curve.point(f64::from(i) / f64::from(SAMPLES))));
+/// The points of the basis of an offset that are nearest to those of loops; of points that are equally near, up to the tolerance, that beside the one
+/// before it in the loop.
+///
+/// Where two offsets meet, points are as far from one side of the fold between them as from the other. A loop starts at the point nearest to the middle
+/// of all.
+fn feet(basis: &Carrier, loops: &[Vec<DVec3>], tolerance: f64) -> Vec<DVec2> {
+    let nearest = |points: &Vec<DVec3>| points.iter().map(|point| basis.parameters(*point, None)).collect();
+    let nearest: Vec<Vec<CarrierProjection>> = loops.iter().map(nearest).collect();
+    let median = |axis: usize| {
+        let mut values: Vec<f64> = nearest.iter().flatten().map(|foot| foot.uv[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    let middle = DVec2::new(median(0), median(1));
+    let mut feet = Vec::new();
+    for (points, nearest) in loops.iter().zip(&nearest) {
+        let distances = nearest.iter().map(|foot| foot.uv.distance_squared(middle)).enumerate();
+        let start = distances.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(start, _)| start);
+        let mut before = nearest.get(start).map(|foot| foot.uv);
+        let around = points.iter().zip(nearest);
+        for (point, nearest) in around.clone().skip(start).chain(around.take(start)) {
+            let beside = basis.parameters(*point, before);
+            let is_near = beside.distance <= nearest.distance + tolerance;
+            let foot = if is_near { beside.uv } else { nearest.uv };
+            before = Some(foot);
+            feet.push(foot);
         }
     }
-    (!points.is_empty()).then_some(points)
+    feet
 }

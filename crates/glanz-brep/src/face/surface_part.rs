@@ -2,14 +2,14 @@
 
 use glanz_math::DVec3;
 
-use super::bounded_edge::BoundedEdge;
+use super::bounded_edge::{BoundedEdge, loop_points};
 use crate::model::{BoundaryLoop, BrepModel, Curve, Face, FaceSurface, OrientedEdge};
 
 /// Largest distance of the points of a curve from the middle of the edges of a face, relative to that of the edges, up to which the face may need it.
 const REACH: f64 = 1.125;
 
-/// Fractions of an edge at which it is sampled.
-const FRACTIONS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+/// Parts of an edge between which it is sampled.
+const EDGE_PARTS: u32 = 4;
 
 /// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
 ///
@@ -56,18 +56,17 @@ impl EdgeSamples {
         let mut samples = Self::default();
         for bound in &face.bounds {
             let BoundaryLoop::Edges(oriented) = &bound.boundary else { continue };
-            let mut around = Vec::new();
-            for &OrientedEdge { edge: number, forward } in oriented {
+            for &OrientedEdge { edge: number, .. } in oriented {
                 let (Some(edge), Some(bounded)) = (model.edges.get(number), edges.get(number)) else {
                     continue;
                 };
                 let Ok(curve) = &bounded.curve else { continue };
-                around.extend(FRACTIONS.map(|at| curve.point(if forward { at } else { 1.0 - at })));
                 samples.inner.push([0.5, 0.25, 0.75].map(|at| curve.point(at)));
                 let given = edge.parameter_curves.iter().filter(|given| given.surface == face.surface);
                 let heights = given.map(|given| given.curve.point(curve.parameter(0.5)).y);
                 samples.parameters.extend(heights.filter(|v| v.is_finite()));
             }
+            let around = loop_points(edges, oriented, EDGE_PARTS);
             let sides = around.iter().zip(around.iter().cycle().skip(1));
             samples.area += 0.5 * sides.map(|(a, b)| a.cross(*b)).sum::<DVec3>();
             samples.points.extend(around);

@@ -291,16 +291,20 @@ fn face_beside_a_fold_lies_on_the_part_of_the_offset_before_it() {
     let points = points.iter().flat_map(|&(x, y)| [0.0, 1.0].map(|z| DVec4::new(x, y, z, 1.0)));
     let knots = [vec![0.0, 0.0, 1.0, 2.0, 2.0], vec![0.0, 0.0, 1.0, 1.0]];
     let fold = NurbsSurface::try_new([1, 1], knots, points.collect()).unwrap();
-    let mut model = ModelBuilder::default();
-    let corners = [(0.2, 0.1), (0.2, 0.9), (0.8, 0.9), (0.8, 0.1)];
-    // The normal of the first plane is against y.
-    model.0.vertices.extend(corners.map(|(x, z)| DVec3::new(x, 0.1, z)));
-    let edges: Vec<usize> = (0..4).map(|i| model.edge([i, (i + 1) % 4], None)).collect();
-    let oriented = edges.into_iter().map(|edge| OrientedEdge { edge, forward: true }).collect();
-    let basis = Box::new(FaceSurface::Spline(fold));
-    model.bounded(FaceSurface::Offset { basis, distance: -0.1 }, false, vec![BoundaryLoop::Edges(oriented)]);
-    let [face] = model.faces().try_into().unwrap();
-    assert_close(face.measure(1e-9).area, 0.6 * 0.8);
+    // In the second case up to the mitre, which is as far from the one plane as from the other.
+    for end in [0.8, 0.9] {
+        let mut model = ModelBuilder::default();
+        let corners = [(0.2, 0.1), (0.2, 0.9), (end, 0.9), (end, 0.1)];
+        // The normal of the first plane is against y.
+        model.0.vertices.extend(corners.map(|(x, z)| DVec3::new(x, 0.1, z)));
+        let edges: Vec<usize> = (0..4).map(|i| model.edge([i, (i + 1) % 4], None)).collect();
+        let oriented = edges.into_iter().map(|edge| OrientedEdge { edge, forward: true }).collect();
+        let basis = Box::new(FaceSurface::Spline(fold.clone()));
+        let loops = vec![BoundaryLoop::Edges(oriented)];
+        model.bounded(FaceSurface::Offset { basis, distance: -0.1 }, false, loops);
+        let [face] = model.faces().try_into().unwrap();
+        assert_close(face.measure(1e-9).area, (end - 0.2) * 0.8);
+    }
 }
 
 #[test]
