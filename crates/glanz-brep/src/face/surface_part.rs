@@ -30,7 +30,7 @@ pub(super) fn part_with_edges(
             else {
                 return surface.clone();
             };
-            let range = profile.part(&samples, face.same_sense);
+            let Some(range) = profile.part(&samples, face.same_sense) else { return surface.clone() };
             let curve = Box::new(Curve::Trimmed { basis: curve.clone(), range, same_sense: true });
             FaceSurface::Revolution { curve, origin: *origin, axis: *axis }
         }
@@ -106,6 +106,8 @@ struct CrossingProfile<'a> {
     across: DVec3,
     /// The ranges of parameters between crossings, ascending; of a closed curve the last may pass its seam.
     parts: Vec<[f64; 2]>,
+    /// Length of the domain of a closed curve.
+    period: Option<f64>,
 }
 
 impl<'a> CrossingProfile<'a> {
@@ -134,7 +136,8 @@ impl<'a> CrossingProfile<'a> {
         let samples = curve.samples(range);
         let radial = |t: f64| (curve.point(t) - origin).reject_from(axis);
         let farthest = samples.iter().map(|t| radial(*t)).max_by(|a, b| a.length().total_cmp(&b.length()))?;
-        let mut profile = Self { curve, origin, axis, across: farthest.try_normalize()?, parts: Vec::new() };
+        let (across, period) = (farthest.try_normalize()?, curve.period(tolerance));
+        let mut profile = Self { curve, origin, axis, across, parts: Vec::new(), period };
         let far: Vec<(f64, f64)> = samples
             .into_iter()
             .map(|t| (t, profile.signed_radius(t)))
@@ -145,9 +148,7 @@ impl<'a> CrossingProfile<'a> {
         let (first, last) = (*crossings.first()?, *crossings.last()?);
         let ends: Vec<f64> = [range[0]].into_iter().chain(crossings).chain([range[1]]).collect();
         profile.parts = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();
-        if let Some(period) =
-            curve.period(tolerance).filter(|_| profile.signed_radius(range[0]).abs() > tolerance)
-        {
+        if let Some(period) = period.filter(|_| profile.signed_radius(range[0]).abs() > tolerance) {
             profile.parts.remove(0);
             profile.parts.pop();
             profile.parts.push([last, first + period]);
@@ -175,16 +176,10 @@ impl<'a> CrossingProfile<'a> {
 
     /// The part in which most edges lie that have a parameter in the file or lie on the curve before it is turned; else the part that is nearest to
     /// all when it is turned; of parts that mirror one another, that on which the face has its loops on the right side; else the last.
-    fn part(&self, samples: &EdgeSamples, same_sense: bool) -> [f64; 2] {
+    fn part(&self, samples: &EdgeSamples, same_sense: bool) -> Option<[f64; 2]> {
         let size = samples.points.iter().map(|point| point.distance(self.origin)).fold(0.0, f64::max);
         let accuracy = (f64::EPSILON.sqrt() * size).max(f64::MIN_POSITIVE);
-        let range =
-            [self.parts.first().map_or(0.0, |part| part[0]), self.parts.last().map_or(0.0, |part| part[1])];
-        let nearest = |point: DVec3| self.curve.closest_in(point, range);
-        let is_on = |point: &DVec3| self.curve.point(nearest(*point)).distance(*point) <= accuracy;
-        let on_curve =
-            samples.inner.iter().filter(|points| points.iter().all(is_on)).map(|points| nearest(points[0]));
-        let parameters: Vec<f64> = samples.parameters.iter().copied().chain(on_curve).collect();
+        let parameters = self.parameters(samples, accuracy);
         let beyond = |[from, to]: [f64; 2], t: f64| (from - t).max(t - to).max(0.0);
         let is_in =
             |part: [f64; 2], t: f64| self.parts.iter().all(|other| beyond(part, t) <= beyond(*other, t));
@@ -203,7 +198,20 @@ impl<'a> CrossingProfile<'a> {
                     if (next.0, next.1, next.2) >= (best.0, best.1, best.2) { next } else { best }
                 },
             );
-        best.map_or(range, |(.., part)| part)
+        best.map(|(.., part)| part)
+    }
+
+    /// The parameters of edges that have one in the file or lie on the curve. `accuracy`: distance up to which they do, metres.
+    fn parameters(&self, samples: &EdgeSamples, accuracy: f64) -> Vec<f64> {
+        let (Some([start, _]), Some([_, end])) = (self.parts.first(), self.parts.last()) else {
+            return Vec::new();
+        };
+        let nearest = |point: DVec3| self.curve.closest_in(point, [*start, *end]);
+        let is_on = |point: &DVec3| self.curve.point(nearest(*point)).distance(*point) <= accuracy;
+        let on_curve =
+            samples.inner.iter().filter(|points| points.iter().all(is_on)).map(|points| nearest(points[0]));
+        let wrapped = |t: &f64| self.period.map_or(*t, |period| start + (t - start).rem_euclid(period));
+        samples.parameters.iter().map(wrapped).chain(on_curve).collect()
     }
 
     /// The largest distance of a point from a part that is turned about the axis, metres.
