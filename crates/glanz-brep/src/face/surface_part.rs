@@ -144,7 +144,12 @@ impl<'a> CrossingProfile<'a> {
             .filter(|(_, radius)| radius.abs() > tolerance)
             .collect();
         let changes = far.windows(2).filter(|pair| (pair[0].1 < 0.0) != (pair[1].1 < 0.0));
-        let crossings: Vec<f64> = changes.map(|pair| profile.crossing([pair[0].0, pair[1].0])).collect();
+        // A curve askew to the axis changes its side beside it.
+        let on_axis = tolerance.max(f64::EPSILON.sqrt() * farthest.length());
+        let crossings: Vec<f64> = changes
+            .map(|pair| profile.crossing([pair[0].0, pair[1].0]))
+            .filter(|t| radial(*t).length() <= on_axis)
+            .collect();
         let (first, last) = (*crossings.first()?, *crossings.last()?);
         let ends: Vec<f64> = [range[0]].into_iter().chain(crossings).chain([range[1]]).collect();
         profile.parts = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();

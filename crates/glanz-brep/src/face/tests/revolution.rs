@@ -110,6 +110,18 @@ fn the_part_of_a_closed_profile_with_its_seam_is_found_by_parameters_on_both_sid
     assert_close(face.measure(1e-9).volume, volume);
 }
 
+#[test]
+fn a_profile_askew_to_its_axis_stays_whole() {
+    // The hyperboloid r^2 = 1 + z^2 up to z = 3 and down to -3: the integral of 2 pi sqrt(1 + 2 z^2).
+    let mut model = ModelBuilder::default();
+    let (bottom, top) = (model.circle(10f64.sqrt(), -3.0), model.circle(10f64.sqrt(), 3.0));
+    let line = Curve::Line { origin: DVec3::X, direction: DVec3::new(0.0, 1.0, 1.0) };
+    let surface = FaceSurface::Revolution { curve: Box::new(line), origin: DVec3::ZERO, axis: DVec3::Z };
+    model.face(surface, true, &[(bottom, true), (top, false)]);
+    let area = TAU * (3.0 * 19f64.sqrt() + 18f64.sqrt().asinh() / 2f64.sqrt());
+    assert_close(model.faces().remove(0).measure(1e-9).area, area);
+}
+
 /// The integral of a smooth function from 0 to `end`.
 fn simpson(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     const N: u32 = 1000;
