@@ -194,6 +194,8 @@ impl<'a> CrossingProfile<'a> {
             let distance = (self.distance(part, &samples.points) / accuracy).round();
             // Where the distance from the axis grows with v, the surface has its normal against the axis.
             let growth = self.signed_radius(part[1]).abs() - self.signed_radius(part[0]).abs();
+            // From axis to axis it is rounding.
+            let growth = if growth.abs() <= accuracy { 0.0 } else { growth };
             let along = if same_sense { -growth } else { growth } * samples.area.dot(self.axis);
             (inside, -distance, along > 0.0, part)
         });

@@ -122,6 +122,15 @@ fn a_profile_askew_to_its_axis_stays_whole() {
     assert_close(model.faces().remove(0).measure(1e-9).area, area);
 }
 
+#[test]
+fn of_parts_that_nothing_tells_apart_the_last_is_taken_wherever_the_profile_starts() {
+    for i in 0..16 {
+        // The second part is that with x > 0.
+        let face = inside_rim(&upright_ellipse(f64::from(i) * PI / 32.0 - 0.25 * PI), 0.0, None, true);
+        assert_close(face.measure(1e-9).volume, 4.0 / 3.0 * PI);
+    }
+}
+
 /// The integral of a smooth function from 0 to `end`.
 fn simpson(f: impl Fn(f64) -> f64, end: f64) -> f64 {
     const N: u32 = 1000;
