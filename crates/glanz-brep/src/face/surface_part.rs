@@ -11,6 +11,9 @@ const REACH: f64 = 1.125;
 /// Parts of an edge between which it is sampled.
 const EDGE_PARTS: u32 = 4;
 
+/// Most crossings at which a profile is divided, more than any reflector has: each part is compared with the edges of each face.
+const MOST_CROSSINGS: usize = 16;
+
 /// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
 ///
 /// Files often give the other part of such a torus, and whole conics as the profiles of reflectors.
@@ -111,7 +114,7 @@ struct CrossingProfile<'a> {
 }
 
 impl<'a> CrossingProfile<'a> {
-    /// `None` if the curve stays on one side of the axis, but for `tolerance` (metres), within reach of the edges.
+    /// `None` if the curve does not cross the axis, up to `tolerance` (metres), within reach of the edges, or too often.
     fn new(
         curve: &'a Curve<DVec3>,
         [origin, axis]: [DVec3; 2],
@@ -144,6 +147,9 @@ impl<'a> CrossingProfile<'a> {
             .filter(|(_, radius)| radius.abs() > tolerance)
             .collect();
         let changes = far.windows(2).filter(|pair| (pair[0].1 < 0.0) != (pair[1].1 < 0.0));
+        if changes.clone().nth(MOST_CROSSINGS).is_some() {
+            return None;
+        }
         // A curve askew to the axis changes its side beside it.
         let on_axis = tolerance.max(f64::EPSILON.sqrt() * farthest.length());
         let crossings: Vec<f64> = changes

@@ -2,6 +2,8 @@
 
 use glanz_math::DVec2;
 
+use super::super::bounded_edge::BoundedEdge;
+use super::super::surface_part::part_with_edges;
 use super::*;
 use crate::model::ParameterCurve;
 
@@ -129,6 +131,29 @@ fn of_parts_that_nothing_tells_apart_the_last_is_taken_wherever_the_profile_star
         let face = inside_rim(&upright_ellipse(f64::from(i) * PI / 32.0 - 0.25 * PI), 0.0, None, true);
         assert_close(face.measure(1e-9).volume, 4.0 / 3.0 * PI);
     }
+}
+
+#[test]
+fn a_profile_that_crosses_its_axis_more_often_than_any_reflector_stays_whole() {
+    let teeth = |count: u32| {
+        let point = |i: u32| DVec3::new(1.0 - f64::from(i % 2 * 2), 0.0, f64::from(i));
+        Curve::Polyline((0..=count).map(point).collect())
+    };
+    let part = |count: u32| {
+        let mut model = ModelBuilder::default();
+        let rim = model.circle(1.0, 0.0);
+        let surface =
+            FaceSurface::Revolution { curve: Box::new(teeth(count)), origin: DVec3::ZERO, axis: DVec3::Z };
+        model.face(surface.clone(), false, &[(rim, true)]);
+        let edges = [BoundedEdge::new(&model.0, &model.0.edges[rim])];
+        let part = part_with_edges(&surface, &model.0, &edges, &model.0.faces[0]);
+        (part != surface).then_some(part)
+    };
+    // The cone up to the first crossing.
+    let Some(FaceSurface::Revolution { curve, .. }) = part(4) else { panic!("not divided") };
+    let domain = curve.domain();
+    assert!(domain[0] == 0.0 && (domain[1] - 0.5).abs() < 1e-12, "{domain:?}");
+    assert!(part(100_000).is_none());
 }
 
 /// The integral of a smooth function from 0 to `end`.
