@@ -11,6 +11,9 @@ const REACH: f64 = 1.125;
 /// Parts of an edge between which it is sampled.
 const EDGE_PARTS: u32 = 4;
 
+/// Samples inside each part of a profile.
+const PROFILE_SAMPLES: u32 = 4;
+
 /// Most crossings at which a profile is divided, more than any reflector has: each part is compared with the edges of each face.
 const MOST_CROSSINGS: usize = 16;
 
@@ -187,8 +190,13 @@ impl<'a> CrossingProfile<'a> {
 
     /// The part in which most edges lie that have a parameter in the file or lie on the curve before it is turned; else the part that is nearest to
     /// all when it is turned; of parts that mirror one another, that on which the face has its loops on the right side; else the last.
+    ///
+    /// Without edges, a part that makes the whole surface; `None` if there is none.
     fn part(&self, samples: &EdgeSamples, same_sense: bool) -> Option<[f64; 2]> {
-        let size = samples.points.iter().map(|point| point.distance(self.origin)).fold(0.0, f64::max);
+        let has_edges = !samples.points.is_empty();
+        let inside = if has_edges { Vec::new() } else { self.points() };
+        let points = if has_edges { &samples.points } else { &inside };
+        let size = points.iter().map(|point| point.distance(self.origin)).fold(0.0, f64::max);
         let accuracy = (f64::EPSILON.sqrt() * size).max(f64::MIN_POSITIVE);
         let parameters = self.parameters(samples, accuracy);
         let beyond = |[from, to]: [f64; 2], t: f64| (from - t).max(t - to).max(0.0);
@@ -197,7 +205,7 @@ impl<'a> CrossingProfile<'a> {
         let scores = self.parts.iter().map(|&part| {
             let inside = parameters.iter().filter(|t| is_in(part, **t)).count();
             // Parts that mirror one another are equally far, up to rounding.
-            let distance = (self.distance(part, &samples.points) / accuracy).round();
+            let distance = (self.distance(part, points) / accuracy).round();
             // Where the distance from the axis grows with v, the surface has its normal against the axis.
             let growth = self.signed_radius(part[1]).abs() - self.signed_radius(part[0]).abs();
             // From axis to axis it is rounding.
@@ -211,7 +219,7 @@ impl<'a> CrossingProfile<'a> {
                     if (next.0, next.1, next.2) >= (best.0, best.1, best.2) { next } else { best }
                 },
             );
-        best.map(|(.., part)| part)
+        best.filter(|(_, distance, ..)| has_edges || *distance == 0.0).map(|(.., part)| part)
     }
 
     /// The parameters of edges that have one in the file or lie on the curve. `accuracy`: distance up to which they do, metres.
@@ -225,6 +233,13 @@ impl<'a> CrossingProfile<'a> {
             samples.inner.iter().filter(|points| points.iter().all(is_on)).map(|points| nearest(points[0]));
         let wrapped = |t: &f64| self.period.map_or(*t, |period| start + (t - start).rem_euclid(period));
         samples.parameters.iter().map(wrapped).chain(on_curve).collect()
+    }
+
+    /// Points inside the parts.
+    fn points(&self) -> Vec<DVec3> {
+        let fraction = |i: u32| (f64::from(i) + 0.5) / f64::from(PROFILE_SAMPLES);
+        let at = |[from, to]: [f64; 2]| (0..PROFILE_SAMPLES).map(move |i| from + (to - from) * fraction(i));
+        self.parts.iter().flat_map(|part| at(*part)).map(|t| self.curve.point(t)).collect()
     }
 
     /// The largest distance of a point from a part that is turned about the axis, metres.

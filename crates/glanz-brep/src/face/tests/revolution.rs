@@ -125,6 +125,24 @@ fn a_profile_askew_to_its_axis_stays_whole() {
 }
 
 #[test]
+fn a_profile_without_edges_is_turned_whole_but_no_surface_twice() {
+    let whole = |curve: Curve<DVec3>, bounds: Vec<BoundaryLoop>| {
+        let mut model = ModelBuilder::default();
+        let surface = FaceSurface::Revolution { curve: Box::new(curve), origin: DVec3::ZERO, axis: DVec3::Z };
+        model.bounded(surface, true, bounds);
+        trimmed_faces(&model.0).faces.remove(0).unwrap().measure(1e-9).area
+    };
+    // Both nappes of a cone.
+    let line = Curve::Polyline(vec![DVec3::new(-1.0, 0.0, -1.0), DVec3::new(1.0, 0.0, 1.0)]);
+    assert_close(whole(line, vec![BoundaryLoop::Border]), TAU * 2f64.sqrt());
+    // Each half of the ellipse makes the whole ellipsoid.
+    let e = 0.75f64.sqrt();
+    for start in [0.0, 0.5] {
+        assert_close(whole(upright_ellipse(start), Vec::new()), TAU * (1.0 + 2.0 * e.asin() / e));
+    }
+}
+
+#[test]
 fn of_parts_that_nothing_tells_apart_the_last_is_taken_wherever_the_profile_starts() {
     for i in 0..16 {
         // The second part is that with x > 0.
