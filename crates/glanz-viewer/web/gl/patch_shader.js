@@ -12,6 +12,9 @@ import { MAPPING_TEXT, TRIMMING_TEXT } from "./trimming.js";
 /** @typedef {import("./evaluation.js").Shape} Shape */
 /** @typedef {import("./shading_modes.js").ShadingMode} ShadingMode */
 
+/** Largest distance of the grid from the surface, pixels. The surface is solved for at every pixel, so this matters at silhouettes only. */
+export const TOLERANCE = 0.25;
+
 /** Words of a grid to be drawn: patch, object, first cell (x + 65536 y), levels of the grid (u, v) and of the four sides (4 bits each). */
 export const INSTANCE_WORDS = 4;
 
@@ -38,25 +41,29 @@ uint snapped(uint at, uint level, uint side) {
 }
 
 ${PAST_SIDES}
-// Moves p, on sides of the patch, straight on past them; 'outward': -1 or 1 along u and v on a side, else 0.
-void extend(uint first, mat4x3 place, vec2 outward, inout vec3 p) {
-  vec3 on = p;
+// Moves p by what the grid may be within the surface, along the normal, and on sides of the patch straight on past them; 'outward': -1 or 1 along u and v on
+// a side, else 0.
+void extend(uint first, mat4x3 place, vec2 outward, float facing, inout vec3 p) {
+  vec3 on = p, tangents[2];
   vec2 from = parameters;
   float w = lens.z * on.z + lens.w;
   for (int axis = 0; axis < 2; axis++) {
-    if (outward[axis] == 0.0) continue;
     vec2 inner = from;
-    float quarter = 0.25 * outward[axis] * cellSize[axis];
+    float quarter = 0.25 * (outward[axis] == 0.0 ? 1.0 : outward[axis]) * cellSize[axis];
     inner[axis] -= quarter;
     // In pixels.
     vec3 step = (on - mat3(place) * position(first, inner) - place[3]) * depths.z / w;
+    tangents[axis] = step * sign(quarter);
     float across = length(step.xy - on.xy * (lens.z * step.z / w));
     // Not at a silhouette: longer triangles would be farther within it.
-    if (!(across * FARTHEST > length(step))) continue;
+    if (outward[axis] == 0.0 || !(across * FARTHEST > length(step))) continue;
     float quarters = min(BEYOND / across, 4.0 * MOST);
     p += step * (quarters * w / depths.z);
     parameters[axis] += quarters * quarter;
   }
+  vec3 n = cross(tangents[0], tangents[1]);
+  float size = length(n);
+  if (size > 0.0) p += n * (facing * ${TOLERANCE} / size * w / depths.z);
 }
 
 void main() {
@@ -76,7 +83,10 @@ void main() {
   cellSize = 1.0 / vec2(count);
   mat4x3 place = placeOf(instance.y);
   vec3 p = mat3(place) * position(facts.y, parameters) + place[3];
-  if (depths.w > 0.0) extend(facts.y, place, vec2(equal(at, count)) - vec2(equal(at, uvec2(0u))), p);
+  if (depths.w > 0.0) {
+    float facing = sign(determinant(mat3(place))) * ((factsOf(instance.y).bits & REVERSED) != 0u ? -1.0 : 1.0);
+    extend(facts.y, place, vec2(equal(at, count)) - vec2(equal(at, uvec2(0u))), facing, p);
+  }
   eyePoint = p;
   float w = lens.z * p.z + lens.w, behind = p.z + depths.w * w / depths.z;
   gl_Position = vec4(p.xy / lens.xy, (depths.x * behind + depths.y) * w / (lens.z * behind + lens.w), w);

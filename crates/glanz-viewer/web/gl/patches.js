@@ -9,7 +9,7 @@ import { patchHeader } from "../model.js";
 import { Grids } from "./grids.js";
 import { LARGEST_GRID, gridLevels, lengthLevel, sideLevel } from "./grid_levels.js";
 import { SIDE, SIDES, STRIDE, boundPatches } from "./patch_bounds.js";
-import { INSTANCE_WORDS, patchFragmentText, patchVertexText } from "./patch_shader.js";
+import { INSTANCE_WORDS, TOLERANCE, patchFragmentText, patchVertexText } from "./patch_shader.js";
 import { Subpatches } from "./subpatches.js";
 import { UNITS } from "./programs.js";
 
@@ -20,9 +20,6 @@ import { UNITS } from "./programs.js";
 /** @typedef {import("./programs.js").Programs} Programs */
 /** @typedef {import("./scene_tables.js").MapTexture} MapTexture */
 /** @typedef {import("./evaluation.js").Shape} Shape */
-
-/** Largest distance of the grid from the surface, pixels. The surface is solved for at every pixel, so this matters at silhouettes only. */
-const TOLERANCE = 0.25;
 
 /** A side that is smaller than this share of its patch is a point. */
 const POINT = 1e-6;
