@@ -32,6 +32,7 @@ layout(location = 1) in uvec4 instance;
 centroid out vec2 parameters;
 flat out uvec4 which;    // first point, object, patch, borders
 flat out vec2 cellSize;
+flat out vec4 sides;     // least and largest parameters
 out vec3 eyePoint;
 
 // The number of a point along a side, moved to a point of the side's own, coarser grid.
@@ -81,6 +82,9 @@ void main() {
   uvec4 facts = texelFetch(patches, ivec2(row & 2047u, row >> 11u), 0);
   which = uvec4(facts.y, instance.y, instance.x, facts.w);
   cellSize = 1.0 / vec2(count);
+  // Beside a chord of a side lies a part of the neighbour, which goes on smoothly if it is of the same surface. A side that is a point has no other side.
+  bvec4 isPoint = equal((uvec4(levels) >> uvec4(16u, 8u, 20u, 12u)) & 15u, uvec4(15u));
+  sides = vec4(0.0, 0.0, 1.0, 1.0) + 0.1 * mix(vec4(-cellSize, cellSize), vec4(0.0), isPoint);
   mat4x3 place = placeOf(instance.y);
   vec3 p = mat3(place) * position(facts.y, parameters) + place[3];
   if (depths.w > 0.0) {
@@ -100,10 +104,14 @@ uniform usampler2D patches;
 centroid in vec2 parameters;
 flat in uvec4 which;
 flat in vec2 cellSize;
+flat in vec4 sides;
 `;
 
-/** Convergence of the pixel's Newton iteration, pixels (the rest is corrected to first order), and the distance from which the grid's parameters are no start value. */
-const NEAR = `const float NEAR = 0.005;
+/**
+ * Convergence of the pixel's Newton iteration, pixels and cells (the rest is corrected to first order; over a cell, normals may turn by more than a right angle), and
+ * the distance from which the grid's parameters are no start value, pixels.
+ */
+const NEAR = `const float NEAR = 0.005, SETTLED = 0.005;
 const float LOST = 16.0;
 `;
 
@@ -112,6 +120,14 @@ const NEWTON = `
 // Columns: change of the place in the plane across the ray, in metres.
 mat2 acrossRay(vec3 su, vec3 sv, vec2 ray) {
   return mat2(su.xy - ray * (lens.z * su.z), sv.xy - ray * (lens.z * sv.z));
+}
+// A step of one cell along which the place hardly changes in the picture, towards the eye.
+vec2 stepOverFold(vec3 su, vec3 sv, vec2 ray) {
+  mat2 j = acrossRay(su, sv, ray);
+  float a = dot(j[0], j[0]), b = dot(j[1], j[1]), c = dot(j[0], j[1]);
+  vec2 along = a > b ? vec2(-c, a) : vec2(b, -c);
+  along *= dot(along, vec2(su.z, sv.z)) > 0.0 ? -1.0 : 1.0;
+  return along / max(max(abs(along.x) / cellSize.x, abs(along.y) / cellSize.y), 1e-30);
 }
 // The step is kept within 'reach': at a silhouette the ray may miss the surface.
 vec2 newtonStep(vec3 s, vec3 su, vec3 sv, vec2 ray, vec2 reach) {
@@ -162,16 +178,15 @@ const LOCATE = `
   vec3 s, su, sv;
   Jet jet;
   vec2 reach = 2.0 * cellSize;
-  int most = 3;
+  int most = 6;
   // One step is usual. At a silhouette, where the ray may miss the surface, there are as many as there may be.
   for (int k = 0; k <= most; k++) {
-    w = clamp(w + rest, 0.0, 1.0);
+    w = clamp(w + rest, sides.xy, sides.zw);
     jet = evaluate(first, w);
     s = turn * jet.s + place[3];
     su = turn * jet.su;
     sv = turn * jet.sv;
     float miss = length(s.xy - ray * (lens.z * s.z + lens.w)) * depths.z / (lens.z * s.z + lens.w);
-    if (miss < NEAR) { rest = newtonStep(s, su, sv, ray, reach); break; }
     if (k == 0 && miss > LOST) {
       // A sliver of the grid says little about parameters: they are looked for in all of the patch, off its sides, which may be points.
       reach = vec2(0.5);
@@ -179,12 +194,19 @@ const LOCATE = `
       rest = 0.02 * (0.5 - w);
       continue;
     }
+    float facing = determinant(acrossRay(su, sv, ray));
+    if (k == 0 && (facing > 0.0) != gl_FrontFacing && abs(facing) < 0.5 * length(cross(su, sv))) {
+      // Beyond the silhouette that goes through this triangle.
+      rest = stepOverFold(su, sv, ray);
+      continue;
+    }
     rest = newtonStep(s, su, sv, ray, reach);
+    if (miss < NEAR && all(lessThan(abs(rest), SETTLED * cellSize))) break;
   }
   vec2 slack = 0.1 * cellSize;
   if (depths.w > 0.0) {
     // Where seams are filled, the surface goes straight on past the sides of the patch, as far as the grid does.
-    bvec2 past = bvec2((w.x == 0.0 && rest.x < 0.0) || (w.x == 1.0 && rest.x > 0.0), (w.y == 0.0 && rest.y < 0.0) || (w.y == 1.0 && rest.y > 0.0));
+    bvec2 past = bvec2((w.x == sides.x && rest.x < 0.0) || (w.x == sides.z && rest.x > 0.0), (w.y == sides.y && rest.y < 0.0) || (w.y == sides.w && rest.y > 0.0));
     float pixel = (lens.z * s.z + lens.w) / depths.z;
     vec2 most = FARTHEST * pixel / max(vec2(length(su), length(sv)), 1e-20);
     slack = max(slack, vec2(past) * min(most, MOST * cellSize));
