@@ -231,6 +231,9 @@ async function saveExr(page) {
   }
 }
 
+/** Names of STEP and IGES files. */
+const CAD_FILE = /\.(ste?p|p21|ige?s)$/i;
+
 /**
  * Opens files in place of the scene.
  * @param {Page} page
@@ -238,6 +241,8 @@ async function saveExr(page) {
  */
 export async function openFiles(page, files) {
   page.showMessage(files.length === 1 ? `Opening ${files[0].name}` : `Opening ${files.length} files`);
+  // While the server reads them.
+  if (files.some(({ name }) => CAD_FILE.test(name))) page.renderer.prepareForCad(page.settings.shading);
   const url = new URL(`open?session=${encodeURIComponent(page.scene.session)}`, location.href);
   const problem = await upload(url, files);
   page.showMessage("");

@@ -63,6 +63,8 @@ export class Page {
     this.resolution = new AdaptiveResolution();
     this.drawRequested = false;
     this.drawnAt = 0;
+    /** The model is still to be drawn for the first time, soon rather than whole. */
+    this.isNew = false;
     /** Until when what is selected is seen rather than what is rendered. */
     this.glanceUntil = 0;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -70,7 +72,7 @@ export class Page {
     this.rendered = "";
     this.saveExr = element("save-exr", HTMLButtonElement);
     this.isReady = () => {};
-    /** Once the first scene is drawn, with all of its programs. @type {Promise<void>} */
+    /** Once the first scene is drawn, with its shadows. @type {Promise<void>} */
     this.ready = new Promise((resolve) => (this.isReady = resolve));
     this.viewpoint = new Viewpoint(() => this.viewChanged());
     this.session = new Session(new URL("ws", location.href.replace(/^http/, "ws")), this.listener());
@@ -155,6 +157,7 @@ export class Page {
   show(model, isSame) {
     this.renderer.setModel(model);
     this.model = model;
+    this.isNew = true;
     fixLengthUnit(model.lengthUnit);
     const parts = new SceneParts(model.tree);
     if (isSame && this.parts) parts.inherit(this.parts);
@@ -207,8 +210,9 @@ export class Page {
       selected: this.parts?.selectedLeaf ?? null,
       curvature: fullColour(this.settings, this.viewpoint.extent),
       section: this.section,
-      // Slow graphics do without while something moves.
-      seams: share === 1,
+      // Slow graphics do without while something moves, and at first: seams and shadows take as long as the rest.
+      seams: share === 1 && !this.isNew,
+      shadows: !this.isNew,
       edge: this.edge,
       background: backgroundColour(),
       ...{ exposure, shading, stripes, isocurves, edges, net, maps },
@@ -297,11 +301,13 @@ export class Page {
     if (!this.model) return;
     const share = whole ? 1 : this.resolution.shareAt(this.drawnAt);
     const view = this.view(share);
+    const { isNew } = this;
     const glance = this.drawnAt < this.glanceUntil;
     if (glance || !picture?.covered) this.drawScene(view, share, whole);
-    if (picture && !glance && !picture.empty) this.renderer.drawRenderedImage(picture, view);
+    const isDrawn = picture?.covered || this.frame?.pending === 0;
+    if (picture && !glance && !picture.empty && isDrawn) this.renderer.drawRenderedImage(picture, view);
     this.measure.draw(view.camera, this.viewpoint.size);
-    if (this.frame?.pending === 0) this.isReady();
+    if (picture?.covered || (this.frame?.pending === 0 && !isNew)) this.isReady();
   }
 
   /**
@@ -317,6 +323,10 @@ export class Page {
     requestAnimationFrame(() => requestAnimationFrame(() => this.resolution.record(share, performance.now() - start)));
     if (share < 1) setTimeout(() => this.invalidate(), this.resolution.untilRest(start));
     if (this.frame.pending > 0) setTimeout(() => this.invalidate(), COMPILE_PAUSE);
+    else if (this.isNew) {
+      this.isNew = false;
+      setTimeout(() => this.invalidate(), COMPILE_PAUSE);
+    }
   }
 
   /**

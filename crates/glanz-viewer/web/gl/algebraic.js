@@ -237,6 +237,16 @@ export class AlgebraicSurfaces {
     }
   }
 
+  /** Begins to compile the program of a mode. @param {Programs} programs @param {ShadingMode} mode */
+  prepare(programs, mode) {
+    if (this.terms.some((terms) => terms !== null)) this.program(programs, mode, false);
+  }
+
+  /** @param {Programs} programs @param {ShadingMode} mode @param {boolean} wait */
+  program(programs, mode, wait) {
+    return programs.get(`algebraic ${mode}`, () => ({ vertex: VERTEX, fragment: fragmentText(mode) }), wait);
+  }
+
   /**
    * @param {Programs} programs
    * @param {ShadingMode} mode
@@ -247,7 +257,7 @@ export class AlgebraicSurfaces {
   draw(programs, mode, wait, statistics, places) {
     if (this.inSight.length === 0) return;
     const { gl } = this;
-    const program = programs.get(`algebraic ${mode}`, () => ({ vertex: VERTEX, fragment: fragmentText(mode) }), wait);
+    const program = this.program(programs, mode, wait);
     if (!program) return;
     program.use();
     gl.bindVertexArray(this.array);

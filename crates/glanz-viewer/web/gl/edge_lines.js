@@ -92,6 +92,11 @@ export class EdgeLines {
     return this.model.edges.length === 0;
   }
 
+  /** @param {Programs} programs @param {boolean} wait for it */
+  program(programs, wait) {
+    return programs.get("edge lines", () => ({ vertex: VERTEX, fragment: FRAGMENT }), wait);
+  }
+
   /**
    * @param {Programs} programs
    * @param {Frame} frame
@@ -102,7 +107,7 @@ export class EdgeLines {
   draw(programs, frame, hidden, chosen, wait) {
     if (this.isEmpty) return;
     const { gl, model } = this;
-    const program = programs.get("edge lines", () => ({ vertex: VERTEX, fragment: FRAGMENT }), wait);
+    const program = this.program(programs, wait);
     if (!program) return;
     program.use();
     gl.bindVertexArray(this.array);

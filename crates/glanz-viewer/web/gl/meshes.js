@@ -136,11 +136,21 @@ export class Meshes {
     }
   }
 
+  /** Begins to compile the program of a mode. @param {Programs} programs @param {ShadingMode} mode */
+  prepare(programs, mode) {
+    if (this.drawables.some((drawable) => drawable !== null)) this.program(programs, mode, false);
+  }
+
+  /** @param {Programs} programs @param {ShadingMode} mode @param {boolean} wait */
+  program(programs, mode, wait) {
+    return programs.get(`mesh ${mode}`, () => ({ vertex: VERTEX, fragment: fragmentText(mode) }), wait);
+  }
+
   /** @param {Programs} programs @param {ShadingMode} mode @param {boolean} wait @param {FrameStatistics} statistics */
   draw(programs, mode, wait, statistics) {
     if (this.inSight.length === 0) return;
     const { gl } = this;
-    const program = programs.get(`mesh ${mode}`, () => ({ vertex: VERTEX, fragment: fragmentText(mode) }), wait);
+    const program = this.program(programs, mode, wait);
     if (!program) return;
     program.use();
     for (const number of this.inSight) {

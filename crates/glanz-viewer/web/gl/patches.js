@@ -32,6 +32,33 @@ const LARGEST_WHOLE = 10;
 
 /** @typedef {{ patches: number, quads: number, triangles: number, draws: number }} FrameStatistics */
 
+/**
+ * Name and text of the program that draws patches of a shape.
+ * @param {Shape} shape
+ * @param {boolean} trimmed
+ * @param {ShadingMode} mode
+ * @returns {[string, () => { vertex: string, fragment: string }]}
+ */
+function patchProgram(shape, trimmed, mode) {
+  const { degreeU, degreeV, rational } = shape;
+  const name = `patch ${degreeU} ${degreeV}${rational ? " rational" : ""}${trimmed ? " trimmed" : ""} ${mode}`;
+  return [name, () => ({ vertex: patchVertexText(shape), fragment: patchFragmentText(shape, trimmed, mode) })];
+}
+
+/** Shapes of the faces of most CAD files: planes, cylinders and cones, spheres and tori, cubic splines. @type {Shape[]} */
+const CAD_SHAPES = [
+  { degreeU: 1, degreeV: 1, rational: false },
+  { degreeU: 2, degreeV: 1, rational: true },
+  { degreeU: 1, degreeV: 2, rational: true },
+  { degreeU: 2, degreeV: 2, rational: true },
+  { degreeU: 3, degreeV: 3, rational: false },
+];
+
+/** Begins to compile the programs for most CAD files. @param {Programs} programs @param {ShadingMode} mode */
+export function prepareForCad(programs, mode) {
+  for (const shape of CAD_SHAPES) programs.get(...patchProgram(shape, true, mode), false);
+}
+
 export class Patches {
   /**
    * @param {WebGL2RenderingContext} gl
@@ -45,7 +72,7 @@ export class Patches {
     this.grids = new Grids(gl);
     this.patchBounds = boundPatches(model);
     this.subpatches = new Subpatches(model, this.patchBounds);
-    /** Classes of patches that share a program and textures. @type {{ shape: Shape, trimmed: boolean, map: number | null, name: string }[]} */
+    /** Classes of patches that share a program and textures. @type {{ shape: Shape, trimmed: boolean, map: number | null }[]} */
     this.classes = [];
     this.classOf = this.classify();
     this.stretch = model.objects.map((object) => largestStretch(object.toWorld));
@@ -73,13 +100,12 @@ export class Patches {
       const trimmed = surface.region !== null;
       for (let patch = surface.first; patch < surface.first + surface.count; patch++) {
         const { degreeU, degreeV, rational } = patchHeader(model, patch);
-        const name = `patch ${degreeU} ${degreeV}${rational ? " rational" : ""}${trimmed ? " trimmed" : ""}`;
-        const key = `${name} ${map}`;
+        const key = `${degreeU} ${degreeV} ${rational} ${trimmed} ${map}`;
         let number = numbers.get(key);
         if (number === undefined) {
           number = this.classes.length;
           numbers.set(key, number);
-          this.classes.push({ shape: { degreeU, degreeV, rational }, trimmed, map, name });
+          this.classes.push({ shape: { degreeU, degreeV, rational }, trimmed, map });
         }
         classOf[patch] = number;
       }
@@ -275,6 +301,11 @@ export class Patches {
     }
   }
 
+  /** Begins to compile all programs of a mode. @param {Programs} programs @param {ShadingMode} mode */
+  prepare(programs, mode) {
+    for (const { shape, trimmed } of this.classes) programs.get(...patchProgram(shape, trimmed, mode), false);
+  }
+
   /**
    * Draws the result of `cull`.
    * @param {Programs} programs
@@ -291,13 +322,12 @@ export class Patches {
       if (count === 0) continue;
       const gridU = (kind >> 3) & 7;
       const gridV = kind & 7;
-      const { shape, trimmed, map, name } = this.classes[kind >> 6];
+      const { shape, trimmed, map } = this.classes[kind >> 6];
       if (trimmedOnly && !trimmed) {
         first = end;
         continue;
       }
-      const text = () => ({ vertex: patchVertexText(shape), fragment: patchFragmentText(shape, trimmed, mode) });
-      const program = programs.get(`${name} ${mode}`, text, wait);
+      const program = programs.get(...patchProgram(shape, trimmed, mode), wait);
       if (program) {
         program.use();
         if (mode === "material" && map !== null) this.bindMap(program, this.maps[map]);

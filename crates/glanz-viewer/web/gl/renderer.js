@@ -4,6 +4,7 @@
  * @module
  */
 
+import { prepareForCad } from "./patches.js";
 import { Programs } from "./programs.js";
 import { Scene } from "./scene.js";
 import { MultisampledTarget, FloatTarget } from "./render_targets.js";
@@ -16,11 +17,11 @@ import { RenderedImageTexture } from "./rendered_image_texture.js";
 /** @typedef {import("./rendered_image_texture.js").RenderedImage} RenderedImage */
 
 /**
- * The view to draw and its shading (docs/viewer.md).
+ * The view to draw and its shading (docs/viewer.md). `shadows`: true if it is not given.
  * @typedef {{ camera: Camera, width: number, height: number, hidden: Set<number>, selected: number | null, exposure: number,
  *   shading: "material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals", stripes: number, curvature: number,
  *   edges: boolean, isocurves: number, net: boolean, section: { normal: Vector, offset: number } | null, maps: boolean,
- *   seams: boolean, edge: import("./edge_lines.js").PlacedEdge | null, background: Vector }} View
+ *   seams: boolean, shadows?: boolean, edge: import("./edge_lines.js").PlacedEdge | null, background: Vector }} View
  */
 
 /** Resources that are recreated after the graphics context was lost. */
@@ -80,8 +81,13 @@ export class Renderer {
     if (!this.gl.isContextLost()) context.scene = new Scene(this.gl, context.programs, model);
   }
 
+  /** Begins to compile what most models of CAD files need. @param {View["shading"]} shading */
+  prepareForCad(shading) {
+    if (!this.gl.isContextLost()) prepareForCad(this.context.programs, shading);
+  }
+
   /**
-   * Draws the view. Programs that are still being compiled leave out what they would draw; `pending` counts them: draw again soon if it is not 0.
+   * Draws the view; nothing while programs of its surfaces are being compiled: parts of it would delay the whole. `pending` counts programs: draw again soon if it is not 0.
    * @param {View} view
    * @returns {FrameStatistics & { pending: number }}
    */
@@ -100,9 +106,12 @@ export class Renderer {
     const { programs, target, scene } = this.context;
     const nothing = { patches: 0, quads: 0, triangles: 0, draws: 0, pending: 0 };
     if (gl.isContextLost()) return nothing;
-    this.fit(view);
     programs.clearPending();
-    if (view.shading === "material") scene?.updateShadows(view, wait);
+    const shadows = view.shading === "material" && view.shadows !== false;
+    if (!wait) scene?.prepare(view, shadows);
+    if (programs.pending > 0) return { ...nothing, pending: programs.pending };
+    this.fit(view);
+    if (shadows) scene?.updateShadows(view, wait);
     target.begin(view.width, view.height);
     gl.clearColor(...view.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);

@@ -180,6 +180,14 @@ export class Scene {
     this.algebraic.draw(this.programs, mode, wait, statistics, this.positions);
   }
 
+  /** Begins to compile the programs of a view. @param {View} view @param {boolean} shadows */
+  prepare({ shading, edges }, shadows) {
+    for (const mode of /** @type {ShadingMode[]} */ (shadows && this.shadows.light ? [shading, "depth"] : [shading])) {
+      for (const surfaces of [this.patches, this.meshes, this.algebraic]) surfaces.prepare(this.programs, mode);
+    }
+    if (edges && !this.edges.isEmpty) this.edges.program(this.programs, false);
+  }
+
   /** Puts the places of objects, as seen from a frame's camera, on the graphics card. @param {Frame} frame */
   place(frame) {
     frame.place(this.model.objects, this.rows, this.positions);
