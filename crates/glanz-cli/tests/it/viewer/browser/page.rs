@@ -124,8 +124,8 @@ impl Page {
         self.call("Input.dispatchTouchEvent", json!({ "type": "touchEnd", "touchPoints": [] }));
     }
 
-    /// Opens a file as if it were chosen, and returns the seconds until its first whole picture.
-    pub(crate) fn open_file(&mut self, name: &str, bytes: &[u8]) -> f64 {
+    /// Opens a file as if it were chosen, and returns the seconds until its first picture is drawn, and until the graphics card, here a program, has done so.
+    pub(crate) fn open_file(&mut self, name: &str, bytes: &[u8]) -> [f64; 2] {
         let (content, quoted) = (BASE64.encode(bytes), json!(name).to_string());
         let open = format!(
             "(async () => {{
@@ -147,11 +147,14 @@ impl Page {
                     if (document.querySelector('#problem').open) return document.querySelector('#problem-text').textContent;
                     await new Promise((resolve) => setTimeout(resolve, 5));
                 }}
-                return (performance.now() - start) / 1000;
+                const drawn = performance.now() - start;
+                const gl = document.querySelector('#view').getContext('webgl2');
+                gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+                return [drawn / 1000, (performance.now() - start) / 1000];
             }})()"
         );
         let seconds = self.evaluate(&open);
-        seconds.as_f64().unwrap_or_else(|| panic!("{name}: {seconds}"))
+        [0, 1].map(|i| seconds[i].as_f64().unwrap_or_else(|| panic!("{name}: {seconds}")))
     }
 
     /// A screenshot of the window as PNG.
