@@ -7,6 +7,7 @@ from OCP.IGESControl import IGESControl_Reader
 from OCP.TCollection import TCollection_HAsciiString
 
 from step import METRE, CadFile, StepFile
+from written import restore, shape_path
 
 # Types that become faces.
 FACES = (143, 144, 510)
@@ -36,11 +37,16 @@ class IgesFile(CadFile):
         self.known = {}
         # Surfaces without trimming may be faces, too.
         self.faces_of_file = sorted({*self.faces_of_file, *map(self.entity, self.faces())} - {None})
+        self.deduce_entity()
 
     def label(self, entity):
         return entity.ShortLabel() if hasattr(entity, "ShortLabel") else None
 
 
 def open_file(path):
-    """The reader of a file by its extension."""
-    return (IgesFile if pathlib.Path(path).suffix.lower() in (".igs", ".iges") else StepFile)(path)
+    """The file, by the reader of its extension, with the shape from before it was written where OpenCascade misreads it."""
+    path = pathlib.Path(path)
+    file = (IgesFile if path.suffix.lower() in (".igs", ".iges") else StepFile)(path)
+    if shape_path(path).is_file():
+        restore(file, shape_path(path))
+    return file

@@ -5,8 +5,10 @@
     VENV/bin/python peers/cad/models.py FOLDER [NAME ...]
 
 Every model is written twice, with parameter curves (NAME-pcurves.step) and without (NAME.step), and the schemas AP203, AP214 and AP242 take
-turns. Those without products are written as IGES files, too: NAME-faces.igs (trimmed surfaces) and NAME-solids.igs. Lengths are millimetres, or inches where the name says so. Printed: faces, volume and area as OpenCascade has them before
-writing, and where a closed form is known, the relative deviation of the volume from it. Volumes and areas are those of integral.py.
+turns. Those without products are written as IGES files, too: NAME-faces.igs (trimmed surfaces) and NAME-solids.igs; and NAME.brep, the shape
+itself, for files that OpenCascade misreads (written.py). Lengths are millimetres, or inches where the name says so. Printed: faces, volume
+and area as OpenCascade has them before writing, and where closed forms are known, the relative deviation from them. Volumes and areas are
+those of integral.py.
 """
 
 import argparse
@@ -26,6 +28,7 @@ from OCP.BRepGProp import BRepGProp
 from OCP.BRepLib import BRepLib
 from OCP.BRepOffset import BRepOffset_Skin
 from OCP.BRepOffsetAPI import BRepOffsetAPI_MakePipeShell, BRepOffsetAPI_MakeThickSolid, BRepOffsetAPI_ThruSections
+from OCP.BRepTools import BRepTools
 from OCP.BRepPrimAPI import (BRepPrimAPI_MakeBox, BRepPrimAPI_MakeCone, BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakePrism,
                              BRepPrimAPI_MakeRevol, BRepPrimAPI_MakeSphere, BRepPrimAPI_MakeTorus)
 from OCP.collections import Array1_gp_Pnt, List_TopoDS_Shape
@@ -114,10 +117,12 @@ def filleted_box():
     return maker.Shape()
 
 
-def filleted_box_volume():
+def filleted_box_measures():
     """Box, slabs, quarter cylinders and ball."""
     a, b, c, r = 52, 32, 12, 4
-    return a * b * c + 2 * r * (a * b + b * c + c * a) + math.pi * r * r * (a + b + c) + 4 / 3 * math.pi * r**3
+    flat, long = 2 * (a * b + b * c + c * a), a + b + c
+    return (a * b * c + r * flat + math.pi * r * r * long + 4 / 3 * math.pi * r**3,
+            flat + 2 * math.pi * r * long + 4 * math.pi * r * r)
 
 
 def helix(radius, pitch, turns, start):
@@ -286,12 +291,13 @@ def lemon():
     return spindle(MEETING, 2 * math.pi - MEETING)
 
 
-def spindle_volume(first, last):
-    """|pi * integral of (R + r cos v)^2 r cos v dv|."""
-    def antiderivative(v):
+def spindle_measures(first, last):
+    """|pi * integral of (R + r cos v)^2 r cos v dv| and |2 pi r * integral of R + r cos v dv|."""
+    def antiderivatives(v):
         sine, cosine, R, r = math.sin(v), math.cos(v), MAJOR, MINOR
-        return r * (R * R * sine + R * r * (v + sine * cosine) + r * r * (sine - sine**3 / 3))
-    return abs(math.pi * (antiderivative(last) - antiderivative(first)))
+        return (math.pi * r * (R * R * sine + R * r * (v + sine * cosine) + r * r * (sine - sine**3 / 3)),
+                2 * math.pi * r * (R * v + r * sine))
+    return [abs(b - a) for a, b in zip(antiderivatives(first), antiderivatives(last))]
 
 
 def egg():
@@ -325,6 +331,15 @@ def dish():
     return turned(BRepBuilderAPI_MakeEdge(gp_Parab(UPRIGHT, 50), -100.0, 0.0).Edge(), segment((0, 0), (0, 50)), segment((0, 50), (100, 50)))
 
 
+def paraboloid_area(radius):
+    """Of a paraboloid of focal length 50 mm."""
+    return 8 / 3 * math.pi * 50**2 * ((1 + radius**2 / 100**2)**1.5 - 1)
+
+
+def dish_measures():
+    return math.pi * 100**2 * 50 / 2, math.pi * 100**2 + paraboloid_area(100)
+
+
 def dish_sector():
     """A third of its ring from the radius 30 mm on: the parabola crosses the axis beyond the face."""
     inner = 30**2 / 200
@@ -332,9 +347,11 @@ def dish_sector():
                   segment((30, 50), (100, 50)), angle=SECTOR)
 
 
-def dish_sector_volume():
-    """The angle times the integral of (50 - r^2 / 200) r."""
-    return SECTOR * (25 * (100**2 - 30**2) - (100**4 - 30**4) / 800)
+def dish_sector_measures():
+    """The angle times the integral of (50 - r^2 / 200) r; paraboloid, top, inside, and both sides."""
+    turned = (paraboloid_area(100) - paraboloid_area(30)) / (2 * math.pi) + (100**2 - 30**2) / 2 + 30 * (50 - 30**2 / 200)
+    side = 50 * (100 - 30) - (100**3 - 30**3) / 600
+    return SECTOR * (25 * (100**2 - 30**2) - (100**4 - 30**4) / 800), SECTOR * turned + 2 * side
 
 
 # The lens ends where the hyperbola of half axes 40 and 30 mm is 20 mm from the axis.
@@ -350,11 +367,19 @@ def lens():
     return turned(hyperbola, segment((0, 40), (0, height + 30)), ellipse, segment((20, height + 5), (20, height)))
 
 
-def lens_volume():
-    """Half an ellipsoid, the rim, and what a hyperboloid of two sheets cuts out of a cylinder."""
+def lens_measures():
+    """Half an ellipsoid, the rim, and what a hyperboloid of two sheets cuts out of a cylinder; the area of the hyperboloid is the integral
+    of 2 pi 30 sqrt(50^2 w^2 - 40^2), w = z / 40."""
     height = 40 * math.cosh(RIM)
     filled = math.pi * 30**2 * ((height**3 - 40**3) / (3 * 40**2) - (height - 40))
-    return 2 / 3 * math.pi * 20**2 * 25 + math.pi * 20**2 * 5 + filled
+
+    def antiderivative(w):
+        root = math.sqrt(50**2 * w * w - 40**2)
+        return 60 * math.pi * (w * root / 2 - 40**2 / 100 * math.log(50 * w + root))
+    eccentricity = math.sqrt(1 - (20 / 25)**2)
+    ellipsoid = math.pi * 20**2 * (1 + 25 / 20 / eccentricity * math.asin(eccentricity))
+    return (2 / 3 * math.pi * 20**2 * 25 + math.pi * 20**2 * 5 + filled,
+            ellipsoid + 2 * math.pi * 20 * 5 + antiderivative(height / 40) - antiderivative(1))
 
 
 def extruded_spline():
@@ -421,15 +446,16 @@ def assembly():
     return document
 
 
-MODELS = {"sphere_minus_torus": (sphere_minus_torus, None), "filleted_box": (filleted_box, filleted_box_volume),
+# How each is made, and its volume and area in closed form.
+MODELS = {"sphere_minus_torus": (sphere_minus_torus, None), "filleted_box": (filleted_box, filleted_box_measures),
           "threaded_rod": (threaded_rod, None), "offset_shell": (offset_shell, None), "offset_freeform": (offset_freeform, None),
           "engraved_cylinder": (engraved_cylinder, None), "drilled_plate": (drilled_plate, None), "lofted": (lofted, None),
-          "swept": (swept, None), "apple": (apple, lambda: spindle_volume(-MEETING, MEETING)),
-          "lemon": (lemon, lambda: spindle_volume(MEETING, 2 * math.pi - MEETING)), "egg": (egg, None),
-          "dish": (dish, lambda: math.pi * 100**2 * 50 / 2), "dish_sector": (dish_sector, dish_sector_volume), "lens": (lens, lens_volume),
+          "swept": (swept, None), "apple": (apple, lambda: spindle_measures(-MEETING, MEETING)),
+          "lemon": (lemon, lambda: spindle_measures(MEETING, 2 * math.pi - MEETING)), "egg": (egg, None),
+          "dish": (dish, dish_measures), "dish_sector": (dish_sector, dish_sector_measures), "lens": (lens, lens_measures),
           "extruded_spline": (extruded_spline, None), "nurbs_plate": (nurbs_plate, None),
           "nurbs_sphere_minus_torus": (nurbs_sphere_minus_torus, None),
-          "void_ball": (void_ball, lambda: 4 / 3 * math.pi * (20**3 - 5**3) - 6**3),
+          "void_ball": (void_ball, lambda: (4 / 3 * math.pi * (20**3 - 5**3) - 6**3, 4 * math.pi * (20**2 + 5**2) + 6 * 6**2)),
           "assembly": (assembly, None), "assembly_inch": (assembly, None), "drilled_plate_inch": (drilled_plate, None)}
 
 
@@ -470,8 +496,9 @@ def describe(name, model, expected):
         part, share, _ = FaceIntegral(face).converged(1e-7)
         area += part
         volume += share if face.Orientation() == TopAbs_FORWARD else -share
-    deviation = f", volume off by {volume / expected() - 1:.1e}" if expected else ""
-    return f"{name}: {len(faces)} faces, volume {volume:.9g} mm3, area {area:.9g} mm2{deviation}"
+    off = [f"{value / closed - 1:.1e}" for value, closed in zip((volume, area), expected())] if expected else []
+    return (f"{name}: {len(faces)} faces, volume {volume:.9g} mm3, area {area:.9g} mm2"
+            + (f", off by {off[0]} and {off[1]}" if off else ""))
 
 
 def silence():
@@ -496,6 +523,7 @@ def main():
             path = arguments.folder / f"{name}{'-pcurves' if curves else ''}.step"
             write(model, path, SCHEMAS[index % len(SCHEMAS)], unit, curves)
         if not isinstance(model, TDocStd_Document):
+            BRepTools.Write_s(model, str(arguments.folder / f"{name}.brep"))
             for kind, mode in (("faces", 0), ("solids", 1)):
                 write_iges(model, arguments.folder / f"{name}-{kind}.igs", unit, mode)
 

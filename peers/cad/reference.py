@@ -10,6 +10,8 @@ Units are metres. The result, as JSON:
     entities      numbers of all faces in the file
     uncertainty   distance accuracy of the file: the largest of its contexts; units: length units of its contexts
     bounds        [min, max] of everything
+    misread       [entity, area] of the faces of a file of models.py whose area was another one before it was written: the shape from
+                  before, which models.py has stored beside it, takes the place of what OpenCascade has read, in everything that follows
     moved         whether OpenCascade moved the shape by an axis placement of its representation, which is undone here
     faces         one per face of the file, in the coordinates of its part, not per occurrence:
                   entity (null if unknown), kind, area, area_error (relative), area_adaptive and area_gauss (of BRepGProp), bounds,
@@ -57,7 +59,6 @@ from OCP.gp import gp_Dir, gp_Lin, gp_Pnt, gp_Vec
 from OCP.GProp import GProp_GProps
 from OCP.IntCurvesFace import IntCurvesFace_Intersector
 from OCP.ShapeAnalysis import ShapeAnalysis_ShapeTolerance
-from OCP.Standard import Standard_Failure
 from OCP.TopAbs import TopAbs_FACE, TopAbs_FORWARD, TopAbs_SHELL
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
@@ -66,7 +67,7 @@ from edge_integral import EdgeIntegral, area_from_edges
 from edges import Boundary
 from iges import open_file
 from integral import FaceIntegral
-from step import METRE, explore
+from step import FAILURES, METRE, explore
 
 # Relative error of areas and volumes that the integration aims at.
 INTEGRATION = 1e-7
@@ -145,7 +146,7 @@ def describe_face(face, entity, occurrences):
         entry["tolerance"] = ShapeAnalysis_ShapeTolerance().Tolerance(face, 1) * METRE
         if not entry["area"] > 0:
             entry["status"] = f"area is {entry['area']}"
-    except Standard_Failure as error:
+    except FAILURES as error:
         entry["status"] = f"failed: {error}"
     return entry
 
@@ -168,7 +169,7 @@ def describe_solid(solid, entity):
                      for face in explore(solid.Located(TopLoc_Location()), TopAbs_FACE)]
             entry["volume"] = sum(volume if forward else -volume for (_, volume, _), forward in parts)
             entry["area"] = sum(area for (area, _, _), _ in parts)
-    except Standard_Failure as error:
+    except FAILURES as error:
         entry["failed"] = str(error)
     return entry
 
@@ -279,7 +280,7 @@ class FileReference:
                 continue
             try:
                 found = hits_of_face(face, rays, rays_of_box(rays, bounds, 1e-6 * size))
-            except Standard_Failure as error:
+            except FAILURES as error:
                 failed[number] = f"no intersection: {error}"
                 continue
             points = [rays[ray, :3] + t * rays[ray, 3:6] for ray, t, _ in found]
@@ -311,7 +312,7 @@ class FileReference:
         bounds = bounds_of(self.file.shape) if self.occurrences else None
         result = {"file": self.path.name, "seed": self.seed, "entities": self.file.faces_of_file,
                   "uncertainty": max(self.file.uncertainties, default=None), "units": self.file.units, "bounds": bounds,
-                  "moved": self.file.moved}
+                  "moved": self.file.moved, "misread": list(self.file.misread.items())}
         result["faces"] = self.timed("faces", self.faces)
         result["solids"] = self.timed("solids", self.solids)
         rays, hits, failed, odd = numpy.zeros((0, 7)), [], {}, []

@@ -2,9 +2,10 @@
 
 import pathlib
 import re
+import types
 
+import OCP
 from OCP.IFSelect import IFSelect_RetDone
-from OCP.Standard import Standard_Failure
 from OCP.STEPConstruct import STEPConstruct_UnitContext
 from OCP.STEPControl import STEPControl_Reader
 from OCP.StepGeom import StepGeom_GeomRepContextAndGlobUnitAssCtxAndGlobUncertaintyAssCtx as UnitsAndUncertainty
@@ -16,6 +17,10 @@ from OCP.TopLoc import TopLoc_Location
 
 # OpenCascade converts every file to millimetres.
 METRE = 1e-3
+
+# The exceptions of OpenCascade, which have no common class in the binding.
+FAILURES = tuple(kind for module in vars(getattr(OCP, "OCP", OCP)).values() if isinstance(module, types.ModuleType)
+                 for kind in vars(module).values() if isinstance(kind, type) and issubclass(kind, Exception))
 
 # Comments, strings and the beginnings of entities; the first two are matched so that their contents are not.
 TOKENS = re.compile(rb"/\*.*?\*/|'[^']*'|\"[^\"]*\"|#(\d+)\s*=\s*(\w+|\([^;]*)", re.DOTALL)
@@ -47,7 +52,12 @@ def context(entity):
 
 
 class CadFile:
-    """What all files that OpenCascade has transferred have: `shape`, `results`, and the entities in `known`."""
+    """What all files that OpenCascade has transferred have: `shape`, `results`, and the entities in `known`.
+
+    `misread`: entities of faces that have another area than before the file was written, with the area that was read (m2); written.py.
+    """
+
+    misread = {}
 
     def label(self, entity):
         """What was set as the number of an entity, or None."""
@@ -64,7 +74,7 @@ class CadFile:
         try:
             # Results are known without their placement.
             entity = self.results.EntityFromShapeResult(shape.Located(TopLoc_Location()), 1)
-        except Standard_Failure:
+        except FAILURES:
             return None
         label = self.label(entity) if entity is not None else None
         label = label.ToCString() if label is not None else ""
@@ -75,6 +85,14 @@ class CadFile:
 
     def solids(self):
         return list(explore(self.shape, TopAbs_SOLID))
+
+    def deduce_entity(self):
+        """Gives the only face without a number the only number without a face."""
+        faces = self.faces()
+        missing = {face.TShape() for face in faces if self.entity(face) is None}
+        rest = set(self.faces_of_file) - {self.entity(face) for face in faces}
+        if len(missing) == len(rest) == 1:
+            self.known[missing.pop()] = rest.pop()
 
 
 class StepFile(CadFile):
@@ -125,11 +143,3 @@ class StepFile(CadFile):
 
     def label(self, entity):
         return entity.Name() if hasattr(entity, "Name") else None
-
-    def deduce_entity(self):
-        """Gives the only face without a number the only number without a face."""
-        faces = self.faces()
-        missing = {face.TShape() for face in faces if self.entity(face) is None}
-        rest = set(self.faces_of_file) - {self.entity(face) for face in faces}
-        if len(missing) == len(rest) == 1:
-            self.known[missing.pop()] = rest.pop()
