@@ -8,12 +8,14 @@ no loop winds. The tolerance falls, and the pieces of each panel grow in number,
 """
 
 import functools
+import itertools
 import math
 
 import numpy
 
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Curve2d, BRepAdaptor_Surface
+from OCP.BRepTools import BRepTools
 from OCP.collections import Array1_double
 from OCP.GeomAbs import GeomAbs_CN, GeomAbs_Cone, GeomAbs_Cylinder, GeomAbs_Plane, GeomAbs_Sphere, GeomAbs_Torus
 from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
@@ -22,7 +24,7 @@ from OCP.TopAbs import TopAbs_EDGE, TopAbs_FORWARD, TopAbs_VERTEX, TopAbs_WIRE
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
 
-from step import METRE, explore
+from step import FAILURES, METRE, explore
 
 ORDER = 8
 NODES, WEIGHTS = numpy.polynomial.legendre.leggauss(ORDER)
@@ -41,6 +43,12 @@ TOLERANCES, DEPTH = (1e-6, 1e-8, 1e-9, 1e-10, 1e-10, 1e-10), 30
 
 # Steps of Newton's method, and their relative size at the end.
 STEPS, LAST_STEP = 30, 1e-13
+
+# Points per direction from which the nearest is taken where OpenCascade does not project.
+GRID = 33
+
+# Panels between two knots of an edge whose distance from a surface is measured.
+PANELS = 4
 
 # Distance from the surface, of the diagonal of the edge, beyond which a projection is searched anew on the whole surface.
 LOST = 1e-3
@@ -71,6 +79,7 @@ class Carrier:
     def __init__(self, face):
         self.adaptor = surface = BRepAdaptor_Surface(face, False)
         self.geometry, self.kind, self.evaluations = BRep_Tool.Surface_s(face), surface.GetType(), 0
+        self.bounds = BRepTools.UVBounds_s(face)
         self.point, self.tangents = gp_Pnt(), (gp_Vec(), gp_Vec())
         self.domain = ((surface.FirstUParameter(), surface.LastUParameter()), (surface.FirstVParameter(), surface.LastVParameter()))
         closed = (surface.IsUPeriodic() or surface.IsUClosed(), surface.IsVPeriodic() or surface.IsVClosed())
@@ -176,7 +185,10 @@ class Carrier:
         return max(-most, min(most, step))
 
     def search(self, position, guess):
-        projection = GeomAPI_ProjectPointOnSurf(position, self.geometry)
+        try:
+            projection = GeomAPI_ProjectPointOnSurf(position, self.geometry)
+        except FAILURES:
+            return self.search_grid(position)
         if not projection.NbPoints():
             raise Undecided("a point of an edge has no foot on the surface")
         feet = [(projection.Distance(i), projection.Parameters(i)) for i in range(1, projection.NbPoints() + 1)]
@@ -184,6 +196,15 @@ class Carrier:
         best = [foot for distance, foot in feet if distance <= 2 * least + 1e-9]
         best = min(best, key=lambda foot: math.dist(self.near(foot, guess), guess)) if guess else best[0]
         return self.newton(position, best) or best
+
+    def search_grid(self, position):
+        """The foot by Newton's method from the nearest point of a grid within the bounds of the face."""
+        u, v = (numpy.linspace(*ends, GRID).tolist() for ends in (self.bounds[:2], self.bounds[2:]))
+        start = min(((one, other) for one in u for other in v), key=lambda parameters: self.distance(position, parameters))
+        foot = self.newton(position, start)
+        if foot is None:
+            raise Undecided("Newton's method ends at a pole")
+        return foot
 
     def knots_between(self, low, high, direction):
         (first, _), period = self.domain[direction], self.periods[direction]
@@ -297,6 +318,22 @@ class Segment:
         return [self.curve.Value(centre + half * node) for node in NODES.tolist()]
 
 
+def stray_of_edge(edge, face):
+    """Largest distance of an edge from the surface of one of its faces, at Gauss points between its knots, mm."""
+    face = TopoDS.Face(face.Located(TopLoc_Location()).Oriented(TopAbs_FORWARD))
+    segment, carrier = Segment(edge.Located(TopLoc_Location()), face), Carrier(face)
+    positions = [position for first, last in zip(segment.cuts, segment.cuts[1:])
+                 for low, high in itertools.pairwise(numpy.linspace(first, last, PANELS + 1).tolist())
+                 for position in segment.positions(low, high)]
+    size = max(map(positions[0].Distance, positions))
+    guess, result = None, 0.0
+    for position in positions:
+        guess = carrier.project(position, guess, LOST * size)
+        foot = carrier.clipped(numpy.array([guess]))[0].tolist()
+        result = max(result, carrier.distance(position, foot))
+    return result
+
+
 def ordered(segments):
     """The segments in the order in which each begins where the one before ends."""
     return min(segments, segments[::-1], key=lambda chain: sum(gaps(chain)))
@@ -334,10 +371,7 @@ class EdgeIntegral:
         return area, change
 
     def distance(self, position):
-        """Distance of a position from the nearest point of the surface; infinite if the edges do not enclose that point.
-
-        Undecided if a loop winds around the surface.
-        """
+        """Distance of a position from the nearest point of the surface; infinite if the edges do not enclose that point."""
         foot = self.carrier.project(position, None, math.inf)
         return self.carrier.distance(position, foot) if self.encloses(foot) else math.inf
 
@@ -345,9 +379,14 @@ class EdgeIntegral:
         """Whether the loops wind around the parameters, in any period."""
         if self.polygons is None:
             paths = [self.path(loop, TOLERANCES[1], 1) for loop in self.loops if any(not segment.degenerate for segment in loop)]
-            if any(any(winding) for _, winding in paths):
-                raise Undecided("a loop winds around the surface")
+            if any(winding[1] for _, winding in paths):
+                raise Undecided("a loop winds in v")
+            # Loops that wind in u are closed where the area begins, too: at a pole, or anywhere if there are as many of both directions.
+            rest = sum(winding[0] for _, winding in paths)
+            base = self.carrier.pole(rest > 0) if rest else self.carrier.domain[1][1]
             self.polygons = [numpy.vstack([DENSE @ numpy.array(row[0]) for row in rows]) for rows, _ in paths]
+            self.polygons = [numpy.vstack([polygon, [[polygon[-1, 0], base], [polygon[0, 0], base]]]) if winding[0] else polygon
+                             for polygon, (_, winding) in zip(self.polygons, paths)]
         shifts = [[k * period for k in range(-2, 3)] if period else [0.0] for period in self.carrier.periods]
         return any(winding_number(self.polygons, foot[0] + u, foot[1] + v) for u in shifts[0] for v in shifts[1])
 

@@ -9,11 +9,10 @@ from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 from OCP.GCPnts import GCPnts_QuasiUniformDeflection
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_Shape
 from OCP.gp import gp_Pnt
-from OCP.Standard import Standard_Failure
 from OCP.TopAbs import TopAbs_EDGE, TopAbs_VERTEX
 from OCP.TopoDS import TopoDS, TopoDS_Compound
 
-from step import explore
+from step import FAILURES, explore
 
 # Points beside segments in one step of the search.
 BLOCK = 1 << 20
@@ -21,33 +20,44 @@ BLOCK = 1 << 20
 # Points of an edge whose deflection cannot be controlled.
 SAMPLES = 257
 
-# Parts into which each smooth part of an edge is divided before its points follow from the deflection.
+# Parts per smooth part of an edge, into which it is divided before its points follow from the deflection.
 PARTS = 5
 
 # Below so many deflections, the distance is that to the curve, else to its polyline.
 EXACT = 20
 
 
+def coordinates(point):
+    return point.X(), point.Y(), point.Z()
+
+
 def polyline(edge, deflection):
-    """Points of an edge. Each smooth part is divided first: of ten turns of a helix, the middle lies on the chord, and seems straight."""
+    """Points of an edge. It is divided before, the more the more smooth parts it has: of ten turns of a helix, the middle lies on the
+    chord, and seems straight."""
     curve = BRepAdaptor_Curve(edge)
     first, last = curve.FirstParameter(), curve.LastParameter()
     if curve.GetType() == GeomAbs_CurveType.GeomAbs_Line:
         ends = numpy.array([first, last])
     else:
         ends = numpy.linspace(first, last, PARTS * curve.NbIntervals(GeomAbs_Shape.GeomAbs_C2) + 1)
+    result = []
+    for low, high in zip(ends[:-1], ends[1:]):
+        part = points_between(curve, deflection, float(low), float(high))
+        if part is None:
+            return [coordinates(curve.Value(float(u))) for u in numpy.linspace(first, last, SAMPLES)]
+        result += part[1:] if result else part
+    return result
+
+
+def points_between(curve, deflection, low, high):
+    """Points of a part of a curve; `None` if the deflection cannot be controlled."""
     try:
-        result = []
-        for low, high in zip(ends[:-1], ends[1:]):
-            points = GCPnts_QuasiUniformDeflection(curve, deflection, float(low), float(high))
-            if not points.IsDone() or points.NbPoints() < 2:
-                raise Standard_Failure()
-            part = [(p.X(), p.Y(), p.Z()) for p in map(points.Value, range(1, points.NbPoints() + 1))]
-            result += part[1:] if result else part
-        return result
-    except Standard_Failure:
-        pass
-    return [(p.X(), p.Y(), p.Z()) for p in (curve.Value(float(u)) for u in numpy.linspace(first, last, SAMPLES))]
+        points = GCPnts_QuasiUniformDeflection(curve, deflection, low, high)
+    except FAILURES:
+        return None
+    if not points.IsDone() or points.NbPoints() < 2:
+        return None
+    return [coordinates(points.Value(i)) for i in range(1, points.NbPoints() + 1)]
 
 
 class Boundary:
@@ -66,8 +76,7 @@ class Boundary:
             owners += [len(self.shapes)] * (len(points) - 1)
             self.shapes.append(edge)
         for shape in explore(face, TopAbs_VERTEX):
-            point = BRep_Tool.Pnt_s(TopoDS.Vertex(shape))
-            starts.append((point.X(), point.Y(), point.Z()))
+            starts.append(coordinates(BRep_Tool.Pnt_s(TopoDS.Vertex(shape))))
             ends.append(starts[-1])
             owners.append(len(self.shapes))
             self.shapes.append(shape)
@@ -94,6 +103,15 @@ class Boundary:
                 result[first + i] = nearest
         return result
 
+    def nearest(self, point):
+        """Distance of the edge that is nearest to a point (or polyline), and the edge; `None` without edges."""
+        best = (numpy.inf, None)
+        for owner, shape in enumerate(self.shapes):
+            if shape.ShapeType() == TopAbs_EDGE:
+                distance = self.exact(numpy.asarray(point), numpy.array([owner]), numpy.inf)
+                best = min(best, (distance, shape), key=lambda found: found[0])
+        return best
+
     def exact(self, point, owners, otherwise):
         compound, builder = TopoDS_Compound(), BRep_Builder()
         builder.MakeCompound(compound)
@@ -103,5 +121,5 @@ class Boundary:
         try:
             extrema = BRepExtrema_DistShapeShape(vertex, compound)
             return extrema.Value() if extrema.IsDone() else otherwise
-        except Standard_Failure:
+        except FAILURES:
             return otherwise
