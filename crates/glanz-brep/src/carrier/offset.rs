@@ -12,8 +12,8 @@ use super::{Carrier, SplineCarrier};
 use crate::error::BrepError;
 use crate::model::Placement;
 
-/// Numbers of parts of each piece of a spline whose offset is fitted, one after the other.
-const FIT_PARTS: [usize; 5] = [1, 2, 4, 8, 16];
+/// Largest number of parts in a direction of each piece of a spline whose offset is fitted.
+const MAX_PARTS: usize = 64;
 
 /// Parts of the sides of the box of a face whose distances from a carrier are compared.
 const SIDE_PARTS: usize = 8;
@@ -144,6 +144,8 @@ fn farthest_side(carrier: &Carrier, bounds: &Bounds3) -> f64 {
 }
 
 /// A spline through points of the offset of a spline, with twice the largest distance of samples between them as its deviation.
+///
+/// Pieces are divided in the directions in which the spline strays, until it is within the tolerance.
 fn fitted(
     basis: &CarrierConversion,
     spline: &SplineCarrier,
@@ -153,20 +155,20 @@ fn fitted(
     let tolerance = extent.tolerance;
     let refused =
         |deviation| BrepError::Unfitted { shape: "offset of a spline surface", deviation, tolerance };
-    let mut best = f64::INFINITY;
-    for parts in FIT_PARTS {
-        let knots = [0, 1].map(|axis| divided_knots(spline, axis, parts));
-        let [knots_u, knots_v] = knots;
-        let (knots_u, knots_v) = (knots_u?, knots_v?);
+    let (mut parts, mut best) = ([1, 1], f64::INFINITY);
+    while parts.iter().all(|parts| *parts <= MAX_PARTS) {
+        let (knots_u, knots_v) = (divided_knots(spline, 0, parts[0])?, divided_knots(spline, 1, parts[1])?);
         if knots_u.count().saturating_mul(knots_v.count()) > MAX_POINTS {
             break;
         }
-        let [us, vs] = [knots_u.greville(), knots_v.greville()];
-        let grid = us.iter().flat_map(|u| vs.iter().map(move |v| DVec2::new(*u, *v)));
-        let points: Option<Vec<DVec3>> = grid.map(|uv| offset_point(spline, uv, distance)).collect();
+        let between = [&knots_u, &knots_v].map(samples);
+        let nodes = [knots_u.greville(), knots_v.greville()];
+        let points: Option<Vec<DVec3>> =
+            grid(&nodes[0], &nodes[1]).map(|uv| offset_point(spline, uv, distance)).collect();
         let points = points.ok_or_else(|| refused(f64::INFINITY))?;
-        let surface = NurbsSurface::interpolate_at([knots_u, knots_v], [&us, &vs], &points)?;
-        let deviation = 2.0 * sampled_distance(&surface, spline, distance);
+        let surface = NurbsSurface::interpolate_at([knots_u, knots_v], [&nodes[0], &nodes[1]], &points)?;
+        let strayed = |us: &[f64], vs: &[f64]| largest_distance(&surface, spline, distance, us, vs);
+        let deviation = 2.0 * strayed(&between[0], &between[1]);
         best = best.min(deviation);
         if deviation <= tolerance {
             let converted = SplineCarrier::try_new(&surface, tolerance)?;
@@ -176,6 +178,14 @@ fn fitted(
                 deviation: basis.deviation + deviation + converted.deviation,
                 reversed: basis.reversed,
             });
+        }
+        // At its nodes in one direction, a spline strays by what it does in the other. Both may take half of the tolerance.
+        let one_way = [strayed(&between[0], &nodes[1]), strayed(&nodes[0], &between[1])];
+        let coarse = one_way.map(|strayed| 4.0 * strayed > tolerance);
+        for (parts, is_coarse) in parts.iter_mut().zip(coarse) {
+            if is_coarse || coarse == [false, false] {
+                *parts *= 2;
+            }
         }
     }
     Err(refused(best))
@@ -201,19 +211,29 @@ fn divided_knots(spline: &SplineCarrier, axis: usize, parts: usize) -> Result<Kn
     Ok(KnotVector::try_new(FIT_DEGREE, Knots::clamped(FIT_DEGREE, knots.domain(), divided.skip(FIT_DEGREE)))?)
 }
 
-/// The largest distance of a surface from an offset at points inside the pieces of the surface.
-fn sampled_distance(surface: &NurbsSurface, basis: &SplineCarrier, distance: f64) -> f64 {
-    let inside = |knots: &KnotVector| {
-        let breaks = knots.breaks();
-        let samples = breaks.windows(2).flat_map(|pair| {
-            let [a, b] = [pair[0], pair[1]];
-            [0.25, 0.5, 0.75].map(|s| a + (b - a) * s)
-        });
-        samples.collect::<Vec<f64>>()
-    };
-    let (us, vs) = (inside(surface.knots_u()), inside(surface.knots_v()));
-    let grid = us.iter().flat_map(|u| vs.iter().map(move |v| DVec2::new(*u, *v)));
-    let apart = grid.map(|uv| {
+/// Parameters inside the pieces of a spline.
+fn samples(knots: &KnotVector) -> Vec<f64> {
+    let breaks = knots.breaks();
+    let samples = breaks.windows(2).flat_map(|pair| {
+        let [a, b] = [pair[0], pair[1]];
+        [0.25, 0.5, 0.75].map(|s| a + (b - a) * s)
+    });
+    samples.collect()
+}
+
+fn grid(us: &[f64], vs: &[f64]) -> impl Iterator<Item = DVec2> {
+    us.iter().flat_map(|u| vs.iter().map(move |v| DVec2::new(*u, *v)))
+}
+
+/// The largest distance of a surface from an offset at these parameters; infinite if there is no normal.
+fn largest_distance(
+    surface: &NurbsSurface,
+    basis: &SplineCarrier,
+    distance: f64,
+    us: &[f64],
+    vs: &[f64],
+) -> f64 {
+    let apart = grid(us, vs).map(|uv| {
         let exact = offset_point(basis, uv, distance);
         exact.map_or(f64::INFINITY, |exact| surface.point(uv.x, uv.y).distance(exact))
     });

@@ -107,3 +107,28 @@ fn offsets_of_splines_are_fitted_within_the_tolerance() {
     let refused = Carrier::try_from_surface(&FaceSurface::Offset { basis, distance: 0.1 }, extent, 1e-6);
     assert!(matches!(refused, Err(BrepError::Unfitted { deviation, .. }) if deviation > 1e-3));
 }
+
+#[test]
+fn offsets_of_sharp_splines_are_divided_where_they_bend() {
+    // A parabola whose radius is 0.4 at its vertex, in one piece from x = -1 to 1, extruded: straight in v.
+    let (radius, distance, tolerance) = (0.4, 0.05, 1e-8);
+    let points = [(-1.0, 1.0), (0.0, -1.0), (1.0, 1.0)].map(|(x, y)| at(x, y / (2.0 * radius), 0.0));
+    let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let curve =
+        Curve::Spline(SplineCurve::try_new(2, knots, points.map(|p| p.extend(1.0)).to_vec()).unwrap());
+    let basis = Box::new(FaceSurface::Extrusion { curve: Box::new(curve), direction: vector(0.0, 0.0, 1.0) });
+    let extent = Bounds3::from_points([at(-1.5, -1.0, 0.0), at(1.5, 2.0, 1.0)]);
+    let converted =
+        Carrier::try_from_surface(&FaceSurface::Offset { basis, distance }, extent, tolerance).unwrap();
+    assert!(converted.deviation <= tolerance);
+    for i in 0..=100 {
+        let x = f64::from(i) / 50.0 - 1.0;
+        let slope = x / radius;
+        let along = distance / slope.hypot(1.0);
+        let exact = at(x + slope * along, x * slope / 2.0 - along, 0.3);
+        assert!(converted.carrier.parameters(exact, None).distance <= converted.deviation);
+    }
+    let Carrier::Spline(spline) = &converted.carrier else { panic!("{converted:?}") };
+    // No more than 64 parts along the parabola and one across.
+    assert!(spline.surface().control_points().len() <= (64 + 5) * 6);
+}
