@@ -201,10 +201,7 @@ class Carrier:
         """The foot by Newton's method from the nearest point of a grid within the bounds of the face."""
         u, v = (numpy.linspace(*ends, GRID).tolist() for ends in (self.bounds[:2], self.bounds[2:]))
         start = min(((one, other) for one in u for other in v), key=lambda parameters: self.distance(position, parameters))
-        foot = self.newton(position, start)
-        if foot is None:
-            raise Undecided("Newton's method ends at a pole")
-        return foot
+        return self.newton(position, start) or start
 
     def knots_between(self, low, high, direction):
         (first, _), period = self.domain[direction], self.periods[direction]

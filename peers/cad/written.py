@@ -13,7 +13,7 @@ from integral import FaceIntegral
 from step import FAILURES, METRE, explore
 
 # Relative difference of the areas of a face before it was written and after it was read beyond which it was misread.
-SAME_AREA = 1e-5
+SAME_AREA = 1e-4
 
 # Ends of the names of the forms of a model.
 FORM = re.compile("-(pcurves|faces|solids)$")
