@@ -41,7 +41,6 @@ pub(super) fn extent(model: &BrepModel, edges: &[BoundedEdge], face: &Face) -> R
                     points.extend([curve.bounds.min, curve.bounds.max]);
                 }
             }
-            BoundaryLoop::Polygon(corners) => points.extend(corners),
             BoundaryLoop::Vertex(vertex) => points.extend(model.vertices.get(*vertex)),
             BoundaryLoop::Border => {}
         }

@@ -82,7 +82,7 @@ impl LaidFace {
         let limit = if size > 0.0 { COINCIDENT * size } else { f64::INFINITY };
         let tolerance = model.uncertainty.min(limit).max(RESOLUTION * size);
         let mut repairs = Vec::new();
-        let (surface, same_sense) = match plane_of_polygons(&entry.surface, face, size, tolerance) {
+        let (surface, same_sense) = match plane_of_polygons(&entry.surface, model, face, size, tolerance) {
             Some((plane, repair)) => {
                 repairs.push(repair);
                 (FaceSurface::Plane(plane), true)
@@ -128,7 +128,6 @@ impl LaidFace {
                 BoundaryLoop::Edges(oriented) => {
                     laid.edges(model, edges, face.surface, &conversion, oriented)?
                 }
-                BoundaryLoop::Polygon(corners) => laid.polygon(corners, bound.entity)?,
                 BoundaryLoop::Vertex(vertex) => {
                     laid.vertex(*model.vertices.get(*vertex).ok_or(FaceRefusal::Dangling)?, bound.entity);
                     continue;
@@ -192,28 +191,6 @@ impl LaidFace {
             }
         }
         Ok(curves)
-    }
-
-    /// Straight sides between points.
-    fn polygon(&mut self, corners: &[DVec3], bound: EntityId) -> Result<Vec<BoundaryCurve>, FaceRefusal> {
-        let mut near = None;
-        let mut strays: f64 = 0.0;
-        let mut points: Vec<DVec2> = Vec::with_capacity(corners.len() + 1);
-        for &corner in corners.iter().chain(corners.first()) {
-            let projection = self.carrier.parameters(corner, near);
-            near = Some(projection.uv);
-            strays = largest([strays, projection.distance]);
-            points.push(projection.uv * self.metric);
-        }
-        if strays.is_nan() || strays > STRAYING * self.size {
-            return Err(FaceRefusal::StrayingPolygon { bound, distance: strays });
-        }
-        if strays > self.tolerance {
-            self.repairs.push(FaceRepair::StrayingPolygon { bound, distance: strays });
-        }
-        points.dedup();
-        let side = |pair: &[DVec2]| BoundaryCurve { width: strays, ..BoundaryCurve::line(pair[0], pair[1]) };
-        Ok(points.windows(2).map(side).collect())
     }
 
     /// A loop that is a point: a pole, which bounds nothing, or a mistake.

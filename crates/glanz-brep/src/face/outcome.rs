@@ -37,14 +37,6 @@ pub enum FaceRepair {
         /// Its largest distance, metres.
         distance: f64,
     },
-    /// A polygon does not lie on the surface.
-    #[error("loop {bound} is {distance:.1e} m off the surface")]
-    StrayingPolygon {
-        /// The loop.
-        bound: EntityId,
-        /// Its largest distance, metres.
-        distance: f64,
-    },
     /// The polygons of the face lie in another plane.
     #[error("its polygons are {distance:.1e} m off its plane; their own is taken")]
     PolygonPlane {
@@ -93,14 +85,6 @@ pub enum FaceRefusal {
     StrayingEdge {
         /// The edge.
         edge: EntityId,
-        /// Its largest distance, metres.
-        distance: f64,
-    },
-    /// A polygon is far from its surface, and not plane.
-    #[error("loop {bound} is {distance:.1e} m off its surface")]
-    StrayingPolygon {
-        /// The loop.
-        bound: EntityId,
         /// Its largest distance, metres.
         distance: f64,
     },

@@ -3,7 +3,7 @@
 use glanz_math::DVec3;
 
 use super::outcome::FaceRepair;
-use crate::model::{BoundaryLoop, Face, FaceSurface, Placement};
+use crate::model::{BoundaryLoop, BrepModel, Face, FaceSurface, Placement};
 
 /// Part of the size of a face up to which its edges may be off its surface.
 pub(super) const STRAYING: f64 = 0.05;
@@ -20,18 +20,17 @@ pub(super) fn ends_at_border(surface: &FaceSurface, face: &Face) -> bool {
 /// Polygons agree with those of the neighbours, whose corners they share; a plane may be one for all faces.
 pub(super) fn plane_of_polygons(
     surface: &FaceSurface,
+    model: &BrepModel,
     face: &Face,
     size: f64,
     tolerance: f64,
 ) -> Option<(Placement, FaceRepair)> {
     let FaceSurface::Plane(given) = *surface else { return None };
-    let mut corners: Vec<DVec3> = Vec::new();
-    for bound in &face.bounds {
-        let BoundaryLoop::Polygon(polygon) = &bound.boundary else { return None };
-        corners.extend(polygon);
-    }
-    let distance = |plane: Placement| corners.iter().map(|&p| plane.to_local(p).z.abs()).fold(0.0, f64::max);
-    let plane = Placement::of_polygons(&face.bounds)?;
+    let polygons = face.bounds.iter().map(|bound| model.polygon(&bound.boundary));
+    let polygons: Vec<Vec<DVec3>> = polygons.collect::<Option<_>>()?;
+    let distance =
+        |plane: Placement| polygons.iter().flatten().map(|&p| plane.to_local(p).z.abs()).fold(0.0, f64::max);
+    let plane = Placement::of_polygons(&polygons)?;
     let (off, is_flat) = (distance(given), distance(plane) <= tolerance);
     if off > STRAYING * size {
         return is_flat.then_some((plane, FaceRepair::PolygonPlane { distance: off }));

@@ -101,23 +101,31 @@ pub struct FaceBound {
 pub enum BoundaryLoop {
     /// Edges, each of which starts where the one before ends.
     Edges(Vec<OrientedEdge>),
-    /// Straight edges between points.
-    Polygon(Vec<DVec3>),
     /// A single point, as the apex of a cone, by the index of its vertex.
     Vertex(usize),
     /// The border of the surface, which is bounded: that of its range, or of its domain.
     Border,
 }
 
+impl BrepModel {
+    /// The corners of a loop of edges that are straight because they have no curves; `None` for other loops.
+    #[must_use]
+    pub fn polygon(&self, boundary: &BoundaryLoop) -> Option<Vec<DVec3>> {
+        let BoundaryLoop::Edges(oriented) = boundary else { return None };
+        let corner = |&OrientedEdge { edge, forward }: &OrientedEdge| {
+            let edge = self.edges.get(edge).filter(|edge| edge.curve.is_none())?;
+            self.vertices.get(if forward { edge.start } else { edge.end }).copied()
+        };
+        oriented.iter().map(corner).collect()
+    }
+}
+
 impl Placement {
-    /// The frame in the plane of the largest polygon of a face; its z axis is the normal for which the polygon runs counter-clockwise.
+    /// The frame in the plane of the largest of some polygons; its z axis is the normal for which that polygon runs counter-clockwise.
     /// `None` if no polygon has an area.
     #[must_use]
-    pub fn of_polygons(bounds: &[FaceBound]) -> Option<Self> {
-        let polygons = bounds.iter().filter_map(|bound| match &bound.boundary {
-            BoundaryLoop::Polygon(corners) => Some(corners.split_first()?),
-            _ => None,
-        });
+    pub fn of_polygons(polygons: &[Vec<DVec3>]) -> Option<Self> {
+        let polygons = polygons.iter().filter_map(|corners| corners.split_first());
         let areas = polygons.map(|(&origin, rest)| {
             let pairs = rest.iter().zip(rest.iter().skip(1));
             let area: DVec3 = pairs.map(|(a, b)| (*a - origin).cross(*b - origin)).sum();

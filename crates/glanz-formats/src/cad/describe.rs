@@ -235,9 +235,8 @@ impl<'a> CadScene<'a> {
                         self.color_material(overriding.or(own).or(inherited.color))
                     }
                 };
-                let loops = face.bounds.iter().map(|bound| &bound.boundary);
                 if let Some(edges) = &mut edges {
-                    edges.add(group.shapes.len(), loops, trimmed, reversed);
+                    edges.add(group.shapes.len(), trimmed, reversed);
                 }
                 faces.push(index);
                 group.shapes.push(ShapeDescription {

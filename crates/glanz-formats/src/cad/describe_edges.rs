@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use glanz_brep::curve::EdgePolyline;
-use glanz_brep::face::{EdgeNormals, FaceGeometry, TrimmedFace};
-use glanz_brep::model::{BoundaryLoop, BrepModel, Curve};
+use glanz_brep::face::{EdgeNormals, TrimmedFace};
+use glanz_brep::model::{BrepModel, Curve};
 use glanz_math::DVec3;
 use glanz_scene::description::{EdgeDescription, EdgeKind, EdgeTransition};
 
@@ -20,46 +20,14 @@ const ROUND: f64 = 1e-9;
 pub(super) struct BodyEdges {
     /// By edge: shapes and the normals of their faces.
     curves: BTreeMap<usize, Vec<(usize, EdgeNormals)>>,
-    /// By the bits of their ends in a fixed order: straight sides of polygons, with the shapes and the normals of their faces.
-    sides: BTreeMap<[[u64; 3]; 2], PolygonSide>,
-}
-
-#[derive(Debug)]
-struct PolygonSide {
-    ends: [DVec3; 2],
-    faces: Vec<(usize, DVec3)>,
 }
 
 impl BodyEdges {
     /// Adds a face of the body. `shape`: its index in the group; `reversed`: whether the body reverses its normal.
-    pub(super) fn add<'a>(
-        &mut self,
-        shape: usize,
-        loops: impl Iterator<Item = &'a BoundaryLoop>,
-        face: &TrimmedFace,
-        reversed: bool,
-    ) {
+    pub(super) fn add(&mut self, shape: usize, face: &TrimmedFace, reversed: bool) {
         for normals in &face.edge_normals {
             let normals = if reversed { normals.reversed() } else { normals.clone() };
             self.curves.entry(normals.edge).or_default().push((shape, normals));
-        }
-        let outward = if face.reversed == reversed { 1.0 } else { -1.0 };
-        let normal = match face.geometry {
-            FaceGeometry::Plane { .. } => outward * face.to_part.z_axis.truncate(),
-            _ => DVec3::ZERO,
-        };
-        for corners in loops {
-            let BoundaryLoop::Polygon(corners) = corners else { continue };
-            for (&start, &end) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-                // Of the two zeros, which have different bits, one is left.
-                let mut key = [start, end].map(|corner| corner.to_array().map(|x| (x + 0.0).to_bits()));
-                key.sort_unstable();
-                let side = PolygonSide { ends: [start, end], faces: Vec::new() };
-                let valid = start != end && start.is_finite() && end.is_finite();
-                if valid {
-                    self.sides.entry(key).or_insert(side).faces.push((shape, normal));
-                }
-            }
         }
     }
 
@@ -86,21 +54,6 @@ impl BodyEdges {
                 deviation: polyline.deviation + widths.get(number).copied().unwrap_or_default(),
                 kind: edge.curve.as_ref().map_or(EdgeKind::Line, kind),
                 length: polyline.length,
-                transition: transition(&shapes, angle),
-                shapes,
-                angle,
-            });
-        }
-        for PolygonSide { ends, faces } in self.sides.into_values() {
-            let shapes: Vec<usize> = faces.iter().map(|&(shape, _)| shape).collect();
-            let first = faces.first().map_or(DVec3::ZERO, |&(_, normal)| normal);
-            let angle = |normal: DVec3| first.cross(normal).length().atan2(first.dot(normal));
-            let angle = faces.iter().map(|&(_, normal)| angle(normal)).fold(0.0, f64::max);
-            edges.push(EdgeDescription {
-                points: ends.to_vec(),
-                deviation: 0.0,
-                kind: EdgeKind::Line,
-                length: ends[0].distance(ends[1]),
                 transition: transition(&shapes, angle),
                 shapes,
                 angle,

@@ -85,7 +85,8 @@ impl<'a> StepReader<'a> {
 
     /// The plane of a face that has none: that of its largest polygon.
     fn plane_of(&mut self, entity: Entity<'a>, bounds: &[FaceBound]) -> Result<usize, Refusal> {
-        let plane = Placement::of_polygons(bounds);
+        let polygons = bounds.iter().filter_map(|bound| self.model.polygon(&bound.boundary));
+        let plane = Placement::of_polygons(&polygons.collect::<Vec<_>>());
         let plane = plane
             .ok_or_else(|| entity.refuse("the face has neither a surface nor a polygon with an area"))?;
         Ok(self.add_surface(FaceSurface::Plane(plane), entity))
@@ -104,7 +105,6 @@ impl<'a> StepReader<'a> {
                     edges.reverse();
                     edges.iter_mut().for_each(|edge| edge.forward ^= true);
                 }
-                BoundaryLoop::Polygon(points) => points.reverse(),
                 BoundaryLoop::Vertex(_) | BoundaryLoop::Border => {}
             }
         }
@@ -127,7 +127,8 @@ impl<'a> StepReader<'a> {
             };
         }
         if entity.is(Keyword::PolyLoop) {
-            return Ok(BoundaryLoop::Polygon(self.geometry.points(entity, curve_units(self.units(units)))?));
+            let corners = self.geometry.points(entity, curve_units(self.units(units)))?;
+            return Ok(BoundaryLoop::Edges(self.polygon_edges(&corners, entity.id())?));
         }
         if entity.is(Keyword::VertexLoop) {
             return Ok(BoundaryLoop::Vertex(self.vertex(attributes.reference(1)?, units)?));

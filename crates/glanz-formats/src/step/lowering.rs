@@ -7,6 +7,7 @@ use glanz_brep::model::{BrepModel, EntityId};
 use super::entities::EntityLists;
 use super::geometry::GeometryReader;
 use super::part21::{Entity, EntityAttributes, ExchangeFile, Keyword, Refusal};
+use super::polygons::PolygonEdges;
 use super::styles::StyleTable;
 use super::units::{ContextUnits, UnitSet};
 use crate::cad::{BrepFile, EntityNote, FaceCounts, ReadingReport};
@@ -29,6 +30,7 @@ pub(super) struct StepReader<'a> {
     pub(super) vertices: LoweredEntities<usize>,
     pub(super) edges: LoweredEntities<usize>,
     pub(super) faces: LoweredEntities<usize>,
+    pub(super) polygons: PolygonEdges,
     /// What the file hides, with all that it contains.
     pub(super) hidden_items: HashSet<EntityId>,
 }
@@ -59,6 +61,7 @@ impl<'a> StepReader<'a> {
             vertices: HashMap::new(),
             edges: HashMap::new(),
             faces: HashMap::new(),
+            polygons: PolygonEdges::default(),
             hidden_items: HashSet::new(),
         }
     }

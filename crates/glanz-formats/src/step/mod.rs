@@ -26,6 +26,7 @@ mod lowering;
 mod part21;
 mod parts;
 mod placement;
+mod polygons;
 mod spline;
 mod style_overrides;
 mod styles;

@@ -152,11 +152,8 @@ fn polygons_far_from_their_plane_take_their_own() {
         [(0.0, 0.0, 5.0), (12.0, 0.0, 5.0), (2.0, 9.0, 5.0), (3.0, 2.0, 19.0)].map(DVec3::from);
     let mut model = ModelBuilder::default();
     for corners in [[o, b, a], [o, a, c], [o, c, b], [a, b, c]] {
-        model.bounded(
-            FaceSurface::Plane(at_height(5.0)),
-            true,
-            vec![BoundaryLoop::Polygon(corners.to_vec())],
-        );
+        let polygon = model.polygon(&corners);
+        model.bounded(FaceSurface::Plane(at_height(5.0)), true, vec![polygon]);
     }
     let faces: Vec<TrimmedFace> = trimmed_faces(&model.0).faces.into_iter().map(Result::unwrap).collect();
     let sum = faces.iter().map(|face| face.measure(1e-9)).fold(FaceMeasure::default(), |a, b| a + b);
@@ -187,13 +184,14 @@ fn polygon_that_is_not_flat_turns_its_plane() {
     let downwards = Placement { y: DVec3::NEG_Y, z: DVec3::NEG_Z, ..at_height(1.0) };
     for (plane, same_sense) in [(downwards, true), (at_height(1.0), false)] {
         let mut model = ModelBuilder::default();
-        let polygon = BoundaryLoop::Polygon(corners.clone());
+        let polygon = model.polygon(&corners);
         model.bounded(FaceSurface::Plane(plane), same_sense, vec![polygon]);
         let face = trimmed_faces(&model.0).faces.remove(0).unwrap();
         // Counter-clockwise from above: a third of the height times the area, as above the origin.
         assert_close(face.measure(1e-9).volume, 1.0 / 3.0);
         assert_eq!(face.repairs[0], FaceRepair::TurnedPlane);
-        assert!(matches!(face.repairs[1..], [FaceRepair::StrayingPolygon { .. }]), "{:?}", face.repairs);
+        let strays = |repair: &FaceRepair| matches!(repair, FaceRepair::StrayingEdge { .. });
+        assert!(!face.repairs[1..].is_empty() && face.repairs[1..].iter().all(strays), "{:?}", face.repairs);
     }
 }
 
@@ -203,47 +201,51 @@ fn polygon_beside_its_plane_is_repaired_up_to_a_part_of_its_size_and_refused_bey
         let mut model = ModelBuilder::default();
         let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
         // No plane contains it.
-        let corners = vec![
+        let polygon = model.polygon(&[
             corner(0.0, 0.0, 0.0),
             corner(1.0, 0.0, height),
             corner(1.0, 1.0, 0.0),
             corner(0.0, 1.0, height),
-        ];
-        model.bounded(FaceSurface::Plane(WORLD), true, vec![BoundaryLoop::Polygon(corners)]);
+        ]);
+        model.bounded(FaceSurface::Plane(WORLD), true, vec![polygon]);
         trimmed_faces(&model.0).faces.remove(0)
     };
-    let bound = EntityId(3000);
-    assert_eq!(polygon(0.01).unwrap().repairs, [FaceRepair::StrayingPolygon { bound, distance: 0.01 }]);
-    assert_eq!(polygon(0.5).unwrap_err(), FaceRefusal::StrayingPolygon { bound, distance: 0.5 });
-    let nowhere = polygon(f64::NAN).unwrap_err();
-    assert!(
-        matches!(nowhere, FaceRefusal::StrayingPolygon { distance, .. } if distance.is_nan()),
-        "{nowhere}"
-    );
+    let repairs = polygon(0.01).unwrap().repairs;
+    assert_eq!(repairs.len(), 4, "each side ends above or below the plane");
+    for repair in repairs {
+        assert!(
+            matches!(repair, FaceRepair::StrayingEdge { distance, .. } if (0.01..0.0101).contains(&distance)),
+            "{repair:?}"
+        );
+    }
+    let refusal = polygon(0.5).unwrap_err();
+    assert!(matches!(refusal, FaceRefusal::StrayingEdge { distance, .. } if (0.5..0.51).contains(&distance)));
+    assert!(matches!(polygon(f64::NAN).unwrap_err(), FaceRefusal::Edge { .. }));
 }
 
 #[test]
 fn largest_polygon_tells_the_plane() {
     let square = |size: f64, x: f64| {
-        BoundaryLoop::Polygon(vec![
-            DVec3::new(x, 0.0, 1.0),
-            DVec3::new(x + size, 0.0, 1.0),
-            DVec3::new(x + size, size, 1.0),
-            DVec3::new(x, size, 1.0),
-        ])
+        let corner = |u: f64, v: f64| DVec3::new(x + u * size, v * size, 1.0);
+        vec![corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)]
     };
-    let hole = match square(1.0, 1.0) {
-        BoundaryLoop::Polygon(points) => BoundaryLoop::Polygon(points.into_iter().rev().collect()),
-        other => other,
-    };
-    let bound = |boundary| FaceBound { boundary, outer: false, entity: EntityId(1) };
-    let plane = Placement::of_polygons(&[bound(hole), bound(square(4.0, 0.0))]).unwrap();
+    let hole = square(1.0, 1.0).into_iter().rev().collect();
+    let plane = Placement::of_polygons(&[hole, square(4.0, 0.0)]).unwrap();
     assert_eq!((plane.origin.z, plane.z), (1.0, DVec3::Z));
-    assert!(
-        Placement::of_polygons(&[bound(BoundaryLoop::Polygon(vec![DVec3::ZERO, DVec3::X, DVec3::X * 2.0]))])
-            .is_none()
-    );
-    assert!(Placement::of_polygons(&[bound(BoundaryLoop::Border)]).is_none());
+    assert!(Placement::of_polygons(&[vec![DVec3::ZERO, DVec3::X, DVec3::X * 2.0], vec![]]).is_none());
+}
+
+#[test]
+fn only_loops_of_edges_without_curves_are_polygons() {
+    let mut model = ModelBuilder::default();
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+    let polygon = model.polygon(&corners);
+    assert_eq!(model.0.polygon(&polygon).as_deref(), Some(&corners[..]));
+    let edge = model.circle(1.0, 0.0);
+    let circle = BoundaryLoop::Edges(vec![OrientedEdge { edge, forward: true }]);
+    for other in [circle, BoundaryLoop::Border, BoundaryLoop::Vertex(0)] {
+        assert_eq!(model.0.polygon(&other), None);
+    }
 }
 
 #[test]

@@ -46,6 +46,28 @@ impl ModelBuilder {
         self.bounded(surface, same_sense, bounds.collect());
     }
 
+    /// A loop of straight edges, which it shares with those before it.
+    fn polygon(&mut self, corners: &[DVec3]) -> BoundaryLoop {
+        let numbers: Vec<usize> = corners
+            .iter()
+            .map(|&corner| {
+                let known = self.0.vertices.iter().position(|&vertex| vertex == corner);
+                known.unwrap_or_else(|| {
+                    self.0.vertices.push(corner);
+                    self.0.vertices.len() - 1
+                })
+            })
+            .collect();
+        let sides = (0..numbers.len()).map(|i| [numbers[i], numbers[(i + 1) % numbers.len()]]);
+        let oriented = sides.map(|[start, end]| {
+            let mut edges = self.0.edges.iter();
+            let known = edges.position(|edge| [[start, end], [end, start]].contains(&[edge.start, edge.end]));
+            let edge = known.unwrap_or_else(|| self.edge([start, end], None));
+            OrientedEdge { edge, forward: self.0.edges[edge].start == start }
+        });
+        BoundaryLoop::Edges(oriented.collect())
+    }
+
     fn bounded(&mut self, surface: FaceSurface, same_sense: bool, loops: Vec<BoundaryLoop>) {
         let (number, entity) = (self.0.surfaces.len(), EntityId(2000 + self.0.surfaces.len() as u64));
         self.0.surfaces.push(SurfaceEntry { surface, entity });
@@ -180,11 +202,8 @@ fn a_box_of_polygons_has_its_volume_whatever_the_sense_of_its_planes() {
             let z = if same_sense { outward } else { -outward };
             let x = (b - a).normalize();
             let plane = Placement { origin: a, x, y: z.cross(x), z };
-            model.bounded(
-                FaceSurface::Plane(plane),
-                same_sense,
-                vec![BoundaryLoop::Polygon(vec![a, b, c, d])],
-            );
+            let polygon = model.polygon(&[a, b, c, d]);
+            model.bounded(FaceSurface::Plane(plane), same_sense, vec![polygon]);
         }
         assert_measures(&model.faces(), 22.0, 6.0);
     }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use glanz_brep::model::BoundaryLoop;
 use glanz_scene::Description;
 use glanz_scene::description::{EdgeDescription, EdgeKind, EdgeTransition};
 
@@ -89,6 +90,37 @@ fn sign_of_a_zero_parts_no_sides() {
         .replace("#30=POLY_LOOP('',(#40,#42,#43,#41));", "#30=POLY_LOOP('',(#60,#42,#43,#61));")
         + "#60=CARTESIAN_POINT('',(-0.,0.,-0.));#61=CARTESIAN_POINT('',(1.,-0.,0.));";
     assert_eq!(edges(&negative, true).len(), 12);
+}
+
+#[test]
+fn faces_between_polygons_share_edges_and_vertices() {
+    // The last polygon has points of its own, and its first corner twice.
+    let own = OPEN_BOX
+        .replace("#34=POLY_LOOP('',(#42,#40,#44,#46));", "#34=POLY_LOOP('',(#62,#60,#44,#46,#62));")
+        + "#60=CARTESIAN_POINT('',(0.,0.,0.));#62=CARTESIAN_POINT('',(0.,1.,0.));";
+    for data in [OPEN_BOX, &own] {
+        let model = clean(&format!("{MILLIMETRES}{data}")).model;
+        assert_eq!((model.vertices.len(), model.edges.len()), (8, 12));
+        let uses = |edge: usize| {
+            let bounds = model.faces.iter().flat_map(|face| &face.bounds);
+            let edges = bounds.filter_map(|bound| match &bound.boundary {
+                BoundaryLoop::Edges(edges) => Some(edges),
+                _ => None,
+            });
+            edges
+                .flatten()
+                .filter(|oriented| oriented.edge == edge)
+                .map(|oriented| oriented.forward)
+                .collect()
+        };
+        let all: Vec<Vec<bool>> = (0..12).map(uses).collect();
+        // Neighbours run through an edge in opposite directions.
+        assert_eq!(all.iter().filter(|uses| matches!(uses[..], [a, b] if a != b)).count(), 8);
+        assert_eq!(all.iter().filter(|uses| uses.len() == 1).count(), 4);
+    }
+    let point = OPEN_BOX.replace("(#42,#40,#44,#46)", "(#42,#42,#42)");
+    let omissions = omissions(&file(&format!("{MILLIMETRES}{point}")));
+    assert!(omissions.len() == 1 && omissions[0].contains("#34: the polygon is a point"), "{omissions:?}");
 }
 
 #[test]
