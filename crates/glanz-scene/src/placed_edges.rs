@@ -1,5 +1,6 @@
 //! Edges in world space, and whether they are seen.
 
+use glanz_math::glam::DMat3;
 use glanz_math::{DVec3, Ray, Transform};
 
 use crate::description::EdgeDescription;
@@ -23,7 +24,7 @@ pub struct PlacedEdges<'a> {
 impl<'a> PlacedEdges<'a> {
     /// `half_space`: the normal and the offset of what a section leaves of the world.
     fn new(edges: &'a [EdgeDescription], to_world: Transform, half_space: Option<(DVec3, f64)>) -> Self {
-        let stretch = stretch(&to_world);
+        let stretch = stretch(to_world.forward().matrix3);
         let section = half_space.map(|half_space| EdgeSection::new(half_space, edges, &to_world, stretch));
         Self { edges, to_world, stretch, section }
     }
@@ -50,8 +51,7 @@ impl<'a> PlacedEdges<'a> {
 /// Bound on the factor by which a map stretches lengths; the least one if it scales alike in all directions.
 ///
 /// Its square is the largest sum of absolute values in a column of the Gram matrix, which bounds the largest eigenvalue; that of a turned scale is diagonal.
-fn stretch(map: &Transform) -> f64 {
-    let axes = map.forward().matrix3;
+pub(crate) fn stretch(axes: DMat3) -> f64 {
     let gram = axes.transpose() * axes;
     let sums = [gram.x_axis, gram.y_axis, gram.z_axis].map(|column| column.abs().element_sum());
     sums.into_iter().fold(0.0, f64::max).sqrt()
@@ -147,7 +147,7 @@ mod tests {
             [(DVec3::ONE, true), (DVec3::splat(0.25), true), (DVec3::new(3.0, 1.0, 0.1), false)]
         {
             for matrix in [turn * DMat4::from_scale(scale), DMat4::from_scale(scale) * turn] {
-                let found = stretch(&Transform::try_from_matrix(matrix).unwrap());
+                let found = stretch(DMat3::from_mat4(matrix));
                 let ratio = found / scale.max_element();
                 // The sums in the columns of a symmetric 3 x 3 matrix exceed its largest eigenvalue at most by a factor of the root of three.
                 let most = if exact { 1.0 } else { 3.0_f64.sqrt().sqrt() };

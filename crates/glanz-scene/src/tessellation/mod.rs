@@ -29,10 +29,11 @@ mod triangulation;
 use std::f64::consts::PI;
 
 use glanz_math::DVec3;
-use glanz_math::glam::{DMat3, DMat4};
+use glanz_math::glam::DMat3;
 use rayon::prelude::*;
 
 use crate::description::{Description, InstanceDescription, Location};
+use crate::placed_edges::stretch;
 
 /// How close triangles are to surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -196,7 +197,7 @@ impl SceneTessellation {
     }
 }
 
-/// The largest factor by which a length of each group grows in the world; 1 where the world does not show it.
+/// Bounds on the factor by which lengths of each group grow in the world; 1 where the world does not show it.
 fn scales(description: &Description) -> Vec<f64> {
     let mut scales = vec![0.0_f64; description.groups.len()];
     place(&mut scales, &description.world.instances, 1.0);
@@ -213,24 +214,7 @@ fn scales(description: &Description) -> Vec<f64> {
 fn place(scales: &mut [f64], instances: &[InstanceDescription], outer: f64) {
     for instance in instances {
         if let Some(scale) = scales.get_mut(instance.group) {
-            *scale = scale.max(outer * stretch(instance.to_parent));
+            *scale = scale.max(outer * stretch(DMat3::from_mat4(instance.to_parent)));
         }
     }
-}
-
-/// The largest factor by which lengths grow: the spectral norm of the linear part.
-///
-/// # Source
-/// The eigenvalues of a symmetric matrix of three rows by trigonometry: O. K. Smith, Communications of the ACM 4 (1961), 168.
-fn stretch(matrix: DMat4) -> f64 {
-    let linear = DMat3::from_mat4(matrix);
-    let square = linear.transpose() * linear;
-    let mean = (square.x_axis.x + square.y_axis.y + square.z_axis.z) / 3.0;
-    let rest = square - DMat3::from_diagonal(DVec3::splat(mean));
-    let size = (rest.to_cols_array().iter().map(|x| x * x).sum::<f64>() / 6.0).sqrt();
-    if size == 0.0 {
-        return mean.sqrt();
-    }
-    let angle = (0.5 * (rest * size.recip()).determinant()).clamp(-1.0, 1.0).acos() / 3.0;
-    (mean + 2.0 * size * angle.cos()).sqrt()
 }

@@ -334,16 +334,6 @@ fn parts_of_edges_without_length_are_curves_of_their_own() {
 }
 
 #[test]
-fn groups_that_are_sheared_grow_by_the_spectral_norm() {
-    let shear = DMat4::from_cols_array(&[
-        1.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 3.0, 4.0, 5.0, 1.0,
-    ]);
-    assert!((stretch(shear) - 0.5 * (1.0 + 5.0_f64.sqrt())).abs() < 1e-14);
-    assert_eq!(stretch(DMat4::from_scale(DVec3::new(2.0, -3.0, 1.0))), 3.0);
-    assert_eq!(stretch(DMat4::from_scale(DVec3::splat(-2.0))), 2.0);
-}
-
-#[test]
 fn splines_with_common_borders_are_joined_whichever_way_they_run() {
     use crate::description::NurbsDescription;
     // Two strips on both sides of a curve with a knot whose complement is not exact.
