@@ -6,10 +6,12 @@ use glanz_math::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::TessellationSettings;
+use super::closed_sides::{closed_axes, pole_sides};
 use super::outline::{Outline, SidePoint, SideRange, Window};
 use super::patch::MeshPatch;
 use super::patch_side::PatchSide;
 use super::shared_edge::{EdgeKey, EdgePlace, EdgeSampler, EdgeUse, SharedEdge};
+use super::vertices::Vertices;
 
 /// The edges of all patches with their samples.
 pub(super) struct EdgeNetwork<'a> {
@@ -17,13 +19,11 @@ pub(super) struct EdgeNetwork<'a> {
     windows: Vec<Window>,
     edges: Vec<SharedEdge>,
     keys: HashMap<EdgeKey, usize>,
-    /// Points of the vertices.
-    pub(super) positions: Vec<DVec3>,
-    /// Vertices that are the same: each refers to another or to itself.
-    joined: Vec<u32>,
+    pub(super) vertices: Vertices,
+    /// Those of the description, by their numbers there.
+    numbered: HashMap<u32, u32>,
     /// Sides of patches that are points.
     poles: Vec<Vec<bool>>,
-    vertices: HashMap<u32, u32>,
     /// For each patch, its edges and the indices of its uses of them.
     uses_of: Vec<Vec<[usize; 2]>>,
     /// For each patch, its samples on its sides.
@@ -51,10 +51,9 @@ impl<'a> EdgeNetwork<'a> {
             windows: Vec::with_capacity(patches.len()),
             edges: Vec::new(),
             keys: HashMap::new(),
-            positions: Vec::new(),
-            joined: Vec::new(),
+            vertices: Vertices::default(),
+            numbered: HashMap::new(),
             poles: Vec::new(),
-            vertices: HashMap::new(),
             uses_of: vec![Vec::new(); patches.len()],
             on_sides: vec![OnSides::default(); patches.len()],
             outlines: vec![Outline::default(); patches.len()],
@@ -137,39 +136,6 @@ fn canonical(curve: &PatchSide) -> (EdgeKey, [f64; 2]) {
     } else {
         (EdgeKey::Side(reversed), [1.0, 0.0])
     }
-}
-
-/// Places on a side that are compared.
-const PLACES: [f64; 7] = [0.0, 0.13, 0.29, 0.5, 0.67, 0.83, 1.0];
-
-/// Whether the sides of each axis are one line, within a distance (metres).
-fn closed_axes(patch: &MeshPatch, tolerance: f64) -> [bool; 2] {
-    /// The middle is this many times as far away.
-    const APART: f64 = 100.0;
-    if patch.sides.len() != 4 {
-        return [false; 2];
-    }
-    let [low, high] = patch.window();
-    [0, 1].map(|axis| {
-        let at = |across: f64, along: f64| {
-            let mut t = DVec2::splat(along);
-            t[axis] = across;
-            patch.point(low + (high - low) * t)
-        };
-        let apart = |along: &f64| at(0.0, *along).distance(at(1.0, *along));
-        let away = PLACES.iter().map(|&along| at(0.0, along).distance(at(0.5, along))).fold(0.0, f64::max);
-        PLACES.iter().all(|along| apart(along) <= tolerance) && away > APART * tolerance
-    })
-}
-
-/// Whether each side is a point, within a distance (metres).
-fn pole_sides(patch: &MeshPatch, tolerance: f64) -> Vec<bool> {
-    let side = |number: usize| {
-        let a_use = EdgeUse { patch: 0, place: EdgePlace::Side(number), range: [0.0, 1.0] };
-        let first = patch.point(a_use.at(patch, 0.0));
-        PLACES.iter().all(|&t| patch.point(a_use.at(patch, t)).distance(first) <= tolerance)
-    };
-    (0..patch.sides.len()).map(side).collect()
 }
 
 impl EdgeNetwork<'_> {
@@ -346,18 +312,13 @@ impl EdgeNetwork<'_> {
                 let mut here: Vec<u32> = pins.filter_map(|pin| pin.1).collect();
                 if let Some([start, end]) = edge.vertices.filter(|_| fraction == 0.0 || fraction == 1.0) {
                     let vertex = if fraction == 0.0 { start } else { end };
-                    let next = self.positions.len() as u32;
-                    let known = *self.vertices.entry(vertex).or_insert(next);
-                    if known == next {
-                        self.add_vertex(position);
-                    }
-                    here.push(known);
+                    here.push(*self.numbered.entry(vertex).or_insert_with(|| self.vertices.add(position)));
                 }
                 let vertex = match here.first() {
                     Some(&first) => first,
-                    None => self.add_vertex(position),
+                    None => self.vertices.add(position),
                 };
-                here.iter().for_each(|&other| self.unite(vertex, other));
+                here.iter().for_each(|&other| self.vertices.unite(vertex, other));
                 samples.push((fraction, vertex));
             }
             if let Some(edge) = self.edges.get_mut(number) {
@@ -372,13 +333,6 @@ impl EdgeNetwork<'_> {
         coarse.flat_map(|edge| edge.uses.iter().map(|a_use| (a_use.patch, edge.coarse)))
     }
 
-    fn add_vertex(&mut self, position: DVec3) -> u32 {
-        let number = self.positions.len() as u32;
-        self.positions.push(position);
-        self.joined.push(number);
-        number
-    }
-
     fn is_pole(&self, edge: &SharedEdge) -> bool {
         edge.uses.iter().any(|a_use| match a_use.place {
             EdgePlace::Side(side) => {
@@ -388,31 +342,11 @@ impl EdgeNetwork<'_> {
         })
     }
 
-    /// The vertex that stands for one and all that are the same.
-    pub(super) fn representative(&mut self, vertex: u32) -> u32 {
-        let parent = |joined: &[u32], i: u32| joined.get(i as usize).copied().unwrap_or(i);
-        let mut at = vertex;
-        while parent(&self.joined, at) != at {
-            let above = parent(&self.joined, parent(&self.joined, at));
-            self.joined[at as usize] = above;
-            at = above;
-        }
-        at
-    }
-
-    fn unite(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.representative(a), self.representative(b));
-        let (low, high) = (a.min(b), a.max(b));
-        if let Some(parent) = self.joined.get_mut(high as usize) {
-            *parent = low;
-        }
-    }
-
     /// Joins vertices at the same parameters of patches, and those of sides that are points.
     fn join(&mut self, patches: &[usize]) {
         let outlines = patches.iter().filter_map(|&patch| self.outlines.get(patch));
         let same: Vec<[u32; 2]> = outlines.flat_map(|outline| &outline.same).copied().collect();
-        same.into_iter().for_each(|[a, b]| self.unite(a, b));
+        same.into_iter().for_each(|[a, b]| self.vertices.unite(a, b));
         let poles: Vec<Vec<u32>> = self
             .edges
             .iter()
@@ -420,7 +354,7 @@ impl EdgeNetwork<'_> {
             .map(|edge| edge.samples.iter().map(|sample| sample.1).collect())
             .collect();
         for vertices in poles {
-            vertices.windows(2).for_each(|pair| self.unite(pair[0], pair[1]));
+            vertices.windows(2).for_each(|pair| self.vertices.unite(pair[0], pair[1]));
         }
     }
 }

@@ -39,7 +39,7 @@ fn triangulations(
             .par_iter()
             .filter_map(|&number| {
                 let (patch, outline) = (patches.get(number)?, network.outlines.get(number)?);
-                Some((number, PatchTriangulation::new(patch, outline, &network.positions, settings)))
+                Some((number, PatchTriangulation::new(patch, outline, &network.vertices.positions, settings)))
             })
             .collect();
         triangulations.extend(made);
@@ -64,7 +64,7 @@ fn triangulations(
         changed = network.divide(&divisions, settings).into_iter().collect();
     }
     let mut made: Vec<PatchTriangulation> = triangulations.into_values().collect();
-    made.iter_mut().for_each(|made| made.rename(|vertex| network.representative(vertex)));
+    made.iter_mut().for_each(|made| made.rename(|vertex| network.vertices.representative(vertex)));
     (network, made)
 }
 
@@ -104,7 +104,7 @@ pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) 
         outcome.faults.extend(shape);
     }
     let base = outcome.mesh.positions.len() as u32;
-    outcome.mesh.positions.extend(&network.positions);
+    outcome.mesh.positions.extend(&network.vertices.positions);
     for (patch, filled) in patches.iter().zip(filled) {
         outcome.deviation = outcome.deviation.max(filled.deviation);
         outcome.faults.extend(filled.fault.map(|fault| (patch.shape, fault)));

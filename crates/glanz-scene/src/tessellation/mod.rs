@@ -11,6 +11,7 @@
 //!
 //! Triangle meshes are taken over as they are.
 
+mod closed_sides;
 mod closedness;
 mod edge_network;
 mod grid;
@@ -25,6 +26,7 @@ mod shared_edge;
 mod tests;
 mod triangle_fit;
 mod triangulation;
+mod vertices;
 
 use std::f64::consts::PI;
 
