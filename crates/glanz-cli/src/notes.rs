@@ -23,6 +23,9 @@ pub(crate) fn note_event(event: JobEvent<'_>, scene: &str, messages: Messages) {
             let elements = plural(elements as u64, "element", "elements");
             messages.note(&format!("baking {scene}: {density} texels per metre, {elements}"));
         }
+        JobEvent::TessellationStarted { shapes } => {
+            messages.note(&format!("converting {scene}: {}", plural(shapes as u64, "shape", "shapes")));
+        }
         JobEvent::IlluminateStarted { receivers, cells } => {
             let receivers = plural(receivers as u64, "receiver", "receivers");
             let cells = plural(cells as u64, "cell", "cells");

@@ -2,22 +2,27 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
 use glanz_formats::pbrt;
 use glanz_formats::tessellated::{MeshMaterial, TessellatedScene, write_glb, write_obj, write_ply};
+use glanz_job::{Interrupted, JobProgress};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::Description;
 use glanz_scene::description::{GroupDescription, MaterialDescription};
 use glanz_scene::studio::UpAxis;
-use glanz_scene::tessellation::{GroupMesh, SceneTessellation, TessellationSettings};
+use glanz_scene::tessellation::{GroupMesh, SceneTessellation, TessellationProgress, TessellationSettings};
 use glanz_shading::TexturePoint;
 
 use crate::axes::Axes;
 use crate::error::{Error, FileFault};
-use crate::event::Warning;
+use crate::event::{JobEvent, Warning};
 use crate::file;
+use crate::job_options::JobOptions;
 use crate::loaded_scene::LoadedScene;
+use crate::running_job::RunningJob;
 
 /// How close triangles are to surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,14 +31,12 @@ pub struct MeshSettings {
     pub deviation: ChordalDeviation,
     /// Largest angle between the normals at the corners of a triangle, radians, in (0, pi].
     pub angle: f64,
-    /// Number of threads; 0 for all processors.
-    pub threads: usize,
 }
 
 impl Default for MeshSettings {
-    /// A thousandth of the size, 20 degrees, all processors.
+    /// A thousandth of the size, 20 degrees.
     fn default() -> Self {
-        Self { deviation: ChordalDeviation::OfSize(1e-3), angle: 20.0_f64.to_radians(), threads: 0 }
+        Self { deviation: ChordalDeviation::OfSize(1e-3), angle: 20.0_f64.to_radians() }
     }
 }
 
@@ -69,6 +72,9 @@ pub struct SolidCounts {
 
 /// The formats of triangles by their extensions.
 const FORMATS: [&str; 3] = ["glb", "obj", "ply"];
+
+/// Time between two reports of progress.
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The extension of scene files.
 const SCENE: &str = "pbrt";
@@ -109,12 +115,17 @@ impl LoadedScene {
         file::write(path, text.map_err(Error::of_file(path))?.as_bytes())
     }
 
-    /// Makes triangles of all shapes, without a studio; lights, camera and textures are no part of the result.
+    /// Makes triangles of all shapes, without a studio; lights, camera and textures are no part of the result. There are no checkpoints.
     ///
     /// # Errors
     /// [`Error::Tessellation`] for settings out of range, [`Error::Scene`] for invalid materials, [`Error::NoTriangles`],
-    /// [`Error::Threads`].
-    pub fn tessellate(&self, settings: &MeshSettings) -> Result<(MeshOutcome, Vec<Warning>), Error> {
+    /// [`Error::Threads`], [`Error::Interrupted`].
+    pub fn tessellate(
+        &self,
+        settings: &MeshSettings,
+        options: JobOptions<'_>,
+    ) -> Result<(MeshOutcome, Vec<Warning>), Error> {
+        let mut job = options.start();
         let description = self.description();
         let deviation = match settings.deviation {
             ChordalDeviation::Metres(metres) => metres,
@@ -124,10 +135,11 @@ impl LoadedScene {
                 part * if size > 0.0 && size.is_finite() { size } else { 1.0 }
             }
         };
-        let threads = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
         let settings = TessellationSettings { deviation, angle: settings.angle };
         let (materials, warnings) = materials(self)?;
-        let tessellation = threads.install(|| SceneTessellation::try_new(description, settings))?;
+        warnings.into_iter().for_each(|warning| job.warn(warning));
+        job.emit(JobEvent::TessellationStarted { shapes: shape_count(description) });
+        let tessellation = tessellation(description, settings, &mut job)?;
         if tessellation.triangle_count() == 0 {
             return Err(Error::NoTriangles { scene: self.name().to_owned() });
         }
@@ -152,8 +164,39 @@ impl LoadedScene {
             to_model,
             settings,
         };
-        Ok((outcome, warnings))
+        Ok((outcome, job.warnings))
     }
+}
+
+/// The triangles, made by the threads of the job, whose sink this thread serves meanwhile.
+fn tessellation(
+    description: &Description,
+    settings: TessellationSettings,
+    job: &mut RunningJob<'_>,
+) -> Result<SceneTessellation, Error> {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(job.options.threads).build()?;
+    let progress = TessellationProgress::new(job.options.cancel.clone());
+    let start = Instant::now();
+    let (ended, end) = mpsc::channel::<()>();
+    let mut made = Err(Interrupted.into());
+    threads.in_place_scope(|scope| {
+        scope.spawn(|_| {
+            // Dropped when the work ends, however it ends.
+            let _ended = ended;
+            made = SceneTessellation::try_new(description, settings, &progress);
+        });
+        while end.recv_timeout(PROGRESS_INTERVAL) == Err(mpsc::RecvTimeoutError::Timeout) {
+            if let Some(sink) = &mut job.options.sink {
+                sink.on_progress(&JobProgress::by_work("triangles", progress.fraction(), start.elapsed()));
+            }
+        }
+    });
+    Ok(made?)
+}
+
+/// Number of shapes, those of a group counted once.
+fn shape_count(description: &Description) -> usize {
+    description.groups.iter().chain([&description.world]).map(|group| group.shapes.len()).sum()
 }
 
 /// The materials as a rasteriser shows them; textures are evaluated in the middle of the parameters.
@@ -197,8 +240,7 @@ impl MeshOutcome {
     /// Number of shapes, those of a group counted once.
     #[must_use]
     pub fn shape_count(&self) -> usize {
-        let groups = self.description.groups.iter().chain([&self.description.world]);
-        groups.map(|group| group.shapes.len()).sum()
+        shape_count(&self.description)
     }
 
     /// Whether the scene has lights, textures or light-emitting shapes, which files of triangles do not have.
@@ -269,4 +311,40 @@ fn count_solids(group: &GroupDescription, mesh: &GroupMesh, counts: &mut SolidCo
         shapes.iter().all(has_triangles) && mesh.open_sides(shapes.iter().copied()) == 0
     };
     counts.watertight += solids.into_values().filter(is_watertight).count();
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_job::{CancelFlag, ProgressSink};
+    use glanz_scene::description::ShapeDescription;
+
+    use super::*;
+
+    /// Cancels a job as soon as it reports progress.
+    struct Stopper {
+        cancel: CancelFlag,
+        fractions: Vec<f64>,
+    }
+
+    impl ProgressSink for Stopper {
+        fn on_progress(&mut self, progress: &JobProgress<'_>) {
+            self.fractions.push(progress.fraction);
+            self.cancel.cancel();
+        }
+    }
+
+    #[test]
+    fn a_conversion_reports_its_progress_and_ends_when_it_is_cancelled() {
+        let mut description = Description::default();
+        let ball = |i: u32| ShapeDescription::sphere(1.0).translated([3.0 * f64::from(i), 0.0, 0.0]);
+        description.world.shapes = (0..4000).map(ball).collect();
+        let scene = LoadedScene::from_description("balls", description);
+        let cancel = CancelFlag::default();
+        let mut stopper = Stopper { cancel: cancel.clone(), fractions: Vec::new() };
+        let options = JobOptions::default().threads(1).cancel(cancel).on_progress(&mut stopper);
+        let deviation = ChordalDeviation::Metres(1e-5);
+        let made = scene.tessellate(&MeshSettings { deviation, ..MeshSettings::default() }, options);
+        assert!(matches!(made, Err(Error::Interrupted(_))), "{made:?}");
+        assert!(!stopper.fractions.is_empty() && stopper.fractions.iter().all(|f| (0.0..1.0).contains(f)));
+    }
 }

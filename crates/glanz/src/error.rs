@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use glanz_job::{IdentityMismatch, Interrupted};
 use glanz_scene::description::GuideSettings;
+#[cfg(feature = "formats")]
+use glanz_scene::tessellation::TessellationError;
 use glanz_scene::{Diagnostic, Diagnostics, SceneError, Severity};
 use glanz_transport::codec::EnvelopeError;
 use glanz_transport::{CheckpointError, FilmError, GridError, GuideFileError, MergeError, RenderError};
@@ -127,7 +129,7 @@ pub enum Error {
     /// Settings of triangles that are out of range.
     #[cfg(feature = "formats")]
     #[error(transparent)]
-    Tessellation(#[from] glanz_scene::tessellation::TessellationError),
+    Tessellation(TessellationError),
     /// A scene without shapes of which triangles could be made.
     #[cfg(feature = "formats")]
     #[error("{scene}: nothing in this scene can be made of triangles")]
@@ -321,6 +323,16 @@ impl From<SceneError> for Error {
             help: None,
         });
         Self::Scene(diagnostics)
+    }
+}
+
+#[cfg(feature = "formats")]
+impl From<TessellationError> for Error {
+    fn from(error: TessellationError) -> Self {
+        match error {
+            TessellationError::Interrupted(interrupted) => Self::Interrupted(interrupted),
+            error => Self::Tessellation(error),
+        }
     }
 }
 

@@ -173,6 +173,12 @@ pub enum JobEvent<'a> {
         /// Number of elements.
         elements: usize,
     },
+    /// The materials are ready, triangles follow.
+    #[cfg(feature = "formats")]
+    TessellationStarted {
+        /// Number of shapes, those of a group counted once.
+        shapes: usize,
+    },
     /// The receivers are ready, light follows.
     #[cfg(feature = "illumination")]
     IlluminateStarted {

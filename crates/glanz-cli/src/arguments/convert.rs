@@ -43,7 +43,7 @@ pub(crate) struct ConvertArguments {
     #[arg(long, value_name = "DEGREES", value_parser = angle)]
     angle: Option<f64>,
     #[command(flatten)]
-    threads: ThreadArguments,
+    pub(crate) threads: ThreadArguments,
     #[command(flatten)]
     pub(crate) strictness: Strictness,
     #[command(flatten)]
@@ -57,7 +57,6 @@ impl ConvertArguments {
         MeshSettings {
             deviation: self.tolerance.unwrap_or(default.deviation),
             angle: self.angle.map_or(default.angle, f64::to_radians),
-            threads: self.threads.count(),
         }
     }
 

@@ -2,14 +2,16 @@
 
 use std::time::Instant;
 
-use glanz::{LoadedScene, MeshOutcome, is_exact_path};
-use glanz_terminal::CommandOutcome;
+use glanz::job::CancelFlag;
+use glanz::{Error, JobEvent, JobOptions, LoadedScene, MeshOutcome, Warning, is_exact_path};
 use glanz_terminal::messages::{CommandError, Messages};
+use glanz_terminal::progress::Progress;
+use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::ConvertArguments;
 use crate::command_error::command_error;
-use crate::notes::note_warning;
+use crate::notes::note_event;
 use crate::report::{self, duration, plural};
 use crate::scene_file;
 
@@ -44,6 +46,7 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
     let start = Instant::now();
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
+    let cancel = interrupt::listen()?;
     if exact {
         if arguments.has_mesh_settings() {
             let text = "--tolerance and --angle have no effect: a .pbrt file has no triangles, but the exact surfaces";
@@ -52,11 +55,11 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
         }
         return write_exact(arguments, &scene, (start, warnings), messages);
     }
-    let (outcome, resolved) = scene.tessellate(&arguments.mesh()).map_err(command_error(messages))?;
-    for warning in resolved {
-        note_warning(&warning, messages);
-        warnings.push(warning.to_string());
-    }
+    let Some((outcome, resolved)) = triangles(arguments, &scene, cancel, messages)? else {
+        messages.note("interrupted; nothing was written");
+        return Ok(CommandOutcome::Interrupted);
+    };
+    warnings.extend(resolved.iter().map(ToString::to_string));
     warnings.extend(faults(&outcome, messages));
     let paths = outcome.save(&arguments.output).map_err(command_error(messages))?;
     let solids = outcome.solids();
@@ -79,6 +82,30 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
         report::print(&report)?;
     }
     Ok(CommandOutcome::Done)
+}
+
+/// The triangles with warnings that are printed; `None` if they were interrupted.
+fn triangles(
+    arguments: &ConvertArguments,
+    scene: &LoadedScene,
+    cancel: CancelFlag,
+    messages: Messages,
+) -> Result<Option<(MeshOutcome, Vec<Warning>)>, CommandError> {
+    let mut progress = Progress::start(messages);
+    let mut events = |event: JobEvent<'_>| note_event(event, scene.name(), messages);
+    let options = JobOptions::default()
+        .threads(arguments.threads.count())
+        .cancel(cancel.clone())
+        .on_progress(&mut progress)
+        .on_event(&mut events);
+    let made = scene.tessellate(&arguments.mesh(), options);
+    progress.finish();
+    match made {
+        Err(Error::Interrupted(_)) => Ok(None),
+        // What ends after the request is not written either.
+        Ok(_) if cancel.is_cancelled() => Ok(None),
+        made => made.map(Some).map_err(command_error(messages)),
+    }
 }
 
 /// The output of `--json` for a scene file.

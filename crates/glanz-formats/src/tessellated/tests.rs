@@ -1,5 +1,5 @@
 use glanz_scene::description::{InstanceDescription, MaterialDescription, MaterialKind, ShapeDescription};
-use glanz_scene::tessellation::TessellationSettings;
+use glanz_scene::tessellation::{TessellationProgress, TessellationSettings};
 use serde_json::Value;
 
 use super::*;
@@ -29,7 +29,8 @@ fn described() -> (Description, SceneTessellation) {
         ..Description::default()
     };
     let settings = TessellationSettings { deviation: 0.05, angle: 1.0 };
-    let tessellation = SceneTessellation::try_new(&description, settings).unwrap();
+    let tessellation =
+        SceneTessellation::try_new(&description, settings, &TessellationProgress::default()).unwrap();
     (description, tessellation)
 }
 
@@ -142,7 +143,8 @@ fn instances_beyond_the_limit_are_refused() {
         location: None,
     }];
     let settings = TessellationSettings { deviation: 0.05, angle: 1.0 };
-    let tessellation = SceneTessellation::try_new(&description, settings).unwrap();
+    let tessellation =
+        SceneTessellation::try_new(&description, settings, &TessellationProgress::default()).unwrap();
     let scene = TessellatedScene {
         name: "doubled",
         description: &description,

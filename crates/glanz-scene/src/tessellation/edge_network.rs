@@ -5,17 +5,18 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use glanz_math::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::TessellationSettings;
 use super::closed_sides::{closed_axes, pole_sides};
 use super::outline::{Outline, SidePoint, SideRange, Window};
 use super::patch::MeshPatch;
 use super::patch_side::PatchSide;
 use super::shared_edge::{EdgeKey, EdgePlace, EdgeSampler, EdgeUse, SharedEdge};
 use super::vertices::Vertices;
+use super::{TessellationProgress, TessellationSettings};
 
 /// The edges of all patches with their samples.
 pub(super) struct EdgeNetwork<'a> {
     patches: &'a [MeshPatch],
+    progress: &'a TessellationProgress,
     windows: Vec<Window>,
     edges: Vec<SharedEdge>,
     keys: HashMap<EdgeKey, usize>,
@@ -45,9 +46,10 @@ const MAX_SAMPLES: usize = 1 << 28;
 const SIDES: f64 = 1e-3;
 
 impl<'a> EdgeNetwork<'a> {
-    pub(super) fn new(patches: &'a [MeshPatch], deviation: f64) -> Self {
+    pub(super) fn new(patches: &'a [MeshPatch], deviation: f64, progress: &'a TessellationProgress) -> Self {
         let mut network = Self {
             patches,
+            progress,
             windows: Vec::with_capacity(patches.len()),
             edges: Vec::new(),
             keys: HashMap::new(),
@@ -292,7 +294,13 @@ impl EdgeNetwork<'_> {
         let sampled: Vec<(Vec<(f64, DVec3)>, f64)> = numbers
             .par_iter()
             .map(|&number| {
-                let Some(edge) = self.edges.get(number) else { return Default::default() };
+                let Some(edge) = self.edges.get(number).filter(|_| !self.progress.cancel().is_cancelled())
+                else {
+                    return Default::default();
+                };
+                if edge.samples.is_empty() {
+                    self.progress.advance(self.patches.len(), self.edges.len());
+                }
                 let sampler = EdgeSampler::new(self.patches, edge, settings);
                 let (fractions, coarse) = if self.is_pole(edge) {
                     (pole_fractions(edge), 0.0)

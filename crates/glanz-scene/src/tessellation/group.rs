@@ -8,7 +8,9 @@ use super::edge_network::EdgeNetwork;
 use super::patch::MeshPatch;
 use super::polygons::{add_polygons, polygons};
 use super::triangulation::{PatchTriangulation, TriangulatedPatch};
-use super::{GroupMesh, MeshVertex, ShapeMesh, TessellationFaultKind, TessellationSettings};
+use super::{
+    GroupMesh, MeshVertex, ShapeMesh, TessellationFaultKind, TessellationProgress, TessellationSettings,
+};
 use crate::description::ShapeDescription;
 
 /// The mesh of a group, its largest deviation, and faults by shape.
@@ -26,20 +28,28 @@ const ROUNDS: usize = 12;
 const MOVED: f64 = 0.02;
 
 /// The edges of patches, and the triangulations of their outlines; edges are sampled more closely where chords cross.
-fn triangulations(
-    patches: &[MeshPatch],
+fn triangulations<'a>(
+    patches: &'a [MeshPatch],
     settings: TessellationSettings,
-) -> (EdgeNetwork<'_>, Vec<PatchTriangulation>) {
-    let mut network = EdgeNetwork::new(patches, settings.deviation);
+    progress: &'a TessellationProgress,
+) -> (EdgeNetwork<'a>, Vec<PatchTriangulation>) {
+    let mut network = EdgeNetwork::new(patches, settings.deviation, progress);
     network.sample_all(settings);
     let mut changed: Vec<usize> = (0..patches.len()).collect();
     let mut triangulations: BTreeMap<usize, PatchTriangulation> = BTreeMap::new();
     for round in 0.. {
+        if progress.cancel().is_cancelled() {
+            break;
+        }
         let made: Vec<(usize, PatchTriangulation)> = changed
             .par_iter()
             .filter_map(|&number| {
                 let (patch, outline) = (patches.get(number)?, network.outlines.get(number)?);
-                Some((number, PatchTriangulation::new(patch, outline, &network.vertices.positions, settings)))
+                let made = PatchTriangulation::new(patch, outline, &network.vertices.positions, settings);
+                if round == 0 {
+                    progress.advance(1, 1);
+                }
+                Some((number, made))
             })
             .collect();
         triangulations.extend(made);
@@ -69,7 +79,11 @@ fn triangulations(
 }
 
 /// Triangles of all shapes, in the frame of the group; lengths of the settings are in this frame, too.
-pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) -> GroupOutcome {
+pub(super) fn mesh(
+    shapes: &[ShapeDescription],
+    settings: TessellationSettings,
+    progress: &TessellationProgress,
+) -> GroupOutcome {
     let mut outcome = GroupOutcome::default();
     outcome.mesh.shapes = vec![ShapeMesh::default(); shapes.len()];
     let mut patches: Vec<MeshPatch> = Vec::new();
@@ -81,7 +95,10 @@ pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) 
             None => (Ok(None), MeshPatch::of_shape(number, shape)),
         })
         .collect();
-    for (number, (polygons, found)) in made.into_iter().enumerate() {
+    for (number, (shape, (polygons, found))) in shapes.iter().zip(made).enumerate() {
+        if !matches!(&found, Ok(found) if !found.is_empty()) {
+            progress.skip(shape);
+        }
         match (polygons, found) {
             (Ok(Some(polygons)), _) => add_polygons(&mut outcome.mesh, number, polygons),
             (Ok(None), Ok(found)) => patches.extend(found),
@@ -91,11 +108,15 @@ pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) 
     if patches.is_empty() {
         return outcome;
     }
-    let (network, triangulations) = triangulations(&patches, settings);
+    let (network, triangulations) = triangulations(&patches, settings, progress);
     let filled: Vec<TriangulatedPatch> = triangulations
         .into_par_iter()
         .zip(&patches)
-        .map(|(triangulation, patch)| triangulation.fill(patch, settings))
+        .map(|(triangulation, patch)| {
+            let filled = triangulation.fill(patch, settings, progress.cancel());
+            progress.advance(1, 1);
+            filled
+        })
         .collect();
     for (number, deviation) in network.coarse_patches() {
         outcome.deviation = outcome.deviation.max(deviation);
@@ -109,13 +130,14 @@ pub(super) fn mesh(shapes: &[ShapeDescription], settings: TessellationSettings) 
         outcome.deviation = outcome.deviation.max(filled.deviation);
         outcome.faults.extend(filled.fault.map(|fault| (patch.shape, fault)));
         let Some(shape) = outcome.mesh.shapes.get_mut(patch.shape) else { continue };
-        let mut inner = outcome.mesh.positions.len() as u32..;
-        outcome.mesh.positions.extend(&filled.inner);
         let first = shape.vertices.len() as u32;
-        shape.vertices.extend(filled.vertices.iter().map(|&(number, normal)| {
-            let position = number.map(|vertex| base + vertex).or_else(|| inner.next());
-            MeshVertex { position: position.unwrap_or(u32::MAX), normal }
-        }));
+        for site in &filled.vertices {
+            let position = site.vertex.map_or(outcome.mesh.positions.len() as u32, |vertex| base + vertex);
+            if site.vertex.is_none() {
+                outcome.mesh.positions.push(site.point);
+            }
+            shape.vertices.push(MeshVertex { position, normal: site.normal });
+        }
         let turned = |[a, b, c]: [u32; 3]| if patch.flipped { [a, c, b] } else { [a, b, c] };
         shape.triangles.extend(filled.triangles.iter().map(|&corners| turned(corners).map(|i| first + i)));
     }

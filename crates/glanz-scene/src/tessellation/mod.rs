@@ -21,6 +21,7 @@ mod outline_constraints;
 mod patch;
 mod patch_side;
 mod polygons;
+mod progress;
 mod shared_edge;
 #[cfg(test)]
 mod tests;
@@ -30,12 +31,15 @@ mod vertices;
 
 use std::f64::consts::PI;
 
+use glanz_job::Interrupted;
 use glanz_math::DVec3;
 use glanz_math::glam::DMat3;
 use rayon::prelude::*;
 
 use crate::description::{Description, InstanceDescription, Location};
 use crate::placed_edges::stretch;
+
+pub use progress::TessellationProgress;
 
 /// How close triangles are to surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +51,7 @@ pub struct TessellationSettings {
     pub angle: f64,
 }
 
-/// A setting outside its range.
+/// Why there are no triangles.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TessellationError {
@@ -57,6 +61,9 @@ pub enum TessellationError {
     /// The angle is not positive, or larger than half a turn.
     #[error("the angle is {0} radians; it must be between 0 and pi")]
     Angle(f64),
+    /// The end was requested.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 /// The triangles of a description.
@@ -148,10 +155,11 @@ impl SceneTessellation {
     /// Triangles of all shapes of a description, of each group once.
     ///
     /// # Errors
-    /// [`TessellationError`] for a setting out of range.
+    /// [`TessellationError`] for a setting out of range, or if `progress` is cancelled.
     pub fn try_new(
         description: &Description,
         settings: TessellationSettings,
+        progress: &TessellationProgress,
     ) -> Result<Self, TessellationError> {
         let TessellationSettings { deviation, angle } = settings;
         if deviation.is_nan() || deviation <= 0.0 {
@@ -160,6 +168,7 @@ impl SceneTessellation {
         if angle.is_nan() || angle <= 0.0 || angle > PI {
             return Err(TessellationError::Angle(angle));
         }
+        progress.start(description);
         let scales = scales(description);
         let numbers: Vec<Option<usize>> = (0..description.groups.len()).map(Some).chain([None]).collect();
         let meshes: Vec<group::GroupOutcome> = numbers
@@ -168,11 +177,12 @@ impl SceneTessellation {
                 let shapes = number.and_then(|n| description.groups.get(n)).unwrap_or(&description.world);
                 let scale = number.and_then(|n| scales.get(n)).copied().unwrap_or(1.0);
                 let settings = TessellationSettings { deviation: deviation / scale, angle };
-                let mut outcome = group::mesh(&shapes.shapes, settings);
+                let mut outcome = group::mesh(&shapes.shapes, settings, progress);
                 outcome.deviation *= scale;
                 outcome
             })
             .collect();
+        progress.cancel().check()?;
         let mut whole = Self::default();
         for (number, outcome) in numbers.into_iter().zip(meshes) {
             let shapes = number.and_then(|n| description.groups.get(n)).unwrap_or(&description.world);

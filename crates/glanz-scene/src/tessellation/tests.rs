@@ -1,4 +1,5 @@
 mod crossing;
+mod progress;
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,7 +18,9 @@ fn settings(deviation: f64) -> TessellationSettings {
 fn tessellate(shapes: Vec<ShapeDescription>, deviation: f64) -> (GroupMesh, f64) {
     let world = GroupDescription { shapes, ..GroupDescription::default() };
     let description = Description { world, ..Description::default() };
-    let made = SceneTessellation::try_new(&description, settings(deviation)).unwrap();
+    let made =
+        SceneTessellation::try_new(&description, settings(deviation), &TessellationProgress::default())
+            .unwrap();
     assert_eq!(made.faults, vec![]);
     (made.world, made.deviation)
 }
@@ -279,13 +282,16 @@ fn what_has_no_triangles_is_reported() {
     ];
     let world = GroupDescription { shapes, ..GroupDescription::default() };
     let description = Description { world, ..Description::default() };
-    let made = SceneTessellation::try_new(&description, settings(0.1)).unwrap();
+    let made =
+        SceneTessellation::try_new(&description, settings(0.1), &TessellationProgress::default()).unwrap();
     let kinds: Vec<_> = made.faults.iter().map(|fault| (fault.shape, fault.kind.is_omission())).collect();
     assert_eq!(kinds, [(0, true), (1, true), (2, true)]);
     assert!(!made.world.shapes[3].triangles.is_empty());
     for wrong in [0.0, -1.0, f64::NAN] {
         let settings = TessellationSettings { deviation: wrong, angle: 0.5 };
-        assert!(SceneTessellation::try_new(&description, settings).is_err());
+        assert!(
+            SceneTessellation::try_new(&description, settings, &TessellationProgress::default()).is_err()
+        );
     }
 }
 
@@ -301,7 +307,8 @@ fn groups_are_as_fine_as_their_largest_instance() {
         };
         let world = GroupDescription { instances: vec![instance], ..Default::default() };
         let description = Description { groups: vec![ball.clone()], world, ..Description::default() };
-        let made = SceneTessellation::try_new(&description, settings(1e-3)).unwrap();
+        let made = SceneTessellation::try_new(&description, settings(1e-3), &TessellationProgress::default())
+            .unwrap();
         assert!(made.deviation <= 1e-3);
         made.triangle_count()
     };

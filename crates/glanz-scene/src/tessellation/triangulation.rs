@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
 
+use glanz_job::CancelFlag;
 use glanz_math::{DVec2, DVec3};
 use spade::handles::{FixedVertexHandle, InnerTag};
 use spade::{
@@ -59,10 +60,8 @@ pub(super) struct PatchTriangulation {
 /// The triangles of a patch.
 #[derive(Debug, Default)]
 pub(super) struct TriangulatedPatch {
-    /// Points inside.
-    pub(super) inner: Vec<DVec3>,
-    /// Vertices with their number in the group, and unit normals; those without number are the points inside, in their order.
-    pub(super) vertices: Vec<(Option<u32>, DVec3)>,
+    /// Vertices with unit normals.
+    pub(super) vertices: Vec<MeshSite>,
     /// Counterclockwise in the parameters.
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) deviation: f64,
@@ -184,7 +183,12 @@ impl PatchTriangulation {
     }
 
     /// Adds points until the triangles are close enough to the surface.
-    pub(super) fn fill(mut self, patch: &MeshPatch, settings: TessellationSettings) -> TriangulatedPatch {
+    pub(super) fn fill(
+        mut self,
+        patch: &MeshPatch,
+        settings: TessellationSettings,
+        cancel: &CancelFlag,
+    ) -> TriangulatedPatch {
         /// Each round halves the triangles that are not close enough.
         const ROUNDS: usize = 40;
         self.add_grid(patch);
@@ -221,7 +225,7 @@ impl PatchTriangulation {
                     }
                 }
             }
-            if wanted.is_empty() {
+            if wanted.is_empty() || cancel.is_cancelled() {
                 break;
             }
             if self.sites.num_vertices() + wanted.len() > MAX_POINTS {
@@ -350,11 +354,9 @@ impl TriangulatedPatch {
             let next = self.vertices.len() as u32;
             let number = *numbers.entry(corner.index()).or_insert(next);
             if number == next {
-                let MeshSite { vertex, point, normal, .. } = *corner.data();
-                if vertex.is_none() {
-                    self.inner.push(point);
-                }
-                self.vertices.push((vertex, if normal == DVec3::ZERO { flat } else { normal }));
+                let site = *corner.data();
+                let normal = if site.normal == DVec3::ZERO { flat } else { site.normal };
+                self.vertices.push(MeshSite { normal, ..site });
             }
             number
         });

@@ -1,7 +1,9 @@
 //! `glanz convert`.
 
+use std::io::{BufRead, BufReader, Read};
+
 use crate::command_line::small_scene::SCENE;
-use crate::command_line::support::Folder;
+use crate::command_line::support::{Folder, finish};
 
 /// A cylinder of radius 10 and height 30, in millimetres, with a seam.
 const PIN: &str = "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC;DATA;
@@ -27,6 +29,18 @@ const PIN: &str = "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC
 #84=PRODUCT_DEFINITION_FORMATION('','',#85);#85=PRODUCT('id','pin','',());
 ENDSEC;END-ISO-10303-21;";
 
+/// A tetrahedron between polygons of volume 252 mm^3, all faces of which name one plane.
+const WEDGE: &str = "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC;DATA;
+#900=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));#901=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));
+#910=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#900,#901))REPRESENTATION_CONTEXT('',''));
+#1=FACETED_BREP_SHAPE_REPRESENTATION('',(#2,#10),#910);#2=FACETED_BREP('',#3);#3=CLOSED_SHELL('',(#31,#32,#33,#34));
+#10=AXIS2_PLACEMENT_3D('',#21,$,$);#11=PLANE('',#10);#21=CARTESIAN_POINT('',(0.,0.,0.));#22=CARTESIAN_POINT('',(12.,0.,0.));
+#23=CARTESIAN_POINT('',(2.,9.,0.));#24=CARTESIAN_POINT('',(3.,2.,14.));
+#31=FACE_SURFACE('',(#41),#11,.T.);#32=FACE_SURFACE('',(#42),#11,.T.);#33=FACE_SURFACE('',(#43),#11,.T.);#34=FACE_SURFACE('',(#44),#11,.T.);
+#41=FACE_OUTER_BOUND('',#51,.T.);#42=FACE_OUTER_BOUND('',#52,.T.);#43=FACE_OUTER_BOUND('',#53,.T.);#44=FACE_OUTER_BOUND('',#54,.T.);
+#51=POLY_LOOP('',(#21,#23,#22));#52=POLY_LOOP('',(#21,#22,#24));#53=POLY_LOOP('',(#21,#24,#23));#54=POLY_LOOP('',(#22,#23,#24));
+ENDSEC;END-ISO-10303-21;";
+
 fn with_pin() -> Folder {
     let folder = Folder::new();
     folder.write("pin.step", PIN);
@@ -48,6 +62,38 @@ fn a_cad_file_becomes_watertight_triangles_within_the_tolerance() {
         }
     }
     assert!(folder.has("pin.mtl"));
+}
+
+#[test]
+fn faces_between_polygons_become_watertight_triangles() {
+    let folder = Folder::new();
+    folder.write("wedge.step", WEDGE);
+    let report = folder.succeed("convert wedge.step wedge.obj --json -q").json();
+    assert_eq!((&report["solids"], &report["watertight_solids"]), (&1.into(), &1.into()), "{report}");
+    assert_eq!(report["triangles"], 4, "{report}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_conversion_writes_nothing_and_says_so() {
+    let folder = Folder::new();
+    let ball = |i: u32| format!("AttributeBegin Translate {} 0 0 Shape \"sphere\" AttributeEnd\n", 3 * i);
+    folder.write("balls.pbrt", format!("WorldBegin\n{}", (0..4000).map(ball).collect::<String>()));
+    for output in ["balls.obj", "balls.glb", "balls.ply"] {
+        let line = format!("convert balls.pbrt {output} --tolerance 0.01mm --threads 1");
+        let mut child = folder.start(&line);
+        let mut messages = BufReader::new(child.stderr.take().unwrap());
+        let mut text = String::new();
+        while !text.contains("converting ") {
+            assert!(messages.read_line(&mut text).unwrap() > 0, "{text}");
+        }
+        let id = child.id().to_string();
+        assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        messages.read_to_string(&mut text).unwrap();
+        let code = finish(child, &line).code;
+        assert!(code == Some(130) && text.contains("interrupted; nothing was written"), "{code:?} {text}");
+        assert_eq!(folder.names(), ["balls.pbrt"]);
+    }
 }
 
 #[test]

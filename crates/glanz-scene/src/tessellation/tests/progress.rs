@@ -1,0 +1,44 @@
+//! Progress and cancelling.
+
+use glanz_job::CancelFlag;
+
+use super::*;
+
+/// Shapes with one patch, with several, with none, and one that is left out.
+fn shapes() -> Description {
+    let triangle = GeometryDescription::Triangles {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+        indices: vec![[0, 1, 2]],
+        normals: None,
+        uvs: None,
+    };
+    let shapes = vec![ShapeDescription::sphere(1.0), triangle.into(), ShapeDescription::plane(), patches()];
+    let ball = GroupDescription { shapes: vec![ShapeDescription::sphere(1.0)], ..Default::default() };
+    let world = GroupDescription { shapes, ..Default::default() };
+    Description { groups: vec![ball], world, ..Description::default() }
+}
+
+fn patches() -> ShapeDescription {
+    let flat =
+        |x: f64| [[x, 0.0], [x, 1.0], [x + 1.0, 0.0], [x + 1.0, 1.0]].map(|[x, y]| [x, y, 0.0, 1.0]).to_vec();
+    let patches = (0..5).map(|i| flat(f64::from(i))).collect();
+    GeometryDescription::BezierPatches(BezierPatchesDescription { degree_u: 1, degree_v: 1, patches }).into()
+}
+
+#[test]
+fn all_of_the_work_is_counted() {
+    let progress = TessellationProgress::default();
+    assert_eq!(progress.fraction(), 0.0);
+    SceneTessellation::try_new(&shapes(), settings(1e-3), &progress).unwrap();
+    assert!((0.999..=1.0).contains(&progress.fraction()), "{}", progress.fraction());
+}
+
+#[test]
+fn a_cancelled_tessellation_has_no_result() {
+    let cancel = CancelFlag::default();
+    let progress = TessellationProgress::new(cancel.clone());
+    assert!(SceneTessellation::try_new(&shapes(), settings(0.1), &progress).is_ok());
+    cancel.cancel();
+    let made = SceneTessellation::try_new(&shapes(), settings(0.1), &progress);
+    assert_eq!(made.err(), Some(TessellationError::Interrupted(Interrupted)));
+}
