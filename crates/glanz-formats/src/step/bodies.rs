@@ -6,6 +6,7 @@ use super::geometry::{ENTITY_COST, MAX_DEPTH};
 use super::hidden::HIDDEN;
 use super::lowering::{StepReader, is_face};
 use super::part21::{Entity, Keyword, Refusal};
+use super::polygons::PolygonEdges;
 
 /// The kinds of shape items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +91,8 @@ impl<'a> StepReader<'a> {
         if self.hides(entity) {
             return None;
         }
+        // Parts have frames of their own, in which equal coordinates are no common corner.
+        self.polygons = PolygonEdges::default();
         let mut body = Body {
             name: entity.attributes(&[Keyword::RepresentationItem]).text(0),
             solid: kind == BodyKind::Solid,

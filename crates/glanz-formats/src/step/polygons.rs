@@ -9,7 +9,7 @@ use super::geometry::ENTITY_COST;
 use super::lowering::StepReader;
 use super::part21::Refusal;
 
-/// The corners and sides of polygons, each once: faces between polygons have no edges in common but those between equal points.
+/// The corners and sides of the polygons of a body, each once: loops name points, so that equal coordinates are what neighbours have in common.
 #[derive(Default)]
 pub(super) struct PolygonEdges {
     /// By the bits of the coordinates.

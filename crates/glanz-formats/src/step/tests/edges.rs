@@ -124,6 +124,13 @@ fn faces_between_polygons_share_edges_and_vertices() {
 }
 
 #[test]
+fn polygons_of_other_bodies_have_edges_of_their_own() {
+    let second = OPEN_BOX.replace('#', "#5").replace("#5910", "#910");
+    let model = clean(&format!("{MILLIMETRES}{OPEN_BOX}{second}")).model;
+    assert_eq!((model.vertices.len(), model.edges.len(), model.faces.len()), (16, 24, 10));
+}
+
+#[test]
 fn edges_are_left_out_unless_they_are_wanted() {
     assert_eq!(edges(CYLINDER, false).len() + edges(OPEN_BOX, false).len(), 0);
 }
