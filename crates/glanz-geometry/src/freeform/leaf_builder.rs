@@ -51,26 +51,29 @@ impl ThickParallelogram {
         let middle = control_net::second_order_jet(points, degrees, 0.5, 0.5);
         let (center, a, b) = (middle.s, middle.su * 0.5, middle.sv * 0.5);
         // With S = X / W, D = S - center - s a - t b is N / W: its derivatives are (N_s - D W_s) / W, (N_ss - 2 D_s W_s - D W_ss) / W and so on.
-        let ([n, n_s, n_t, n_ss, n_st, n_tt], [_, w_s, w_t, w_ss, w_st, w_tt], least) =
+        let ([n, n_s, n_t, n_ss, n_st, n_tt], [_, w_s, w_t, w_ss, w_st, w_tt]) =
             if points.iter().all(|p| p.w == 1.0) {
                 let residual = residual(points, degrees, center, a, b);
-                (derivative_bounds(&residual, degrees, DVec3::length_squared), [0.0; 6], 1.0)
+                (derivative_bounds(&residual, degrees, DVec3::length_squared), [0.0; 6])
             } else {
-                let (numerator, higher) = numerator(points, degrees, center, a, b);
+                // Squares of small or large weights would not be numbers.
+                let least = points.iter().map(|p| p.w).fold(f64::INFINITY, f64::min);
+                let points: Vec<DVec4> = points.iter().map(|p| *p * least.recip()).collect();
+                let (numerator, higher) = numerator(&points, degrees, center, a, b);
                 let weights: Vec<f64> = points.iter().map(|p| p.w).collect();
-                let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
                 let of_weights = derivative_bounds(&weights, degrees, |w| w * w);
-                (derivative_bounds(&numerator, higher, DVec3::length_squared), of_weights, least)
+                (derivative_bounds(&numerator, higher, DVec3::length_squared), of_weights)
             };
-        let thickness = n / least;
-        let (m_a, m_b) = ((n_s + thickness * w_s) / least, (n_t + thickness * w_t) / least);
+        // The least weight is 1.
+        let thickness = n;
+        let (m_a, m_b) = (n_s + thickness * w_s, n_t + thickness * w_t);
         // Halves of the pure second derivatives.
-        let ss = (n_ss + m_a * w_s + thickness * w_ss) / least;
-        let tt = (n_tt + m_b * w_t + thickness * w_tt) / least;
-        let st = (n_st + m_a * w_t + m_b * w_s + thickness * w_st) / least;
+        let ss = n_ss + m_a * w_s + thickness * w_ss;
+        let tt = n_tt + m_b * w_t + thickness * w_tt;
+        let st = n_st + m_a * w_t + m_b * w_s + thickness * w_st;
         // Along (x, y) of length 1, x^2 ss + y^2 tt is at most the larger of both, and |x y| at most 1/2.
         let curvature_bound = ss.max(tt) + 0.5 * st;
-        // The bounds themselves are rounded, as is the net of the leaf.
+        // The thickness is rounded, as is the net of the leaf.
         let size = largest(points.iter().map(|p| p.truncate() / p.w));
         let thickness = thickness * (1.0 + 1e-12) + gamma(64) * size;
         Self {
@@ -103,10 +106,10 @@ fn residual(points: &[DVec4], (p, q): (usize, usize), center: DVec3, a: DVec3, b
     let along = |i: usize, degree: usize| 2.0 * i as f64 / degree as f64 - 1.0;
     let rows = points.chunks_exact(q + 1).enumerate();
     let row = |(i, row): (usize, &[DVec4])| {
-        let first = center + a * along(i, p);
+        let by_s = a * along(i, p);
         row.iter()
             .enumerate()
-            .map(|(j, point)| point.truncate() - first - b * along(j, q))
+            .map(|(j, point)| point.truncate() - center - by_s - b * along(j, q))
             .collect::<Vec<_>>()
     };
     rows.flat_map(row).collect()
@@ -249,6 +252,24 @@ mod tests {
             let bound = ThickParallelogram::new(&net, (2, 2)).curvature_bound;
             assert!((bound - expected).abs() < 1e-14, "{bound} of {expected}");
         }
+    }
+
+    #[test]
+    fn bounds_do_not_depend_on_a_factor_of_all_weights() {
+        let net: Vec<DVec4> = (0..9)
+            .map(|k| {
+                let (x, y, w) = (f64::from(k / 3), f64::from(k % 3), 1.0 + 0.25 * f64::from(k % 2));
+                (DVec3::new(x, y, x * y) * w).extend(w)
+            })
+            .collect();
+        let bounds = |exponent: i32| {
+            let scaled: Vec<DVec4> = net.iter().map(|p| *p * 2.0_f64.powi(exponent)).collect();
+            let bounds = ThickParallelogram::new(&scaled, (2, 2));
+            [bounds.thickness, bounds.tangent_deviation_squared, bounds.curvature_bound]
+        };
+        let expected = bounds(0);
+        assert!(expected.iter().all(|bound| *bound > 0.01 && *bound < 100.0), "{expected:?}");
+        assert_eq!([bounds(-560), bounds(560)], [expected; 2]);
     }
 
     #[test]
