@@ -24,7 +24,7 @@ const MAX_POINTS: f64 = 4e6;
 /// Part of the extent of a face by which its window is wider.
 const MARGIN: f64 = 1.0 / 64.0;
 
-/// Makes closed loops of the chains of a face. `width`: distance beyond its curves to which the face extends, metres.
+/// Makes closed loops of the chains of a face. `width`: distance beyond its curves to which the face extends, in region coordinates.
 ///
 /// # Errors
 /// [`BoundaryError::Unbounded`], [`BoundaryError::Winding`], [`BoundaryError::Unpaired`].

@@ -14,8 +14,8 @@ pub struct BoundaryCurve {
     pub knots: Vec<f64>,
     /// Homogeneous control points (w x, w y, w).
     pub points: Vec<DVec3>,
-    /// Distance within which points beside the curve belong to the face, metres: on the surface, or in region coordinates in a boundary that is
-    /// closed.
+    /// Distance within which points beside the curve belong to the face: on the surface, metres, up to [`chain`](super::chain); in region
+    /// coordinates from [`close`](super::close) on.
     pub width: f64,
     /// The edge that it is the image of; `None` for sides that the file does not have: poles, seams, bridged gaps.
     pub edge: Option<usize>,

@@ -97,7 +97,7 @@ impl SplineCarrier {
         &self.surface
     }
 
-    pub(crate) fn domain(&self) -> [[f64; 2]; 2] {
+    pub(super) fn domain(&self) -> [[f64; 2]; 2] {
         [self.surface.knots_u().domain(), self.surface.knots_v().domain()]
     }
 

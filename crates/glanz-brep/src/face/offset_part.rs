@@ -56,8 +56,8 @@ pub(super) fn offset_part(
     Some(FaceSurface::Offset { basis, distance: *distance })
 }
 
-/// The points of the basis of an offset that are nearest to those of loops; of points that are equally near, up to the tolerance, that beside the one
-/// before it in the loop.
+/// The points of the basis of an offset that are nearest to those of loops; where several are equally near, up to the tolerance, the one next to the
+/// foot before it in the loop.
 ///
 /// Where two offsets meet, points are as far from one side of the fold between them as from the other. A loop starts at the point nearest to the middle
 /// of all.

@@ -23,6 +23,9 @@ const MOST_HALVINGS: u32 = 12;
 /// Least number of parts of a curve between whose ends it is sampled.
 const SAMPLES: usize = 16;
 
+/// Most of these parts: more cost more than they tell.
+const MOST_SAMPLES: usize = 4096;
+
 /// Most parts of a curve with widths of their own; a meridian with the largest ratio of stretches has fewer than a dozen.
 const MOST_PARTS: usize = 64;
 
@@ -46,7 +49,9 @@ impl<'a> StretchedCurve<'a> {
     pub(super) fn new(carrier: &'a Carrier, metric: DVec2, curve: &'a BoundaryCurve) -> Self {
         let mut stretched = Self { carrier, metric, curve, samples: Vec::new() };
         let spans = curve.spans();
-        let parts = SAMPLES.max(stretched.knots()).div_ceil(spans.len().max(1));
+        // A curve without a width may stretch as it likes.
+        let knots = if curve.width > 0.0 { stretched.knots().min(MOST_SAMPLES) } else { 0 };
+        let parts = SAMPLES.max(knots).div_ceil(spans.len().max(1));
         let Some(mut start) = spans.first().map(|span| (span[0], stretched.at(span[0]))) else {
             return stretched;
         };
@@ -67,6 +72,11 @@ impl<'a> StretchedCurve<'a> {
         let Carrier::Spline(spline) = self.carrier else { return 0 };
         let [low, high] = self.curve.bounds().map(|corner| corner / self.metric);
         let inside = |knots: &KnotVector, axis: usize| {
+            let [start, end] = knots.domain();
+            // Beyond a seam they repeat.
+            if low[axis] < start || high[axis] > end {
+                return knots.inner().len();
+            }
             knots.inner().iter().filter(|knot| (low[axis]..=high[axis]).contains(knot)).count()
         };
         inside(spline.surface().knots_u(), 0) + inside(spline.surface().knots_v(), 1)
@@ -125,22 +135,32 @@ impl<'a> StretchedCurve<'a> {
         widened.collect()
     }
 
-    /// Parts of the curve, with their first and last sample; `None` if it need not or cannot be divided.
-    fn parts(&self, fraction: impl Fn(DVec2) -> Option<f64>) -> Option<Vec<(BoundaryCurve, [usize; 2])>> {
+    /// The first samples of parts on which the stretch varies by at most this ratio.
+    fn cuts(&self, variation: f64) -> Vec<usize> {
         let mut cuts = vec![0];
         let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
         // Widths never shrink, so that smaller stretches need no parts of their own.
         let stretches: Vec<f64> = self.samples.iter().map(|sample| sample.1.max(1.0)).collect();
-        for (i, &stretch) in stretches.iter().enumerate() {
-            (least, most) = (least.min(stretch), most.max(stretch));
-            let before = i.saturating_sub(1);
-            if most > VARIATION * least && cuts.last().is_some_and(|cut| *cut < before) {
-                cuts.push(before);
-                let last = *stretches.get(before)?;
-                (least, most) = (last.min(stretch), last.max(stretch));
+        for (i, pair) in stretches.windows(2).enumerate() {
+            let [before, stretch] = [pair[0], pair[1]];
+            (least, most) = (least.min(before).min(stretch), most.max(before).max(stretch));
+            if most > variation * least && cuts.last().is_some_and(|cut| *cut < i) {
+                cuts.push(i);
+                (least, most) = (before.min(stretch), before.max(stretch));
             }
         }
-        if cuts.len() == 1 || cuts.len() > MOST_PARTS {
+        cuts
+    }
+
+    /// Parts of the curve, with their first and last sample; `None` if it need not or cannot be divided.
+    fn parts(&self, fraction: impl Fn(DVec2) -> Option<f64>) -> Option<Vec<(BoundaryCurve, [usize; 2])>> {
+        let mut variation = VARIATION;
+        let mut cuts = self.cuts(variation);
+        while cuts.len() > MOST_PARTS {
+            variation *= VARIATION;
+            cuts = self.cuts(variation);
+        }
+        if cuts.len() == 1 {
             return None;
         }
         cuts.push(self.samples.len() - 1);

@@ -108,7 +108,8 @@ pub enum BoundaryLoop {
 }
 
 impl BrepModel {
-    /// The corners of a loop of edges that are straight because they have no curves; `None` for other loops.
+    /// The corners of a loop of edges that are straight because they have no curves; `None` for other loops, and for
+    /// edges or vertices that the model lacks.
     #[must_use]
     pub fn polygon(&self, boundary: &BoundaryLoop) -> Option<Vec<DVec3>> {
         let BoundaryLoop::Edges(oriented) = boundary else { return None };

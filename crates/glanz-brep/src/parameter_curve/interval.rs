@@ -92,7 +92,7 @@ impl CurvePair<'_> {
         let uv = plane_curve(self.curve, 0.5 * (from + to), 0.5 * (to - from));
         let on_carrier = on_carrier(self.carrier, &uv);
         interval.edge_parameter = self.improved(&on_carrier, &edge_parameter);
-        let (center, argument) = centered(&interval.edge_parameter);
+        let (center, argument) = split_constant(&interval.edge_parameter);
         let edge = space_curve(self.edge, center, &Jet::polynomial(&argument));
         let difference = [0, 1, 2].map(|i| on_carrier[i] - edge[i]);
         let (hull, sampled) = polynomial_bound(&difference);
@@ -140,7 +140,7 @@ impl CurvePair<'_> {
     /// One step of Newton's method for the parameter of the edge at which the difference is at right angles to the edge, with the same
     /// ends; the parameter as it is, if the step is not monotone.
     fn improved(&self, on_carrier: &JetPoint, parameter: &[f64; ORDER]) -> [f64; ORDER] {
-        let (center, argument) = centered(parameter);
+        let (center, argument) = split_constant(parameter);
         let [edge, tangent] = space_curve_and_tangent(self.edge, center, &Series::polynomial(&argument));
         let product =
             |a: &[Series; 3], b: &[Series; 3]| a[0].times(&b[0]) + a[1].times(&b[1]) + a[2].times(&b[2]);
@@ -303,7 +303,7 @@ fn root(f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// A polynomial as its value at 0 and the rest.
-fn centered(polynomial: &[f64; ORDER]) -> (f64, [f64; ORDER]) {
+fn split_constant(polynomial: &[f64; ORDER]) -> (f64, [f64; ORDER]) {
     let mut rest = *polynomial;
     rest[0] = 0.0;
     (polynomial[0], rest)

@@ -1,17 +1,20 @@
 //! Edges along which one parameter is constant.
 
 use glanz_geometry::spline::{KnotVector, ParameterDirection, polygon};
+use glanz_math::DVec2;
 use glanz_math::glam::DVec4;
 use glanz_math::rounding::gamma;
-use glanz_math::{DVec2, DVec3};
 
 use super::deviation::{ENOUGH, SHARPNESS, deviation};
 use super::fit::EdgeProjector;
 use super::interval::largest;
-use super::size::{OPERATIONS, spline_size};
+use super::size::{OPERATIONS, evaluation_size, spline_size};
 use super::{EdgeParameterCurve, ParameterCurveSource};
 use crate::carrier::Carrier;
 use crate::model::SplineCurve;
+
+/// Number of pieces up to which an isoparametric curve and an edge are compared piece by piece; their division takes time of its square.
+const MOST_PIECES: usize = 1024;
 
 /// The straight line of constant u or v that is the edge as nearly as the carrier allows; `None` if there is none. On borders the line is exactly there.
 pub(super) fn parameter_curve(projector: &EdgeProjector<'_>) -> Option<EdgeParameterCurve> {
@@ -36,10 +39,7 @@ pub(super) fn parameter_curve(projector: &EdgeProjector<'_>) -> Option<EdgeParam
             uv
         });
         let curve = SplineCurve::line(ends[0], ends[1], [0.0, 1.0]).ok()?;
-        let ends = [ends[0][1 - axis], ends[1][1 - axis]];
-        let deviation = piecewise_bound(projector, axis, value, ends).unwrap_or_else(|| {
-            deviation(projector.carrier, &curve, projector.edge, false, projector.tolerance)
-        });
+        let deviation = line_deviation(projector, &curve, axis, value);
         (deviation <= projector.limit()).then_some(EdgeParameterCurve {
             curve,
             deviation,
@@ -70,12 +70,30 @@ fn constant(projector: &EdgeProjector<'_>, points: &[DVec2], axis: usize) -> Opt
     Some([low + turns, high].into_iter().find(|border| border.is_finite() && near(*border)).unwrap_or(mean))
 }
 
+/// Bound on the distance between an isoparametric curve of the carrier and the edge, metres. `curve`: the line; `value`: of its parameter `axis`.
+fn line_deviation(projector: &EdgeProjector<'_>, curve: &SplineCurve<DVec2>, axis: usize, value: f64) -> f64 {
+    let bound = piecewise_bound(projector, curve, axis, value).unwrap_or(f64::INFINITY);
+    let enough = (SHARPNESS * projector.stray).max(ENOUGH * projector.tolerance);
+    // Beyond the tolerance a sharper one may show another curve to be the better one.
+    if bound <= enough.min(projector.tolerance) {
+        return bound;
+    }
+    let searched = deviation(projector.carrier, curve, projector.edge, false, projector.tolerance);
+    if searched < bound { searched } else { bound }
+}
+
 /// Bound on the distance, metres, between an isoparametric curve of a spline and the edge, of which each piece corresponds to one of the other;
-/// `None` where their numbers differ or the bound is not sharp. `value`: of the parameter `axis`; `ends`: of the other one.
-fn piecewise_bound(projector: &EdgeProjector<'_>, axis: usize, value: f64, ends: [f64; 2]) -> Option<f64> {
+/// `None` where their numbers differ or the line leaves the domain. `curve`: the line; `value`: of its parameter `axis`.
+fn piecewise_bound(
+    projector: &EdgeProjector<'_>,
+    curve: &SplineCurve<DVec2>,
+    axis: usize,
+    value: f64,
+) -> Option<f64> {
     let Carrier::Spline(spline) = projector.carrier else { return None };
+    let ends = curve.domain().map(|t| curve.point(t)[1 - axis]);
     // Beyond a seam the surface has no knots.
-    let [first, last] = spline.domain()[axis];
+    let [first, last] = projector.carrier.domain()[axis];
     if !(first..=last).contains(&value) {
         return None;
     }
@@ -83,31 +101,46 @@ fn piecewise_bound(projector: &EdgeProjector<'_>, axis: usize, value: f64, ends:
     let line = spline.surface().isocurve(fixed, value).ok()?;
     let line = line.restrict([ends[0].min(ends[1]), ends[0].max(ends[1])]).ok()?;
     let edge = if ends[0] > ends[1] { &projector.edge.reversed().ok()? } else { projector.edge };
-    let degree = line.knots().degree().max(edge.degree());
-    let line = bezier(line.knots().clone(), line.control_points().to_vec(), degree)?;
-    let edge = bezier(edge.knots().clone(), edge.control_points().to_vec(), degree)?;
-    if line.len() != edge.len() {
+    let counts = [line.knots(), edge.knots()].map(|knots| knots.breaks().len());
+    if counts[0] != counts[1] || counts[0] > MOST_PIECES {
         return None;
     }
+    let degree = line.knots().degree().max(edge.degree());
+    let line = bezier_points(line.knots(), line.control_points(), degree)?;
+    let edge = bezier_points(edge.knots(), edge.control_points(), degree)?;
     // Neighbours share a point.
-    let pieces = |points: &[DVec4]| (0..points.len().saturating_sub(1)).step_by(degree);
-    let bounds =
-        pieces(&line).map(|i| Some(piece_bound(line.get(i..=i + degree)?, edge.get(i..=i + degree)?)));
+    let pieces = (0..line.len().saturating_sub(1)).step_by(degree);
+    let bounds = pieces.map(|i| Some(piece_bound(line.get(i..=i + degree)?, edge.get(i..=i + degree)?)));
     let bound = largest(bounds.collect::<Option<Vec<f64>>>()?);
-    let rounding = gamma(OPERATIONS) * spline_size(projector.edge);
-    let enough = (SHARPNESS * projector.stray).max(rounding + ENOUGH * projector.tolerance);
-    (bound <= enough).then_some(bound + rounding)
+    let rounding = gamma(OPERATIONS) * evaluation_size(projector.carrier, curve, spline_size(projector.edge));
+    Some(bound + rounding)
 }
 
-/// The Bézier points of a curve when it has this degree.
-fn bezier(knots: KnotVector, points: Vec<DVec4>, degree: usize) -> Option<Vec<DVec4>> {
-    let curve = SplineCurve::<DVec3>::from_knots(knots, points).ok()?.elevated(degree).ok()?;
-    Some(polygon::bezier(curve.knots(), curve.control_points()).ok()?.1)
+/// The Bézier points of the pieces of a curve, elevated to `degree`; neighbours share one.
+fn bezier_points(knots: &KnotVector, points: &[DVec4], degree: usize) -> Option<Vec<DVec4>> {
+    let lower = knots.degree();
+    let (_, mut points) = polygon::bezier(knots, points).ok()?;
+    // Piece by piece: elevation of a spline would extrapolate.
+    for p in lower..degree {
+        let pieces = (points.len() - 1) / p;
+        let mut raised = Vec::with_capacity(pieces * (p + 1) + 1);
+        raised.extend(points.first());
+        for piece in points.windows(p + 1).step_by(p) {
+            let inner = piece.windows(2).zip(1..);
+            raised.extend(inner.map(|(pair, i)| {
+                let share = f64::from(i) / (p + 1) as f64;
+                pair[0] * share + pair[1] * (1.0 - share)
+            }));
+            raised.extend(piece.last());
+        }
+        points = raised;
+    }
+    Some(points)
 }
 
 /// Bound on the distance of two rational Bézier curves at corresponding parameters, metres.
 ///
-/// Weights times c^i belong to the same curve with another parameter; with c, the last weights are in the same ratio as the first. With curves A / a and
+/// Multiplying weight i by c^i changes only the parameter of a curve; c is chosen so that the ratio of the last weights equals that of the first. With curves A / a and
 /// B / b, the difference is `(A - B) / a - (B / b) (a - b) / a`, bounded by the Bézier points of its numerators.
 ///
 /// # Source
@@ -132,26 +165,102 @@ fn piece_bound(line: &[DVec4], edge: &[DVec4]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{FRAC_1_SQRT_2, PI};
+
+    use glanz_geometry::spline::NurbsSurface;
+    use glanz_math::{Bounds3, DVec3};
+
     use super::*;
+    use crate::model::FaceSurface;
+
+    /// An arc of this angle about the origin, from X on, whose weights are multiplied by `first c^i`.
+    fn arc(radius: f64, angle: f64, [first, c]: [f64; 2]) -> Vec<DVec4> {
+        let at = |angle: f64| DVec3::new(angle.cos(), angle.sin(), 0.0) * radius;
+        let half = 0.5 * angle;
+        let points = [(at(0.0), 1.0), (at(half) / half.cos(), half.cos()), (at(angle), 1.0)];
+        let weights = [first, first * c, first * c * c];
+        points
+            .into_iter()
+            .zip(weights)
+            .map(|((p, w), factor)| (p * (w * factor)).extend(w * factor))
+            .collect()
+    }
 
     #[test]
-    fn bound_of_arcs_with_other_parameters_is_their_distance() {
-        // A quarter of the unit circle, and one of another radius whose weights are multiplied by 2 c^i.
-        let corners = [DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
-        let middle = std::f64::consts::FRAC_1_SQRT_2;
-        let arc = |radius: f64, weights: [f64; 3]| -> Vec<DVec4> {
-            corners.iter().zip(weights).map(|(p, w)| (*p * (radius * w)).extend(w)).collect()
-        };
-        for (distance, c) in [(0.0, 3.0), (1e-3, 1.0), (1e-3, 0.25)] {
-            let other = arc(1.0 + distance, [2.0, 2.0 * c * middle, 2.0 * c * c]);
-            let bound = piece_bound(&arc(1.0, [1.0, middle, 1.0]), &other);
-            // The corner of the control polygon is farther from its neighbour, and the least weight below 1.
-            assert!((distance..=2.0 * distance + 1e-14).contains(&bound), "{bound} for {distance}");
+    fn bound_of_concentric_arcs_is_the_distance_of_their_corners() {
+        for angle in [PI / 6.0, PI / 3.0, PI / 2.0] {
+            for (distance, c) in [(0.0, 3.0), (1e-3, 1.0), (1e-3, 0.25)] {
+                let bound = piece_bound(&arc(1.0, angle, [1.0; 2]), &arc(1.0 + distance, angle, [2.0, c]));
+                // Numerators are w times the distance of the corner, over the least weight.
+                let expected = distance / (0.5 * angle).cos();
+                assert!((bound - expected).abs() < 1e-14, "{bound} for {expected}");
+            }
         }
-        let shifted = arc(1.0, [1.0, 0.9, 1.0]);
-        // Another middle weight makes an ellipse: at 1/2, X + Y lies by the share w / (1 + w) from the chord.
-        let depth = |w: f64| w / (1.0 + w) / 2.0_f64.sqrt();
-        let bound = piece_bound(&arc(1.0, [1.0, middle, 1.0]), &shifted);
-        assert!(bound >= depth(0.9) - depth(middle), "{bound}");
+    }
+
+    #[test]
+    fn bound_of_arcs_with_other_weights_is_at_least_their_distance() {
+        let (angle, middle) = (PI / 2.0, FRAC_1_SQRT_2);
+        let mut ellipse = arc(1.0, angle, [1.0; 2]);
+        ellipse[1] *= 0.75 / middle;
+        // At 1/2, the corner counts with the share w / (1 + w), and is 1 / sqrt 2 from the chord.
+        let depth = |w: f64| w / (1.0 + w) * FRAC_1_SQRT_2;
+        let (bound, distance) =
+            (piece_bound(&arc(1.0, angle, [1.0; 2]), &ellipse), depth(0.75) - depth(middle));
+        assert!((distance..20.0 * distance).contains(&bound), "{bound} for {distance}");
+    }
+
+    /// A cylinder of radius 1 and height 2 over a closed turn in u, of four pieces.
+    fn cylinder() -> Carrier {
+        let quarters = (0..4).flat_map(|i| {
+            let turn = glanz_math::glam::DMat3::from_rotation_z(f64::from(i) * PI / 2.0);
+            let points = arc(1.0, PI / 2.0, [1.0; 2]).into_iter();
+            points.take(2).map(move |p| (turn * p.truncate()).extend(p.w))
+        });
+        let ring: Vec<DVec4> = quarters.chain([DVec4::new(1.0, 0.0, 0.0, 1.0)]).collect();
+        let points = ring.iter().flat_map(|p| [*p, DVec4::new(p.x, p.y, 2.0 * p.w, p.w)]);
+        let knots = [0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0].to_vec();
+        let surface =
+            NurbsSurface::try_new([2, 1], [knots, vec![0.0, 0.0, 1.0, 1.0]], points.collect()).unwrap();
+        let extent = Bounds3::new(DVec3::new(-2.0, -2.0, 0.0), DVec3::new(2.0, 2.0, 2.0));
+        Carrier::try_from_surface(&FaceSurface::Spline(surface), extent, 1e-9).unwrap().carrier
+    }
+
+    fn spline(degree: usize, knots: &[f64], points: Vec<DVec4>) -> SplineCurve<DVec3> {
+        SplineCurve::from_knots(KnotVector::try_new(degree, knots.to_vec()).unwrap(), points).unwrap()
+    }
+
+    #[test]
+    fn edges_with_the_pieces_of_the_surface_are_compared_by_control_points() {
+        let carrier = cylinder();
+        let quarter_of =
+            |weights| spline(2, &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], arc(1.0 + 1e-7, PI / 2.0, weights));
+        let quarter = quarter_of([2.0, 0.5]);
+        // Elevation before a change of parameter makes other control points.
+        let raised = quarter_of([1.0, 1.0]).elevated(4).unwrap();
+        let reversed = raised.reversed().unwrap();
+        let side = [0.0, 2.0].map(|z| DVec4::new(1.0, 0.0, z, 1.0)).to_vec();
+        let side = spline(1, &[5.0, 5.0, 6.0, 6.0], side);
+        let bound_of = |edge: &SplineCurve<DVec3>, from: DVec2, to: DVec2, axis: usize| {
+            // The parameters of the carrier are lengths of control polygons: 2 for a quarter and for the height.
+            let [from, to] = [from, to].map(|end| end * 2.0);
+            let curve = SplineCurve::line(from, to, [0.0, 1.0]).unwrap();
+            let projector = EdgeProjector::new(&carrier, edge, 1e-6);
+            piecewise_bound(&projector, &curve, axis, from[axis])
+        };
+        // The corner of a quarter is farther by sqrt 2; after elevation, control points are nearer to the curve.
+        for (edge, [from, to], most) in
+            [(&quarter, [0.0, 1.0], 1.42), (&raised, [0.0, 1.0], 1.25), (&reversed, [1.0, 0.0], 1.25)]
+        {
+            let bound = bound_of(edge, DVec2::new(from, 0.0), DVec2::new(to, 0.0), 1);
+            assert!(bound.is_some_and(|bound| (1.0..most).contains(&(bound / 1e-7))), "{bound:?}");
+        }
+        let bound = bound_of(&side, DVec2::ZERO, DVec2::Y, 0);
+        assert!(bound.is_some_and(|bound| bound < 1e-12), "{bound:?}");
+        // Beyond the seam there are no knots.
+        let bound = bound_of(&side, DVec2::new(4.5, 0.0), DVec2::new(4.5, 1.0), 0);
+        assert_eq!(bound, None);
+        let bound = bound_of(&quarter, DVec2::new(3.5, 0.0), DVec2::new(4.5, 0.0), 1);
+        assert_eq!(bound, None);
     }
 }

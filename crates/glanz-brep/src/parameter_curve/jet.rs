@@ -29,7 +29,7 @@ pub(super) struct Jet {
     pub(super) radii: Row,
 }
 
-/// What curves and surfaces are evaluated in.
+/// A function on [-1, 1] as its Taylor coefficients, with or without radii.
 pub(super) trait Expansion:
     Copy + Default + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self>
 {
