@@ -51,7 +51,7 @@ pub struct TessellationSettings {
     pub angle: f64,
 }
 
-/// Why there are no triangles.
+/// Error of a tessellation.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TessellationError {
