@@ -231,8 +231,9 @@ async function saveExr(page) {
   }
 }
 
-/** Names of STEP and IGES files. */
+/** Names of STEP and IGES files, and from how many bytes on reading one takes as long as compiling programs. */
 const CAD_FILE = /\.(ste?p|p21|ige?s)$/i;
+const LARGE = 5e5;
 
 /**
  * Opens files in place of the scene.
@@ -242,7 +243,7 @@ const CAD_FILE = /\.(ste?p|p21|ige?s)$/i;
 export async function openFiles(page, files) {
   page.showMessage(files.length === 1 ? `Opening ${files[0].name}` : `Opening ${files.length} files`);
   // While the server reads them.
-  if (files.some(({ name }) => CAD_FILE.test(name))) page.renderer.prepareForCad(page.settings.shading);
+  if (files.some(({ name, file }) => CAD_FILE.test(name) && file.size >= LARGE)) page.renderer.prepareForCad(page.settings.shading);
   const url = new URL(`open?session=${encodeURIComponent(page.scene.session)}`, location.href);
   const problem = await upload(url, files);
   page.showMessage("");

@@ -56,7 +56,7 @@ export class Page {
     this.hit = null;
     /** The selected edge. @type {import("./gl/edge_lines.js").PlacedEdge | null} */
     this.edge = null;
-    /** @type {ReturnType<Renderer["draw"]> | null} */
+    /** The last picture of the model. @type {ReturnType<Renderer["draw"]> | null} */
     this.frame = null;
     /** Pixels of the canvas when nothing moves. @type {import("./camera.js").Size} */
     this.size = { width: 1, height: 1 };
@@ -157,6 +157,7 @@ export class Page {
   show(model, isSame) {
     this.renderer.setModel(model);
     this.model = model;
+    this.frame = null;
     this.isNew = true;
     fixLengthUnit(model.lengthUnit);
     const parts = new SceneParts(model.tree);

@@ -133,14 +133,13 @@ impl Page {
                 const chosen = new DataTransfer();
                 chosen.items.add(new File([bytes], {quoted}));
                 const input = document.querySelector('#files');
-                const before = window.glanz.state().frame;
                 const start = performance.now();
                 input.files = chosen.files;
                 input.dispatchEvent(new Event('change'));
                 const isDrawn = () => {{
                     const {{ scene, frame }} = window.glanz.state();
                     // A rendered image that covers all may come before the last program for drawing.
-                    const isWhole = (frame !== before && frame.pending === 0) || window.glanz.renderStatus()?.covered;
+                    const isWhole = frame?.pending === 0 || window.glanz.renderStatus()?.covered;
                     return scene === {quoted} && document.title.startsWith({quoted}) && isWhole;
                 }};
                 while (!isDrawn()) {{
