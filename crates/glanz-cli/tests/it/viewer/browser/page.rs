@@ -148,7 +148,10 @@ impl Page {
                 }}
                 const drawn = performance.now() - start;
                 const gl = document.querySelector('#view').getContext('webgl2');
-                gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+                const done = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+                gl.flush();
+                // Without blocking the page, whose connection would be given up.
+                while (gl.clientWaitSync(done, 0, 0) === gl.TIMEOUT_EXPIRED) await new Promise((resolve) => setTimeout(resolve, 5));
                 return [drawn / 1000, (performance.now() - start) / 1000];
             }})()"
         );
