@@ -243,7 +243,8 @@ const LARGE = 5e5;
 export async function openFiles(page, files) {
   page.showMessage(files.length === 1 ? `Opening ${files[0].name}` : `Opening ${files.length} files`);
   // While the server reads them.
-  if (files.some(({ name, file }) => CAD_FILE.test(name) && file.size >= LARGE)) page.renderer.prepareForCad(page.settings.shading);
+  if (files.some(({ name, file }) => CAD_FILE.test(name) && file.size >= LARGE))
+    page.renderer.prepareForCad(page.settings.shading);
   const url = new URL(`open?session=${encodeURIComponent(page.scene.session)}`, location.href);
   const problem = await upload(url, files);
   page.showMessage("");
