@@ -1,6 +1,6 @@
 //! Long computations: progress, cancelling, checkpoints and identity.
 //!
-//! Rendering, baking, illuminating and studies are *jobs*. A function that runs one takes two arguments:
+//! Rendering, baking, illuminating, conversions and studies are *jobs*. A function that runs one takes two arguments:
 //!
 //! - a [`ProgressSink`], which receives [`JobProgress`] periodically and, at its
 //!   [`ProgressSink::checkpoint_interval`], the state to save; [`Silent`] ignores both;

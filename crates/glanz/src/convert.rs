@@ -115,7 +115,7 @@ impl LoadedScene {
         file::write(path, text.map_err(Error::of_file(path))?.as_bytes())
     }
 
-    /// Makes triangles of all shapes, without a studio; lights, camera and textures are no part of the result. There are no checkpoints.
+    /// Makes triangles of all shapes, without a studio; lights, camera and textures are no part of the result. Options of checkpoints have no effect.
     ///
     /// # Errors
     /// [`Error::Tessellation`] for settings out of range, [`Error::Scene`] for invalid materials, [`Error::NoTriangles`],

@@ -195,7 +195,7 @@ pub enum Error {
     /// Threads that cannot be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// The job was cancelled before it had a result. Its checkpoint, if it has one, was written.
+    /// The job was cancelled before it had a result. Its checkpoint was written, if the job has checkpoints.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }

@@ -46,7 +46,6 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
     let start = Instant::now();
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
-    let cancel = interrupt::listen()?;
     if exact {
         if arguments.has_mesh_settings() {
             let text = "--tolerance and --angle have no effect: a .pbrt file has no triangles, but the exact surfaces";
@@ -55,12 +54,20 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
         }
         return write_exact(arguments, &scene, (start, warnings), messages);
     }
-    let Some((outcome, resolved)) = triangles(arguments, &scene, cancel, messages)? else {
+    let cancel = interrupt::listen()?;
+    let interrupted = || {
         messages.note("interrupted; nothing was written");
-        return Ok(CommandOutcome::Interrupted);
+        Ok(CommandOutcome::Interrupted)
+    };
+    let Some((outcome, resolved)) = triangles(arguments, &scene, cancel.clone(), messages)? else {
+        return interrupted();
     };
     warnings.extend(resolved.iter().map(ToString::to_string));
     warnings.extend(faults(&outcome, messages));
+    // What ends after the request is not written either.
+    if cancel.is_cancelled() {
+        return interrupted();
+    }
     let paths = outcome.save(&arguments.output).map_err(command_error(messages))?;
     let solids = outcome.solids();
     let report = ConvertReport {
@@ -95,15 +102,13 @@ fn triangles(
     let mut events = |event: JobEvent<'_>| note_event(event, scene.name(), messages);
     let options = JobOptions::default()
         .threads(arguments.threads.count())
-        .cancel(cancel.clone())
+        .cancel(cancel)
         .on_progress(&mut progress)
         .on_event(&mut events);
     let made = scene.tessellate(&arguments.mesh(), options);
     progress.finish();
     match made {
         Err(Error::Interrupted(_)) => Ok(None),
-        // What ends after the request is not written either.
-        Ok(_) if cancel.is_cancelled() => Ok(None),
         made => made.map(Some).map_err(command_error(messages)),
     }
 }

@@ -29,7 +29,7 @@ const PIN: &str = "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC
 #84=PRODUCT_DEFINITION_FORMATION('','',#85);#85=PRODUCT('id','pin','',());
 ENDSEC;END-ISO-10303-21;";
 
-/// A tetrahedron between polygons of volume 252 mm^3, all faces of which name one plane.
+/// A tetrahedron of polygons whose faces all name the plane of its base.
 const WEDGE: &str = "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC;DATA;
 #900=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));#901=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));
 #910=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#900,#901))REPRESENTATION_CONTEXT('',''));
