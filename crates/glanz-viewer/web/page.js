@@ -158,7 +158,7 @@ export class Page {
     this.renderer.setModel(model);
     this.model = model;
     this.frame = null;
-    this.isNew = true;
+    this.isNew = !isSame;
     fixLengthUnit(model.lengthUnit);
     const parts = new SceneParts(model.tree);
     if (isSame && this.parts) parts.inherit(this.parts);
@@ -301,6 +301,8 @@ export class Page {
     this.saveExr.disabled = (status?.samples ?? 0) === 0;
     if (!this.model) return;
     const share = whole ? 1 : this.resolution.shareAt(this.drawnAt);
+    // A picture that is saved has everything.
+    if (whole) this.isNew = false;
     const view = this.view(share);
     const { isNew } = this;
     const glance = this.drawnAt < this.glanceUntil;

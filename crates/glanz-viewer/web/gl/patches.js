@@ -56,6 +56,8 @@ const CAD_SHAPES = [
 
 /** Begins to compile the programs for most CAD files. @param {Programs} programs @param {ShadingMode} mode */
 export function prepareForCad(programs, mode) {
+  // Else each would be waited for.
+  if (!programs.parallel) return;
   for (const shape of CAD_SHAPES) programs.get(...patchProgram(shape, true, mode), false);
 }
 

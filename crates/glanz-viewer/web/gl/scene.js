@@ -173,7 +173,7 @@ export class Scene {
     gl.disable(gl.BLEND);
   }
 
-  /** Draws what `prepare` found. @param {ShadingMode} mode @param {boolean} wait @param {FrameStatistics} statistics */
+  /** Draws what `cull` found. @param {ShadingMode} mode @param {boolean} wait @param {FrameStatistics} statistics */
   drawSurfaces(mode, wait, statistics) {
     this.patches.draw(this.programs, mode, wait, statistics);
     this.meshes.draw(this.programs, mode, wait, statistics);
