@@ -14,6 +14,7 @@
 mod closed_sides;
 mod closedness;
 mod edge_network;
+mod flat_triangles;
 mod grid;
 mod group;
 mod outline;

@@ -14,6 +14,7 @@ use spade::{
     Triangulation,
 };
 
+use super::flat_triangles::flip_flat;
 use super::grid::{grid_scale, straight_breaks};
 use super::outline::Outline;
 use super::outline_constraints::OutlineConstraints;
@@ -242,7 +243,7 @@ impl PatchTriangulation {
         if far > settings.deviation {
             done.fault = Some(TessellationFaultKind::Coarse { deviation: far });
         }
-        self.collect(patch, &deviation, far, done)
+        self.collect(patch, settings, &deviation, far, done)
     }
 
     /// Adds a point inside, unless it is on the outline.
@@ -314,6 +315,7 @@ impl PatchTriangulation {
     fn collect(
         &self,
         patch: &MeshPatch,
+        settings: TessellationSettings,
         deviations: &HashMap<[usize; 3], f64>,
         far: f64,
         mut done: TriangulatedPatch,
@@ -329,6 +331,8 @@ impl PatchTriangulation {
         for corners in &self.outline.flaps {
             done.add(corners.map(|corner| self.sites.vertex(corner)), &mut numbers, patch.flipped);
         }
+        let flipped = flip_flat(patch, &done.vertices, &mut done.triangles, settings);
+        done.deviation = done.deviation.max(flipped);
         done
     }
 }
