@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use glanz_math::{DVec2, DVec3};
 
 use super::expansion::{JetPoint, on_carrier, plane_curve, space_curve, space_curve_and_tangent};
-use super::jet::{Expansion, Jet, ORDER, Series};
+use super::jet::{Expansion, Jet, ORDER, TaylorSeries};
 use crate::carrier::Carrier;
 use crate::model::SplineCurve;
 
@@ -141,11 +141,13 @@ impl CurvePair<'_> {
     /// ends; the parameter as it is, if the step is not monotone.
     fn improved(&self, on_carrier: &JetPoint, parameter: &[f64; ORDER]) -> [f64; ORDER] {
         let (center, argument) = split_constant(parameter);
-        let [edge, tangent] = space_curve_and_tangent(self.edge, center, &Series::polynomial(&argument));
-        let product =
-            |a: &[Series; 3], b: &[Series; 3]| a[0].times(&b[0]) + a[1].times(&b[1]) + a[2].times(&b[2]);
+        let [edge, tangent] =
+            space_curve_and_tangent(self.edge, center, &TaylorSeries::polynomial(&argument));
+        let product = |a: &[TaylorSeries; 3], b: &[TaylorSeries; 3]| {
+            a[0].times(&b[0]) + a[1].times(&b[1]) + a[2].times(&b[2])
+        };
         let difference = [0, 1, 2].map(|i| on_carrier[i].middles - edge[i]);
-        let Series(step) = product(&difference, &tangent).times(&product(&tangent, &tangent).inverse());
+        let TaylorSeries(step) = product(&difference, &tangent).times(&product(&tangent, &tangent).inverse());
         let mut improved: [f64; ORDER] = std::array::from_fn(|k| step[k]);
         let (even, odd): (f64, f64) =
             (improved.iter().step_by(2).sum(), improved.iter().skip(1).step_by(2).sum());

@@ -5,7 +5,7 @@
 //! `f(x) = sum of k < n of m_k x^k + r`, where `m_k` are the middles and `|r| <= |m_n| + r_n`. Sums and products of balls contain those of
 //! their elements, so that this holds for every expression. Rounding is not contained; it is added at the end.
 //!
-//! A [`Series`] has the middles alone, where nothing has to be proven.
+//! A [`TaylorSeries`] has the middles alone, where nothing has to be proven.
 //!
 //! # Source
 //! @moore2009 chapter 6 (recurrences for Taylor coefficients), in the arithmetic of middles and radii.
@@ -20,12 +20,12 @@ type Row = [f64; ORDER + 1];
 
 /// Taylor coefficients at 0.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Series(pub(super) Row);
+pub(super) struct TaylorSeries(pub(super) Row);
 
 /// Taylor coefficients of a function on [-1, 1]: all numbers at most a radius from a middle.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Jet {
-    pub(super) middles: Series,
+    pub(super) middles: TaylorSeries,
     pub(super) radii: Row,
 }
 
@@ -76,7 +76,7 @@ fn quotient(f: &Row, inverse: &Row, k: usize) -> f64 {
     -(1..=k).map(|j| f[j] * inverse[k - j]).sum::<f64>()
 }
 
-impl Expansion for Series {
+impl Expansion for TaylorSeries {
     fn polynomial(coefficients: &[f64]) -> Self {
         let mut series = Self::default();
         series.0.iter_mut().zip(coefficients).for_each(|(a, b)| *a = *b);
@@ -167,7 +167,7 @@ impl Jet {
 impl Expansion for Jet {
     /// The derivative of order k over k! is `sum of binomial(j, k) a_j x^(j - k)`.
     fn polynomial(coefficients: &[f64]) -> Self {
-        let mut jet = Self { middles: Series::polynomial(coefficients), radii: Row::default() };
+        let mut jet = Self { middles: TaylorSeries::polynomial(coefficients), radii: Row::default() };
         for (k, radius) in jet.radii.iter_mut().enumerate() {
             let mut binomial = 1.0;
             for (j, a) in coefficients.iter().enumerate().skip(k + 1) {
@@ -193,7 +193,7 @@ impl Expansion for Jet {
         let middle = self.center().abs();
         let least = middle - self.radii[0];
         if least.is_nan() || least <= 0.0 {
-            return Self { middles: Series::default(), radii: [f64::INFINITY; ORDER + 1] };
+            return Self { middles: TaylorSeries::default(), radii: [f64::INFINITY; ORDER + 1] };
         }
         inverse.radii[0] = self.radii[0] / (middle * least);
         let magnitudes = self.magnitudes();
@@ -219,7 +219,7 @@ impl Expansion for Jet {
     }
 }
 
-impl Add for Series {
+impl Add for TaylorSeries {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -227,7 +227,7 @@ impl Add for Series {
     }
 }
 
-impl Sub for Series {
+impl Sub for TaylorSeries {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -235,7 +235,7 @@ impl Sub for Series {
     }
 }
 
-impl Mul<f64> for Series {
+impl Mul<f64> for TaylorSeries {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
