@@ -21,8 +21,11 @@ const SIDE_PARTS: usize = 8;
 /// Degree of fitted offsets in both directions: the error falls with the sixth power of the length of the parts.
 const FIT_DEGREE: usize = 5;
 
-/// Largest number of control points of a fitted offset.
-const MAX_POINTS: usize = 1 << 15;
+/// Largest number of control points of a fitted offset whose basis has few.
+const MAX_POINTS: usize = 1 << 12;
+
+/// Number of control points of a fitted offset for each of its basis, at most: memory stays in proportion to the file.
+const MAX_RATIO: usize = 16;
 
 /// The carrier at a `distance` along the normals of the surface of `basis`, metres.
 pub(super) fn convert(
@@ -158,7 +161,8 @@ fn fitted(
     let (mut parts, mut best) = ([1, 1], f64::INFINITY);
     while parts.iter().all(|parts| *parts <= MAX_PARTS) {
         let (knots_u, knots_v) = (divided_knots(spline, 0, parts[0])?, divided_knots(spline, 1, parts[1])?);
-        if knots_u.count().saturating_mul(knots_v.count()) > MAX_POINTS {
+        let most = MAX_POINTS.max(MAX_RATIO * spline.surface().control_points().len());
+        if knots_u.count().saturating_mul(knots_v.count()) > most {
             break;
         }
         let between = [&knots_u, &knots_v].map(samples);
