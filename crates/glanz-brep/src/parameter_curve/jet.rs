@@ -257,11 +257,9 @@ impl Add for Jet {
 impl Sub for Jet {
     type Output = Self;
 
+    /// Radii add up here, too.
     fn sub(self, other: Self) -> Self {
-        Self {
-            middles: self.middles - other.middles,
-            radii: combine(&self.radii, &other.radii, |a, b| a + b),
-        }
+        self + other * -1.0
     }
 }
 
