@@ -10,7 +10,7 @@ const PLACES: [f64; 7] = [0.0, 0.13, 0.29, 0.5, 0.67, 0.83, 1.0];
 
 /// Whether the sides of each axis are one line, within a distance (metres).
 pub(super) fn closed_axes(patch: &MeshPatch, tolerance: f64) -> [bool; 2] {
-    /// The middle is this many times as far away.
+    /// The middle is at least this many tolerances away: both sides of a sliver are not one line.
     const APART: f64 = 100.0;
     if patch.sides.len() != 4 {
         return [false; 2];

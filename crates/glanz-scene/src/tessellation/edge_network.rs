@@ -9,6 +9,7 @@ use super::closed_sides::{closed_axes, pole_sides};
 use super::outline::{Outline, SidePoint, SideRange, Window};
 use super::patch::MeshPatch;
 use super::patch_side::PatchSide;
+use super::progress::Step;
 use super::shared_edge::{EdgeKey, EdgePlace, EdgeSampler, EdgeUse, SharedEdge};
 use super::vertices::Vertices;
 use super::{TessellationProgress, TessellationSettings};
@@ -19,6 +20,8 @@ pub(super) struct EdgeNetwork<'a> {
     progress: &'a TessellationProgress,
     windows: Vec<Window>,
     edges: Vec<SharedEdge>,
+    /// Whether all edges were sampled once.
+    is_sampled: bool,
     keys: HashMap<EdgeKey, usize>,
     pub(super) vertices: Vertices,
     /// Those of the description, by their numbers there.
@@ -52,6 +55,7 @@ impl<'a> EdgeNetwork<'a> {
             progress,
             windows: Vec::with_capacity(patches.len()),
             edges: Vec::new(),
+            is_sampled: false,
             keys: HashMap::new(),
             vertices: Vertices::default(),
             numbered: HashMap::new(),
@@ -61,6 +65,9 @@ impl<'a> EdgeNetwork<'a> {
             outlines: vec![Outline::default(); patches.len()],
         };
         for (number, patch) in patches.iter().enumerate() {
+            if progress.is_cancelled() {
+                break;
+            }
             let closed = closed_axes(patch, SIDES * deviation);
             network.windows.push(Window::new(patch, closed, SIDES * deviation));
             network.poles.push(pole_sides(patch, SIDES * deviation));
@@ -149,6 +156,7 @@ impl EdgeNetwork<'_> {
         self.sample(&curves, settings);
         let all: Vec<usize> = (0..self.patches.len()).collect();
         self.outline(&all, &sides, settings);
+        self.is_sampled = true;
     }
 
     /// Samples edges at further fractions, and makes the outlines of the patches that have them anew. Returns these patches.
@@ -200,6 +208,9 @@ impl EdgeNetwork<'_> {
         let added: Vec<(usize, Outline, OnSides)> = patches
             .par_iter()
             .filter_map(|&number| {
+                if self.progress.is_cancelled() {
+                    return None;
+                }
                 let (patch, window) = (self.patches.get(number)?, self.windows.get(number)?);
                 let mut outline = if sides { self.outlines.get(number)?.clone() } else { Outline::default() };
                 let mut on_sides = OnSides::default();
@@ -232,7 +243,7 @@ impl EdgeNetwork<'_> {
     /// Curves are sampled where they cross the sides of a window.
     fn pin_crossings(&mut self, curves: &[usize], settings: TessellationSettings) {
         for &number in curves {
-            let Some(edge) = self.edges.get(number) else { continue };
+            let Some(edge) = self.edges.get(number).filter(|_| !self.progress.is_cancelled()) else { return };
             let sampler = EdgeSampler::new(self.patches, edge, settings);
             let mut pinned = Vec::new();
             for (index, a_use) in edge.uses.iter().enumerate() {
@@ -285,6 +296,7 @@ impl EdgeNetwork<'_> {
                     [a.min(b), a.max(b)]
                 }));
             }
+            edge.pins.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
     }
 
@@ -294,12 +306,11 @@ impl EdgeNetwork<'_> {
         let sampled: Vec<(Vec<(f64, DVec3)>, f64)> = numbers
             .par_iter()
             .map(|&number| {
-                let Some(edge) = self.edges.get(number).filter(|_| !self.progress.cancel().is_cancelled())
-                else {
+                let Some(edge) = self.edges.get(number).filter(|_| !self.progress.is_cancelled()) else {
                     return Default::default();
                 };
-                if edge.samples.is_empty() {
-                    self.progress.advance(self.patches.len(), self.edges.len());
+                if !self.is_sampled {
+                    self.progress.advance(Step::Edges, self.patches.len(), self.edges.len());
                 }
                 let sampler = EdgeSampler::new(self.patches, edge, settings);
                 let (fractions, coarse) = if self.is_pole(edge) {
@@ -316,7 +327,8 @@ impl EdgeNetwork<'_> {
             let Some(edge) = self.edges.get(number).cloned() else { continue };
             let mut samples: Vec<(f64, u32)> = Vec::with_capacity(sampled.len());
             for (fraction, position) in sampled {
-                let pins = edge.pins.iter().filter(|pin| pin.0 == fraction);
+                let first = edge.pins.partition_point(|pin| pin.0 < fraction);
+                let pins = edge.pins.iter().skip(first).take_while(|pin| pin.0 == fraction);
                 let mut here: Vec<u32> = pins.filter_map(|pin| pin.1).collect();
                 if let Some([start, end]) = edge.vertices.filter(|_| fraction == 0.0 || fraction == 1.0) {
                     let vertex = if fraction == 0.0 { start } else { end };

@@ -39,7 +39,7 @@ pub(super) fn flip_flat(
     let is_flat = |corners: &[DVec3; 3]| {
         height(corners) <= FLAT[0] * settings.deviation && flatness(corners) <= FLAT[1]
     };
-    let numbers = (0..triangles.len()).filter(|&i| is_flat(&points(sites, &triangles[i])));
+    let numbers = (0..triangles.len()).filter(|&i| is_flat(&points_of(sites, &triangles[i])));
     let mut flat: Vec<usize> = numbers.collect();
     let mut deviation = 0.0_f64;
     if flat.is_empty() {
@@ -75,7 +75,7 @@ fn flatness(corners: &[DVec3; 3]) -> f64 {
     height(corners) / a.distance(b).max(b.distance(c)).max(c.distance(a)).max(f64::MIN_POSITIVE)
 }
 
-fn points(sites: &[MeshSite], corners: &[u32; 3]) -> [DVec3; 3] {
+fn points_of(sites: &[MeshSite], corners: &[u32; 3]) -> [DVec3; 3] {
     corners.map(|corner| sites.get(corner as usize).map_or(DVec3::NAN, |site| site.point))
 }
 
@@ -85,7 +85,7 @@ impl SideMap<'_> {
     }
 
     fn points(&self, number: usize) -> [DVec3; 3] {
-        points(self.sites, &self.corners(number))
+        points_of(self.sites, &self.corners(number))
     }
 
     /// What a corner has in common with others at the same point.
@@ -120,7 +120,7 @@ impl SideMap<'_> {
         let is_new = [ends, [ends[1], ends[0]]].iter().all(|side| !self.left.contains_key(side));
         let made = [[a, opposite, tip], [opposite, b, tip]];
         let before = [flatness(&at), flatness(&self.points(other))];
-        let after = made.map(|corners| flatness(&points(self.sites, &corners)));
+        let after = made.map(|corners| flatness(&points_of(self.sites, &corners)));
         let is_better = before[1] > LINE && after.iter().all(|&after| after > before[0].min(before[1]));
         if !is_new || ends[0] == ends[1] || other == number || !is_better || !self.faces_front(patch, &made) {
             return None;
@@ -143,7 +143,7 @@ impl SideMap<'_> {
     /// Whether triangles do not show their backs at any corner.
     fn faces_front(&self, patch: &MeshPatch, made: &[[u32; 3]; 2]) -> bool {
         made.iter().all(|corners| {
-            let [a, b, c] = points(self.sites, corners);
+            let [a, b, c] = points_of(self.sites, corners);
             let normal = (b - a).cross(c - a) * if patch.flipped { -1.0 } else { 1.0 };
             corners.iter().all(|&corner| {
                 self.sites.get(corner as usize).is_some_and(|site| site.normal.dot(normal) >= 0.0)
@@ -157,10 +157,74 @@ impl SideMap<'_> {
         let [Some(from), Some(to)] = side.map(site) else { return f64::NAN };
         let middle = patch.point(0.5 * (from.uv + to.uv));
         let distances = made.iter().map(|corners| {
-            let [a, b, c] = points(self.sites, corners);
+            let [a, b, c] = points_of(self.sites, corners);
             let uv: DVec2 = corners.iter().filter_map(|&corner| site(corner)).map(|site| site.uv).sum();
             (b - a).cross(c - a).normalize_or_zero().dot(patch.point(uv / 3.0) - a).abs()
         });
         distances.fold(distance_to_segment(middle, from.point, to.point), f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use spade::Point2;
+
+    use super::*;
+    use crate::description::{GeometryDescription, ShapeDescription};
+
+    /// Triangles over points of a patch, whose vertices have their numbers, and the deviation of those that were flipped.
+    fn flipped<const N: usize>(
+        shape: &ShapeDescription,
+        points: &[[f64; 2]],
+        mut triangles: [[u32; 3]; N],
+        allowed: f64,
+    ) -> ([[u32; 3]; N], Vec<MeshSite>, f64) {
+        let patch = &MeshPatch::of_shape(0, shape).unwrap()[0];
+        let site = |(i, &[u, v]): (usize, &[f64; 2])| {
+            let uv = DVec2::new(u, v);
+            let (point, normal) = (patch.point(uv), patch.normal(uv));
+            MeshSite { uv, at: Point2::new(u, v), vertex: Some(i as u32), point, normal }
+        };
+        let sites: Vec<MeshSite> = points.iter().enumerate().map(site).collect();
+        let deviation =
+            flip_flat(patch, &sites, &mut triangles, TessellationSettings { deviation: allowed, angle: 0.5 });
+        (triangles, sites, deviation)
+    }
+
+    #[test]
+    fn a_fan_of_flat_triangles_gets_heights() {
+        let square = ShapeDescription::rectangle([0.0, 1.0], [0.0, 1.0]);
+        // Four samples of the lower side, of which the inner ones are off it by rounding, and the upper corners.
+        let off = 1e-16;
+        let points = [[0.0, 0.0], [0.3, -off], [0.7, -off], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let fans =
+            [[[0, 1, 3], [1, 2, 3], [0, 3, 4], [0, 4, 5]], [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]];
+        for fan in fans {
+            let (triangles, sites, deviation) = flipped(&square, &points, fan, 0.1);
+            let areas = triangles.map(|corners| {
+                let [a, b, c] = points_of(&sites, &corners);
+                0.5 * (b - a).cross(c - a).z
+            });
+            assert!(areas.iter().all(|area| *area > 0.1), "{triangles:?}");
+            assert!(
+                (areas.iter().sum::<f64>() - 1.0).abs() < 1e-12 && deviation < 1e-12,
+                "{areas:?} {deviation}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_flip_away_from_the_surface_is_not_made() {
+        // A quarter of a cylinder of radius 1: three samples of a line along it, and a point of the other side. New sides would run 0.29 below the surface.
+        let cylinder = GeometryDescription::Cylinder { radius: 1.0, z: [0.0, 1.0], phi_max: 0.5 * PI };
+        let points = [[0.0, 0.0], [0.0, 0.5], [0.0, 1.0], [1.0, 0.5]];
+        let before = [[0, 2, 1], [0, 3, 2]];
+        let cylinder = ShapeDescription::from(cylinder);
+        let (triangles, _, deviation) = flipped(&cylinder, &points, before, 0.1);
+        assert_eq!((triangles, deviation), (before, 0.0));
+        let (triangles, _, deviation) = flipped(&cylinder, &points, before, 0.5);
+        assert!(triangles != before && (deviation - 0.29).abs() < 0.01, "{triangles:?} {deviation}");
     }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::edge_network::EdgeNetwork;
 use super::patch::MeshPatch;
 use super::polygons::{add_polygons, polygons};
+use super::progress::Step;
 use super::triangulation::{PatchTriangulation, TriangulatedPatch};
 use super::{
     GroupMesh, MeshVertex, ShapeMesh, TessellationFaultKind, TessellationProgress, TessellationSettings,
@@ -38,16 +39,16 @@ fn triangulations<'a>(
     let mut changed: Vec<usize> = (0..patches.len()).collect();
     let mut triangulations: BTreeMap<usize, PatchTriangulation> = BTreeMap::new();
     for round in 0.. {
-        if progress.cancel().is_cancelled() {
-            break;
-        }
         let made: Vec<(usize, PatchTriangulation)> = changed
             .par_iter()
             .filter_map(|&number| {
+                if progress.is_cancelled() {
+                    return None;
+                }
                 let (patch, outline) = (patches.get(number)?, network.outlines.get(number)?);
                 let made = PatchTriangulation::new(patch, outline, &network.vertices.positions, settings);
                 if round == 0 {
-                    progress.advance(1, 1);
+                    progress.advance(Step::Outline, 1, 1);
                 }
                 Some((number, made))
             })
@@ -68,7 +69,7 @@ fn triangulations<'a>(
                 divisions.entry(segment.edge).or_default().push(0.5 * (from + to));
             }
         }
-        if divisions.is_empty() {
+        if divisions.is_empty() || progress.is_cancelled() {
             break;
         }
         changed = network.divide(&divisions, settings).into_iter().collect();
@@ -90,22 +91,25 @@ pub(super) fn mesh(
     let made: Vec<_> = shapes
         .par_iter()
         .enumerate()
-        .map(|(number, shape)| match polygons(shape) {
-            Some(polygons) => (polygons.map(Some), Ok(Vec::new())),
-            None => (Ok(None), MeshPatch::of_shape(number, shape)),
+        .map(|(number, shape)| {
+            if progress.is_cancelled() {
+                return (Ok(None), Ok(Vec::new()));
+            }
+            match polygons(shape) {
+                Some(polygons) => (polygons.map(Some), Ok(Vec::new())),
+                None => (Ok(None), MeshPatch::of_shape(number, shape)),
+            }
         })
         .collect();
     for (number, (shape, (polygons, found))) in shapes.iter().zip(made).enumerate() {
-        if !matches!(&found, Ok(found) if !found.is_empty()) {
-            progress.skip(shape);
-        }
+        progress.found(shape, found.as_ref().map_or(0, Vec::len));
         match (polygons, found) {
             (Ok(Some(polygons)), _) => add_polygons(&mut outcome.mesh, number, polygons),
             (Ok(None), Ok(found)) => patches.extend(found),
             (Err(fault), _) | (_, Err(fault)) => outcome.faults.push((number, fault)),
         }
     }
-    if patches.is_empty() {
+    if patches.is_empty() || progress.is_cancelled() {
         return outcome;
     }
     let (network, triangulations) = triangulations(&patches, settings, progress);
@@ -113,8 +117,11 @@ pub(super) fn mesh(
         .into_par_iter()
         .zip(&patches)
         .map(|(triangulation, patch)| {
+            if progress.is_cancelled() {
+                return TriangulatedPatch::default();
+            }
             let filled = triangulation.fill(patch, settings, progress.cancel());
-            progress.advance(1, 1);
+            progress.advance(Step::Filling, 1, 1);
             filled
         })
         .collect();

@@ -21,6 +21,7 @@ mod outline;
 mod outline_constraints;
 mod patch;
 mod patch_side;
+mod patch_trim;
 mod polygons;
 mod progress;
 mod shared_edge;
@@ -52,7 +53,7 @@ pub struct TessellationSettings {
     pub angle: f64,
 }
 
-/// Error of a tessellation.
+/// Why there are no triangles.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TessellationError {
@@ -74,7 +75,8 @@ pub struct SceneTessellation {
     pub groups: Vec<GroupMesh>,
     /// Those of the world's own shapes.
     pub world: GroupMesh,
-    /// Largest distance between a triangle and its surface that was measured, metres in the world.
+    /// Largest distance that was measured between a triangle and its surface, or a chord and its edge, metres in the world: at the middles of triangles
+    /// and of their sides, and at samples of edges.
     pub deviation: f64,
     /// Shapes that are left out, or not as the settings demand.
     pub faults: Vec<TessellationFault>,

@@ -14,11 +14,30 @@ pub struct TessellationProgress {
     total: AtomicU64,
 }
 
-/// Steps of a patch: its edges are sampled, its outline is triangulated, its inside is filled.
-const STEPS: u64 = 3;
+/// A step of the work on a patch.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Step {
+    /// Its edges are sampled.
+    Edges,
+    /// Its outline is triangulated.
+    Outline,
+    /// Its inside is filled.
+    Filling,
+}
 
-/// Parts of a step that are counted.
-const PARTS: u64 = 1 << 16;
+impl Step {
+    /// Parts of a patch that are counted.
+    const PARTS: u64 = 1 << 16;
+
+    /// Those of the step, about as it takes time.
+    fn parts(self) -> u64 {
+        match self {
+            Self::Edges => Self::PARTS / 4,
+            Self::Outline => Self::PARTS / 8,
+            Self::Filling => Self::PARTS - Self::PARTS / 4 - Self::PARTS / 8,
+        }
+    }
+}
 
 impl TessellationProgress {
     /// Progress of a tessellation that ends when `cancel` is raised.
@@ -31,7 +50,7 @@ impl TessellationProgress {
     #[must_use]
     pub fn fraction(&self) -> f64 {
         let [done, total] = [&self.done, &self.total].map(|count| count.load(Ordering::Relaxed));
-        if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) }
+        if total == 0 { 0.0 } else { done as f64 / total as f64 }
     }
 
     /// The request to end.
@@ -39,26 +58,36 @@ impl TessellationProgress {
         &self.cancel
     }
 
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.cancel.is_cancelled()
+    }
+
     pub(super) fn start(&self, description: &Description) {
         let groups = description.groups.iter().chain([&description.world]);
         let patches: u64 = groups.flat_map(|group| &group.shapes).map(patch_count).sum();
-        self.total.store(patches.saturating_mul(STEPS * PARTS), Ordering::Relaxed);
+        self.total.store(patches.saturating_mul(Step::PARTS), Ordering::Relaxed);
         self.done.store(0, Ordering::Relaxed);
     }
 
     /// Notes that a step of this many patches is done in part: one of `parts` equal parts.
-    pub(super) fn advance(&self, patches: usize, parts: usize) {
-        let steps = patches as u64 * PARTS / (parts as u64).max(1);
-        self.done.fetch_add(steps, Ordering::Relaxed);
+    pub(super) fn advance(&self, step: Step, patches: usize, parts: usize) {
+        let done = patches as u64 * step.parts() / (parts as u64).max(1);
+        self.done.fetch_add(done, Ordering::Relaxed);
     }
 
-    /// Notes that a shape without patches is done.
-    pub(super) fn skip(&self, shape: &ShapeDescription) {
-        self.done.fetch_add(patch_count(shape) * STEPS * PARTS, Ordering::Relaxed);
+    /// Notes how many patches a shape has; one without any is done.
+    pub(super) fn found(&self, shape: &ShapeDescription, patches: usize) {
+        let expected = patch_count(shape) * Step::PARTS;
+        if patches == 0 {
+            self.done.fetch_add(expected, Ordering::Relaxed);
+        } else {
+            let more = (patches as u64 * Step::PARTS).wrapping_sub(expected);
+            self.total.fetch_add(more, Ordering::Relaxed);
+        }
     }
 }
 
-/// Number of patches of a shape, about.
+/// Number of patches of a shape; those with several faces, of which there are few, count as one at first.
 fn patch_count(shape: &ShapeDescription) -> u64 {
     match &shape.geometry {
         GeometryDescription::BezierPatches(patches) => patches.patches.len() as u64,

@@ -102,9 +102,9 @@ pub(super) struct SharedEdge {
     /// Numbers of its vertices in the description.
     pub(super) vertices: Option<[u32; 2]>,
     pub(super) uses: Vec<EdgeUse>,
-    /// Fractions at which it must be sampled, with the vertex that is there, if there is one.
+    /// Fractions at which it must be sampled, ascending, with the vertex that is there, if there is one.
     pub(super) pins: Vec<(f64, Option<u32>)>,
-    /// Places of some uses that belong to a pin: the index of the use, the fraction, the place.
+    /// Places of some uses that belong to a pin, by the fraction: the index of the use, the fraction, the place.
     pub(super) pinned: Vec<(usize, f64, f64)>,
     /// Further fractions at which it is sampled.
     pub(super) divisions: Vec<f64>,
@@ -165,8 +165,10 @@ impl<'a> EdgeSampler<'a> {
 
     /// The place of a use where it is nearest to the point of the edge at a fraction.
     pub(super) fn place(&self, number: usize, fraction: f64) -> f64 {
-        let pinned = self.edge.pinned.iter().find(|pin| pin.0 == number && pin.1 == fraction);
-        if let Some(&(_, _, t)) = pinned {
+        let pinned = &self.edge.pinned;
+        let first = pinned.partition_point(|pin| pin.1 < fraction);
+        let mut here = pinned.iter().skip(first).take_while(|pin| pin.1 == fraction);
+        if let Some(&(_, _, t)) = here.find(|pin| pin.0 == number) {
             return t;
         }
         let Some(a_use) = self.edge.uses.get(number) else { return 0.0 };

@@ -29,7 +29,7 @@ const MAX_POINTS: usize = 1 << 20;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeshSite {
     pub(super) uv: DVec2,
-    at: Point2<f64>,
+    pub(super) at: Point2<f64>,
     /// The vertex of the group; `None` inside.
     pub(super) vertex: Option<u32>,
     pub(super) point: DVec3,
@@ -177,8 +177,12 @@ impl PatchTriangulation {
                 // As often as the outline goes around them, so that no side is open.
                 let [a, b, c] = corners;
                 let corners = if winding < 0 { [a, c, b] } else { corners };
-                let missing = if winding < 0 { -winding } else { winding - 1 };
-                self.outline.flaps.extend(std::iter::repeat_n(corners, missing as usize));
+                let missing = if winding < 0 { winding.unsigned_abs() } else { winding as u32 - 1 } as usize;
+                if self.outline.flaps.len().saturating_add(missing) > MAX_POINTS {
+                    self.outline.is_incomplete = true;
+                    break;
+                }
+                self.outline.flaps.extend(std::iter::repeat_n(corners, missing));
             }
         }
     }

@@ -32,7 +32,7 @@ fn wall(arc: [[f64; 2]; 3], edges: [(u32, [u32; 2]); 4]) -> ShapeDescription {
 }
 
 /// A crescent between two parabolas of these heights over a chord of length 1.6, extruded by 1; the inner one in two parts.
-fn crescent(outer: f64, inner: f64) -> Vec<ShapeDescription> {
+pub(super) fn crescent(outer: f64, inner: f64) -> Vec<ShapeDescription> {
     let over = [[0.8, 0.0], [0.0, 2.0 * outer], [-0.8, 0.0]];
     let first = [[-0.8, 0.0], [-0.4, inner], [0.0, inner]];
     let second = [[0.0, inner], [0.4, inner], [0.8, 0.0]];

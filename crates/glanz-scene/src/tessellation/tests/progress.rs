@@ -26,11 +26,37 @@ fn patches() -> ShapeDescription {
 }
 
 #[test]
-fn all_of_the_work_is_counted() {
-    let progress = TessellationProgress::default();
-    assert_eq!(progress.fraction(), 0.0);
-    SceneTessellation::try_new(&shapes(), settings(1e-3), &progress).unwrap();
-    assert!((0.999..=1.0).contains(&progress.fraction()), "{}", progress.fraction());
+fn all_of_the_work_is_counted_once() {
+    // Edges of the crescent are sampled several times.
+    let crescent = GroupDescription { shapes: crossing::crescent(0.1, 0.08), ..Default::default() };
+    let narrow = Description { world: crescent, ..Description::default() };
+    for (description, deviation) in [(shapes(), 1e-3), (narrow, 0.15)] {
+        let progress = TessellationProgress::default();
+        assert_eq!(progress.fraction(), 0.0);
+        SceneTessellation::try_new(&description, settings(deviation), &progress).unwrap();
+        assert!((0.999..=1.0).contains(&progress.fraction()), "{}", progress.fraction());
+    }
+}
+
+#[test]
+fn filling_ends_when_it_is_cancelled() {
+    let shapes = vec![ShapeDescription::torus(2.0, 0.7); 40];
+    let description =
+        Description { world: GroupDescription { shapes, ..Default::default() }, ..Default::default() };
+    let cancel = CancelFlag::default();
+    let progress = TessellationProgress::new(cancel.clone());
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            // Half is done only while patches are filled.
+            while progress.fraction() < 0.5 {
+                std::thread::yield_now();
+            }
+            cancel.cancel();
+        });
+        let made = SceneTessellation::try_new(&description, settings(1e-3), &progress);
+        assert_eq!(made.err(), Some(TessellationError::Interrupted(Interrupted)));
+    });
+    assert!(progress.fraction() < 0.9, "{}", progress.fraction());
 }
 
 #[test]
