@@ -47,6 +47,9 @@ STEPS, LAST_STEP = 30, 1e-13
 # Points per direction from which the nearest is taken where OpenCascade does not project.
 GRID = 33
 
+# Distance within which OpenCascade takes points for one, in its unit.
+SAME_POINT = 1e-7
+
 # Panels between two knots of an edge whose distance from a surface is measured.
 PANELS = 4
 
@@ -201,7 +204,11 @@ class Carrier:
         """The foot by Newton's method from the nearest point of a grid within the bounds of the face."""
         u, v = (numpy.linspace(*ends, GRID).tolist() for ends in (self.bounds[:2], self.bounds[2:]))
         start = min(((one, other) for one in u for other in v), key=lambda parameters: self.distance(position, parameters))
-        return self.newton(position, start) or start
+        found = self.newton(position, start)
+        # Where the surface is a point, Newton's method finds no step.
+        if found is None and self.distance(position, start) > SAME_POINT:
+            raise Undecided("a point of an edge has no foot on the surface")
+        return found or start
 
     def knots_between(self, low, high, direction):
         (first, _), period = self.domain[direction], self.periods[direction]

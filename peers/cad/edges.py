@@ -104,7 +104,7 @@ class Boundary:
         return result
 
     def nearest(self, point):
-        """Distance of the edge that is nearest to a point (or polyline), and the edge; `None` without edges."""
+        """Distance of the edge that is nearest to a point (or polyline), and the edge; without edges, infinity and `None`."""
         best = (numpy.inf, None)
         for owner, shape in enumerate(self.shapes):
             if shape.ShapeType() == TopAbs_EDGE:

@@ -98,9 +98,18 @@ impl Carrier {
     /// The first derivatives by u and v.
     #[must_use]
     pub fn tangents(&self, uv: DVec2) -> [DVec3; 2] {
+        let [_, du, dv] = self.point_and_tangents(uv);
+        [du, dv]
+    }
+
+    /// The point and its first derivatives by u and v.
+    pub(crate) fn point_and_tangents(&self, uv: DVec2) -> [DVec3; 3] {
         match self {
-            Self::Spline(spline) => spline.tangents(uv),
-            _ => self.analytic_tangents(uv),
+            Self::Spline(spline) => spline.point_and_tangents(uv),
+            _ => {
+                let [du, dv] = self.analytic_tangents(uv);
+                [self.point(uv), du, dv]
+            }
         }
     }
 

@@ -177,10 +177,9 @@ impl SplineCarrier {
         self.surface.point(uv.x, uv.y)
     }
 
-    pub(crate) fn tangents(&self, uv: DVec2) -> [DVec3; 2] {
+    pub(crate) fn point_and_tangents(&self, uv: DVec2) -> [DVec3; 3] {
         let uv = self.wrapped(uv);
-        let (_, du, dv) = self.surface.tangents(uv.x, uv.y);
-        [du, dv]
+        self.surface.tangents(uv.x, uv.y).into()
     }
 
     pub(super) fn normal(&self, uv: DVec2) -> Option<DVec3> {

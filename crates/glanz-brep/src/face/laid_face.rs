@@ -87,7 +87,7 @@ impl LaidFace {
                 repairs.push(repair);
                 (FaceSurface::Plane(plane), true)
             }
-            None => (part_with_edges(&entry.surface, model, edges, face), face.same_sense),
+            None => (part_with_edges(&entry.surface, model, edges, face, &mut repairs), face.same_sense),
         };
         let refused = |error| FaceRefusal::Surface { entity: entry.entity, error };
         let has_border = ends_at_border(&surface, face);

@@ -3,6 +3,7 @@
 use glanz_math::DVec3;
 
 use super::bounded_edge::{BoundedEdge, loop_points};
+use super::outcome::FaceRepair;
 use crate::model::{BoundaryLoop, BrepModel, Curve, Face, FaceSurface, OrientedEdge};
 
 /// Largest distance of the points of a curve from the middle of the edges of a face, relative to that of the edges, up to which the face may need it.
@@ -19,12 +20,13 @@ const MOST_CROSSINGS: usize = 16;
 
 /// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
 ///
-/// Files often give the other part of such a torus, and whole conics as the profiles of reflectors.
+/// Files often give the other part of such a torus, and whole conics as the profiles of reflectors. `repairs`: takes up what is left as it is.
 pub(super) fn part_with_edges(
     surface: &FaceSurface,
     model: &BrepModel,
     edges: &[BoundedEdge],
     face: &Face,
+    repairs: &mut Vec<FaceRepair>,
 ) -> FaceSurface {
     match surface {
         FaceSurface::Torus { minor_radius, major_radius, .. } if minor_radius >= major_radius => {
@@ -32,11 +34,13 @@ pub(super) fn part_with_edges(
         }
         FaceSurface::Revolution { curve, origin, axis } => {
             let samples = EdgeSamples::new(model, edges, face);
-            let Some(profile) = CrossingProfile::new(curve, [*origin, *axis], &samples, model.uncertainty)
-            else {
-                return surface.clone();
-            };
-            let Some(range) = profile.part(&samples, face.same_sense) else { return surface.clone() };
+            let profile = CrossingProfile::try_new(curve, [*origin, *axis], &samples, model.uncertainty);
+            let profile = profile.unwrap_or_else(|repair| {
+                repairs.push(repair);
+                None
+            });
+            let range = profile.and_then(|profile| profile.part(&samples, face.same_sense));
+            let Some(range) = range else { return surface.clone() };
             let curve = Box::new(Curve::Trimmed { basis: curve.clone(), range, same_sense: true });
             FaceSurface::Revolution { curve, origin: *origin, axis: *axis }
         }
@@ -117,13 +121,16 @@ struct CrossingProfile<'a> {
 }
 
 impl<'a> CrossingProfile<'a> {
-    /// `None` if the curve does not cross the axis, up to `tolerance` (metres), within reach of the edges, or too often.
-    fn new(
+    /// `None` if the curve does not cross the axis, up to `tolerance` (metres), within reach of the edges.
+    ///
+    /// # Errors
+    /// [`FaceRepair::WholeProfile`] if it crosses the axis too often.
+    fn try_new(
         curve: &'a Curve<DVec3>,
         [origin, axis]: [DVec3; 2],
         EdgeSamples { points, .. }: &EdgeSamples,
         tolerance: f64,
-    ) -> Option<Self> {
+    ) -> Result<Option<Self>, FaceRepair> {
         let domain = curve.domain();
         let range = if domain.iter().all(|t| t.is_finite()) {
             domain
@@ -137,12 +144,14 @@ impl<'a> CrossingProfile<'a> {
             curve.range_near(middle, REACH * reach + tolerance)
         };
         if !(range[0] < range[1] && range.iter().all(|t| t.is_finite())) {
-            return None;
+            return Ok(None);
         }
         let samples = curve.samples(range);
         let radial = |t: f64| (curve.point(t) - origin).reject_from(axis);
-        let farthest = samples.iter().map(|t| radial(*t)).max_by(|a, b| a.length().total_cmp(&b.length()))?;
-        let (across, period) = (farthest.try_normalize()?, curve.period(tolerance));
+        let farthest = samples.iter().map(|t| radial(*t)).max_by(|a, b| a.length().total_cmp(&b.length()));
+        let farthest = farthest.unwrap_or_default();
+        let Some(across) = farthest.try_normalize() else { return Ok(None) };
+        let period = curve.period(tolerance);
         let mut profile = Self { curve, origin, axis, across, parts: Vec::new(), period };
         let far: Vec<(f64, f64)> = samples
             .into_iter()
@@ -151,7 +160,7 @@ impl<'a> CrossingProfile<'a> {
             .collect();
         let changes = far.windows(2).filter(|pair| (pair[0].1 < 0.0) != (pair[1].1 < 0.0));
         if changes.clone().nth(MOST_CROSSINGS).is_some() {
-            return None;
+            return Err(FaceRepair::WholeProfile { most: MOST_CROSSINGS });
         }
         // A curve askew to the axis changes its side beside it.
         let on_axis = tolerance.max(f64::EPSILON.sqrt() * farthest.length());
@@ -159,7 +168,7 @@ impl<'a> CrossingProfile<'a> {
             .map(|pair| profile.crossing([pair[0].0, pair[1].0]))
             .filter(|t| radial(*t).length() <= on_axis)
             .collect();
-        let (first, last) = (*crossings.first()?, *crossings.last()?);
+        let (Some(&first), Some(&last)) = (crossings.first(), crossings.last()) else { return Ok(None) };
         let ends: Vec<f64> = [range[0]].into_iter().chain(crossings).chain([range[1]]).collect();
         profile.parts = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();
         if let Some(period) = period.filter(|_| profile.signed_radius(range[0]).abs() > tolerance) {
@@ -167,7 +176,7 @@ impl<'a> CrossingProfile<'a> {
             profile.parts.pop();
             profile.parts.push([last, first + period]);
         }
-        Some(profile)
+        Ok(Some(profile))
     }
 
     /// Distance of a point of the curve from the axis, on one of its sides negative, metres.

@@ -42,7 +42,8 @@ pub(super) fn plane_curve(curve: &SplineCurve<DVec2>, center: f64, half: f64) ->
 
 /// A curve of space at a parameter that is `center` plus an argument with the value 0 at 0.
 pub(super) fn space_curve<T: Expansion>(curve: &SplineCurve<DVec3>, center: f64, argument: &T) -> [T; 3] {
-    let [x, y, z, w] = horner(powers(curve, center, 1.0).into_iter().map(|(p, w)| p.extend(w)), argument);
+    let coefficients = powers(curve, center, 1.0).into_iter().map(|(p, w)| p.extend(w));
+    let [x, y, z, w] = polynomials(coefficients, &powers_of(argument, curve.degree()));
     quotients([x, y, z], &w)
 }
 
@@ -52,24 +53,33 @@ pub(super) fn space_curve_and_tangent<T: Expansion>(
     center: f64,
     argument: &T,
 ) -> [[T; 3]; 2] {
-    let powers = powers(curve, center, 1.0).into_iter().map(|(p, w)| p.extend(w));
-    let slopes = powers.clone().enumerate().skip(1).map(|(k, h)| h * k as f64);
-    let ([x, y, z, w], [dx, dy, dz, dw]) = (horner(powers, argument), horner(slopes, argument));
+    let coefficients = powers(curve, center, 1.0).into_iter().map(|(p, w)| p.extend(w));
+    let slopes = coefficients.clone().enumerate().skip(1).map(|(k, h)| h * k as f64);
+    let arguments = powers_of(argument, curve.degree());
+    let ([x, y, z, w], [dx, dy, dz, dw]) =
+        (polynomials(coefficients, &arguments), polynomials(slopes, &arguments));
     let point = quotients([x, y, z], &w);
     // The quotient rule.
     let [px, py, pz] = point.map(|p| p.times(&dw));
     [point, quotients([dx - px, dy - py, dz - pz], &w)]
 }
 
-/// The polynomials with these coefficients, the constant first, at an argument.
-fn horner<T: Expansion>(powers: impl DoubleEndedIterator<Item = DVec4>, argument: &T) -> [T; 4] {
+/// The powers of an argument from the first on.
+///
+/// Products of functions cost more than their multiples: with Horner's rule, each polynomial in the same argument has products of its own.
+fn powers_of<T: Expansion>(argument: &T, count: usize) -> Vec<T> {
+    std::iter::successors(Some(*argument), |power| Some(power.times(argument))).take(count).collect()
+}
+
+/// The polynomials with these coefficients, the constant first, at an argument with these powers.
+fn polynomials<T: Expansion>(coefficients: impl Iterator<Item = DVec4>, arguments: &[T]) -> [T; 4] {
     let mut sums = [T::default(); 4];
-    for (i, power) in powers.rev().enumerate() {
-        for (sum, value) in sums.iter_mut().zip(power.to_array()) {
-            if i > 0 {
-                *sum = sum.times(argument);
+    for (k, coefficient) in coefficients.enumerate() {
+        for (sum, value) in sums.iter_mut().zip(coefficient.to_array()) {
+            match k.checked_sub(1).and_then(|k| arguments.get(k)) {
+                Some(power) => *sum = *sum + *power * value,
+                None => sum.add_constant(value),
             }
-            sum.add_constant(value);
         }
     }
     sums
@@ -124,12 +134,13 @@ fn on_spline(spline: &SplineCarrier, uv: &[Jet; 2]) -> JetPoint {
     let center = spline.wrapped(DVec2::new(uv[0].center(), uv[1].center()));
     let [du, dv] = uv.map(Jet::centered);
     let [rows, columns] = spline.degrees().map(|degree| degree + 1);
-    let powers: Vec<DVec4> = spline.powers(center);
-    // Of a curve of constant u, all powers of du but the first vanish.
-    let rows = if du.is_zero() { 1 } else { rows };
+    let coefficients: Vec<DVec4> = spline.powers(center);
+    // Of a curve of constant u or v, all powers of the difference from it vanish but the first.
+    let [rows, used] = [(du, rows), (dv, columns)].map(|(d, count)| if d.is_zero() { 1 } else { count });
+    let arguments = powers_of(&dv, used - 1);
     let mut sums = [Jet::default(); 4];
-    for (i, row) in powers.chunks_exact(columns).take(rows).rev().enumerate() {
-        let row = horner(row.iter().copied(), &dv);
+    for (i, row) in coefficients.chunks_exact(columns).take(rows).rev().enumerate() {
+        let row = polynomials(row.iter().copied().take(used), &arguments);
         for (sum, row) in sums.iter_mut().zip(row) {
             *sum = if i > 0 { sum.times(&du) + row } else { row };
         }

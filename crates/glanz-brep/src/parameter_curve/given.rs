@@ -62,8 +62,8 @@ fn searched(carrier: &Carrier, edge: &EdgeCurve, curve: &Curve<DVec2>, tolerance
     }
     let at = |t: f64| {
         let (uv, d) = (curve.point(t), curve.derivatives(t, 1).get(1).copied().unwrap_or(DVec2::ZERO));
-        let [du, dv] = carrier.tangents(uv);
-        [carrier.point(uv), du * d.x + dv * d.y, DVec3::ZERO]
+        let [point, du, dv] = carrier.point_and_tangents(uv);
+        [point, du * d.x + dv * d.y, DVec3::ZERO]
     };
     let whole = at(start)[0].distance(at(end)[0]) <= tolerance;
     if whole || edge.is_closed() {

@@ -63,8 +63,8 @@ impl CurvePair<'_> {
     pub(super) fn on_carrier(&self, t: f64) -> [DVec3; 2] {
         let derivatives = self.curve.derivatives(t, 1);
         let [uv, d] = [0, 1].map(|k| derivatives.get(k).copied().unwrap_or(DVec2::NAN));
-        let [du, dv] = self.carrier.tangents(uv);
-        [self.carrier.point(uv), du * d.x + dv * d.y]
+        let [point, du, dv] = self.carrier.point_and_tangents(uv);
+        [point, du * d.x + dv * d.y]
     }
 
     /// The interval between two pairs, within which the curve has no knot.

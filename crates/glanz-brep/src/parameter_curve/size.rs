@@ -42,8 +42,13 @@ fn speeds(spline: &SplineCarrier, curve: &SplineCurve<DVec2>) -> [f64; 2] {
     const SAFETY: f64 = 2.0;
     let breaks = curve.knots().breaks();
     let samples = breaks.windows(2).flat_map(|ends| [ends[0], 0.5 * (ends[0] + ends[1])]);
-    let tangents: Vec<[DVec3; 2]> =
-        samples.chain(breaks.last().copied()).map(|t| spline.tangents(curve.point(t))).collect();
+    let places = samples.chain(breaks.last().copied()).map(|t| curve.point(t));
+    let tangents: Vec<[DVec3; 2]> = places
+        .map(|uv| {
+            let [_, du, dv] = spline.point_and_tangents(uv);
+            [du, dv]
+        })
+        .collect();
     [0, 1].map(|axis| SAFETY * largest(tangents.iter().map(|tangent| tangent[axis].length())))
 }
 

@@ -89,7 +89,8 @@ impl Surface {
         }
         let mut builder = TubeBuilder::new(self, region, extent);
         region.monotone_pieces().for_each(|piece| builder.add(&piece));
-        let TubeBuilder { tubes, widest_without, .. } = builder;
+        let TubeBuilder { mut tubes, widest_without, .. } = builder;
+        tubes.shrink_to_fit();
         let boxes: Vec<Bounds3> = tubes.iter().map(EdgeTube::bounds).collect();
         let bvh = Bvh::build(&boxes, &BuildOptions::default());
         let largest_radius = tubes.iter().map(|tube| tube.radius).fold(0.0, f64::max);

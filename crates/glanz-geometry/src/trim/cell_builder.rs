@@ -162,6 +162,7 @@ impl CellTree {
         let mut builder = CellTreeBuilder::new(&rules, Self::new(min, max), budget);
         let root = builder.root(outermost);
         builder.build(root)?;
+        builder.tree.shrink_to_fit();
         Ok(builder.tree)
     }
 }

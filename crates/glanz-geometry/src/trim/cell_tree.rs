@@ -88,6 +88,13 @@ impl CellTree {
         }
     }
 
+    /// Releases memory that is held for more cells.
+    pub(super) fn shrink_to_fit(&mut self) {
+        self.nodes.shrink_to_fit();
+        self.leaves.shrink_to_fit();
+        self.entries.shrink_to_fit();
+    }
+
     /// A tree over the same domain whose first nodes have `count` quarters for the links to cells of this one.
     pub(super) fn stem(&self, count: usize) -> Self {
         let nodes = vec![[CellLink::uniform(0); 4]; count.div_ceil(4)];

@@ -87,7 +87,9 @@ pub(super) struct PieceTable {
 impl PieceTable {
     /// The pieces of `loops`. `reach`: the largest magnitudes of the coordinates of tested points.
     pub(super) fn try_new(loops: &[TrimLoop], reach: DVec2) -> Result<Self, SurfaceError> {
-        let (mut pieces, mut terms) = (Vec::new(), Vec::new());
+        let count = loops.iter().map(|l| l.pieces.len()).sum();
+        let term_count = loops.iter().flat_map(|l| &l.pieces).map(|piece| piece.control_points.len()).sum();
+        let (mut pieces, mut terms) = (Vec::with_capacity(count), Vec::with_capacity(term_count));
         let (mut reach, mut highest) = (reach, 1);
         for piece in loops.iter().flat_map(|l| &l.pieces) {
             let degree = piece.control_points.len().saturating_sub(1).min(MAX_DEGREE) as u32;

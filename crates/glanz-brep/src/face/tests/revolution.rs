@@ -164,14 +164,17 @@ fn a_profile_that_crosses_its_axis_more_often_than_any_reflector_stays_whole() {
             FaceSurface::Revolution { curve: Box::new(teeth(count)), origin: DVec3::ZERO, axis: DVec3::Z };
         model.face(surface.clone(), false, &[(rim, true)]);
         let edges = [BoundedEdge::new(&model.0, &model.0.edges[rim])];
-        let part = part_with_edges(&surface, &model.0, &edges, &model.0.faces[0]);
-        (part != surface).then_some(part)
+        let mut repairs = Vec::new();
+        let part = part_with_edges(&surface, &model.0, &edges, &model.0.faces[0], &mut repairs);
+        ((part != surface).then_some(part), repairs)
     };
     // The cone up to the first crossing.
-    let Some(FaceSurface::Revolution { curve, .. }) = part(4) else { panic!("not divided") };
+    let (Some(FaceSurface::Revolution { curve, .. }), []) = (&part(4).0, part(4).1.as_slice()) else {
+        panic!("not divided")
+    };
     let domain = curve.domain();
     assert!(domain[0] == 0.0 && (domain[1] - 0.5).abs() < 1e-12, "{domain:?}");
-    assert!(part(100_000).is_none());
+    assert_eq!(part(100_000), (None, vec![FaceRepair::WholeProfile { most: 16 }]));
 }
 
 /// The integral of a smooth function from 0 to `end`.
