@@ -23,7 +23,7 @@ const MOST_HALVINGS: u32 = 12;
 /// Least number of parts of a curve between whose ends it is sampled.
 const SAMPLES: usize = 16;
 
-/// Most of these parts: more cost more than they tell.
+/// Most samples with those at knots: more cost more than they tell.
 const MOST_SAMPLES: usize = 4096;
 
 /// Most parts of a curve with widths of their own; a meridian with the largest ratio of stretches has fewer than a dozen.
@@ -49,9 +49,7 @@ impl<'a> StretchedCurve<'a> {
     pub(super) fn new(carrier: &'a Carrier, metric: DVec2, curve: &'a BoundaryCurve) -> Self {
         let mut stretched = Self { carrier, metric, curve, samples: Vec::new() };
         let spans = curve.spans();
-        // A curve without a width may stretch as it likes.
-        let knots = if curve.width > 0.0 { stretched.knots().min(MOST_SAMPLES) } else { 0 };
-        let parts = SAMPLES.max(knots).div_ceil(spans.len().max(1));
+        let parts = SAMPLES.div_ceil(spans.len().max(1));
         let Some(mut start) = spans.first().map(|span| (span[0], stretched.at(span[0]))) else {
             return stretched;
         };
@@ -59,27 +57,42 @@ impl<'a> StretchedCurve<'a> {
         for [low, high] in spans {
             for i in 1..=parts {
                 let t = if i == parts { high } else { low + (high - low) * i as f64 / parts as f64 };
-                let end = (t, stretched.at(t));
-                stretched.refine([start, end], MOST_HALVINGS);
-                start = end;
+                for t in stretched.knots_between([start.0, t]).into_iter().chain([t]) {
+                    let end = (t, stretched.at(t));
+                    stretched.refine([start, end], MOST_HALVINGS);
+                    start = end;
+                }
             }
         }
         stretched
     }
 
-    /// The number of knots of a spline in the box around the curve: between two of them, the stretch varies little.
-    fn knots(&self) -> usize {
-        let Carrier::Spline(spline) = self.carrier else { return 0 };
-        let [low, high] = self.curve.bounds().map(|corner| corner / self.metric);
-        let inside = |knots: &KnotVector, axis: usize| {
-            let [start, end] = knots.domain();
+    /// Where the chord between two parameters of the curve crosses knots of a spline: stretches are largest and least there.
+    fn knots_between(&self, [start, end]: [f64; 2]) -> Vec<f64> {
+        let Carrier::Spline(spline) = self.carrier else { return Vec::new() };
+        // A curve without a width may stretch as it likes.
+        if self.curve.width <= 0.0 || self.samples.len() >= MOST_SAMPLES {
+            return Vec::new();
+        }
+        let [from, to] = [start, end].map(|t| self.curve.point_and_derivative(t).0 / self.metric);
+        let knots = [spline.surface().knots_u(), spline.surface().knots_v()];
+        let mut found = Vec::new();
+        for axis in [0, 1] {
+            let (a, b) = (from[axis], to[axis]);
+            let inner = knots[axis].inner();
             // Beyond a seam they repeat.
-            if low[axis] < start || high[axis] > end {
-                return knots.inner().len();
+            let period = spline.periods()[axis].unwrap_or(f64::INFINITY);
+            for shift in [-period, 0.0, period].into_iter().filter(|shift| shift.is_finite()) {
+                let first = inner.partition_point(|knot| knot + shift <= a.min(b));
+                let between = inner.iter().skip(first).map(|knot| knot + shift);
+                let between = between.take_while(|knot| *knot < a.max(b));
+                found.extend(between.map(|knot| start + (end - start) * (knot - a) / (b - a)));
             }
-            knots.inner().iter().filter(|knot| (low[axis]..=high[axis]).contains(knot)).count()
-        };
-        inside(spline.surface().knots_u(), 0) + inside(spline.surface().knots_v(), 1)
+        }
+        found.sort_by(f64::total_cmp);
+        found.dedup();
+        found.retain(|t| start < *t && *t < end);
+        found
     }
 
     /// How much longer a small distance across the curve is in region coordinates than on the surface; less than 1 where parameters are sparse.
@@ -230,6 +243,50 @@ mod tests {
         let [part] = <[WidenedCurve; 1]>::try_from(stretched.widened(0.02, 1e-9, |_| None)).ok().unwrap();
         assert_eq!(part.curve.width, STEP * DISTANCE);
         assert!((part.distance / part.curve.width - 2.0).abs() < 1e-12, "{}", part.distance);
+    }
+
+    /// The middle line of a flat ribbon whose widths at equal steps are given, widened, and the step of its parameters. Those across the ribbon are dense
+    /// where it is narrow.
+    fn along_ribbon(widths: &[f64]) -> (Vec<WidenedCurve>, f64) {
+        let last = widths.len() - 1;
+        let at = |x: f64| {
+            let points = widths.iter().enumerate();
+            points.map(move |(i, width)| DVec4::new(x * width, i as f64 / last as f64, 0.0, 1.0))
+        };
+        let points = [-0.5, 0.5].into_iter().flat_map(at).collect();
+        let along = [0].into_iter().chain(0..=last).chain([last]).map(|i| i as f64).collect();
+        let surface = NurbsSurface::try_new([1, 1], [vec![0.0, 0.0, 1.0, 1.0], along], points).unwrap();
+        let extent = Bounds3::new(DVec3::new(-0.5, 0.0, 0.0), DVec3::new(0.5, 1.0, 0.0));
+        let carrier = Carrier::try_from_surface(&FaceSurface::Spline(surface), extent, 1e-9).unwrap().carrier;
+        let [[_, across], [start, end]] = carrier.domain();
+        let line = BoundaryCurve::line(DVec2::new(0.5 * across, start), DVec2::new(0.5 * across, end));
+        let curve = BoundaryCurve { width: DISTANCE, edge: Some(0), ..line };
+        let parts =
+            StretchedCurve::new(&carrier, DVec2::ONE, &curve).widened(0.02, 1e-9, |at| Some(at.y / end));
+        (parts, end / last as f64)
+    }
+
+    #[test]
+    fn a_narrow_place_between_two_knots_is_found() {
+        let mut widths = [1.0; 129];
+        widths[68] = 1e-2;
+        let (parts, step) = along_ribbon(&widths);
+        let narrow = |part: &&WidenedCurve| {
+            let [low, high] = part.curve.bounds().map(|corner| corner.y / step);
+            low <= 68.0 && high >= 68.0
+        };
+        let width = parts.iter().filter(narrow).map(|part| part.curve.width).fold(0.0, f64::max);
+        assert!(width > 50.0 * DISTANCE, "{width}");
+        let ends = [&parts[0], &parts[parts.len() - 1]].map(|part| part.curve.width);
+        assert!(ends.iter().all(|width| *width <= STEP * VARIATION * DISTANCE), "{ends:?}");
+    }
+
+    #[test]
+    fn a_ribbon_of_many_waves_has_few_parts_that_are_wide_enough() {
+        let widths: Vec<f64> = (0..=400).map(|i| if i % 2 == 0 { 1.0 } else { 1e-2 }).collect();
+        let (parts, _) = along_ribbon(&widths);
+        assert!(parts.len() <= MOST_PARTS, "{}", parts.len());
+        assert!(parts.iter().all(|part| part.curve.width > 50.0 * DISTANCE));
     }
 
     #[test]
