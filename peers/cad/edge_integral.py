@@ -47,7 +47,7 @@ STEPS, LAST_STEP = 30, 1e-13
 # Points per direction from which the nearest is taken where OpenCascade does not project.
 GRID = 33
 
-# Distance within which OpenCascade takes points for one, in its unit.
+# Distance within which OpenCascade takes points for one, mm.
 SAME_POINT = 1e-7
 
 # Panels between two knots of an edge whose distance from a surface is measured.
@@ -55,6 +55,8 @@ PANELS = 4
 
 # Distance from the surface, of the diagonal of the edge, beyond which a projection is searched anew on the whole surface.
 LOST = 1e-3
+
+NO_FOOT = "a point of an edge has no foot on the surface"
 
 
 class Undecided(Exception):
@@ -193,7 +195,7 @@ class Carrier:
         except FAILURES:
             return self.search_grid(position)
         if not projection.NbPoints():
-            raise Undecided("a point of an edge has no foot on the surface")
+            raise Undecided(NO_FOOT)
         feet = [(projection.Distance(i), projection.Parameters(i)) for i in range(1, projection.NbPoints() + 1)]
         least = min(distance for distance, _ in feet)
         best = [foot for distance, foot in feet if distance <= 2 * least + 1e-9]
@@ -207,7 +209,7 @@ class Carrier:
         found = self.newton(position, start)
         # Where the surface is a point, Newton's method finds no step.
         if found is None and self.distance(position, start) > SAME_POINT:
-            raise Undecided("a point of an edge has no foot on the surface")
+            raise Undecided(NO_FOOT)
         return found or start
 
     def knots_between(self, low, high, direction):

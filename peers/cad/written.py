@@ -46,7 +46,7 @@ def restore(file, path):
     """Takes the shape that was written if a face was read with another area."""
     written, builder = TopoDS_Shape(), BRep_Builder()
     if not BRepTools.Read_s(written, str(path), builder):
-        raise OSError(f"{path}: OpenCascade does not read the shape that it wrote")
+        raise ValueError(f"{path}: OpenCascade does not read the shape that it wrote; write it anew with models.py")
     # In the copy, faces that are one face in two places are two faces.
     written = BRepBuilderAPI_Copy(written).Shape()
     before, read = list(explore(written, TopAbs_FACE)), file.faces()

@@ -108,7 +108,7 @@ impl Carrier {
             Self::Spline(spline) => spline.point_and_tangents(uv),
             _ => {
                 let [du, dv] = self.analytic_tangents(uv);
-                [self.point(uv), du, dv]
+                [self.analytic_point(uv), du, dv]
             }
         }
     }

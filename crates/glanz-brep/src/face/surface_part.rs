@@ -20,7 +20,8 @@ const MOST_CROSSINGS: usize = 16;
 
 /// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
 ///
-/// Files often give the other part of such a torus, and whole conics as the profiles of reflectors. `repairs`: takes up what is left as it is.
+/// Files often give the other part of such a torus, and whole conics as the profiles of reflectors. `repairs` receives
+/// [`FaceRepair::WholeProfile`] where a profile stays whole.
 pub(super) fn part_with_edges(
     surface: &FaceSurface,
     model: &BrepModel,
@@ -159,15 +160,16 @@ impl<'a> CrossingProfile<'a> {
             .filter(|(_, radius)| radius.abs() > tolerance)
             .collect();
         let changes = far.windows(2).filter(|pair| (pair[0].1 < 0.0) != (pair[1].1 < 0.0));
-        if changes.clone().nth(MOST_CROSSINGS).is_some() {
-            return Err(FaceRepair::WholeProfile { most: MOST_CROSSINGS });
-        }
         // A curve askew to the axis changes its side beside it.
         let on_axis = tolerance.max(f64::EPSILON.sqrt() * farthest.length());
         let crossings: Vec<f64> = changes
             .map(|pair| profile.crossing([pair[0].0, pair[1].0]))
             .filter(|t| radial(*t).length() <= on_axis)
+            .take(MOST_CROSSINGS + 1)
             .collect();
+        if crossings.len() > MOST_CROSSINGS {
+            return Err(FaceRepair::WholeProfile { most: MOST_CROSSINGS });
+        }
         let (Some(&first), Some(&last)) = (crossings.first(), crossings.last()) else { return Ok(None) };
         let ends: Vec<f64> = [range[0]].into_iter().chain(crossings).chain([range[1]]).collect();
         profile.parts = ends.windows(2).map(|pair| [pair[0], pair[1]]).collect();

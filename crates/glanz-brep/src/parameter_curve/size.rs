@@ -43,13 +43,8 @@ fn speeds(spline: &SplineCarrier, curve: &SplineCurve<DVec2>) -> [f64; 2] {
     let breaks = curve.knots().breaks();
     let samples = breaks.windows(2).flat_map(|ends| [ends[0], 0.5 * (ends[0] + ends[1])]);
     let places = samples.chain(breaks.last().copied()).map(|t| curve.point(t));
-    let tangents: Vec<[DVec3; 2]> = places
-        .map(|uv| {
-            let [_, du, dv] = spline.point_and_tangents(uv);
-            [du, dv]
-        })
-        .collect();
-    [0, 1].map(|axis| SAFETY * largest(tangents.iter().map(|tangent| tangent[axis].length())))
+    let found: Vec<[DVec3; 3]> = places.map(|uv| spline.point_and_tangents(uv)).collect();
+    [1, 2].map(|i| SAFETY * largest(found.iter().map(|derivatives| derivatives[i].length())))
 }
 
 /// The size of a spline: that of its control points.

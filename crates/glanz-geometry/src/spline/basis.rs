@@ -117,12 +117,15 @@ impl<'a> BasisFunctions<'a> {
 mod tests {
     use super::*;
 
-    /// Clamped, clamped with a double knot, and not clamped.
+    /// Clamped, clamped with a double knot, not clamped, and of degree 1.
     fn vectors() -> Vec<KnotVector> {
         let clamped = vec![0.0, 0.0, 0.0, 0.0, 0.4, 0.7, 1.0, 1.0, 1.0, 1.0];
         let double = vec![-1.0, -1.0, -1.0, 0.5, 0.5, 0.6, 3.0, 3.0, 3.0];
         let open = vec![-3.0, -1.0, 0.0, 0.5, 2.0, 2.0, 3.5, 4.0, 7.0, 7.5, 8.0];
-        [(3, clamped), (2, double), (4, open)].map(|(p, t)| KnotVector::try_new(p, t).unwrap()).to_vec()
+        let lines = vec![0.0, 0.0, 0.3, 1.0, 1.5, 1.5];
+        [(3, clamped), (2, double), (4, open), (1, lines)]
+            .map(|(p, t)| KnotVector::try_new(p, t).unwrap())
+            .to_vec()
     }
 
     fn parameters(knots: &KnotVector) -> Vec<f64> {

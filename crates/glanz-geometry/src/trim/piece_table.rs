@@ -87,9 +87,7 @@ pub(super) struct PieceTable {
 impl PieceTable {
     /// The pieces of `loops`. `reach`: the largest magnitudes of the coordinates of tested points.
     pub(super) fn try_new(loops: &[TrimLoop], reach: DVec2) -> Result<Self, SurfaceError> {
-        let count = loops.iter().map(|l| l.pieces.len()).sum();
-        let term_count = loops.iter().flat_map(|l| &l.pieces).map(|piece| piece.control_points.len()).sum();
-        let (mut pieces, mut terms) = (Vec::with_capacity(count), Vec::with_capacity(term_count));
+        let (mut pieces, mut terms) = (Vec::new(), Vec::new());
         let (mut reach, mut highest) = (reach, 1);
         for piece in loops.iter().flat_map(|l| &l.pieces) {
             let degree = piece.control_points.len().saturating_sub(1).min(MAX_DEGREE) as u32;
@@ -104,6 +102,8 @@ impl PieceTable {
             reach = reach.max(start.abs()).max(end.abs());
             highest = highest.max(degree);
         }
+        pieces.shrink_to_fit();
+        terms.shrink_to_fit();
         // A value has 4 n + 4 roundings, each split of the piece 3 n. The margin covers moved ends and the search for turning
         // points (2 n + 4 roundings for each of 48 halvings, relative to the speed times the width of the last interval).
         Ok(Self { pieces, terms, slack: reach * gamma(64 * (highest + 4)) })

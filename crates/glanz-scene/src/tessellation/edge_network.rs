@@ -9,10 +9,11 @@ use super::closed_sides::{closed_axes, pole_sides};
 use super::outline::{Outline, SidePoint, SideRange, Window};
 use super::patch::MeshPatch;
 use super::patch_side::PatchSide;
-use super::progress::Step;
+use super::progress::PatchStep;
 use super::shared_edge::{EdgeKey, EdgePlace, EdgeSampler, EdgeUse, SharedEdge};
 use super::vertices::Vertices;
 use super::{TessellationProgress, TessellationSettings};
+use crate::description::TrimEdgeDescription;
 
 /// The edges of all patches with their samples.
 pub(super) struct EdgeNetwork<'a> {
@@ -122,7 +123,9 @@ impl<'a> EdgeNetwork<'a> {
                     continue;
                 }
                 // A part of an edge without length says nothing about the places on it.
-                let shared = curve.edge.filter(|edge| edge.range[0] != edge.range[1]);
+                let shared = curve.edge.filter(|TrimEdgeDescription { range: [from, to], .. }| {
+                    from.is_finite() && to.is_finite() && from != to
+                });
                 let (key, range) = match shared {
                     Some(edge) => (EdgeKey::Numbered(edge.edge), edge.range),
                     None => (EdgeKey::Own(self.edges.len()), [0.0, 1.0]),
@@ -310,20 +313,20 @@ impl EdgeNetwork<'_> {
                     return Default::default();
                 };
                 if !self.is_sampled {
-                    self.progress.advance(Step::Edges, self.patches.len(), self.edges.len());
+                    self.progress.advance(PatchStep::Edges, self.patches.len(), self.edges.len());
                 }
                 let sampler = EdgeSampler::new(self.patches, edge, settings);
-                let (fractions, coarse) = if self.is_pole(edge) {
+                let (fractions, deviation) = if self.is_pole(edge) {
                     (pole_fractions(edge), 0.0)
                 } else {
                     sampler.fractions(depth.min(MAX_DEPTH))
                 };
                 let samples = fractions.into_iter().map(|fraction| (fraction, sampler.point(fraction)));
                 // Where no patch has the edge, there is nothing to sample.
-                (samples.filter(|(_, point)| point.is_finite()).collect(), coarse)
+                (samples.filter(|(_, point)| point.is_finite()).collect(), deviation)
             })
             .collect();
-        for (&number, (sampled, coarse)) in numbers.iter().zip(sampled) {
+        for (&number, (sampled, deviation)) in numbers.iter().zip(sampled) {
             let Some(edge) = self.edges.get(number).cloned() else { continue };
             let mut samples: Vec<(f64, u32)> = Vec::with_capacity(sampled.len());
             for (fraction, position) in sampled {
@@ -342,15 +345,14 @@ impl EdgeNetwork<'_> {
                 samples.push((fraction, vertex));
             }
             if let Some(edge) = self.edges.get_mut(number) {
-                (edge.samples, edge.coarse) = (samples, coarse);
+                (edge.samples, edge.deviation) = (samples, deviation);
             }
         }
     }
 
-    /// Patches with an edge whose chords are too far from it, with the distance in metres.
-    pub(super) fn coarse_patches(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let coarse = self.edges.iter().filter(|edge| edge.coarse > 0.0);
-        coarse.flat_map(|edge| edge.uses.iter().map(|a_use| (a_use.patch, edge.coarse)))
+    /// Patches with the largest distance of the chords of each of their edges from it, metres.
+    pub(super) fn patch_deviations(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.edges.iter().flat_map(|edge| edge.uses.iter().map(|a_use| (a_use.patch, edge.deviation)))
     }
 
     fn is_pole(&self, edge: &SharedEdge) -> bool {

@@ -174,7 +174,7 @@ mod tests {
     use super::*;
     use crate::description::{GeometryDescription, ShapeDescription};
 
-    /// Triangles over points of a patch, whose vertices have their numbers, and the deviation of those that were flipped.
+    /// Triangles over points of a patch after flips, the points, and the deviation of flipped triangles.
     fn flipped<const N: usize>(
         shape: &ShapeDescription,
         points: &[[f64; 2]],

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::edge_network::EdgeNetwork;
 use super::patch::MeshPatch;
 use super::polygons::{add_polygons, polygons};
-use super::progress::Step;
+use super::progress::PatchStep;
 use super::triangulation::{PatchTriangulation, TriangulatedPatch};
 use super::{
     GroupMesh, MeshVertex, ShapeMesh, TessellationFaultKind, TessellationProgress, TessellationSettings,
@@ -48,7 +48,7 @@ fn triangulations<'a>(
                 let (patch, outline) = (patches.get(number)?, network.outlines.get(number)?);
                 let made = PatchTriangulation::new(patch, outline, &network.vertices.positions, settings);
                 if round == 0 {
-                    progress.advance(Step::Outline, 1, 1);
+                    progress.advance(PatchStep::Outline, 1, 1);
                 }
                 Some((number, made))
             })
@@ -79,7 +79,40 @@ fn triangulations<'a>(
     (network, made)
 }
 
-/// Triangles of all shapes, in the frame of the group; lengths of the settings are in this frame, too.
+/// The patches of shapes. Polygons are added to the outcome, as are faults of shapes without patches.
+fn patches(
+    shapes: &[ShapeDescription],
+    outcome: &mut GroupOutcome,
+    progress: &TessellationProgress,
+) -> Vec<MeshPatch> {
+    let made: Vec<_> = shapes
+        .par_iter()
+        .enumerate()
+        .map(|(number, shape)| match polygons(shape) {
+            _ if progress.is_cancelled() => (Ok(None), Ok(Vec::new())),
+            Some(polygons) => (polygons.map(Some), Ok(Vec::new())),
+            None => (Ok(None), MeshPatch::of_shape(number, shape)),
+        })
+        .collect();
+    let mut patches = Vec::new();
+    for (number, (shape, (polygons, made))) in shapes.iter().zip(made).enumerate() {
+        if progress.is_cancelled() {
+            break;
+        }
+        if !matches!(&made, Ok(made) if !made.is_empty()) {
+            progress.skip(shape);
+        }
+        match (polygons, made) {
+            (Ok(Some(polygons)), _) => add_polygons(&mut outcome.mesh, number, polygons),
+            (Ok(None), Ok(made)) => patches.extend(made),
+            (Err(fault), _) | (_, Err(fault)) => outcome.faults.push((number, fault)),
+        }
+    }
+    patches
+}
+
+/// Triangles of all shapes, in the frame of the group; lengths of the settings are in this frame, too. Those of some are missing if `progress` is
+/// cancelled.
 pub(super) fn mesh(
     shapes: &[ShapeDescription],
     settings: TessellationSettings,
@@ -87,32 +120,15 @@ pub(super) fn mesh(
 ) -> GroupOutcome {
     let mut outcome = GroupOutcome::default();
     outcome.mesh.shapes = vec![ShapeMesh::default(); shapes.len()];
-    let mut patches: Vec<MeshPatch> = Vec::new();
-    let made: Vec<_> = shapes
-        .par_iter()
-        .enumerate()
-        .map(|(number, shape)| {
-            if progress.is_cancelled() {
-                return (Ok(None), Ok(Vec::new()));
-            }
-            match polygons(shape) {
-                Some(polygons) => (polygons.map(Some), Ok(Vec::new())),
-                None => (Ok(None), MeshPatch::of_shape(number, shape)),
-            }
-        })
-        .collect();
-    for (number, (shape, (polygons, found))) in shapes.iter().zip(made).enumerate() {
-        progress.found(shape, found.as_ref().map_or(0, Vec::len));
-        match (polygons, found) {
-            (Ok(Some(polygons)), _) => add_polygons(&mut outcome.mesh, number, polygons),
-            (Ok(None), Ok(found)) => patches.extend(found),
-            (Err(fault), _) | (_, Err(fault)) => outcome.faults.push((number, fault)),
-        }
-    }
-    if patches.is_empty() || progress.is_cancelled() {
+    let patches = patches(shapes, &mut outcome, progress);
+    if patches.is_empty() {
         return outcome;
     }
     let (network, triangulations) = triangulations(&patches, settings, progress);
+    if progress.is_cancelled() {
+        // Patches have no triangulations.
+        return outcome;
+    }
     let filled: Vec<TriangulatedPatch> = triangulations
         .into_par_iter()
         .zip(&patches)
@@ -121,15 +137,14 @@ pub(super) fn mesh(
                 return TriangulatedPatch::default();
             }
             let filled = triangulation.fill(patch, settings, progress.cancel());
-            progress.advance(Step::Filling, 1, 1);
+            progress.advance(PatchStep::Filling, 1, 1);
             filled
         })
         .collect();
-    for (number, deviation) in network.coarse_patches() {
+    for (number, deviation) in network.patch_deviations() {
         outcome.deviation = outcome.deviation.max(deviation);
-        let shape =
-            patches.get(number).map(|patch| (patch.shape, TessellationFaultKind::Coarse { deviation }));
-        outcome.faults.extend(shape);
+        let patch = patches.get(number).filter(|_| deviation > settings.deviation);
+        outcome.faults.extend(patch.map(|patch| (patch.shape, TessellationFaultKind::Coarse { deviation })));
     }
     let base = outcome.mesh.positions.len() as u32;
     outcome.mesh.positions.extend(&network.vertices.positions);

@@ -53,7 +53,7 @@ pub struct TessellationSettings {
     pub angle: f64,
 }
 
-/// Why there are no triangles.
+/// Error of a tessellation.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TessellationError {
@@ -76,7 +76,7 @@ pub struct SceneTessellation {
     /// Those of the world's own shapes.
     pub world: GroupMesh,
     /// Largest distance that was measured between a triangle and its surface, or a chord and its edge, metres in the world: at the middles of triangles
-    /// and of their sides, and at samples of edges.
+    /// and of their sides, and at points along edges.
     pub deviation: f64,
     /// Shapes that are left out, or not as the settings demand.
     pub faults: Vec<TessellationFault>,

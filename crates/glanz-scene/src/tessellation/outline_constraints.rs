@@ -40,6 +40,9 @@ pub(super) struct OutlineConstraints {
 /// Largest number of vertices around which a segment takes a detour.
 const MAX_DETOURS: usize = 64;
 
+/// Largest number of flaps of an outline; loops that lie on each other have many.
+const MAX_FLAPS: usize = 1 << 16;
+
 impl OutlineConstraints {
     /// Adds all segments of an outline. `handles`: for each of its points.
     pub(super) fn new(
@@ -75,7 +78,7 @@ impl OutlineConstraints {
             }
             segments.push(number);
             self.conflicts.push(OutlineConflict { segments, height: height(sites, via, [from, to]) });
-            self.flaps.push([from, to, via]);
+            self.add_flaps([from, to, via], 1);
             waiting.extend([[via, to], [from, via]]);
         }
     }
@@ -109,6 +112,15 @@ impl OutlineConstraints {
         nearest.map(|(_, vertex)| (vertex, crossed))
     }
 
+    /// Adds a flap this many times.
+    pub(super) fn add_flaps(&mut self, corners: [FixedVertexHandle; 3], count: usize) {
+        if count > MAX_FLAPS - self.flaps.len() {
+            self.is_incomplete = true;
+        } else {
+            self.flaps.extend(std::iter::repeat_n(corners, count));
+        }
+    }
+
     /// Notes that the segments along these edges are in the wrong order.
     pub(super) fn add_conflict(&mut self, edges: [[usize; 2]; 3], height: f64) {
         let known = edges.iter().filter_map(|&ends| self.segments.get(&ascending(ends)));
@@ -139,4 +151,19 @@ fn ascending([a, b]: [usize; 2]) -> [usize; 2] {
 fn height(sites: &SiteTriangulation, vertex: FixedVertexHandle, ends: [FixedVertexHandle; 2]) -> f64 {
     let point = |handle: FixedVertexHandle| -> DVec3 { sites.vertex(handle).data().point };
     distance_to_segment(point(vertex), point(ends[0]), point(ends[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flaps_of_loops_on_each_other_are_limited() {
+        let mut outline = OutlineConstraints::default();
+        let corners = [0, 1, 2].map(FixedVertexHandle::from_index);
+        outline.add_flaps(corners, MAX_FLAPS);
+        assert!(outline.flaps.len() == MAX_FLAPS && !outline.is_incomplete);
+        outline.add_flaps(corners, usize::MAX);
+        assert!(outline.flaps.len() == MAX_FLAPS && outline.is_incomplete);
+    }
 }

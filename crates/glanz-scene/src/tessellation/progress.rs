@@ -16,7 +16,7 @@ pub struct TessellationProgress {
 
 /// A step of the work on a patch.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Step {
+pub(super) enum PatchStep {
     /// Its edges are sampled.
     Edges,
     /// Its outline is triangulated.
@@ -25,16 +25,16 @@ pub(super) enum Step {
     Filling,
 }
 
-impl Step {
-    /// Parts of a patch that are counted.
-    const PARTS: u64 = 1 << 16;
+impl PatchStep {
+    /// Units of a patch.
+    const UNITS: u64 = 1 << 32;
 
-    /// Those of the step, about as it takes time.
-    fn parts(self) -> u64 {
+    /// Units of the step, about its share of the time on CAD models.
+    fn units(self) -> u64 {
         match self {
-            Self::Edges => Self::PARTS / 4,
-            Self::Outline => Self::PARTS / 8,
-            Self::Filling => Self::PARTS - Self::PARTS / 4 - Self::PARTS / 8,
+            Self::Edges => Self::UNITS / 4,
+            Self::Outline => Self::UNITS / 8,
+            Self::Filling => Self::UNITS - Self::UNITS / 4 - Self::UNITS / 8,
         }
     }
 }
@@ -49,8 +49,13 @@ impl TessellationProgress {
     /// Share that is done, [0, 1]. Patches count alike; how long one takes depends on its shape.
     #[must_use]
     pub fn fraction(&self) -> f64 {
-        let [done, total] = [&self.done, &self.total].map(|count| count.load(Ordering::Relaxed));
-        if total == 0 { 0.0 } else { done as f64 / total as f64 }
+        let [done, total] = self.counts();
+        if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) }
+    }
+
+    /// Units that are done, and all.
+    pub(super) fn counts(&self) -> [u64; 2] {
+        [&self.done, &self.total].map(|count| count.load(Ordering::Relaxed))
     }
 
     /// The request to end.
@@ -65,29 +70,23 @@ impl TessellationProgress {
     pub(super) fn start(&self, description: &Description) {
         let groups = description.groups.iter().chain([&description.world]);
         let patches: u64 = groups.flat_map(|group| &group.shapes).map(patch_count).sum();
-        self.total.store(patches.saturating_mul(Step::PARTS), Ordering::Relaxed);
+        self.total.store(patches.saturating_mul(PatchStep::UNITS), Ordering::Relaxed);
         self.done.store(0, Ordering::Relaxed);
     }
 
     /// Notes that a step of this many patches is done in part: one of `parts` equal parts.
-    pub(super) fn advance(&self, step: Step, patches: usize, parts: usize) {
-        let done = patches as u64 * step.parts() / (parts as u64).max(1);
+    pub(super) fn advance(&self, step: PatchStep, patches: usize, parts: usize) {
+        let done = patches as u64 * step.units() / (parts as u64).max(1);
         self.done.fetch_add(done, Ordering::Relaxed);
     }
 
-    /// Notes how many patches a shape has; one without any is done.
-    pub(super) fn found(&self, shape: &ShapeDescription, patches: usize) {
-        let expected = patch_count(shape) * Step::PARTS;
-        if patches == 0 {
-            self.done.fetch_add(expected, Ordering::Relaxed);
-        } else {
-            let more = (patches as u64 * Step::PARTS).wrapping_sub(expected);
-            self.total.fetch_add(more, Ordering::Relaxed);
-        }
+    /// Notes that a shape without patches is done.
+    pub(super) fn skip(&self, shape: &ShapeDescription) {
+        self.done.fetch_add(patch_count(shape) * PatchStep::UNITS, Ordering::Relaxed);
     }
 }
 
-/// Number of patches of a shape; those with several faces, of which there are few, count as one at first.
+/// Number of patches of a shape.
 fn patch_count(shape: &ShapeDescription) -> u64 {
     match &shape.geometry {
         GeometryDescription::BezierPatches(patches) => patches.patches.len() as u64,

@@ -104,7 +104,7 @@ pub(super) struct SharedEdge {
     pub(super) uses: Vec<EdgeUse>,
     /// Fractions at which it must be sampled, ascending, with the vertex that is there, if there is one.
     pub(super) pins: Vec<(f64, Option<u32>)>,
-    /// Places of some uses that belong to a pin, by the fraction: the index of the use, the fraction, the place.
+    /// Places of some uses that belong to a pin, ascending by fraction: the index of the use, the fraction, the place.
     pub(super) pinned: Vec<(usize, f64, f64)>,
     /// Further fractions at which it is sampled.
     pub(super) divisions: Vec<f64>,
@@ -112,8 +112,8 @@ pub(super) struct SharedEdge {
     pub(super) covered: Vec<[f64; 2]>,
     /// Fractions with the vertices there, ascending.
     pub(super) samples: Vec<(f64, u32)>,
-    /// Largest distance of a chord that is more than the settings allow, metres; else 0.
-    pub(super) coarse: f64,
+    /// Largest distance of a chord from the edge, metres.
+    pub(super) deviation: f64,
 }
 
 /// Evaluation of an edge.
@@ -214,8 +214,7 @@ impl<'a> EdgeSampler<'a> {
         if distance(found) < distance(guess) { found } else { guess }
     }
 
-    /// Fractions of samples, ascending, from 0 to 1, and the largest distance of a chord from the edge that is more than the settings
-    /// allow, else 0. A chord is never shorter than one half to the power of `depth` between two pins.
+    /// Fractions of samples, ascending, from 0 to 1, and the largest distance of a chord from the edge, metres. A chord is never shorter than one half to the power of `depth` between two pins.
     pub(super) fn fractions(&self, depth: u32) -> (Vec<f64>, f64) {
         let mut ends: Vec<f64> = self.edge.pins.iter().map(|pin| pin.0).chain([0.0, 1.0]).collect();
         // Parts of one use may end where others go on.
@@ -224,29 +223,26 @@ impl<'a> EdgeSampler<'a> {
         ends.sort_by(f64::total_cmp);
         ends.dedup();
         let mut fractions = vec![0.0];
-        let mut coarse = 0.0_f64;
+        let mut deviation = 0.0_f64;
         for pair in ends.windows(2) {
             let (low, high) = (pair[0], pair[1]);
             let middle = 0.5 * (low + high);
             if !self.edge.covered.iter().any(|&[a, b]| a <= middle && middle <= b) {
-                coarse = coarse.max(self.divide(low, high, depth, &mut fractions));
+                deviation = deviation.max(self.divide(low, high, depth, &mut fractions));
             }
             fractions.push(high);
         }
         fractions.extend(&self.edge.divisions);
         fractions.sort_by(f64::total_cmp);
         fractions.dedup();
-        (fractions, coarse)
+        (fractions, deviation)
     }
 
-    /// Adds the samples between two fractions, and returns the largest distance that is too much.
+    /// Adds the samples between two fractions, and returns the largest distance of a chord from the edge, metres.
     fn divide(&self, low: f64, high: f64, depth: u32, fractions: &mut Vec<f64>) -> f64 {
         let (is_chord, strays) = self.chord(low, high);
-        if is_chord {
-            return 0.0;
-        }
-        if depth == 0 {
-            return if strays > self.settings.deviation { strays } else { 0.0 };
+        if is_chord || depth == 0 {
+            return strays;
         }
         let middle = 0.5 * (low + high);
         let before = self.divide(low, middle, depth - 1, fractions);
@@ -274,9 +270,8 @@ impl<'a> EdgeSampler<'a> {
         if length.is_nan() || length <= f64::EPSILON * from.length() * 64.0 {
             return (true, strays);
         }
-        let strays = strays.max(self.image_bend(low, high));
         let angle = if length <= deviation { angle.max(FRAC_PI_2) } else { angle };
-        (strays <= deviation && turn <= angle, strays)
+        (strays.max(self.image_bend(low, high)) <= deviation && turn <= angle, strays)
     }
 
     /// How much the line that is straight in the parameters of a patch bends between two fractions, metres: triangles next to the chord end there.

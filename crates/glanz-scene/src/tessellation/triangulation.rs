@@ -178,11 +178,7 @@ impl PatchTriangulation {
                 let [a, b, c] = corners;
                 let corners = if winding < 0 { [a, c, b] } else { corners };
                 let missing = if winding < 0 { winding.unsigned_abs() } else { winding as u32 - 1 } as usize;
-                if self.outline.flaps.len().saturating_add(missing) > MAX_POINTS {
-                    self.outline.is_incomplete = true;
-                    break;
-                }
-                self.outline.flaps.extend(std::iter::repeat_n(corners, missing));
+                self.outline.add_flaps(corners, missing);
             }
         }
     }
@@ -196,7 +192,7 @@ impl PatchTriangulation {
     ) -> TriangulatedPatch {
         /// Each round halves the triangles that are not close enough.
         const ROUNDS: usize = 40;
-        self.add_grid(patch);
+        self.add_grid(patch, cancel);
         let mut close: HashSet<[usize; 3]> = HashSet::new();
         let mut done = TriangulatedPatch::default();
         let height = self.outline.conflicts.iter().map(|conflict| conflict.height).fold(0.0, f64::max);
@@ -207,6 +203,9 @@ impl PatchTriangulation {
         let mut deviation: HashMap<[usize; 3], f64> = HashMap::new();
         let mut far = 0.0_f64;
         for _ in 0..ROUNDS {
+            if cancel.is_cancelled() {
+                return done;
+            }
             let inside = self.inside(patch);
             let mut wanted: Vec<DVec2> = Vec::new();
             let mut known: HashSet<[u64; 2]> = HashSet::new();
@@ -230,7 +229,7 @@ impl PatchTriangulation {
                     }
                 }
             }
-            if wanted.is_empty() || cancel.is_cancelled() {
+            if wanted.is_empty() {
                 break;
             }
             if self.sites.num_vertices() + wanted.len() > MAX_POINTS {
@@ -267,7 +266,7 @@ impl PatchTriangulation {
     }
 
     /// Adds the inner points of the grid that are not next to the outline.
-    fn add_grid(&mut self, patch: &MeshPatch) {
+    fn add_grid(&mut self, patch: &MeshPatch, cancel: &CancelFlag) {
         /// Parts of the steps of the grid: distance from the outline, and of points of a row.
         const NEAR: f64 = 0.3;
         let [us, vs] = &self.grid;
@@ -285,6 +284,9 @@ impl PatchTriangulation {
         let steps: Vec<f64> = (1..us.len()).map(step).collect();
         let mut wanted = Vec::new();
         for (row, &v) in rows.iter().zip(vs).skip(1).take(vs.len() - 2) {
+            if cancel.is_cancelled() {
+                return;
+            }
             let mut last = row[0];
             for ((&u, &point), &step) in us.iter().zip(row).skip(1).take(us.len() - 2).zip(&steps) {
                 if point.distance(last) < NEAR * step {

@@ -153,28 +153,33 @@ fn of_parts_that_nothing_tells_apart_the_last_is_taken_wherever_the_profile_star
 
 #[test]
 fn a_profile_that_crosses_its_axis_more_often_than_any_reflector_stays_whole() {
-    let teeth = |count: u32| {
-        let point = |i: u32| DVec3::new(1.0 - f64::from(i % 2 * 2), 0.0, f64::from(i));
-        Curve::Polyline((0..=count).map(point).collect())
-    };
-    let part = |count: u32| {
+    // Teeth from one side to the other, at a distance y from the axis.
+    let part = |count: u32, y: f64| {
+        let point = |i: u32| DVec3::new(1.0 - f64::from(i % 2 * 2), y, f64::from(i));
+        let curve = Box::new(Curve::Polyline((0..=count).map(point).collect()));
+        let surface = FaceSurface::Revolution { curve, origin: DVec3::ZERO, axis: DVec3::Z };
         let mut model = ModelBuilder::default();
         let rim = model.circle(1.0, 0.0);
-        let surface =
-            FaceSurface::Revolution { curve: Box::new(teeth(count)), origin: DVec3::ZERO, axis: DVec3::Z };
         model.face(surface.clone(), false, &[(rim, true)]);
         let edges = [BoundedEdge::new(&model.0, &model.0.edges[rim])];
         let mut repairs = Vec::new();
         let part = part_with_edges(&surface, &model.0, &edges, &model.0.faces[0], &mut repairs);
         ((part != surface).then_some(part), repairs)
     };
-    // The cone up to the first crossing.
-    let (Some(FaceSurface::Revolution { curve, .. }), []) = (&part(4).0, part(4).1.as_slice()) else {
-        panic!("not divided")
-    };
-    let domain = curve.domain();
-    assert!(domain[0] == 0.0 && (domain[1] - 0.5).abs() < 1e-12, "{domain:?}");
-    assert_eq!(part(100_000), (None, vec![FaceRepair::WholeProfile { most: 16 }]));
+    for count in [4, 16] {
+        // The cone up to the first crossing.
+        let (Some(FaceSurface::Revolution { curve, .. }), repairs) = part(count, 0.0) else {
+            panic!("not divided")
+        };
+        let domain = curve.domain();
+        assert!(domain[0] == 0.0 && (domain[1] - 0.5).abs() < 1e-12, "{domain:?}");
+        assert_eq!(repairs, []);
+    }
+    for count in [17, 100_000] {
+        assert_eq!(part(count, 0.0), (None, vec![FaceRepair::WholeProfile { most: 16 }]));
+        // Beside the axis there is nothing to divide.
+        assert_eq!(part(count, 0.1), (None, Vec::new()));
+    }
 }
 
 /// The integral of a smooth function from 0 to `end`.
