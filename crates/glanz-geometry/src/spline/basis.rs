@@ -60,18 +60,7 @@ impl<'a> BasisFunctions<'a> {
     }
 
     fn write_rows(&self, rows: &mut [BasisRow]) {
-        // Of a constant degree, the loops are unrolled.
-        match self.knots.degree() {
-            1 => self.write_rows_of_degree(1, rows),
-            2 => self.write_rows_of_degree(2, rows),
-            3 => self.write_rows_of_degree(3, rows),
-            degree => self.write_rows_of_degree(degree, rows),
-        }
-    }
-
-    #[inline(always)]
-    fn write_rows_of_degree(&self, degree: usize, rows: &mut [BasisRow]) {
-        let u = self.u;
+        let (degree, u) = (self.knots.degree(), self.u);
         let mut lower: BasisRow = [0.0; MAX_DEGREE + 1];
         lower[0] = 1.0;
         for q in 0..=degree {
@@ -90,14 +79,13 @@ impl<'a> BasisFunctions<'a> {
             }
         }
         for (order, row) in rows.iter_mut().enumerate().take(degree + 1) {
-            self.differentiate(degree, row, order);
+            self.differentiate(row, order);
         }
     }
 
     /// Derivatives of this order from the functions of degree `degree - order`.
-    #[inline(always)]
-    fn differentiate(&self, degree: usize, row: &mut BasisRow, order: usize) {
-        let t = self.knots.knots();
+    fn differentiate(&self, row: &mut BasisRow, order: usize) {
+        let (degree, t) = (self.knots.degree(), self.knots.knots());
         for q in degree - order + 1..=degree {
             // Entry j of degree q - 1 belongs to function span - q + 1 + j: one further right than entry j of degree
             // q. Each quotient is used twice: at its own place and, negative, one to the left.
