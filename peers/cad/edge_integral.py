@@ -47,16 +47,11 @@ STEPS, LAST_STEP = 30, 1e-13
 # Points per direction from which the nearest is taken where OpenCascade does not project.
 GRID = 33
 
-# Distance within which OpenCascade takes points for one, mm.
-SAME_POINT = 1e-7
-
 # Panels between two knots of an edge whose distance from a surface is measured.
 PANELS = 4
 
 # Distance from the surface, of the diagonal of the edge, beyond which a projection is searched anew on the whole surface.
 LOST = 1e-3
-
-NO_FOOT = "a point of an edge has no foot on the surface"
 
 
 class Undecided(Exception):
@@ -195,7 +190,7 @@ class Carrier:
         except FAILURES:
             return self.search_grid(position)
         if not projection.NbPoints():
-            raise Undecided(NO_FOOT)
+            raise Undecided("a point of an edge has no foot on the surface")
         feet = [(projection.Distance(i), projection.Parameters(i)) for i in range(1, projection.NbPoints() + 1)]
         least = min(distance for distance, _ in feet)
         best = [foot for distance, foot in feet if distance <= 2 * least + 1e-9]
@@ -203,14 +198,23 @@ class Carrier:
         return self.newton(position, best) or best
 
     def search_grid(self, position):
-        """The foot by Newton's method from the nearest point of a grid within the bounds of the face."""
+        """The foot from the nearest point of a grid within the bounds of the face, by Newton's method; beside a pole, where that finds none, by
+        steps to the nearest of the points around, ever shorter ones."""
         u, v = (numpy.linspace(*ends, GRID).tolist() for ends in (self.bounds[:2], self.bounds[2:]))
-        start = min(((one, other) for one in u for other in v), key=lambda parameters: self.distance(position, parameters))
-        found = self.newton(position, start)
-        # Where the surface is a point, Newton's method finds no step.
-        if found is None and self.distance(position, start) > SAME_POINT:
-            raise Undecided(NO_FOOT)
-        return found or start
+        best = min(((one, other) for one in u for other in v), key=lambda parameters: self.distance(position, parameters))
+        found = self.newton(position, best)
+        if found is not None:
+            return found
+        steps = [(ends[-1] - ends[0]) / (GRID - 1) for ends in (u, v)]
+        least = LAST_STEP * max(steps)
+        while max(steps) > least:
+            around = [(best[0] + i * steps[0], best[1] + j * steps[1]) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+            nearest = min(map(tuple, self.clipped(numpy.array(around)).tolist()), key=lambda parameters: self.distance(position, parameters))
+            if self.distance(position, nearest) < self.distance(position, best):
+                best = nearest
+            else:
+                steps = [step / 2 for step in steps]
+        return best
 
     def knots_between(self, low, high, direction):
         (first, _), period = self.domain[direction], self.periods[direction]
