@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_math::bspline::Knots;
-use glanz_math::glam::{DAffine2, Vec3Swizzles};
+use glanz_math::glam::{DAffine2, DVec4, Vec3Swizzles};
 use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::conversion::{CarrierConversion, FaceExtent, cone, other_nappe, scaling, torus};
@@ -170,7 +170,16 @@ fn fitted(
         let points: Option<Vec<DVec3>> =
             grid(&nodes[0], &nodes[1]).map(|uv| offset_point(spline, uv, distance)).collect();
         let points = points.ok_or_else(|| refused(f64::INFINITY))?;
-        let surface = NurbsSurface::interpolate_at([knots_u, knots_v], [&nodes[0], &nodes[1]], &points)?;
+        let (knots, nodes_of) = ([knots_u, knots_v], [nodes[0].as_slice(), &nodes[1]]);
+        let surface = if spline.surface().is_polynomial() {
+            NurbsSurface::interpolate_at(knots, nodes_of, &points)?
+        } else {
+            // With the weights of the basis, the offset of a turned profile is a polynomial around the axis.
+            let weights =
+                grid(&nodes[0], &nodes[1]).map(|uv| spline.surface().homogeneous_point(uv.x, uv.y).w);
+            let points: Vec<DVec4> = points.iter().zip(weights).map(|(p, w)| (*p * w).extend(w)).collect();
+            NurbsSurface::interpolate_homogeneous_at(knots, nodes_of, &points)?
+        };
         let strayed = |us: &[f64], vs: &[f64]| largest_distance(&surface, spline, distance, us, vs);
         let deviation = 2.0 * strayed(&between[0], &between[1]);
         best = best.min(deviation);

@@ -2,6 +2,7 @@
 
 use glanz_math::DVec3;
 use glanz_math::bspline::Knots;
+use glanz_math::glam::DVec4;
 
 use super::basis::BasisFunctions;
 use super::curve::NurbsCurve;
@@ -169,7 +170,7 @@ impl NurbsCurve {
         parameters: &[f64],
         points: &[DVec3],
     ) -> Result<Self, SurfaceError> {
-        check_points(points, knots.count())?;
+        check_points(points.len(), knots.count(), points.iter().flat_map(DVec3::to_array))?;
         let found = CollocationMatrix::try_new(&knots, parameters)?.solve(points);
         Self::from_knots(knots, found.into_iter().map(|p| p.extend(1.0)).collect())
     }
@@ -182,7 +183,7 @@ impl NurbsCurve {
     /// [`SurfaceError::Degenerate`] if all points coincide, and those of [`NurbsCurve::interpolate_at`], such as
     /// [`SurfaceError::EmptyRange`] if neighbours coincide.
     pub fn interpolate(degree: usize, points: &[DVec3]) -> Result<Self, SurfaceError> {
-        check_points(points, points.len())?;
+        check_points(points.len(), points.len(), points.iter().flat_map(DVec3::to_array))?;
         let parameters = mean_parameters(std::iter::once(chord_parameters(points.iter().copied())))?;
         Self::interpolate_at(averaged_knots(degree, &parameters)?, &parameters, points)
     }
@@ -202,16 +203,25 @@ impl NurbsSurface {
         [parameters_u, parameters_v]: [&[f64]; 2],
         points: &[DVec3],
     ) -> Result<Self, SurfaceError> {
-        let (count_u, count_v) = (knots_u.count(), knots_v.count());
-        check_points(points, count_u.saturating_mul(count_v))?;
-        let in_u = CollocationMatrix::try_new(&knots_u, parameters_u)?;
-        let in_v = CollocationMatrix::try_new(&knots_v, parameters_v)?;
-        let rows: Vec<Vec<DVec3>> = points.chunks_exact(count_v).map(|row| in_v.solve(row)).collect();
-        let columns: Vec<Vec<DVec3>> =
-            (0..count_v).map(|j| in_u.solve(&rows.iter().map(|row| row[j]).collect::<Vec<_>>())).collect();
-        let columns = &columns;
-        let net = (0..count_u).flat_map(|i| (0..count_v).map(move |j| columns[j][i].extend(1.0)));
-        let net = net.collect();
+        let count = knots_u.count().saturating_mul(knots_v.count());
+        check_points(points.len(), count, points.iter().flat_map(DVec3::to_array))?;
+        let net = interpolating_net([&knots_u, &knots_v], [parameters_u, parameters_v], points)?;
+        Self::from_knots(knots_u, knots_v, net.into_iter().map(|point| point.extend(1.0)).collect())
+    }
+
+    /// As [`NurbsSurface::interpolate_at`] with weights: `points` are homogeneous, `(w x, w y, w z, w)` with coordinates in metres. Between the parameters
+    /// numerator and weight are splines.
+    ///
+    /// # Errors
+    /// Those of [`NurbsSurface::interpolate_at`], and [`SurfaceError::NotPositive`] for a weight of a control point.
+    pub fn interpolate_homogeneous_at(
+        [knots_u, knots_v]: [KnotVector; 2],
+        parameters: [&[f64]; 2],
+        points: &[DVec4],
+    ) -> Result<Self, SurfaceError> {
+        let count = knots_u.count().saturating_mul(knots_v.count());
+        check_points(points.len(), count, points.iter().flat_map(DVec4::to_array))?;
+        let net = interpolating_net([&knots_u, &knots_v], parameters, points)?;
         Self::from_knots(knots_u, knots_v, net)
     }
 
@@ -229,7 +239,7 @@ impl NurbsSurface {
         points: &[DVec3],
     ) -> Result<Self, SurfaceError> {
         let [count_u, count_v] = counts;
-        check_points(points, count_u.saturating_mul(count_v))?;
+        check_points(points.len(), count_u.saturating_mul(count_v), points.iter().flat_map(DVec3::to_array))?;
         let row = |i: usize| chord_parameters((0..count_v).map(move |j| points[i * count_v + j]));
         let column = |j: usize| chord_parameters((0..count_u).map(move |i| points[i * count_v + j]));
         let u = mean_parameters((0..count_v).map(column))?;
@@ -239,13 +249,29 @@ impl NurbsSurface {
     }
 }
 
-fn check_points(points: &[DVec3], expected: usize) -> Result<(), SurfaceError> {
-    let count = points.len();
+/// The control points of the spline that takes the value `i * count_v + j` at parameter i in u and j in v.
+fn interpolating_net<P: ControlPoint>(
+    [knots_u, knots_v]: [&KnotVector; 2],
+    [parameters_u, parameters_v]: [&[f64]; 2],
+    points: &[P],
+) -> Result<Vec<P>, SurfaceError> {
+    let (count_u, count_v) = (knots_u.count(), knots_v.count());
+    let in_u = CollocationMatrix::try_new(knots_u, parameters_u)?;
+    let in_v = CollocationMatrix::try_new(knots_v, parameters_v)?;
+    let rows: Vec<Vec<P>> = points.chunks_exact(count_v).map(|row| in_v.solve(row)).collect();
+    let columns: Vec<Vec<P>> =
+        (0..count_v).map(|j| in_u.solve(&rows.iter().map(|row| row[j]).collect::<Vec<_>>())).collect();
+    let columns = &columns;
+    Ok((0..count_u).flat_map(|i| (0..count_v).map(move |j| columns[j][i])).collect())
+}
+
+fn check_points(
+    count: usize,
+    expected: usize,
+    mut coordinates: impl Iterator<Item = f64>,
+) -> Result<(), SurfaceError> {
     if count != expected {
         return Err(SurfaceError::CountMismatch { parameter: "points to interpolate", count, expected });
     }
-    for value in points.iter().flat_map(DVec3::to_array) {
-        finite("point to interpolate", value)?;
-    }
-    Ok(())
+    coordinates.try_for_each(|value| finite("point to interpolate", value).map(|_| ()))
 }

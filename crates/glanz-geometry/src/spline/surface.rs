@@ -112,10 +112,16 @@ impl NurbsSurface {
     /// The point at (u, v), metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> DVec3 {
+        project(self.homogeneous_point(u, v))
+    }
+
+    /// Numerator and weight of the point at (u, v), which is moved into the domain if it lies outside.
+    #[must_use]
+    pub fn homogeneous_point(&self, u: f64, v: f64) -> DVec4 {
         let bases = self.bases(u, v);
         let mut value = [DVec4::ZERO];
         self.homogeneous(&bases, [&[bases[0].values()], &[bases[1].values()]], &mut value);
-        project(value[0])
+        value[0]
     }
 
     /// The point and its first derivatives by u and v.

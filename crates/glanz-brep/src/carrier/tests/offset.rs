@@ -132,3 +132,31 @@ fn offsets_of_sharp_splines_are_divided_where_they_bend() {
     // No more than 64 parts along the parabola and one across.
     assert!(spline.surface().control_points().len() <= (64 + 5) * 6);
 }
+
+#[test]
+fn offsets_of_turned_splines_are_divided_along_the_profile_alone() {
+    // A vase of radii between 10 and 20 mm, as CAD systems write it: a rational spline, here with its rim at the end of the offset.
+    let profile = [(0.012, 0.0), (0.020, 0.015), (0.010, 0.035), (0.015, 0.050)];
+    let points = profile.map(|(x, z)| at(x, 0.0, z).extend(1.0)).to_vec();
+    let knots = [0, 0, 0, 0, 1, 1, 1, 1].map(f64::from).to_vec();
+    let curve = Box::new(Curve::Spline(SplineCurve::try_new(3, knots, points).unwrap()));
+    let turned = FaceSurface::Revolution { curve, origin: DVec3::ZERO, axis: DVec3::Z };
+    let extent = Bounds3::new(at(-0.02, -0.02, 0.0), at(0.02, 0.02, 0.05));
+    let Carrier::Spline(spline) = Carrier::try_from_surface(&turned, extent, 1e-9).unwrap().carrier else {
+        panic!("not a spline")
+    };
+    let (distance, tolerance) = (-0.0012, 1e-10);
+    let basis = Box::new(FaceSurface::Spline(spline.surface().clone()));
+    let converted =
+        Carrier::try_from_surface(&FaceSurface::Offset { basis, distance }, extent, tolerance).unwrap();
+    assert!(converted.deviation <= tolerance, "{}", converted.deviation);
+    let Carrier::Spline(fitted) = &converted.carrier else { panic!("{converted:?}") };
+    // Quarters of a circle are one part each.
+    assert_eq!(fitted.surface().counts().0, 21);
+    for (u, v) in grid([[0.0, 1.0], [0.0, 1.0]]) {
+        let [[_, end_u], [_, end_v]] = spline.domain();
+        let uv = DVec2::new(u * end_u, v * end_v);
+        let exact = spline.point(uv) + spline.normal(uv).unwrap() * distance;
+        assert!(converted.carrier.parameters(exact, None).distance <= converted.deviation);
+    }
+}
