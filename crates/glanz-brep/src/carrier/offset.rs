@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use glanz_geometry::SurfaceError;
 use glanz_geometry::spline::{KnotVector, NurbsSurface};
 use glanz_math::bspline::Knots;
 use glanz_math::glam::{DAffine2, DVec4, Vec3Swizzles};
@@ -170,16 +171,7 @@ fn fitted(
         let points: Option<Vec<DVec3>> =
             grid(&nodes[0], &nodes[1]).map(|uv| offset_point(spline, uv, distance)).collect();
         let points = points.ok_or_else(|| refused(f64::INFINITY))?;
-        let (knots, nodes_of) = ([knots_u, knots_v], [nodes[0].as_slice(), &nodes[1]]);
-        let surface = if spline.surface().is_polynomial() {
-            NurbsSurface::interpolate_at(knots, nodes_of, &points)?
-        } else {
-            // With the weights of the basis, the offset of a turned profile is a polynomial around the axis.
-            let weights =
-                grid(&nodes[0], &nodes[1]).map(|uv| spline.surface().homogeneous_point(uv.x, uv.y).w);
-            let points: Vec<DVec4> = points.iter().zip(weights).map(|(p, w)| (*p * w).extend(w)).collect();
-            NurbsSurface::interpolate_homogeneous_at(knots, nodes_of, &points)?
-        };
+        let surface = interpolated(spline, [knots_u, knots_v], &nodes, &points)?;
         let strayed = |us: &[f64], vs: &[f64]| largest_distance(&surface, spline, distance, us, vs);
         let deviation = 2.0 * strayed(&between[0], &between[1]);
         best = best.min(deviation);
@@ -202,6 +194,26 @@ fn fitted(
         }
     }
     Err(refused(best))
+}
+
+/// The spline through points of the offset of a spline: with its weights, with which the offset of a turned profile is a polynomial around the axis.
+fn interpolated(
+    basis: &SplineCarrier,
+    knots: [KnotVector; 2],
+    [us, vs]: &[Vec<f64>; 2],
+    points: &[DVec3],
+) -> Result<NurbsSurface, SurfaceError> {
+    let basis = basis.surface();
+    if !basis.is_polynomial() {
+        let weights = grid(us, vs).map(|uv| basis.homogeneous_point(uv.x, uv.y).w);
+        let points: Vec<DVec4> = points.iter().zip(weights).map(|(p, w)| (*p * w).extend(w)).collect();
+        let found = NurbsSurface::interpolate_homogeneous_at(knots.clone(), [us, vs], &points);
+        // Of steep weights the interpolating ones may not be positive.
+        if found.is_ok() {
+            return found;
+        }
+    }
+    NurbsSurface::interpolate_at(knots, [us, vs], points)
 }
 
 /// The point at a distance along the normal; `None` where there is no normal.

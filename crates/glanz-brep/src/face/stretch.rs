@@ -67,7 +67,7 @@ impl<'a> StretchedCurve<'a> {
         stretched
     }
 
-    /// Where the chord between two parameters of the curve crosses knots of a spline: stretches are largest and least there.
+    /// Where the chord between two parameters of the curve crosses knots of a spline, where stretches turn.
     fn knots_between(&self, [start, end]: [f64; 2]) -> Vec<f64> {
         let Carrier::Spline(spline) = self.carrier else { return Vec::new() };
         // A curve without a width may stretch as it likes.
@@ -92,7 +92,8 @@ impl<'a> StretchedCurve<'a> {
         found.sort_by(f64::total_cmp);
         found.dedup();
         found.retain(|t| start < *t && *t < end);
-        found
+        let step = found.len().div_ceil(MOST_SAMPLES).max(1);
+        found.into_iter().step_by(step).collect()
     }
 
     /// How much longer a small distance across the curve is in region coordinates than on the surface; less than 1 where parameters are sparse.
