@@ -149,7 +149,7 @@ fn farthest_side(carrier: &Carrier, bounds: &Bounds3) -> f64 {
 
 /// A spline through points of the offset of a spline, with twice the largest distance of samples between them as its deviation.
 ///
-/// Pieces are divided in the directions in which the spline strays, until it is within the tolerance.
+/// Its pieces are divided where the offset strays, in the direction in which it does, until it is within the tolerance.
 fn fitted(
     basis: &CarrierConversion,
     spline: &SplineCarrier,
@@ -159,21 +159,22 @@ fn fitted(
     let tolerance = extent.tolerance;
     let refused =
         |deviation| BrepError::Unfitted { shape: "offset of a spline surface", deviation, tolerance };
-    let (mut parts, mut best) = ([1, 1], f64::INFINITY);
-    while parts.iter().all(|parts| *parts <= MAX_PARTS) {
-        let (knots_u, knots_v) = (divided_knots(spline, 0, parts[0])?, divided_knots(spline, 1, parts[1])?);
-        let most = MAX_POINTS.max(MAX_RATIO * spline.surface().control_points().len());
-        if knots_u.count().saturating_mul(knots_v.count()) > most {
-            break;
+    let most = MAX_POINTS.max(MAX_RATIO * spline.surface().control_points().len());
+    let mut parts = [spline.surface().knots_u(), spline.surface().knots_v()].map(FittedParts::new);
+    let mut best = f64::INFINITY;
+    loop {
+        let knots = [parts[0].knots()?, parts[1].knots()?];
+        if knots[0].count().saturating_mul(knots[1].count()) > most {
+            return Err(refused(best));
         }
-        let between = [&knots_u, &knots_v].map(samples);
-        let nodes = [knots_u.greville(), knots_v.greville()];
+        let nodes = [knots[0].greville(), knots[1].greville()];
         let points: Option<Vec<DVec3>> =
             grid(&nodes[0], &nodes[1]).map(|uv| offset_point(spline, uv, distance)).collect();
         let points = points.ok_or_else(|| refused(f64::INFINITY))?;
-        let surface = interpolated(spline, [knots_u, knots_v], &nodes, &points)?;
+        let surface = interpolated(spline, knots, &nodes, &points)?;
         let strayed = |us: &[f64], vs: &[f64]| largest_distance(&surface, spline, distance, us, vs);
-        let deviation = 2.0 * strayed(&between[0], &between[1]);
+        let between = [parts[0].samples(), parts[1].samples()];
+        let deviation = 2.0 * strayed(between[0].as_flattened(), between[1].as_flattened());
         best = best.min(deviation);
         if deviation <= tolerance {
             let converted = SplineCarrier::try_new(&surface, tolerance)?;
@@ -185,15 +186,68 @@ fn fitted(
             });
         }
         // At its nodes in one direction, a spline strays by what it does in the other. Both may take half of the tolerance.
-        let one_way = [strayed(&between[0], &nodes[1]), strayed(&nodes[0], &between[1])];
-        let coarse = one_way.map(|strayed| 4.0 * strayed > tolerance);
-        for (parts, is_coarse) in parts.iter_mut().zip(coarse) {
-            if is_coarse || coarse == [false, false] {
-                *parts *= 2;
-            }
+        let is_coarse = |strayed: f64| 4.0 * strayed > tolerance;
+        let coarse: [Vec<bool>; 2] = [
+            between[0].iter().map(|us| is_coarse(strayed(us, &nodes[1]))).collect(),
+            between[1].iter().map(|vs| is_coarse(strayed(&nodes[0], vs))).collect(),
+        ];
+        let none = !coarse.iter().flatten().any(|is_coarse| *is_coarse);
+        let mut is_divided = false;
+        for (parts, coarse) in parts.iter_mut().zip(&coarse) {
+            is_divided |= parts.halve(|i| none || coarse.get(i).is_some_and(|is_coarse| *is_coarse));
+        }
+        if !is_divided {
+            return Err(refused(best));
         }
     }
-    Err(refused(best))
+}
+
+/// The parts of a fitted offset in u or v.
+struct FittedParts {
+    /// The ends of the pieces of the basis. There the offset is only continuous: where the curvature jumps, so does its speed.
+    pieces: Vec<f64>,
+    /// The ends of the parts, into which pieces are divided.
+    ends: Vec<f64>,
+}
+
+impl FittedParts {
+    /// Each piece is one part.
+    fn new(knots: &KnotVector) -> Self {
+        Self { pieces: knots.breaks(), ends: knots.breaks() }
+    }
+
+    fn knots(&self) -> Result<KnotVector, SurfaceError> {
+        let is_piece = |end: &f64| self.pieces.binary_search_by(|piece| piece.total_cmp(end)).is_ok();
+        let inner = self.ends.iter().skip(1).take(self.ends.len().saturating_sub(2));
+        let repeated =
+            inner.flat_map(|end| std::iter::repeat_n(*end, if is_piece(end) { FIT_DEGREE } else { 1 }));
+        let domain = [self.ends[0], self.ends[self.ends.len() - 1]];
+        KnotVector::try_new(FIT_DEGREE, Knots::clamped(FIT_DEGREE, domain, repeated))
+    }
+
+    /// Parameters inside each part.
+    fn samples(&self) -> Vec<[f64; 3]> {
+        self.ends
+            .windows(2)
+            .map(|part| [0.25, 0.5, 0.75].map(|s| part[0] + (part[1] - part[0]) * s))
+            .collect()
+    }
+
+    /// Halves the parts with these numbers that are not too short. Returns whether there is one.
+    fn halve(&mut self, is_chosen: impl Fn(usize) -> bool) -> bool {
+        let mut middles = Vec::new();
+        for (_, part) in self.ends.windows(2).enumerate().filter(|(number, _)| is_chosen(*number)) {
+            let after = self.pieces.partition_point(|end| *end <= part[0]);
+            let piece = self.pieces[after] - self.pieces[after - 1];
+            if (part[1] - part[0]) * MAX_PARTS as f64 > piece * (1.0 + 1e-6) {
+                middles.push(0.5 * (part[0] + part[1]));
+            }
+        }
+        let halves = !middles.is_empty();
+        self.ends.extend(middles);
+        self.ends.sort_by(f64::total_cmp);
+        halves
+    }
 }
 
 /// The spline through points of the offset of a spline: with its weights, with which the offset of a turned profile is a polynomial around the axis.
@@ -220,30 +274,6 @@ fn interpolated(
 fn offset_point(spline: &SplineCarrier, uv: DVec2, distance: f64) -> Option<DVec3> {
     let surface = spline.surface();
     surface.normal(uv.x, uv.y).map(|normal| surface.point(uv.x, uv.y) + normal * distance)
-}
-
-/// Knots that divide each piece of a spline in u or v. Between pieces the offset is only continuous: where the curvature jumps, so does
-/// its speed.
-fn divided_knots(spline: &SplineCarrier, axis: usize, parts: usize) -> Result<KnotVector, BrepError> {
-    let surface = spline.surface();
-    let knots = if axis == 0 { surface.knots_u() } else { surface.knots_v() };
-    let breaks = knots.breaks();
-    let divided = breaks.windows(2).flat_map(|pair| {
-        let [a, b] = [pair[0], pair[1]];
-        let inner = (1..parts).map(move |i| a + (b - a) * i as f64 / parts as f64);
-        std::iter::repeat_n(a, FIT_DEGREE).chain(inner)
-    });
-    Ok(KnotVector::try_new(FIT_DEGREE, Knots::clamped(FIT_DEGREE, knots.domain(), divided.skip(FIT_DEGREE)))?)
-}
-
-/// Parameters inside the pieces of a spline.
-fn samples(knots: &KnotVector) -> Vec<f64> {
-    let breaks = knots.breaks();
-    let samples = breaks.windows(2).flat_map(|pair| {
-        let [a, b] = [pair[0], pair[1]];
-        [0.25, 0.5, 0.75].map(|s| a + (b - a) * s)
-    });
-    samples.collect()
 }
 
 fn grid(us: &[f64], vs: &[f64]) -> impl Iterator<Item = DVec2> {
