@@ -34,7 +34,9 @@ fn is_usage(error: &Error) -> bool {
         | Error::SampleOrder { .. }
         | Error::NoModel { .. }
         | Error::Accuracy { .. } => true,
-        Error::File { fault, .. } => matches!(fault, FileFault::Extension(_)),
+        Error::File { fault, .. } => {
+            matches!(fault, FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput)
+        }
         _ => false,
     }
 }

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use glanz::file::FileUses;
 use glanz::formats::image::Format;
 use glanz::light::Tone;
-use glanz::{Picture, picture_format};
+use glanz::{Error, Picture, picture_format};
 use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::command_error::command_error;
@@ -17,20 +18,22 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    /// Checks that each of `paths` has an extension that Glanz writes and lies in a folder it can write to.
+    /// Checks that each of `paths` has an extension that Glanz writes and lies in a folder it can write to, and adds it to the files of the command.
     ///
     /// # Errors
     /// What is wrong with the first path that cannot be written.
-    pub(crate) fn try_new(paths: &[PathBuf], tone: Tone, messages: Messages) -> Result<Self, CommandError> {
-        let mut files: Vec<(PathBuf, Format)> = Vec::new();
-        for path in paths {
-            let format = picture_format(path).map_err(command_error(messages))?;
-            if files.iter().any(|(other, _)| other == path) {
-                return Err(CommandError::usage(format!("{}: named twice as output", path.display())));
-            }
-            glanz::file::check_writable(path).map_err(command_error(messages))?;
-            files.push((path.clone(), format));
-        }
+    pub(crate) fn try_new(
+        paths: &[PathBuf],
+        tone: Tone,
+        uses: &mut FileUses,
+        messages: Messages,
+    ) -> Result<Self, CommandError> {
+        let checked = paths.iter().map(|path| {
+            let format = picture_format(path)?;
+            uses.add_output(path)?;
+            Ok((path.clone(), format))
+        });
+        let files = checked.collect::<Result<_, Error>>().map_err(command_error(messages))?;
         Ok(Self { files, tone })
     }
 
@@ -81,7 +84,7 @@ mod tests {
         let folder = std::env::temp_dir();
         let outputs = |names: &[&str]| {
             let paths: Vec<PathBuf> = names.iter().map(|name| folder.join(name)).collect();
-            Outputs::try_new(&paths, Tone::default(), Messages::new(true))
+            Outputs::try_new(&paths, Tone::default(), &mut FileUses::default(), Messages::new(true))
                 .map(|_| ())
                 .map_err(|failure| failure.usage)
         };

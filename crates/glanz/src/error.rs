@@ -216,9 +216,12 @@ pub enum FileFault {
     /// Its folder does not exist.
     #[error("there is no folder {}", .0.display())]
     NoFolder(PathBuf),
-    /// It is the input of the same command.
-    #[error("this is the input, which would be replaced; choose another name")]
+    /// It is an output that is an input of the same command.
+    #[error("this is an input, which would be replaced; choose another name")]
     IsInput,
+    /// It is another output of the same command.
+    #[error("two outputs of the command are this file; choose another name")]
+    IsOutput,
     /// It is a folder.
     #[error("this is a folder, not a file")]
     IsFolder,

@@ -1,7 +1,7 @@
 //! Files: checks before the work starts, reading, and atomic replacement.
 
 use std::fs::{self, File};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glanz_job::WriteError;
 
@@ -31,17 +31,6 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
         .map_err(|error| FileFault::NotWritable(error).of(path))
 }
 
-/// Checks that the output `path` is not the file `input`, also by another name.
-///
-/// # Errors
-/// [`Error::File`].
-pub fn check_not_input(path: &Path, input: &Path) -> Result<(), Error> {
-    match (fs::canonicalize(path), fs::canonicalize(input)) {
-        (Ok(output), Ok(input)) if output == input => Err(FileFault::IsInput.of(path)),
-        _ => Ok(()),
-    }
-}
-
 /// Checks that the checkpoint `path` can be written without losing an existing one; `resume`: whether an existing one is resumed.
 ///
 /// # Errors
@@ -49,6 +38,95 @@ pub fn check_not_input(path: &Path, input: &Path) -> Result<(), Error> {
 pub fn check_checkpoint(path: &Path, resume: bool) -> Result<(), Error> {
     check_writable(path)?;
     if path.exists() && !resume { Err(FileFault::Exists.of(path)) } else { Ok(()) }
+}
+
+/// The files of a command or a job, none of which may be used in two ways.
+#[derive(Debug, Default)]
+pub struct FileUses {
+    inputs: Vec<FileIdentity>,
+    outputs: Vec<(FileIdentity, PathBuf)>,
+}
+
+impl FileUses {
+    /// Adds a file that is read.
+    ///
+    /// # Errors
+    /// [`FileFault::IsInput`] if it is an output, also by another name or link.
+    pub fn add_input(&mut self, path: &Path) -> Result<(), Error> {
+        let Some(identity) = FileIdentity::of(path) else { return Ok(()) };
+        match self.outputs.iter().find(|(other, _)| *other == identity) {
+            Some((_, output)) => Err(FileFault::IsInput.of(output)),
+            None => {
+                self.inputs.push(identity);
+                Ok(())
+            }
+        }
+    }
+
+    /// Adds files that are read.
+    ///
+    /// # Errors
+    /// That of [`FileUses::add_input`].
+    pub fn add_inputs<'a>(&mut self, paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Error> {
+        paths.into_iter().try_for_each(|path| self.add_input(path))
+    }
+
+    /// Adds a file that is written, and checks that it can be created or replaced, without changing it.
+    ///
+    /// # Errors
+    /// [`Error::File`]: [`FileFault::IsInput`] and [`FileFault::IsOutput`] for a file that is used already, also by another name or link.
+    pub fn add_output(&mut self, path: &Path) -> Result<(), Error> {
+        check_writable(path)?;
+        let Some(identity) = FileIdentity::of(path) else { return Ok(()) };
+        if self.inputs.contains(&identity) {
+            return Err(FileFault::IsInput.of(path));
+        }
+        if self.outputs.iter().any(|(other, _)| *other == identity) {
+            return Err(FileFault::IsOutput.of(path));
+        }
+        self.outputs.push((identity, path.to_owned()));
+        Ok(())
+    }
+
+    /// Adds a checkpoint; `resume`: whether an existing one is resumed.
+    ///
+    /// # Errors
+    /// Those of [`FileUses::add_output`], and [`FileFault::Exists`] for an existing one that is not to be resumed.
+    pub fn add_checkpoint(&mut self, path: &Path, resume: bool) -> Result<(), Error> {
+        self.add_output(path)?;
+        check_checkpoint(path, resume)
+    }
+}
+
+/// What tells whether two paths are one file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum FileIdentity {
+    /// Of a file with several names, which are links to it: its file system and its number there.
+    #[cfg(unix)]
+    Numbers([u64; 2]),
+    /// The path without links; of a file that does not exist yet, that of its folder and its name.
+    Path(PathBuf),
+}
+
+impl FileIdentity {
+    /// `None` for devices and pipes, which may be used more than once, and for a file without a folder.
+    fn of(path: &Path) -> Option<Self> {
+        let Ok(found) = fs::metadata(path) else {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?;
+            return Some(Self::Path(folder.join(path.file_name()?)));
+        };
+        if !found.is_file() {
+            return None;
+        }
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            Some(Self::Numbers([found.dev(), found.ino()]))
+        }
+        #[cfg(not(unix))]
+        fs::canonicalize(path).ok().map(Self::Path)
+    }
 }
 
 /// The bytes of the file `path`.
@@ -74,4 +152,57 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// [`Error::File`].
 pub fn make_folder(folder: &Path) -> Result<(), Error> {
     fs::create_dir_all(folder).map_err(|error| FileFault::NotMade(error).of(folder))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The faults of files that are added as inputs (true) or outputs, in this order.
+    fn faults(uses: &[(&Path, bool)]) -> Vec<Option<FileFault>> {
+        let mut files = FileUses::default();
+        let added = uses.iter().map(|(path, is_input)| match is_input {
+            true => files.add_input(path),
+            false => files.add_output(path),
+        });
+        added
+            .map(|added| match added {
+                Err(Error::File { fault, .. }) => Some(fault),
+                Err(other) => panic!("{other}"),
+                Ok(()) => None,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn files_used_in_two_ways_are_refused_by_any_name() {
+        let folder = std::env::temp_dir().join(format!("glanz-file-uses-{}", std::process::id()));
+        fs::create_dir_all(folder.join("inner")).unwrap();
+        let [scene, other, new] = ["scene", "other", "new"].map(|name| folder.join(name));
+        fs::write(&scene, "scene").unwrap();
+        fs::write(&other, "other").unwrap();
+        let around = folder.join("inner/../new");
+        // Reading twice is no fault, nor is writing two files.
+        assert!(
+            faults(&[(&scene, true), (&scene, true), (&other, false), (&new, false)])
+                .iter()
+                .all(Option::is_none)
+        );
+        assert!(matches!(faults(&[(&scene, true), (&scene, false)])[1], Some(FileFault::IsInput)));
+        assert!(matches!(faults(&[(&other, false), (&other, true)])[1], Some(FileFault::IsInput)));
+        assert!(matches!(faults(&[(&other, false), (&other, false)])[1], Some(FileFault::IsOutput)));
+        assert!(matches!(faults(&[(&new, false), (&around, false)])[1], Some(FileFault::IsOutput)));
+        #[cfg(unix)]
+        {
+            let [hard, soft] = ["hard", "soft"].map(|name| folder.join(name));
+            fs::hard_link(&scene, &hard).unwrap();
+            std::os::unix::fs::symlink(&scene, &soft).unwrap();
+            for link in [&hard, &soft] {
+                assert!(matches!(faults(&[(&scene, true), (link, false)])[1], Some(FileFault::IsInput)));
+            }
+            let null = Path::new("/dev/null");
+            assert!(faults(&[(null, true), (null, true)]).iter().all(Option::is_none));
+        }
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -74,6 +74,13 @@ impl LoadedScene {
         self
     }
 
+    /// The paths of all files on disk that were read.
+    #[cfg(feature = "formats")]
+    #[must_use]
+    pub fn files(&self) -> &[std::path::PathBuf] {
+        self.sources.paths()
+    }
+
     /// The name of the file, or the given name.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum, ValueHint};
+use glanz::file::FileUses;
 use glanz::light::{Tone, ToneCurve};
 use glanz::math::DVec3;
 use glanz::scene::studio::{SrgbColor, StudioMaterial, StudioSettings, StudioView, UpAxis};
@@ -122,9 +123,9 @@ pub(crate) struct CheckpointArguments {
 }
 
 impl CheckpointArguments {
-    /// Refuses a checkpoint that cannot be written, or that exists and is not to be resumed.
-    pub(crate) fn check(&self) -> Result<(), glanz::Error> {
-        self.checkpoint.as_deref().map_or(Ok(()), |path| glanz::file::check_checkpoint(path, self.resume))
+    /// Refuses a checkpoint that cannot be written, that exists and is not to be resumed, or that is another file of the command.
+    pub(crate) fn add_to(&self, files: &mut FileUses) -> Result<(), glanz::Error> {
+        self.checkpoint.as_deref().map_or(Ok(()), |path| files.add_checkpoint(path, self.resume))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use glanz::file::FileUses;
 use glanz::{BakeOutcome, Error, ModelFiles};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
@@ -38,9 +39,10 @@ struct BakeReport {
 /// A scene, setting or file that is refused.
 pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let method = arguments.method().map_err(CommandError::usage)?;
-    check_files(arguments).map_err(command_error(messages))?;
+    let mut files = files(arguments).map_err(command_error(messages))?;
     let strict = arguments.job.strictness.strict;
     let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
+    files.add_inputs(scene.files()).map_err(command_error(messages))?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     let start = Instant::now();
     let cancel = interrupt::listen()?;
@@ -75,11 +77,13 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
     Ok(CommandOutcome::Done)
 }
 
-/// Refuses files that cannot be written.
-fn check_files(arguments: &BakeArguments) -> Result<(), Error> {
+/// The files that are written; those that cannot be are refused.
+fn files(arguments: &BakeArguments) -> Result<FileUses, Error> {
+    let mut files = FileUses::default();
     glanz::check_model_path(&arguments.output)?;
-    glanz::file::check_writable(&arguments.output)?;
-    arguments.job.checkpoint.check()
+    files.add_output(&arguments.output)?;
+    arguments.job.checkpoint.add_to(&mut files)?;
+    Ok(files)
 }
 
 fn report_of(

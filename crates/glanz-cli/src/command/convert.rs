@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use glanz::file::FileUses;
 use glanz::job::CancelFlag;
 use glanz::{Error, JobEvent, JobOptions, LoadedScene, MeshOutcome, Warning, is_exact_path};
 use glanz_terminal::messages::{CommandError, Messages};
@@ -41,10 +42,12 @@ struct ConvertReport {
 /// A scene, setting or file that is refused.
 pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let exact = is_exact_path(&arguments.output).map_err(command_error(messages))?;
-    glanz::file::check_writable(&arguments.output).map_err(command_error(messages))?;
-    glanz::file::check_not_input(&arguments.output, &arguments.scene).map_err(command_error(messages))?;
+    let mut files = FileUses::default();
+    files.add_input(&arguments.scene).map_err(command_error(messages))?;
+    files.add_output(&arguments.output).map_err(command_error(messages))?;
     let start = Instant::now();
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
+    files.add_inputs(scene.files()).map_err(command_error(messages))?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     if exact {
         if arguments.has_mesh_settings() {

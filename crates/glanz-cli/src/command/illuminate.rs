@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glanz::file::FileUses;
 use glanz::illumination::report::{LuxComparison, LuxReport};
 use glanz::job::JobEnd;
 use glanz::{Error, IlluminateOutcome};
@@ -34,12 +35,14 @@ pub(crate) fn run(
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
-    check_files(arguments).map_err(command_error(messages))?;
+    let mut files = files(arguments).map_err(command_error(messages))?;
     let mut paths = vec![arguments.scene.scene.as_path()];
     paths.extend(arguments.compare.as_deref());
     let (mut outcomes, mut warnings) = (Vec::new(), Vec::new());
     for path in &paths {
         let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
+        files.add_inputs(scene.files()).map_err(command_error(messages))?;
+        glanz::file::make_folder(&arguments.output).map_err(command_error(messages))?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
             scene.illuminate().options(arguments.options()).job(job).run()
@@ -74,14 +77,15 @@ pub(crate) fn run(
     Ok(if interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
 }
 
-/// Refuses files that cannot be written, and creates the folder.
-fn check_files(arguments: &IlluminateArguments) -> Result<(), Error> {
+/// The files that are written beside those in the folder of results; those that cannot be written are refused.
+fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
+    let mut files = FileUses::default();
     for path in &arguments.far_field {
         glanz::check_far_field_path(path)?;
-        glanz::file::check_writable(path)?;
+        files.add_output(path)?;
     }
-    arguments.job.checkpoint.check()?;
-    glanz::file::make_folder(&arguments.output)
+    arguments.job.checkpoint.add_to(&mut files)?;
+    Ok(files)
 }
 
 /// The error, with the option that causes it.

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use glanz::file::FileUses;
 use glanz::formats::photometry::{self, IntensityDistribution, Photometry, PhotometryFormat};
 use glanz::illumination::report::PolarPlot;
 use glanz::report::number::significant;
@@ -53,9 +54,13 @@ pub(crate) fn is_named(path: &Path) -> bool {
 /// A file that is refused, with line and column.
 pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), CommandError> {
     let path = &arguments.scene;
-    if let Some(plot) = &arguments.plot {
-        glanz::file::check_writable(plot).map_err(command_error(messages))?;
-    }
+    let mut files = FileUses::default();
+    files.add_input(path).map_err(command_error(messages))?;
+    arguments
+        .plot
+        .as_deref()
+        .map_or(Ok(()), |plot| files.add_output(plot))
+        .map_err(command_error(messages))?;
     let bytes = glanz::file::read(path).map_err(command_error(messages))?;
     let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
     let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault)))?;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glanz::Error;
+use glanz::file::FileUses;
 use glanz::transport::MergeError;
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
@@ -28,9 +29,11 @@ struct MergeReport {
 /// # Errors
 /// Parts that do not belong together, or a file that cannot be read or written.
 pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let outputs = Outputs::try_new(&arguments.output, arguments.tone.tone(), messages)?;
+    let mut files = FileUses::default();
+    files.add_inputs(&arguments.parts).map_err(command_error(messages))?;
+    let outputs = Outputs::try_new(&arguments.output, arguments.tone.tone(), &mut files, messages)?;
     if let Some(path) = &arguments.checkpoint {
-        glanz::file::check_writable(path).map_err(command_error(messages))?;
+        files.add_output(path).map_err(command_error(messages))?;
     }
     let picture =
         glanz::merge(&arguments.parts).map_err(|error| merge_failure(error, arguments, messages))?;

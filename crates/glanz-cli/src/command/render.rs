@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glanz::file::FileUses;
 use glanz::job::JobEnd;
 use glanz::transport::{AovSet, Film, GuideSize};
 use glanz::{Error, LoadedScene, Picture};
@@ -95,15 +96,16 @@ pub(crate) fn render_scene(
     let cancel = interrupt::listen()?;
     // Everything that does not depend on the scene is checked before reading it, which may take long.
     let tone = arguments.tone.tone();
-    let named = Outputs::try_new(&arguments.output, tone, messages)?;
-    check_files(arguments).map_err(command_error(messages))?;
+    let mut files = files(arguments).map_err(command_error(messages))?;
+    let named = Outputs::try_new(&arguments.output, tone, &mut files, messages)?;
 
     let scene = open()?;
+    files.add_inputs(scene.files()).map_err(command_error(messages))?;
     let name = scene.name().to_owned();
     let film_name = scene.description().film.file_name.as_deref();
     let default = || default_output.map_or_else(|| default_path(film_name, Path::new(&name)), PathBuf::from);
     let outputs = match arguments.output.is_empty() {
-        true => Outputs::try_new(&[default()], tone, messages)?,
+        true => Outputs::try_new(&[default()], tone, &mut files, messages)?,
         false => named,
     };
     let options = arguments.options();
@@ -131,10 +133,14 @@ pub(crate) fn render_scene(
     finish(&picture, &name, &outputs, arguments, warnings, messages)
 }
 
-/// Refuses files beside the pictures that cannot be written.
-fn check_files(arguments: &RenderArguments) -> Result<(), Error> {
-    arguments.job.checkpoint.check()?;
-    arguments.guide_out.as_deref().map_or(Ok(()), glanz::file::check_writable)
+/// The files beside scene and pictures.
+fn files(arguments: &RenderArguments) -> Result<FileUses, Error> {
+    let mut files = FileUses::default();
+    let inputs = [&arguments.guide_in, &arguments.light_in];
+    files.add_inputs(inputs.into_iter().flatten())?;
+    arguments.job.checkpoint.add_to(&mut files)?;
+    arguments.guide_out.as_deref().map_or(Ok(()), |path| files.add_output(path))?;
+    Ok(files)
 }
 
 /// The error, with the option that causes it.

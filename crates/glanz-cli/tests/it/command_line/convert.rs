@@ -156,7 +156,7 @@ fn wrong_conversions_are_refused() {
     folder.run("convert missing.step pin.glb").refused(1, &["missing.step"]);
     assert!(!folder.has("pin.glb"));
     folder.succeed("convert pin.step pin.ply");
-    folder.run("convert pin.ply ./pin.ply").refused(1, &["pin.ply", "another name"]);
+    folder.run("convert pin.ply ./pin.ply").refused(2, &["pin.ply", "another name"]);
     folder.run("render pin.step -o pin.png --edges=1e6").refused(2, &["--edges", "64"]);
     let ran = folder.succeed("convert small.pbrt small.obj");
     assert!(ran.stderr.contains("lights and textures are not converted"), "{}", ran.stderr);

@@ -157,7 +157,7 @@ fn wrong_usage_is_two_and_failure_is_one() {
     }
     folder.run("render small.pbrt -o a.tiff").refused(2, &["a.tiff", "help:", ".exr"]);
     folder.run("render small.pbrt -o a").refused(2, &["help:"]);
-    folder.run("render small.pbrt -o a.png -o a.png").refused(2, &["twice"]);
+    folder.run("render small.pbrt -o a.png -o a.png").refused(2, &["two outputs"]);
     folder.run("render small.pbrt --integrator photon -o a.png").refused(2, &["photon", "path", "whitted"]);
     folder.run("render small.pbrt --sampler dice -o a.png").refused(2, &["dice", "sobol"]);
     folder.run("render small.pbrt --aov beauty -o a.exr").refused(2, &["beauty", "Albedo"]);
