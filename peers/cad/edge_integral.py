@@ -47,6 +47,9 @@ STEPS, LAST_STEP = 30, 1e-13
 # Points per direction from which the nearest is taken where OpenCascade does not project.
 GRID = 33
 
+# Steps from the nearest point of the grid towards a foot, of which most are halvings.
+SEARCHES = 200
+
 # Panels between two knots of an edge whose distance from a surface is measured.
 PANELS = 4
 
@@ -205,13 +208,13 @@ class Carrier:
         found = self.newton(position, best)
         if found is not None:
             return found
-        steps = [(ends[-1] - ends[0]) / (GRID - 1) for ends in (u, v)]
-        least = LAST_STEP * max(steps)
-        while max(steps) > least:
+        steps, least = [(ends[-1] - ends[0]) / (GRID - 1) for ends in (u, v)], self.distance(position, best)
+        for _ in range(SEARCHES):
             around = [(best[0] + i * steps[0], best[1] + j * steps[1]) for i in (-1, 0, 1) for j in (-1, 0, 1)]
-            nearest = min(map(tuple, self.clipped(numpy.array(around)).tolist()), key=lambda parameters: self.distance(position, parameters))
-            if self.distance(position, nearest) < self.distance(position, best):
-                best = nearest
+            found = [(self.distance(position, foot), foot) for foot in map(tuple, self.clipped(numpy.array(around)).tolist())]
+            nearest = min(found)
+            if nearest[0] < least:
+                least, best = nearest
             else:
                 steps = [step / 2 for step in steps]
         return best

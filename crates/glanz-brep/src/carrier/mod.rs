@@ -98,8 +98,13 @@ impl Carrier {
     /// The first derivatives by u and v.
     #[must_use]
     pub fn tangents(&self, uv: DVec2) -> [DVec3; 2] {
-        let [_, du, dv] = self.point_and_tangents(uv);
-        [du, dv]
+        match self {
+            Self::Spline(spline) => {
+                let [_, du, dv] = spline.point_and_tangents(uv);
+                [du, dv]
+            }
+            _ => self.analytic_tangents(uv),
+        }
     }
 
     /// The point and its first derivatives by u and v.

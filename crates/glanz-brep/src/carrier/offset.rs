@@ -16,6 +16,9 @@ use crate::model::Placement;
 /// Largest number of parts in a direction of each piece of a spline whose offset is fitted.
 const MAX_PARTS: usize = 64;
 
+/// Largest number of fits: two for each halving of a piece, one for each direction, and a few.
+const MAX_ROUNDS: usize = 16;
+
 /// Parts of the sides of the box of a face whose distances from a carrier are compared.
 const SIDE_PARTS: usize = 8;
 
@@ -162,10 +165,10 @@ fn fitted(
     let most = MAX_POINTS.max(MAX_RATIO * spline.surface().control_points().len());
     let mut parts = [spline.surface().knots_u(), spline.surface().knots_v()].map(FittedParts::new);
     let mut best = f64::INFINITY;
-    loop {
+    for _ in 0..MAX_ROUNDS {
         let knots = [parts[0].knots()?, parts[1].knots()?];
         if knots[0].count().saturating_mul(knots[1].count()) > most {
-            return Err(refused(best));
+            break;
         }
         let nodes = [knots[0].greville(), knots[1].greville()];
         let points: Option<Vec<DVec3>> =
@@ -197,9 +200,10 @@ fn fitted(
             is_divided |= parts.halve(|i| none || coarse.get(i).is_some_and(|is_coarse| *is_coarse));
         }
         if !is_divided {
-            return Err(refused(best));
+            break;
         }
     }
+    Err(refused(best))
 }
 
 /// The parts of a fitted offset in u or v.
@@ -239,7 +243,8 @@ impl FittedParts {
         for (_, part) in self.ends.windows(2).enumerate().filter(|(number, _)| is_chosen(*number)) {
             let after = self.pieces.partition_point(|end| *end <= part[0]);
             let piece = self.pieces[after] - self.pieces[after - 1];
-            if (part[1] - part[0]) * MAX_PARTS as f64 > piece * (1.0 + 1e-6) {
+            // Parts are 1, 1 / 2, 1 / 4, ... of a piece.
+            if (part[1] - part[0]) * MAX_PARTS as f64 > 1.5 * piece {
                 middles.push(0.5 * (part[0] + part[1]));
             }
         }
@@ -250,7 +255,9 @@ impl FittedParts {
     }
 }
 
-/// The spline through points of the offset of a spline: with its weights, with which the offset of a turned profile is a polynomial around the axis.
+/// The spline through points of the offset of a spline: with its weights, as far as the fit has their degree.
+///
+/// Around the axis of a turned profile P / w, its normal n turns as P does, so that the numerator w (P / w + d n) is a polynomial of the same degree.
 fn interpolated(
     basis: &SplineCarrier,
     knots: [KnotVector; 2],
@@ -263,7 +270,7 @@ fn interpolated(
         let points: Vec<DVec4> = points.iter().zip(weights).map(|(p, w)| (*p * w).extend(w)).collect();
         let found = NurbsSurface::interpolate_homogeneous_at(knots.clone(), [us, vs], &points);
         // Of steep weights the interpolating ones may not be positive.
-        if found.is_ok() {
+        if !matches!(found, Err(SurfaceError::NotPositive { .. })) {
             return found;
         }
     }

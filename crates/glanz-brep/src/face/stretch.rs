@@ -23,8 +23,8 @@ const MOST_HALVINGS: u32 = 12;
 /// Least number of parts of a curve between whose ends it is sampled.
 const SAMPLES: usize = 16;
 
-/// Most samples with those at knots: more cost more than they tell.
-const MOST_SAMPLES: usize = 4096;
+/// Most samples at knots; of more crossings, evenly many are left out.
+const MOST_KNOTS: u64 = 4096;
 
 /// Most parts of a curve with widths of their own; a meridian with the largest ratio of stretches has fewer than a dozen.
 const MOST_PARTS: usize = 64;
@@ -36,6 +36,35 @@ pub(super) struct StretchedCurve<'a> {
     curve: &'a BoundaryCurve,
     /// Parameters of the curve, ascending, with the stretches there.
     samples: Vec<(f64, f64)>,
+}
+
+/// The knots of a spline in one parameter, numbered from that at the start of its domain on.
+struct PeriodicKnots {
+    breaks: Vec<f64>,
+    /// The length after which they repeat.
+    period: Option<f64>,
+}
+
+impl PeriodicKnots {
+    /// The number of the first knot above a value, or not below it: with `inclusive`, one at the value is counted among those before.
+    fn count_to(&self, value: f64, inclusive: bool) -> i64 {
+        let Some(period) = self.period else { return self.count_in(&self.breaks, value, inclusive) };
+        let turns = ((value - self.breaks[0]) / period).floor();
+        let whole = &self.breaks[..self.breaks.len() - 1];
+        // Of far more turns than a curve has, numbers would overflow.
+        let turns = turns.clamp(-1e9, 1e9);
+        turns as i64 * whole.len() as i64 + self.count_in(whole, value - turns * period, inclusive)
+    }
+
+    fn count_in(&self, breaks: &[f64], value: f64, inclusive: bool) -> i64 {
+        breaks.partition_point(|knot| *knot < value || inclusive && *knot == value) as i64
+    }
+
+    fn at(&self, number: i64) -> f64 {
+        let Some(period) = self.period else { return self.breaks[number as usize] };
+        let count = self.breaks.len() as i64 - 1;
+        self.breaks[number.rem_euclid(count) as usize] + number.div_euclid(count) as f64 * period
+    }
 }
 
 /// A curve with a width in region coordinates.
@@ -50,50 +79,57 @@ impl<'a> StretchedCurve<'a> {
         let mut stretched = Self { carrier, metric, curve, samples: Vec::new() };
         let spans = curve.spans();
         let parts = SAMPLES.div_ceil(spans.len().max(1));
-        let Some(mut start) = spans.first().map(|span| (span[0], stretched.at(span[0]))) else {
-            return stretched;
+        let inner = |[low, high]: [f64; 2]| {
+            let at =
+                move |i: usize| if i == parts { high } else { low + (high - low) * i as f64 / parts as f64 };
+            (1..=parts).map(at)
         };
+        let Some(first) = spans.first().map(|span| span[0]) else { return stretched };
+        let places: Vec<f64> = [first].into_iter().chain(spans.into_iter().flat_map(inner)).collect();
+        let mut start = (first, stretched.at(first));
         stretched.samples.push(start);
-        for [low, high] in spans {
-            for i in 1..=parts {
-                let t = if i == parts { high } else { low + (high - low) * i as f64 / parts as f64 };
-                for t in stretched.knots_between([start.0, t]).into_iter().chain([t]) {
-                    let end = (t, stretched.at(t));
-                    stretched.refine([start, end], MOST_HALVINGS);
-                    start = end;
-                }
-            }
+        for t in stretched.with_knots(&places).into_iter().skip(1) {
+            let end = (t, stretched.at(t));
+            stretched.refine([start, end], MOST_HALVINGS);
+            start = end;
         }
         stretched
     }
 
-    /// Where the chord between two parameters of the curve crosses knots of a spline, where stretches turn.
-    fn knots_between(&self, [start, end]: [f64; 2]) -> Vec<f64> {
-        let Carrier::Spline(spline) = self.carrier else { return Vec::new() };
+    /// Places on the curve with those between them where it crosses knots of a spline, on which a narrow place may begin and end.
+    fn with_knots(&self, places: &[f64]) -> Vec<f64> {
+        let mut all = places.to_vec();
+        let Carrier::Spline(spline) = self.carrier else { return all };
         // A curve without a width may stretch as it likes.
-        if self.curve.width <= 0.0 || self.samples.len() >= MOST_SAMPLES {
-            return Vec::new();
+        if self.curve.width <= 0.0 {
+            return all;
         }
-        let [from, to] = [start, end].map(|t| self.curve.point_and_derivative(t).0 / self.metric);
-        let knots = [spline.surface().knots_u(), spline.surface().knots_v()];
-        let mut found = Vec::new();
-        for axis in [0, 1] {
-            let (a, b) = (from[axis], to[axis]);
-            let inner = knots[axis].inner();
-            // Beyond a seam they repeat.
-            let period = spline.periods()[axis].unwrap_or(f64::INFINITY);
-            for shift in [-period, 0.0, period].into_iter().filter(|shift| shift.is_finite()) {
-                let first = inner.partition_point(|knot| knot + shift <= a.min(b));
-                let between = inner.iter().skip(first).map(|knot| knot + shift);
-                let between = between.take_while(|knot| *knot < a.max(b));
-                found.extend(between.map(|knot| start + (end - start) * (knot - a) / (b - a)));
+        let (surface, periods) = (spline.surface(), spline.periods());
+        let knots = [surface.knots_u(), surface.knots_v()];
+        let knots = [0, 1].map(|axis| PeriodicKnots { breaks: knots[axis].breaks(), period: periods[axis] });
+        let points: Vec<DVec2> =
+            places.iter().map(|t| self.curve.point_and_derivative(*t).0 / self.metric).collect();
+        // On each chord, the numbers of the knots of each axis that it crosses.
+        let chords = || places.windows(2).zip(points.windows(2));
+        let crossed = |ends: &[DVec2], axis: usize| {
+            let (a, b) = (ends[0][axis], ends[1][axis]);
+            knots[axis].count_to(a.min(b), true)..knots[axis].count_to(a.max(b), false)
+        };
+        let lengths = chords().flat_map(|(_, ends)| [0, 1].map(|axis| crossed(ends, axis)));
+        let total: u64 = lengths.map(|range| (range.end - range.start).max(0) as u64).sum();
+        let step = total.div_ceil(MOST_KNOTS).max(1) as usize;
+        for (places, ends) in chords() {
+            for axis in [0, 1] {
+                let (a, b) = (ends[0][axis], ends[1][axis]);
+                let fractions = crossed(ends, axis).step_by(step).map(|i| (knots[axis].at(i) - a) / (b - a));
+                all.extend(fractions.map(|fraction| places[0] + (places[1] - places[0]) * fraction));
             }
         }
-        found.sort_by(f64::total_cmp);
-        found.dedup();
-        found.retain(|t| start < *t && *t < end);
-        let step = found.len().div_ceil(MOST_SAMPLES).max(1);
-        found.into_iter().step_by(step).collect()
+        let [low, high] = [places[0], places[places.len() - 1]];
+        all.retain(|t| (low..=high).contains(t));
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all
     }
 
     /// How much longer a small distance across the curve is in region coordinates than on the surface; less than 1 where parameters are sparse.
@@ -268,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn a_narrow_place_between_two_knots_is_found() {
+    fn a_narrow_place_at_a_knot_between_samples_is_found() {
         let mut widths = [1.0; 129];
         widths[68] = 1e-2;
         let (parts, step) = along_ribbon(&widths);
@@ -288,6 +324,33 @@ mod tests {
         let (parts, _) = along_ribbon(&widths);
         assert!(parts.len() <= MOST_PARTS, "{}", parts.len());
         assert!(parts.iter().all(|part| part.curve.width > 50.0 * DISTANCE));
+    }
+
+    #[test]
+    fn knots_repeat_after_a_period() {
+        let knots = PeriodicKnots { breaks: vec![0.0, 1.0, 3.0, 4.0], period: Some(4.0) };
+        let all: Vec<f64> = (-4..5).map(|i| knots.at(i)).collect();
+        assert_eq!(all, [-5.0, -4.0, -3.0, -1.0, 0.0, 1.0, 3.0, 4.0, 5.0]);
+        for (i, value) in (-4..).zip(&all) {
+            assert_eq!(
+                [false, true].map(|inclusive| knots.count_to(*value, inclusive)),
+                [i, i + 1],
+                "{value}"
+            );
+        }
+        let once = PeriodicKnots { period: None, ..knots };
+        assert_eq!([-1.0, 0.0, 2.0, 9.0].map(|value| once.count_to(value, false)), [0, 0, 2, 4]);
+    }
+
+    #[test]
+    fn a_narrow_place_behind_many_knots_is_found() {
+        // Each wave takes several samples.
+        let mut widths: Vec<f64> = (0..=3000).map(|i| if i % 2 == 0 { 1.0 } else { 0.6 }).collect();
+        widths[2901] = 1e-2;
+        let (parts, step) = along_ribbon(&widths);
+        let near = |part: &&WidenedCurve| part.curve.bounds()[1].y > 2900.0 * step;
+        let width = parts.iter().filter(near).map(|part| part.curve.width).fold(0.0, f64::max);
+        assert!(width > 50.0 * DISTANCE, "{width}");
     }
 
     #[test]

@@ -18,6 +18,9 @@ const PROFILE_SAMPLES: u32 = 4;
 /// Most crossings at which a profile is divided, more than any reflector has: each part is compared with the edges of each face.
 const MOST_CROSSINGS: usize = 16;
 
+/// Most places at which a curve changes its side of the axis that are looked at: beside the axis, each is searched in vain.
+const MOST_CHANGES: usize = 1024;
+
 /// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
 ///
 /// Files often give the other part of such a torus, and whole conics as the profiles of reflectors. `repairs` receives
@@ -163,6 +166,7 @@ impl<'a> CrossingProfile<'a> {
         // A curve askew to the axis changes its side beside it.
         let on_axis = tolerance.max(f64::EPSILON.sqrt() * farthest.length());
         let crossings: Vec<f64> = changes
+            .take(MOST_CHANGES)
             .map(|pair| profile.crossing([pair[0].0, pair[1].0]))
             .filter(|t| radial(*t).length() <= on_axis)
             .take(MOST_CROSSINGS + 1)

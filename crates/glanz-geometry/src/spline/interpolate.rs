@@ -209,8 +209,8 @@ impl NurbsSurface {
         Self::from_knots(knots_u, knots_v, net.into_iter().map(|point| point.extend(1.0)).collect())
     }
 
-    /// As [`NurbsSurface::interpolate_at`] with weights: `points` are homogeneous, `(w x, w y, w z, w)` with coordinates in metres. Between the parameters
-    /// numerator and weight are splines.
+    /// The rational surface with these knots that passes through homogeneous points `(w x, w y, w z, w)` (coordinates in metres), point
+    /// `i * count_v + j` at parameter i in u and j in v.
     ///
     /// # Errors
     /// Those of [`NurbsSurface::interpolate_at`], and [`SurfaceError::NotPositive`] for a weight of a control point.

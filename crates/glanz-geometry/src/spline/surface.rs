@@ -115,7 +115,7 @@ impl NurbsSurface {
         project(self.homogeneous_point(u, v))
     }
 
-    /// Numerator and weight of the point at (u, v), which is moved into the domain if it lies outside.
+    /// The homogeneous point (w x, w y, w z, w) at (u, v), coordinates in metres; parameters outside the domain are clamped to it.
     #[must_use]
     pub fn homogeneous_point(&self, u: f64, v: f64) -> DVec4 {
         let bases = self.bases(u, v);

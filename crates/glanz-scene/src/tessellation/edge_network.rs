@@ -122,7 +122,7 @@ impl<'a> EdgeNetwork<'a> {
                 if !window.meets(&points) {
                     continue;
                 }
-                // A part of an edge without length says nothing about the places on it.
+                // A part of an edge without length, or a number, says nothing about the places on it.
                 let shared = curve.edge.filter(|TrimEdgeDescription { range: [from, to], .. }| {
                     from.is_finite() && to.is_finite() && from != to
                 });
@@ -350,7 +350,7 @@ impl EdgeNetwork<'_> {
         }
     }
 
-    /// Patches with the largest distance of the chords of each of their edges from it, metres.
+    /// For each use of an edge, its patch and the largest distance of a chord from the edge, metres.
     pub(super) fn patch_deviations(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.edges.iter().flat_map(|edge| edge.uses.iter().map(|a_use| (a_use.patch, edge.deviation)))
     }

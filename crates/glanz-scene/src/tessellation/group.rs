@@ -88,10 +88,14 @@ fn patches(
     let made: Vec<_> = shapes
         .par_iter()
         .enumerate()
-        .map(|(number, shape)| match polygons(shape) {
-            _ if progress.is_cancelled() => (Ok(None), Ok(Vec::new())),
-            Some(polygons) => (polygons.map(Some), Ok(Vec::new())),
-            None => (Ok(None), MeshPatch::of_shape(number, shape)),
+        .map(|(number, shape)| {
+            if progress.is_cancelled() {
+                return (Ok(None), Ok(Vec::new()));
+            }
+            match polygons(shape) {
+                Some(polygons) => (polygons.map(Some), Ok(Vec::new())),
+                None => (Ok(None), MeshPatch::of_shape(number, shape)),
+            }
         })
         .collect();
     let mut patches = Vec::new();
@@ -126,7 +130,7 @@ pub(super) fn mesh(
     }
     let (network, triangulations) = triangulations(&patches, settings, progress);
     if progress.is_cancelled() {
-        // Patches have no triangulations.
+        // Some patches have no triangulation, so that the others would be paired wrongly.
         return outcome;
     }
     let filled: Vec<TriangulatedPatch> = triangulations

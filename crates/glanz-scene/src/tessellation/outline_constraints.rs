@@ -43,6 +43,9 @@ const MAX_DETOURS: usize = 64;
 /// Largest number of flaps of an outline; loops that lie on each other have many.
 const MAX_FLAPS: usize = 1 << 16;
 
+/// Largest number of segments of a conflict: edges that lie on each other are divided by and by.
+const MAX_SEGMENTS: usize = 64;
+
 impl OutlineConstraints {
     /// Adds all segments of an outline. `handles`: for each of its points.
     pub(super) fn new(
@@ -77,8 +80,10 @@ impl OutlineConstraints {
                 return;
             }
             segments.push(number);
+            if !self.add_flaps([from, to, via], 1) {
+                return;
+            }
             self.conflicts.push(OutlineConflict { segments, height: height(sites, via, [from, to]) });
-            self.add_flaps([from, to, via], 1);
             waiting.extend([[via, to], [from, via]]);
         }
     }
@@ -96,7 +101,9 @@ impl OutlineConstraints {
             let candidates = match intersection {
                 Intersection::EdgeIntersection(edge) if edge.is_constraint_edge() => {
                     let known = self.segments.get(&ascending(edge.vertices().map(|end| end.index())));
-                    crossed.extend(known.into_iter().flatten());
+                    crossed.extend(
+                        known.into_iter().flatten().take(MAX_SEGMENTS - crossed.len().min(MAX_SEGMENTS)),
+                    );
                     edge.vertices().map(|end| end.fix()).to_vec()
                 }
                 Intersection::VertexIntersection(vertex) => vec![vertex.fix()],
@@ -112,19 +119,23 @@ impl OutlineConstraints {
         nearest.map(|(_, vertex)| (vertex, crossed))
     }
 
-    /// Adds a flap this many times.
-    pub(super) fn add_flaps(&mut self, corners: [FixedVertexHandle; 3], count: usize) {
-        if count > MAX_FLAPS - self.flaps.len() {
-            self.is_incomplete = true;
-        } else {
+    /// Adds a flap this many times. Returns whether there are not too many.
+    pub(super) fn add_flaps(&mut self, corners: [FixedVertexHandle; 3], count: usize) -> bool {
+        let is_few = count <= MAX_FLAPS - self.flaps.len();
+        if is_few {
             self.flaps.extend(std::iter::repeat_n(corners, count));
         }
+        self.is_incomplete |= !is_few;
+        is_few
     }
 
     /// Notes that the segments along these edges are in the wrong order.
     pub(super) fn add_conflict(&mut self, edges: [[usize; 2]; 3], height: f64) {
         let known = edges.iter().filter_map(|&ends| self.segments.get(&ascending(ends)));
-        self.conflicts.push(OutlineConflict { segments: known.flatten().copied().collect(), height });
+        self.conflicts.push(OutlineConflict {
+            segments: known.flatten().copied().take(MAX_SEGMENTS).collect(),
+            height,
+        });
     }
 
     fn constrain(
@@ -158,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn flaps_of_loops_on_each_other_are_limited() {
+    fn the_number_of_flaps_is_limited() {
         let mut outline = OutlineConstraints::default();
         let corners = [0, 1, 2].map(FixedVertexHandle::from_index);
         outline.add_flaps(corners, MAX_FLAPS);

@@ -240,9 +240,9 @@ impl<'a> EdgeSampler<'a> {
 
     /// Adds the samples between two fractions, and returns the largest distance of a chord from the edge, metres.
     fn divide(&self, low: f64, high: f64, depth: u32, fractions: &mut Vec<f64>) -> f64 {
-        let (is_chord, strays) = self.chord(low, high);
+        let (is_chord, distance) = self.chord(low, high);
         if is_chord || depth == 0 {
-            return strays;
+            return distance;
         }
         let middle = 0.5 * (low + high);
         let before = self.divide(low, middle, depth - 1, fractions);
@@ -250,7 +250,7 @@ impl<'a> EdgeSampler<'a> {
         before.max(self.divide(middle, high, depth - 1, fractions))
     }
 
-    /// Whether a chord is as close to the edge as the settings demand, and its distance from it.
+    /// Whether a chord is as close to the edge as the settings demand, and its distance from it; if it is too far, that of triangles next to it as well.
     fn chord(&self, low: f64, high: f64) -> (bool, f64) {
         /// Points compared on a smooth curve, and at most.
         const POINTS: [usize; 2] = [8, 256];
@@ -271,7 +271,8 @@ impl<'a> EdgeSampler<'a> {
             return (true, strays);
         }
         let angle = if length <= deviation { angle.max(FRAC_PI_2) } else { angle };
-        (strays.max(self.image_bend(low, high)) <= deviation && turn <= angle, strays)
+        let beside = strays.max(self.image_bend(low, high));
+        if beside > deviation { (false, beside) } else { (turn <= angle, strays) }
     }
 
     /// How much the line that is straight in the parameters of a patch bends between two fractions, metres: triangles next to the chord end there.

@@ -367,3 +367,14 @@ fn splines_with_common_borders_are_joined_whichever_way_they_run() {
     let apart = alone(strip(1.0, true)) + alone(strip(-1.0, false));
     assert!(common > 4 && mesh.positions.len() == apart - common, "{common} {apart}");
 }
+
+#[test]
+fn the_deviation_is_that_of_chords_where_surfaces_are_flat() {
+    let disc = ShapeDescription::rectangle([-1.0, 1.0], [-1.0, 1.0])
+        .trimmed(trim(vec![vec![circle([0.5; 2], [0.4; 2], true)]]));
+    for deviation in [0.01, 1e-3] {
+        let (_, measured) = tessellate(vec![disc.clone()], deviation);
+        // Halved chords deviate by a quarter.
+        assert!((0.2 * deviation..=deviation).contains(&measured), "{measured} of {deviation}");
+    }
+}

@@ -172,13 +172,15 @@ impl PatchTriangulation {
             let height = height(&face.vertices().map(|corner| corner.data().point));
             if height <= APART * settings.deviation {
                 let edges = face.adjacent_edges().map(|edge| edge.vertices().map(|end| end.index()));
-                self.outline.add_conflict(edges, height);
                 let corners = face.vertices().map(|corner| corner.fix());
                 // As often as the outline goes around them, so that no side is open.
                 let [a, b, c] = corners;
                 let corners = if winding < 0 { [a, c, b] } else { corners };
                 let missing = if winding < 0 { winding.unsigned_abs() } else { winding as u32 - 1 } as usize;
-                self.outline.add_flaps(corners, missing);
+                if !self.outline.add_flaps(corners, missing) {
+                    break;
+                }
+                self.outline.add_conflict(edges, height);
             }
         }
     }
@@ -203,14 +205,14 @@ impl PatchTriangulation {
         let mut deviation: HashMap<[usize; 3], f64> = HashMap::new();
         let mut far = 0.0_f64;
         for _ in 0..ROUNDS {
-            if cancel.is_cancelled() {
-                return done;
-            }
             let inside = self.inside(patch);
             let mut wanted: Vec<DVec2> = Vec::new();
             let mut known: HashSet<[u64; 2]> = HashSet::new();
             far = 0.0;
             for face in self.sites.inner_faces().filter(|face| inside[face.index()]) {
+                if cancel.is_cancelled() {
+                    return done;
+                }
                 let key = face_key(&face);
                 if close.contains(&key) {
                     continue;
@@ -274,8 +276,8 @@ impl PatchTriangulation {
             return;
         }
         let inside = self.inside(patch);
-        let rows: Vec<Vec<DVec3>> =
-            vs.iter().map(|&v| us.iter().map(|&u| patch.point(DVec2::new(u, v))).collect()).collect();
+        let row = |&v: &f64| us.iter().map(|&u| patch.point(DVec2::new(u, v))).collect();
+        let rows: Vec<Vec<DVec3>> = vs.iter().take_while(|_| !cancel.is_cancelled()).map(row).collect();
         // Rows become shorter towards a pole.
         let step = |i: usize| {
             let chord = |row: &Vec<DVec3>| row[i].distance(row[i - 1]);

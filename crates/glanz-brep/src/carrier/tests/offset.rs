@@ -135,7 +135,7 @@ fn offsets_of_sharp_splines_are_divided_where_they_bend() {
 
 #[test]
 fn offsets_of_turned_splines_are_divided_along_the_profile_alone() {
-    // A vase of radii between 10 and 20 mm, as CAD systems write it: a rational spline, here with its rim at the end of the offset.
+    // A vase of radii between 10 and 20 mm.
     let profile = [(0.012, 0.0), (0.020, 0.015), (0.010, 0.035), (0.015, 0.050)];
     let points = profile.map(|(x, z)| at(x, 0.0, z).extend(1.0)).to_vec();
     let knots = [0, 0, 0, 0, 1, 1, 1, 1].map(f64::from).to_vec();

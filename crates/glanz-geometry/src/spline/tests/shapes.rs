@@ -198,3 +198,31 @@ fn closest_point_is_no_farther_than_any_of_a_dense_grid() {
         assert!(found.distance - found.lower_bound <= 2e-9, "{found:?}");
     }
 }
+
+#[test]
+fn a_quarter_of_a_cylinder_goes_through_its_homogeneous_points() {
+    let half = 0.5_f64.sqrt();
+    let net = [[1.0, 0.0, 1.0], [half, half, half], [0.0, 1.0, 1.0]];
+    let points = net.iter().flat_map(|&[x, y, w]| [0.0, 1.0].map(|z| DVec4::new(x, y, z * w, w))).collect();
+    let knots = |degree: usize| KnotVector::clamped_uniform(degree, degree + 1).unwrap();
+    let quarter = NurbsSurface::from_knots(knots(2), knots(1), points).unwrap();
+    // Of a higher degree, to which numerator and weight belong, too.
+    let [knots_u, knots_v] = [knots(4), knots(2)];
+    let [us, vs] = [knots_u.greville(), knots_v.greville()];
+    let at = |u: &f64| vs.iter().map(|v| quarter.homogeneous_point(*u, *v)).collect::<Vec<_>>();
+    let mut through: Vec<DVec4> = us.iter().flat_map(at).collect();
+    let found =
+        NurbsSurface::interpolate_homogeneous_at([knots_u.clone(), knots_v.clone()], [&us, &vs], &through)
+            .unwrap();
+    for i in 0..=20 {
+        let (u, v) = (f64::from(i) / 20.0, 0.3);
+        assert!(found.point(u, v).distance(quarter.point(u, v)) < 1e-14);
+        assert!((found.point(u, v).truncate().length() - 1.0).abs() < 1e-14);
+    }
+    // Weights that change steeply.
+    for (i, point) in through.iter_mut().enumerate() {
+        *point *= if i % 2 == 0 { 1.0 } else { 1e-3 };
+    }
+    let steep = NurbsSurface::interpolate_homogeneous_at([knots_u, knots_v], [&us, &vs], &through);
+    assert!(matches!(steep, Err(SurfaceError::NotPositive { .. })), "{steep:?}");
+}

@@ -49,7 +49,7 @@ fn filling_ends_when_it_is_cancelled() {
     let cancel = CancelFlag::default();
     let progress = TessellationProgress::new(cancel.clone());
     let is_over = AtomicBool::new(false);
-    // As many patches as threads are filled to their end.
+    // As many patches as threads are filled when the end is requested.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     std::thread::scope(|scope| {
         scope.spawn(|| {
