@@ -22,6 +22,7 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
     match fs::metadata(path) {
         Ok(found) if found.is_dir() => return Err(FileFault::IsFolder.of(path)),
         Ok(found) if found.permissions().readonly() => return Err(FileFault::ReadOnly.of(path)),
+        Err(error) if path.is_symlink() => return Err(FileFault::NotWritable(error).of(path)),
         _ => {}
     }
     // Permissions alone do not suffice (read-only file systems, access lists): a file with a unique name is created as a test.
@@ -40,7 +41,7 @@ pub fn check_checkpoint(path: &Path, resume: bool) -> Result<(), Error> {
     if path.exists() && !resume { Err(FileFault::Exists.of(path)) } else { Ok(()) }
 }
 
-/// The files of a command or a job, none of which may be used in two ways.
+/// The files of a command, none of which may be used in two ways.
 #[derive(Debug, Default)]
 pub struct FileUses {
     inputs: Vec<FileIdentity>,
@@ -67,16 +68,24 @@ impl FileUses {
     ///
     /// # Errors
     /// That of [`FileUses::add_input`].
-    pub fn add_inputs<'a>(&mut self, paths: impl IntoIterator<Item = &'a PathBuf>) -> Result<(), Error> {
-        paths.into_iter().try_for_each(|path| self.add_input(path))
+    pub fn add_inputs<P: AsRef<Path>>(&mut self, paths: impl IntoIterator<Item = P>) -> Result<(), Error> {
+        paths.into_iter().try_for_each(|path| self.add_input(path.as_ref()))
     }
 
     /// Adds a file that is written, and checks that it can be created or replaced, without changing it.
     ///
     /// # Errors
-    /// [`Error::File`]: [`FileFault::IsInput`] and [`FileFault::IsOutput`] for a file that is used already, also by another name or link.
+    /// Those of [`check_writable`] and [`FileUses::add_result`].
     pub fn add_output(&mut self, path: &Path) -> Result<(), Error> {
         check_writable(path)?;
+        self.add_result(path)
+    }
+
+    /// Adds a file that is written in a folder that may still have to be made.
+    ///
+    /// # Errors
+    /// [`FileFault::IsInput`] and [`FileFault::IsOutput`] for a file that is used already, also by another name or link.
+    pub fn add_result(&mut self, path: &Path) -> Result<(), Error> {
         let Some(identity) = FileIdentity::of(path) else { return Ok(()) };
         if self.inputs.contains(&identity) {
             return Err(FileFault::IsInput.of(path));
@@ -93,39 +102,28 @@ impl FileUses {
     /// # Errors
     /// Those of [`FileUses::add_output`], and [`FileFault::Exists`] for an existing one that is not to be resumed.
     pub fn add_checkpoint(&mut self, path: &Path, resume: bool) -> Result<(), Error> {
-        self.add_output(path)?;
-        check_checkpoint(path, resume)
+        check_checkpoint(path, resume)?;
+        self.add_result(path)
     }
 }
 
-/// What tells whether two paths are one file.
+/// A path by which a file is recognised: without links, also where only its folder exists. Files are replaced as a whole, so that another hard
+/// link keeps its content.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum FileIdentity {
-    /// Of a file with several names, which are links to it: its file system and its number there.
-    #[cfg(unix)]
-    Numbers([u64; 2]),
-    /// The path without links; of a file that does not exist yet, that of its folder and its name.
-    Path(PathBuf),
-}
+struct FileIdentity(PathBuf);
 
 impl FileIdentity {
     /// `None` for devices and pipes, which may be used more than once, and for a file without a folder.
     fn of(path: &Path) -> Option<Self> {
-        let Ok(found) = fs::metadata(path) else {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?;
-            return Some(Self::Path(folder.join(path.file_name()?)));
-        };
-        if !found.is_file() {
-            return None;
+        match fs::metadata(path) {
+            Ok(found) if !found.is_file() => None,
+            Ok(_) => fs::canonicalize(path).ok().map(Self),
+            Err(_) => {
+                let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+                let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?;
+                Some(Self(folder.join(path.file_name()?)))
+            }
         }
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::MetadataExt;
-            Some(Self::Numbers([found.dev(), found.ino()]))
-        }
-        #[cfg(not(unix))]
-        fs::canonicalize(path).ok().map(Self::Path)
     }
 }
 
@@ -194,14 +192,12 @@ mod tests {
         assert!(matches!(faults(&[(&new, false), (&around, false)])[1], Some(FileFault::IsOutput)));
         #[cfg(unix)]
         {
-            let [hard, soft] = ["hard", "soft"].map(|name| folder.join(name));
-            fs::hard_link(&scene, &hard).unwrap();
+            let [soft, dangling] = ["soft", "dangling"].map(|name| folder.join(name));
             std::os::unix::fs::symlink(&scene, &soft).unwrap();
-            for link in [&hard, &soft] {
-                assert!(matches!(faults(&[(&scene, true), (link, false)])[1], Some(FileFault::IsInput)));
-            }
-            let null = Path::new("/dev/null");
-            assert!(faults(&[(null, true), (null, true)]).iter().all(Option::is_none));
+            assert!(matches!(faults(&[(&scene, true), (&soft, false)])[1], Some(FileFault::IsInput)));
+            std::os::unix::fs::symlink(folder.join("missing"), &dangling).unwrap();
+            assert!(matches!(faults(&[(&dangling, false)])[0], Some(FileFault::NotWritable(_))));
+            assert_eq!(FileIdentity::of(Path::new("/dev/null")), None);
         }
         fs::remove_dir_all(&folder).unwrap();
     }

@@ -55,7 +55,7 @@ mod running_job;
 #[cfg(feature = "radiosity")]
 pub use bake::{BakeBuilder, BakeOutcome, LightFile};
 #[cfg(all(feature = "radiosity", feature = "formats"))]
-pub use bake::{ModelFiles, ModelSettings, check_model_path};
+pub use bake::{ModelFiles, ModelSettings, check_model_path, page_path};
 #[cfg(feature = "formats")]
 pub use convert::{ChordalDeviation, MeshOutcome, MeshSettings, SolidCounts, is_exact_path};
 pub use error::{Error, FileFault};

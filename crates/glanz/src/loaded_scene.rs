@@ -77,7 +77,7 @@ impl LoadedScene {
     /// The paths of all files on disk that were read.
     #[cfg(feature = "formats")]
     #[must_use]
-    pub fn files(&self) -> &[std::path::PathBuf] {
+    pub fn paths(&self) -> &[std::path::PathBuf] {
         self.sources.paths()
     }
 

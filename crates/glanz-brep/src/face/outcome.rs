@@ -52,12 +52,9 @@ pub enum FaceRepair {
     /// The boundary of a surface that has borders is missing.
     #[error("it has no boundary; the whole surface is taken")]
     MissingBoundary,
-    /// The profile of a surface of revolution crosses the axis too often to be divided there.
-    #[error("its profile crosses the axis more than {most} times; all of it is taken")]
-    WholeProfile {
-        /// Most crossings at which a profile is divided.
-        most: usize,
-    },
+    /// The profile of a surface of revolution crosses or passes the axis too often to be divided there.
+    #[error("its profile crosses or passes the axis too often to be divided there; all of it is taken")]
+    WholeProfile,
     /// A surface that cannot be taken over exactly is approximated.
     #[error("its surface is approximated to {deviation:.1e} m")]
     FittedSurface {

@@ -23,7 +23,7 @@ const MOST_HALVINGS: u32 = 12;
 /// Least number of parts of a curve between whose ends it is sampled.
 const SAMPLES: usize = 16;
 
-/// Most samples at knots; of more crossings, evenly many are left out.
+/// Most samples at knots, with one more for each chord; of more crossings, only one in so many is one.
 const MOST_KNOTS: u64 = 4096;
 
 /// Most parts of a curve with widths of their own; a meridian with the largest ratio of stretches has fewer than a dozen.
@@ -39,31 +39,39 @@ pub(super) struct StretchedCurve<'a> {
 }
 
 /// The knots of a spline in one parameter, numbered from that at the start of its domain on.
-struct PeriodicKnots {
-    breaks: Vec<f64>,
+struct PeriodicKnots<'a> {
+    /// Those of the domain; some repeat.
+    knots: &'a [f64],
     /// The length after which they repeat.
     period: Option<f64>,
 }
 
-impl PeriodicKnots {
-    /// The number of the first knot above a value, or not below it: with `inclusive`, one at the value is counted among those before.
-    fn count_to(&self, value: f64, inclusive: bool) -> i64 {
-        let Some(period) = self.period else { return self.count_in(&self.breaks, value, inclusive) };
-        let turns = ((value - self.breaks[0]) / period).floor();
-        let whole = &self.breaks[..self.breaks.len() - 1];
-        // Of far more turns than a curve has, numbers would overflow.
-        let turns = turns.clamp(-1e9, 1e9);
-        turns as i64 * whole.len() as i64 + self.count_in(whole, value - turns * period, inclusive)
+impl<'a> PeriodicKnots<'a> {
+    fn new(knots: &'a KnotVector, period: Option<f64>) -> Self {
+        Self { knots: knots.knots().get(knots.degree()..=knots.count()).unwrap_or_default(), period }
     }
 
-    fn count_in(&self, breaks: &[f64], value: f64, inclusive: bool) -> i64 {
-        breaks.partition_point(|knot| *knot < value || inclusive && *knot == value) as i64
+    /// The number of the first knot that is not below a value; with `above`, of the first above it.
+    fn first(&self, value: f64, above: bool) -> i64 {
+        let count_in = |knots: &[f64], value: f64| {
+            knots.partition_point(|knot| *knot < value || above && *knot == value) as i64
+        };
+        let (Some(period), [start, .., _]) = (self.period, self.knots) else {
+            return count_in(self.knots, value);
+        };
+        let whole = &self.knots[..self.knots.len() - 1];
+        // Of far more turns than a curve has, numbers would overflow.
+        let turns = ((value - start) / period).floor().clamp(-1e9, 1e9);
+        turns as i64 * whole.len() as i64 + count_in(whole, value - turns * period)
     }
 
     fn at(&self, number: i64) -> f64 {
-        let Some(period) = self.period else { return self.breaks[number as usize] };
-        let count = self.breaks.len() as i64 - 1;
-        self.breaks[number.rem_euclid(count) as usize] + number.div_euclid(count) as f64 * period
+        let Some(period) = self.period else {
+            return self.knots.get(number as usize).copied().unwrap_or(f64::NAN);
+        };
+        let count = self.knots.len() as i64 - 1;
+        let knot = self.knots.get(number.rem_euclid(count) as usize).copied().unwrap_or(f64::NAN);
+        knot + number.div_euclid(count) as f64 * period
     }
 }
 
@@ -106,18 +114,18 @@ impl<'a> StretchedCurve<'a> {
         }
         let (surface, periods) = (spline.surface(), spline.periods());
         let knots = [surface.knots_u(), surface.knots_v()];
-        let knots = [0, 1].map(|axis| PeriodicKnots { breaks: knots[axis].breaks(), period: periods[axis] });
+        let knots = [0, 1].map(|axis| PeriodicKnots::new(knots[axis], periods[axis]));
         let points: Vec<DVec2> =
             places.iter().map(|t| self.curve.point_and_derivative(*t).0 / self.metric).collect();
         // On each chord, the numbers of the knots of each axis that it crosses.
         let chords = || places.windows(2).zip(points.windows(2));
         let crossed = |ends: &[DVec2], axis: usize| {
             let (a, b) = (ends[0][axis], ends[1][axis]);
-            knots[axis].count_to(a.min(b), true)..knots[axis].count_to(a.max(b), false)
+            knots[axis].first(a.min(b), true)..knots[axis].first(a.max(b), false)
         };
         let lengths = chords().flat_map(|(_, ends)| [0, 1].map(|axis| crossed(ends, axis)));
         let total: u64 = lengths.map(|range| (range.end - range.start).max(0) as u64).sum();
-        let step = total.div_ceil(MOST_KNOTS).max(1) as usize;
+        let step = usize::try_from(total.div_ceil(MOST_KNOTS)).unwrap_or(usize::MAX).max(1);
         for (places, ends) in chords() {
             for axis in [0, 1] {
                 let (a, b) = (ends[0][axis], ends[1][axis]);
@@ -328,18 +336,14 @@ mod tests {
 
     #[test]
     fn knots_repeat_after_a_period() {
-        let knots = PeriodicKnots { breaks: vec![0.0, 1.0, 3.0, 4.0], period: Some(4.0) };
+        let knots = PeriodicKnots { knots: &[0.0, 1.0, 3.0, 4.0], period: Some(4.0) };
         let all: Vec<f64> = (-4..5).map(|i| knots.at(i)).collect();
         assert_eq!(all, [-5.0, -4.0, -3.0, -1.0, 0.0, 1.0, 3.0, 4.0, 5.0]);
         for (i, value) in (-4..).zip(&all) {
-            assert_eq!(
-                [false, true].map(|inclusive| knots.count_to(*value, inclusive)),
-                [i, i + 1],
-                "{value}"
-            );
+            assert_eq!([false, true].map(|above| knots.first(*value, above)), [i, i + 1], "{value}");
         }
         let once = PeriodicKnots { period: None, ..knots };
-        assert_eq!([-1.0, 0.0, 2.0, 9.0].map(|value| once.count_to(value, false)), [0, 0, 2, 4]);
+        assert_eq!([-1.0, 0.0, 2.0, 9.0].map(|value| once.first(value, false)), [0, 0, 2, 4]);
     }
 
     #[test]

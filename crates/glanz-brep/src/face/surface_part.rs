@@ -18,7 +18,7 @@ const PROFILE_SAMPLES: u32 = 4;
 /// Most crossings at which a profile is divided, more than any reflector has: each part is compared with the edges of each face.
 const MOST_CROSSINGS: usize = 16;
 
-/// Most places at which a curve changes its side of the axis that are looked at: beside the axis, each is searched in vain.
+/// Most places at which a curve changes its side of the axis that are tested: beside the axis, each is searched in vain.
 const MOST_CHANGES: usize = 1024;
 
 /// Of a torus whose tube meets the axis, and of a curve that is turned about an axis which it crosses, the part on which the edges lie.
@@ -165,14 +165,15 @@ impl<'a> CrossingProfile<'a> {
         let changes = far.windows(2).filter(|pair| (pair[0].1 < 0.0) != (pair[1].1 < 0.0));
         // A curve askew to the axis changes its side beside it.
         let on_axis = tolerance.max(f64::EPSILON.sqrt() * farthest.length());
+        let is_many = changes.clone().nth(MOST_CHANGES).is_some();
         let crossings: Vec<f64> = changes
             .take(MOST_CHANGES)
             .map(|pair| profile.crossing([pair[0].0, pair[1].0]))
             .filter(|t| radial(*t).length() <= on_axis)
             .take(MOST_CROSSINGS + 1)
             .collect();
-        if crossings.len() > MOST_CROSSINGS {
-            return Err(FaceRepair::WholeProfile { most: MOST_CROSSINGS });
+        if is_many || crossings.len() > MOST_CROSSINGS {
+            return Err(FaceRepair::WholeProfile);
         }
         let (Some(&first), Some(&last)) = (crossings.first(), crossings.last()) else { return Ok(None) };
         let ends: Vec<f64> = [range[0]].into_iter().chain(crossings).chain([range[1]]).collect();

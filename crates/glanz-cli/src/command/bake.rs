@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use glanz::file::FileUses;
-use glanz::{BakeOutcome, Error, ModelFiles};
+use glanz::{BakeOutcome, Error, ModelFiles, page_path};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
@@ -39,10 +39,10 @@ struct BakeReport {
 /// A scene, setting or file that is refused.
 pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let method = arguments.method().map_err(CommandError::usage)?;
-    let mut files = files(arguments).map_err(command_error(messages))?;
+    let mut uses = files(arguments).map_err(command_error(messages))?;
     let strict = arguments.job.strictness.strict;
     let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
-    files.add_inputs(scene.files()).map_err(command_error(messages))?;
+    uses.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     let start = Instant::now();
     let cancel = interrupt::listen()?;
@@ -59,7 +59,11 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
         Err(error) => return Err(command_error(messages)(error)),
     };
     warnings.extend(outcome.warnings.iter().map(ToString::to_string));
-    let files = outcome.save_with(&arguments.output, &arguments.model()).map_err(command_error(messages))?;
+    let model = arguments.model();
+    let pages =
+        (1..outcome.atlas.pages.len()).map(|page| page_path(&arguments.output, page, model.irradiance));
+    pages.into_iter().try_for_each(|path| uses.add_output(&path)).map_err(command_error(messages))?;
+    let files = outcome.save_with(&arguments.output, &model).map_err(command_error(messages))?;
     let report = report_of(arguments, &outcome, &files, start, warnings);
     messages.note(&format!(
         "wrote {}: {} of light in {} of {} x {}, {}, in {}",
@@ -77,11 +81,13 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
     Ok(CommandOutcome::Done)
 }
 
-/// The files that are written; those that cannot be are refused.
+/// The scene, and the files that are written; those that cannot be are refused.
 fn files(arguments: &BakeArguments) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
+    files.add_input(&arguments.scene.scene)?;
     glanz::check_model_path(&arguments.output)?;
     files.add_output(&arguments.output)?;
+    files.add_output(&page_path(&arguments.output, 0, arguments.model().irradiance))?;
     arguments.job.checkpoint.add_to(&mut files)?;
     Ok(files)
 }

@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
     files.add_output(&arguments.output).map_err(command_error(messages))?;
     let start = Instant::now();
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
-    files.add_inputs(scene.files()).map_err(command_error(messages))?;
+    files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     if exact {
         if arguments.has_mesh_settings() {

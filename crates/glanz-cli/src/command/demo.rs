@@ -28,5 +28,5 @@ pub(crate) fn run(arguments: &DemoArguments, messages: Messages) -> Result<Comma
     );
     let options = Options { strict: arguments.render.job.strictness.strict, ..Options::default() };
     let open = || print_diagnostics(glanz::open_str("demo.pbrt", SCENE, &options), messages);
-    render_scene(&arguments.render, Some(Path::new(PICTURE)), messages, open)
+    render_scene(&arguments.render, None, Some(Path::new(PICTURE)), messages, open)
 }

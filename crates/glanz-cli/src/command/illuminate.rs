@@ -41,7 +41,7 @@ pub(crate) fn run(
     let (mut outcomes, mut warnings) = (Vec::new(), Vec::new());
     for path in &paths {
         let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
-        files.add_inputs(scene.files()).map_err(command_error(messages))?;
+        files.add_inputs(scene.paths()).map_err(command_error(messages))?;
         glanz::file::make_folder(&arguments.output).map_err(command_error(messages))?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
@@ -58,6 +58,12 @@ pub(crate) fn run(
         warnings.extend(outcome.warnings.iter().map(ToString::to_string));
         outcomes.push(outcome);
     }
+    let results = match outcomes.as_slice() {
+        [outcome] => outcome.paths(&arguments.output),
+        // Each design has a folder of its own.
+        _ => Vec::new(),
+    };
+    results.iter().try_for_each(|path| files.add_result(path)).map_err(command_error(messages))?;
     let written = saved(arguments, &outcomes).map_err(command_error(messages))?;
     let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     if !messages.is_quiet() && !arguments.job.verbosity.json {
@@ -77,9 +83,10 @@ pub(crate) fn run(
     Ok(if interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
 }
 
-/// The files that are written beside those in the folder of results; those that cannot be written are refused.
+/// The scenes, and the files that are written beside those in the folder of results; those that cannot be are refused.
 fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
+    files.add_inputs([&arguments.scene.scene].into_iter().chain(&arguments.compare))?;
     for path in &arguments.far_field {
         glanz::check_far_field_path(path)?;
         files.add_output(path)?;

@@ -31,7 +31,7 @@ pub(crate) fn run(
     let open = || scene_file::open_cut_model(arguments, messages);
     match arguments.turntable {
         Some(count) => turntable::run(open()?, render, count, messages),
-        None => render_scene(render, None, messages, open),
+        None => render_scene(render, Some(&arguments.model.scene), None, messages, open),
     }
 }
 
@@ -89,6 +89,7 @@ impl GuideReport {
 /// A scene, setting or file that is refused.
 pub(crate) fn render_scene(
     arguments: &RenderArguments,
+    scene: Option<&Path>,
     default_output: Option<&Path>,
     messages: Messages,
     open: impl FnOnce() -> Result<LoadedScene, CommandError>,
@@ -96,11 +97,11 @@ pub(crate) fn render_scene(
     let cancel = interrupt::listen()?;
     // Everything that does not depend on the scene is checked before reading it, which may take long.
     let tone = arguments.tone.tone();
-    let mut files = files(arguments).map_err(command_error(messages))?;
+    let mut files = files(arguments, scene).map_err(command_error(messages))?;
     let named = Outputs::try_new(&arguments.output, tone, &mut files, messages)?;
 
     let scene = open()?;
-    files.add_inputs(scene.files()).map_err(command_error(messages))?;
+    files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let name = scene.name().to_owned();
     let film_name = scene.description().film.file_name.as_deref();
     let default = || default_output.map_or_else(|| default_path(film_name, Path::new(&name)), PathBuf::from);
@@ -133,10 +134,10 @@ pub(crate) fn render_scene(
     finish(&picture, &name, &outputs, arguments, warnings, messages)
 }
 
-/// The files beside scene and pictures.
-fn files(arguments: &RenderArguments) -> Result<FileUses, Error> {
+/// The scene file, and those beside the pictures.
+fn files(arguments: &RenderArguments, scene: Option<&Path>) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
-    let inputs = [&arguments.guide_in, &arguments.light_in];
+    let inputs = [scene, arguments.guide_in.as_deref(), arguments.light_in.as_deref()];
     files.add_inputs(inputs.into_iter().flatten())?;
     arguments.job.checkpoint.add_to(&mut files)?;
     arguments.guide_out.as_deref().map_or(Ok(()), |path| files.add_output(path))?;

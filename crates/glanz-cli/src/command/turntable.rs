@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use glanz::LoadedScene;
+use glanz::file::FileUses;
 use glanz::scene::studio::{StudioSettings, TurntableFrame};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::arguments::RenderArguments;
 use crate::command::render::render_scene;
+use crate::command_error::command_error;
 use crate::outputs::default_path;
 
 /// Renders `count` pictures of the model.
@@ -31,12 +33,17 @@ pub(crate) fn run(
     if outputs.is_empty() {
         outputs.push(default_path(None, Path::new(scene.name())));
     }
+    let mut files = FileUses::default();
+    files.add_inputs(scene.paths()).map_err(command_error(messages))?;
+    let frames =
+        (0..count).flat_map(|number| outputs.iter().map(move |path| frame_path(path, number, count)));
+    frames.into_iter().try_for_each(|path| files.add_result(&path)).map_err(command_error(messages))?;
     for number in 0..count {
         let mut arguments = arguments.clone();
         arguments.output = outputs.iter().map(|path| frame_path(path, number, count)).collect();
         let turntable = Some(TurntableFrame { number, count });
         let frame = scene.clone().studio(StudioSettings { turntable, ..settings.clone() });
-        if render_scene(&arguments, None, messages, || Ok(frame))? == CommandOutcome::Interrupted {
+        if render_scene(&arguments, None, None, messages, || Ok(frame))? == CommandOutcome::Interrupted {
             return Ok(CommandOutcome::Interrupted);
         }
     }

@@ -43,7 +43,7 @@ const MAX_DETOURS: usize = 64;
 /// Largest number of flaps of an outline; loops that lie on each other have many.
 const MAX_FLAPS: usize = 1 << 16;
 
-/// Largest number of segments of a conflict: edges that lie on each other are divided by and by.
+/// Largest number of segments of an edge that are divided in a round because of a conflict.
 const MAX_SEGMENTS: usize = 64;
 
 impl OutlineConstraints {
@@ -101,9 +101,8 @@ impl OutlineConstraints {
             let candidates = match intersection {
                 Intersection::EdgeIntersection(edge) if edge.is_constraint_edge() => {
                     let known = self.segments.get(&ascending(edge.vertices().map(|end| end.index())));
-                    crossed.extend(
-                        known.into_iter().flatten().take(MAX_SEGMENTS - crossed.len().min(MAX_SEGMENTS)),
-                    );
+                    crossed
+                        .extend(known.into_iter().flatten().take(MAX_SEGMENTS.saturating_sub(crossed.len())));
                     edge.vertices().map(|end| end.fix()).to_vec()
                 }
                 Intersection::VertexIntersection(vertex) => vec![vertex.fix()],
@@ -132,10 +131,8 @@ impl OutlineConstraints {
     /// Notes that the segments along these edges are in the wrong order.
     pub(super) fn add_conflict(&mut self, edges: [[usize; 2]; 3], height: f64) {
         let known = edges.iter().filter_map(|&ends| self.segments.get(&ascending(ends)));
-        self.conflicts.push(OutlineConflict {
-            segments: known.flatten().copied().take(MAX_SEGMENTS).collect(),
-            height,
-        });
+        let segments = known.flat_map(|numbers| numbers.iter().take(MAX_SEGMENTS)).copied().collect();
+        self.conflicts.push(OutlineConflict { segments, height });
     }
 
     fn constrain(

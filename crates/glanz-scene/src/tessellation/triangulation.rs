@@ -177,10 +177,9 @@ impl PatchTriangulation {
                 let [a, b, c] = corners;
                 let corners = if winding < 0 { [a, c, b] } else { corners };
                 let missing = if winding < 0 { winding.unsigned_abs() } else { winding as u32 - 1 } as usize;
-                if !self.outline.add_flaps(corners, missing) {
-                    break;
+                if self.outline.add_flaps(corners, missing) {
+                    self.outline.add_conflict(edges, height);
                 }
-                self.outline.add_conflict(edges, height);
             }
         }
     }

@@ -28,7 +28,7 @@ use light_file::{BakeStart, LightIdentity};
 
 pub use light_file::LightFile;
 #[cfg(feature = "formats")]
-pub use model_files::{ModelFiles, ModelSettings, check_model_path};
+pub use model_files::{ModelFiles, ModelSettings, check_model_path, page_path};
 pub use outcome::BakeOutcome;
 
 /// Largest side of an element: metres, and relative to the diagonal of the scene.

@@ -154,8 +154,9 @@ pub fn check_model_path(path: &Path) -> Result<(), Error> {
     if is_model { Ok(()) } else { Err(FileFault::Extension("models").of(path)) }
 }
 
-/// The file of a page: beside the model, with its number from the second on.
-fn page_path(model: &Path, number: usize, format: Format) -> PathBuf {
+/// The file of a page of light: beside the model, with its number from the second on.
+#[must_use]
+pub fn page_path(model: &Path, number: usize, format: Format) -> PathBuf {
     let extension = if format == Format::Png { "png" } else { "exr" };
     if number == 0 {
         return model.with_extension(extension);

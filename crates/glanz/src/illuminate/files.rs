@@ -17,6 +17,12 @@ use crate::file;
 /// The JSON report.
 pub(super) const REPORT: &str = "report.json";
 
+/// All reports.
+const REPORTS: [&str; 3] = ["report.html", REPORT, "summary.txt"];
+
+/// The extensions of the files of a map.
+const MAP_EXTENSIONS: [&str; 4] = ["csv", "svg", "exr", "png"];
+
 impl IlluminateOutcome {
     /// Writes reports and maps into a folder, which is created if necessary; returns the files.
     ///
@@ -28,14 +34,25 @@ impl IlluminateOutcome {
     pub fn save(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
         let mut files = ReportFolder::try_new(folder.as_ref())?;
         files.write_reports(&self.report)?;
-        let mut names = FileNames::default();
-        for map in &self.report.maps {
-            files.write_map(&names.of_map(&map.name, ""), map)?;
-        }
-        for map in &self.integrated {
-            files.write_map(&names.of_map(&map.name, " integrated"), map)?;
+        for (name, map) in self.named_maps() {
+            files.write_map(&name, map)?;
         }
         Ok(files.written)
+    }
+
+    /// The files that [`IlluminateOutcome::save`] writes.
+    pub fn paths(&self, folder: &Path) -> Vec<PathBuf> {
+        let maps = self.named_maps().into_iter();
+        let maps = maps.flat_map(|(name, _)| MAP_EXTENSIONS.map(|extension| format!("{name}.{extension}")));
+        REPORTS.map(str::to_owned).into_iter().chain(maps).map(|name| folder.join(name)).collect()
+    }
+
+    /// All maps with the names of their files, without extensions.
+    fn named_maps(&self) -> Vec<(String, &LuxMap)> {
+        let mut names = FileNames::default();
+        let counted = self.report.maps.iter().map(|map| (map, ""));
+        let integrated = self.integrated.iter().map(|map| (map, " integrated"));
+        counted.chain(integrated).map(|(map, more)| (names.of_map(&map.name, more), map)).collect()
     }
 }
 

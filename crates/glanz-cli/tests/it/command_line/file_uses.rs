@@ -25,6 +25,7 @@ fn outputs_are_not_other_outputs() {
             ("render small.pbrt --spp 1 --checkpoint small.exr", "small.exr"),
             ("render small.pbrt --spp 1 --integrator guided -o a.exr --guide-out a.exr", "a.exr"),
             ("bake small.pbrt -o a.glb --checkpoint a.glb", "a.glb"),
+            ("bake small.pbrt -o a.glb --checkpoint a.exr", "a.exr"),
         ],
     );
 }
@@ -37,12 +38,15 @@ fn outputs_are_not_inputs() {
     let textured = "Texture \"wood\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.png\"\nMaterial \"diffuse\" \"texture reflectance\" \"wood\"\n";
     folder.write("inner.pbrt", "Shape \"sphere\"\n");
     folder.write("scene.pbrt", format!("{SCENE}{textured}Include \"inner.pbrt\"\n"));
-    std::fs::hard_link(folder.path("wood.png"), folder.path("link.png")).expect("a link");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(folder.path("wood.png"), folder.path("link.png")).expect("a link");
     refused(
         &folder,
         &[
             ("render scene.pbrt --spp 1 -o wood.png", "wood.png"),
+            #[cfg(unix)]
             ("render scene.pbrt --spp 1 -o link.png", "link.png"),
+            ("bake scene.pbrt -o wood.glb --lightmap png", "wood.png"),
             ("render scene.pbrt --spp 1 -o a.png --checkpoint scene.pbrt --resume", "scene.pbrt"),
             ("render scene.pbrt --spp 1 --integrator guided -o a.png --guide-out inner.pbrt", "inner.pbrt"),
             ("bake scene.pbrt -o a.glb --checkpoint inner.pbrt --resume", "inner.pbrt"),
