@@ -49,7 +49,7 @@ pub struct FileUses {
 }
 
 impl FileUses {
-    /// Adds a file that is read.
+    /// Adds a file that is read. Devices and pipes are no files here.
     ///
     /// # Errors
     /// [`FileFault::IsInput`] if it is an output, also by another name or link.

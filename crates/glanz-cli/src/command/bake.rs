@@ -60,9 +60,9 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
     };
     warnings.extend(outcome.warnings.iter().map(ToString::to_string));
     let model = arguments.model();
-    let pages =
+    let mut pages =
         (1..outcome.atlas.pages.len()).map(|page| page_path(&arguments.output, page, model.irradiance));
-    pages.into_iter().try_for_each(|path| uses.add_output(&path)).map_err(command_error(messages))?;
+    pages.try_for_each(|path| uses.add_output(&path)).map_err(command_error(messages))?;
     let files = outcome.save_with(&arguments.output, &model).map_err(command_error(messages))?;
     let report = report_of(arguments, &outcome, &files, start, warnings);
     messages.note(&format!(

@@ -83,7 +83,7 @@ impl GuideReport {
     }
 }
 
-/// Renders the scene of `open`; to `default_output` or the file named in the scene, if the arguments name none.
+/// Renders the scene of `open`, which may be that of the file `scene`; to `default_output` or the file named in the scene, if the arguments name none.
 ///
 /// # Errors
 /// A scene, setting or file that is refused.

@@ -35,9 +35,9 @@ pub(crate) fn run(
     }
     let mut files = FileUses::default();
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
-    let frames =
+    let mut frames =
         (0..count).flat_map(|number| outputs.iter().map(move |path| frame_path(path, number, count)));
-    frames.into_iter().try_for_each(|path| files.add_result(&path)).map_err(command_error(messages))?;
+    frames.try_for_each(|path| files.add_result(&path)).map_err(command_error(messages))?;
     for number in 0..count {
         let mut arguments = arguments.clone();
         arguments.output = outputs.iter().map(|path| frame_path(path, number, count)).collect();

@@ -214,7 +214,8 @@ impl<'a> EdgeSampler<'a> {
         if distance(found) < distance(guess) { found } else { guess }
     }
 
-    /// Fractions of samples, ascending, from 0 to 1, and the largest distance of a chord from the edge, metres. A chord is never shorter than one half to the power of `depth` between two pins.
+    /// Fractions of samples, ascending, from 0 to 1, and the largest distance of a chord from the edge, metres. A chord is never shorter than one half
+    /// to the power of `depth` between two pins.
     pub(super) fn fractions(&self, depth: u32) -> (Vec<f64>, f64) {
         let mut ends: Vec<f64> = self.edge.pins.iter().map(|pin| pin.0).chain([0.0, 1.0]).collect();
         // Parts of one use may end where others go on.

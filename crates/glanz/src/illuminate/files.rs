@@ -40,7 +40,8 @@ impl IlluminateOutcome {
         Ok(files.written)
     }
 
-    /// The files that [`IlluminateOutcome::save`] writes.
+    /// The files that [`IlluminateOutcome::save`] writes into this folder.
+    #[must_use]
     pub fn paths(&self, folder: &Path) -> Vec<PathBuf> {
         let maps = self.named_maps().into_iter();
         let maps = maps.flat_map(|(name, _)| MAP_EXTENSIONS.map(|extension| format!("{name}.{extension}")));
@@ -102,9 +103,8 @@ impl<'a> ReportFolder<'a> {
         let json = serde_json::to_string_pretty(report);
         let mut json = json.map_err(Error::of_file(&self.folder.join(REPORT)))?;
         json.push('\n');
-        self.write("report.html", report.html().as_bytes())?;
-        self.write(REPORT, json.as_bytes())?;
-        self.write("summary.txt", report.text().as_bytes())
+        let texts = [report.html(), json, report.text()];
+        REPORTS.into_iter().zip(texts).try_for_each(|(name, text)| self.write(name, text.as_bytes()))
     }
 
     fn write_map(&mut self, name: &str, map: &LuxMap) -> Result<(), Error> {

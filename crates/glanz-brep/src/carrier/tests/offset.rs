@@ -129,6 +129,10 @@ fn offsets_of_sharp_splines_are_divided_where_they_bend() {
         assert!(converted.carrier.parameters(exact, None).distance <= converted.deviation);
     }
     let Carrier::Spline(spline) = &converted.carrier else { panic!("{converted:?}") };
+    // The parabola bends most in its middle, and is divided there alone.
+    let parts: Vec<f64> =
+        spline.surface().knots_u().breaks().windows(2).map(|ends| ends[1] - ends[0]).collect();
+    assert!(parts[parts.len() / 2] < 0.6 * parts[0], "{parts:?}");
     // No more than 64 parts along the parabola and one across.
     assert!(spline.surface().control_points().len() <= (64 + 5) * 6);
 }

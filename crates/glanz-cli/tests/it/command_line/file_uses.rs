@@ -34,23 +34,25 @@ fn outputs_are_not_other_outputs() {
 fn outputs_are_not_inputs() {
     let folder = Folder::new();
     folder.write("plain.pbrt", SCENE);
-    folder.succeed("render plain.pbrt --spp 1 --samples 0..1 -o wood.png --checkpoint part.glanz");
-    let textured = "Texture \"wood\" \"spectrum\" \"imagemap\" \"string filename\" \"wood.png\"\nMaterial \"diffuse\" \"texture reflectance\" \"wood\"\n";
+    folder.succeed("render plain.pbrt --spp 1 --samples 0..1 -o floor.png --checkpoint part.glanz");
+    let textured = "Texture \"wood\" \"spectrum\" \"imagemap\" \"string filename\" \"floor.png\"\nMaterial \"diffuse\" \"texture reflectance\" \"wood\"\n";
     folder.write("inner.pbrt", "Shape \"sphere\"\n");
     folder.write("scene.pbrt", format!("{SCENE}{textured}Include \"inner.pbrt\"\n"));
     #[cfg(unix)]
-    std::os::unix::fs::symlink(folder.path("wood.png"), folder.path("link.png")).expect("a link");
+    std::os::unix::fs::symlink(folder.path("floor.png"), folder.path("link.png")).expect("a link");
     refused(
         &folder,
         &[
-            ("render scene.pbrt --spp 1 -o wood.png", "wood.png"),
+            ("render scene.pbrt --spp 1 -o floor.png", "floor.png"),
             #[cfg(unix)]
             ("render scene.pbrt --spp 1 -o link.png", "link.png"),
-            ("bake scene.pbrt -o wood.glb --lightmap png", "wood.png"),
+            ("bake scene.pbrt -o floor.glb --lightmap png", "floor.png"),
             ("render scene.pbrt --spp 1 -o a.png --checkpoint scene.pbrt --resume", "scene.pbrt"),
             ("render scene.pbrt --spp 1 --integrator guided -o a.png --guide-out inner.pbrt", "inner.pbrt"),
             ("bake scene.pbrt -o a.glb --checkpoint inner.pbrt --resume", "inner.pbrt"),
             ("illuminate scene.pbrt -o lux --checkpoint inner.pbrt --resume", "inner.pbrt"),
+            // The room has a receiver of this name.
+            ("illuminate scene.pbrt --room 20 20 20 --cells 2 --rays 1000 -o . -q", "floor.png"),
             ("merge part.glanz -o a.exr --checkpoint part.glanz", "part.glanz"),
         ],
     );
