@@ -46,7 +46,7 @@ pub enum ShapeMaterial {
     /// A material added by [`SceneBuilder::material`].
     Named(String),
     /// A new material.
-    New(MaterialKind),
+    New(Box<MaterialKind>),
 }
 
 impl From<&str> for ShapeMaterial {
@@ -57,7 +57,7 @@ impl From<&str> for ShapeMaterial {
 
 impl From<MaterialKind> for ShapeMaterial {
     fn from(kind: MaterialKind) -> Self {
-        Self::New(kind)
+        Self::New(Box::new(kind))
     }
 }
 
@@ -122,7 +122,7 @@ impl SceneBuilder {
         let materials = &mut self.description.materials;
         match material {
             ShapeMaterial::New(kind) => {
-                materials.push(kind.into());
+                materials.push((*kind).into());
                 Ok(materials.len() - 1)
             }
             ShapeMaterial::Named(name) => materials.iter().rposition(|known| known.name == name).ok_or(name),

@@ -52,10 +52,20 @@ impl Interaction {
         }
     }
 
-    /// The frame of the BSDF: z is the shading normal. BSDFs are isotropic, so that its tangents may be any.
+    /// A frame for isotropic BSDFs: z is the shading normal, the tangents are any.
     #[must_use]
     pub fn frame(&self) -> Frame {
         Frame::from_z(self.point.shading_normal)
+    }
+
+    /// The frame for `bsdf`: z is the unit vector `normal`, and of an anisotropic BSDF the tangents follow the parameters of the surface.
+    #[must_use]
+    pub fn frame_of(&self, bsdf: &Bsdf, normal: DVec3) -> Frame {
+        if bsdf.is_anisotropic() {
+            Frame::from_z_and_tangent(normal, self.point.dpdu)
+        } else {
+            Frame::from_z(normal)
+        }
     }
 
     /// The BSDF at the point; `None` for an interface, which all rays pass.

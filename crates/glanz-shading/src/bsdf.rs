@@ -40,8 +40,12 @@ pub struct Lobe {
 impl Lobe {
     /// Diffuse reflection.
     pub const DIFFUSE: Self = Self { spread: Spread::Diffuse, transmission: false };
+    /// Diffuse transmission.
+    pub const DIFFUSE_TRANSMISSION: Self = Self { spread: Spread::Diffuse, transmission: true };
     /// A highlight.
     pub const GLOSSY: Self = Self { spread: Spread::Glossy, transmission: false };
+    /// A blurred refracted image.
+    pub const GLOSSY_TRANSMISSION: Self = Self { spread: Spread::Glossy, transmission: true };
     /// A mirror image.
     pub const SPECULAR_REFLECTION: Self = Self { spread: Spread::Specular, transmission: false };
     /// A refracted image.
@@ -62,7 +66,7 @@ pub struct BsdfSample {
     /// `f |cos| / pdf`, the factor on the throughput; for a delta lobe its reflectance or transmittance over the probability of its
     /// selection.
     pub weight: Spectrum,
-    /// `f |cos|` as of [`BsdfModel::eval`]; black for a delta lobe.
+    /// `f |cos|` as of [`BsdfModel::eval`], with the factor of refraction for importance; black for a delta lobe.
     pub value: Spectrum,
     /// Density of `wi` as of [`BsdfModel::pdf`]; infinite for a delta lobe, so that multiple importance sampling
     /// gives it all the weight.
@@ -80,15 +84,37 @@ impl BsdfSample {
     pub(crate) fn delta(wi: DVec3, weight: Spectrum, lobe: Lobe) -> Self {
         Self { wi, weight, value: Spectrum::BLACK, pdf: SolidAnglePdf(f64::INFINITY), lobe, eta_scale: 1.0 }
     }
+
+    /// The sample `wi` of a lobe of `model`, by what the model states for it; `None` where it scatters nothing.
+    pub(crate) fn drawn<M: BsdfModel>(
+        model: &M,
+        [wo, wi]: [DVec3; 2],
+        lobe: Lobe,
+        mode: TransportMode,
+    ) -> Option<Self> {
+        let (value, pdf) = (model.eval(wo, wi), model.pdf(wo, wi));
+        if !(pdf.0 > 0.0 && pdf.0.is_finite()) || value.is_black() {
+            return None;
+        }
+        let weight = value.map(|x| (f64::from(x) / pdf.0) as f32);
+        let scale = model.eta_scale(wo, wi);
+        Some(match mode {
+            TransportMode::Radiance => Self { wi, weight, value, pdf, lobe, eta_scale: scale },
+            TransportMode::Importance => {
+                Self { wi, weight: weight * scale, value: value * scale, pdf, lobe, eta_scale: 1.0 }
+            }
+        })
+    }
 }
 
 /// A scattering model at a point. `tests/it/contract.rs` runs over all of them.
 ///
 /// The frame: z is the shading normal, all directions have unit length and point away from the surface.
 /// Reflecting models do the same on both sides; only [`Dielectric`](crate::model::Dielectric) has an inside (z < 0) and an outside.
+/// The tangents x and y are those of the surface's parameters if the model is anisotropic, else any.
 ///
-/// A model has to state its lobes and draw samples. The other methods have defaults: those of a model with delta lobes only, and an
-/// estimate of the albedo.
+/// A model has to state its lobes and draw samples. The other methods have defaults: those of an isotropic model with delta lobes only,
+/// and an estimate of the albedo.
 pub trait BsdfModel {
     /// The lobes that [`BsdfModel::sample`] may draw from.
     const LOBES: &'static [Lobe];
@@ -98,7 +124,7 @@ pub trait BsdfModel {
     /// `xi` selects the direction within a lobe, `xi_lobe` the lobe; all in [0, 1).
     fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample>;
 
-    /// `f |cos theta_i|` without delta lobes, per steradian.
+    /// `f |cos theta_i|` without delta lobes, per steradian: the factor on radiance from `wi` that continues to `wo`.
     fn eval(&self, _wo: DVec3, _wi: DVec3) -> Spectrum {
         Spectrum::BLACK
     }
@@ -113,6 +139,21 @@ pub trait BsdfModel {
         !Self::LOBES.is_empty() && Self::LOBES.iter().all(|lobe| lobe.is_delta())
     }
 
+    /// Whether scattering depends on the tangents.
+    fn is_anisotropic(&self) -> bool {
+        false
+    }
+
+    /// Whether [`BsdfModel::eval`] can lead to the other side of the surface.
+    fn transmits(&self) -> bool {
+        Self::LOBES.iter().any(|lobe| lobe.transmission && !lobe.is_delta())
+    }
+
+    /// The factor as of [`BsdfSample::eta_scale`] of [`BsdfModel::eval`].
+    fn eta_scale(&self, _wo: DVec3, _wi: DVec3) -> f32 {
+        1.0
+    }
+
     /// All delta lobes, each with the whole fraction of light it carries as weight, to follow every one of them.
     ///
     /// Reflection comes first, then transmission; black ones are left out. The default is for models of one lobe.
@@ -124,7 +165,7 @@ pub trait BsdfModel {
 
     /// Probability with which [`BsdfModel::sample`] draws by the cosine to the normal from [`Lobe::DIFFUSE`]: it does so where `xi_lobe`
     /// is less.
-    fn diffuse_probability(&self) -> f64 {
+    fn diffuse_probability(&self, _wo: DVec3) -> f64 {
         0.0
     }
 
@@ -133,6 +174,15 @@ pub trait BsdfModel {
     /// The default is the mean weight of 64 samples.
     fn albedo(&self, wo: DVec3) -> Spectrum {
         estimated_albedo(self, wo)
+    }
+
+    /// The fraction of the albedo that stays on the side of `wo`, but for a model with delta lobes only: the albedo.
+    fn reflected(&self, wo: DVec3) -> Spectrum {
+        if self.transmits() {
+            mean_weight(self, wo, |sample| !sample.lobe.transmission)
+        } else {
+            self.albedo(wo)
+        }
     }
 
     /// Whether everything is absorbed, so that no lights need to be sampled.
@@ -147,17 +197,91 @@ pub trait BsdfModel {
     }
 }
 
+impl<M: BsdfModel> BsdfModel for Box<M> {
+    const LOBES: &'static [Lobe] = M::LOBES;
+
+    fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+        (**self).sample(wo, xi, xi_lobe, mode)
+    }
+
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        (**self).eval(wo, wi)
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+        (**self).pdf(wo, wi)
+    }
+
+    fn is_delta(&self) -> bool {
+        (**self).is_delta()
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        (**self).is_anisotropic()
+    }
+
+    fn transmits(&self) -> bool {
+        (**self).transmits()
+    }
+
+    fn eta_scale(&self, wo: DVec3, wi: DVec3) -> f32 {
+        (**self).eta_scale(wo, wi)
+    }
+
+    fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
+        (**self).delta_branches(wo, mode)
+    }
+
+    fn diffuse_probability(&self, wo: DVec3) -> f64 {
+        (**self).diffuse_probability(wo)
+    }
+
+    fn albedo(&self, wo: DVec3) -> Spectrum {
+        (**self).albedo(wo)
+    }
+
+    fn reflected(&self, wo: DVec3) -> Spectrum {
+        (**self).reflected(wo)
+    }
+
+    fn is_black(&self) -> bool {
+        (**self).is_black()
+    }
+
+    fn preview(&self) -> PreviewSurface {
+        (**self).preview()
+    }
+}
+
 /// The mean weight of 64 Sobol' points, in flux: without the change of radiance by refraction.
 pub(crate) fn estimated_albedo<M: BsdfModel + ?Sized>(model: &M, wo: DVec3) -> Spectrum {
+    mean_weight(model, wo, |_| true)
+}
+
+/// The part of the mean weight that is due to samples that `counts`.
+fn mean_weight<M: BsdfModel + ?Sized>(
+    model: &M,
+    wo: DVec3,
+    counts: impl Fn(&BsdfSample) -> bool,
+) -> Spectrum {
     const COUNT: u32 = 64;
     let weight = |i| {
         // Each coordinate takes the multiples of 1 / 64 once: the middles of the steps have less error.
         let [x, y, lobe] =
             [0, 1, 2].map(|dimension| owen::unit(sobol::coordinate(i, dimension)) + 0.5 / f64::from(COUNT));
-        model.sample(wo, DVec2::new(x, y), lobe, TransportMode::Importance).map(|sample| sample.weight)
+        let sample = model.sample(wo, DVec2::new(x, y), lobe, TransportMode::Importance);
+        sample.filter(&counts).map(|sample| sample.weight)
     };
     let sum: Spectrum = (0..COUNT).filter_map(weight).sum();
     (sum * (1.0 / COUNT as f32)).map(|x| x.min(1.0))
+}
+
+/// Directions on the side of `wo`, mirrored to the upper side, of which the first is strictly above; `None` if `wo` is not.
+#[inline]
+pub(crate) fn upper_side(wo: DVec3, wi: DVec3) -> Option<[DVec3; 2]> {
+    let sign = 1.0_f64.copysign(wo.z);
+    let up = |w: DVec3| DVec3::new(w.x, w.y, w.z * sign);
+    (wo.z != 0.0).then(|| [up(wo), up(wi)])
 }
 
 /// Whether both directions are strictly on one side of the surface.

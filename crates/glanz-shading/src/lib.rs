@@ -10,10 +10,12 @@
 //! - [`parameter`]: parameters of materials, checked and converted from the form of a description;
 //! - [`preview`]: materials in a rasteriser;
 //! - [`fresnel`]: reflectance of glass and metal, the directions of reflection and refraction;
+//! - [`microfacet`]: rough surfaces as distributions of facets;
 //! - [`texture`]: [`Textures`], their mappings and pictures.
 
 pub mod bsdf;
 pub mod fresnel;
+pub mod microfacet;
 pub mod model;
 pub mod parameter;
 pub mod preview;

@@ -6,6 +6,7 @@ use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::Description;
 use glanz_scene::description::*;
 use glanz_scene::studio::UpAxis;
+use glanz_shading::model::{PrincipledMaterial, Roughness, RoughnessScale};
 use proptest::prelude::*;
 
 use crate::step_shape::lamp;
@@ -146,6 +147,19 @@ proptest! {
             MaterialKind::dielectric(1.0 + a, b, [c, d, e]),
             MaterialKind::thin_dielectric(1.0 + a, 1.0, [c, d, e]),
             MaterialKind::phong([a, b, c], [d, e, f], 0.04, 100.0 * a),
+            MaterialKind::coated_diffuse([a, b, c], 1.0 + d),
+            MaterialKind::diffuse_transmission([a, b, c], [d, e, f]),
+            MaterialKind::Principled(PrincipledMaterial {
+                metallic: b.into(),
+                roughness: Roughness { u: c.into(), v: d.into(), scale: RoughnessScale::Alpha },
+                transmission: e.into(),
+                thin: f > 0.5,
+                coat: d.into(),
+                coat_roughness: Roughness::isotropic(f, RoughnessScale::Alpha),
+                sheen: [c, d, e].into(),
+                multiple_scattering: a > 0.5,
+                ..PrincipledMaterial::new([a, b, c], 0.0)
+            }),
             MaterialKind::Interface,
         ];
         let materials = kinds.map(MaterialDescription::from).to_vec();

@@ -28,7 +28,8 @@ impl BakeReceiver {
     /// Fraction of light that is reflected, [0, 1], and emitted radiance.
     pub(super) fn albedo_and_emission(&self, scene: &Scene) -> (Spectrum, Spectrum) {
         let bsdf = self.at.bsdf(scene, &Wavelengths::default());
-        let albedo = bsdf.map_or(Spectrum::BLACK, |bsdf| bsdf.albedo(self.at.frame().to_local(self.at.wo)));
+        let albedo =
+            bsdf.map_or(Spectrum::BLACK, |bsdf| bsdf.reflected(self.at.frame().to_local(self.at.wo)));
         (albedo, scene.emitted(&self.at, self.at.wo))
     }
 }

@@ -264,7 +264,7 @@ fn element(scene: &Scene, surface: &PlacedSurface<'_>, patch: Patch) -> Option<E
         patch,
         area,
         center,
-        reflectance: bsdf.albedo(at.at.frame().to_local(at.at.wo)),
+        reflectance: bsdf.reflected(at.at.frame().to_local(at.at.wo)),
         emission: scene.emitted(&at.at, at.at.wo) * std::f32::consts::PI,
     })
 }

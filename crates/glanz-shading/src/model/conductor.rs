@@ -1,17 +1,37 @@
-//! Smooth metal.
+//! Metal.
+
+use std::f64::consts::FRAC_1_PI;
 
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3};
+use glanz_math::{DVec2, DVec3, SolidAnglePdf};
+use glanz_sampling::warp;
 
 use super::mirror::mirrored;
+use super::roughness::Roughness;
 use super::{Material, MaterialModel, TexturedModel};
-use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side, upper_side};
 use crate::fresnel;
+use crate::microfacet::{MicrofacetDistribution, energy, half_vector};
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
+use crate::preview::PreviewSurface;
 
-/// A smooth metal: a mirror after Fresnel's equations.
+/// A metal after Fresnel's equations, smooth or with facets.
+///
+/// # Source
+/// @walter2007 with the masking of @heitz2014; light between facets after @kulla2017.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
+    metal: ConductorFresnel,
+    distribution: MicrofacetDistribution,
+    /// `f` of the light between facets over the fractions that both directions lose to it.
+    multiple: Spectrum,
+    /// Reflectance by more than one facet over that by one, both without what others block.
+    multiple_ratio: f64,
+}
+
+/// Reflectance of a smooth metal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConductorFresnel {
     /// Refractive index relative to the surrounding medium, lane by lane; >= 0.
     pub eta: Spectrum,
     /// Absorption coefficient, likewise.
@@ -20,36 +40,178 @@ pub struct Conductor {
     pub tint: Spectrum,
 }
 
-impl Conductor {
+impl ConductorFresnel {
+    /// A metal of index 1 with this reflectance at normal incidence, clamped to [0, 0.9999]: full reflection would need infinite absorption.
+    ///
+    /// # Source
+    /// As version 4 of pbrt: `k = 2 sqrt(r / (1 - r))`.
+    #[must_use]
+    pub fn of_reflectance(reflectance: Spectrum, tint: Spectrum) -> Self {
+        let k = reflectance.map(|r| {
+            let r = r.clamp(0.0, 0.9999);
+            2.0 * (r / (1.0 - r)).sqrt()
+        });
+        Self { eta: Spectrum::ONE, k, tint }
+    }
+
     /// Fraction of light reflected that arrives under the cosine `cos` to the normal.
     #[must_use]
-    pub fn reflectance_at(&self, cos: f64) -> Spectrum {
+    pub fn reflectance(&self, cos: f64) -> Spectrum {
         let fresnel = |eta: f32, k: f32| fresnel::conductor(cos, f64::from(eta), f64::from(k)) as f32;
         self.eta.zip(self.k, fresnel) * self.tint
+    }
+
+    /// The mean of [`ConductorFresnel::reflectance`] over diffuse light; error below 0.002.
+    #[must_use]
+    pub fn mean_reflectance(&self) -> Spectrum {
+        // The Gauss rule with weight 2 cos on [0, 1].
+        const RULE: [(f64, f32); 3] = [
+            (0.212_340_538_239_167, 0.139_654),
+            (0.590_533_135_559_282, 0.458_482_2),
+            (0.911_412_040_487_302, 0.401_863_8),
+        ];
+        RULE.iter().map(|&(cos, weight)| self.reflectance(cos) * weight).sum()
+    }
+}
+
+impl Conductor {
+    /// A metal with facets. `multiple_scattering`: whether light between facets counts.
+    #[must_use]
+    pub fn new(
+        metal: ConductorFresnel,
+        distribution: MicrofacetDistribution,
+        multiple_scattering: bool,
+    ) -> Self {
+        let mean = energy::mean_reflected(&distribution);
+        let (mut multiple, mut multiple_ratio) = (Spectrum::BLACK, 0.0);
+        if multiple_scattering && mean < 1.0 {
+            // Each reflection between facets loses what the metal absorbs and what leaves.
+            let single = metal.mean_reflectance();
+            let color = single.map(|f| f * f * mean as f32 / (1.0 - f * (1.0 - mean as f32)));
+            multiple = color * (FRAC_1_PI / (1.0 - mean)) as f32;
+            multiple_ratio = f64::from(color.max_component() / single.max_component().max(f32::MIN_POSITIVE));
+        }
+        Self { metal, distribution, multiple, multiple_ratio }
+    }
+
+    /// Fraction of the flux from `wo` (above) that facets send to other facets, if that light counts.
+    fn lost(&self, w: DVec3) -> f64 {
+        if self.multiple.is_black() { 0.0 } else { 1.0 - energy::reflected(&self.distribution, w) }
+    }
+
+    /// Probability of sampling light between facets: about its fraction of the light.
+    fn multiple_probability(&self, lost: f64) -> f64 {
+        let multiple = lost * self.multiple_ratio;
+        multiple / (multiple + 1.0 - lost)
     }
 }
 
 impl BsdfModel for Conductor {
-    const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION];
+    const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION, Lobe::GLOSSY];
 
-    /// The mirrored direction.
-    fn sample(&self, wo: DVec3, _: DVec2, _: f64, _: TransportMode) -> Option<BsdfSample> {
-        (wo.z != 0.0)
-            .then(|| BsdfSample::delta(mirrored(wo), self.reflectance_at(wo.z), Lobe::SPECULAR_REFLECTION))
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        let Some([wo, wi]) = upper_side(wo, wi).filter(|_| !self.is_delta() && same_side(wo, wi)) else {
+            return Spectrum::BLACK;
+        };
+        let m = half_vector(wo, wi);
+        let single = self.metal.reflectance(wo.dot(m)) * self.distribution.reflection(wo, wi, m) as f32;
+        single + self.multiple * (self.lost(wo) * self.lost(wi) * wi.z) as f32
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+        let Some([wo, wi]) = upper_side(wo, wi).filter(|_| !self.is_delta() && same_side(wo, wi)) else {
+            return SolidAnglePdf(0.0);
+        };
+        let multiple = self.multiple_probability(self.lost(wo));
+        let single = self.distribution.reflection_pdf(wo, half_vector(wo, wi)).0;
+        SolidAnglePdf((1.0 - multiple) * single + multiple * warp::cosine_hemisphere_pdf(wi.z).0)
+    }
+
+    /// The mirrored direction, or one that a facet mirrors, or one of light between facets.
+    fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+        let [up, _] = upper_side(wo, wo)?;
+        if self.is_delta() {
+            let lobe = Lobe::SPECULAR_REFLECTION;
+            return Some(BsdfSample::delta(mirrored(wo), self.metal.reflectance(wo.z), lobe));
+        }
+        let mut wi = if xi_lobe < self.multiple_probability(self.lost(up)) {
+            warp::cosine_hemisphere(xi)
+        } else {
+            self.distribution.sample_reflection(up, xi).normalize()
+        };
+        wi.z *= 1.0_f64.copysign(wo.z);
+        BsdfSample::drawn(self, [wo, wi], Lobe::GLOSSY, mode)
+    }
+
+    fn is_delta(&self) -> bool {
+        self.distribution.is_smooth()
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.distribution.is_anisotropic()
     }
 
     fn albedo(&self, wo: DVec3) -> Spectrum {
-        self.reflectance_at(wo.z)
+        if self.is_delta() { self.metal.reflectance(wo.z) } else { crate::bsdf::estimated_albedo(self, wo) }
+    }
+
+    fn preview(&self) -> PreviewSurface {
+        let roughness = self.distribution.preview_roughness();
+        PreviewSurface { roughness, ..PreviewSurface::metal(self.metal.reflectance(1.0)) }
+    }
+}
+
+/// The optical constants of a metal.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MetalColor<P: ParameterForm = ShadingForm> {
+    /// By its complex refractive index.
+    Index {
+        /// Refractive index relative to the surrounding medium.
+        eta: P::Spectrum,
+        /// Absorption coefficient.
+        k: P::Spectrum,
+    },
+    /// By its reflectance at normal incidence, see [`ConductorFresnel::of_reflectance`].
+    Reflectance(P::Spectrum),
+}
+
+impl<P: ParameterForm> MetalColor<P> {
+    /// Checks the parameters and converts them for shading.
+    pub(super) fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<MetalColor, MaterialError> {
+        Ok(match self {
+            Self::Index { eta, k } => {
+                MetalColor::Index { eta: resolver.spectrum("eta", eta)?, k: resolver.spectrum("k", k)? }
+            }
+            Self::Reflectance(reflectance) => {
+                MetalColor::Reflectance(resolver.fraction("reflectance", reflectance)?)
+            }
+        })
+    }
+}
+
+impl MetalColor {
+    /// The metal at a point.
+    pub(super) fn at(&self, at: &TextureEvaluator<'_>) -> ConductorFresnel {
+        match self {
+            Self::Index { eta, k } => {
+                ConductorFresnel { eta: at.spectrum(eta), k: at.spectrum(k), tint: at.white() }
+            }
+            Self::Reflectance(reflectance) => {
+                ConductorFresnel::of_reflectance(at.fraction(reflectance), at.white())
+            }
+        }
     }
 }
 
 /// The material of [`Conductor`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ConductorMaterial<P: ParameterForm = ShadingForm> {
-    /// Refractive index relative to the surrounding medium.
-    pub eta: P::Spectrum,
-    /// Absorption coefficient.
-    pub k: P::Spectrum,
+    /// Its optical constants.
+    pub color: MetalColor<P>,
+    /// Its facets.
+    pub roughness: Roughness<P>,
+    /// Whether light between facets counts.
+    pub multiple_scattering: bool,
 }
 
 impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
@@ -61,8 +223,9 @@ impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
 
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<ConductorMaterial, MaterialError> {
         Ok(ConductorMaterial {
-            eta: resolver.spectrum("eta", &self.eta)?,
-            k: resolver.spectrum("k", &self.k)?,
+            color: self.color.resolve(resolver)?,
+            roughness: self.roughness.resolve(resolver)?,
+            multiple_scattering: self.multiple_scattering,
         })
     }
 }
@@ -71,14 +234,18 @@ impl TexturedModel for ConductorMaterial {
     type Bsdf = Conductor;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Conductor {
-        Conductor { eta: at.spectrum(&self.eta), k: at.spectrum(&self.k), tint: at.white() }
+        Conductor::new(self.color.at(at), self.roughness.distribution(at), self.multiple_scattering)
     }
 }
 
-impl<P: ParameterForm> Material<P> {
+impl<P: ParameterForm<Float: From<f32>>> Material<P> {
     /// Smooth metal of refractive index `eta` and absorption coefficient `k`.
     #[must_use]
     pub fn conductor(eta: impl Into<P::Spectrum>, k: impl Into<P::Spectrum>) -> Self {
-        Self::Conductor(ConductorMaterial { eta: eta.into(), k: k.into() })
+        Self::Conductor(ConductorMaterial {
+            color: MetalColor::Index { eta: eta.into(), k: k.into() },
+            roughness: Roughness::smooth(),
+            multiple_scattering: true,
+        })
     }
 }

@@ -1,14 +1,18 @@
-//! Smooth glass.
+//! Glass.
 
 use std::ops::RangeInclusive;
 
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3};
+use glanz_math::{DVec2, DVec3, SolidAnglePdf};
+use glanz_sampling::warp;
 
 use super::mirror::mirrored;
+use super::roughness::Roughness;
 use super::{Material, MaterialModel, TexturedModel};
-use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, estimated_albedo, upper_side};
 use crate::fresnel::{self, DielectricSplit};
+use crate::microfacet::interface::{InterfaceScattering, Refraction};
+use crate::microfacet::{MicrofacetDistribution, half_vector};
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 use crate::preview::PreviewSurface;
 
@@ -18,7 +22,10 @@ const INDICES: RangeInclusive<f32> = 1e-3..=1e3;
 /// Opacity in a rasteriser: enough to see that there is glass.
 const PREVIEW_OPACITY: f32 = 0.15;
 
-/// A smooth boundary between two transparent media, or (`thin`) a sheet between two such boundaries.
+/// A boundary between two transparent media, smooth or with facets, or (`thin`) a sheet between two smooth boundaries.
+///
+/// # Source
+/// @walter2007 with the masking of @heitz2014; light between facets after @kulla2017, see [`InterfaceScattering`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     /// Refractive index inside (z < 0) over that outside, > 0.
@@ -29,6 +36,21 @@ pub struct Dielectric {
     pub transmittance: Spectrum,
     /// Whether this is a sheet too thin to displace a ray: light passes straight through and is reflected by both faces.
     pub thin: bool,
+    /// Facets, which sheets have not.
+    pub distribution: MicrofacetDistribution,
+    /// Whether light between facets counts, if they are isotropic.
+    pub multiple_scattering: bool,
+}
+
+/// A direction and the refractive indices seen from there, with what facets do to its light.
+struct RoughView {
+    /// On the upper side.
+    wo: DVec3,
+    /// Refractive index on the far side over that on its own side.
+    eta: f64,
+    multiple: Option<InterfaceScattering>,
+    /// Fraction of its light that facets send to others.
+    lost: f64,
 }
 
 impl Dielectric {
@@ -80,6 +102,71 @@ impl Dielectric {
         if wo.z > 0.0 { self.eta } else { 1.0 / self.eta }
     }
 
+    /// `None` along the surface.
+    fn rough_view(&self, wo: DVec3) -> Option<RoughView> {
+        let eta = self.eta_from(wo);
+        let multiple =
+            if self.multiple_scattering { InterfaceScattering::new(&self.distribution, eta) } else { None };
+        let [wo, _] = upper_side(wo, wo)?;
+        let lost = multiple.as_ref().map_or(0.0, |multiple| multiple.lost(wo));
+        Some(RoughView { wo, eta, multiple, lost })
+    }
+
+    /// Probability of reflection of light of a facet that reflects the fraction `reflectance`.
+    fn reflection_probability(&self, reflectance: f64) -> f64 {
+        let r = f64::from(self.reflectance.max_component()) * reflectance;
+        let t = f64::from(self.transmittance.max_component()) * (1.0 - reflectance);
+        if r + t > 0.0 { r / (r + t) } else { 1.0 }
+    }
+
+    /// `f |cos|` of reflection to `wi` (above).
+    fn rough_reflection(&self, view: &RoughView, wi: DVec3) -> f64 {
+        let m = half_vector(view.wo, wi);
+        let share = fresnel::dielectric(view.wo.dot(m), view.eta).reflectance;
+        let multiple = view.multiple.as_ref().map_or(0.0, |x| x.reflection(view.lost, x.lost(wi)));
+        share * self.distribution.reflection(view.wo, wi, m) + multiple * wi.z
+    }
+
+    /// `f |cos|` of transmission from `wi` (below), and the density of sampling `wi`.
+    fn rough_transmission(&self, view: &RoughView, wi: DVec3) -> (f64, f64) {
+        let eta2 = view.eta * view.eta;
+        let multiple = view.multiple.as_ref().map_or(0.0, |x| x.transmission(view.lost, x.lost_beyond(-wi)));
+        // Transmission in the other direction has this flux per flux; radiance changes by the square of the index.
+        let multiple = multiple / eta2 * -wi.z;
+        let Some(Refraction { m, jacobian }) = Refraction::between(view.wo, wi, view.eta) else {
+            return (multiple, 0.0);
+        };
+        let share = fresnel::dielectric(view.wo.dot(m), view.eta).reflectance;
+        let density = self.distribution.density(m) * view.wo.dot(m) * jacobian / view.wo.z;
+        let single = (1.0 - share) * density * self.distribution.masking_shadowing(view.wo, -wi) / eta2;
+        let pdf = self.distribution.visible_pdf(view.wo, m) * jacobian;
+        (single + multiple, pdf * (1.0 - self.reflection_probability(share)))
+    }
+
+    /// A direction that one facet scatters, or one of light between facets.
+    fn sample_rough(&self, wo: DVec3, xi: DVec2, xi_lobe: f64) -> Option<(DVec3, Lobe)> {
+        let view = self.rough_view(wo)?;
+        let (wi, transmits) = if xi_lobe < view.lost {
+            let transmitted = view.multiple.as_ref().map_or(0.0, |multiple| multiple.transmitted);
+            let transmits = xi_lobe >= view.lost * self.reflection_probability(1.0 - transmitted);
+            let wi = warp::cosine_hemisphere(xi);
+            (if transmits { -wi } else { wi }, transmits)
+        } else {
+            let m = self.distribution.sample_visible(view.wo, xi);
+            let share = fresnel::dielectric(view.wo.dot(m), view.eta).reflectance;
+            let choice = (xi_lobe - view.lost) / (1.0 - view.lost);
+            if choice < self.reflection_probability(share) {
+                (fresnel::reflect(view.wo, m), false)
+            } else {
+                (fresnel::refract(view.wo, m, view.eta)?, true)
+            }
+        };
+        let wi = DVec3::new(wi.x, wi.y, wi.z * 1.0_f64.copysign(wo.z)).normalize();
+        // Facets may reflect light below the surface and refract it above.
+        let lobe = if transmits { Lobe::GLOSSY_TRANSMISSION } else { Lobe::GLOSSY };
+        ((wi.z * wo.z < 0.0) == transmits && wi.z != 0.0).then_some((wi, lobe))
+    }
+
     fn split(&self, cos: f64, eta: f64) -> DielectricSplit {
         if !self.thin {
             return fresnel::dielectric(cos, eta);
@@ -93,10 +180,45 @@ impl Dielectric {
 }
 
 impl BsdfModel for Dielectric {
-    const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION, Lobe::SPECULAR_TRANSMISSION];
+    const LOBES: &'static [Lobe] =
+        &[Lobe::SPECULAR_REFLECTION, Lobe::SPECULAR_TRANSMISSION, Lobe::GLOSSY, Lobe::GLOSSY_TRANSMISSION];
 
-    /// The mirrored or the refracted direction, selected by `xi_lobe` in proportion to the light they carry.
-    fn sample(&self, wo: DVec3, _: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        let view = if self.is_delta() { None } else { self.rough_view(wo) };
+        match (view, upper_side(wo, wi)) {
+            (Some(view), Some([_, wi])) if wi.z > 0.0 => {
+                self.reflectance * self.rough_reflection(&view, wi) as f32
+            }
+            (Some(view), Some([_, wi])) if wi.z < 0.0 => {
+                self.transmittance * self.rough_transmission(&view, wi).0 as f32
+            }
+            _ => Spectrum::BLACK,
+        }
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+        let view = if self.is_delta() { None } else { self.rough_view(wo) };
+        let (Some(view), Some([_, wi])) = (view, upper_side(wo, wi)) else { return SolidAnglePdf(0.0) };
+        let transmitted = view.multiple.as_ref().map_or(0.0, |multiple| multiple.transmitted);
+        let reflected = self.reflection_probability(1.0 - transmitted);
+        let (single, side) = if wi.z > 0.0 {
+            let m = half_vector(view.wo, wi);
+            let cos = view.wo.dot(m);
+            let share = self.reflection_probability(fresnel::dielectric(cos, view.eta).reflectance);
+            (share * self.distribution.visible_pdf(view.wo, m) / (4.0 * cos), reflected)
+        } else {
+            (self.rough_transmission(&view, wi).1, 1.0 - reflected)
+        };
+        let multiple = side * warp::cosine_hemisphere_pdf(wi.z.abs()).0;
+        SolidAnglePdf((1.0 - view.lost) * single + view.lost * multiple)
+    }
+
+    /// The mirrored or the refracted direction, selected by `xi_lobe` in proportion to the light they carry; of rough glass at a facet.
+    fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+        if !self.is_delta() {
+            let (wi, lobe) = self.sample_rough(wo, xi, xi_lobe)?;
+            return BsdfSample::drawn(self, [wo, wi], lobe, mode);
+        }
         let [reflection, transmission] = self.branches(wo, mode);
         let flux = |branch: &Option<BsdfSample>| {
             branch.as_ref().map_or(0.0, |s| f64::from((s.weight * s.eta_scale).max_component()))
@@ -107,11 +229,31 @@ impl BsdfModel for Dielectric {
         branch.map(|s| BsdfSample { weight: s.weight * (1.0 / probability) as f32, ..s })
     }
 
+    /// Facets between equal media do nothing.
+    fn is_delta(&self) -> bool {
+        self.thin || self.distribution.is_smooth() || self.eta == 1.0
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.distribution.is_anisotropic()
+    }
+
+    fn transmits(&self) -> bool {
+        !self.is_delta()
+    }
+
+    fn eta_scale(&self, wo: DVec3, wi: DVec3) -> f32 {
+        if self.thin || wo.z * wi.z > 0.0 { 1.0 } else { self.eta_from(wo).powi(2) as f32 }
+    }
+
     fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
-        self.branches(wo, mode)
+        if self.is_delta() { self.branches(wo, mode) } else { [None; 2] }
     }
 
     fn albedo(&self, wo: DVec3) -> Spectrum {
+        if !self.is_delta() {
+            return estimated_albedo(self, wo);
+        }
         let r = self.split(wo.z.abs(), self.eta_from(wo)).reflectance as f32;
         self.reflectance.lerp(self.transmittance, 1.0 - r)
     }
@@ -120,7 +262,7 @@ impl BsdfModel for Dielectric {
         let upright = ((self.eta - 1.0) / (self.eta + 1.0)).powi(2);
         PreviewSurface {
             specular: self.reflectance * upright as f32,
-            roughness: 0.0,
+            roughness: self.distribution.preview_roughness(),
             opacity: PREVIEW_OPACITY,
             ..PreviewSurface::diffuse(self.transmittance)
         }
@@ -128,7 +270,7 @@ impl BsdfModel for Dielectric {
 }
 
 /// The material of [`Dielectric`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DielectricMaterial<P: ParameterForm = ShadingForm> {
     /// Refractive index inside over outside, in [0.001, 1000] (far beyond any medium; squares still fit `f32`); a
     /// texture's value outside counts as 1.
@@ -139,6 +281,10 @@ pub struct DielectricMaterial<P: ParameterForm = ShadingForm> {
     pub transmittance: P::Spectrum,
     /// Whether the surface is a pane with two faces, too thin to displace a ray, instead of the border of a solid.
     pub thin: bool,
+    /// Facets, which panes have not.
+    pub roughness: Roughness<P>,
+    /// Whether light between facets counts, if they are isotropic.
+    pub multiple_scattering: bool,
 }
 
 impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
@@ -154,6 +300,8 @@ impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
             reflectance: resolver.fraction("reflectance", &self.reflectance)?,
             transmittance: resolver.fraction("transmittance", &self.transmittance)?,
             thin: self.thin,
+            roughness: self.roughness.resolve(resolver)?,
+            multiple_scattering: self.multiple_scattering,
         })
     }
 }
@@ -168,11 +316,13 @@ impl TexturedModel for DielectricMaterial {
             reflectance: at.fraction(&self.reflectance),
             transmittance: at.fraction(&self.transmittance),
             thin: self.thin,
+            distribution: self.roughness.distribution(at),
+            multiple_scattering: self.multiple_scattering,
         }
     }
 }
 
-impl<P: ParameterForm> Material<P> {
+impl<P: ParameterForm<Float: From<f32>>> Material<P> {
     /// Smooth glass of refractive index `eta`, with factors on the light that it reflects and transmits.
     #[must_use]
     pub fn dielectric(
@@ -180,8 +330,14 @@ impl<P: ParameterForm> Material<P> {
         reflectance: impl Into<P::Spectrum>,
         transmittance: impl Into<P::Spectrum>,
     ) -> Self {
-        let (eta, reflectance, transmittance) = (eta.into(), reflectance.into(), transmittance.into());
-        Self::Dielectric(DielectricMaterial { eta, reflectance, transmittance, thin: false })
+        Self::Dielectric(DielectricMaterial {
+            eta: eta.into(),
+            reflectance: reflectance.into(),
+            transmittance: transmittance.into(),
+            thin: false,
+            roughness: Roughness::smooth(),
+            multiple_scattering: true,
+        })
     }
 
     /// A pane of smooth glass, too thin to displace a ray, with the parameters of [`Material::dielectric`].
@@ -191,15 +347,16 @@ impl<P: ParameterForm> Material<P> {
         reflectance: impl Into<P::Spectrum>,
         transmittance: impl Into<P::Spectrum>,
     ) -> Self {
-        let (eta, reflectance, transmittance) = (eta.into(), reflectance.into(), transmittance.into());
-        Self::Dielectric(DielectricMaterial { eta, reflectance, transmittance, thin: true })
+        match Self::dielectric(eta, reflectance, transmittance) {
+            Self::Dielectric(glass) => Self::Dielectric(DielectricMaterial { thin: true, ..glass }),
+            other => other,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glanz_math::SolidAnglePdf;
 
     impl Dielectric {
         fn draw(&self, wo: DVec3, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
@@ -208,7 +365,14 @@ mod tests {
     }
 
     fn glass(thin: bool) -> Dielectric {
-        Dielectric { eta: 1.5, reflectance: Spectrum::ONE, transmittance: Spectrum::ONE, thin }
+        Dielectric {
+            eta: 1.5,
+            reflectance: Spectrum::ONE,
+            transmittance: Spectrum::ONE,
+            thin,
+            distribution: MicrofacetDistribution::SMOOTH,
+            multiple_scattering: true,
+        }
     }
 
     #[test]

@@ -50,7 +50,7 @@ impl BsdfModel for Lambert {
         })
     }
 
-    fn diffuse_probability(&self) -> f64 {
+    fn diffuse_probability(&self, _: DVec3) -> f64 {
         1.0
     }
 

@@ -1,10 +1,14 @@
 //! The scattering models and their materials, one file each, and the table of them.
 
+mod coated_diffuse;
 mod conductor;
 mod dielectric;
+mod diffuse_transmission;
 mod lambert;
 mod mirror;
 pub mod phong;
+mod principled;
+pub mod roughness;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
@@ -14,11 +18,15 @@ use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingF
 use crate::preview::PreviewSurface;
 use crate::texture::{SpectrumInput, TexturePoint, Textures};
 
-pub use conductor::{Conductor, ConductorMaterial};
+pub use coated_diffuse::{CoatedDiffuse, CoatedDiffuseMaterial};
+pub use conductor::{Conductor, ConductorFresnel, ConductorMaterial, MetalColor};
 pub use dielectric::{Dielectric, DielectricMaterial};
+pub use diffuse_transmission::{DiffuseTransmission, DiffuseTransmissionMaterial};
 pub use lambert::{DiffuseMaterial, Lambert};
 pub use mirror::{Mirror, MirrorMaterial};
 pub use phong::{Phong, PhongMaterial};
+pub use principled::{Principled, PrincipledMaterial};
+pub use roughness::{Roughness, RoughnessScale};
 
 /// The parameters of a scattering model, which may be textured.
 pub trait MaterialModel<P: ParameterForm> {
@@ -51,9 +59,9 @@ pub trait TexturedModel: MaterialModel<ShadingForm> {
 
 // One line per model; the macro generates the delegation for all of them.
 macro_rules! bsdfs {
-    ($($(#[$doc:meta])* $material_variant:ident($material:ident) => $variant:ident($model:ident),)*) => {
+    ($($(#[$doc:meta])* $material_variant:ident($material:ident) => $variant:ident($model:ty),)*) => {
         /// The closed set of scattering models at a point, see [`BsdfModel`].
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         pub enum Bsdf {
             /// Absorbs everything.
             Black,
@@ -97,10 +105,10 @@ macro_rules! bsdfs {
             /// See [`BsdfModel::diffuse_probability`].
             #[inline]
             #[must_use]
-            pub fn diffuse_probability(&self) -> f64 {
+            pub fn diffuse_probability(&self, wo: DVec3) -> f64 {
                 match self {
                     Self::Black => 0.0,
-                    $(Self::$variant(model) => model.diffuse_probability(),)*
+                    $(Self::$variant(model) => model.diffuse_probability(wo),)*
                 }
             }
 
@@ -122,12 +130,48 @@ macro_rules! bsdfs {
                 }
             }
 
+            /// See [`BsdfModel::is_anisotropic`].
+            #[must_use]
+            pub fn is_anisotropic(&self) -> bool {
+                match self {
+                    Self::Black => false,
+                    $(Self::$variant(model) => model.is_anisotropic(),)*
+                }
+            }
+
+            /// See [`BsdfModel::transmits`].
+            #[must_use]
+            pub fn transmits(&self) -> bool {
+                match self {
+                    Self::Black => false,
+                    $(Self::$variant(model) => model.transmits(),)*
+                }
+            }
+
             /// See [`BsdfModel::albedo`].
             #[must_use]
             pub fn albedo(&self, wo: DVec3) -> Spectrum {
                 match self {
                     Self::Black => Spectrum::BLACK,
                     $(Self::$variant(model) => model.albedo(wo),)*
+                }
+            }
+
+            /// See [`BsdfModel::eta_scale`].
+            #[must_use]
+            pub fn eta_scale(&self, wo: DVec3, wi: DVec3) -> f32 {
+                match self {
+                    Self::Black => 1.0,
+                    $(Self::$variant(model) => model.eta_scale(wo, wi),)*
+                }
+            }
+
+            /// See [`BsdfModel::reflected`].
+            #[must_use]
+            pub fn reflected(&self, wo: DVec3) -> Spectrum {
+                match self {
+                    Self::Black => Spectrum::BLACK,
+                    $(Self::$variant(model) => model.reflected(wo),)*
                 }
             }
         }
@@ -172,7 +216,7 @@ macro_rules! bsdfs {
             #[must_use]
             pub fn lobes(&self) -> &'static [Lobe] {
                 match self {
-                    $(Self::$material_variant(_) => $model::LOBES,)*
+                    $(Self::$material_variant(_) => <$model as BsdfModel>::LOBES,)*
                     Self::Interface => &[],
                 }
             }
@@ -230,10 +274,16 @@ bsdfs! {
     Diffuse(DiffuseMaterial) => Lambert(Lambert),
     /// Perfect mirror.
     Mirror(MirrorMaterial) => Mirror(Mirror),
-    /// Smooth metal.
+    /// Metal.
     Conductor(ConductorMaterial) => Conductor(Conductor),
-    /// Smooth glass.
+    /// Glass.
     Dielectric(DielectricMaterial) => Dielectric(Dielectric),
+    /// A diffuse base under a clear coat.
+    CoatedDiffuse(CoatedDiffuseMaterial) => CoatedDiffuse(CoatedDiffuse),
+    /// Diffuse reflection and transmission.
+    DiffuseTransmission(DiffuseTransmissionMaterial) => DiffuseTransmission(DiffuseTransmission),
+    /// Metallic-roughness with coat, sheen and transmission.
+    Principled(PrincipledMaterial) => Principled(Box<Principled>),
     /// Modified Phong model.
     Phong(PhongMaterial) => Phong(Phong),
 }

@@ -140,7 +140,7 @@ impl BsdfModel for Phong {
         Some(BsdfSample { wi, weight, value, pdf, lobe, eta_scale: 1.0 })
     }
 
-    fn diffuse_probability(&self) -> f64 {
+    fn diffuse_probability(&self, _: DVec3) -> f64 {
         self.diffuse_probability
     }
 
@@ -326,7 +326,7 @@ mod tests {
     fn lobes_are_selected_with_the_stated_probability() {
         // 0.6 of 0.6 + 0.2.
         let phong = Phong::new(coefficients(0.6, 0.2, 5.0));
-        assert!((phong.diffuse_probability() - 0.75).abs() < 1e-7);
+        assert!((phong.diffuse_probability(DVec3::Z) - 0.75).abs() < 1e-7);
         let lobe = |xi_lobe| {
             phong
                 .sample(DVec3::Z, DVec2::new(0.3, 0.6), xi_lobe, TransportMode::Radiance)

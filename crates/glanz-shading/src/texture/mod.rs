@@ -62,6 +62,13 @@ impl From<Spectrum> for SpectrumInput {
     }
 }
 
+impl From<f32> for SpectrumInput {
+    /// The same in every lane.
+    fn from(value: f32) -> Self {
+        Self::Constant(Spectrum::splat(value))
+    }
+}
+
 /// A number, the same everywhere or textured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FloatInput {

@@ -4,14 +4,19 @@
 
 use std::f64::consts::TAU;
 
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_sampling::statistics::chi_square;
 use glanz_sampling::{PixelSampler, SamplerKind, warp};
+use glanz_shading::microfacet::MicrofacetDistribution;
+use glanz_shading::microfacet::coat::Coat;
 use glanz_shading::model::phong::PhongCoefficients;
-use glanz_shading::model::{Conductor, Dielectric, Lambert, Mirror, Phong};
-use glanz_shading::{Bsdf, BsdfModel, BsdfSample, Lobe, TransportMode};
+use glanz_shading::model::{
+    CoatedDiffuse, Conductor, ConductorFresnel, Dielectric, DiffuseTransmission, Lambert, Mirror, Phong,
+    PrincipledMaterial, Roughness, RoughnessScale,
+};
+use glanz_shading::{Bsdf, BsdfModel, BsdfSample, Lobe, Material, TexturePoint, Textures, TransportMode};
 
 const MODES: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 
@@ -24,26 +29,70 @@ fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsdf {
     }))
 }
 
+const WHITE: Spectrum = Spectrum::from_rgb([1.0; 3]);
+
+fn smooth_glass(eta: f64, thin: bool) -> Dielectric {
+    Dielectric {
+        eta,
+        reflectance: WHITE,
+        transmittance: WHITE,
+        thin,
+        distribution: MicrofacetDistribution::SMOOTH,
+        multiple_scattering: true,
+    }
+}
+
 fn glass(eta: f64, thin: bool) -> Bsdf {
-    let one = Spectrum::from_rgb([1.0; 3]);
-    Bsdf::Dielectric(Dielectric { eta, reflectance: one, transmittance: one, thin })
+    Bsdf::Dielectric(smooth_glass(eta, thin))
+}
+
+fn rough_glass(eta: f64, [x, y]: [f64; 2]) -> Bsdf {
+    let distribution = MicrofacetDistribution::new(x, y);
+    Bsdf::Dielectric(Dielectric { distribution, ..smooth_glass(eta, false) })
+}
+
+fn metal(eta: [f32; 3], k: [f32; 3], [x, y]: [f64; 2]) -> Bsdf {
+    let (eta, k) = (Spectrum::from_rgb(eta), Spectrum::from_rgb(k));
+    let metal = ConductorFresnel { eta, k, tint: WHITE };
+    Bsdf::Conductor(Conductor::new(metal, MicrofacetDistribution::new(x, y), true))
+}
+
+const GOLD: [[f32; 3]; 2] = [[0.143, 0.375, 1.442], [3.983, 2.386, 1.603]];
+
+/// A metal without absorption.
+fn perfect_metal(alpha: [f64; 2]) -> Bsdf {
+    metal([0.0; 3], [1e4; 3], alpha)
+}
+
+fn coated(reflectance: Spectrum, eta: f32, [x, y]: [f64; 2]) -> Bsdf {
+    let coat = Coat::new(eta, MicrofacetDistribution::new(x, y), true);
+    Bsdf::CoatedDiffuse(CoatedDiffuse::new(reflectance, WHITE, coat))
+}
+
+fn principled(color: Spectrum, roughness: f32, set: impl Fn(&mut PrincipledMaterial)) -> Bsdf {
+    let mut material = PrincipledMaterial::new(color, roughness);
+    set(&mut material);
+    let point = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
+    let bsdf = Material::from(material).bsdf(&Textures::new(), &point, &Wavelengths::Rgb);
+    bsdf.unwrap_or(Bsdf::Black)
 }
 
 /// The table.
 fn bsdfs() -> Vec<(&'static str, Bsdf)> {
     let colour = Spectrum::from_rgb([0.9, 0.5, 0.1]);
-    let gold = Conductor {
-        eta: Spectrum::from_rgb([0.143, 0.375, 1.442]),
-        k: Spectrum::from_rgb([3.983, 2.386, 1.603]),
-        tint: Spectrum::from_rgb([1.0; 3]),
-    };
-    let tinted = Dielectric { eta: 1.5, reflectance: colour, transmittance: colour * 0.5, thin: false };
+    let tinted = Dielectric { reflectance: colour, transmittance: colour * 0.5, ..smooth_glass(1.5, false) };
+    let tinted_rough = Dielectric { distribution: MicrofacetDistribution::new(0.3, 0.3), ..tinted };
+    let [eta, k] = GOLD;
     let table = vec![
         ("black", Bsdf::Black),
         ("lambert", Bsdf::Lambert(Lambert { reflectance: colour })),
         ("white", Bsdf::Lambert(Lambert { reflectance: Spectrum::ONE })),
         ("mirror", Bsdf::Mirror(Mirror { reflectance: colour })),
-        ("gold", Bsdf::Conductor(gold)),
+        ("gold", metal(eta, k, [0.0; 2])),
+        ("dull gold", metal(eta, k, [0.4; 2])),
+        ("brushed gold", metal(eta, k, [0.15, 0.6])),
+        ("perfect rough metal", perfect_metal([1.0; 2])),
+        ("perfect brushed metal", perfect_metal([0.2, 0.5])),
         ("glass", glass(1.5, false)),
         ("bubble", glass(1.0 / 1.33, false)),
         ("matched glass", glass(1.0, false)),
@@ -51,6 +100,42 @@ fn bsdfs() -> Vec<(&'static str, Bsdf)> {
         ("thinnest glass", glass(1e-3, false)),
         ("pane", glass(1.5, true)),
         ("tinted glass", Bsdf::Dielectric(tinted)),
+        ("frosted glass", rough_glass(1.5, [0.3; 2])),
+        ("rough glass", rough_glass(1.5, [0.9; 2])),
+        ("rough bubble", rough_glass(1.0 / 1.33, [0.5; 2])),
+        ("brushed glass", rough_glass(1.5, [0.2, 0.5])),
+        ("tinted frosted glass", Bsdf::Dielectric(tinted_rough)),
+        ("plastic", coated(colour, 1.5, [0.0; 2])),
+        ("white plastic", coated(WHITE, 1.5, [0.0; 2])),
+        ("rough white plastic", coated(WHITE, 1.5, [0.4; 2])),
+        ("rough plastic", coated(colour * 0.5, 1.8, [0.25, 0.5])),
+        ("paint", principled(colour, 0.5, |_| {})),
+        ("white paint", principled(WHITE, 0.6, |_| {})),
+        (
+            "coated paint",
+            principled(colour, 0.6, |m| {
+                m.coat = 0.8.into();
+                m.coat_roughness = Roughness::isotropic(0.4, RoughnessScale::Square);
+            }),
+        ),
+        ("cloth", principled(colour * 0.3, 0.8, |m| m.sheen = WHITE.into())),
+        (
+            "flaked metal",
+            principled(colour, 0.5, |m| {
+                m.metallic = 0.6.into();
+                m.roughness.v = 0.7.into();
+            }),
+        ),
+        ("waxed glass", principled(colour, 0.5, |m| m.transmission = 0.6.into())),
+        ("clear plastic", principled(colour, 0.0, |m| m.transmission = 1.0.into())),
+        (
+            "dirty pane",
+            principled(colour, 0.6, |m| {
+                m.transmission = 0.8.into();
+                m.thin = true;
+            }),
+        ),
+        ("paper", Bsdf::DiffuseTransmission(DiffuseTransmission::new(colour * 0.5, colour * 0.3))),
         ("flat phong", phong([0.3, 0.2, 0.1], [0.5, 0.6, 0.7], 0.0)),
         ("dull phong", phong([0.2, 0.3, 0.5], [0.5, 0.4, 0.3], 3.5)),
         ("sharp phong", phong([0.1; 3], [0.9; 3], 150.0)),
@@ -61,17 +146,45 @@ fn bsdfs() -> Vec<(&'static str, Bsdf)> {
     for (_, bsdf) in &table {
         match bsdf {
             Bsdf::Black | Bsdf::Lambert(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) => {}
-            Bsdf::Dielectric(_) | Bsdf::Phong(_) => {}
+            Bsdf::Dielectric(_) | Bsdf::Phong(_) | Bsdf::CoatedDiffuse(_) | Bsdf::DiffuseTransmission(_) => {}
+            Bsdf::Principled(_) => {}
         }
     }
     table
 }
 
 /// Names of BSDFs above whose albedo is the estimate of [`BsdfModel::albedo`].
-const ESTIMATED: &[&str] = &[];
+const ESTIMATED: &[&str] = &[
+    "dull gold",
+    "brushed gold",
+    "perfect rough metal",
+    "perfect brushed metal",
+    "frosted glass",
+    "rough glass",
+    "rough bubble",
+    "brushed glass",
+    "tinted frosted glass",
+    "paint",
+    "white paint",
+    "coated paint",
+    "cloth",
+    "flaked metal",
+    "waxed glass",
+    "dirty pane",
+];
 
 /// A bound on the error of that estimate, for models whose samples have weights as uneven as Phong's.
-const ESTIMATE_ERROR: f32 = 0.03;
+const ESTIMATE_ERROR: f32 = 0.06;
+
+/// The refractive index on the side of `w`.
+fn index(bsdf: &Bsdf, w: DVec3) -> f64 {
+    match bsdf {
+        Bsdf::Dielectric(glass) if w.z < 0.0 => glass.eta,
+        // All of the table.
+        Bsdf::Principled(_) if w.z < 0.0 => 1.5,
+        _ => 1.0,
+    }
+}
 
 fn smooth() -> Vec<(&'static str, Bsdf)> {
     bsdfs().into_iter().filter(|(_, b)| !b.is_delta() && *b != Bsdf::Black).collect()
@@ -92,12 +205,17 @@ fn xi(i: u64) -> (DVec2, f64) {
     (DVec2::new(u(51), u(52)), u(53))
 }
 
-/// Gauss-Legendre nodes and weights of order 4 on [0, 1].
+/// Gauss-Legendre nodes and weights on [0, 1], of orders 4 and 3.
 const GAUSS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
     (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+const COARSE_GAUSS: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_31, 0.277_777_777_777_777_8),
+    (0.5, 0.444_444_444_444_444_4),
+    (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
 ];
 
 const ROWS: usize = 80;
@@ -110,42 +228,72 @@ fn cell_of(w: DVec3) -> usize {
 }
 
 /// The integral of `f` over solid angle in each cell of a grid of equal solid angles.
-fn per_cell(f: impl Fn(DVec3) -> f64) -> Vec<f64> {
-    let size = 2.0 * TAU / (ROWS * COLUMNS) as f64;
-    let mut cells = Vec::with_capacity(ROWS * COLUMNS);
-    for row in 0..ROWS {
-        for column in 0..COLUMNS {
-            let mut sum = 0.0;
-            for (x, wx) in GAUSS {
-                for (y, wy) in GAUSS {
-                    let z = 2.0 * (row as f64 + y) / ROWS as f64 - 1.0;
-                    sum += wx * wy * f(direction(z, TAU * (column as f64 + x) / COLUMNS as f64));
-                }
-            }
-            cells.push(sum * size);
-        }
-    }
+///
+/// Steps and peaks narrower than a cell are seen if it is divided at least once; `divisions`: the least number.
+fn per_cell(divisions: u32, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
+    let cells = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| [row, column]));
     cells
+        .map(|[row, column]| part_integral(&f, [row as f64, column as f64], [1.0; 2], [divisions, 5]))
+        .collect()
+}
+
+/// The integral over a part of a cell, divided at least `least` and at most `most` times.
+fn part_integral(
+    f: &impl Fn(DVec3) -> f64,
+    corner: [f64; 2],
+    size: [f64; 2],
+    [least, most]: [u32; 2],
+) -> f64 {
+    let rule = |rule: &[(f64, f64)]| {
+        let mut sum = 0.0;
+        for (x, wx) in rule {
+            for (y, wy) in rule {
+                let z = 2.0 * (corner[0] + size[0] * y) / ROWS as f64 - 1.0;
+                sum += wx * wy * f(direction(z, TAU * (corner[1] + size[1] * x) / COLUMNS as f64));
+            }
+        }
+        sum * size[0] * size[1] * 2.0 * TAU / (ROWS * COLUMNS) as f64
+    };
+    let (coarse, fine) = (rule(&COARSE_GAUSS), rule(&GAUSS));
+    // A twentieth of a sample in 100 000.
+    if most == 0 || least == 0 && (fine - coarse).abs() < 5e-7 {
+        return fine;
+    }
+    let parts = |axis: usize| {
+        // Both rules would miss the same steps of the density in even parts.
+        let first = 0.382 * size[axis];
+        [(corner[axis], first), (corner[axis] + first, size[axis] - first)]
+    };
+    let parts =
+        parts(0).map(|(row, height)| parts(1).map(|(column, width)| ([row, column], [height, width])));
+    let next = [least.saturating_sub(1), most - 1];
+    parts.iter().flatten().map(|&(corner, size)| part_integral(f, corner, size, next)).sum()
 }
 
 #[test]
 fn samples_follow_the_density_which_integrates_to_one() {
-    let tests = smooth().len() * views().len();
+    // The extremes and one between; the others take long.
+    let views: Vec<DVec3> = views().into_iter().filter(|wo| ![0.9, 0.2].contains(&wo.z.abs())).collect();
+    let tests = smooth().len() * views.len();
     let n = 100_000;
     for (name, bsdf) in smooth() {
-        for wo in views() {
-            let expected = per_cell(|wi| bsdf.pdf(wo, wi).0);
+        for &wo in &views {
+            let expected = per_cell(u32::from(bsdf.transmits()), |wi| bsdf.pdf(wo, wi).0);
             let total: f64 = expected.iter().sum();
             // Quadrature of the sharpest lobe over cells half its width.
-            assert!((total - 1.0).abs() < 1e-4, "{name}, {wo}: the density integrates to {total}");
-            let mut counts = vec![0; expected.len()];
+            assert!(total < 1.0 + 1e-4, "{name}, {wo}: the density integrates to {total}");
+            let is_complete =
+                matches!(bsdf, Bsdf::Lambert(_) | Bsdf::Phong(_) | Bsdf::DiffuseTransmission(_));
+            assert!(!is_complete || (total - 1.0).abs() < 1e-4, "{name}, {wo}: {total}");
+            // The last cell holds samples of delta lobes and those that facets send into the surface.
+            let mut counts = vec![0; expected.len() + 1];
             for i in 0..n {
                 let (x, lobe) = xi(i);
-                if let Some(s) = bsdf.sample(wo, x, lobe, TransportMode::Radiance) {
-                    counts[cell_of(s.wi)] += 1;
-                }
+                let sample = bsdf.sample(wo, x, lobe, TransportMode::Radiance).filter(|s| !s.lobe.is_delta());
+                counts[sample.map_or(expected.len(), |s| cell_of(s.wi))] += 1;
             }
-            let scaled: Vec<f64> = expected.iter().map(|p| p * n as f64).collect();
+            let rest = (1.0 - total).max(0.0);
+            let scaled: Vec<f64> = expected.iter().chain([&rest]).map(|p| p * n as f64).collect();
             let test = chi_square(&counts, &scaled);
             assert!(test.p_value > 0.001 / tests as f64, "{name}, {wo}: {test:?}");
         }
@@ -164,7 +312,7 @@ fn chi_square_rejects_a_density_that_is_slightly_off() {
         let s = samples.sample(wo, x, lobe, TransportMode::Radiance).unwrap();
         counts[cell_of(s.wi)] += 1;
     }
-    let expected: Vec<f64> = per_cell(|wi| density.pdf(wo, wi).0).iter().map(|p| p * n as f64).collect();
+    let expected: Vec<f64> = per_cell(0, |wi| density.pdf(wo, wi).0).iter().map(|p| p * n as f64).collect();
     assert!(chi_square(&counts, &expected).p_value < 1e-6);
 }
 
@@ -174,10 +322,12 @@ fn sample_agrees_with_eval_and_pdf() {
         for wo in views() {
             for i in 0..500 {
                 let (x, lobe) = xi(i);
-                let Some(s) = bsdf.sample(wo, x, lobe, TransportMode::Radiance) else { continue };
+                let sample = bsdf.sample(wo, x, lobe, TransportMode::Radiance);
+                let Some(s) = sample.filter(|s| !s.lobe.is_delta()) else { continue };
                 assert_eq!(s.value, bsdf.eval(wo, s.wi), "{name}");
                 assert_eq!(s.pdf, bsdf.pdf(wo, s.wi), "{name}");
-                assert!(!s.lobe.is_delta() && !s.lobe.transmission && s.eta_scale == 1.0);
+                let index = index(&bsdf, s.wi) / index(&bsdf, wo);
+                assert!((f64::from(s.eta_scale) / (index * index) - 1.0).abs() < 1e-6, "{name}");
                 let quotient = s.value * (1.0 / s.pdf.0) as f32;
                 let difference = (s.weight - quotient).map(f32::abs).max_component();
                 // f32: a few roundings.
@@ -215,9 +365,36 @@ fn no_energy_is_created_and_albedo_is_what_is_scattered() {
                 assert!(albedo.max_component() <= 1.0 + 1e-6, "{name}, {wo}: {albedo:?}");
                 let mean = mean_weight(&bsdf, wo, mode);
                 // 2^14 points err by some 1e-4 here, a discontinuous choice of lobes included.
-                let tolerance = if ESTIMATED.contains(&name) { ESTIMATE_ERROR } else { 1e-3 };
+                let tolerance = match bsdf {
+                    _ if ESTIMATED.contains(&name) => ESTIMATE_ERROR,
+                    // By tables; at grazing angles they err more.
+                    Bsdf::CoatedDiffuse(_) if wo.z.abs() > 0.1 => 0.015,
+                    Bsdf::CoatedDiffuse(_) => 0.04,
+                    _ => 1e-3,
+                };
                 assert!(distance(mean, albedo) < tolerance, "{name}, {wo}: {mean:?}, albedo {albedo:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn surfaces_that_absorb_nothing_give_back_a_white_sky() {
+    let white = [
+        "perfect rough metal",
+        "perfect brushed metal",
+        "frosted glass",
+        "rough glass",
+        "rough bubble",
+        "white plastic",
+        "rough white plastic",
+        "white paint",
+    ];
+    for (name, bsdf) in bsdfs().into_iter().filter(|(name, _)| white.contains(name)) {
+        for wo in views() {
+            let mean = mean_weight(&bsdf, wo, TransportMode::Importance).to_rgb(&Wavelengths::Rgb);
+            let error = mean.map(|lane| (lane - 1.0).abs()).into_iter().fold(0.0, f32::max);
+            assert!(error < if wo.z.abs() > 0.1 { 0.01 } else { 0.03 }, "{name}, {wo}: {mean:?}");
         }
     }
 }
@@ -237,7 +414,7 @@ impl BsdfModel for Minimal {
 fn estimated_albedo_is_near_the_closed_form() {
     for (name, bsdf) in bsdfs() {
         for wo in views() {
-            let (estimated, albedo) = (Minimal(bsdf).albedo(wo), bsdf.albedo(wo));
+            let (estimated, albedo) = (Minimal(bsdf.clone()).albedo(wo), bsdf.albedo(wo));
             let error = distance(estimated, albedo);
             assert!(error < ESTIMATE_ERROR, "{name}, {wo}: {estimated:?}, albedo {albedo:?}");
         }
@@ -247,11 +424,10 @@ fn estimated_albedo_is_near_the_closed_form() {
 #[test]
 fn diffuse_samples_are_drawn_by_the_cosine_with_the_stated_probability() {
     for (name, bsdf) in bsdfs() {
-        let probability = bsdf.diffuse_probability();
-        assert!(!bsdf.is_delta() || probability == 0.0, "{name}");
-        for (wo, i) in views().into_iter().flat_map(|wo| (0..500).map(move |i| (wo, i))) {
-            let (x, lobe) = xi(i);
-            if lobe < probability {
+        for wo in views() {
+            let probability = bsdf.diffuse_probability(wo);
+            assert!(!bsdf.is_delta() || probability == 0.0, "{name}");
+            for (x, lobe) in (0..500).map(xi).filter(|&(_, lobe)| lobe < probability) {
                 let sample = bsdf.sample(wo, x, lobe, TransportMode::Radiance).unwrap();
                 let cosine = warp::cosine_hemisphere(x);
                 assert_eq!(sample.wi, DVec3::new(cosine.x, cosine.y, cosine.z.copysign(wo.z)), "{name}");
@@ -263,11 +439,14 @@ fn diffuse_samples_are_drawn_by_the_cosine_with_the_stated_probability() {
 
 #[test]
 fn white_sky_gives_back_the_albedo() {
-    for (name, bsdf) in smooth() {
+    // Through glass the sky is seen brighter or darker.
+    for (name, bsdf) in smooth().into_iter().filter(|(_, b)| !b.transmits()) {
         for wo in views() {
             let lane = |wi| f64::from(bsdf.eval(wo, wi).max_component());
-            let total: f64 = per_cell(lane).iter().sum();
-            assert!(total <= 1.0 + 1e-4, "{name}, {wo}: {total}");
+            let total: f64 = per_cell(0, lane).iter().sum();
+            // Facets scatter by tables, which err.
+            let rough = matches!(bsdf, Bsdf::Conductor(_) | Bsdf::CoatedDiffuse(_) | Bsdf::Principled(_));
+            assert!(total <= 1.0 + if rough { 0.02 } else { 1e-4 }, "{name}, {wo}: {total}");
             // One colour can lead for one direction and another for others.
             let grey = matches!(name, "white" | "sharp phong" | "bare phong" | "greedy phong" | "lambert");
             let albedo = f64::from(bsdf.albedo(wo).max_component());
@@ -282,8 +461,10 @@ fn bsdfs_are_reciprocal() {
         for i in 0..2000 {
             let (x, y) = xi(i);
             let (a, b) = (direction(2.0 * x.x - 1.0, TAU * x.y), direction(2.0 * y - 1.0, 1.0));
-            let there = bsdf.eval(a, b) * (1.0 / b.z.abs()) as f32;
-            let back = bsdf.eval(b, a) * (1.0 / a.z.abs()) as f32;
+            // Radiance over the square of the index is what both directions share.
+            let scale = |w| index(&bsdf, w).powi(2);
+            let there = bsdf.eval(a, b) * (scale(b) / b.z.abs()) as f32;
+            let back = bsdf.eval(b, a) * (scale(a) / a.z.abs()) as f32;
             let size = there.max_component().max(back.max_component());
             assert!(distance(there, back) <= 1e-5 * size, "{name}: {there:?} {back:?}");
         }

@@ -141,11 +141,11 @@ impl Distributed {
         path.dimension = path.dimension.wrapping_add(DIMENSIONS_PER_EVENT);
         let [x, y, xi_lobe, xi_roulette] = context.sampler.next_group();
         let xi = DVec2::new(x, y);
-        if self.light_sampling && !bsdf.is_delta() {
+        if self.light_sampling && !vertex.is_delta() {
             self.sample_lights(context, path, &vertex);
         }
         if path.budget > 1 {
-            if bsdf.is_delta() {
+            if vertex.is_delta() {
                 self.divide(path, &vertex, branches);
             } else {
                 self.branch(path, &vertex, xi, xi_lobe, branches);

@@ -157,18 +157,18 @@ impl DirectionSampler for GridDirections<'_> {
         if xi_lobe < diffuse.probability {
             let GridSample { direction, pdf, function } = self.grid.sample(&diffuse.place, xi);
             let drawn = GridDensitySample { cell: diffuse.place.cell, function };
-            let (value, bsdf_pdf) = vertex.eval(direction);
-            if value.is_black() {
-                // Directions below the geometric surface carry no light, which is also recorded.
-                let normal = vertex.at.point.normal;
-                if normal.dot(direction) * normal.dot(vertex.at.wo) <= 0.0 {
-                    self.note(drawn, 0.0, Spectrum::BLACK, Spectrum::BLACK);
-                }
-                return None;
+            let scattered = vertex
+                .drawn(direction, |bsdf_pdf| diffuse.density(pdf, bsdf_pdf, diffuse.place.cosine(direction)));
+            if scattered.is_some() {
+                self.drawn = Some(drawn);
+                return scattered;
             }
-            self.drawn = Some(drawn);
-            let pdf = diffuse.density(pdf, bsdf_pdf, diffuse.place.cosine(direction));
-            return Some(ScatteredRay::drawn(direction, value, bsdf_pdf, pdf));
+            // Directions below the geometric surface carry no light, which is also recorded.
+            let normal = vertex.at.point.normal;
+            if normal.dot(direction) * normal.dot(vertex.at.wo) <= 0.0 {
+                self.note(drawn, 0.0, Spectrum::BLACK, Spectrum::BLACK);
+            }
+            return None;
         }
         // The rest of the unit interval samples the rest of the diffuse lobe, then the glossy lobes.
         let scattered = vertex.sample(xi, xi_lobe)?;

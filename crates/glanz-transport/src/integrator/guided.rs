@@ -235,12 +235,7 @@ impl DirectionSampler for GuideDirections<'_> {
         if xi_lobe < guided {
             let draw = self.guide.sample(place, xi)?;
             self.drawn = Some((draw.pdf, draw.leaf));
-            let (value, bsdf_pdf) = vertex.eval(draw.direction);
-            if value.is_black() {
-                return None;
-            }
-            let pdf = density(guided, draw.pdf, bsdf_pdf);
-            return Some(ScatteredRay::drawn(draw.direction, value, bsdf_pdf, pdf));
+            return vertex.drawn(draw.direction, |bsdf_pdf| density(guided, draw.pdf, bsdf_pdf));
         }
         let scattered = vertex.sample(xi, (xi_lobe - guided) / (1.0 - guided))?;
         if scattered.is_delta {

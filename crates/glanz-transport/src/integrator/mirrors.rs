@@ -69,7 +69,7 @@ fn follow(
         if pending.depth >= max_depth {
             return light;
         }
-        if bsdf.is_delta() {
+        if vertex.is_delta() {
             stack.extend(vertex.delta_branches().filter_map(|branch| {
                 let weight = pending.weight * branch.weight;
                 let eta_scale = pending.eta_scale * branch.eta_scale;

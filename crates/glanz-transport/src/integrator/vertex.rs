@@ -41,20 +41,6 @@ pub(crate) struct ScatteredRay {
 }
 
 impl ScatteredRay {
-    /// A direction that was not sampled from the BSDF: `value`, `f |cos|`, and `bsdf_pdf` are those of the BSDF, `pdf` is the density of
-    /// the mixture.
-    pub(super) fn drawn(direction: DVec3, value: Spectrum, bsdf_pdf: f64, pdf: f64) -> Self {
-        Self {
-            direction,
-            weight: value / pdf as f32,
-            bsdf_weight: value / bsdf_pdf as f32,
-            bsdf_pdf,
-            pdf,
-            is_delta: false,
-            eta_scale: 1.0,
-        }
-    }
-
     /// The direction, sampled from the BSDF as a part of a mixture with the density `pdf`.
     pub(super) fn with_pdf(self, pdf: f64) -> Self {
         Self { weight: self.weight * (self.bsdf_pdf / pdf) as f32, pdf, ..self }
@@ -67,13 +53,14 @@ impl<'a> Vertex<'a> {
     }
 
     fn from_viewer(at: &'a Interaction, bsdf: Bsdf, viewer: DVec3) -> Self {
-        let frame = if is_turned(at, viewer) { Frame::from_z(at.point.normal) } else { at.frame() };
+        let normal = if is_turned(at, viewer) { at.point.normal } else { at.point.shading_normal };
+        let frame = at.frame_of(&bsdf, normal);
         Self { at, bsdf, frame, wo: frame.to_local(viewer), viewer_side: at.point.normal.dot(viewer) }
     }
 
     /// The same vertex for a viewer in the unit direction `viewer`.
     pub(super) fn seen_from(&self, viewer: DVec3) -> Self {
-        Self::from_viewer(self.at, self.bsdf, viewer)
+        Self::from_viewer(self.at, self.bsdf.clone(), viewer)
     }
 
     /// Whether a viewer in the unit direction `viewer` has the same shading normal.
@@ -98,7 +85,7 @@ impl<'a> Vertex<'a> {
 
     /// The probability with which the BSDF samples Lambert's lobe.
     pub(super) fn diffuse_probability(&self) -> f64 {
-        self.bsdf.diffuse_probability()
+        self.bsdf.diffuse_probability(self.wo)
     }
 
     pub(super) fn albedo(&self) -> Spectrum {
@@ -119,6 +106,25 @@ impl<'a> Vertex<'a> {
         }
         let value = self.bsdf.eval(self.wo, local);
         (value, if value.is_black() { 0.0 } else { self.bsdf.pdf(self.wo, local).0 })
+    }
+
+    /// A direction that was not sampled from the BSDF, from a mixture that samples it with the density `pdf(bsdf_pdf)`; `None` where nothing is
+    /// scattered.
+    pub(super) fn drawn(&self, direction: DVec3, pdf: impl FnOnce(f64) -> f64) -> Option<ScatteredRay> {
+        let (value, bsdf_pdf) = self.eval(direction);
+        if value.is_black() {
+            return None;
+        }
+        let pdf = pdf(bsdf_pdf);
+        Some(ScatteredRay {
+            direction,
+            weight: value / pdf as f32,
+            bsdf_weight: value / bsdf_pdf as f32,
+            bsdf_pdf,
+            pdf,
+            is_delta: false,
+            eta_scale: self.bsdf.eta_scale(self.wo, self.frame.to_local(direction)),
+        })
     }
 
     /// Samples a direction.

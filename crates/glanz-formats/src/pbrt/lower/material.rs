@@ -1,9 +1,13 @@
 //! `Material`, `MakeNamedMaterial`, `NamedMaterial`.
 
-use glanz_light::{SpectralDistribution, named};
-use glanz_scene::description::{FloatParameter, MaterialDescription, MaterialKind, SpectrumParameter};
+use glanz_light::named;
+use glanz_scene::description::{
+    DescriptionForm, FloatParameter, MaterialDescription, MaterialKind, SpectrumParameter,
+};
+use glanz_shading::model::{ConductorMaterial, DielectricMaterial, MetalColor};
 
 use super::Lowering;
+use super::roughness::RoughnessNames;
 use super::spectrum::grey;
 use crate::nearest::nearest;
 use crate::pbrt::color_space::ColorSpace;
@@ -122,8 +126,26 @@ impl Lowering {
                 let reflectance = self.optional_spectrum(l, "reflectance", space)?.unwrap_or(reflectance);
                 MaterialKind::mirror(reflectance)
             }
-            "conductor" | "metal" => self.conductor(kind, l, ["eta", "k", "reflectance"], space)?,
+            "conductor" | "metal" => {
+                let rough = if kind == "metal" { 0.01 } else { 0.0 };
+                let color = self.metal_color(l, ["eta", "k", "reflectance"], space)?;
+                MaterialKind::Conductor(ConductorMaterial {
+                    color,
+                    roughness: self.roughness(l, RoughnessNames::PLAIN, rough)?,
+                    multiple_scattering: self.multiple_scattering(l)?,
+                })
+            }
             "dielectric" | "glass" | "thindielectric" => self.dielectric(kind, l, space)?,
+            "coateddiffuse" => self.coated_diffuse(l, space)?,
+            "coatedconductor" => self.coated_conductor(l, space)?,
+            "diffusetransmission" => self.diffuse_transmission(l, space)?,
+            "principled" => self.principled(l, space)?,
+            "plastic" => self.plastic(l, space)?,
+            "substrate" => self.substrate(l, space)?,
+            "uber" => self.uber(l, space)?,
+            "translucent" => self.translucent(l, space)?,
+            "shinymetal" => self.shiny_metal(l, space)?,
+            "disney" => self.disney(l, space)?,
             "phong" => MaterialKind::phong(
                 self.spectrum_or(l, "Ka", 0.0, space)?,
                 self.spectrum_or(l, "Kd", 0.5, space)?,
@@ -168,39 +190,24 @@ impl Lowering {
         Ok(MaterialKind::diffuse(reflectance))
     }
 
-    /// A metal by its index and absorption (copper's by default) or, in version 4, by its reflectance r at normal
-    /// incidence, which is that of index 1 and absorption `2 sqrt(r / (1 - r))`.
-    pub(super) fn conductor(
+    /// A metal by its index and absorption (copper's by default) or, in version 4, by its reflectance at normal incidence.
+    pub(super) fn metal_color(
         &mut self,
-        kind: &str,
         list: &mut ParameterList,
         [eta, k, reflectance]: [&'static str; 3],
         space: ColorSpace,
-    ) -> ParseResult<MaterialKind> {
-        let rough = if kind == "metal" { 0.01 } else { 0.0 };
-        self.smooth(kind, list, rough)?;
-        let place = list.value_place(reflectance);
-        if let Some(input) = self.optional_spectrum(list, reflectance, space)? {
-            let known = match &input {
-                SpectrumParameter::Value(spectrum) => absorption_of(spectrum),
-                SpectrumParameter::Texture(_) => None,
-            };
-            if let Some(k) = known {
-                return Ok(MaterialKind::conductor(grey(1.0), k));
-            }
-            let message = format!(
-                "material {kind:?}: a {reflectance:?} that is a texture or a black body is not available yet; \"mirror\" stands in"
-            );
-            self.stand_in(&place, "stand-in-material", message);
-            return Ok(MaterialKind::mirror(input));
+    ) -> ParseResult<MetalColor<DescriptionForm>> {
+        if let Some(reflectance) = self.optional_spectrum(list, reflectance, space)? {
+            list.ignore(&[eta, k]);
+            return Ok(MetalColor::Reflectance(reflectance));
         }
         let eta = self.optional_spectrum(list, eta, space)?;
         let k = self.optional_spectrum(list, k, space)?;
         let copper = |name: &str| SpectrumParameter::Value(named::spectrum(name).unwrap_or_default());
-        Ok(MaterialKind::conductor(
-            eta.unwrap_or_else(|| copper("metal-Cu-eta")),
-            k.unwrap_or_else(|| copper("metal-Cu-k")),
-        ))
+        Ok(MetalColor::Index {
+            eta: eta.unwrap_or_else(|| copper("metal-Cu-eta")),
+            k: k.unwrap_or_else(|| copper("metal-Cu-k")),
+        })
     }
 
     fn dielectric(
@@ -209,70 +216,14 @@ impl Lowering {
         list: &mut ParameterList,
         space: ColorSpace,
     ) -> ParseResult<MaterialKind> {
-        self.smooth(kind, list, 0.0)?;
         let index = self.optional_float(list, "index")?;
-        let eta = self.optional_float(list, "eta")?.or(index).unwrap_or(FloatParameter::Value(1.5));
-        let reflectance = self.spectrum_or(list, "Kr", 1.0, space)?;
-        let transmittance = self.spectrum_or(list, "Kt", 1.0, space)?;
-        Ok(if kind == "thindielectric" {
-            MaterialKind::thin_dielectric(eta, reflectance, transmittance)
-        } else {
-            MaterialKind::dielectric(eta, reflectance, transmittance)
-        })
-    }
-
-    /// Reads the roughness; reports that a smooth surface stands in if it is not 0.
-    fn smooth(&mut self, kind: &str, list: &mut ParameterList, default: f32) -> ParseResult<()> {
-        let place = ["roughness", "uroughness", "vroughness"]
-            .into_iter()
-            .find(|name| list.has(name))
-            .map_or(list.place, |name| list.value_place(name));
-        let given = self.roughness(list, default)?;
-        let value = match given {
-            FloatParameter::Value(0.0) => return Ok(()),
-            FloatParameter::Value(x) => format!("roughness {x}"),
-            FloatParameter::Texture(_) => "textured roughness".to_owned(),
-        };
-        let message = format!("material {kind:?}: {value} is not available yet; a smooth surface stands in");
-        self.stand_in(&place, "stand-in-material", message);
-        Ok(())
-    }
-
-    /// The roughness, the mean of both directions if they differ.
-    pub(super) fn roughness(
-        &mut self,
-        list: &mut ParameterList,
-        default: f32,
-    ) -> ParseResult<FloatParameter> {
-        list.ignore(&["remaproughness"]);
-        let both = self.float_or(list, "roughness", default)?;
-        let u = self.optional_float(list, "uroughness")?;
-        let v = self.optional_float(list, "vroughness")?;
-        Ok(match (u, v) {
-            (None, None) => both,
-            (Some(FloatParameter::Value(u)), Some(FloatParameter::Value(v))) => {
-                FloatParameter::Value(0.5 * (u + v))
-            }
-            (Some(one), _) | (None, Some(one)) => one,
-        })
-    }
-}
-
-/// The absorption of a metal of index 1 with this reflectance at normal incidence; `None` for a black body, which
-/// is not a reflectance.
-fn absorption_of(reflectance: &SpectralDistribution) -> Option<SpectralDistribution> {
-    let k = |r: f32| {
-        // As in pbrt: full reflection would need infinite absorption.
-        let r = r.clamp(0.0, 0.9999);
-        2.0 * (r / (1.0 - r)).sqrt()
-    };
-    match reflectance {
-        SpectralDistribution::Constant(r) => Some(SpectralDistribution::Constant(k(*r))),
-        SpectralDistribution::Rgb(rgb) => Some(SpectralDistribution::Rgb(rgb.map(k))),
-        SpectralDistribution::Sampled(samples) => {
-            let points: Vec<(f32, f32)> = samples.points().iter().map(|&(nm, r)| (nm, k(r))).collect();
-            SpectralDistribution::try_sampled(points).ok()
-        }
-        _ => None,
+        Ok(MaterialKind::Dielectric(DielectricMaterial {
+            eta: self.optional_float(list, "eta")?.or(index).unwrap_or(FloatParameter::Value(1.5)),
+            reflectance: self.spectrum_or(list, "Kr", 1.0, space)?,
+            transmittance: self.spectrum_or(list, "Kt", 1.0, space)?,
+            thin: kind == "thindielectric",
+            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.0)?,
+            multiple_scattering: self.multiple_scattering(list)?,
+        }))
     }
 }

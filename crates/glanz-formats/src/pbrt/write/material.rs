@@ -3,7 +3,8 @@
 use std::fmt::Write;
 
 use glanz_light::SpectralDistribution;
-use glanz_scene::description::{FloatParameter, MaterialKind, SpectrumParameter};
+use glanz_scene::description::{DescriptionForm, FloatParameter, MaterialKind, SpectrumParameter};
+use glanz_shading::model::{MetalColor, PrincipledMaterial, Roughness};
 
 use super::PbrtWriteError;
 use super::parameters::{ParameterWriter, quoted};
@@ -29,15 +30,28 @@ pub(super) fn write(text: &mut String, number: usize, kind: &MaterialKind) -> Re
         }
         MaterialKind::Conductor(material) => {
             list.text("type", "conductor");
-            spectrum(&mut list, "eta", &material.eta)?;
-            spectrum(&mut list, "k", &material.k)?;
+            metal(&mut list, ["eta", "k"], &material.color)?;
+            facets(&mut list, &material.roughness, material.multiple_scattering)?;
         }
         MaterialKind::Dielectric(material) => {
             list.text("type", if material.thin { "thindielectric" } else { "dielectric" });
             number_or_texture(&mut list, "eta", material.eta)?;
             spectrum(&mut list, "Kr", &material.reflectance)?;
             spectrum(&mut list, "Kt", &material.transmittance)?;
+            facets(&mut list, &material.roughness, material.multiple_scattering)?;
         }
+        MaterialKind::CoatedDiffuse(material) => {
+            list.text("type", "coateddiffuse");
+            spectrum(&mut list, "reflectance", &material.reflectance)?;
+            number_or_texture(&mut list, "eta", material.eta)?;
+            facets(&mut list, &material.roughness, material.multiple_scattering)?;
+        }
+        MaterialKind::DiffuseTransmission(material) => {
+            list.text("type", "diffusetransmission");
+            spectrum(&mut list, "reflectance", &material.reflectance)?;
+            spectrum(&mut list, "transmittance", &material.transmittance)?;
+        }
+        MaterialKind::Principled(material) => principled(&mut list, material)?,
         MaterialKind::Phong(material) => {
             list.text("type", "phong");
             spectrum(&mut list, "Ka", &material.ambient)?;
@@ -49,6 +63,82 @@ pub(super) fn write(text: &mut String, number: usize, kind: &MaterialKind) -> Re
         _ => return Err(PbrtWriteError::Unsupported("a material")),
     }
     list.finish().map_err(|_| PbrtWriteError::Unsupported("a material with numbers that are not finite"))
+}
+
+fn principled(
+    list: &mut ParameterWriter<'_>,
+    material: &PrincipledMaterial<DescriptionForm>,
+) -> Result<(), PbrtWriteError> {
+    list.text("type", "principled");
+    spectrum(list, "basecolor", &material.base_color)?;
+    number_or_texture(list, "metallic", material.metallic)?;
+    if let Some(color) = &material.metal {
+        metal(list, ["metal.eta", "metal.k"], color)?;
+    }
+    roughness(list, ["uroughness", "vroughness"], &material.roughness)?;
+    number_or_texture(list, "eta", material.eta)?;
+    spectrum(list, "specular", &material.specular)?;
+    number_or_texture(list, "transmission", material.transmission)?;
+    flag(list, "thin", material.thin, false);
+    number_or_texture(list, "coat", material.coat)?;
+    roughness(list, ["coat.uroughness", "coat.vroughness"], &material.coat_roughness)?;
+    number_or_texture(list, "coat.eta", material.coat_eta)?;
+    spectrum(list, "sheen", &material.sheen)?;
+    number_or_texture(list, "sheen.roughness", material.sheen_roughness)?;
+    flag(list, "remaproughness", false, true);
+    flag(list, "multiplescattering", material.multiple_scattering, true);
+    Ok(())
+}
+
+/// The optical constants of a metal.
+fn metal(
+    list: &mut ParameterWriter<'_>,
+    [eta_name, k_name]: [&str; 2],
+    color: &MetalColor<DescriptionForm>,
+) -> Result<(), PbrtWriteError> {
+    match color {
+        MetalColor::Index { eta, k } => {
+            spectrum(list, eta_name, eta)?;
+            spectrum(list, k_name, k)
+        }
+        MetalColor::Reflectance(reflectance) => spectrum(list, "reflectance", reflectance),
+    }
+}
+
+/// The facets of a material of one surface.
+fn facets(
+    list: &mut ParameterWriter<'_>,
+    surface: &Roughness<DescriptionForm>,
+    multiple_scattering: bool,
+) -> Result<(), PbrtWriteError> {
+    if *surface != Roughness::smooth() {
+        roughness(list, ["uroughness", "vroughness"], surface)?;
+        flag(list, "remaproughness", false, true);
+    }
+    flag(list, "multiplescattering", multiple_scattering, true);
+    Ok(())
+}
+
+/// The widths of facets.
+fn roughness(
+    list: &mut ParameterWriter<'_>,
+    names: [&str; 2],
+    roughness: &Roughness<DescriptionForm>,
+) -> Result<(), PbrtWriteError> {
+    for (name, value) in names.into_iter().zip([roughness.u, roughness.v]) {
+        let FloatParameter::Value(value) = value else {
+            return Err(PbrtWriteError::Unsupported("a texture"));
+        };
+        list.singles("float", name, [roughness.scale.alpha(value) as f32]);
+    }
+    Ok(())
+}
+
+/// A truth value that differs from its default.
+fn flag(list: &mut ParameterWriter<'_>, name: &str, value: bool, default: bool) {
+    if value != default {
+        list.boolean(name, value);
+    }
 }
 
 fn number_or_texture(

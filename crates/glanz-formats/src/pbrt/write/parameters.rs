@@ -77,6 +77,10 @@ impl<'a> ParameterWriter<'a> {
         self.list("integer", name, values);
     }
 
+    pub(super) fn boolean(&mut self, name: &str, value: bool) {
+        self.list("bool", name, [value]);
+    }
+
     pub(super) fn text(&mut self, name: &str, value: &str) {
         self.list("string", name, [quoted(value)]);
     }

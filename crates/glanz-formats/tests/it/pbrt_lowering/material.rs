@@ -1,5 +1,7 @@
 //! Materials and textures.
 
+use glanz_shading::model::{MetalColor, Roughness, RoughnessScale};
+
 use super::*;
 
 #[test]
@@ -54,7 +56,8 @@ fn metals_by_name_keep_their_spectrum_and_copper_is_the_default() {
         ("\"conductor\" \"spectrum eta\" \"metal-CuZn-eta\" \"spectrum k\" \"metal-CuZn-k\"", "CuZn"),
     ] {
         let MaterialKind::Conductor(metal_of) = material(text) else { panic!("{text}") };
-        for (input, quantity) in [(metal_of.eta, "eta"), (metal_of.k, "k")] {
+        let MetalColor::Index { eta, k } = metal_of.color else { panic!() };
+        for (input, quantity) in [(eta, "eta"), (k, "k")] {
             let SpectrumParameter::Value(spectrum) = input else { panic!("{text}") };
             assert!(matches!(spectrum, SpectralDistribution::Sampled(_)));
             assert_eq!(Some(spectrum), named::spectrum(&format!("metal-{metal}-{quantity}")));
@@ -86,24 +89,47 @@ fn thin_glass_is_a_pane() {
 }
 
 #[test]
-fn metal_of_a_reflectance_reflects_that_much_straight_back() {
+fn metal_has_its_reflectance() {
     let MaterialKind::Conductor(metal) = material("\"conductor\" \"rgb reflectance\" [.2 .5 .9]") else {
         panic!()
     };
-    for (lane, r) in [0.2, 0.5, 0.9].into_iter().enumerate() {
-        let (n, k) = (f64::from(value(&metal.eta)[lane]), f64::from(value(&metal.k)[lane]));
-        // Fresnel at normal incidence: ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2).
-        close(((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k), r);
+    assert_eq!(metal.color, MetalColor::Reflectance([0.2, 0.5, 0.9].into()));
+}
+
+/// Widths of the facets of a metal along both directions.
+fn widths(text: &str) -> [f64; 2] {
+    let MaterialKind::Conductor(metal) = material(text) else { panic!("{text}") };
+    [metal.roughness.u, metal.roughness.v].map(|roughness| match roughness {
+        FloatParameter::Value(x) => metal.roughness.scale.alpha(x),
+        FloatParameter::Texture(_) => panic!(),
+    })
+}
+
+#[test]
+fn roughness_has_the_meaning_of_its_version() {
+    assert_eq!(widths("\"conductor\""), [0.0; 2]);
+    // Version 4: the square root.
+    for (found, root) in widths("\"conductor\" \"float roughness\" .25").into_iter().zip([0.5, 0.5]) {
+        close(found, root);
     }
+    assert_eq!(widths("\"conductor\" \"float vroughness\" .25 \"bool remaproughness\" false"), [0.0, 0.25]);
+    // Version 3: ln 0.1 = -2.302585: 1.62142 - 1.888017 + 0.919340 - 0.209003 + 0.018010 = 0.461750.
+    let both = "\"metal\" \"float uroughness\" .1 \"float vroughness\" 1";
+    for (found, alpha) in widths(both).into_iter().zip([0.46175, 1.62142]) {
+        assert!((found - alpha).abs() < 2e-5, "{found}");
+    }
+    // Not given: 0.01.
+    assert!((widths("\"metal\"")[0] - RoughnessScale::Logarithmic.alpha(0.01)).abs() < 1e-9);
+    let MaterialKind::Dielectric(glass) = material("\"glass\" \"float uroughness\" 0") else { panic!() };
+    assert_eq!(glass.roughness, Roughness::smooth());
 }
 
 #[test]
 fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
     for (text, kind) in [
-        ("Material \"plastic\"", "stand-in-material"),
-        ("Material \"conductor\" \"float roughness\" .1", "stand-in-material"),
+        ("Material \"coateddiffuse\" \"rgb albedo\" [.1 .1 .1]", "stand-in-material"),
         ("Material \"matte\" \"float sigma\" 20", "stand-in-material"),
-        ("Material \"uber\"", "stand-in-material"),
+        ("Material \"uber\" \"float opacity\" .5", "stand-in-material"),
         ("Material \"hair\"", "stand-in-material"),
         ("Material \"fluff\"", "stand-in-material"),
         ("Shape \"curve\"", "stand-in-shape"),
@@ -130,19 +156,36 @@ fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
 }
 
 #[test]
-fn plastic_becomes_a_phong_lobe_of_equal_width() {
-    let text = "\"plastic\" \"rgb Kd\" [.5 .5 .5] \"rgb Ks\" [.5 .5 .5] \"float roughness\" .1 \"bool remaproughness\" \"false\"";
-    let MaterialKind::Phong(plastic) = material(text) else { panic!() };
-    // alpha = 0.1: (2 / 0.01 - 2) / 4; the surface of index 1.5 reflects 4 %.
-    let FloatParameter::Value(exponent) = plastic.exponent else { panic!() };
-    close(f64::from(exponent), 49.5);
-    assert_eq!(value(&plastic.diffuse), [0.5; 3]);
-    close(f64::from(value(&plastic.specular)[0]), 0.02);
-    // Light of all directions reaches the base as well.
-    assert_eq!(value(&plastic.ambient), [0.5; 3]);
-    let text = "\"substrate\" \"rgb Kd\" [.4 .6 .8] \"rgb Ks\" [.5 .5 .5]";
-    let MaterialKind::Phong(coated) = material(text) else { panic!() };
-    assert_eq!((value(&coated.ambient), value(&coated.diffuse)), ([0.2, 0.3, 0.4], [0.2, 0.3, 0.4]));
+fn plastic_is_a_diffuse_base_under_its_highlight() {
+    let text = "\"plastic\" \"rgb Kd\" [.5 .4 .3] \"rgb Ks\" [.2 .2 .1] \"float roughness\" .1 \"bool remaproughness\" \"false\"";
+    let MaterialKind::Principled(plastic) = material(text) else { panic!() };
+    assert_eq!((value(&plastic.base_color), value(&plastic.specular)), ([0.5, 0.4, 0.3], [0.2, 0.2, 0.1]));
+    assert_eq!(plastic.roughness, Roughness::isotropic(0.1, RoughnessScale::Alpha));
+    let MaterialKind::Principled(coated) = material("\"substrate\" \"rgb Ks\" [.04 .04 .04]") else {
+        panic!()
+    };
+    // ((n - 1) / (n + 1))^2 = 0.04 for n = 1.5.
+    let FloatParameter::Value(eta) = coated.eta else { panic!() };
+    close(f64::from(eta), 1.5);
+}
+
+#[test]
+fn coats_and_sheets_have_their_parameters() {
+    let text = "\"coateddiffuse\" \"rgb reflectance\" [.1 .2 .3] \"float eta\" 1.7 \"float roughness\" .04";
+    let MaterialKind::CoatedDiffuse(paint) = material(text) else { panic!() };
+    assert_eq!((value(&paint.reflectance), paint.eta), ([0.1, 0.2, 0.3], FloatParameter::Value(1.7)));
+    assert_eq!(paint.roughness, Roughness::isotropic(0.04, RoughnessScale::SquareRoot));
+    let text = "\"coatedconductor\" \"float interface.roughness\" .09 \"float interface.eta\" 1.4";
+    let MaterialKind::Principled(metal) = material(text) else { panic!() };
+    assert!(matches!(metal.metal, Some(MetalColor::Index { .. })));
+    assert_eq!((metal.metallic, metal.coat, metal.coat_eta), (1.0.into(), 1.0.into(), 1.4.into()));
+    assert_eq!(metal.coat_roughness, Roughness::isotropic(0.09, RoughnessScale::SquareRoot));
+    let text = "\"diffusetransmission\" \"rgb reflectance\" [.2 .4 .2] \"float scale\" .5";
+    let MaterialKind::DiffuseTransmission(leaf) = material(text) else { panic!() };
+    assert_eq!((value(&leaf.reflectance), value(&leaf.transmittance)), ([0.1, 0.2, 0.1], [0.125; 3]));
+    let text = "\"translucent\" \"rgb Kd\" [.5 .5 .5] \"rgb reflect\" [.2 .4 .2] \"float Ks\" 0";
+    let MaterialKind::DiffuseTransmission(paper) = material(text) else { panic!() };
+    assert_eq!((value(&paper.reflectance), value(&paper.transmittance)), ([0.1, 0.2, 0.1], [0.25; 3]));
 }
 
 #[test]

@@ -1,0 +1,322 @@
+//! Materials with a glossy surface over another, and sheets that transmit light.
+
+use glanz_light::SpectralDistribution;
+use glanz_scene::description::{
+    DescriptionForm, FloatParameter, MaterialKind, SpectrumParameter, TextureDescription, TextureKind,
+};
+use glanz_shading::model::{
+    CoatedDiffuseMaterial, ConductorMaterial, MetalColor, PrincipledMaterial, Roughness, RoughnessScale,
+};
+
+use super::Lowering;
+use super::roughness::RoughnessNames;
+use super::spectrum::grey;
+use crate::pbrt::color_space::ColorSpace;
+use crate::pbrt::parameters::ParameterList;
+use crate::source::{ParseResult, Span};
+
+/// Parameters for the random walk by which pbrt samples a coat, which here has a closed form.
+const RANDOM_WALK: &[&str] = &["thickness", "g", "maxdepth", "nsamples", "twosided"];
+
+impl Lowering {
+    /// Version 4's diffuse base under a coat.
+    pub(super) fn coated_diffuse(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        list.ignore(RANDOM_WALK);
+        let place = list.value_place("albedo");
+        let albedo = self.spectrum_or(list, "albedo", 0.0, space)?;
+        self.clear_coat(&place, &albedo, list);
+        Ok(MaterialKind::CoatedDiffuse(CoatedDiffuseMaterial {
+            reflectance: self.spectrum_or(list, "reflectance", 0.5, space)?,
+            eta: self.float_or(list, "eta", 1.5)?,
+            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.0)?,
+            multiple_scattering: self.multiple_scattering(list)?,
+        }))
+    }
+
+    /// Version 4's metal under a coat, which does not refract the light of the metal here.
+    pub(super) fn coated_conductor(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        list.ignore(RANDOM_WALK);
+        let place = list.value_place("albedo");
+        let albedo = self.spectrum_or(list, "albedo", 0.0, space)?;
+        self.clear_coat(&place, &albedo, list);
+        let color = self.metal_color(list, ["conductor.eta", "conductor.k", "reflectance"], space)?;
+        let remap = self.roughness_scale(list)?;
+        Ok(MaterialKind::Principled(PrincipledMaterial {
+            metallic: FloatParameter::Value(1.0),
+            metal: Some(color),
+            roughness: self.scaled_roughness(list, RoughnessNames::CONDUCTOR, 0.0, remap)?,
+            coat: FloatParameter::Value(1.0),
+            coat_roughness: self.scaled_roughness(list, RoughnessNames::INTERFACE, 0.0, remap)?,
+            coat_eta: self.float_or(list, "interface.eta", 1.5)?,
+            multiple_scattering: self.multiple_scattering(list)?,
+            ..PrincipledMaterial::new(grey(1.0), 0.0)
+        }))
+    }
+
+    /// Reports a medium in a coat.
+    fn clear_coat(&mut self, place: &Span, albedo: &SpectrumParameter, list: &ParameterList) {
+        if *albedo != SpectrumParameter::Value(grey(0.0)) {
+            let message =
+                format!("{}: \"albedo\" is not available yet; a clear coat stands in", list.subject);
+            self.stand_in(place, "stand-in-material", message);
+        }
+    }
+
+    pub(super) fn diffuse_transmission(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        let scale = list.float("scale", &mut self.reporter)?.unwrap_or(1.0) as f32;
+        let reflectance = self.spectrum_or(list, "reflectance", 0.25, space)?;
+        let transmittance = self.spectrum_or(list, "transmittance", 0.25, space)?;
+        let [reflectance, transmittance] =
+            [reflectance, transmittance].map(|input| self.product(input, grey(scale), list));
+        Ok(MaterialKind::diffuse_transmission(reflectance, transmittance))
+    }
+
+    /// Version 3's sheet: Lambert's law on both sides; its highlight is left out.
+    pub(super) fn translucent(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        let base = self.spectrum_or(list, "Kd", 0.25, space)?;
+        let place = list.value_place("Ks");
+        let specular = self.spectrum_or(list, "Ks", 0.25, space)?;
+        list.ignore(&["roughness", "remaproughness"]);
+        if specular != SpectrumParameter::Value(grey(0.0)) {
+            let message = "material \"translucent\": \"Ks\" is not available yet; a surface without highlight stands in";
+            self.stand_in(&place, "stand-in-material", message);
+        }
+        let mut part = |name| {
+            let share = self.spectrum_or(list, name, 0.5, space)?;
+            Ok(match (share, &base) {
+                (SpectrumParameter::Value(share), base) => self.product(base.clone(), share, list),
+                (texture, SpectrumParameter::Value(base)) => self.product(texture, base.clone(), list),
+                (share, base) => self.texture_product(base.clone(), share, list),
+            })
+        };
+        let (reflectance, transmittance) = (part("reflect")?, part("transmit")?);
+        Ok(MaterialKind::diffuse_transmission(reflectance, transmittance))
+    }
+
+    /// Version 3's sum of Lambert's law and the highlight of a surface of index 1.5.
+    pub(super) fn plastic(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        Ok(MaterialKind::Principled(PrincipledMaterial {
+            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.1)?,
+            specular: self.spectrum_or(list, "Ks", 0.25, space)?,
+            multiple_scattering: self.multiple_scattering(list)?,
+            ..PrincipledMaterial::new(self.spectrum_or(list, "Kd", 0.25, space)?, 0.0)
+        }))
+    }
+
+    /// Version 3's diffuse base under a highlight whose reflectance at normal incidence is `Ks`.
+    pub(super) fn substrate(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        list.ignore(&["d"]);
+        let place = list.value_place("Ks");
+        let eta = match self.spectrum_or(list, "Ks", 0.5, space)? {
+            SpectrumParameter::Value(specular) => index_of(&specular),
+            SpectrumParameter::Texture(_) => None,
+        };
+        if eta.is_none() {
+            let message =
+                "material \"substrate\": a textured or coloured \"Ks\" is not available yet; 0.5 stands in";
+            self.stand_in(&place, "stand-in-material", message);
+        }
+        Ok(MaterialKind::Principled(PrincipledMaterial {
+            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.1)?,
+            eta: FloatParameter::Value(eta.unwrap_or_else(|| reflecting_index(0.5))),
+            multiple_scattering: self.multiple_scattering(list)?,
+            ..PrincipledMaterial::new(self.spectrum_or(list, "Kd", 0.5, space)?, 0.0)
+        }))
+    }
+
+    /// Version 3's sum of Lambert's law, a highlight, a mirror and glass, of which the first two are available.
+    pub(super) fn uber(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialKind> {
+        for (name, default) in [("Kr", 0.0), ("Kt", 0.0), ("opacity", 1.0)] {
+            let place = list.value_place(name);
+            if self.spectrum_or(list, name, default, space)? != SpectrumParameter::Value(grey(default)) {
+                let message =
+                    format!("material \"uber\": {name:?} is not available yet; {default} stands in");
+                self.stand_in(&place, "stand-in-material", message);
+            }
+        }
+        let index = self.optional_float(list, "index")?;
+        let eta = self.optional_float(list, "eta")?.or(index);
+        let MaterialKind::Principled(plastic) = self.plastic(list, space)? else {
+            return Ok(MaterialKind::Interface);
+        };
+        Ok(MaterialKind::Principled(PrincipledMaterial {
+            eta: eta.unwrap_or(FloatParameter::Value(1.5)),
+            ..plastic
+        }))
+    }
+
+    /// Version 2's metal of a highlight and a mirror, as one rough metal.
+    pub(super) fn shiny_metal(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        list.ignore(&["Ks"]);
+        let message =
+            "material \"shinymetal\" is not available yet; a metal with the reflectance \"Kr\" stands in";
+        self.stand_in(&list.place, "stand-in-material", message);
+        Ok(MaterialKind::Conductor(ConductorMaterial {
+            color: MetalColor::Reflectance(self.spectrum_or(list, "Kr", 1.0, space)?),
+            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.1)?,
+            multiple_scattering: self.multiple_scattering(list)?,
+        }))
+    }
+
+    /// The principled material, an extension.
+    pub(super) fn principled(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        let remap = list.boolean("remaproughness", &mut self.reporter)?.unwrap_or(true);
+        let scale = if remap { RoughnessScale::Square } else { RoughnessScale::Alpha };
+        let names = ["metal.eta", "metal.k", "reflectance"];
+        let metal = if names.into_iter().any(|name| list.has(name)) {
+            Some(self.metal_color(list, names, space)?)
+        } else {
+            None
+        };
+        Ok(MaterialKind::Principled(PrincipledMaterial {
+            base_color: self.spectrum_or(list, "basecolor", 0.8, space)?,
+            metallic: self.float_or(list, "metallic", 0.0)?,
+            metal,
+            roughness: self.scaled_roughness(list, RoughnessNames::PLAIN, 0.5, scale)?,
+            eta: self.float_or(list, "eta", 1.5)?,
+            specular: self.spectrum_or(list, "specular", 1.0, space)?,
+            transmission: self.float_or(list, "transmission", 0.0)?,
+            thin: list.boolean("thin", &mut self.reporter)?.unwrap_or(false),
+            coat: self.float_or(list, "coat", 0.0)?,
+            coat_roughness: self.scaled_roughness(list, RoughnessNames::COAT, 0.0, scale)?,
+            coat_eta: self.float_or(list, "coat.eta", 1.5)?,
+            sheen: self.spectrum_or(list, "sheen", 0.0, space)?,
+            sheen_roughness: self.float_or(list, "sheen.roughness", 0.3)?,
+            multiple_scattering: self.multiple_scattering(list)?,
+        }))
+    }
+
+    /// Version 3's principled material, with the parts that ours has.
+    pub(super) fn disney(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+    ) -> ParseResult<MaterialKind> {
+        for name in ["speculartint", "difftrans", "flatness", "scatterdistance"] {
+            let place = list.value_place(name);
+            if self.spectrum_or(list, name, 0.0, space)? != SpectrumParameter::Value(grey(0.0)) {
+                let message = format!("material \"disney\": {name:?} is not available yet; 0 stands in");
+                self.stand_in(&place, "stand-in-material", message);
+            }
+        }
+        list.ignore(&["sheentint"]);
+        let color = self.spectrum_or(list, "color", 0.5, space)?;
+        let roughness = self.float_or(list, "roughness", 0.5)?;
+        let anisotropic = list.float("anisotropic", &mut self.reporter)?.unwrap_or(0.0) as f32;
+        let clearcoat = list.float("clearcoat", &mut self.reporter)?.unwrap_or(0.0) as f32;
+        let gloss = list.float("clearcoatgloss", &mut self.reporter)?.unwrap_or(1.0) as f32;
+        let sheen = list.float("sheen", &mut self.reporter)?.unwrap_or(0.0) as f32;
+        Ok(MaterialKind::Principled(PrincipledMaterial {
+            metallic: self.float_or(list, "metallic", 0.0)?,
+            roughness: stretched(roughness, anisotropic),
+            eta: self.float_or(list, "eta", 1.5)?,
+            transmission: self.float_or(list, "spectrans", 0.0)?,
+            thin: list.boolean("thin", &mut self.reporter)?.unwrap_or(false),
+            // @burley2012: the coat has a quarter of the reflectance of its interface.
+            coat: FloatParameter::Value((0.25 * clearcoat).clamp(0.0, 1.0)),
+            coat_roughness: Roughness::isotropic(
+                FloatParameter::Value((1.0 - gloss) * 0.1 + gloss * 0.001),
+                RoughnessScale::Alpha,
+            ),
+            sheen: SpectrumParameter::Value(grey(sheen.clamp(0.0, 1.0))),
+            multiple_scattering: self.multiple_scattering(list)?,
+            ..PrincipledMaterial::new(color, 0.0)
+        }))
+    }
+
+    /// An input times a spectrum, by a texture if necessary.
+    fn product(
+        &mut self,
+        input: SpectrumParameter,
+        factor: SpectralDistribution,
+        list: &ParameterList,
+    ) -> SpectrumParameter {
+        use SpectralDistribution::{Constant, Rgb};
+        match (&input, &factor) {
+            (_, Constant(1.0)) => input,
+            (SpectrumParameter::Value(Constant(a)), Constant(b)) => SpectrumParameter::Value(Constant(a * b)),
+            (SpectrumParameter::Value(Rgb(a)), Constant(b))
+            | (SpectrumParameter::Value(Constant(b)), Rgb(a)) => {
+                SpectrumParameter::Value(Rgb(a.map(|a| a * b)))
+            }
+            (SpectrumParameter::Value(Rgb(a)), Rgb(b)) => {
+                SpectrumParameter::Value(Rgb(std::array::from_fn(|i| a[i] * b[i])))
+            }
+            _ => self.texture_product(input, SpectrumParameter::Value(factor), list),
+        }
+    }
+
+    fn texture_product(
+        &mut self,
+        a: SpectrumParameter,
+        b: SpectrumParameter,
+        list: &ParameterList,
+    ) -> SpectrumParameter {
+        self.description.textures.push(TextureDescription {
+            name: String::new(),
+            kind: TextureKind::Scale(a, b),
+            location: Some(list.place.location),
+        });
+        SpectrumParameter::Texture(self.description.textures.len() - 1)
+    }
+}
+
+/// The roughness of facets that are longer along u by an anisotropy in [0, 1], in the scale [`RoughnessScale::Square`] (@burley2012).
+fn stretched(roughness: FloatParameter, anisotropic: f32) -> Roughness<DescriptionForm> {
+    let stretch = (1.0 - 0.9 * anisotropic.clamp(0.0, 1.0)).sqrt().sqrt();
+    match roughness {
+        FloatParameter::Value(r) => Roughness {
+            u: FloatParameter::Value(r / stretch),
+            v: FloatParameter::Value(r * stretch),
+            scale: RoughnessScale::Square,
+        },
+        texture => Roughness::isotropic(texture, RoughnessScale::Square),
+    }
+}
+
+/// The refractive index whose surface reflects a grey spectrum at normal incidence; `None` for others.
+fn index_of(reflectance: &SpectralDistribution) -> Option<f32> {
+    match reflectance {
+        SpectralDistribution::Constant(r) => Some(reflecting_index(*r)),
+        SpectralDistribution::Rgb([r, g, b]) if r == g && g == b => Some(reflecting_index(*r)),
+        _ => None,
+    }
+}
+
+/// The refractive index whose surface has this reflectance at normal incidence.
+fn reflecting_index(reflectance: f32) -> f32 {
+    let root = reflectance.clamp(0.0, 0.98).sqrt();
+    (1.0 + root) / (1.0 - root)
+}
