@@ -111,6 +111,48 @@ fn polygon_of_four_blades_is_a_uniform_square() {
 }
 
 #[test]
+fn polygons_have_the_moment_of_their_sides_and_fill_them() {
+    // Mean of |p|^2 over a regular polygon with corners on the unit circle: (2 + cos(2 pi / n)) / 6.
+    for n in [3_u32, 5, 8] {
+        let points = (0..SAMPLES).map(|i| regular_polygon(xi(i), n));
+        let (sum, squares, largest) = points
+            .map(|p| p.length_squared())
+            .fold((0.0, 0.0, 0.0_f64), |a, r| (a.0 + r, a.1 + r * r, a.2.max(r)));
+        let mean = sum / SAMPLES as f64;
+        let error = ((squares / SAMPLES as f64 - mean * mean) / SAMPLES as f64).sqrt();
+        let expected = (2.0 + (TAU / f64::from(n)).cos()) / 6.0;
+        assert!((mean - expected).abs() < 4.0 * error, "{n}: {mean} {expected}");
+        assert!(largest <= 1.0 + 1e-12 && largest > 0.98);
+    }
+}
+
+#[test]
+fn equal_area_map_preserves_areas_and_is_invertible() {
+    let n = 256;
+    let mut octants = [(0, DVec3::ZERO); 8];
+    for i in 0..n * n {
+        let place = DVec2::new(f64::from(i % n) + 0.5, f64::from(i / n) + 0.5) / f64::from(n);
+        let direction = equal_area_sphere(place);
+        assert!((direction.length() - 1.0).abs() < 1e-14);
+        assert!((equal_area_square(direction) - place).length() < 1e-12, "{place}");
+        let octant = usize::from(direction.x < 0.0)
+            + 2 * usize::from(direction.y < 0.0)
+            + 4 * usize::from(direction.z < 0.0);
+        octants[octant].0 += 1;
+        octants[octant].1 += direction.abs();
+    }
+    for (count, sum) in octants {
+        // The diamond's border crosses cells of the grid: of those on the diagonal, half are on either side.
+        assert!((f64::from(count) / f64::from(n * n / 8) - 1.0).abs() < 0.01, "{count}");
+        // Each coordinate is uniform over a sphere (Archimedes): its mean over an octant is 1/2.
+        assert!((sum / f64::from(count) - 0.5).abs().max_element() < 0.005, "{sum}");
+    }
+    for pole in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y] {
+        assert!((equal_area_sphere(equal_area_square(pole)) - pole).length() < 1e-7);
+    }
+}
+
+#[test]
 fn tent_follows_its_density() {
     let expected: Vec<f64> = (0..30)
         .map(|i| {

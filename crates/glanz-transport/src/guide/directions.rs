@@ -6,9 +6,10 @@
 //! chapter 2 of document 003, and the directional tree of @muller2017. Both map by (cos theta, phi), by which a light overhead becomes a
 //! strip along a side of the square, which squares approximate badly.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::PI;
 
 use glanz_math::{DVec2, DVec3};
+use glanz_sampling::warp::{equal_area_sphere, equal_area_square};
 
 /// Fraction of a tree above which a part is divided.
 const SPLIT_SHARE: f64 = 0.03;
@@ -107,7 +108,7 @@ impl DirectionTrees {
             corner += side * DVec2::new(column as f64, row as f64);
             if child[part] == NONE {
                 let leaf = 16 * node + part as u32;
-                return Some(DirectionSample { direction: to_sphere(corner + side * xi), pdf, leaf });
+                return Some(DirectionSample { direction: equal_area_sphere(corner + side * xi), pdf, leaf });
             }
             node = root + u32::from(child[part]);
         }
@@ -116,7 +117,7 @@ impl DirectionTrees {
     /// Density per steradian of `direction` and its leaf.
     #[inline]
     pub(crate) fn pdf(&self, root: u32, direction: DVec3) -> (f64, u32) {
-        let (mut node, mut pdf, mut place) = (root, 1.0 / (4.0 * PI), to_square(direction));
+        let (mut node, mut pdf, mut place) = (root, 1.0 / (4.0 * PI), equal_area_square(direction));
         loop {
             let Some(QuadtreeNode { share, child }) = self.0.get(node as usize) else { return (0.0, 0) };
             place *= 4.0;
@@ -323,38 +324,6 @@ fn choose(xi: &mut f64, weights: [u32; 4], sum: u32) -> Option<usize> {
     }
     *xi = ((at - f64::from(borders[index])) / f64::from(weights[index])).min(1.0 - f64::EPSILON / 2.0);
     Some(index)
-}
-
-/// The direction at a point of the unit square.
-#[inline]
-fn to_sphere(place: DVec2) -> DVec3 {
-    let signed = 2.0 * place - 1.0;
-    let DVec2 { x: u, y: v } = signed.abs();
-    // Above 0 in the upper hemisphere; r is the distance to the nearer pole.
-    let height = 1.0 - (u + v);
-    let r = 1.0 - height.abs();
-    let phi = if r > 0.0 { FRAC_PI_4 * ((v - u) / r + 1.0) } else { 0.0 };
-    let (sin_phi, cos_phi) = phi.sin_cos();
-    let sin = r * (2.0 - r * r).max(0.0).sqrt();
-    DVec3::new(
-        (sin * cos_phi).copysign(signed.x),
-        (sin * sin_phi).copysign(signed.y),
-        (1.0 - r * r).copysign(height),
-    )
-}
-
-/// The point of the unit square [0, 1)^2 of a unit direction.
-#[inline]
-fn to_square(direction: DVec3) -> DVec2 {
-    let DVec3 { x, y, z } = direction.abs();
-    // r^2 = 1 - z without cancellation.
-    let r = ((x * x + y * y) / (1.0 + z)).sqrt();
-    let (large, small) = if x < y { (y, x) } else { (x, y) };
-    let angle = if large > 0.0 { (small / large).atan() / FRAC_PI_2 } else { 0.0 };
-    let v = r * if x < y { 1.0 - angle } else { angle };
-    let (u, v) = if direction.z < 0.0 { (1.0 - v, 1.0 - (r - v)) } else { (r - v, v) };
-    let place = 0.5 * DVec2::new(u.copysign(direction.x), v.copysign(direction.y)) + 0.5;
-    place.clamp(DVec2::ZERO, DVec2::splat(1.0 - f64::EPSILON / 2.0))
 }
 
 #[cfg(test)]

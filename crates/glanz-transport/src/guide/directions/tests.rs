@@ -12,7 +12,7 @@ fn learnt(light: impl Fn(DVec3) -> f64) -> DirectionTrees {
         let mut sums = vec![0.0; 16 * trees.0.len()];
         for i in 0..grid * grid {
             let place = DVec2::new(f64::from(i % grid) + 0.5, f64::from(i / grid) + 0.5) / f64::from(grid);
-            let direction = to_sphere(place);
+            let direction = equal_area_sphere(place);
             sums[trees.pdf(0, direction).1 as usize] += light(direction);
         }
         let tree = trees.refined(0, f64::INFINITY, &|leaf| sums[leaf.number as usize]).unwrap();
@@ -38,7 +38,7 @@ fn density_integrates_to_one_over_the_sphere() {
     let grid = 1024;
     let sum: f64 = (0..grid * grid)
         .map(|i| DVec2::new(f64::from(i % grid) + 0.5, f64::from(i / grid) + 0.5) / f64::from(grid))
-        .map(|place| trees.pdf(0, to_sphere(place)).0)
+        .map(|place| trees.pdf(0, equal_area_sphere(place)).0)
         .sum();
     let integral = sum * 4.0 * PI / f64::from(grid * grid);
     assert!((integral - 1.0).abs() < 1e-6, "{integral}");
@@ -64,7 +64,7 @@ fn samples_follow_the_density() {
     let mut observed = vec![0_u64; side * side];
     for i in 0..count {
         let xi = PixelSampler::new(SamplerKind::Independent, count, 5, [0, 0], i).next_2d();
-        let place = to_square(trees.sample(0, xi).unwrap().direction) * side as f64;
+        let place = equal_area_square(trees.sample(0, xi).unwrap().direction) * side as f64;
         observed[place.y as usize * side + place.x as usize] += 1;
     }
     let fine = 16;
@@ -73,7 +73,7 @@ fn samples_follow_the_density() {
             let corner = DVec2::new((cell % side) as f64, (cell / side) as f64);
             let mean: f64 = (0..fine * fine)
                 .map(|i| DVec2::new((i % fine) as f64 + 0.5, (i / fine) as f64 + 0.5) / fine as f64)
-                .map(|inside| trees.pdf(0, to_sphere((corner + inside) / side as f64)).0)
+                .map(|inside| trees.pdf(0, equal_area_sphere((corner + inside) / side as f64)).0)
                 .sum::<f64>()
                 / (fine * fine) as f64;
             mean * 4.0 * PI / (side * side) as f64 * f64::from(count)
@@ -87,7 +87,7 @@ fn samples_follow_the_density() {
 fn leaves_are_small_in_directions_of_light_and_large_elsewhere() {
     let trees = spot();
     let size = |direction| {
-        let (mut node, mut level, mut place) = (0, 1, to_square(direction));
+        let (mut node, mut level, mut place) = (0, 1, equal_area_square(direction));
         loop {
             place *= 4.0;
             let part = 4 * place.x as usize + place.y as usize;
@@ -151,33 +151,6 @@ fn invalid_trees_are_refused() {
     assert!(!with(&|trees| trees[0].share[0] ^= 1));
     assert!(!with(&|trees| trees.push(QuadtreeNode::default())));
     assert!(!good.is_valid([0, 0].into_iter()) && !good.is_valid([1 << 20].into_iter()));
-}
-
-#[test]
-fn map_preserves_areas_and_is_invertible() {
-    // Centroids of octants, known from symmetry, and every direction back to itself.
-    let n = 256;
-    let mut octants = [(0, DVec3::ZERO); 8];
-    for i in 0..n * n {
-        let place = DVec2::new(f64::from(i % n) + 0.5, f64::from(i / n) + 0.5) / f64::from(n);
-        let direction = to_sphere(place);
-        assert!((direction.length() - 1.0).abs() < 1e-14);
-        assert!((to_square(direction) - place).length() < 1e-12, "{place}");
-        let octant = usize::from(direction.x < 0.0)
-            + 2 * usize::from(direction.y < 0.0)
-            + 4 * usize::from(direction.z < 0.0);
-        octants[octant].0 += 1;
-        octants[octant].1 += direction.abs();
-    }
-    for (count, sum) in octants {
-        // The diamond's border crosses cells of the grid: of those on the diagonal, half are on either side.
-        assert!((f64::from(count) / f64::from(n * n / 8) - 1.0).abs() < 0.01, "{count}");
-        // Each coordinate is uniform over a sphere (Archimedes): its mean over an octant is 1/2.
-        assert!((sum / f64::from(count) - 0.5).abs().max_element() < 0.005, "{sum}");
-    }
-    for pole in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y] {
-        assert!((to_sphere(to_square(pole)) - pole).length() < 1e-7);
-    }
 }
 
 #[test]
