@@ -7,6 +7,7 @@
 //! - [`named`]: metals, glasses and illuminants with a name; [`cie`]: tables of the standard observer and illuminants;
 //! - [`rgb`]: conversion between CIE XYZ, linear Rec. 709 and sRGB; [`units`]: between watts and lumens;
 //! - [`intensity`]: candela over directions, the light of luminaires;
+//! - [`white_balance`]: adaptation of colours to what looks white;
 //! - [`pixels`]: [`Pixels`], a picture of named planes; [`tone`]: [`Tone`], from scene light to the bytes of a display;
 //! - [`compare`](mod@compare), [`flip`]: errors of a picture against a reference.
 
@@ -21,6 +22,7 @@ pub mod rgb;
 pub mod spectrum;
 pub mod tone;
 pub mod units;
+pub mod white_balance;
 
 pub use compare::{CompareError, PictureComparison};
 pub use distribution::{SpectralDistribution, SpectralSamples, SpectrumError};
