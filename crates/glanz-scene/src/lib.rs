@@ -28,7 +28,7 @@ pub mod studio;
 pub mod tessellation;
 
 pub use builder::{SceneBuilder, ShapeMaterial};
-pub use camera::{Camera, FilmProjection};
+pub use camera::{Camera, CameraRay, FilmProjection};
 pub use description::{Description, Location};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use error::{SceneError, SceneErrorKind, SceneWarning};

@@ -227,6 +227,7 @@ fn encode_filter(e: &mut Encoder, filter: &FilterDescription) {
         FilterKind::Cylinder => (4, [0.0; 2]),
         FilterKind::Pyramid => (5, [0.0; 2]),
         FilterKind::Cone => (6, [0.0; 2]),
+        FilterKind::Sinc { tau } => (7, [tau, 0.0]),
     };
     e.u8(tag);
     parameters.into_iter().chain(filter.radius).for_each(|v| e.f64(v));
@@ -243,6 +244,7 @@ fn decode_filter(d: &mut Decoder<'_>) -> Option<FilterDescription> {
         4 => FilterKind::Cylinder,
         5 => FilterKind::Pyramid,
         6 => FilterKind::Cone,
+        7 => FilterKind::Sinc { tau: p },
         _ => return None,
     };
     Some(FilterDescription { kind, radius: [d.f64()?, d.f64()?] })

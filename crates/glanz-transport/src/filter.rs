@@ -4,6 +4,7 @@
 //! so that every sample has the same weight and belongs to one pixel alone (@ernst2006). Where the filter is negative, the
 //! sample is subtracted.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use glanz_math::DVec2;
@@ -76,7 +77,7 @@ const SMALLEST_NET_WEIGHT: f64 = 0.25;
 impl Filter {
     /// The filter of `description`.
     ///
-    /// Gaussian and Mitchell are tabulated as piecewise linear profiles that deviate from the formula by at most 2e-6 of
+    /// Gaussian, Mitchell and sinc are tabulated as piecewise linear profiles that deviate from the formula by at most 2e-6 of
     /// the peak (the error of chords, @davis1975 section 3.1); the others are exact.
     ///
     /// # Errors
@@ -104,6 +105,16 @@ impl Filter {
                     });
                 }
                 FilterShape::Separable(Box::new([gaussian(x, sigma)?, gaussian(y, sigma)?]))
+            }
+            FilterKind::Sinc { tau } => {
+                if !(tau > 0.0 && tau.is_finite()) {
+                    return Err(FilterError::Parameter {
+                        name: "tau",
+                        value: tau,
+                        range: "positive and finite",
+                    });
+                }
+                FilterShape::Separable(Box::new([sinc(x, tau)?, sinc(y, tau)?]))
             }
             FilterKind::Mitchell { b, c } => {
                 for (name, value) in [("B", b), ("C", c)] {
@@ -323,6 +334,19 @@ fn mitchell(b: f64, c: f64) -> Result<FilterProfile, FilterError> {
         name: "B",
         value: b,
         range,
+    })
+}
+
+/// Lanczos' filter: the sine cardinal within a wider one, cut off at the radius.
+fn sinc(radius: f64, tau: f64) -> Result<FilterProfile, FilterError> {
+    let cardinal = |x: f64| if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
+    let value = |x: f64| cardinal(radius * x) * cardinal(radius * x / tau);
+    // The sine cardinal is the mean of cos(pi k x) over k in [0, 1], so that its derivatives are at most pi / 2 and pi^2 / 3.
+    let curvature = (PI * radius).powi(2) * (1.0 / 3.0 + 0.5 / tau + 1.0 / (3.0 * tau * tau));
+    FilterProfile::try_new(value, curvature).map_err(|_| FilterError::Parameter {
+        name: "tau",
+        value: tau,
+        range: "larger, or the filter radius smaller",
     })
 }
 

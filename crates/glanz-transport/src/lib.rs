@@ -29,6 +29,7 @@ pub mod pixel_rect;
 pub mod progress;
 pub mod ranges;
 pub mod render;
+pub mod sensor;
 mod splat;
 mod weighted_sums;
 
@@ -50,3 +51,4 @@ pub use pixel_rect::PixelRect;
 pub use progress::{FinishedTile, RenderSink, TileSink};
 pub use ranges::{OverlapError, SampleRanges};
 pub use render::{RenderError, RenderOutcome, RenderSettings, render};
+pub use sensor::{FilmSensor, SensorError};

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glanz_job::{CancelFlag, CheckpointTimer, Interrupted, JobEnd, JobProgress, WorkCount};
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::Spectrum;
 use glanz_math::DVec2;
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
@@ -18,6 +18,7 @@ use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Inte
 use crate::pixel::{PixelLayout, PixelSums, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::progress::{FinishedTile, RenderSink, TileSink};
+use crate::sensor::FilmSensor;
 use crate::splat::{SplatBuffer, SplatRows};
 use glanz_sampling::exact::MAX_TERMS;
 
@@ -29,6 +30,8 @@ const PASS_SECONDS: f64 = 0.5;
 pub struct RenderSettings {
     /// The pixel filter.
     pub filter: Filter,
+    /// The sensor.
+    pub sensor: FilmSensor,
     /// The sampler.
     pub sampler: SamplerKind,
     /// Seed of the samples.
@@ -68,6 +71,11 @@ pub enum RenderError {
     /// The film and the integrator differ in whether there are passes or splats.
     #[error("the film was made for another kind of integrator")]
     Passes,
+    /// A camera to which light cannot be connected, for an integrator that splats.
+    #[error(
+        "the integrator connects light to points of the film, which a realistic camera does not allow; use another integrator"
+    )]
+    Camera,
     /// Samples out of order, for a learning integrator.
     #[error("the integrator learns, so that samples must be rendered in order; the next is {next}")]
     Order {
@@ -97,7 +105,7 @@ pub enum RenderError {
 /// raised and the film is not empty. If the tile sink abandons the film, the render ends at once, and the film is lost.
 ///
 /// # Errors
-/// [`RenderError`] before the first pass, if the film does not match the filter or the integrator, samples are out of order, it would have
+/// [`RenderError`] before the first pass, if the film does not match the filter or the integrator, the camera does not suit it, samples are out of order, it would have
 /// more samples than it can hold, its guide cannot be made, or the threads cannot be started; [`RenderError::Interrupted`] at any time.
 pub fn render(
     scene: &Scene,
@@ -113,6 +121,9 @@ pub fn render(
     if film.format().passes != integrator.learns() || film.format().splats != integrator.splats() {
         return Err(RenderError::Passes);
     }
+    if integrator.splats() && !scene.camera().can_project() {
+        return Err(RenderError::Camera);
+    }
     if integrator.learns() {
         check_order(&film, settings)?;
         film.begin_training(integrator.new_guide(scene)?);
@@ -122,7 +133,8 @@ pub fn render(
         return Err(FilmError::Samples(film.samples().total() + new).into());
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-    let mut options = ContextOptions::new(film.format().aovs.needs_first_hit());
+    let options = ContextOptions::new(film.format().aovs.needs_first_hit());
+    let mut options = options.with_sensor(settings.sensor);
     if film.format().splats {
         options = options.with_splats(&film.format().crop, &settings.filter);
     }
@@ -349,8 +361,8 @@ impl<'a> PassRenderer<'a> {
                     }
                     work.counters.merge(context.counters);
                     if !context.splats.is_empty() {
-                        let (filter, wavelengths) = (&self.settings.filter, Wavelengths::default());
-                        batch.splats.take(&context.splats, filter, &wavelengths, splats, &mut work.rejects);
+                        let exposure = (&self.settings.filter, &self.settings.sensor);
+                        batch.splats.take(&context.splats, exposure, splats, &mut work.rejects);
                         context.splats.clear();
                     }
                 }

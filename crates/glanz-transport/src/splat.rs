@@ -13,6 +13,7 @@ use glanz_sampling::exact::{SquareSum, WideSum, fits_wide};
 use crate::filter::Filter;
 use crate::pixel::{PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
+use crate::sensor::FilmSensor;
 
 /// Number of splats that a thread collects before it adds them to the film.
 const BUFFERED: usize = 4096;
@@ -136,8 +137,7 @@ impl SplatBuffer {
     pub(crate) fn take(
         &mut self,
         splats: &[Splat],
-        filter: &Filter,
-        wavelengths: &Wavelengths,
+        (filter, sensor): (&Filter, &FilmSensor),
         rows: &SplatRows<'_>,
         rejects: &mut Rejects,
     ) {
@@ -148,7 +148,7 @@ impl SplatBuffer {
             self.splats.push((
                 pixel[1] - rows.crop.min[1],
                 pixel[0] - rows.crop.min[0],
-                light.to_rgb(wavelengths),
+                sensor.exposed(light.to_rgb(&Wavelengths::default())),
             ));
         }
         self.join();
@@ -208,7 +208,7 @@ mod tests {
         let rows = SplatRows::new(crop, layout, &mut words);
         let (mut buffer, mut rejects) = (SplatBuffer::default(), Rejects::default());
         for path in paths {
-            buffer.take(path, &box_filter(), &Wavelengths::default(), &rows, &mut rejects);
+            buffer.take(path, (&box_filter(), &FilmSensor::default()), &rows, &mut rejects);
         }
         buffer.flush(&rows, &mut rejects);
         drop(rows);

@@ -53,7 +53,9 @@ pub enum Warning {
         /// Their number.
         edges: u64,
     },
-    /// A camera that models cannot represent: its picture is off-centre, sheared or mirrored.
+    /// Edges were to be drawn over the picture, but the camera cannot project them.
+    EdgesOfCamera,
+    /// A camera that models cannot represent: its picture is off-centre, sheared or mirrored, or not that of a perspective or orthographic one.
     CameraLeftOut,
     /// Charts with fewer texels than requested, because their sides have at most 4096.
     CoarseCharts {
@@ -117,9 +119,12 @@ impl fmt::Display for Warning {
                 "no edges are drawn: the scene has {edges}, more than {}",
                 glanz_transport::MAX_EDGES
             ),
-            Self::CameraLeftOut => {
-                f.write_str("a camera whose picture is off-centre, sheared or mirrored is not in the model")
-            }
+            Self::EdgesOfCamera => f.write_str(
+                "no edges are drawn: they cannot be projected through the lenses of a realistic camera",
+            ),
+            Self::CameraLeftOut => f.write_str(
+                "a camera that is not perspective or orthographic, or whose picture is off-centre, sheared or mirrored, is not in the model",
+            ),
             Self::CoarseCharts { charts } => write!(
                 f,
                 "{} fewer texels than asked for: 4096 along a side is the most",

@@ -15,7 +15,7 @@ use glanz::radiosity::bake::{BakeMethod, BakeSettings, LightMap, LightMaps, bake
 use glanz::radiosity::elements::{ElementSettings, Elements};
 use glanz::sampling::{PixelSampler, SamplerKind, warp};
 use glanz::scene::description::IntegratorDescription;
-use glanz::scene::{LightId, ParametricPoint, PlacedPoint, Scene};
+use glanz::scene::{CameraRay, LightId, ParametricPoint, PlacedPoint, Scene};
 use glanz::transport::{Context, ContextOptions, Integrator, IntegratorSettings};
 
 /// Points that are compared: of 100, the fifth worst decided, and moved from 6 to 10 % with other random numbers.
@@ -58,7 +58,8 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
         // Direct light has been counted already.
         let seen = scene.intersect(&ray, f64::INFINITY);
         let own = seen.map_or_else(|| scene.environment_radiance(&ray), |hit| scene.emitted(&hit, hit.wo));
-        let mut context = Context::new(scene, ray, sampler, ContextOptions::new(false));
+        let mut context =
+            Context::new(scene, Some(CameraRay { ray, weight: 1.0 }), sampler, ContextOptions::new(false));
         light += PI * (luminance(path.radiance(&mut context)) - luminance(own));
         sum += light;
         squares += light * light;

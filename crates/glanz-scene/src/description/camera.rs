@@ -4,7 +4,10 @@ use glanz_math::{DMat4, DVec3};
 
 use super::Location;
 
-/// A camera, which looks along +z with +x to the right of its picture and +y up.
+/// A camera, which looks along +z with +x to the right of its picture and +y up; spherical ones see all directions.
+///
+/// Window, aspect, lens and focal distance are those of [`CameraKind::Perspective`] and [`CameraKind::Orthographic`]; [`CameraKind::Fisheye`] has
+/// window and aspect.
 #[derive(Clone, Debug)]
 pub struct CameraDescription {
     /// The projection.
@@ -17,6 +20,8 @@ pub struct CameraDescription {
     pub aspect: Option<f64>,
     /// Radius of the aperture, metres; 0 is a pinhole.
     pub lens_radius: f64,
+    /// The shape of the aperture.
+    pub iris: IrisDescription,
     /// Distance of the plane in focus, metres.
     pub focal_distance: f64,
     /// Its place in the input.
@@ -31,6 +36,7 @@ impl Default for CameraDescription {
             screen_window: None,
             aspect: None,
             lens_radius: 0.0,
+            iris: IrisDescription::default(),
             focal_distance: 1e6,
             location: None,
         }
@@ -65,8 +71,17 @@ pub fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> Option<DMat4> {
     Some(DMat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), eye.extend(1.0)))
 }
 
+/// Shape of an aperture: by default a disk.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IrisDescription {
+    /// Number of corners of a regular polygon in the disk; fewer than 3 for the whole disk.
+    pub blades: u32,
+    /// Angle by which its first corner is turned from +x towards +y, radians.
+    pub rotation: f64,
+}
+
 /// The projections.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum CameraKind {
     /// Central projection.
     Perspective {
@@ -75,6 +90,81 @@ pub enum CameraKind {
     },
     /// Parallel projection.
     Orthographic,
+    /// All directions.
+    Spherical(SphericalMapping),
+    /// A disk with a wide field of view; the picture is black around it.
+    Fisheye {
+        /// Full angle over the diameter of the disk, and the shorter side of the screen, radians, in (0, 2 pi].
+        field_of_view: f64,
+        /// Distance from the middle by angle.
+        projection: FisheyeProjection,
+    },
+    /// A system of lenses.
+    Realistic(Box<LensDescription>),
+}
+
+/// Maps of all directions to a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SphericalMapping {
+    /// A square without distortion of areas (@clarberg2008).
+    EqualArea,
+    /// Azimuth along x, angle from +y along y.
+    Equirectangular,
+}
+
+/// Distance from the middle of a fish-eye picture by the angle to the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FisheyeProjection {
+    /// In proportion to the angle.
+    Equidistant,
+    /// In proportion to the sine of half the angle: areas of the picture are solid angles.
+    Equisolid,
+    /// In proportion to the tangent of half the angle: shapes keep their angles.
+    Stereographic,
+}
+
+/// A system of lenses in front of a film.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LensDescription {
+    /// Its surfaces and stops, from the scene to the film.
+    pub interfaces: Vec<LensInterfaceDescription>,
+    /// Largest diameter of the stops, metres.
+    pub aperture_diameter: f64,
+    /// Distance from the film to the plane in focus, metres.
+    pub focus_distance: f64,
+    /// Shape of the openings of the stops.
+    pub stop: StopShape,
+    /// Whether a pixel is the mean radiance through the lens relative to that in the middle of the film, as in pbrt's version 3; otherwise it is
+    /// the irradiance of the film.
+    pub relative_weights: bool,
+}
+
+/// A spherical surface of a lens, or a stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LensInterfaceDescription {
+    /// Radius of its curvature, metres, positive if its middle is on the side of the film; 0 for a stop, which is plane.
+    pub curvature_radius: f64,
+    /// Distance to the next interface, metres; that of the last one follows from the focus.
+    pub thickness: f64,
+    /// Refractive index on the side of the film; 0 counts as 1.
+    pub eta: f64,
+    /// Diameter of its opening, metres.
+    pub diameter: f64,
+}
+
+/// Shapes of the opening of a stop. All let as much light pass as the disk: they are the brighter inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StopShape {
+    /// The disk, or the regular polygon in it.
+    Iris(IrisDescription),
+    /// A disk whose transmittance falls off as exp(-r^2) - exp(-1).
+    Gaussian,
+    /// A square with half the width of the disk.
+    Square,
+    /// A regular pentagon, 0.8 times as large as the disk, with a corner towards -y.
+    Pentagon,
+    /// A star with five points on the border of the disk.
+    Star,
 }
 
 #[cfg(test)]

@@ -24,9 +24,12 @@ mod trim;
 
 use glanz_light::SpectralDistribution;
 
-pub use camera::{CameraDescription, CameraKind, look_at};
+pub use camera::{
+    CameraDescription, CameraKind, FisheyeProjection, IrisDescription, LensDescription,
+    LensInterfaceDescription, SphericalMapping, StopShape, look_at,
+};
 pub use edge::{EdgeDescription, EdgeKind, EdgeTransition};
-pub use film::{FilmDescription, FilterDescription, FilterKind};
+pub use film::{FilmDescription, FilterDescription, FilterKind, SampleLimit, SensorDescription};
 pub use freeform::{BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription};
 pub use geometry::GeometryDescription;
 pub use glanz_shading::texture::{ImageFilter, ImageWrap};

@@ -113,7 +113,8 @@ fn transform(matrix: DMat4, what: &'static str, location: Option<Location>) -> R
         .map_err(|source| SceneError { location, kind: SceneErrorKind::Transform { what, source } })
 }
 
-fn range_error(
+/// Error of a parameter outside its range.
+pub(crate) fn range_error(
     location: Option<Location>,
     what: &'static str,
     value: impl ToString,

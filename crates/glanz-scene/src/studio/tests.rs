@@ -124,8 +124,8 @@ fn the_ground_is_below_the_model_and_never_before_it() {
             let (scene, _) = Scene::resolve(description).unwrap();
             for point in points {
                 let film = scene.camera().project(point, DVec2::ZERO).unwrap().film;
-                let hit = scene.intersect(&scene.camera().ray(film, DVec2::ZERO), f64::INFINITY);
-                let distance = (point - scene.camera().ray(film, DVec2::ZERO).origin).length();
+                let hit = scene.intersect(&scene.camera().ray(film, DVec2::ZERO).unwrap().ray, f64::INFINITY);
+                let distance = (point - scene.camera().ray(film, DVec2::ZERO).unwrap().ray.origin).length();
                 assert!(hit.is_none_or(|hit| hit.id == 0 || hit.t > distance), "{view:?} {up:?}");
             }
         }

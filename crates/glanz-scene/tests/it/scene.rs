@@ -331,7 +331,7 @@ fn with_camera_shares_the_scene() {
     let to_world = DMat4::from_translation(DVec3::new(0.0, 0.0, -5.0));
     let camera = CameraDescription { to_world, ..CameraDescription::default() };
     let other = scene.with_camera(Camera::try_new(&camera, &film).unwrap());
-    let [here, there] = [&scene, &other].map(|s| s.camera().ray(DVec2::ONE, DVec2::ZERO));
+    let [here, there] = [&scene, &other].map(|s| s.camera().ray(DVec2::ONE, DVec2::ZERO).unwrap().ray);
     assert_eq!((here.origin, there.origin), (DVec3::ZERO, DVec3::new(0.0, 0.0, -5.0)));
     // The sphere about the origin ends 4 m in front of the other camera. Lists at the same address are one list.
     assert_eq!(other.intersect(&there, f64::INFINITY).map(|hit| hit.t), Some(4.0));

@@ -8,8 +8,8 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::{FilterDescription, IntegratorDescription, LightKind};
 use glanz_transport::{
-    Film, FilmFormat, Filter, Guide, Integrator, IntegratorSettings, PictureIdentity, RenderOutcome,
-    RenderSettings, RenderSink, render,
+    Film, FilmFormat, FilmSensor, Filter, Guide, Integrator, IntegratorSettings, PictureIdentity,
+    RenderOutcome, RenderSettings, RenderSink, render,
 };
 
 use super::method::RenderMethod;
@@ -139,6 +139,7 @@ impl<'a> GuidingRoom<'a> {
         };
         let settings = RenderSettings {
             filter: Filter::try_new(&self.filter)?,
+            sensor: FilmSensor::default(),
             sampler: SamplerKind::Sobol,
             seed: setup.seed,
             samples_per_pixel: 1,

@@ -11,7 +11,7 @@ use glanz_scene::description::{
     ShapeDescription,
 };
 use glanz_scene::{Scene, SceneBuilder};
-use glanz_transport::{Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
+use glanz_transport::{Film, FilmFormat, FilmSensor, Filter, IntegratorSettings, RenderSettings, render};
 
 use crate::clock::{Stopwatch, TimeScope};
 use crate::study::{Settings, StudyError};
@@ -64,6 +64,7 @@ pub(super) fn picture(
     let film = Film::try_new(FilmFormat::plain(description.film.resolution))?;
     let render_settings = RenderSettings {
         filter: Filter::try_new(&description.filter)?,
+        sensor: FilmSensor::default(),
         sampler: SamplerKind::Sobol,
         seed: settings.seed,
         samples_per_pixel: SAMPLES,
@@ -117,7 +118,8 @@ impl PixelHits {
             settings.cancel.check()?;
             for x in 0..size[0] {
                 let film = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
-                let hit = scene.intersect(&scene.camera().ray(film, DVec2::ZERO), f64::INFINITY);
+                let ray = scene.camera().ray(film, DVec2::ZERO);
+                let hit = ray.and_then(|camera| scene.intersect(&camera.ray, f64::INFINITY));
                 let miss = PixelHit { t: f64::INFINITY, normal: DVec3::ZERO };
                 pixels.push(hit.map_or(miss, |at| PixelHit { t: at.t, normal: at.point.shading_normal }));
             }

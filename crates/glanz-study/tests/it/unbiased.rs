@@ -10,7 +10,9 @@ use glanz_job::{CancelFlag, Silent};
 use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::{Description, FilterDescription, FilterKind, IntegratorDescription};
-use glanz_transport::{Aov, AovSet, Film, FilmFormat, Filter, IntegratorSettings, RenderSettings, render};
+use glanz_transport::{
+    Aov, AovSet, Film, FilmFormat, FilmSensor, Filter, IntegratorSettings, RenderSettings, render,
+};
 
 const SIZE: [u32; 2] = [24, 18];
 
@@ -51,6 +53,7 @@ fn picture(
     };
     let settings = RenderSettings {
         filter: Filter::try_new(&filter).unwrap(),
+        sensor: FilmSensor::default(),
         sampler: SamplerKind::Independent,
         seed,
         samples_per_pixel: samples,

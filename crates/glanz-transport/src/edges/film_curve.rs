@@ -9,6 +9,10 @@ const STEP: f64 = 1.0;
 /// Length of steps up to which points of a curve are left out on the film, pixels, since every point costs rays.
 const SHORT_STEP: f64 = 0.25;
 
+/// Angle in which the picture of a line counts as straight where the camera bends lines, radians: over it, an arc of a radius of 1000 pixels strays
+/// from its chord by a third of a pixel.
+const SMALL_ANGLE: f64 = 0.05;
+
 /// Halvings of a segment, at most: from a step in front of the camera to the horizon.
 const MAX_HALVINGS: u32 = 48;
 
@@ -76,8 +80,10 @@ impl<'a> FilmCurves<'a> {
         };
         match (start.1, end.1) {
             // Both are behind the camera, and so is what is between them.
-            (None, None) => return interrupt(curves),
-            (Some(a), Some(b)) if self.is_outside([a.film, b.film]) => return interrupt(curves),
+            (None, None) if self.is_straight([start.0, end.0]) => return interrupt(curves),
+            (Some(a), Some(b)) if self.is_outside([a.film, b.film]) && self.is_straight([start.0, end.0]) => {
+                return interrupt(curves);
+            }
             (Some(a), Some(b)) if a.film.distance(b.film) <= STEP => {
                 let Some(curve) = curves.last_mut() else { return };
                 if curve.is_empty() {
@@ -93,6 +99,12 @@ impl<'a> FilmCurves<'a> {
         let middle = (middle, self.at(middle));
         self.segment([start, middle], halvings - 1, curves);
         self.segment([middle, end], halvings - 1, curves);
+    }
+
+    /// Whether the picture of the line between two points can be taken as straight, for the ends of curves.
+    fn is_straight(&self, ends: [DVec3; 2]) -> bool {
+        let [a, b] = ends.map(|end| end - self.camera.position());
+        self.camera.keeps_lines() || a.dot(b) > 0.0 && a.cross(b).length() < SMALL_ANGLE * a.dot(b)
     }
 
     /// Whether a straight line on the film is outside of the window, as far as its ends tell.

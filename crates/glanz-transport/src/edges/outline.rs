@@ -35,7 +35,9 @@ pub(super) fn section_outline(
 ) -> Result<Vec<[DVec2; 2]>, Interrupted> {
     let Some(section) = scene.section_id() else { return Ok(Vec::new()) };
     let shows = |film: DVec2| {
-        scene.intersect(&scene.camera().ray(film, CENTER), f64::INFINITY).is_some_and(|hit| hit.id == section)
+        let hit =
+            scene.camera().ray(film, CENTER).and_then(|camera| scene.intersect(&camera.ray, f64::INFINITY));
+        hit.is_some_and(|hit| hit.id == section)
     };
     let margin = (0.5 * width).ceil() as i64 + 1;
     let [x, y] = [0, 1].map(|axis| {

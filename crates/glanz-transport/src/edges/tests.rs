@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use glanz_geometry::DVec3;
 use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink, Silent};
-use glanz_math::DMat4;
+use glanz_math::{DMat4, DVec2};
 use glanz_scene::Scene;
 use glanz_scene::description::{
     CameraDescription, CameraKind, Description, EdgeDescription, EdgeKind, EdgeTransition, GroupDescription,
     InstanceDescription, SectionDescription, ShapeDescription,
 };
-use glanz_scene::description::{FilmDescription, MaterialKind};
+use glanz_scene::description::{FilmDescription, FisheyeProjection, MaterialKind, SphericalMapping};
 
 use super::film_curve::{FilmCurves, FilmPoint};
 use super::{EdgeLayer, EdgeStyle};
@@ -194,6 +194,44 @@ fn lines_that_begin_behind_the_camera_are_drawn_in_front_of_it() {
     let layer = layer(described(perspective, Vec::new(), vec![edge]), PixelRect::full([SIDE; 2]));
     // From the vanishing point in the middle to the right border.
     assert!((33..63).all(|x| column(&layer, x) > 1.0));
+}
+
+#[test]
+fn lines_are_bent_by_fisheyes_and_cross_the_borders_of_spherical_pictures() {
+    // A line 4 m in front, 4 m long on either side: at (x, 0, 4) from the camera the angle is atan(x / 4), which an equidistant projection of
+    // 2 radians shows at 32 atan(x / 4) pixels from the middle; its neighbour 1 m higher is bent.
+    let edges = vec![
+        line(DVec3::new(-4.0, 0.0, 0.0), DVec3::new(4.0, 0.0, 0.0)),
+        line(DVec3::new(-4.0, 1.0, 0.0), DVec3::new(4.0, 1.0, 0.0)),
+    ];
+    let kind = CameraKind::Fisheye { field_of_view: 2.0, projection: FisheyeProjection::Equidistant };
+    let picture = layer(described(kind, Vec::new(), edges), PixelRect::full([SIDE; 2]));
+    let reach = 32.0 * 1.0_f64.atan();
+    for x in 0..SIDE {
+        let offset = (f64::from(x) + 0.5 - 32.0).abs();
+        if offset < reach - 2.0 {
+            // Two lines, of which the upper one is inclined, so that it covers more of a column.
+            assert!(column(&picture, x) > 2.9, "{x} {}", column(&picture, x));
+        }
+        if offset > reach + 2.0 {
+            assert_eq!(column(&picture, x), 0.0, "{x}");
+        }
+    }
+    // The point (0, 1, 4) is at atan(1 / 4); the ends (4, 1, 4) at atan(sqrt(17) / 4) in the direction (4, 1).
+    let height = |film: f64| share(&picture, 32, (32.0 - film) as u32);
+    assert!(height(32.0 * 0.25_f64.atan()) > 0.5);
+    let end = 32.0 * (17.0_f64.sqrt() / 4.0).atan() * DVec2::new(4.0, 1.0).normalize();
+    let near = share(&picture, (32.0 + end.x - 1.5) as u32, (32.0 - end.y) as u32);
+    assert!(near > 0.3, "{near}");
+    // The same lines behind the camera, across the borders of an equirectangular picture: +x is its border.
+    let kind = CameraKind::Spherical(SphericalMapping::Equirectangular);
+    let edge = line(DVec3::new(4.0, 0.0, -8.0), DVec3::new(4.0, 0.0, 0.0));
+    let picture = layer(described(kind, Vec::new(), vec![edge]), PixelRect::full([SIDE; 2]));
+    // 45 degrees on both sides are an eighth of the width.
+    for x in (0..7).chain(57..64) {
+        assert!((column(&picture, x) - 1.5).abs() < 0.1, "{x}");
+    }
+    assert!((10..54).all(|x| column(&picture, x) == 0.0));
 }
 
 /// A ball of radius 1/2, cut through its middle across the line of sight: a circle of 16 pixels radius about the middle.

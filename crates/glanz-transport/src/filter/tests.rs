@@ -26,6 +26,7 @@ fn kinds() -> Vec<FilterKind> {
         FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 },
         FilterKind::Mitchell { b: 0.0, c: 0.5 },
         FilterKind::Mitchell { b: 1.0, c: 0.0 },
+        FilterKind::Sinc { tau: 3.0 },
         FilterKind::Cylinder,
         FilterKind::Pyramid,
         FilterKind::Cone,
@@ -77,8 +78,7 @@ fn filters_are_those_of_their_formulas() {
     let gauss = filter(FilterKind::Gaussian { sigma: 0.5 }, [1.5, 1.5]);
     let bell = |x: f64| (-2.0 * x * x).exp() - (-4.5_f64).exp();
     // Integral of the bell over [-1.5, 1.5]: sqrt(pi / 2) erf(1.5 sqrt 2) - 3 exp(-4.5), erf(2.1213203) = 0.9973002.
-    let bell_integral =
-        (std::f64::consts::PI / 2.0).sqrt() * 0.997_300_203_936_739_8 - 3.0 * (-4.5_f64).exp();
+    let bell_integral = (PI / 2.0).sqrt() * 0.997_300_203_936_739_8 - 3.0 * (-4.5_f64).exp();
     for i in 0..97 {
         for j in 0..97 {
             let p = DVec2::new(i as f64, j as f64) / 48.0 - 1.0;
@@ -91,6 +91,21 @@ fn filters_are_those_of_their_formulas() {
             assert!(error.abs() < 5e-6, "{q}: {error}");
         }
     }
+}
+
+#[test]
+fn sinc_is_that_of_lanczos() {
+    let filter = filter(FilterKind::Sinc { tau: 3.0 }, [4.0, 4.0]);
+    let cardinal = |x: f64| if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
+    let lanczos = |x: f64| cardinal(x) * cardinal(x / 3.0);
+    let peak = filter.evaluate(DVec2::ZERO);
+    for i in 0..80 {
+        let p = DVec2::new(f64::from(i) * 0.05, 3.97 - f64::from(i) * 0.03);
+        let error = filter.evaluate(p) / peak - lanczos(p.x) * lanczos(p.y);
+        assert!(error.abs() < 1e-5, "{p}: {error}");
+    }
+    // Its integral is near 1, as that of the sine cardinal.
+    assert!((1.0 / peak - 1.0).abs() < 0.03, "{peak}");
 }
 
 #[test]
@@ -135,7 +150,7 @@ fn very_wide_gaussian_is_a_parabola() {
 
 #[test]
 fn samples_follow_the_stated_density() {
-    // Chi-square over 16 x 16 cells, 200 000 samples each, ten filters; significance 1e-4 for each.
+    // Chi-square over 16 x 16 cells, 200 000 samples each, eleven filters; significance 1e-4 for each.
     const CELLS: usize = 16;
     const FINE: usize = 64;
     const SAMPLES: usize = 200_000;
@@ -190,7 +205,15 @@ fn signs_are_those_of_the_filter_and_average_to_its_integral() {
         // Five standard errors of a coin with mean `expected`.
         let error = ((1.0 - expected * expected).max(0.0) / f64::from(n)).sqrt();
         assert!((net - expected).abs() <= 5.0 * error, "{kind:?}: {net}, not {expected}");
-        assert_eq!(filter.is_signed(), matches!(kind, FilterKind::Mitchell { c, .. } if c > 0.0));
+        assert_eq!(
+            filter.is_signed(),
+            match kind {
+                FilterKind::Mitchell { c, .. } => c > 0.0,
+                // Radii of 2 and 1: beyond 1 the inner function is negative.
+                FilterKind::Sinc { .. } => true,
+                _ => false,
+            }
+        );
     }
 }
 

@@ -3,13 +3,14 @@
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{Interaction, ParametricPoint, Scene};
+use glanz_scene::{CameraRay, Interaction, ParametricPoint, Scene};
 
 use super::vertex::Vertex;
 use crate::filter::Filter;
 use crate::guide::{PathRecords, Training};
 use crate::pixel::{FirstHit, PixelSample};
 use crate::pixel_rect::PixelRect;
+use crate::sensor::FilmSensor;
 use crate::splat::Splat;
 
 /// Counts of rays.
@@ -39,8 +40,8 @@ impl Counters {
 pub struct Context<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The camera ray, with a direction of unit length.
-    pub camera_ray: Ray,
+    /// The camera ray; `None` if no light reaches the point of the film.
+    pub camera_ray: Option<CameraRay>,
     /// The numbers of this sample; the camera uses the dimensions below [`FIRST_DIMENSION`].
     pub sampler: PixelSampler,
     /// Wavelengths of the spectra's lanes.
@@ -66,6 +67,7 @@ pub struct ContextOptions {
     /// Whether [`Context::first_hit`] is needed.
     wants_first_hit: bool,
     splats: SplatWindow,
+    sensor: FilmSensor,
 }
 
 /// The part of the film that receives splats.
@@ -78,11 +80,23 @@ struct SplatWindow {
     samples: f64,
 }
 
+impl SplatWindow {
+    fn contains(&self, film: DVec2) -> bool {
+        film.cmpge(self.min).all() && film.cmple(self.max).all()
+    }
+}
+
 impl ContextOptions {
     /// `wants_first_hit`: whether [`Context::first_hit`] is needed.
     #[must_use]
     pub fn new(wants_first_hit: bool) -> Self {
-        Self { wants_first_hit, splats: SplatWindow::default() }
+        Self { wants_first_hit, splats: SplatWindow::default(), sensor: FilmSensor::default() }
+    }
+
+    /// Records the samples by this sensor.
+    #[must_use]
+    pub fn with_sensor(self, sensor: FilmSensor) -> Self {
+        Self { sensor, ..self }
     }
 
     /// Enables splats for a film of the pixels `crop` with this filter.
@@ -100,7 +114,12 @@ impl ContextOptions {
 impl<'a> Context<'a> {
     /// The state for one sample.
     #[must_use]
-    pub fn new(scene: &'a Scene, camera_ray: Ray, sampler: PixelSampler, options: ContextOptions) -> Self {
+    pub fn new(
+        scene: &'a Scene,
+        camera_ray: Option<CameraRay>,
+        sampler: PixelSampler,
+        options: ContextOptions,
+    ) -> Self {
         let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
         let (training, records, splats, first_hit) = (None, PathRecords::default(), Vec::new(), None);
         Self {
@@ -123,17 +142,25 @@ impl<'a> Context<'a> {
     }
 
     /// The same for another sample.
-    pub(crate) fn restart(&mut self, camera_ray: Ray, sampler: PixelSampler) {
+    pub(crate) fn restart(&mut self, camera_ray: Option<CameraRay>, sampler: PixelSampler) {
         self.camera_ray = camera_ray;
         self.sampler = sampler;
         self.counters = Counters::default();
         self.first_hit = None;
     }
 
+    /// The ray with which paths from the camera start.
+    pub(super) fn start(&self) -> Option<Ray> {
+        self.camera_ray.map(|camera| camera.ray)
+    }
+
     /// The sample for the film; `light`: the radiance, `negative`: whether the filter is negative there.
     pub(crate) fn pixel_sample(&self, light: Spectrum, negative: bool) -> PixelSample {
         let index = self.sampler.sample_index();
-        PixelSample { index, rgb: light.to_rgb(&self.wavelengths), negative, first_hit: self.first_hit }
+        // Of realistic lenses alone; the others keep their bits in any case.
+        let weighted = light * self.camera_ray.map_or(0.0, |camera| camera.weight as f32);
+        let rgb = self.options.sensor.exposed(weighted.to_rgb(&self.wavelengths));
+        PixelSample { index, rgb, negative, first_hit: self.first_hit }
     }
 
     /// The closest hit on `ray`, with its parameters.
@@ -156,15 +183,16 @@ impl<'a> Context<'a> {
 
     /// Whether light at the film point `film`, pixels, contributes to any pixel.
     pub(super) fn takes_splats_at(&self, film: DVec2) -> bool {
-        let window = &self.options.splats;
-        film.cmpge(window.min).all() && film.cmple(window.max).all()
+        self.scene.camera().film_points(film).any(|film| self.options.splats.contains(film))
     }
 
     /// Splats `light` to the film point `film`, pixels: the radiance that the path would contribute to a single pixel.
     /// `xi`: a number uniform in [0, 1).
     pub(super) fn splat(&mut self, film: DVec2, light: Spectrum, xi: f64) {
-        let share = (1.0 / self.light_paths()) as f32;
-        self.splats.push(Splat { film, light: light * share, xi });
+        let light = light * (1.0 / self.light_paths()) as f32;
+        let window = self.options.splats;
+        let points = self.scene.camera().film_points(film).filter(|&film| window.contains(film));
+        self.splats.extend(points.map(|film| Splat { film, light, xi }));
     }
 
     /// The first scattering surface on the camera ray.
@@ -183,7 +211,7 @@ impl<'a> Context<'a> {
                 shading_normal: point.shading_normal,
                 uv: point.uv,
                 // There may be interfaces in between, so the parameter of the last ray is not the whole distance.
-                distance: (point.position - self.camera_ray.origin).length(),
+                distance: self.start().map_or(0.0, |ray| (point.position - ray.origin).length()),
                 object: vertex.at.id,
                 albedo: vertex.albedo().to_rgb(&self.wavelengths),
             });

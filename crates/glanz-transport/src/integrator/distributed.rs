@@ -274,7 +274,7 @@ impl Integrator for Distributed {
         let Some(scene) = contexts.first().map(|context| context.scene) else { return };
         let start = |(sample, context): (usize, &Context<'_>)| DistributedPath {
             sample,
-            ray: Some(context.camera_ray),
+            ray: context.start(),
             light: Spectrum::BLACK,
             throughput: Spectrum::ONE,
             branch_throughput: Spectrum::ONE,

@@ -33,8 +33,8 @@ pub(super) fn radiance(
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     let mut stack = Vec::new();
-    let mut next =
-        Some(DeferredRay { ray: context.camera_ray, weight: Spectrum::ONE, eta_scale: 1.0, depth: 0 });
+    let first = |ray| DeferredRay { ray, weight: Spectrum::ONE, eta_scale: 1.0, depth: 0 };
+    let mut next = context.start().map(first);
     while let Some(pending) = next {
         light += pending.weight * follow(context, pending, max_depth, rough, &mut stack);
         next = stack.pop();

@@ -2,7 +2,7 @@
 
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
-use glanz_math::Ray;
+use glanz_math::{DVec3, Ray};
 use glanz_scene::{LightId, LightSampleContext};
 
 use super::Context;
@@ -70,8 +70,8 @@ impl<P: Copy> PathState<P> {
             sample,
             sampler_index: context.sampler.sample_index(),
             branches,
-            is_active: true,
-            ray: context.camera_ray,
+            is_active: context.camera_ray.is_some(),
+            ray: context.start().unwrap_or(Ray::new(DVec3::ZERO, DVec3::Z)),
             light: Spectrum::BLACK,
             throughput: Spectrum::ONE,
             importance: Spectrum::ONE,

@@ -9,8 +9,8 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::description::*;
 use glanz_scene::{Scene, SceneBuilder};
 use glanz_transport::{
-    Aov, AovSet, Film, FilmFormat, Filter, Guide, Integrator, IntegratorSettings, PixelRect, RenderError,
-    RenderOutcome, RenderSettings, render,
+    Aov, AovSet, Film, FilmFormat, FilmSensor, Filter, Guide, Integrator, IntegratorSettings, PixelRect,
+    RenderError, RenderOutcome, RenderSettings, render,
 };
 
 pub(crate) fn diffuse(reflectance: f32) -> MaterialKind {
@@ -128,6 +128,7 @@ impl Run {
         let description = described(builder);
         RenderSettings {
             filter: Filter::try_new(&description.filter).unwrap(),
+            sensor: FilmSensor::try_new(&description.film.sensor).unwrap(),
             sampler: self.sampler,
             seed: self.seed,
             samples_per_pixel: 64,

@@ -114,6 +114,90 @@ fn lenses_and_parallel_projection_see_the_same_picture() {
     compare("mirrored and stretched camera", &stretched, 4, 400, 0.02);
 }
 
+/// The corner from its middle, by a camera of this kind, with a light that is not seen.
+fn from_inside(kind: CameraKind, filter: FilterDescription, size: [u32; 2]) -> SceneBuilder {
+    let camera = CameraDescription::look_at([-0.6, 0.1, 1.3], [0.4, 0.0, 0.5], DVec3::Z);
+    let point = LightKind::Point { from: DVec3::new(-0.3, 0.4, 2.3), range: None };
+    corner().light(LightDescription::new(point, [3.0; 3])).light(LightDescription::infinite([0.2; 3])).edit(
+        |scene| {
+            scene.camera = CameraDescription { kind, ..camera };
+            scene.filter = filter;
+            scene.film.resolution = size;
+        },
+    )
+}
+
+#[test]
+fn spherical_pictures_and_fisheyes_are_the_same() {
+    // Filters that reach beyond the borders of spherical pictures, where light arrives from the opposite side.
+    let wide = FilterDescription { kind: FilterKind::Triangle, radius: [1.5, 1.5] };
+    let mitchell =
+        FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
+    for (mapping, size) in
+        [(SphericalMapping::Equirectangular, [14, 7]), (SphericalMapping::EqualArea, [9, 9])]
+    {
+        for filter in [wide, mitchell] {
+            let scene = from_inside(CameraKind::Spherical(mapping), filter, size);
+            compare(&format!("{mapping:?} {:?}", filter.kind), &scene, 3, 600, 0.02);
+        }
+    }
+    for projection in
+        [FisheyeProjection::Equidistant, FisheyeProjection::Equisolid, FisheyeProjection::Stereographic]
+    {
+        let kind = CameraKind::Fisheye { field_of_view: 4.0, projection };
+        compare(&format!("{projection:?}"), &from_inside(kind, wide, [12, 9]), 3, 500, 0.02);
+    }
+}
+
+#[test]
+fn parts_of_spherical_pictures_have_the_light_of_both_sides() {
+    // The first column and the first rows alone: their filters reach to the last column and over the pole.
+    let wide = FilterDescription { kind: FilterKind::Box, radius: [1.5, 1.5] };
+    let kind = CameraKind::Spherical(SphericalMapping::Equirectangular);
+    let scene = from_inside(kind, wide, [12, 6]).edit(|scene| scene.film.crop = [0.0, 1.0 / 12.0, 0.0, 1.0]);
+    compare("column", &scene, 3, 4000, 0.02);
+}
+
+#[test]
+fn light_is_not_connected_through_realistic_lenses() {
+    let stop = LensInterfaceDescription { curvature_radius: 0.0, thickness: 0.0, eta: 0.0, diameter: 0.005 };
+    let ball =
+        LensInterfaceDescription { curvature_radius: 0.05, eta: 1.5, thickness: 0.003, diameter: 0.02 };
+    let back = LensInterfaceDescription { curvature_radius: -0.05, eta: 1.0, ..ball };
+    let lens = LensDescription {
+        interfaces: vec![ball, back, stop],
+        aperture_diameter: 0.005,
+        focus_distance: 2.0,
+        stop: StopShape::Iris(IrisDescription::default()),
+        relative_weights: false,
+    };
+    let filter = FilterDescription { kind: FilterKind::Box, radius: [0.5, 0.5] };
+    let scene = from_inside(CameraKind::Realistic(Box::new(lens)), filter, [6, 4]);
+    let run = Run::new("light", 3, 4);
+    let film = Film::try_new(run.format(&scene)).unwrap();
+    assert!(matches!(run.resume(&scene, film, 0..4, None), Err(RenderError::Camera)));
+    // Other integrators agree on the irradiance of the film.
+    let path = Run { seed: 3, ..Run::new("path", 3, 2000) }.picture(&scene);
+    let distributed = Run { seed: 4, ..Run::new("distributed", 3, 1000) }.picture(&scene);
+    let spread = assert_same(&path, &distributed, 0.02, "realistic");
+    assert!(spread < 1.5, "{spread}");
+}
+
+#[test]
+fn sensors_expose_splats_as_samples() {
+    let plain = lamp(corner());
+    let sensor = SensorDescription { exposure: 3.0, white_balance: Some(4500.0), limit: SampleLimit::None };
+    let exposed = plain.clone().edit(|scene| scene.film.sensor = sensor);
+    compare("sensor", &exposed, 4, 400, 0.02);
+    // A limit far above all samples changes no bit, one below all of them holds for every pixel.
+    let limited =
+        |limit| plain.clone().edit(move |scene| scene.film.sensor.limit = SampleLimit::Component(limit));
+    let run = Run::new("path", 3, 16);
+    assert_eq!(run.picture(&limited(1e9)).mean, run.picture(&plain).mean);
+    let dark = run.picture(&limited(1e-3));
+    assert!(dark.mean.iter().flatten().all(|&value| value <= 1.001e-3));
+}
+
 #[test]
 fn depth_means_the_same() {
     for depth in [0, 1, 2, 3] {
@@ -220,7 +304,8 @@ fn floor_picture(scene: &SceneBuilder, radiance: impl Fn(f64, f64) -> f64) -> Ve
             let mut sum = 0.0;
             for i in 0..256 {
                 let inside = (DVec2::new(f64::from(i % 16), f64::from(i / 16)) + 0.5) / 16.0;
-                let ray = camera.ray(DVec2::new(f64::from(x), f64::from(y)) + inside, DVec2::ZERO);
+                let ray =
+                    camera.ray(DVec2::new(f64::from(x), f64::from(y)) + inside, DVec2::ZERO).unwrap().ray;
                 let p = ray.at(-ray.origin.z / ray.direction.z);
                 sum += radiance(p.x, p.y);
             }

@@ -83,6 +83,7 @@ impl Model {
         if left_out {
             notes.push("the page is lit by the brightest lights only".to_owned());
         }
+        notes.extend(view::note(&description.camera));
         notes.sort();
         notes.dedup();
         let camera = view::camera(description, scene);

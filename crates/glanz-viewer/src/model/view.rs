@@ -1,6 +1,6 @@
 //! The initial camera of the page.
 
-use glanz_math::{Bounds3, DMat4, DVec3, Ray};
+use glanz_math::{Bounds3, DMat4, DVec2, DVec3, Ray};
 use glanz_scene::camera::Screen;
 use glanz_scene::description::{CameraDescription, CameraKind, FilmDescription};
 use glanz_scene::{Description, Scene};
@@ -10,13 +10,19 @@ use super::head::ModelCamera;
 /// Field of view where the scene has none, radians.
 const FIELD_OF_VIEW: f64 = 0.6;
 
+/// Field of view that stands in for all directions or a fish-eye, radians.
+const WIDE_FIELD_OF_VIEW: f64 = 1.6;
+
+/// Number of rays across a lens, along each axis.
+const LENS_GRID: u32 = 16;
+
 /// The scene's camera; where the file has none, one that sees everything from the front, the right and above.
 pub(super) fn camera(description: &Description, scene: &Scene) -> ModelCamera {
     let bounds = scene.bounds();
     if !has_camera(description) && !bounds.is_empty() {
         return overview(bounds);
     }
-    let of_scene = of_scene(&description.camera, &description.film);
+    let of_scene = of_scene(&description.camera, &description.film, scene);
     let ray = Ray::new(of_scene.position.into(), of_scene.forward.into());
     let distance = scene.intersect(&ray, f64::INFINITY).map(|at| at.t).or_else(|| {
         let to_middle = (bounds.center() - ray.origin).dot(ray.direction);
@@ -47,7 +53,7 @@ fn window(camera: &CameraDescription, film: &FilmDescription) -> [f64; 4] {
     camera.screen_window.unwrap_or_else(|| Screen::default_window(aspect))
 }
 
-fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> ModelCamera {
+fn of_scene(camera: &CameraDescription, film: &FilmDescription, scene: &Scene) -> ModelCamera {
     let [x0, x1, y0, y1] = window(camera, film);
     let (across, along) = ((x1 - x0).abs(), (y1 - y0).abs());
     let axis = |axis: DVec3| camera.to_world.transform_vector3(axis);
@@ -57,11 +63,13 @@ fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> ModelCamera {
     let side = forward.cross(up);
     let right = if side.dot(axis(DVec3::X)) < 0.0 { -side } else { side };
     let half = 0.5 * across.min(along);
-    let (kind, field_of_view) = match camera.kind {
-        CameraKind::Perspective { field_of_view } => {
+    let (kind, field_of_view) = match &camera.kind {
+        &CameraKind::Perspective { field_of_view } => {
             ("perspective", 2.0 * (half * (0.5 * field_of_view).tan()).atan())
         }
         CameraKind::Orthographic => ("orthographic", FIELD_OF_VIEW),
+        CameraKind::Spherical(_) | CameraKind::Fisheye { .. } => ("perspective", WIDE_FIELD_OF_VIEW),
+        CameraKind::Realistic(_) => ("perspective", angle_of_lens(film, scene).unwrap_or(FIELD_OF_VIEW)),
     };
     let unit = if across < along { axis(DVec3::X).length() } else { axis(DVec3::Y).length() };
     ModelCamera {
@@ -74,6 +82,31 @@ fn of_scene(camera: &CameraDescription, film: &FilmDescription) -> ModelCamera {
         height: 2.0 * half * unit,
         distance: 1.0,
     }
+}
+
+/// The angle over the shorter side of the picture, by the middle of all rays from the middle of its border; `None` if the lens stops all.
+fn angle_of_lens(film: &FilmDescription, scene: &Scene) -> Option<f64> {
+    let [width, height] = film.resolution.map(f64::from);
+    let border = if width < height { DVec2::new(0.0, 0.5 * height) } else { DVec2::new(0.5 * width, 0.0) };
+    let camera = scene.camera();
+    let towards = |film: DVec2| {
+        let grid = (0..LENS_GRID * LENS_GRID)
+            .map(|i| DVec2::new(f64::from(i % LENS_GRID) + 0.5, f64::from(i / LENS_GRID) + 0.5));
+        let rays = grid.filter_map(|point| camera.ray(film, point / f64::from(LENS_GRID)));
+        rays.map(|camera| camera.weight * camera.ray.direction).sum::<DVec3>().try_normalize()
+    };
+    Some(2.0 * towards(border)?.angle_between(towards(0.5 * DVec2::new(width, height))?))
+}
+
+/// A note for the page on a camera that it does not have.
+pub(super) fn note(camera: &CameraDescription) -> Option<String> {
+    let kind = match camera.kind {
+        CameraKind::Perspective { .. } | CameraKind::Orthographic => return None,
+        CameraKind::Spherical(_) => "spherical",
+        CameraKind::Fisheye { .. } => "fish-eye",
+        CameraKind::Realistic(_) => "realistic",
+    };
+    Some(format!("a perspective camera stands in for the {kind} camera of the scene"))
 }
 
 fn overview(bounds: Bounds3) -> ModelCamera {

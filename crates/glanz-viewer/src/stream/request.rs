@@ -6,8 +6,8 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::description::{CameraDescription, FilmDescription};
 use glanz_scene::{Camera, Description, SceneError};
 use glanz_transport::{
-    Aov, AovSet, Film, FilmError, FilmFormat, Filter, FilterError, IntegratorError, IntegratorSettings,
-    RenderSettings,
+    Aov, AovSet, Film, FilmError, FilmFormat, FilmSensor, Filter, FilterError, IntegratorError,
+    IntegratorSettings, RenderSettings,
 };
 use serde::{Deserialize, Serialize};
 
@@ -138,6 +138,8 @@ impl RenderRequest {
         };
         let settings = RenderSettings {
             filter,
+            // The page has an exposure of its own.
+            sensor: FilmSensor::default(),
             // Well distributed for every number of samples: the camera may move at any time.
             sampler: SamplerKind::Sobol,
             seed: description.sampler.seed,

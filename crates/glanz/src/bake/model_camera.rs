@@ -13,7 +13,8 @@ const NEAR: f64 = 0.002;
 /// Sine of an angle, and share of a length, below which they count as 0.
 const SLACK: f64 = 1e-6;
 
-/// The camera in the axes of the model; `None` if its picture is off-centre, sheared or mirrored, which models cannot represent.
+/// The camera in the axes of the model; `None` if its picture is off-centre, sheared or mirrored, or not that of a perspective or orthographic
+/// camera, which models cannot represent.
 ///
 /// The aperture is ignored.
 pub(super) fn camera(
@@ -49,8 +50,8 @@ pub(super) fn camera(
         depths.iter().fold([f64::INFINITY, 0.0_f64], |[low, high], &d| [low.min(d), high.max(d)]);
     let smallest = NEAR * bounds.diagonal().length();
     let range = [(0.5 * nearest).max(smallest), 2.0 * farthest + smallest];
-    let projection = match camera.kind {
-        CameraKind::Perspective { field_of_view } => {
+    let projection = match &camera.kind {
+        &CameraKind::Perspective { field_of_view } => {
             let size = half * (0.5 * field_of_view).tan() * lengths.truncate() / lengths.z;
             Projection::Perspective {
                 field_of_view: (2.0 * size.y.atan()) as f32,
@@ -60,6 +61,7 @@ pub(super) fn camera(
         CameraKind::Orthographic => {
             Projection::Orthographic((half * lengths.truncate()).as_vec2().to_array())
         }
+        CameraKind::Spherical(_) | CameraKind::Fisheye { .. } | CameraKind::Realistic(_) => return None,
     };
     Some(GlbCamera {
         name: "camera".to_owned(),
@@ -73,6 +75,7 @@ pub(super) fn camera(
 #[cfg(test)]
 mod tests {
     use glanz_math::{DMat4, Ray};
+    use glanz_scene::description::SphericalMapping;
 
     use super::*;
 
@@ -102,7 +105,7 @@ mod tests {
         let own = glanz_scene::Camera::try_new(described, &film).unwrap();
         let [width, height] = film.resolution.map(f64::from);
         let on_film = DVec2::new(0.5 * width * (1.0 + at.x), 0.5 * height * (1.0 - at.y));
-        let Ray { origin, direction, .. } = own.ray(on_film, DVec2::ZERO);
+        let Ray { origin, direction, .. } = own.ray(on_film, DVec2::ZERO).unwrap().ray;
         let camera = camera(described, &film, axes, &bounds()).unwrap();
         let [right, up, back] = directions(&camera);
         let position = glanz_math::glam::Vec3::from_array(camera.position).as_dvec3();
@@ -130,8 +133,8 @@ mod tests {
         // Of a right-handed world, of a left-handed one, and of one in centimetres and stretched.
         let places = [columns(x, y, z), columns(-x, y, z), columns(0.01 * x, 0.02 * y, 0.01 * z)];
         let kinds = [CameraKind::Perspective { field_of_view: 0.9 }, CameraKind::Orthographic];
-        for (place, kind) in places.into_iter().flat_map(|place| kinds.map(|kind| (place, kind))) {
-            let described = described(place, kind);
+        for (place, kind) in places.into_iter().flat_map(|place| kinds.clone().map(|kind| (place, kind))) {
+            let described = described(place, kind.clone());
             let axes = Axes::of_camera(&place);
             for at in [DVec2::ZERO, DVec2::new(1.0, 0.3), DVec2::new(-0.7, -1.0)] {
                 let [expected, found] = rays(&described, axes, at);
@@ -157,7 +160,9 @@ mod tests {
         let none = |described: &CameraDescription| {
             camera(described, &film(), Axes::of_camera(&described.to_world), &bounds()).is_none()
         };
-        let mut shifted = described(DMat4::IDENTITY, kind);
+        let all = CameraKind::Spherical(SphericalMapping::EqualArea);
+        assert!(none(&described(DMat4::IDENTITY, all)));
+        let mut shifted = described(DMat4::IDENTITY, kind.clone());
         assert!(!none(&shifted));
         shifted.screen_window = Some([-1.0, 0.9, -1.0, 1.0]);
         assert!(none(&shifted));

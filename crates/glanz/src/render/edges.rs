@@ -40,7 +40,7 @@ impl EdgeLines {
     }
 }
 
-/// Draws the edges of the scene; `None`, with a warning, if there are none or too many.
+/// Draws the edges of the scene; `None`, with a warning, if there are none or too many, or the camera cannot project them.
 pub(super) fn layer(
     scene: &Scene,
     format: &FilmFormat,
@@ -50,6 +50,10 @@ pub(super) fn layer(
     let edges = scene.edge_count();
     if edges == 0 {
         job.warn(Warning::NoEdges);
+        return Ok(None);
+    }
+    if !scene.camera().can_project() {
+        job.warn(Warning::EdgesOfCamera);
         return Ok(None);
     }
     if edges > MAX_EDGES {

@@ -9,7 +9,7 @@ use glanz_sampling::exact::MAX_TERMS;
 use glanz_scene::Scene;
 use glanz_scene::description::FilmDescription;
 use glanz_transport::{
-    EdgeStyle, FilmFormat, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect,
+    EdgeStyle, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect,
     RenderSettings, StoredLight,
 };
 
@@ -36,6 +36,7 @@ pub struct RenderPlan {
     /// Lines over the picture.
     pub(super) edges: Option<EdgeStyle>,
     filter: Filter,
+    sensor: FilmSensor,
     /// A frozen guide.
     guide: Option<FixedGuide>,
     /// Stored light, which need not be baked.
@@ -65,6 +66,7 @@ impl RenderPlan {
         let given = given.or(light.as_ref().map(|light| light.hash));
         let filter = Filter::try_new(&description.filter)
             .map_err(|error| scene.fault(None, format!("pixel filter: {error}")))?;
+        let sensor = FilmSensor::try_new(&film.sensor).map_err(|error| at_film(&error))?;
         let sampler = options.sampler(scene)?;
         let identity = PictureIdentity {
             scene: scene.content_hash(),
@@ -102,6 +104,7 @@ impl RenderPlan {
             samples,
             edges,
             filter,
+            sensor,
             guide,
             #[cfg(feature = "radiosity")]
             light,
@@ -112,6 +115,7 @@ impl RenderPlan {
     pub(super) fn settings(&self) -> RenderSettings {
         RenderSettings {
             filter: self.filter.clone(),
+            sensor: self.sensor,
             sampler: self.identity.sampler,
             seed: self.identity.seed,
             samples_per_pixel: self.identity.samples_per_pixel,

@@ -1,6 +1,8 @@
 //! `Film` and `PixelFilter`.
 
-use glanz_scene::description::{FilmDescription, FilterDescription, FilterKind};
+use glanz_scene::description::{
+    FilmDescription, FilterDescription, FilterKind, SampleLimit, SensorDescription,
+};
 
 use super::Lowering;
 use crate::pbrt::dialect::Dialect;
@@ -9,12 +11,7 @@ use crate::source::ParseResult;
 
 /// Parameters of films without effect on the values of a picture.
 const OF_NO_INFLUENCE: &[&str] = &[
-    "diagonal",
-    "maxsampleluminance",
-    "maxcomponentvalue",
     "savefp16",
-    "sensor",
-    "whitebalance",
     "coordinatesystem",
     "buckets",
     "nbuckets",
@@ -39,11 +36,13 @@ fn default_filter(dialect: Dialect) -> FilterDescription {
     }
 }
 
-/// Sets unspecified parameters to the defaults of the dialect.
+/// Sets unspecified parameters to the defaults of the dialect, and the exposure to that of film and shutter.
 pub(crate) fn finish_film(lowering: &mut Lowering) {
     if !lowering.has_film {
         lowering.description.film.resolution = default_resolution(lowering.dialect);
     }
+    let exposure = &mut lowering.description.film.sensor.exposure;
+    *exposure *= lowering.exposure_time.unwrap_or(lowering.shutter_time);
     if !lowering.has_filter {
         lowering.description.filter = default_filter(lowering.dialect);
     }
@@ -65,20 +64,53 @@ impl Lowering {
         ];
         let file_name = list.text("filename", r)?;
         let crop = self.crop(&mut list, resolution)?;
-        let r = &mut self.reporter;
-        for (name, neutral) in [("scale", 1.0), ("iso", 100.0), ("exposuretime", 1.0)] {
-            let value_place = list.value_place(name);
-            if list.float_or(name, neutral, r)? != neutral {
-                let message = format!("film: {name:?} is not applied, values stay radiance");
-                r.stand_in(&value_place, "stand-in-film", message);
-            }
-        }
+        let sensor = self.sensor(&mut list)?;
+        let diagonal = self.positive(&mut list, "diagonal")?.unwrap_or(35.0) * 1e-3;
         list.ignore(OF_NO_INFLUENCE);
-        list.finish(r);
-        self.description.film =
-            FilmDescription { resolution, crop, file_name, location: Some(place.location) };
+        list.finish(&mut self.reporter);
+        let location = Some(place.location);
+        self.description.film = FilmDescription { resolution, crop, diagonal, sensor, file_name, location };
         self.has_film = true;
         Ok(())
+    }
+
+    /// The sensor, without the time of the exposure.
+    fn sensor(&mut self, list: &mut ParameterList) -> ParseResult<SensorDescription> {
+        let scale = self.positive(list, "scale")?.unwrap_or(1.0);
+        let iso = self.positive(list, "iso")?.unwrap_or(100.0);
+        self.exposure_time = self.positive(list, "exposuretime")?;
+        if let Some((p, name)) = list.text_parameter("sensor", &mut self.reporter)?
+            && name != "cie1931"
+        {
+            let message =
+                format!("film: the sensor {:?} is not available; \"cie1931\" stands in", shortened(&name));
+            self.stand_in(&p.value_place, "stand-in-film", message);
+        }
+        let place = list.value_place("whitebalance");
+        // 0 is no adaptation.
+        let white_balance = list.float("whitebalance", &mut self.reporter)?.filter(|&kelvin| kelvin != 0.0);
+        if let Some(kelvin) = white_balance.filter(|kelvin| !(1000.0..=25_000.0).contains(kelvin)) {
+            let message =
+                format!("film: \"whitebalance\" is {kelvin} K; it must be between 1000 and 25000 K, or 0");
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        let component = self.positive(list, "maxcomponentvalue")?.map(SampleLimit::Component);
+        // Version 3 scales the picture after its samples are limited.
+        let luminance = self.positive(list, "maxsampleluminance")?;
+        let luminance = luminance.map(|limit| SampleLimit::Luminance(scale * limit));
+        let limit = component.or(luminance).unwrap_or(SampleLimit::None);
+        Ok(SensorDescription { exposure: scale * iso / 100.0, white_balance, limit })
+    }
+
+    /// A positive number.
+    fn positive(&mut self, list: &mut ParameterList, name: &'static str) -> ParseResult<Option<f64>> {
+        let place = list.value_place(name);
+        let value = list.float(name, &mut self.reporter)?;
+        if let Some(value) = value.filter(|&value| value <= 0.0) {
+            let message = format!("film: {name:?} is {value}; it must be positive");
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        Ok(value)
     }
 
     /// The part of the picture to render, as fractions: `cropwindow`, or `pixelbounds` if there are both.
@@ -142,11 +174,17 @@ impl Lowering {
             "cylinder" => (0.5, FilterKind::Cylinder),
             "pyramid" => (1.0, FilterKind::Pyramid),
             "cone" => (1.0, FilterKind::Cone),
+            "sinc" => {
+                let tau = list.float_or("tau", 3.0, r)?;
+                if tau <= 0.0 {
+                    let message = format!("filter \"sinc\": \"tau\" is {tau}; it must be positive");
+                    return Err(r.error(&place, "parameter-range", message));
+                }
+                (4.0, FilterKind::Sinc { tau })
+            }
             other => {
-                let known = other == "sinc";
-                let what = if known { "is not available yet" } else { "is unknown" };
                 let message =
-                    format!("filter {:?} {what}; \"mitchell\" of radius 2 stands in", shortened(other));
+                    format!("filter {:?} is unknown; \"mitchell\" of radius 2 stands in", shortened(other));
                 r.stand_in(&place, "stand-in-filter", message);
                 list.ignore(&["tau", "xwidth", "ywidth", "xradius", "yradius"]);
                 (2.0, FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 })

@@ -14,6 +14,7 @@ mod material_stand_in;
 mod named;
 mod object;
 mod patch_file;
+mod realistic_lens;
 mod receiver;
 mod roughness;
 mod shape;
@@ -65,6 +66,10 @@ pub(crate) struct Lowering {
     pub(crate) textures: TextureNames,
     pub(crate) images: BTreeMap<ImageKey, Option<usize>>,
     pub(crate) has_film: bool,
+    /// How long the shutter is open, seconds; 1 where it does not matter.
+    pub(crate) shutter_time: f64,
+    /// `exposuretime` of the film.
+    pub(crate) exposure_time: Option<f64>,
     pub(crate) has_filter: bool,
     /// Whether the edges of CAD models are sampled.
     pub(crate) edges: bool,
@@ -121,6 +126,8 @@ impl Lowering {
             textures: TextureNames::default(),
             images: BTreeMap::new(),
             has_film: false,
+            shutter_time: 1.0,
+            exposure_time: None,
             has_filter: false,
             edges: false,
             studio_up: None,

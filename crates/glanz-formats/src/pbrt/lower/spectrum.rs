@@ -1,5 +1,7 @@
 //! Spectra, and parameters that are spectra, numbers or textures.
 
+use std::path::Path;
+
 use glanz_light::rgb::xyz_to_rgb;
 use glanz_light::{SpectralDistribution, Wavelengths, named};
 use glanz_scene::description::{FloatParameter, SpectrumParameter};
@@ -120,19 +122,23 @@ impl Lowering {
                 return Err(self.reporter.error_with_help(place, "missing-file", message, suggestion(name)));
             }
         };
+        match self.floats_of_file(&path, bytes) {
+            Ok(values) => self.pairs(subject, p, &values),
+            Err(what) => self.refuse(subject, p, format!("is not a spectrum: {what}")),
+        }
+    }
+
+    /// The numbers of a text with comments; `path`: its path for the message of the error.
+    pub(super) fn floats_of_file(&self, path: &Path, bytes: Vec<u8>) -> Result<Vec<f64>, String> {
         let mut values = Vec::new();
         let mut lexer = Lexer::new(bytes.into(), self.description_file());
         while lexer.peek().is_some() {
-            match lexer.float() {
-                Ok(value) => values.push(value),
-                Err(error) => {
-                    let at = error.place.location;
-                    let what = format!("{}:{}:{}: {}", path.display(), at.line, at.column, error.message);
-                    return self.refuse(subject, p, format!("is not a spectrum: {what}"));
-                }
-            }
+            values.push(lexer.float().map_err(|error| {
+                let at = error.place.location;
+                format!("{}:{}:{}: {}", path.display(), at.line, at.column, error.message)
+            })?);
         }
-        self.pairs(subject, p, &values)
+        Ok(values)
     }
 
     /// A file number for lexers whose spans are not used.

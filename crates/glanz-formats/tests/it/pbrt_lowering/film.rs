@@ -32,6 +32,32 @@ fn film_takes_size_name_and_cut() {
 }
 
 #[test]
+fn sensors_are_exposed_by_scale_speed_and_shutter() {
+    let sensor = |text: &str| read_clean(text).description.film.sensor;
+    assert_eq!(sensor("Film \"image\""), SensorDescription::default());
+    // In version 3 the shutter does not matter, in version 4 the picture is the light that it lets pass.
+    let shutter = "Camera \"perspective\" \"float shutteropen\" 1 \"float shutterclose\" 1.5";
+    assert_eq!(sensor(&format!("{shutter} Film \"image\" \"float scale\" 3")).exposure, 3.0);
+    assert_eq!(sensor(&format!("{shutter} Film \"rgb\"")).exposure, 0.5);
+    assert_eq!(sensor(&format!("Film \"rgb\" \"float iso\" 400 {shutter}")).exposure, 2.0);
+    let timed = "Film \"rgb\" \"float iso\" 50 \"float exposuretime\" 4";
+    assert_eq!(sensor(&format!("{shutter} {timed}")).exposure, 2.0);
+    let balanced = sensor("Film \"rgb\" \"string sensor\" \"cie1931\" \"float whitebalance\" 5000");
+    assert_eq!(balanced.white_balance, Some(5000.0));
+    assert_eq!(sensor("Film \"rgb\" \"float whitebalance\" 0").white_balance, None);
+    assert_eq!(sensor("Film \"rgb\" \"float maxcomponentvalue\" 10").limit, SampleLimit::Component(10.0));
+    // Limited before it is scaled.
+    let limited = sensor("Film \"image\" \"float maxsampleluminance\" 10 \"float scale\" .5");
+    assert_eq!((limited.limit, limited.exposure), (SampleLimit::Luminance(5.0), 0.5));
+    let camera = read("Film \"rgb\" \"string sensor\" \"canon_eos_5d\"");
+    assert!(camera.diagnostics.to_string().contains("\"cie1931\" stands in"));
+    for text in ["iso", "scale", "exposuretime", "maxcomponentvalue", "diagonal", "whitebalance"] {
+        let text = format!("Film \"rgb\" \"float {text}\" -1");
+        assert!(load_str("test.pbrt", &text, &Options::default()).is_err(), "{text}");
+    }
+}
+
+#[test]
 fn filters_of_both_versions_are_one() {
     for (text, kind, radius) in [
         (
@@ -43,6 +69,8 @@ fn filters_of_both_versions_are_one() {
         ("\"triangle\"", FilterKind::Triangle, [2.0, 2.0]),
         ("\"mitchell\" \"float B\" 0 \"float C\" .5", FilterKind::Mitchell { b: 0.0, c: 0.5 }, [2.0, 2.0]),
         ("\"box\" \"float ywidth\" 1", FilterKind::Box, [0.5, 1.0]),
+        ("\"sinc\"", FilterKind::Sinc { tau: 3.0 }, [4.0, 4.0]),
+        ("\"sinc\" \"float xwidth\" 2 \"float tau\" 2", FilterKind::Sinc { tau: 2.0 }, [2.0, 4.0]),
         ("\"cylinder\"", FilterKind::Cylinder, [0.5, 0.5]),
         ("\"pyramid\"", FilterKind::Pyramid, [1.0, 1.0]),
         ("\"cone\"", FilterKind::Cone, [1.0, 1.0]),

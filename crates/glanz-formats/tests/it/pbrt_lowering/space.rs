@@ -42,6 +42,81 @@ fn half_a_field_of_view_and_windows_are_taken_over() {
 }
 
 #[test]
+fn cameras_of_all_kinds_have_the_parameters_of_pbrt() {
+    let kind = |text: &str| read_clean(&format!("Camera {text}")).description.camera.kind;
+    assert_eq!(kind("\"environment\""), CameraKind::Spherical(SphericalMapping::Equirectangular));
+    assert_eq!(kind("\"spherical\""), CameraKind::Spherical(SphericalMapping::EqualArea));
+    assert_eq!(
+        kind("\"spherical\" \"string mapping\" \"equirectangular\""),
+        CameraKind::Spherical(SphericalMapping::Equirectangular)
+    );
+    let projection = FisheyeProjection::Equidistant;
+    assert_eq!(kind("\"fisheye\""), CameraKind::Fisheye { field_of_view: PI, projection });
+    let projection = FisheyeProjection::Stereographic;
+    assert_eq!(
+        kind("\"fisheye\" \"string projection\" \"stereographic\" \"float fov\" 270"),
+        CameraKind::Fisheye { field_of_view: 1.5 * PI, projection }
+    );
+    let text =
+        "Camera \"perspective\" \"float lensradius\" 1 \"integer blades\" 7 \"float bladerotation\" 90";
+    let iris = read_clean(text).description.camera.iris;
+    assert_eq!(iris, IrisDescription { blades: 7, rotation: FRAC_PI_2 });
+    for (text, told) in [
+        ("Camera \"spherical\" \"string mapping\" \"cube\"", "\"equalarea\" or \"equirectangular\""),
+        ("Camera \"fisheye\" \"string projection\" \"pinhole\"", "\"equisolid\""),
+        ("Camera \"fisheye\" \"float fov\" 361", "at most 360"),
+        ("Camera \"perspective\" \"integer blades\" 2", "3 or more"),
+        ("Camera \"realistic\"", "lensfile"),
+        ("Camera \"realistic\" \"string lensfile\" \"no.dat\"", "no.dat"),
+        ("Film \"rgb\" Camera \"perspective\" \"float shutterclose\" 0", "close later"),
+    ] {
+        let errors = load_str("test.pbrt", text, &Options::default()).unwrap_err().to_string();
+        assert!(errors.contains(told), "{text}: {errors}");
+    }
+}
+
+#[test]
+fn lenses_are_read_from_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("lens.dat");
+    std::fs::write(&file, "# radius thickness eta aperture\n35 2.5 1.6 20\n0 4 0 9 # stop\n-20 30 1 18\n")
+        .unwrap();
+    let options = Options { folder: Some(folder.path().to_owned()), ..Options::default() };
+    let read = |text: &str| load_str("test.pbrt", text, &options).unwrap();
+    let lens = |text: &str| match read(text).description.camera.kind {
+        CameraKind::Realistic(lens) => *lens,
+        other => panic!("{other:?}"),
+    };
+    let text = "Camera \"realistic\" \"string lensfile\" \"lens.dat\" \"float aperturediameter\" 4 \
+        \"float focusdistance\" 2 \"string aperture\" \"star\"";
+    let found = lens(&format!("Film \"rgb\" \"float diagonal\" 50 {text}"));
+    let row = |curvature_radius, thickness, eta, diameter| LensInterfaceDescription {
+        curvature_radius,
+        thickness,
+        eta,
+        diameter,
+    };
+    let expected = [row(0.035, 0.0025, 1.6, 0.02), row(0.0, 0.004, 0.0, 0.009), row(-0.02, 0.03, 1.0, 0.018)];
+    assert_eq!(found.interfaces.len(), 3);
+    for (found, expected) in found.interfaces.iter().zip(expected) {
+        close(found.curvature_radius, expected.curvature_radius);
+        close(found.thickness, expected.thickness);
+        assert_eq!((found.eta, found.diameter), (expected.eta, expected.diameter));
+    }
+    assert_eq!((found.aperture_diameter, found.focus_distance), (0.004, 2.0));
+    assert_eq!((found.stop, found.relative_weights), (StopShape::Star, false));
+    // pbrt's version 3 weighs relative to the middle of the film unless told otherwise.
+    assert!(lens(text).relative_weights);
+    assert!(!lens(&format!("{text} \"bool simpleweighting\" false")).relative_weights);
+    std::fs::write(&file, "35 2.5 1.6\n").unwrap();
+    let error = load_str("test.pbrt", text, &options).unwrap_err().to_string();
+    assert!(error.contains("has 3 numbers"), "{error}");
+    std::fs::write(&file, "35 2.5 1.6 wide\n").unwrap();
+    let error = load_str("test.pbrt", text, &options).unwrap_err().to_string();
+    assert!(error.contains("lens.dat:1:12"), "{error}");
+}
+
+#[test]
 fn transformations_apply_from_the_last_to_the_first() {
     let text = "WorldBegin Translate 1 0 0 Rotate 90 0 0 1 Scale 2 2 2 Shape \"sphere\"";
     let to_parent = read_clean(text).description.world.shapes[0].to_parent;

@@ -12,7 +12,7 @@ use crate::integrator::vertex::{ScatteredRay, Vertex, pass_interface, roulette};
 use crate::integrator::{Context, FIRST_DIMENSION};
 
 /// Sampling state of the current ray.
-struct CameraRay {
+struct CameraPathRay {
     /// Position of the vertex.
     from: LightSampleContext,
     /// Density per solid angle of its direction; infinite after a mirror.
@@ -44,7 +44,7 @@ struct CameraPath {
     throughput: Spectrum,
     eta_scale: f32,
     /// `None` before the first scattering: no other technique finds directly visible light.
-    origin: Option<CameraRay>,
+    origin: Option<CameraPathRay>,
     depth: u32,
     interfaces: u32,
     sampled: Option<SampledLight>,
@@ -61,7 +61,7 @@ impl CameraPath {
         Self {
             sample,
             max_depth,
-            ray: Some(context.camera_ray),
+            ray: context.start(),
             light: Spectrum::BLACK,
             throughput: Spectrum::ONE,
             eta_scale: 1.0,
@@ -112,7 +112,7 @@ impl CameraPath {
             self.throughput *= roulette(self.throughput * self.eta_scale, xi_roulette)?;
         }
         let weights = passed(&weights, &vertex, &scattered);
-        self.origin = Some(CameraRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
+        self.origin = Some(CameraPathRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
         Some(hit.spawn(scattered.direction))
     }
 }
@@ -157,12 +157,12 @@ fn passed(weights: &CameraPathWeights, vertex: &Vertex<'_>, scattered: &Scattere
 }
 
 /// Light of the infinite lights along `ray`.
-fn escaped(context: &Context<'_>, ray: &Ray, origin: Option<&CameraRay>) -> Spectrum {
+fn escaped(context: &Context<'_>, ray: &Ray, origin: Option<&CameraPathRay>) -> Spectrum {
     let scene = context.scene;
     let lights = scene.infinite_lights().iter();
     lights
         .map(|&id| {
-            let sampled = |origin: &CameraRay| scene.infinite_pdf(id, &origin.from, ray.direction).0;
+            let sampled = |origin: &CameraPathRay| scene.infinite_pdf(id, &origin.from, ray.direction).0;
             scene.infinite_radiance(id, ray)
                 * weight_of_hit(context, id, origin, ray.direction, None, sampled) as f32
         })
@@ -170,13 +170,13 @@ fn escaped(context: &Context<'_>, ray: &Ray, origin: Option<&CameraRay>) -> Spec
 }
 
 /// Light emitted by the surface at `hit`.
-fn emitted(context: &Context<'_>, hit: &Interaction, origin: Option<&CameraRay>) -> Spectrum {
+fn emitted(context: &Context<'_>, hit: &Interaction, origin: Option<&CameraPathRay>) -> Spectrum {
     let Some(id) = hit.light() else { return Spectrum::BLACK };
     let emitted = context.scene.emitted(hit, hit.wo);
     if emitted.is_black() {
         return emitted;
     }
-    let sampled = |origin: &CameraRay| context.scene.light_pdf(id, &origin.from, hit).0;
+    let sampled = |origin: &CameraPathRay| context.scene.light_pdf(id, &origin.from, hit).0;
     emitted * weight_of_hit(context, id, origin, -hit.wo, hit.area_pdf(), sampled) as f32
 }
 
@@ -184,10 +184,10 @@ fn emitted(context: &Context<'_>, hit: &Interaction, origin: Option<&CameraRay>)
 fn weight_of_hit(
     context: &Context<'_>,
     id: LightId,
-    origin: Option<&CameraRay>,
+    origin: Option<&CameraPathRay>,
     wi: DVec3,
     area_pdf: Option<AreaPdf>,
-    sampled: impl FnOnce(&CameraRay) -> f64,
+    sampled: impl FnOnce(&CameraPathRay) -> f64,
 ) -> f64 {
     let Some(origin) = origin else { return 1.0 };
     let probability = context.scene.light_probability(id);

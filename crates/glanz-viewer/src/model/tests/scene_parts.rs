@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use glanz_scene::description::{CameraKind, LensDescription, LensInterfaceDescription, StopShape};
+
 use super::*;
 
 fn close(found: &Value, expected: &[f64], accuracy: f64) -> bool {
@@ -52,6 +54,43 @@ fn parallel_camera_says_its_height_and_looks_at_the_middle() {
     // The ray passes the hole.
     assert!((camera["distance"].as_f64().unwrap() - 9.0).abs() < 1e-9);
     assert!(close(&file.head["up"], &[0.0, -1.0, 0.0], 0.0));
+}
+
+#[test]
+fn perspective_cameras_stand_in_for_others_with_a_note() {
+    for (camera, kind) in [("\"spherical\"", "spherical"), ("\"fisheye\" \"float fov\" 200", "fish-eye")] {
+        let text = format!("LookAt 1 -8 2  1 0 2  0 0 1 Camera {camera} WorldBegin Shape \"sphere\"");
+        let (_, file, _) = model(&text);
+        assert_eq!(file.head["camera"]["kind"], "perspective");
+        assert!(close(&file.head["camera"]["forward"], &[0.0, 1.0, 0.0], 1e-12));
+        let note = format!("a perspective camera stands in for the {kind} camera of the scene");
+        assert_eq!(file.list("notes"), [note]);
+    }
+}
+
+#[test]
+fn the_page_sees_the_angle_of_a_realistic_lens() {
+    // A far focus: the film is at the focal length f = R / (n - 1) = 100 mm behind a thin lens, and 30 mm high.
+    let interface = |curvature_radius, thickness, eta, diameter| LensInterfaceDescription {
+        curvature_radius,
+        thickness,
+        eta,
+        diameter,
+    };
+    let lens = LensDescription {
+        interfaces: vec![interface(0.05, 1e-4, 1.5, 0.004), interface(1e9, 0.0, 1.0, 0.004)],
+        aperture_diameter: 1.0,
+        focus_distance: 1e6,
+        stop: StopShape::Gaussian,
+        relative_weights: false,
+    };
+    let (mut description, _) = load("Camera \"perspective\" WorldBegin Shape \"sphere\"");
+    description.camera.kind = CameraKind::Realistic(Box::new(lens));
+    (description.film.resolution, description.film.diagonal) = ([400, 300], 0.05);
+    let scene = Scene::resolve(description.clone()).unwrap().0;
+    let model = Model::try_new("test", &description, &scene, &description.files).unwrap();
+    let field = File::read(&model.to_bytes().unwrap()).head["camera"]["fieldOfView"].as_f64().unwrap();
+    assert!((field - 2.0 * 0.15_f64.atan()).abs() < 2e-3, "{field}");
 }
 
 #[test]
