@@ -3,17 +3,20 @@
 //! # Modules
 //! [`registry`] recognises a scene by content and reads it: [`load`] gives a
 //! [`Description`](glanz_scene::Description), which `glanz-scene` resolves to a scene, and [`Diagnostics`]
-//! with positions in the input. [`pbrt`] is the scene language, [`ply`] reads meshes, [`newell`] and [`rib`] lists of
+//! with positions in the input. [`pbrt`] is the scene language, [`ply`], [`obj`] and [`stl`] read meshes, [`newell`] and [`rib`] lists of
 //! patches, [`photometry`] the light of luminaires, [`step`] and [`iges`] CAD models (with [`cad`]), [`image`] reads and writes pictures, [`glb`] writes models with light, [`tessellated`] triangles. Any bytes give a result or an error, without a panic or an endless loop, and without
 //! more memory than the size of the input justifies.
 
 pub mod cad;
+mod finder;
 pub mod glb;
+mod gltf;
 pub mod iges;
 pub mod image;
 mod model;
 mod nearest;
 pub mod newell;
+pub mod obj;
 pub mod pbrt;
 pub mod photometry;
 pub mod ply;
@@ -21,6 +24,7 @@ pub mod registry;
 pub mod rib;
 pub mod source;
 pub mod step;
+pub mod stl;
 pub mod tessellated;
 
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};

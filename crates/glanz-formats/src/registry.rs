@@ -8,7 +8,7 @@ use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
 use crate::source::Sources;
-use crate::{iges, image, model, pbrt, rib};
+use crate::{gltf, iges, image, model, obj, pbrt, rib, stl};
 
 /// Settings of the readers.
 #[derive(Clone, Debug, Default)]
@@ -70,24 +70,30 @@ pub enum ModelFormat {
     Step,
     /// CAD models: see [`crate::iges`].
     Iges,
+    /// Triangles: see [`crate::stl`].
+    Stl,
+    /// Polygons and freeform surfaces with materials: see [`crate::obj`].
+    Obj,
+    /// Scenes and models in glTF 2.0, with materials, and perhaps a camera and lights.
+    Gltf,
 }
 
 impl ModelFormat {
     /// The upward axis of its models, by custom.
     pub(crate) fn up(self) -> UpAxis {
         match self {
-            Self::Ply => UpAxis::Y,
-            Self::Rib | Self::Newell | Self::Step | Self::Iges => UpAxis::Z,
+            Self::Ply | Self::Obj | Self::Gltf => UpAxis::Y,
+            Self::Rib | Self::Newell | Self::Step | Self::Iges | Self::Stl => UpAxis::Z,
         }
     }
 }
 
 /// Usual extensions of files of models, in lower case.
-pub const MODEL_EXTENSIONS: [&str; 7] = ["ply", "rib", "step", "stp", "p21", "igs", "iges"];
+pub const MODEL_EXTENSIONS: [&str; 11] =
+    ["gltf", "glb", "obj", "ply", "stl", "rib", "step", "stp", "p21", "igs", "iges"];
 
 /// Signatures of other formats, with a description for the error.
-const OTHERS: &[(&[u8], &str)] =
-    &[(b"glTF", "a glTF file, which is not read yet"), (b"GLANZ", "one of Glanz's own files, not a scene")];
+const OTHERS: &[(&[u8], &str)] = &[(b"GLANZ", "one of Glanz's own files, not a scene")];
 
 impl SceneFormat {
     /// Recognises a format by the content of a file.
@@ -104,6 +110,12 @@ impl SceneFormat {
         if iges::is_iges(bytes) {
             return Ok(Self::Model(ModelFormat::Iges));
         }
+        if gltf::is_gltf(bytes) {
+            return Ok(Self::Model(ModelFormat::Gltf));
+        }
+        if stl::is_stl(bytes) {
+            return Ok(Self::Model(ModelFormat::Stl));
+        }
         if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
             return Err((*what).to_owned());
         }
@@ -119,6 +131,9 @@ impl SceneFormat {
         }
         if bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit) {
             return Ok(Self::Model(ModelFormat::Newell));
+        }
+        if obj::is_obj(bytes) {
+            return Ok(Self::Model(ModelFormat::Obj));
         }
         if rib::has_surface(bytes) {
             return Ok(Self::Model(ModelFormat::Rib));

@@ -55,13 +55,12 @@ impl StudioArguments {
     pub(crate) fn settings(&self) -> StudioSettings {
         let default = StudioSettings::default();
         StudioSettings {
-            view: self.view.unwrap_or(default.view),
+            view: self.view,
             up: self.up,
             background: self.background.unwrap_or(default.background),
             ground: self.ground.unwrap_or(default.ground),
             material: self.material,
-            section: None,
-            turntable: None,
+            ..default
         }
     }
 

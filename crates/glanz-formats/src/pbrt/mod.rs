@@ -9,7 +9,6 @@
 
 mod color_space;
 mod dialect;
-mod finder;
 mod lexer;
 mod lower;
 mod parameters;
@@ -23,9 +22,9 @@ use std::sync::Arc;
 use glanz_scene::Diagnostics;
 use glanz_scene::studio::StudioSettings;
 
-use crate::registry::{Loaded, Options, failure};
+use crate::finder::FileFinder;
+use crate::registry::{Loaded, Options};
 use crate::source::Reporter;
-use finder::FileFinder;
 use lower::Lowering;
 use parser::Parser;
 
@@ -39,14 +38,7 @@ pub(crate) fn load(
     options: &Options,
 ) -> Result<Loaded, Diagnostics> {
     let reporter = Reporter { strict: options.strict, ..Reporter::default() };
-    let folder = options.folder.as_deref().or_else(|| path.and_then(Path::parent));
-    let mut finder = match folder {
-        Some(folder) if options.confined => FileFinder::confined_to(folder)
-            .map_err(|error| failure(name, "missing-file", format!("the folder cannot be read: {error}")))?,
-        folder => FileFinder::new(folder),
-    };
-    finder.paths.extend(path.map(Path::to_owned));
-    finder.hash.add_file(&bytes);
+    let finder = FileFinder::of_scene(name, path, &bytes, options)?;
     let dialect = dialect::detect(&bytes);
     let lowering = Lowering { edges: options.edges, ..Lowering::new(reporter, dialect, finder) };
     let mut parser = Parser::new(lowering);

@@ -50,7 +50,7 @@ fn all_of_a_model_is_in_the_picture_and_fills_it() {
                     (0..20).map(|_| middle + scale * stretch * numbers.point()).collect();
                 let mut description = model(&points);
                 description.film.resolution = resolution;
-                let settings = StudioSettings { view, up: Some(up), ..StudioSettings::default() };
+                let settings = StudioSettings { view: Some(view), up: Some(up), ..StudioSettings::default() };
                 add_studio(&mut description, &settings);
                 let seen = projected(&description, &points);
                 let low = seen.iter().copied().fold(DVec2::INFINITY, DVec2::min);
@@ -93,7 +93,7 @@ fn views_show_the_side_that_they_are_named_after_and_do_not_mirror_it() {
         (UpAxis::Y, StudioView::Bottom, [x, z, -y]),
     ] {
         let mut description = model(&Bounds3::new(-DVec3::ONE, DVec3::ONE).corners());
-        let settings = StudioSettings { view, up: Some(up), ..StudioSettings::default() };
+        let settings = StudioSettings { view: Some(view), up: Some(up), ..StudioSettings::default() };
         add_studio(&mut description, &settings);
         let [right, above, viewer] = axes;
         let seen = projected(&description, &[DVec3::ZERO, right, above]);
@@ -118,7 +118,7 @@ fn the_ground_is_below_the_model_and_never_before_it() {
         for up in [UpAxis::Y, UpAxis::Z] {
             let points: Vec<DVec3> = (0..12).map(|_| numbers.point() * DVec3::new(1.0, 0.3, 0.02)).collect();
             let mut description = model(&points);
-            let settings = StudioSettings { view, up: Some(up), ..StudioSettings::default() };
+            let settings = StudioSettings { view: Some(view), up: Some(up), ..StudioSettings::default() };
             add_studio(&mut description, &settings);
             assert_eq!(description.world.shapes.len() == 1, view == StudioView::Bottom);
             let (scene, _) = Scene::resolve(description).unwrap();
@@ -148,7 +148,7 @@ fn a_point_a_line_and_nothing_have_pictures() {
                 ..Default::default()
             };
             let mut description = Description { world, ..Description::default() };
-            add_studio(&mut description, &StudioSettings { view, ..StudioSettings::default() });
+            add_studio(&mut description, &StudioSettings { view: Some(view), ..StudioSettings::default() });
             assert!(description.camera.to_world.is_finite());
             Camera::try_new(&description.camera, &description.film).unwrap();
             if !points.is_empty() {
@@ -186,7 +186,7 @@ fn a_turntable_keeps_the_model_in_the_picture_and_its_distance() {
         for number in 0..24 {
             let mut description = model(&points);
             let turntable = Some(TurntableFrame { number, count: 24 });
-            let settings = StudioSettings { view, turntable, ..StudioSettings::default() };
+            let settings = StudioSettings { view: Some(view), turntable, ..StudioSettings::default() };
             add_studio(&mut description, &settings);
             let seen = projected(&description, &points);
             low = seen.iter().copied().fold(low, DVec2::min);
@@ -207,7 +207,8 @@ fn a_turntable_keeps_the_model_in_the_picture_and_its_distance() {
 fn a_turntable_goes_to_the_right_and_begins_at_the_view() {
     let eye = |turntable| {
         let mut description = model(&Bounds3::new(-DVec3::ONE, DVec3::ONE).corners());
-        let settings = StudioSettings { view: StudioView::Front, turntable, ..StudioSettings::default() };
+        let settings =
+            StudioSettings { view: Some(StudioView::Front), turntable, ..StudioSettings::default() };
         add_studio(&mut description, &settings);
         description.camera.to_world.w_axis.truncate().normalize()
     };

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::str::FromStr;
 
-use glanz_math::glam::DQuat;
+use glanz_math::glam::{DQuat, DVec4};
 use glanz_math::{Bounds3, DMat4, DVec3};
 
 use crate::camera::Screen;
@@ -145,6 +145,19 @@ impl ViewFrame {
         Self { right: forward.cross(up), up, forward, viewer }
     }
 
+    /// The view of a camera with this frame; `None` if it has no direction.
+    pub(super) fn of_camera(to_world: &DMat4, above: DVec3) -> Option<Self> {
+        let axis = |column: DVec4| column.truncate().try_normalize();
+        let (right, up, forward) = (axis(to_world.x_axis)?, axis(to_world.y_axis)?, axis(to_world.z_axis)?);
+        // A vertical camera has its viewer at the lower side of its picture.
+        let horizontal = |direction: DVec3| {
+            let level = direction.reject_from_normalized(above);
+            (level.length() > VERTICAL).then(|| level.normalize())
+        };
+        let viewer = horizontal(-forward).or_else(|| horizontal(-up))?;
+        Some(Self { right, up, forward, viewer })
+    }
+
     /// The same view from another side, turned about the unit vector `above`.
     pub(super) fn turned(self, turntable: Option<TurntableFrame>, above: DVec3) -> Self {
         let Some(TurntableFrame { number, count }) = turntable else { return self };
@@ -155,6 +168,9 @@ impl ViewFrame {
         Self { right, up, forward, viewer }
     }
 }
+
+/// Sine of the angle to the vertical below which a direction counts as vertical.
+const VERTICAL: f64 = 1e-3;
 
 /// Half the shorter side of the picture at distance 1: a field of view of 28 degrees.
 const HALF_SIDE: f64 = 0.25;

@@ -32,9 +32,9 @@ use glanz_scene::Description;
 use glanz_scene::description::EmissionDescription;
 use glanz_scene::studio::{UpAxis, UpAxisError};
 
+use crate::finder::{FileFinder, FindError};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
-use crate::pbrt::finder::{FileFinder, FindError};
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::{ParseResult, Reporter, Span};
 

@@ -3,15 +3,20 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glanz_job::ContentHash;
-use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
-use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
-use glanz_scene::{Description, Diagnostics, Location, Severity};
+use glanz_scene::description::GeometryDescription;
+use glanz_scene::{Diagnostics, Severity};
 
-use crate::cad::{CadModel, CadReport, CadWarning};
+use crate::cad::{CadModel, CadWarning};
 use crate::registry::{Loaded, ModelFormat, Options};
-use crate::source::Sources;
-use crate::{newell, ply, rib};
+use crate::{gltf, newell, obj, ply, rib, stl};
+
+mod material;
+mod picture;
+mod reader;
+
+pub(crate) use material::{SurfaceParameters, exponent};
+pub(crate) use picture::{PictureContent, mean, read_picture};
+pub(crate) use reader::ModelReader;
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
 pub(crate) fn load(
@@ -21,72 +26,21 @@ pub(crate) fn load(
     bytes: &Arc<[u8]>,
     options: &Options,
 ) -> Result<Loaded, Diagnostics> {
-    let mut reader = ModelReader::new(name, path, bytes);
+    let mut reader = ModelReader::new(name, path, bytes, options)?;
     match format {
         ModelFormat::Ply => reader.ply(bytes),
         ModelFormat::Rib => reader.rib(bytes),
         ModelFormat::Newell => reader.newell(bytes),
         ModelFormat::Step => reader.cad("step", bytes, options.edges),
+        ModelFormat::Obj => obj::read_into(bytes, &mut reader),
+        ModelFormat::Gltf => gltf::read(bytes, &mut reader),
+        ModelFormat::Stl => reader.stl(bytes),
         ModelFormat::Iges => reader.cad("iges", bytes, options.edges),
     }
-    reader.finish(format.up(), bytes, options)
-}
-
-/// State of the reader.
-struct ModelReader {
-    description: Description,
-    diagnostics: Diagnostics,
-    sources: Sources,
-    file: FileId,
-    cad: Option<CadReport>,
+    reader.finish(format.up(), options)
 }
 
 impl ModelReader {
-    /// A reader of the file with these bytes.
-    fn new(name: &str, path: Option<&Path>, bytes: &Arc<[u8]>) -> Self {
-        let mut sources = Sources::default();
-        let file = sources.open(name, path, bytes);
-        sources.set_paths(path.map(Path::to_owned));
-        let grey = MaterialDescription::from(cad_material(CAD_GREY, 0.0));
-        let description =
-            Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
-        Self { description, diagnostics: Diagnostics::default(), sources, file, cad: None }
-    }
-
-    fn finish(mut self, up: UpAxis, bytes: &[u8], options: &Options) -> Result<Loaded, Diagnostics> {
-        if self.diagnostics.has_errors() {
-            return Err(self.diagnostics);
-        }
-        self.sources.close(self.file);
-        let mut hash = ContentHash::default();
-        hash.add_file(bytes);
-        let studio = &options.studio;
-        Ok(Loaded {
-            description: self.description,
-            diagnostics: self.diagnostics,
-            content_hash: hash.value(),
-            sources: self.sources,
-            studio: Some(StudioSettings { up: studio.up.or(Some(up)), ..studio.clone() }),
-            cad: self.cad,
-        })
-    }
-
-    fn add(&mut self, geometry: GeometryDescription) {
-        self.description.world.shapes.push(ShapeDescription::from(geometry));
-    }
-
-    /// `place`: line and column from 1, if the message is about a place in a text.
-    fn report(&mut self, severity: Severity, kind: &'static str, place: Option<(u32, u32)>, message: String) {
-        if self.diagnostics.admit(severity, kind) {
-            let location = place.map(|(line, column)| Location { file: self.file, line, column });
-            self.diagnostics.push_admitted(self.sources.diagnostic(severity, kind, location, message));
-        }
-    }
-
-    fn error(&mut self, kind: &'static str, place: Option<(u32, u32)>, message: String) {
-        self.report(Severity::Error, kind, place, message);
-    }
-
     fn ply(&mut self, bytes: &[u8]) {
         match ply::read(bytes) {
             Ok(ply::PlyMesh { positions, normals, uvs, triangles: indices, skipped_faces }) => {
@@ -106,6 +60,18 @@ impl ModelReader {
                 }
                 ply::PlyPosition::Byte(_) => self.error("ply", None, error.to_string()),
             },
+        }
+    }
+
+    fn stl(&mut self, bytes: &[u8]) {
+        match stl::read(bytes) {
+            Ok(mesh) if mesh.triangles.is_empty() => {
+                self.error("stl", None, "the file has no facets".to_owned());
+            }
+            Ok(stl::StlMesh { positions, triangles: indices }) => {
+                self.add(GeometryDescription::Triangles { positions, indices, normals: None, uvs: None });
+            }
+            Err(error) => self.error("stl", error.place, error.to_string()),
         }
     }
 
@@ -161,6 +127,7 @@ impl ModelReader {
 #[cfg(test)]
 mod tests {
     use glanz_math::DVec3;
+    use glanz_scene::studio::{StudioSettings, UpAxis};
 
     use super::*;
     use crate::registry::load_str;

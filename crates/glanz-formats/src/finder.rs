@@ -5,6 +5,9 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use glanz_job::ContentHash;
+use glanz_scene::Diagnostics;
+
+use crate::registry::{Options, failure};
 
 /// Finder and reader of files, with the hash of their contents.
 #[derive(Clone, Debug, Default)]
@@ -57,6 +60,27 @@ impl FindError {
 }
 
 impl FileFinder {
+    /// A finder for the scene file `path` with these bytes, which count in the hash. `name`: its name in messages.
+    ///
+    /// # Errors
+    /// A message, if the folder to which the scene is confined does not exist.
+    pub(crate) fn of_scene(
+        name: &str,
+        path: Option<&Path>,
+        bytes: &[u8],
+        options: &Options,
+    ) -> Result<Self, Diagnostics> {
+        let folder = options.folder.as_deref().or_else(|| path.and_then(Path::parent));
+        let unreadable = |error| failure(name, "missing-file", format!("the folder cannot be read: {error}"));
+        let mut finder = match folder {
+            Some(folder) if options.confined => Self::confined_to(folder).map_err(unreadable)?,
+            folder => Self::new(folder),
+        };
+        finder.paths.extend(path.map(Path::to_owned));
+        finder.hash.add_file(bytes);
+        Ok(finder)
+    }
+
     /// A finder that searches the folder of the scene first.
     pub(crate) fn new(folder: Option<&Path>) -> Self {
         Self { folders: folder.map(Path::to_owned).into_iter().collect(), ..Self::default() }

@@ -1,0 +1,164 @@
+//! Buffers, their views, and the bytes behind addresses (URIs): in the file itself or in a file beside it.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use data_encoding::BASE64_NOPAD;
+
+use super::error::GltfError;
+use super::json::{Document, JsonObject, JsonPath};
+use crate::model::ModelReader;
+
+/// The compression of buffer views that is not read, and the remedy.
+const MESHOPT: &str = "EXT_meshopt_compression";
+pub(super) const MESHOPT_HELP: &str =
+    "compression by meshoptimizer is not read; convert the file first: gltfpack -i FILE -o plain.glb";
+
+/// The bytes of all buffers.
+#[derive(Debug)]
+pub(super) struct Buffers<'a> {
+    buffers: Vec<BufferBytes<'a>>,
+}
+
+#[derive(Clone, Debug)]
+enum BufferBytes<'a> {
+    /// The binary part of the file.
+    Chunk(&'a [u8]),
+    /// Bytes of an address.
+    Address(Rc<[u8]>),
+    /// None: the space of compressed views.
+    Missing,
+}
+
+/// A part of a buffer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BufferView<'a> {
+    pub(super) bytes: &'a [u8],
+    /// Bytes from one element to the next, if they are not packed.
+    pub(super) stride: Option<usize>,
+}
+
+impl<'a> Buffers<'a> {
+    /// Reads all buffers.
+    pub(super) fn read(
+        document: &Document,
+        binary: Option<&'a [u8]>,
+        reader: &mut ModelReader,
+    ) -> Result<Self, GltfError> {
+        let mut known: BTreeMap<String, Rc<[u8]>> = BTreeMap::new();
+        let mut buffers = Vec::new();
+        for index in 0..document.length("buffers") {
+            let read = |buffer: JsonObject<'_>| {
+                let length = buffer.required_count("byteLength")?;
+                let bytes = match (buffer.text("uri")?, binary) {
+                    (Some(uri), _) => BufferBytes::Address(match known.get(uri) {
+                        Some(bytes) => Rc::clone(bytes),
+                        None => {
+                            let bytes: Rc<[u8]> =
+                                read_address(uri, reader).map_err(|e| buffer.error("uri", e))?.into();
+                            known.insert(uri.to_owned(), Rc::clone(&bytes));
+                            bytes
+                        }
+                    }),
+                    (None, Some(chunk)) if index == 0 => BufferBytes::Chunk(chunk),
+                    (None, _) => return Ok(BufferBytes::Missing),
+                };
+                let found = bytes.get().len();
+                if found < length {
+                    let message =
+                        format!("the buffer has {found} bytes instead of {length}; it may be incomplete");
+                    return Err(buffer.fault(message));
+                }
+                Ok(bytes)
+            };
+            buffers.push(document.element("buffers", index, &JsonPath::ROOT, read)?);
+        }
+        Ok(Self { buffers })
+    }
+
+    /// Number of bytes of all buffers.
+    pub(super) fn size(&self) -> usize {
+        self.buffers.iter().map(|buffer| buffer.get().len()).sum()
+    }
+
+    /// The view with this number, which the value at `from` names.
+    pub(super) fn view(
+        &self,
+        document: &Document,
+        index: usize,
+        from: &JsonPath<'_>,
+    ) -> Result<BufferView<'_>, GltfError> {
+        document.element("bufferViews", index, from, |view| {
+            let buffer = view.required_count("buffer")?;
+            let Some(bytes) = self.buffers.get(buffer) else {
+                let count = self.buffers.len();
+                return Err(
+                    view.error("buffer", format!("buffer {buffer} does not exist; there are {count}"))
+                );
+            };
+            if matches!(bytes, BufferBytes::Missing) {
+                let compressed = view.extension(MESHOPT, |found| Ok(found.is_some()))?;
+                let missing = "the buffer has neither an address nor bytes in the file";
+                return Err(view.error("buffer", if compressed { MESHOPT_HELP } else { missing }));
+            }
+            let (start, length) =
+                (view.count("byteOffset")?.unwrap_or(0), view.required_count("byteLength")?);
+            let all = bytes.get();
+            let Some(bytes) = start.checked_add(length).and_then(|end| all.get(start..end)) else {
+                let message = format!(
+                    "{length} bytes from {start} on are more than buffer {buffer} has, which are {}",
+                    all.len()
+                );
+                return Err(view.fault(message));
+            };
+            Ok(BufferView { bytes, stride: view.count("byteStride")?.filter(|&stride| stride > 0) })
+        })
+    }
+}
+
+impl BufferBytes<'_> {
+    fn get(&self) -> &[u8] {
+        match self {
+            Self::Chunk(bytes) => bytes,
+            Self::Address(bytes) => bytes,
+            Self::Missing => &[],
+        }
+    }
+}
+
+/// The bytes at an address, or the problem.
+pub(super) fn read_address(uri: &str, reader: &mut ModelReader) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        let text = data.split_once(";base64,").ok_or("data in an address must be in base 64")?.1;
+        let text = text.trim_end_matches('=').as_bytes();
+        return BASE64_NOPAD.decode(text).map_err(|error| format!("the data is not base 64: {error}"));
+    }
+    if let Some((scheme, _)) = uri.split_once("://") {
+        return Err(format!("addresses with {scheme:?} are not read; save the file beside the model"));
+    }
+    reader.read_file(&without_escapes(uri)).map_err(|(problem, _)| problem)
+}
+
+/// An address with bytes for escapes such as `%20`.
+fn without_escapes(uri: &str) -> Cow<'_, str> {
+    if !uri.contains('%') {
+        return uri.into();
+    }
+    let (bytes, mut out) = (uri.as_bytes(), Vec::with_capacity(uri.len()));
+    let mut at = 0;
+    while let Some(&byte) = bytes.get(at) {
+        let digit = |i: usize| bytes.get(at + i).and_then(|&b| char::from(b).to_digit(16));
+        match (byte, digit(1), digit(2)) {
+            (b'%', Some(high), Some(low)) => {
+                out.push((16 * high + low) as u8);
+                at += 3;
+            }
+            _ => {
+                out.push(byte);
+                at += 1;
+            }
+        }
+    }
+    String::from_utf8_lossy(&out).into_owned().into()
+}

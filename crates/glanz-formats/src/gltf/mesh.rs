@@ -1,0 +1,255 @@
+//! Meshes: primitives as triangles.
+
+use glanz_math::{DVec2, DVec3};
+use glanz_scene::description::{GeometryDescription, ShapeDescription};
+
+use super::GltfReader;
+use super::accessor::{Accessor, ElementType};
+use super::error::GltfError;
+use super::json::{JsonObject, JsonPath};
+use super::material::GltfMaterial;
+
+const SCALAR: ElementType = ElementType { names: &["SCALAR"], floats: false };
+const VEC2: ElementType = ElementType { names: &["VEC2"], floats: true };
+pub(super) const VEC3: ElementType = ElementType { names: &["VEC3"], floats: true };
+pub(super) const VEC4: ElementType = ElementType { names: &["VEC4"], floats: true };
+const COLOR: ElementType = ElementType { names: &["VEC3", "VEC4"], floats: true };
+
+/// Modes of primitives: those before are points and lines.
+const TRIANGLES: usize = 4;
+const TRIANGLE_STRIP: usize = 5;
+const TRIANGLE_FAN: usize = 6;
+
+/// Compression of primitives that is not read, and the remedy.
+const DRACO: &str = "KHR_draco_mesh_compression";
+pub(super) const DRACO_HELP: &str =
+    "compression by Draco is not read; convert the file first: gltf-transform copy FILE plain.glb";
+
+/// The message for a file whose primitives use the same elements again and again.
+const TOO_MUCH: &str = "the elements of the file are used too often; give primitives the same mesh instead of the same accessors";
+
+/// Triangles over the vertices that they use.
+struct UsedVertices {
+    /// Numbers of the vertices in the accessors, ascending.
+    used: Vec<u32>,
+    /// Triples of positions in `used`.
+    triangles: Vec<[u32; 3]>,
+}
+
+impl UsedVertices {
+    fn new(corners: &[[u32; 3]], count: usize) -> Self {
+        let mut used: Vec<u32> = corners.as_flattened().to_vec();
+        used.sort_unstable();
+        used.dedup();
+        let position = |vertex: u32| used.binary_search(&vertex).unwrap_or_default() as u32;
+        let all_used = used.len() == count;
+        let triangles = corners.iter().map(|t| if all_used { *t } else { t.map(position) }).collect();
+        Self { used, triangles }
+    }
+
+    /// The values of an accessor at the vertices.
+    fn values<const N: usize, T>(
+        &self,
+        accessor: &Accessor<'_>,
+        default: [f64; N],
+        convert: impl Fn([f64; N]) -> T,
+    ) -> Vec<T> {
+        self.used.iter().map(|&vertex| convert(accessor.vector(vertex as usize, default))).collect()
+    }
+}
+
+/// Corners of the triangles of a primitive, and whether some corners are left over.
+fn triangles(mode: usize, corners: &[u32]) -> (Vec<[u32; 3]>, bool) {
+    let triangles = match mode {
+        TRIANGLES => return (corners.as_chunks().0.to_vec(), !corners.len().is_multiple_of(3)),
+        TRIANGLE_STRIP => corners
+            .array_windows()
+            .enumerate()
+            .map(|(i, &[a, b, c])| if i % 2 == 0 { [a, b, c] } else { [a, c, b] })
+            .collect(),
+        _ => {
+            let first = corners.first().copied().unwrap_or_default();
+            corners.get(1..).unwrap_or_default().array_windows().map(|&[b, c]| [b, c, first]).collect()
+        }
+    };
+    (triangles, corners.len() < 3)
+}
+
+impl<'a> GltfReader<'a, '_> {
+    /// The shapes of a mesh, in its frame. `from`: the node that names it.
+    pub(super) fn mesh(
+        &mut self,
+        number: usize,
+        from: &JsonPath<'_>,
+    ) -> Result<Vec<ShapeDescription>, GltfError> {
+        let document = self.document;
+        document.element("meshes", number, from, |mesh| {
+            let path = mesh.path().name("primitives");
+            let mut shapes = Vec::new();
+            for (i, primitive) in mesh.list("primitives")?.iter().enumerate() {
+                let path = path.index(i);
+                shapes.extend(self.primitive(&JsonObject::try_new(primitive, &path)?)?);
+            }
+            Ok(shapes)
+        })
+    }
+
+    /// The shape of a primitive; `None`, after a report, if it has no triangles.
+    fn primitive(&mut self, primitive: &JsonObject<'_>) -> Result<Option<ShapeDescription>, GltfError> {
+        let mode = primitive.count("mode")?.unwrap_or(TRIANGLES);
+        if mode > TRIANGLE_FAN {
+            return Err(primitive.error("mode", format!("the mode {mode} is unknown")));
+        }
+        let left_out = |this: &mut Self, what: &str| {
+            this.reader.stand_in("gltf-primitive", None, format!("{}: {what}", primitive.path()));
+            Ok(None)
+        };
+        if mode < TRIANGLES {
+            return left_out(self, "points and lines are left out");
+        }
+        primitive.object_or_empty("attributes", |attributes| {
+            let Some(positions) = self.attribute(&attributes, "POSITION", VEC3)? else {
+                return left_out(self, "a primitive without positions is left out");
+            };
+            if !positions.is_stored() && primitive.extension(DRACO, |found| Ok(found.is_some()))? {
+                return Err(primitive.fault(DRACO_HELP));
+            }
+            let count = positions.count();
+            let corners = self.corners(primitive, count)?;
+            let (triangles, has_rest) = triangles(mode, &corners);
+            if has_rest {
+                left_out(self, "corners that make no triangle are left out")?;
+            }
+            if triangles.is_empty() {
+                return Ok(None);
+            }
+            let vertices = UsedVertices::new(&triangles, count);
+            let material = self.material(primitive.count("material")?, primitive)?;
+            let geometry = self.geometry(&attributes, &positions, vertices, &material)?;
+            self.report_attributes(primitive, &attributes)?;
+            let GltfMaterial { index, emission, .. } = material;
+            Ok(Some(ShapeDescription { material: index, emission, ..geometry.into() }))
+        })
+    }
+
+    /// The accessor of an attribute.
+    pub(super) fn attribute(
+        &mut self,
+        attributes: &JsonObject<'_>,
+        name: &str,
+        needed: ElementType,
+    ) -> Result<Option<Accessor<'a>>, GltfError> {
+        let Some(number) = attributes.count(name)? else { return Ok(None) };
+        self.accessor(number, needed, &attributes.path().name(name)).map(Some)
+    }
+
+    /// Numbers of the vertices at the corners, all below `count`.
+    fn corners(&mut self, primitive: &JsonObject<'_>, count: usize) -> Result<Vec<u32>, GltfError> {
+        let Some(number) = primitive.count("indices")? else {
+            self.use_elements(count, primitive.path())?;
+            return Ok((0..count as u32).collect());
+        };
+        let path = primitive.path().name("indices");
+        let indices = self.accessor(number, SCALAR, &path)?;
+        self.use_elements(indices.count(), &path)?;
+        let corners: Vec<u32> = (0..indices.count()).map(|i| indices.number(i)).collect();
+        match corners.iter().position(|&corner| corner as usize >= count) {
+            Some(wrong) => {
+                let corner = corners.get(wrong).copied().unwrap_or_default();
+                Err(path.error(format!("index {wrong} is vertex {corner}; there are {count}")))
+            }
+            None => Ok(corners),
+        }
+    }
+
+    fn geometry(
+        &mut self,
+        attributes: &JsonObject<'_>,
+        positions: &Accessor<'_>,
+        vertices: UsedVertices,
+        material: &GltfMaterial,
+    ) -> Result<GeometryDescription, GltfError> {
+        let of_vertices = |accessor: &Accessor<'_>, name: &str| match accessor.count() == positions.count() {
+            true => Ok(()),
+            false => {
+                let (found, count) = (accessor.count(), positions.count());
+                Err(attributes.error(name, format!("{found} elements for {count} vertices")))
+            }
+        };
+        let normals = match self.attribute(attributes, "NORMAL", VEC3)? {
+            Some(accessor) => {
+                of_vertices(&accessor, "NORMAL")?;
+                let finite = |n: DVec3| if n.is_finite() { n } else { DVec3::ZERO };
+                Some(vertices.values(&accessor, [0.0; 3], |n| finite(n.into())))
+            }
+            None => None,
+        };
+        let uvs = match material.uv {
+            Some(uv) => {
+                let name = format!("TEXCOORD_{}", uv.set);
+                match self.attribute(attributes, &name, VEC2)? {
+                    Some(accessor) => {
+                        of_vertices(&accessor, &name)?;
+                        Some(vertices.values(&accessor, [0.0; 2], |found| {
+                            let DVec2 { x, y } = uv.transform.apply(found.into());
+                            // Pictures have their origin at the top here.
+                            if x.is_finite() && y.is_finite() { DVec2::new(x, 1.0 - y) } else { DVec2::ZERO }
+                        }))
+                    }
+                    None => {
+                        let message = format!("{}: a textured primitive has no {name}", attributes.path());
+                        self.reader.stand_in("gltf-coordinates", None, message);
+                        None
+                    }
+                }
+            }
+            None => None,
+        };
+        let points: Vec<DVec3> = vertices.values(positions, [0.0; 3], DVec3::from);
+        if let Some(wrong) = points.iter().position(|point| !point.is_finite()) {
+            let vertex = vertices.used.get(wrong).copied().unwrap_or_default();
+            return Err(attributes.error("POSITION", format!("vertex {vertex} is not finite")));
+        }
+        Ok(GeometryDescription::Triangles { positions: points, indices: vertices.triangles, normals, uvs })
+    }
+
+    /// Reports what the description cannot represent.
+    fn report_attributes(
+        &mut self,
+        primitive: &JsonObject<'_>,
+        attributes: &JsonObject<'_>,
+    ) -> Result<(), GltfError> {
+        if let Some(colors) = self.attribute(attributes, "COLOR_0", COLOR)? {
+            let count = colors.count();
+            let is_white = (0..count).all(|i| colors.vector(i, [1.0; 4]) == [1.0; 4]);
+            self.use_elements(count, primitive.path())?;
+            if !is_white {
+                let message = format!("{}: vertex colours are not available and left out", primitive.path());
+                self.reader.stand_in("gltf-colors", None, message);
+            }
+        }
+        if primitive.has("targets") {
+            let message =
+                format!("{}: morph targets are not read; the base mesh stands in", primitive.path());
+            self.reader.stand_in("gltf-morph", None, message);
+        }
+        Ok(())
+    }
+
+    fn accessor(
+        &mut self,
+        number: usize,
+        needed: ElementType,
+        path: &JsonPath<'_>,
+    ) -> Result<Accessor<'a>, GltfError> {
+        let accessor = Accessor::open((self.document, self.buffers), number, needed, path)?;
+        self.use_elements(accessor.replaced(), path)?;
+        Ok(accessor)
+    }
+
+    /// Counts elements that are used, so that time and memory are in proportion to the size of the file.
+    pub(super) fn use_elements(&mut self, count: usize, path: &JsonPath<'_>) -> Result<(), GltfError> {
+        self.elements_left = self.elements_left.checked_sub(count).ok_or_else(|| path.error(TOO_MUCH))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,344 @@
+//! Textures: pictures, samplers and the transformation of coordinates.
+
+use glanz_light::SpectralDistribution;
+use glanz_math::DVec2;
+use glanz_scene::description::{
+    FloatParameter, ImageDescription, ImageFilter, ImageWrap, MappingDescription, SpectrumParameter,
+    TextureKind,
+};
+
+use super::GltfReader;
+use super::buffers::read_address;
+use super::error::GltfError;
+use super::json::JsonObject;
+use crate::model::{PictureContent, mean, read_picture};
+
+/// Numbers of the format: filters and repetitions.
+const NEAREST: usize = 9728;
+const LINEAR: usize = 9729;
+const MIRRORED_REPEAT: usize = 33648;
+const REPEAT: usize = 10497;
+const CLAMP_TO_EDGE: usize = 33071;
+
+/// Affine map of texture coordinates: `linear (u, v) + offset`, by rows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct UvTransform {
+    rows: [DVec2; 2],
+    offset: DVec2,
+}
+
+/// The coordinates of a texture on meshes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct UvSource {
+    /// Number of the set of coordinates.
+    pub(super) set: usize,
+    pub(super) transform: UvTransform,
+}
+
+/// A use of a texture by a material.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TextureUse {
+    index: usize,
+    pub(super) uv: UvSource,
+}
+
+/// Where the bytes of a picture are.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum PictureSource {
+    View(usize),
+    Address(String),
+}
+
+/// A picture, and what is taken from it.
+pub(super) type PictureKey = (PictureSource, PictureContent);
+
+impl UvTransform {
+    pub(super) const IDENTITY: Self = Self { rows: [DVec2::X, DVec2::Y], offset: DVec2::ZERO };
+
+    pub(super) fn apply(&self, uv: DVec2) -> DVec2 {
+        DVec2::new(self.rows[0].dot(uv), self.rows[1].dot(uv)) + self.offset
+    }
+
+    /// `KHR_texture_transform`: scaled, then turned, then moved. Its example of a quarter turn tells the direction.
+    fn of(object: &JsonObject<'_>) -> Result<Self, GltfError> {
+        let [su, sv] = object.numbers("scale")?.unwrap_or([1.0; 2]);
+        let offset = object.numbers("offset")?.unwrap_or([0.0; 2]);
+        let (sin, cos) = object.number("rotation")?.unwrap_or(0.0).sin_cos();
+        Ok(Self {
+            rows: [DVec2::new(su * cos, sv * sin), DVec2::new(-su * sin, sv * cos)],
+            offset: offset.into(),
+        })
+    }
+
+    /// Factors and offsets of the mapping that has the effect of this transformation on coordinates of a mesh to which `base` was applied,
+    /// and whose v was turned upwards; `None` if they do not suffice.
+    fn mapping_after(&self, base: &Self) -> Option<MappingDescription> {
+        // M = L B^-1, and its offset, with v pointing down.
+        let [[a, b], [c, d]] = base.rows.map(|row| row.to_array());
+        let determinant = a * d - b * c;
+        let inverse = [DVec2::new(d, -b) / determinant, DVec2::new(-c, a) / determinant];
+        let columns = [DVec2::new(inverse[0].x, inverse[1].x), DVec2::new(inverse[0].y, inverse[1].y)];
+        let linear = self.rows.map(|row| columns.map(|column| row.dot(column)));
+        let [[uu, uv], [vu, vv]] = linear;
+        let moved = self.offset
+            - DVec2::new(uu * base.offset.x + uv * base.offset.y, vu * base.offset.x + vv * base.offset.y);
+        let size = uu.abs().max(vv.abs());
+        // A few rounding errors of sine and cosine.
+        let is_diagonal = uv.abs().max(vu.abs()) <= 1e-12 * size;
+        let upward = MappingDescription::Uv {
+            scale: DVec2::new(uu, vv),
+            // v = 1 - w of the mesh: 1 - (vv (1 - w) + o) = vv w + (1 - vv - o).
+            offset: DVec2::new(moved.x, 1.0 - vv - moved.y),
+        };
+        (is_diagonal && linear.iter().flatten().all(|x| x.is_finite()) && moved.is_finite()).then_some(upward)
+    }
+}
+
+impl GltfReader<'_, '_> {
+    /// The use of a texture that a member of a material describes.
+    pub(super) fn texture_use(
+        &mut self,
+        material: &JsonObject<'_>,
+        name: &str,
+    ) -> Result<Option<TextureUse>, GltfError> {
+        material.object(name, |info| {
+            let Some(info) = info else { return Ok(None) };
+            let (index, mut set) = (info.required_count("index")?, info.count("texCoord")?.unwrap_or(0));
+            let transform = info.extension("KHR_texture_transform", |found| {
+                let Some(transform) = found else { return Ok(UvTransform::IDENTITY) };
+                set = transform.count("texCoord")?.unwrap_or(set);
+                UvTransform::of(&transform)
+            })?;
+            Ok(Some(TextureUse { index, uv: UvSource { set, transform } }))
+        })
+    }
+
+    /// A texture of colours: the picture times a factor. `base`: the coordinates of the meshes.
+    pub(super) fn color_texture(
+        &mut self,
+        texture: Option<TextureUse>,
+        factor: [f64; 3],
+        base: &UvSource,
+        from: &JsonObject<'_>,
+    ) -> Result<SpectrumParameter, GltfError> {
+        let factor = factor.map(|x| x as f32);
+        let constant = SpectrumParameter::from(factor);
+        let Some(texture) = texture else { return Ok(constant) };
+        let Some(picture) = self.image_texture(&texture, PictureContent::Color, base, from)? else {
+            return Ok(constant);
+        };
+        let picture = SpectrumParameter::Texture(picture);
+        Ok(if factor == [1.0; 3] { picture } else { self.reader.scaled(picture, constant) })
+    }
+
+    /// A texture of numbers: a channel of the picture times a factor.
+    pub(super) fn number_texture(
+        &mut self,
+        texture: Option<TextureUse>,
+        channel: u8,
+        factor: f64,
+        base: &UvSource,
+        from: &JsonObject<'_>,
+    ) -> Result<FloatParameter, GltfError> {
+        let constant = FloatParameter::Value(factor as f32);
+        let Some(texture) = texture.filter(|_| factor != 0.0) else { return Ok(constant) };
+        let content = PictureContent::Channel(channel);
+        let Some(picture) = self.image_texture(&texture, content, base, from)? else { return Ok(constant) };
+        if factor == 1.0 {
+            return Ok(FloatParameter::Texture(picture));
+        }
+        let factor = SpectrumParameter::Value(SpectralDistribution::from(factor as f32));
+        Ok(match self.reader.scaled(SpectrumParameter::Texture(picture), factor) {
+            SpectrumParameter::Texture(index) => FloatParameter::Texture(index),
+            SpectrumParameter::Value(_) => constant,
+        })
+    }
+
+    /// Mean of the colours of a texture; white without one.
+    pub(super) fn mean_color(
+        &mut self,
+        texture: Option<TextureUse>,
+        content: PictureContent,
+        from: &JsonObject<'_>,
+    ) -> Result<[f64; 3], GltfError> {
+        let Some(texture) = texture else { return Ok([1.0; 3]) };
+        let Some(image) = self.picture_of(&texture, content, from)? else { return Ok([1.0; 3]) };
+        let image = self.reader.description.images.get(image);
+        Ok(image.map_or([1.0; 3], |image| mean(&image.pixels).map(f64::from)))
+    }
+
+    fn image_texture(
+        &mut self,
+        texture: &TextureUse,
+        content: PictureContent,
+        base: &UvSource,
+        from: &JsonObject<'_>,
+    ) -> Result<Option<usize>, GltfError> {
+        let Some(image) = self.picture_of(texture, content, from)? else { return Ok(None) };
+        let mapping = (texture.uv.set == base.set)
+            .then(|| texture.uv.transform.mapping_after(&base.transform))
+            .flatten();
+        let mapping = mapping.unwrap_or_else(|| {
+            let message = format!(
+                "{}: textures of one material have different coordinates; those of the first stand in",
+                from.path()
+            );
+            self.reader.stand_in("gltf-coordinates", None, message);
+            MappingDescription::Uv { scale: DVec2::ONE, offset: DVec2::ZERO }
+        });
+        let (wrap, filter) = self.sampler_of(texture, from)?;
+        let kind = TextureKind::Image { image, mapping, wrap, filter, scale: 1.0, invert: false };
+        let name = self.reader.description.images.get(image).map(|image| image.name.clone());
+        Ok(Some(self.reader.add_texture(name.unwrap_or_default(), kind)))
+    }
+
+    fn sampler_of(
+        &mut self,
+        texture: &TextureUse,
+        from: &JsonObject<'_>,
+    ) -> Result<(ImageWrap, ImageFilter), GltfError> {
+        let document = self.document;
+        document.element("textures", texture.index, from.path(), |texture| {
+            let Some(sampler) = texture.count("sampler")? else {
+                return Ok((ImageWrap::Repeat, ImageFilter::Trilinear));
+            };
+            document.element("samplers", sampler, &texture.path().name("sampler"), |sampler| {
+                let [s, t] = ["wrapS", "wrapT"].map(|name| sampler.count(name));
+                let (s, t) = (s?.unwrap_or(REPEAT), t?.unwrap_or(REPEAT));
+                let wrap = match s {
+                    REPEAT | MIRRORED_REPEAT => ImageWrap::Repeat,
+                    CLAMP_TO_EDGE => ImageWrap::Clamp,
+                    other => return Err(sampler.error("wrapS", format!("{other} is unknown"))),
+                };
+                if s != t || s == MIRRORED_REPEAT {
+                    let message = format!(
+                        "{}: mirrored repetition, and different repetition along u and v, are not available; {} stands in",
+                        sampler.path(),
+                        if wrap == ImageWrap::Clamp { "the border" } else { "plain repetition" }
+                    );
+                    self.reader.stand_in("gltf-sampler", None, message);
+                }
+                let filter = match (sampler.count("magFilter")?, sampler.count("minFilter")?) {
+                    (Some(NEAREST), _) => ImageFilter::Point,
+                    (_, Some(NEAREST | LINEAR)) => ImageFilter::Bilinear,
+                    _ => ImageFilter::Trilinear,
+                };
+                Ok((wrap, filter))
+            })
+        })
+    }
+
+    /// The picture of a texture; `None`, after a report, if it cannot be read.
+    fn picture_of(
+        &mut self,
+        texture: &TextureUse,
+        content: PictureContent,
+        from: &JsonObject<'_>,
+    ) -> Result<Option<usize>, GltfError> {
+        let document = self.document;
+        let source = document.element("textures", texture.index, from.path(), |texture| {
+            let source = texture.count("source")?;
+            if source.is_none() {
+                let names = texture
+                    .object_or_empty("extensions", |e| Ok(e.names().collect::<Vec<_>>().join(", ")))?;
+                let message = format!(
+                    "{}: pictures of {} are not read; the factor of the texture stands in",
+                    texture.path(),
+                    if names.is_empty() { "no source" } else { &names }
+                );
+                self.reader.stand_in("gltf-picture", None, message);
+            }
+            Ok(source)
+        })?;
+        let Some(source) = source else { return Ok(None) };
+        document.element("images", source, from.path(), |image| {
+            let source = match (image.text("uri")?, image.count("bufferView")?) {
+                (Some(uri), _) => PictureSource::Address(uri.to_owned()),
+                (None, Some(view)) => PictureSource::View(view),
+                (None, None) => {
+                    return Err(image.fault("the picture has neither an address nor a buffer view"));
+                }
+            };
+            let key = (source, content);
+            if let Some(known) = self.pictures.get(&key) {
+                return Ok(*known);
+            }
+            let read = self.picture(&key, &image)?;
+            let index = match read {
+                Ok(pixels) => {
+                    let images = &mut self.reader.description.images;
+                    let name = image.own_name();
+                    images.push(ImageDescription { name, pixels: pixels.into() });
+                    Some(images.len() - 1)
+                }
+                Err(problem) => {
+                    let message = format!("{}: {problem}; the factor of the texture stands in", image.path());
+                    self.reader.stand_in("gltf-picture", None, message);
+                    None
+                }
+            };
+            self.pictures.insert(key, index);
+            Ok(index)
+        })
+    }
+
+    /// The pixels of a picture, or a problem for which there is a substitute.
+    fn picture(
+        &mut self,
+        (source, content): &PictureKey,
+        image: &JsonObject<'_>,
+    ) -> Result<Result<glanz_light::Pixels, String>, GltfError> {
+        Ok(match source {
+            PictureSource::View(view) => {
+                let view = self.buffers.view(self.document, *view, &image.path().name("bufferView"))?;
+                read_picture(view.bytes, *content)
+            }
+            PictureSource::Address(uri) => {
+                read_address(uri, self.reader).and_then(|bytes| read_picture(&bytes, *content))
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn transform(text: &str) -> UvTransform {
+        let value = serde_json::from_str(text).unwrap();
+        UvTransform::of(&JsonObject::try_new(&value, &super::super::json::JsonPath::ROOT).unwrap()).unwrap()
+    }
+
+    fn assert_near(a: DVec2, b: [f64; 2]) {
+        assert!((a - DVec2::from(b)).length() < 1e-12, "{a} is not {b:?}");
+    }
+
+    #[test]
+    fn the_quarter_turn_of_the_specification_shows_the_lower_left_quarter() {
+        // v points down: the lower left quarter is [0, 1/2] x [1/2, 1].
+        let turned =
+            transform(r#"{ "offset": [0, 1], "rotation": 1.5707963267948966, "scale": [0.5, 0.5] }"#);
+        assert_near(turned.apply(DVec2::ZERO), [0.0, 1.0]);
+        assert_near(turned.apply(DVec2::X), [0.0, 0.5]);
+        assert_near(turned.apply(DVec2::ONE), [0.5, 0.5]);
+    }
+
+    #[test]
+    fn a_mapping_has_the_effect_of_a_transformation_after_another() {
+        let turn = transform(r#"{ "rotation": 0.5, "scale": [2, 3], "offset": [0.1, 0.2] }"#);
+        let more = transform(r#"{ "rotation": 0.5, "scale": [2, 3], "offset": [-0.3, 0.7] }"#);
+        let larger = UvTransform { rows: [turn.rows[0] * 4.0, turn.rows[1] * 5.0], ..more };
+        for (own, base) in
+            [(more, turn), (larger, turn), (transform(r#"{ "scale": [2, 3] }"#), UvTransform::IDENTITY)]
+        {
+            let Some(MappingDescription::Uv { scale, offset }) = own.mapping_after(&base) else { panic!() };
+            for uv in [DVec2::ZERO, DVec2::new(0.3, 0.9), DVec2::new(-2.0, 5.0)] {
+                let upward = |uv: DVec2| DVec2::new(uv.x, 1.0 - uv.y);
+                let mapped = scale * upward(base.apply(uv)) + offset;
+                assert_near(mapped, upward(own.apply(uv)).to_array());
+            }
+        }
+        assert!(turn.mapping_after(&UvTransform::IDENTITY).is_none(), "a turn is no factor");
+        assert!(turn.mapping_after(&transform(r#"{ "scale": [0, 1] }"#)).is_none());
+    }
+}

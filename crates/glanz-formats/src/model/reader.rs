@@ -1,0 +1,122 @@
+//! What the readers of models share: the description, messages, other files.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
+use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
+use glanz_scene::{Description, Diagnostics, Location, Severity};
+
+use crate::cad::CadReport;
+use crate::finder::{FileFinder, FindError};
+use crate::registry::{Loaded, Options};
+use crate::source::Sources;
+
+/// State of a reader of a model. Material 0 of its description is grey.
+pub(crate) struct ModelReader {
+    pub(crate) description: Description,
+    pub(crate) diagnostics: Diagnostics,
+    pub(crate) sources: Sources,
+    pub(crate) file: FileId,
+    pub(crate) finder: FileFinder,
+    pub(crate) cad: Option<CadReport>,
+    /// Whether a substitute is an error.
+    strict: bool,
+    /// Whether the model has a camera.
+    pub(crate) own_camera: bool,
+    /// Whether the model has light.
+    pub(crate) own_light: bool,
+}
+
+impl ModelReader {
+    /// A reader of the file with these bytes.
+    ///
+    /// # Errors
+    /// A message, if the folder to which it is confined does not exist.
+    pub(crate) fn new(
+        name: &str,
+        path: Option<&Path>,
+        bytes: &Arc<[u8]>,
+        options: &Options,
+    ) -> Result<Self, Diagnostics> {
+        let finder = FileFinder::of_scene(name, path, bytes, options)?;
+        let mut sources = Sources::default();
+        let file = sources.open(name, path, bytes);
+        let grey = MaterialDescription::from(cad_material(CAD_GREY, 0.0));
+        let description =
+            Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
+        Ok(Self {
+            description,
+            diagnostics: Diagnostics::default(),
+            sources,
+            file,
+            finder,
+            cad: None,
+            strict: options.strict,
+            own_camera: false,
+            own_light: false,
+        })
+    }
+
+    /// The model, which gets from a studio what it lacks.
+    ///
+    /// # Errors
+    /// The messages, if one of them is an error.
+    pub(crate) fn finish(mut self, up: UpAxis, options: &Options) -> Result<Loaded, Diagnostics> {
+        if self.diagnostics.has_errors() {
+            return Err(self.diagnostics);
+        }
+        self.sources.close(self.file);
+        self.sources.set_paths(self.finder.paths);
+        let given = &options.studio;
+        let [own_camera, own_light] = [self.own_camera, self.own_light];
+        let studio = StudioSettings { up: given.up.or(Some(up)), own_camera, own_light, ..given.clone() };
+        Ok(Loaded {
+            description: self.description,
+            diagnostics: self.diagnostics,
+            content_hash: self.finder.hash.value(),
+            sources: self.sources,
+            studio: (!studio.is_superfluous()).then_some(studio),
+            cad: self.cad,
+        })
+    }
+
+    pub(crate) fn add(&mut self, geometry: GeometryDescription) {
+        self.description.world.shapes.push(ShapeDescription::from(geometry));
+    }
+
+    /// `place`: line and column from 1, if the message is about a place in a text.
+    pub(crate) fn report(
+        &mut self,
+        severity: Severity,
+        kind: &'static str,
+        place: Option<(u32, u32)>,
+        message: String,
+    ) {
+        if self.diagnostics.admit(severity, kind) {
+            let location = place.map(|(line, column)| Location { file: self.file, line, column });
+            self.diagnostics.push_admitted(self.sources.diagnostic(severity, kind, location, message));
+        }
+    }
+
+    pub(crate) fn error(&mut self, kind: &'static str, place: Option<(u32, u32)>, message: String) {
+        self.report(Severity::Error, kind, place, message);
+    }
+
+    /// Reports that something was replaced by a substitute or left out; an error in strict mode.
+    pub(crate) fn stand_in(&mut self, kind: &'static str, place: Option<(u32, u32)>, message: String) {
+        let severity = if self.strict { Severity::Error } else { Severity::Warning };
+        self.report(severity, kind, place, message);
+    }
+
+    /// The bytes of a file to which the model refers.
+    ///
+    /// # Errors
+    /// The problem as a sentence, and whether the model is not allowed to read the file.
+    pub(crate) fn read_file(&mut self, name: &str) -> Result<Vec<u8>, (String, bool)> {
+        let path = self.finder.find(name, None).map_err(|fault| {
+            (format!("file {name:?} {}; {}", fault.what(), fault.help()), fault == FindError::Outside)
+        })?;
+        self.finder.read(&path).map_err(|error| (format!("file {name:?} cannot be read: {error}"), false))
+    }
+}

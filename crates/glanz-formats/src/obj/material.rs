@@ -1,0 +1,141 @@
+//! Files of materials (MTL).
+
+use super::SkippedStatement;
+use super::error::{ObjError, ObjErrorKind};
+use super::statement::{Statements, shortened};
+
+/// Parameters of a material, as the file gives them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjMaterial {
+    /// Its name.
+    pub name: String,
+    /// `Kd`: diffuse reflectance.
+    pub diffuse: Option<[f64; 3]>,
+    /// `Ks`: specular reflectance.
+    pub specular: Option<[f64; 3]>,
+    /// `Ke`: emitted light.
+    pub emission: Option<[f64; 3]>,
+    /// `Tf`: transmission filter.
+    pub filter: Option<[f64; 3]>,
+    /// `Ns`: exponent of the highlight.
+    pub exponent: Option<f64>,
+    /// `d`, or 1 less `Tr`: 1 is opaque.
+    pub opacity: Option<f64>,
+    /// `Ni`: refractive index.
+    pub index: Option<f64>,
+    /// `illum`: model of illumination.
+    pub illumination: Option<f64>,
+    /// `Pr`: roughness.
+    pub roughness: Option<f64>,
+    /// `Pm`: metallicity.
+    pub metallic: Option<f64>,
+    /// `map_Kd`: file of a picture.
+    pub diffuse_map: Option<String>,
+    /// `map_Ke`: file of a picture.
+    pub emission_map: Option<String>,
+}
+
+/// The contents of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObjMaterials {
+    /// The materials.
+    pub materials: Vec<ObjMaterial>,
+    /// What was left out.
+    pub skipped: Vec<SkippedStatement>,
+}
+
+/// Statements without an effect here: ambient light, sharpness of reflections, and pictures of what other statements say.
+const IGNORED: [&str; 4] = ["Ka", "map_Ka", "sharpness", "map_aat"];
+
+/// Options of pictures with the number of their values.
+const OPTIONS: [(&str, usize); 12] = [
+    ("-blendu", 1),
+    ("-blendv", 1),
+    ("-boost", 1),
+    ("-mm", 2),
+    ("-o", 3),
+    ("-s", 3),
+    ("-t", 3),
+    ("-texres", 1),
+    ("-clamp", 1),
+    ("-bm", 1),
+    ("-imfchan", 1),
+    ("-type", 1),
+];
+
+/// Reads the bytes of a file.
+///
+/// # Errors
+/// [`ObjError`] with line and column.
+pub fn read_materials(bytes: &[u8]) -> Result<ObjMaterials, ObjError> {
+    let mut statements = Statements::new(bytes);
+    let mut file = ObjMaterials::default();
+    while statements.advance() {
+        let s = &statements;
+        if s.keyword() == "newmtl" {
+            file.materials.push(ObjMaterial { name: s.rest(), ..ObjMaterial::default() });
+            continue;
+        }
+        let Some(material) = file.materials.last_mut() else {
+            return Err(s.error(None, ObjErrorKind::NoMaterial(shortened(s.keyword()))));
+        };
+        if let Some(what) = statement(s, material)? {
+            let (line, column) = s.place();
+            file.skipped.push(SkippedStatement { what, line, column });
+        }
+    }
+    Ok(file)
+}
+
+/// Reads a statement, or tells why it is left out.
+fn statement(s: &Statements<'_>, material: &mut ObjMaterial) -> Result<Option<String>, ObjError> {
+    let number = || s.numbers::<1>(1, 0.0).map(|[x]| Some(x));
+    match s.keyword() {
+        "Kd" | "Ks" | "Ke" | "Tf" => {
+            if s.values().first().is_some_and(|word| matches!(word.text, "spectral" | "xyz")) {
+                return Ok(Some(format!("a {} that is no RGB colour is not read and skipped", s.keyword())));
+            }
+            let color = color(s)?;
+            match s.keyword() {
+                "Kd" => material.diffuse = color,
+                "Ks" => material.specular = color,
+                "Ke" => material.emission = color,
+                _ => material.filter = color,
+            }
+        }
+        "Ns" => material.exponent = number()?,
+        // `d -halo factor` makes the border of a sphere transparent.
+        "d" if s.values().first().is_some_and(|word| word.text == "-halo") => {
+            return Ok(Some("a halo is not read and skipped".to_owned()));
+        }
+        "d" => material.opacity = number()?,
+        "Tr" => material.opacity = number()?.map(|x| 1.0 - x),
+        "Ni" => material.index = number()?,
+        "illum" => material.illumination = number()?,
+        "Pr" => material.roughness = number()?,
+        "Pm" => material.metallic = number()?,
+        "map_Kd" => material.diffuse_map = Some(picture(s)),
+        "map_Ke" => material.emission_map = Some(picture(s)),
+        ignored if IGNORED.contains(&ignored) => {}
+        other => return Ok(Some(format!("statement {:?} is not read and skipped", shortened(other)))),
+    }
+    Ok(None)
+}
+
+/// A colour; one number stands for three.
+fn color(s: &Statements<'_>) -> Result<Option<[f64; 3]>, ObjError> {
+    let [r, g, b] = s.numbers(1, f64::NAN)?;
+    let [g, b] = [g, b].map(|x| if x.is_nan() { r } else { x });
+    Ok(Some([r, g, b].map(|x| x.max(0.0))))
+}
+
+/// The name of a picture after its options.
+fn picture(s: &Statements<'_>) -> String {
+    let mut words: Vec<&str> = s.values().iter().map(|word| word.text).collect();
+    while let Some(&(option, values)) = OPTIONS.iter().find(|(option, _)| words.first() == Some(option)) {
+        let is_value = |word: &&&str| word.parse::<f64>().is_ok() || !matches!(option, "-o" | "-s" | "-t");
+        let count = words.iter().skip(1).take(values).take_while(is_value).count();
+        words.drain(..words.len().min(1 + count));
+    }
+    words.join(" ")
+}

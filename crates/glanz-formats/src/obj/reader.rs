@@ -1,0 +1,184 @@
+//! Reading of a file, statement by statement.
+
+use std::collections::{BTreeMap, HashMap};
+
+use glanz_math::{DVec2, DVec3};
+
+use super::error::{ObjError, ObjErrorKind};
+use super::faces::{self, MAX_CONCAVE};
+use super::freeform::Freeform;
+use super::statement::{Statements, Word, shortened};
+use super::{ObjFile, ObjMesh, SkippedStatement};
+
+/// Statements without an effect here.
+const IGNORED: [&str; 15] = [
+    "g",
+    "s",
+    "mg",
+    "lod",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "shadow_obj",
+    "trace_obj",
+    "maplib",
+    "usemap",
+    "ctech",
+    "stech",
+    "con",
+    "call",
+];
+
+/// Numbers of position, texture coordinates and normal of a corner.
+type Corner = (u32, Option<u32>, Option<u32>);
+
+/// A mesh with the vertices that are known.
+#[derive(Default)]
+struct OpenMesh {
+    mesh: ObjMesh,
+    known: HashMap<Corner, u32>,
+    has_normals: bool,
+    has_uvs: bool,
+}
+
+/// State of the reader.
+#[derive(Default)]
+struct Reader {
+    file: ObjFile,
+    /// Positions with their weights.
+    positions: Vec<[f64; 4]>,
+    uvs: Vec<DVec2>,
+    normals: Vec<DVec3>,
+    freeform: Freeform,
+    /// Number of the object, which separates meshes.
+    object: usize,
+    material: Option<String>,
+    meshes: Vec<OpenMesh>,
+    by_material: BTreeMap<(usize, Option<String>), usize>,
+    has_colors: bool,
+}
+
+/// Reads the bytes of a file.
+///
+/// # Errors
+/// [`ObjError`] with line and column.
+pub fn read(bytes: &[u8]) -> Result<ObjFile, ObjError> {
+    let mut statements = Statements::new(bytes);
+    let mut reader = Reader::default();
+    while statements.advance() {
+        reader.statement(&statements)?;
+    }
+    let Reader { mut file, meshes, .. } = reader;
+    file.meshes = meshes.into_iter().map(OpenMesh::finish).collect();
+    Ok(file)
+}
+
+impl Reader {
+    fn statement(&mut self, s: &Statements<'_>) -> Result<(), ObjError> {
+        match s.keyword() {
+            "v" => self.position(s)?,
+            "vt" => self.uvs.push(s.numbers::<2>(1, 0.0)?.into()),
+            "vn" => self.normals.push(s.numbers::<3>(3, 0.0)?.into()),
+            "f" | "fo" => self.face(s)?,
+            "o" => self.object += 1,
+            "usemtl" => self.material = Some(s.rest()).filter(|name| !name.is_empty()),
+            "mtllib" => self.file.libraries.push(s.rest()),
+            ignored if IGNORED.contains(&ignored) => {}
+            _ if self.freeform.statement(s, &self.positions, self.material.as_ref(), &mut self.file)? => {}
+            other => self.skip(s, format!("statement {:?} is not read and skipped", shortened(other))),
+        }
+        Ok(())
+    }
+
+    fn skip(&mut self, s: &Statements<'_>, what: String) {
+        let (line, column) = s.place();
+        self.file.skipped.push(SkippedStatement { what, line, column });
+    }
+
+    fn position(&mut self, s: &Statements<'_>) -> Result<(), ObjError> {
+        let [x, y, z, w] = s.numbers(3, 1.0)?;
+        // Six numbers are a position and a colour.
+        let is_colored = s.values().len() >= 6;
+        if is_colored && !std::mem::replace(&mut self.has_colors, true) {
+            self.skip(s, "colours of vertices are not available and left out".to_owned());
+        }
+        self.positions.push([x, y, z, if is_colored { 1.0 } else { w }]);
+        Ok(())
+    }
+
+    fn face(&mut self, s: &Statements<'_>) -> Result<(), ObjError> {
+        let words = s.at_least(3)?;
+        let corners: Vec<Corner> = words.iter().map(|word| self.corner(s, word)).collect::<Result<_, _>>()?;
+        let of_corner =
+            |&(position, ..): &Corner| self.positions.get(position as usize).copied().unwrap_or_default();
+        let points: Vec<DVec3> =
+            corners.iter().map(of_corner).map(|[x, y, z, _]| DVec3::new(x, y, z)).collect();
+        if points.len() > MAX_CONCAVE {
+            let what = format!("a polygon of {} corners is divided as a convex one", points.len());
+            self.skip(s, what);
+        }
+        let triangles = faces::triangles(&points);
+        let key = (self.object, self.material.clone());
+        let next = self.meshes.len();
+        let index = *self.by_material.entry(key).or_insert(next);
+        if index == next {
+            let mesh = ObjMesh { material: self.material.clone(), ..ObjMesh::default() };
+            self.meshes.push(OpenMesh { mesh, ..OpenMesh::default() });
+        }
+        let Some(open) = self.meshes.get_mut(index) else { return Ok(()) };
+        let mut vertices = Vec::with_capacity(corners.len());
+        for (corner, point) in corners.into_iter().zip(points) {
+            let vertex = open.vertex(corner, point, &self.uvs, &self.normals);
+            vertices.push(vertex.ok_or_else(|| s.error(None, ObjErrorKind::TooMany))?);
+        }
+        open.mesh.triangles.extend(triangles.into_iter().map(|t| t.map(|i| vertices[i])));
+        Ok(())
+    }
+
+    /// A corner: numbers separated by slashes.
+    fn corner(&self, s: &Statements<'_>, word: &Word<'_>) -> Result<Corner, ObjError> {
+        let mut parts = word.text.split('/');
+        let counts = [
+            ("vertex", self.positions.len()),
+            ("texture vertex", self.uvs.len()),
+            ("normal", self.normals.len()),
+        ];
+        let mut found = [None; 3];
+        for (number, (what, count)) in found.iter_mut().zip(counts) {
+            *number = match parts.next() {
+                Some("") | None => None,
+                Some(text) => Some(u32::try_from(s.index(word, text, what, count)?).unwrap_or(u32::MAX)),
+            };
+        }
+        match (found, parts.next()) {
+            ([Some(position), uv, normal], None) => Ok((position, uv, normal)),
+            _ => Err(s.error(Some(word), ObjErrorKind::Corner(shortened(word.text)))),
+        }
+    }
+}
+
+impl OpenMesh {
+    /// The vertex of a corner, which is added if it is new; `None` if there are too many.
+    fn vertex(&mut self, corner: Corner, point: DVec3, uvs: &[DVec2], normals: &[DVec3]) -> Option<u32> {
+        let next = u32::try_from(self.mesh.positions.len()).ok()?;
+        let vertex = *self.known.entry(corner).or_insert(next);
+        if vertex == next {
+            let (_, uv, normal) = corner;
+            self.mesh.positions.push(point);
+            let uv = uv.and_then(|uv| uvs.get(uv as usize));
+            let normal = normal.and_then(|normal| normals.get(normal as usize));
+            self.has_uvs |= uv.is_some();
+            self.has_normals |= normal.is_some();
+            self.mesh.uvs.get_or_insert_default().push(uv.copied().unwrap_or_default());
+            self.mesh.normals.get_or_insert_default().push(normal.copied().unwrap_or_default());
+        }
+        Some(vertex)
+    }
+
+    fn finish(self) -> ObjMesh {
+        let Self { mut mesh, has_normals, has_uvs, .. } = self;
+        mesh.normals = mesh.normals.filter(|_| has_normals);
+        mesh.uvs = mesh.uvs.filter(|_| has_uvs);
+        mesh
+    }
+}
