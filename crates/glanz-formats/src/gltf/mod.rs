@@ -66,6 +66,8 @@ struct GltfReader<'a, 'b> {
     materials: BTreeMap<Option<usize>, GltfMaterial>,
     /// Index of each picture that was read; `None`: it cannot be read.
     pictures: BTreeMap<PictureKey, Option<usize>>,
+    /// Means of pictures.
+    means: BTreeMap<PictureKey, [f64; 3]>,
     /// Elements of accessors that may still be used.
     elements_left: usize,
     /// Radiance of one unit of emission, W/(m^2 sr): one lumen where the file has lights, else that of a white surface in the light of
@@ -114,6 +116,7 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
         reader,
         materials: BTreeMap::new(),
         pictures: BTreeMap::new(),
+        means: BTreeMap::new(),
         elements_left: size.saturating_mul(ELEMENTS_PER_BYTE).saturating_add(FREE_ELEMENTS),
         radiance_unit: if has_lights { view::WATTS_PER_LUMEN } else { 1.0 },
     };

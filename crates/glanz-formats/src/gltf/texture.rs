@@ -154,17 +154,37 @@ impl GltfReader<'_, '_> {
         })
     }
 
-    /// Mean of the colours of a texture; white without one.
+    /// Mean of what a texture takes from its picture; white without a picture.
     pub(super) fn mean_color(
         &mut self,
         texture: Option<TextureUse>,
         content: PictureContent,
         from: &JsonObject<'_>,
     ) -> Result<[f64; 3], GltfError> {
-        let Some(texture) = texture else { return Ok([1.0; 3]) };
-        let Some(image) = self.picture_of(&texture, content, from)? else { return Ok([1.0; 3]) };
-        let image = self.reader.description.images.get(image);
-        Ok(image.map_or([1.0; 3], |image| mean(&image.pixels).map(f64::from)))
+        let Some(image) = texture.map(|texture| self.image_of(&texture, from)).transpose()?.flatten() else {
+            return Ok([1.0; 3]);
+        };
+        let document = self.document;
+        document.element("images", image, from.path(), |image| {
+            let key = (source(&image)?, content);
+            if let Some(known) = self.means.get(&key) {
+                return Ok(*known);
+            }
+            let stored = self.pictures.get(&key).copied().flatten();
+            let stored = stored.and_then(|index| self.reader.description.images.get(index));
+            let mean = match stored {
+                Some(stored) => mean(&stored.pixels).map(f64::from),
+                None => match self.picture(&key, &image)? {
+                    Ok(pixels) => mean(&pixels).map(f64::from),
+                    Err(problem) => {
+                        self.report_picture(&image, &problem);
+                        [1.0; 3]
+                    }
+                },
+            };
+            self.means.insert(key, mean);
+            Ok(mean)
+        })
     }
 
     fn image_texture(
@@ -228,15 +248,10 @@ impl GltfReader<'_, '_> {
         })
     }
 
-    /// The picture of a texture; `None`, after a report, if it cannot be read.
-    fn picture_of(
-        &mut self,
-        texture: &TextureUse,
-        content: PictureContent,
-        from: &JsonObject<'_>,
-    ) -> Result<Option<usize>, GltfError> {
+    /// The number of the picture of a texture; `None`, after a report, if it has none that can be read.
+    fn image_of(&mut self, texture: &TextureUse, from: &JsonObject<'_>) -> Result<Option<usize>, GltfError> {
         let document = self.document;
-        let source = document.element("textures", texture.index, from.path(), |texture| {
+        document.element("textures", texture.index, from.path(), |texture| {
             let source = texture.count("source")?;
             if source.is_none() {
                 let names = texture
@@ -249,37 +264,42 @@ impl GltfReader<'_, '_> {
                 self.reader.stand_in("gltf-picture", None, message);
             }
             Ok(source)
-        })?;
-        let Some(source) = source else { return Ok(None) };
-        document.element("images", source, from.path(), |image| {
-            let source = match (image.text("uri")?, image.count("bufferView")?) {
-                (Some(uri), _) => PictureSource::Address(uri.to_owned()),
-                (None, Some(view)) => PictureSource::View(view),
-                (None, None) => {
-                    return Err(image.fault("the picture has neither an address nor a buffer view"));
-                }
-            };
-            let key = (source, content);
+        })
+    }
+
+    /// The picture of a texture in the description; `None`, after a report, if it cannot be read.
+    fn picture_of(
+        &mut self,
+        texture: &TextureUse,
+        content: PictureContent,
+        from: &JsonObject<'_>,
+    ) -> Result<Option<usize>, GltfError> {
+        let Some(image) = self.image_of(texture, from)? else { return Ok(None) };
+        let document = self.document;
+        document.element("images", image, from.path(), |image| {
+            let key = (source(&image)?, content);
             if let Some(known) = self.pictures.get(&key) {
                 return Ok(*known);
             }
-            let read = self.picture(&key, &image)?;
-            let index = match read {
+            let index = match self.picture(&key, &image)? {
                 Ok(pixels) => {
                     let images = &mut self.reader.description.images;
-                    let name = image.own_name();
-                    images.push(ImageDescription { name, pixels: pixels.into() });
+                    images.push(ImageDescription { name: image.own_name(), pixels: pixels.into() });
                     Some(images.len() - 1)
                 }
                 Err(problem) => {
-                    let message = format!("{}: {problem}; the factor of the texture stands in", image.path());
-                    self.reader.stand_in("gltf-picture", None, message);
+                    self.report_picture(&image, &problem);
                     None
                 }
             };
             self.pictures.insert(key, index);
             Ok(index)
         })
+    }
+
+    fn report_picture(&mut self, image: &JsonObject<'_>, problem: &str) {
+        let message = format!("{}: {problem}; the factor of the texture stands in", image.path());
+        self.reader.stand_in("gltf-picture", None, message);
     }
 
     /// The pixels of a picture, or a problem for which there is a substitute.
@@ -297,6 +317,15 @@ impl GltfReader<'_, '_> {
                 read_address(uri, self.reader).and_then(|bytes| read_picture(&bytes, *content))
             }
         })
+    }
+}
+
+/// Where the bytes of a picture are.
+fn source(image: &JsonObject<'_>) -> Result<PictureSource, GltfError> {
+    match (image.text("uri")?, image.count("bufferView")?) {
+        (Some(uri), _) => Ok(PictureSource::Address(uri.to_owned())),
+        (None, Some(view)) => Ok(PictureSource::View(view)),
+        (None, None) => Err(image.fault("the picture has neither an address nor a buffer view")),
     }
 }
 

@@ -11,6 +11,7 @@ mod light;
 mod luminaire;
 mod material;
 mod material_stand_in;
+mod mesh_file;
 mod named;
 mod object;
 mod patch_file;

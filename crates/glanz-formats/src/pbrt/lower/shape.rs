@@ -37,6 +37,8 @@ const SHAPES: &[&str] = &[
     "heightfield",
     "step",
     "iges",
+    "obj",
+    "stl",
 ];
 
 impl Lowering {
@@ -53,6 +55,7 @@ impl Lowering {
         let place = list.place;
         let surfaces = match kind {
             "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
+            "obj" | "stl" => self.mesh_file(&mut list)?,
             _ => Vec::from_iter(self.geometry(kind, &mut list)?),
         };
         if surfaces.is_empty() {
