@@ -22,7 +22,7 @@ pub(crate) struct SceneArgument {
 /// The scene or model of a command.
 #[derive(Debug, Args)]
 pub(crate) struct ModelArgument {
-    /// Scene file in pbrt's language (v3 or v4), or model: .step, .igs, .ply, .rib
+    /// Scene file in pbrt's language (v3 or v4), or model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib
     #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
     #[command(flatten)]

@@ -8,7 +8,7 @@ use super::common::Strictness;
 
 #[derive(Debug, Args)]
 pub(crate) struct InfoArguments {
-    /// Scene file in pbrt's language (v3 or v4), model: .step, .igs, .ply, .rib, or photometric file: .ies, .ldt
+    /// Scene file in pbrt's language (v3 or v4), model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib, or photometric file: .ies, .ldt
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
     /// Draw the candela distribution of a photometric file: polar plot, .svg

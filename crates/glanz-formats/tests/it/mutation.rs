@@ -1,7 +1,7 @@
 //! Whatever bytes come: a result or errors, no panic, no hang, and no more memory than the input warrants.
 
 use glanz_formats::Diagnostics;
-use glanz_formats::{Options, load_str, newell, ply, rib};
+use glanz_formats::{Options, load_str, newell, obj, ply, rib, stl};
 use glanz_scene::Description;
 use glanz_scene::description::{GeometryDescription, GroupDescription, TrimDescription};
 
@@ -311,6 +311,120 @@ fn mutated_rib_files_end_in_surfaces_or_an_error() {
             assert!(points.len() <= 3 * bytes.len(), "{} of {}", points.len(), bytes.len());
             assert!(points.iter().all(|p| p.iter().all(|x| x.is_finite()) && p[3] > 0.0));
             assert!(file.skipped.len() <= bytes.len());
+        }
+    }
+    assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");
+}
+
+#[test]
+fn mutated_gltf_files_end_in_a_result_or_errors() {
+    // A triangle of 12 numbers with its indices, coordinates and a picture of a pixel.
+    let data = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAAAAEAAgAAAAA=";
+    let whole = format!(
+        r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,2]}}],"nodes":[{{"mesh":0,"children":[1],"rotation":[0,0,0,1]}},
+        {{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,3,4,5,1]}},{{"camera":0,"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],
+        "cameras":[{{"type":"perspective","perspective":{{"yfov":1,"aspectRatio":1.5,"znear":1}}}}],"extensions":{{"KHR_lights_punctual":
+        {{"lights":[{{"type":"spot","intensity":5,"spot":{{"outerConeAngle":0.5}}}}]}}}},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,
+        "NORMAL":0,"TEXCOORD_0":2}},"indices":1,"material":0,"mode":4}},{{"attributes":{{"POSITION":3}},"mode":5}}]}}],"materials":[{{"pbrMetallicRoughness":
+        {{"baseColorTexture":{{"index":0,"extensions":{{"KHR_texture_transform":{{"scale":[2,2]}}}}}},"metallicFactor":0.5}},"emissiveFactor":[1,0,0]}}],
+        "textures":[{{"source":0,"sampler":0}}],"samplers":[{{"wrapS":10497,"magFilter":9728}}],"images":[{{"uri":"data:image/x-portable-graymap;base64,UDIKMSAxCjI1NQo3Cg=="}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},{{"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}},
+        {{"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"}},{{"componentType":5126,"count":3,"type":"VEC3","sparse":{{"count":2,"indices":
+        {{"bufferView":1,"componentType":5123}},"values":{{"bufferView":0}}}}}}],"bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,
+        "byteLength":8}}],"buffers":[{{"byteLength":44,"uri":"data:;base64,{data}"}}]}}"#
+    );
+    load_str("whole", &whole, &Options::default()).unwrap_or_else(|d| panic!("{d}"));
+    let words: &[&[u8]] = &[
+        b"4294967295",
+        b"18446744073709551615",
+        b"-1",
+        b"1e308",
+        b"null",
+        b"[",
+        b"]",
+        b"{",
+        b"}",
+        b",",
+        b"\"",
+        b"\"mode\":6,",
+        b"\"byteStride\":1,",
+        b"\"count\":1000,",
+        b"\"normalized\":true,",
+        b"\"scale\":[0,1e300,1],",
+        b"0,",
+        b"\xff",
+    ];
+    let mut random = Random(6);
+    let (mut read, cases) = (0, 10_000);
+    for _ in 0..cases {
+        let mut bytes = whole.clone().into_bytes();
+        // Single characters, so that some files remain JSON.
+        match random.below(3) {
+            0 => mutate(&mut bytes, &mut random, words),
+            _ => {
+                let at = random.below(bytes.len());
+                bytes[at] = b"0123456789"[random.below(10)];
+            }
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        read += usize::from(check(load_str("mutated", &text, &Options::default()), text.len()));
+    }
+    assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");
+}
+
+#[test]
+fn mutated_obj_files_end_in_surfaces_or_an_error() {
+    let whole = "mtllib a.mtl\no x\nv 0 0 0\nv 1 0 0 2\nv 1 1 0\nv 0 1 0 1 0 0\nvt 0 1\nvn 0 0 1\nusemtl a\nf 1/1 2//1 3 -1\nf 1 2 \\\n 3\n\
+        cstype rat bspline\ndeg 1 1\nvp 0 0\nvp 1 1 2\ncurv2 1 2\nparm u 0 0 1 1\nend\nsurf 0 1 0 1 1 2 3 4\nparm u 0 0 1 1\nparm v 0 0 1 1\n\
+        trim 0 1 1\nend\ncstype bezier\nsurf 0 1 0 1 1 2 3 4\nparm u 0 1\nparm v 0 1\nend\n";
+    let words: &[&[u8]] = &[
+        b"4294967296 ",
+        b"-1 ",
+        b"1e400 ",
+        b"nan ",
+        b"/",
+        b"\\\n",
+        b"deg 100\n",
+        b"\xff\xfe",
+        b"f 1 2 3 4 1 2 3\n",
+        b"end\n",
+    ];
+    let mut random = Random(7);
+    let (mut read, cases) = (0, 10_000);
+    for _ in 0..cases {
+        let mut bytes = whole.as_bytes().to_vec();
+        mutate(&mut bytes, &mut random, words);
+        if let Ok(file) = obj::read(&bytes) {
+            read += 1;
+            let entries = file.meshes.iter().map(|mesh| mesh.positions.len() + mesh.triangles.len());
+            let points = file.surfaces.iter().map(|s| s.surface.points.len() + s.surface.knots_u.len());
+            assert!(entries.chain(points).sum::<usize>() <= bytes.len());
+            for mesh in &file.meshes {
+                let count = mesh.positions.len() as u32;
+                assert!(mesh.triangles.iter().flatten().all(|&i| i < count));
+            }
+        }
+        let _ = obj::read_materials(&bytes);
+    }
+    assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");
+}
+
+#[test]
+fn mutated_stl_files_end_in_a_mesh_or_an_error() {
+    let text = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+    let mut binary = vec![b' '; 80];
+    binary.extend(2_u32.to_le_bytes());
+    binary.extend((0..100_u8).map(|i| i % 60));
+    let words: &[&[u8]] = &[b"endsolid\nsolid\n", b"1e999 ", b"nan ", b"\xff\xff\xff\xff", b"facet ", b"\0"];
+    let mut random = Random(8);
+    let (mut read, cases) = (0, 10_000);
+    for case in 0..cases {
+        let mut bytes = if case % 2 == 0 { text.to_vec() } else { binary.clone() };
+        mutate(&mut bytes, &mut random, words);
+        if let Ok(mesh) = stl::read(&bytes) {
+            read += 1;
+            assert!(50 * mesh.triangles.len() <= bytes.len(), "{} facets", mesh.triangles.len());
+            assert!(mesh.positions.iter().all(|p| p.is_finite()));
         }
     }
     assert!(read > cases / 50 && read < cases, "{read} of {cases} were read");

@@ -1,0 +1,67 @@
+//! Memory of reading files that use their contents again and again, counted in bytes by the allocator of this program.
+
+use glanz_formats::{Options, load_str};
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// Bytes at the peak: per byte of the file, and in any case.
+const LIMIT: [usize; 2] = [600, 1 << 21];
+
+/// A name, and a text that repeats `part` between its first and last part.
+fn cases() -> Vec<(&'static str, String)> {
+    let repeated =
+        |first: &str, part: &str, last: &str| format!("{first}{}{last}", part.repeat(100_000 / part.len()));
+    let gltf = |members: String| format!("{{\"asset\":{{\"version\":\"2.0\"}},{members}}}");
+    let data = "A".repeat(4_000);
+    let mesh = format!(
+        "\"buffers\":[{{\"byteLength\":3000,\"uri\":\"data:;base64,{data}\"}}],\"bufferViews\":[{{\"buffer\":0,\"byteLength\":3000}}],\
+         \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":250,\"type\":\"VEC3\"}},\
+         {{\"bufferView\":0,\"componentType\":5121,\"count\":3000,\"type\":\"SCALAR\"}}]"
+    );
+    let primitive = "{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},\"indices\":1},";
+    vec![
+        ("lists", gltf(repeated("\"nodes\":[", "{},", "{}]"))),
+        ("depth", gltf(repeated("\"x\":", "[", ""))),
+        (
+            "primitives",
+            gltf(format!(
+                "{mesh},{}",
+                repeated("\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[", primitive, "{}]}]")
+            )),
+        ),
+        (
+            "nodes",
+            gltf(format!(
+                "{mesh},{},\"meshes\":[{{\"primitives\":[{}{{}}]}}]",
+                repeated("\"nodes\":[", "{\"mesh\":0},", "{}]"),
+                primitive
+            )),
+        ),
+        ("vertices", repeated("v 0 0 0\n", "v 1 2 3\n", "f 1 2 3\n")),
+        ("faces", repeated("v 0 0 0\n", "f 1 1 1\n", "")),
+        ("corners", repeated("v 0 0 0\nf", " 1", "\n")),
+        ("materials", repeated("v 0 0 0\n", "usemtl a\nf 1 1 1\no b\n", "")),
+        (
+            "facets",
+            repeated(
+                "solid\n",
+                "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n",
+                "endsolid",
+            ),
+        ),
+    ]
+}
+
+#[test]
+fn memory_is_in_proportion_to_the_size_of_files() {
+    for (name, text) in cases() {
+        let before = ALLOCATOR.current_usage();
+        ALLOCATOR.reset_peak_usage();
+        drop(load_str("m", &text, &Options::default()));
+        let peak = ALLOCATOR.peak_usage() - before;
+        let [factor, constant] = LIMIT;
+        assert!(peak <= factor * text.len() + constant, "{name}: {peak} bytes for {} bytes", text.len());
+    }
+}
