@@ -236,6 +236,10 @@ mod tests {
         for (bytes, format) in [
             (&b"ply\r\nformat"[..], model(ModelFormat::Ply)),
             (iges.as_bytes(), model(ModelFormat::Iges)),
+            (b"glTF\x02\0\0\0", model(ModelFormat::Gltf)),
+            (b"\n{ \"asset\"", model(ModelFormat::Gltf)),
+            (b"# made by\n\nv 0 0 0\n", model(ModelFormat::Obj)),
+            (b"solid x\n facet normal", model(ModelFormat::Stl)),
             (b"32\n1,2,3", model(ModelFormat::Newell)),
             (b"AttributeBegin\nPatch \"bicubic\" \"P\" [", model(ModelFormat::Rib)),
             (b"##RenderMan RIB\n# Shape\nTranslate 0 0 5 NuPatch 4", model(ModelFormat::Rib)),

@@ -144,7 +144,7 @@ impl<'a> Accessor<'a> {
             let sparse = object.object("sparse", |sparse| {
                 sparse.map(|sparse| sparse_elements((document, buffers), &sparse, size, count)).transpose()
             })?;
-            let normalized = object.boolean("normalized")?;
+            let normalized = object.boolean("normalized")? && needed.floats;
             Ok(Self { elements, sparse, component, width, normalized, count })
         })
     }

@@ -119,3 +119,19 @@ fn sources_list_the_files_of_a_scene() {
         ["parts/a.pbrt", "parts/glow.spd", "parts/mesh.ply", "scene.pbrt"].map(|name| inside.join(name));
     assert_eq!(loaded.sources.paths(), expected);
 }
+
+#[test]
+fn models_that_name_files_outside_are_refused() {
+    let house = house();
+    let gltf = |uri: &str| {
+        format!("{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{{\"byteLength\":1,\"uri\":\"{uri}\"}}]}}")
+    };
+    let obj = |name: &str| format!("mtllib {name}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for text in
+        [gltf("../secret"), gltf("%2e%2e/secret"), gltf("/etc/passwd"), obj("../secret"), obj("/etc/passwd")]
+    {
+        let Err(diagnostics) = read(&house, &text) else { panic!("{text} is read") };
+        let message = diagnostics.to_string();
+        assert!(message.contains("is outside the folder of the scene"), "{text}: {message}");
+    }
+}

@@ -319,7 +319,7 @@ fn mutated_rib_files_end_in_surfaces_or_an_error() {
 #[test]
 fn mutated_gltf_files_end_in_a_result_or_errors() {
     // A triangle of 12 numbers with its indices, coordinates and a picture of a pixel.
-    let data = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAAAAEAAgAAAAA=";
+    let data = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAAEAAAAAAAAABAAIAAAA=";
     let whole = format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0,2]}}],"nodes":[{{"mesh":0,"children":[1],"rotation":[0,0,0,1]}},
         {{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,3,4,5,1]}},{{"camera":0,"extensions":{{"KHR_lights_punctual":{{"light":0}}}}}}],

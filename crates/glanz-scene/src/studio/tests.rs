@@ -1,7 +1,7 @@
 use glanz_math::{Bounds3, DMat4, DVec2, DVec3};
 
 use super::*;
-use crate::description::{MaterialKind, ShapeDescription};
+use crate::description::{CameraDescription, MaterialKind, ShapeDescription};
 use crate::{Camera, Scene, SceneBuilder};
 
 /// Numbers in [0, 1), the same in every run.
@@ -215,4 +215,28 @@ fn a_turntable_goes_to_the_right_and_begins_at_the_view() {
     let frame = |number| eye(Some(TurntableFrame { number, count: 4 }));
     assert!(frame(0).distance(eye(None)) < 1e-12 && frame(0).distance(DVec3::NEG_Y) < 1e-12);
     assert!(frame(1).distance(DVec3::X) < 1e-12 && frame(2).distance(DVec3::Y) < 1e-12);
+}
+
+#[test]
+fn a_studio_adds_only_what_a_model_lacks() {
+    let own = CameraDescription::look_at([0.0, 0.0, 5.0], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    let furnished = |own_camera: bool, own_light: bool, view: Option<StudioView>| {
+        let mut description = model(&[DVec3::ZERO, DVec3::X, DVec3::Y]);
+        description.camera = own.clone();
+        let settings =
+            StudioSettings { own_camera, own_light, view, up: Some(UpAxis::Y), ..StudioSettings::default() };
+        add_studio(&mut description, &settings);
+        let is_own = description.camera.to_world == own.to_world;
+        (is_own, description.lights.len(), description.world.shapes.len(), description.backdrop.is_some())
+    };
+    let front = Some(StudioView::Front);
+    // Four lights, and the ground beside the shape of the model.
+    assert_eq!(furnished(false, false, None), (false, 4, 2, true));
+    assert_eq!(furnished(true, false, None), (true, 4, 2, true));
+    assert_eq!(furnished(true, false, front), (false, 4, 2, true));
+    assert_eq!(furnished(false, true, None), (false, 0, 1, false));
+    let settings = StudioSettings { own_camera: true, own_light: true, ..StudioSettings::default() };
+    assert!(settings.is_superfluous());
+    assert!(!StudioSettings { view: front, ..settings.clone() }.is_superfluous());
+    assert!(!StudioSettings { own_light: false, ..settings }.is_superfluous());
 }
