@@ -101,20 +101,40 @@ impl SceneFormat {
     /// # Errors
     /// A description of the actual format.
     pub fn recognise(bytes: &[u8]) -> Result<Self, String> {
+        match Self::from_content(bytes)? {
+            Some(format) => Ok(format),
+            None if is_binary(bytes) => Err("not in a known scene format".to_owned()),
+            None => Ok(Self::Pbrt),
+        }
+    }
+
+    /// The format of a file, by its content, else by its extension.
+    fn of_file(bytes: &[u8], path: Option<&Path>) -> Result<Self, String> {
+        let extension = path.and_then(Path::extension).and_then(|e| e.to_str()).unwrap_or_default();
+        match (Self::from_content(bytes)?, extension.to_ascii_lowercase().as_str()) {
+            (None, "stl") => Ok(Self::Model(ModelFormat::Stl)),
+            (None, "obj") => Ok(Self::Model(ModelFormat::Obj)),
+            _ => Self::recognise(bytes),
+        }
+    }
+
+    /// The format whose signature or statements a file has; `None`: it may be a scene, or a model without either.
+    fn from_content(bytes: &[u8]) -> Result<Option<Self>, String> {
+        let model = |format| Ok(Some(Self::Model(format)));
         if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
-            return Ok(Self::Model(ModelFormat::Ply));
+            return model(ModelFormat::Ply);
         }
         if bytes.trim_ascii_start().starts_with(b"ISO-10303-21") {
-            return Ok(Self::Model(ModelFormat::Step));
+            return model(ModelFormat::Step);
         }
         if iges::is_iges(bytes) {
-            return Ok(Self::Model(ModelFormat::Iges));
+            return model(ModelFormat::Iges);
         }
         if gltf::is_gltf(bytes) {
-            return Ok(Self::Model(ModelFormat::Gltf));
+            return model(ModelFormat::Gltf);
         }
         if stl::is_stl(bytes) {
-            return Ok(Self::Model(ModelFormat::Stl));
+            return model(ModelFormat::Stl);
         }
         if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
             return Err((*what).to_owned());
@@ -122,24 +142,28 @@ impl SceneFormat {
         if let Some(format) = image::Format::from_content(bytes) {
             return Err(format!("a picture ({format}), not a scene"));
         }
-        let head = bytes.get(..bytes.len().min(4096)).unwrap_or_default();
-        if head.contains(&0) {
-            return Err("not in a known scene format".to_owned());
-        }
         if bytes.iter().all(u8::is_ascii_whitespace) {
             return Err("empty".to_owned());
         }
+        if is_binary(bytes) {
+            return Ok(None);
+        }
         if bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit) {
-            return Ok(Self::Model(ModelFormat::Newell));
+            return model(ModelFormat::Newell);
         }
         if obj::is_obj(bytes) {
-            return Ok(Self::Model(ModelFormat::Obj));
+            return model(ModelFormat::Obj);
         }
         if rib::has_surface(bytes) {
-            return Ok(Self::Model(ModelFormat::Rib));
+            return model(ModelFormat::Rib);
         }
-        Ok(Self::Pbrt)
+        Ok(None)
     }
+}
+
+/// Whether the beginning of a file is no text.
+fn is_binary(bytes: &[u8]) -> bool {
+    bytes.get(..bytes.len().min(4096)).unwrap_or_default().contains(&0)
 }
 
 /// One error about a file as a whole.
@@ -204,7 +228,7 @@ fn load_bytes(
     bytes: Arc<[u8]>,
     options: &Options,
 ) -> Result<Loaded, Diagnostics> {
-    match SceneFormat::recognise(&bytes) {
+    match SceneFormat::of_file(&bytes, path) {
         Ok(SceneFormat::Pbrt) => pbrt::load(name, path, bytes, options),
         Ok(SceneFormat::Model(format)) => model::load(format, name, path, &bytes, options),
         Err(what) => Err(failure(name, "format", format!("the file is {what}"))),
@@ -250,6 +274,20 @@ mod tests {
         ] {
             assert_eq!(SceneFormat::recognise(bytes), format, "{}", String::from_utf8_lossy(bytes));
         }
+    }
+
+    #[test]
+    fn the_extension_decides_where_the_content_does_not() {
+        let of = |bytes: &[u8], name: &str| SceneFormat::of_file(bytes, Some(Path::new(name))).ok();
+        let model = |format| Some(SceneFormat::Model(format));
+        // A binary file of one facet, with bytes after it.
+        let mut facets = vec![0; 84 + 50 + 1];
+        facets[80] = 1;
+        assert_eq!(of(&facets, "a.STL"), model(ModelFormat::Stl));
+        assert_eq!(of(&facets, "a.pbrt"), None);
+        assert_eq!(of(b"# nothing\n", "a.obj"), model(ModelFormat::Obj));
+        assert_eq!(of(b"v 1 2 3\n", "a.stl"), model(ModelFormat::Obj), "the content is clear");
+        assert_eq!(of(b"# nothing\n", "a.pbrt"), Some(SceneFormat::Pbrt));
     }
 
     #[test]

@@ -63,13 +63,13 @@ fn triangles(mode: usize, corners: &[u32]) -> (Vec<[u32; 3]>, bool) {
     let triangles = match mode {
         TRIANGLES => return (corners.as_chunks().0.to_vec(), !corners.len().is_multiple_of(3)),
         TRIANGLE_STRIP => corners
-            .array_windows()
+            .windows(3)
             .enumerate()
-            .map(|(i, &[a, b, c])| if i % 2 == 0 { [a, b, c] } else { [a, c, b] })
+            .map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] })
             .collect(),
         _ => {
             let first = corners.first().copied().unwrap_or_default();
-            corners.get(1..).unwrap_or_default().array_windows().map(|&[b, c]| [b, c, first]).collect()
+            corners.get(1..).unwrap_or_default().windows(2).map(|pair| [pair[0], pair[1], first]).collect()
         }
     };
     (triangles, corners.len() < 3)

@@ -539,3 +539,34 @@ fn a_model_with_light_that_was_written_here_opens_again() {
         assert!(crate::load(&path, &Options::default()).is_err(), "{end}");
     }
 }
+
+#[test]
+fn a_scene_places_a_file_with_its_own_materials_and_without_its_camera() {
+    let mut data = Data::default();
+    let position = data.floats("VEC3", &CORNERS[..9]);
+    let meshes = json!([{ "primitives": [{ "attributes": { "POSITION": position }, "material": 0 }] }]);
+    let materials = json!([{ "name": "lamp", "emissiveFactor": [1, 1, 1] }]);
+    let cameras = json!([{ "type": "orthographic", "orthographic": { "xmag": 3, "ymag": 1.5, "znear": 1, "zfar": 2 } }]);
+    let mut file =
+        data.file(json!({ "meshes": meshes, "materials": materials, "cameras": cameras, "nodes": [{ "mesh": 0, "camera": 0 }] }));
+    file["buffers"][0]["uri"] = json!("m.bin");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    std::fs::write(folder.path().join("parts/m.bin"), &data.bytes).unwrap();
+    std::fs::write(folder.path().join("parts/m.gltf"), file.to_string()).unwrap();
+    let shape = "Shape \"gltf\" \"string filename\" \"parts/m.gltf\"\n";
+    let scene = format!("WorldBegin\nShape \"sphere\"\nTranslate 1 2 3\n{shape}Translate 1 0 0\n{shape}");
+    std::fs::write(folder.path().join("scene.pbrt"), scene).unwrap();
+    let options = Options { confined: true, ..Options::default() };
+    let loaded =
+        crate::load(&folder.path().join("scene.pbrt"), &options).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(warnings(&loaded), "");
+    let description = &loaded.description;
+    let placed = description.world.instances.iter().map(|i| (i.group, i.to_parent.w_axis.truncate()));
+    assert_eq!(Vec::from_iter(placed), [(0, DVec3::new(1.0, 2.0, 3.0)), (0, DVec3::new(2.0, 2.0, 3.0))]);
+    let lamp = &description.groups[0].shapes[0];
+    assert_eq!(description.materials[lamp.material].name, "lamp");
+    assert!(lamp.emission.is_some() && description.world.shapes.len() == 1);
+    assert!(matches!(description.camera.kind, CameraKind::Perspective { .. }));
+    assert_eq!(loaded.sources.paths().len(), 3, "the scene, the file and its buffer");
+}

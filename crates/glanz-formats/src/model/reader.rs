@@ -1,6 +1,6 @@
 //! What the readers of models share: the description, messages, other files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
@@ -19,6 +19,8 @@ pub(crate) struct ModelReader {
     pub(crate) sources: Sources,
     pub(crate) file: FileId,
     pub(crate) finder: FileFinder,
+    /// The file, if it is one that a scene names.
+    asking: Option<PathBuf>,
     pub(crate) cad: Option<CadReport>,
     /// Whether a substitute is an error.
     strict: bool,
@@ -45,17 +47,23 @@ impl ModelReader {
         let grey = MaterialDescription::from(cad_material(CAD_GREY, 0.0));
         let description =
             Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
-        Ok(Self {
+        Ok(Self { sources, file, strict: options.strict, ..Self::within(description, finder, None) })
+    }
+
+    /// A reader of a file at a path that a scene names. It adds to what there is.
+    pub(crate) fn within(description: Description, finder: FileFinder, path: Option<&Path>) -> Self {
+        Self {
             description,
             diagnostics: Diagnostics::default(),
-            sources,
-            file,
+            sources: Sources::default(),
+            file: FileId(0),
             finder,
+            asking: path.map(Path::to_owned),
             cad: None,
-            strict: options.strict,
+            strict: false,
             own_camera: false,
             own_light: false,
-        })
+        }
     }
 
     /// The model, which gets from a studio what it lacks.
@@ -114,7 +122,7 @@ impl ModelReader {
     /// # Errors
     /// The problem as a sentence, and whether the model is not allowed to read the file.
     pub(crate) fn read_file(&mut self, name: &str) -> Result<Vec<u8>, (String, bool)> {
-        let path = self.finder.find(name, None).map_err(|fault| {
+        let path = self.finder.find(name, self.asking.as_deref()).map_err(|fault| {
             (format!("file {name:?} {}; {}", fault.what(), fault.help()), fault == FindError::Outside)
         })?;
         self.finder.read(&path).map_err(|error| (format!("file {name:?} cannot be read: {error}"), false))

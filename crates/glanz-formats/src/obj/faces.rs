@@ -40,7 +40,7 @@ pub(super) fn triangles(corners: &[DVec3]) -> Vec<[usize; 3]> {
         }
     }
     if let [first, rest @ ..] = left.as_slice() {
-        triangles.extend(rest.array_windows().map(|&[b, c]| [*first, b, c]));
+        triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
     }
     triangles
 }

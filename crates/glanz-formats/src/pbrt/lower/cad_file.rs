@@ -146,7 +146,7 @@ impl Lowering {
     }
 
     /// Refuses a receiver.
-    fn without_receiver(&mut self, list: &mut ParameterList) -> ParseResult<()> {
+    pub(super) fn without_receiver(&mut self, list: &mut ParameterList) -> ParseResult<()> {
         let receiver = list.text_parameter("receiver", &mut self.reporter)?;
         list.ignore(&["cells", "receiverside"]);
         match receiver {

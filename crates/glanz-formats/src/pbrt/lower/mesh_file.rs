@@ -1,11 +1,16 @@
-//! Shapes from OBJ and STL files, with the material of the scene.
+//! Shapes from OBJ and STL files, with the material of the scene, and from glTF files, with their own.
 
-use glanz_scene::description::GeometryDescription;
+use std::path::Path;
 
-use super::Lowering;
+use glanz_scene::Severity;
+use glanz_scene::description::{GeometryDescription, GroupDescription};
+
+use super::{EntityState, Lowering};
+use crate::gltf;
+use crate::model::ModelReader;
 use crate::obj::{self, ObjMesh, ObjSurface};
 use crate::pbrt::parameters::ParameterList;
-use crate::source::ParseResult;
+use crate::source::{ParseResult, Span};
 use crate::stl;
 
 impl Lowering {
@@ -36,6 +41,73 @@ impl Lowering {
             return Err(self.reporter.error(&p.value_place, "mesh-file", message));
         }
         Ok(surfaces)
+    }
+}
+
+impl Lowering {
+    /// Adds an instance of the default scene of a glTF file. Its camera and lights have no effect.
+    pub(super) fn gltf_shape(&mut self, mut list: ParameterList, context: &EntityState) -> ParseResult<()> {
+        let place = list.place;
+        let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
+            let message = format!("{} has no \"string filename\"", list.subject);
+            return Err(self.reporter.error(&place, "parameter-missing", message));
+        };
+        self.alpha(&mut list)?;
+        self.without_receiver(&mut list)?;
+        let subject = std::mem::take(&mut list.subject);
+        list.finish(&mut self.reporter);
+        let known = self.find(&name).ok().and_then(|path| self.gltf_files.get(&path).copied());
+        let group = match known {
+            Some(group) => group,
+            None => {
+                let found = self.find(&name).map_err(|fault| format!("file {name:?} {}", fault.what()));
+                let read = found.and_then(|path| {
+                    let bytes = self.finder.read(&path);
+                    Ok((bytes.map_err(|error| format!("file {name:?} cannot be read: {error}"))?, path))
+                });
+                let (bytes, path) = read.map_err(|problem| {
+                    let message = format!("{subject}: {problem}");
+                    self.reporter.error(&p.value_place, "missing-file", message)
+                })?;
+                let group = self.gltf_group(&path, &bytes, &subject, &p.value_place)?;
+                self.gltf_files.insert(path, group);
+                group
+            }
+        };
+        self.add_instance(group, &place, context)
+    }
+
+    /// Adds a group of the default scene of a file.
+    fn gltf_group(&mut self, path: &Path, bytes: &[u8], subject: &str, place: &Span) -> ParseResult<usize> {
+        let (mut description, finder) =
+            (std::mem::take(&mut self.description), std::mem::take(&mut self.finder));
+        let world = std::mem::take(&mut description.world);
+        let (camera, film, lights) =
+            (description.camera.clone(), description.film.clone(), description.lights.len());
+        let first = description.groups.len();
+        let mut reader = ModelReader::within(description, finder, Some(path));
+        gltf::read(bytes, &mut reader);
+        let ModelReader { mut description, finder, diagnostics, .. } = reader;
+        let shapes = std::mem::replace(&mut description.world, world);
+        description.lights.truncate(lights);
+        (self.description, self.finder) = (glanz_scene::Description { camera, film, ..description }, finder);
+        let shown = self.finder.shown(path).display().to_string();
+        for diagnostic in diagnostics.iter() {
+            let message = format!("{subject}: {shown}: {}", diagnostic.message);
+            match diagnostic.severity {
+                Severity::Error => return Err(self.reporter.error(place, diagnostic.kind, message)),
+                Severity::Warning => self.stand_in(place, diagnostic.kind, message),
+            }
+        }
+        self.description.groups.push(GroupDescription { name: shown, ..shapes });
+        let groups = self.description.groups.iter().enumerate().skip(first);
+        for (index, group) in groups {
+            let emitting = group.shapes.iter().filter(|shape| shape.emission.is_some()).count();
+            let inner = group.instances.iter().filter_map(|i| self.lights_in_groups.get(&i.group));
+            let lights = inner.fold(emitting, |sum, lights| sum.saturating_add(*lights));
+            self.lights_in_groups.insert(index, lights);
+        }
+        Ok(self.description.groups.len() - 1)
     }
 }
 

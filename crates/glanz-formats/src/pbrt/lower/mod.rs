@@ -62,6 +62,8 @@ pub(crate) struct Lowering {
     /// Number of lights created by instances.
     pub(crate) light_copies: usize,
     pub(crate) cad_files: BTreeMap<PathBuf, CadFile>,
+    /// Groups of glTF files.
+    pub(crate) gltf_files: BTreeMap<PathBuf, usize>,
     pub(crate) materials: BTreeMap<String, NamedMaterial>,
     pub(crate) default_material: Option<usize>,
     pub(crate) textures: TextureNames,
@@ -122,6 +124,7 @@ impl Lowering {
             lights_in_groups: BTreeMap::new(),
             light_copies: 0,
             cad_files: BTreeMap::new(),
+            gltf_files: BTreeMap::new(),
             materials: BTreeMap::new(),
             default_material: None,
             textures: TextureNames::default(),

@@ -37,6 +37,7 @@ const SHAPES: &[&str] = &[
     "heightfield",
     "step",
     "iges",
+    "gltf",
     "obj",
     "stl",
 ];
@@ -51,6 +52,9 @@ impl Lowering {
     ) -> ParseResult<()> {
         if matches!(kind, "step" | "iges") {
             return self.cad_shape(list, context);
+        }
+        if kind == "gltf" {
+            return self.gltf_shape(list, context);
         }
         let place = list.place;
         let surfaces = match kind {
