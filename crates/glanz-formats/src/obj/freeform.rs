@@ -8,7 +8,7 @@ use glanz_scene::description::{
 };
 
 use super::error::{ObjError, ObjErrorKind};
-use super::statement::{Statements, Word, shortened};
+use super::statement::{ObjWord, Statements, shortened};
 use super::{ObjFile, ObjSurface, SkippedStatement};
 
 /// Largest degree.
@@ -24,7 +24,7 @@ enum CurveKind {
 
 /// An element between its first statement and `end`.
 #[derive(Debug)]
-enum Element {
+enum ObjElement {
     /// A surface: the ranges of u and v, and its points.
     Surface { range: [[f64; 2]; 2], points: Vec<[f64; 4]>, loops: Vec<TrimLoopDescription> },
     /// A curve in the parameters of surfaces.
@@ -35,7 +35,7 @@ enum Element {
 
 /// State of the freeform statements.
 #[derive(Debug, Default)]
-pub(super) struct Freeform {
+pub(super) struct FreeformState {
     kind: CurveKind,
     /// Whether `cstype` names a kind that is not read.
     unknown: bool,
@@ -46,10 +46,10 @@ pub(super) struct Freeform {
     parameter_points: Vec<[f64; 3]>,
     /// `None`: a curve that could not be read.
     curves: Vec<Option<TrimCurveDescription>>,
-    element: Option<Element>,
+    element: Option<ObjElement>,
 }
 
-impl Freeform {
+impl FreeformState {
     /// Reads a statement; `false` if it is none of freeform geometry.
     pub(super) fn statement(
         &mut self,
@@ -69,11 +69,11 @@ impl Freeform {
             "curv2" => {
                 let words = s.at_least(2)?;
                 let points = self.curve_points(s, words)?;
-                self.begin(if self.unknown { Element::Skipped } else { Element::Curve { points } });
+                self.begin(if self.unknown { ObjElement::Skipped } else { ObjElement::Curve { points } });
             }
             "curv" => {
                 self.skip(s, file, "curves in space are left out");
-                self.begin(Element::Skipped);
+                self.begin(ObjElement::Skipped);
             }
             "parm" if self.element.is_some() => self.parameters(s)?,
             "trim" | "hole" if self.element.is_some() => self.trim(s, file)?,
@@ -89,7 +89,7 @@ impl Freeform {
         file.skipped.push(SkippedStatement { what: what.to_owned(), line, column });
     }
 
-    fn begin(&mut self, element: Element) {
+    fn begin(&mut self, element: ObjElement) {
         self.element = Some(element);
         self.parameters = Default::default();
     }
@@ -122,7 +122,7 @@ impl Freeform {
     ) -> Result<(), ObjError> {
         if self.unknown {
             self.skip(s, file, "a surface that is neither \"bspline\" nor \"bezier\" is left out");
-            self.begin(Element::Skipped);
+            self.begin(ObjElement::Skipped);
             return Ok(());
         }
         let words = s.at_least(5)?;
@@ -136,12 +136,12 @@ impl Freeform {
             let w = if self.rational { w } else { 1.0 };
             points.push([w * x, w * y, w * z, w]);
         }
-        self.begin(Element::Surface { range: [[u0, u1], [v0, v1]], points, loops: Vec::new() });
+        self.begin(ObjElement::Surface { range: [[u0, u1], [v0, v1]], points, loops: Vec::new() });
         Ok(())
     }
 
-    fn curve_points(&self, s: &Statements<'_>, words: &[Word<'_>]) -> Result<Vec<[f64; 3]>, ObjError> {
-        let point = |word: &Word<'_>| {
+    fn curve_points(&self, s: &Statements<'_>, words: &[ObjWord<'_>]) -> Result<Vec<[f64; 3]>, ObjError> {
+        let point = |word: &ObjWord<'_>| {
             let index = s.index(word, word.text, "parameter vertex", self.parameter_points.len())?;
             let [u, v, w] = self.parameter_points.get(index).copied().unwrap_or_default();
             let w = if self.rational { w } else { 1.0 };
@@ -180,7 +180,7 @@ impl Freeform {
         }
         if !complete {
             self.skip(s, file, "a loop with a part of a curve, or with one that is not read, is left out");
-        } else if let Some(Element::Surface { loops, .. }) = &mut self.element {
+        } else if let Some(ObjElement::Surface { loops, .. }) = &mut self.element {
             loops.push(TrimLoopDescription { curves });
         }
         Ok(())
@@ -193,12 +193,12 @@ impl Freeform {
         file: &mut ObjFile,
     ) -> Result<(), ObjError> {
         match self.element.take() {
-            Some(Element::Surface { range, points, loops }) => {
+            Some(ObjElement::Surface { range, points, loops }) => {
                 let surface = self.finished_surface(s, range, points)?;
                 let trim = (!loops.is_empty()).then(|| TrimDescription::from(loops));
                 file.surfaces.push(ObjSurface { material: material.cloned(), surface, trim });
             }
-            Some(Element::Curve { points }) => {
+            Some(ObjElement::Curve { points }) => {
                 let (degree, knots, count) = self.axis(s, 0)?;
                 let fits = count == points.len();
                 if !fits {
@@ -207,7 +207,7 @@ impl Freeform {
                 let curve = TrimCurveDescription { degree, knots, points, width: None, edge: None };
                 self.curves.push(Some(curve).filter(|_| fits));
             }
-            Some(Element::Skipped) => self.curves.push(None),
+            Some(ObjElement::Skipped) => self.curves.push(None),
             None => {}
         }
         Ok(())

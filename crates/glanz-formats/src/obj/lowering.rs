@@ -15,7 +15,7 @@ use super::{ObjFile, ObjMaterial, SkippedStatement, read, read_materials};
 use crate::model::{ModelReader, PictureContent, SurfaceParameters, exponent, mean, read_picture};
 
 /// A material of the description, with the emission of its surfaces.
-type NamedMaterial = (usize, Option<EmissionDescription>);
+type StyledMaterial = (usize, Option<EmissionDescription>);
 
 /// Models of illumination with refraction, and with the reflection of a mirror.
 const REFRACTION: [f64; 2] = [6.0, 7.0];
@@ -55,7 +55,7 @@ fn report(reader: &mut ModelReader, library: &str, skipped: &[SkippedStatement])
 }
 
 /// Adds the surfaces.
-fn add(file: ObjFile, materials: &BTreeMap<String, NamedMaterial>, reader: &mut ModelReader) {
+fn add(file: ObjFile, materials: &BTreeMap<String, StyledMaterial>, reader: &mut ModelReader) {
     let mut missing = BTreeMap::new();
     let mut placed = |geometry: GeometryDescription, name: Option<String>| {
         let known = name.as_ref().and_then(|name| materials.get(name));
@@ -88,7 +88,7 @@ struct MaterialLowering<'a> {
 }
 
 impl MaterialLowering<'_> {
-    fn libraries(mut self, libraries: &[String]) -> BTreeMap<String, NamedMaterial> {
+    fn libraries(mut self, libraries: &[String]) -> BTreeMap<String, StyledMaterial> {
         let mut materials = BTreeMap::new();
         let mut known: Vec<&str> = Vec::new();
         for library in libraries {
@@ -124,7 +124,7 @@ impl MaterialLowering<'_> {
         materials
     }
 
-    fn library(&mut self, name: &str, bytes: &[u8], materials: &mut BTreeMap<String, NamedMaterial>) {
+    fn library(&mut self, name: &str, bytes: &[u8], materials: &mut BTreeMap<String, StyledMaterial>) {
         match read_materials(bytes) {
             Ok(file) => {
                 report(self.reader, name, &file.skipped);
@@ -137,7 +137,7 @@ impl MaterialLowering<'_> {
         }
     }
 
-    fn material(&mut self, material: &ObjMaterial, library: &str) -> NamedMaterial {
+    fn material(&mut self, material: &ObjMaterial, library: &str) -> StyledMaterial {
         let name = format!("{library}: material {:?}", material.name);
         let diffuse = self.diffuse(material, &name);
         let kind = self.kind(material, diffuse, &name);

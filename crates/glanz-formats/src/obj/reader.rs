@@ -6,8 +6,8 @@ use glanz_math::{DVec2, DVec3};
 
 use super::error::{ObjError, ObjErrorKind};
 use super::faces::{self, MAX_CONCAVE};
-use super::freeform::Freeform;
-use super::statement::{Statements, Word, shortened};
+use super::freeform::FreeformState;
+use super::statement::{ObjWord, Statements, shortened};
 use super::{ObjFile, ObjMesh, SkippedStatement};
 
 /// Statements without an effect here.
@@ -49,7 +49,7 @@ struct Reader {
     positions: Vec<[f64; 4]>,
     uvs: Vec<DVec2>,
     normals: Vec<DVec3>,
-    freeform: Freeform,
+    freeform: FreeformState,
     /// Number of the object, which separates meshes.
     object: usize,
     material: Option<String>,
@@ -136,7 +136,7 @@ impl Reader {
     }
 
     /// A corner: numbers separated by slashes.
-    fn corner(&self, s: &Statements<'_>, word: &Word<'_>) -> Result<Corner, ObjError> {
+    fn corner(&self, s: &Statements<'_>, word: &ObjWord<'_>) -> Result<Corner, ObjError> {
         let mut parts = word.text.split('/');
         let counts = [
             ("vertex", self.positions.len()),

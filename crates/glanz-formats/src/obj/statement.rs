@@ -19,7 +19,7 @@ pub(crate) fn is_obj(bytes: &[u8]) -> bool {
 
 /// A word with its place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Word<'a> {
+pub(super) struct ObjWord<'a> {
     pub(super) text: &'a str,
     at: usize,
 }
@@ -29,7 +29,7 @@ pub(super) struct Word<'a> {
 pub(super) struct Statements<'a> {
     bytes: &'a [u8],
     at: usize,
-    words: Vec<Word<'a>>,
+    words: Vec<ObjWord<'a>>,
 }
 
 impl<'a> Statements<'a> {
@@ -65,7 +65,7 @@ impl<'a> Statements<'a> {
             let end = word.iter().position(u8::is_ascii_whitespace).unwrap_or(word.len());
             // What is not UTF-8 is no statement and no number.
             let text = std::str::from_utf8(word.get(..end).unwrap_or_default()).unwrap_or("\u{fffd}");
-            self.words.push(Word { text, at: self.at + start });
+            self.words.push(ObjWord { text, at: self.at + start });
             start += end;
         }
         self.at += length + 1;
@@ -78,7 +78,7 @@ impl<'a> Statements<'a> {
     }
 
     /// The other words.
-    pub(super) fn values(&self) -> &[Word<'a>] {
+    pub(super) fn values(&self) -> &[ObjWord<'a>] {
         self.words.get(1..).unwrap_or_default()
     }
 
@@ -94,13 +94,13 @@ impl<'a> Statements<'a> {
     }
 
     /// An error at a word, or at the statement.
-    pub(super) fn error(&self, word: Option<&Word<'_>>, kind: ObjErrorKind) -> ObjError {
+    pub(super) fn error(&self, word: Option<&ObjWord<'_>>, kind: ObjErrorKind) -> ObjError {
         let (line, column) = word.map_or_else(|| self.place(), |word| line_and_column(self.bytes, word.at));
         ObjError { line, column, kind }
     }
 
     /// The values, if there are as many as needed.
-    pub(super) fn at_least(&self, needed: usize) -> Result<&[Word<'a>], ObjError> {
+    pub(super) fn at_least(&self, needed: usize) -> Result<&[ObjWord<'a>], ObjError> {
         let values = self.values();
         if values.len() >= needed {
             return Ok(values);
@@ -110,7 +110,7 @@ impl<'a> Statements<'a> {
     }
 
     /// A finite number.
-    pub(super) fn number(&self, word: &Word<'_>) -> Result<f64, ObjError> {
+    pub(super) fn number(&self, word: &ObjWord<'_>) -> Result<f64, ObjError> {
         let number = word.text.parse().ok().filter(|x: &f64| x.is_finite());
         number.ok_or_else(|| self.error(Some(word), ObjErrorKind::Number(shortened(word.text))))
     }
@@ -127,7 +127,7 @@ impl<'a> Statements<'a> {
     /// The position in a list of `count` elements that a number from 1, or from -1 backwards, stands for.
     pub(super) fn index(
         &self,
-        word: &Word<'_>,
+        word: &ObjWord<'_>,
         text: &str,
         what: &'static str,
         count: usize,

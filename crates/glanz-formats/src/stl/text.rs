@@ -23,12 +23,12 @@ struct Words<'a> {
 }
 
 #[derive(Clone, Copy)]
-struct Word<'a> {
+struct StlWord<'a> {
     text: &'a [u8],
     at: usize,
 }
 
-impl Word<'_> {
+impl StlWord<'_> {
     fn is(&self, word: &str) -> bool {
         self.text.eq_ignore_ascii_case(word.as_bytes())
     }
@@ -53,7 +53,7 @@ impl<'a> Words<'a> {
         StlError { place: Some(line_and_column(self.bytes, at)), kind }
     }
 
-    fn needed(&mut self) -> Result<Word<'a>, StlError> {
+    fn needed(&mut self) -> Result<StlWord<'a>, StlError> {
         let word = self.next();
         word.ok_or_else(|| self.error(self.bytes.trim_ascii_end().len(), StlErrorKind::End))
     }
@@ -83,16 +83,16 @@ impl<'a> Words<'a> {
 }
 
 impl<'a> Iterator for Words<'a> {
-    type Item = Word<'a>;
+    type Item = StlWord<'a>;
 
-    fn next(&mut self) -> Option<Word<'a>> {
+    fn next(&mut self) -> Option<StlWord<'a>> {
         let rest = self.bytes.get(self.at..)?;
         let start = rest.iter().position(|b| !b.is_ascii_whitespace())?;
         let rest = rest.get(start..)?;
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         let at = self.at + start;
         self.at = at + length;
-        Some(Word { text: rest.get(..length)?, at })
+        Some(StlWord { text: rest.get(..length)?, at })
     }
 }
 
