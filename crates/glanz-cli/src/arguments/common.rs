@@ -33,7 +33,7 @@ pub(crate) struct ModelArgument {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Options of models, which have no camera and light of their own")]
 pub(crate) struct StudioArguments {
-    /// Direction from which the model is seen [default: iso, from the front, the right and above]
+    /// Direction from which the model is seen [default: that of its own camera, else iso, from the front, the right and above]
     #[arg(long, value_name = "VIEW", value_parser = view_parser())]
     view: Option<StudioView>,
     /// Upward axis of the model: y or z [default: that of its format]
