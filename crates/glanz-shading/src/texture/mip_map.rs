@@ -32,6 +32,11 @@ pub enum ImageWrap {
     Black,
     /// The nearest border value.
     Clamp,
+    /// The picture continues over its borders as the map of a sphere to a square does: turned by half a turn about the middle of the border.
+    ///
+    /// # Source
+    /// @pbrt4 `RemapPixelCoords`; departure: pixels next to the left and lower borders continue in themselves, as at the others.
+    OctahedralSphere,
 }
 
 /// Interpolation between pixels.
@@ -130,6 +135,15 @@ impl MipLevel {
             ImageWrap::Clamp => (column.clamp(0, width - 1), row.clamp(0, height - 1)),
             ImageWrap::Black if (0..width).contains(&column) && (0..height).contains(&row) => (column, row),
             ImageWrap::Black => return [0.0; 3],
+            ImageWrap::OctahedralSphere => {
+                let is_beyond = |i: i64, count: i64| i.div_euclid(count) & 1 != 0;
+                let (across, along) = (is_beyond(column, width), is_beyond(row, height));
+                // Over a border both coordinates are mirrored; the one across it continues in itself.
+                let mirrored = |i: i64, count: i64| {
+                    if across != along { count - 1 - i.rem_euclid(count) } else { i.rem_euclid(count) }
+                };
+                (mirrored(column, width), mirrored(row, height))
+            }
         };
         self.texels.get((row * width + column) as usize).copied().unwrap_or([0.0; 3])
     }
@@ -250,10 +264,29 @@ mod tests {
         assert!((at(&six(), 1.0, 0.25, ImageWrap::Clamp, linear) - 6.0).abs() < 1e-6);
     }
 
+    /// Over the right border, the upper half of the last column meets the lower half of it; at the corners, all four corners of the picture
+    /// are one point of the sphere.
+    #[test]
+    fn octahedral_pictures_continue_over_their_borders_turned() {
+        let image = image(4, 4, &std::array::from_fn::<f32, 16, _>(|i| i as f32));
+        let at = |column: f64, row: f64| {
+            let st = DVec2::new((column + 0.5) / 4.0, 1.0 - (row + 0.5) / 4.0);
+            image.lookup(st, 0.0, ImageWrap::OctahedralSphere, ImageFilter::Point)[0]
+        };
+        assert_eq!([at(0.0, 0.0), at(3.0, 2.0)], [0.0, 11.0]);
+        for row in 0..4 {
+            let (row, other) = (f64::from(row), f64::from(3 - row));
+            assert_eq!([at(4.0, row), at(5.0, row)], [at(3.0, other), at(2.0, other)]);
+            assert_eq!([at(-1.0, row), at(-2.0, row)], [at(0.0, other), at(1.0, other)]);
+            assert_eq!([at(row, 4.0), at(row, -1.0)], [at(other, 3.0), at(other, 0.0)]);
+        }
+        assert_eq!([at(-1.0, -1.0), at(4.0, 4.0), at(8.0, 1.0)], [at(3.0, 3.0), at(0.0, 0.0), at(0.0, 1.0)]);
+    }
+
     #[test]
     fn coordinates_without_bounds_give_values() {
         for filter in [ImageFilter::Point, ImageFilter::Bilinear, ImageFilter::Trilinear] {
-            for wrap in [ImageWrap::Repeat, ImageWrap::Black, ImageWrap::Clamp] {
+            for wrap in [ImageWrap::Repeat, ImageWrap::Black, ImageWrap::Clamp, ImageWrap::OctahedralSphere] {
                 for s in [1e300, -1e300, f64::NAN, f64::INFINITY, 1e18] {
                     let v = six().lookup(DVec2::new(s, 0.3), f64::NAN, wrap, filter);
                     assert!((0.0..=6.0).contains(&v[0]), "{s}: {v:?}");

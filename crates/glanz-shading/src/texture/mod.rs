@@ -3,17 +3,28 @@
 //! [`Textures`] owns all of them. A texture may refer to those added before it, never to itself or to later ones: there
 //! are no cycles, and the cost of an evaluation is bounded when it is added.
 
+pub mod bilerp;
 pub mod checkerboard;
+pub mod direction_mix;
+pub mod dots;
+pub mod fractal;
 pub mod image;
 pub mod mapping;
+pub mod marble;
 pub mod mip_map;
+pub mod noise;
 
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 
+pub use bilerp::Bilerp;
 pub use checkerboard::Checkerboard;
+pub use direction_mix::DirectionMix;
+pub use dots::Dots;
+pub use fractal::{Fractal, FractalKind};
 pub use image::ImageTexture;
-pub use mapping::TextureMapping;
+pub use mapping::{TextureCoordinates, TextureMapping};
+pub use marble::Marble;
 pub use mip_map::{ImageFilter, ImageWrap, MipMap, MipMapError};
 
 /// A point at which a texture is evaluated.
@@ -23,6 +34,8 @@ pub struct TexturePoint {
     pub uv: DVec2,
     /// The point in the world, metres.
     pub position: DVec3,
+    /// Unit normal of the surface in the world, of either sign; zero if it is not known.
+    pub normal: DVec3,
     /// Extent of the footprint to average over, in units of `uv`; 0 for the point alone.
     pub uv_width: f64,
     /// The same in metres.
@@ -30,10 +43,16 @@ pub struct TexturePoint {
 }
 
 impl TexturePoint {
-    /// A point without extent.
+    /// A point without extent and normal.
     #[must_use]
     pub const fn new(uv: DVec2, position: DVec3) -> Self {
-        Self { uv, position, uv_width: 0.0, position_width: 0.0 }
+        Self { uv, position, normal: DVec3::ZERO, uv_width: 0.0, position_width: 0.0 }
+    }
+
+    /// The same point of a surface with this unit normal.
+    #[must_use]
+    pub const fn with_normal(self, normal: DVec3) -> Self {
+        Self { normal, ..self }
     }
 
     /// The same point with a footprint of the extents `uv_width` and `position_width` (metres), >= 0.
@@ -105,24 +124,41 @@ pub enum Texture {
     Checkerboard(Checkerboard),
     /// A picture.
     Image(ImageTexture),
+    /// The fractions of the coordinates as red and green.
+    Uv(TextureMapping),
+    /// Four inputs interpolated between the corners of a square.
+    Bilerp(Bilerp),
+    /// Two inputs, one in random dots.
+    Dots(Dots),
+    /// A sum of noise.
+    Fractal(Fractal),
+    /// Marble.
+    Marble(Marble),
+    /// Two inputs mixed by the direction of the surface.
+    DirectionMix(DirectionMix),
 }
 
 impl Texture {
-    fn inputs(&self) -> [Option<TextureId>; 3] {
+    fn inputs(&self) -> [Option<TextureId>; 4] {
         let of = |input: &SpectrumInput| match input {
             SpectrumInput::Texture(id) => Some(*id),
             SpectrumInput::Constant(_) => None,
         };
         match self {
-            Self::Constant(_) | Self::Image(_) => [None; 3],
-            Self::Scale(a, b) => [of(a), of(b), None],
-            Self::Checkerboard(board) => [of(&board.even), of(&board.odd), None],
+            Self::Constant(_) | Self::Image(_) | Self::Uv(_) | Self::Fractal(_) | Self::Marble(_) => {
+                [None; 4]
+            }
+            Self::Scale(a, b) => [of(a), of(b), None, None],
+            Self::Checkerboard(board) => [of(&board.even), of(&board.odd), None, None],
+            Self::Dots(dots) => [of(&dots.inside), of(&dots.outside), None, None],
+            Self::DirectionMix(mix) => [of(&mix.along), of(&mix.across), None, None],
+            Self::Bilerp(bilerp) => bilerp.corners.each_ref().map(of),
             Self::Mix { a, b, amount } => {
                 let amount = match amount {
                     FloatInput::Texture(id) => Some(*id),
                     FloatInput::Constant(_) => None,
                 };
-                [of(a), of(b), amount]
+                [of(a), of(b), amount, None]
             }
         }
     }
@@ -240,6 +276,23 @@ impl Textures {
                 }
             }
             Texture::Image(image) => image.evaluate(at),
+            Texture::Uv(mapping) => {
+                let st = mapping.coordinates(at).position;
+                Spectrum::from_rgb([(st.x - st.x.floor()) as f32, (st.y - st.y.floor()) as f32, 0.0])
+            }
+            Texture::Bilerp(bilerp) => {
+                let weights = bilerp.weights(at);
+                bilerp.corners.iter().zip(weights).map(|(corner, weight)| spectrum(corner) * weight).sum()
+            }
+            Texture::Dots(dots) if dots.is_inside(at) => spectrum(&dots.inside),
+            Texture::Dots(dots) => spectrum(&dots.outside),
+            Texture::Fractal(fractal) => {
+                SpectralDistribution::Constant(1.0).reflectance(wavelengths) * fractal.evaluate(at)
+            }
+            Texture::Marble(marble) => marble.evaluate(at),
+            Texture::DirectionMix(mix) => {
+                spectrum(&mix.across).lerp(spectrum(&mix.along), mix.along_fraction(at))
+            }
         }
     }
 }
@@ -270,6 +323,44 @@ mod tests {
         let mixed = textures.add(mix).unwrap();
         assert_eq!(rgb(&textures, mixed), [0.5, 0.8125, 0.25]);
         assert_eq!(textures.float(&FloatInput::Texture(amount), &point(), &RGB), 0.25);
+    }
+
+    #[test]
+    fn direction_mix_weighs_by_the_cosine_to_either_side() {
+        let mut textures = Textures::new();
+        let mix =
+            DirectionMix { along: Spectrum::ONE.into(), across: Spectrum::BLACK.into(), direction: DVec3::Y };
+        let input = FloatInput::Texture(textures.add(Texture::DirectionMix(mix)).unwrap());
+        for degrees in [0.0, 30.0, 90.0, 120.0, 180.0_f64] {
+            let angle = degrees.to_radians();
+            let at = point().with_normal(DVec3::new(angle.sin(), angle.cos(), 0.0));
+            let expected = angle.cos().abs() as f32;
+            assert!((textures.float(&input, &at, &RGB) - expected).abs() < 1e-7, "{degrees}");
+        }
+    }
+
+    #[test]
+    fn bilerp_is_exact_at_corners_and_has_their_mean() {
+        let mut textures = Textures::new();
+        let corners = [1.0, 2.0, 4.0, 9.0].map(|x| Spectrum::from_rgb([x; 3]).into());
+        let bilerp = Texture::Bilerp(Bilerp { corners, mapping: TextureMapping::default() });
+        let input = FloatInput::Texture(textures.add(bilerp).unwrap());
+        let at =
+            |u: f64, v: f64| textures.float(&input, &TexturePoint::new(DVec2::new(u, v), DVec3::ZERO), &RGB);
+        assert_eq!([at(0.0, 0.0), at(0.0, 1.0), at(1.0, 0.0), at(1.0, 1.0)], [1.0, 2.0, 4.0, 9.0]);
+        // 1 / 4 * (3 / 4 * 1 + 1 / 4 * 2) and so on: s = 3 / 4, t = 1 / 4.
+        assert_eq!(at(0.75, 0.25), 0.25 * (0.75 + 0.25 * 2.0) + 0.75 * (0.75 * 4.0 + 0.25 * 9.0));
+        let middle = |i: u32| (f64::from(i) + 0.5) / 8.0;
+        let mean = (0..64).map(|i| at(middle(i % 8), middle(i / 8))).sum::<f32>() / 64.0;
+        assert!((mean - 4.0).abs() < 1e-5, "{mean}");
+    }
+
+    #[test]
+    fn uv_shows_the_fractions_of_the_coordinates() {
+        let mut textures = Textures::new();
+        let mapping = TextureMapping::Uv { scale: DVec2::splat(5.0), offset: DVec2::ZERO };
+        let uv = textures.add(Texture::Uv(mapping)).unwrap();
+        assert_eq!(rgb(&textures, uv), [0.25, 0.75, 0.0]);
     }
 
     #[test]
