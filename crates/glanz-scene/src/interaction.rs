@@ -71,7 +71,7 @@ impl Interaction {
     /// The BSDF at the point; `None` for an interface, which all rays pass.
     #[must_use]
     pub fn bsdf(&self, scene: &Scene, wavelengths: &Wavelengths) -> Option<Bsdf> {
-        let at = TexturePoint::new(self.point.uv, self.point.position);
+        let at = TexturePoint::new(self.point.uv, self.point.position).with_normal(self.point.normal);
         scene.material(self.material).bsdf(scene.textures(), &at, wavelengths)
     }
 

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use glanz_light::{Pixels, SpectralDistribution};
-use glanz_math::DMat4;
-use glanz_shading::texture::{ImageFilter, ImageWrap, TextureMapping};
+use glanz_math::{DMat4, DVec3};
+use glanz_shading::texture::{FractalKind, ImageFilter, ImageWrap, TextureMapping};
 
 use super::Location;
 
@@ -110,6 +110,53 @@ pub enum TextureKind {
         scale: f32,
         /// Whether the value is 1 minus the scaled value.
         invert: bool,
+    },
+    /// The fractions of the coordinates as red and green.
+    Uv(MappingDescription),
+    /// Inputs at (0, 0), (0, 1), (1, 0) and (1, 1) with bilinear interpolation between them.
+    Bilerp {
+        /// The inputs at the corners.
+        corners: [SpectrumParameter; 4],
+        /// Coordinates in the square.
+        mapping: MappingDescription,
+    },
+    /// Random dots.
+    Dots {
+        /// Input inside of dots.
+        inside: SpectrumParameter,
+        /// Input between them.
+        outside: SpectrumParameter,
+        /// Coordinates in cells, each of which has a dot or none.
+        mapping: MappingDescription,
+    },
+    /// A sum of noise.
+    Fractal {
+        /// The kind of sum.
+        kind: FractalKind,
+        /// Coordinates; one unit is the period of the first octave.
+        mapping: MappingDescription,
+    },
+    /// Marble, with layers along y.
+    Marble {
+        /// Number of octaves of the noise.
+        octaves: u32,
+        /// Factor between the amplitudes of octaves.
+        roughness: f64,
+        /// Factor on the coordinates.
+        scale: f64,
+        /// Factor on the displacement of layers by the noise.
+        variation: f64,
+        /// Coordinates.
+        mapping: MappingDescription,
+    },
+    /// Two inputs mixed by the absolute cosine of the angle between the surface normal and a direction.
+    DirectionMix {
+        /// Input for the cosine 1.
+        along: SpectrumParameter,
+        /// Input for the cosine 0.
+        across: SpectrumParameter,
+        /// Direction in the world, of any length but 0.
+        direction: DVec3,
     },
 }
 

@@ -4,8 +4,8 @@ use glanz_light::Wavelengths;
 use glanz_shading::Textures;
 use glanz_shading::parameter::ParameterResolver;
 use glanz_shading::texture::{
-    Checkerboard, FloatInput, ImageFilter, ImageTexture, MipMap, SpectrumInput, Texture, TextureId,
-    TextureMapping,
+    Bilerp, Checkerboard, DirectionMix, Dots, FloatInput, Fractal, ImageFilter, ImageTexture, Marble, MipMap,
+    SpectrumInput, Texture, TextureId, TextureMapping,
 };
 
 use super::transform;
@@ -87,18 +87,17 @@ pub(super) fn textures(
 ) -> Result<ResolvedTextures, SceneError> {
     // The pyramid takes a third more memory: it is built only for pictures that a texture filters by it.
     let mut images: Vec<Option<MipMap>> = vec![None; description.images.len()];
-    let mut resolved = ResolvedTextures { textures: Textures::new(), ids: Vec::new() };
+    let (mut textures, mut ids) = (Textures::new(), Vec::new());
     for texture in &description.textures {
         let built = self::texture(
             description,
             texture,
-            &resolved.inputs(wavelengths, texture.location),
+            &InputResolver { ids: &ids, wavelengths, location: texture.location },
             &mut images,
         )?;
-        let id = resolved.textures.add(built).map_err(|reason| texture_error(texture, reason))?;
-        resolved.ids.push(id);
+        ids.push(textures.add(built).map_err(|reason| texture_error(texture, reason))?);
     }
-    Ok(resolved)
+    Ok(ResolvedTextures { textures, ids })
 }
 
 fn texture_error(texture: &TextureDescription, reason: impl ToString) -> SceneError {
@@ -139,6 +138,30 @@ fn texture(
                 invert: *invert,
             })
         }
+        TextureKind::Uv(mapping) => Texture::Uv(self::mapping(mapping, texture.location)?),
+        TextureKind::Bilerp { corners: [a, b, c, d], mapping } => Texture::Bilerp(Bilerp {
+            corners: [inputs.unbounded(a)?, inputs.unbounded(b)?, inputs.unbounded(c)?, inputs.unbounded(d)?],
+            mapping: self::mapping(mapping, texture.location)?,
+        }),
+        TextureKind::Dots { inside, outside, mapping } => Texture::Dots(Dots {
+            inside: inputs.unbounded(inside)?,
+            outside: inputs.unbounded(outside)?,
+            mapping: self::mapping(mapping, texture.location)?,
+        }),
+        TextureKind::Fractal { kind, mapping } => {
+            Texture::Fractal(Fractal { kind: *kind, mapping: self::mapping(mapping, texture.location)? })
+        }
+        &TextureKind::Marble { octaves, roughness, scale, variation, ref mapping } => {
+            let mapping = self::mapping(mapping, texture.location)?;
+            Texture::Marble(Marble { octaves, roughness, scale, variation, mapping })
+        }
+        TextureKind::DirectionMix { along, across, direction } => Texture::DirectionMix(DirectionMix {
+            along: inputs.unbounded(along)?,
+            across: inputs.unbounded(across)?,
+            direction: direction
+                .try_normalize()
+                .ok_or_else(|| texture_error(texture, "the direction has no length; give it one"))?,
+        }),
     })
 }
 

@@ -1,6 +1,6 @@
 //! Materials in the form of a rasteriser.
 
-use glanz_geometry::FaceDomain;
+use glanz_geometry::{FaceDomain, ShadingPoint};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{PlacedSurface, Scene};
@@ -73,7 +73,7 @@ fn places(placed: &PlacedSurface<'_>, face: u32) -> Vec<TexturePoint> {
             FaceDomain::Polygon(corners) => corners.iter().sum::<DVec2>() / corners.len().max(1) as f64,
         };
         let found = grid.iter().filter_map(move |uv| placed.at(face, inside(uv), false));
-        found.map(|found| TexturePoint::new(found.at.point.uv, found.at.point.position)).collect::<Vec<_>>()
+        found.map(|found| found.at.point).map(texture_point).collect::<Vec<_>>()
     };
     let mut found: Vec<TexturePoint> = faces.iter().step_by(every).flat_map(|&face| at(face)).collect();
     if found.is_empty() {
@@ -81,4 +81,8 @@ fn places(placed: &PlacedSurface<'_>, face: u32) -> Vec<TexturePoint> {
         found = grid.iter().map(|&uv| TexturePoint::new(uv, uv.extend(0.0) + DVec3::ZERO)).collect();
     }
     found
+}
+
+fn texture_point(point: ShadingPoint) -> TexturePoint {
+    TexturePoint::new(point.uv, point.position).with_normal(point.normal)
 }

@@ -15,6 +15,7 @@ mod mesh_file;
 mod named;
 mod object;
 mod patch_file;
+mod procedural_texture;
 mod realistic_lens;
 mod receiver;
 mod roughness;

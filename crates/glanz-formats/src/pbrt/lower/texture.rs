@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
-    FloatParameter, ImageDescription, ImageFilter, ImageWrap, MappingDescription, SpectrumParameter,
-    TextureDescription, TextureKind,
+    ImageDescription, ImageFilter, ImageWrap, MappingDescription, SpectrumParameter, TextureDescription,
+    TextureKind,
 };
 
 use super::spectrum::grey;
@@ -80,7 +80,7 @@ impl Lowering {
             },
             "checkerboard" => self.checkerboard(&mut list, context)?,
             "imagemap" => self.image_map(&mut list, context)?,
-            other => self.replaced_texture(other, &mut list, context)?,
+            other => self.procedural_texture(other, &mut list, context)?,
         };
         let location = Some(list.place.location);
         list.finish(&mut self.reporter);
@@ -123,7 +123,11 @@ impl Lowering {
     }
 
     /// From world to texture space; an error if the texture's space is flat.
-    fn texture_space(&mut self, list: &ParameterList, context: &EntityState) -> ParseResult<DMat4> {
+    pub(super) fn texture_space(
+        &mut self,
+        list: &ParameterList,
+        context: &EntityState,
+    ) -> ParseResult<DMat4> {
         let inverse = context.ctm.inverse();
         if inverse.is_finite() {
             return Ok(inverse);
@@ -133,7 +137,7 @@ impl Lowering {
     }
 
     /// Texture mapping.
-    fn mapping(
+    pub(super) fn mapping(
         &mut self,
         list: &mut ParameterList,
         context: &EntityState,
@@ -176,7 +180,8 @@ impl Lowering {
         let scale = list.float_or("scale", 1.0, &mut self.reporter)? as f32;
         let invert = list.boolean("invert", &mut self.reporter)?.unwrap_or(false);
         list.ignore(&["maxanisotropy", "noiseaware"]);
-        Ok(match self.image(&p, &name, encoding)? {
+        let instead = format!("grey of {MISSING_PICTURE} stands in");
+        Ok(match self.image(&p, &name, encoding, &list.subject, &instead)? {
             Some(image) => TextureKind::Image { image, mapping, wrap, filter, scale, invert },
             None => TextureKind::Constant(SpectrumParameter::Value(grey(MISSING_PICTURE))),
         })
@@ -210,9 +215,10 @@ impl Lowering {
             "repeat" => ImageWrap::Repeat,
             "black" => ImageWrap::Black,
             "clamp" => ImageWrap::Clamp,
+            "octahedralsphere" => ImageWrap::OctahedralSphere,
             other => {
                 let message = format!(
-                    "texture \"imagemap\": wrap mode {:?} is not available; \"repeat\" stands in",
+                    "texture \"imagemap\": wrap mode {:?} is unknown; \"repeat\" stands in",
                     shortened(other)
                 );
                 self.stand_in(&place, "stand-in-texture", message);
@@ -242,8 +248,15 @@ impl Lowering {
         })
     }
 
-    /// The index of a picture; `None`, after a report, if it cannot be read.
-    fn image(&mut self, p: &Parameter, name: &str, encoding: Encoding) -> ParseResult<Option<usize>> {
+    /// The index of a picture; `None`, after a report, if it cannot be read. `subject`: what needs it; `instead`: what stands in.
+    pub(super) fn image(
+        &mut self,
+        p: &Parameter,
+        name: &str,
+        encoding: Encoding,
+        subject: &str,
+        instead: &str,
+    ) -> ParseResult<Option<usize>> {
         let tag = match encoding {
             Encoding::Srgb => (0, 0),
             Encoding::Linear => (1, 0),
@@ -272,7 +285,7 @@ impl Lowering {
                 Some(images.len() - 1)
             }
             Err(problem) => {
-                let message = format!("texture \"imagemap\": {problem}; grey of {MISSING_PICTURE} stands in");
+                let message = format!("{subject}: {problem}; {instead}");
                 self.without_file(&p.value_place, &problem, message)?;
                 None
             }
@@ -281,60 +294,5 @@ impl Lowering {
             self.images.insert(key, index);
         }
         Ok(index)
-    }
-
-    /// Lowers an unsupported texture to a constant or to its main part.
-    fn replaced_texture(
-        &mut self,
-        kind: &str,
-        list: &mut ParameterList,
-        context: &EntityState,
-    ) -> ParseResult<TextureKind> {
-        let space = context.color_space;
-        let (made, instead) = match kind {
-            "bilerp" => {
-                let corner = self.spectrum_or(list, "v00", 0.0, space)?;
-                let opposite = self.spectrum_or(list, "v11", 1.0, space)?;
-                list.ignore(&["v01", "v10"]);
-                let amount = FloatParameter::Value(0.5);
-                (TextureKind::Mix { a: corner, b: opposite, amount }, "the mean of two opposite corners")
-            }
-            "dots" => {
-                list.ignore(&["inside"]);
-                (
-                    TextureKind::Constant(self.spectrum_or(list, "outside", 0.0, space)?),
-                    "what is between the dots",
-                )
-            }
-            "directionmix" => {
-                list.ignore(&["dir"]);
-                let a = self.spectrum_or(list, "tex1", 0.0, space)?;
-                let b = self.spectrum_or(list, "tex2", 1.0, space)?;
-                (TextureKind::Mix { a, b, amount: FloatParameter::Value(0.5) }, "the mean of both")
-            }
-            _ => (TextureKind::Constant(SpectrumParameter::Value(grey(0.5))), "a constant 0.5"),
-        };
-        let known = ["bilerp", "dots", "directionmix", "fbm", "wrinkled", "windy", "marble", "uv", "ptex"]
-            .contains(&kind);
-        list.ignore(&[
-            "mapping",
-            "uscale",
-            "vscale",
-            "udelta",
-            "vdelta",
-            "v1",
-            "v2",
-            "octaves",
-            "roughness",
-            "scale",
-            "variation",
-            "filename",
-            "encoding",
-            "gamma",
-        ]);
-        let what = if known { "is not available yet" } else { "is unknown" };
-        let message = format!("texture {:?} {what}; {instead} stands in", shortened(kind));
-        self.stand_in(&list.place, "stand-in-texture", message);
-        Ok(made)
     }
 }

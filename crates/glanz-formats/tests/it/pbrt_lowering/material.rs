@@ -140,7 +140,7 @@ fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
         ("Shape \"sphere\" \"float alpha\" 0", "stand-in-alpha"),
         ("LightSource \"projection\"", "stand-in-light"),
         ("LightSource \"infinite\" \"string mapname\" \"no.exr\"", "missing-file"),
-        ("Texture \"t\" \"color\" \"marble\"", "stand-in-texture"),
+        ("Texture \"t\" \"color\" \"ptex\"", "stand-in-texture"),
         ("Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"no.png\"", "missing-file"),
         ("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "stand-in-medium"),
         ("ActiveTransform EndTime Translate 0 0 1 ActiveTransform All", "stand-in-motion"),
@@ -226,6 +226,37 @@ fn textures_are_found_by_name_and_mapped() {
         &d.textures[2].kind,
         TextureKind::Mix { a: SpectrumParameter::Texture(1), amount: FloatParameter::Value(0.25), .. }
     ));
+}
+
+#[test]
+fn computed_textures_have_their_parameters_and_defaults() {
+    let text = "WorldBegin Translate 1 0 0 Scale 2 2 2 Texture \"n\" \"float\" \"fbm\" \"integer octaves\" 3 \
+        Texture \"d\" \"color\" \"dots\" \"texture inside\" \"n\" \"float uscale\" 4 \
+        Texture \"x\" \"color\" \"directionmix\" \"vector3 dir\" [0 0 3] Texture \"b\" \"color\" \"bilerp\" \"rgb v10\" [1 0 0] \
+        Texture \"m\" \"color\" \"marble\" \"float variation\" 0.5 Texture \"w\" \"float\" \"windy\" Texture \"u\" \"color\" \"uv\"";
+    let textures = read_clean(text).description.textures;
+    let TextureKind::Fractal { kind, mapping: MappingDescription::Solid { to_texture } } = &textures[0].kind
+    else {
+        panic!()
+    };
+    assert_eq!(*kind, FractalKind::Fbm { octaves: 3, roughness: 0.5 });
+    assert_eq!(to_texture.transform_point3(DVec3::new(3.0, 2.0, 0.0)), DVec3::new(1.0, 1.0, 0.0));
+    let TextureKind::Dots { inside: SpectrumParameter::Texture(0), outside, mapping } = &textures[1].kind
+    else {
+        panic!()
+    };
+    assert_eq!(value(outside), [0.0; 3]);
+    assert!(matches!(mapping, MappingDescription::Uv { scale, .. } if scale.x == 4.0));
+    let TextureKind::DirectionMix { along, across, direction } = &textures[2].kind else { panic!() };
+    assert_eq!((value(along), value(across), direction.normalize()), ([0.0; 3], [1.0; 3], DVec3::Z));
+    let TextureKind::Bilerp { corners, .. } = &textures[3].kind else { panic!() };
+    let red = [1.0, 0.0, 0.0];
+    assert_eq!(corners.each_ref().map(value), [[0.0; 3], [1.0; 3], red, [1.0; 3]]);
+    let marble = (8, 0.5, 1.0, 0.5);
+    assert!(matches!(textures[4].kind, TextureKind::Marble { octaves, roughness, scale, variation, .. }
+        if (octaves, roughness, scale, variation) == marble));
+    assert!(matches!(textures[5].kind, TextureKind::Fractal { kind: FractalKind::Windy, .. }));
+    assert!(matches!(textures[6].kind, TextureKind::Uv(_)));
 }
 
 #[test]
