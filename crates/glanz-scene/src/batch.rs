@@ -10,6 +10,7 @@ use glanz_geometry::bvh::{BatchVisitor, BvhLeaf};
 use glanz_geometry::{BoundedRay, Hit};
 use glanz_math::Ray;
 
+use crate::alpha::RayKind;
 use crate::hit::{NearestHit, SceneHit};
 use crate::scene::{Primitive, Scene, SceneGroup};
 
@@ -141,7 +142,7 @@ impl ClosestSearch<'_> {
                 object.closest_batch(self.local, self.local_hits);
                 for ((&id, hit), local) in ids.iter().zip(self.local_hits.iter()).zip(self.local.iter()) {
                     let ray = &self.rays[id as usize].ray;
-                    let hit = self.group.accepted_hit(index, ray, local.t_max, *hit);
+                    let hit = self.group.accepted_hit(index, ray, local.t_max, *hit, RayKind::Closest);
                     if let Some(hit) = hit {
                         self.nearest[id as usize].offer(SceneHit::new(hit, index), number);
                     }
@@ -218,7 +219,7 @@ impl AnySearch<'_> {
                     object.closest_batch(self.local, self.local_hits);
                     let stops = |(&id, hit): (&u32, &Option<Hit>)| {
                         let BoundedRay { ray, t_max } = &self.rays[id as usize];
-                        group.accepted_hit(index, ray, *t_max, *hit).is_some()
+                        group.accepted_hit(index, ray, *t_max, *hit, RayKind::Shadow).is_some()
                     };
                     self.local_occluded.clear();
                     self.local_occluded.extend(self.open.iter().zip(self.local_hits.iter()).map(stops));

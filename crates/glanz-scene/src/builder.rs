@@ -92,7 +92,7 @@ impl SceneBuilder {
     /// Adds a material with a name; a later one of the same name takes its place in shapes to come.
     #[must_use]
     pub fn material(mut self, name: impl Into<String>, kind: MaterialKind) -> Self {
-        self.description.materials.push(MaterialDescription { name: name.into(), kind, location: None });
+        self.description.materials.push(MaterialDescription { name: name.into(), ..kind.into() });
         self
     }
 

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod alpha;
 mod area;
 mod batch;
 mod builder;
@@ -25,6 +26,7 @@ mod section;
 mod solid;
 mod statistics;
 pub mod studio;
+mod surface_detail;
 pub mod tessellation;
 
 pub use builder::{SceneBuilder, ShapeMaterial};

@@ -5,6 +5,7 @@ use glanz_math::{AreaPdf, Bounds3, DVec2, DVec3, Ray, Transform};
 
 use std::sync::Arc;
 
+use crate::alpha::AlphaTest;
 use crate::light::LightId;
 use crate::parameterization::ShapeParameterization;
 
@@ -16,6 +17,8 @@ pub(crate) struct ShapeAttributes {
     pub(crate) material: u32,
     /// Whether the normal is reversed.
     pub(crate) reversed: bool,
+    /// Whether the material has a [`SurfaceDetail`](crate::surface_detail::SurfaceDetail).
+    pub(crate) has_detail: bool,
 }
 
 /// A shape that was joined with others into one mesh.
@@ -42,6 +45,8 @@ pub struct SceneObject {
     tubes: Option<Arc<EdgeTubes>>,
     /// Whether it is an interface, which light passes.
     pub(crate) passable: bool,
+    /// The opacity, unless it is opaque everywhere.
+    pub(crate) alpha: Option<Arc<AlphaTest>>,
 }
 
 impl SceneObject {
@@ -56,6 +61,7 @@ impl SceneObject {
             solid: None,
             tubes: None,
             passable: false,
+            alpha: None,
         }
     }
 
@@ -73,6 +79,11 @@ impl SceneObject {
     /// Where rays may pass between the object and its neighbours in the solid, in the frame of the surface.
     pub(crate) fn tubes(&self) -> Option<&EdgeTubes> {
         self.tubes.as_deref()
+    }
+
+    /// Tells whether the material has a detail.
+    pub(crate) fn set_detail(&mut self, has_detail: bool) {
+        self.attributes.has_detail = has_detail;
     }
 
     /// Several shapes as one surface.
@@ -151,9 +162,14 @@ impl SceneObject {
         }
     }
 
-    /// Whether hits in the border of a trimming curve count only if the solid has a border there.
+    /// Whether no ray hits it.
+    pub(crate) fn is_absent(&self) -> bool {
+        self.alpha.as_ref().is_some_and(|alpha| alpha.is_absent())
+    }
+
+    /// Whether some hits do not count: in the border of a trimming curve where the solid has no border, or where the object is transparent.
     pub(crate) fn has_optional_hits(&self) -> bool {
-        self.solid.is_some() && self.surface.trim_region().is_some()
+        self.alpha.is_some() || self.solid.is_some() && self.surface.trim_region().is_some()
     }
 
     /// The ray in the frame of the surface.

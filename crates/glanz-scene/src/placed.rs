@@ -2,7 +2,9 @@
 
 use glanz_geometry::{FaceDomain, Hit, RaySurface, ShadingPoint, Surface, SurfacePoint};
 use glanz_math::{Bounds3, DVec2, DVec3, Ray, Transform};
+use glanz_shading::TexturePoint;
 
+use crate::alpha::RayKind;
 use crate::interaction::Interaction;
 use crate::light::LightId;
 use crate::object::SceneObject;
@@ -39,6 +41,8 @@ pub struct PlacedPoint {
     pub at: Interaction,
     /// Area per unit of the parameters, m^2.
     pub area_element: f64,
+    /// The opacity: the fraction of rays that the surface stops.
+    pub opacity: f32,
 }
 
 impl Scene {
@@ -154,6 +158,11 @@ impl PlacedSurface<'_> {
         let own_normal = if back != attributes.reversed { -local.point.normal } else { local.point.normal };
         let own = LocalPoint { position: local.point.position, normal_to_viewer: own_normal };
         let (mut point, mut area_element) = (ShadingPoint::from(local.point), local.area_element);
+        let opacity = self.object.alpha.as_ref().map_or(1.0, |alpha| {
+            let point = self.object.to_parent().map_or(local.point, |map| local.point.transformed(map));
+            let at = TexturePoint::new(point.uv, point.position).with_normal(point.normal);
+            alpha.opacity(&at, RayKind::Closest)
+        });
         for map in self.object.to_parent().into_iter().chain(&self.maps) {
             area_element *= map.area_scale(point.normal);
             point = point.transformed(map);
@@ -171,7 +180,7 @@ impl PlacedSurface<'_> {
             material: attributes.material,
             light: self.object.light,
         };
-        Some(PlacedPoint { at, area_element })
+        Some(PlacedPoint { at, area_element, opacity: opacity as f32 })
     }
 }
 

@@ -8,6 +8,7 @@ use glanz_light::Spectrum;
 use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use glanz_shading::{Material, Textures};
 
+use crate::alpha::RayKind;
 use crate::camera::Camera;
 use crate::description::EdgeDescription;
 use crate::hit::{NearestHit, SceneHit};
@@ -18,6 +19,7 @@ use crate::parameterization::{LocalPoint, ShapeParameterization};
 use crate::placed::ParametricPoint;
 use crate::receiver::NamedReceiver;
 use crate::section::GroupSection;
+use crate::surface_detail::SurfaceDetail;
 
 /// Largest depth to which groups may be nested.
 pub const MAX_NESTING: usize = 8;
@@ -82,6 +84,8 @@ pub struct Scene {
     /// All groups; the last is the world.
     pub(crate) groups: Arc<[SceneGroup]>,
     pub(crate) materials: Arc<[Material]>,
+    /// One per material.
+    pub(crate) surface_details: Arc<[Option<SurfaceDetail>]>,
     pub(crate) textures: Arc<Textures>,
     pub(crate) lights: Arc<[Light]>,
     pub(crate) infinite_lights: Arc<[LightId]>,
@@ -214,7 +218,7 @@ impl Scene {
     pub(crate) fn visit(&self, group: &SceneGroup, number: usize, ray: &Ray, nearest: &mut NearestHit) {
         let found = match group.primitive(number) {
             Primitive::Object(object) => {
-                let hit = group.object_hit(object, ray, nearest.end());
+                let hit = group.object_hit(object, ray, nearest.end(), RayKind::Closest);
                 hit.map(|hit| SceneHit::new(hit, object))
             }
             Primitive::Instance(index) => {
@@ -289,6 +293,9 @@ impl Scene {
         object.place(&mut at.point, attributes.reversed);
         for map in maps[..depth].iter().rev() {
             at.point = at.point.transformed(map);
+        }
+        if attributes.has_detail {
+            self.apply_surface_detail(&mut at, object, local, &found.hit, &maps[..depth]);
         }
         at
     }

@@ -110,6 +110,9 @@ impl<'a> Reflections<'a> {
         for (id, light) in (0..).map(LightId).zip(scene.lights()) {
             match light {
                 Light::Area(area) if area.radiance().is_black() => {}
+                Light::Area(area) if !area.is_opaque() => {
+                    return Err(IntegrateError::Kind { light: id, kind: "diffuse with alpha" });
+                }
                 Light::Area(area) => {
                     if let Some(placed) = placed.iter().find(|placed| placed.light() == Some(id)) {
                         emitters.push(EmitterShape::try_new(id, area, placed)?);

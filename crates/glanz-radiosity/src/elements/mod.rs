@@ -6,7 +6,7 @@
 use glanz_geometry::FaceDomain;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::{PlacedSurface, Scene};
+use glanz_scene::{Light, PlacedSurface, Scene};
 
 mod parameter_patch;
 mod walls;
@@ -259,13 +259,17 @@ fn element(scene: &Scene, surface: &PlacedSurface<'_>, patch: Patch) -> Option<E
     let center = ElementPoint { position: point.position, normal: at.at.wo, error: point.error, area };
     let wavelengths = Wavelengths::default();
     let bsdf = at.at.bsdf(scene, &wavelengths)?;
+    let emitted = match at.at.light().and_then(|id| scene.light(id)) {
+        Some(Light::Area(light)) => light.emitted_fraction(at.opacity),
+        _ => 1.0,
+    };
     Some(Element {
         polygon: flat_corners(surface, &patch),
         patch,
         area,
         center,
-        reflectance: bsdf.reflected(at.at.frame().to_local(at.at.wo)),
-        emission: scene.emitted(&at.at, at.at.wo) * std::f32::consts::PI,
+        reflectance: bsdf.reflected(at.at.frame().to_local(at.at.wo)) * at.opacity,
+        emission: scene.emitted(&at.at, at.at.wo) * (emitted * std::f32::consts::PI),
     })
 }
 

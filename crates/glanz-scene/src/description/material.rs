@@ -12,13 +12,25 @@ pub struct MaterialDescription {
     pub name: String,
     /// The scattering model with its parameters.
     pub kind: MaterialKind,
+    /// Detail that changes the shading normal.
+    pub surface_detail: Option<SurfaceDetailDescription>,
     /// Its place in the input.
     pub location: Option<Location>,
 }
 
+/// Detail of a surface that is too fine for its geometry: it changes the normal for shading, not the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SurfaceDetailDescription {
+    /// The height above the surface along its normal, metres.
+    Bump(FloatParameter),
+    /// Index into [`Description::images`](super::Description::images) of a picture of normals: red, green and blue from 0 to 1 are the components from
+    /// -1 to 1 along the derivative of the position by u, across it and along the normal.
+    NormalMap(usize),
+}
+
 impl From<MaterialKind> for MaterialDescription {
     fn from(kind: MaterialKind) -> Self {
-        Self { name: String::new(), kind, location: None }
+        Self { name: String::new(), kind, surface_detail: None, location: None }
     }
 }
 

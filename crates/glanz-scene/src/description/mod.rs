@@ -38,11 +38,11 @@ pub use group::{GroupDescription, InstanceDescription};
 pub use guide::{GridSettings, GuideBasis, GuideSettings, GuideSettingsError};
 pub use integrator::{IntegratorDescription, SamplerDescription};
 pub use light::{EmissionDescription, EmissionPower, LightDescription, LightKind, SourceRay, SpotFalloff};
-pub use material::{DescriptionForm, MaterialDescription, MaterialKind};
+pub use material::{DescriptionForm, MaterialDescription, MaterialKind, SurfaceDetailDescription};
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
 pub use section::SectionDescription;
-pub use shape::ShapeDescription;
+pub use shape::{AlphaDescription, ShapeDescription};
 pub use texture::{
     FloatParameter, ImageDescription, MappingDescription, SpectrumParameter, TextureDescription, TextureKind,
 };

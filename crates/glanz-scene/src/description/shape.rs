@@ -12,6 +12,7 @@ use super::freeform::{BezierPatchesDescription, BezierTrianglesDescription, Nurb
 use super::geometry::GeometryDescription;
 use super::light::EmissionDescription;
 use super::receiver::{ReceiverDescription, ReceiverSide};
+use super::texture::FloatParameter;
 use super::trim::TrimDescription;
 
 /// A surface with its material.
@@ -42,8 +43,28 @@ pub struct ShapeDescription {
     pub solid: Option<u32>,
     /// Receiver settings; only shapes of the world can be receivers.
     pub receiver: Option<ReceiverDescription>,
+    /// The opacity, if it is not 1.
+    pub alpha: Option<AlphaDescription>,
     /// Its place in the input.
     pub location: Option<Location>,
+}
+
+/// The opacity of a surface: the probability, clamped to [0, 1], with which it stops a ray at a point.
+///
+/// Positions of textures are those in the frame of the group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlphaDescription {
+    /// For all rays.
+    pub opacity: FloatParameter,
+    /// Factor on it for shadow rays.
+    pub shadow: FloatParameter,
+}
+
+impl From<FloatParameter> for AlphaDescription {
+    /// The same opacity for all rays.
+    fn from(opacity: FloatParameter) -> Self {
+        Self { opacity, shadow: FloatParameter::Value(1.0) }
+    }
 }
 
 impl From<GeometryDescription> for ShapeDescription {
@@ -58,6 +79,7 @@ impl From<GeometryDescription> for ShapeDescription {
             trim: None,
             solid: None,
             receiver: None,
+            alpha: None,
             location: None,
         }
     }
@@ -186,6 +208,12 @@ impl ShapeDescription {
     #[must_use]
     pub fn emitting(self, emission: impl Into<EmissionDescription>) -> Self {
         Self { emission: Some(emission.into()), ..self }
+    }
+
+    /// The shape with an opacity.
+    #[must_use]
+    pub fn with_alpha(self, alpha: impl Into<AlphaDescription>) -> Self {
+        Self { alpha: Some(alpha.into()), ..self }
     }
 
     /// The shape without what `trim` cuts away.

@@ -1,14 +1,18 @@
 //! A surface that emits light.
+//!
+//! Rays hit a surface of opacity a with probability a, so that it emits the a-th part of its radiance; a surface of opacity 0 everywhere is a light that is
+//! not seen, as in pbrt (@pbrt4 `DiffuseAreaLight`).
 
 use std::f64::consts::{FRAC_1_PI, PI};
 
-use glanz_geometry::{AreaSample, Surface};
+use glanz_geometry::{AreaSample, RaySurface, Surface};
 use glanz_light::Spectrum;
 use glanz_math::rounding::{gamma, offset_origin};
 use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::{LightModel, LightRay, LightSample, brightness};
+use crate::alpha::RayKind;
 use crate::area::area;
 use crate::interaction::{Interaction, LightSampleContext};
 use crate::object::SceneObject;
@@ -30,10 +34,15 @@ pub struct AreaLight {
     sphere: Option<WorldSphere>,
     /// Whether a sphere emits to its inside.
     inward: bool,
+    /// Whether it is transparent in part, so that it emits less.
+    is_translucent: bool,
+    /// Whether rays pass it. It emits all the same.
+    is_invisible: bool,
 }
 
 impl AreaLight {
     pub(crate) fn new(object_index: u32, object: &SceneObject, radiance: Spectrum, two_sided: bool) -> Self {
+        let is_invisible = object.is_absent();
         Self {
             object: object_index,
             radiance,
@@ -41,6 +50,8 @@ impl AreaLight {
             area: area(object),
             sphere: WorldSphere::new(object),
             inward: object.is_reversed(),
+            is_translucent: !is_invisible && object.alpha.is_some(),
+            is_invisible,
         }
     }
 
@@ -62,6 +73,18 @@ impl AreaLight {
     pub fn power(&self) -> Spectrum {
         let sides = if self.two_sided { 2.0 } else { 1.0 };
         self.radiance * (PI * sides * self.area.unwrap_or(0.0)) as f32
+    }
+
+    /// Whether rays hit it everywhere.
+    #[must_use]
+    pub fn is_opaque(&self) -> bool {
+        !self.is_translucent && !self.is_invisible
+    }
+
+    /// Fraction of its radiance that it emits at a point of this opacity.
+    #[must_use]
+    pub fn emitted_fraction(&self, opacity: f32) -> f32 {
+        if self.is_invisible { 1.0 } else { opacity }
     }
 
     /// Whether it is a whole sphere in the world.
@@ -110,6 +133,20 @@ impl AreaLight {
         area_pdf.to_solid_angle(distance_squared, normal.dot(offset / distance_squared.sqrt()))
     }
 
+    /// The opacity at the point of the surface that a ray hits first.
+    fn opacity(&self, scene: &Scene, ray: &Ray) -> f32 {
+        if !self.is_translucent {
+            return 1.0;
+        }
+        let found = scene.world_object(self.object).and_then(|object| {
+            let local = object.local(ray);
+            let hit = object.surface().intersect(&local, f64::INFINITY)?;
+            Some(object.opacity(&local, &hit, RayKind::Closest))
+        });
+        // A point that rounding moves beyond the border counts in full, as of other lights.
+        found.unwrap_or(1.0) as f32
+    }
+
     fn cone(&self, from: DVec3) -> Option<SphereCone> {
         let WorldSphere { center, radius, .. } = self.sphere?;
         SphereCone::new(center, radius, from)
@@ -128,7 +165,13 @@ impl AreaLight {
     ///
     /// # Source
     /// @pharr2023 section 6.2.4.
-    fn sample_cone(&self, cone: &SphereCone, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+    fn sample_cone(
+        &self,
+        scene: &Scene,
+        cone: &SphereCone,
+        from: &Interaction,
+        xi: DVec2,
+    ) -> Option<LightSample> {
         if self.inward && !self.two_sided {
             return None;
         }
@@ -145,9 +188,9 @@ impl AreaLight {
         let shadow = from.spawn_to(position, Some((error, normal)));
         Some(LightSample {
             wi,
-            radiance: self.radiance,
+            radiance: self.radiance * self.opacity(scene, &Ray::new(shadow.at(1.0), wi)),
             pdf: cone.pdf(),
-            is_delta: false,
+            is_delta: self.is_invisible,
             shadow,
             t_max: 1.0,
             area_pdf: Some(AreaPdf(0.25 * FRAC_1_PI / (cone.radius * cone.radius))),
@@ -163,7 +206,7 @@ impl LightModel for AreaLight {
     }
 
     fn can_be_hit(&self) -> bool {
-        true
+        !self.is_invisible
     }
 
     fn can_be_sampled(&self) -> bool {
@@ -176,7 +219,7 @@ impl LightModel for AreaLight {
 
     fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
         if let Some(cone) = self.cone(from.point.position) {
-            return self.sample_cone(&cone, from, xi);
+            return self.sample_cone(scene, &cone, from, xi);
         }
         let AreaSample { position, error, normal, pdf: area_pdf, .. } = self.sample_surface(scene, xi)?;
         let offset = position - from.point.position;
@@ -187,8 +230,9 @@ impl LightModel for AreaLight {
             return None;
         }
         let shadow = from.spawn_to(position, Some((error, normal)));
-        let area_pdf = Some(area_pdf);
-        Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max: 1.0, area_pdf })
+        let (radiance, is_delta) =
+            (radiance * self.opacity(scene, &Ray::new(shadow.at(1.0), wi)), self.is_invisible);
+        Some(LightSample { wi, radiance, pdf, is_delta, shadow, t_max: 1.0, area_pdf: Some(area_pdf) })
     }
 
     /// Directions by the cosine; of a two-sided light on either side.
@@ -204,6 +248,7 @@ impl LightModel for AreaLight {
         let way = Frame::from_z(side * point.normal).to_world(warp::cosine_hemisphere(direction));
         let power = self.emitted(point.normal, way) * (PI * sides / point.pdf.0) as f32;
         let ray = Ray::new(offset_origin(point.position, point.error, point.normal, way), way);
+        let power = power * self.opacity(scene, &Ray::new(ray.origin, -way));
         Some(LightRay { from: Some(point), ..LightRay::new(ray, power) })
     }
 

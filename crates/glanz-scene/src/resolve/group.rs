@@ -1,6 +1,7 @@
 //! Resolves groups of shapes and instances.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use glanz_geometry::bvh::{BuildOptions, Bvh};
 use glanz_light::Wavelengths;
@@ -10,7 +11,9 @@ use rayon::prelude::*;
 
 use super::emission::{area_light, emission_per_object};
 use super::join::join_small_meshes;
+use super::texture::ResolvedTextures;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
+use crate::alpha::AlphaTest;
 use crate::description::{
     EdgeDescription, EmissionDescription, GroupDescription, InstanceDescription, Location,
     ReceiverDescription, SectionDescription, ShapeDescription,
@@ -21,6 +24,7 @@ use crate::object::SceneObject;
 use crate::receiver::NamedReceiver;
 use crate::scene::{Instance, MAX_NESTING, Primitive, SceneGroup};
 use crate::section::GroupSection;
+use crate::surface_detail::SurfaceDetail;
 
 /// An object that emits light, in the frame of its group.
 ///
@@ -35,7 +39,7 @@ struct EmissiveObject {
 /// A shape whose surfaces are still to be built.
 struct PendingShape {
     id: u32,
-    passable: bool,
+    attributes: BuiltAttributes,
     location: Option<Location>,
     emission: Option<EmissionDescription>,
     solid: Option<u32>,
@@ -43,10 +47,25 @@ struct PendingShape {
     shape: ShapeDescription,
 }
 
+/// What is told of the objects of a shape when they are built.
+#[derive(Clone)]
+struct BuiltAttributes {
+    passable: bool,
+    has_detail: bool,
+    alpha: Option<Arc<AlphaTest>>,
+}
+
+impl BuiltAttributes {
+    /// Whether light passes all of the shape.
+    fn is_passed(&self) -> bool {
+        self.passable || self.alpha.as_ref().is_some_and(|alpha| alpha.is_absent())
+    }
+}
+
 /// A shape with its surfaces.
 struct BuiltShape {
     made: Result<Vec<SceneObject>, SceneError>,
-    passable: bool,
+    attributes: BuiltAttributes,
     location: Option<Location>,
     emission: Option<EmissionDescription>,
     solid: Option<u32>,
@@ -56,7 +75,7 @@ struct BuiltShape {
 
 impl PendingShape {
     fn build(self) -> BuiltShape {
-        let Self { id, passable, location, emission, solid, receiver, shape } = self;
+        let Self { id, attributes, location, emission, solid, receiver, shape } = self;
         let mut warnings = WarningList { warnings: Vec::new() };
         let made = shape::objects(shape, id, &mut warnings);
         let bounding = |object: SceneObject| match solid {
@@ -64,17 +83,21 @@ impl PendingShape {
             None => object,
         };
         let made = made.map(|objects| objects.into_iter().map(bounding).collect());
-        BuiltShape { made, passable, location, emission, solid, receiver, warnings }
+        BuiltShape { made, attributes, location, emission, solid, receiver, warnings }
     }
 }
 
 /// Resolves groups one after the other.
-pub(super) struct GroupResolver {
+pub(super) struct GroupResolver<'a> {
+    textures: &'a ResolvedTextures,
+    wavelengths: &'a Wavelengths,
     groups: Vec<SceneGroup>,
     emitters: Vec<Vec<EmissiveObject>>,
     depths: Vec<usize>,
     /// Per material, whether it is an interface.
     passable: Vec<bool>,
+    /// Per material, its surface detail.
+    details: &'a [Option<SurfaceDetail>],
     next_id: u32,
     receivers: Vec<NamedReceiver>,
 }
@@ -87,10 +110,19 @@ pub(super) struct ResolvedGroups {
     pub(super) receivers: Vec<NamedReceiver>,
 }
 
-impl GroupResolver {
-    pub(super) fn new(materials: &[Material]) -> Self {
+impl<'a> GroupResolver<'a> {
+    /// `details`: one per material.
+    pub(super) fn new(
+        materials: &[Material],
+        details: &'a [Option<SurfaceDetail>],
+        textures: &'a ResolvedTextures,
+        wavelengths: &'a Wavelengths,
+    ) -> Self {
         let passable = materials.iter().map(Material::is_interface).collect();
         Self {
+            textures,
+            wavelengths,
+            details,
             groups: Vec::new(),
             emitters: Vec::new(),
             depths: Vec::new(),
@@ -146,7 +178,6 @@ impl GroupResolver {
     pub(super) fn finish(
         mut self,
         mut world: GroupDescription,
-        wavelengths: &Wavelengths,
         warnings: &mut WarningList,
     ) -> Result<ResolvedGroups, SceneError> {
         let index = self.groups.len();
@@ -156,7 +187,7 @@ impl GroupResolver {
         for emitter in emitters {
             let mut object = emitter.object;
             let index = objects.len() as u32;
-            let light = area_light(index, &object, &emitter.emission, emitter.location, wavelengths)?;
+            let light = area_light(index, &object, &emitter.emission, emitter.location, self.wavelengths)?;
             if !light.can_be_sampled() {
                 let message = format!(
                     "points on a {} cannot be sampled, so that its light is found by chance only, with noise; use another shape as light",
@@ -172,6 +203,17 @@ impl GroupResolver {
         self.groups.push(world);
         measure_placements(&mut self.groups);
         Ok(ResolvedGroups { groups: self.groups, lights, receivers: self.receivers })
+    }
+
+    fn attributes(&self, shape: &ShapeDescription) -> Result<BuiltAttributes, SceneError> {
+        let inputs = self.textures.inputs(self.wavelengths, shape.location);
+        let alpha =
+            shape.alpha.as_ref().map(|alpha| inputs.alpha(alpha, &self.textures.textures)).transpose()?;
+        Ok(BuiltAttributes {
+            passable: self.passable[shape.material],
+            has_detail: self.details.get(shape.material).is_some_and(Option::is_some),
+            alpha: alpha.flatten().map(Arc::new),
+        })
     }
 
     #[allow(clippy::type_complexity)]
@@ -191,7 +233,7 @@ impl GroupResolver {
             let receiver = shape.receiver.take().map(|r| NamedReceiver::try_new(r, id)).transpose()?;
             pending.push(PendingShape {
                 id,
-                passable: self.passable[shape.material],
+                attributes: self.attributes(&shape)?,
                 location: shape.location,
                 emission: shape.emission.take(),
                 solid: shape.solid,
@@ -201,14 +243,16 @@ impl GroupResolver {
         }
         // Surfaces of CAD models are many, and each takes a while to build.
         let built: Vec<_> = pending.into_par_iter().map(PendingShape::build).collect();
-        for BuiltShape { made, passable, location, emission, solid, receiver, warnings: found } in built {
+        for BuiltShape { made, attributes, location, emission, solid, receiver, warnings: found } in built {
             let mut made = made?;
             warnings.warnings.extend(found.warnings);
             let measures = receiver.is_some();
             self.receivers.extend(receiver.filter(|_| !made.is_empty()));
             for object in &mut made {
                 check_extent(&object.bounds(), location)?;
-                object.passable = passable;
+                object.passable = attributes.passable;
+                object.set_detail(attributes.has_detail);
+                object.alpha = attributes.alpha.clone();
             }
             match emission {
                 Some(emission) => {
@@ -220,8 +264,8 @@ impl GroupResolver {
                         location,
                     }));
                 }
-                // An interface that neither emits nor measures light has no effect.
-                None if passable && !measures => open.extend(solid),
+                // What light passes has no effect if it neither emits nor measures light.
+                None if attributes.is_passed() && !measures => open.extend(solid),
                 None => objects.extend(made),
             }
         }
@@ -261,7 +305,8 @@ impl GroupResolver {
         let mut bounded = Vec::new();
         let mut unbounded = Vec::new();
         let mut boxes = Vec::new();
-        let of_objects = objects.iter().enumerate().map(|(i, o)| (Primitive::Object(i as u32), o.bounds()));
+        let present = objects.iter().enumerate().filter(|(_, object)| !object.is_absent());
+        let of_objects = present.map(|(i, object)| (Primitive::Object(i as u32), object.bounds()));
         let of_instances = instances.iter().enumerate().map(|(i, instance)| {
             (
                 Primitive::Instance(i as u32),

@@ -55,8 +55,8 @@ impl Scene {
         let camera = Camera::try_new(&description.camera, &description.film)?;
         let textures = texture::textures(&description, &wavelengths)?;
         let materials = material::materials(&description, &textures, &wavelengths, &mut warnings)?;
-        let textures = textures.textures;
-        let mut groups = GroupResolver::new(&materials);
+        let surface_details = material::surface_details(&description, &textures, &wavelengths)?;
+        let mut groups = GroupResolver::new(&materials, &surface_details, &textures, &wavelengths);
         if let Some(section) = &description.section {
             group::reference("group", section.group, description.groups.len(), None)?;
         }
@@ -67,7 +67,7 @@ impl Scene {
             }
         }
         let ResolvedGroups { groups, mut lights, receivers } =
-            groups.finish(description.world, &wavelengths, &mut warnings)?;
+            groups.finish(description.world, &mut warnings)?;
         for light in &description.lights {
             lights.push(light::light(light, &wavelengths, &mut warnings)?);
         }
@@ -94,7 +94,8 @@ impl Scene {
             camera,
             groups: groups.into(),
             materials: materials.into(),
-            textures: textures.into(),
+            surface_details: surface_details.into(),
+            textures: textures.textures,
             lights: lights.into(),
             infinite_lights,
             selector: selector.into(),

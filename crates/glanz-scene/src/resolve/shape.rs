@@ -28,8 +28,12 @@ pub(super) fn objects(
 ) -> Result<Vec<SceneObject>, SceneError> {
     let location = shape.location;
     let to_parent = transform(shape.to_parent, "shape", location)?;
-    let attributes =
-        ShapeAttributes { id, material: shape.material as u32, reversed: shape.reverse_orientation };
+    let attributes = ShapeAttributes {
+        id,
+        material: shape.material as u32,
+        reversed: shape.reverse_orientation,
+        has_detail: false,
+    };
     let at = |error: SurfaceError| SceneError { location, kind: SceneErrorKind::Surface(error) };
     let trim_error = |error| SceneError { location, kind: SceneErrorKind::Trim(error) };
     let region = shape.trim.map(freeform::region).transpose().map_err(trim_error)?;

@@ -1,5 +1,7 @@
 //! Resolves textures and their pictures.
 
+use std::sync::Arc;
+
 use glanz_light::Wavelengths;
 use glanz_shading::Textures;
 use glanz_shading::parameter::ParameterResolver;
@@ -9,15 +11,16 @@ use glanz_shading::texture::{
 };
 
 use super::transform;
+use crate::alpha::AlphaTest;
 use crate::description::{
-    Description, DescriptionForm, FloatParameter, Location, MappingDescription, SpectrumParameter,
-    TextureDescription, TextureKind,
+    AlphaDescription, Description, DescriptionForm, FloatParameter, Location, MappingDescription,
+    SpectrumParameter, TextureDescription, TextureKind,
 };
 use crate::error::{SceneError, SceneErrorKind};
 
 /// The textures of a scene, and their ids by the index in the description.
 pub(super) struct ResolvedTextures {
-    pub(super) textures: Textures,
+    pub(super) textures: Arc<Textures>,
     ids: Vec<TextureId>,
 }
 
@@ -36,6 +39,20 @@ impl InputResolver<'_> {
         })
     }
 
+    /// The opacity of a shape; `None` if it is opaque.
+    pub(super) fn alpha(
+        &self,
+        alpha: &AlphaDescription,
+        textures: &Arc<Textures>,
+    ) -> Result<Option<AlphaTest>, SceneError> {
+        let test = AlphaTest {
+            textures: Arc::clone(textures),
+            opacity: self.number(&alpha.opacity)?,
+            shadow: self.number(&alpha.shadow)?,
+        };
+        Ok((!test.is_opaque()).then_some(test))
+    }
+
     /// A spectrum without upper bound.
     fn unbounded(&self, input: &SpectrumParameter) -> Result<SpectrumInput, SceneError> {
         Ok(match input {
@@ -44,7 +61,7 @@ impl InputResolver<'_> {
         })
     }
 
-    fn number(&self, input: &FloatParameter) -> Result<FloatInput, SceneError> {
+    pub(super) fn number(&self, input: &FloatParameter) -> Result<FloatInput, SceneError> {
         Ok(match input {
             FloatParameter::Value(value) => FloatInput::Constant(*value),
             FloatParameter::Texture(index) => FloatInput::Texture(self.id(*index)?),
@@ -97,7 +114,7 @@ pub(super) fn textures(
         )?;
         ids.push(textures.add(built).map_err(|reason| texture_error(texture, reason))?);
     }
-    Ok(ResolvedTextures { textures, ids })
+    Ok(ResolvedTextures { textures: textures.into(), ids })
 }
 
 fn texture_error(texture: &TextureDescription, reason: impl ToString) -> SceneError {

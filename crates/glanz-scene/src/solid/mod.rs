@@ -18,6 +18,7 @@ use glanz_math::{DVec3, Ray};
 
 use self::crossing::{BoundaryCrossing, CrossingKind, find_crossings_beside_tubes};
 use self::parity::LineCrossings;
+use crate::alpha::RayKind;
 use crate::object::SceneObject;
 use crate::scene::{Primitive, SceneGroup};
 
@@ -113,30 +114,48 @@ impl SceneObject {
 
 impl SceneGroup {
     /// The first hit of a ray with an object of the group that counts.
-    pub(crate) fn object_hit(&self, object: u32, ray: &Ray, t_max: f64) -> Option<Hit> {
-        self.accepted_hit(object, ray, t_max, self.objects[object as usize].intersect(ray, t_max))
+    pub(crate) fn object_hit(&self, object: u32, ray: &Ray, t_max: f64, kind: RayKind) -> Option<Hit> {
+        self.accepted_hit(object, ray, t_max, self.objects[object as usize].intersect(ray, t_max), kind)
     }
 
     /// The first hit with an object that counts; `hit` is the first of all.
     #[inline]
-    pub(crate) fn accepted_hit(&self, object: u32, ray: &Ray, t_max: f64, hit: Option<Hit>) -> Option<Hit> {
+    pub(crate) fn accepted_hit(
+        &self,
+        object: u32,
+        ray: &Ray,
+        t_max: f64,
+        hit: Option<Hit>,
+        kind: RayKind,
+    ) -> Option<Hit> {
         let surface = &self.objects[object as usize];
         let is_certain = hit.is_none_or(|hit| hit.border == HitBorder::Away);
-        match surface.solid {
+        let hit = match surface.solid {
             Some(solid) if !is_certain || surface.meets_tube(ray, t_max, hit.as_ref()) => {
                 self.first_accepted_hit(object, solid, ray, t_max)
             }
             _ => hit,
+        };
+        match &surface.alpha {
+            Some(_) => self.opaque_hit(object, ray, t_max, hit?, kind),
+            None => hit,
         }
     }
 
     #[cold]
     fn first_accepted_hit(&self, object: u32, solid: u32, ray: &Ray, t_max: f64) -> Option<Hit> {
+        let mut hits = Vec::new();
+        self.counting_hits(object, solid, ray, t_max, &mut hits);
+        hits.first().copied()
+    }
+
+    /// Adds all hits of a ray with an object of a solid that count, in ascending order.
+    pub(crate) fn counting_hits(&self, object: u32, solid: u32, ray: &Ray, t_max: f64, hits: &mut Vec<Hit>) {
         let (crossings, accepted) = self.settled_crossings(solid, ray);
-        let mut counting = crossings.iter().zip(accepted).filter(|(_, counts)| *counts);
-        let is_found =
-            |crossing: &BoundaryCrossing| crossing.object == object && crossing.t > 0.0 && crossing.t < t_max;
-        counting.find(|(crossing, _)| is_found(crossing)).map(|(crossing, _)| crossing.hit)
+        let counting = crossings.iter().zip(accepted).filter(|(crossing, counts)| {
+            *counts && crossing.object == object && crossing.t > 0.0 && crossing.t < t_max
+        });
+        hits.extend(counting.map(|(crossing, _)| crossing.hit));
     }
 
     /// The crossings of the line of a ray with a solid, and which of them count. Where their turns leave doubt on which side of the boundary a part of the
@@ -265,7 +284,7 @@ impl SceneGroup {
         let surface = &self.objects[object as usize];
         if surface.has_optional_hits() {
             // Any hit away from the border decides, but only the first is known with its border.
-            !surface.passable && self.object_hit(object, ray, t_max).is_some()
+            !surface.passable && self.object_hit(object, ray, t_max, RayKind::Shadow).is_some()
         } else {
             surface.occluded(ray, t_max)
         }

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its scene has failed")]
 
+mod alpha;
 mod area_lights;
 mod batch;
 mod emission;
@@ -12,3 +13,4 @@ mod section;
 mod smooth_edges;
 mod solid_forms;
 mod solids;
+mod surface_detail;

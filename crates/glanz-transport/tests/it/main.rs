@@ -6,6 +6,7 @@
     reason = "a test that cannot set up its scene has failed, and prints figures to judge a failure by"
 )]
 
+mod alpha;
 mod common;
 mod furnace;
 mod grid;

@@ -35,7 +35,14 @@ impl Lowering {
         };
         let path = self.cad_file(&list.subject, &p, &name)?;
         let settings = self.cad_settings(&path, &mut list, context)?;
-        self.alpha(&mut list)?;
+        let alpha_place = list.value_place("alpha");
+        if self.alpha(&mut list)?.is_some() {
+            let message = format!(
+                "{}: \"alpha\" is not available for CAD files; opaque surfaces stand in",
+                list.subject
+            );
+            self.stand_in(&alpha_place, "stand-in-alpha", message);
+        }
         self.without_receiver(&mut list)?;
         if context.reverse_orientation {
             let message = format!(

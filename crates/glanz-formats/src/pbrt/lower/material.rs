@@ -3,12 +3,14 @@
 use glanz_light::named;
 use glanz_scene::description::{
     DescriptionForm, FloatParameter, MaterialDescription, MaterialKind, SpectrumParameter,
+    SurfaceDetailDescription,
 };
 use glanz_shading::model::{ConductorMaterial, DielectricMaterial, MetalColor};
 
 use super::Lowering;
 use super::roughness::RoughnessNames;
 use super::spectrum::grey;
+use crate::image::Encoding;
 use crate::nearest::nearest;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -27,13 +29,14 @@ impl Lowering {
     pub(crate) fn material(
         &mut self,
         kind: &str,
-        list: ParameterList,
+        mut list: ParameterList,
         space: ColorSpace,
     ) -> ParseResult<usize> {
         let location = Some(list.place.location);
+        let surface_detail = self.surface_detail(&mut list)?;
         let kind = self.material_kind(kind, list, space)?;
         let materials = &mut self.description.materials;
-        materials.push(MaterialDescription { name: String::new(), kind, location });
+        materials.push(MaterialDescription { name: String::new(), kind, surface_detail, location });
         Ok(materials.len() - 1)
     }
 
@@ -50,8 +53,9 @@ impl Lowering {
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
         };
         list.subject = format!("material {kind:?}");
+        let surface_detail = self.surface_detail(&mut list)?;
         let kind = self.material_kind(&kind, list, space)?;
-        let material = MaterialDescription { name: name.to_owned(), kind, location };
+        let material = MaterialDescription { name: name.to_owned(), kind, surface_detail, location };
         let materials = &mut self.description.materials;
         let index = match self.materials.get(name) {
             Some(NamedMaterial { index, awaited: Some(_) }) if *index < materials.len() => {
@@ -80,7 +84,8 @@ impl Lowering {
     fn add_default(&mut self, name: &str, place: &Span) -> usize {
         let kind = MaterialKind::diffuse(grey(0.5));
         let location = Some(place.location);
-        self.description.materials.push(MaterialDescription { name: name.to_owned(), kind, location });
+        let material = MaterialDescription { name: name.to_owned(), location, ..kind.into() };
+        self.description.materials.push(material);
         self.description.materials.len() - 1
     }
 
@@ -118,7 +123,6 @@ impl Lowering {
         space: ColorSpace,
     ) -> ParseResult<MaterialKind> {
         let l = &mut list;
-        self.surface_detail(l)?;
         let made = match kind {
             "diffuse" | "matte" => self.diffuse(kind, l, space)?,
             "mirror" => {
@@ -159,17 +163,18 @@ impl Lowering {
         Ok(made)
     }
 
-    /// Bump maps and similar details, which every material may have.
-    fn surface_detail(&mut self, list: &mut ParameterList) -> ParseResult<()> {
-        for name in ["bumpmap", "displacement", "normalmap"] {
-            let place = list.value_place(name);
-            if list.take(name).is_some() {
-                let message =
-                    format!("{}: {name:?} is not available yet; the smooth surface stands in", list.subject);
-                self.stand_in(&place, "stand-in-bumps", message);
-            }
+    /// The detail that every material may have: a map of normals, or heights as `displacement` (`bumpmap` in version 3), which a map of normals replaces.
+    fn surface_detail(&mut self, list: &mut ParameterList) -> ParseResult<Option<SurfaceDetailDescription>> {
+        let bump = self.optional_float(list, "bumpmap")?;
+        let bump = self.optional_float(list, "displacement")?.or(bump);
+        if let Some((p, name)) = list.text_parameter("normalmap", &mut self.reporter)? {
+            let subject = format!("{}: normal map", list.subject);
+            let instead = "the smooth surface stands in";
+            let picture = self.image(&p, &name, Encoding::Linear, &subject, instead)?;
+            return Ok(picture.map(SurfaceDetailDescription::NormalMap));
         }
-        Ok(())
+        // The same height everywhere changes no normal.
+        Ok(bump.filter(|bump| matches!(bump, FloatParameter::Texture(_))).map(SurfaceDetailDescription::Bump))
     }
 
     fn diffuse(

@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::description::{EmissionDescription, GeometryDescription, ShapeDescription};
+use glanz_scene::description::{
+    AlphaDescription, EmissionDescription, FloatParameter, GeometryDescription, ShapeDescription,
+};
 
 use super::{EntityState, Lowering};
 use crate::nearest::nearest;
@@ -65,7 +67,7 @@ impl Lowering {
         if surfaces.is_empty() {
             return Ok(());
         }
-        self.alpha(&mut list)?;
+        let alpha = self.alpha(&mut list)?;
         let trim = self.trim(&mut list)?;
         let solid = list.integer_from("solid", 0, &mut self.reporter)?;
         let receiver = self.receiver(&mut list)?;
@@ -89,6 +91,7 @@ impl Lowering {
                 trim: trim.clone(),
                 solid,
                 receiver: receiver.clone(),
+                alpha,
                 location: Some(place.location),
             };
             self.current_group().shapes.push(shape);
@@ -203,19 +206,13 @@ impl Lowering {
         Ok(self.float(list, "phimax", 360.0)?.clamp(0.0, 360.0).to_radians())
     }
 
-    /// Reports alpha textures, which are not available yet.
-    pub(super) fn alpha(&mut self, list: &mut ParameterList) -> ParseResult<()> {
-        for name in ["alpha", "shadowalpha"] {
-            let place = list.value_place(name);
-            let Some(p) = list.take(name) else { continue };
-            let opaque = matches!(&p.values, crate::pbrt::parameters::Values::Floats(v) if v[..] == [1.0]);
-            if !opaque {
-                let message =
-                    format!("{}: {name:?} is not available yet; an opaque surface stands in", list.subject);
-                self.stand_in(&place, "stand-in-alpha", message);
-            }
-        }
-        Ok(())
+    /// The opacity: `alpha`, and as a factor for shadow rays `shadowalpha` of version 3.
+    pub(super) fn alpha(&mut self, list: &mut ParameterList) -> ParseResult<Option<AlphaDescription>> {
+        let opacity = self.optional_float(list, "alpha")?;
+        let shadow = self.optional_float(list, "shadowalpha")?;
+        let given = |opacity: Option<FloatParameter>| opacity.unwrap_or(FloatParameter::Value(1.0));
+        let alpha = AlphaDescription { opacity: given(opacity), shadow: given(shadow) };
+        Ok((opacity.is_some() || shadow.is_some()).then_some(alpha))
     }
 
     fn triangle_mesh(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {

@@ -69,6 +69,9 @@ pub fn write(description: &Description, up: UpAxis) -> Result<String, PbrtWriteE
     );
     text.push_str("WorldBegin\n");
     for (number, described) in description.materials.iter().enumerate() {
+        if described.surface_detail.is_some() {
+            return Err(PbrtWriteError::Unsupported("a bump or normal map"));
+        }
         material::write(&mut text, number, &described.kind)?;
     }
     let names = group_names(&description.groups);

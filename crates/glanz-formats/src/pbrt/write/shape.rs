@@ -16,6 +16,9 @@ pub(super) fn write(text: &mut String, shape: &ShapeDescription) -> Result<(), &
     if shape.receiver.is_some() {
         return Err("a receiver cannot be written yet");
     }
+    if shape.alpha.is_some() {
+        return Err("an opacity cannot be written yet");
+    }
     // Writing to a text cannot fail.
     let _ = write!(text, "Shape \"{}\"", shape.geometry.name());
     let mut list = ParameterWriter::new(text);

@@ -137,7 +137,6 @@ fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
             "Shape \"loopsubdiv\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]",
             "stand-in-shape",
         ),
-        ("Shape \"sphere\" \"float alpha\" 0", "stand-in-alpha"),
         ("LightSource \"projection\"", "stand-in-light"),
         ("LightSource \"infinite\" \"string mapname\" \"no.exr\"", "missing-file"),
         ("Texture \"t\" \"color\" \"ptex\"", "stand-in-texture"),
@@ -257,6 +256,26 @@ fn computed_textures_have_their_parameters_and_defaults() {
         if (octaves, roughness, scale, variation) == marble));
     assert!(matches!(textures[5].kind, TextureKind::Fractal { kind: FractalKind::Windy, .. }));
     assert!(matches!(textures[6].kind, TextureKind::Uv(_)));
+}
+
+#[test]
+fn every_material_may_have_bumps_and_every_shape_an_opacity() {
+    let text = "WorldBegin Texture \"h\" \"float\" \"fbm\" Texture \"a\" \"float\" \"constant\" \"float value\" 0.5 \
+        Material \"matte\" \"texture bumpmap\" \"h\" Shape \"sphere\" \"texture alpha\" \"a\" \"float shadowalpha\" 0 \
+        MakeNamedMaterial \"m\" \"string type\" \"mirror\" \"texture displacement\" \"h\" NamedMaterial \"m\" \
+        Shape \"sphere\" \"float alpha\" .25 Material \"matte\" \"float bumpmap\" 2 Shape \"sphere\"";
+    let d = read_clean(text).description;
+    let details: Vec<_> =
+        d.world.shapes.iter().map(|shape| d.materials[shape.material].surface_detail).collect();
+    let bump = Some(SurfaceDetailDescription::Bump(FloatParameter::Texture(0)));
+    assert_eq!(details, [bump, bump, None]);
+    let alphas: Vec<_> = d.world.shapes.iter().map(|shape| shape.alpha).collect();
+    let first = AlphaDescription { opacity: FloatParameter::Texture(1), shadow: FloatParameter::Value(0.0) };
+    assert_eq!(alphas, [Some(first), Some(FloatParameter::Value(0.25).into()), None]);
+    let missing = read("WorldBegin Material \"matte\" \"string normalmap\" \"no.png\"");
+    let messages = missing.diagnostics.to_string();
+    assert!(messages.contains("the smooth surface stands in"), "{messages}");
+    assert_eq!(missing.description.materials[0].surface_detail, None);
 }
 
 #[test]

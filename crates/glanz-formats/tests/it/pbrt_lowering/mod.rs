@@ -13,10 +13,10 @@ use glanz_formats::{Loaded, Options, load_str};
 use glanz_light::{SpectralDistribution, Wavelengths, named};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
-    CameraKind, EmissionPower, FilterKind, FisheyeProjection, FloatParameter, FractalKind,
+    AlphaDescription, CameraKind, EmissionPower, FilterKind, FisheyeProjection, FloatParameter, FractalKind,
     GeometryDescription, IrisDescription, LensInterfaceDescription, LightKind, MappingDescription,
     MaterialKind, SampleLimit, SensorDescription, SpectrumParameter, SphericalMapping, SpotFalloff,
-    StopShape, TextureKind,
+    StopShape, SurfaceDetailDescription, TextureKind,
 };
 
 fn read(text: &str) -> Loaded {
