@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use glanz_scene::description::{GeometryDescription, ShapeDescription};
+use glanz_scene::description::{FloatParameter, GeometryDescription, ShapeDescription};
 
 use super::*;
 use crate::scenes::{parallelogram, scene, walls};
@@ -51,6 +51,26 @@ fn sides_are_no_longer_than_requested() {
     let elements = elements(&scene, 0.3);
     assert_eq!(elements.list.len(), 2 * 28);
     assert!(elements.list.iter().all(|element| (element.area - 2.0 / 28.0).abs() < 1e-12));
+}
+
+#[test]
+fn elements_reflect_and_emit_by_their_opacity() {
+    let square = |opacity: f32| {
+        let square =
+            parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y).with_alpha(FloatParameter::Value(opacity));
+        scene(vec![(square, 0.5, 2.0)])
+    };
+    let front = |opacity: f32| {
+        let list = elements(&square(opacity), 1.0).list;
+        let front = list.into_iter().find(|element| !element.patch.back).unwrap();
+        (front.reflectance, front.emission)
+    };
+    let (_, whole) = front(1.0);
+    assert!(!whole.is_black());
+    // A light of opacity 0 is not seen and emits in full.
+    for (opacity, reflected, emitted) in [(1.0, 0.5, 1.0), (0.25, 0.125, 0.25), (0.0, 0.0, 1.0)] {
+        assert_eq!(front(opacity), (Spectrum::from_rgb([reflected; 3]), whole * emitted));
+    }
 }
 
 #[test]
