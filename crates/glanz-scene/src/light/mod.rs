@@ -253,9 +253,9 @@ fn brightness(light: Spectrum) -> f64 {
 pub struct LightSample {
     /// Unit direction to the light.
     pub wi: DVec3,
-    /// Unoccluded radiance; for a delta light the irradiance on a surface that faces it.
+    /// Unoccluded radiance, on average over the rays that its opacity stops; for a light without extent the irradiance on a surface that faces it.
     pub radiance: Spectrum,
-    /// Density with which `wi` was sampled; 1 for a delta light.
+    /// Density with which `wi` was sampled; 1 for a light without extent.
     pub pdf: SolidAnglePdf,
     /// Whether no other strategy can find this direction.
     pub is_delta: bool,

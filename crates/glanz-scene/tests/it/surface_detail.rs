@@ -74,8 +74,7 @@ fn heights_in_the_world_do_not_depend_on_the_frame_of_the_shape() {
     let mirrored = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0)) * turned;
     let expected = DVec3::Z - 0.4 * across;
     for shape in [square(), square().transformed(turned), square().transformed(mirrored)] {
-        let (scene, _) =
-            builder(BUMP, ramp(mapping, 0.1, 0.4)).shape(shape, "detail").resolve().unwrap();
+        let (scene, _) = builder(BUMP, ramp(mapping, 0.1, 0.4)).shape(shape, "detail").resolve().unwrap();
         let hit = scene.intersect(&down(0.3, -0.2), f64::INFINITY).unwrap();
         assert_close(hit.point.shading_normal, expected * hit.point.normal.z.signum());
     }
