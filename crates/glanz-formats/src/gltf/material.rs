@@ -64,7 +64,7 @@ impl GltfReader<'_, '_> {
                 }
             };
         let materials = &mut self.reader.description.materials;
-        materials.push(MaterialDescription { name: material.own_name(), kind, location: None });
+        materials.push(MaterialDescription { name: material.own_name(), ..kind.into() });
         Ok(GltfMaterial { index: materials.len() - 1, emission, uv })
     }
 

@@ -143,7 +143,7 @@ impl MaterialLowering<'_> {
         let kind = self.kind(material, diffuse, &name);
         let emission = self.emission(material, &name);
         let materials = &mut self.reader.description.materials;
-        materials.push(MaterialDescription { name: material.name.clone(), kind, location: None });
+        materials.push(MaterialDescription { name: material.name.clone(), ..kind.into() });
         (materials.len() - 1, emission)
     }
 
