@@ -54,6 +54,16 @@ pub enum SceneErrorKind {
         /// Number of entries.
         count: usize,
     },
+    /// A mixture of materials without an end.
+    #[error(
+        "material {name} is a mixture of itself, or one of more than {limit} mixtures within each other; use other materials"
+    )]
+    Mixture {
+        /// Name of the material in quotation marks.
+        name: String,
+        /// The largest depth.
+        limit: usize,
+    },
     /// A name unknown to a [`SceneBuilder`](crate::SceneBuilder).
     #[error("there is no {what} \"{name}\"; add it before it is used")]
     Name {

@@ -4,7 +4,8 @@ use glanz_geometry::ShadingPoint;
 use glanz_light::Wavelengths;
 use glanz_math::rounding::offset_origin;
 use glanz_math::{AreaPdf, DVec3, Frame, Ray};
-use glanz_shading::{Bsdf, TexturePoint};
+use glanz_sampling::hash::{combine, unit_f64};
+use glanz_shading::{Bsdf, Material, TexturePoint};
 
 use crate::light::LightId;
 use crate::parameterization::LocalPoint;
@@ -72,7 +73,14 @@ impl Interaction {
     #[must_use]
     pub fn bsdf(&self, scene: &Scene, wavelengths: &Wavelengths) -> Option<Bsdf> {
         let at = TexturePoint::new(self.point.uv, self.point.position).with_normal(self.point.normal);
-        scene.material(self.material).bsdf(scene.textures(), &at, wavelengths)
+        let mut material = scene.material(self.material);
+        if matches!(material, Material::Mix(_)) {
+            // As in pbrt, the same for every ray that comes along the same line: pictures do not depend on threads.
+            let numbers = self.point.position.to_array().into_iter().chain(self.wo.to_array());
+            let hash = numbers.fold(u64::from(self.id), |key, x| combine(key, x.to_bits()));
+            material = scene.material_at(self.material as usize, &at, wavelengths, unit_f64(hash))?;
+        }
+        material.bsdf(scene.textures(), &at, wavelengths)
     }
 
     /// The point in the frame of its shape.

@@ -4,9 +4,11 @@ use std::sync::Arc;
 
 use glanz_geometry::Hit;
 use glanz_geometry::bvh::Bvh;
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
-use glanz_shading::{Material, Textures};
+use glanz_sampling::hash::{combine, unit_f64};
+use glanz_shading::parameter::TextureEvaluator;
+use glanz_shading::{Material, TexturePoint, Textures};
 
 use crate::alpha::RayKind;
 use crate::camera::Camera;
@@ -153,6 +155,25 @@ impl Scene {
 
     pub(crate) fn material(&self, index: u32) -> &Material {
         &self.materials[index as usize]
+    }
+
+    /// The material with this number; of a mixture that which a number `xi` in [0, 1) selects at a point. `None`: it does not exist.
+    #[must_use]
+    pub fn material_at(
+        &self,
+        number: usize,
+        at: &TexturePoint,
+        wavelengths: &Wavelengths,
+        mut xi: f64,
+    ) -> Option<&Material> {
+        let mut material = self.materials.get(number)?;
+        while let Material::Mix(mix) = material {
+            let part = mix.select(&TextureEvaluator::new(&self.textures, at, wavelengths), xi);
+            material = self.materials.get(part)?;
+            // Mixtures within each other decide independently.
+            xi = unit_f64(combine(xi.to_bits(), part as u64));
+        }
+        Some(material)
     }
 
     /// All textures.

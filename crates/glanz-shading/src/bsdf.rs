@@ -51,6 +51,16 @@ impl Lobe {
     /// A refracted image.
     pub const SPECULAR_TRANSMISSION: Self = Self { spread: Spread::Specular, transmission: true };
 
+    /// All kinds.
+    pub const ALL: &'static [Self] = &[
+        Self::DIFFUSE,
+        Self::DIFFUSE_TRANSMISSION,
+        Self::GLOSSY,
+        Self::GLOSSY_TRANSMISSION,
+        Self::SPECULAR_REFLECTION,
+        Self::SPECULAR_TRANSMISSION,
+    ];
+
     /// Whether it scatters into a single direction.
     #[must_use]
     pub fn is_delta(self) -> bool {

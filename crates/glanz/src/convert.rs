@@ -206,7 +206,8 @@ fn materials(loaded: &LoadedScene) -> Result<(Vec<MeshMaterial>, Vec<Warning>), 
     let rgb = |spectrum: Spectrum| spectrum.to_rgb(&wavelengths).map(|x| x.clamp(0.0, 1.0));
     let middle = TexturePoint::new(DVec2::splat(0.5), DVec3::ZERO);
     let material = |(number, described): (usize, &MaterialDescription)| {
-        let preview = scene.materials().get(number);
+        // Of a mixture the part with the larger weight.
+        let preview = scene.material_at(number, &middle, &wavelengths, 0.5);
         let preview = preview.and_then(|material| material.preview(scene.textures(), &middle, &wavelengths));
         let name = described.name.clone();
         match preview {

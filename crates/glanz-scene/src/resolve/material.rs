@@ -30,7 +30,40 @@ pub(super) fn materials(
             }
         }
     };
-    description.materials.iter().map(resolve).collect()
+    let materials = description.materials.iter().map(resolve).collect::<Result<Vec<_>, _>>()?;
+    check_mixtures(description, &materials)?;
+    Ok(materials)
+}
+
+/// Largest number of mixtures within each other.
+const MAX_MIXTURE_DEPTH: usize = 32;
+
+/// Checks that the parts of mixtures exist, and that selecting one ends.
+fn check_mixtures(description: &Description, materials: &[Material]) -> Result<(), SceneError> {
+    let parts = |material: &Material| match material {
+        Material::Mix(mix) => mix.materials.to_vec(),
+        _ => Vec::new(),
+    };
+    let mut ends: Vec<bool> = materials.iter().map(|material| parts(material).is_empty()).collect();
+    for _ in 0..MAX_MIXTURE_DEPTH {
+        let end = |material| parts(material).iter().all(|&part| ends.get(part).copied().unwrap_or(true));
+        ends = materials.iter().map(end).collect();
+    }
+    for ((described, material), ends) in description.materials.iter().zip(materials).zip(ends) {
+        let (location, count) = (described.location, materials.len());
+        if let Some(index) = parts(material).into_iter().find(|&part| part >= count) {
+            let kind = SceneErrorKind::Reference { what: "material", index, count };
+            return Err(SceneError { location, kind });
+        }
+        if !ends {
+            let name = name_in_messages(&described.name);
+            return Err(SceneError {
+                location,
+                kind: SceneErrorKind::Mixture { name, limit: MAX_MIXTURE_DEPTH },
+            });
+        }
+    }
+    Ok(())
 }
 
 fn name_in_messages(name: &str) -> String {

@@ -6,6 +6,7 @@ mod dielectric;
 mod diffuse_transmission;
 mod lambert;
 mod mirror;
+mod mix;
 pub mod phong;
 mod principled;
 pub mod roughness;
@@ -24,6 +25,7 @@ pub use dielectric::{Dielectric, DielectricMaterial};
 pub use diffuse_transmission::{DiffuseTransmission, DiffuseTransmissionMaterial};
 pub use lambert::{DiffuseMaterial, Lambert};
 pub use mirror::{Mirror, MirrorMaterial};
+pub use mix::MixMaterial;
 pub use phong::{Phong, PhongMaterial};
 pub use principled::{Principled, PrincipledMaterial};
 pub use roughness::{Roughness, RoughnessScale};
@@ -187,6 +189,8 @@ macro_rules! bsdfs {
         #[non_exhaustive]
         pub enum Material<P: ParameterForm = ShadingForm> {
             $($(#[$doc])* $material_variant($material<P>),)*
+            /// One of two other materials.
+            Mix(MixMaterial<P>),
             /// No surface at all: rays pass.
             Interface,
         }
@@ -197,6 +201,7 @@ macro_rules! bsdfs {
             pub fn kind(&self) -> &'static str {
                 match self {
                     $(Self::$material_variant(material) => material.kind(),)*
+                    Self::Mix(_) => "mix",
                     Self::Interface => "interface",
                 }
             }
@@ -208,14 +213,16 @@ macro_rules! bsdfs {
             pub fn resolve(&self, resolver: &impl ParameterResolver<P>) -> Result<Material, MaterialError> {
                 Ok(match self {
                     $(Self::$material_variant(material) => Material::$material_variant(material.resolve(resolver)?),)*
+                    Self::Mix(mix) => Material::Mix(mix.resolve(resolver)?),
                     Self::Interface => Material::Interface,
                 })
             }
 
-            /// The lobes that its BSDFs may have.
+            /// The lobes that its BSDFs may have; of a mixture all.
             #[must_use]
             pub fn lobes(&self) -> &'static [Lobe] {
                 match self {
+                    Self::Mix(_) => Lobe::ALL,
                     $(Self::$material_variant(_) => <$model as BsdfModel>::LOBES,)*
                     Self::Interface => &[],
                 }
@@ -223,7 +230,7 @@ macro_rules! bsdfs {
         }
 
         impl Material {
-            /// The BSDF at a point; `None` for [`Material::Interface`].
+            /// The BSDF at a point; `None` for [`Material::Interface`], and for [`Material::Mix`], which has those of other materials.
             #[must_use]
             pub fn bsdf(&self, textures: &Textures, at: &TexturePoint, wavelengths: &Wavelengths) -> Option<Bsdf> {
                 let at = TextureEvaluator::new(textures, at, wavelengths);
@@ -232,11 +239,11 @@ macro_rules! bsdfs {
                         let model = material.bsdf(&at);
                         Some(if model.is_black() { Bsdf::Black } else { Bsdf::$variant(model) })
                     })*
-                    Self::Interface => None,
+                    Self::Mix(_) | Self::Interface => None,
                 }
             }
 
-            /// The appearance in a rasteriser at a point; `None` for [`Material::Interface`].
+            /// The appearance in a rasteriser at a point; `None` as for [`Material::bsdf`].
             #[must_use]
             pub fn preview(
                 &self,
@@ -247,7 +254,7 @@ macro_rules! bsdfs {
                 let at = TextureEvaluator::new(textures, at, wavelengths);
                 match self {
                     $(Self::$material_variant(material) => Some(material.bsdf(&at).preview()),)*
-                    Self::Interface => None,
+                    Self::Mix(_) | Self::Interface => None,
                 }
             }
 
@@ -256,7 +263,7 @@ macro_rules! bsdfs {
             pub fn warning(&self) -> Option<String> {
                 match self {
                     $(Self::$material_variant(material) => material.warning(),)*
-                    Self::Interface => None,
+                    Self::Mix(_) | Self::Interface => None,
                 }
             }
         }

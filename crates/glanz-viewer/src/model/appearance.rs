@@ -26,7 +26,11 @@ pub(super) fn material(
     let material = scene.materials().get(index as usize);
     let previews: Vec<PreviewSurface> = places(placed, face)
         .iter()
-        .filter_map(|at| material?.preview(scene.textures(), at, &wavelengths))
+        .filter_map(|at| {
+            // Of a mixture the part with the larger weight.
+            let material = scene.material_at(index as usize, at, &wavelengths, 0.5)?;
+            material.preview(scene.textures(), at, &wavelengths)
+        })
         .collect();
     let count = previews.len().max(1) as f64;
     let mean = |of: &dyn Fn(&PreviewSurface) -> f32| {

@@ -284,12 +284,14 @@ impl Lowering {
         b: SpectrumParameter,
         list: &ParameterList,
     ) -> SpectrumParameter {
-        self.description.textures.push(TextureDescription {
-            name: String::new(),
-            kind: TextureKind::Scale(a, b),
-            location: Some(list.place.location),
-        });
-        SpectrumParameter::Texture(self.description.textures.len() - 1)
+        SpectrumParameter::Texture(self.add_texture(TextureKind::Scale(a, b), list))
+    }
+
+    /// Adds a texture without a name and returns its index.
+    pub(super) fn add_texture(&mut self, kind: TextureKind, list: &ParameterList) -> usize {
+        let textures = &mut self.description.textures;
+        textures.push(TextureDescription { name: String::new(), kind, location: Some(list.place.location) });
+        textures.len() - 1
     }
 }
 

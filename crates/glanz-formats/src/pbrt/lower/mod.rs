@@ -12,6 +12,7 @@ mod luminaire;
 mod material;
 mod material_stand_in;
 mod mesh_file;
+mod mix;
 mod named;
 mod object;
 mod patch_file;

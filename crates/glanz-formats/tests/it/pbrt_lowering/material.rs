@@ -125,6 +125,32 @@ fn roughness_has_the_meaning_of_its_version() {
 }
 
 #[test]
+fn mixtures_name_their_parts_before_or_after_these() {
+    let parts = "MakeNamedMaterial \"a\" \"string type\" \"mirror\" MakeNamedMaterial \"b\" \"string type\" \"diffuse\"";
+    let version4 = "\"mix\" \"string materials\" [ \"a\" \"b\" ] \"float amount\" .25";
+    let version3 =
+        "\"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"float amount\" .75";
+    for (text, film) in [(version4, "rgb"), (version3, "image")] {
+        for text in [format!("Material {text} {parts}"), format!("{parts} Material {text}")] {
+            let loaded = read_clean(&format!("Film \"{film}\" WorldBegin {text} Shape \"sphere\""));
+            let materials = &loaded.description.materials;
+            let mix = materials.iter().find_map(|material| match &material.kind {
+                MaterialKind::Mix(mix) => Some(mix.clone()),
+                _ => None,
+            });
+            let mix = mix.unwrap();
+            let names = mix.materials.map(|part| materials[part].name.as_str());
+            assert_eq!((names, mix.amount), (["a", "b"], 0.25.into()), "{text}");
+        }
+    }
+    let text =
+        "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"mix\" \"string materials\" [ \"a\" \"a\" ]";
+    let endless = read_clean(&format!("Film \"rgb\" {text} NamedMaterial \"a\" Shape \"sphere\""));
+    let error = glanz_scene::Scene::resolve(endless.description).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("a mixture of itself"), "{error}");
+}
+
+#[test]
 fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
     for (text, kind) in [
         ("Material \"coateddiffuse\" \"rgb albedo\" [.1 .1 .1]", "stand-in-material"),
