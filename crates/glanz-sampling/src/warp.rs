@@ -103,7 +103,47 @@ pub fn uniform_sphere_inverse(w: DVec3) -> DVec2 {
     DVec2::new((0.5 * (1.0 - w.z)).clamp(0.0, 1.0), turn(w.x, w.y))
 }
 
-/// Density of [`uniform_sphere`].
+/// A uniformly distributed direction; neighbouring points of the square give neighbouring directions, with little distortion.
+///
+/// The upper hemisphere is the diamond between the middles of the sides, the lower one the four corners; z is the middle, x the middle
+/// of the side x = 1.
+///
+/// # Source
+/// @clarberg2008.
+#[inline]
+#[must_use]
+pub fn equal_area_sphere(xi: DVec2) -> DVec3 {
+    let signed = 2.0 * xi - 1.0;
+    let DVec2 { x: u, y: v } = signed.abs();
+    // Above 0 in the upper hemisphere; r is the distance to the nearer pole.
+    let height = 1.0 - (u + v);
+    let r = 1.0 - height.abs();
+    let phi = if r > 0.0 { FRAC_PI_4 * ((v - u) / r + 1.0) } else { 0.0 };
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    let sin = r * (2.0 - r * r).max(0.0).sqrt();
+    DVec3::new(
+        (sin * cos_phi).copysign(signed.x),
+        (sin * sin_phi).copysign(signed.y),
+        (1.0 - r * r).copysign(height),
+    )
+}
+
+/// The inverse of [`equal_area_sphere`], in [0, 1)^2.
+#[inline]
+#[must_use]
+pub fn equal_area_sphere_inverse(w: DVec3) -> DVec2 {
+    let DVec3 { x, y, z } = w.abs();
+    // r^2 = 1 - z without cancellation.
+    let r = ((x * x + y * y) / (1.0 + z)).sqrt();
+    let (large, small) = if x < y { (y, x) } else { (x, y) };
+    let angle = if large > 0.0 { (small / large).atan() / FRAC_PI_2 } else { 0.0 };
+    let v = r * if x < y { 1.0 - angle } else { angle };
+    let (u, v) = if w.z < 0.0 { (1.0 - v, 1.0 - (r - v)) } else { (r - v, v) };
+    let place = 0.5 * DVec2::new(u.copysign(w.x), v.copysign(w.y)) + 0.5;
+    place.clamp(DVec2::ZERO, DVec2::splat(1.0 - f64::EPSILON / 2.0))
+}
+
+/// Density of [`uniform_sphere`] and [`equal_area_sphere`].
 #[must_use]
 pub fn uniform_sphere_pdf() -> SolidAnglePdf {
     SolidAnglePdf(0.25 * FRAC_1_PI)
@@ -235,44 +275,6 @@ pub fn phong_lobe_inverse(w: DVec3, exponent: f64) -> DVec2 {
 #[must_use]
 pub fn phong_lobe_pdf(cos: f64, exponent: f64) -> SolidAnglePdf {
     SolidAnglePdf(if cos > 0.0 { (exponent + 1.0) / TAU * cos.powf(exponent) } else { 0.0 })
-}
-
-/// The direction at a point of the unit square, with equal areas and little distortion: the hemisphere of z > 0 becomes the inner diamond,
-/// the other one the four corners.
-///
-/// # Source
-/// @clarberg2008.
-#[inline]
-#[must_use]
-pub fn equal_area_sphere(place: DVec2) -> DVec3 {
-    let signed = 2.0 * place - 1.0;
-    let DVec2 { x: u, y: v } = signed.abs();
-    // Above 0 in the upper hemisphere; r is the distance to the nearer pole.
-    let height = 1.0 - (u + v);
-    let r = 1.0 - height.abs();
-    let phi = if r > 0.0 { FRAC_PI_4 * ((v - u) / r + 1.0) } else { 0.0 };
-    let (sin_phi, cos_phi) = phi.sin_cos();
-    let sin = r * (2.0 - r * r).max(0.0).sqrt();
-    DVec3::new(
-        (sin * cos_phi).copysign(signed.x),
-        (sin * sin_phi).copysign(signed.y),
-        (1.0 - r * r).copysign(height),
-    )
-}
-
-/// The inverse of [`equal_area_sphere`], for a unit vector: a point of [0, 1)^2.
-#[inline]
-#[must_use]
-pub fn equal_area_square(direction: DVec3) -> DVec2 {
-    let DVec3 { x, y, z } = direction.abs();
-    // r^2 = 1 - z without cancellation.
-    let r = ((x * x + y * y) / (1.0 + z)).sqrt();
-    let (large, small) = if x < y { (y, x) } else { (x, y) };
-    let angle = if large > 0.0 { (small / large).atan() / FRAC_PI_2 } else { 0.0 };
-    let v = r * if x < y { 1.0 - angle } else { angle };
-    let (u, v) = if direction.z < 0.0 { (1.0 - v, 1.0 - (r - v)) } else { (r - v, v) };
-    let place = 0.5 * DVec2::new(u.copysign(direction.x), v.copysign(direction.y)) + 0.5;
-    place.clamp(DVec2::ZERO, DVec2::splat(1.0 - f64::EPSILON / 2.0))
 }
 
 /// A point of a regular polygon with `blades` >= 3 corners on the unit circle, uniform by area: the aperture of an iris.

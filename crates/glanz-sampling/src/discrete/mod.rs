@@ -3,10 +3,12 @@
 pub mod alias;
 pub mod grid;
 pub mod piecewise_constant;
+pub mod windowed;
 
 pub use alias::AliasTable;
 pub use grid::PiecewiseConstant2;
 pub use piecewise_constant::PiecewiseConstant1;
+pub use windowed::{Window, WindowedPiecewiseConstant2};
 
 /// Invalid weights.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

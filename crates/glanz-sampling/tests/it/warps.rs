@@ -57,6 +57,7 @@ fn check_directions(name: &str, warp: impl Fn(DVec2) -> DVec3, pdf: impl Fn(f64)
 #[test]
 fn directions_follow_their_densities() {
     check_directions("sphere", uniform_sphere, |_| uniform_sphere_pdf().0);
+    check_directions("equal-area sphere", equal_area_sphere, |_| uniform_sphere_pdf().0);
     check_directions("hemisphere", uniform_hemisphere, |z| uniform_hemisphere_pdf(z).0);
     check_directions("cosine", cosine_hemisphere, |z| cosine_hemisphere_pdf(z).0);
     for n in [0.0, 1.0, 7.5, 60.0] {
@@ -127,32 +128,6 @@ fn polygons_have_the_moment_of_their_sides_and_fill_them() {
 }
 
 #[test]
-fn equal_area_map_preserves_areas_and_is_invertible() {
-    let n = 256;
-    let mut octants = [(0, DVec3::ZERO); 8];
-    for i in 0..n * n {
-        let place = DVec2::new(f64::from(i % n) + 0.5, f64::from(i / n) + 0.5) / f64::from(n);
-        let direction = equal_area_sphere(place);
-        assert!((direction.length() - 1.0).abs() < 1e-14);
-        assert!((equal_area_square(direction) - place).length() < 1e-12, "{place}");
-        let octant = usize::from(direction.x < 0.0)
-            + 2 * usize::from(direction.y < 0.0)
-            + 4 * usize::from(direction.z < 0.0);
-        octants[octant].0 += 1;
-        octants[octant].1 += direction.abs();
-    }
-    for (count, sum) in octants {
-        // The diamond's border crosses cells of the grid: of those on the diagonal, half are on either side.
-        assert!((f64::from(count) / f64::from(n * n / 8) - 1.0).abs() < 0.01, "{count}");
-        // Each coordinate is uniform over a sphere (Archimedes): its mean over an octant is 1/2.
-        assert!((sum / f64::from(count) - 0.5).abs().max_element() < 0.005, "{sum}");
-    }
-    for pole in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y] {
-        assert!((equal_area_sphere(equal_area_square(pole)) - pole).length() < 1e-7);
-    }
-}
-
-#[test]
 fn tent_follows_its_density() {
     let expected: Vec<f64> = (0..30)
         .map(|i| {
@@ -216,5 +191,32 @@ fn corners_of_the_square_give_directions() {
             assert!(cosine_hemisphere(x).z > 0.0);
             assert!(concentric_disk(x).length() <= 1.0 + 1e-15);
         }
+    }
+}
+
+#[test]
+fn equal_area_map_preserves_areas_and_is_invertible() {
+    // Centroids of octants, known from symmetry, and every direction back to itself.
+    let n = 256;
+    let mut octants = [(0, DVec3::ZERO); 8];
+    for i in 0..n * n {
+        let place = DVec2::new(f64::from(i % n) + 0.5, f64::from(i / n) + 0.5) / f64::from(n);
+        let direction = equal_area_sphere(place);
+        assert!((direction.length() - 1.0).abs() < 1e-14);
+        assert!((equal_area_sphere_inverse(direction) - place).length() < 1e-12, "{place}");
+        let octant = usize::from(direction.x < 0.0)
+            + 2 * usize::from(direction.y < 0.0)
+            + 4 * usize::from(direction.z < 0.0);
+        octants[octant].0 += 1;
+        octants[octant].1 += direction.abs();
+    }
+    for (count, sum) in octants {
+        // The diamond's border crosses cells of the grid: of those on the diagonal, half are on either side.
+        assert!((f64::from(count) / f64::from(n * n / 8) - 1.0).abs() < 0.01, "{count}");
+        // Each coordinate is uniform over a sphere (Archimedes): its mean over an octant is 1/2.
+        assert!((sum / f64::from(count) - 0.5).abs().max_element() < 0.005, "{sum}");
+    }
+    for pole in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y] {
+        assert!((equal_area_sphere(equal_area_sphere_inverse(pole)) - pole).length() < 1e-7);
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glanz_math::{DVec2, DVec3, Ray};
-use glanz_sampling::warp::{equal_area_sphere, equal_area_square};
+use glanz_sampling::warp::{equal_area_sphere, equal_area_sphere_inverse};
 
 use crate::description::SphericalMapping;
 
@@ -51,7 +51,7 @@ impl Spherical {
                 let turn = z.atan2(x) / TAU;
                 DVec2::new(if turn < 0.0 { turn + 1.0 } else { turn }, x.hypot(z).atan2(y) / PI)
             }
-            SphericalMapping::EqualArea => equal_area_square(DVec3::new(x, z, y)),
+            SphericalMapping::EqualArea => equal_area_sphere_inverse(DVec3::new(x, z, y)),
         };
         Some(DVec2::new(place.x, 1.0 - place.y))
     }

@@ -9,7 +9,7 @@
 use std::f64::consts::PI;
 
 use glanz_math::{DVec2, DVec3};
-use glanz_sampling::warp::{equal_area_sphere, equal_area_square};
+use glanz_sampling::warp::{equal_area_sphere, equal_area_sphere_inverse};
 
 /// Fraction of a tree above which a part is divided.
 const SPLIT_SHARE: f64 = 0.03;
@@ -117,7 +117,7 @@ impl DirectionTrees {
     /// Density per steradian of `direction` and its leaf.
     #[inline]
     pub(crate) fn pdf(&self, root: u32, direction: DVec3) -> (f64, u32) {
-        let (mut node, mut pdf, mut place) = (root, 1.0 / (4.0 * PI), equal_area_square(direction));
+        let (mut node, mut pdf, mut place) = (root, 1.0 / (4.0 * PI), equal_area_sphere_inverse(direction));
         loop {
             let Some(QuadtreeNode { share, child }) = self.0.get(node as usize) else { return (0.0, 0) };
             place *= 4.0;

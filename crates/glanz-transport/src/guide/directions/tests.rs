@@ -64,7 +64,7 @@ fn samples_follow_the_density() {
     let mut observed = vec![0_u64; side * side];
     for i in 0..count {
         let xi = PixelSampler::new(SamplerKind::Independent, count, 5, [0, 0], i).next_2d();
-        let place = equal_area_square(trees.sample(0, xi).unwrap().direction) * side as f64;
+        let place = equal_area_sphere_inverse(trees.sample(0, xi).unwrap().direction) * side as f64;
         observed[place.y as usize * side + place.x as usize] += 1;
     }
     let fine = 16;
@@ -87,7 +87,7 @@ fn samples_follow_the_density() {
 fn leaves_are_small_in_directions_of_light_and_large_elsewhere() {
     let trees = spot();
     let size = |direction| {
-        let (mut node, mut level, mut place) = (0, 1, equal_area_square(direction));
+        let (mut node, mut level, mut place) = (0, 1, equal_area_sphere_inverse(direction));
         loop {
             place *= 4.0;
             let part = 4 * place.x as usize + place.y as usize;
