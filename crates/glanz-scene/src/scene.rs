@@ -401,6 +401,21 @@ impl Scene {
         self.light(id)?.sample(self, from, xi)
     }
 
+    /// As [`Scene::sample_light`], for estimators that combine these samples with those of BSDFs: where others find the light as well, the density may
+    /// be lower, and 0 where light arrives. [`Scene::compensated_infinite_pdf`] is the density.
+    ///
+    /// # Source
+    /// @karlik2019.
+    #[must_use]
+    pub fn sample_light_compensated(
+        &self,
+        id: LightId,
+        from: &Interaction,
+        xi: DVec2,
+    ) -> Option<LightSample> {
+        self.light(id)?.sample_compensated(self, from, xi)
+    }
+
     /// Density with which [`Scene::sample_light`] from `from` samples the point `hit` of the light `id`; without the
     /// probability of the light itself.
     #[must_use]
@@ -417,11 +432,13 @@ impl Scene {
         &self.infinite_lights
     }
 
-    /// Radiance of the infinite light `id` along a ray that left the scene.
+    /// Radiance of the infinite light `id` along a ray that left the scene, or the rectangle through which it arrives.
     #[must_use]
     pub fn infinite_radiance(&self, id: LightId, ray: &Ray) -> Spectrum {
         match self.light(id) {
             Some(Light::Infinite(light)) => light.radiance(),
+            Some(Light::ImageInfinite(light)) => light.radiance(ray.direction),
+            Some(Light::PortalInfinite(light)) => light.radiance(ray.origin, ray.direction),
             Some(Light::Sun(light)) => light.radiance(ray.direction),
             _ => Spectrum::BLACK,
         }
@@ -433,8 +450,24 @@ impl Scene {
     pub fn infinite_pdf(&self, id: LightId, from: &LightSampleContext, wi: DVec3) -> SolidAnglePdf {
         match self.light(id) {
             Some(Light::Infinite(light)) => light.pdf(from, wi),
+            Some(Light::ImageInfinite(light)) => light.pdf(wi),
+            Some(Light::PortalInfinite(light)) => light.pdf(from.position, wi),
             Some(Light::Sun(light)) => light.pdf(wi),
             _ => SolidAnglePdf(0.0),
+        }
+    }
+
+    /// As [`Scene::infinite_pdf`], of [`Scene::sample_light_compensated`].
+    #[must_use]
+    pub fn compensated_infinite_pdf(
+        &self,
+        id: LightId,
+        from: &LightSampleContext,
+        wi: DVec3,
+    ) -> SolidAnglePdf {
+        match self.light(id) {
+            Some(Light::ImageInfinite(light)) => light.compensated_pdf(wi),
+            _ => self.infinite_pdf(id, from, wi),
         }
     }
 

@@ -8,7 +8,9 @@ use glanz_formats::{Diagnostics, Loaded, Options, load};
 use glanz_light::intensity::{IntensityDistribution, LuminousOpening, OpeningShape};
 use glanz_light::{Pixels, SpectralDistribution, Tone};
 use glanz_math::DVec3;
-use glanz_scene::description::{GeometryDescription, LightKind, SpectrumParameter, TextureKind};
+use glanz_scene::description::{
+    Description, GeometryDescription, LightKind, SpectrumParameter, SphereMapping, TextureKind,
+};
 
 /// A folder that goes away at the end of a test.
 struct Folder(PathBuf);
@@ -168,22 +170,66 @@ fn pictures_are_read_once_and_named_spectra_from_files() {
     assert!((kd.luminance() - 0.5).abs() < 1e-3);
 }
 
-#[test]
-fn a_sky_picture_gives_its_mean() {
-    let folder = Folder::new("sky");
-    folder
-        .put(
-            "scene.pbrt",
-            "WorldBegin\nLightSource \"infinite\" \"string mapname\" \"sky.pfm\" \"rgb L\" [2 2 2]\n",
-        )
-        .put("sky.pfm", picture(&[[1.0, 2.0, 3.0]; 8], 4));
+/// Lights of a scene file next to the picture `sky.pfm` of that many columns and rows, whose upper half is (1, 2, 4).
+fn lights_with_picture(name: &str, scene: &str, [columns, rows]: [usize; 2]) -> Description {
+    let pixels: Vec<[f32; 3]> = (0..columns * rows)
+        .map(|i| if 2 * i < columns * rows { [1.0, 2.0, 4.0] } else { [0.0; 3] })
+        .collect();
+    let folder = Folder::new(name);
+    folder.put("scene.pbrt", scene).put("sky.pfm", picture(&pixels, columns as u32));
     let loaded = folder.load().unwrap_or_else(|d| panic!("{d}"));
-    let light = &loaded.description.lights[0];
-    let SpectralDistribution::Rgb(rgb) = light.emission else { panic!() };
-    for (found, expected) in rgb.into_iter().zip([2.0, 4.0, 6.0]) {
-        assert!((found - expected).abs() < 1e-5);
+    assert!(loaded.diagnostics.is_empty(), "{}", loaded.diagnostics);
+    loaded.description
+}
+
+#[test]
+fn picture_of_an_infinite_light_is_read_once_and_mapped_as_its_version_does() {
+    for (name, words, size, expected) in [
+        ("sky3", "\"string mapname\" \"sky.pfm\"", [4, 2], SphereMapping::LatitudeLongitude),
+        (
+            "sky3s",
+            "\"string mapname\" \"sky.pfm\" \"color scale\" [1 1 1]",
+            [4, 4],
+            SphereMapping::LatitudeLongitude,
+        ),
+        (
+            "sky4",
+            "\"string filename\" \"sky.pfm\" \"float illuminance\" 1",
+            [4, 2],
+            SphereMapping::LatitudeLongitude,
+        ),
+        (
+            "sky4s",
+            "\"string filename\" \"sky.pfm\" \"float illuminance\" 1",
+            [4, 4],
+            SphereMapping::EqualArea,
+        ),
+    ] {
+        let film = if name.starts_with("sky4") { "Film \"rgb\" " } else { "" };
+        let scene =
+            format!("{film}WorldBegin\nLightSource \"infinite\" {words}\nLightSource \"infinite\" {words}\n");
+        let description = lights_with_picture(name, &scene, size);
+        assert_eq!((description.images.len(), description.lights.len()), (1, 2));
+        for light in &description.lights {
+            let LightKind::ImageInfinite { image: 0, mapping } = light.kind else {
+                panic!("{:?}", light.kind)
+            };
+            assert_eq!(mapping, expected, "{words}");
+        }
     }
-    assert_eq!(loaded.diagnostics.iter().map(|d| d.kind).collect::<Vec<_>>(), ["stand-in-light"]);
+}
+
+#[test]
+fn colour_of_a_light_multiplies_its_picture_and_illuminance_counts_the_upper_half() {
+    let scene = "WorldBegin LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"rgb L\" [2 1 3]";
+    let light = &lights_with_picture("color", scene, [4, 2]).lights[0];
+    assert!(matches!(light.emission, SpectralDistribution::Rgb([2.0, 1.0, 3.0])), "{:?}", light.emission);
+    let scene = format!("{scene} \"float scale\" 10 \"float illuminance\" 5");
+    let light = &lights_with_picture("lux", &scene, [512, 256]).lights[0];
+    // An even upper half of radiance L gives pi L; `scale` is a factor on top.
+    let lit = SpectralDistribution::Rgb([2.0, 2.0, 12.0]).luminance();
+    let expected = 10.0 * 5.0 / (std::f32::consts::PI * lit);
+    assert!((light.scale / expected - 1.0).abs() < 1e-3, "{} {expected}", light.scale);
 }
 
 #[test]

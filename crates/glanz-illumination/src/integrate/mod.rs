@@ -118,7 +118,11 @@ impl<'a> Reflections<'a> {
                         emitters.push(EmitterShape::try_new(id, area, placed)?);
                     }
                 }
-                Light::Point(_) | Light::Spot(_) | Light::Distant(_) => points.push((id, light.clone())),
+                Light::Point(_)
+                | Light::Spot(_)
+                | Light::Projection(_)
+                | Light::Goniometric(_)
+                | Light::Distant(_) => points.push((id, light.clone())),
                 Light::Photometric(luminaire) if luminaire.is_point() => points.push((id, light.clone())),
                 other => return Err(IntegrateError::Kind { light: id, kind: other.kind() }),
             }

@@ -89,6 +89,20 @@ pub enum LightKind {
         /// The falloff between the two.
         falloff: SpotFalloff,
     },
+    /// Factor on the intensity, W/sr, of a picture that the origin of light space emits into a pyramid around z; y is up, x to the right.
+    Projection {
+        /// Index into [`Description::images`](super::Description::images).
+        image: usize,
+        /// Angle of the shorter side, radians, between 0 and pi.
+        field_of_view: f64,
+    },
+    /// Factor on the intensity, W/sr, of a picture over all directions that the origin of light space emits.
+    Goniometric {
+        /// Index into [`Description::images`](super::Description::images).
+        image: usize,
+        /// Directions in light space, of which y and z are exchanged: y is up.
+        mapping: SphereMapping,
+    },
     /// Emits the measured candela of a luminaire; of the emission only the colour counts, not the magnitude.
     Photometric {
         /// Candela by direction in light space, which is the [luminaire's frame](glanz_light::intensity).
@@ -123,6 +137,29 @@ pub enum LightKind {
     },
     /// W/(m^2 sr) from every direction.
     Infinite,
+    /// Factor on the radiance, W/(m^2 sr), of a picture over all directions.
+    ImageInfinite {
+        /// Index into [`Description::images`](super::Description::images).
+        image: usize,
+        /// Directions in light space.
+        mapping: SphereMapping,
+    },
+    /// As [`LightKind::ImageInfinite`] or [`LightKind::Infinite`], through a rectangle only.
+    PortalInfinite {
+        /// Index into [`Description::images`](super::Description::images), and directions in light space; `None`: the same from everywhere.
+        image: Option<(usize, SphereMapping)>,
+        /// Corners of the rectangle in order, in world space; counterclockwise seen from where the light goes.
+        portal: [DVec3; 4],
+    },
+}
+
+/// Mapping of a picture to all directions; z is up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SphereMapping {
+    /// Rows from z to -z by the angle from z, columns by the angle about z from x towards y (pbrt v3).
+    LatitudeLongitude,
+    /// Pixels of the same solid angle: z in the middle, -z in the corners, x on the right, y at the bottom (@clarberg2008, pbrt v4).
+    EqualArea,
 }
 
 /// A ray of a light source. Sources have millions, hence single precision.

@@ -37,7 +37,9 @@ pub use glanz_shading::texture::{FractalKind, ImageFilter, ImageWrap};
 pub use group::{GroupDescription, InstanceDescription};
 pub use guide::{GridSettings, GuideBasis, GuideSettings, GuideSettingsError};
 pub use integrator::{IntegratorDescription, SamplerDescription};
-pub use light::{EmissionDescription, EmissionPower, LightDescription, LightKind, SourceRay, SpotFalloff};
+pub use light::{
+    EmissionDescription, EmissionPower, LightDescription, LightKind, SourceRay, SphereMapping, SpotFalloff,
+};
 pub use material::{DescriptionForm, MaterialDescription, MaterialKind, SurfaceDetailDescription};
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
@@ -78,7 +80,7 @@ pub struct Description {
     pub sampler: SamplerDescription,
     /// The integrator.
     pub integrator: IntegratorDescription,
-    /// Pictures that textures refer to by index.
+    /// Pictures that textures and lights refer to by index.
     pub images: Vec<ImageDescription>,
     /// Textures; one may only refer to those before it.
     pub textures: Vec<TextureDescription>,

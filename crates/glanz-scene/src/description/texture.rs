@@ -8,7 +8,7 @@ use glanz_shading::texture::{FractalKind, ImageFilter, ImageWrap, TextureMapping
 
 use super::Location;
 
-/// A picture for textures.
+/// A picture for textures and lights.
 #[derive(Clone, Debug)]
 pub struct ImageDescription {
     /// Its file.

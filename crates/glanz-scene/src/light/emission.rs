@@ -110,7 +110,7 @@ impl Scene {
         self.light(id).map_or(0.0, |light| light.emission_pdf(self, at, wi, area_pdf))
     }
 
-    /// Density with which [`Scene::sample_light`] from `from` samples the direction that `ray` came from, which the light `id`
+    /// Density with which [`Scene::sample_light_compensated`] from `from` samples the direction that `ray` came from, which the light `id`
     /// sent; without the probability of the light itself. 1 for lights that no ray can hit.
     #[must_use]
     pub fn light_pdf_of_ray(&self, id: LightId, from: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {

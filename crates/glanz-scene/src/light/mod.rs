@@ -3,20 +3,27 @@
 mod area;
 mod distant;
 mod emission;
+mod flat_image;
+mod goniometric;
+mod image_infinite;
 mod incident;
 mod infinite;
 mod opening;
 mod photometric;
 mod point;
+mod portal;
+mod projection;
 mod rays;
 mod select;
+mod sphere_density;
+mod sphere_image;
 mod spot;
 mod sun;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 
-use crate::description::{LightDescription, LightKind};
+use crate::description::{ImageDescription, LightDescription, LightKind, SphereMapping};
 use crate::error::SceneErrorKind;
 use crate::interaction::{Interaction, LightSampleContext};
 use crate::scene::Scene;
@@ -24,13 +31,18 @@ use crate::scene::Scene;
 pub use area::AreaLight;
 pub use distant::DistantLight;
 pub use emission::{LightRange, LightRay};
+pub use goniometric::GoniometricLight;
+pub use image_infinite::ImageInfiniteLight;
 pub use incident::IncidentLight;
 pub use infinite::InfiniteLight;
 pub use photometric::PhotometricLight;
 pub use point::PointLight;
+pub use portal::PortalInfiniteLight;
+pub use projection::ProjectionLight;
 pub use rays::RayLight;
 pub(crate) use select::LightSelector;
 pub use select::MAX_LIGHT_GROUPS;
+pub use sphere_image::{SphereImage, SphereTexel};
 pub use spot::SpotLight;
 pub use sun::SunLight;
 
@@ -63,6 +75,11 @@ trait LightModel {
 
     /// See [`Light::sample`].
     fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample>;
+
+    /// See [`Scene::sample_light_compensated`].
+    fn sample_compensated(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+        self.sample(scene, from, xi)
+    }
 
     /// See [`Scene::emit`].
     fn emit(&self, scene: &Scene, place: DVec2, direction: DVec2) -> Option<LightRay>;
@@ -147,6 +164,18 @@ macro_rules! lights {
                 }
             }
 
+            /// See [`Scene::sample_light_compensated`].
+            pub(crate) fn sample_compensated(
+                &self,
+                scene: &Scene,
+                from: &Interaction,
+                xi: DVec2,
+            ) -> Option<LightSample> {
+                match self {
+                    $(Self::$variant(light) => LightModel::sample_compensated(light, scene, from, xi),)*
+                }
+            }
+
             /// The unoccluded light that arrives at `point` from a light that is seen from there in one direction.
             ///
             /// `None` for lights with an extent, and at the position of the light.
@@ -191,6 +220,10 @@ lights! {
     Point(PointLight),
     /// A point that emits into a cone.
     Spot(SpotLight),
+    /// A point that emits a picture into a pyramid.
+    Projection(ProjectionLight),
+    /// A point with a picture of its intensity.
+    Goniometric(GoniometricLight),
     /// A measured luminaire.
     Photometric(PhotometricLight),
     /// Measured rays.
@@ -203,11 +236,17 @@ lights! {
     Area(AreaLight),
     /// All directions, from infinitely far.
     Infinite(InfiniteLight),
+    /// All directions, from infinitely far, by a picture.
+    ImageInfinite(ImageInfiniteLight),
+    /// All directions, from infinitely far, through a rectangle.
+    PortalInfinite(PortalInfiniteLight),
 }
 
 /// The parts of a light's description that all kinds have, resolved.
 pub(crate) struct LightInput<'a> {
     pub(crate) description: &'a LightDescription,
+    /// Pictures of the scene.
+    pub(crate) images: &'a [ImageDescription],
     pub(crate) to_world: Transform,
     /// Intensity, radiance or irradiance, see [`LightKind`].
     pub(crate) emission: Spectrum,
@@ -215,7 +254,31 @@ pub(crate) struct LightInput<'a> {
     pub(crate) per_candela: Result<Spectrum, SceneErrorKind>,
 }
 
+impl LightInput<'_> {
+    /// The picture with this index, over all directions.
+    fn sphere_image(&self, index: usize, mapping: SphereMapping) -> Result<SphereImage, SceneErrorKind> {
+        let image = self.image(index)?;
+        SphereImage::new(&image.pixels, mapping).ok_or_else(|| without_colors(image))
+    }
+
+    fn image(&self, index: usize) -> Result<&ImageDescription, SceneErrorKind> {
+        let count = self.images.len();
+        self.images.get(index).ok_or(SceneErrorKind::Reference { what: "picture", index, count })
+    }
+}
+
+/// The error of a picture without the channels of a light.
+fn without_colors(image: &ImageDescription) -> SceneErrorKind {
+    let names: Vec<&str> = image.pixels.channels().iter().map(|channel| channel.name.as_str()).collect();
+    range_error("light: list of channels of the picture", names.join(", "), "R, G and B, or Y")
+}
+
 impl Light {
+    /// Whether rays that leave the scene see it.
+    pub(crate) fn is_infinite(&self) -> bool {
+        matches!(self, Self::Infinite(_) | Self::ImageInfinite(_) | Self::PortalInfinite(_) | Self::Sun(_))
+    }
+
     /// The light of a description.
     ///
     /// # Errors
@@ -226,6 +289,12 @@ impl Light {
             LightKind::Spot { from, to, cone_angle, inner_angle, falloff } => {
                 Self::Spot(SpotLight::resolve(&input, [*from, *to], [*cone_angle, *inner_angle], *falloff)?)
             }
+            LightKind::Projection { image, field_of_view } => {
+                Self::Projection(ProjectionLight::resolve(&input, *image, *field_of_view)?)
+            }
+            LightKind::Goniometric { image, mapping } => {
+                Self::Goniometric(GoniometricLight::resolve(&input, *image, *mapping)?)
+            }
             LightKind::Photometric { distribution, opening, from } => {
                 Self::Photometric(PhotometricLight::resolve(input, distribution, *opening, *from)?)
             }
@@ -235,6 +304,12 @@ impl Light {
                 Self::Sun(SunLight::resolve(&input, [*from, *to], *angular_radius)?)
             }
             LightKind::Infinite => Self::Infinite(InfiniteLight::new(input.emission)),
+            LightKind::ImageInfinite { image, mapping } => {
+                Self::ImageInfinite(ImageInfiniteLight::resolve(&input, *image, *mapping)?)
+            }
+            LightKind::PortalInfinite { image, portal } => {
+                Self::PortalInfinite(PortalInfiniteLight::resolve(&input, *image, *portal)?)
+            }
         })
     }
 }

@@ -16,6 +16,9 @@ use crate::scene::Scene;
 /// Relative difference that is allowed between the scales along different directions: matrices printed with four digits pass.
 const SIMILARITY: f64 = 1e-3;
 
+/// Name of the transformation in errors.
+pub(super) const TRANSFORMATION: &str = "photometric light: transformation";
+
 /// A luminaire that emits candela by direction, from a point or evenly from its luminous opening.
 ///
 /// A goniophotometer measures from so far away that the luminaire has no size, and the file does not say how the opening shares the light.
@@ -46,10 +49,9 @@ pub(super) fn luminaire_axes(to_world: &Transform) -> Option<(DMat3, f64)> {
     Some((DMat3::from_cols(x, y, z), scale))
 }
 
-/// The error of a luminaire whose transformation is not a similarity.
-pub(super) fn uneven() -> SceneErrorKind {
-    let range = "composed of translations, rotations, reflections and uniform scales";
-    range_error("photometric light: transformation", "anisotropic", range)
+/// The error of a light whose transformation, `what`, is not a similarity.
+pub(super) fn uneven(what: &'static str) -> SceneErrorKind {
+    range_error(what, "anisotropic", "composed of translations, rotations, reflections and uniform scales")
 }
 
 impl PhotometricLight {
@@ -62,7 +64,7 @@ impl PhotometricLight {
     ) -> Result<Self, SceneErrorKind> {
         let per_candela = input.per_candela?;
         Self::try_new(Arc::clone(distribution), opening, from, &input.to_world, per_candela)
-            .ok_or_else(uneven)
+            .ok_or_else(|| uneven(TRANSFORMATION))
     }
 
     /// `from`: the photometric centre in the luminaire's frame, which `to_world` places. `opening`: `None` for a point. `per_candela`: W/sr for one

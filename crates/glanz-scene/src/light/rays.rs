@@ -6,7 +6,7 @@ use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, SolidAnglePdf};
 use glanz_sampling::discrete::PiecewiseConstant1;
 
-use super::photometric::{luminaire_axes, uneven};
+use super::photometric::{TRANSFORMATION, luminaire_axes, uneven};
 use super::{LightInput, LightModel, LightRay, LightSample, brightness};
 use crate::description::SourceRay;
 use crate::error::SceneErrorKind;
@@ -37,7 +37,7 @@ impl RayLight {
         from: DVec3,
     ) -> Result<Self, SceneErrorKind> {
         let per_lumen = input.per_candela?;
-        let (axes, scale) = luminaire_axes(&input.to_world).ok_or_else(uneven)?;
+        let (axes, scale) = luminaire_axes(&input.to_world).ok_or_else(|| uneven(TRANSFORMATION))?;
         let lumens: Vec<f64> = rays.iter().map(|ray| f64::from(ray.lumens)).collect();
         let choice = PiecewiseConstant1::try_new(&lumens).ok().map(Arc::new);
         let flux: f64 = lumens.iter().sum();

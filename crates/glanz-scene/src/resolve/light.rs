@@ -3,12 +3,13 @@
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths, units};
 
 use super::{WarningList, range_error, transform};
-use crate::description::{LightDescription, Location};
+use crate::description::{ImageDescription, LightDescription, Location};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightInput};
 
 pub(super) fn light(
     description: &LightDescription,
+    images: &[ImageDescription],
     wavelengths: &Wavelengths,
     warnings: &mut WarningList,
 ) -> Result<Light, SceneError> {
@@ -17,7 +18,7 @@ pub(super) fn light(
     let emission =
         emitted_spectrum(&description.emission, description.scale, wavelengths, "light: emission", location)?;
     let per_candela = per_candela(description, wavelengths).map_err(|error| error.kind);
-    let input = LightInput { description, to_world, emission, per_candela };
+    let input = LightInput { description, images, to_world, emission, per_candela };
     let light = Light::try_new(input).map_err(|kind: SceneErrorKind| SceneError { location, kind })?;
     if let Some(message) = light.warning() {
         warnings.warn(location, message);

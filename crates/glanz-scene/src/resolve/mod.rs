@@ -16,7 +16,7 @@ use glanz_math::{Bounds3, DMat4, Transform};
 use crate::camera::Camera;
 use crate::description::{Description, GeometryDescription, Location};
 use crate::error::{SceneError, SceneErrorKind, SceneWarning};
-use crate::light::{Light, LightId, LightSelector};
+use crate::light::{LightId, LightSelector};
 use crate::scene::Scene;
 pub(crate) use freeform::region as trim_region;
 use group::{GroupResolver, ResolvedGroups};
@@ -69,7 +69,7 @@ impl Scene {
         let ResolvedGroups { groups, mut lights, receivers } =
             groups.finish(description.world, &mut warnings)?;
         for light in &description.lights {
-            lights.push(light::light(light, &wavelengths, &mut warnings)?);
+            lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
         }
         let backdrop = description
             .backdrop
@@ -81,7 +81,7 @@ impl Scene {
         let infinite_lights = lights
             .iter()
             .enumerate()
-            .filter(|(_, light)| matches!(light, Light::Infinite(_) | Light::Sun(_)))
+            .filter(|(_, light)| light.is_infinite())
             .map(|(index, _)| LightId(index as u32))
             .collect();
         let sampled: Vec<f64> = lights

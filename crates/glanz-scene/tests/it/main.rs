@@ -6,6 +6,7 @@ mod alpha;
 mod area_lights;
 mod batch;
 mod emission;
+mod image_light;
 mod photometric;
 mod receivers;
 mod scene;

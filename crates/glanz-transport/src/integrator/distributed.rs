@@ -103,7 +103,8 @@ impl Distributed {
             let factor = path.throughput * (1.0 / count as f32);
             path.pending.extend((0..count).filter_map(|j| {
                 let xi = spread(j, count, shift);
-                let (light, shadow) = vertex.sampled_light(context.scene, id, xi, |_, _, _| 1.0)?;
+                let (light, shadow) =
+                    vertex.sampled_light(context.scene.sample_light(id, vertex.at, xi), |_, _, _| 1.0)?;
                 Some((shadow, factor * light))
             }));
         }

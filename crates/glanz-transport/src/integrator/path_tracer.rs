@@ -282,7 +282,7 @@ impl PathTracer {
         origin: Option<&PathRay<D::VertexData>>,
     ) -> Spectrum {
         let scene = context.scene;
-        let density = |id| move |o: &PreviousVertex| o.infinite_light_pdf(context, id, ray.direction);
+        let density = |id| move |o: &PreviousVertex| o.compensated_infinite_pdf(context, id, ray.direction);
         let weight = |id| self.weight(context, id, directions, origin, density(id));
         scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
     }
@@ -343,7 +343,9 @@ fn direct_light<D: DirectionSampler>(
     let weight = |direction, light: f64, bsdf_pdf| {
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
-    let Some((light, shadow)) = vertex.sampled_light(scene, id, xi, weight) else {
+    let Some((light, shadow)) =
+        vertex.sampled_light(scene.sample_light_compensated(id, vertex.at, xi), weight)
+    else {
         directions.record_light(place, scene, id, probability, 0.0);
         return None;
     };

@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Frame, Ray};
-use glanz_scene::{Interaction, LightId, LightSampleContext, Scene};
+use glanz_scene::{Interaction, LightId, LightSample, LightSampleContext};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
@@ -177,21 +177,19 @@ impl<'a> Vertex<'a> {
         xi: DVec2,
         weight: impl FnOnce(DVec3, f64, f64) -> f64,
     ) -> Spectrum {
-        match self.sampled_light(context.scene, id, xi, weight) {
+        match self.sampled_light(context.scene.sample_light(id, self.at, xi), weight) {
             Some((light, shadow)) if context.is_free(&shadow.ray, shadow.t_max) => light,
             _ => Spectrum::BLACK,
         }
     }
 
-    /// As [`Vertex::light`], with the ray that must be free for the light to arrive. `None` if there is no light.
+    /// As [`Vertex::light`], of a sample from this point, with the ray that must be free for the light to arrive. `None` if there is no light.
     pub(super) fn sampled_light(
         &self,
-        scene: &Scene,
-        id: LightId,
-        xi: DVec2,
+        sample: Option<LightSample>,
         weight: impl FnOnce(DVec3, f64, f64) -> f64,
     ) -> Option<(Spectrum, BoundedRay)> {
-        let sample = scene.sample_light(id, self.at, xi)?;
+        let sample = sample?;
         let (value, bsdf_pdf) = self.eval(sample.wi);
         let light = value * sample.radiance;
         if light.is_black() {
@@ -233,6 +231,16 @@ impl PreviousVertex {
     /// As [`PreviousVertex::area_light_pdf`], for an infinite light along `direction`.
     pub(super) fn infinite_light_pdf(&self, context: &Context<'_>, id: LightId, direction: DVec3) -> f64 {
         context.scene.infinite_pdf(id, &self.from, direction).0
+    }
+
+    /// As [`PreviousVertex::infinite_light_pdf`], for samples that are combined with those of BSDFs.
+    pub(super) fn compensated_infinite_pdf(
+        &self,
+        context: &Context<'_>,
+        id: LightId,
+        direction: DVec3,
+    ) -> f64 {
+        context.scene.compensated_infinite_pdf(id, &self.from, direction).0
     }
 }
 

@@ -1,10 +1,12 @@
 //! Scenes from a few words, and what comes out of them.
 
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 use std::sync::Arc;
 
 use glanz_job::{CancelFlag, JobEnd, Silent};
-use glanz_math::DVec3;
+use glanz_light::Pixels;
+use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::*;
 use glanz_scene::{Scene, SceneBuilder};
@@ -43,6 +45,26 @@ pub(crate) fn looking(from: DVec3, to: DVec3, [width, height]: [u32; 2], angle: 
         .camera(CameraDescription::look_at(from, to, up).with_field_of_view(angle))
         .resolution(width, height)
         .edit(|scene| scene.filter = filter)
+}
+
+/// The scene under a picture with a dark part and a bright spot, grey, turned by a quarter about z.
+pub(crate) fn under_picture(
+    builder: SceneBuilder,
+    mapping: SphereMapping,
+    [width, height]: [u32; 2],
+) -> SceneBuilder {
+    let value = |i: u32| match (i % width, i / width) {
+        (x, _) if 3 * x < width => 0.0,
+        (x, y) if x == width / 2 && y == height / 3 => 20.0,
+        (x, y) => 0.2 + 0.1 * ((x + 2 * y) % 5) as f32,
+    };
+    let rgb: Vec<[f32; 3]> = (0..width * height).map(|i| [value(i); 3]).collect();
+    let pixels = Arc::new(Pixels::try_from_rgb(width, height, &rgb).unwrap());
+    let kind = LightKind::ImageInfinite { image: 0, mapping };
+    let light = LightDescription::new(kind, 1.0);
+    builder
+        .edit(|scene| scene.images.push(ImageDescription { name: "picture".to_owned(), pixels }))
+        .light(LightDescription { to_world: DMat4::from_rotation_z(FRAC_PI_2), ..light })
 }
 
 pub(crate) fn described(builder: &SceneBuilder) -> Description {

@@ -51,6 +51,24 @@ fn parallel(builder: SceneBuilder) -> SceneBuilder {
     builder.edit(|scene| scene.camera.kind = CameraKind::Orthographic)
 }
 
+/// The scene under a picture that is seen through a window above.
+fn behind_portal(builder: SceneBuilder) -> SceneBuilder {
+    let at = |x: f64, y: f64| DVec3::new(x, y, 1.9);
+    let portal = [at(-1.0, -1.0), at(-1.0, 1.2), at(0.8, 1.2), at(0.8, -1.0)];
+    let mapping = SphereMapping::LatitudeLongitude;
+    under_picture(builder, mapping, [16, 8]).edit(|scene| {
+        scene.lights[0].kind = LightKind::PortalInfinite { image: Some((0, mapping)), portal };
+    })
+}
+
+/// The scene under a lamp with a picture that faces down.
+fn with_lamp(builder: SceneBuilder, kind: LightKind) -> SceneBuilder {
+    under_picture(builder, SphereMapping::LatitudeLongitude, [16, 8]).edit(|scene| {
+        let to_world = DMat4::from_translation(DVec3::new(-0.3, 0.1, 2.2)) * DMat4::from_rotation_x(PI);
+        scene.lights[0] = LightDescription { to_world, ..LightDescription::new(kind, 4.0) };
+    })
+}
+
 /// Fails unless `light` and `path` make the same picture.
 fn compare(name: &str, scene: &SceneBuilder, depth: u32, samples: u32, largest_error: f64) {
     let path = Run { seed: 5, ..Run::new("path", depth, samples) }.picture(scene);
@@ -90,6 +108,17 @@ fn lamps_of_every_kind_light_the_same_picture() {
         ("luminaire with a size", corner().light(LightDescription::new(luminaire(Some(plate)), [1.0; 3]))),
         ("distant", corner().light(LightDescription::new(distant.clone(), [2.0; 3]))),
         ("infinite", corner().light(LightDescription::infinite([0.5; 3]))),
+        ("picture", under_picture(corner(), SphereMapping::LatitudeLongitude, [16, 8])),
+        ("equal-area picture", under_picture(corner(), SphereMapping::EqualArea, [12, 12])),
+        ("portal", behind_portal(corner())),
+        ("projected picture", with_lamp(corner(), LightKind::Projection { image: 0, field_of_view: 1.5 })),
+        (
+            "goniometric picture",
+            with_lamp(
+                corner(),
+                LightKind::Goniometric { image: 0, mapping: SphereMapping::LatitudeLongitude },
+            ),
+        ),
         (
             "all",
             lamp(corner())

@@ -11,6 +11,7 @@ mod common;
 mod furnace;
 mod grid;
 mod guided;
+mod image_light;
 mod light;
 mod particles;
 mod same_bits;

@@ -28,7 +28,8 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
     let wavelengths = Wavelengths::default();
     let bounds = scene.bounds();
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
-    let with_place = scene.lights().iter().filter(|light| !matches!(light, Light::Infinite(_)));
+    let is_everywhere = |light: &Light| matches!(light, Light::Infinite(_) | Light::ImageInfinite(_));
+    let with_place = scene.lights().iter().filter(|light| !is_everywhere(light));
     let mut by_power: Vec<(f32, &Light)> =
         with_place.map(|light| (power(light, radius).mean(&wavelengths), light)).collect();
     by_power.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -38,7 +39,11 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
     let everywhere: Spectrum = scene
         .lights()
         .iter()
-        .map(|light| if let Light::Infinite(light) = light { light.radiance() } else { Spectrum::BLACK })
+        .map(|light| match light {
+            Light::Infinite(light) => light.radiance(),
+            Light::ImageInfinite(light) => light.mean_radiance(),
+            _ => Spectrum::BLACK,
+        })
         .sum();
     if !everywhere.is_black() {
         lights.push(Simple { kind: "infinite", ..Simple::of(everywhere) }.head(&wavelengths));
@@ -51,10 +56,13 @@ fn power(light: &Light, radius: f64) -> Spectrum {
     match light {
         Light::Point(l) => l.power(),
         Light::Spot(l) => l.power(),
+        Light::Projection(l) => l.power(),
+        Light::Goniometric(l) => l.power(),
         Light::Photometric(l) => l.power(),
         Light::Rays(l) => l.power(),
         Light::Distant(l) => l.irradiance() * (PI * radius * radius) as f32,
         Light::Sun(l) => l.irradiance() * (PI * radius * radius) as f32,
+        Light::PortalInfinite(l) => l.power(),
         Light::Area(l) => l.power(),
         _ => Spectrum::BLACK,
     }
@@ -71,6 +79,22 @@ fn simple(scene: &Scene, placed: &[PlacedSurface<'_>], light: &Light) -> Option<
             cosines: [l.cos_inner(), l.cos_outer()],
             ..Simple::of(l.intensity(l.axis()))
         },
+        Light::Projection(l) => {
+            // The flux of the picture, evenly in a cone around it: 2 pi (1 - cos) sr.
+            let solid_angle = 2.0 * PI * (1.0 - l.cos_corner());
+            let intensity = l.power() * (1.0 / solid_angle) as f32;
+            let cosines = [l.cos_corner(); 2];
+            Simple {
+                kind: "spot",
+                position: l.position(),
+                direction: l.axis(),
+                cosines,
+                ..Simple::of(intensity)
+            }
+        }
+        Light::Goniometric(l) => {
+            Simple { position: l.position(), ..Simple::of(l.power() * (0.25 / PI) as f32) }
+        }
         Light::Photometric(l) => photometric(l),
         Light::Rays(l) => Simple { position: l.position(), ..Simple::of(l.power() * (0.25 / PI) as f32) },
         Light::Distant(l) => {

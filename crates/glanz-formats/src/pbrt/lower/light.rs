@@ -4,15 +4,13 @@ use std::f64::consts::PI;
 use std::rc::Rc;
 
 use glanz_light::units::LUMINOUS_EFFICACY;
-use glanz_light::{Pixels, SpectralDistribution};
-use glanz_math::DVec3;
+use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::{
     EmissionDescription, EmissionPower, LightDescription, LightKind, SpotFalloff,
 };
 
-use super::spectrum::{EmissionParameters, within_gamut};
-use super::{EntityState, FileError, Lowering};
-use crate::image::{self, Encoding};
+use super::spectrum::EmissionParameters;
+use super::{EntityState, Lowering};
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::{ParseResult, Span};
@@ -31,12 +29,8 @@ impl Lowering {
             "photometric" => self.photometric(&mut list, context)?,
             "distant" => self.distant(&mut list, context)?,
             "infinite" | "exinfinite" => self.infinite(&mut list, context)?,
-            "goniometric" | "projection" => {
-                let message = format!("light {kind:?} is not available yet; a point light stands in");
-                self.stand_in(&list.place, "stand-in-light", message);
-                list.ignore(&["filename", "mapname", "fov"]);
-                self.point(&mut list, context)?
-            }
+            "projection" => self.projection(&mut list, context)?,
+            "goniometric" | "goniophotometric" => self.goniometric(&mut list, context)?,
             other => {
                 let message = format!("light {:?} is unknown and left out", shortened(other));
                 self.stand_in(&list.place, "stand-in-light", message);
@@ -44,11 +38,18 @@ impl Lowering {
             }
         };
         list.ignore(&["nsamples", "samples", "shadowquality"]);
+        let to_world = match (&kind, self.dialect) {
+            // Version 3 projects pictures upside down.
+            (LightKind::Projection { .. }, Dialect::V3) => {
+                context.ctm * DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0))
+            }
+            _ => context.ctm,
+        };
         self.description.lights.push(LightDescription {
             kind,
             scale: emission.scale(),
             emission: emission.spectrum,
-            to_world: context.ctm,
+            to_world,
             location: Some(list.place.location),
         });
         list.finish(&mut self.reporter);
@@ -62,7 +63,11 @@ impl Lowering {
         Ok((from, to))
     }
 
-    fn point(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<LightParts> {
+    pub(super) fn point(
+        &mut self,
+        list: &mut ParameterList,
+        context: &EntityState,
+    ) -> ParseResult<LightParts> {
         let from = list.vec3("from", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
         let range = list.float("range", &mut self.reporter)?;
         let mut light = self.emission(list, "I", context.color_space)?;
@@ -97,41 +102,6 @@ impl Lowering {
             return Ok((LightKind::Distant { from, to }, light));
         }
         Ok((LightKind::Sun { from, to, angular_radius: 0.5 * angle.to_radians() }, light))
-    }
-
-    fn infinite(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<LightParts> {
-        let mut light = self.emission(list, "L", context.color_space)?;
-        let mut file = None;
-        for name in ["filename", "mapname"] {
-            if let Some(found) = list.text_parameter(name, &mut self.reporter)? {
-                file = Some(found);
-            }
-        }
-        if let Some((p, name)) = file.filter(|(_, name)| !name.is_empty()) {
-            match self.mean_radiance(&name) {
-                Ok(mean) => {
-                    let message = format!(
-                        "light \"infinite\" with the picture {name:?} is not available yet; its mean of \
-                         ({:.3}, {:.3}, {:.3}) in all directions stands in",
-                        mean[0], mean[1], mean[2]
-                    );
-                    self.stand_in(&p.value_place, "stand-in-light", message);
-                    let [r, g, b] = within_gamut(&light.spectrum);
-                    light.spectrum = SpectralDistribution::Rgb([mean[0] * r, mean[1] * g, mean[2] * b]);
-                }
-                Err(problem) => {
-                    let message =
-                        format!("light \"infinite\": {problem}; the same light in all directions stands in");
-                    self.without_file(&p.value_place, &problem, message)?;
-                }
-            }
-        }
-        self.illuminance(list, &mut light, PI)?;
-        let portal = list.value_place("portal");
-        if list.take("portal").is_some() {
-            self.stand_in(&portal, "stand-in-light", "light \"infinite\": the portal is not used");
-        }
-        Ok((LightKind::Infinite, light))
     }
 
     /// Scales a light to the `power` of version 4, to its `lumens`, or to `candela` along its axis; `solid_angle` is
@@ -190,7 +160,7 @@ impl Lowering {
 
     /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is the illuminance of a light
     /// of radiance 1.
-    fn illuminance(
+    pub(super) fn illuminance(
         &mut self,
         list: &mut ParameterList,
         light: &mut EmissionParameters,
@@ -199,7 +169,7 @@ impl Lowering {
         self.target(list, "illuminance", light, per_radiance)
     }
 
-    fn target(
+    pub(super) fn target(
         &mut self,
         list: &mut ParameterList,
         name: &'static str,
@@ -216,7 +186,7 @@ impl Lowering {
     }
 
     /// Scales a light to the luminance `target` of the parameter `name`, before its `scale`.
-    fn scale_to(
+    pub(super) fn scale_to(
         &mut self,
         list: &ParameterList,
         place: &Span,
@@ -232,17 +202,6 @@ impl Lowering {
         // The spectrum's own magnitude is removed; `scale` remains as a factor.
         light.normalisation = (target / luminance) as f32;
         Ok(())
-    }
-
-    /// The mean of a picture over the sphere of directions: a square picture is version 4's equal-area map, others are in
-    /// longitude and latitude.
-    fn mean_radiance(&mut self, name: &str) -> Result<[f32; 3], FileError> {
-        let (path, bytes) = self.read_file(name)?;
-        let picture = image::read(&bytes, Some(&path), Encoding::Srgb)
-            .map_err(|error| format!("picture {name:?}: {error}"))?;
-        mean_over_sphere(&picture.pixels).ok_or_else(|| {
-            format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into()
-        })
     }
 
     /// Sets the emission of the following shapes.
@@ -291,50 +250,3 @@ impl Lowering {
 }
 
 pub(super) type LightParts = (LightKind, EmissionParameters);
-
-/// Mean over the sphere; pixels that are not finite count as black. `None` without colour channels.
-fn mean_over_sphere(pixels: &Pixels) -> Option<[f32; 3]> {
-    let rgb = pixels.to_rgb()?;
-    let (width, height) = (pixels.width() as usize, pixels.height() as usize);
-    let mut sum = [0.0f64; 3];
-    let mut weights = 0.0;
-    for (y, row) in rgb.chunks_exact(width).enumerate() {
-        // The width of rows in longitude and latitude is proportional to the sine of their angle from the pole.
-        let weight = if width == height { 1.0 } else { (PI * (y as f64 + 0.5) / height as f64).sin() };
-        for pixel in row.iter().filter(|p| p.iter().all(|x| x.is_finite())) {
-            for (s, x) in sum.iter_mut().zip(pixel) {
-                *s += weight * f64::from(x.max(0.0));
-            }
-        }
-        weights += weight * width as f64;
-    }
-    Some(sum.map(|s| (s / weights) as f32))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn mean_of_a_sky_over_black_ground_is_half_the_sky() {
-        // Ten rows, the upper five white: by symmetry half of the sphere.
-        let rgb: Vec<[f32; 3]> = (0..200).map(|i| if i < 100 { [2.0, 4.0, 6.0] } else { [0.0; 3] }).collect();
-        let mean = mean_over_sphere(&Pixels::try_from_rgb(20, 10, &rgb).unwrap()).unwrap();
-        for (found, expected) in mean.iter().zip([1.0, 2.0, 3.0]) {
-            assert!((found - expected).abs() < 1e-6);
-        }
-    }
-
-    #[test]
-    fn pole_has_less_weight_than_the_equator_except_in_equal_area_maps() {
-        let of = |width: u32, height: u32| {
-            let count = (width * height) as usize;
-            let rgb: Vec<[f32; 3]> =
-                (0..count).map(|i| [f32::from(u8::from(i < width as usize)); 3]).collect();
-            f64::from(mean_over_sphere(&Pixels::try_from_rgb(width, height, &rgb).unwrap()).unwrap()[0])
-        };
-        // Three rows at 30, 90 and 150 degrees: 1/2, 1, 1/2.
-        assert!((of(6, 3) - 0.25).abs() < 1e-7);
-        assert!((of(3, 3) - 1.0 / 3.0).abs() < 1e-7);
-    }
-}

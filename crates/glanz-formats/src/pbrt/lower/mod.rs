@@ -5,6 +5,7 @@ mod camera;
 mod extension;
 mod film;
 mod freeform;
+mod image_light;
 mod integrator;
 mod layered_material;
 mod light;
@@ -69,7 +70,7 @@ pub(crate) struct Lowering {
     pub(crate) materials: BTreeMap<String, NamedMaterial>,
     pub(crate) default_material: Option<usize>,
     pub(crate) textures: TextureNames,
-    pub(crate) images: BTreeMap<ImageKey, Option<usize>>,
+    pub(crate) images: BTreeMap<ImageKey, usize>,
     pub(crate) has_film: bool,
     /// How long the shutter is open, seconds; 1 where it does not matter.
     pub(crate) shutter_time: f64,

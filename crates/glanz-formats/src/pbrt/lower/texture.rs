@@ -11,7 +11,7 @@ use glanz_scene::description::{
 };
 
 use super::spectrum::grey;
-use super::{EntityState, Lowering};
+use super::{EntityState, FileError, Lowering};
 use crate::image::{self, Encoding};
 use crate::nearest::nearest;
 use crate::pbrt::dialect::Dialect;
@@ -257,39 +257,36 @@ impl Lowering {
         subject: &str,
         instead: &str,
     ) -> ParseResult<Option<usize>> {
+        match self.picture(name, encoding) {
+            Ok(index) => Ok(Some(index)),
+            Err(problem) => {
+                let message = format!("{subject}: {problem}; {instead}");
+                self.without_file(&p.value_place, &problem, message)?;
+                Ok(None)
+            }
+        }
+    }
+
+    /// The index of a picture with colours, read at its first use.
+    pub(super) fn picture(&mut self, name: &str, encoding: Encoding) -> Result<usize, FileError> {
         let tag = match encoding {
             Encoding::Srgb => (0, 0),
             Encoding::Linear => (1, 0),
             Encoding::Gamma(g) => (2, g.to_bits()),
         };
         let key = self.find(name).ok().map(|path| ImageKey { path, encoding: tag });
-        if let Some(known) = key.as_ref().and_then(|key| self.images.get(key))
-            && known.is_some()
-        {
+        if let Some(known) = key.as_ref().and_then(|key| self.images.get(key)) {
             return Ok(*known);
         }
-        let picture = self.read_file(name).and_then(|(path, bytes)| {
-            let picture =
-                image::read(&bytes, Some(&path), encoding).map_err(|e| format!("picture {name:?}: {e}"))?;
-            match picture.pixels.to_rgb() {
-                Some(_) => Ok(picture.pixels),
-                None => {
-                    Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into())
-                }
-            }
-        });
-        let index = match picture {
-            Ok(pixels) => {
-                let images = &mut self.description.images;
-                images.push(ImageDescription { name: name.to_owned(), pixels: Arc::new(pixels) });
-                Some(images.len() - 1)
-            }
-            Err(problem) => {
-                let message = format!("{subject}: {problem}; {instead}");
-                self.without_file(&p.value_place, &problem, message)?;
-                None
-            }
-        };
+        let (path, bytes) = self.read_file(name)?;
+        let picture =
+            image::read(&bytes, Some(&path), encoding).map_err(|e| format!("picture {name:?}: {e}"))?;
+        if picture.pixels.to_rgb().is_none() {
+            return Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into());
+        }
+        let images = &mut self.description.images;
+        images.push(ImageDescription { name: name.to_owned(), pixels: Arc::new(picture.pixels) });
+        let index = images.len() - 1;
         if let Some(key) = key {
             self.images.insert(key, index);
         }

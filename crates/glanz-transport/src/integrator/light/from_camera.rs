@@ -162,7 +162,8 @@ fn escaped(context: &Context<'_>, ray: &Ray, origin: Option<&CameraPathRay>) -> 
     let lights = scene.infinite_lights().iter();
     lights
         .map(|&id| {
-            let sampled = |origin: &CameraPathRay| scene.infinite_pdf(id, &origin.from, ray.direction).0;
+            let sampled =
+                |origin: &CameraPathRay| scene.compensated_infinite_pdf(id, &origin.from, ray.direction).0;
             scene.infinite_radiance(id, ray)
                 * weight_of_hit(context, id, origin, ray.direction, None, sampled) as f32
         })
@@ -206,7 +207,7 @@ fn sampled(
 ) -> Option<SampledLight> {
     let scene = context.scene;
     let (id, probability) = scene.select_light(xi_light).filter(|&(_, probability)| probability > 0.0)?;
-    let sample = scene.sample_light(id, vertex.at, xi)?;
+    let sample = scene.sample_light_compensated(id, vertex.at, xi)?;
     let (value, light_pdf) = vertex.eval(sample.wi);
     let light = value * sample.radiance;
     if light.is_black() {
