@@ -248,12 +248,27 @@ impl SceneObject {
             Surface::Mesh(mesh) => mesh.sample_area(xi)?,
             surface => surface.sample_area(xi)?,
         };
+        self.place_sample(&mut sample);
+        Some(sample)
+    }
+
+    /// The point of [`SceneObject::sample`] with its texture coordinates.
+    pub(crate) fn sample_with_uv(&self, xi: DVec2) -> Option<(AreaSample, DVec2)> {
+        let sample = self.surface.sample(xi)?;
+        let uv = sample.point.uv;
+        let mut sample = AreaSample::from(sample);
+        self.place_sample(&mut sample);
+        Some((sample, uv))
+    }
+
+    /// Moves a sample from the own frame to that of the group.
+    #[inline]
+    fn place_sample(&self, sample: &mut AreaSample) {
         if let Some(to_parent) = &self.to_parent {
-            sample = sample.transformed(to_parent);
+            *sample = sample.transformed(to_parent);
         }
         if self.attributes(sample.face).reversed {
             sample.normal = -sample.normal;
         }
-        Some(sample)
     }
 }

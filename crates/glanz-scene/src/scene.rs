@@ -331,7 +331,7 @@ impl Scene {
     #[must_use]
     pub fn emitted(&self, at: &Interaction, direction: DVec3) -> Spectrum {
         match at.light.and_then(|id| self.light(id)) {
-            Some(Light::Area(light)) => light.emitted(at.point.normal, direction),
+            Some(Light::Area(light)) => light.emitted(at.point.normal, at.point.uv, direction),
             _ => Spectrum::BLACK,
         }
     }

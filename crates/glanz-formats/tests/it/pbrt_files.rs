@@ -220,6 +220,48 @@ fn picture_of_an_infinite_light_is_read_once_and_mapped_as_its_version_does() {
 }
 
 #[test]
+fn pictures_of_other_lights_are_read() {
+    let file = "\"string filename\" \"sky.pfm\"";
+    let scene = format!(
+        "WorldBegin LightSource \"projection\" {file} \"float fov\" 90 \"float power\" 3
+         LightSource \"goniometric\" {file} \"float power\" 3 LightSource \"goniometric\"
+         AttributeBegin AreaLightSource \"diffuse\" {file} \"bool twosided\" true Shape \"sphere\" AttributeEnd"
+    );
+    let description = lights_with_picture("lamps", &scene, [64, 64]);
+    let [projection, goniometric, point] = &description.lights[..] else { panic!() };
+    let LightKind::Projection { image: 0, field_of_view } = projection.kind else { panic!() };
+    assert!((field_of_view - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+    // Half of a cube's side, a twelfth of the sphere, and half of the sphere.
+    let luminance = SpectralDistribution::Rgb([1.0, 2.0, 4.0]).luminance();
+    let sphere = 4.0 * std::f32::consts::PI;
+    for (light, solid_angle) in [(projection, sphere / 12.0), (goniometric, sphere / 2.0)] {
+        let expected = 3.0 / (solid_angle * luminance);
+        assert!((light.scale / expected - 1.0).abs() < 1e-3, "{:?}: {} {expected}", light.kind, light.scale);
+    }
+    assert!(matches!(goniometric.kind, LightKind::Goniometric { image: 0, .. }));
+    assert!(matches!(point.kind, LightKind::Point { .. }));
+    let emission = description.world.shapes[0].emission.as_ref().unwrap();
+    assert!(emission.image == Some(0) && emission.two_sided);
+    assert_eq!(description.images.len(), 1);
+}
+
+#[test]
+fn wrong_parameters_of_pictures_are_refused() {
+    for (words, kind) in [
+        ("\"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0]", "parameter-count"),
+        ("\"projection\" \"string filename\" \"sky.pfm\" \"float fov\" 180", "parameter-range"),
+        ("\"goniometric\" \"string filename\" \"black.pfm\" \"float power\" 1", "parameter-range"),
+    ] {
+        let folder = Folder::new("refused-lights");
+        let scene = format!("WorldBegin LightSource {words}");
+        folder.put("scene.pbrt", scene).put("sky.pfm", picture(&[[1.0; 3]; 4], 2));
+        folder.put("black.pfm", picture(&[[0.0; 3]; 4], 2));
+        let errors = folder.load().unwrap_err();
+        assert!(errors.iter().any(|d| d.kind == kind), "{words}: {errors}");
+    }
+}
+
+#[test]
 fn colour_of_a_light_multiplies_its_picture_and_illuminance_counts_the_upper_half() {
     let scene = "WorldBegin LightSource \"infinite\" \"string filename\" \"sky.pfm\" \"rgb L\" [2 1 3]";
     let light = &lights_with_picture("color", scene, [4, 2]).lights[0];

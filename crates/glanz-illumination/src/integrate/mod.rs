@@ -113,6 +113,9 @@ impl<'a> Reflections<'a> {
                 Light::Area(area) if !area.is_opaque() => {
                     return Err(IntegrateError::Kind { light: id, kind: "diffuse with alpha" });
                 }
+                Light::Area(area) if area.has_picture() => {
+                    return Err(IntegrateError::Kind { light: id, kind: "diffuse with a picture" });
+                }
                 Light::Area(area) => {
                     if let Some(placed) = placed.iter().find(|placed| placed.light() == Some(id)) {
                         emitters.push(EmitterShape::try_new(id, area, placed)?);

@@ -182,13 +182,16 @@ pub enum SpotFalloff {
     Smoothstep,
 }
 
-/// Emission of a surface, the same in all directions of its front.
+/// Emission of a surface, from each point the same in all directions of its front.
 #[derive(Clone, Debug)]
 pub struct EmissionDescription {
     /// W/(m^2 sr).
     pub radiance: SpectralDistribution,
     /// Factor on `radiance`.
     pub scale: f32,
+    /// Picture by texture coordinates that multiplies `radiance`: an index into [`Description::images`](super::Description::images). (0, 0) is its lower left
+    /// corner, (1, 1) the upper right one; beyond, it continues as at its border.
+    pub image: Option<usize>,
     /// A power that replaces the magnitude of `radiance`.
     pub power: Option<EmissionPower>,
     /// Whether the back emits light, too.
@@ -198,7 +201,7 @@ pub struct EmissionDescription {
 impl From<SpectralDistribution> for EmissionDescription {
     /// This radiance, W/(m^2 sr), on the front.
     fn from(radiance: SpectralDistribution) -> Self {
-        Self { radiance, scale: 1.0, power: None, two_sided: false }
+        Self { radiance, scale: 1.0, image: None, power: None, two_sided: false }
     }
 }
 

@@ -4,6 +4,7 @@
 //! not seen, as in pbrt (@pbrt4 `DiffuseAreaLight`).
 
 use std::f64::consts::{FRAC_1_PI, PI};
+use std::sync::Arc;
 
 use glanz_geometry::{AreaSample, RaySurface, Surface};
 use glanz_light::Spectrum;
@@ -11,6 +12,7 @@ use glanz_math::rounding::{gamma, offset_origin};
 use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
+use super::flat_image::FlatImage;
 use super::{LightModel, LightRay, LightSample, brightness};
 use crate::alpha::RayKind;
 use crate::area::area;
@@ -18,14 +20,22 @@ use crate::interaction::{Interaction, LightSampleContext};
 use crate::object::SceneObject;
 use crate::scene::Scene;
 
+/// Samples along each side of the grid for the mean of a picture over a surface.
+const MEAN_SIDE: u32 = 128;
+
 /// Relative difference of the lengths of axes up to which a map of a sphere gives a sphere.
 const SIMILARITY: f64 = gamma(64);
 
-/// A surface that emits the same radiance in every direction of its front.
-#[derive(Clone, Copy, Debug)]
+/// A surface that emits in every direction of its front the same radiance, which may vary over it by a picture.
+#[derive(Clone, Debug)]
 pub struct AreaLight {
     /// Number of the object in the world group.
     object: u32,
+    /// Radiance, or factor on the picture.
+    emission: Spectrum,
+    /// Factor on `emission` by texture coordinates.
+    image: Option<Arc<FlatImage>>,
+    /// Mean radiance over the surface.
     radiance: Spectrum,
     two_sided: bool,
     /// m^2; `None` if the surface cannot be sampled.
@@ -41,10 +51,20 @@ pub struct AreaLight {
 }
 
 impl AreaLight {
-    pub(crate) fn new(object_index: u32, object: &SceneObject, radiance: Spectrum, two_sided: bool) -> Self {
+    /// `image`: factor on `emission`, W/(m^2 sr), by texture coordinates.
+    pub(crate) fn new(
+        object_index: u32,
+        object: &SceneObject,
+        emission: Spectrum,
+        image: Option<Arc<FlatImage>>,
+        two_sided: bool,
+    ) -> Self {
+        let radiance = image.as_ref().map_or(emission, |image| emission * mean_of_image(object, image));
         let is_invisible = object.is_absent();
         Self {
             object: object_index,
+            emission,
+            image,
             radiance,
             two_sided,
             area: area(object),
@@ -53,6 +73,11 @@ impl AreaLight {
             is_translucent: !is_invisible && object.alpha.is_some(),
             is_invisible,
         }
+    }
+
+    /// With `factor` times the radiance.
+    pub(crate) fn scaled(self, factor: f32) -> Self {
+        Self { emission: self.emission * factor, radiance: self.radiance * factor, ..self }
     }
 
     /// Whether directions towards it can be sampled; if not, only rays that hit it by chance find its light.
@@ -92,10 +117,16 @@ impl AreaLight {
         self.sphere.is_some()
     }
 
-    /// Radiance of its front, W/(m^2 sr).
+    /// Radiance of its front, W/(m^2 sr); with a picture the mean over the surface.
     #[must_use]
     pub fn radiance(&self) -> Spectrum {
         self.radiance
+    }
+
+    /// Whether its radiance varies by a picture.
+    #[must_use]
+    pub fn has_picture(&self) -> bool {
+        self.image.is_some()
     }
 
     /// Whether the back emits light, too.
@@ -104,10 +135,16 @@ impl AreaLight {
         self.two_sided
     }
 
-    /// Radiance that leaves the surface towards `direction`, where its normal is `normal`.
+    /// Radiance that leaves the surface towards `direction`, where its normal is `normal` and its texture coordinates are `uv`.
     #[must_use]
-    pub fn emitted(&self, normal: DVec3, direction: DVec3) -> Spectrum {
-        if self.two_sided || normal.dot(direction) > 0.0 { self.radiance } else { Spectrum::BLACK }
+    pub fn emitted(&self, normal: DVec3, uv: DVec2, direction: DVec3) -> Spectrum {
+        if !self.two_sided && normal.dot(direction) <= 0.0 {
+            return Spectrum::BLACK;
+        }
+        match &self.image {
+            None => self.emission,
+            Some(image) => self.emission * image.lookup(DVec2::new(uv.x, 1.0 - uv.y)),
+        }
     }
 
     /// Density per solid angle with which a sample from `from` is the point of `hit` on this light.
@@ -148,17 +185,20 @@ impl AreaLight {
     }
 
     fn cone(&self, from: DVec3) -> Option<SphereCone> {
-        let WorldSphere { center, radius, .. } = self.sphere?;
+        let WorldSphere { center, radius, .. } = self.sphere.filter(|_| self.image.is_none())?;
         SphereCone::new(center, radius, from)
     }
 
-    /// A point of the surface: uniform by area on a sphere, else as by [`SceneObject::sample`].
+    /// A point of the surface: uniform by area on a sphere, else as by [`SceneObject::sample`]; with its texture coordinates, if they matter.
     #[inline]
-    fn sample_surface(&self, scene: &Scene, xi: DVec2) -> Option<AreaSample> {
-        match &self.sphere {
-            Some(sphere) => Some(sphere.sample(self.inward, xi)),
-            None => scene.world_object(self.object)?.sample(xi),
-        }
+    fn sample_surface(&self, scene: &Scene, xi: DVec2) -> Option<(AreaSample, DVec2)> {
+        let object = || scene.world_object(self.object);
+        let sample = match &self.sphere {
+            _ if self.image.is_some() => return object()?.sample_with_uv(xi),
+            Some(sphere) => sphere.sample(self.inward, xi),
+            None => object()?.sample(xi)?,
+        };
+        Some((sample, DVec2::ZERO))
     }
 
     /// Directions uniform in the cone that the sphere subtends.
@@ -188,7 +228,7 @@ impl AreaLight {
         let shadow = from.spawn_to(position, Some((error, normal)));
         Some(LightSample {
             wi,
-            radiance: self.radiance * self.opacity(scene, &Ray::new(shadow.at(1.0), wi)),
+            radiance: self.emission * self.opacity(scene, &Ray::new(shadow.at(1.0), wi)),
             pdf: cone.pdf(),
             is_delta: self.is_invisible,
             shadow,
@@ -221,10 +261,11 @@ impl LightModel for AreaLight {
         if let Some(cone) = self.cone(from.point.position) {
             return self.sample_cone(scene, &cone, from, xi);
         }
-        let AreaSample { position, error, normal, pdf: area_pdf, .. } = self.sample_surface(scene, xi)?;
+        let (AreaSample { position, error, normal, pdf: area_pdf, .. }, uv) =
+            self.sample_surface(scene, xi)?;
         let offset = position - from.point.position;
         let wi = offset.try_normalize()?;
-        let radiance = self.emitted(normal, -wi);
+        let radiance = self.emitted(normal, uv, -wi);
         let pdf = area_pdf.to_solid_angle(offset.length_squared(), normal.dot(wi));
         if radiance.is_black() || !(pdf.0 > 0.0 && pdf.0.is_finite()) {
             return None;
@@ -237,7 +278,7 @@ impl LightModel for AreaLight {
 
     /// Directions by the cosine; of a two-sided light on either side.
     fn emit(&self, scene: &Scene, place: DVec2, mut direction: DVec2) -> Option<LightRay> {
-        let point = self.sample_surface(scene, place)?;
+        let (point, uv) = self.sample_surface(scene, place)?;
         let (mut side, mut sides) = (1.0, 1.0);
         if self.two_sided {
             sides = 2.0;
@@ -246,7 +287,7 @@ impl LightModel for AreaLight {
             direction.x = 2.0 * direction.x - f64::from(u8::from(is_back));
         }
         let way = Frame::from_z(side * point.normal).to_world(warp::cosine_hemisphere(direction));
-        let power = self.emitted(point.normal, way) * (PI * sides / point.pdf.0) as f32;
+        let power = self.emitted(point.normal, uv, way) * (PI * sides / point.pdf.0) as f32;
         let ray = Ray::new(offset_origin(point.position, point.error, point.normal, way), way);
         let power = power * self.opacity(scene, &Ray::new(ray.origin, -way));
         Some(LightRay { from: Some(point), ..LightRay::new(ray, power) })
@@ -261,6 +302,19 @@ impl LightModel for AreaLight {
     fn pdf_of_ray(&self, from: &LightSampleContext, ray: &LightRay) -> SolidAnglePdf {
         ray.from.map_or(SolidAnglePdf(0.0), |at| self.pdf_at(from, at.position, at.normal, at.pdf))
     }
+}
+
+/// The mean of a picture over a surface, by a grid of samples; over the picture where the surface cannot be sampled.
+fn mean_of_image(object: &SceneObject, image: &FlatImage) -> Spectrum {
+    let (mut sum, mut area) = (Spectrum::BLACK, 0.0);
+    for (i, j) in (0..MEAN_SIDE).flat_map(|i| (0..MEAN_SIDE).map(move |j| (i, j))) {
+        let xi = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(MEAN_SIDE);
+        if let Some((sample, uv)) = object.sample_with_uv(xi) {
+            sum += image.lookup(DVec2::new(uv.x, 1.0 - uv.y)) * (1.0 / sample.pdf.0) as f32;
+            area += 1.0 / sample.pdf.0;
+        }
+    }
+    if area > 0.0 { sum * (1.0 / area) as f32 } else { image.mean(|_| 1.0) }
 }
 
 /// The cone that a sphere subtends from outside.

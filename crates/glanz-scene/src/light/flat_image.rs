@@ -9,7 +9,7 @@ pub(super) const CELL_WEIGHTS: [(i64, f64); 3] = [(-1, 0.125), (0, 0.75), (1, 0.
 
 /// A picture on the unit square, row 0 at y = 0; beyond its border it continues as at the border.
 #[derive(Clone, Debug)]
-pub(super) struct FlatImage {
+pub(crate) struct FlatImage {
     width: usize,
     height: usize,
     texels: Vec<Spectrum>,
@@ -23,7 +23,7 @@ impl FlatImage {
     }
 
     /// The picture times `factor`; pixels that are negative or not finite count as black. `None` if it has neither the channels R, G and B nor Y.
-    pub(super) fn of_pixels(pixels: &Pixels, factor: Spectrum) -> Option<Self> {
+    pub(crate) fn of_pixels(pixels: &Pixels, factor: Spectrum) -> Option<Self> {
         let positive = |x: f32| if x > 0.0 && x.is_finite() { x } else { 0.0 };
         let texel = |rgb: [f32; 3]| factor * Spectrum::from_rgb(rgb.map(positive));
         let texels = pixels.to_rgb()?.into_iter().map(texel).collect();

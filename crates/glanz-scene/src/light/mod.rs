@@ -31,6 +31,7 @@ use crate::scene::Scene;
 pub use area::AreaLight;
 pub use distant::DistantLight;
 pub use emission::{LightRange, LightRay};
+pub(crate) use flat_image::FlatImage;
 pub use goniometric::GoniometricLight;
 pub use image_infinite::ImageInfiniteLight;
 pub use incident::IncidentLight;
@@ -262,13 +263,21 @@ impl LightInput<'_> {
     }
 
     fn image(&self, index: usize) -> Result<&ImageDescription, SceneErrorKind> {
-        let count = self.images.len();
-        self.images.get(index).ok_or(SceneErrorKind::Reference { what: "picture", index, count })
+        image_of(self.images, index)
     }
 }
 
+/// The picture with this index.
+pub(crate) fn image_of(
+    images: &[ImageDescription],
+    index: usize,
+) -> Result<&ImageDescription, SceneErrorKind> {
+    let count = images.len();
+    images.get(index).ok_or(SceneErrorKind::Reference { what: "picture", index, count })
+}
+
 /// The error of a picture without the channels of a light.
-fn without_colors(image: &ImageDescription) -> SceneErrorKind {
+pub(crate) fn without_colors(image: &ImageDescription) -> SceneErrorKind {
     let names: Vec<&str> = image.pixels.channels().iter().map(|channel| channel.name.as_str()).collect();
     range_error("light: list of channels of the picture", names.join(", "), "R, G and B, or Y")
 }

@@ -1,13 +1,16 @@
 //! Surfaces that emit light.
 
-use glanz_light::{Wavelengths, units};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use glanz_light::{Spectrum, Wavelengths, units};
 
 use super::light::emitted_spectrum;
 use super::range_error;
 use crate::area::{area, far_field_area};
-use crate::description::{EmissionDescription, EmissionPower, Location};
+use crate::description::{EmissionDescription, EmissionPower, ImageDescription, Location};
 use crate::error::SceneError;
-use crate::light::AreaLight;
+use crate::light::{AreaLight, FlatImage, image_of, without_colors};
 use crate::object::SceneObject;
 
 /// The area light of the object with the index `object_index` in the world.
@@ -16,11 +19,13 @@ pub(super) fn area_light(
     object: &SceneObject,
     emission: &EmissionDescription,
     location: Option<Location>,
+    pictures: &mut EmissionPictures<'_>,
     wavelengths: &Wavelengths,
 ) -> Result<AreaLight, SceneError> {
     let radiance =
         emitted_spectrum(&emission.radiance, emission.scale, wavelengths, "area light: radiance", location)?;
-    let light = AreaLight::new(object_index, object, radiance, emission.two_sided);
+    let image = emission.image.map(|index| pictures.get(index, location)).transpose()?;
+    let light = AreaLight::new(object_index, object, radiance, image, emission.two_sided);
     let Some(power) = emission.power else { return Ok(light) };
     let (what, wanted, present) = match power {
         EmissionPower::Watts(watts) => {
@@ -34,7 +39,7 @@ pub(super) fn area_light(
                 let (what, value) = ("area light: surface with candela", object.surface().kind());
                 range_error(location, what, value, "flat or a whole sphere; use lumens for others")
             })?;
-            ("area light: candela", candela, units::photometric(radiance, wavelengths) * seen)
+            ("area light: candela", candela, units::photometric(light.radiance(), wavelengths) * seen)
         }
     };
     if !(wanted >= 0.0 && wanted.is_finite()) {
@@ -44,7 +49,32 @@ pub(super) fn area_light(
         let what = "area light: radiance to be scaled";
         return Err(range_error(location, what, present, "positive, on a surface of known area"));
     }
-    Ok(AreaLight::new(object_index, object, radiance * (wanted / present) as f32, emission.two_sided))
+    Ok(light.scaled((wanted / present) as f32))
+}
+
+/// The pictures of surfaces that emit light, each made once.
+pub(super) struct EmissionPictures<'a> {
+    images: &'a [ImageDescription],
+    made: BTreeMap<usize, Arc<FlatImage>>,
+}
+
+impl<'a> EmissionPictures<'a> {
+    /// `images`: those of the description.
+    pub(super) fn new(images: &'a [ImageDescription]) -> Self {
+        Self { images, made: BTreeMap::new() }
+    }
+
+    fn get(&mut self, index: usize, location: Option<Location>) -> Result<Arc<FlatImage>, SceneError> {
+        if let Some(made) = self.made.get(&index) {
+            return Ok(Arc::clone(made));
+        }
+        let error = |kind| SceneError { location, kind };
+        let description = image_of(self.images, index).map_err(error)?;
+        let image = FlatImage::of_pixels(&description.pixels, Spectrum::ONE);
+        let image = Arc::new(image.ok_or_else(|| error(without_colors(description)))?);
+        self.made.insert(index, Arc::clone(&image));
+        Ok(image)
+    }
 }
 
 /// The emission of each object of one shape: the power of the shape is divided among them by area.

@@ -9,13 +9,13 @@ use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
 use rayon::prelude::*;
 
-use super::emission::{area_light, emission_per_object};
+use super::emission::{EmissionPictures, area_light, emission_per_object};
 use super::join::join_small_meshes;
 use super::texture::ResolvedTextures;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
 use crate::alpha::AlphaTest;
 use crate::description::{
-    EdgeDescription, EmissionDescription, GroupDescription, InstanceDescription, Location,
+    EdgeDescription, EmissionDescription, GroupDescription, ImageDescription, InstanceDescription, Location,
     ReceiverDescription, SectionDescription, ShapeDescription,
 };
 use crate::error::{SceneError, SceneErrorKind};
@@ -178,16 +178,19 @@ impl<'a> GroupResolver<'a> {
     pub(super) fn finish(
         mut self,
         mut world: GroupDescription,
+        images: &[ImageDescription],
         warnings: &mut WarningList,
     ) -> Result<ResolvedGroups, SceneError> {
         let index = self.groups.len();
         let edges = std::mem::take(&mut world.edges);
         let (mut objects, emitters, instances, _) = self.parts(world, index, warnings)?;
         let mut lights = Vec::with_capacity(emitters.len());
+        let mut pictures = EmissionPictures::new(images);
         for emitter in emitters {
             let mut object = emitter.object;
             let index = objects.len() as u32;
-            let light = area_light(index, &object, &emitter.emission, emitter.location, self.wavelengths)?;
+            let (emission, location) = (&emitter.emission, emitter.location);
+            let light = area_light(index, &object, emission, location, &mut pictures, self.wavelengths)?;
             if !light.can_be_sampled() {
                 let message = format!(
                     "points on a {} cannot be sampled, so that its light is found by chance only, with noise; use another shape as light",

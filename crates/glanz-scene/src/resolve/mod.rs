@@ -67,7 +67,7 @@ impl Scene {
             }
         }
         let ResolvedGroups { groups, mut lights, receivers } =
-            groups.finish(description.world, &mut warnings)?;
+            groups.finish(description.world, &description.images, &mut warnings)?;
         for light in &description.lights {
             lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glanz_light::{Wavelengths, units};
-use glanz_math::{DMat4, DVec3};
+use glanz_math::{DMat4, DVec3, Ray};
 use glanz_scene::description::*;
 use glanz_scene::{Light, Scene, SceneBuilder, SceneError};
 
@@ -48,6 +48,52 @@ fn triangle() -> ShapeDescription {
 
 fn close(found: f64, expected: f64, tolerance: f64) {
     assert!((found / expected - 1.0).abs() < tolerance, "{found} {expected}");
+}
+
+/// A square of side 2 around the origin that faces z, with a picture whose quarters are, row by row, black, red, green and blue.
+fn pictured(emission: EmissionDescription) -> Scene {
+    let square = ShapeDescription::parallelogram([-1.0, -1.0, 0.0], DVec3::X * 2.0, DVec3::Y * 2.0);
+    let emission = EmissionDescription { image: Some(0), ..emission };
+    let builder = SceneBuilder::new().shape(square.emitting(emission), MaterialKind::diffuse(0.5));
+    crate::image_light::with_picture(builder, crate::image_light::quarters())
+}
+
+#[test]
+fn picture_of_a_light_is_placed_by_texture_coordinates() {
+    let scene = pictured([2.0, 3.0, 4.0].into());
+    for (x, y, expected) in [
+        (-0.5, 0.5, [0.0; 3]),
+        (0.5, 0.5, [2.0, 0.0, 0.0]),
+        (-0.5, -0.5, [0.0, 3.0, 0.0]),
+        (0.5, -0.5, [0.0, 0.0, 4.0]),
+        // Half way between two pixels.
+        (0.5, 0.0, [1.0, 0.0, 2.0]),
+    ] {
+        let hit = scene.intersect(&Ray::new(DVec3::new(x, y, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
+        let front = scene.emitted(&hit, DVec3::Z).to_rgb(&Wavelengths::default());
+        for (found, expected) in front.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-5, "{x} {y}: {front:?}");
+        }
+        assert!(scene.emitted(&hit, -DVec3::Z).is_black());
+    }
+}
+
+#[test]
+fn power_of_a_light_with_a_picture_is_that_of_its_mean() {
+    let power = |scene: &Scene| {
+        let Some(Light::Area(light)) = scene.lights().first() else { unreachable!() };
+        assert!(light.has_picture());
+        light.power().to_rgb(&Wavelengths::default())
+    };
+    // A quarter of 4 m^2 in each colour.
+    let found = power(&pictured(EmissionDescription { two_sided: true, ..[2.0, 3.0, 4.0].into() }));
+    for (found, expected) in found.into_iter().zip([2.0, 3.0, 4.0].map(|x| 2.0 * PI * x)) {
+        close(f64::from(found), expected, 1e-4);
+    }
+    let watts = EmissionDescription { power: Some(EmissionPower::Watts(70.0)), ..[1.0; 3].into() };
+    let scene = pictured(watts);
+    let Some(Light::Area(light)) = scene.lights().first() else { unreachable!() };
+    close(f64::from(light.power().luminance(&Wavelengths::default())), 70.0, 1e-5);
 }
 
 #[test]

@@ -116,6 +116,11 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
         * DMat4::from_rotation_z(1.0);
     let opening = LuminousOpening { shape: OpeningShape::Rectangle, size: [0.5, 0.2, 0.0] };
     let of_sphere = |mapping| LightKind::ImageInfinite { image: 0, mapping };
+    let with_image = |shape: ShapeDescription| {
+        let emission = EmissionDescription { image: Some(0), ..shape.emission.clone().unwrap() };
+        let pixels = crate::image_light::uneven(8, 12);
+        crate::image_light::with_picture(scene_builder(Some(shape.emitting(emission)), None), pixels)
+    };
     let above = |kind, turn: f64| {
         let kind = LightDescription {
             to_world: DMat4::from_translation(DVec3::new(0.4, 0.5, 0.8)) * DMat4::from_rotation_x(turn),
@@ -153,7 +158,9 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
         ("goniometric picture", above(of_point(SphereMapping::EqualArea), 0.3), true),
         ("goniometric picture by latitude", above(of_point(SphereMapping::LatitudeLongitude), 0.3), true),
         ("disk", scene(Some(shining(disk.clone(), false, down)), None), true),
-        ("disk of two sides", scene(Some(shining(disk, true, down)), None), true),
+        ("disk of two sides", scene(Some(shining(disk.clone(), true, down)), None), true),
+        ("disk with a picture", with_image(shining(disk.clone(), true, down)), true),
+        ("sphere with a picture", with_image(shining(ball.clone(), false, up)), true),
         ("sphere", scene(Some(shining(ball, false, up)), None), true),
     ]
 }
@@ -163,7 +170,9 @@ fn power_of_light_rays_equals_that_of_light_samples() {
     for (name, scene, has_power) in cases() {
         let ((all, met), expected) = (sent(&scene), received(&scene));
         assert!(expected > 0.01, "{name}: nothing to compare");
-        assert!((met / expected - 1.0).abs() < 0.005, "{name}: {met} {expected}");
+        // Samples of a surface do not follow its picture.
+        let tolerance = if name.contains("with a picture") { 0.02 } else { 0.005 };
+        assert!((met / expected - 1.0).abs() < tolerance, "{name}: {met} {expected}");
         let power = match scene.light(LightId(0)).unwrap() {
             Light::Point(light) => bright(light.power()),
             Light::Spot(light) => bright(light.power()),
@@ -260,7 +269,8 @@ fn emission_pdf_is_the_density_of_emitted_rays() {
         let (sent, found) = (extent_sent(&scene), extent_found(&scene));
         // Few samples are in the dark parts of pictures, of which the first integral tells the extent.
         for i in usize::from(name.contains("picture"))..2 {
-            assert!((sent[i] / found[i] - 1.0).abs() < 0.01, "{name}: {sent:?} {found:?}");
+            let tolerance = if name.contains("picture") { 0.04 } else { 0.01 };
+            assert!((sent[i] / found[i] - 1.0).abs() < tolerance, "{name}: {sent:?} {found:?}");
         }
     }
 }

@@ -286,7 +286,7 @@ fn portal_has_to_be_a_rectangle() {
 }
 
 /// A picture whose quarters are, row by row, black, red, green and blue.
-fn quarters() -> Pixels {
+pub(crate) fn quarters() -> Pixels {
     let rgb: Vec<[f32; 3]> = (0..64)
         .map(|i| match (i % 8 / 4, i / 32) {
             (0, 0) => [0.0; 3],

@@ -61,6 +61,15 @@ fn behind_portal(builder: SceneBuilder) -> SceneBuilder {
     })
 }
 
+/// The scene under a disk with a picture.
+fn with_pictured_disk(builder: SceneBuilder) -> SceneBuilder {
+    let mapping = SphereMapping::LatitudeLongitude;
+    let builder = under_picture(builder, mapping, [16, 8]).edit(|scene| scene.lights.clear());
+    let emission = EmissionDescription { image: Some(0), ..20.0.into() };
+    let disk = ShapeDescription::disk(0.4).rotated(DVec3::X, PI).translated([-0.3, 0.0, 2.6]);
+    builder.shape(disk.emitting(emission), diffuse(0.2))
+}
+
 /// The scene under a lamp with a picture that faces down.
 fn with_lamp(builder: SceneBuilder, kind: LightKind) -> SceneBuilder {
     under_picture(builder, SphereMapping::LatitudeLongitude, [16, 8]).edit(|scene| {
@@ -111,6 +120,7 @@ fn lamps_of_every_kind_light_the_same_picture() {
         ("picture", under_picture(corner(), SphereMapping::LatitudeLongitude, [16, 8])),
         ("equal-area picture", under_picture(corner(), SphereMapping::EqualArea, [12, 12])),
         ("portal", behind_portal(corner())),
+        ("disk with a picture", with_pictured_disk(corner())),
         ("projected picture", with_lamp(corner(), LightKind::Projection { image: 0, field_of_view: 1.5 })),
         (
             "goniometric picture",

@@ -56,7 +56,11 @@ impl Lowering {
     }
 
     /// The picture of a light; `None` without one, and after a report if it cannot be read.
-    fn light_picture(&mut self, list: &mut ParameterList, stand_in: &str) -> ParseResult<Option<usize>> {
+    pub(super) fn light_picture(
+        &mut self,
+        list: &mut ParameterList,
+        stand_in: &str,
+    ) -> ParseResult<Option<usize>> {
         let mut file: Option<(Span, String)> = None;
         for name in ["filename", "mapname"] {
             if let Some((p, name)) = list.text_parameter(name, &mut self.reporter)? {

@@ -217,16 +217,12 @@ impl Lowering {
         }
         let mut light = self.emission(&mut list, "L", context.color_space)?;
         let two_sided = list.boolean("twosided", &mut self.reporter)?.unwrap_or(false);
-        let place = list.value_place("filename");
-        if list.text("filename", &mut self.reporter)?.is_some_and(|f| !f.is_empty()) {
-            let message = "area light: light with a picture is not available yet; \"L\" stands in";
-            self.stand_in(&place, "stand-in-light", message);
-        }
+        let image = self.light_picture(&mut list, "\"L\" alone stands in")?;
         let power = self.emission_power(&mut list, &mut light)?;
         list.ignore(&["nsamples", "samples"]);
         list.finish(&mut self.reporter);
         let scale = light.scale();
-        Ok(Rc::new(EmissionDescription { radiance: light.spectrum, scale, power, two_sided }))
+        Ok(Rc::new(EmissionDescription { radiance: light.spectrum, scale, image, power, two_sided }))
     }
 }
 
