@@ -9,6 +9,7 @@ use std::sync::Arc;
 use std::f64::consts::{PI, TAU};
 
 use crate::common::*;
+use glanz_light::Pixels;
 use glanz_light::intensity::{AngularSystem, IntensityDistribution, LuminousOpening, OpeningShape, Symmetry};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::SceneBuilder;
@@ -75,6 +76,11 @@ fn with_lamp(builder: SceneBuilder, kind: LightKind) -> SceneBuilder {
     under_picture(builder, SphereMapping::LatitudeLongitude, [16, 8]).edit(|scene| {
         let to_world = DMat4::from_translation(DVec3::new(-0.3, 0.1, 2.2)) * DMat4::from_rotation_x(PI);
         scene.lights[0] = LightDescription { to_world, ..LightDescription::new(kind, 4.0) };
+        // The spot would be found so rarely by scattered rays that `path` does not know its own error.
+        let image = &mut scene.images[0];
+        let rgb: Vec<[f32; 3]> =
+            image.pixels.to_rgb().unwrap().iter().map(|p| p.map(|x| x.min(0.6))).collect();
+        image.pixels = Arc::new(Pixels::try_from_rgb(16, 8, &rgb).unwrap());
     })
 }
 
@@ -139,8 +145,8 @@ fn lamps_of_every_kind_light_the_same_picture() {
         ),
     ] {
         // Samples of the disk do not follow its picture.
-        let largest_error = if name == "disk with a picture" { 0.05 } else { 0.02 };
-        compare(name, &scene, 4, 400, largest_error);
+        let samples = if name == "disk with a picture" { 1600 } else { 400 };
+        compare(name, &scene, 4, samples, 0.02);
     }
 }
 
