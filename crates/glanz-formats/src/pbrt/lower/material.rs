@@ -156,7 +156,6 @@ impl Lowering {
                 self.spectrum_or(l, "Ks", 0.5, space)?,
                 self.float_or(l, "exponent", 10.0)?,
             ),
-            "mix" => self.mix(l, space)?,
             "mix" => self.mix(l)?,
             "" | "none" | "interface" => MaterialKind::Interface,
             other => self.replaced_material(other, l, space)?,
