@@ -572,3 +572,17 @@ fn radiance_through_a_slab_of_glass_is_preserved() {
     assert!((enter.eta_scale * leave.eta_scale - 1.0).abs() < 1e-6);
     assert!((leave.wi.z - 0.6).abs() < 1e-14);
 }
+
+#[test]
+fn light_passes_only_where_the_lobes_say_so() {
+    for (name, bsdf) in smooth() {
+        for wo in views() {
+            let passes = |i: u64| {
+                let wi = warp::uniform_sphere(xi(i).0);
+                wi.z * wo.z < 0.0 && !bsdf.eval(wo, wi).is_black()
+            };
+            // Half of all directions are on the other side.
+            assert_eq!((0..1000).any(passes), bsdf.transmits(), "{name}, {wo}");
+        }
+    }
+}
