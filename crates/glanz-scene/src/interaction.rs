@@ -20,6 +20,8 @@ pub struct LightSampleContext {
     pub shading_normal: DVec3,
     /// Unit direction to the viewer.
     pub wo: DVec3,
+    /// Unit normal of the side from which light is scattered to the viewer; `None` if that may be both.
+    pub normal: Option<DVec3>,
 }
 
 /// The point where a ray hit the scene, in world space.
@@ -42,7 +44,7 @@ pub struct Interaction {
 }
 
 impl Interaction {
-    /// The point as the origin of light samples.
+    /// The point as the origin of light samples, which may come from both sides.
     #[inline]
     #[must_use]
     pub fn light_sample_context(&self) -> LightSampleContext {
@@ -50,6 +52,7 @@ impl Interaction {
             position: self.point.position,
             shading_normal: self.point.shading_normal,
             wo: self.wo,
+            normal: None,
         }
     }
 

@@ -37,7 +37,9 @@ pub use error::{SceneError, SceneErrorKind, SceneWarning};
 pub use hit::SceneHit;
 pub use hit_location::HitLocation;
 pub use interaction::{Interaction, LightSampleContext};
-pub use light::{IncidentLight, Light, LightId, LightRange, LightRay, LightSample, MAX_LIGHT_GROUPS};
+pub use light::{
+    IncidentLight, Light, LightId, LightRange, LightRay, LightSample, MAX_LIGHT_GROUPS, SelectedLight,
+};
 pub use object::SceneObject;
 pub use parameterization::ShapeParameterization;
 pub use path_batch::BatchedPath;

@@ -15,7 +15,7 @@ use crate::camera::Camera;
 use crate::description::EdgeDescription;
 use crate::hit::{NearestHit, SceneHit};
 use crate::interaction::{Interaction, LightSampleContext};
-use crate::light::{Light, LightId, LightSample, LightSelector};
+use crate::light::{Light, LightId, LightSample, LightSelector, LightTree, MAX_LIGHT_GROUPS, SelectedLight};
 use crate::object::SceneObject;
 use crate::parameterization::{LocalPoint, ShapeParameterization};
 use crate::placed::ParametricPoint;
@@ -91,7 +91,8 @@ pub struct Scene {
     pub(crate) textures: Arc<Textures>,
     pub(crate) lights: Arc<[Light]>,
     pub(crate) infinite_lights: Arc<[LightId]>,
-    pub(crate) selector: Arc<LightSelector>,
+    /// Selects lights to sample from a point.
+    pub(crate) light_tree: Arc<LightTree>,
     /// Selects lights at which paths start.
     pub(crate) emitters: Arc<LightSelector>,
     pub(crate) bounds: Bounds3,
@@ -336,23 +337,33 @@ impl Scene {
         }
     }
 
-    /// Selects a light to sample by a number uniform in [0, 1); returns it with its probability.
+    /// Selects a light to sample from a point by a number uniform in [0, 1).
     ///
-    /// `None` if there is no light that can be sampled.
+    /// `None` if no light can be sampled, or if none can arrive.
+    #[inline]
     #[must_use]
-    pub fn select_light(&self, xi: f64) -> Option<(LightId, f64)> {
-        self.selector.select(xi)
+    pub fn select_light(&self, from: &LightSampleContext, xi: f64) -> Option<SelectedLight> {
+        self.light_tree.select(from, xi)
     }
 
-    /// The probability with which [`Scene::select_light`] selects the light `id`.
+    /// The probability with which [`Scene::select_light`] selects the light `id` from a point.
+    ///
+    /// 0 only if its light cannot arrive there, or if it cannot be sampled; occlusion is ignored.
+    #[inline]
     #[must_use]
-    pub fn light_probability(&self, id: LightId) -> f64 {
-        self.selector.probability(id)
+    pub fn light_probability(&self, id: LightId, from: &LightSampleContext) -> f64 {
+        self.light_tree.probability(id, from)
+    }
+
+    /// Whether [`Scene::select_light`] selects the light `id` from any point.
+    #[must_use]
+    pub fn is_selectable(&self, id: LightId) -> bool {
+        self.light_tree.contains(id)
     }
 
     /// Selects a light for [`Scene::emit`] by a number uniform in [0, 1); returns it with its probability.
     ///
-    /// As [`Scene::select_light`], including lights that cannot be sampled from a surface. `None` if no light has a known power.
+    /// Lights are selected by power, also those that cannot be sampled from a surface. `None` if no light has a known power.
     #[must_use]
     pub fn select_emitter(&self, xi: f64) -> Option<(LightId, f64)> {
         self.emitters.select(xi)
@@ -370,29 +381,48 @@ impl Scene {
         self.emitters.probability(id)
     }
 
-    /// Number of groups of lights, at most [`MAX_LIGHT_GROUPS`](crate::MAX_LIGHT_GROUPS), from which a guide can select first. Every light
-    /// that can be sampled is in one of them.
+    /// Number of groups of lights, at most [`MAX_LIGHT_GROUPS`], from which a guide can select first. Every light that can be sampled is in one of
+    /// them; lights of a group are near one another.
     #[must_use]
     pub fn light_group_count(&self) -> usize {
-        self.selector.group_count()
+        self.light_tree.group_count()
     }
 
-    /// The group of the light `id`.
+    /// The group of the light `id`; `None` if it cannot be sampled.
     #[must_use]
-    pub fn light_group(&self, id: LightId) -> usize {
-        self.selector.group(id)
+    pub fn light_group(&self, id: LightId) -> Option<usize> {
+        self.light_tree.group(id)
     }
 
-    /// The probability with which [`Scene::select_light`] selects a light of a group.
+    /// The probabilities with which [`Scene::select_light`] selects a light of each group from a point: 0 where no light of a group can arrive.
+    #[inline]
     #[must_use]
-    pub fn light_group_probability(&self, group: usize) -> f64 {
-        self.selector.group_probability(group)
+    pub fn light_group_probabilities(&self, from: &LightSampleContext) -> [f64; MAX_LIGHT_GROUPS] {
+        self.light_tree.group_probabilities(from)
     }
 
-    /// Selects a light of a group by a number uniform in [0, 1); returns it with its probability within the group.
+    /// As [`Scene::select_light`], with other `probabilities` of the groups, or weights in proportion to them.
+    #[inline]
     #[must_use]
-    pub fn select_light_in_group(&self, group: usize, xi: f64) -> Option<(LightId, f64)> {
-        self.selector.select_in_group(group, xi)
+    pub fn select_light_by_groups(
+        &self,
+        from: &LightSampleContext,
+        probabilities: &[f64; MAX_LIGHT_GROUPS],
+        xi: f64,
+    ) -> Option<SelectedLight> {
+        self.light_tree.select_by_groups(from, probabilities, xi)
+    }
+
+    /// The probability with which [`Scene::select_light_by_groups`] selects the light `id`.
+    #[inline]
+    #[must_use]
+    pub fn light_probability_by_groups(
+        &self,
+        id: LightId,
+        from: &LightSampleContext,
+        probabilities: &[f64; MAX_LIGHT_GROUPS],
+    ) -> f64 {
+        self.light_tree.probability_by_groups(id, from, probabilities)
     }
 
     /// Samples a direction from `from` towards the light `id` by two numbers uniform in [0, 1).

@@ -8,7 +8,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, Frame};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::{mis, warp};
-use glanz_scene::{Light, LightId, ParametricPoint, PlacedSurface, Scene};
+use glanz_scene::{Light, LightId, LightSampleContext, ParametricPoint, PlacedSurface, Scene, SelectedLight};
 use rayon::prelude::*;
 
 use super::progress::BakeProgress;
@@ -136,7 +136,7 @@ impl<'a> DirectLighting<'a> {
         let scene = elements.scene;
         let light = |surface: &PlacedSurface<'_>| surface.light().map(|id| (id, surface.bounds()));
         let all = (0..).map(LightId).zip(scene.lights());
-        let lights = all.filter(|(id, _)| scene.light_probability(*id) > 0.0).map(|(id, _)| id).collect();
+        let lights = all.filter(|(id, _)| scene.is_selectable(*id)).map(|(id, _)| id).collect();
         let sobol = ScrambledSobol::new(KEY);
         let point = |i: u32| {
             let coordinate = |d| unit(sobol.coordinate(i.reverse_bits(), d));
@@ -180,13 +180,15 @@ impl<'a> DirectLighting<'a> {
             }
         } else {
             let is_area = |id| matches!(self.scene.light(id), Some(Light::Area(_)));
-            let density = |id| is_area(id).then(|| self.scene.light_probability(id));
             self.add_estimate(receivers, false, &mut sums, |receiver, [x, y, z]| {
-                let (id, probability) = self.scene.select_light(z)?;
-                let light = self.sample_light(receiver, id, DVec2::new(x, y), density(id))?;
+                let SelectedLight { id, probability, .. } = self.scene.select_light(&context(receiver), z)?;
+                let density = is_area(id).then_some(probability);
+                let light = self.sample_light(receiver, id, DVec2::new(x, y), density)?;
                 Some(light * (1.0 / probability) as f32)
             });
             self.add_estimate(receivers, false, &mut sums, |receiver, point| {
+                let from = context(receiver);
+                let density = |id| is_area(id).then(|| self.scene.light_probability(id, &from));
                 self.sample_hemisphere(receiver, point, density)
             });
         }
@@ -291,6 +293,11 @@ impl<'a> DirectLighting<'a> {
         let weight = probability.map_or(1.0, |p| mis::power(sample.pdf.0 * p, cosine_pdf(cos)));
         Some(transmittance * sample.radiance * (weight * cos / sample.pdf.0) as f32)
     }
+}
+
+/// The receiver as the origin of light samples.
+fn context(receiver: &BakeReceiver) -> LightSampleContext {
+    LightSampleContext { normal: Some(receiver.shading), ..receiver.at.light_sample_context() }
 }
 
 /// Density of directions over the hemisphere, per solid angle.

@@ -12,8 +12,9 @@ use glanz_math::rounding::{gamma, offset_origin};
 use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
+use super::extent::{DirectionCone, EmissionBounds};
 use super::flat_image::FlatImage;
-use super::{LightModel, LightRay, LightSample, brightness};
+use super::{LightExtent, LightModel, LightRay, LightSample, brightness};
 use crate::alpha::RayKind;
 use crate::area::area;
 use crate::interaction::{Interaction, LightSampleContext};
@@ -255,6 +256,13 @@ impl LightModel for AreaLight {
 
     fn importance(&self, _: f64) -> f64 {
         if self.area.is_some() { brightness(self.power()) } else { 0.0 }
+    }
+
+    fn extent(&self, world: &[SceneObject]) -> LightExtent {
+        let object = world.get(self.object as usize);
+        let extent = object.map(|object| EmissionBounds::surface(object, self.two_sided));
+        let finite = extent.filter(|extent| extent.bounds.is_finite());
+        finite.map_or(LightExtent::Distant(DirectionCone::ALL), LightExtent::Bounded)
     }
 
     fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {

@@ -6,9 +6,13 @@ use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, SolidAnglePdf};
 
 use super::emission::SceneSphere;
-use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
+use super::extent::DirectionCone;
+use super::{
+    IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, range_error,
+};
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// Light from one direction.
@@ -50,6 +54,10 @@ impl LightModel for DistantLight {
 
     fn importance(&self, radius: f64) -> f64 {
         brightness(self.irradiance) * (PI * radius * radius)
+    }
+
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        LightExtent::Distant(DirectionCone { axis: self.towards, half_angle: 0.0 })
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {

@@ -6,14 +6,18 @@ use std::sync::Arc;
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray};
 
+use super::extent::EmissionBounds;
 use super::image_infinite::brightness_of;
 use super::photometric::{luminaire_axes, uneven};
 use super::point::sample_point;
 use super::sphere_density::SphereDensity;
-use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, SphereImage, brightness};
+use super::{
+    IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, SphereImage, brightness,
+};
 use crate::description::SphereMapping;
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// A point whose intensity in each direction is a picture's.
@@ -74,6 +78,10 @@ impl LightModel for GoniometricLight {
 
     fn importance(&self, _: f64) -> f64 {
         brightness(self.power)
+    }
+
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        LightExtent::Bounded(EmissionBounds::point(self.position))
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {

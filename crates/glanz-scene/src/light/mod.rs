@@ -3,6 +3,7 @@
 mod area;
 mod distant;
 mod emission;
+mod extent;
 mod flat_image;
 mod goniometric;
 mod image_infinite;
@@ -19,6 +20,7 @@ mod sphere_density;
 mod sphere_image;
 mod spot;
 mod sun;
+mod tree;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
@@ -26,11 +28,14 @@ use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 use crate::description::{ImageDescription, LightDescription, LightKind, SphereMapping};
 use crate::error::SceneErrorKind;
 use crate::interaction::{Interaction, LightSampleContext};
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 pub use area::AreaLight;
 pub use distant::DistantLight;
 pub use emission::{LightRange, LightRay};
+use extent::DirectionCone;
+pub(crate) use extent::LightExtent;
 pub(crate) use flat_image::FlatImage;
 pub use goniometric::GoniometricLight;
 pub use image_infinite::ImageInfiniteLight;
@@ -42,10 +47,11 @@ pub use portal::PortalInfiniteLight;
 pub use projection::ProjectionLight;
 pub use rays::RayLight;
 pub(crate) use select::LightSelector;
-pub use select::MAX_LIGHT_GROUPS;
 pub use sphere_image::{SphereImage, SphereTexel};
 pub use spot::SpotLight;
 pub use sun::SunLight;
+pub(crate) use tree::LightTree;
+pub use tree::{MAX_LIGHT_GROUPS, SelectedLight};
 
 /// Number of a light of a [`Scene`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -73,6 +79,11 @@ trait LightModel {
 
     /// See [`Light::importance`].
     fn importance(&self, radius: f64) -> f64;
+
+    /// See [`Light::extent`].
+    fn extent(&self, _world: &[SceneObject]) -> LightExtent {
+        LightExtent::Distant(DirectionCone::ALL)
+    }
 
     /// See [`Light::sample`].
     fn sample(&self, scene: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample>;
@@ -152,6 +163,13 @@ macro_rules! lights {
             pub(crate) fn importance(&self, radius: f64) -> f64 {
                 match self {
                     $(Self::$variant(light) => light.importance(radius),)*
+                }
+            }
+
+            /// Its place and directions. `world`: the objects of the world.
+            pub(crate) fn extent(&self, world: &[SceneObject]) -> LightExtent {
+                match self {
+                    $(Self::$variant(light) => light.extent(world),)*
                 }
             }
 

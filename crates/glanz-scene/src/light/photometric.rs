@@ -1,16 +1,22 @@
 //! A luminaire measured by a goniophotometer.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use glanz_light::intensity::{IntensityDistribution, LuminousOpening, OpeningShape};
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, Transform};
+use glanz_math::{AreaPdf, Bounds3, DMat3, DVec2, DVec3, Ray, Transform};
 use glanz_sampling::discrete::PiecewiseConstant1;
 
+use super::extent::{DirectionCone, EmissionBounds};
 use super::point::sample_point;
-use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, opening, range_error};
+use super::{
+    IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, opening,
+    range_error,
+};
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// Relative difference that is allowed between the scales along different directions: matrices printed with four digits pass.
@@ -120,6 +126,27 @@ impl PhotometricLight {
         self.position
     }
 
+    /// A cone that holds the directions of its light, about the axis of the measurement.
+    fn directions(&self) -> DirectionCone {
+        let polars = self.distribution.polars();
+        let [mut least, mut most] = [polars.len(), 0];
+        for plane in (0..self.distribution.azimuths().len()).map(|azimuth| self.distribution.plane(azimuth)) {
+            let is_lit = |&candela: &f64| candela > 0.0;
+            // Between the angles the intensity is linear.
+            least = least
+                .min(plane.iter().position(is_lit).map_or(polars.len(), |first| first.saturating_sub(1)));
+            most = most.max(plane.iter().rposition(is_lit).map_or(0, |last| last + 1));
+        }
+        let most = polars.get(most).or(polars.last()).map_or(PI, |polar| polar.to_radians());
+        let least = polars.get(least).map_or(0.0, |polar| polar.to_radians());
+        let pole = self.axes * self.distribution.direction(0.0, 0.0);
+        if PI - least < most {
+            DirectionCone { axis: -pole, half_angle: PI - least }
+        } else {
+            DirectionCone { axis: pole, half_angle: most }
+        }
+    }
+
     /// A point of its opening, metres, by two numbers uniform in [0, 1).
     fn place(&self, xi: DVec2) -> DVec3 {
         let from_center = self.opening.as_ref().map_or(DVec3::ZERO, |o| opening::point(o, xi));
@@ -143,6 +170,17 @@ impl LightModel for PhotometricLight {
 
     fn importance(&self, _: f64) -> f64 {
         brightness(self.power())
+    }
+
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        let directions = self.directions();
+        let middle = DirectionCone { half_angle: 0.0, ..directions };
+        let half = self.opening.as_ref().map_or(DVec3::ZERO, |o| 0.5 * DVec3::from_array(o.size));
+        let corners = Bounds3::new(-half, half).corners().map(|corner| self.position + self.axes * corner);
+        LightExtent::Bounded(EmissionBounds {
+            bounds: Bounds3::from_points(corners),
+            ..EmissionBounds::beam(self.position, middle, directions.half_angle)
+        })
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {

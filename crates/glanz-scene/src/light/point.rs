@@ -6,11 +6,14 @@ use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf};
 use glanz_sampling::warp;
 
+use super::extent::EmissionBounds;
 use super::{
-    IncidentLight, LightInput, LightModel, LightRange, LightRay, LightSample, brightness, range_error,
+    IncidentLight, LightExtent, LightInput, LightModel, LightRange, LightRay, LightSample, brightness,
+    range_error,
 };
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// A point that emits alike in all directions, W/sr.
@@ -72,6 +75,11 @@ impl LightModel for PointLight {
 
     fn importance(&self, _: f64) -> f64 {
         brightness(self.power())
+    }
+
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        let range = self.range.unwrap_or(f64::INFINITY);
+        LightExtent::Bounded(EmissionBounds { range, ..EmissionBounds::point(self.position) })
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {

@@ -6,14 +6,17 @@ use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray};
 use glanz_sampling::discrete::PiecewiseConstant2;
 
+use super::extent::{DirectionCone, EmissionBounds};
 use super::flat_image::FlatImage;
 use super::photometric::{luminaire_axes, uneven};
 use super::point::sample_point;
 use super::{
-    IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, range_error, without_colors,
+    IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, range_error,
+    without_colors,
 };
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// A point that emits a picture into a pyramid.
@@ -133,6 +136,12 @@ impl LightModel for ProjectionLight {
 
     fn importance(&self, _: f64) -> f64 {
         brightness(self.power)
+    }
+
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        // The corners are the farthest from the axis.
+        let cone = DirectionCone { axis: self.axes.z_axis, half_angle: self.half.length().atan() };
+        LightExtent::Bounded(EmissionBounds::beam(self.position, cone, cone.half_angle))
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {

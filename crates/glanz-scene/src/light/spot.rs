@@ -6,11 +6,15 @@ use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray};
 use glanz_sampling::warp;
 
+use super::extent::{DirectionCone, EmissionBounds};
 use super::point::sample_point;
-use super::{IncidentLight, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
+use super::{
+    IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, range_error,
+};
 use crate::description::SpotFalloff;
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// A point that emits into a cone, W/sr.
@@ -123,6 +127,11 @@ impl LightModel for SpotLight {
 
     fn importance(&self, _: f64) -> f64 {
         brightness(self.power())
+    }
+
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        let inner = DirectionCone { axis: self.axis, half_angle: self.cos_inner.acos() };
+        LightExtent::Bounded(EmissionBounds::beam(self.position, inner, self.cos_outer.acos()))
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, _: DVec2) -> Option<LightSample> {

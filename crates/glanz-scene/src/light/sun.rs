@@ -7,9 +7,11 @@ use glanz_math::{AreaPdf, DVec2, DVec3, Frame, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::emission::SceneSphere;
-use super::{LightInput, LightModel, LightRay, LightSample, brightness, range_error};
+use super::extent::DirectionCone;
+use super::{LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
 use crate::error::SceneErrorKind;
 use crate::interaction::{Interaction, LightSampleContext};
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// The same radiance from all directions of a cone.
@@ -98,6 +100,12 @@ impl LightModel for SunLight {
 
     fn importance(&self, radius: f64) -> f64 {
         brightness(self.irradiance) * (PI * radius * radius)
+    }
+
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        // The chord of the cone is precise also where it is narrow.
+        let half_angle = 2.0 * (0.5 * self.one_minus_cos).sqrt().min(1.0).asin();
+        LightExtent::Distant(DirectionCone { axis: self.frame.z, half_angle })
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {

@@ -16,7 +16,7 @@ use glanz_math::{Bounds3, DMat4, Transform};
 use crate::camera::Camera;
 use crate::description::{Description, GeometryDescription, Location};
 use crate::error::{SceneError, SceneErrorKind, SceneWarning};
-use crate::light::{LightId, LightSelector};
+use crate::light::{LightId, LightSelector, LightTree};
 use crate::scene::Scene;
 pub(crate) use freeform::region as trim_region;
 use group::{GroupResolver, ResolvedGroups};
@@ -84,12 +84,12 @@ impl Scene {
             .filter(|(_, light)| light.is_infinite())
             .map(|(index, _)| LightId(index as u32))
             .collect();
-        let sampled: Vec<f64> = lights
-            .iter()
-            .zip(&importance)
-            .map(|(light, &importance)| if light.can_be_sampled() { importance } else { 0.0 })
-            .collect();
-        let (selector, emitters) = (LightSelector::new(&sampled), LightSelector::new(&importance));
+        let world = groups.last().map(|group| group.objects.as_slice()).unwrap_or_default();
+        let extents = lights.iter().zip(&importance).map(|(light, &importance)| {
+            (light.extent(world), if light.can_be_sampled() { importance } else { 0.0 })
+        });
+        let light_tree = LightTree::new(&extents.collect::<Vec<_>>(), radius);
+        let emitters = LightSelector::new(&importance);
         let scene = Self {
             camera,
             groups: groups.into(),
@@ -98,7 +98,7 @@ impl Scene {
             textures: textures.textures,
             lights: lights.into(),
             infinite_lights,
-            selector: selector.into(),
+            light_tree: light_tree.into(),
             emitters: emitters.into(),
             bounds,
             receivers: receivers.into(),

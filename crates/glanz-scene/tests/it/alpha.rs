@@ -183,9 +183,9 @@ fn lights_emit_by_their_opacity_and_invisible_ones_in_full() {
     let up = Ray::new(DVec3::new(0.1, 0.1, 1.0), DVec3::Z);
     for (alpha, radiance, is_delta) in [(1.0, 8.0, false), (0.25, 2.0, false), (0.0, 8.0, true)] {
         let scene = light(alpha);
-        let (id, _) = scene.select_light(0.5).unwrap();
-        assert_eq!(scene.light(id).unwrap().can_be_hit(), !is_delta);
         let from = scene.intersect(&Ray::new(DVec3::new(0.2, 0.1, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
+        let id = scene.select_light(&from.light_sample_context(), 0.5).unwrap().id;
+        assert_eq!(scene.light(id).unwrap().can_be_hit(), !is_delta);
         let sample = scene.sample_light(id, &from, DVec2::new(0.3, 0.6)).unwrap();
         assert_eq!(sample.radiance, glanz_light::Spectrum::from_rgb([radiance; 3]), "{alpha}");
         assert_eq!(sample.is_delta, is_delta);

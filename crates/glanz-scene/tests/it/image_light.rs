@@ -229,7 +229,7 @@ fn black_picture_is_never_sampled() {
     let scene = lit(pixels, SphereMapping::LatitudeLongitude, DMat4::IDENTITY);
     let from = from_top(&scene);
     assert!(scene.sample_light(LIGHT, &from, DVec2::splat(0.5)).is_none());
-    assert!(scene.select_light(0.5).is_none());
+    assert!(scene.select_light(&from.light_sample_context(), 0.5).is_none());
     assert!(scene.emit(LIGHT, DVec2::splat(0.5), DVec2::splat(0.5)).is_none());
 }
 

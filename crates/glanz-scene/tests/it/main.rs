@@ -7,6 +7,7 @@ mod area_lights;
 mod batch;
 mod emission;
 mod image_light;
+mod light_selection;
 mod photometric;
 mod receivers;
 mod scene;

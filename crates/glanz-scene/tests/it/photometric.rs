@@ -150,8 +150,8 @@ fn rays_are_emitted_by_flux_and_cannot_be_sampled() {
     }
     assert_eq!(found, [100, 300]);
     assert_eq!(scene.select_emitter(0.5), Some((LightId(0), 1.0)));
-    assert_eq!(scene.select_light(0.5), None);
     let at = scene.intersect(&Ray::new(DVec3::ZERO, DVec3::X), f64::INFINITY).unwrap();
+    assert_eq!(scene.select_light(&at.light_sample_context(), 0.5), None);
     assert!(scene.sample_light(LightId(0), &at, DVec2::splat(0.5)).is_none());
 }
 

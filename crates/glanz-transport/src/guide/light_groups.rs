@@ -2,9 +2,9 @@
 //!
 //! Light sampling selects one of many lights; the variance is smallest if the probability of each is proportional to the root of its mean
 //! squared contribution. At most points few lights are visible, which their powers do not reflect. Lights are selected by the scene's
-//! groups ([`Scene::light_groups`](glanz_scene::Scene::light_group_count)), so that thousands of lights cost no more than sixteen.
+//! groups ([`Scene::light_group_count`]), so that thousands of lights cost no more than sixteen; within a group the scene selects them.
 
-use glanz_scene::{LightId, MAX_LIGHT_GROUPS, Scene};
+use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, Scene};
 
 /// Smallest fraction of selections by the scene's own probabilities, because lights without samples so far may still contribute.
 const BLIND: f64 = 0.05;
@@ -44,40 +44,15 @@ impl LightGroups {
         self.shares.iter().map(|&share| f64::from(share)).sum()
     }
 
-    /// Probability of a group.
+    /// Weights of the groups at a point, in proportion to their probabilities; 0 where no light of a group can arrive.
     #[inline]
-    pub(crate) fn group_probability(&self, scene: &Scene, group: usize) -> f64 {
-        let share = self.shares.get(group).map_or(0.0, |&share| f64::from(share));
-        share + (1.0 - self.known()).max(0.0) * scene.light_group_probability(group)
-    }
-
-    /// Probability of a light.
-    #[inline]
-    pub(crate) fn probability(&self, scene: &Scene, id: LightId) -> f64 {
-        let group = scene.light_group(id);
-        let among_all = scene.light_group_probability(group);
-        if among_all <= 0.0 {
-            return 0.0;
+    pub(crate) fn weights(&self, scene: &Scene, from: &LightSampleContext) -> [f64; MAX_LIGHT_GROUPS] {
+        let mut weights = scene.light_group_probabilities(from);
+        let blind = (1.0 - self.known()).max(0.0);
+        for (weight, &share) in weights.iter_mut().zip(&self.shares).filter(|(weight, _)| **weight > 0.0) {
+            *weight = f64::from(share) + blind * *weight;
         }
-        self.group_probability(scene, group) * scene.light_probability(id) / among_all
-    }
-
-    /// A light and its probability, by a number uniform in [0, 1).
-    #[inline]
-    pub(crate) fn pick(&self, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
-        let mut below = 0.0;
-        let last = scene.light_group_count().checked_sub(1)?;
-        for group in 0..=last {
-            let probability = self.group_probability(scene, group);
-            // Rounding may move xi past the end; a group that the scene does not have is never selected.
-            if xi < below + probability || group == last {
-                let left = ((xi - below) / probability).clamp(0.0, 1.0 - f64::EPSILON / 2.0);
-                let (id, inside) = scene.select_light_in_group(group, left)?;
-                return Some((id, probability * inside));
-            }
-            below += probability;
-        }
-        None
+        weights
     }
 }
 

@@ -226,7 +226,7 @@ impl Distributed {
 
 /// `vertex` as the origin of a scattered ray.
 fn previous(vertex: &Vertex<'_>, scattered: &ScatteredRay) -> PreviousVertex {
-    PreviousVertex { from: vertex.at.light_sample_context(), pdf: scattered.pdf }
+    PreviousVertex { from: vertex.light_sample_context(vertex.at.wo), pdf: scattered.pdf }
 }
 
 impl<'a, 'b> BatchedPath<DistributedSamples<'a, 'b>> for DistributedPath {

@@ -94,8 +94,8 @@ impl GridDirections<'_> {
         if emitted.is_black() {
             return emitted;
         }
-        let light_pdf =
-            self.scene.light_pdf(id, &segment.from, vertex.at).0 * self.scene.light_probability(id);
+        let light_pdf = self.scene.light_pdf(id, &segment.from, vertex.at).0
+            * self.scene.light_probability(id, &segment.from);
         emitted * mis::power(segment.pdf, light_pdf) as f32
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::GuideSettings;
-use glanz_scene::{LightId, Scene};
+use glanz_scene::{LightId, LightSampleContext, Scene, SelectedLight};
 
 use super::path::BsdfDirections;
 use super::path_state::SampledDirection;
@@ -63,7 +63,10 @@ impl Guided {
             records.clear();
             let sample = context.sampler.sample_index();
             let sparse = training.is_none() || sample >= SPARSE_FROM && sample % 2 == 1;
-            GuideDirections::new(guide, sparse, training.map(|_| records), context.wavelengths)
+            let learns_lights = context.scene.light_group_count() > 1;
+            let directions =
+                GuideDirections::new(guide, sparse, training.map(|_| records), context.wavelengths);
+            GuideDirections { learns_lights, ..directions }
         });
         let mut directions: Vec<_> = directions.collect();
         self.tracer.radiance(contexts, &mut directions, radiance);
@@ -124,6 +127,8 @@ struct GuideDirections<'a> {
     guide: &'a TreeGuide,
     /// Whether to skip vertices at which the guide is off.
     sparse: bool,
+    /// Whether there are groups of lights to select from.
+    learns_lights: bool,
     /// Target of training records, if the pass trains.
     records: Option<&'a mut PathRecords>,
     /// Density and leaf of the last direction, if the guide was evaluated.
@@ -142,7 +147,16 @@ impl<'a> GuideDirections<'a> {
         records: Option<&'a mut PathRecords>,
         wavelengths: Wavelengths,
     ) -> Self {
-        Self { guide, sparse, records, drawn: None, expected: None, survival: 1.0, wavelengths }
+        Self {
+            guide,
+            sparse,
+            learns_lights: false,
+            records,
+            drawn: None,
+            expected: None,
+            survival: 1.0,
+            wavelengths,
+        }
     }
 
     fn luminance(&self, spectrum: Spectrum) -> f64 {
@@ -166,40 +180,48 @@ impl DirectionSampler for GuideDirections<'_> {
         rough.then(|| self.guide.place(vertex.at.point.position, vertex.normal_to_viewer()))
     }
 
-    fn select_light(&self, place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
-        match place {
-            Some(place) if scene.light_group_count() > 1 => self.guide.light_groups(place).pick(scene, xi),
-            _ => scene.select_light(xi),
-        }
-    }
-
-    fn light_probability(&self, place: &Self::VertexData, scene: &Scene, id: LightId) -> f64 {
-        match place {
-            Some(place) if scene.light_group_count() > 1 => {
-                self.guide.light_groups(place).probability(scene, id)
-            }
-            _ => scene.light_probability(id),
-        }
-    }
-
-    fn record_light(
-        &mut self,
+    fn select_light(
+        &self,
         place: &Self::VertexData,
         scene: &Scene,
+        from: &LightSampleContext,
+        xi: f64,
+    ) -> Option<SelectedLight> {
+        match place {
+            Some(place) if self.learns_lights => {
+                let weights = self.guide.light_groups(place).weights(scene, from);
+                scene.select_light_by_groups(from, &weights, xi)
+            }
+            _ => scene.select_light(from, xi),
+        }
+    }
+
+    fn light_probability(
+        &self,
+        place: &Self::VertexData,
+        scene: &Scene,
+        from: &LightSampleContext,
         id: LightId,
-        probability: f64,
-        luminance: f64,
-    ) {
+    ) -> f64 {
+        match place {
+            Some(place) if self.learns_lights => {
+                let weights = self.guide.light_groups(place).weights(scene, from);
+                scene.light_probability_by_groups(id, from, &weights)
+            }
+            _ => scene.light_probability(id, from),
+        }
+    }
+
+    fn record_light(&mut self, place: &Self::VertexData, selected: &SelectedLight, luminance: f64) {
         let (Some(records), Some(place)) = (&mut self.records, place) else { return };
-        if scene.light_group_count() > 1 {
-            let group = scene.light_group(id);
+        let SelectedLight { group, group_probability: probability, .. } = *selected;
+        if self.learns_lights {
             // The selection within the group is part of the estimate for the group.
-            let inside = scene.light_probability(id) / scene.light_group_probability(group);
-            let (luminance, probability) = (luminance / inside, probability / inside);
+            let inside = selected.probability / probability;
             records.light_groups.push(LightGroupRecord {
                 cell: place.cell,
                 group: group as u32,
-                luminance,
+                luminance: luminance / inside,
                 probability,
             });
         }

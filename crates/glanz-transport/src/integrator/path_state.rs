@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec3, Ray};
-use glanz_scene::{LightId, LightSampleContext};
+use glanz_scene::{LightSampleContext, SelectedLight};
 
 use super::Context;
 use super::path_tracer::DirectionSampler;
@@ -53,9 +53,7 @@ pub(super) struct PendingVertex<P> {
 /// Light sampled at a vertex.
 #[derive(Clone, Copy)]
 pub(super) struct PendingLight {
-    pub(super) id: LightId,
-    /// Probability of the choice of the light.
-    pub(super) probability: f64,
+    pub(super) selected: SelectedLight,
     /// The light that is scattered to the viewer, not divided by the probability.
     pub(super) light: Spectrum,
     /// Throughput up to the vertex.
@@ -105,12 +103,12 @@ impl<P: Copy> PathState<P> {
     ) {
         let PendingVertex { place, light, direction } = &mut self.pending;
         let Some(place) = place.take() else { return };
-        if let Some(PendingLight { id, probability, light, throughput, .. }) = light.take() {
+        if let Some(PendingLight { selected, light, throughput, .. }) = light.take() {
             context.counters.shadow += 1;
             let light = if occluded { Spectrum::BLACK } else { light };
             let luminance = f64::from(light.luminance(&context.wavelengths));
-            directions.record_light(&place, context.scene, id, probability, luminance);
-            self.light += throughput * (light * (1.0 / probability) as f32);
+            directions.record_light(&place, &selected, luminance);
+            self.light += throughput * (light * (1.0 / selected.probability) as f32);
         }
         if let Some(sampled) = direction.take() {
             directions.record_direction(&place, &sampled, self.light);

@@ -4,7 +4,7 @@ use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
-use glanz_scene::{BatchedPath, Interaction, LightId, Scene, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, Scene, SceneHit, SelectedLight};
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
@@ -34,26 +34,30 @@ pub(super) trait DirectionSampler {
     /// The data of a vertex, computed once.
     fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData;
 
-    /// Selects a light by a number uniform in [0, 1); returns it with its probability.
-    fn select_light(&self, _place: &Self::VertexData, scene: &Scene, xi: f64) -> Option<(LightId, f64)> {
-        scene.select_light(xi)
+    /// Selects a light for a vertex by a number uniform in [0, 1).
+    fn select_light(
+        &self,
+        _place: &Self::VertexData,
+        scene: &Scene,
+        from: &LightSampleContext,
+        xi: f64,
+    ) -> Option<SelectedLight> {
+        scene.select_light(from, xi)
     }
 
     /// The probability with which [`DirectionSampler::select_light`] selects the light `id`.
-    fn light_probability(&self, _place: &Self::VertexData, scene: &Scene, id: LightId) -> f64 {
-        scene.light_probability(id)
+    fn light_probability(
+        &self,
+        _place: &Self::VertexData,
+        scene: &Scene,
+        from: &LightSampleContext,
+        id: LightId,
+    ) -> f64 {
+        scene.light_probability(id, from)
     }
 
-    /// Records a sample of the light `id`: its luminance at the viewer, not yet divided by the `probability` of the selection.
-    fn record_light(
-        &mut self,
-        _: &Self::VertexData,
-        _: &Scene,
-        _id: LightId,
-        _probability: f64,
-        _luminance: f64,
-    ) {
-    }
+    /// Records a sample of a light: its luminance at the viewer, not yet divided by the probability of the selection.
+    fn record_light(&mut self, _: &Self::VertexData, _: &SelectedLight, _luminance: f64) {}
 
     /// Density per solid angle of `direction`; `bsdf_pdf`: that of the BSDF alone.
     fn pdf(&self, place: &Self::VertexData, direction: DVec3, bsdf_pdf: f64) -> f64;
@@ -243,13 +247,15 @@ impl PathTracer {
         let xi = DVec2::new(x, y);
         let place = directions.vertex_data(vertex);
         path.pending.place = Some(place);
+        let from = vertex.light_sample_context(vertex.at.wo);
         if self.light_sampling && !vertex.is_delta() {
             let [x, y, xi_light, _] = sampler.next_group();
             let (throughput, xi) = (path.throughput, DVec2::new(x, y));
-            path.pending.light = direct_light(context, vertex, directions, &place, throughput, xi_light, xi);
+            path.pending.light =
+                direct_light(context, vertex, &from, directions, &place, throughput, xi_light, xi);
         }
         let Some(scattered) = directions.sample(&place, vertex, xi, xi_lobe) else { return false };
-        let (from, cosine) = (vertex.at.light_sample_context(), vertex.cosine(scattered.direction).abs());
+        let cosine = vertex.cosine(scattered.direction).abs();
         let before = path.throughput;
         if D::RECORDS_DIRECTIONS {
             path.pending.direction = Some(SampledDirection { from, scattered, cosine, throughput: before });
@@ -318,7 +324,7 @@ impl PathTracer {
     ) -> f32 {
         match origin {
             Some(PathRay { origin, place }) if self.light_sampling => {
-                let probability = directions.light_probability(place, context.scene, id);
+                let probability = directions.light_probability(place, context.scene, &origin.from, id);
                 mis::power(origin.pdf, light_pdf(origin) * probability) as f32
             }
             _ => 1.0,
@@ -331,6 +337,7 @@ impl PathTracer {
 fn direct_light<D: DirectionSampler>(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
+    from: &LightSampleContext,
     directions: &mut D,
     place: &D::VertexData,
     throughput: Spectrum,
@@ -338,16 +345,16 @@ fn direct_light<D: DirectionSampler>(
     xi: DVec2,
 ) -> Option<PendingLight> {
     let scene = context.scene;
-    let picked = directions.select_light(place, scene, xi_light);
-    let (id, probability) = picked.filter(|&(_, probability)| probability > 0.0)?;
+    let selected = directions.select_light(place, scene, from, xi_light)?;
+    let SelectedLight { id, probability, .. } = selected;
     let weight = |direction, light: f64, bsdf_pdf| {
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
     let Some((light, shadow)) =
         vertex.sampled_light(scene.sample_light_compensated(id, vertex.at, xi), weight)
     else {
-        directions.record_light(place, scene, id, probability, 0.0);
+        directions.record_light(place, &selected, 0.0);
         return None;
     };
-    Some(PendingLight { id, probability, light, throughput, shadow })
+    Some(PendingLight { selected, light, throughput, shadow })
 }

@@ -73,6 +73,12 @@ impl<'a> Vertex<'a> {
         if self.wo.z < 0.0 { -self.frame.z } else { self.frame.z }
     }
 
+    /// The point as the origin of light samples for a viewer in the unit direction `viewer`, for which the vertex was made.
+    pub(super) fn light_sample_context(&self, viewer: DVec3) -> LightSampleContext {
+        let normal = (!self.bsdf.transmits()).then(|| self.normal_to_viewer());
+        LightSampleContext { wo: viewer, normal, ..self.at.light_sample_context() }
+    }
+
     /// The cosine between `direction` and the shading normal.
     pub(super) fn cosine(&self, direction: DVec3) -> f64 {
         self.frame.z.dot(direction)

@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
-use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, SceneHit, SelectedLight};
 
 use super::weights::CameraPathWeights;
 use super::{LightPaths, turn};
@@ -112,7 +112,8 @@ impl CameraPath {
             self.throughput *= roulette(self.throughput * self.eta_scale, xi_roulette)?;
         }
         let weights = passed(&weights, &vertex, &scattered);
-        self.origin = Some(CameraPathRay { from: hit.light_sample_context(), pdf: scattered.pdf, weights });
+        let from = vertex.light_sample_context(vertex.at.wo);
+        self.origin = Some(CameraPathRay { from, pdf: scattered.pdf, weights });
         Some(hit.spawn(scattered.direction))
     }
 }
@@ -191,7 +192,7 @@ fn weight_of_hit(
     sampled: impl FnOnce(&CameraPathRay) -> f64,
 ) -> f64 {
     let Some(origin) = origin else { return 1.0 };
-    let probability = context.scene.light_probability(id);
+    let probability = context.scene.light_probability(id, &origin.from);
     let emission = context.scene.emitter_probability(id)
         * context.scene.emission_pdf(id, origin.from.position, wi, area_pdf);
     origin.weights.weight_of_hit(emission, probability * sampled(origin), origin.pdf)
@@ -206,7 +207,8 @@ fn sampled(
     xi: DVec2,
 ) -> Option<SampledLight> {
     let scene = context.scene;
-    let (id, probability) = scene.select_light(xi_light).filter(|&(_, probability)| probability > 0.0)?;
+    let from = vertex.light_sample_context(vertex.at.wo);
+    let SelectedLight { id, probability, .. } = scene.select_light(&from, xi_light)?;
     let sample = scene.sample_light_compensated(id, vertex.at, xi)?;
     let (value, light_pdf) = vertex.eval(sample.wi);
     let light = value * sample.radiance;

@@ -45,7 +45,7 @@ impl LightPathStart {
     /// Density of light sampling from the first vertex, as `seen` from the camera.
     fn sampled(&self, context: &Context<'_>, seen: &LightSampleContext) -> f64 {
         let scene = context.scene;
-        scene.light_probability(self.id) * scene.light_pdf_of_ray(self.id, seen, &self.light).0
+        scene.light_probability(self.id, seen) * scene.light_pdf_of_ray(self.id, seen, &self.light).0
     }
 }
 
@@ -160,13 +160,14 @@ impl LightPath {
             return None;
         }
         // The vertex for a viewer at the camera: both kinds of paths use the same BSDF.
-        let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
+        let seen_vertex = vertex.seen_from(to_camera);
+        let (value, light_pdf) = seen_vertex.eval(to_light);
         let light = self.flux * value;
         if light.is_black() {
             return None;
         }
         let turn = turn(vertex, to_light, to_camera, light_pdf);
-        let reference = LightSampleContext { wo: to_camera, ..at.light_sample_context() };
+        let reference = seen_vertex.light_sample_context(to_camera);
         let sampled = || self.start.sampled(context, &reference);
         let weight = weights.weight_of_sent(&turn, seen.density, sampled);
         // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric
@@ -218,10 +219,11 @@ fn go_on(
         let both_ways = vertex.is_seen_alike(to_camera);
         return both_ways.then(|| (to_camera, scattered.weight, weights.mirrored()));
     }
-    let (value, light_pdf) = vertex.seen_from(to_camera).eval(to_light);
+    let seen = vertex.seen_from(to_camera);
+    let (value, light_pdf) = seen.eval(to_light);
     let turn = turn(vertex, to_light, to_camera, light_pdf);
     let factor = turn.camera_cos / (turn.light_cos * scattered.pdf);
-    let reference = LightSampleContext { wo: to_camera, ..vertex.at.light_sample_context() };
+    let reference = seen.light_sample_context(to_camera);
     let next = weights.scattered(&turn, || start.sampled(context, &reference));
     let weight = value * factor as f32;
     (weight.is_finite() && !weight.is_black()).then_some((to_camera, weight, next))
