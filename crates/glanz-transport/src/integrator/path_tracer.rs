@@ -249,10 +249,8 @@ impl PathTracer {
         path.pending.place = Some(place);
         let from = vertex.light_sample_context(vertex.at.wo);
         if self.light_sampling && !vertex.is_delta() {
-            let [x, y, xi_light, _] = sampler.next_group();
-            let (throughput, xi) = (path.throughput, DVec2::new(x, y));
-            path.pending.light =
-                direct_light(context, vertex, &from, directions, &place, throughput, xi_light, xi);
+            let (throughput, xi) = (path.throughput, sampler.next_group());
+            path.pending.light = direct_light(context, vertex, &from, directions, &place, throughput, xi);
         }
         let Some(scattered) = directions.sample(&place, vertex, xi, xi_lobe) else { return false };
         let cosine = vertex.cosine(scattered.direction).abs();
@@ -333,7 +331,7 @@ impl PathTracer {
 }
 
 /// Direct light of one randomly selected light, with the weight of the power heuristic against BSDF sampling, until its shadow ray is
-/// traced.
+/// traced. The numbers, uniform in [0, 1), select the point on the light and the light.
 fn direct_light<D: DirectionSampler>(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
@@ -341,8 +339,7 @@ fn direct_light<D: DirectionSampler>(
     directions: &mut D,
     place: &D::VertexData,
     throughput: Spectrum,
-    xi_light: f64,
-    xi: DVec2,
+    [x, y, xi_light, _]: [f64; 4],
 ) -> Option<PendingLight> {
     let scene = context.scene;
     let selected = directions.select_light(place, scene, from, xi_light)?;
@@ -350,9 +347,8 @@ fn direct_light<D: DirectionSampler>(
     let weight = |direction, light: f64, bsdf_pdf| {
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
-    let Some((light, shadow)) =
-        vertex.sampled_light(scene.sample_light_compensated(id, vertex.at, xi), weight)
-    else {
+    let sample = scene.sample_light_compensated(id, vertex.at, DVec2::new(x, y));
+    let Some((light, shadow)) = vertex.sampled_light(sample, weight) else {
         directions.record_light(place, &selected, 0.0);
         return None;
     };
