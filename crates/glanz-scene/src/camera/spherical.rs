@@ -95,14 +95,16 @@ impl Spherical {
     }
 }
 
-/// The point of the unit square that continues an equal-area picture at `place`, up to a picture beyond its borders.
+/// The point of the unit square that continues an equal-area picture at `place`, beyond its borders.
 fn wrapped(place: DVec2) -> DVec2 {
-    let DVec2 { mut x, mut y } = place;
-    if !(0.0..=1.0).contains(&x) {
-        (x, y) = (if x < 0.0 { -x } else { 2.0 - x }, 1.0 - y);
+    // Two pictures further along a side it is the same, one further half a turn about the middle of the side between.
+    let (mut x, mut y) = (place.x.rem_euclid(2.0), place.y);
+    if x > 1.0 {
+        (x, y) = (2.0 - x, 1.0 - y);
     }
-    if !(0.0..=1.0).contains(&y) {
-        (x, y) = (1.0 - x, if y < 0.0 { -y } else { 2.0 - y });
+    y = y.rem_euclid(2.0);
+    if y > 1.0 {
+        (x, y) = (1.0 - x, 2.0 - y);
     }
     DVec2::new(x, y)
 }
