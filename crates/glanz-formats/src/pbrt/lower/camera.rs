@@ -52,10 +52,8 @@ impl Lowering {
             camera.focal_distance = list.float_or("focaldistance", 1e6, r)?;
             camera.iris = self.iris(&mut list)?;
         }
-        let is_timed = match &camera.kind {
-            CameraKind::Realistic(lens) => !lens.relative_weights,
-            _ => self.dialect == Dialect::V4,
-        };
+        let is_irradiance = matches!(&camera.kind, CameraKind::Realistic(lens) if !lens.relative_weights);
+        let is_timed = is_irradiance || self.dialect == Dialect::V4;
         self.shutter(&mut list, is_timed)?;
         list.ignore(&["focallength", "hither", "yon"]);
         list.finish(&mut self.reporter);
@@ -136,15 +134,12 @@ impl Lowering {
         let r = &mut self.reporter;
         let open = list.float_or("shutteropen", 0.0, r)?;
         let close = list.float_or("shutterclose", 1.0, r)?;
-        if !is_timed {
-            return Ok(());
-        }
-        if close <= open {
+        if is_timed && close <= open {
             let message =
                 format!("camera: the shutter opens at {open} and closes at {close}; it must close later");
             return Err(r.error(&place, "parameter-range", message));
         }
-        self.shutter_time = close - open;
+        self.shutter_time = if is_timed { close - open } else { 1.0 };
         Ok(())
     }
 }

@@ -41,8 +41,12 @@ pub(crate) fn finish_film(lowering: &mut Lowering) {
     if !lowering.has_film {
         lowering.description.film.resolution = default_resolution(lowering.dialect);
     }
-    let exposure = &mut lowering.description.film.sensor.exposure;
-    *exposure *= lowering.exposure_time.unwrap_or(lowering.shutter_time);
+    let sensor = &mut lowering.description.film.sensor;
+    sensor.exposure *= lowering.exposure_time.unwrap_or(lowering.shutter_time);
+    // Version 3 limits samples before it scales the picture.
+    if let SampleLimit::Luminance(limit) = &mut sensor.limit {
+        *limit *= sensor.exposure;
+    }
     if !lowering.has_filter {
         lowering.description.filter = default_filter(lowering.dialect);
     }
@@ -74,7 +78,7 @@ impl Lowering {
         Ok(())
     }
 
-    /// The sensor, without the time of the exposure.
+    /// The sensor, without the time of the exposure, its limit of luminance before the exposure.
     fn sensor(&mut self, list: &mut ParameterList) -> ParseResult<SensorDescription> {
         let scale = self.positive(list, "scale")?.unwrap_or(1.0);
         let iso = self.positive(list, "iso")?.unwrap_or(100.0);
@@ -95,9 +99,7 @@ impl Lowering {
             return Err(self.reporter.error(&place, "parameter-range", message));
         }
         let component = self.positive(list, "maxcomponentvalue")?.map(SampleLimit::Component);
-        // Version 3 scales the picture after its samples are limited.
-        let luminance = self.positive(list, "maxsampleluminance")?;
-        let luminance = luminance.map(|limit| SampleLimit::Luminance(scale * limit));
+        let luminance = self.positive(list, "maxsampleluminance")?.map(SampleLimit::Luminance);
         let limit = component.or(luminance).unwrap_or(SampleLimit::None);
         Ok(SensorDescription { exposure: scale * iso / 100.0, white_balance, limit })
     }

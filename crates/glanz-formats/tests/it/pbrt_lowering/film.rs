@@ -49,6 +49,9 @@ fn sensors_are_exposed_by_scale_speed_and_shutter() {
     // Limited before it is scaled.
     let limited = sensor("Film \"image\" \"float maxsampleluminance\" 10 \"float scale\" .5");
     assert_eq!((limited.limit, limited.exposure), (SampleLimit::Luminance(5.0), 0.5));
+    let limited =
+        sensor("Film \"rgb\" \"float maxsampleluminance\" 10 \"float iso\" 200 \"float exposuretime\" 3");
+    assert_eq!((limited.limit, limited.exposure), (SampleLimit::Luminance(60.0), 6.0));
     let camera = read("Film \"rgb\" \"string sensor\" \"canon_eos_5d\"");
     assert!(camera.diagnostics.to_string().contains("\"cie1931\" stands in"));
     for text in ["iso", "scale", "exposuretime", "maxcomponentvalue", "diagonal", "whitebalance"] {

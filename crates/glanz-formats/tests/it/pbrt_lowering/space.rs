@@ -109,6 +109,13 @@ fn lenses_are_read_from_their_files() {
     // pbrt's version 3 weighs relative to the middle of the film unless told otherwise.
     assert!(lens(text).relative_weights);
     assert!(!lens(&format!("{text} \"bool simpleweighting\" false")).relative_weights);
+    // Version 4 exposes for the time of the shutter in any case, version 3 where the picture is irradiance.
+    let exposure = |text: &str| read(text).description.film.sensor.exposure;
+    let shutter = format!("{text} \"float shutterclose\" .5");
+    assert_eq!(exposure(&shutter), 1.0);
+    assert_eq!(exposure(&format!("{shutter} \"bool simpleweighting\" false")), 0.5);
+    assert_eq!(exposure(&format!("Film \"rgb\" {shutter}")), 0.5);
+    assert_eq!(exposure(&format!("Film \"rgb\" {shutter} \"bool simpleweighting\" true")), 0.5);
     std::fs::write(&file, "35 2.5 1.6\n").unwrap();
     let error = load_str("test.pbrt", text, &options).unwrap_err().to_string();
     assert!(error.contains("has 3 numbers"), "{error}");
