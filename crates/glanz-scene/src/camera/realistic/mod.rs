@@ -12,11 +12,14 @@ use std::sync::Arc;
 
 use glanz_math::{DVec2, Ray};
 
-use crate::description::LensDescription;
+use crate::description::{LensDescription, StopShape};
 use exit_pupil::ExitPupil;
 use interface::LensInterface;
 use paraxial::ThickLens;
 use stop::LensStop;
+
+/// Most blades of a stop: every ray is compared with all of them.
+const MOST_BLADES: u32 = 256;
 
 /// Errors of lens systems: the parameter, its value and its range.
 pub(super) type LensRangeError = (&'static str, f64, &'static str);
@@ -41,6 +44,7 @@ impl RealisticLens {
         if !(diagonal > 0.0 && diagonal.is_finite()) {
             return Err(("diagonal of the film", diagonal, "positive"));
         }
+        check_stop(lens.stop)?;
         let interfaces = interface::interfaces(lens)?;
         let distance = ThickLens::try_new(&interfaces)?.film_distance(lens.focus_distance)?;
         let interfaces = interface::moved(interfaces, distance);
@@ -67,6 +71,19 @@ impl RealisticLens {
             self.pupil.plane * self.pupil.plane
         };
         Some((outside, transmittance * cos2 * cos2 * area / unit))
+/// Refuses blades without number or direction.
+fn check_stop(stop: StopShape) -> Result<(), LensRangeError> {
+    match stop {
+        StopShape::Iris(iris) if iris.blades > MOST_BLADES => {
+            Err(("number of blades", f64::from(iris.blades), "at most 256"))
+        }
+        StopShape::Iris(iris) if !iris.rotation.is_finite() => {
+            Err(("rotation of the blades", iris.rotation, "finite"))
+        }
+        _ => Ok(()),
+    }
+}
+
     }
 }
 

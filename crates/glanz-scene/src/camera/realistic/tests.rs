@@ -230,3 +230,8 @@ fn lenses_that_cannot_be_focused_are_refused() {
     assert_eq!(error(&lens(vec![row(0.0, 0.001, 1.0, 0.01); 257], 1.0)), "number of surfaces of a lens");
     assert_eq!(error(&lens(vec![row(f64::NAN, 0.0, 1.0, 1.0)], 1.0)), "curvature radius of a lens");
 }
+    let mut round = lens(plano_convex(0.01), 1.0);
+    round.stop = StopShape::Iris(IrisDescription { blades: 1 << 30, rotation: 0.0 });
+    assert_eq!(error(&round), "number of blades");
+    round.stop = StopShape::Iris(IrisDescription { blades: 5, rotation: f64::NAN });
+    assert_eq!(error(&round), "rotation of the blades");
