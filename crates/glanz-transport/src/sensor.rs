@@ -22,7 +22,8 @@ pub enum SensorError {
 /// A sensor, which multiplies samples by its exposure, adapts them to its white, and limits them; by default it changes no bit.
 ///
 /// # Source
-/// pbrt-v4, sensor `cie1931` (@pharr2023 section 5.4.2), with its limit of components; that of luminance is pbrt-v3's.
+/// pbrt-v4, sensor `cie1931` (@pharr2023 section 5.4.2), but for its limit of components, which is that of CIE XYZ before the adaptation and here that of
+/// the picture's red, green and blue; the limit of luminance is pbrt-v3's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilmSensor {
     /// Maps linear Rec. 709 radiance to that of the picture, row by row; `None` for the identity.

@@ -134,8 +134,8 @@ pub struct LensDescription {
     pub focus_distance: f64,
     /// Shape of the openings of the stops.
     pub stop: StopShape,
-    /// Whether a pixel is the mean radiance through the lens relative to that in the middle of the film, as in pbrt's version 3; otherwise it is
-    /// the irradiance of the film.
+    /// Whether a pixel is the irradiance of the film over (d / z)^2, for the exit pupil of diameter d at the distance z from the middle of the
+    /// film, as in pbrt's version 3: radiance 1 is pi / 4 there; otherwise it is the irradiance.
     pub relative_weights: bool,
 }
 

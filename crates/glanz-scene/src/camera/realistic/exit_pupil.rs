@@ -19,6 +19,9 @@ const CELLS: i32 = 96;
 /// Half the width of that grid, relative to the opening of the last lens: rays at an angle to the axis meet the plane of its vertex outside.
 const REACH: f64 = 1.5;
 
+/// Halvings of the interval in which the pupil ends, for the middle of the film.
+const HALVINGS: u32 = 50;
+
 /// A rectangle on the plane of the last vertex.
 #[derive(Clone, Copy, Debug)]
 struct PupilBounds {
@@ -33,8 +36,12 @@ pub(super) struct ExitPupil {
     pub(super) plane: f64,
     /// For points of the film on +x.
     rings: Arc<[PupilBounds]>,
+    /// For points beyond the corners of the film.
+    whole: PupilBounds,
     /// Width of a ring, metres.
     width: f64,
+    /// Area of the square around the pupil as seen from the middle of the film, square metres.
+    pub(super) middle_area: f64,
 }
 
 impl ExitPupil {
@@ -47,47 +54,58 @@ impl ExitPupil {
             .map(|step| bounds(interfaces, step as f64 * width / STEPS as f64, plane, reach))
             .collect();
         let cell = 2.0 * reach / f64::from(CELLS);
+        let whole = PupilBounds { min: DVec2::splat(-reach), max: DVec2::splat(reach) };
         let ring = |ring: usize| {
             let inside = steps.iter().skip(ring * STEPS).take(STEPS + 1).flatten();
             let all =
                 inside.copied().reduce(|a, b| PupilBounds { min: a.min.min(b.min), max: a.max.max(b.max) });
             // The pupil ends within a cell of the last ray that passes. A ring without such rays might have a pupil smaller than a cell.
-            let whole = PupilBounds { min: DVec2::splat(-reach), max: DVec2::splat(reach) };
             all.map_or(whole, |b| PupilBounds {
                 min: (b.min - cell).max(whole.min),
                 max: (b.max + cell).min(whole.max),
             })
         };
-        Self { plane, rings: (0..RINGS).map(ring).collect(), width }
+        let diameter = 2.0 * middle_radius(interfaces, plane, reach);
+        Self { plane, rings: (0..RINGS).map(ring).collect(), whole, width, middle_area: diameter * diameter }
     }
 
     /// A point within the bounds for a point of the film, uniform for `xi` uniform in [0, 1), and their area, square metres.
     pub(super) fn sample(&self, film: DVec2, xi: DVec2) -> (DVec2, f64) {
         let radius = film.length();
-        let ring = ((radius / self.width) as usize).min(self.rings.len() - 1);
-        let PupilBounds { min, max } = self.rings[ring];
+        let ring = self.rings.get((radius / self.width) as usize);
+        let PupilBounds { min, max } = ring.copied().unwrap_or(self.whole);
         let turn = if radius > 0.0 { film / radius } else { DVec2::X };
         (turn.rotate(min + xi * (max - min)), (max - min).element_product())
     }
+}
 
-    /// Area of the bounds in the middle of the film, square metres.
-    pub(super) fn middle_area(&self) -> f64 {
-        self.rings.first().map_or(1.0, |b| (b.max - b.min).element_product())
-    }
+/// Whether the ray from (`x`, 0) of the film to this point of the plane passes the lens with circular stops.
+fn passes(interfaces: &[LensInterface], x: f64, target: DVec2, plane: f64) -> bool {
+    let start = DVec2::new(x, 0.0).extend(0.0);
+    let direction = (target.extend(plane) - start).normalize();
+    trace(interfaces, &LensStop::DISK, Ray::new(start, direction)).is_some()
+}
+
+/// Radius of the exit pupil on the plane, metres, as seen from the middle of the film: a disk.
+fn middle_radius(interfaces: &[LensInterface], plane: f64, reach: f64) -> f64 {
+    let halved = |[inside, outside]: [f64; 2], _| {
+        let middle = 0.5 * (inside + outside);
+        let does_pass = passes(interfaces, 0.0, DVec2::new(middle, 0.0), plane);
+        if does_pass { [middle, outside] } else { [inside, middle] }
+    };
+    (0..HALVINGS).fold([0.0, reach], halved)[1]
 }
 
 /// The box around the points of a grid whose rays from (`x`, 0) of the film pass the lens with circular stops; `None` if no ray passes.
 fn bounds(interfaces: &[LensInterface], x: f64, plane: f64, reach: f64) -> Option<PupilBounds> {
     let cell = 2.0 * reach / f64::from(CELLS);
-    let start = DVec2::new(x, 0.0).extend(0.0);
-    let passes = |column: i32, row: i32| {
-        let target = (cell * DVec2::new(f64::from(column), f64::from(row))).extend(plane);
-        trace(interfaces, &LensStop::DISK, Ray::new(start, (target - start).normalize())).is_some()
+    let does_pass = |column: i32, row: i32| {
+        passes(interfaces, x, cell * DVec2::new(f64::from(column), f64::from(row)), plane)
     };
     // The lens is symmetric, so that half of the rows tell.
     let half = CELLS / 2;
     let cells = (0..=half).flat_map(|row| (-half..=half).map(move |column| (column, row)));
-    cells.filter(|&(column, row)| passes(column, row)).fold(
+    cells.filter(|&(column, row)| does_pass(column, row)).fold(
         None,
         |bounds: Option<PupilBounds>, (column, row)| {
             let [x, y] = [f64::from(column) * cell, f64::from(row) * cell];

@@ -56,7 +56,7 @@ impl RealisticLens {
     /// The ray that leaves the lens towards the scene, for a point of the screen (metres on the film), and its weight; `None` if it is stopped.
     ///
     /// `xi`: two numbers uniform in [0, 1) that select the point of the exit pupil. The mean of weight times radiance is the irradiance of the film,
-    /// or that relative to the middle of the film under radiance 1.
+    /// or with relative weights that over (d / z)^2, for the exit pupil of diameter d at the distance z from the middle of the film.
     #[must_use]
     pub fn ray(&self, screen: DVec2, xi: DVec2) -> Option<(Ray, f64)> {
         let film = -screen;
@@ -65,12 +65,12 @@ impl RealisticLens {
         let inside = Ray::new(start, (target - start).normalize());
         let (outside, transmittance) = interface::trace(&self.interfaces, &self.stop, inside)?;
         let cos2 = inside.direction.z * inside.direction.z;
-        let unit = if self.relative_weights {
-            self.pupil.middle_area()
-        } else {
-            self.pupil.plane * self.pupil.plane
-        };
+        let unit =
+            if self.relative_weights { self.pupil.middle_area } else { self.pupil.plane * self.pupil.plane };
         Some((outside, transmittance * cos2 * cos2 * area / unit))
+    }
+}
+
 /// Refuses blades without number or direction.
 fn check_stop(stop: StopShape) -> Result<(), LensRangeError> {
     match stop {
@@ -81,9 +81,6 @@ fn check_stop(stop: StopShape) -> Result<(), LensRangeError> {
             Err(("rotation of the blades", iris.rotation, "finite"))
         }
         _ => Ok(()),
-    }
-}
-
     }
 }
 
