@@ -70,7 +70,7 @@ struct GltfReader<'a, 'b> {
     means: BTreeMap<PictureKey, [f64; 3]>,
     /// Elements of accessors that may still be used.
     elements_left: usize,
-    /// Radiance of one unit of emission, W/(m^2 sr): one lumen where the file has lights, else that of a white surface in the light of
+    /// Radiance of one unit of emission, W/(m^2 sr): one lumen where the scene has lights, else that of a white surface in the light of
     /// the studio.
     radiance_unit: f32,
 }
@@ -108,7 +108,6 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
     })?;
     check(&document, reader)?;
     let buffers = Buffers::read(&document, parts.binary, reader)?;
-    let has_lights = document.root()?.extension("KHR_lights_punctual", |found| Ok(found.is_some()))?;
     let size = bytes.len().saturating_add(buffers.size());
     let mut gltf = GltfReader {
         document: &document,
@@ -118,7 +117,7 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
         pictures: BTreeMap::new(),
         means: BTreeMap::new(),
         elements_left: size.saturating_mul(ELEMENTS_PER_BYTE).saturating_add(FREE_ELEMENTS),
-        radiance_unit: if has_lights { view::WATTS_PER_LUMEN } else { 1.0 },
+        radiance_unit: 1.0,
     };
     gltf.scene()?;
     let world = &reader.description.world;

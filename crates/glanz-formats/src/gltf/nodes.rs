@@ -11,6 +11,7 @@ use super::GltfReader;
 use super::error::GltfError;
 use super::json::{JsonObject, JsonPath};
 use super::mesh::{VEC3, VEC4};
+use super::view::WATTS_PER_LUMEN;
 
 /// A use of a mesh by a node.
 struct MeshPlacement {
@@ -74,6 +75,9 @@ impl GltfReader<'_, '_> {
                 }
                 Ok(())
             })?;
+        }
+        if self.reader.own_light {
+            self.radiance_unit = WATTS_PER_LUMEN;
         }
         self.place(placements)
     }

@@ -265,6 +265,11 @@ fn lights_shine_along_minus_z_with_watts_of_their_lumens() {
     // In a file with lights, emission is in nits, too.
     let emission = loaded.description.world.shapes[0].emission.clone().unwrap();
     assert_eq!((emission.scale, emission.two_sided), (point.scale, false));
+    // Lights that no node has do not count: the studio's stand in.
+    file["nodes"] = json!([{ "mesh": 0 }]);
+    let loaded = load(&file);
+    assert_eq!(loaded.description.world.shapes[0].emission.clone().unwrap().scale, 1.0);
+    assert!(!loaded.studio.unwrap().own_light);
 }
 
 #[test]
