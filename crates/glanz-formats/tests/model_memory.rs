@@ -39,6 +39,8 @@ fn cases() -> Vec<(&'static str, String)> {
                 primitive
             )),
         ),
+        ("instances", gltf(instances(1))),
+        ("names", gltf(instances(50_000))),
         ("vertices", repeated("v 0 0 0\n", "v 1 2 3\n", "f 1 2 3\n")),
         ("faces", repeated("v 0 0 0\n", "f 1 1 1\n", "")),
         ("corners", repeated("v 0 0 0\nf", " 1", "\n")),
@@ -52,6 +54,21 @@ fn cases() -> Vec<(&'static str, String)> {
             ),
         ),
     ]
+}
+
+/// Many copies of a node with a name of this length, which share their places.
+fn instances(name: usize) -> String {
+    let (name, data) = ("n".repeat(name), "A".repeat(100_000));
+    let node = format!(
+        "{{\"name\":\"{name}\",\"mesh\":0,\"extensions\":{{\"EXT_mesh_gpu_instancing\":{{\"attributes\":{{\"TRANSLATION\":1}}}}}}}},"
+    );
+    format!(
+        "\"buffers\":[{{\"byteLength\":75000,\"uri\":\"data:;base64,{data}\"}}],\"bufferViews\":[{{\"buffer\":0,\"byteLength\":75000}}],\
+         \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}},\
+         {{\"componentType\":5126,\"count\":6250,\"type\":\"VEC3\"}}],\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}}}}]}}],\
+         \"nodes\":[{}{{}}]",
+        node.repeat(if name.len() > 100 { 1 } else { 20 })
+    )
 }
 
 #[test]

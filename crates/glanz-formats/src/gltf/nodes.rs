@@ -132,7 +132,7 @@ impl GltfReader<'_, '_> {
         let Some(mesh) = node.count("mesh")? else { return Ok(()) };
         let name = node.own_name();
         let copies = node.extension("EXT_mesh_gpu_instancing", |found| {
-            found.map(|instancing| self.copies(&instancing)).transpose()
+            found.map(|instancing| self.copies(&instancing, name.len())).transpose()
         })?;
         for copy in copies.unwrap_or_else(|| vec![DMat4::IDENTITY]) {
             let to_world = to_world * copy;
@@ -144,8 +144,8 @@ impl GltfReader<'_, '_> {
         Ok(())
     }
 
-    /// The transformations of the copies of a node.
-    fn copies(&mut self, instancing: &JsonObject<'_>) -> Result<Vec<DMat4>, GltfError> {
+    /// The transformations of the copies of a node, all of which get its name of `name_length` bytes.
+    fn copies(&mut self, instancing: &JsonObject<'_>, name_length: usize) -> Result<Vec<DMat4>, GltfError> {
         instancing.object_or_empty("attributes", |attributes| {
             let mut count = None;
             for name in attributes.names().filter(|name| !name.starts_with('_')) {
@@ -159,8 +159,8 @@ impl GltfReader<'_, '_> {
                 count = found;
             }
             let count = count.unwrap_or(0);
-            // Instances take more memory than corners of triangles.
-            self.use_elements(count.saturating_mul(4), attributes.path())?;
+            // Instances take more memory than corners of triangles: some 500 bytes beside their names.
+            self.use_elements(count.saturating_mul(12 + name_length / 32), attributes.path())?;
             let mut copies = vec![(DVec3::ZERO, [0.0, 0.0, 0.0, 1.0], DVec3::ONE); count];
             if let Some(accessor) = self.attribute(&attributes, "TRANSLATION", VEC3)? {
                 copies
