@@ -20,7 +20,25 @@ pub(super) struct GltfMaterial {
     pub(super) uv: Option<UvSource>,
 }
 
-/// Extensions without an effect on pictures here, which are reported.
+/// Extensions that are read.
+const READ: [&str; 6] = [
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
+    "KHR_materials_ior",
+    "KHR_materials_specular",
+];
+
+/// Members of extensions without an effect on pictures here, which are reported.
+const LEFT_OUT_MEMBERS: [(&str, &str); 4] = [
+    ("KHR_materials_transmission", "transmissionTexture"),
+    ("KHR_materials_volume", "attenuationDistance"),
+    ("KHR_materials_specular", "specularTexture"),
+    ("KHR_materials_specular", "specularColorTexture"),
+];
+
+/// Names of other extensions, which are reported.
 const LEFT_OUT: [(&str, &str); 6] = [
     ("KHR_materials_clearcoat", "clearcoat"),
     ("KHR_materials_sheen", "sheen"),
@@ -98,12 +116,22 @@ impl GltfReader<'_, '_> {
             let [r, g, b, _] = pbr.color("baseColorFactor")?.unwrap_or([1.0; 4]);
             let base_color = self.color_texture(base, [r, g, b], &source, &pbr)?;
             let metallic = pbr.fraction("metallicFactor", 1.0)?;
+            let transmission = match transmission > 0.0 {
+                true => {
+                    // No light passes through metal.
+                    let [mean, ..] = self.mean_color(rough, PictureContent::Channel(2), &pbr)?;
+                    (transmission * (1.0 - metallic * mean)) as f32
+                }
+                false => 0.0,
+            };
             let metallic = self.number_texture(rough, 2, metallic, &source, &pbr)?;
             let [mean, ..] = self.mean_color(rough, PictureContent::Channel(1), &pbr)?;
             let roughness = (pbr.fraction("roughnessFactor", 1.0)? * mean) as f32;
-            let specular = tint.map(|factor| (strength * factor) as f32);
-            let transmission = transmission as f32;
-            let ior = if ior < 1.0 { 1e3 } else { ior.min(1e3) as f32 };
+            let ior = if ior < 1.0 { 1e3 } else { ior.min(1e3) };
+            // The colour is limited before the factor applies.
+            let limit = ((ior + 1.0) / (ior - 1.0)).powi(2);
+            let specular = tint.map(|factor| (strength * factor.min(limit)) as f32);
+            let ior = ior as f32;
             let parameters =
                 SurfaceParameters { base_color, metallic, roughness, ior, specular, transmission, solid };
             Ok((parameters, uv))
@@ -149,13 +177,23 @@ impl GltfReader<'_, '_> {
     }
 
     fn report_extensions(&mut self, material: &JsonObject<'_>) -> Result<(), GltfError> {
-        for (extension, what) in LEFT_OUT {
-            if material.extension(extension, |found| Ok(found.is_some()))? {
-                let message = format!("{}: {what} is not available and left out", material.path());
-                self.reader.stand_in("gltf-material", None, message);
+        let mut left_out = |what: &str| {
+            let message = format!("{}: {what} is not available and left out", material.path());
+            self.reader.stand_in("gltf-material", None, message);
+        };
+        material.object_or_empty("extensions", |extensions| {
+            for name in extensions.names().filter(|name| !READ.contains(name)) {
+                left_out(
+                    LEFT_OUT.iter().find(|(extension, _)| *extension == name).map_or(name, |(_, what)| what),
+                );
             }
-        }
-        Ok(())
+            for (extension, member) in LEFT_OUT_MEMBERS {
+                if extensions.object(extension, |found| Ok(found.is_some_and(|found| found.has(member))))? {
+                    left_out(&format!("{member} of {extension}"));
+                }
+            }
+            Ok(())
+        })
     }
 
     /// Reports transparency by alpha, which is not represented.

@@ -273,6 +273,23 @@ fn lights_shine_along_minus_z_with_watts_of_their_lumens() {
 }
 
 #[test]
+fn the_factor_of_the_specular_extension_applies_to_the_limited_colour() {
+    let specular = json!({ "specularFactor": 0.5, "specularColorFactor": [50, 1, 0] });
+    let pbr = json!({ "metallicFactor": 0, "baseColorFactor": [1, 1, 1, 1] });
+    let material =
+        json!({ "pbrMetallicRoughness": pbr, "extensions": { "KHR_materials_specular": specular } });
+    let loaded = load(&with_material(material, json!({})));
+    let MaterialKind::Phong(phong) =
+        &loaded.description.materials[loaded.description.world.shapes[0].material].kind
+    else {
+        panic!()
+    };
+    let SpectrumParameter::Value(SpectralDistribution::Rgb(found)) = phong.specular else { panic!() };
+    // min(0.04 * 50, 1) / 2, 0.04 / 2.
+    assert!(found.iter().zip([0.5, 0.02, 0.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?}");
+}
+
+#[test]
 fn textures_are_upright_and_their_channels_are_split() {
     let metal = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
     let pbr = json!({
@@ -334,15 +351,16 @@ fn materials_without_textures_are_glossy_metallic_or_glass() {
     assert_eq!((metal.diffuse, metal.specular), (0.0.into(), color([1.0, 0.5, 0.0])));
     let MaterialKind::Phong(default) = kind(json!({})) else { panic!() };
     assert_eq!(default.specular, color([1.0; 3]), "the default is white metal");
-    let glass = |volume: Value| {
-        kind(json!({ "extensions": {
+    let glass = |volume: Value, metallic: f64| {
+        kind(json!({ "pbrMetallicRoughness": { "metallicFactor": metallic }, "extensions": {
         "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_ior": { "ior": 1.25 }, "KHR_materials_volume": volume
     } }))
     };
-    let MaterialKind::Dielectric(sheet) = glass(json!({})) else { panic!() };
+    let MaterialKind::Dielectric(sheet) = glass(json!({}), 0.0) else { panic!() };
     assert_eq!((sheet.eta, sheet.thin), (FloatParameter::Value(1.25), true));
-    let MaterialKind::Dielectric(solid) = glass(json!({ "thicknessFactor": 0.5 })) else { panic!() };
+    let MaterialKind::Dielectric(solid) = glass(json!({ "thicknessFactor": 0.5 }), 0.0) else { panic!() };
     assert!(!solid.thin);
+    assert!(matches!(glass(json!({}), 1.0), MaterialKind::Phong(_)), "no light passes through metal");
 }
 
 #[test]
@@ -365,7 +383,11 @@ fn emission_is_the_factor_times_the_strength_times_the_mean_of_the_texture() {
 fn what_is_not_read_is_reported_with_its_place() {
     let material = json!({
         "alphaMode": "BLEND", "normalTexture": { "index": 0 },
-        "extensions": { "KHR_materials_sheen": {}, "KHR_materials_clearcoat": {} }
+        "extensions": {
+            "KHR_materials_sheen": {}, "KHR_materials_clearcoat": {}, "KHR_materials_pbrSpecularGlossiness": {},
+            "KHR_materials_specular": { "specularTexture": { "index": 0 } },
+            "KHR_materials_volume": { "attenuationDistance": 1 }
+        }
     });
     let mut file = with_material(
         material,
@@ -382,6 +404,9 @@ fn what_is_not_read_is_reported_with_its_place() {
         "m: /materials/0: the normal map",
         "m: /materials/0: sheen",
         "m: /materials/0: clearcoat",
+        "m: /materials/0: KHR_materials_pbrSpecularGlossiness is not available",
+        "m: /materials/0: specularTexture of KHR_materials_specular is not available",
+        "m: /materials/0: attenuationDistance of KHR_materials_volume is not available",
         "m: /meshes/0/primitives/0: morph targets",
     ] {
         assert!(found.contains(part), "{part}: {found}");
