@@ -290,6 +290,16 @@ fn the_factor_of_the_specular_extension_applies_to_the_limited_colour() {
 }
 
 #[test]
+fn a_texture_may_show_one_pixel_of_its_picture_everywhere() {
+    let info = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [0, 0], "offset": [0.5, 0.25] } } });
+    let pbr = json!({ "baseColorTexture": info, "metallicFactor": 0 });
+    let textures = json!({ "textures": [{ "source": 0 }], "images": [picture()] });
+    let loaded = load(&with_material(json!({ "pbrMetallicRoughness": pbr }), textures));
+    assert_eq!(warnings(&loaded), "");
+    assert_eq!(triangles(&loaded, 0).3.unwrap(), [DVec2::new(0.5, 0.75); 3]);
+}
+
+#[test]
 fn textures_are_upright_and_their_channels_are_split() {
     let metal = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
     let pbr = json!({

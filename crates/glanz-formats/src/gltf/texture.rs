@@ -73,6 +73,10 @@ impl UvTransform {
     /// Factors and offsets of the mapping that has the effect of this transformation on coordinates of a mesh to which `base` was applied,
     /// and whose v was turned upwards; `None` if they do not suffice.
     fn mapping_after(&self, base: &Self) -> Option<MappingDescription> {
+        // Those that show a single pixel have no inverse.
+        if self == base {
+            return Some(MappingDescription::Uv { scale: DVec2::ONE, offset: DVec2::ZERO });
+        }
         // M = L B^-1, and its offset, with v pointing down.
         let [[a, b], [c, d]] = base.rows.map(|row| row.to_array());
         let determinant = a * d - b * c;
