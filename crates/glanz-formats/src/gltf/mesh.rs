@@ -75,6 +75,19 @@ fn triangles(mode: usize, corners: &[u32]) -> (Vec<[u32; 3]>, bool) {
     (triangles, corners.len() < 3)
 }
 
+/// Checks that an attribute has a value for each of `count` vertices.
+fn check_count(
+    attributes: &JsonObject<'_>,
+    name: &str,
+    accessor: &Accessor<'_>,
+    count: usize,
+) -> Result<(), GltfError> {
+    match accessor.count() {
+        found if found == count => Ok(()),
+        found => Err(attributes.error(name, format!("{found} elements for {count} vertices"))),
+    }
+}
+
 impl<'a> GltfReader<'a, '_> {
     /// The shapes of a mesh, in its frame. `from`: the node that names it.
     pub(super) fn mesh(
@@ -125,8 +138,8 @@ impl<'a> GltfReader<'a, '_> {
             }
             let vertices = UsedVertices::new(&triangles, count);
             let material = self.material(primitive.count("material")?, primitive)?;
+            self.report_attributes(primitive, &attributes, &vertices, count)?;
             let geometry = self.geometry(&attributes, &positions, vertices, &material)?;
-            self.report_attributes(primitive, &attributes)?;
             let GltfMaterial { index, emission, .. } = material;
             Ok(Some(ShapeDescription { material: index, emission, ..geometry.into() }))
         })
@@ -169,13 +182,8 @@ impl<'a> GltfReader<'a, '_> {
         vertices: UsedVertices,
         material: &GltfMaterial,
     ) -> Result<GeometryDescription, GltfError> {
-        let of_vertices = |accessor: &Accessor<'_>, name: &str| match accessor.count() == positions.count() {
-            true => Ok(()),
-            false => {
-                let (found, count) = (accessor.count(), positions.count());
-                Err(attributes.error(name, format!("{found} elements for {count} vertices")))
-            }
-        };
+        let of_vertices =
+            |accessor: &Accessor<'_>, name: &str| check_count(attributes, name, accessor, positions.count());
         let normals = match self.attribute(attributes, "NORMAL", VEC3)? {
             Some(accessor) => {
                 of_vertices(&accessor, "NORMAL")?;
@@ -213,17 +221,18 @@ impl<'a> GltfReader<'a, '_> {
         Ok(GeometryDescription::Triangles { positions: points, indices: vertices.triangles, normals, uvs })
     }
 
-    /// Reports what the description cannot represent.
+    /// Reports what the description cannot represent. `count`: number of vertices, of which some are used.
     fn report_attributes(
         &mut self,
         primitive: &JsonObject<'_>,
         attributes: &JsonObject<'_>,
+        vertices: &UsedVertices,
+        count: usize,
     ) -> Result<(), GltfError> {
         if let Some(colors) = self.attribute(attributes, "COLOR_0", COLOR)? {
-            let count = colors.count();
-            let is_white = (0..count).all(|i| colors.vector(i, [1.0; 4]) == [1.0; 4]);
-            self.use_elements(count, primitive.path())?;
-            if !is_white {
+            check_count(attributes, "COLOR_0", &colors, count)?;
+            let is_white = |vertex: u32| colors.vector(vertex as usize, [1.0; 4]) == [1.0; 4];
+            if !vertices.used.iter().copied().all(is_white) {
                 let message = format!("{}: vertex colours are not available and left out", primitive.path());
                 self.reader.stand_in("gltf-colors", None, message);
             }

@@ -300,6 +300,23 @@ fn a_texture_may_show_one_pixel_of_its_picture_everywhere() {
 }
 
 #[test]
+fn primitives_may_share_vertices_with_colours() {
+    let mut data = Data::default();
+    let position = data.floats("VEC3", &[0.0; 3000]);
+    let color = data.add((5121, "VEC4", 1000), &[255; 4000], json!({ "normalized": true }));
+    let indices = data.bytes(&[0, 1, 2]);
+    let gray = data.add(
+        (5121, "VEC4", 1000),
+        &[[255; 12].as_slice(), &[7; 3988]].concat(),
+        json!({ "normalized": true }),
+    );
+    let primitive = |color: usize| json!({ "attributes": { "POSITION": position, "COLOR_0": color }, "indices": indices });
+    // Each looks at its own three vertices alone.
+    let primitives = [vec![primitive(color); 200], vec![primitive(gray); 200]].concat();
+    assert_eq!(warnings(&load(&data.file(json!({ "meshes": [{ "primitives": primitives }] })))), "");
+}
+
+#[test]
 fn textures_are_upright_and_their_channels_are_split() {
     let metal = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
     let pbr = json!({
