@@ -101,20 +101,18 @@ impl SceneFormat {
     /// # Errors
     /// A description of the actual format.
     pub fn recognise(bytes: &[u8]) -> Result<Self, String> {
-        match Self::from_content(bytes)? {
-            Some(format) => Ok(format),
-            None if is_binary(bytes) => Err("not in a known scene format".to_owned()),
-            None => Ok(Self::Pbrt),
-        }
+        Self::of_file(bytes, None)
     }
 
     /// The format of a file, by its content, else by its extension.
     fn of_file(bytes: &[u8], path: Option<&Path>) -> Result<Self, String> {
         let extension = path.and_then(Path::extension).and_then(|e| e.to_str()).unwrap_or_default();
         match (Self::from_content(bytes)?, extension.to_ascii_lowercase().as_str()) {
+            (Some(format), _) => Ok(format),
             (None, "stl") => Ok(Self::Model(ModelFormat::Stl)),
             (None, "obj") => Ok(Self::Model(ModelFormat::Obj)),
-            _ => Self::recognise(bytes),
+            (None, _) if is_binary(bytes) => Err("not in a known scene format".to_owned()),
+            (None, _) => Ok(Self::Pbrt),
         }
     }
 
