@@ -311,7 +311,7 @@ fn primitives_may_share_vertices_with_colours() {
         json!({ "normalized": true }),
     );
     let primitive = |color: usize| json!({ "attributes": { "POSITION": position, "COLOR_0": color }, "indices": indices });
-    // Each looks at its own three vertices alone.
+    // Each uses three vertices alone, which are white.
     let primitives = [vec![primitive(color); 200], vec![primitive(gray); 200]].concat();
     assert_eq!(warnings(&load(&data.file(json!({ "meshes": [{ "primitives": primitives }] })))), "");
 }
