@@ -57,11 +57,13 @@ impl AlphaTest {
     }
 }
 
-/// A number in [0, 1) by the bits of a ray and of the parameters of a hit.
-fn threshold(ray: &Ray, hit: &Hit) -> f64 {
+/// A number in [0, 1) by the bits of a ray and of a hit with an object. The parameters of the surface do not tell apart what lies one behind the other:
+/// parallel rays have the same on equal squares.
+fn threshold(ray: &Ray, object: u32, hit: &Hit) -> f64 {
     let (o, d) = (ray.origin, ray.direction);
-    let numbers = [o.x, o.y, o.z, d.x, d.y, d.z, hit.u, hit.v];
-    unit_f64(numbers.iter().fold(u64::from(hit.face), |key, x| combine(key, x.to_bits())))
+    let numbers = [o.x, o.y, o.z, d.x, d.y, d.z, hit.t, hit.u, hit.v];
+    let key = combine(u64::from(object), u64::from(hit.face));
+    unit_f64(numbers.iter().fold(key, |key, x| combine(key, x.to_bits())))
 }
 
 impl SceneObject {
@@ -91,7 +93,7 @@ impl SceneGroup {
     ) -> Option<Hit> {
         let surface = &self.objects[object as usize];
         let local = surface.local(ray);
-        let stops = |hit: &Hit| threshold(ray, hit) < surface.opacity(&local, hit, kind);
+        let stops = |hit: &Hit| threshold(ray, object, hit) < surface.opacity(&local, hit, kind);
         if stops(&first) {
             return Some(first);
         }

@@ -64,6 +64,41 @@ fn rays_that_pass_the_front_may_hit_the_back() {
 }
 
 #[test]
+fn surfaces_one_behind_the_other_stop_rays_independently() {
+    let half = FloatParameter::Value(0.5);
+    let square = || ShapeDescription::rectangle([-2.0, 2.0], [-2.0, 2.0]).with_alpha(half);
+    // Rays along z meet all squares at the same parameters, and rays from the centre the spheres.
+    let squares =
+        SceneBuilder::new().shape(square(), grey()).shape(square().translated([0.0, 0.0, 1.0]), grey());
+    let nested = SceneBuilder::new()
+        .group("low", |group| group.shape(square(), grey()))
+        .group("high", |group| group.shape(square().translated([0.0, 0.0, 1.0]), grey()))
+        .instance("low", DMat4::IDENTITY)
+        .instance("high", DMat4::IDENTITY);
+    let ball = |radius| ShapeDescription::sphere(radius).with_alpha(half);
+    let balls = SceneBuilder::new().shape(ball(1.0), grey()).shape(ball(2.0), grey());
+    let parallel = |ray: Ray| Ray::new(ray.at(1.0) + 5.0 * DVec3::Z, -DVec3::Z);
+    let central = |ray: Ray| Ray::new(DVec3::ZERO, ray.direction);
+    let same = |ray: Ray| ray;
+    let cases: [(&str, SceneBuilder, &dyn Fn(Ray) -> Ray); 4] = [
+        ("squares", squares, &parallel),
+        ("squares of groups", nested, &parallel),
+        ("spheres", balls, &central),
+        ("coincident squares", SceneBuilder::new().shape(square(), grey()).shape(square(), grey()), &same),
+    ];
+    for (what, builder, map) in cases {
+        let scene = builder.resolve().unwrap().0;
+        let (mut met, mut stopped) = (0, 0);
+        for ray in rays(1.0).map(map) {
+            met += u32::from(scene.intersect(&ray, f64::INFINITY).is_some());
+            stopped += u32::from(scene.occluded(&ray, f64::INFINITY));
+        }
+        assert_fraction(met, 0.75, what);
+        assert_fraction(stopped, 0.75, what);
+    }
+}
+
+#[test]
 fn shadow_rays_have_the_product_of_both_opacities() {
     let alpha = AlphaDescription { opacity: FloatParameter::Value(0.8), shadow: FloatParameter::Value(0.5) };
     let scene = scene_of(ShapeDescription::rectangle([-2.0, 2.0], [-2.0, 2.0]).with_alpha(alpha));
