@@ -185,7 +185,11 @@ impl AreaLight {
         found.unwrap_or(1.0) as f32
     }
 
+    /// The cone that a sphere subtends; `None` if its far side shines through the near one, which alone is sampled by directions.
     fn cone(&self, from: DVec3) -> Option<SphereCone> {
+        if !self.is_opaque() && (self.two_sided || self.inward) {
+            return None;
+        }
         let WorldSphere { center, radius, .. } = self.sphere.filter(|_| self.image.is_none())?;
         SphereCone::new(center, radius, from)
     }
