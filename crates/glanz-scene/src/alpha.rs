@@ -48,8 +48,11 @@ impl AlphaTest {
 
     /// The opacity at a point, in [0, 1].
     pub(crate) fn opacity(&self, at: &TexturePoint, kind: RayKind) -> f64 {
-        let value =
-            |input| f64::from(self.textures.float(input, at, &Wavelengths::default())).clamp(0.0, 1.0);
+        let value = |input| {
+            let value = self.textures.float(input, at, &Wavelengths::default());
+            // Not `clamp`, which keeps NaN.
+            if value > 0.0 { f64::from(value.min(1.0)) } else { 0.0 }
+        };
         match kind {
             RayKind::Closest => value(&self.opacity),
             RayKind::Shadow => value(&self.opacity) * value(&self.shadow),
@@ -103,5 +106,27 @@ impl SceneGroup {
             None => surface.surface().all_hits(&local, t_max, &mut hits),
         }
         hits.into_iter().find(|hit| hit.t > first.t && stops(hit))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::SceneBuilder;
+    use crate::description::*;
+
+    #[test]
+    fn a_solid_of_which_rays_pass_a_face_is_open() {
+        let disk = |z: f64| ShapeDescription::disk(1.0).translated([0.0, 0.0, z]).bounding(1);
+        let absent = |shape: ShapeDescription| shape.with_alpha(FloatParameter::Value(0.0));
+        for (last, bounds) in [
+            (disk(1.0).emitting(1.0), true),
+            (absent(disk(1.0)), false),
+            (absent(disk(1.0).emitting(1.0)), false),
+        ] {
+            let grey = || MaterialKind::diffuse(0.5);
+            let builder = SceneBuilder::new().shape(disk(0.0), grey()).shape(last, grey());
+            let (scene, _) = builder.resolve().unwrap();
+            assert!(scene.world().objects.iter().all(|object| object.solid.is_some() == bounds));
+        }
     }
 }

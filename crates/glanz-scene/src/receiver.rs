@@ -15,12 +15,21 @@ pub struct NamedReceiver {
 }
 
 impl NamedReceiver {
-    /// `shape`: its number in the order of the scene file.
-    pub(crate) fn try_new(description: ReceiverDescription, shape: u32) -> Result<Self, SceneError> {
+    /// `shape`: its number in the order of the scene file. `is_opaque`: whether it stops all rays; others would measure what they stop, not what arrives.
+    pub(crate) fn try_new(
+        description: ReceiverDescription,
+        shape: u32,
+        is_opaque: bool,
+    ) -> Result<Self, SceneError> {
         let ReceiverDescription { name, cells, side, location } = description;
         let error = |kind| SceneError { location, kind };
         if name.is_empty() {
             let (what, value, range) = ("receiver: name", "empty".to_owned(), "a text");
+            return Err(error(SceneErrorKind::Range { what, value, range }));
+        }
+        if !is_opaque {
+            let (what, value) = ("receiver: opacity", "not 1".to_owned());
+            let range = "1, for light that passes is not measured; remove the opacity, or use the material \"interface\"";
             return Err(error(SceneErrorKind::Range { what, value, range }));
         }
         if let Some([u, v]) = cells

@@ -56,9 +56,9 @@ struct BuiltAttributes {
 }
 
 impl BuiltAttributes {
-    /// Whether light passes all of the shape.
-    fn is_passed(&self) -> bool {
-        self.passable || self.alpha.as_ref().is_some_and(|alpha| alpha.is_absent())
+    /// Whether no ray hits the shape.
+    fn is_absent(&self) -> bool {
+        self.alpha.as_ref().is_some_and(|alpha| alpha.is_absent())
     }
 }
 
@@ -233,10 +233,13 @@ impl<'a> GroupResolver<'a> {
             let id = self.next_id;
             self.next_id = self.next_id.wrapping_add(1);
             reference("material", shape.material, self.passable.len(), shape.location)?;
-            let receiver = shape.receiver.take().map(|r| NamedReceiver::try_new(r, id)).transpose()?;
+            let attributes = self.attributes(&shape)?;
+            let is_opaque = attributes.alpha.is_none();
+            let receiver = shape.receiver.take();
+            let receiver = receiver.map(|r| NamedReceiver::try_new(r, id, is_opaque)).transpose()?;
             pending.push(PendingShape {
                 id,
-                attributes: self.attributes(&shape)?,
+                attributes,
                 location: shape.location,
                 emission: shape.emission.take(),
                 solid: shape.solid,
@@ -257,6 +260,12 @@ impl<'a> GroupResolver<'a> {
                 object.set_detail(attributes.has_detail);
                 object.alpha = attributes.alpha.clone();
             }
+            // What light passes has no effect if it neither emits nor measures light.
+            let is_passed = attributes.passable || attributes.is_absent();
+            let is_left_out = is_passed && !measures && emission.is_none();
+            if is_left_out || attributes.is_absent() {
+                open.extend(solid);
+            }
             match emission {
                 Some(emission) => {
                     let emissions = emission_per_object(&emission, &made, location)?;
@@ -267,8 +276,7 @@ impl<'a> GroupResolver<'a> {
                         location,
                     }));
                 }
-                // What light passes has no effect if it neither emits nor measures light.
-                None if attributes.is_passed() && !measures => open.extend(solid),
+                None if is_left_out => {}
                 None => objects.extend(made),
             }
         }

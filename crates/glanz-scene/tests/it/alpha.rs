@@ -231,3 +231,17 @@ fn lights_emit_by_their_opacity_and_invisible_ones_in_full() {
         assert!(is_delta != scene.intersect(&up, 2.0).is_some() || alpha == 0.25);
     }
 }
+
+#[test]
+fn opacities_that_are_not_numbers_are_0() {
+    let nan = FloatParameter::Value(f32::NAN);
+    let lamp = ShapeDescription::disk(0.5).rotated(DVec3::X, std::f64::consts::PI).emitting(8.0);
+    let lamp = lamp.translated([0.0, 0.0, 2.0]).with_alpha(nan);
+    let floor = ShapeDescription::rectangle([-1.0, 1.0], [-1.0, 1.0]);
+    let scene = SceneBuilder::new().shape(floor, grey()).shape(lamp, grey()).resolve().unwrap().0;
+    assert!(scene.intersect(&Ray::new(DVec3::new(0.1, 0.1, 1.0), DVec3::Z), f64::INFINITY).is_none());
+    let from = scene.intersect(&Ray::new(DVec3::new(0.2, 0.1, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
+    let (id, _) = scene.select_light(0.5).unwrap();
+    let sample = scene.sample_light(id, &from, DVec2::new(0.3, 0.6)).unwrap();
+    assert!(sample.radiance.is_black());
+}

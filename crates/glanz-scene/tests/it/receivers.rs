@@ -89,4 +89,8 @@ fn invalid_receivers_are_reported_with_their_location() {
     let error = SceneBuilder::new().group("disk", inner).resolve().unwrap_err();
     assert_eq!(error.location, Some(HERE));
     assert!(matches!(error.kind, SceneErrorKind::ReceiverInGroup(name) if name == "a"));
+    let translucent = shape(disk(), 0.0, Some(receiver("a", None))).with_alpha(FloatParameter::Value(0.5));
+    let error = with(grey(), vec![translucent]).resolve().unwrap_err();
+    assert_eq!(error.location, Some(HERE));
+    assert!(error.to_string().contains("receiver: opacity is not 1"), "{error}");
 }
