@@ -93,7 +93,7 @@ impl Region for Images<'_> {
             return None;
         }
         let Some(reflectance) = self.mirrors.reflectance(&point, -sample.direction) else { return Some(0.0) };
-        let luminance = photometric(emitter.radiance * reflectance, &self.wavelengths);
+        let luminance = photometric(emitter.radiance * (reflectance * point.opacity), &self.wavelengths);
         let cos_at_mirror = sample.direction.dot(point.at.point.normal).abs();
         let squared = sample.position.distance_squared(self.receiver.point);
         Some(luminance * sample.cos * cos_at_mirror * point.area_element / squared)

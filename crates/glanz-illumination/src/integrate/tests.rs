@@ -141,6 +141,20 @@ fn flat_mirror_shows_an_emitter_at_its_image() {
     }
 }
 
+#[test]
+fn mirrors_reflect_by_their_opacity() {
+    let reflected = |opacity: f32| {
+        let mirror = rectangle([-2.0, 2.0], [-2.0, 2.0]).with_alpha(FloatParameter::Value(opacity));
+        let scene = scene(vec![emitter(sphere(0.1).translated([0.3, 0.2, 1.5])), (mirror, MIRROR)]);
+        Reflections::new(&scene).unwrap().illuminance(DVec3::new(0.31, 0.22, 1.0), -DVec3::Z, EXACT).reflected
+    };
+    let image = by_sphere(DVec3::new(0.3, 0.2, -1.5), 0.1, DVec3::new(0.31, 0.22, 1.0), -DVec3::Z);
+    for opacity in [1.0, 0.25] {
+        let expected = f64::from(opacity) * REFLECTANCE * image;
+        close(reflected(opacity), expected, 1e-6, "reflected");
+    }
+}
+
 /// Illuminance on the axis of a spherical mirror of radius `curvature` (negative: hollow) by a point of intensity 1 at distance `s` from its vertex,
 /// at distance `q`: the light comes as from an image s' behind the vertex, 1/s' = 1/s + 2/curvature, and its solid angle has grown by (s / s')^2.
 fn by_spherical_mirror(curvature: f64, s: f64, q: f64) -> f64 {
