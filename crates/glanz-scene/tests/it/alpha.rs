@@ -77,14 +77,14 @@ fn surfaces_one_behind_the_other_stop_rays_independently() {
         .instance("high", DMat4::IDENTITY);
     let ball = |radius| ShapeDescription::sphere(radius).with_alpha(half);
     let balls = SceneBuilder::new().shape(ball(1.0), grey()).shape(ball(2.0), grey());
-    let parallel = |ray: Ray| Ray::new(ray.at(1.0) + 5.0 * DVec3::Z, -DVec3::Z);
-    let central = |ray: Ray| Ray::new(DVec3::ZERO, ray.direction);
-    let same = |ray: Ray| ray;
-    let cases: [(&str, SceneBuilder, &dyn Fn(Ray) -> Ray); 4] = [
-        ("squares", squares, &parallel),
-        ("squares of groups", nested, &parallel),
-        ("spheres", balls, &central),
-        ("coincident squares", SceneBuilder::new().shape(square(), grey()).shape(square(), grey()), &same),
+    let parallel: fn(Ray) -> Ray = |ray| Ray::new(ray.at(1.0) + 5.0 * DVec3::Z, -DVec3::Z);
+    let central: fn(Ray) -> Ray = |ray| Ray::new(DVec3::ZERO, ray.direction);
+    let same: fn(Ray) -> Ray = |ray| ray;
+    let cases = [
+        ("squares", squares, parallel),
+        ("squares of groups", nested, parallel),
+        ("spheres", balls, central),
+        ("coincident squares", SceneBuilder::new().shape(square(), grey()).shape(square(), grey()), same),
     ];
     for (what, builder, map) in cases {
         let scene = builder.resolve().unwrap().0;
