@@ -76,6 +76,8 @@ pub(super) fn surface_details(
     textures: &ResolvedTextures,
     wavelengths: &Wavelengths,
 ) -> Result<Vec<Option<SurfaceDetail>>, SceneError> {
+    // Materials that share a picture share its copy.
+    let mut pictures: Vec<Option<MipMap>> = vec![None; description.images.len()];
     let resolve = |material: &MaterialDescription| {
         let Some(detail) = &material.surface_detail else { return Ok(None) };
         let location = material.location;
@@ -87,11 +89,15 @@ pub(super) fn surface_details(
                 let count = description.images.len();
                 let kind = SceneErrorKind::Reference { what: "picture", index, count };
                 let source = description.images.get(index).ok_or(SceneError { location, kind })?;
+                if let Some(Some(picture)) = pictures.get(index) {
+                    return Ok(Some(SurfaceDetail::NormalMap(picture.clone())));
+                }
                 let picture = MipMap::try_new(&source.pixels, false).map_err(|reason| {
                     let name = name_in_messages(&material.name);
                     let (what, reason) = (format!("normal map of material {name}"), reason.to_string());
                     SceneError { location, kind: SceneErrorKind::Texture { name: what, reason } }
                 })?;
+                pictures[index] = Some(picture.clone());
                 SurfaceDetail::NormalMap(picture)
             }
         }))
