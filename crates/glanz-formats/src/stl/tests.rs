@@ -1,4 +1,5 @@
 use super::*;
+use crate::registry::{Options, load};
 
 const TETRAHEDRON: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, -0.0, 3.0]];
 const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
@@ -81,4 +82,14 @@ fn errors_name_line_and_column() {
     let incomplete = "the file has 283 bytes for 4 facets, which need 284; it may be incomplete";
     assert_eq!(message(&binary()[..283]), incomplete);
     assert_eq!(message(b"short"), "the file has 5 bytes for 0 facets, which need 84; it may be incomplete");
+}
+
+#[test]
+fn a_scene_reads_a_binary_file_with_bytes_after_its_facets() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+    write("m.stl", &[binary().as_slice(), b"end"].concat());
+    write("m.pbrt", b"WorldBegin\nShape \"stl\" \"string filename\" \"m.stl\"\n");
+    let loaded = load(&folder.path().join("m.pbrt"), &Options::default()).unwrap();
+    assert_eq!(loaded.description.world.shapes.len(), 1);
 }

@@ -15,7 +15,11 @@ use crate::stl;
 
 impl Lowering {
     /// The surfaces of a file, at least one.
-    pub(super) fn mesh_file(&mut self, list: &mut ParameterList) -> ParseResult<Vec<GeometryDescription>> {
+    pub(super) fn mesh_file(
+        &mut self,
+        kind: &str,
+        list: &mut ParameterList,
+    ) -> ParseResult<Vec<GeometryDescription>> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             let message = format!("{} has no \"string filename\"", list.subject);
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
@@ -28,7 +32,9 @@ impl Lowering {
             }
         };
         let shown = path.display();
-        let read = if stl::is_stl(&bytes) { stl_surfaces(&bytes) } else { obj_surfaces(&bytes) };
+        // Binary files with more or fewer bytes than their facets need are recognised by nothing else than the name of the shape.
+        let is_stl = stl::is_stl(&bytes) || kind == "stl" && !obj::is_obj(&bytes);
+        let read = if is_stl { stl_surfaces(&bytes) } else { obj_surfaces(&bytes) };
         let (surfaces, notes) = read.map_err(|problem| {
             let message = format!("{}: {shown}{problem}", list.subject);
             self.reporter.error(&p.value_place, "mesh-file", message)

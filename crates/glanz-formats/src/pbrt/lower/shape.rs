@@ -61,7 +61,7 @@ impl Lowering {
         let place = list.place;
         let surfaces = match kind {
             "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
-            "obj" | "stl" => self.mesh_file(&mut list)?,
+            "obj" | "stl" => self.mesh_file(kind, &mut list)?,
             _ => Vec::from_iter(self.geometry(kind, &mut list)?),
         };
         if surfaces.is_empty() {
