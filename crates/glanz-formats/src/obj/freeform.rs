@@ -29,7 +29,9 @@ enum ObjElement {
     Surface { range: [[f64; 2]; 2], points: Vec<[f64; 4]>, loops: Vec<TrimLoopDescription> },
     /// A curve in the parameters of surfaces.
     Curve { points: Vec<[f64; 3]> },
-    /// One that is not read.
+    /// A curve in the parameters of surfaces that is not read.
+    SkippedCurve,
+    /// A surface or a curve in space that is not read.
     Skipped,
 }
 
@@ -69,7 +71,9 @@ impl FreeformState {
             "curv2" => {
                 let words = s.at_least(2)?;
                 let points = self.curve_points(s, words)?;
-                self.begin(if self.unknown { ObjElement::Skipped } else { ObjElement::Curve { points } });
+                let curve =
+                    if self.unknown { ObjElement::SkippedCurve } else { ObjElement::Curve { points } };
+                self.begin(curve);
             }
             "curv" => {
                 self.skip(s, file, "curves in space are left out");
@@ -85,8 +89,7 @@ impl FreeformState {
     }
 
     fn skip(&self, s: &Statements<'_>, file: &mut ObjFile, what: &str) {
-        let (line, column) = s.place();
-        file.skipped.push(SkippedStatement { what: what.to_owned(), line, column });
+        SkippedStatement::add(&mut file.skipped, s.place(), what.to_owned());
     }
 
     fn begin(&mut self, element: ObjElement) {
@@ -199,16 +202,18 @@ impl FreeformState {
                 file.surfaces.push(ObjSurface { material: material.cloned(), surface, trim });
             }
             Some(ObjElement::Curve { points }) => {
-                let (degree, knots, count) = self.axis(s, 0)?;
-                let fits = count == points.len();
-                if !fits {
+                let (degree, count) = self.axis(s, 0)?;
+                let curve = (count == points.len()).then(|| {
+                    let knots = self.knots(0, degree);
+                    TrimCurveDescription { degree, knots, points, width: None, edge: None }
+                });
+                if curve.is_none() {
                     self.skip(s, file, "a curve whose points do not match its parameters is left out");
                 }
-                let curve = TrimCurveDescription { degree, knots, points, width: None, edge: None };
-                self.curves.push(Some(curve).filter(|_| fits));
+                self.curves.push(curve);
             }
-            Some(ObjElement::Skipped) => self.curves.push(None),
-            None => {}
+            Some(ObjElement::SkippedCurve) => self.curves.push(None),
+            Some(ObjElement::Skipped) | None => {}
         }
         Ok(())
     }
@@ -219,12 +224,13 @@ impl FreeformState {
         range: [[f64; 2]; 2],
         points: Vec<[f64; 4]>,
     ) -> Result<NurbsDescription, ObjError> {
-        let (degree_u, knots_u, count_u) = self.axis(s, 0)?;
-        let (degree_v, knots_v, count_v) = self.axis(s, 1)?;
+        let (degree_u, count_u) = self.axis(s, 0)?;
+        let (degree_v, count_v) = self.axis(s, 1)?;
         if points.len() != count_u.saturating_mul(count_v) {
             let kind = ObjErrorKind::SurfacePoints { found: points.len(), u: count_u, v: count_v };
             return Err(s.error(None, kind));
         }
+        let [knots_u, knots_v] = [self.knots(0, degree_u), self.knots(1, degree_v)];
         let whole = [[knots_u[degree_u], knots_u[count_u]], [knots_v[degree_v], knots_v[count_v]]];
         for ([low, high], [start, end]) in whole.into_iter().zip(range) {
             if !(low <= start && start < end && end <= high) {
@@ -238,30 +244,32 @@ impl FreeformState {
         Ok(NurbsDescription { degree_u, degree_v, knots_u, knots_v, points, domain })
     }
 
-    /// Degree, knots and number of points along u or v.
-    fn axis(&self, s: &Statements<'_>, axis: usize) -> Result<(usize, Vec<f64>, usize), ObjError> {
+    /// Degree and number of points along u or v.
+    fn axis(&self, s: &Statements<'_>, axis: usize) -> Result<(usize, usize), ObjError> {
         let degree = self.degrees[axis].or(self.degrees[0]).unwrap_or(3);
-        let found = &self.parameters[axis];
+        let found = self.parameters[axis].len();
+        let count = match self.kind {
+            CurveKind::BSpline => found.checked_sub(degree + 1).filter(|&count| count > degree),
+            CurveKind::Bezier => {
+                found.checked_sub(1).filter(|&s| s > 0).map(|segments| degree * segments + 1)
+            }
+        };
         let too_few = || {
             let axis = if axis == 0 { 'u' } else { 'v' };
-            s.error(None, ObjErrorKind::Parameters { axis, found: found.len(), degree })
+            s.error(None, ObjErrorKind::Parameters { axis, found, degree })
         };
+        Ok((degree, count.ok_or_else(too_few)?))
+    }
+
+    /// Knots along u or v, `degree + 1` more than points. Made after the points are counted, since Bézier segments need many more than the file lists.
+    fn knots(&self, axis: usize, degree: usize) -> Vec<f64> {
+        let found = &self.parameters[axis];
         match self.kind {
-            CurveKind::BSpline => {
-                let count = found.len().checked_sub(degree + 1).filter(|&count| count > degree);
-                let count = count.ok_or_else(too_few)?;
-                Ok((degree, found.clone(), count))
-            }
+            CurveKind::BSpline => found.clone(),
             CurveKind::Bezier => {
-                let (Some(first), Some(last)) = (found.first(), found.last().filter(|_| found.len() > 1))
-                else {
-                    return Err(too_few());
-                };
                 // Ends of segments have as many knots as the degree, and one more at both ends of the curve.
-                let mut knots = vec![*first];
-                knots.extend(found.iter().flat_map(|&end| std::iter::repeat_n(end, degree)));
-                knots.push(*last);
-                Ok((degree, knots, degree * (found.len() - 1) + 1))
+                let segments = found.iter().flat_map(|&end| std::iter::repeat_n(end, degree));
+                found.first().copied().into_iter().chain(segments).chain(found.last().copied()).collect()
             }
         }
     }

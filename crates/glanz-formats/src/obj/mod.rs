@@ -33,7 +33,7 @@ pub struct ObjFile {
     pub meshes: Vec<ObjMesh>,
     /// Freeform surfaces.
     pub surfaces: Vec<ObjSurface>,
-    /// What was left out.
+    /// What was left out: the first place of each kind, up to 100 kinds.
     pub skipped: Vec<SkippedStatement>,
 }
 
@@ -72,4 +72,16 @@ pub struct SkippedStatement {
     pub line: u32,
     /// Column in bytes, from 1.
     pub column: u32,
+}
+
+/// Largest number of different messages about parts that were left out.
+const MAX_SKIPPED: usize = 100;
+
+impl SkippedStatement {
+    /// Adds a message, once for all places with the same.
+    fn add(skipped: &mut Vec<Self>, (line, column): (u32, u32), what: String) {
+        if skipped.len() < MAX_SKIPPED && skipped.iter().all(|other| other.what != what) {
+            skipped.push(Self { what, line, column });
+        }
+    }
 }

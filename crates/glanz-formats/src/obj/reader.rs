@@ -11,7 +11,7 @@ use super::statement::{ObjWord, Statements, shortened};
 use super::{ObjFile, ObjMesh, SkippedStatement};
 
 /// Statements without an effect here.
-const IGNORED: [&str; 15] = [
+const IGNORED: [&str; 12] = [
     "g",
     "s",
     "mg",
@@ -21,12 +21,9 @@ const IGNORED: [&str; 15] = [
     "d_interp",
     "shadow_obj",
     "trace_obj",
-    "maplib",
-    "usemap",
     "ctech",
     "stech",
     "con",
-    "call",
 ];
 
 /// Numbers of position, texture coordinates and normal of a corner.
@@ -91,8 +88,7 @@ impl Reader {
     }
 
     fn skip(&mut self, s: &Statements<'_>, what: String) {
-        let (line, column) = s.place();
-        self.file.skipped.push(SkippedStatement { what, line, column });
+        SkippedStatement::add(&mut self.file.skipped, s.place(), what);
     }
 
     fn position(&mut self, s: &Statements<'_>) -> Result<(), ObjError> {

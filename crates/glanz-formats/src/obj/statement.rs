@@ -1,5 +1,7 @@
 //! Statements: logical lines of words.
 
+use std::borrow::Cow;
+
 use super::error::{ObjError, ObjErrorKind};
 use crate::source::line_and_column;
 
@@ -17,11 +19,23 @@ pub(crate) fn is_obj(bytes: &[u8]) -> bool {
         && FIRST.iter().any(|name| statements.keyword() == *name)
 }
 
+/// Beginnings of statements with a name, in which `#` begins no comment: exporters number materials that way.
+const NAMING: [&str; 4] = ["usemtl", "mtllib", "newmtl", "map_"];
+
 /// A word with its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ObjWord<'a> {
     pub(super) text: &'a str,
+    bytes: &'a [u8],
     at: usize,
+}
+
+impl<'a> ObjWord<'a> {
+    /// The word as a part of a name: in UTF-8, else in Latin 1, so that different names stay different.
+    pub(super) fn name(&self) -> Cow<'a, str> {
+        let latin = |_| Cow::Owned(self.bytes.iter().copied().map(char::from).collect());
+        std::str::from_utf8(self.bytes).map_or_else(latin, Cow::Borrowed)
+    }
 }
 
 /// Reader of the statements of a file, one at a time.
@@ -30,11 +44,17 @@ pub(super) struct Statements<'a> {
     bytes: &'a [u8],
     at: usize,
     words: Vec<ObjWord<'a>>,
+    /// Lines before `at`.
+    lines: u32,
+    /// Line and column of the first word.
+    place: (u32, u32),
 }
 
 impl<'a> Statements<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, at: 0, words: Vec::new() }
+        // A byte order mark is no part of the first word.
+        let at = if bytes.starts_with("\u{feff}".as_bytes()) { '\u{feff}'.len_utf8() } else { 0 };
+        Self { bytes, at, words: Vec::new(), lines: 0, place: (1, 1) }
     }
 
     /// Goes on to the next statement, if there is one.
@@ -51,9 +71,10 @@ impl<'a> Statements<'a> {
         let rest = self.bytes.get(self.at..).unwrap_or_default();
         let length = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
         let line = rest.get(..length).unwrap_or_default();
-        let code =
-            line.iter().position(|&b| b == b'#').map_or(line, |end| line.get(..end).unwrap_or_default());
-        let code = code.trim_ascii_end();
+        let statement = self.words.first().map_or(line.trim_ascii_start(), |word| word.bytes);
+        let is_naming = NAMING.iter().any(|name| statement.starts_with(name.as_bytes()));
+        let comment = line.iter().position(|&b| b == b'#').filter(|_| !is_naming);
+        let code = line.get(..comment.unwrap_or(length)).unwrap_or_default().trim_ascii_end();
         let continues = code.last() == Some(&b'\\') && self.at + length < self.bytes.len();
         let code = if continues { code.get(..code.len() - 1).unwrap_or_default() } else { code };
         let mut start = 0;
@@ -64,11 +85,17 @@ impl<'a> Statements<'a> {
             let word = code.get(start..).unwrap_or_default();
             let end = word.iter().position(u8::is_ascii_whitespace).unwrap_or(word.len());
             // What is not UTF-8 is no statement and no number.
-            let text = std::str::from_utf8(word.get(..end).unwrap_or_default()).unwrap_or("\u{fffd}");
-            self.words.push(ObjWord { text, at: self.at + start });
+            let bytes = word.get(..end).unwrap_or_default();
+            let text = std::str::from_utf8(bytes).unwrap_or("\u{fffd}");
+            if self.words.is_empty() {
+                let from_one = |n: usize| u32::try_from(n).unwrap_or(u32::MAX).saturating_add(1);
+                self.place = (self.lines.saturating_add(1), from_one(start));
+            }
+            self.words.push(ObjWord { text, bytes, at: self.at + start });
             start += end;
         }
         self.at += length + 1;
+        self.lines = self.lines.saturating_add(1);
         continues
     }
 
@@ -84,13 +111,13 @@ impl<'a> Statements<'a> {
 
     /// The other words as one text.
     pub(super) fn rest(&self) -> String {
-        let words: Vec<&str> = self.values().iter().map(|word| word.text).collect();
+        let words: Vec<_> = self.values().iter().map(ObjWord::name).collect();
         words.join(" ")
     }
 
     /// Line and column of the statement.
     pub(super) fn place(&self) -> (u32, u32) {
-        line_and_column(self.bytes, self.words.first().map_or(0, |word| word.at))
+        self.place
     }
 
     /// An error at a word, or at the statement.
