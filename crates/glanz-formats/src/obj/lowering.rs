@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use glanz_light::SpectralDistribution;
-use glanz_math::DVec2;
 use glanz_scene::Severity;
 use glanz_scene::description::{
     EmissionDescription, GeometryDescription, ImageDescription, ImageFilter, ImageWrap, MappingDescription,
@@ -181,7 +180,9 @@ impl MaterialLowering<'_> {
                 MaterialKind::mirror(specular)
             }
             diffuse => {
-                let sharp = material.exponent.unwrap_or(f64::from(exponent(0.5))).clamp(0.0, 1e6) as f32;
+                // `Ns` is the exponent about the half vector, whose angle to the normal is half of that from the mirrored direction.
+                let sharp = material.exponent.map_or(exponent(0.5), |exponent| (0.25 * exponent) as f32);
+                let sharp = sharp.clamp(0.0, 1e6);
                 let (diffuse, specular) = conserving(diffuse, specular);
                 MaterialKind::phong(diffuse.clone(), diffuse, specular, sharp)
             }
@@ -190,15 +191,16 @@ impl MaterialLowering<'_> {
 
     /// The diffuse reflectance: the picture times `Kd`.
     fn diffuse(&mut self, material: &ObjMaterial, name: &str) -> SpectrumParameter {
-        let image = material.diffuse_map.as_ref().and_then(|map| self.image(map, name));
-        let Some(image) = image else {
+        let map = material.diffuse_map.as_ref();
+        let image = map.and_then(|map| Some((map, self.image(&map.file, name)?)));
+        let Some((map, image)) = image else {
             return rgb(material.diffuse.unwrap_or(CAD_GREY.map(f64::from))).into();
         };
-        let mapping = MappingDescription::Uv { scale: DVec2::ONE, offset: DVec2::ZERO };
-        let (wrap, filter) = (ImageWrap::Repeat, ImageFilter::Trilinear);
+        let mapping = MappingDescription::Uv { scale: map.scale.into(), offset: map.offset.into() };
+        let wrap = if map.clamped { ImageWrap::Clamp } else { ImageWrap::Repeat };
+        let filter = ImageFilter::Trilinear;
         let kind = TextureKind::Image { image, mapping, wrap, filter, scale: 1.0, invert: false };
-        let map = material.diffuse_map.clone().unwrap_or_default();
-        let picture = SpectrumParameter::Texture(self.reader.add_texture(map, kind));
+        let picture = SpectrumParameter::Texture(self.reader.add_texture(map.file.clone(), kind));
         match material.diffuse {
             // Exporters write black where the picture counts alone.
             None | Some([1.0, 1.0, 1.0] | [0.0, 0.0, 0.0]) => picture,
@@ -208,10 +210,11 @@ impl MaterialLowering<'_> {
 
     /// The emitted light: of a picture the mean.
     fn emission(&mut self, material: &ObjMaterial, name: &str) -> Option<EmissionDescription> {
-        let color = material.emission.filter(|color| *color != [0.0; 3])?;
+        let default = material.emission_map.as_ref().map(|_| [1.0; 3]);
+        let color = material.emission.or(default).filter(|color| *color != [0.0; 3])?;
         let mean = match &material.emission_map {
             Some(map) => {
-                let image = self.image(map, name);
+                let image = self.image(&map.file, name);
                 let message = format!("{name}: the mean of the picture of emitted light stands in for it");
                 self.reader.stand_in("obj-emission", None, message);
                 let image = image.and_then(|image| self.reader.description.images.get(image));

@@ -1,8 +1,10 @@
 //! Files of materials (MTL).
 
+use std::borrow::Cow;
+
 use super::SkippedStatement;
 use super::error::{ObjError, ObjErrorKind};
-use super::statement::{Statements, shortened};
+use super::statement::{ObjWord, Statements, shortened};
 
 /// Parameters of a material, as the file gives them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,10 +31,23 @@ pub struct ObjMaterial {
     pub roughness: Option<f64>,
     /// `Pm`: metallicity.
     pub metallic: Option<f64>,
-    /// `map_Kd`: file of a picture.
-    pub diffuse_map: Option<String>,
-    /// `map_Ke`: file of a picture.
-    pub emission_map: Option<String>,
+    /// `map_Kd`.
+    pub diffuse_map: Option<ObjPicture>,
+    /// `map_Ke`.
+    pub emission_map: Option<ObjPicture>,
+}
+
+/// A picture on a surface: at texture coordinates times `scale` plus `offset`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjPicture {
+    /// Name of the file.
+    pub file: String,
+    /// `-s`: factors.
+    pub scale: [f64; 2],
+    /// `-o`: summands.
+    pub offset: [f64; 2],
+    /// `-clamp on`: beyond the picture, its border goes on instead of its repetition.
+    pub clamped: bool,
 }
 
 /// The contents of a file.
@@ -48,10 +63,11 @@ pub struct ObjMaterials {
 const IGNORED: [&str; 4] = ["Ka", "map_Ka", "sharpness", "map_aat"];
 
 /// Options of pictures with the number of their values.
-const OPTIONS: [(&str, usize); 12] = [
+const OPTIONS: [(&str, usize); 13] = [
     ("-blendu", 1),
     ("-blendv", 1),
     ("-boost", 1),
+    ("-cc", 1),
     ("-mm", 2),
     ("-o", 3),
     ("-s", 3),
@@ -80,8 +96,7 @@ pub fn read_materials(bytes: &[u8]) -> Result<ObjMaterials, ObjError> {
             return Err(s.error(None, ObjErrorKind::NoMaterial(shortened(s.keyword()))));
         };
         if let Some(what) = statement(s, material)? {
-            let (line, column) = s.place();
-            file.skipped.push(SkippedStatement { what, line, column });
+            SkippedStatement::add(&mut file.skipped, s.place(), what);
         }
     }
     Ok(file)
@@ -114,8 +129,14 @@ fn statement(s: &Statements<'_>, material: &mut ObjMaterial) -> Result<Option<St
         "illum" => material.illumination = number()?,
         "Pr" => material.roughness = number()?,
         "Pm" => material.metallic = number()?,
-        "map_Kd" => material.diffuse_map = Some(picture(s)),
-        "map_Ke" => material.emission_map = Some(picture(s)),
+        "map_Kd" | "map_Ke" => {
+            let (picture, problem) = picture(s);
+            match s.keyword() {
+                "map_Kd" => material.diffuse_map = Some(picture),
+                _ => material.emission_map = Some(picture),
+            }
+            return Ok(problem);
+        }
         ignored if IGNORED.contains(&ignored) => {}
         other => return Ok(Some(format!("statement {:?} is not read and skipped", shortened(other)))),
     }
@@ -129,13 +150,34 @@ fn color(s: &Statements<'_>) -> Result<Option<[f64; 3]>, ObjError> {
     Ok(Some([r, g, b].map(|x| x.max(0.0))))
 }
 
-/// The name of a picture after its options.
-fn picture(s: &Statements<'_>) -> String {
-    let mut words: Vec<&str> = s.values().iter().map(|word| word.text).collect();
-    while let Some(&(option, values)) = OPTIONS.iter().find(|(option, _)| words.first() == Some(option)) {
-        let is_value = |word: &&&str| word.parse::<f64>().is_ok() || !matches!(option, "-o" | "-s" | "-t");
+/// A picture after its options, and what of them is left out.
+fn picture(s: &Statements<'_>) -> (ObjPicture, Option<String>) {
+    let mut words: Vec<_> = s.values().iter().map(ObjWord::name).collect();
+    let mut picture = ObjPicture { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], clamped: false };
+    let mut problem = None;
+    while let Some(&(option, values)) =
+        OPTIONS.iter().find(|(option, _)| words.first().is_some_and(|word| word == option))
+    {
+        let number = |word: &Cow<'_, str>| word.parse().ok().filter(|x: &f64| x.is_finite());
+        // The second and third number may be missing.
+        let is_value = |word: &&Cow<'_, str>| number(word).is_some() || !matches!(option, "-o" | "-s" | "-t");
         let count = words.iter().skip(1).take(values).take_while(is_value).count();
-        words.drain(..words.len().min(1 + count));
+        let mut given = words.drain(..words.len().min(1 + count)).skip(1);
+        let list = match option {
+            "-s" => &mut picture.scale,
+            "-o" => &mut picture.offset,
+            "-clamp" => {
+                picture.clamped = given.next().is_some_and(|word| word == "on");
+                continue;
+            }
+            "-mm" | "-t" => {
+                problem = Some(format!("option \"{option}\" of a picture is not read and skipped"));
+                continue;
+            }
+            _ => continue,
+        };
+        list.iter_mut().zip(given.filter_map(|word| number(&word))).for_each(|(x, value)| *x = value);
     }
-    words.join(" ")
+    picture.file = words.join(" ");
+    (picture, problem)
 }

@@ -1,7 +1,9 @@
 use std::path::Path;
 
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::description::{GeometryDescription, MaterialKind, SpectrumParameter, TextureKind};
+use glanz_scene::description::{
+    GeometryDescription, ImageWrap, MappingDescription, MaterialKind, SpectrumParameter, TextureKind,
+};
 
 use super::*;
 use crate::registry::{Loaded, Options, load, load_str};
@@ -113,7 +115,8 @@ fn materials_have_colours_highlights_pictures_and_light() {
     let kind = |shape: usize| &description.materials[description.world.shapes[shape].material].kind;
     assert_eq!(*kind(0), MaterialKind::diffuse([0.5, 0.25, 0.0]), "model 1 has no highlight");
     let phong = |d: f32, s: f32, n: f32| MaterialKind::phong([d; 3], [d; 3], [s; 3], n);
-    assert_eq!(*kind(1), phong(0.5, 0.25, 50.0));
+    // 50 about the half vector is 50 / 4 about the mirrored direction: cos(a / 2)^50 and cos(a)^12.5 are both about exp(-50 a^2 / 8).
+    assert_eq!(*kind(1), phong(0.5, 0.25, 12.5));
     // No more than all light; the exponent of roughness 1/2 is 2 / (1/4)^2 - 2.
     assert_eq!(*kind(2), phong(0.5, 0.5, 30.0));
     assert_eq!(*kind(3), MaterialKind::dielectric(1.25, 1.0, [0.5, 1.0, 1.0]));
@@ -187,7 +190,7 @@ fn errors_have_line_and_column() {
 #[test]
 fn files_are_recognised_by_their_first_statement() {
     for text in ["# Blender\n\nmtllib a.mtl\n", "v 0 0 0", "o x", "g default\n", "\u{feff}# x\nv 0 0 0"] {
-        assert!(is_obj(text.trim_start_matches('\u{feff}').as_bytes()), "{text}");
+        assert!(is_obj(text.as_bytes()), "{text}");
     }
     for text in ["", "# v 0 0 0", "v", "Shape \"sphere\"", "WorldBegin", "32\n1,2", "{ \"asset\": 1 }"] {
         assert!(!is_obj(text.as_bytes()), "{text}");
@@ -207,4 +210,58 @@ fn the_frame_of_the_description_is_that_of_the_file() {
             .contains("no faces and no surfaces")
     );
     assert!(load(Path::new("no.obj"), &Options::default()).is_err());
+}
+
+#[test]
+fn curves_in_space_and_surfaces_that_are_not_read_have_no_number_among_trimming_curves() {
+    let skipped =
+        "cstype cardinal\nsurf 0 1 0 1 1\nend\ncstype bspline\ndeg 1\ncurv 0 1 1 2\nparm u 0 0 1 1\nend\n";
+    let file = parsed(&format!(
+        "{SQUARE}vp 0.1 0.1\nvp 0.9 0.1\nvp 0.5 0.9\n{skipped}curv2 1 2 3 1\nparm u 0 0 1 2 3 3\nend\n\
+         deg 1 1\nsurf 0 1 0 1 1 2 4 3\nparm u 0 0 1 1\nparm v 0 0 1 1\ntrim 0 3 1\nend\n"
+    ));
+    assert_eq!(file.surfaces[0].trim.as_ref().unwrap().loops[0].curves[0].points[2], [0.5, 0.9, 1.0]);
+    // A trimming curve that is not read has one.
+    let other = "vp 0 0\ncstype cardinal\ncurv2 1 1\nend\ncstype bspline\ndeg 1 1\n";
+    let surface = "surf 0 1 0 1 1 2 4 3\nparm u 0 0 1 1\nparm v 0 0 1 1\ntrim 0 3 1\nend\n";
+    assert!(parsed(&format!("{SQUARE}{other}{surface}")).surfaces[0].trim.is_none());
+}
+
+#[test]
+fn parts_that_are_left_out_are_named_once_with_their_first_place() {
+    let file = parsed(&format!("# {}\n{}call a.obj\n", "x".repeat(100_000), "l 1 2\n".repeat(200_000)));
+    let found: Vec<_> = file.skipped.iter().map(|s| (s.what.as_str(), s.line, s.column)).collect();
+    let what = |name: &str| format!("statement \"{name}\" is not read and skipped");
+    assert_eq!(found, [(what("l").as_str(), 2, 1), (what("call").as_str(), 200_002, 1)]);
+}
+
+#[test]
+fn names_may_contain_number_signs_and_letters_of_latin_1() {
+    let text = [
+        SQUARE.as_bytes(),
+        b"usemtl Material #1\nf 1 2 3 # a face\nusemtl gr\xfcn\nf 1 2 3\nusemtl gr\xe4n\nf 1 2 3\n",
+    ];
+    let file = read(&text.concat()).unwrap();
+    let found: Vec<_> = file.meshes.iter().map(|mesh| mesh.material.as_deref().unwrap()).collect();
+    assert_eq!(found, ["Material #1", "gr\u{fc}n", "gr\u{e4}n"]);
+    let file = parsed("\u{feff}mtllib a.mtl\n");
+    assert_eq!((file.libraries, file.skipped), (vec!["a.mtl".to_owned()], vec![]));
+}
+
+#[test]
+fn pictures_are_scaled_shifted_and_clamped() {
+    let mtl = "newmtl a\nmap_Kd -cc on -s 2 3 1 -o 0.5 -clamp on my m.png\nmap_Ke -mm 0 2 m.png\n";
+    let file = read_materials(mtl.as_bytes()).unwrap();
+    let expected =
+        ObjPicture { file: "my m.png".to_owned(), scale: [2.0, 3.0], offset: [0.5, 0.0], clamped: true };
+    assert_eq!(file.materials[0].diffuse_map, Some(expected));
+    assert!(file.skipped[0].what.contains("option \"-mm\""), "{file:?}");
+    let mtl = "newmtl a\nmap_Kd -s 2 3 -o 0.5 0.25 -clamp on m.png\nmap_Ke m.png\n";
+    let loaded = with_materials(mtl, &format!("{SQUARE}usemtl a\nf 1 2 3\n"));
+    let TextureKind::Image { mapping, wrap, .. } = &loaded.description.textures[0].kind else { panic!() };
+    let expected = MappingDescription::Uv { scale: DVec2::new(2.0, 3.0), offset: DVec2::new(0.5, 0.25) };
+    assert_eq!((mapping, *wrap), (&expected, ImageWrap::Clamp));
+    // The picture is red; without `Ke`, it counts alone.
+    let emission = loaded.description.world.shapes[0].emission.clone().unwrap();
+    assert_eq!(SpectrumParameter::Value(emission.radiance), [1.0, 0.0, 0.0].into());
 }
