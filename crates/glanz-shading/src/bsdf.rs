@@ -95,8 +95,8 @@ impl BsdfSample {
         Self { wi, weight, value: Spectrum::BLACK, pdf: SolidAnglePdf(f64::INFINITY), lobe, eta_scale: 1.0 }
     }
 
-    /// The sample `wi` of a lobe of `model`, by what the model states for it; `None` where it scatters nothing.
-    pub(crate) fn drawn<M: BsdfModel>(
+    /// The sample of the direction `wi`, by the value and the density that `model` states for it; `None` where it scatters nothing.
+    pub(crate) fn of_direction<M: BsdfModel>(
         model: &M,
         [wo, wi]: [DVec3; 2],
         lobe: Lobe,
@@ -120,7 +120,8 @@ impl BsdfSample {
 /// A scattering model at a point. `tests/it/contract.rs` runs over all of them.
 ///
 /// The frame: z is the shading normal, all directions have unit length and point away from the surface.
-/// Reflecting models do the same on both sides; only [`Dielectric`](crate::model::Dielectric) has an inside (z < 0) and an outside.
+/// Reflecting models do the same on both sides; only [`Dielectric`](crate::model::Dielectric) and models with a part of it have an inside (z < 0) and an
+/// outside.
 /// The tangents x and y are those of the surface's parameters if the model is anisotropic, else any.
 ///
 /// A model has to state its lobes and draw samples. The other methods have defaults: those of an isotropic model with delta lobes only,
@@ -166,7 +167,8 @@ pub trait BsdfModel {
 
     /// All delta lobes, each with the whole fraction of light it carries as weight, to follow every one of them.
     ///
-    /// Reflection comes first, then transmission; black ones are left out. The default is for models of one lobe.
+    /// Reflection comes first, then transmission; black ones are left out. The default is for models without delta lobes and for those of a
+    /// single lobe.
     fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
         let only =
             || self.sample(wo, DVec2::splat(0.5), 0.5, mode).filter(|sample| !sample.weight.is_black());
@@ -186,12 +188,12 @@ pub trait BsdfModel {
         estimated_albedo(self, wo)
     }
 
-    /// The fraction of the albedo that stays on the side of `wo`, but for a model with delta lobes only: the albedo.
+    /// The fraction of the light from `wo` that is scattered to its own side; of clear glass without other lobes the albedo.
     fn reflected(&self, wo: DVec3) -> Spectrum {
-        if self.transmits() {
-            mean_weight(self, wo, |sample| !sample.lobe.transmission)
-        } else {
+        if self.is_delta() || !Self::LOBES.iter().any(|lobe| lobe.transmission) {
             self.albedo(wo)
+        } else {
+            mean_weight(self, wo, |sample| !sample.lobe.transmission)
         }
     }
 
@@ -286,7 +288,7 @@ fn mean_weight<M: BsdfModel + ?Sized>(
     (sum * (1.0 / COUNT as f32)).map(|x| x.min(1.0))
 }
 
-/// Directions on the side of `wo`, mirrored to the upper side, of which the first is strictly above; `None` if `wo` is not.
+/// Both directions, mirrored so that `wo` is above; `None` if `wo` is along the surface.
 #[inline]
 pub(crate) fn upper_side(wo: DVec3, wi: DVec3) -> Option<[DVec3; 2]> {
     let sign = 1.0_f64.copysign(wo.z);

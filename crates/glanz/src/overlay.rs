@@ -110,7 +110,7 @@ fn radiance(
         let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
         let irradiance = maps.irradiance(&ParametricPoint { surface, face, back, uv })?;
         let toward_viewer = if back { -DVec3::Z } else { DVec3::Z };
-        let albedo = at.bsdf(scene, &wavelengths)?.albedo(toward_viewer);
+        let albedo = at.bsdf(scene, &wavelengths)?.reflected(toward_viewer);
         Some((albedo * irradiance * FRAC_1_PI + scene.emitted(&at, at.wo)).to_rgb(&wavelengths))
     };
     let sides = [false, true].into_iter().filter_map(of_side);

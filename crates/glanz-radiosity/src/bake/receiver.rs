@@ -28,8 +28,9 @@ impl BakeReceiver {
     /// Fraction of light that is reflected, [0, 1], and emitted radiance.
     pub(super) fn albedo_and_emission(&self, scene: &Scene) -> (Spectrum, Spectrum) {
         let bsdf = self.at.bsdf(scene, &Wavelengths::default());
-        let albedo =
-            bsdf.map_or(Spectrum::BLACK, |bsdf| bsdf.reflected(self.at.frame().to_local(self.at.wo)));
+        let albedo = bsdf.map_or(Spectrum::BLACK, |bsdf| {
+            bsdf.reflected(self.at.frame_of(&bsdf, self.at.point.shading_normal).to_local(self.at.wo))
+        });
         (albedo, scene.emitted(&self.at, self.at.wo))
     }
 }

@@ -63,7 +63,9 @@ impl<'a> Visibility<'a> {
     pub(super) fn bsdf_transmittance(&self, hit: &Interaction, bsdf: Option<&Bsdf>) -> Spectrum {
         match bsdf {
             None => Spectrum::ONE,
-            Some(bsdf) if self.is_clear => transmitted(bsdf, hit.frame().to_local(hit.wo)),
+            Some(bsdf) if self.is_clear => {
+                transmitted(bsdf, hit.frame_of(bsdf, hit.point.shading_normal).to_local(hit.wo))
+            }
             Some(_) => Spectrum::BLACK,
         }
     }
@@ -71,10 +73,10 @@ impl<'a> Visibility<'a> {
     /// Fraction of the light from `hit.wo` that the surface with this BSDF scatters, without the fraction transmitted straight through.
     pub(super) fn albedo(&self, hit: &Interaction, bsdf: Option<&Bsdf>) -> Spectrum {
         let Some(bsdf) = bsdf else { return Spectrum::BLACK };
-        let wo = hit.frame().to_local(hit.wo);
+        let wo = hit.frame_of(bsdf, hit.point.shading_normal).to_local(hit.wo);
         let through = if self.is_clear { transmitted(bsdf, wo) } else { Spectrum::BLACK };
         if through.is_black() {
-            return bsdf.albedo(wo);
+            return bsdf.reflected(wo);
         }
         // Of glass that reflects nothing, rounding may leave less than nothing.
         (bsdf.albedo(outside(wo)) - through).map(|x| x.max(0.0))

@@ -268,7 +268,8 @@ fn element(scene: &Scene, surface: &PlacedSurface<'_>, patch: Patch) -> Option<E
         patch,
         area,
         center,
-        reflectance: bsdf.reflected(at.at.frame().to_local(at.at.wo)) * at.opacity,
+        reflectance: bsdf.reflected(at.at.frame_of(&bsdf, at.at.point.shading_normal).to_local(at.at.wo))
+            * at.opacity,
         emission: scene.emitted(&at.at, at.at.wo) * (emitted * std::f32::consts::PI),
     })
 }

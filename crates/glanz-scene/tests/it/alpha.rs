@@ -241,7 +241,7 @@ fn opacities_that_are_not_numbers_are_0() {
     let scene = SceneBuilder::new().shape(floor, grey()).shape(lamp, grey()).resolve().unwrap().0;
     assert!(scene.intersect(&Ray::new(DVec3::new(0.1, 0.1, 1.0), DVec3::Z), f64::INFINITY).is_none());
     let from = scene.intersect(&Ray::new(DVec3::new(0.2, 0.1, 1.0), -DVec3::Z), f64::INFINITY).unwrap();
-    let (id, _) = scene.select_light(0.5).unwrap();
+    let id = scene.select_light(&from.light_sample_context(), 0.5).unwrap().id;
     let sample = scene.sample_light(id, &from, DVec2::new(0.3, 0.6)).unwrap();
     assert!(sample.radiance.is_black());
 }

@@ -35,7 +35,7 @@ impl Coat {
         } else {
             let lost = energy::mean_interface_loss(alpha, eta);
             let between = multiple.as_ref().map_or(0.0, |multiple| 1.0 - multiple.transmitted);
-            energy::mean_interface_reflectance(alpha, eta) + between * lost
+            energy::mean_directional_reflectance(&distribution, eta) + between * lost
         };
         Self { eta, distribution, multiple, mean_transmittance: 1.0 - reflected }
     }
@@ -64,12 +64,6 @@ impl Coat {
         self.mean_transmittance
     }
 
-    /// Fraction of diffuse light from inside that is reflected.
-    #[must_use]
-    pub fn mean_inside(&self) -> f64 {
-        1.0 - self.mean_transmittance / (self.eta * self.eta)
-    }
-
     /// Fraction of the light from `w` (above) that facets send to others.
     fn lost(&self, w: DVec3) -> f64 {
         self.multiple.as_ref().map_or(0.0, |multiple| multiple.lost(w))
@@ -82,9 +76,7 @@ impl Coat {
             return fresnel::dielectric(w.z, self.eta).reflectance;
         }
         let between = self.multiple.as_ref().map_or(0.0, |multiple| 1.0 - multiple.transmitted);
-        (energy::interface_reflectance(self.distribution.mean_width(), self.eta, w.z)
-            + between * self.lost(w))
-        .min(1.0)
+        (energy::directional_reflectance(&self.distribution, self.eta, w) + between * self.lost(w)).min(1.0)
     }
 
     /// `f cos` of rough reflection; both directions above.

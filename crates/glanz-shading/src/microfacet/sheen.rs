@@ -15,28 +15,28 @@ use super::{clamp_unit, half_vector};
 /// @estevez2017, with the fit of its masking, as in glTF (extension `KHR_materials_sheen`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheenDistribution {
-    roughness: f64,
+    alpha: f64,
     /// Exponent of the sine.
     exponent: f64,
     /// Coefficients of the masking.
     masking: [f64; 5],
 }
 
-/// The least roughness: narrower lobes of grazing directions cannot be sampled well.
-const SMALLEST_ROUGHNESS: f64 = 0.07;
+/// The least width: narrower lobes of grazing directions cannot be sampled well.
+const SMALLEST_ALPHA: f64 = 0.07;
 
-/// Coefficients of the masking for roughness 0 and 1.
+/// Coefficients of the masking for widths 0 and 1.
 const MASKING: [[f64; 5]; 2] =
     [[25.3245, 3.32435, 0.16801, -1.27393, -4.85967], [21.5473, 3.82987, 0.19823, -1.97760, -4.32054]];
 
 impl SheenDistribution {
-    /// Fibres of a roughness in [0, 1]; smaller ones than 0.07 count as that.
+    /// Fibres of the width `alpha`, in [0.07, 1]; others count as the nearest. That of glTF is the square of its roughness.
     #[must_use]
-    pub fn new(roughness: f64) -> Self {
-        let roughness = clamp_unit(roughness).max(SMALLEST_ROUGHNESS);
-        let smooth = (1.0 - roughness).powi(2);
+    pub fn new(alpha: f64) -> Self {
+        let alpha = clamp_unit(alpha).max(SMALLEST_ALPHA);
+        let smooth = (1.0 - alpha).powi(2);
         let masking = std::array::from_fn(|i| smooth * MASKING[0][i] + (1.0 - smooth) * MASKING[1][i]);
-        Self { roughness, exponent: 1.0 / roughness, masking }
+        Self { alpha, exponent: 1.0 / alpha, masking }
     }
 
     /// `f cos_i`.
@@ -56,18 +56,20 @@ impl SheenDistribution {
         if cos < 0.5 { fit(cos).exp() } else { (2.0 * fit(0.5) - fit(1.0 - cos)).exp() }
     }
 
-    /// Fraction of the light from a direction with this cosine that is reflected, [0, 1]; error at most 0.01.
+    /// Fraction of the light from a direction with this cosine that is reflected, below 1; error at most 0.03.
     #[must_use]
     pub fn albedo(&self, cos: f64) -> f64 {
-        ALBEDO.at([self.roughness, cos.max(0.0).sqrt()]).min(1.0)
+        let width = (self.alpha - SMALLEST_ALPHA) / (1.0 - SMALLEST_ALPHA);
+        ALBEDO.at([width, cos.max(0.0).sqrt()])
     }
 }
 
-/// Roughness, square root of the cosine.
+/// Width above the smallest, square root of the cosine.
 static ALBEDO: LazyLock<Table<2>> = LazyLock::new(|| {
     let rule = GaussLegendre::new(32);
-    Table::new([33, 33], |[roughness, root]| {
-        let (sheen, cos) = (SheenDistribution::new(roughness), (root * root).clamp(1e-4, 1.0));
+    Table::new([33, 33], |[width, root]| {
+        let alpha = SMALLEST_ALPHA + width * (1.0 - SMALLEST_ALPHA);
+        let (sheen, cos) = (SheenDistribution::new(alpha), (root * root).clamp(1e-4, 1.0));
         let wo = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
         rule.integrate(0.0, 1.0, |x| {
             // Closer nodes at grazing angles: z = x^2.
@@ -86,9 +88,9 @@ mod tests {
 
     #[test]
     fn albedo_is_the_integral_over_directions_and_below_one() {
-        for roughness in [0.1, 0.35, 0.62, 1.0] {
+        for alpha in [0.07, 0.1, 0.35, 0.62, 1.0] {
             for cos in [0.03_f64, 0.2, 0.7, 1.0] {
-                let sheen = SheenDistribution::new(roughness);
+                let sheen = SheenDistribution::new(alpha);
                 let wo = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
                 let n = 600;
                 let mut sum = 0.0;
@@ -101,8 +103,8 @@ mod tests {
                     }
                 }
                 let albedo = sum * TAU / f64::from(n * n);
-                assert!((sheen.albedo(cos) - albedo).abs() < 0.01, "{roughness} {cos}: {albedo}");
-                assert!(sheen.albedo(cos) <= 1.0);
+                assert!((sheen.albedo(cos) - albedo).abs() < 0.01, "{alpha} {cos}: {albedo}");
+                assert!(albedo < 1.0);
             }
         }
     }

@@ -32,8 +32,12 @@ impl CoatedDiffuse {
     /// A base of this reflectance, [0, 1], under a coat. `white`: 1 in the lanes in use, else 0.
     #[must_use]
     pub fn new(reflectance: Spectrum, white: Spectrum, coat: Coat) -> Self {
-        let inside = coat.mean_inside() as f32;
-        let base = reflectance.map(|r| r / (1.0 - inside * r)) * (FRAC_1_PI / coat.eta().powi(2)) as f32;
+        // R / (pi eta^2 (1 - r R)) with r = 1 - t / eta^2, free of cancellation.
+        let (eta2, transmitted) = (coat.eta().powi(2), coat.mean_transmittance());
+        let base = reflectance.map(|r| {
+            let r = f64::from(r);
+            (FRAC_1_PI * r / (eta2 * (1.0 - r) + r * transmitted)) as f32
+        });
         Self { coat, white, base }
     }
 
@@ -85,7 +89,14 @@ impl BsdfModel for CoatedDiffuse {
             (self.coat.sample(up, xi, (xi_lobe - base) / (1.0 - base)), Lobe::GLOSSY)
         };
         wi.z *= 1.0_f64.copysign(wo.z);
-        BsdfSample::drawn(self, [wo, wi], lobe, mode)
+        BsdfSample::of_direction(self, [wo, wi], lobe, mode)
+    }
+
+    fn delta_branches(&self, wo: DVec3, _: TransportMode) -> [Option<BsdfSample>; 2] {
+        let up = upper_side(wo, wo).filter(|_| self.coat.is_smooth());
+        let weight = up.map(|[up, _]| self.white * self.coat.reflectance(up) as f32);
+        let branch = weight.filter(|weight| !weight.is_black());
+        [branch.map(|weight| BsdfSample::delta(mirrored(wo), weight, Lobe::SPECULAR_REFLECTION)), None]
     }
 
     fn diffuse_probability(&self, wo: DVec3) -> f64 {

@@ -61,7 +61,7 @@ impl ConductorFresnel {
         self.eta.zip(self.k, fresnel) * self.tint
     }
 
-    /// The mean of [`ConductorFresnel::reflectance`] over diffuse light; error below 0.002.
+    /// The mean of [`ConductorFresnel::reflectance`] over diffuse light; error below 0.002 for metals, 0.02 for weak absorption.
     #[must_use]
     pub fn mean_reflectance(&self) -> Spectrum {
         // The Gauss rule with weight 2 cos on [0, 1].
@@ -99,6 +99,20 @@ impl Conductor {
         if self.multiple.is_black() { 0.0 } else { 1.0 - energy::reflected(&self.distribution, w) }
     }
 
+    /// A direction of rough reflection, for `wo` above; it may be below the surface.
+    pub(super) fn sample_rough(&self, wo: DVec3, xi: DVec2, xi_lobe: f64) -> DVec3 {
+        if xi_lobe < self.multiple_probability(self.lost(wo)) {
+            warp::cosine_hemisphere(xi)
+        } else {
+            self.distribution.sample_reflection(wo, xi).normalize()
+        }
+    }
+
+    /// Reflectance of a smooth surface at normal incidence.
+    pub(super) fn normal_reflectance(&self) -> Spectrum {
+        self.metal.reflectance(1.0)
+    }
+
     /// Probability of sampling light between facets: about its fraction of the light.
     fn multiple_probability(&self, lost: f64) -> f64 {
         let multiple = lost * self.multiple_ratio;
@@ -134,13 +148,9 @@ impl BsdfModel for Conductor {
             let lobe = Lobe::SPECULAR_REFLECTION;
             return Some(BsdfSample::delta(mirrored(wo), self.metal.reflectance(wo.z), lobe));
         }
-        let mut wi = if xi_lobe < self.multiple_probability(self.lost(up)) {
-            warp::cosine_hemisphere(xi)
-        } else {
-            self.distribution.sample_reflection(up, xi).normalize()
-        };
+        let mut wi = self.sample_rough(up, xi, xi_lobe);
         wi.z *= 1.0_f64.copysign(wo.z);
-        BsdfSample::drawn(self, [wo, wi], Lobe::GLOSSY, mode)
+        BsdfSample::of_direction(self, [wo, wi], Lobe::GLOSSY, mode)
     }
 
     fn is_delta(&self) -> bool {
@@ -157,7 +167,7 @@ impl BsdfModel for Conductor {
 
     fn preview(&self) -> PreviewSurface {
         let roughness = self.distribution.preview_roughness();
-        PreviewSurface { roughness, ..PreviewSurface::metal(self.metal.reflectance(1.0)) }
+        PreviewSurface { roughness, ..PreviewSurface::metal(self.normal_reflectance()) }
     }
 }
 

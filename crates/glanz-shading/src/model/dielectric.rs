@@ -36,7 +36,7 @@ pub struct Dielectric {
     pub transmittance: Spectrum,
     /// Whether this is a sheet too thin to displace a ray: light passes straight through and is reflected by both faces.
     pub thin: bool,
-    /// Facets, which sheets have not.
+    /// Facets, which a sheet does not have.
     pub distribution: MicrofacetDistribution,
     /// Whether light between facets counts, if they are isotropic.
     pub multiple_scattering: bool,
@@ -144,7 +144,7 @@ impl Dielectric {
     }
 
     /// A direction that one facet scatters, or one of light between facets.
-    fn sample_rough(&self, wo: DVec3, xi: DVec2, xi_lobe: f64) -> Option<(DVec3, Lobe)> {
+    pub(super) fn sample_rough(&self, wo: DVec3, xi: DVec2, xi_lobe: f64) -> Option<(DVec3, Lobe)> {
         let view = self.rough_view(wo)?;
         let (wi, transmits) = if xi_lobe < view.lost {
             let transmitted = view.multiple.as_ref().map_or(0.0, |multiple| multiple.transmitted);
@@ -217,7 +217,7 @@ impl BsdfModel for Dielectric {
     fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
         if !self.is_delta() {
             let (wi, lobe) = self.sample_rough(wo, xi, xi_lobe)?;
-            return BsdfSample::drawn(self, [wo, wi], lobe, mode);
+            return BsdfSample::of_direction(self, [wo, wi], lobe, mode);
         }
         let [reflection, transmission] = self.branches(wo, mode);
         let flux = |branch: &Option<BsdfSample>| {
@@ -281,7 +281,7 @@ pub struct DielectricMaterial<P: ParameterForm = ShadingForm> {
     pub transmittance: P::Spectrum,
     /// Whether the surface is a pane with two faces, too thin to displace a ray, instead of the border of a solid.
     pub thin: bool,
-    /// Facets, which panes have not.
+    /// Facets, which a pane does not have.
     pub roughness: Roughness<P>,
     /// Whether light between facets counts, if they are isotropic.
     pub multiple_scattering: bool,

@@ -49,7 +49,7 @@ impl BsdfModel for DiffuseTransmission {
         let reflects = xi_lobe < self.reflection_probability;
         wi.z = if reflects { wi.z.copysign(wo.z) } else { -wi.z.copysign(wo.z) };
         let lobe = if reflects { Lobe::DIFFUSE } else { Lobe::DIFFUSE_TRANSMISSION };
-        BsdfSample::drawn(self, [wo, wi], lobe, mode)
+        BsdfSample::of_direction(self, [wo, wi], lobe, mode)
     }
 
     fn diffuse_probability(&self, _: DVec3) -> f64 {
@@ -58,6 +58,10 @@ impl BsdfModel for DiffuseTransmission {
 
     fn albedo(&self, _: DVec3) -> Spectrum {
         self.reflectance + self.transmittance
+    }
+
+    fn reflected(&self, _: DVec3) -> Spectrum {
+        self.reflectance
     }
 
     fn is_black(&self) -> bool {

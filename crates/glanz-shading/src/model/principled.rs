@@ -19,8 +19,8 @@ use crate::preview::PreviewSurface;
 
 /// Layers as of glTF and OpenPBR: fibres over a coat over a mixture of metal, glass and a glossy diffuse surface.
 ///
-/// A layer passes on what it does not reflect: to the diffuse surface (1 - R(o)) (1 - R(i)) / (1 - mean R), which is exact; to the others,
-/// which reflect light as it comes, the smaller of 1 - R(o) and 1 - R(i). Both keep reciprocity, and no layer creates light.
+/// A layer passes on what it does not reflect: the smaller of 1 - R(o) and 1 - R(i); the surface of the diffuse part (1 - R(o)) (1 - R(i)) / (1 - mean R), so
+/// that a white one scatters all light. Both keep reciprocity, and no layer creates light.
 ///
 /// # Source
 /// @khr_gltf appendix B and its extensions, @openpbr; departures: reciprocal layers, and metals after Fresnel's equations.
@@ -32,6 +32,8 @@ pub struct Principled {
     /// Fraction of what is not metallic.
     transmission: f64,
     metal: Conductor,
+    /// The largest lane of the reflectance of the metal at normal incidence.
+    metal_max: f64,
     glass: Dielectric,
     color: Spectrum,
     /// Factor on what the interface of the glossy surface reflects, and its largest lane.
@@ -57,15 +59,15 @@ struct PartProbabilities {
 }
 
 impl Principled {
-    /// Fraction of the light from `w` (above) that the layers over the base reflect.
-    fn covered(&self, w: DVec3) -> [f64; 2] {
+    /// Fractions of the light from `w` (above) that the fibres and the coat reflect.
+    fn layer_reflectances(&self, w: DVec3) -> [f64; 2] {
         let sheen = if self.sheen_max > 0.0 { self.sheen_max * self.sheen.albedo(w.z) } else { 0.0 };
         let coat = if self.coat_weight > 0.0 { self.coat_weight * self.coat.reflectance(w) } else { 0.0 };
         [sheen, coat]
     }
 
     fn probabilities(&self, wo: DVec3) -> PartProbabilities {
-        let [sheen, coat] = self.covered(wo);
+        let [sheen, coat] = self.layer_reflectances(wo);
         let below = (1.0 - sheen) * (1.0 - coat);
         let (metallic, glossy) = (self.metallic, (1.0 - self.metallic) * (1.0 - self.transmission));
         let interface = if glossy > 0.0 { self.specular_max * self.interface.reflectance(wo) } else { 0.0 };
@@ -73,7 +75,7 @@ impl Principled {
         let parts = PartProbabilities {
             diffuse: below * glossy * bright * (1.0 - interface),
             interface: below * glossy * interface,
-            metal: below * metallic * bright,
+            metal: below * metallic * self.metal_max,
             glass: below * (1.0 - metallic) * self.transmission,
             coat: (1.0 - sheen) * coat,
             sheen,
@@ -97,29 +99,28 @@ impl Principled {
         self.color * (FRAC_1_PI * wi.z * through(wo) * through(wi) / mean) as f32
     }
 
-    /// The factor of the layers on the diffuse part and on the others.
+    /// The factors of the fibres on the coat, and of both on the base; both directions above.
     fn layers(&self, wo: DVec3, wi: DVec3) -> [f64; 2] {
-        let ([sheen_o, coat_o], [sheen_i, coat_i]) = (self.covered(wo), self.covered(wi));
+        let ([sheen_o, coat_o], [sheen_i, coat_i]) =
+            (self.layer_reflectances(wo), self.layer_reflectances(wi));
         let sheen = 1.0 - sheen_o.max(sheen_i);
-        let coat_mean = 1.0 - self.coat_weight * (1.0 - self.coat.mean_transmittance());
-        [sheen * (1.0 - coat_o) * (1.0 - coat_i) / coat_mean, sheen * (1.0 - coat_o.max(coat_i))]
+        [sheen, sheen * (1.0 - coat_o.max(coat_i))]
     }
 
     /// `f cos` of the glossy surface and the layers; both directions above.
     fn opaque(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        let [diffuse, others] = self.layers(wo, wi);
+        let [coat, base] = self.layers(wo, wi);
         let glossy = (1.0 - self.metallic) * (1.0 - self.transmission);
         let mut value = Spectrum::BLACK;
         if glossy > 0.0 {
-            value += self.diffuse(wo, wi) * (glossy * diffuse) as f32;
-            value += self.specular * (glossy * others * self.interface.eval(wo, wi)) as f32;
+            let surface = self.specular * self.interface.eval(wo, wi) as f32;
+            value += (self.diffuse(wo, wi) + surface) * (glossy * base) as f32;
         }
         if self.metallic > 0.0 {
-            value += self.metal.eval(wo, wi) * (self.metallic * others) as f32;
+            value += self.metal.eval(wo, wi) * (self.metallic * base) as f32;
         }
         if self.coat_weight > 0.0 {
-            let sheen = if self.sheen_max > 0.0 { self.sheen_factor(wo, wi) } else { 1.0 };
-            value += self.white * (sheen * self.coat_weight * self.coat.eval(wo, wi)) as f32;
+            value += self.white * (coat * self.coat_weight * self.coat.eval(wo, wi)) as f32;
         }
         if self.sheen_max > 0.0 {
             value += self.sheen_color * self.sheen.eval(wo, wi) as f32;
@@ -127,14 +128,10 @@ impl Principled {
         value
     }
 
-    fn sheen_factor(&self, wo: DVec3, wi: DVec3) -> f64 {
-        1.0 - self.sheen_max * self.sheen.albedo(wo.z).max(self.sheen.albedo(wi.z))
-    }
-
     /// The factor on light that glass scatters.
     fn glass_weight(&self, wo: DVec3, wi: DVec3) -> f32 {
-        let [_, layers] = self.layers(wo, DVec3::new(wi.x, wi.y, wi.z.abs()));
-        ((1.0 - self.metallic) * self.transmission * layers) as f32
+        let [_, base] = self.layers(wo, DVec3::new(wi.x, wi.y, wi.z.abs()));
+        ((1.0 - self.metallic) * self.transmission * base) as f32
     }
 
     /// A sample of a delta lobe of the glass, of which `probability` is the share of samples.
@@ -168,7 +165,9 @@ impl BsdfModel for Principled {
         let parts = self.probabilities(o);
         let mut pdf = if parts.glass > 0.0 { parts.glass * self.glass.pdf(wo, wi).0 } else { 0.0 };
         if i.z > 0.0 {
-            pdf += (parts.diffuse + parts.sheen) * warp::cosine_hemisphere_pdf(i.z).0;
+            pdf += parts.diffuse * warp::cosine_hemisphere_pdf(i.z).0;
+            // Fibres are bright at grazing angles, where the cosine has few samples.
+            pdf += parts.sheen * warp::uniform_hemisphere_pdf(i.z).0;
             pdf += if parts.interface > 0.0 { parts.interface * self.interface.pdf(o, i) } else { 0.0 };
             pdf += if parts.metal > 0.0 { parts.metal * self.metal.pdf(o, i).0 } else { 0.0 };
             pdf += if parts.coat > 0.0 { parts.coat * self.coat.pdf(o, i) } else { 0.0 };
@@ -189,17 +188,19 @@ impl BsdfModel for Principled {
         let (wi, lobe) = if selects(parts.diffuse).is_some() {
             (warp::cosine_hemisphere(xi), Lobe::DIFFUSE)
         } else if selects(parts.sheen).is_some() {
-            (warp::cosine_hemisphere(xi), Lobe::GLOSSY)
+            (warp::uniform_hemisphere(xi), Lobe::GLOSSY)
         } else if let Some(xi_lobe) = selects(parts.interface) {
             (self.interface.sample(up, xi, xi_lobe), Lobe::GLOSSY)
         } else if let Some(xi_lobe) = selects(parts.metal) {
-            (self.metal.sample(up, xi, xi_lobe, mode)?.wi, Lobe::GLOSSY)
+            (self.metal.sample_rough(up, xi, xi_lobe), Lobe::GLOSSY)
         } else if let Some(xi_lobe) = selects(parts.glass) {
-            let sample = self.glass.sample(wo, xi, xi_lobe.min(1.0 - f64::EPSILON), mode)?;
-            if sample.lobe.is_delta() {
+            let xi_lobe = xi_lobe.min(1.0 - f64::EPSILON);
+            if self.glass.is_delta() {
+                let sample = self.glass.sample(wo, xi, xi_lobe, mode)?;
                 return Some(self.glass_delta(wo, sample, parts.glass));
             }
-            return BsdfSample::drawn(self, [wo, sample.wi], sample.lobe, mode);
+            let (wi, lobe) = self.glass.sample_rough(wo, xi, xi_lobe)?;
+            return BsdfSample::of_direction(self, [wo, wi], lobe, mode);
         } else {
             (self.coat.sample(up, xi, selects(parts.coat)?), Lobe::GLOSSY)
         };
@@ -207,7 +208,7 @@ impl BsdfModel for Principled {
         if wi.z * wo.z <= 0.0 {
             return None;
         }
-        BsdfSample::drawn(self, [wo, wi], lobe, mode)
+        BsdfSample::of_direction(self, [wo, wi], lobe, mode)
     }
 
     /// Whether there is nothing but clear glass.
@@ -221,16 +222,16 @@ impl BsdfModel for Principled {
     }
 
     fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
-        if !self.is_delta() {
+        if self.metallic == 1.0 || self.transmission == 0.0 {
             return [None; 2];
         }
-        self.glass
-            .delta_branches(wo, mode)
-            .map(|branch| branch.map(|branch| self.glass_delta(wo, branch, 1.0)))
+        let branches = self.glass.delta_branches(wo, mode);
+        branches.map(|branch| branch.map(|branch| self.glass_delta(wo, branch, 1.0)))
     }
 
     fn is_anisotropic(&self) -> bool {
-        self.metal.is_anisotropic()
+        let coat = self.coat_weight > 0.0 && self.coat.distribution().is_anisotropic();
+        coat || self.metal.is_anisotropic()
     }
 
     fn transmits(&self) -> bool {
@@ -247,12 +248,13 @@ impl BsdfModel for Principled {
 
     fn preview(&self) -> PreviewSurface {
         let opaque = 1.0 - (1.0 - self.metallic) * self.transmission;
+        let base = self.color.lerp(self.metal.normal_reflectance(), self.metallic as f32);
         PreviewSurface {
             specular: self.specular * self.interface.reflectance(DVec3::Z) as f32,
             metallic: self.metallic as f32,
             roughness: self.interface.distribution().preview_roughness(),
             opacity: opaque.max(f64::from(self.glass.preview().opacity)) as f32,
-            ..PreviewSurface::diffuse(self.color)
+            ..PreviewSurface::diffuse(base)
         }
     }
 }
@@ -284,7 +286,7 @@ pub struct PrincipledMaterial<P: ParameterForm = ShadingForm> {
     pub coat_eta: P::Float,
     /// Colour of the fibres of cloth.
     pub sheen: P::Spectrum,
-    /// Roughness of the fibres, in [0, 1].
+    /// Roughness of the fibres, in [0, 1], whose square is their width.
     pub sheen_roughness: P::Float,
     /// Whether light between facets counts, of glass if they are isotropic.
     pub multiple_scattering: bool,
@@ -353,18 +355,19 @@ impl TexturedModel for PrincipledMaterial {
             MicrofacetDistribution::new(x.max(SMOOTH), y.max(SMOOTH))
         };
         let white = at.white();
-        let (color, specular) = (at.fraction(&self.base_color), at.fraction(&self.specular) * white);
+        let (color, specular) = (at.fraction(&self.base_color), at.fraction(&self.specular));
         let (distribution, eta) = (rough(&self.roughness), at.float(&self.eta));
         let interface = Coat::new(eta, distribution, self.multiple_scattering);
         let metal = match &self.metal {
             Some(metal) => metal.at(at),
             None => ConductorFresnel::of_reflectance(color, white),
         };
-        let sheen_color = at.fraction(&self.sheen) * white;
+        let sheen_color = at.fraction(&self.sheen);
         Box::new(Principled {
             white,
             metallic: fraction(&self.metallic),
             transmission: fraction(&self.transmission),
+            metal_max: f64::from(metal.reflectance(1.0).max_component()),
             metal: Conductor::new(metal, distribution, self.multiple_scattering),
             glass: Dielectric {
                 eta: interface.eta(),
@@ -382,7 +385,7 @@ impl TexturedModel for PrincipledMaterial {
             coat: Coat::new(at.float(&self.coat_eta), rough(&self.coat_roughness), self.multiple_scattering),
             sheen_color,
             sheen_max: f64::from(sheen_color.max_component()),
-            sheen: SheenDistribution::new(fraction(&self.sheen_roughness)),
+            sheen: SheenDistribution::new(fraction(&self.sheen_roughness).powi(2)),
         })
     }
 }

@@ -82,9 +82,9 @@ impl From<Spectrum> for SpectrumInput {
 }
 
 impl From<f32> for SpectrumInput {
-    /// The same in every lane.
+    /// Grey in red, green and blue, for [`Wavelengths::Rgb`].
     fn from(value: f32) -> Self {
-        Self::Constant(Spectrum::splat(value))
+        Self::Constant(Spectrum::from_rgb([value; 3]))
     }
 }
 

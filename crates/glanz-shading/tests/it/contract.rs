@@ -13,8 +13,8 @@ use glanz_shading::microfacet::MicrofacetDistribution;
 use glanz_shading::microfacet::coat::Coat;
 use glanz_shading::model::phong::PhongCoefficients;
 use glanz_shading::model::{
-    CoatedDiffuse, Conductor, ConductorFresnel, Dielectric, DiffuseTransmission, Lambert, Mirror, Phong,
-    PrincipledMaterial, Roughness, RoughnessScale,
+    CoatedDiffuse, Conductor, ConductorFresnel, Dielectric, DiffuseTransmission, Lambert, MetalColor, Mirror,
+    Phong, PrincipledMaterial, Roughness, RoughnessScale,
 };
 use glanz_shading::{Bsdf, BsdfModel, BsdfSample, Lobe, Material, TexturePoint, Textures, TransportMode};
 
@@ -135,6 +135,24 @@ fn bsdfs() -> Vec<(&'static str, Bsdf)> {
                 m.thin = true;
             }),
         ),
+        ("dense white coat", coated(WHITE, 6.0, [0.3; 2])),
+        ("densest white coat", coated(WHITE, 500.0, [0.0; 2])),
+        ("brushed white coat", coated(WHITE, 1.5, [0.05, 0.5])),
+        (
+            "gold on black",
+            principled(Spectrum::BLACK, 0.5, |m| {
+                m.metallic = 1.0.into();
+                let [eta, k] = GOLD.map(|constants| Spectrum::from_rgb(constants).into());
+                m.metal = Some(MetalColor::Index { eta, k });
+            }),
+        ),
+        (
+            "brushed coat",
+            principled(colour, 0.5, |m| {
+                m.coat = 1.0.into();
+                m.coat_roughness = Roughness { u: 0.2.into(), v: 0.6.into(), scale: RoughnessScale::Square };
+            }),
+        ),
         ("paper", Bsdf::DiffuseTransmission(DiffuseTransmission::new(colour * 0.5, colour * 0.3))),
         ("flat phong", phong([0.3, 0.2, 0.1], [0.5, 0.6, 0.7], 0.0)),
         ("dull phong", phong([0.2, 0.3, 0.5], [0.5, 0.4, 0.3], 3.5)),
@@ -171,10 +189,12 @@ const ESTIMATED: &[&str] = &[
     "flaked metal",
     "waxed glass",
     "dirty pane",
+    "gold on black",
+    "brushed coat",
 ];
 
 /// A bound on the error of that estimate, for models whose samples have weights as uneven as Phong's.
-const ESTIMATE_ERROR: f32 = 0.06;
+const ESTIMATE_ERROR: f32 = 0.07;
 
 /// The refractive index on the side of `w`.
 fn index(bsdf: &Bsdf, w: DVec3) -> f64 {
@@ -337,19 +357,9 @@ fn sample_agrees_with_eval_and_pdf() {
     }
 }
 
-/// The mean weight (in flux, without the change of radiance by refraction), by 2^14 scrambled Sobol' points.
+/// The mean weight of all samples.
 fn mean_weight(bsdf: &Bsdf, wo: DVec3, mode: TransportMode) -> Spectrum {
-    let n = 1 << 14;
-    let sum: Spectrum = (0..n)
-        .filter_map(|i| {
-            let mut sampler = PixelSampler::new(SamplerKind::Sobol, n, 1, [0, 0], i);
-            sampler.begin_group();
-            let xi = sampler.next_2d();
-            bsdf.sample(wo, xi, sampler.next_1d(), mode)
-        })
-        .map(|s| s.weight * s.eta_scale)
-        .sum();
-    sum * (1.0 / n as f32)
+    mean_weight_of(bsdf, wo, mode, |_| true)
 }
 
 fn distance(a: Spectrum, b: Spectrum) -> f32 {
@@ -368,7 +378,7 @@ fn no_energy_is_created_and_albedo_is_what_is_scattered() {
                 let tolerance = match bsdf {
                     _ if ESTIMATED.contains(&name) => ESTIMATE_ERROR,
                     // By tables; at grazing angles they err more.
-                    Bsdf::CoatedDiffuse(_) if wo.z.abs() > 0.1 => 0.015,
+                    Bsdf::CoatedDiffuse(_) if wo.z.abs() > 0.1 => 0.025,
                     Bsdf::CoatedDiffuse(_) => 0.04,
                     _ => 1e-3,
                 };
@@ -388,6 +398,8 @@ fn surfaces_that_absorb_nothing_give_back_a_white_sky() {
         "rough bubble",
         "white plastic",
         "rough white plastic",
+        "dense white coat",
+        "densest white coat",
         "white paint",
     ];
     for (name, bsdf) in bsdfs().into_iter().filter(|(name, _)| white.contains(name)) {
@@ -446,7 +458,8 @@ fn white_sky_gives_back_the_albedo() {
             let total: f64 = per_cell(0, lane).iter().sum();
             // Facets scatter by tables, which err.
             let rough = matches!(bsdf, Bsdf::Conductor(_) | Bsdf::CoatedDiffuse(_) | Bsdf::Principled(_));
-            assert!(total <= 1.0 + if rough { 0.02 } else { 1e-4 }, "{name}, {wo}: {total}");
+            let error = if name == "brushed white coat" { 0.05 } else { 0.02 };
+            assert!(total <= 1.0 + if rough { error } else { 1e-4 }, "{name}, {wo}: {total}");
             // One colour can lead for one direction and another for others.
             let grey = matches!(name, "white" | "sharp phong" | "bare phong" | "greedy phong" | "lambert");
             let albedo = f64::from(bsdf.albedo(wo).max_component());
@@ -504,16 +517,48 @@ fn delta_lobes_are_neither_evaluated_nor_have_a_density() {
     }
 }
 
+/// The mean weight of the samples that `counts`, in flux, by 2^14 scrambled Sobol' points.
+fn mean_weight_of(
+    bsdf: &Bsdf,
+    wo: DVec3,
+    mode: TransportMode,
+    counts: impl Fn(&BsdfSample) -> bool,
+) -> Spectrum {
+    let n = 1 << 14;
+    let sample = |i| {
+        let mut sampler = PixelSampler::new(SamplerKind::Sobol, n, 1, [0, 0], i);
+        sampler.begin_group();
+        let xi = sampler.next_2d();
+        bsdf.sample(wo, xi, sampler.next_1d(), mode).filter(&counts)
+    };
+    (0..n).filter_map(sample).map(|s| s.weight * s.eta_scale).sum::<Spectrum>() * (1.0 / n as f32)
+}
+
 #[test]
-fn delta_branches_sum_to_the_albedo() {
+fn delta_branches_have_the_light_of_the_samples_of_delta_lobes() {
     for (name, bsdf) in bsdfs() {
         for wo in views() {
             for mode in MODES {
                 let branches = bsdf.delta_branches(wo, mode);
                 let flux: Spectrum = branches.iter().flatten().map(|s| s.weight * s.eta_scale).sum();
-                let expected = if bsdf.is_delta() { bsdf.albedo(wo) } else { Spectrum::BLACK };
-                assert!(distance(flux, expected) < 1e-6, "{name}, {wo}: {flux:?} {expected:?}");
+                let expected = mean_weight_of(&bsdf, wo, mode, |s| s.lobe.is_delta());
+                assert!(distance(flux, expected) < 1e-3, "{name}, {wo}: {flux:?} {expected:?}");
+                assert!(!bsdf.is_delta() || distance(flux, bsdf.albedo(wo)) < 1e-6, "{name}, {wo}");
             }
+        }
+    }
+}
+
+#[test]
+fn reflected_light_is_that_of_samples_on_the_side_of_the_viewer() {
+    for (name, bsdf) in bsdfs().into_iter().filter(|(_, bsdf)| !bsdf.is_delta()) {
+        for wo in views() {
+            let expected = mean_weight_of(&bsdf, wo, TransportMode::Importance, |s| !s.lobe.transmission);
+            let reflected = bsdf.reflected(wo);
+            assert!(
+                distance(reflected, expected) < ESTIMATE_ERROR,
+                "{name}, {wo}: {reflected:?} {expected:?}"
+            );
         }
     }
 }
@@ -571,6 +616,40 @@ fn radiance_through_a_slab_of_glass_is_preserved() {
     assert!(distance(enter.weight * leave.weight, Spectrum::from_rgb([1.0; 3])) < 1e-6);
     assert!((enter.eta_scale * leave.eta_scale - 1.0).abs() < 1e-6);
     assert!((leave.wi.z - 0.6).abs() < 1e-14);
+}
+
+#[test]
+fn anisotropy_is_stated() {
+    for (name, bsdf) in bsdfs() {
+        let expected = name.contains("brushed") || matches!(name, "rough plastic" | "flaked metal");
+        assert_eq!(bsdf.is_anisotropic(), expected, "{name}");
+    }
+}
+
+#[test]
+fn brushed_coat_over_a_white_base_gives_back_a_white_sky_about() {
+    let bsdf = coated(WHITE, 1.5, [0.05, 0.5]);
+    for azimuth in [0.0, 0.8, 1.57] {
+        for cos in [0.05, 0.2, 0.6, 1.0] {
+            let mean = mean_weight(&bsdf, direction(cos, azimuth), TransportMode::Importance).max_component();
+            assert!((mean - 1.0).abs() < 0.05, "{azimuth} {cos}: {mean}");
+        }
+    }
+}
+
+#[test]
+fn lanes_without_light_stay_dark() {
+    let point = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
+    let materials = [
+        Material::principled(0.5, 0.4),
+        Material::diffuse_transmission(0.5, 0.2),
+        Material::coated_diffuse(0.5, 1.5),
+    ];
+    for material in materials {
+        let bsdf = material.bsdf(&Textures::new(), &point, &Wavelengths::Rgb).unwrap();
+        let rgb = bsdf.albedo(DVec3::Z).to_rgb(&Wavelengths::Rgb);
+        assert_eq!(bsdf.albedo(DVec3::Z), Spectrum::from_rgb(rgb), "{}", material.kind());
+    }
 }
 
 #[test]

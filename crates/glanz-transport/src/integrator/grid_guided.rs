@@ -147,7 +147,7 @@ impl DirectionSampler for GridDirections<'_> {
         if self.light_sampling
             && let Some(mut segment) = self.segment.take()
             // A black surface scatters nothing: all light of the path was emitted there.
-            && !vertex.albedo().is_black()
+            && !vertex.is_black()
         {
             segment.emitted = self.emitted(&segment, vertex);
             self.leave_out(segment.emitted, None);

@@ -69,14 +69,14 @@ fn follow(
         if pending.depth >= max_depth {
             return light;
         }
+        stack.extend(vertex.delta_branches().filter_map(|branch| {
+            let weight = pending.weight * branch.weight;
+            let eta_scale = pending.eta_scale * branch.eta_scale;
+            let enough = weight.max_component() * eta_scale >= SMALLEST_WEIGHT;
+            let ray = hit.spawn(branch.direction);
+            enough.then_some(DeferredRay { ray, weight, eta_scale, depth: pending.depth + 1 })
+        }));
         if vertex.is_delta() {
-            stack.extend(vertex.delta_branches().filter_map(|branch| {
-                let weight = pending.weight * branch.weight;
-                let eta_scale = pending.eta_scale * branch.eta_scale;
-                let enough = weight.max_component() * eta_scale >= SMALLEST_WEIGHT;
-                let ray = hit.spawn(branch.direction);
-                enough.then_some(DeferredRay { ray, weight, eta_scale, depth: pending.depth + 1 })
-            }));
             return light;
         }
         let dimension = FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(pending.depth);

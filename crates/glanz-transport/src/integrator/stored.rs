@@ -38,7 +38,7 @@ impl Integrator for Stored {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
         mirrors::radiance(context, self.max_depth, &|_, vertex, place| {
             let irradiance = self.light.as_ref().and_then(|light| light.irradiance(place));
-            vertex.albedo() * irradiance.unwrap_or_default() * FRAC_1_PI
+            vertex.rough_albedo() * irradiance.unwrap_or_default() * FRAC_1_PI
         })
     }
 }

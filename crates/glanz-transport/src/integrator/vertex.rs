@@ -98,6 +98,18 @@ impl<'a> Vertex<'a> {
         self.bsdf.albedo(self.wo)
     }
 
+    /// The fraction of light that is reflected by other lobes than delta lobes.
+    pub(super) fn rough_albedo(&self) -> Spectrum {
+        let branches = self.bsdf.delta_branches(self.wo, TransportMode::Importance);
+        let mirrored = branches.iter().flatten().filter(|branch| !branch.lobe.transmission);
+        (self.bsdf.reflected(self.wo) - mirrored.map(|branch| branch.weight).sum()).map(|x| x.max(0.0))
+    }
+
+    /// Whether everything is absorbed.
+    pub(super) fn is_black(&self) -> bool {
+        self.bsdf == Bsdf::Black
+    }
+
     /// Whether `direction` is on the same side of the shading and the geometric normal.
     fn is_consistent(&self, direction: DVec3, local: DVec3) -> bool {
         let reflects = self.at.point.normal.dot(direction) * self.viewer_side > 0.0;
