@@ -74,12 +74,8 @@ impl Lowering {
             "whitted" | "distributed" | "path" | "light" | "guided" | "radiosity" => kind,
             "simplepath" => "path",
             "lightpath" => "light",
-            "directlighting" => {
-                let message = "integrator \"directlighting\" is not available; \"whitted\", which is nearly the same, \
-                    stands in";
-                r.stand_in(&place, "stand-in-integrator", message);
-                "whitted"
-            }
+            // The same picture, with light samples alone.
+            "directlighting" => "whitted",
             other => {
                 let message =
                     format!("integrator {:?} is not available; \"path\" stands in", shortened(other));
