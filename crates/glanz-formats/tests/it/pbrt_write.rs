@@ -6,7 +6,9 @@ use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::Description;
 use glanz_scene::description::*;
 use glanz_scene::studio::UpAxis;
-use glanz_shading::model::{PrincipledMaterial, Roughness, RoughnessScale};
+use glanz_shading::model::{
+    ConductorMaterial, DielectricMaterial, MetalColor, PrincipledMaterial, Roughness, RoughnessScale,
+};
 use proptest::prelude::*;
 
 use crate::step_shape::lamp;
@@ -140,6 +142,8 @@ proptest! {
     #[test]
     fn materials_read_back_to_the_same_bits(n in prop::array::uniform6(0.0_f32..1.0)) {
         let [a, b, c, d, e, f] = n;
+        // One of both is above 0: else the surface is smooth.
+        let facets = Roughness { u: (0.1 + a).into(), v: b.into(), scale: RoughnessScale::Alpha };
         let kinds = [
             MaterialKind::diffuse([a, b, c]),
             MaterialKind::mirror(d),
@@ -159,6 +163,34 @@ proptest! {
                 sheen: [c, d, e].into(),
                 multiple_scattering: a > 0.5,
                 ..PrincipledMaterial::new([a, b, c], 0.0)
+            }),
+            MaterialKind::Conductor(ConductorMaterial {
+                color: MetalColor::Reflectance([a, b, c].into()),
+                roughness: facets.clone(),
+                multiple_scattering: false,
+            }),
+            MaterialKind::Conductor(ConductorMaterial {
+                color: MetalColor::Index { eta: [a, b, c].into(), k: [d, e, f].into() },
+                roughness: facets.clone(),
+                multiple_scattering: true,
+            }),
+            MaterialKind::Dielectric(DielectricMaterial {
+                eta: (1.0 + a).into(),
+                reflectance: [a, b, c].into(),
+                transmittance: [d, e, f].into(),
+                thin: false,
+                roughness: facets,
+                multiple_scattering: false,
+            }),
+            MaterialKind::Principled(PrincipledMaterial {
+                metal: Some(MetalColor::Index { eta: [a, b, c].into(), k: [d, e, f].into() }),
+                roughness: Roughness::isotropic(b, RoughnessScale::Alpha),
+                ..PrincipledMaterial::new(a, 0.0)
+            }),
+            MaterialKind::Principled(PrincipledMaterial {
+                metal: Some(MetalColor::Reflectance([d, e, f].into())),
+                roughness: Roughness::isotropic(b, RoughnessScale::Alpha),
+                ..PrincipledMaterial::new(a, 0.0)
             }),
             MaterialKind::Interface,
         ];

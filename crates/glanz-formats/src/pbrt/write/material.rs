@@ -38,7 +38,10 @@ pub(super) fn write(text: &mut String, number: usize, kind: &MaterialKind) -> Re
             number_or_texture(&mut list, "eta", material.eta)?;
             spectrum(&mut list, "Kr", &material.reflectance)?;
             spectrum(&mut list, "Kt", &material.transmittance)?;
-            facets(&mut list, &material.roughness, material.multiple_scattering)?;
+            // A pane has no facets.
+            if !material.thin {
+                facets(&mut list, &material.roughness, material.multiple_scattering)?;
+            }
         }
         MaterialKind::CoatedDiffuse(material) => {
             list.text("type", "coateddiffuse");
