@@ -5,12 +5,12 @@ use glanz_scene::description::{
     DescriptionForm, FloatParameter, MaterialKind, SpectrumParameter, TextureDescription, TextureKind,
 };
 use glanz_shading::model::{
-    CoatedDiffuseMaterial, ConductorMaterial, MetalColor, PrincipledMaterial, Roughness, RoughnessScale,
+    CoatedDiffuseMaterial, ConductorMaterial, MetalColor, PrincipledMaterial, RoughnessScale,
 };
 
 use super::Lowering;
 use super::roughness::RoughnessNames;
-use super::spectrum::grey;
+use super::spectrum::{grey, scaled};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::ParameterList;
 use crate::source::{ParseResult, Span};
@@ -48,14 +48,15 @@ impl Lowering {
         let albedo = self.spectrum_or(list, "albedo", 0.0, space)?;
         self.clear_coat(&place, &albedo, list);
         let color = self.metal_color(list, ["conductor.eta", "conductor.k", "reflectance"], space)?;
+        let coat_eta = self.float_or(list, "interface.eta", 1.5)?;
         let remap = self.roughness_scale(list)?;
         Ok(MaterialKind::Principled(PrincipledMaterial {
             metallic: FloatParameter::Value(1.0),
-            metal: Some(color),
+            metal: Some(under_coat(color, coat_eta)),
             roughness: self.scaled_roughness(list, RoughnessNames::CONDUCTOR, 0.0, remap)?,
             coat: FloatParameter::Value(1.0),
             coat_roughness: self.scaled_roughness(list, RoughnessNames::INTERFACE, 0.0, remap)?,
-            coat_eta: self.float_or(list, "interface.eta", 1.5)?,
+            coat_eta,
             multiple_scattering: self.multiple_scattering(list)?,
             ..PrincipledMaterial::new(grey(1.0), 0.0)
         }))
@@ -114,13 +115,13 @@ impl Lowering {
         &mut self,
         list: &mut ParameterList,
         space: ColorSpace,
-    ) -> ParseResult<MaterialKind> {
-        Ok(MaterialKind::Principled(PrincipledMaterial {
-            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.1)?,
+    ) -> ParseResult<PrincipledMaterial<DescriptionForm>> {
+        Ok(PrincipledMaterial {
+            roughness: self.facet_roughness(list, 0.1)?,
             specular: self.spectrum_or(list, "Ks", 0.25, space)?,
             multiple_scattering: self.multiple_scattering(list)?,
             ..PrincipledMaterial::new(self.spectrum_or(list, "Kd", 0.25, space)?, 0.0)
-        }))
+        })
     }
 
     /// Version 3's diffuse base under a highlight whose reflectance at normal incidence is `Ks`.
@@ -131,18 +132,19 @@ impl Lowering {
     ) -> ParseResult<MaterialKind> {
         list.ignore(&["d"]);
         let place = list.value_place("Ks");
-        let eta = match self.spectrum_or(list, "Ks", 0.5, space)? {
-            SpectrumParameter::Value(specular) => index_of(&specular),
+        let found = match self.spectrum_or(list, "Ks", 0.5, space)? {
+            SpectrumParameter::Value(specular) => index_and_tint(&specular),
             SpectrumParameter::Texture(_) => None,
         };
-        if eta.is_none() {
-            let message =
-                "material \"substrate\": a textured or coloured \"Ks\" is not available yet; 0.5 stands in";
+        if found.is_none() {
+            let message = "material \"substrate\": a textured \"Ks\" is not available yet; 0.5 stands in";
             self.stand_in(&place, "stand-in-material", message);
         }
+        let (eta, tint) = found.unwrap_or_else(|| (reflecting_index(0.5), grey(1.0)));
         Ok(MaterialKind::Principled(PrincipledMaterial {
-            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.1)?,
-            eta: FloatParameter::Value(eta.unwrap_or_else(|| reflecting_index(0.5))),
+            roughness: self.facet_roughness(list, 0.1)?,
+            eta: FloatParameter::Value(eta),
+            specular: SpectrumParameter::Value(tint),
             multiple_scattering: self.multiple_scattering(list)?,
             ..PrincipledMaterial::new(self.spectrum_or(list, "Kd", 0.5, space)?, 0.0)
         }))
@@ -158,15 +160,9 @@ impl Lowering {
                 self.stand_in(&place, "stand-in-material", message);
             }
         }
-        let index = self.optional_float(list, "index")?;
-        let eta = self.optional_float(list, "eta")?.or(index);
-        let MaterialKind::Principled(plastic) = self.plastic(list, space)? else {
-            return Ok(MaterialKind::Interface);
-        };
-        Ok(MaterialKind::Principled(PrincipledMaterial {
-            eta: eta.unwrap_or(FloatParameter::Value(1.5)),
-            ..plastic
-        }))
+        let index = self.float_or(list, "index", 1.5)?;
+        let eta = self.optional_float(list, "eta")?.unwrap_or(index);
+        Ok(MaterialKind::Principled(PrincipledMaterial { eta, ..self.plastic(list, space)? }))
     }
 
     /// Version 2's metal of a highlight and a mirror, as one rough metal.
@@ -181,7 +177,7 @@ impl Lowering {
         self.stand_in(&list.place, "stand-in-material", message);
         Ok(MaterialKind::Conductor(ConductorMaterial {
             color: MetalColor::Reflectance(self.spectrum_or(list, "Kr", 1.0, space)?),
-            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.1)?,
+            roughness: self.facet_roughness(list, 0.1)?,
             multiple_scattering: self.multiple_scattering(list)?,
         }))
     }
@@ -215,44 +211,6 @@ impl Lowering {
             sheen: self.spectrum_or(list, "sheen", 0.0, space)?,
             sheen_roughness: self.float_or(list, "sheen.roughness", 0.3)?,
             multiple_scattering: self.multiple_scattering(list)?,
-        }))
-    }
-
-    /// Version 3's principled material, with the parts that ours has.
-    pub(super) fn disney(
-        &mut self,
-        list: &mut ParameterList,
-        space: ColorSpace,
-    ) -> ParseResult<MaterialKind> {
-        for name in ["speculartint", "difftrans", "flatness", "scatterdistance"] {
-            let place = list.value_place(name);
-            if self.spectrum_or(list, name, 0.0, space)? != SpectrumParameter::Value(grey(0.0)) {
-                let message = format!("material \"disney\": {name:?} is not available yet; 0 stands in");
-                self.stand_in(&place, "stand-in-material", message);
-            }
-        }
-        list.ignore(&["sheentint"]);
-        let color = self.spectrum_or(list, "color", 0.5, space)?;
-        let roughness = self.float_or(list, "roughness", 0.5)?;
-        let anisotropic = list.float("anisotropic", &mut self.reporter)?.unwrap_or(0.0) as f32;
-        let clearcoat = list.float("clearcoat", &mut self.reporter)?.unwrap_or(0.0) as f32;
-        let gloss = list.float("clearcoatgloss", &mut self.reporter)?.unwrap_or(1.0) as f32;
-        let sheen = list.float("sheen", &mut self.reporter)?.unwrap_or(0.0) as f32;
-        Ok(MaterialKind::Principled(PrincipledMaterial {
-            metallic: self.float_or(list, "metallic", 0.0)?,
-            roughness: stretched(roughness, anisotropic),
-            eta: self.float_or(list, "eta", 1.5)?,
-            transmission: self.float_or(list, "spectrans", 0.0)?,
-            thin: list.boolean("thin", &mut self.reporter)?.unwrap_or(false),
-            // @burley2012: the coat has a quarter of the reflectance of its interface.
-            coat: FloatParameter::Value((0.25 * clearcoat).clamp(0.0, 1.0)),
-            coat_roughness: Roughness::isotropic(
-                FloatParameter::Value((1.0 - gloss) * 0.1 + gloss * 0.001),
-                RoughnessScale::Alpha,
-            ),
-            sheen: SpectrumParameter::Value(grey(sheen.clamp(0.0, 1.0))),
-            multiple_scattering: self.multiple_scattering(list)?,
-            ..PrincipledMaterial::new(color, 0.0)
         }))
     }
 
@@ -295,26 +253,30 @@ impl Lowering {
     }
 }
 
-/// The roughness of facets that are longer along u by an anisotropy in [0, 1], in the scale [`RoughnessScale::Square`] (@burley2012).
-fn stretched(roughness: FloatParameter, anisotropic: f32) -> Roughness<DescriptionForm> {
-    let stretch = (1.0 - 0.9 * anisotropic.clamp(0.0, 1.0)).sqrt().sqrt();
-    match roughness {
-        FloatParameter::Value(r) => Roughness {
-            u: FloatParameter::Value(r / stretch),
-            v: FloatParameter::Value(r * stretch),
-            scale: RoughnessScale::Square,
-        },
-        texture => Roughness::isotropic(texture, RoughnessScale::Square),
+/// A metal whose surroundings have the index of a coat, in place of 1. Textures and a reflectance stay as they are.
+fn under_coat(color: MetalColor<DescriptionForm>, coat_eta: FloatParameter) -> MetalColor<DescriptionForm> {
+    if let MetalColor::Index { eta: SpectrumParameter::Value(eta), k: SpectrumParameter::Value(k) } = &color
+        && let FloatParameter::Value(index) = coat_eta
+        && index > 0.0
+        && let (Some(eta), Some(k)) = (scaled(eta, 1.0 / index), scaled(k, 1.0 / index))
+    {
+        return MetalColor::Index { eta: SpectrumParameter::Value(eta), k: SpectrumParameter::Value(k) };
     }
+    color
 }
 
-/// The refractive index whose surface reflects a grey spectrum at normal incidence; `None` for others.
-fn index_of(reflectance: &SpectralDistribution) -> Option<f32> {
-    match reflectance {
-        SpectralDistribution::Constant(r) => Some(reflecting_index(*r)),
-        SpectralDistribution::Rgb([r, g, b]) if r == g && g == b => Some(reflecting_index(*r)),
-        _ => None,
-    }
+/// The refractive index whose surface reflects the largest value of a spectrum at normal incidence, and the spectrum over this value; `None` for
+/// one without such a value.
+fn index_and_tint(reflectance: &SpectralDistribution) -> Option<(f32, SpectralDistribution)> {
+    let largest = match reflectance {
+        SpectralDistribution::Constant(r) => *r,
+        SpectralDistribution::Rgb(rgb) => rgb.iter().copied().fold(0.0, f32::max),
+        SpectralDistribution::Sampled(samples) => samples.range().1,
+        _ => return None,
+    };
+    // Without reflection every tint is right.
+    let tint = if largest > 0.0 { scaled(reflectance, 1.0 / largest)? } else { grey(1.0) };
+    Some((reflecting_index(largest), tint))
 }
 
 /// The refractive index whose surface has this reflectance at normal incidence.

@@ -5,7 +5,7 @@ use glanz_scene::description::{
     DescriptionForm, FloatParameter, MaterialDescription, MaterialKind, SpectrumParameter,
     SurfaceDetailDescription,
 };
-use glanz_shading::model::{ConductorMaterial, DielectricMaterial, MetalColor};
+use glanz_shading::model::{ConductorMaterial, DielectricMaterial, MetalColor, Roughness};
 
 use super::Lowering;
 use super::roughness::RoughnessNames;
@@ -130,21 +130,20 @@ impl Lowering {
                 let reflectance = self.optional_spectrum(l, "reflectance", space)?.unwrap_or(reflectance);
                 MaterialKind::mirror(reflectance)
             }
-            "conductor" | "metal" => {
-                let rough = if kind == "metal" { 0.01 } else { 0.0 };
-                let color = self.metal_color(l, ["eta", "k", "reflectance"], space)?;
-                MaterialKind::Conductor(ConductorMaterial {
-                    color,
-                    roughness: self.roughness(l, RoughnessNames::PLAIN, rough)?,
-                    multiple_scattering: self.multiple_scattering(l)?,
-                })
-            }
+            "conductor" | "metal" => MaterialKind::Conductor(ConductorMaterial {
+                color: self.metal_color(l, ["eta", "k", "reflectance"], space)?,
+                roughness: match kind {
+                    "metal" => self.facet_roughness(l, 0.01)?,
+                    _ => self.roughness(l, RoughnessNames::PLAIN, 0.0)?,
+                },
+                multiple_scattering: self.multiple_scattering(l)?,
+            }),
             "dielectric" | "glass" | "thindielectric" => self.dielectric(kind, l, space)?,
             "coateddiffuse" => self.coated_diffuse(l, space)?,
             "coatedconductor" => self.coated_conductor(l, space)?,
             "diffusetransmission" => self.diffuse_transmission(l, space)?,
             "principled" => self.principled(l, space)?,
-            "plastic" => self.plastic(l, space)?,
+            "plastic" => MaterialKind::Principled(self.plastic(l, space)?),
             "substrate" => self.substrate(l, space)?,
             "uber" => self.uber(l, space)?,
             "translucent" => self.translucent(l, space)?,
@@ -223,13 +222,19 @@ impl Lowering {
         space: ColorSpace,
     ) -> ParseResult<MaterialKind> {
         let index = self.optional_float(list, "index")?;
+        let thin = kind == "thindielectric";
         Ok(MaterialKind::Dielectric(DielectricMaterial {
             eta: self.optional_float(list, "eta")?.or(index).unwrap_or(FloatParameter::Value(1.5)),
             reflectance: self.spectrum_or(list, "Kr", 1.0, space)?,
             transmittance: self.spectrum_or(list, "Kt", 1.0, space)?,
-            thin: kind == "thindielectric",
-            roughness: self.roughness(list, RoughnessNames::PLAIN, 0.0)?,
-            multiple_scattering: self.multiple_scattering(list)?,
+            thin,
+            // A pane has no facets.
+            roughness: if thin {
+                Roughness::smooth()
+            } else {
+                self.roughness(list, RoughnessNames::PLAIN, 0.0)?
+            },
+            multiple_scattering: thin || self.multiple_scattering(list)?,
         }))
     }
 }

@@ -2,6 +2,7 @@
 
 mod cad_file;
 mod camera;
+mod disney;
 mod extension;
 mod film;
 mod freeform;

@@ -51,8 +51,31 @@ impl Lowering {
         })
     }
 
-    /// The roughness of a surface, whose numbers have the meaning of `scale`.
+    /// The roughness of version 3's materials other than glass, which are never smooth: 0 counts as 0.001 there.
+    pub(super) fn facet_roughness(
+        &mut self,
+        list: &mut ParameterList,
+        default: f32,
+    ) -> ParseResult<Roughness<DescriptionForm>> {
+        let scale = self.roughness_scale(list)?;
+        self.facets(list, RoughnessNames::PLAIN, default, scale)
+    }
+
+    /// The roughness of a surface, whose numbers have the meaning of `scale`; it is smooth if both are 0.
     pub(super) fn scaled_roughness(
+        &mut self,
+        list: &mut ParameterList,
+        names: RoughnessNames,
+        default: f32,
+        scale: RoughnessScale,
+    ) -> ParseResult<Roughness<DescriptionForm>> {
+        let facets = self.facets(list, names, default, scale)?;
+        // The logarithm has no value at 0, which version 3 takes for smooth glass.
+        let is_smooth = [facets.u, facets.v] == [FloatParameter::Value(0.0); 2];
+        Ok(if is_smooth { Roughness::smooth() } else { facets })
+    }
+
+    fn facets(
         &mut self,
         list: &mut ParameterList,
         names: RoughnessNames,
@@ -62,9 +85,7 @@ impl Lowering {
         let both = self.float_or(list, names.both, default)?;
         let u = self.optional_float(list, names.u)?.unwrap_or(both);
         let v = self.optional_float(list, names.v)?.unwrap_or(both);
-        // The logarithm has no value at 0, which version 3 takes for a smooth surface.
-        let is_smooth = u == FloatParameter::Value(0.0) && v == FloatParameter::Value(0.0);
-        Ok(Roughness { u, v, scale: if is_smooth { RoughnessScale::Alpha } else { scale } })
+        Ok(Roughness { u, v, scale })
     }
 
     /// Whether light between facets counts, an extension.

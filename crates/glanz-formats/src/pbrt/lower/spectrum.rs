@@ -19,6 +19,18 @@ pub(super) fn grey(value: f32) -> SpectralDistribution {
     SpectralDistribution::Constant(value)
 }
 
+/// A spectrum times a factor; `None` if a product is out of range.
+pub(super) fn scaled(spectrum: &SpectralDistribution, factor: f32) -> Option<SpectralDistribution> {
+    match spectrum {
+        SpectralDistribution::Constant(x) => Some(SpectralDistribution::Constant(x * factor)),
+        SpectralDistribution::Rgb(rgb) => Some(SpectralDistribution::Rgb(rgb.map(|x| x * factor))),
+        SpectralDistribution::Sampled(samples) => {
+            samples.scaled(factor).ok().map(SpectralDistribution::Sampled)
+        }
+        _ => None,
+    }
+}
+
 impl Lowering {
     /// The spectrum of a parameter without texture.
     pub(super) fn distribution(
