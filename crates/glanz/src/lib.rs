@@ -51,6 +51,8 @@ mod loaded_scene;
 mod overlay;
 mod render;
 mod running_job;
+#[cfg(any(feature = "radiosity", feature = "illumination"))]
+mod smoothness;
 
 #[cfg(feature = "radiosity")]
 pub use bake::{BakeBuilder, BakeOutcome, LightFile};

@@ -7,6 +7,7 @@ use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
+use glanz_shading::model::{DielectricMaterial, Roughness, RoughnessScale};
 
 /// Radiance in a closed room of albedo `rho` that shines with `e` everywhere, when light is scattered at most `depth` times:
 /// e (1 + rho + ... + rho^depth).
@@ -35,6 +36,34 @@ fn closed_white_room_shines_with_emission_over_absorption() {
     }
     for run in Run::all_random(80, 256) {
         run.picture(&square).assert_average(expected, 0.01, &format!("cube: {}", run.name()));
+    }
+}
+
+#[test]
+fn layered_and_transmitting_surfaces_without_absorption_are_unseen_in_a_closed_room() {
+    // Radiance 2 everywhere: walls of albedo 1/2 that emit 1. A base of albedo 1 under its coat, a sheet that divides light evenly between its sides
+    // and frosted glass, each without absorption, change nothing of it outside of glass.
+    let (e, rho) = (1.0, 0.5_f32);
+    let frosted = MaterialKind::Dielectric(DielectricMaterial {
+        eta: 1.5.into(),
+        reflectance: 1.0.into(),
+        transmittance: 1.0.into(),
+        thin: false,
+        roughness: Roughness::isotropic(0.4, RoughnessScale::Alpha),
+        multiple_scattering: true,
+    });
+    let sheet = rectangle(DVec3::new(0.6, -0.4, -0.9), DVec3::Y * 0.8, DVec3::Z * 0.7);
+    let scene = looking(DVec3::new(-1.2, 0.0, 0.0), DVec3::X, [8, 8], 1.2)
+        .shape(ShapeDescription::sphere(2.0).reversed().emitting([e; 3]), diffuse(rho))
+        .shape(
+            ShapeDescription::sphere(0.4).translated([0.3, -0.7, 0.3]),
+            MaterialKind::coated_diffuse(1.0, 1.5),
+        )
+        .shape(ShapeDescription::sphere(0.4).translated([0.3, 0.7, 0.3]), frosted)
+        .shape(sheet, MaterialKind::diffuse_transmission(0.5, 0.5));
+    for integrator in ["path", "light", "guided"] {
+        let run = Run::new(integrator, 100, 256);
+        run.picture(&scene).assert_average([2.0; 3], 0.01, &run.name());
     }
 }
 

@@ -24,6 +24,7 @@ use crate::event::{JobEvent, ResumedState, Warning};
 use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::{JobSink, RunningJob};
+use crate::smoothness::is_smooth;
 use light_file::{BakeStart, LightIdentity};
 
 pub use light_file::LightFile;
@@ -150,8 +151,10 @@ pub(crate) fn elements<'a>(
     let elements = divided(scene, settings.density)?;
     let is_exact = |material: &&Material| match material {
         Material::Diffuse { .. } | Material::Interface => true,
-        // Elements of the solver let light pass it.
-        Material::Dielectric(_) => settings.method != BakeMethod::Gather,
+        // Elements of the solver let light pass clear glass.
+        Material::Dielectric(glass) => {
+            settings.method != BakeMethod::Gather && (glass.thin || is_smooth(&glass.roughness))
+        }
         _ => false,
     };
     let others = scene.materials().iter().filter(|material| !is_exact(material)).count();

@@ -15,6 +15,7 @@ use super::{Design, pace};
 use crate::error::Error;
 use crate::event::Warning;
 use crate::running_job::RunningJob;
+use crate::smoothness::is_smooth;
 
 /// Number of cells per thread between two reports of progress.
 const PORTION: usize = 16;
@@ -28,15 +29,23 @@ const POINTS: usize = 300;
 /// Names and values for the report.
 type ReportFacts = Vec<(String, String)>;
 
+/// Whether a material scatters light in other directions than those of mirrors and clear glass.
+fn scatters(material: &Material) -> bool {
+    match material {
+        Material::Mirror(_) | Material::Interface => false,
+        Material::Conductor(metal) => !is_smooth(&metal.roughness),
+        Material::Dielectric(glass) => !glass.thin && !is_smooth(&glass.roughness),
+        _ => true,
+    }
+}
+
 /// Maps of all receivers, and facts for the report.
 pub(super) fn integrated(
     design: &Design,
     job: &mut RunningJob<'_>,
 ) -> Result<(Vec<LuxMap>, ReportFacts), Error> {
     let Design { scene, receivers, options, .. } = design;
-    let scatters =
-        |material: &&Material| matches!(material, Material::Diffuse { .. } | Material::Phong { .. });
-    let scattering = scene.materials().iter().filter(scatters).count() as u64;
+    let scattering = scene.materials().iter().filter(|material| scatters(material)).count() as u64;
     let start = Instant::now();
     let reflections = Reflections::new(scene)?;
     let unreflected = reflections.unreflected().count() as u64;

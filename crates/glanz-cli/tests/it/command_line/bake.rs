@@ -161,6 +161,19 @@ fn radiosity_agrees_with_path_tracing_in_a_diffuse_room() {
     folder.write("mirror.pbrt", ROOM.replace("Translate 0 0 .4", "Material \"mirror\"\nTranslate 0 0 .4"));
     let ran = folder.succeed("render mirror.pbrt --integrator radiosity --size 24x16 --spp 4 -o mirror.exr");
     assert!(ran.stderr.contains("1 material is not diffuse"), "{}", ran.stderr);
+    // Light passes clear glass; frosted glass counts as opaque.
+    for (glass, warned) in [
+        ("\"dielectric\"", false),
+        ("\"thindielectric\"", false),
+        ("\"dielectric\" \"float roughness\" .1", true),
+    ] {
+        folder.write(
+            "glass.pbrt",
+            ROOM.replace("Translate 0 0 .4", &format!("Material {glass}\nTranslate 0 0 .4")),
+        );
+        let ran = folder.succeed("bake glass.pbrt -o glass.glb --method radiosity --texels-per-metre 1");
+        assert_eq!(ran.stderr.contains("1 material is not diffuse"), warned, "{glass}: {}", ran.stderr);
+    }
 }
 
 #[test]

@@ -98,6 +98,32 @@ Material "mirror" "rgb Kr" [.8 .8 .8]
 }
 
 #[test]
+fn integration_names_materials_that_scatter() {
+    let folder = Folder::new();
+    let parts = |material: &str| {
+        format!("{LAMP}Material {material}\nTranslate 1 1 .5\nShape \"sphere\" \"float radius\" .1")
+    };
+    for (material, scatters) in [
+        ("\"mirror\"", false),
+        ("\"conductor\"", false),
+        ("\"conductor\" \"float roughness\" .1", true),
+        ("\"dielectric\"", false),
+        ("\"dielectric\" \"float roughness\" .1", true),
+        ("\"thindielectric\"", false),
+        ("\"coateddiffuse\"", true),
+        ("\"diffusetransmission\"", true),
+        ("\"principled\"", true),
+        ("\"matte\"", true),
+    ] {
+        folder.write("ball.pbrt", parts(material));
+        let line = "illuminate ball.pbrt --room 2 2 2 --cells 1 -q -o ball --method integrate --json";
+        let report = folder.succeed(line).json();
+        let left_out = &report["designs"][0]["how"]["left out by integration"];
+        assert_eq!(left_out.is_string(), scatters, "{material}: {left_out}");
+    }
+}
+
+#[test]
 fn resumed_tally_has_the_same_bits() {
     let folder = Folder::new();
     folder.write("lamp.pbrt", LAMP);
