@@ -39,7 +39,7 @@ const SCENES: &[&str] = &[
     Shape "polyhedron" "normal N" [1 0 0 0 1 0] "float d" [1 1] Shape "torus" Shape "box" "vector size" [1 2 3]
     ReverseOrientation ActiveTransform EndTime Rotate 90 1 0 0 ActiveTransform All MediumInterface "a" "b"
     Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] MakeNamedMaterial "q" "string type" "glass"
-    Material "mix" "string namedmaterial1" "q""#,
+    Material "mix" "string namedmaterial1" "q" "string namedmaterial2" "q""#,
     r#"Option "string studio" "z" WorldBegin Shape "nurbs" "integer nu" 2 "integer nv" 3 "integer uorder" 2 "integer vorder" [3] "float uknots" [0 0 1 1]
     "float vknots" [0 0 0 2 2 2] "float Pw" [0 0 0 1 1 0 0 1 0 1 0 .5 1 1 0 .5 0 2 0 1 1 2 0 1] "float v1" 1.5
     "float trimellipse" [.5 1 .2 .3] "float trimpolygon" [0 0 1 0 1 1] "string trimside" "inside" Shape "bezierpatch" "integer udegree" 1

@@ -234,7 +234,7 @@ fn every_error_has_a_position() {
             "1:13: texture \"checkerboard\": the transformation cannot be inverted",
         ),
         ("MakeNamedMaterial \"a\"", "1:1: material \"a\" has no \"string type\""),
-        ("WorldBegin Material \"mix\"", "1:12: material \"mix\" does not say of which materials"),
+        ("WorldBegin Material \"mix\"", "1:12: material \"mix\" does not name two materials"),
     ];
     let wrong: Vec<_> = table
         .iter()
