@@ -1,13 +1,17 @@
-//! Materials: the metallic-roughness model and its extensions, and what stands in for them.
+//! Materials: scattering, emission, opacity and normals, and what is left out.
 
 use glanz_light::SpectralDistribution;
-use glanz_scene::description::{EmissionDescription, MaterialDescription, MaterialKind};
+use glanz_scene::description::{
+    AlphaDescription, EmissionDescription, ImageWrap, MaterialDescription, MaterialKind,
+    SurfaceDetailDescription,
+};
 
 use super::GltfReader;
 use super::error::GltfError;
 use super::json::JsonObject;
+use super::principled::TEXTURES;
 use super::texture::{TextureUse, UvSource, UvTransform};
-use crate::model::{PictureContent, SurfaceParameters};
+use crate::model::PictureContent;
 
 /// A material of the file in the description.
 #[derive(Clone, Debug)]
@@ -16,12 +20,20 @@ pub(super) struct GltfMaterial {
     pub(super) index: usize,
     /// Emission of its surfaces.
     pub(super) emission: Option<EmissionDescription>,
+    /// Opacity of its surfaces.
+    pub(super) alpha: Option<AlphaDescription>,
+    /// Whether the picture of its emission repeats, which the description cannot represent.
+    pub(super) is_repeated: bool,
+    /// Whether coordinates may be moved by whole pictures, as all textures repeat alike.
+    pub(super) is_periodic: bool,
     /// Coordinates of its textures; `None`: it has no textures.
     pub(super) uv: Option<UvSource>,
 }
 
 /// Extensions that are read.
-const READ: [&str; 6] = [
+const READ: [&str; 8] = [
+    "KHR_materials_clearcoat",
+    "KHR_materials_sheen",
     "KHR_materials_unlit",
     "KHR_materials_emissive_strength",
     "KHR_materials_transmission",
@@ -31,17 +43,11 @@ const READ: [&str; 6] = [
 ];
 
 /// Members of extensions without an effect on pictures here, which are reported.
-const LEFT_OUT_MEMBERS: [(&str, &str); 4] = [
-    ("KHR_materials_transmission", "transmissionTexture"),
-    ("KHR_materials_volume", "attenuationDistance"),
-    ("KHR_materials_specular", "specularTexture"),
-    ("KHR_materials_specular", "specularColorTexture"),
-];
+const LEFT_OUT_MEMBERS: [(&str, &str); 2] =
+    [("KHR_materials_volume", "attenuationDistance"), ("KHR_materials_clearcoat", "clearcoatNormalTexture")];
 
 /// Names of other extensions, which are reported.
-const LEFT_OUT: [(&str, &str); 6] = [
-    ("KHR_materials_clearcoat", "clearcoat"),
-    ("KHR_materials_sheen", "sheen"),
+const LEFT_OUT: [(&str, &str); 4] = [
     ("KHR_materials_iridescence", "iridescence"),
     ("KHR_materials_anisotropy", "anisotropy"),
     ("KHR_materials_dispersion", "dispersion"),
@@ -71,109 +77,122 @@ impl GltfReader<'_, '_> {
     }
 
     fn new_material(&mut self, material: &JsonObject<'_>) -> Result<GltfMaterial, GltfError> {
-        self.report_alpha(material)?;
-        self.report_normals(material)?;
-        let (kind, emission, uv) =
-            match material.extension("KHR_materials_unlit", |found| Ok(found.is_some()))? {
-                true => self.unlit(material)?,
-                false => {
-                    let (parameters, uv) = self.parameters(material)?;
-                    (self.reader.surface_model(parameters), self.emission(material)?, uv)
-                }
-            };
-        let materials = &mut self.reader.description.materials;
-        materials.push(MaterialDescription { name: material.own_name(), ..kind.into() });
-        Ok(GltfMaterial { index: materials.len() - 1, emission, uv })
-    }
-
-    fn parameters(
-        &mut self,
-        material: &JsonObject<'_>,
-    ) -> Result<(SurfaceParameters, Option<UvSource>), GltfError> {
-        let of = |extension: &str, name: &'static str, default: f64| {
-            material.extension(extension, |found| {
-                found.map_or(Ok(default), |object| object.positive(name, default))
-            })
+        let is_unlit = material.extension("KHR_materials_unlit", |found| Ok(found.is_some()))?;
+        let uses = texture_uses(material, is_unlit)?;
+        let uv = uses.first().map(|texture| texture.uv);
+        let base = uv.unwrap_or(UvSource { set: 0, transform: UvTransform::IDENTITY });
+        let alpha = self.alpha(material, &base)?;
+        let (kind, emission, surface_detail) = if is_unlit {
+            (MaterialKind::diffuse(0.0), self.unlit(material)?, None)
+        } else {
+            self.report_extensions(material)?;
+            let kind = MaterialKind::Principled(self.principled(material, &base)?);
+            (kind, self.emission(material)?, self.normals(material, &base)?)
         };
-        let transmission = of("KHR_materials_transmission", "transmissionFactor", 0.0)?;
-        let solid = of("KHR_materials_volume", "thicknessFactor", 0.0)? > 0.0;
-        // 0 stands for infinity: everything is reflected.
-        let ior = of("KHR_materials_ior", "ior", 1.5)?;
-        let strength = of("KHR_materials_specular", "specularFactor", 1.0)?;
-        let tint = material.extension("KHR_materials_specular", |found| {
-            Ok(found
-                .map(|object| object.color("specularColorFactor"))
-                .transpose()?
-                .flatten()
-                .unwrap_or([1.0; 3]))
-        })?;
-        self.report_extensions(material)?;
-        material.object_or_empty("pbrMetallicRoughness", |pbr| {
-            let base = self.texture_use(&pbr, "baseColorTexture")?;
-            let rough = self.texture_use(&pbr, "metallicRoughnessTexture")?;
-            let uv = base.or(rough).map(|texture| texture.uv);
-            let source = uv.unwrap_or(UvSource { set: 0, transform: UvTransform::IDENTITY });
-            let [r, g, b, _] = pbr.color("baseColorFactor")?.unwrap_or([1.0; 4]);
-            let base_color = self.color_texture(base, [r, g, b], &source, &pbr)?;
-            let metallic = pbr.fraction("metallicFactor", 1.0)?;
-            let transmission = match transmission > 0.0 {
-                true => {
-                    // No light passes through metal.
-                    let [mean, ..] = self.mean_color(rough, PictureContent::Channel(2), &pbr)?;
-                    (transmission * (1.0 - metallic * mean)) as f32
-                }
-                false => 0.0,
-            };
-            let metallic = self.number_texture(rough, 2, metallic, &source, &pbr)?;
-            let [mean, ..] = self.mean_color(rough, PictureContent::Channel(1), &pbr)?;
-            let roughness = (pbr.fraction("roughnessFactor", 1.0)? * mean) as f32;
-            let ior = if ior < 1.0 { 1e3 } else { ior.min(1e3) };
-            // The colour is limited before the factor applies.
-            let limit = ((ior + 1.0) / (ior - 1.0)).powi(2);
-            let specular = tint.map(|factor| (strength * factor.min(limit)) as f32);
-            let ior = ior as f32;
-            let parameters =
-                SurfaceParameters { base_color, metallic, roughness, ior, specular, transmission, solid };
-            Ok((parameters, uv))
-        })
-    }
-
-    /// A surface that shows its base colour whatever the light: it emits that colour, or, with a texture, scatters it.
-    #[allow(clippy::type_complexity)]
-    fn unlit(
-        &mut self,
-        material: &JsonObject<'_>,
-    ) -> Result<(MaterialKind, Option<EmissionDescription>, Option<UvSource>), GltfError> {
-        material.object_or_empty("pbrMetallicRoughness", |pbr| {
-            let [r, g, b, _] = pbr.color("baseColorFactor")?.unwrap_or([1.0; 4]);
-            let Some(texture) = self.texture_use(&pbr, "baseColorTexture")? else {
-                let emission = emission([r, g, b], 1.0, true);
-                return Ok((MaterialKind::diffuse(0.0), emission, None));
-            };
-            let color = self.color_texture(Some(texture), [r, g, b], &texture.uv, &pbr)?;
-            let message = format!("{}: an unlit texture is shown as a diffuse one", material.path());
-            self.reader.stand_in("gltf-unlit", None, message);
-            Ok((MaterialKind::diffuse(color), None, Some(texture.uv)))
-        })
-    }
-
-    /// The emitted light: of a texture the mean.
-    fn emission(&mut self, material: &JsonObject<'_>) -> Result<Option<EmissionDescription>, GltfError> {
-        let factor = material.color("emissiveFactor")?.unwrap_or([0.0; 3]);
-        if factor == [0.0; 3] {
-            return Ok(None);
+        let (emission, emitting) = emission.unzip();
+        let emitting = emitting.flatten();
+        let is_repeated = emitting == Some(ImageWrap::Repeat);
+        let mut is_periodic = is_repeated;
+        for texture in &uses {
+            is_periodic = is_periodic
+                && texture.uv == base
+                && self.sampler_of(texture, material)?.0 == ImageWrap::Repeat;
         }
+        let materials = &mut self.reader.description.materials;
+        materials.push(MaterialDescription { name: material.own_name(), surface_detail, ..kind.into() });
+        Ok(GltfMaterial { index: materials.len() - 1, emission, alpha, is_repeated, is_periodic, uv })
+    }
+
+    /// A surface that shows its base colour whatever the light: it emits that colour.
+    fn unlit(&mut self, material: &JsonObject<'_>) -> Result<Option<Emitted>, GltfError> {
+        material.object_or_empty("pbrMetallicRoughness", |pbr| {
+            let [r, g, b, _] = pbr.color("baseColorFactor")?.unwrap_or([1.0; 4]);
+            let texture = TextureUse::of(&pbr, "baseColorTexture")?;
+            self.emitted([r, g, b], 1.0, texture, true, &pbr)
+        })
+    }
+
+    /// The emitted light.
+    fn emission(&mut self, material: &JsonObject<'_>) -> Result<Option<Emitted>, GltfError> {
+        let factor = emissive_factor(material)?;
         let strength = material.extension("KHR_materials_emissive_strength", |found| {
             found.map_or(Ok(1.0), |object| object.positive("emissiveStrength", 1.0))
         })?;
-        let texture: Option<TextureUse> = self.texture_use(material, "emissiveTexture")?;
-        if texture.is_some() {
-            let message = format!("{}: the mean of the emissive texture stands in for it", material.path());
-            self.reader.stand_in("gltf-emission", None, message);
+        let texture = TextureUse::of(material, "emissiveTexture")?;
+        let color = factor.map(|factor| factor * strength);
+        self.emitted(color, self.radiance_unit, texture, material.boolean("doubleSided")?, material)
+    }
+
+    /// The emission of a colour in this unit, W/(m^2 sr), times a texture, with the repetition of its picture; `None` for black.
+    fn emitted(
+        &mut self,
+        color: [f64; 3],
+        unit: f32,
+        texture: Option<TextureUse>,
+        two_sided: bool,
+        from: &JsonObject<'_>,
+    ) -> Result<Option<Emitted>, GltfError> {
+        if color == [0.0; 3] {
+            return Ok(None);
         }
-        let mean = self.mean_color(texture, PictureContent::Color, material)?;
-        let color = [0, 1, 2].map(|i| factor[i] * mean[i] * strength);
-        Ok(emission(color, self.radiance_unit, material.boolean("doubleSided")?))
+        let (mut image, mut wrap) = (None, None);
+        if let Some(texture) = texture {
+            image = self.picture_of(&texture, PictureContent::Color, from)?;
+            wrap = Some(self.sampler_of(&texture, from)?.0).filter(|_| image.is_some());
+        }
+        if image.is_some_and(|image| self.is_constant(image, 0.0)) {
+            return Ok(None);
+        }
+        let radiance = SpectralDistribution::from(color.map(|x| x as f32));
+        Ok(Some((EmissionDescription { scale: unit, two_sided, image, ..radiance.into() }, wrap)))
+    }
+
+    /// The opacity by the alpha of the base colour.
+    fn alpha(
+        &mut self,
+        material: &JsonObject<'_>,
+        base: &UvSource,
+    ) -> Result<Option<AlphaDescription>, GltfError> {
+        let mode = material.text("alphaMode")?.unwrap_or("OPAQUE");
+        let cutoff = match mode {
+            "OPAQUE" => return Ok(None),
+            "MASK" => Some(material.positive("alphaCutoff", 0.5)?),
+            "BLEND" => None,
+            other => return Err(material.error("alphaMode", format!("the mode {other:?} is unknown"))),
+        };
+        let opacity = material.object_or_empty("pbrMetallicRoughness", |pbr| {
+            let [.., factor] = pbr.color("baseColorFactor")?.unwrap_or([1.0; 4]);
+            let texture = TextureUse::of(&pbr, "baseColorTexture")?;
+            self.number_texture(texture, 3, factor.min(1.0), base, &pbr)
+        })?;
+        let opacity = match cutoff {
+            Some(0.0) => return Ok(None),
+            Some(cutoff) => self.reader.cut_off(opacity, cutoff as f32),
+            None => opacity,
+        };
+        Ok((opacity != 1.0.into()).then(|| opacity.into()))
+    }
+
+    /// The map of normals.
+    fn normals(
+        &mut self,
+        material: &JsonObject<'_>,
+        base: &UvSource,
+    ) -> Result<Option<SurfaceDetailDescription>, GltfError> {
+        let Some(texture) = TextureUse::of(material, "normalTexture")? else { return Ok(None) };
+        if texture.uv != *base {
+            let message = format!(
+                "{}: the normal map has other coordinates than the emissive texture; the smooth surface stands in",
+                material.path()
+            );
+            self.reader.stand_in("gltf-normals", None, message);
+            return Ok(None);
+        }
+        let scale =
+            material.object("normalTexture", |info| info.map_or(Ok(None), |info| info.number("scale")))?;
+        let scale = (scale.unwrap_or(1.0) as f32).to_bits();
+        let picture = self.picture_of(&texture, PictureContent::Normals { scale }, material)?;
+        Ok(picture.map(SurfaceDetailDescription::NormalMap))
     }
 
     fn report_extensions(&mut self, material: &JsonObject<'_>) -> Result<(), GltfError> {
@@ -195,34 +214,38 @@ impl GltfReader<'_, '_> {
             Ok(())
         })
     }
-
-    /// Reports transparency by alpha, which is not represented.
-    fn report_alpha(&mut self, material: &JsonObject<'_>) -> Result<(), GltfError> {
-        let mode = material.text("alphaMode")?.unwrap_or("OPAQUE");
-        if mode != "OPAQUE" {
-            let message = format!(
-                "{}: alpha mode {mode} is not available; an opaque surface stands in",
-                material.path()
-            );
-            self.reader.stand_in("gltf-alpha", None, message);
-        }
-        Ok(())
-    }
-
-    /// Reports normal maps, which are not represented.
-    fn report_normals(&mut self, material: &JsonObject<'_>) -> Result<(), GltfError> {
-        if material.has("normalTexture") {
-            let message =
-                format!("{}: the normal map is not available; the smooth surface stands in", material.path());
-            self.reader.stand_in("gltf-normals", None, message);
-        }
-        Ok(())
-    }
 }
 
-/// The emission of a colour in this unit, W/(m^2 sr); `None` for black.
-fn emission(color: [f64; 3], unit: f32, two_sided: bool) -> Option<EmissionDescription> {
-    let radiance = SpectralDistribution::from(color.map(|x| x as f32));
-    let emission = EmissionDescription { scale: unit, two_sided, ..radiance.into() };
-    (color != [0.0; 3]).then_some(emission)
+/// Emission with the repetition of its picture.
+type Emitted = (EmissionDescription, Option<ImageWrap>);
+
+fn emissive_factor(material: &JsonObject<'_>) -> Result<[f64; 3], GltfError> {
+    Ok(material.color("emissiveFactor")?.unwrap_or([0.0; 3]))
+}
+
+/// The uses of textures: first those that have the coordinates of meshes as they are.
+fn texture_uses(material: &JsonObject<'_>, is_unlit: bool) -> Result<Vec<TextureUse>, GltfError> {
+    let mut uses = Vec::new();
+    let mut add = |object: &JsonObject<'_>, name: &str| {
+        uses.extend(TextureUse::of(object, name)?);
+        Ok(())
+    };
+    if is_unlit {
+        material.object_or_empty("pbrMetallicRoughness", |pbr| add(&pbr, "baseColorTexture"))?;
+        return Ok(uses);
+    }
+    if emissive_factor(material)? != [0.0; 3] {
+        add(material, "emissiveTexture")?;
+    }
+    add(material, "normalTexture")?;
+    material.object_or_empty("pbrMetallicRoughness", |pbr| {
+        add(&pbr, "baseColorTexture")?;
+        add(&pbr, "metallicRoughnessTexture")
+    })?;
+    for (extension, names) in TEXTURES {
+        material.extension(extension, |found| {
+            found.map_or(Ok(()), |object| names.iter().try_for_each(|name| add(&object, name)))
+        })?;
+    }
+    Ok(uses)
 }

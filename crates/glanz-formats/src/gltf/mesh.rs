@@ -8,6 +8,7 @@ use super::accessor::{Accessor, ElementType};
 use super::error::GltfError;
 use super::json::{JsonObject, JsonPath};
 use super::material::GltfMaterial;
+use crate::model::repetition;
 
 const SCALAR: ElementType = ElementType { names: &["SCALAR"], floats: false };
 const VEC2: ElementType = ElementType { names: &["VEC2"], floats: true };
@@ -140,8 +141,8 @@ impl<'a> GltfReader<'a, '_> {
             let material = self.material(primitive.count("material")?, primitive)?;
             self.report_attributes(primitive, &attributes, &vertices, count)?;
             let geometry = self.geometry(&attributes, &positions, vertices, &material)?;
-            let GltfMaterial { index, emission, .. } = material;
-            Ok(Some(ShapeDescription { material: index, emission, ..geometry.into() }))
+            let GltfMaterial { index, emission, alpha, .. } = material;
+            Ok(Some(ShapeDescription { material: index, emission, alpha, ..geometry.into() }))
         })
     }
 
@@ -198,11 +199,13 @@ impl<'a> GltfReader<'a, '_> {
                 match self.attribute(attributes, &name, VEC2)? {
                     Some(accessor) => {
                         of_vertices(&accessor, &name)?;
-                        Some(vertices.values(&accessor, [0.0; 2], |found| {
+                        let mut uvs = vertices.values(&accessor, [0.0; 2], |found| {
                             let DVec2 { x, y } = uv.transform.apply(found.into());
                             // Pictures have their origin at the top here.
                             if x.is_finite() && y.is_finite() { DVec2::new(x, 1.0 - y) } else { DVec2::ZERO }
-                        }))
+                        });
+                        self.place_in_picture(&mut uvs, material, attributes);
+                        Some(uvs)
                     }
                     None => {
                         let message = format!("{}: a textured primitive has no {name}", attributes.path());
@@ -219,6 +222,23 @@ impl<'a> GltfReader<'a, '_> {
             return Err(attributes.error("POSITION", format!("vertex {vertex} is not finite")));
         }
         Ok(GeometryDescription::Triangles { positions: points, indices: vertices.triangles, normals, uvs })
+    }
+
+    /// Moves the coordinates of a picture of emitted light, which does not repeat, by whole pictures, or reports that this does not suffice.
+    fn place_in_picture(&mut self, uvs: &mut [DVec2], material: &GltfMaterial, attributes: &JsonObject<'_>) {
+        if !material.is_repeated {
+            return;
+        }
+        match repetition(uvs).filter(|whole| *whole == DVec2::ZERO || material.is_periodic) {
+            Some(whole) => uvs.iter_mut().for_each(|uv| *uv -= whole),
+            None => {
+                let message = format!(
+                    "{}: the emissive texture does not repeat; its border continues",
+                    attributes.path()
+                );
+                self.reader.stand_in("gltf-emission", None, message);
+            }
+        }
     }
 
     /// Reports what the description cannot represent. `count`: number of vertices, of which some are used.

@@ -1,7 +1,7 @@
 //! glTF 2.0, as text and binary (@khr_gltf): meshes, materials, textures, the camera and lights.
 //!
 //! `container` divides a file, `json` finds values and tells their places, `buffers` and `accessor` check lists before anything is
-//! allocated; `nodes` walks the tree of the default scene, `mesh`, `material`, `texture` and `view` make the description of what its nodes
+//! allocated; `nodes` walks the tree of the default scene, `mesh`, `material`, `principled`, `texture` and `view` make the description of what its nodes
 //! name. What is only named is not read. Messages name the place by a JSON pointer (RFC 6901).
 //!
 //! Memory is in proportion to the size of the file: elements of accessors may be used [`ELEMENTS_PER_BYTE`] times per byte, a node once, pictures once per
@@ -15,6 +15,7 @@ mod json;
 mod material;
 mod mesh;
 mod nodes;
+mod principled;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -66,8 +67,6 @@ struct GltfReader<'a, 'b> {
     materials: BTreeMap<Option<usize>, GltfMaterial>,
     /// Index of each picture that was read; `None`: it cannot be read.
     pictures: BTreeMap<PictureKey, Option<usize>>,
-    /// Means of pictures.
-    means: BTreeMap<PictureKey, [f64; 3]>,
     /// Elements of accessors that may still be used.
     elements_left: usize,
     /// Radiance of one unit of emission, W/(m^2 sr): one lumen where the scene has lights, else that of a white surface in the light of
@@ -115,7 +114,6 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
         reader,
         materials: BTreeMap::new(),
         pictures: BTreeMap::new(),
-        means: BTreeMap::new(),
         elements_left: size.saturating_mul(ELEMENTS_PER_BYTE).saturating_add(FREE_ELEMENTS),
         radiance_unit: 1.0,
     };

@@ -1,6 +1,5 @@
 //! Textures: pictures, samplers and the transformation of coordinates.
 
-use glanz_light::SpectralDistribution;
 use glanz_math::DVec2;
 use glanz_scene::description::{
     FloatParameter, ImageDescription, ImageFilter, ImageWrap, MappingDescription, SpectrumParameter,
@@ -11,7 +10,7 @@ use super::GltfReader;
 use super::buffers::read_address;
 use super::error::GltfError;
 use super::json::JsonObject;
-use crate::model::{PictureContent, mean, read_picture};
+use crate::model::{PictureContent, read_picture};
 
 /// Numbers of the format: filters and repetitions.
 const NEAREST: usize = 9728;
@@ -98,14 +97,10 @@ impl UvTransform {
     }
 }
 
-impl GltfReader<'_, '_> {
-    /// The use of a texture that a member of a material describes.
-    pub(super) fn texture_use(
-        &mut self,
-        material: &JsonObject<'_>,
-        name: &str,
-    ) -> Result<Option<TextureUse>, GltfError> {
-        material.object(name, |info| {
+impl TextureUse {
+    /// The use of a texture that a member of an object describes.
+    pub(super) fn of(object: &JsonObject<'_>, name: &str) -> Result<Option<Self>, GltfError> {
+        object.object(name, |info| {
             let Some(info) = info else { return Ok(None) };
             let (index, mut set) = (info.required_count("index")?, info.count("texCoord")?.unwrap_or(0));
             let transform = info.extension("KHR_texture_transform", |found| {
@@ -113,10 +108,12 @@ impl GltfReader<'_, '_> {
                 set = transform.count("texCoord")?.unwrap_or(set);
                 UvTransform::of(&transform)
             })?;
-            Ok(Some(TextureUse { index, uv: UvSource { set, transform } }))
+            Ok(Some(Self { index, uv: UvSource { set, transform } }))
         })
     }
+}
 
+impl GltfReader<'_, '_> {
     /// A texture of colours: the picture times a factor. `base`: the coordinates of the meshes.
     pub(super) fn color_texture(
         &mut self,
@@ -147,47 +144,20 @@ impl GltfReader<'_, '_> {
         let constant = FloatParameter::Value(factor as f32);
         let Some(texture) = texture.filter(|_| factor != 0.0) else { return Ok(constant) };
         let content = PictureContent::Channel(channel);
-        let Some(picture) = self.image_texture(&texture, content, base, from)? else { return Ok(constant) };
-        if factor == 1.0 {
-            return Ok(FloatParameter::Texture(picture));
+        // Pictures without alpha are common.
+        let image = self.picture_of(&texture, content, from)?;
+        if image.is_none_or(|image| self.is_constant(image, 1.0)) {
+            return Ok(constant);
         }
-        let factor = SpectrumParameter::Value(SpectralDistribution::from(factor as f32));
-        Ok(match self.reader.scaled(SpectrumParameter::Texture(picture), factor) {
-            SpectrumParameter::Texture(index) => FloatParameter::Texture(index),
-            SpectrumParameter::Value(_) => constant,
-        })
+        let Some(picture) = self.image_texture(&texture, content, base, from)? else { return Ok(constant) };
+        Ok(self.reader.scaled_number(FloatParameter::Texture(picture), factor as f32))
     }
 
-    /// Mean of what a texture takes from its picture; white without a picture.
-    pub(super) fn mean_color(
-        &mut self,
-        texture: Option<TextureUse>,
-        content: PictureContent,
-        from: &JsonObject<'_>,
-    ) -> Result<[f64; 3], GltfError> {
-        let Some(image) = texture.map(|texture| self.image_of(&texture, from)).transpose()?.flatten() else {
-            return Ok([1.0; 3]);
-        };
-        let document = self.document;
-        document.element("images", image, from.path(), |image| {
-            let key = (source(&image)?, content);
-            if let Some(known) = self.means.get(&key) {
-                return Ok(*known);
-            }
-            let stored = self.pictures.get(&key).copied().flatten();
-            let stored = stored.and_then(|index| self.reader.description.images.get(index));
-            let mean = match stored {
-                Some(stored) => mean(&stored.pixels).map(f64::from),
-                None => match self.picture(&key, &image)? {
-                    Ok(pixels) => mean(&pixels).map(f64::from),
-                    Err(problem) => {
-                        self.report_picture(&image, &problem);
-                        [1.0; 3]
-                    }
-                },
-            };
-            self.means.insert(key, mean);
-            Ok(mean)
+    /// Whether a picture has this value in all pixels and channels, without alpha.
+    pub(super) fn is_constant(&self, image: usize, value: f32) -> bool {
+        self.reader.description.images.get(image).is_some_and(|image| {
+            let mut channels = image.pixels.channels().iter().filter(|channel| channel.name != "A");
+            channels.all(|channel| channel.values.iter().all(|x| *x == value))
         })
     }
 
@@ -216,7 +186,8 @@ impl GltfReader<'_, '_> {
         Ok(Some(self.reader.add_texture(name.unwrap_or_default(), kind)))
     }
 
-    fn sampler_of(
+    /// Repetition and filter of a texture.
+    pub(super) fn sampler_of(
         &mut self,
         texture: &TextureUse,
         from: &JsonObject<'_>,
@@ -272,7 +243,7 @@ impl GltfReader<'_, '_> {
     }
 
     /// The picture of a texture in the description; `None`, after a report, if it cannot be read.
-    fn picture_of(
+    pub(super) fn picture_of(
         &mut self,
         texture: &TextureUse,
         content: PictureContent,

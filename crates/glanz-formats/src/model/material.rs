@@ -1,81 +1,39 @@
-//! Materials of models, by the parameters of the metallic-roughness model.
+//! Textures that readers of models make.
 
-use glanz_light::SpectralDistribution;
-use glanz_scene::description::{
-    FloatParameter, MaterialKind, SpectrumParameter, TextureDescription, TextureKind,
-};
+use glanz_scene::description::{FloatParameter, SpectrumParameter, TextureDescription, TextureKind};
 
 use super::ModelReader;
 
-/// Parameters of a surface in the metallic-roughness model (@khr_gltf section 3.9, appendix B), with extensions.
-pub(crate) struct SurfaceParameters {
-    /// Reflectance of what scatters and of metal, and the tint of what passes.
-    pub(crate) base_color: SpectrumParameter,
-    /// 1 where it is metal, 0 where not.
-    pub(crate) metallic: FloatParameter,
-    /// Its mean: 0 is a mirror, 1 is matt.
-    pub(crate) roughness: f32,
-    /// Refractive index, in [1, 1000].
-    pub(crate) ior: f32,
-    /// Factors of the reflection of what is not metal.
-    pub(crate) specular: [f32; 3],
-    /// Share of the light that passes instead of being scattered.
-    pub(crate) transmission: f32,
-    /// Whether it is the border of a solid rather than a thin sheet.
-    pub(crate) solid: bool,
-}
-
-/// Largest exponent: in `f32`, sharper lobes cannot be distinguished from a mirror.
-const MAX_EXPONENT: f32 = 1e6;
+/// Slope of the ramp that stands for a step of opacity: pictures of 8 bits have steps of 1/255.
+const STEEP: f32 = 1e4;
 
 impl ModelReader {
-    /// The scattering model that stands in for the parameters: glass, or a diffuse surface with a highlight.
-    pub(crate) fn surface_model(&mut self, parameters: SurfaceParameters) -> MaterialKind {
-        let SurfaceParameters { base_color, metallic, roughness, ior, specular, transmission, solid } =
-            parameters;
-        if transmission >= 0.5 {
-            return match solid {
-                true => MaterialKind::dielectric(ior, 1.0, base_color),
-                false => MaterialKind::thin_dielectric(ior, 1.0, base_color),
-            };
-        }
-        let normal = ((ior - 1.0) / (ior + 1.0)).powi(2);
-        let reflected = specular.map(|factor| (normal * factor).min(1.0));
-        let rest = 1.0 - reflected.iter().copied().fold(0.0, f32::max);
-        let scattered = match &base_color {
-            SpectrumParameter::Value(SpectralDistribution::Rgb(color)) => color.map(|c| c * rest).into(),
-            color => self.scaled(color.clone(), rest.into()),
-        };
-        let diffuse = self.mixed(scattered, 0.0.into(), metallic);
-        let specular = self.mixed(reflected.into(), base_color, metallic);
-        MaterialKind::phong(diffuse.clone(), diffuse, specular, exponent(roughness))
+    /// A product of two inputs.
+    pub(crate) fn scaled(&mut self, a: SpectrumParameter, b: SpectrumParameter) -> SpectrumParameter {
+        SpectrumParameter::Texture(self.add_texture(String::new(), TextureKind::Scale(a, b)))
     }
 
-    /// `a` where it is no metal, `b` where it is.
-    fn mixed(
-        &mut self,
-        a: SpectrumParameter,
-        b: SpectrumParameter,
-        metallic: FloatParameter,
-    ) -> SpectrumParameter {
-        match (metallic, &a, &b) {
-            (FloatParameter::Value(0.0), ..) => a,
-            (FloatParameter::Value(1.0), ..) => b,
-            (
-                FloatParameter::Value(m),
-                SpectrumParameter::Value(SpectralDistribution::Rgb(a)),
-                SpectrumParameter::Value(SpectralDistribution::Rgb(b)),
-            ) => [0, 1, 2].map(|i| a[i] + m * (b[i] - a[i])).into(),
-            (amount, ..) => {
-                let kind = TextureKind::Mix { a, b, amount };
-                SpectrumParameter::Texture(self.add_texture(String::new(), kind))
+    /// A number times a factor.
+    pub(crate) fn scaled_number(&mut self, number: FloatParameter, factor: f32) -> FloatParameter {
+        match number {
+            number if factor == 1.0 => number,
+            FloatParameter::Value(number) => (number * factor).into(),
+            FloatParameter::Texture(_) => {
+                let kind = TextureKind::Scale(grey(number), factor.into());
+                FloatParameter::Texture(self.add_texture(String::new(), kind))
             }
         }
     }
 
-    /// A product of two inputs.
-    pub(crate) fn scaled(&mut self, a: SpectrumParameter, b: SpectrumParameter) -> SpectrumParameter {
-        SpectrumParameter::Texture(self.add_texture(String::new(), TextureKind::Scale(a, b)))
+    /// 1 where a number, as interpolated between pixels, is at least `cutoff`, else at most 0: an opacity, which is clamped.
+    pub(crate) fn cut_off(&mut self, number: FloatParameter, cutoff: f32) -> FloatParameter {
+        if let FloatParameter::Value(number) = number {
+            return f32::from(number >= cutoff).into();
+        }
+        // 1 + (number - cutoff) STEEP, as a mixture.
+        let at = |number: f32| SpectrumParameter::from(1.0 + (number - cutoff) * STEEP);
+        let kind = TextureKind::Mix { a: at(0.0), b: at(1.0), amount: number };
+        FloatParameter::Texture(self.add_texture(String::new(), kind))
     }
 
     /// Adds a texture and returns its index.
@@ -86,8 +44,10 @@ impl ModelReader {
     }
 }
 
-/// The exponent of the lobe about as wide as that of a microfacet distribution of width `roughness^2` (@walter2007 section 5.2).
-pub(crate) fn exponent(roughness: f32) -> f32 {
-    let alpha = roughness * roughness;
-    (2.0 / (alpha * alpha) - 2.0).clamp(0.0, MAX_EXPONENT)
+/// A number as a grey spectrum.
+pub(crate) fn grey(number: FloatParameter) -> SpectrumParameter {
+    match number {
+        FloatParameter::Value(number) => number.into(),
+        FloatParameter::Texture(index) => SpectrumParameter::Texture(index),
+    }
 }

@@ -1,6 +1,7 @@
 //! Pictures for textures of models.
 
 use glanz_light::Pixels;
+use glanz_math::DVec2;
 
 use crate::image::{self, Encoding};
 
@@ -11,25 +12,34 @@ pub(crate) enum PictureContent {
     Color,
     /// One of the channels red, green, blue and alpha, by its number, as data.
     Channel(u8),
+    /// Alpha as data, or brightness where there is none.
+    Opacity,
+    /// Normals as colours, with a factor on red and green as components from -1 to 1.
+    Normals {
+        /// The bits of the factor, an `f32`.
+        scale: u32,
+    },
 }
+
+/// Coordinates of textures beyond a picture by less than this count as at its border.
+const BORDER: f64 = 1e-3;
 
 /// The content of a picture as planes for a texture, or the problem.
 ///
 /// Grey pictures have the same red, green and blue; the alpha of pictures without it is 1.
 pub(crate) fn read_picture(bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
-    let encoding = match content {
-        PictureContent::Color => Encoding::Srgb,
-        PictureContent::Channel(_) => Encoding::Linear,
-    };
+    let encoding = if content == PictureContent::Color { Encoding::Srgb } else { Encoding::Linear };
     let pixels = image::read(bytes, None, encoding).map_err(|error| error.to_string())?.pixels;
     let grey = pixels.channel("Y").is_some();
+    let colors = || pixels.to_rgb().ok_or_else(|| "the picture has neither R, G, B nor Y".to_owned());
     let channel = match content {
-        PictureContent::Color if grey || pixels.channel("R").is_some() => return Ok(pixels),
-        PictureContent::Color => return Err("the picture has neither R, G, B nor Y".to_owned()),
+        PictureContent::Color => return colors().map(|_| pixels),
+        PictureContent::Normals { scale } => return normals(&pixels, &colors()?, f32::from_bits(scale)),
         PictureContent::Channel(3) => "A",
-        PictureContent::Channel(_) if grey => "Y",
+        PictureContent::Opacity if pixels.channel("A").is_some() => "A",
+        PictureContent::Channel(_) | PictureContent::Opacity if grey => "Y",
         PictureContent::Channel(0) => "R",
-        PictureContent::Channel(1) => "G",
+        PictureContent::Channel(1) | PictureContent::Opacity => "G",
         PictureContent::Channel(_) => "B",
     };
     let values = pixels.channel(channel).map_or_else(|| vec![1.0; pixels.len()], <[f32]>::to_vec);
@@ -39,12 +49,17 @@ pub(crate) fn read_picture(bytes: &[u8], content: PictureContent) -> Result<Pixe
     Ok(split)
 }
 
-/// Mean of a picture's red, green and blue.
-pub(crate) fn mean(pixels: &Pixels) -> [f32; 3] {
-    let mean = |name: &str| {
-        let values = pixels.channel(name).or_else(|| pixels.channel("Y")).unwrap_or_default();
-        let sum: f64 = values.iter().map(|&x| f64::from(x)).sum();
-        if values.is_empty() { 0.0 } else { (sum / values.len() as f64) as f32 }
-    };
-    ["R", "G", "B"].map(mean)
+/// Normals with a factor on the first two components.
+fn normals(pixels: &Pixels, colors: &[[f32; 3]], scale: f32) -> Result<Pixels, String> {
+    let scaled = |c: f32| 0.5 + scale * (c - 0.5);
+    let colors: Vec<[f32; 3]> = colors.iter().map(|&[r, g, b]| [scaled(r), scaled(g), b]).collect();
+    Pixels::try_from_rgb(pixels.width(), pixels.height(), &colors).map_err(|error| error.to_string())
+}
+
+/// The whole numbers by which coordinates lie beyond the picture, if all lie in the same repetition of it.
+pub(crate) fn repetition(uvs: &[DVec2]) -> Option<DVec2> {
+    let min = uvs.iter().copied().reduce(DVec2::min)?;
+    let max = uvs.iter().copied().reduce(DVec2::max)?;
+    let whole = (min + BORDER).floor();
+    (max - whole).cmple(DVec2::splat(1.0 + BORDER)).all().then_some(whole)
 }

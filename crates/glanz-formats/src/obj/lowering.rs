@@ -5,16 +5,18 @@ use std::collections::BTreeMap;
 use glanz_light::SpectralDistribution;
 use glanz_scene::Severity;
 use glanz_scene::description::{
-    EmissionDescription, GeometryDescription, ImageDescription, ImageFilter, ImageWrap, MappingDescription,
-    MaterialDescription, MaterialKind, ShapeDescription, SpectrumParameter, TextureKind,
+    AlphaDescription, EmissionDescription, FloatParameter, GeometryDescription, ImageDescription,
+    ImageFilter, ImageWrap, MappingDescription, MaterialDescription, MaterialKind, ShapeDescription,
+    SpectrumParameter, TextureKind,
 };
 use glanz_scene::studio::CAD_GREY;
+use glanz_shading::model::PrincipledMaterial;
 
-use super::{ObjFile, ObjMaterial, SkippedStatement, read, read_materials};
-use crate::model::{ModelReader, PictureContent, SurfaceParameters, exponent, mean, read_picture};
+use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read, read_materials};
+use crate::model::{ModelReader, PictureContent, read_picture, repetition};
 
-/// A material of the description, with the emission of its surfaces.
-type StyledMaterial = (usize, Option<EmissionDescription>);
+/// A material of the description, with the emission and the opacity of its surfaces.
+type StyledMaterial = (usize, Option<EmissionDescription>, Option<AlphaDescription>);
 
 /// Models of illumination with refraction, and with the reflection of a mirror.
 const REFRACTION: [f64; 2] = [6.0, 7.0];
@@ -22,6 +24,9 @@ const MIRROR: [f64; 2] = [3.0, 5.0];
 
 /// Refractive index of glass, for files without one.
 const GLASS: f64 = 1.5;
+
+/// Exponent of a highlight, for files without one: of the width of facets of roughness 1/2.
+const EXPONENT: f64 = 30.0;
 
 /// Adds a file to the description.
 pub(crate) fn read_into(bytes: &[u8], reader: &mut ModelReader) {
@@ -61,11 +66,15 @@ fn add(file: ObjFile, materials: &BTreeMap<String, StyledMaterial>, reader: &mut
         if let (Some(name), None) = (name, known) {
             *missing.entry(name).or_insert(0) += 1;
         }
-        let (material, emission) = known.cloned().unwrap_or_default();
-        ShapeDescription { material, emission, ..geometry.into() }
+        let (material, emission, alpha) = known.cloned().unwrap_or_default();
+        ShapeDescription { material, emission, alpha, ..geometry.into() }
     };
     for mesh in file.meshes {
-        let super::ObjMesh { material, positions, normals, uvs, triangles: indices } = mesh;
+        let super::ObjMesh { material, positions, normals, mut uvs, triangles: indices } = mesh;
+        let emission = material.as_ref().and_then(|name| materials.get(name)?.1.as_ref());
+        if let (Some(uvs), Some(_)) = (&mut uvs, emission.and_then(|emission| emission.image)) {
+            place_in_picture(uvs, material.as_deref().unwrap_or_default(), reader);
+        }
         let geometry = GeometryDescription::Triangles { positions, indices, normals, uvs };
         reader.description.world.shapes.push(placed(geometry, material));
     }
@@ -79,11 +88,25 @@ fn add(file: ObjFile, materials: &BTreeMap<String, StyledMaterial>, reader: &mut
     }
 }
 
+/// Moves the coordinates of a picture of emitted light, which does not repeat, by whole pictures, or reports that this does not suffice.
+fn place_in_picture(uvs: &mut [DVec2], material: &str, reader: &mut ModelReader) {
+    match repetition(uvs) {
+        // The other pictures repeat.
+        Some(whole) => uvs.iter_mut().for_each(|uv| *uv -= whole),
+        None => {
+            let message = format!(
+                "material {material:?}: the picture of emitted light does not repeat; its border continues"
+            );
+            reader.stand_in("obj-emission", None, message);
+        }
+    }
+}
+
 /// State of the lowering of materials.
 struct MaterialLowering<'a> {
     reader: &'a mut ModelReader,
     /// Index of each picture that was read; `None`: it cannot be read.
-    images: BTreeMap<String, Option<usize>>,
+    images: BTreeMap<(String, PictureContent), Option<usize>>,
 }
 
 impl MaterialLowering<'_> {
@@ -139,36 +162,28 @@ impl MaterialLowering<'_> {
     fn material(&mut self, material: &ObjMaterial, library: &str) -> StyledMaterial {
         let name = format!("{library}: material {:?}", material.name);
         let diffuse = self.diffuse(material, &name);
-        let kind = self.kind(material, diffuse, &name);
+        let kind = self.kind(material, diffuse);
         let emission = self.emission(material, &name);
+        let alpha = if is_refracting(material) { None } else { self.alpha(material, &name) };
         let materials = &mut self.reader.description.materials;
         materials.push(MaterialDescription { name: material.name.clone(), ..kind.into() });
-        (materials.len() - 1, emission)
+        (materials.len() - 1, emission, alpha)
     }
 
     /// The scattering model: glass for models of illumination with refraction, the metallic-roughness model where its parameters are given, else
     /// that of Phong.
-    fn kind(&mut self, material: &ObjMaterial, diffuse: SpectrumParameter, name: &str) -> MaterialKind {
-        let is_model = |models: [f64; 2]| material.illumination.is_some_and(|model| models.contains(&model));
+    fn kind(&self, material: &ObjMaterial, diffuse: SpectrumParameter) -> MaterialKind {
         let index = material.index.filter(|index| (1.0..=1e3).contains(index));
-        if is_model(REFRACTION) {
+        if is_refracting(material) {
             let filter = rgb(material.filter.unwrap_or([1.0; 3]));
             return MaterialKind::dielectric(index.unwrap_or(GLASS) as f32, 1.0, filter);
         }
-        if material.opacity.is_some_and(|opacity| opacity < 1.0) {
-            let message = format!("{name}: transparency is not available; an opaque surface stands in");
-            self.reader.stand_in("obj-opacity", None, message);
-        }
         if material.metallic.is_some() || material.roughness.is_some() {
             let unit = |x: Option<f64>, default: f64| x.unwrap_or(default).clamp(0.0, 1.0) as f32;
-            return self.reader.surface_model(SurfaceParameters {
-                base_color: diffuse,
+            return MaterialKind::Principled(PrincipledMaterial {
                 metallic: unit(material.metallic, 0.0).into(),
-                roughness: unit(material.roughness, 0.5),
-                ior: index.unwrap_or(GLASS) as f32,
-                specular: [1.0; 3],
-                transmission: 0.0,
-                solid: false,
+                eta: (index.unwrap_or(GLASS) as f32).into(),
+                ..PrincipledMaterial::new(diffuse, unit(material.roughness, 0.5))
             });
         }
         let specular = rgb(material.specular.unwrap_or([0.0; 3]));
@@ -176,13 +191,14 @@ impl MaterialLowering<'_> {
         let has_highlight = material.illumination.is_none_or(|model| model >= 2.0) && specular != [0.0; 3];
         match diffuse {
             diffuse if !has_highlight => MaterialKind::diffuse(diffuse),
-            SpectrumParameter::Value(SpectralDistribution::Rgb([0.0, 0.0, 0.0])) if is_model(MIRROR) => {
+            SpectrumParameter::Value(SpectralDistribution::Rgb([0.0, 0.0, 0.0]))
+                if is_model(material, MIRROR) =>
+            {
                 MaterialKind::mirror(specular)
             }
             diffuse => {
                 // `Ns` is the exponent about the half vector, whose angle to the normal is half of that from the mirrored direction.
-                let sharp = material.exponent.map_or(exponent(0.5), |exponent| (0.25 * exponent) as f32);
-                let sharp = sharp.clamp(0.0, 1e6);
+                let sharp = (0.25 * material.exponent.unwrap_or(EXPONENT)).clamp(0.0, 1e6) as f32;
                 let (diffuse, specular) = conserving(diffuse, specular);
                 MaterialKind::phong(diffuse.clone(), diffuse, specular, sharp)
             }
@@ -191,16 +207,14 @@ impl MaterialLowering<'_> {
 
     /// The diffuse reflectance: the picture times `Kd`.
     fn diffuse(&mut self, material: &ObjMaterial, name: &str) -> SpectrumParameter {
-        let map = material.diffuse_map.as_ref();
-        let image = map.and_then(|map| Some((map, self.image(&map.file, name)?)));
-        let Some((map, image)) = image else {
+        let picture = material
+            .diffuse_map
+            .as_ref()
+            .and_then(|map| self.image_texture(map, PictureContent::Color, name));
+        let Some(picture) = picture else {
             return rgb(material.diffuse.unwrap_or(CAD_GREY.map(f64::from))).into();
         };
-        let mapping = MappingDescription::Uv { scale: map.scale.into(), offset: map.offset.into() };
-        let wrap = if map.clamped { ImageWrap::Clamp } else { ImageWrap::Repeat };
-        let filter = ImageFilter::Trilinear;
-        let kind = TextureKind::Image { image, mapping, wrap, filter, scale: 1.0, invert: false };
-        let picture = SpectrumParameter::Texture(self.reader.add_texture(map.file.clone(), kind));
+        let picture = SpectrumParameter::Texture(picture);
         match material.diffuse {
             // Exporters write black where the picture counts alone.
             None | Some([1.0, 1.0, 1.0] | [0.0, 0.0, 0.0]) => picture,
@@ -208,31 +222,52 @@ impl MaterialLowering<'_> {
         }
     }
 
-    /// The emitted light: of a picture the mean.
+    /// The opacity: the picture times `d`.
+    fn alpha(&mut self, material: &ObjMaterial, name: &str) -> Option<AlphaDescription> {
+        // Some programs write `Tr` with the meaning of `d`, beside it.
+        let factor = material.opacity.or(material.transparency.map(|x| 1.0 - x)).unwrap_or(1.0);
+        let factor = factor.clamp(0.0, 1.0) as f32;
+        let map = material.opacity_map.as_ref();
+        let opacity = match map.and_then(|map| self.image_texture(map, PictureContent::Opacity, name)) {
+            Some(picture) => self.reader.scaled_number(FloatParameter::Texture(picture), factor),
+            None => factor.into(),
+        };
+        (opacity != 1.0.into()).then(|| opacity.into())
+    }
+
+    /// The emitted light.
     fn emission(&mut self, material: &ObjMaterial, name: &str) -> Option<EmissionDescription> {
         let default = material.emission_map.as_ref().map(|_| [1.0; 3]);
         let color = material.emission.or(default).filter(|color| *color != [0.0; 3])?;
-        let mean = match &material.emission_map {
-            Some(map) => {
-                let image = self.image(&map.file, name);
-                let message = format!("{name}: the mean of the picture of emitted light stands in for it");
+        let image = material.emission_map.as_ref().and_then(|map| {
+            if *map != (ObjPicture { file: map.file.clone(), ..ObjPicture::default() }) {
+                let message =
+                    format!("{name}: options of the picture of emitted light are not available and left out");
                 self.reader.stand_in("obj-emission", None, message);
-                let image = image.and_then(|image| self.reader.description.images.get(image));
-                image.map_or([1.0; 3], |image| mean(&image.pixels))
             }
-            None => [1.0; 3],
-        };
-        let color = rgb(color);
-        Some([0, 1, 2].map(|i| color[i] * mean[i]).into())
+            self.image(&map.file, PictureContent::Color, name)
+        });
+        Some(EmissionDescription { image, ..rgb(color).into() })
+    }
+
+    /// A texture that shows a picture by the coordinates of the surface.
+    fn image_texture(&mut self, map: &ObjPicture, content: PictureContent, name: &str) -> Option<usize> {
+        let image = self.image(&map.file, content, name)?;
+        let mapping = MappingDescription::Uv { scale: map.scale.into(), offset: map.offset.into() };
+        let wrap = if map.clamped { ImageWrap::Clamp } else { ImageWrap::Repeat };
+        let filter = ImageFilter::Trilinear;
+        let kind = TextureKind::Image { image, mapping, wrap, filter, scale: 1.0, invert: false };
+        Some(self.reader.add_texture(map.file.clone(), kind))
     }
 
     /// The index of a picture; `None`, after a report, if it cannot be read.
-    fn image(&mut self, map: &str, name: &str) -> Option<usize> {
-        if let Some(known) = self.images.get(map) {
+    fn image(&mut self, map: &str, content: PictureContent, name: &str) -> Option<usize> {
+        let key = (map.to_owned(), content);
+        if let Some(known) = self.images.get(&key) {
             return *known;
         }
         let read = self.reader.read_file(map).map_err(|(problem, _)| problem);
-        let index = match read.and_then(|bytes| read_picture(&bytes, PictureContent::Color)) {
+        let index = match read.and_then(|bytes| read_picture(&bytes, content)) {
             Ok(pixels) => {
                 let images = &mut self.reader.description.images;
                 images.push(ImageDescription { name: map.to_owned(), pixels: pixels.into() });
@@ -244,9 +279,18 @@ impl MaterialLowering<'_> {
                 None
             }
         };
-        self.images.insert(map.to_owned(), index);
+        self.images.insert(key, index);
         index
     }
+}
+
+fn is_model(material: &ObjMaterial, models: [f64; 2]) -> bool {
+    material.illumination.is_some_and(|model| models.contains(&model))
+}
+
+/// Whether it is glass.
+fn is_refracting(material: &ObjMaterial) -> bool {
+    is_model(material, REFRACTION)
 }
 
 fn rgb(color: [f64; 3]) -> [f32; 3] {

@@ -21,8 +21,10 @@ pub struct ObjMaterial {
     pub filter: Option<[f64; 3]>,
     /// `Ns`: exponent of the highlight.
     pub exponent: Option<f64>,
-    /// `d`, or 1 less `Tr`: 1 is opaque.
+    /// `d`: 1 is opaque.
     pub opacity: Option<f64>,
+    /// `Tr`: 0 is opaque.
+    pub transparency: Option<f64>,
     /// `Ni`: refractive index.
     pub index: Option<f64>,
     /// `illum`: model of illumination.
@@ -35,6 +37,8 @@ pub struct ObjMaterial {
     pub diffuse_map: Option<ObjPicture>,
     /// `map_Ke`.
     pub emission_map: Option<ObjPicture>,
+    /// `map_d`.
+    pub opacity_map: Option<ObjPicture>,
 }
 
 /// A picture on a surface: at texture coordinates times `scale` plus `offset`.
@@ -48,6 +52,13 @@ pub struct ObjPicture {
     pub offset: [f64; 2],
     /// `-clamp on`: beyond the picture, its border goes on instead of its repetition.
     pub clamped: bool,
+}
+
+impl Default for ObjPicture {
+    /// The whole picture by the texture coordinates themselves, repeated.
+    fn default() -> Self {
+        Self { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], clamped: false }
+    }
 }
 
 /// The contents of a file.
@@ -124,15 +135,16 @@ fn statement(s: &Statements<'_>, material: &mut ObjMaterial) -> Result<Option<St
             return Ok(Some("a halo is not read and skipped".to_owned()));
         }
         "d" => material.opacity = number()?,
-        "Tr" => material.opacity = number()?.map(|x| 1.0 - x),
+        "Tr" => material.transparency = number()?,
         "Ni" => material.index = number()?,
         "illum" => material.illumination = number()?,
         "Pr" => material.roughness = number()?,
         "Pm" => material.metallic = number()?,
-        "map_Kd" | "map_Ke" => {
+        "map_Kd" | "map_Ke" | "map_d" => {
             let (picture, problem) = picture(s);
             match s.keyword() {
                 "map_Kd" => material.diffuse_map = Some(picture),
+                "map_d" => material.opacity_map = Some(picture),
                 _ => material.emission_map = Some(picture),
             }
             return Ok(problem);
@@ -153,7 +165,7 @@ fn color(s: &Statements<'_>) -> Result<Option<[f64; 3]>, ObjError> {
 /// A picture after its options, and what of them is left out.
 fn picture(s: &Statements<'_>) -> (ObjPicture, Option<String>) {
     let mut words: Vec<_> = s.values().iter().map(ObjWord::name).collect();
-    let mut picture = ObjPicture { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], clamped: false };
+    let mut picture = ObjPicture::default();
     let mut problem = None;
     while let Some(&(option, values)) =
         OPTIONS.iter().find(|(option, _)| words.first().is_some_and(|word| word == option))

@@ -2,8 +2,10 @@ use std::path::Path;
 
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{
-    GeometryDescription, ImageWrap, MappingDescription, MaterialKind, SpectrumParameter, TextureKind,
+    FloatParameter, GeometryDescription, ImageWrap, MappingDescription, MaterialKind, SpectrumParameter,
+    TextureKind,
 };
+use glanz_shading::model::PrincipledMaterial;
 
 use super::*;
 use crate::registry::{Loaded, Options, load, load_str};
@@ -106,7 +108,7 @@ fn a_surface_is_trimmed_by_curves_of_its_parameters() {
 fn materials_have_colours_highlights_pictures_and_light() {
     let mtl = "newmtl plain\nKd 0.5 0.25 0\nillum 1\nKs 1 1 1\nnewmtl shiny\nKd 0.5 0.5 0.5\nKs 0.25 0.25 0.25\nNs 50\nnewmtl bright\nKd 0.8 0.8 0.8\n\
         Ks 0.8 0.8 0.8\nillum 2\nnewmtl glass\nillum 7\nNi 1.25\nTf 0.5 1 1\nnewmtl lamp\nKe 2 4 6\nnewmtl painted\nKd 0.5 1 1\n\
-        map_Kd -s 1 1 1 -clamp on m.png\nnewmtl metal\nPm 1\nPr 1\nKd 1 0.5 0\nnewmtl odd\nd 0.5\nmap_Bump m.png\n";
+        map_Kd -s 1 1 1 -clamp on m.png\nnewmtl metal\nPm 1\nPr 1\nKd 1 0.5 0\nnewmtl odd\nd 0.5\nTr 0.25\nmap_Bump m.png\n";
     let faces: String = ["plain", "shiny", "bright", "glass", "lamp", "painted", "metal", "odd", "unknown"]
         .map(|name| format!("usemtl {name}\nf 1 2 3\n"))
         .concat();
@@ -118,7 +120,7 @@ fn materials_have_colours_highlights_pictures_and_light() {
     // 50 about the half vector is 50 / 4 about the mirrored direction: cos(a / 2)^50 and cos(a)^12.5 are both about exp(-50 a^2 / 8).
     assert_eq!(*kind(1), phong(0.5, 0.25, 12.5));
     // No more than all light; the exponent of roughness 1/2 is 2 / (1/4)^2 - 2.
-    assert_eq!(*kind(2), phong(0.5, 0.5, 30.0));
+    assert_eq!(*kind(2), phong(0.5, 0.5, 7.5));
     assert_eq!(*kind(3), MaterialKind::dielectric(1.25, 1.0, [0.5, 1.0, 1.0]));
     let emission = description.world.shapes[4].emission.clone().unwrap();
     assert_eq!(SpectrumParameter::Value(emission.radiance), [2.0, 4.0, 6.0].into());
@@ -126,16 +128,49 @@ fn materials_have_colours_highlights_pictures_and_light() {
     let [picture, scaled] = &description.textures[..] else { panic!() };
     assert!(matches!(picture.kind, TextureKind::Image { image: 0, .. }) && picture.name == "m.png");
     assert!(matches!(&scaled.kind, TextureKind::Scale(_, factor) if *factor == [0.5, 1.0, 1.0].into()));
-    assert!(matches!(kind(6), MaterialKind::Phong(metal) if metal.specular == [1.0, 0.5, 0.0].into()));
+    let metal = PrincipledMaterial { metallic: 1.0.into(), ..PrincipledMaterial::new([1.0, 0.5, 0.0], 1.0) };
+    assert_eq!(*kind(6), MaterialKind::Principled(metal));
+    let alpha = |shape: usize| description.world.shapes[shape].alpha.map(|alpha| alpha.opacity);
+    assert_eq!((alpha(0), alpha(7)), (None, Some(0.5.into())), "\"d\" goes before \"Tr\"");
     assert_eq!(description.world.shapes[8].material, 0, "grey");
     let warnings = loaded.diagnostics.to_string();
     for part in [
-        "a b.mtl: material \"odd\": transparency is not available",
-        "a b.mtl:28:1: statement \"map_Bump\" is not read",
+        "a b.mtl:29:1: statement \"map_Bump\" is not read",
         "material \"unknown\" does not exist; grey stands in",
     ] {
         assert!(warnings.contains(part), "{part}: {warnings}");
     }
+}
+
+#[test]
+fn pictures_of_light_and_opacity_have_the_coordinates_of_the_surface() {
+    let mtl = "newmtl lamp\nKe 2 4 6\nmap_Ke m.png\nTr 0.5\nmap_d m.png\n";
+    let uvs = "vt 5 -2\nvt 5.5 -2\nvt 5 -1.5\nvt 7 0\n";
+    let faces = "usemtl lamp\nf 1/1 2/2 3/3\n";
+    let loaded = with_materials(mtl, &format!("{SQUARE}{uvs}{faces}"));
+    assert_eq!(loaded.diagnostics.to_string(), "");
+    let (description, shape) = (&loaded.description, &loaded.description.world.shapes[0]);
+    let emission = shape.emission.as_ref().unwrap();
+    assert_eq!(SpectrumParameter::Value(emission.radiance.clone()), [2.0, 4.0, 6.0].into());
+    assert_eq!(description.images[emission.image.unwrap()].pixels.channel("R").unwrap(), [1.0]);
+    let GeometryDescription::Triangles { uvs: Some(found), .. } = &shape.geometry else { panic!() };
+    assert_eq!(found[..], [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]].map(DVec2::from), "moved by whole pictures");
+    // Without alpha, brightness counts: the green of red is 0.
+    let Some(FloatParameter::Texture(scaled)) = shape.alpha.map(|alpha| alpha.opacity) else { panic!() };
+    let TextureKind::Scale(SpectrumParameter::Texture(picture), factor) = &description.textures[scaled].kind
+    else {
+        panic!()
+    };
+    assert_eq!(*factor, 0.5.into());
+    let TextureKind::Image { image, .. } = description.textures[*picture].kind else { panic!() };
+    assert_eq!(description.images[image].pixels.channel("Y").unwrap(), [0.0]);
+    let loaded = with_materials(mtl, &format!("{SQUARE}{uvs}usemtl lamp\nf 1/1 2/2 3/4\n"));
+    assert!(
+        loaded
+            .diagnostics
+            .to_string()
+            .contains("material \"lamp\": the picture of emitted light does not repeat")
+    );
 }
 
 #[test]
