@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glanz_light::SpectralDistribution;
+use glanz_math::DVec2;
 use glanz_scene::Severity;
 use glanz_scene::description::{
     AlphaDescription, EmissionDescription, FloatParameter, GeometryDescription, ImageDescription,
