@@ -296,7 +296,8 @@ fn pictures_are_scaled_shifted_and_clamped() {
     let TextureKind::Image { mapping, wrap, .. } = &loaded.description.textures[0].kind else { panic!() };
     let expected = MappingDescription::Uv { scale: DVec2::new(2.0, 3.0), offset: DVec2::new(0.5, 0.25) };
     assert_eq!((mapping, *wrap), (&expected, ImageWrap::Clamp));
-    // The picture is red; without `Ke`, it counts alone.
+    // Without `Ke`, the picture counts alone.
     let emission = loaded.description.world.shapes[0].emission.clone().unwrap();
-    assert_eq!(SpectrumParameter::Value(emission.radiance), [1.0, 0.0, 0.0].into());
+    assert_eq!(SpectrumParameter::Value(emission.radiance), [1.0; 3].into());
+    assert_eq!(loaded.description.images[emission.image.unwrap()].name, "m.png");
 }
