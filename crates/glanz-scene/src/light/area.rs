@@ -22,7 +22,7 @@ use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// Samples along each side of the grid for the mean of a picture over a surface.
-const MEAN_SIDE: u32 = 128;
+const MEAN_SIDE: usize = 128;
 
 /// Relative difference of the lengths of axes up to which a map of a sphere gives a sphere.
 const SIMILARITY: f64 = gamma(64);
@@ -318,9 +318,11 @@ impl LightModel for AreaLight {
 
 /// The mean of a picture over a surface, by a grid of samples; over the picture where the surface cannot be sampled.
 fn mean_of_image(object: &SceneObject, image: &FlatImage) -> Spectrum {
+    // No pixel is lost between the samples.
+    let image = image.reduced(MEAN_SIDE);
     let (mut sum, mut area) = (Spectrum::BLACK, 0.0);
     for (i, j) in (0..MEAN_SIDE).flat_map(|i| (0..MEAN_SIDE).map(move |j| (i, j))) {
-        let xi = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(MEAN_SIDE);
+        let xi = (DVec2::new(i as f64, j as f64) + 0.5) / MEAN_SIDE as f64;
         if let Some((sample, uv)) = object.sample_with_uv(xi) {
             sum += image.lookup(DVec2::new(uv.x, 1.0 - uv.y)) * (1.0 / sample.pdf.0) as f32;
             area += 1.0 / sample.pdf.0;

@@ -30,6 +30,22 @@ impl FlatImage {
         Some(Self { width: pixels.width() as usize, height: pixels.height() as usize, texels })
     }
 
+    /// The picture with at most `most` pixels along each side: means of equal parts.
+    pub(super) fn reduced(&self, most: usize) -> Self {
+        let (width, height) = (self.width.min(most), self.height.min(most));
+        let mut texels = vec![Spectrum::default(); width * height];
+        for (i, &texel) in self.texels.iter().enumerate() {
+            for (row, of_row) in overlaps(i / self.width, self.height, height) {
+                for (column, of_column) in overlaps(i % self.width, self.width, width) {
+                    if let Some(sum) = texels.get_mut(row * width + column) {
+                        *sum += texel * (of_row * of_column) as f32;
+                    }
+                }
+            }
+        }
+        Self { width, height, texels }
+    }
+
     /// Columns and rows.
     pub(super) fn size(&self) -> [usize; 2] {
         [self.width, self.height]
@@ -72,6 +88,16 @@ impl FlatImage {
         let texels = self.texels.iter().enumerate();
         texels.map(|(i, &texel)| texel * (weight(middle(self.size(), i)) * share) as f32).sum()
     }
+}
+
+/// The one or two of `parts` equal parts of `count` pixels, at least as many, that pixel `i` lies in, with its shares of them.
+fn overlaps(i: usize, count: usize, parts: usize) -> [(usize, f64); 2] {
+    // In units of 1 / parts of a pixel, a part is `count` long.
+    let (start, end) = (i * parts, (i + 1) * parts);
+    let first = start / count;
+    let border = end.min((first + 1) * count);
+    [(first, border - start), (first + 1, end - border)]
+        .map(|(part, length)| (part, length as f64 / count as f64))
 }
 
 /// The middle of pixel `i`.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glanz_light::{Wavelengths, units};
+use glanz_light::{Pixels, Wavelengths, units};
 use glanz_math::{DMat4, DVec3, Ray};
 use glanz_scene::description::*;
 use glanz_scene::{Light, Scene, SceneBuilder, SceneError};
@@ -52,10 +52,15 @@ fn close(found: f64, expected: f64, tolerance: f64) {
 
 /// A square of side 2 around the origin that faces z, with a picture whose quarters are, row by row, black, red, green and blue.
 fn pictured(emission: EmissionDescription) -> Scene {
+    square_with(emission, crate::image_light::quarters())
+}
+
+/// That square with another picture.
+fn square_with(emission: EmissionDescription, pixels: Pixels) -> Scene {
     let square = ShapeDescription::parallelogram([-1.0, -1.0, 0.0], DVec3::X * 2.0, DVec3::Y * 2.0);
     let emission = EmissionDescription { image: Some(0), ..emission };
     let builder = SceneBuilder::new().shape(square.emitting(emission), MaterialKind::diffuse(0.5));
-    crate::image_light::with_picture(builder, crate::image_light::quarters())
+    crate::image_light::with_picture(builder, pixels)
 }
 
 #[test]
@@ -94,6 +99,22 @@ fn power_of_a_light_with_a_picture_is_that_of_its_mean() {
     let scene = pictured(watts);
     let Some(Light::Area(light)) = scene.lights().first() else { unreachable!() };
     close(f64::from(light.power().luminance(&Wavelengths::default())), 70.0, 1e-5);
+}
+
+#[test]
+fn power_counts_every_pixel_of_a_large_picture() {
+    // One bright pixel, the mean of the picture is 1.
+    for ([width, height], [column, row]) in
+        [([600, 300], [101, 37]), ([300, 600], [299, 0]), ([1000, 1], [501, 0])]
+    {
+        let (count, bright) = (width * height, row * width + column);
+        let rgb: Vec<[f32; 3]> =
+            (0..count).map(|i| [if i == bright { count as f32 } else { 0.0 }; 3]).collect();
+        let scene = square_with(1.0.into(), Pixels::try_from_rgb(width, height, &rgb).unwrap());
+        let Some(Light::Area(light)) = scene.lights().first() else { unreachable!() };
+        // pi times the 4 m^2 of the square.
+        close(f64::from(light.power().luminance(&Wavelengths::default())), 4.0 * PI, 1e-4);
+    }
 }
 
 #[test]
