@@ -67,12 +67,12 @@ impl PortalInfiniteLight {
         })?;
         let to_picture = axes.transpose() * frame;
         let emission = input.emission;
-        // As many pixels as the picture has over half of the sphere.
-        let side = match &image {
-            Some(image) if image.mapping() == SphereMapping::LatitudeLongitude => image.width() / 2,
-            Some(image) => image.width(),
-            None => 0,
-        };
+        // As many pixels across z as the picture has around it; by their number, as the picture may be a strip.
+        let count = image.as_ref().map_or(0, |image| match image.mapping() {
+            SphereMapping::LatitudeLongitude => image.width() * image.height() / 2,
+            SphereMapping::EqualArea => image.width() * image.height(),
+        });
+        let side = count.isqrt();
         let radiance = |local: DVec3| match &image {
             Some(image) => emission * Spectrum::from_rgb(image.lookup(to_picture * local)),
             None => emission,

@@ -11,7 +11,7 @@ use glanz_sampling::hash::{combine, unit_f64};
 use glanz_sampling::statistics::chi_square;
 use glanz_sampling::warp;
 use glanz_scene::description::*;
-use glanz_scene::{Interaction, LightId, LightSample, Scene, SceneBuilder};
+use glanz_scene::{Interaction, Light, LightId, LightSample, Scene, SceneBuilder};
 
 const LIGHT: LightId = LightId(0);
 
@@ -270,6 +270,22 @@ fn light_passes_a_portal_in_one_direction() {
         assert_eq!(seen([0.1, 0.2, 1.1], target), expected, "{target:?}");
     }
     assert!(!seen([0.0, 0.0, 3.0], [0.0, 0.0, 1.5]) && !seen([0.0, 0.0, 3.0], [0.0, 0.0, 4.0]));
+}
+
+#[test]
+fn picture_of_one_long_row_behind_a_portal_is_resampled_to_about_as_many_pixels() {
+    // As many pixels in both directions as it has in its row would be 10^11.
+    let width = 1 << 20;
+    let pixels = Pixels::try_from_rgb(width, 1, &vec![[1.0; 3]; width as usize]).unwrap();
+    let kind = LightKind::PortalInfinite {
+        image: Some((0, SphereMapping::LatitudeLongitude)),
+        portal: PORTAL.map(DVec3::from_array),
+    };
+    let scene = with_picture(SceneBuilder::new().light(LightDescription::new(kind, 2.0)), pixels);
+    let Some(Light::PortalInfinite(light)) = scene.light(LIGHT) else { unreachable!() };
+    // pi times the radiance and the area.
+    let expected = PI * 2.0 * 1.6 * 0.9;
+    assert!((bright(light.power()) / expected - 1.0).abs() < 1e-3, "{:?}", light.power());
 }
 
 #[test]
