@@ -16,6 +16,9 @@ pub(crate) enum LightExtent {
     Distant(DirectionCone),
 }
 
+/// Sine of the angle from which on two axes are not opposite: errors of the direction from one to the other stay below 1e-9.
+const OPPOSITE: f64 = 1e-6;
+
 /// Directions within an angle of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DirectionCone {
@@ -48,8 +51,11 @@ impl DirectionCone {
             return other;
         }
         let half_angle = 0.5 * (self.half_angle + between + other.half_angle);
-        let across = (other.axis - self.axis * self.axis.dot(other.axis)).try_normalize();
-        let (Some(across), true) = (across, half_angle < PI) else { return Self::ALL };
+        let across = other.axis - self.axis * self.axis.dot(other.axis);
+        // Of nearly opposite axes only roundings are left, and the direction from one to the other is not known.
+        let is_opposite = between > FRAC_PI_2 && across.length() < OPPOSITE;
+        let across = across.try_normalize().filter(|_| !is_opposite && half_angle < PI);
+        let Some(across) = across else { return Self::ALL };
         let (sin, cos) = (half_angle - self.half_angle).sin_cos();
         Self { axis: (self.axis * cos + across * sin).normalize(), half_angle }
     }
@@ -218,6 +224,22 @@ mod tests {
         );
         assert_eq!(up.union(down), DirectionCone::ALL);
         assert_eq!(up.union(up), up);
+    }
+
+    #[test]
+    fn unions_of_opposite_cones_hold_both() {
+        // Opposite down to roundings, as the axes of lights back to back are.
+        for (i, power) in (0..2000).map(|i| (i, i as i32 % 60)) {
+            let axis = direction(i);
+            let other = (0.5_f64.powi(power) * direction(5000 + i) - axis).normalize();
+            let [a, b] = [axis, other].map(|axis| DirectionCone { axis, half_angle: 0.0 });
+            let both = a.union(b);
+            assert!(both.axis.is_normalized());
+            for one in [a, b] {
+                let beyond = angle_between(both.axis, one.axis) - both.half_angle;
+                assert!(beyond <= 1e-8, "{a:?} {b:?}: {beyond}");
+            }
+        }
     }
 
     #[test]
