@@ -32,6 +32,18 @@ impl Angle {
         Self { sin: (1.0 - cos * cos).max(0.0).sqrt(), cos }
     }
 
+    /// The angle up to pi / 2 of a sine.
+    #[inline]
+    fn from_sin(sin: f64) -> Self {
+        Self { sin, cos: (1.0 - sin * sin).max(0.0).sqrt() }
+    }
+
+    /// The angle of the cosine `cos` less `other`, not below zero. Without a root where that is zero, as for most lights.
+    #[inline]
+    fn beyond(cos: f64, other: Self) -> Self {
+        if cos >= other.cos { Self { sin: 0.0, cos: 1.0 } } else { Self::from_cos(cos).less(other) }
+    }
+
     /// The angle less `other`, not below zero.
     #[inline]
     fn less(self, other: Self) -> Self {
@@ -50,8 +62,8 @@ impl Angle {
 pub(super) struct LightCluster {
     /// Middle of the box, metres.
     center: DVec3,
-    /// Of the sphere around the box, m^2.
-    radius_squared: f64,
+    /// Of the sphere around the box, metres.
+    radius: f64,
     /// Distance from the middle, squared, from which on no light is left.
     reach_squared: f64,
     /// Axis and half angle of the cone of normals.
@@ -71,7 +83,7 @@ impl LightCluster {
         let reach = extent.range + radius;
         Self {
             center: extent.bounds.center(),
-            radius_squared: radius * radius,
+            radius,
             reach_squared: reach * reach,
             axis: extent.normals.axis,
             inner: Angle::new(extent.normals.half_angle),
@@ -93,23 +105,25 @@ impl LightCluster {
             return 0.0;
         }
         // Within the sphere, light may come from all directions.
-        if distance_squared <= self.radius_squared {
-            return self.intensity / self.radius_squared.max(NEAREST);
+        let radius_squared = self.radius * self.radius;
+        if distance_squared <= radius_squared {
+            return self.intensity / radius_squared.max(NEAREST);
         }
-        let direction = offset / distance_squared.sqrt();
-        let size = Angle::from_cos((1.0 - self.radius_squared / distance_squared).max(0.0).sqrt());
+        let inverse = 1.0 / distance_squared.sqrt();
+        let direction = offset * inverse;
+        let size = Angle::from_sin(self.radius * inverse);
         let along = self.axis.dot(direction);
-        let along = Angle::from_cos(if self.two_sided { along.abs() } else { along });
-        let emitted = along.less(self.inner).less(size).cos;
+        let along = if self.two_sided { along.abs() } else { along };
+        let emitted = Angle::beyond(along, self.inner).less(size).cos;
         if emitted < self.cos_spread - ROUNDING {
             return 0.0;
         }
-        let received =
-            from.normal.map_or(1.0, |normal| Angle::from_cos(-normal.dot(direction)).less(size).cos);
+        let received = from.normal.map_or(1.0, |normal| Angle::beyond(-normal.dot(direction), size).cos);
         if received < -ROUNDING {
             return 0.0;
         }
-        self.intensity * emitted.max(ROUNDING) * received.max(ROUNDING) / distance_squared.max(NEAREST)
+        let falloff = (inverse * inverse).min(1.0 / NEAREST);
+        self.intensity * emitted.max(ROUNDING) * received.max(ROUNDING) * falloff
     }
 }
 
@@ -141,7 +155,7 @@ impl DistantCluster {
     #[inline]
     pub(super) fn importance(&self, from: &LightSampleContext) -> f64 {
         let (Some(size), Some(normal)) = (self.size, from.normal) else { return self.irradiance };
-        let received = Angle::from_cos(normal.dot(self.towards)).less(size).cos;
+        let received = Angle::beyond(normal.dot(self.towards), size).cos;
         if received < -ROUNDING { 0.0 } else { self.irradiance * received.max(ROUNDING) }
     }
 }
