@@ -43,7 +43,7 @@ pub(super) struct DirectLighting<'a> {
     scene: &'a Scene,
     visibility: Visibility<'a>,
     lights: Vec<LightId>,
-    /// Bounds of the lights that are surfaces.
+    /// Bounds of the lights that rays can hit.
     boxes: HashMap<LightId, Bounds3>,
     points: Vec<[f64; 3]>,
     /// Number of samples before the first test of their error, and the difference of the halves below which they suffice.
@@ -134,7 +134,8 @@ impl<'a> DirectLighting<'a> {
             BakeMethod::Radiosity { .. } => (PREVIEW_FIRST_SAMPLES, PREVIEW_MAX_DIFFERENCE),
         };
         let scene = elements.scene;
-        let light = |surface: &PlacedSurface<'_>| surface.light().map(|id| (id, surface.bounds()));
+        let seen = |&id: &LightId| scene.light(id).is_some_and(Light::can_be_hit);
+        let light = |surface: &PlacedSurface<'_>| Some((surface.light().filter(seen)?, surface.bounds()));
         let all = (0..).map(LightId).zip(scene.lights());
         let lights = all.filter(|(id, _)| scene.is_selectable(*id)).map(|(id, _)| id).collect();
         let sobol = ScrambledSobol::new(KEY);
@@ -179,16 +180,16 @@ impl<'a> DirectLighting<'a> {
                 });
             }
         } else {
-            let is_area = |id| matches!(self.scene.light(id), Some(Light::Area(_)));
+            let is_seen = |id| self.boxes.contains_key(&id);
             self.add_estimate(receivers, false, &mut sums, |receiver, [x, y, z]| {
                 let SelectedLight { id, probability, .. } = self.scene.select_light(&context(receiver), z)?;
-                let density = is_area(id).then_some(probability);
+                let density = is_seen(id).then_some(probability);
                 let light = self.sample_light(receiver, id, DVec2::new(x, y), density)?;
                 Some(light * (1.0 / probability) as f32)
             });
             self.add_estimate(receivers, false, &mut sums, |receiver, point| {
                 let from = context(receiver);
-                let density = |id| is_area(id).then(|| self.scene.light_probability(id, &from));
+                let density = |id| is_seen(id).then(|| self.scene.light_probability(id, &from));
                 self.sample_hemisphere(receiver, point, density)
             });
         }

@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use glanz_job::{Interrupted, Silent};
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::description::{LightKind, ShapeDescription};
+use glanz_scene::description::{FloatParameter, LightKind, ShapeDescription};
 use glanz_scene::{ParametricPoint, Scene};
 
 use super::*;
@@ -390,5 +390,29 @@ mod heavy {
         }
         // Along the wall they do not.
         assert!(light(2.09, 0.8) > 2.0 * light(2.12, 0.8), "{} {}", light(2.09, 0.8), light(2.12, 0.8));
+    }
+}
+
+#[test]
+fn lights_of_no_opacity_near_a_surface_shine_in_full() {
+    // A square under a lamp of its size at half of its side; the form factor is that of parallel squares in closed form.
+    let expected = 0.415_25 * PI;
+    // More lamps than are sampled one by one, too.
+    for (side, opacity) in [(1, 1.0), (1, 0.0), (9, 0.0)] {
+        let piece = 1.0 / f64::from(side);
+        let floor = parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y);
+        let lamps = (0..side * side).map(|i| {
+            let corner = DVec3::new(f64::from(i % side), f64::from(i / side), 0.0) * piece + 0.5 * DVec3::Z;
+            let lamp = parallelogram(corner, DVec3::Y * piece, DVec3::X * piece);
+            (lamp.with_alpha(FloatParameter::Value(opacity)), 0.0, 1.0)
+        });
+        let scene = scene(std::iter::once((floor, 0.0, 0.0)).chain(lamps).collect());
+        let maps = baked(&scene, 0.5, &COARSE);
+        let light: Vec<f64> = texels(&scene, &maps)
+            .filter(|(chart, ..)| chart.surface == 0 && !chart.back)
+            .map(|(.., light)| light)
+            .collect();
+        let mean = light.iter().sum::<f64>() / light.len() as f64;
+        assert!((mean / expected - 1.0).abs() < 0.05, "{side} {opacity}: {mean} {expected}");
     }
 }
