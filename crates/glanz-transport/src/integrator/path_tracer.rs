@@ -288,7 +288,10 @@ impl PathTracer {
         let scene = context.scene;
         let density = |id| move |o: &PreviousVertex| o.compensated_infinite_pdf(context, id, ray.direction);
         let weight = |id| self.weight(context, id, directions, origin, density(id));
-        scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
+        // Most rays miss the sun, whose probability costs as much as that of any light.
+        let weighted = |(id, radiance): (LightId, Spectrum)| radiance * weight(id);
+        let lights = scene.infinite_lights().iter().map(|&id| (id, scene.infinite_radiance(id, ray)));
+        lights.filter(|(_, radiance)| !radiance.is_black()).map(weighted).sum()
     }
 
     /// Light emitted by the surface at `hit`.
