@@ -8,7 +8,7 @@ pub mod windowed;
 pub use alias::AliasTable;
 pub use grid::PiecewiseConstant2;
 pub use piecewise_constant::PiecewiseConstant1;
-pub use windowed::{Window, WindowedPiecewiseConstant2};
+pub use windowed::{GridWindow, WindowedPiecewiseConstant2};
 
 /// Invalid weights.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -18,7 +18,7 @@ pub struct WindowedPiecewiseConstant2 {
 }
 
 /// A rectangle between its lower and its upper corner.
-pub type Window = [DVec2; 2];
+pub type GridWindow = [DVec2; 2];
 
 impl WindowedPiecewiseConstant2 {
     /// The density proportional to `weights`: `height` rows of `width` values; x runs along a row, y over the rows.
@@ -50,7 +50,7 @@ impl WindowedPiecewiseConstant2 {
 
     /// The integral of the weights over a window inside [0, 1]^2.
     #[must_use]
-    pub fn integral(&self, [low, high]: Window) -> f64 {
+    pub fn integral(&self, [low, high]: GridWindow) -> f64 {
         let part = self.integral_to(high) + self.integral_to(low);
         let rest = self.integral_to(DVec2::new(low.x, high.y)) + self.integral_to(DVec2::new(high.x, low.y));
         (part - rest).max(0.0)
@@ -70,7 +70,7 @@ impl WindowedPiecewiseConstant2 {
 
     /// A point of the window by the uniform numbers `xi`, with its density per unit of area; `None` if the weights in the window are 0.
     #[must_use]
-    pub fn sample(&self, xi: DVec2, window: Window) -> Option<(DVec2, f64)> {
+    pub fn sample(&self, xi: DVec2, window: GridWindow) -> Option<(DVec2, f64)> {
         let [low, high] = window;
         let whole = self.integral(window);
         if !(whole > 0.0 && low.cmplt(high).all()) {
@@ -92,7 +92,7 @@ impl WindowedPiecewiseConstant2 {
 
     /// The density at `point` of the samples in a window; 0 outside.
     #[must_use]
-    pub fn pdf(&self, point: DVec2, window: Window) -> f64 {
+    pub fn pdf(&self, point: DVec2, window: GridWindow) -> f64 {
         let [low, high] = window;
         if !(point.cmpge(low).all() && point.cmple(high).all()) {
             return 0.0;
@@ -134,7 +134,7 @@ mod tests {
     use crate::statistics::chi_square;
 
     const WEIGHTS: [f64; 12] = [1.0, 0.0, 2.0, 3.0, 0.0, 0.0, 0.0, 0.0, 5.0, 0.5, 0.5, 4.0];
-    const WINDOWS: [Window; 4] = [
+    const WINDOWS: [GridWindow; 4] = [
         [DVec2::ZERO, DVec2::ONE],
         [DVec2::new(0.1, 0.2), DVec2::new(0.9, 0.8)],
         [DVec2::new(0.3, 0.7), DVec2::new(0.45, 0.95)],

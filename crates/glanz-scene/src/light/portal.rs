@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, SolidAnglePdf};
-use glanz_sampling::discrete::{PiecewiseConstant2, Window, WindowedPiecewiseConstant2};
+use glanz_sampling::discrete::{GridWindow, PiecewiseConstant2, WindowedPiecewiseConstant2};
 
 use super::flat_image::FlatImage;
 use super::photometric::{luminaire_axes, uneven};
@@ -107,7 +107,7 @@ impl PortalInfiniteLight {
     }
 
     /// The range of the picture that `from` sees through the rectangle; `None` from its other side.
-    fn window(&self, from: DVec3) -> Option<Window> {
+    fn window(&self, from: DVec3) -> Option<GridWindow> {
         let low = self.frame.transpose() * (self.corner - from);
         if low.z.is_nan() || low.z <= 0.0 {
             return None;
@@ -117,7 +117,7 @@ impl PortalInfiniteLight {
     }
 
     /// The place of a direction in the picture, the window and the direction in the frame, if it leads through the rectangle.
-    fn place_in_window(&self, from: DVec3, wi: DVec3) -> Option<(DVec2, Window, DVec3)> {
+    fn place_in_window(&self, from: DVec3, wi: DVec3) -> Option<(DVec2, GridWindow, DVec3)> {
         let local = self.frame.transpose() * wi;
         if local.z.is_nan() || local.z <= 0.0 {
             return None;

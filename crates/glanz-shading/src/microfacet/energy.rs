@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::basis::GaussLegendre;
 
-use super::table::Table;
+use super::table::InterpolationTable;
 use super::{MicrofacetDistribution, SMOOTH};
 use crate::fresnel;
 
@@ -118,8 +118,8 @@ pub fn mean_interface_reflectance(alpha: f64, eta: f64) -> f64 {
 
 /// A table over a direction, the last axis, and that of its mean over diffuse light.
 struct EnergyTable<const N: usize, const M: usize> {
-    directional: Table<N>,
-    mean: Table<M>,
+    directional: InterpolationTable<N>,
+    mean: InterpolationTable<M>,
 }
 
 impl<const N: usize, const M: usize> EnergyTable<N, M> {
@@ -127,11 +127,11 @@ impl<const N: usize, const M: usize> EnergyTable<N, M> {
     fn new(
         nodes: [usize; N],
         directional: impl Fn([f64; N]) -> f64,
-        mean: impl Fn(&Table<N>, [f64; M]) -> f64,
+        mean: impl Fn(&InterpolationTable<N>, [f64; M]) -> f64,
     ) -> Self {
-        let directional = Table::new(nodes, directional);
+        let directional = InterpolationTable::new(nodes, directional);
         let other = std::array::from_fn(|axis| nodes[axis]);
-        Self { mean: Table::new(other, |point| mean(&directional, point)), directional }
+        Self { mean: InterpolationTable::new(other, |point| mean(&directional, point)), directional }
     }
 }
 
@@ -141,7 +141,7 @@ static REFLECTED: LazyLock<EnergyTable<2, 1>> = LazyLock::new(|| {
         let alpha = alpha.max(SMOOTH);
         reflected_once(alpha, alpha, direction(masked_cosine(masking, alpha), 0.0))
     };
-    let mean = |table: &Table<2>, [alpha]: [f64; 1]| {
+    let mean = |table: &InterpolationTable<2>, [alpha]: [f64; 1]| {
         diffuse_mean(|cos| table.at([alpha, masking_coordinate(cos, alpha)]))
     };
     EnergyTable::new([17, 33], directional, mean)
@@ -154,7 +154,7 @@ static REFLECTED_ANISOTROPIC: LazyLock<EnergyTable<4, 2>> = LazyLock::new(|| {
         let (x, y, azimuth) = (width(x), width(y), azimuth * FRAC_PI_2);
         reflected_once(x, y, direction(masked_cosine(masking, width_along(x, y, azimuth)), azimuth))
     };
-    let mean = |table: &Table<4>, [x, y]: [f64; 2]| {
+    let mean = |table: &InterpolationTable<4>, [x, y]: [f64; 2]| {
         GaussLegendre::new(6).integrate(0.0, 1.0, |azimuth| {
             let along = width_along(width(x), width(y), azimuth * FRAC_PI_2);
             diffuse_mean(|cos| table.at([x, y, azimuth, masking_coordinate(cos, along)]))
@@ -178,7 +178,7 @@ fn new_loss_table(sign: f64) -> EnergyTable<3, 2> {
             scattered_once(alpha, eta, direction(masked_cosine(masking, alpha), 0.0), true);
         (1.0 - reflected - transmitted).max(0.0)
     };
-    let mean = |table: &Table<3>, [index, alpha]: [f64; 2]| {
+    let mean = |table: &InterpolationTable<3>, [index, alpha]: [f64; 2]| {
         diffuse_mean(|cos| table.at([index, alpha, masking_coordinate(cos, alpha)]))
     };
     EnergyTable::new([21, 17, 25], directional, mean)
@@ -205,8 +205,9 @@ static INTERFACE: LazyLock<EnergyTable<3, 2>> = LazyLock::new(|| {
             scattered_once(alpha.max(SMOOTH), index_at(index), direction(root * root, 0.0), false);
         reflected
     };
-    let mean =
-        |table: &Table<3>, [index, alpha]: [f64; 2]| diffuse_mean(|cos| table.at([index, alpha, cos.sqrt()]));
+    let mean = |table: &InterpolationTable<3>, [index, alpha]: [f64; 2]| {
+        diffuse_mean(|cos| table.at([index, alpha, cos.sqrt()]))
+    };
     EnergyTable::new([21, 17, 25], directional, mean)
 });
 

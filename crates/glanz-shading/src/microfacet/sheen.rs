@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use glanz_math::DVec3;
 use glanz_sampling::basis::GaussLegendre;
 
-use super::table::Table;
+use super::table::InterpolationTable;
 use super::{clamp_unit, half_vector};
 
 /// The lobe of the fibres of cloth, which is bright towards grazing angles; for a white colour, directions above.
@@ -65,9 +65,9 @@ impl SheenDistribution {
 }
 
 /// Width above the smallest, square root of the cosine.
-static ALBEDO: LazyLock<Table<2>> = LazyLock::new(|| {
+static ALBEDO: LazyLock<InterpolationTable<2>> = LazyLock::new(|| {
     let rule = GaussLegendre::new(32);
-    Table::new([33, 33], |[width, root]| {
+    InterpolationTable::new([33, 33], |[width, root]| {
         let alpha = SMALLEST_ALPHA + width * (1.0 - SMALLEST_ALPHA);
         let (sheen, cos) = (SheenDistribution::new(alpha), (root * root).clamp(1e-4, 1.0));
         let wo = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);

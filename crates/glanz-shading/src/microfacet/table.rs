@@ -2,13 +2,13 @@
 
 /// Values of a function on a grid over the unit cube, interpolated linearly along each axis.
 #[derive(Clone, Debug)]
-pub(super) struct Table<const N: usize> {
+pub(super) struct InterpolationTable<const N: usize> {
     /// Nodes per axis, at least 2; the last axis is contiguous.
     nodes: [usize; N],
     values: Vec<f32>,
 }
 
-impl<const N: usize> Table<N> {
+impl<const N: usize> InterpolationTable<N> {
     /// Tabulates `function`, which takes a point of the unit cube, at `nodes` nodes per axis (at least 2).
     pub(super) fn new(nodes: [usize; N], function: impl Fn([f64; N]) -> f64) -> Self {
         let nodes = nodes.map(|n| n.max(2));
@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn multilinear_functions_are_exact_between_the_nodes() {
         let f = |[x, y, z]: [f64; 3]| 1.0 + 2.0 * x - y + 3.0 * x * y * z + 0.5 * z;
-        let table = Table::new([2, 5, 3], f);
+        let table = InterpolationTable::new([2, 5, 3], f);
         for point in [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.3, 0.71, 0.4], [0.9, 0.25, 0.5]] {
             // Values are f32.
             assert!((table.at(point) - f(point)).abs() < 1e-6, "{point:?}");

@@ -3,7 +3,7 @@
 use glanz_math::{Bounds3, DVec3};
 
 use super::importance::LightCluster;
-use super::{LEAF_LIGHTS, LightNode, LightPlace, LightTree, NodeContent};
+use super::{LEAF_LIGHTS, LightNode, LightNodeContent, LightPlace, LightTree};
 use crate::light::LightId;
 use crate::light::extent::EmissionBounds;
 
@@ -128,7 +128,7 @@ impl LightTree {
     pub(super) fn add_subtree(&mut self, lights: &mut [BoundedLight], group: u8) -> Option<u32> {
         let sum = LightSum::of(lights);
         let root = self.nodes.len() as u32;
-        self.nodes.push(LightNode { cluster: sum.cluster()?, content: NodeContent::EMPTY });
+        self.nodes.push(LightNode { cluster: sum.cluster()?, content: LightNodeContent::EMPTY });
         self.fill(root, lights, LightPlace { group, path: 0, depth: 0, number: 0 });
         Some(root)
     }
@@ -143,7 +143,7 @@ impl LightTree {
             let children = self.nodes.len() as u32;
             for part in [&*below, &*above] {
                 if let Some(cluster) = LightSum::of(part).cluster() {
-                    self.nodes.push(LightNode { cluster, content: NodeContent::EMPTY });
+                    self.nodes.push(LightNode { cluster, content: LightNodeContent::EMPTY });
                 }
             }
             for (side, part) in [below, above].into_iter().enumerate() {
@@ -151,14 +151,14 @@ impl LightTree {
                 let place = LightPlace { path, depth: place.depth + 1, ..place };
                 self.fill(children + side as u32, part, place);
             }
-            NodeContent::Inner { children }
+            LightNodeContent::Inner { children }
         };
         if let Some(node) = self.nodes.get_mut(node as usize) {
             node.content = content;
         }
     }
 
-    fn add_leaf(&mut self, lights: &[BoundedLight], place: LightPlace) -> NodeContent {
+    fn add_leaf(&mut self, lights: &[BoundedLight], place: LightPlace) -> LightNodeContent {
         let first = self.lights.len() as u32;
         for (number, light) in (0..).zip(lights) {
             self.lights.push((light.id, LightCluster::new(&light.extent, light.power)));
@@ -166,6 +166,6 @@ impl LightTree {
                 *slot = Some(LightPlace { number, ..place });
             }
         }
-        NodeContent::Leaf { first, count: lights.len() as u32 }
+        LightNodeContent::Leaf { first, count: lights.len() as u32 }
     }
 }

@@ -65,18 +65,18 @@ enum LightGroup {
 #[derive(Clone, Copy, Debug)]
 struct LightNode {
     cluster: LightCluster,
-    content: NodeContent,
+    content: LightNodeContent,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum NodeContent {
+enum LightNodeContent {
     /// The first of two nodes.
     Inner { children: u32 },
     /// Some of the lights.
     Leaf { first: u32, count: u32 },
 }
 
-impl NodeContent {
+impl LightNodeContent {
     const EMPTY: Self = Self::Leaf { first: 0, count: 0 };
 }
 
@@ -250,15 +250,15 @@ impl LightTree {
         let (mut node, mut probability) = (root, 1.0);
         loop {
             match self.nodes.get(node as usize)?.content {
-                NodeContent::Inner { children } => {
+                LightNodeContent::Inner { children } => {
                     let choice = choose(&self.child_weights(children, from), xi)?;
                     node = children + choice.index as u32;
                     (probability, xi) = (probability * choice.probability, choice.xi);
                 }
-                NodeContent::Leaf { first, count: 1 } => {
+                LightNodeContent::Leaf { first, count: 1 } => {
                     return Some((self.lights.get(first as usize)?.0, probability));
                 }
-                NodeContent::Leaf { first, count } => {
+                LightNodeContent::Leaf { first, count } => {
                     let choice = choose(&self.leaf_weights(first, count, from), xi)?;
                     let (id, _) = self.lights.get(first as usize + choice.index)?;
                     return Some((*id, probability * choice.probability));
@@ -332,13 +332,13 @@ impl LightTree {
         let (mut node, mut path, mut probability) = (root, place.path, 1.0);
         while let Some(&LightNode { content, .. }) = self.nodes.get(node as usize) {
             match content {
-                NodeContent::Inner { children } => {
+                LightNodeContent::Inner { children } => {
                     let side = (path & 1) as usize;
                     probability *= fraction(&self.child_weights(children, from), side);
                     (node, path) = (children + side as u32, path >> 1);
                 }
-                NodeContent::Leaf { count: 1, .. } => return probability,
-                NodeContent::Leaf { first, count } => {
+                LightNodeContent::Leaf { count: 1, .. } => return probability,
+                LightNodeContent::Leaf { first, count } => {
                     return probability
                         * fraction(&self.leaf_weights(first, count, from), place.number as usize);
                 }
