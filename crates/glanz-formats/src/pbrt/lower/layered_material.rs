@@ -13,7 +13,7 @@ use super::roughness::RoughnessNames;
 use super::spectrum::{grey, scaled};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::ParameterList;
-use crate::source::{ParseResult, Span};
+use crate::source::ParseResult;
 
 /// Parameters for the random walk by which pbrt samples a coat, which here has a closed form.
 const RANDOM_WALK: &[&str] = &["thickness", "g", "maxdepth", "nsamples", "twosided"];
@@ -25,10 +25,7 @@ impl Lowering {
         list: &mut ParameterList,
         space: ColorSpace,
     ) -> ParseResult<MaterialKind> {
-        list.ignore(RANDOM_WALK);
-        let place = list.value_place("albedo");
-        let albedo = self.spectrum_or(list, "albedo", 0.0, space)?;
-        self.clear_coat(&place, &albedo, list);
+        self.clear_coat(list, space)?;
         Ok(MaterialKind::CoatedDiffuse(CoatedDiffuseMaterial {
             reflectance: self.spectrum_or(list, "reflectance", 0.5, space)?,
             eta: self.float_or(list, "eta", 1.5)?,
@@ -43,10 +40,7 @@ impl Lowering {
         list: &mut ParameterList,
         space: ColorSpace,
     ) -> ParseResult<MaterialKind> {
-        list.ignore(RANDOM_WALK);
-        let place = list.value_place("albedo");
-        let albedo = self.spectrum_or(list, "albedo", 0.0, space)?;
-        self.clear_coat(&place, &albedo, list);
+        self.clear_coat(list, space)?;
         let color = self.metal_color(list, ["conductor.eta", "conductor.k", "reflectance"], space)?;
         let coat_eta = self.float_or(list, "interface.eta", 1.5)?;
         let remap = self.roughness_scale(list)?;
@@ -62,13 +56,16 @@ impl Lowering {
         }))
     }
 
-    /// Reports a medium in a coat.
-    fn clear_coat(&mut self, place: &Span, albedo: &SpectrumParameter, list: &ParameterList) {
-        if *albedo != SpectrumParameter::Value(grey(0.0)) {
+    /// Reads the parameters of the medium in a coat, and reports one that is not clear.
+    fn clear_coat(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<()> {
+        list.ignore(RANDOM_WALK);
+        let place = list.value_place("albedo");
+        if self.spectrum_or(list, "albedo", 0.0, space)? != SpectrumParameter::Value(grey(0.0)) {
             let message =
                 format!("{}: \"albedo\" is not available yet; a clear coat stands in", list.subject);
-            self.stand_in(place, "stand-in-material", message);
+            self.stand_in(&place, "stand-in-material", message);
         }
+        Ok(())
     }
 
     pub(super) fn diffuse_transmission(
