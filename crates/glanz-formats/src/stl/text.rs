@@ -59,7 +59,7 @@ impl<'a> Words<'a> {
     }
 
     /// Takes these words.
-    fn expect(&mut self, words: &[&'static str]) -> Result<(), StlError> {
+    fn require(&mut self, words: &[&'static str]) -> Result<(), StlError> {
         for &needed in words {
             let word = self.needed()?;
             if !word.is(needed) {
@@ -116,15 +116,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<StlMesh, StlError> {
                 return Err(words.error(word.at, StlErrorKind::Word { found: word.shown(), needed }));
             }
             // Exporters write normals of facets without an area as NaN.
-            words.expect(&["normal"])?;
+            words.require(&["normal"])?;
             (0..3).try_for_each(|_| words.needed().map(|_| ()))?;
-            words.expect(&["outer", "loop"])?;
+            words.require(&["outer", "loop"])?;
             let mut corners = [DVec3::ZERO; 3];
             for corner in &mut corners {
-                words.expect(&["vertex"])?;
+                words.require(&["vertex"])?;
                 *corner = words.vector()?;
             }
-            words.expect(&["endloop", "endfacet"])?;
+            words.require(&["endloop", "endfacet"])?;
             facets.add(corners).map_err(|kind| words.error(word.at, kind))?;
         }
     }
