@@ -2,6 +2,9 @@
 //!
 //! Significance of the chi-square tests: 0.001 together (Bonferroni over BSDFs and directions).
 
+mod bsdfs;
+mod cells;
+
 use std::f64::consts::TAU;
 
 use glanz_light::{Spectrum, Wavelengths};
@@ -18,160 +21,12 @@ use glanz_shading::model::{
 };
 use glanz_shading::{Bsdf, BsdfModel, BsdfSample, Lobe, Material, TexturePoint, Textures, TransportMode};
 
+use bsdfs::*;
+use cells::*;
+
 const MODES: [TransportMode; 2] = [TransportMode::Radiance, TransportMode::Importance];
 
-fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsdf {
-    Bsdf::Phong(Phong::new(PhongCoefficients {
-        ambient: Spectrum::BLACK,
-        diffuse: Spectrum::from_rgb(diffuse),
-        specular: Spectrum::from_rgb(specular),
-        exponent,
-    }))
-}
-
-const WHITE: Spectrum = Spectrum::from_rgb([1.0; 3]);
-
-fn smooth_glass(eta: f64, thin: bool) -> Dielectric {
-    Dielectric {
-        eta,
-        reflectance: WHITE,
-        transmittance: WHITE,
-        thin,
-        distribution: MicrofacetDistribution::SMOOTH,
-        multiple_scattering: true,
-    }
-}
-
-fn glass(eta: f64, thin: bool) -> Bsdf {
-    Bsdf::Dielectric(smooth_glass(eta, thin))
-}
-
-fn rough_glass(eta: f64, [x, y]: [f64; 2]) -> Bsdf {
-    let distribution = MicrofacetDistribution::new(x, y);
-    Bsdf::Dielectric(Dielectric { distribution, ..smooth_glass(eta, false) })
-}
-
-fn metal(eta: [f32; 3], k: [f32; 3], [x, y]: [f64; 2]) -> Bsdf {
-    let (eta, k) = (Spectrum::from_rgb(eta), Spectrum::from_rgb(k));
-    let metal = ConductorFresnel { eta, k, tint: WHITE };
-    Bsdf::Conductor(Conductor::new(metal, MicrofacetDistribution::new(x, y), true))
-}
-
-const GOLD: [[f32; 3]; 2] = [[0.143, 0.375, 1.442], [3.983, 2.386, 1.603]];
-
-/// A metal without absorption.
-fn perfect_metal(alpha: [f64; 2]) -> Bsdf {
-    metal([0.0; 3], [1e4; 3], alpha)
-}
-
-fn coated(reflectance: Spectrum, eta: f32, [x, y]: [f64; 2]) -> Bsdf {
-    let coat = Coat::new(eta, MicrofacetDistribution::new(x, y), true);
-    Bsdf::CoatedDiffuse(CoatedDiffuse::new(reflectance, WHITE, coat))
-}
-
-fn principled(color: Spectrum, roughness: f32, set: impl Fn(&mut PrincipledMaterial)) -> Bsdf {
-    let mut material = PrincipledMaterial::new(color, roughness);
-    set(&mut material);
-    let point = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
-    let bsdf = Material::from(material).bsdf(&Textures::new(), &point, &Wavelengths::Rgb);
-    bsdf.unwrap_or(Bsdf::Black)
-}
-
-/// The table.
-fn bsdfs() -> Vec<(&'static str, Bsdf)> {
-    let colour = Spectrum::from_rgb([0.9, 0.5, 0.1]);
-    let tinted = Dielectric { reflectance: colour, transmittance: colour * 0.5, ..smooth_glass(1.5, false) };
-    let tinted_rough = Dielectric { distribution: MicrofacetDistribution::new(0.3, 0.3), ..tinted };
-    let [eta, k] = GOLD;
-    let table = vec![
-        ("black", Bsdf::Black),
-        ("lambert", Bsdf::Lambert(Lambert { reflectance: colour })),
-        ("white", Bsdf::Lambert(Lambert { reflectance: Spectrum::ONE })),
-        ("mirror", Bsdf::Mirror(Mirror { reflectance: colour })),
-        ("gold", metal(eta, k, [0.0; 2])),
-        ("dull gold", metal(eta, k, [0.4; 2])),
-        ("brushed gold", metal(eta, k, [0.15, 0.6])),
-        ("perfect rough metal", perfect_metal([1.0; 2])),
-        ("perfect brushed metal", perfect_metal([0.2, 0.5])),
-        ("glass", glass(1.5, false)),
-        ("bubble", glass(1.0 / 1.33, false)),
-        ("matched glass", glass(1.0, false)),
-        ("densest glass", glass(1e3, false)),
-        ("thinnest glass", glass(1e-3, false)),
-        ("pane", glass(1.5, true)),
-        ("tinted glass", Bsdf::Dielectric(tinted)),
-        ("frosted glass", rough_glass(1.5, [0.3; 2])),
-        ("rough glass", rough_glass(1.5, [0.9; 2])),
-        ("rough bubble", rough_glass(1.0 / 1.33, [0.5; 2])),
-        ("brushed glass", rough_glass(1.5, [0.2, 0.5])),
-        ("tinted frosted glass", Bsdf::Dielectric(tinted_rough)),
-        ("plastic", coated(colour, 1.5, [0.0; 2])),
-        ("white plastic", coated(WHITE, 1.5, [0.0; 2])),
-        ("rough white plastic", coated(WHITE, 1.5, [0.4; 2])),
-        ("rough plastic", coated(colour * 0.5, 1.8, [0.25, 0.5])),
-        ("paint", principled(colour, 0.5, |_| {})),
-        ("white paint", principled(WHITE, 0.6, |_| {})),
-        (
-            "coated paint",
-            principled(colour, 0.6, |m| {
-                m.coat = 0.8.into();
-                m.coat_roughness = Roughness::isotropic(0.4, RoughnessScale::Square);
-            }),
-        ),
-        ("cloth", principled(colour * 0.3, 0.8, |m| m.sheen = WHITE.into())),
-        (
-            "flaked metal",
-            principled(colour, 0.5, |m| {
-                m.metallic = 0.6.into();
-                m.roughness.v = 0.7.into();
-            }),
-        ),
-        ("waxed glass", principled(colour, 0.5, |m| m.transmission = 0.6.into())),
-        ("clear plastic", principled(colour, 0.0, |m| m.transmission = 1.0.into())),
-        (
-            "dirty pane",
-            principled(colour, 0.6, |m| {
-                m.transmission = 0.8.into();
-                m.thin = true;
-            }),
-        ),
-        ("dense white coat", coated(WHITE, 6.0, [0.3; 2])),
-        ("densest white coat", coated(WHITE, 500.0, [0.0; 2])),
-        ("brushed white coat", coated(WHITE, 1.5, [0.05, 0.5])),
-        (
-            "gold on black",
-            principled(Spectrum::BLACK, 0.5, |m| {
-                m.metallic = 1.0.into();
-                let [eta, k] = GOLD.map(|constants| Spectrum::from_rgb(constants).into());
-                m.metal = Some(MetalColor::Index { eta, k });
-            }),
-        ),
-        (
-            "brushed coat",
-            principled(colour, 0.5, |m| {
-                m.coat = 1.0.into();
-                m.coat_roughness = Roughness { u: 0.2.into(), v: 0.6.into(), scale: RoughnessScale::Square };
-            }),
-        ),
-        ("paper", Bsdf::DiffuseTransmission(DiffuseTransmission::new(colour * 0.5, colour * 0.3))),
-        ("flat phong", phong([0.3, 0.2, 0.1], [0.5, 0.6, 0.7], 0.0)),
-        ("dull phong", phong([0.2, 0.3, 0.5], [0.5, 0.4, 0.3], 3.5)),
-        ("sharp phong", phong([0.1; 3], [0.9; 3], 150.0)),
-        ("bare phong", phong([0.0; 3], [1.0; 3], 20.0)),
-        ("greedy phong", phong([0.9; 3], [0.8; 3], 10.0)),
-    ];
-    // Does not compile for a variant without an arm: give the new one a line above.
-    for (_, bsdf) in &table {
-        match bsdf {
-            Bsdf::Black | Bsdf::Lambert(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) => {}
-            Bsdf::Dielectric(_) | Bsdf::Phong(_) | Bsdf::CoatedDiffuse(_) | Bsdf::DiffuseTransmission(_) => {}
-            Bsdf::Principled(_) => {}
-        }
-    }
-    table
-}
-
-/// Names of BSDFs above whose albedo is the estimate of [`BsdfModel::albedo`].
+/// Names of BSDFs of the table whose albedo is the estimate of [`BsdfModel::albedo`].
 const ESTIMATED: &[&str] = &[
     "dull gold",
     "brushed gold",
@@ -223,71 +78,6 @@ fn views() -> Vec<DVec3> {
 fn xi(i: u64) -> (DVec2, f64) {
     let u = |k| unit_f64(combine(k, i));
     (DVec2::new(u(51), u(52)), u(53))
-}
-
-/// Gauss-Legendre nodes and weights on [0, 1], of orders 4 and 3.
-const GAUSS: [(f64, f64); 4] = [
-    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
-    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
-    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
-    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
-];
-const COARSE_GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 0.277_777_777_777_777_8),
-    (0.5, 0.444_444_444_444_444_4),
-    (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
-];
-
-const ROWS: usize = 80;
-const COLUMNS: usize = 120;
-
-fn cell_of(w: DVec3) -> usize {
-    let turn = (w.y.atan2(w.x) / TAU).rem_euclid(1.0);
-    let row = ((w.z + 1.0) * 0.5 * ROWS as f64) as usize;
-    row.min(ROWS - 1) * COLUMNS + ((turn * COLUMNS as f64) as usize).min(COLUMNS - 1)
-}
-
-/// The integral of `f` over solid angle in each cell of a grid of equal solid angles.
-///
-/// Steps and peaks narrower than a cell are seen if it is divided at least once; `divisions`: the least number.
-fn per_cell(divisions: u32, f: impl Fn(DVec3) -> f64) -> Vec<f64> {
-    let cells = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| [row, column]));
-    cells
-        .map(|[row, column]| part_integral(&f, [row as f64, column as f64], [1.0; 2], [divisions, 5]))
-        .collect()
-}
-
-/// The integral over a part of a cell, divided at least `least` and at most `most` times.
-fn part_integral(
-    f: &impl Fn(DVec3) -> f64,
-    corner: [f64; 2],
-    size: [f64; 2],
-    [least, most]: [u32; 2],
-) -> f64 {
-    let rule = |rule: &[(f64, f64)]| {
-        let mut sum = 0.0;
-        for (x, wx) in rule {
-            for (y, wy) in rule {
-                let z = 2.0 * (corner[0] + size[0] * y) / ROWS as f64 - 1.0;
-                sum += wx * wy * f(direction(z, TAU * (corner[1] + size[1] * x) / COLUMNS as f64));
-            }
-        }
-        sum * size[0] * size[1] * 2.0 * TAU / (ROWS * COLUMNS) as f64
-    };
-    let (coarse, fine) = (rule(&COARSE_GAUSS), rule(&GAUSS));
-    // A twentieth of a sample in 100 000.
-    if most == 0 || least == 0 && (fine - coarse).abs() < 5e-7 {
-        return fine;
-    }
-    let parts = |axis: usize| {
-        // Both rules would miss the same steps of the density in even parts.
-        let first = 0.382 * size[axis];
-        [(corner[axis], first), (corner[axis] + first, size[axis] - first)]
-    };
-    let parts =
-        parts(0).map(|(row, height)| parts(1).map(|(column, width)| ([row, column], [height, width])));
-    let next = [least.saturating_sub(1), most - 1];
-    parts.iter().flatten().map(|&(corner, size)| part_integral(f, corner, size, next)).sum()
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! What scenes say against what their descriptions hold; expected values follow from pbrt's documentation.
 
 mod film;
+mod layered_material;
 mod light;
 mod material;
 mod receiver;
