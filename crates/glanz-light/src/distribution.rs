@@ -250,13 +250,13 @@ impl SpectralDistribution {
 }
 
 /// Planck's law over its value at `peak_nm`; 0 for a body so cold that both underflow.
-fn blackbody(nm: f64, kelvin: f32, peak_nm: f64) -> f64 {
+pub(crate) fn blackbody(nm: f64, kelvin: f32, peak_nm: f64) -> f64 {
     let ratio = planck(nm, f64::from(kelvin)) / planck(peak_nm, f64::from(kelvin));
     if ratio.is_finite() { ratio } else { 0.0 }
 }
 
 /// Wien's displacement law (@codata2018), nm; infinite for a temperature that is not positive.
-fn blackbody_peak_nm(kelvin: f32) -> f64 {
+pub(crate) fn blackbody_peak_nm(kelvin: f32) -> f64 {
     if kelvin > 0.0 { 2.897_771_955e6 / f64::from(kelvin) } else { f64::INFINITY }
 }
 

@@ -7,6 +7,7 @@
 //! - [`named`]: metals, glasses and illuminants with a name; [`cie`]: tables of the standard observer and illuminants;
 //! - [`rgb`]: conversion between CIE XYZ, linear Rec. 709 and sRGB; [`units`]: between watts and lumens;
 //! - [`intensity`]: candela over directions, the light of luminaires;
+//! - [`sky`]: the clear sky and the sun;
 //! - [`white_balance`]: adaptation of colours to what looks white;
 //! - [`pixels`]: [`Pixels`], a picture of named planes; [`tone`]: [`Tone`], from scene light to the bytes of a display;
 //! - [`compare`](mod@compare), [`flip`]: errors of a picture against a reference.
@@ -19,6 +20,7 @@ pub mod intensity;
 pub mod named;
 pub mod pixels;
 pub mod rgb;
+pub mod sky;
 pub mod spectrum;
 pub mod tone;
 pub mod units;
@@ -28,5 +30,6 @@ pub use compare::{CompareError, PictureComparison};
 pub use distribution::{SpectralDistribution, SpectralSamples, SpectrumError};
 pub use flip::FlipMap;
 pub use pixels::{Channel, Pixels, PixelsError};
+pub use sky::{ClearSky, SkyError};
 pub use spectrum::{Spectrum, Wavelengths};
 pub use tone::{Tone, ToneCurve};
