@@ -1,6 +1,7 @@
 //! Errors and warnings of descriptions.
 
 use glanz_geometry::SurfaceError;
+use glanz_light::SkyError;
 use glanz_math::TransformError;
 use glanz_shading::MaterialError;
 
@@ -44,6 +45,9 @@ pub enum SceneErrorKind {
         /// The allowed range.
         range: &'static str,
     },
+    /// A sky with invalid parameters.
+    #[error("sky: {0}")]
+    Sky(#[from] SkyError),
     /// An index without an entry; a fault of the reader.
     #[error("{what} number {index} does not exist; there are {count}")]
     Reference {

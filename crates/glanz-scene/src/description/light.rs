@@ -144,6 +144,8 @@ pub enum LightKind {
         /// Directions in light space.
         mapping: SphereMapping,
     },
+    /// Factor on a clear sky with z up; the light of its sun is one of its own.
+    Sky(SkyDescription),
     /// As [`LightKind::ImageInfinite`] or [`LightKind::Infinite`], through a rectangle only.
     PortalInfinite {
         /// Index into [`Description::images`](super::Description::images), and directions in light space; `None`: the same from everywhere.
@@ -151,6 +153,19 @@ pub enum LightKind {
         /// Corners of the rectangle in order, in world space; counterclockwise seen from where the light goes.
         portal: [DVec3; 4],
     },
+}
+
+/// A clear sky, see [`ClearSky`](glanz_light::ClearSky).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkyDescription {
+    /// Direction to the sun, of any length, not below the horizon.
+    pub towards_sun: DVec3,
+    /// From 1 to 10.
+    pub turbidity: f64,
+    /// Albedo of the ground, linear Rec. 709, in [0, 1]; directions below the horizon show the ground.
+    pub albedo: [f32; 3],
+    /// Whether the sun lights the ground.
+    pub is_ground_sunlit: bool,
 }
 
 /// Mapping of a picture to all directions; z is up.

@@ -38,7 +38,8 @@ pub use group::{GroupDescription, InstanceDescription};
 pub use guide::{GridSettings, GuideBasis, GuideSettings, GuideSettingsError};
 pub use integrator::{IntegratorDescription, SamplerDescription};
 pub use light::{
-    EmissionDescription, EmissionPower, LightDescription, LightKind, SourceRay, SphereMapping, SpotFalloff,
+    EmissionDescription, EmissionPower, LightDescription, LightKind, SkyDescription, SourceRay,
+    SphereMapping, SpotFalloff,
 };
 pub use material::{DescriptionForm, MaterialDescription, MaterialKind, SurfaceDetailDescription};
 pub use pass_lengths::{PassLengths, PassLengthsError};

@@ -37,7 +37,11 @@ impl ImageInfiniteLight {
         image: usize,
         mapping: SphereMapping,
     ) -> Result<Self, SceneErrorKind> {
-        let image = input.sphere_image(image, mapping)?;
+        Self::try_new(input, input.sphere_image(image, mapping)?)
+    }
+
+    /// The light of a picture that the emission of `input` multiplies.
+    pub(super) fn try_new(input: &LightInput<'_>, image: SphereImage) -> Result<Self, SceneErrorKind> {
         let (axes, _) =
             luminaire_axes(&input.to_world).ok_or_else(|| uneven("infinite light: transformation"))?;
         let emission = input.emission;

@@ -16,6 +16,7 @@ mod portal;
 mod projection;
 mod rays;
 mod select;
+mod sky;
 mod sphere_density;
 mod sphere_image;
 mod spot;
@@ -334,6 +335,7 @@ impl Light {
             LightKind::ImageInfinite { image, mapping } => {
                 Self::ImageInfinite(ImageInfiniteLight::resolve(&input, *image, *mapping)?)
             }
+            LightKind::Sky(sky) => Self::ImageInfinite(sky::resolve(&input, sky)?),
             LightKind::PortalInfinite { image, portal } => {
                 Self::PortalInfinite(PortalInfiniteLight::resolve(&input, *image, *portal)?)
             }

@@ -43,6 +43,13 @@ impl SphereImage {
         Some(Self { mapping, width, height, texels })
     }
 
+    /// A square picture of `function` of unit directions, at the middles of `size` times `size` pixels; its values are not negative.
+    pub(super) fn of(mapping: SphereMapping, size: usize, function: impl Fn(DVec3) -> [f32; 3]) -> Self {
+        let place = |i| (DVec2::new((i % size) as f64, (i / size) as f64) + 0.5) / size as f64;
+        let texels = (0..size * size).map(|i| function(mapping.direction(place(i)))).collect();
+        Self { mapping, width: size, height: size, texels }
+    }
+
     /// Pixels per row.
     #[must_use]
     pub fn width(&self) -> usize {
@@ -135,13 +142,21 @@ impl SphereImage {
     /// The mean over all directions.
     #[must_use]
     pub fn mean(&self) -> [f32; 3] {
-        let mut sum = [0.0; 3];
-        for texel in self.texels() {
-            for (sum, value) in sum.iter_mut().zip(texel.rgb) {
-                *sum += texel.solid_angle * f64::from(value);
-            }
-        }
-        sum.map(|sum| (sum / (4.0 * PI)) as f32)
+        self.integral(|_| 1.0).map(|sum| (sum / (4.0 * PI)) as f32)
+    }
+
+    /// Irradiance on a surface that faces z, by a picture of radiance.
+    #[must_use]
+    pub fn irradiance(&self) -> [f64; 3] {
+        self.integral(|direction| direction.z.max(0.0))
+    }
+
+    /// Integral over solid angle of the picture times a weight by unit direction.
+    fn integral(&self, weight: impl Fn(DVec3) -> f64) -> [f64; 3] {
+        self.texels().fold([0.0; 3], |sum, texel| {
+            let weight = texel.solid_angle * weight(texel.direction);
+            std::array::from_fn(|i| sum[i] + weight * f64::from(texel.rgb[i]))
+        })
     }
 }
 

@@ -111,6 +111,12 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
     let point_light = |range| LightKind::Point { from: DVec3::new(0.3, 0.4, 0.7), range };
     let distant = LightKind::Distant { from: DVec3::new(0.3, -0.2, 1.0), to: DVec3::ZERO };
     let sun = LightKind::Sun { from: DVec3::new(0.3, -0.2, 1.0), to: DVec3::ZERO, angular_radius: 0.4 };
+    let sky = LightKind::Sky(SkyDescription {
+        towards_sun: DVec3::new(0.3, -0.2, 0.4),
+        turbidity: 4.0,
+        albedo: [0.3, 0.2, 0.1],
+        is_ground_sunlit: true,
+    });
     let turned = DMat4::from_translation(DVec3::new(0.5, 0.3, 0.8))
         * DMat4::from_rotation_x(0.4)
         * DMat4::from_rotation_z(1.0);
@@ -148,6 +154,7 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
         ("infinite", scene(None, Some((LightKind::Infinite, DMat4::IDENTITY))), false),
         ("picture by latitude", pictured(of_sphere(SphereMapping::LatitudeLongitude), 24, 12), false),
         ("equal-area picture", pictured(of_sphere(SphereMapping::EqualArea), 16, 16), false),
+        ("sky", scene(None, Some((sky, DMat4::IDENTITY))), false),
         ("portal", scene(None, Some((portal(None), DMat4::IDENTITY))), false),
         (
             "picture behind a portal",

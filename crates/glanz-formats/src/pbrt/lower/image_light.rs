@@ -96,7 +96,9 @@ impl Lowering {
         image: usize,
         mapping: SphereMapping,
     ) -> ParseResult<()> {
-        self.picture_target(list, "illuminance", light, image, |pixels| irradiance(pixels, mapping))
+        self.picture_target(list, "illuminance", light, image, |pixels| {
+            SphereImage::new(pixels, mapping).map_or([0.0; 3], |image| image.irradiance())
+        })
     }
 
     /// Scales a picture's light to the luminance of version 4 of the parameter `name`; `integral`: of the picture.
@@ -164,13 +166,6 @@ impl Lowering {
         })?;
         Ok((LightKind::Goniometric { image, mapping }, light))
     }
-}
-
-/// Irradiance from the directions of a picture around z on a surface that faces it.
-fn irradiance(pixels: &Pixels, mapping: SphereMapping) -> [f64; 3] {
-    let image = SphereImage::new(pixels, mapping);
-    let texels = image.iter().flat_map(SphereImage::texels);
-    integral(texels.map(|texel| (texel.solid_angle * texel.direction.z.max(0.0), texel.rgb)))
 }
 
 /// Integral over solid angle of a picture that is projected.

@@ -24,6 +24,11 @@ impl Lowering {
         context: &EntityState,
     ) -> ParseResult<()> {
         let (kind, emission) = match kind {
+            "sky" => {
+                self.sky(&mut list, context)?;
+                list.finish(&mut self.reporter);
+                return Ok(());
+            }
             "point" => self.point(&mut list, context)?,
             "spot" => self.spot(&mut list, context)?,
             "photometric" => self.photometric(&mut list, context)?,

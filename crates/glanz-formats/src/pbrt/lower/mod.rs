@@ -23,6 +23,7 @@ mod realistic_lens;
 mod receiver;
 mod roughness;
 mod shape;
+mod sky;
 mod spectrum;
 mod spline;
 mod texture;

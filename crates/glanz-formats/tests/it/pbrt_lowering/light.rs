@@ -139,3 +139,59 @@ fn xyz_and_wide_gamut_colours_become_rec709() {
         assert!((x - 0.25).abs() < 1e-6, "{x}");
     }
 }
+
+fn sky(parameters: &str) -> Vec<LightDescription> {
+    read_clean(&format!("WorldBegin LightSource \"sky\" {parameters} WorldEnd")).description.lights
+}
+
+#[test]
+fn sun_stands_where_the_algorithm_of_its_position_has_it() {
+    // The example of @reda2003, table A5.1, without refraction: 39.872 degrees high at an azimuth of 194.340 degrees.
+    let place = "\"float latitude\" 39.742476 \"float longitude\" -105.1786";
+    let lights = sky(&format!("{place} \"string time\" \"2003-10-17T12:30:30-07:00\" \"float scale\" 2"));
+    let [sky, sun] = &lights[..] else { panic!("{} lights", lights.len()) };
+    let LightKind::Sky(description) = sky.kind else { panic!() };
+    let towards = description.towards_sun;
+    assert!((towards.z.asin().to_degrees() - 39.872).abs() < 3e-3, "{towards}");
+    // From north over east.
+    assert!((towards.x.atan2(towards.y).to_degrees() - (194.340 - 360.0)).abs() < 3e-3, "{towards}");
+    let LightKind::Sun { from, to, angular_radius } = sun.kind else { panic!() };
+    assert_eq!((from, to, sky.scale, sun.scale), (towards, DVec3::ZERO, 2.0, 2.0));
+    assert!((2.0 * angular_radius.to_degrees() - 0.533).abs() < 1e-3, "{angular_radius}");
+    // 127.5 klx exp(-0.21 / sin) lx for a sky clearer than this one.
+    let lux = 683.0 * f64::from(sun.emission.luminance());
+    assert!(lux > 70_000.0 && lux < 92_000.0, "{lux}");
+}
+
+#[test]
+fn sky_without_its_sun_is_one_light() {
+    let lights = sky(
+        "\"vector3 direction\" [0 3 4] \"bool sun\" false \"rgb albedo\" [.1 .2 .3] \"float turbidity\" 5",
+    );
+    let [LightDescription { kind: LightKind::Sky(sky), .. }] = lights[..] else { panic!() };
+    close(sky.towards_sun.z, 0.8);
+    assert_eq!((sky.turbidity, sky.albedo, sky.is_ground_sunlit), (5.0, [0.1, 0.2, 0.3], false));
+}
+
+#[test]
+fn skies_without_a_sun_above_the_horizon_are_refused_with_their_place() {
+    for (parameters, expected) in [
+        ("", "the position of the sun is not given once"),
+        ("\"float latitude\" 48 \"string time\" \"2026-06-21T12:00:00Z\"", "not given once"),
+        ("\"vector3 direction\" [0 0 1] \"float latitude\" 48", "not given once"),
+        ("\"vector3 direction\" [0 0 0]", "must not be 0"),
+        ("\"vector3 direction\" [1 0 -.1]", "5.71 degrees below the horizon"),
+        ("\"vector3 direction\" [0 0 1] \"float turbidity\" 11", "from 1 to 10"),
+        ("\"vector3 direction\" [0 0 1] \"float albedo\" 2", "albedo"),
+        ("\"float latitude\" 91 \"float longitude\" 0 \"string time\" \"2026-06-21T12:00:00Z\"", "atitude"),
+        ("\"float latitude\" 48 \"float longitude\" 11 \"string time\" \"noon\"", "\"noon\""),
+        (
+            "\"float latitude\" 48 \"float longitude\" 11 \"string time\" \"2026-06-21T23:00:00Z\"",
+            "below the horizon",
+        ),
+    ] {
+        let text = format!("WorldBegin\nLightSource \"sky\" {parameters}\nWorldEnd");
+        let message = load_str("test.pbrt", &text, &Options::default()).unwrap_err().to_string();
+        assert!(message.contains(expected) && message.contains(":2:"), "{parameters}: {message}");
+    }
+}

@@ -15,9 +15,9 @@ use glanz_light::{SpectralDistribution, Wavelengths, named};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
     AlphaDescription, CameraKind, EmissionPower, FilterKind, FisheyeProjection, FloatParameter, FractalKind,
-    GeometryDescription, IrisDescription, LensInterfaceDescription, LightKind, MappingDescription,
-    MaterialKind, SampleLimit, SensorDescription, SpectrumParameter, SphericalMapping, SpotFalloff,
-    StopShape, SurfaceDetailDescription, TextureKind,
+    GeometryDescription, IrisDescription, LensInterfaceDescription, LightDescription, LightKind,
+    MappingDescription, MaterialKind, SampleLimit, SensorDescription, SpectrumParameter, SphericalMapping,
+    SpotFalloff, StopShape, SurfaceDetailDescription, TextureKind,
 };
 
 fn read(text: &str) -> Loaded {
