@@ -2,7 +2,7 @@
 
 use glanz_math::{DVec2, DVec3};
 
-/// Largest number of corners of a polygon that may be concave: the time grows with their square.
+/// Largest number of corners of a polygon that may be concave: the time grows with their square, at worst with their cube.
 pub(super) const MAX_CONCAVE: usize = 1024;
 
 /// Twice the signed area of a triangle.
@@ -32,11 +32,15 @@ pub(super) fn triangles(corners: &[DVec3]) -> Vec<[usize; 3]> {
     let mut left: Vec<usize> = (0..count).collect();
     if count > 3 && count <= MAX_CONCAVE {
         let points = projected(corners);
+        // What an ear leaves behind is often the next one: a search from the start would test the same corners again.
+        let mut from = 0;
         while left.len() > 3 {
-            let Some(ear) = (0..left.len()).find(|&i| is_ear(&points, &left, i)) else { break };
+            let mut candidates = (from..left.len()).chain(0..from);
+            let Some(ear) = candidates.find(|&i| is_ear(&points, &left, i)) else { break };
             let [before, after] = [left.len() - 1, 1].map(|step| left[(ear + step) % left.len()]);
             triangles.push([before, left[ear], after]);
             left.remove(ear);
+            from = ear.saturating_sub(1);
         }
     }
     if let [first, rest @ ..] = left.as_slice() {
