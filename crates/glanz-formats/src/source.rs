@@ -247,6 +247,14 @@ impl Reporter {
     }
 }
 
+/// Text of a file for a message, truncated to a readable length.
+pub(crate) fn shortened(text: &str) -> String {
+    match text.char_indices().nth(40) {
+        Some((i, _)) => format!("{}...", text.get(..i).unwrap_or_default()),
+        None => text.to_owned(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

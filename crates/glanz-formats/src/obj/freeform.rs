@@ -8,8 +8,9 @@ use glanz_scene::description::{
 };
 
 use super::error::{ObjError, ObjErrorKind};
-use super::statement::{ObjWord, Statements, shortened};
+use super::statement::{ObjWord, Statements};
 use super::{ObjFile, ObjSurface, SkippedStatement};
+use crate::source::shortened;
 
 /// Largest degree.
 const MAX_DEGREE: usize = 100;

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 
 use super::SkippedStatement;
 use super::error::{ObjError, ObjErrorKind};
-use super::statement::{ObjWord, Statements, shortened};
+use super::statement::{ObjWord, Statements};
+use crate::source::shortened;
 
 /// Parameters of a material, as the file gives them.
 #[derive(Clone, Debug, Default, PartialEq)]

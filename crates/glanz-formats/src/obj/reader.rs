@@ -7,8 +7,9 @@ use glanz_math::{DVec2, DVec3};
 use super::error::{ObjError, ObjErrorKind};
 use super::faces::{self, MAX_CONCAVE};
 use super::freeform::FreeformState;
-use super::statement::{ObjWord, Statements, shortened};
+use super::statement::{ObjWord, Statements};
 use super::{ObjFile, ObjMesh, SkippedStatement};
+use crate::source::shortened;
 
 /// Statements without an effect here.
 const IGNORED: [&str; 12] = [

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::error::{ObjError, ObjErrorKind};
-use crate::source::line_and_column;
+use crate::source::{line_and_column, shortened};
 
 /// Statements that files begin with.
 const FIRST: [&str; 22] = [
@@ -170,9 +170,4 @@ impl<'a> Statements<'a> {
             .filter(|&position| position < count)
             .ok_or_else(|| self.error(Some(word), ObjErrorKind::Index { what, index, count }))
     }
-}
-
-/// At most the first 40 characters.
-pub(super) fn shortened(text: &str) -> String {
-    text.chars().take(40).collect()
 }

@@ -3,7 +3,7 @@
 use glanz_math::DVec3;
 
 use super::{FacetCollector, StlError, StlErrorKind, StlMesh};
-use crate::source::line_and_column;
+use crate::source::{line_and_column, shortened};
 
 /// Bytes at the start of a text in which the first facet or the end of the solid is looked for.
 const HEAD: usize = 4096;
@@ -33,9 +33,8 @@ impl StlWord<'_> {
         self.text.eq_ignore_ascii_case(word.as_bytes())
     }
 
-    /// At most the first 40 characters.
     fn shown(&self) -> String {
-        String::from_utf8_lossy(self.text).chars().take(40).collect()
+        shortened(&String::from_utf8_lossy(self.text))
     }
 }
 

@@ -11,8 +11,9 @@ use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer};
 use crate::source::{ParseResult, ReportedError, Reporter, Span};
 
+pub(crate) use crate::source::shortened;
 use syntax::parse_parameter;
-pub(crate) use syntax::{Parameter, ParameterType, Values, shortened};
+pub(crate) use syntax::{Parameter, ParameterType, Values};
 
 /// The parameters of one directive. Reading a parameter removes it; those that remain at the end are unused.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer, Token};
-use crate::source::Span;
+use crate::source::{Span, shortened};
 
 /// The declared type of a parameter; synonyms of the dialects are the same type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,13 +180,5 @@ fn boolean(lexer: &mut Lexer) -> Result<bool, LexError> {
         Some((Token::Word(w) | Token::Text(w), _)) if w == "true" => Ok(true),
         Some((Token::Word(w) | Token::Text(w), _)) if w == "false" => Ok(false),
         _ => Err(LexError { place, message: "true or false is expected".to_owned(), help: None }),
-    }
-}
-
-/// Text for a message, truncated to a readable length.
-pub(crate) fn shortened(text: &str) -> String {
-    match text.char_indices().nth(40) {
-        Some((i, _)) => format!("{}...", text.get(..i).unwrap_or_default()),
-        None => text.to_owned(),
     }
 }
