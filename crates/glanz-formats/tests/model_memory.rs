@@ -45,6 +45,8 @@ fn cases() -> Vec<(&'static str, String)> {
         ("faces", repeated("v 0 0 0\n", "f 1 1 1\n", "")),
         ("corners", repeated("v 0 0 0\nf", " 1", "\n")),
         ("materials", repeated("v 0 0 0\n", "usemtl a\nf 1 1 1\no b\n", "")),
+        ("long material", repeated(&format!("v 0 0 0\nusemtl {}\n", "n".repeat(50_000)), "o\nf 1 1 1\n", "")),
+        ("trims", repeated(&curve(10_000), " 0 1 1", "\nend\n")),
         (
             "facets",
             repeated(
@@ -54,6 +56,15 @@ fn cases() -> Vec<(&'static str, String)> {
             ),
         ),
     ]
+}
+
+/// A trimming curve of so many points, and the beginning of a list of its uses.
+fn curve(points: usize) -> String {
+    format!(
+        "v 0 0 0\nvp 0 0\ncstype bspline\ndeg 1 1\ncurv2{}\nparm u{} 1 1\nend\nsurf 0 1 0 1 1 1 1 1\nparm u 0 0 1 1\nparm v 0 0 1 1\ntrim",
+        " 1".repeat(points),
+        " 0".repeat(points)
+    )
 }
 
 /// Many copies of a node with a name of this length, which share their places.

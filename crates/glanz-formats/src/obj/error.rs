@@ -76,6 +76,9 @@ pub enum ObjErrorKind {
     /// An empty range.
     #[error("the range from {0} to {1} is empty, or outside the parameters")]
     Range(f64, f64),
+    /// Loops that use the same curves again and again.
+    #[error("trimming loops use the same curves too often; give each loop its own curves")]
+    CurveUses,
     /// A material statement before the first material.
     #[error("{0:?} precedes the first \"newmtl\"")]
     NoMaterial(String),

@@ -50,15 +50,24 @@ pub(super) struct FreeformState {
     /// `None`: a curve that could not be read.
     curves: Vec<Option<TrimCurveDescription>>,
     element: Option<ObjElement>,
+    /// Points of curves that loops may still use.
+    points_left: usize,
 }
 
 impl FreeformState {
+    /// The state before the first statement of a file of so many bytes.
+    ///
+    /// A curve takes at least two of them per point, and is part of a loop or two: loops may use as many points as there are bytes.
+    pub(super) fn new(bytes: usize) -> Self {
+        Self { points_left: bytes, ..Self::default() }
+    }
+
     /// Reads a statement; `false` if it is none of freeform geometry.
     pub(super) fn statement(
         &mut self,
         s: &Statements<'_>,
         positions: &[[f64; 4]],
-        material: Option<&String>,
+        material: Option<usize>,
         file: &mut ObjFile,
     ) -> Result<bool, ObjError> {
         match s.keyword() {
@@ -178,7 +187,11 @@ impl FreeformState {
             let (from, to) = (s.number(from)?, s.number(to)?);
             let index = s.index(number, number.text, "curve", self.curves.len())?;
             match self.curves.get(index).and_then(Option::as_ref) {
-                Some(curve) if ends(curve) == Some([from, to]) => curves.push(curve.clone()),
+                Some(curve) if ends(curve) == Some([from, to]) => {
+                    let left = self.points_left.checked_sub(curve.points.len());
+                    self.points_left = left.ok_or_else(|| s.error(Some(number), ObjErrorKind::CurveUses))?;
+                    curves.push(curve.clone());
+                }
                 _ => complete = false,
             }
         }
@@ -193,14 +206,14 @@ impl FreeformState {
     fn end(
         &mut self,
         s: &Statements<'_>,
-        material: Option<&String>,
+        material: Option<usize>,
         file: &mut ObjFile,
     ) -> Result<(), ObjError> {
         match self.element.take() {
             Some(ObjElement::Surface { range, points, loops }) => {
                 let surface = self.finished_surface(s, range, points)?;
                 let trim = (!loops.is_empty()).then(|| TrimDescription::from(loops));
-                file.surfaces.push(ObjSurface { material: material.cloned(), surface, trim });
+                file.surfaces.push(ObjSurface { material, surface, trim });
             }
             Some(ObjElement::Curve { points }) => {
                 let (degree, count) = self.axis(s, 0)?;

@@ -1,6 +1,6 @@
 //! Descriptions of files with their materials.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glanz_light::SpectralDistribution;
 use glanz_math::DVec2;
@@ -61,20 +61,22 @@ fn report(reader: &mut ModelReader, library: &str, skipped: &[SkippedStatement])
 
 /// Adds the surfaces.
 fn add(file: ObjFile, materials: &BTreeMap<String, StyledMaterial>, reader: &mut ModelReader) {
-    let mut missing = BTreeMap::new();
-    let mut placed = |geometry: GeometryDescription, name: Option<String>| {
-        let known = name.as_ref().and_then(|name| materials.get(name));
-        if let (Some(name), None) = (name, known) {
-            *missing.entry(name).or_insert(0) += 1;
-        }
+    let styles: Vec<_> = file.materials.iter().map(|name| (name, materials.get(name))).collect();
+    let mut missing = BTreeSet::new();
+    let mut placed = |geometry: GeometryDescription, material: Option<usize>| {
+        let style = material.and_then(|number| styles.get(number));
+        missing.extend(style.filter(|(_, known)| known.is_none()).map(|(name, _)| *name));
+        let known = style.and_then(|(_, known)| *known);
         let (material, emission, alpha) = known.cloned().unwrap_or_default();
         ShapeDescription { material, emission, alpha, ..geometry.into() }
     };
     for mesh in file.meshes {
         let super::ObjMesh { material, positions, normals, mut uvs, triangles: indices } = mesh;
-        let emission = material.as_ref().and_then(|name| materials.get(name)?.1.as_ref());
-        if let (Some(uvs), Some(_)) = (&mut uvs, emission.and_then(|emission| emission.image)) {
-            place_in_picture(uvs, material.as_deref().unwrap_or_default(), reader);
+        if let (Some(uvs), Some((name, Some((_, Some(emission), _))))) =
+            (&mut uvs, material.and_then(|number| styles.get(number)))
+            && emission.image.is_some()
+        {
+            place_in_picture(uvs, name, reader);
         }
         let geometry = GeometryDescription::Triangles { positions, indices, normals, uvs };
         reader.description.world.shapes.push(placed(geometry, material));
@@ -84,7 +86,7 @@ fn add(file: ObjFile, materials: &BTreeMap<String, StyledMaterial>, reader: &mut
         reader.description.world.shapes.push(shape);
     }
     // Without a file of materials, names of materials are expected.
-    for name in missing.into_keys().filter(|_| !file.libraries.is_empty()) {
+    for name in missing.into_iter().filter(|_| !file.libraries.is_empty()) {
         reader.stand_in("obj-material", None, format!("material {name:?} does not exist; grey stands in"));
     }
 }

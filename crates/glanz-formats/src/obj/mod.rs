@@ -29,6 +29,8 @@ pub(crate) use statement::is_obj;
 pub struct ObjFile {
     /// Names of files of materials: each the rest of a line.
     pub libraries: Vec<String>,
+    /// Names of materials, each once.
+    pub materials: Vec<String>,
     /// Triangles, by object and material.
     pub meshes: Vec<ObjMesh>,
     /// Freeform surfaces.
@@ -40,8 +42,8 @@ pub struct ObjFile {
 /// Triangles with one material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjMesh {
-    /// Name of the material, if it has one.
-    pub material: Option<String>,
+    /// Number of the material in the list of names, if it has one.
+    pub material: Option<usize>,
     /// Vertices.
     pub positions: Vec<DVec3>,
     /// One per vertex; zero where the file has none. `None`: it has none at all.
@@ -55,8 +57,8 @@ pub struct ObjMesh {
 /// A freeform surface with a material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjSurface {
-    /// Name of the material, if it has one.
-    pub material: Option<String>,
+    /// Number of the material in the list of names, if it has one.
+    pub material: Option<usize>,
     /// The surface.
     pub surface: NurbsDescription,
     /// The part that is kept.

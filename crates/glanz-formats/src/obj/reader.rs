@@ -50,9 +50,12 @@ struct Reader {
     freeform: FreeformState,
     /// Number of the object, which separates meshes.
     object: usize,
-    material: Option<String>,
+    /// Number of the material of what follows.
+    material: Option<usize>,
+    /// Numbers of the names of materials.
+    material_numbers: BTreeMap<String, usize>,
     meshes: Vec<OpenMesh>,
-    by_material: BTreeMap<(usize, Option<String>), usize>,
+    by_material: BTreeMap<(usize, Option<usize>), usize>,
     has_colors: bool,
 }
 
@@ -62,7 +65,7 @@ struct Reader {
 /// [`ObjError`] with line and column.
 pub fn read(bytes: &[u8]) -> Result<ObjFile, ObjError> {
     let mut statements = Statements::new(bytes);
-    let mut reader = Reader::default();
+    let mut reader = Reader { freeform: FreeformState::new(bytes.len()), ..Reader::default() };
     while statements.advance() {
         reader.statement(&statements)?;
     }
@@ -79,10 +82,10 @@ impl Reader {
             "vn" => self.normals.push(s.numbers::<3>(3, 0.0)?.into()),
             "f" | "fo" => self.face(s)?,
             "o" => self.object += 1,
-            "usemtl" => self.material = Some(s.rest()).filter(|name| !name.is_empty()),
+            "usemtl" => self.use_material(s.rest()),
             "mtllib" => self.file.libraries.push(s.rest()),
             ignored if IGNORED.contains(&ignored) => {}
-            _ if self.freeform.statement(s, &self.positions, self.material.as_ref(), &mut self.file)? => {}
+            _ if self.freeform.statement(s, &self.positions, self.material, &mut self.file)? => {}
             other => self.skip(s, format!("statement {:?} is not read and skipped", shortened(other))),
         }
         Ok(())
@@ -90,6 +93,19 @@ impl Reader {
 
     fn skip(&mut self, s: &Statements<'_>, what: String) {
         SkippedStatement::add(&mut self.file.skipped, s.place(), what);
+    }
+
+    fn use_material(&mut self, name: String) {
+        if name.is_empty() {
+            self.material = None;
+            return;
+        }
+        let next = self.file.materials.len();
+        let number = *self.material_numbers.entry(name.clone()).or_insert(next);
+        if number == next {
+            self.file.materials.push(name);
+        }
+        self.material = Some(number);
     }
 
     fn position(&mut self, s: &Statements<'_>) -> Result<(), ObjError> {
@@ -115,11 +131,10 @@ impl Reader {
             self.skip(s, what);
         }
         let triangles = faces::triangles(&points);
-        let key = (self.object, self.material.clone());
         let next = self.meshes.len();
-        let index = *self.by_material.entry(key).or_insert(next);
+        let index = *self.by_material.entry((self.object, self.material)).or_insert(next);
         if index == next {
-            let mesh = ObjMesh { material: self.material.clone(), ..ObjMesh::default() };
+            let mesh = ObjMesh { material: self.material, ..ObjMesh::default() };
             self.meshes.push(OpenMesh { mesh, ..OpenMesh::default() });
         }
         let Some(open) = self.meshes.get_mut(index) else { return Ok(()) };

@@ -62,8 +62,11 @@ fn objects_and_materials_divide_a_file_and_groups_do_not() {
     let text = "o a\nusemtl red\ng x\nf 1 2 3\ng y\nf 1 3 4\nusemtl dark blue\nf 1 2 4\nusemtl red\nf 2 3 4\no b\nf 1 2 3\n";
     let file = parsed(&format!("{SQUARE}{text}"));
     let found: Vec<_> =
-        file.meshes.iter().map(|mesh| (mesh.material.as_deref().unwrap(), mesh.triangles.len())).collect();
-    assert_eq!(found, [("red", 3), ("dark blue", 1), ("red", 1)]);
+        file.meshes.iter().map(|mesh| (mesh.material.unwrap(), mesh.triangles.len())).collect();
+    assert_eq!(
+        (found, file.materials),
+        (vec![(0, 3), (1, 1), (0, 1)], vec!["red".to_owned(), "dark blue".to_owned()])
+    );
 }
 
 #[test]
@@ -277,8 +280,7 @@ fn names_may_contain_number_signs_and_letters_of_latin_1() {
         b"usemtl Material #1\nf 1 2 3 # a face\nusemtl gr\xfcn\nf 1 2 3\nusemtl gr\xe4n\nf 1 2 3\n",
     ];
     let file = read(&text.concat()).unwrap();
-    let found: Vec<_> = file.meshes.iter().map(|mesh| mesh.material.as_deref().unwrap()).collect();
-    assert_eq!(found, ["Material #1", "gr\u{fc}n", "gr\u{e4}n"]);
+    assert_eq!(file.materials, ["Material #1", "gr\u{fc}n", "gr\u{e4}n"]);
     let file = parsed("\u{feff}mtllib a.mtl\n");
     assert_eq!((file.libraries, file.skipped), (vec!["a.mtl".to_owned()], vec![]));
 }
@@ -300,4 +302,29 @@ fn pictures_are_scaled_shifted_and_clamped() {
     let emission = loaded.description.world.shapes[0].emission.clone().unwrap();
     assert_eq!(SpectrumParameter::Value(emission.radiance), [1.0; 3].into());
     assert_eq!(loaded.description.images[emission.image.unwrap()].name, "m.png");
+}
+
+#[test]
+fn curves_that_all_loops_share_are_refused() {
+    // Hundred times 91 points, in some 2000 bytes.
+    let knots: String = (0..=90).map(|knot| format!(" {knot}")).collect();
+    let text = format!(
+        "{SQUARE}vp 0.1 0.1\nvp 0.9 0.1\nvp 0.5 0.9\ncstype bspline\ndeg 1\ncurv2{} 1\nparm u 0{knots} 90\nend\ndeg 1 1\n\
+         surf 0 1 0 1 1 2 4 3\nparm u 0 0 1 1\nparm v 0 0 1 1\n",
+        " 1 2 3".repeat(30)
+    );
+    assert_eq!(
+        parsed(&format!("{text}trim 0 90 1\nhole 0 90 1\nend\n")).surfaces[0]
+            .trim
+            .as_ref()
+            .unwrap()
+            .loops
+            .len(),
+        2
+    );
+    let error = message(&format!("{text}trim{}\nend\n", " 0 90 1".repeat(100)));
+    assert!(
+        error.ends_with("trimming loops use the same curves too often; give each loop its own curves"),
+        "{error}"
+    );
 }
