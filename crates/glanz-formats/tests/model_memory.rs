@@ -18,7 +18,8 @@ fn cases() -> Vec<(&'static str, String)> {
     let mesh = format!(
         "\"buffers\":[{{\"byteLength\":3000,\"uri\":\"data:;base64,{data}\"}}],\"bufferViews\":[{{\"buffer\":0,\"byteLength\":3000}}],\
          \"accessors\":[{{\"bufferView\":0,\"componentType\":5126,\"count\":250,\"type\":\"VEC3\"}},\
-         {{\"bufferView\":0,\"componentType\":5121,\"count\":3000,\"type\":\"SCALAR\"}}]"
+         {{\"bufferView\":0,\"componentType\":5121,\"count\":3000,\"type\":\"SCALAR\"}},\
+         {{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}}]"
     );
     let primitive = "{\"attributes\":{\"POSITION\":0,\"NORMAL\":0},\"indices\":1},";
     vec![
@@ -39,6 +40,7 @@ fn cases() -> Vec<(&'static str, String)> {
                 primitive
             )),
         ),
+        ("pictures", gltf(format!("{mesh},{}", pictures()))),
         ("instances", gltf(instances(1))),
         ("names", gltf(instances(50_000))),
         ("vertices", repeated("v 0 0 0\n", "v 1 2 3\n", "f 1 2 3\n")),
@@ -56,6 +58,18 @@ fn cases() -> Vec<(&'static str, String)> {
             ),
         ),
     ]
+}
+
+/// Many materials that show a picture with a long name.
+fn pictures() -> String {
+    let name = "n".repeat(300_000);
+    let list = |part: &dyn Fn(usize) -> String| (0..3000).map(part).collect::<Vec<_>>().join(",");
+    let materials = list(&|_| "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}".to_owned());
+    let primitives = list(&|i| format!("{{\"attributes\":{{\"POSITION\":2}},\"material\":{i}}}"));
+    format!(
+        "\"nodes\":[{{\"mesh\":0}}],\"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\"data:;base64,UDIKMSAxCjI1NQo3Cg==\",\"name\":\"{name}\"}}],\
+         \"materials\":[{materials}],\"meshes\":[{{\"primitives\":[{primitives}]}}]"
+    )
 }
 
 /// A trimming curve of so many points, and the beginning of a list of its uses.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::rc::Rc;
 
 use data_encoding::BASE64_NOPAD;
@@ -19,6 +20,8 @@ pub(super) const MESHOPT_HELP: &str =
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     buffers: Vec<BufferBytes<'a>>,
+    /// Bytes of all of them; those that they share count once.
+    size: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -46,21 +49,24 @@ impl<'a> Buffers<'a> {
         binary: Option<&'a [u8]>,
         reader: &mut ModelReader,
     ) -> Result<Self, GltfError> {
-        let mut known: BTreeMap<String, Rc<[u8]>> = BTreeMap::new();
+        let mut known: BTreeMap<PathBuf, Rc<[u8]>> = BTreeMap::new();
         let mut buffers = Vec::new();
         for index in 0..document.length("buffers") {
             let read = |buffer: JsonObject<'_>| {
                 let length = buffer.required_count("byteLength")?;
                 let bytes = match (buffer.text("uri")?, binary) {
-                    (Some(uri), _) => BufferBytes::Address(match known.get(uri) {
-                        Some(bytes) => Rc::clone(bytes),
-                        None => {
-                            let bytes: Rc<[u8]> =
-                                read_address(uri, reader).map_err(|e| buffer.error("uri", e))?.into();
-                            known.insert(uri.to_owned(), Rc::clone(&bytes));
-                            bytes
-                        }
-                    }),
+                    (Some(uri), _) => {
+                        let problem = |problem| buffer.error("uri", problem);
+                        let key = address_key(uri, reader).map_err(problem)?;
+                        BufferBytes::Address(match known.get(&key) {
+                            Some(bytes) => Rc::clone(bytes),
+                            None => {
+                                let bytes: Rc<[u8]> = read_address(uri, reader).map_err(problem)?.into();
+                                known.insert(key, Rc::clone(&bytes));
+                                bytes
+                            }
+                        })
+                    }
                     (None, Some(chunk)) if index == 0 => BufferBytes::Chunk(chunk),
                     (None, _) => return Ok(BufferBytes::Missing),
                 };
@@ -74,12 +80,13 @@ impl<'a> Buffers<'a> {
             };
             buffers.push(document.element("buffers", index, &JsonPath::ROOT, read)?);
         }
-        Ok(Self { buffers })
+        let addressed: usize = known.values().map(|bytes| bytes.len()).sum();
+        Ok(Self { buffers, size: addressed + binary.map_or(0, <[u8]>::len) })
     }
 
-    /// Number of bytes of all buffers.
+    /// Number of bytes of all buffers; those that they share count once.
     pub(super) fn size(&self) -> usize {
-        self.buffers.iter().map(|buffer| buffer.get().len()).sum()
+        self.size
     }
 
     /// The view with this number, which the value at `from` names.
@@ -127,6 +134,14 @@ impl BufferBytes<'_> {
     }
 }
 
+/// What an address names: data, or a file, the same for all of its names.
+fn address_key(uri: &str, reader: &ModelReader) -> Result<PathBuf, String> {
+    if uri.starts_with("data:") {
+        return Ok(uri.into());
+    }
+    reader.real_path(&file_name(uri)?).map_err(|(problem, _)| problem)
+}
+
 /// The bytes at an address, or the problem.
 pub(super) fn read_address(uri: &str, reader: &mut ModelReader) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
@@ -134,10 +149,17 @@ pub(super) fn read_address(uri: &str, reader: &mut ModelReader) -> Result<Vec<u8
         let text = text.trim_end_matches('=').as_bytes();
         return BASE64_NOPAD.decode(text).map_err(|error| format!("the data is not base 64: {error}"));
     }
-    if let Some((scheme, _)) = uri.split_once("://") {
-        return Err(format!("addresses with {scheme:?} are not read; save the file beside the model"));
+    reader.read_file(&file_name(uri)?).map_err(|(problem, _)| problem)
+}
+
+/// The name of a file by its address.
+fn file_name(uri: &str) -> Result<Cow<'_, str>, String> {
+    match uri.split_once("://") {
+        Some((scheme, _)) => {
+            Err(format!("addresses with {scheme:?} are not read; save the file beside the model"))
+        }
+        None => Ok(without_escapes(uri)),
     }
-    reader.read_file(&without_escapes(uri)).map_err(|(problem, _)| problem)
 }
 
 /// An address with bytes for escapes such as `%20`.

@@ -144,7 +144,7 @@ impl GltfReader<'_, '_> {
             image = self.picture_of(&texture, PictureContent::Color, from)?;
             wrap = Some(self.sampler_of(&texture, from)?.0).filter(|_| image.is_some());
         }
-        if image.is_some_and(|image| self.is_constant(image, 0.0)) {
+        if image.is_some_and(|image| self.constant(image) == Some(0.0)) {
             return Ok(None);
         }
         let radiance = SpectralDistribution::from(color.map(|x| x as f32));

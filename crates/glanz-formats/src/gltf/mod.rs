@@ -4,8 +4,8 @@
 //! allocated; `nodes` walks the tree of the default scene, `mesh`, `material`, `principled`, `texture` and `view` make the description of what its nodes
 //! name. What is only named is not read. Messages name the place by a JSON pointer (RFC 6901).
 //!
-//! Memory is in proportion to the size of the file: elements of accessors may be used [`ELEMENTS_PER_BYTE`] times per byte, a node once, pictures once per
-//! kind of content.
+//! Memory is in proportion to the size of the file: elements of accessors may be used [`ELEMENTS_PER_BYTE`] times per byte, a node once, pictures as
+//! many times as [`ModelReader::picture`] allows.
 
 mod accessor;
 mod buffers;
@@ -67,6 +67,8 @@ struct GltfReader<'a, 'b> {
     materials: BTreeMap<Option<usize>, GltfMaterial>,
     /// Index of each picture that was read; `None`: it cannot be read.
     pictures: BTreeMap<PictureKey, Option<usize>>,
+    /// The value that all pixels of a picture in the description have, by its index; `None`: they differ.
+    constants: BTreeMap<usize, Option<f32>>,
     /// Elements of accessors that may still be used.
     elements_left: usize,
     /// Radiance of one unit of emission, W/(m^2 sr): one lumen where the scene has lights, else that of a white surface in the light of
@@ -114,6 +116,7 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
         reader,
         materials: BTreeMap::new(),
         pictures: BTreeMap::new(),
+        constants: BTreeMap::new(),
         elements_left: size.saturating_mul(ELEMENTS_PER_BYTE).saturating_add(FREE_ELEMENTS),
         radiance_unit: 1.0,
     };

@@ -17,6 +17,7 @@ use glanz_shading::model::{PrincipledMaterial, Roughness, RoughnessScale};
 use serde_json::{Value, json};
 
 use crate::glb::{GlbModel, GlbNode, GlbPrimitive};
+use crate::model::ModelReader;
 use crate::registry::{Loaded, Options, load_str};
 
 /// A buffer with its views and accessors.
@@ -162,4 +163,3 @@ fn a_model_with_light_that_was_written_here_opens_again() {
         assert!(crate::load(&path, &Options::default()).is_err(), "{end}");
     }
 }
-

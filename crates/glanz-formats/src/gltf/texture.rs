@@ -10,7 +10,8 @@ use super::GltfReader;
 use super::buffers::read_address;
 use super::error::GltfError;
 use super::json::JsonObject;
-use crate::model::{PictureContent, read_picture};
+use crate::model::PictureContent;
+use crate::source::shortened;
 
 /// Numbers of the format: filters and repetitions.
 const NEAREST: usize = 9728;
@@ -41,15 +42,8 @@ pub(super) struct TextureUse {
     pub(super) uv: UvSource,
 }
 
-/// Where the bytes of a picture are.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum PictureSource {
-    View(usize),
-    Address(String),
-}
-
-/// A picture, and what is taken from it.
-pub(super) type PictureKey = (PictureSource, PictureContent);
+/// The number of a picture, and what is taken from it.
+pub(super) type PictureKey = (usize, PictureContent);
 
 impl UvTransform {
     pub(super) const IDENTITY: Self = Self { rows: [DVec2::X, DVec2::Y], offset: DVec2::ZERO };
@@ -146,18 +140,21 @@ impl GltfReader<'_, '_> {
         let content = PictureContent::Channel(channel);
         // Pictures without alpha are common.
         let image = self.picture_of(&texture, content, from)?;
-        if image.is_none_or(|image| self.is_constant(image, 1.0)) {
+        if image.is_none_or(|image| self.constant(image) == Some(1.0)) {
             return Ok(constant);
         }
         let Some(picture) = self.image_texture(&texture, content, base, from)? else { return Ok(constant) };
         Ok(self.reader.scaled_number(FloatParameter::Texture(picture), factor as f32))
     }
 
-    /// Whether a picture has this value in all pixels and channels, without alpha.
-    pub(super) fn is_constant(&self, image: usize, value: f32) -> bool {
-        self.reader.description.images.get(image).is_some_and(|image| {
-            let mut channels = image.pixels.channels().iter().filter(|channel| channel.name != "A");
-            channels.all(|channel| channel.values.iter().all(|x| *x == value))
+    /// The value that all pixels and channels of a picture have, without alpha.
+    pub(super) fn constant(&mut self, image: usize) -> Option<f32> {
+        let images = &self.reader.description.images;
+        *self.constants.entry(image).or_insert_with(|| {
+            let channels = images.get(image)?.pixels.channels().iter().filter(|channel| channel.name != "A");
+            let mut values = channels.flat_map(|channel| channel.values.iter().copied());
+            let first = values.next()?;
+            values.all(|x| x == first).then_some(first)
         })
     }
 
@@ -182,7 +179,7 @@ impl GltfReader<'_, '_> {
         });
         let (wrap, filter) = self.sampler_of(texture, from)?;
         let kind = TextureKind::Image { image, mapping, wrap, filter, scale: 1.0, invert: false };
-        let name = self.reader.description.images.get(image).map(|image| image.name.clone());
+        let name = self.reader.description.images.get(image).map(|image| shortened(&image.name));
         Ok(Some(self.reader.add_texture(name.unwrap_or_default(), kind)))
     }
 
@@ -251,12 +248,12 @@ impl GltfReader<'_, '_> {
     ) -> Result<Option<usize>, GltfError> {
         let Some(image) = self.image_of(texture, from)? else { return Ok(None) };
         let document = self.document;
+        let key = (image, content);
         document.element("images", image, from.path(), |image| {
-            let key = (source(&image)?, content);
             if let Some(known) = self.pictures.get(&key) {
                 return Ok(*known);
             }
-            let index = match self.picture(&key, &image)? {
+            let index = match self.picture(content, &image)? {
                 Ok(pixels) => {
                     let images = &mut self.reader.description.images;
                     images.push(ImageDescription { name: image.own_name(), pixels: pixels.into() });
@@ -280,27 +277,20 @@ impl GltfReader<'_, '_> {
     /// The pixels of a picture, or a problem for which there is a substitute.
     fn picture(
         &mut self,
-        (source, content): &PictureKey,
+        content: PictureContent,
         image: &JsonObject<'_>,
     ) -> Result<Result<glanz_light::Pixels, String>, GltfError> {
-        Ok(match source {
-            PictureSource::View(view) => {
-                let view = self.buffers.view(self.document, *view, &image.path().name("bufferView"))?;
-                read_picture(view.bytes, *content)
+        match (image.text("uri")?, image.count("bufferView")?) {
+            (Some(uri), _) => {
+                let bytes = read_address(uri, self.reader);
+                Ok(bytes.and_then(|bytes| self.reader.picture(&bytes, content)))
             }
-            PictureSource::Address(uri) => {
-                read_address(uri, self.reader).and_then(|bytes| read_picture(&bytes, *content))
+            (None, Some(view)) => {
+                let view = self.buffers.view(self.document, view, &image.path().name("bufferView"))?;
+                Ok(self.reader.picture(view.bytes, content))
             }
-        })
-    }
-}
-
-/// Where the bytes of a picture are.
-fn source(image: &JsonObject<'_>) -> Result<PictureSource, GltfError> {
-    match (image.text("uri")?, image.count("bufferView")?) {
-        (Some(uri), _) => Ok(PictureSource::Address(uri.to_owned())),
-        (None, Some(view)) => Ok(PictureSource::View(view)),
-        (None, None) => Err(image.fault("the picture has neither an address nor a buffer view")),
+            (None, None) => Err(image.fault("the picture has neither an address nor a buffer view")),
+        }
     }
 }
 

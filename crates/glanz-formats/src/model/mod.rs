@@ -15,7 +15,7 @@ mod picture;
 mod reader;
 
 pub(crate) use material::grey;
-pub(crate) use picture::{PictureContent, read_picture, repetition};
+pub(crate) use picture::{PictureContent, repetition};
 pub(crate) use reader::ModelReader;
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.

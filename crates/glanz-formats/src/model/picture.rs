@@ -27,7 +27,7 @@ const BORDER: f64 = 1e-3;
 /// The content of a picture as planes for a texture, or the problem.
 ///
 /// Grey pictures have the same red, green and blue; the alpha of pictures without it is 1.
-pub(crate) fn read_picture(bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
+pub(super) fn read_picture(bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
     let encoding = if content == PictureContent::Color { Encoding::Srgb } else { Encoding::Linear };
     let pixels = image::read(bytes, None, encoding).map_err(|error| error.to_string())?.pixels;
     let grey = pixels.channel("Y").is_some();

@@ -1,12 +1,15 @@
 //! What the readers of models share: the description, messages, other files.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_light::Pixels;
 use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
 use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
 use glanz_scene::{Description, Diagnostics, Location, Severity};
 
+use super::picture::{PictureContent, read_picture};
 use crate::cad::CadReport;
 use crate::finder::{FileFinder, FindError};
 use crate::registry::{Loaded, Options};
@@ -28,7 +31,19 @@ pub(crate) struct ModelReader {
     pub(crate) own_camera: bool,
     /// Whether the model has light.
     pub(crate) own_light: bool,
+    /// Values of pictures that may still be read.
+    pub(crate) picture_values: usize,
+    /// Paths of files that count for the pictures.
+    counted: BTreeSet<PathBuf>,
 }
+
+/// Values of pictures that may be read: for each byte of a model and its files, and in any case, 1 GiB. A picture may be used with several contents, or by
+/// several parts of a file.
+const VALUES_PER_BYTE: usize = 256;
+const FREE_VALUES: usize = 1 << 28;
+
+const TOO_MANY_PICTURES: &str =
+    "the pictures of the model have too many pixels for its size; let its materials share pictures";
 
 impl ModelReader {
     /// A reader of the file with these bytes.
@@ -47,7 +62,10 @@ impl ModelReader {
         let grey = MaterialDescription::from(cad_material(CAD_GREY, 0.0));
         let description =
             Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
-        Ok(Self { sources, file, strict: options.strict, ..Self::within(description, finder, None) })
+        let mut reader =
+            Self { sources, file, strict: options.strict, ..Self::within(description, finder, None) };
+        reader.allow_pictures(bytes.len());
+        Ok(reader)
     }
 
     /// A reader of a file at a path that a scene names. It adds to what there is.
@@ -63,6 +81,8 @@ impl ModelReader {
             strict: false,
             own_camera: false,
             own_light: false,
+            picture_values: FREE_VALUES,
+            counted: BTreeSet::new(),
         }
     }
 
@@ -117,14 +137,48 @@ impl ModelReader {
         self.report(severity, kind, place, message);
     }
 
-    /// The bytes of a file to which the model refers.
+    fn path(&self, name: &str) -> Result<PathBuf, (String, bool)> {
+        self.finder.find(name, self.asking.as_deref()).map_err(|fault| {
+            (format!("file {name:?} {}; {}", fault.what(), fault.help()), fault == FindError::Outside)
+        })
+    }
+
+    /// The path of a file to which the model refers with links resolved: the same for all of its names.
     ///
     /// # Errors
     /// The problem as a sentence, and whether the model is not allowed to read the file.
+    pub(crate) fn real_path(&self, name: &str) -> Result<PathBuf, (String, bool)> {
+        self.path(name).map(|path| std::fs::canonicalize(&path).unwrap_or(path))
+    }
+
+    /// The bytes of a file to which the model refers.
+    ///
+    /// # Errors
+    /// As of [`ModelReader::real_path`].
     pub(crate) fn read_file(&mut self, name: &str) -> Result<Vec<u8>, (String, bool)> {
-        let path = self.finder.find(name, self.asking.as_deref()).map_err(|fault| {
-            (format!("file {name:?} {}; {}", fault.what(), fault.help()), fault == FindError::Outside)
-        })?;
-        self.finder.read(&path).map_err(|error| (format!("file {name:?} cannot be read: {error}"), false))
+        let path = self.path(name)?;
+        let bytes = self.finder.read(&path);
+        let bytes = bytes.map_err(|error| (format!("file {name:?} cannot be read: {error}"), false))?;
+        if self.counted.insert(std::fs::canonicalize(&path).unwrap_or(path)) {
+            self.allow_pictures(bytes.len());
+        }
+        Ok(bytes)
+    }
+
+    /// Allows pictures for so many bytes of the model.
+    pub(crate) fn allow_pictures(&mut self, bytes: usize) {
+        self.picture_values = self.picture_values.saturating_add(bytes.saturating_mul(VALUES_PER_BYTE));
+    }
+
+    /// The content of a picture as planes for a texture.
+    ///
+    /// # Errors
+    /// The problem.
+    pub(crate) fn picture(&mut self, bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
+        let pixels = read_picture(bytes, content)?;
+        let values = pixels.len().saturating_mul(pixels.channels().len());
+        let left = self.picture_values.checked_sub(values);
+        self.picture_values = left.ok_or(TOO_MANY_PICTURES)?;
+        Ok(pixels)
     }
 }

@@ -1,6 +1,7 @@
 //! Descriptions of files with their materials.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
 
 use glanz_light::SpectralDistribution;
 use glanz_math::DVec2;
@@ -14,7 +15,7 @@ use glanz_scene::studio::CAD_GREY;
 use glanz_shading::model::PrincipledMaterial;
 
 use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read, read_materials};
-use crate::model::{ModelReader, PictureContent, read_picture, repetition};
+use crate::model::{ModelReader, PictureContent, repetition};
 
 /// A material of the description, with the emission and the opacity of its surfaces.
 type StyledMaterial = (usize, Option<EmissionDescription>, Option<AlphaDescription>);
@@ -115,42 +116,46 @@ struct MaterialLowering<'a> {
 impl MaterialLowering<'_> {
     fn libraries(mut self, libraries: &[String]) -> BTreeMap<String, StyledMaterial> {
         let mut materials = BTreeMap::new();
-        let mut known: Vec<&str> = Vec::new();
+        let mut known = BTreeSet::new();
         for library in libraries {
-            // Names may contain blanks, and a statement may have several names.
-            let whole = self.reader.read_file(library).map(|bytes| vec![(library.as_str(), bytes)]);
-            let files = whole.or_else(|problem| {
-                let names = library.split(' ').filter(|name| !name.is_empty());
-                let parts = names.map(|name| Ok((name, self.reader.read_file(name)?)));
-                parts.collect::<Result<Vec<_>, (String, bool)>>().map_err(|_| problem)
-            });
-            let files = match files {
-                Ok(files) => files,
-                Err((problem, true)) => {
-                    self.reader.error("missing-file", None, problem);
-                    continue;
+            match self.files(library) {
+                Ok(files) => {
+                    for (name, path) in files {
+                        if known.insert(path) {
+                            self.library(name, &mut materials);
+                        }
+                    }
                 }
-                Err((problem, false)) => {
-                    self.reader.stand_in(
-                        "missing-file",
-                        None,
-                        format!("{problem}; grey stands in for its materials"),
-                    );
-                    continue;
-                }
-            };
-            for (name, bytes) in files {
-                if !known.contains(&name) {
-                    known.push(name);
-                    self.library(name, &bytes, &mut materials);
-                }
+                Err(problem) => self.report_missing(problem),
             }
         }
         materials
     }
 
-    fn library(&mut self, name: &str, bytes: &[u8], materials: &mut BTreeMap<String, StyledMaterial>) {
-        match read_materials(bytes) {
+    /// The names in a statement, with the files. Names may contain blanks, and a statement may have several names.
+    fn files<'l>(&self, library: &'l str) -> Result<Vec<(&'l str, PathBuf)>, (String, bool)> {
+        let file = |name| self.reader.real_path(name).map(|path| (name, path));
+        file(library).map(|one| vec![one]).or_else(|problem| {
+            let names = library.split(' ').filter(|name| !name.is_empty());
+            names.map(file).collect::<Result<_, _>>().map_err(|_| problem)
+        })
+    }
+
+    fn report_missing(&mut self, (problem, is_outside): (String, bool)) {
+        if is_outside {
+            self.reader.error("missing-file", None, problem);
+        } else {
+            let message = format!("{problem}; grey stands in for its materials");
+            self.reader.stand_in("missing-file", None, message);
+        }
+    }
+
+    fn library(&mut self, name: &str, materials: &mut BTreeMap<String, StyledMaterial>) {
+        let bytes = match self.reader.read_file(name) {
+            Ok(bytes) => bytes,
+            Err(problem) => return self.report_missing(problem),
+        };
+        match read_materials(&bytes) {
             Ok(file) => {
                 report(self.reader, name, &file.skipped);
                 for material in file.materials {
@@ -270,7 +275,7 @@ impl MaterialLowering<'_> {
             return *known;
         }
         let read = self.reader.read_file(map).map_err(|(problem, _)| problem);
-        let index = match read.and_then(|bytes| read_picture(&bytes, content)) {
+        let index = match read.and_then(|bytes| self.reader.picture(&bytes, content)) {
             Ok(pixels) => {
                 let images = &mut self.reader.description.images;
                 images.push(ImageDescription { name: map.to_owned(), pixels: pixels.into() });

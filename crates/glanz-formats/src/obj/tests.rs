@@ -305,6 +305,16 @@ fn pictures_are_scaled_shifted_and_clamped() {
 }
 
 #[test]
+fn a_file_of_materials_is_read_once_whatever_its_names() {
+    let loaded = with_materials(
+        "newmtl a\nKd 1 0 0\n",
+        &format!("mtllib ./a b.mtl\nmtllib a b.mtl\n{SQUARE}usemtl a\nf 1 2 3\n"),
+    );
+    // The grey one and that of the file.
+    assert_eq!(loaded.description.materials.len(), 2);
+}
+
+#[test]
 fn curves_that_all_loops_share_are_refused() {
     // Hundred times 91 points, in some 2000 bytes.
     let knots: String = (0..=90).map(|knot| format!(" {knot}")).collect();

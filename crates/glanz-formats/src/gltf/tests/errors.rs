@@ -156,3 +156,18 @@ fn more_elements_than_the_file_warrants_are_refused() {
     let found = message(&data.file(json!({ "meshes": meshes })));
     assert!(found.contains("/indices: the elements of the file are used too often"), "{found}");
 }
+
+#[test]
+fn a_file_that_several_buffers_name_counts_once() {
+    let zeros = json!({ "componentType": 5126, "type": "VEC3", "count": 100 });
+    let mut file = with_material(json!({}), json!({}));
+    file["accessors"][0] = zeros;
+    file["meshes"][0]["primitives"][0]["attributes"] = json!({ "POSITION": 0 });
+    let buffer = |name: &str| json!({ "byteLength": 60, "uri": name });
+    file["buffers"] = json!([buffer("m.bin"), buffer("./m.bin"), buffer("%6d.bin")]);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.bin"), [0; 60]).unwrap();
+    std::fs::write(folder.path().join("m.gltf"), file.to_string()).unwrap();
+    let error = crate::load(&folder.path().join("m.gltf"), &Options::default()).unwrap_err().to_string();
+    assert!(error.contains("100 zeros are more than the file can need"), "{error}");
+}

@@ -32,6 +32,31 @@ fn a_texture_may_show_one_pixel_of_its_picture_everywhere() {
 }
 
 #[test]
+fn pictures_have_no_more_pixels_than_the_size_of_a_model_warrants() {
+    let normal = |scale: u32| json!({ "normalTexture": { "index": 0, "scale": scale } });
+    let mut file = with_material(normal(1), json!({ "textures": [{ "source": 0 }], "images": [picture()] }));
+    file["materials"] = json!([normal(1), normal(2), normal(3)]);
+    let primitive = file["meshes"][0]["primitives"][0].clone();
+    for material in 1..3 {
+        let mut primitive = primitive.clone();
+        primitive["material"] = json!(material);
+        file["meshes"][0]["primitives"].as_array_mut().unwrap().push(primitive);
+    }
+    let bytes: Arc<[u8]> = file.to_string().into_bytes().into();
+    let mut reader = ModelReader::new("m", None, &bytes, &Options::default()).unwrap();
+    // Two pixels with three values, twice.
+    reader.picture_values = 12;
+    crate::gltf::read(&bytes, &mut reader);
+    let maps = reader.description.materials.iter().filter(|material| material.surface_detail.is_some());
+    assert_eq!(maps.count(), 2);
+    let warnings = reader.diagnostics.to_string();
+    assert!(
+        warnings.contains("/images/0: the pictures of the model have too many pixels for its size"),
+        "{warnings}"
+    );
+}
+
+#[test]
 fn textures_are_upright_and_their_channels_are_split() {
     let metal = json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
     let pbr = json!({

@@ -92,6 +92,7 @@ impl Lowering {
             (description.camera.clone(), description.film.clone(), description.lights.len());
         let first = description.groups.len();
         let mut reader = ModelReader::within(description, finder, Some(path));
+        reader.allow_pictures(bytes.len());
         gltf::read(bytes, &mut reader);
         let ModelReader { mut description, finder, diagnostics, .. } = reader;
         let shapes = std::mem::replace(&mut description.world, world);
