@@ -28,6 +28,16 @@ impl Component {
         })
     }
 
+    /// The type of a list of indices.
+    fn of_indices(object: &JsonObject<'_>) -> Result<Self, GltfError> {
+        match Self::of(object)? {
+            Self::I8 | Self::I16 | Self::F32 => {
+                Err(object.error("componentType", "indices are whole numbers without a sign"))
+            }
+            component => Ok(component),
+        }
+    }
+
     fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -118,11 +128,9 @@ impl<'a> Accessor<'a> {
         from: &JsonPath<'_>,
     ) -> Result<Self, GltfError> {
         document.element("accessors", index, from, |object| {
-            let component = Component::of(&object)?;
             let width = width(&object, needed)?;
-            if component == Component::F32 && !needed.floats {
-                return Err(object.error("componentType", "indices are whole numbers"));
-            }
+            let component =
+                if needed.floats { Component::of(&object)? } else { Component::of_indices(&object)? };
             let count = object.required_count("count")?;
             if count > u32::MAX as usize {
                 return Err(object.error("count", format!("{count} elements are more than 2^32")));
@@ -256,7 +264,7 @@ fn sparse_elements<'a>(
         strided(data, (view, offset, "bufferView"), size, count, &part)
     };
     let (numbers, number) = object.object_or_empty("indices", |indices| {
-        let number = Component::of(&indices)?;
+        let number = Component::of_indices(&indices)?;
         Ok((part(indices, number.size())?, number))
     })?;
     let values = object.object_or_empty("values", |values| part(values, size))?;

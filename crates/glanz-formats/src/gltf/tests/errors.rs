@@ -171,3 +171,19 @@ fn a_file_that_several_buffers_name_counts_once() {
     let error = crate::load(&folder.path().join("m.gltf"), &Options::default()).unwrap_err().to_string();
     assert!(error.contains("100 zeros are more than the file can need"), "{error}");
 }
+
+#[test]
+fn indices_have_no_sign() {
+    let mut data = Data::default();
+    let position = data.floats("VEC3", &CORNERS[..9]);
+    let indices = data.add((5120, "SCALAR", 3), &[0, 1, 0xff], json!({}));
+    let primitives = json!([{ "attributes": { "POSITION": position }, "indices": indices }]);
+    let mut file = data.file(json!({ "meshes": [{ "primitives": primitives }] }));
+    let expected = "componentType: indices are whole numbers without a sign";
+    assert!(message(&file).contains(&format!("/accessors/1/{expected}")));
+    // Of elements that replace others, too.
+    let values = json!({ "bufferView": 0 });
+    file["accessors"][0]["sparse"] =
+        json!({ "count": 1, "indices": { "bufferView": 1, "componentType": 5126 }, "values": values });
+    assert!(message(&file).contains(&format!("/accessors/0/sparse/indices/{expected}")));
+}
