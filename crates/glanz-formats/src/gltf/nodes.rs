@@ -12,6 +12,7 @@ use super::error::GltfError;
 use super::json::{JsonObject, JsonPath};
 use super::mesh::{VEC3, VEC4};
 use super::view::WATTS_PER_LUMEN;
+use crate::model::{MAX_LIGHT_COPIES, light_count};
 
 /// A use of a mesh by a node.
 struct MeshPlacement {
@@ -185,7 +186,9 @@ impl GltfReader<'_, '_> {
     fn place(&mut self, placements: Placements) -> Result<(), GltfError> {
         let mut uses: BTreeMap<usize, usize> = BTreeMap::new();
         placements.meshes.iter().for_each(|placement| *uses.entry(placement.mesh).or_default() += 1);
-        let mut groups: BTreeMap<usize, Option<usize>> = BTreeMap::new();
+        // The groups of meshes with the number of their lights.
+        let mut groups: BTreeMap<usize, Option<(usize, usize)>> = BTreeMap::new();
+        let mut lights = 0_usize;
         let (root, document) = (JsonPath::ROOT, self.document);
         let nodes = root.name("nodes");
         for MeshPlacement { mesh, to_world, name, node } in placements.meshes {
@@ -203,7 +206,7 @@ impl GltfReader<'_, '_> {
                     let shapes = self.mesh(mesh, &path)?;
                     let name = document.element("meshes", mesh, &path, |mesh| Ok(mesh.own_name()))?;
                     let all = &mut self.reader.description.groups;
-                    let group = (!shapes.is_empty()).then_some(all.len());
+                    let group = (!shapes.is_empty()).then(|| (all.len(), light_count(&shapes)));
                     if group.is_some() {
                         all.push(GroupDescription { name, shapes, ..GroupDescription::default() });
                     }
@@ -211,12 +214,16 @@ impl GltfReader<'_, '_> {
                     group
                 }
             };
-            self.reader.description.world.instances.extend(group.map(|group| InstanceDescription {
-                name,
-                group,
-                to_parent: to_world,
-                location: None,
-            }));
+            let Some((group, emitting)) = group else { continue };
+            lights = lights.saturating_add(emitting);
+            if lights > MAX_LIGHT_COPIES {
+                let message = format!(
+                    "instances create more than {MAX_LIGHT_COPIES} lights; let fewer nodes have an emissive mesh"
+                );
+                return Err(path.error(message));
+            }
+            let instance = InstanceDescription { name, group, to_parent: to_world, location: None };
+            self.reader.description.world.instances.push(instance);
         }
         Ok(())
     }

@@ -10,10 +10,12 @@ use crate::cad::{CadModel, CadWarning};
 use crate::registry::{Loaded, ModelFormat, Options};
 use crate::{gltf, newell, obj, ply, rib, stl};
 
+mod light_copies;
 mod material;
 mod picture;
 mod reader;
 
+pub(crate) use light_copies::{MAX_LIGHT_COPIES, face_count, light_count};
 pub(crate) use material::grey;
 pub(crate) use picture::{PictureContent, repetition};
 pub(crate) use reader::ModelReader;

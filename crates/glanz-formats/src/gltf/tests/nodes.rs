@@ -78,3 +78,22 @@ fn a_scene_places_a_file_with_its_own_materials_and_without_its_camera() {
     assert!(matches!(description.camera.kind, CameraKind::Perspective { .. }));
     assert_eq!(loaded.sources.paths().len(), 3, "the scene, the file and its buffer");
 }
+
+#[test]
+fn instances_may_not_create_more_lights_than_a_scene_holds() {
+    let mut data = Data::default();
+    let position = data.floats("VEC3", &CORNERS[..9]);
+    let indices = data.bytes(&[0, 1, 2].repeat(4096));
+    let primitive = json!({ "attributes": { "POSITION": position }, "indices": indices, "material": 0 });
+    let file = |nodes: usize, factor: u32| {
+        data.file(json!({
+            "meshes": [{ "primitives": [primitive] }], "nodes": vec![json!({ "mesh": 0 }); nodes],
+            "materials": [{ "emissiveFactor": [factor, 0, 0] }],
+        }))
+    };
+    // 4096 triangles, 256 times, are 2^20.
+    assert_eq!(load(&file(256, 1)).description.world.instances.len(), 256);
+    assert_eq!(load(&file(257, 0)).description.world.instances.len(), 257, "without light");
+    let error = message(&file(257, 1));
+    assert!(error.contains("/nodes/256/mesh: instances create more than 1048576 lights"), "{error}");
+}

@@ -7,7 +7,7 @@ use glanz_scene::description::{GeometryDescription, GroupDescription};
 
 use super::{EntityState, Lowering};
 use crate::gltf;
-use crate::model::ModelReader;
+use crate::model::{ModelReader, light_count};
 use crate::obj::{self, ObjMesh, ObjSurface};
 use crate::pbrt::parameters::ParameterList;
 use crate::source::{ParseResult, Span};
@@ -109,7 +109,7 @@ impl Lowering {
         self.description.groups.push(GroupDescription { name: shown, ..shapes });
         let groups = self.description.groups.iter().enumerate().skip(first);
         for (index, group) in groups {
-            let emitting = group.shapes.iter().filter(|shape| shape.emission.is_some()).count();
+            let emitting = light_count(&group.shapes);
             let inner = group.instances.iter().filter_map(|i| self.lights_in_groups.get(&i.group));
             let lights = inner.fold(emitting, |sum, lights| sum.saturating_add(*lights));
             self.lights_in_groups.insert(index, lights);

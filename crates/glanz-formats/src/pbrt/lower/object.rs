@@ -3,18 +3,16 @@
 use glanz_scene::description::{GroupDescription, InstanceDescription};
 
 use super::{EntityState, Lowering};
+use crate::model::MAX_LIGHT_COPIES;
 use crate::nearest::nearest;
 use crate::pbrt::parameters::shortened;
 use crate::source::{ParseResult, Span};
-
-/// Largest number of emitting shapes, counted once per instance: each becomes a light.
-const MAX_LIGHT_COPIES: usize = 1 << 20;
 
 /// The object between `ObjectBegin` and `ObjectEnd`. It becomes a group at its end, after all groups that it contains.
 #[derive(Debug, Default)]
 pub(crate) struct OpenObject {
     pub(super) group: GroupDescription,
-    /// Number of emitting shapes.
+    /// Number of lights.
     pub(super) lights: usize,
 }
 

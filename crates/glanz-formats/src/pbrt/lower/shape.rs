@@ -8,6 +8,7 @@ use glanz_scene::description::{
 };
 
 use super::{EntityState, Lowering};
+use crate::model::face_count;
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::ply;
@@ -78,7 +79,7 @@ impl Lowering {
         };
         let emission = context.emission.as_deref().cloned();
         if let (Some(_), Some(object)) = (&emission, &mut self.object) {
-            object.lights += surfaces.len();
+            object.lights = surfaces.iter().map(face_count).fold(object.lights, usize::saturating_add);
         }
         self.check_power(kind, emission.as_ref(), surfaces.len(), &place)?;
         for geometry in surfaces {
