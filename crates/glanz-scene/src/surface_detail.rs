@@ -68,13 +68,15 @@ fn bumped_normal(
 /// The normal of a picture in the frame of the shading normal and the derivative of the position by u.
 ///
 /// # Source
-/// @pbrt4 `NormalMap`.
+/// @pbrt4 `NormalMap`. Departure: green leans towards growing v also where the texture coordinates or the surface are mirrored, as in @khr_gltf.
 fn mapped_normal(picture: &MipMap, point: &SurfacePoint) -> Option<DVec3> {
     let rgb = picture.lookup(point.uv, 0.0, ImageWrap::Repeat, ImageFilter::Bilinear);
     let [x, y, z] = rgb.map(|c| 2.0 * f64::from(c) - 1.0);
     let n = point.shading_normal;
     let tangent = (point.dpdu - n * n.dot(point.dpdu)).try_normalize()?;
-    (x * tangent + y * n.cross(tangent) + z * n).try_normalize()
+    let across = n.cross(tangent);
+    let across = if across.dot(point.dpdv) < 0.0 { -across } else { across };
+    (x * tangent + y * across + z * n).try_normalize()
 }
 
 impl Scene {

@@ -26,8 +26,6 @@ pub(super) struct GltfMaterial {
     pub(super) is_repeated: bool,
     /// Whether coordinates may be moved by whole pictures, as all textures repeat alike.
     pub(super) is_periodic: bool,
-    /// Whether it has a map of normals.
-    pub(super) has_normal_map: bool,
     /// Coordinates of its textures; `None`: it has no textures.
     pub(super) uv: Option<UvSource>,
 }
@@ -100,11 +98,10 @@ impl GltfReader<'_, '_> {
                 && texture.uv == base
                 && self.sampler_of(texture, material)?.0 == ImageWrap::Repeat;
         }
-        let has_normal_map = surface_detail.is_some();
         let materials = &mut self.reader.description.materials;
         materials.push(MaterialDescription { name: material.own_name(), surface_detail, ..kind.into() });
         let index = materials.len() - 1;
-        Ok(GltfMaterial { index, emission, alpha, is_repeated, is_periodic, has_normal_map, uv })
+        Ok(GltfMaterial { index, emission, alpha, is_repeated, is_periodic, uv })
     }
 
     /// A surface that shows its base colour whatever the light: it emits that colour.

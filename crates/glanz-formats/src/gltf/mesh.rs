@@ -48,14 +48,6 @@ impl UsedVertices {
         Self { used, triangles }
     }
 
-    /// Whether a triangle has mirrored texture coordinates.
-    fn are_mirrored(&self, uvs: &[DVec2]) -> bool {
-        self.triangles.iter().any(|corners| {
-            let [a, b, c] = corners.map(|corner| uvs.get(corner as usize).copied().unwrap_or_default());
-            (b - a).perp_dot(c - a) < 0.0
-        })
-    }
-
     /// The values of an accessor at the vertices.
     fn values<const N: usize, T>(
         &self,
@@ -213,13 +205,6 @@ impl<'a> GltfReader<'a, '_> {
                             if x.is_finite() && y.is_finite() { DVec2::new(x, 1.0 - y) } else { DVec2::ZERO }
                         });
                         self.place_in_picture(&mut uvs, material, attributes);
-                        if material.has_normal_map && vertices.are_mirrored(&uvs) {
-                            let message = format!(
-                                "{}: where coordinates are mirrored, normals of the map lean to the wrong side across u",
-                                attributes.path()
-                            );
-                            self.reader.stand_in("gltf-normals", None, message);
-                        }
                         Some(uvs)
                     }
                     None => {

@@ -162,6 +162,28 @@ fn normal_maps_tilt_in_the_frame_of_the_texture() {
 }
 
 #[test]
+fn normal_maps_lean_towards_growing_v_on_mirrored_surfaces_too() {
+    let color = |normal: DVec3| (0.5 * normal + 0.5).as_vec3().to_array();
+    let (sin, cos) = 0.4_f64.sin_cos();
+    let (along_u, along_v) = (color(DVec3::new(sin, 0.0, cos)), color(DVec3::new(0.0, sin, cos)));
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(DVec2::from);
+    let mirrored = || GeometryDescription::Triangles {
+        positions: corners.map(|p| p.extend(0.0)).to_vec(),
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        normals: None,
+        uvs: Some(corners.map(|p| DVec2::new(-p.x, p.y)).to_vec()),
+    };
+    let ray = down(0.3, 0.2);
+    assert!(close(mapped(mirrored(), along_u, &ray).0, DVec3::new(-sin, 0.0, cos)));
+    assert!(close(mapped(mirrored(), along_v, &ray).0, DVec3::new(0.0, sin, cos)));
+    let plane = || ShapeDescription::rectangle([-1.0, 1.0], [-1.0, 1.0]);
+    let node = || plane().scaled([-1.0, 1.0, 1.0]);
+    assert!(close(mapped(node(), along_u, &ray).0, DVec3::new(-sin, 0.0, cos)));
+    assert!(close(mapped(node(), along_v, &ray).0, DVec3::new(0.0, sin, cos)));
+    assert!(close(mapped(plane().reversed(), along_v, &ray).0, DVec3::new(0.0, sin, -cos)));
+}
+
+#[test]
 fn the_blue_of_an_even_surface_changes_no_normal_and_normals_below_the_surface_do_not_count() {
     let ray = Ray::new(DVec3::new(3.0, 2.0, 1.0), DVec3::new(-3.0, -1.9, -0.8));
     for rgb in [[0.5, 0.5, 1.0], [0.5, 0.5, 0.0], [1.0, 0.5, 0.4], [0.5; 3]] {
