@@ -211,14 +211,15 @@ impl GltfReader<'_, '_> {
                         all.push(GroupDescription { name, shapes, ..GroupDescription::default() });
                     }
                     groups.insert(mesh, group);
-                    group
+                    // The first instance is no copy.
+                    group.map(|(index, _)| (index, 0))
                 }
             };
             let Some((group, emitting)) = group else { continue };
             lights = lights.saturating_add(emitting);
             if lights > MAX_LIGHT_COPIES {
                 let message = format!(
-                    "instances create more than {MAX_LIGHT_COPIES} lights; let fewer nodes have an emissive mesh"
+                    "instances create more than {MAX_LIGHT_COPIES} copies of lights; let fewer nodes have an emissive mesh"
                 );
                 return Err(path.error(message));
             }

@@ -2,7 +2,7 @@
 
 use glanz_scene::description::{GeometryDescription, ShapeDescription};
 
-/// Largest number of lights that instances may create.
+/// Largest number of lights that instances may create, beside those of the first instance of each group.
 pub(crate) const MAX_LIGHT_COPIES: usize = 1 << 20;
 
 /// Number of lights of the shapes of a group: every triangle, and every other face, of one that emits light.

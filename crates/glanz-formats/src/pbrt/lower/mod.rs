@@ -29,7 +29,7 @@ mod spline;
 mod texture;
 mod trim;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -64,7 +64,9 @@ pub(crate) struct Lowering {
     pub(crate) groups: BTreeMap<String, usize>,
     /// Number of emitting shapes, by group.
     pub(crate) lights_in_groups: BTreeMap<usize, usize>,
-    /// Number of lights created by instances.
+    /// Groups with lights that have an instance.
+    pub(crate) lit_groups: BTreeSet<usize>,
+    /// Number of lights created by further instances.
     pub(crate) light_copies: usize,
     pub(crate) cad_files: BTreeMap<PathBuf, CadFile>,
     /// Groups of glTF files.
@@ -127,6 +129,7 @@ impl Lowering {
             object: None,
             groups: BTreeMap::new(),
             lights_in_groups: BTreeMap::new(),
+            lit_groups: BTreeSet::new(),
             light_copies: 0,
             cad_files: BTreeMap::new(),
             gltf_files: BTreeMap::new(),

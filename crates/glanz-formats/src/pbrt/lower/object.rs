@@ -73,11 +73,15 @@ impl Lowering {
     ) -> ParseResult<()> {
         let lights = self.lights_in_groups.get(&group).copied().unwrap_or(0);
         if lights > 0 {
-            self.light_copies = self.light_copies.saturating_add(lights);
+            // The first instance is no copy.
+            let copies = if self.lit_groups.insert(group) { 0 } else { lights };
+            self.light_copies = self.light_copies.saturating_add(copies);
             let problem = if self.object.is_some() {
                 "an object that emits light cannot be part of another".to_owned()
             } else if self.light_copies > MAX_LIGHT_COPIES {
-                format!("instances create more than {MAX_LIGHT_COPIES} lights")
+                format!(
+                    "instances create more than {MAX_LIGHT_COPIES} copies of lights; let fewer objects emit light"
+                )
             } else {
                 String::new()
             };

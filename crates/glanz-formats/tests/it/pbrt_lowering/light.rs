@@ -110,6 +110,22 @@ fn lights_in_objects_are_kept_but_not_in_objects_of_objects() {
 }
 
 #[test]
+fn instances_copy_the_lights_of_all_triangles() {
+    let mesh = format!(
+        "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [{}]",
+        "0 1 2 ".repeat(4096)
+    );
+    let text = |instances: usize| {
+        let copies = "ObjectInstance \"lamp\" ".repeat(instances);
+        format!("WorldBegin ObjectBegin \"lamp\" AreaLightSource \"diffuse\" {mesh} ObjectEnd {copies}")
+    };
+    // Beside the first one, 256 times 4096 are 2^20.
+    assert_eq!(read_clean(&text(257)).description.world.instances.len(), 257);
+    let errors = load_str("test.pbrt", &text(258), &Options::default()).unwrap_err();
+    assert_eq!(errors.iter().map(|d| d.kind).collect::<Vec<_>>(), ["instance-light"]);
+}
+
+#[test]
 fn light_outside_the_gamut_keeps_its_spectrum_and_takes_none_away_from_colours() {
     for version in ["Film \"image\"", "Film \"rgb\""] {
         let text = format!("{version} WorldBegin LightSource \"point\" \"blackbody I\" 1200");
