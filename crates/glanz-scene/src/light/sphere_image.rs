@@ -274,6 +274,19 @@ mod tests {
     }
 
     #[test]
+    fn even_picture_has_the_irradiance_of_a_sky() {
+        for mapping in MAPPINGS {
+            let pixels = Pixels::try_from_rgb(64, 64, &[[1.0, 2.0, 0.0]; 4096]).unwrap();
+            for (found, expected) in
+                SphereImage::new(&pixels, mapping).unwrap().irradiance().into_iter().zip([PI, 2.0 * PI, 0.0])
+            {
+                // Sums over 4096 pixels by their middles.
+                assert!((found - expected).abs() <= 2e-3 * expected, "{mapping:?}: {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
     fn mean_of_a_sky_over_black_ground_is_half_the_sky() {
         for (mapping, is_sky) in [
             (SphereMapping::LatitudeLongitude, (|i| i < 200) as fn(u32) -> bool),

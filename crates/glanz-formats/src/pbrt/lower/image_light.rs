@@ -193,17 +193,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn even_picture_has_the_irradiance_of_a_sky() {
-        for mapping in [SphereMapping::LatitudeLongitude, SphereMapping::EqualArea] {
-            let pixels = Pixels::try_from_rgb(64, 64, &[[1.0, 2.0, 0.0]; 4096]).unwrap();
-            for (found, expected) in irradiance(&pixels, mapping).into_iter().zip([PI, 2.0 * PI, 0.0]) {
-                // Sums over 4096 pixels by their middles.
-                assert!((found - expected).abs() <= 2e-3 * expected, "{mapping:?}: {found} {expected}");
-            }
-        }
-    }
-
-    #[test]
     fn even_square_projected_under_a_right_angle_fills_a_sixth_of_the_sphere() {
         // The side of a cube, seen from its middle.
         let pixels = Pixels::try_from_rgb(64, 64, &[[1.0, 3.0, -1.0]; 4096]).unwrap();
