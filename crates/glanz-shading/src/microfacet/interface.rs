@@ -40,6 +40,16 @@ impl InterfaceScattering {
         Some(Self { alpha, eta, means: [near, far], transmitted })
     }
 
+    /// The scattering of light that arrives on the other side.
+    #[must_use]
+    pub fn beyond(&self) -> Self {
+        let [near, far] = self.means;
+        // Light is transmitted alike in both directions: the parts over the means of the side beyond differ by the square of the index.
+        let share = if far > 0.0 { near / far } else { 0.0 };
+        let transmitted = self.transmitted * share / (self.eta * self.eta);
+        Self { eta: 1.0 / self.eta, means: [far, near], transmitted, ..*self }
+    }
+
     /// Fraction of the light from `w` (above, which is this side) that facets send to others.
     #[must_use]
     pub fn lost(&self, w: DVec3) -> f64 {
@@ -123,6 +133,18 @@ impl Refraction {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn scattering_beyond_is_that_of_the_inverse_index() {
+        for (alpha, eta) in [(0.1, 1.5), (0.6, 1.01), (1.0, 1.0 / 1.33), (0.3, 900.0)] {
+            let facets = MicrofacetDistribution::isotropic(alpha);
+            let near = InterfaceScattering::new(&facets, eta).unwrap();
+            let (found, expected) = (near.beyond(), InterfaceScattering::new(&facets, 1.0 / eta).unwrap());
+            assert!((found.transmitted / expected.transmitted - 1.0).abs() < 1e-12, "{found:?} {expected:?}");
+            assert_eq!(found.means, expected.means);
+            assert!((found.eta * eta - 1.0).abs() < 1e-15);
+        }
+    }
 
     #[test]
     fn mean_reflectance_of_glass_is_the_closed_form() {

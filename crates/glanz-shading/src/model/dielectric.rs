@@ -28,18 +28,13 @@ const PREVIEW_OPACITY: f32 = 0.15;
 /// @walter2007 with the masking of @heitz2014; light between facets after @kulla2017, see [`InterfaceScattering`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
-    /// Refractive index inside (z < 0) over that outside, > 0.
-    pub eta: f64,
-    /// Factor on reflected light, [0, 1]; 1 for real glass.
-    pub reflectance: Spectrum,
-    /// Factor on transmitted light, [0, 1]; 1 for real glass.
-    pub transmittance: Spectrum,
-    /// Whether this is a sheet too thin to displace a ray: light passes straight through and is reflected by both faces.
-    pub thin: bool,
-    /// Facets, which a sheet does not have.
-    pub distribution: MicrofacetDistribution,
-    /// Whether light between facets counts, if they are isotropic.
-    pub multiple_scattering: bool,
+    eta: f64,
+    reflectance: Spectrum,
+    transmittance: Spectrum,
+    thin: bool,
+    distribution: MicrofacetDistribution,
+    /// Light between facets, of light that arrives outside.
+    multiple: Option<InterfaceScattering>,
 }
 
 /// A direction and the refractive indices seen from there, with what facets do to its light.
@@ -54,6 +49,37 @@ struct RoughView {
 }
 
 impl Dielectric {
+    /// A smooth boundary.
+    ///
+    /// `eta`: refractive index inside (z < 0) over that outside, in [0.001, 1000]. `reflectance` and `transmittance`: factors on reflected and on
+    /// transmitted light, [0, 1]; 1 for real glass.
+    #[must_use]
+    pub fn new(eta: f64, reflectance: Spectrum, transmittance: Spectrum) -> Self {
+        let distribution = MicrofacetDistribution::SMOOTH;
+        Self { eta, reflectance, transmittance, thin: false, distribution, multiple: None }
+    }
+
+    /// The same as a sheet too thin to displace a ray, which has no facets: light passes straight through and is reflected by both faces.
+    #[must_use]
+    pub fn as_sheet(self) -> Self {
+        Self { thin: true, distribution: MicrofacetDistribution::SMOOTH, multiple: None, ..self }
+    }
+
+    /// The same boundary with facets. `multiple_scattering`: whether light between facets counts, if they are isotropic.
+    #[must_use]
+    pub fn with_facets(self, distribution: MicrofacetDistribution, multiple_scattering: bool) -> Self {
+        let rough = Self { distribution, thin: false, ..self };
+        let multiple = multiple_scattering && !rough.is_delta();
+        let multiple = if multiple { InterfaceScattering::new(&distribution, self.eta) } else { None };
+        Self { multiple, ..rough }
+    }
+
+    /// Refractive index inside (z < 0) over that outside.
+    #[must_use]
+    pub fn eta(&self) -> f64 {
+        self.eta
+    }
+
     /// The mirrored and the refracted direction, each with the whole fraction of light it carries as weight.
     ///
     /// `None` for one that carries nothing: total reflection, equal media, black factors.
@@ -105,8 +131,7 @@ impl Dielectric {
     /// `None` along the surface.
     fn rough_view(&self, wo: DVec3) -> Option<RoughView> {
         let eta = self.eta_from(wo);
-        let multiple =
-            if self.multiple_scattering { InterfaceScattering::new(&self.distribution, eta) } else { None };
+        let multiple = self.multiple.map(|outside| if wo.z > 0.0 { outside } else { outside.beyond() });
         let [wo, _] = upper_side(wo, wo)?;
         let lost = multiple.as_ref().map_or(0.0, |multiple| multiple.lost(wo));
         Some(RoughView { wo, eta, multiple, lost })
@@ -137,8 +162,9 @@ impl Dielectric {
             return (multiple, 0.0);
         };
         let share = fresnel::dielectric(view.wo.dot(m), view.eta).reflectance;
-        let density = self.distribution.density(m) * view.wo.dot(m) * jacobian / view.wo.z;
-        let single = (1.0 - share) * density * self.distribution.masking_shadowing(view.wo, -wi) / eta2;
+        // D G (o.m) / cos_o: that of reflection has 4 (o.m) steradians of directions per steradian of normals.
+        let facets = 4.0 * self.distribution.reflection(view.wo, -wi, m) * view.wo.dot(m) * jacobian;
+        let single = (1.0 - share) * facets / eta2;
         let pdf = self.distribution.visible_pdf(view.wo, m) * jacobian;
         (single + multiple, pdf * (1.0 - self.reflection_probability(share)))
     }
@@ -311,13 +337,12 @@ impl TexturedModel for DielectricMaterial {
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Dielectric {
         let eta = at.float(&self.eta);
-        Dielectric {
-            eta: if INDICES.contains(&eta) { f64::from(eta) } else { 1.0 },
-            reflectance: at.fraction(&self.reflectance),
-            transmittance: at.fraction(&self.transmittance),
-            thin: self.thin,
-            distribution: self.roughness.distribution(at),
-            multiple_scattering: self.multiple_scattering,
+        let eta = if INDICES.contains(&eta) { f64::from(eta) } else { 1.0 };
+        let smooth = Dielectric::new(eta, at.fraction(&self.reflectance), at.fraction(&self.transmittance));
+        if self.thin {
+            smooth.as_sheet()
+        } else {
+            smooth.with_facets(self.roughness.distribution(at), self.multiple_scattering)
         }
     }
 }
@@ -365,14 +390,8 @@ mod tests {
     }
 
     fn glass(thin: bool) -> Dielectric {
-        Dielectric {
-            eta: 1.5,
-            reflectance: Spectrum::ONE,
-            transmittance: Spectrum::ONE,
-            thin,
-            distribution: MicrofacetDistribution::SMOOTH,
-            multiple_scattering: true,
-        }
+        let glass = Dielectric::new(1.5, Spectrum::ONE, Spectrum::ONE);
+        if thin { glass.as_sheet() } else { glass }
     }
 
     #[test]

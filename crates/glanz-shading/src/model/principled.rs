@@ -362,20 +362,22 @@ impl TexturedModel for PrincipledMaterial {
             Some(metal) => metal.at(at),
             None => ConductorFresnel::of_reflectance(color, white),
         };
+        let transmission = fraction(&self.transmission);
+        let glass = Dielectric::new(interface.eta(), specular, color);
         let sheen_color = at.fraction(&self.sheen);
         Box::new(Principled {
             white,
             metallic: fraction(&self.metallic),
-            transmission: fraction(&self.transmission),
+            transmission,
             metal_max: f64::from(metal.reflectance(1.0).max_component()),
             metal: Conductor::new(metal, distribution, self.multiple_scattering),
-            glass: Dielectric {
-                eta: interface.eta(),
-                reflectance: specular,
-                transmittance: color,
-                thin: self.thin,
-                distribution: self.roughness.distribution(at),
-                multiple_scattering: self.multiple_scattering,
+            glass: if self.thin {
+                glass.as_sheet()
+            } else {
+                glass.with_facets(
+                    self.roughness.distribution(at),
+                    self.multiple_scattering && transmission > 0.0,
+                )
             },
             color,
             specular,

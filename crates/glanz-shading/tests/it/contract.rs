@@ -54,7 +54,7 @@ const ESTIMATE_ERROR: f32 = 0.07;
 /// The refractive index on the side of `w`.
 fn index(bsdf: &Bsdf, w: DVec3) -> f64 {
     match bsdf {
-        Bsdf::Dielectric(glass) if w.z < 0.0 => glass.eta,
+        Bsdf::Dielectric(glass) if w.z < 0.0 => glass.eta(),
         // All of the table.
         Bsdf::Principled(_) if w.z < 0.0 => 1.5,
         _ => 1.0,

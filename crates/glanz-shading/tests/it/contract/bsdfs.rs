@@ -13,24 +13,14 @@ pub(super) fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsd
 
 pub(super) const WHITE: Spectrum = Spectrum::from_rgb([1.0; 3]);
 
-pub(super) fn smooth_glass(eta: f64, thin: bool) -> Dielectric {
-    Dielectric {
-        eta,
-        reflectance: WHITE,
-        transmittance: WHITE,
-        thin,
-        distribution: MicrofacetDistribution::SMOOTH,
-        multiple_scattering: true,
-    }
-}
-
 pub(super) fn glass(eta: f64, thin: bool) -> Bsdf {
-    Bsdf::Dielectric(smooth_glass(eta, thin))
+    let glass = Dielectric::new(eta, WHITE, WHITE);
+    Bsdf::Dielectric(if thin { glass.as_sheet() } else { glass })
 }
 
 pub(super) fn rough_glass(eta: f64, [x, y]: [f64; 2]) -> Bsdf {
-    let distribution = MicrofacetDistribution::new(x, y);
-    Bsdf::Dielectric(Dielectric { distribution, ..smooth_glass(eta, false) })
+    let facets = MicrofacetDistribution::new(x, y);
+    Bsdf::Dielectric(Dielectric::new(eta, WHITE, WHITE).with_facets(facets, true))
 }
 
 pub(super) fn metal(eta: [f32; 3], k: [f32; 3], [x, y]: [f64; 2]) -> Bsdf {
@@ -62,8 +52,8 @@ pub(super) fn principled(color: Spectrum, roughness: f32, set: impl Fn(&mut Prin
 /// The table.
 pub(super) fn bsdfs() -> Vec<(&'static str, Bsdf)> {
     let colour = Spectrum::from_rgb([0.9, 0.5, 0.1]);
-    let tinted = Dielectric { reflectance: colour, transmittance: colour * 0.5, ..smooth_glass(1.5, false) };
-    let tinted_rough = Dielectric { distribution: MicrofacetDistribution::new(0.3, 0.3), ..tinted };
+    let tinted = Dielectric::new(1.5, colour, colour * 0.5);
+    let tinted_rough = tinted.with_facets(MicrofacetDistribution::new(0.3, 0.3), true);
     let [eta, k] = GOLD;
     let table = vec![
         ("black", Bsdf::Black),
