@@ -142,7 +142,7 @@ static REFLECTED: LazyLock<EnergyTable<2, 1>> = LazyLock::new(|| {
         reflected_once(alpha, alpha, direction(masked_cosine(masking, alpha), 0.0))
     };
     let mean = |table: &InterpolationTable<2>, [alpha]: [f64; 1]| {
-        diffuse_mean(|cos| table.at([alpha, masking_coordinate(cos, alpha)]))
+        diffuse_mean(&RULE, |cos| table.at([alpha, masking_coordinate(cos, alpha)]))
     };
     EnergyTable::new([17, 33], directional, mean)
 });
@@ -157,7 +157,7 @@ static REFLECTED_ANISOTROPIC: LazyLock<EnergyTable<4, 2>> = LazyLock::new(|| {
     let mean = |table: &InterpolationTable<4>, [x, y]: [f64; 2]| {
         GaussLegendre::new(6).integrate(0.0, 1.0, |azimuth| {
             let along = width_along(width(x), width(y), azimuth * FRAC_PI_2);
-            diffuse_mean(|cos| table.at([x, y, azimuth, masking_coordinate(cos, along)]))
+            diffuse_mean(&RULE, |cos| table.at([x, y, azimuth, masking_coordinate(cos, along)]))
         })
     };
     EnergyTable::new([11, 11, 7, 17], directional, mean)
@@ -179,7 +179,7 @@ fn new_loss_table(sign: f64) -> EnergyTable<3, 2> {
         (1.0 - reflected - transmitted).max(0.0)
     };
     let mean = |table: &InterpolationTable<3>, [index, alpha]: [f64; 2]| {
-        diffuse_mean(|cos| table.at([index, alpha, masking_coordinate(cos, alpha)]))
+        diffuse_mean(&RULE, |cos| table.at([index, alpha, masking_coordinate(cos, alpha)]))
     };
     EnergyTable::new([21, 17, 25], directional, mean)
 }
@@ -212,16 +212,19 @@ static INTERFACE: LazyLock<EnergyTable<3, 2>> = LazyLock::new(|| {
         reflected
     };
     let mean = |table: &InterpolationTable<3>, [index, alpha]: [f64; 2]| {
-        diffuse_mean(|cos| table.at([index, alpha, cos.sqrt()]))
+        diffuse_mean(&RULE, |cos| table.at([index, alpha, cos.sqrt()]))
     };
     EnergyTable::new([21, 17, 25], directional, mean)
 });
 
-/// The mean over diffuse light of a function of the cosine.
-fn diffuse_mean(f: impl Fn(f64) -> f64) -> f64 {
+/// The mean over diffuse light of a function of the cosine, by the nodes of `rule`.
+pub(super) fn diffuse_mean(rule: &GaussLegendre, f: impl Fn(f64) -> f64) -> f64 {
     // With cos = x^2 the weight 2 cos d(cos) is 4 x^3 dx.
-    GaussLegendre::new(16).integrate(0.0, 1.0, |x| 4.0 * x.powi(3) * f(x * x))
+    rule.integrate(0.0, 1.0, |x| 4.0 * x.powi(3) * f(x * x))
 }
+
+/// The rule for tables.
+static RULE: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(16));
 
 /// The coordinate of a cosine in tables: facets of the width `alpha` hide one another where the cosine is about `alpha`, and everything that
 /// depends on this is smooth in it for narrow and for wide ones.
@@ -266,7 +269,6 @@ fn over_samples<const N: usize>(
 }
 
 fn reflected_once(alpha_x: f64, alpha_y: f64, wo: DVec3) -> f64 {
-    static RULE: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(16));
     let distribution = MicrofacetDistribution::new(alpha_x, alpha_y);
     let [reflected] = over_samples(alpha_x == alpha_y && wo.y == 0.0, &RULE, |xi| {
         let wi = distribution.sample_reflection(wo, xi);
@@ -283,9 +285,8 @@ fn reflected_once(alpha_x: f64, alpha_y: f64, wo: DVec3) -> f64 {
 /// Reflected and, if `transmits`, transmitted fraction.
 fn scattered_once(alpha: f64, eta: f64, wo: DVec3, transmits: bool) -> [f64; 2] {
     // From the denser side total reflection begins at some facets, where the integrand jumps.
-    static ENTERING: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(16));
     static LEAVING: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(80));
-    let rule = if eta < 1.0 { &LEAVING } else { &ENTERING };
+    let rule = if eta < 1.0 { &LEAVING } else { &RULE };
     let distribution = MicrofacetDistribution::new(alpha, alpha);
     let visible = 1.0 + distribution.lambda(wo);
     over_samples(true, rule, |xi| {

@@ -1,8 +1,10 @@
 //! Rough interfaces between two dielectrics.
 
 use std::f64::consts::FRAC_1_PI;
+use std::sync::LazyLock;
 
 use glanz_math::DVec3;
+use glanz_sampling::basis::GaussLegendre;
 
 use super::{MicrofacetDistribution, energy};
 use crate::fresnel;
@@ -86,19 +88,8 @@ pub fn mean_dielectric(eta: f64) -> f64 {
         // Diffuse light stays diffuse: what leaves the denser side is what enters it, over the larger number of directions.
         return 1.0 - (1.0 - mean_dielectric(1.0 / eta)) * eta * eta;
     }
-    // The Gauss rule of six nodes on [0, 1].
-    const RULE: [(f64, f64); 6] = [
-        (0.033_765_242_898_423_99, 0.085_662_246_189_585_17),
-        (0.169_395_306_766_867_74, 0.180_380_786_524_069_3),
-        (0.380_690_406_958_401_55, 0.233_956_967_286_345_52),
-        (0.619_309_593_041_598_5, 0.233_956_967_286_345_52),
-        (0.830_604_693_233_132_3, 0.180_380_786_524_069_3),
-        (0.966_234_757_101_576, 0.085_662_246_189_585_17),
-    ];
-    // With cos = x^2 the weight 2 cos d(cos) is 4 x^3 dx.
-    RULE.iter()
-        .map(|(x, weight)| weight * 4.0 * x.powi(3) * fresnel::dielectric(x * x, eta).reflectance)
-        .sum()
+    static RULE: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(6));
+    energy::diffuse_mean(&RULE, |cos| fresnel::dielectric(cos, eta).reflectance)
 }
 
 /// Facets between two directions, and what they do to light.
