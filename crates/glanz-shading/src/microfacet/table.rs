@@ -1,5 +1,7 @@
 //! Tables of functions that have no closed form.
 
+use super::clamp_unit;
+
 /// Values of a function on a grid over the unit cube, interpolated linearly along each axis.
 #[derive(Clone, Debug)]
 pub(super) struct InterpolationTable<const N: usize> {
@@ -23,13 +25,12 @@ impl<const N: usize> InterpolationTable<N> {
         Self { nodes, values: (0..nodes.iter().product()).map(value).collect() }
     }
 
-    /// The value at a point, which is clamped to the unit cube.
+    /// The value at a point, which is clamped to the unit cube; NaN counts as 0.
     pub(super) fn at(&self, point: [f64; N]) -> f64 {
         let (mut first, mut steps, mut fractions) = (0, [0; N], [0.0; N]);
         for axis in 0..N {
             let n = self.nodes[axis];
-            let x = point[axis].clamp(0.0, 1.0) * (n - 1) as f64;
-            // NaN is the first node.
+            let x = clamp_unit(point[axis]) * (n - 1) as f64;
             let below = (x as usize).min(n - 2);
             first = first * n + below;
             fractions[axis] = x - below as f64;
@@ -61,5 +62,6 @@ mod tests {
             assert!((table.at(point) - f(point)).abs() < 1e-6, "{point:?}");
         }
         assert!((table.at([-1.0, 2.0, 0.5]) - f([0.0, 1.0, 0.5])).abs() < 1e-6, "clamped");
+        assert!((table.at([f64::NAN, 0.25, 0.5]) - f([0.0, 0.25, 0.5])).abs() < 1e-6, "not a number");
     }
 }
