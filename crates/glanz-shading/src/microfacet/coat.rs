@@ -16,7 +16,6 @@ pub struct Coat {
     eta: f64,
     distribution: MicrofacetDistribution,
     multiple: Option<InterfaceScattering>,
-    mean_transmittance: f64,
 }
 
 impl Coat {
@@ -28,16 +27,8 @@ impl Coat {
     #[must_use]
     pub fn new(eta: f32, distribution: MicrofacetDistribution, multiple_scattering: bool) -> Self {
         let eta = if Self::INDICES.contains(&eta) { f64::from(eta) } else { 1.0 };
-        let alpha = distribution.mean_width();
         let multiple = if multiple_scattering { InterfaceScattering::new(&distribution, eta) } else { None };
-        let reflected = if distribution.is_smooth() {
-            mean_dielectric(eta)
-        } else {
-            let lost = energy::mean_interface_loss(alpha, eta);
-            let between = multiple.as_ref().map_or(0.0, |multiple| 1.0 - multiple.transmitted);
-            energy::mean_directional_reflectance(&distribution, eta) + between * lost
-        };
-        Self { eta, distribution, multiple, mean_transmittance: 1.0 - reflected }
+        Self { eta, distribution, multiple }
     }
 
     /// Its refractive index.
@@ -61,12 +52,16 @@ impl Coat {
     /// Fraction of diffuse light from outside that is transmitted.
     #[must_use]
     pub fn mean_transmittance(&self) -> f64 {
-        self.mean_transmittance
+        if self.distribution.is_smooth() {
+            return 1.0 - mean_dielectric(self.eta);
+        }
+        let between = self.multiple.as_ref().map_or(0.0, |x| (1.0 - x.transmitted) * x.mean_lost());
+        1.0 - energy::mean_directional_reflectance(&self.distribution, self.eta) - between
     }
 
-    /// Fraction of the light from `w` (above) that facets send to others.
-    fn lost(&self, w: DVec3) -> f64 {
-        self.multiple.as_ref().map_or(0.0, |multiple| multiple.lost(w))
+    /// Fraction of the light from `w` (above) that facets reflect more than once.
+    fn multiple_reflectance(&self, w: DVec3) -> f64 {
+        self.multiple.as_ref().map_or(0.0, |x| (1.0 - x.transmitted) * x.lost(w))
     }
 
     /// Fraction of the light from `w` (above) that is reflected.
@@ -75,8 +70,8 @@ impl Coat {
         if self.distribution.is_smooth() {
             return fresnel::dielectric(w.z, self.eta).reflectance;
         }
-        let between = self.multiple.as_ref().map_or(0.0, |multiple| 1.0 - multiple.transmitted);
-        (energy::directional_reflectance(&self.distribution, self.eta, w) + between * self.lost(w)).min(1.0)
+        let once = energy::directional_reflectance(&self.distribution, self.eta, w);
+        (once + self.multiple_reflectance(w)).min(1.0)
     }
 
     /// `f cos` of rough reflection; both directions above.
@@ -91,8 +86,8 @@ impl Coat {
 
     /// The fraction of reflected light that facets reflect more than once.
     fn multiple_probability(&self, w: DVec3) -> f64 {
-        let between = self.multiple.as_ref().map_or(0.0, |x| (1.0 - x.transmitted) * x.lost(w));
-        if between > 0.0 { between / self.reflectance(w) } else { 0.0 }
+        let multiple = self.multiple_reflectance(w);
+        if multiple > 0.0 { multiple / self.reflectance(w) } else { 0.0 }
     }
 
     /// Density of sampling rough reflection; both directions above.

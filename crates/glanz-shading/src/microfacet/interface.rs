@@ -58,6 +58,12 @@ impl InterfaceScattering {
         energy::interface_loss(self.alpha, self.eta, w.z)
     }
 
+    /// The mean of [`InterfaceScattering::lost`] over diffuse light.
+    #[must_use]
+    pub fn mean_lost(&self) -> f64 {
+        self.means[0]
+    }
+
     /// Fraction of the light from `w` (mirrored above) on the other side that facets send to others.
     #[must_use]
     pub fn lost_beyond(&self, w: DVec3) -> f64 {

@@ -22,6 +22,8 @@ use crate::preview::PreviewSurface;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatedDiffuse {
     coat: Coat,
+    /// Fraction of diffuse light from outside that the coat transmits.
+    transmitted: f64,
     /// 1 in the lanes in use.
     white: Spectrum,
     /// `R / (pi eta^2 (1 - r R))`.
@@ -38,12 +40,12 @@ impl CoatedDiffuse {
             let r = f64::from(r);
             (FRAC_1_PI * r / (eta2 * (1.0 - r) + r * transmitted)) as f32
         });
-        Self { coat, white, base }
+        Self { coat, transmitted, white, base }
     }
 
     /// Fraction of the light of which the coat reflects the fraction `reflected` that the base scatters.
     fn base_albedo(&self, reflected: f64) -> Spectrum {
-        self.base * (PI * (1.0 - reflected) * self.coat.mean_transmittance()) as f32
+        self.base * (PI * (1.0 - reflected) * self.transmitted) as f32
     }
 
     /// Probability of sampling the base for a direction of which the coat reflects this fraction.

@@ -82,9 +82,9 @@ impl Conductor {
         distribution: MicrofacetDistribution,
         multiple_scattering: bool,
     ) -> Self {
-        let mean = energy::mean_reflected(&distribution);
+        let mean = if multiple_scattering { energy::mean_reflected(&distribution) } else { 1.0 };
         let (mut multiple, mut multiple_ratio) = (Spectrum::BLACK, 0.0);
-        if multiple_scattering && mean < 1.0 {
+        if mean < 1.0 {
             // Each reflection between facets loses what the metal absorbs and what leaves.
             let single = metal.mean_reflectance();
             let color = single.map(|f| f * f * mean as f32 / (1.0 - f * (1.0 - mean as f32)));

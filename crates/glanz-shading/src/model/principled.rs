@@ -40,6 +40,8 @@ pub struct Principled {
     specular: Spectrum,
     specular_max: f64,
     interface: Coat,
+    /// 1 over the mean of what it passes on, of diffuse light.
+    diffuse_scale: f64,
     coat_weight: f64,
     coat: Coat,
     /// Colour of the fibres, and its largest lane.
@@ -95,8 +97,7 @@ impl Principled {
     /// The diffuse part, `f cos` without the weight of the glossy surface.
     fn diffuse(&self, wo: DVec3, wi: DVec3) -> Spectrum {
         let through = |w| 1.0 - self.specular_max * self.interface.reflectance(w);
-        let mean = 1.0 - self.specular_max * (1.0 - self.interface.mean_transmittance());
-        self.color * (FRAC_1_PI * wi.z * through(wo) * through(wi) / mean) as f32
+        self.color * (FRAC_1_PI * wi.z * through(wo) * through(wi) * self.diffuse_scale) as f32
     }
 
     /// The factors of the fibres on the coat, and of both on the base; both directions above.
@@ -354,37 +355,42 @@ impl TexturedModel for PrincipledMaterial {
             let [x, y] = roughness.distribution(at).alpha();
             MicrofacetDistribution::new(x.max(SMOOTH), y.max(SMOOTH))
         };
+        let [metallic, transmission, coat_weight] =
+            [&self.metallic, &self.transmission, &self.coat].map(fraction);
+        let glossy = (1.0 - metallic) * (1.0 - transmission);
+        // Light between facets costs much to prepare; parts without weight do without.
+        let multiple = |weight: f64| self.multiple_scattering && weight > 0.0;
         let white = at.white();
         let (color, specular) = (at.fraction(&self.base_color), at.fraction(&self.specular));
         let (distribution, eta) = (rough(&self.roughness), at.float(&self.eta));
-        let interface = Coat::new(eta, distribution, self.multiple_scattering);
+        let interface = Coat::new(eta, distribution, multiple(glossy));
+        let specular_max = f64::from(specular.max_component());
+        let mean_reflected =
+            if glossy > 0.0 { specular_max * (1.0 - interface.mean_transmittance()) } else { 0.0 };
         let metal = match &self.metal {
             Some(metal) => metal.at(at),
             None => ConductorFresnel::of_reflectance(color, white),
         };
-        let transmission = fraction(&self.transmission);
         let glass = Dielectric::new(interface.eta(), specular, color);
         let sheen_color = at.fraction(&self.sheen);
         Box::new(Principled {
             white,
-            metallic: fraction(&self.metallic),
+            metallic,
             transmission,
-            metal_max: f64::from(metal.reflectance(1.0).max_component()),
-            metal: Conductor::new(metal, distribution, self.multiple_scattering),
+            metal_max: if metallic > 0.0 { f64::from(metal.reflectance(1.0).max_component()) } else { 0.0 },
+            metal: Conductor::new(metal, distribution, multiple(metallic)),
             glass: if self.thin {
                 glass.as_sheet()
             } else {
-                glass.with_facets(
-                    self.roughness.distribution(at),
-                    self.multiple_scattering && transmission > 0.0,
-                )
+                glass.with_facets(self.roughness.distribution(at), multiple(transmission))
             },
             color,
             specular,
-            specular_max: f64::from(specular.max_component()),
+            specular_max,
             interface,
-            coat_weight: fraction(&self.coat),
-            coat: Coat::new(at.float(&self.coat_eta), rough(&self.coat_roughness), self.multiple_scattering),
+            diffuse_scale: 1.0 / (1.0 - mean_reflected),
+            coat_weight,
+            coat: Coat::new(at.float(&self.coat_eta), rough(&self.coat_roughness), multiple(coat_weight)),
             sheen_color,
             sheen_max: f64::from(sheen_color.max_component()),
             sheen: SheenDistribution::new(fraction(&self.sheen_roughness).powi(2)),
