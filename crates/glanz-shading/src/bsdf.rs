@@ -296,6 +296,18 @@ pub(crate) fn upper_side(wo: DVec3, wi: DVec3) -> Option<[DVec3; 2]> {
     (wo.z != 0.0).then(|| [up(wo), up(wi)])
 }
 
+/// Both directions, mirrored so that they are above; `None` unless they are strictly on one side of the surface.
+#[inline]
+pub(crate) fn both_above(wo: DVec3, wi: DVec3) -> Option<[DVec3; 2]> {
+    if same_side(wo, wi) { upper_side(wo, wi) } else { None }
+}
+
+/// `wi` for `wo` above, mirrored for `wo` as it is.
+#[inline]
+pub(crate) fn to_side_of(wo: DVec3, wi: DVec3) -> DVec3 {
+    DVec3::new(wi.x, wi.y, wi.z * 1.0_f64.copysign(wo.z))
+}
+
 /// Whether both directions are strictly on one side of the surface.
 #[inline]
 pub(crate) fn same_side(wo: DVec3, wi: DVec3) -> bool {

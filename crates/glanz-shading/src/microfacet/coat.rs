@@ -3,7 +3,6 @@
 use std::ops::RangeInclusive;
 
 use glanz_math::{DVec2, DVec3};
-use glanz_sampling::warp;
 
 use super::interface::{InterfaceScattering, mean_dielectric};
 use super::{MicrofacetDistribution, energy, half_vector};
@@ -93,18 +92,12 @@ impl Coat {
     /// Density of sampling rough reflection; both directions above.
     #[must_use]
     pub fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let multiple = self.multiple_probability(wo);
-        let facets = self.distribution.reflection_pdf(wo, half_vector(wo, wi)).0;
-        (1.0 - multiple) * facets + multiple * warp::cosine_hemisphere_pdf(wi.z).0
+        self.distribution.scattering_pdf(wo, wi, self.multiple_probability(wo))
     }
 
     /// A direction of rough reflection, for `wo` above.
     #[must_use]
     pub fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64) -> DVec3 {
-        if xi_lobe < self.multiple_probability(wo) {
-            warp::cosine_hemisphere(xi)
-        } else {
-            self.distribution.sample_reflection(wo, xi).normalize()
-        }
+        self.distribution.sample_scattering(wo, self.multiple_probability(wo), xi, xi_lobe)
     }
 }

@@ -9,6 +9,7 @@ mod table;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
+use glanz_sampling::warp;
 
 /// The distribution of facet normals of Trowbridge and Reitz (GGX), with the masking function of Smith.
 ///
@@ -125,6 +126,22 @@ impl MicrofacetDistribution {
     pub fn reflection_pdf(&self, wo: DVec3, m: DVec3) -> SolidAnglePdf {
         let length = self.stretched_length(wo);
         SolidAnglePdf(self.density(m) / (2.0 * (self.lower_bound(wo) * wo.z + length)))
+    }
+
+    /// A direction that facets reflect from `wo` once, or with the probability `multiple` more than once, which is diffuse; it may be below the
+    /// surface.
+    pub(crate) fn sample_scattering(&self, wo: DVec3, multiple: f64, xi: DVec2, xi_lobe: f64) -> DVec3 {
+        if xi_lobe < multiple {
+            warp::cosine_hemisphere(xi)
+        } else {
+            self.sample_reflection(wo, xi).normalize()
+        }
+    }
+
+    /// Density of [`MicrofacetDistribution::sample_scattering`] for `wi` above.
+    pub(crate) fn scattering_pdf(&self, wo: DVec3, wi: DVec3, multiple: f64) -> f64 {
+        let once = self.reflection_pdf(wo, half_vector(wo, wi)).0;
+        (1.0 - multiple) * once + multiple * warp::cosine_hemisphere_pdf(wi.z).0
     }
 
     /// A facet normal among those that `wo` sees, by two numbers uniform in [0, 1).

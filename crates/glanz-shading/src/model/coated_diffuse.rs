@@ -6,10 +6,10 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 use glanz_sampling::warp;
 
-use super::mirror::mirrored;
+use super::mirror::mirror_image;
 use super::roughness::Roughness;
 use super::{Material, MaterialModel, TexturedModel};
-use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side, upper_side};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, both_above, to_side_of, upper_side};
 use crate::microfacet::coat::Coat;
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 use crate::preview::PreviewSurface;
@@ -60,18 +60,14 @@ impl BsdfModel for CoatedDiffuse {
     const LOBES: &'static [Lobe] = &[Lobe::DIFFUSE, Lobe::SPECULAR_REFLECTION, Lobe::GLOSSY];
 
     fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        let Some([wo, wi]) = upper_side(wo, wi).filter(|_| same_side(wo, wi)) else {
-            return Spectrum::BLACK;
-        };
+        let Some([wo, wi]) = both_above(wo, wi) else { return Spectrum::BLACK };
         let [o, i] = [wo, wi].map(|w| 1.0 - self.coat.reflectance(w));
         let base = self.base * (o * i * wi.z) as f32;
         if self.coat.is_smooth() { base } else { base + self.white * self.coat.eval(wo, wi) as f32 }
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
-        let Some([wo, wi]) = upper_side(wo, wi).filter(|_| same_side(wo, wi)) else {
-            return SolidAnglePdf(0.0);
-        };
+        let Some([wo, wi]) = both_above(wo, wi) else { return SolidAnglePdf(0.0) };
         let base = self.base_probability(self.coat.reflectance(wo));
         let diffuse = base * warp::cosine_hemisphere_pdf(wi.z).0;
         let glossy = if self.coat.is_smooth() { 0.0 } else { (1.0 - base) * self.coat.pdf(wo, wi) };
@@ -82,23 +78,22 @@ impl BsdfModel for CoatedDiffuse {
         let [up, _] = upper_side(wo, wo)?;
         let reflected = self.coat.reflectance(up);
         let base = self.base_probability(reflected);
-        let (mut wi, lobe) = if xi_lobe < base {
+        let (wi, lobe) = if xi_lobe < base {
             (warp::cosine_hemisphere(xi), Lobe::DIFFUSE)
         } else if self.coat.is_smooth() {
             let weight = self.white * (reflected / (1.0 - base)) as f32;
-            return Some(BsdfSample::delta(mirrored(wo), weight, Lobe::SPECULAR_REFLECTION));
+            return Some(mirror_image(wo, weight));
         } else {
             (self.coat.sample(up, xi, (xi_lobe - base) / (1.0 - base)), Lobe::GLOSSY)
         };
-        wi.z *= 1.0_f64.copysign(wo.z);
-        BsdfSample::of_direction(self, [wo, wi], lobe, mode)
+        BsdfSample::of_direction(self, [wo, to_side_of(wo, wi)], lobe, mode)
     }
 
     fn delta_branches(&self, wo: DVec3, _: TransportMode) -> [Option<BsdfSample>; 2] {
         let up = upper_side(wo, wo).filter(|_| self.coat.is_smooth());
         let weight = up.map(|[up, _]| self.white * self.coat.reflectance(up) as f32);
         let branch = weight.filter(|weight| !weight.is_black());
-        [branch.map(|weight| BsdfSample::delta(mirrored(wo), weight, Lobe::SPECULAR_REFLECTION)), None]
+        [branch.map(|weight| mirror_image(wo, weight)), None]
     }
 
     fn diffuse_probability(&self, wo: DVec3) -> f64 {

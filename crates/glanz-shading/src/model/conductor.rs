@@ -4,12 +4,11 @@ use std::f64::consts::FRAC_1_PI;
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
-use glanz_sampling::warp;
 
-use super::mirror::mirrored;
+use super::mirror::mirror_image;
 use super::roughness::Roughness;
 use super::{Material, MaterialModel, TexturedModel};
-use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side, upper_side};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, both_above, to_side_of, upper_side};
 use crate::fresnel;
 use crate::microfacet::{MicrofacetDistribution, energy, half_vector};
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
@@ -101,11 +100,7 @@ impl Conductor {
 
     /// A direction of rough reflection, for `wo` above; it may be below the surface.
     pub(super) fn sample_rough(&self, wo: DVec3, xi: DVec2, xi_lobe: f64) -> DVec3 {
-        if xi_lobe < self.multiple_probability(self.lost(wo)) {
-            warp::cosine_hemisphere(xi)
-        } else {
-            self.distribution.sample_reflection(wo, xi).normalize()
-        }
+        self.distribution.sample_scattering(wo, self.multiple_probability(self.lost(wo)), xi, xi_lobe)
     }
 
     /// Reflectance of a smooth surface at normal incidence.
@@ -124,7 +119,7 @@ impl BsdfModel for Conductor {
     const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION, Lobe::GLOSSY];
 
     fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        let Some([wo, wi]) = upper_side(wo, wi).filter(|_| !self.is_delta() && same_side(wo, wi)) else {
+        let Some([wo, wi]) = both_above(wo, wi).filter(|_| !self.is_delta()) else {
             return Spectrum::BLACK;
         };
         let m = half_vector(wo, wi);
@@ -133,23 +128,20 @@ impl BsdfModel for Conductor {
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
-        let Some([wo, wi]) = upper_side(wo, wi).filter(|_| !self.is_delta() && same_side(wo, wi)) else {
+        let Some([wo, wi]) = both_above(wo, wi).filter(|_| !self.is_delta()) else {
             return SolidAnglePdf(0.0);
         };
         let multiple = self.multiple_probability(self.lost(wo));
-        let single = self.distribution.reflection_pdf(wo, half_vector(wo, wi)).0;
-        SolidAnglePdf((1.0 - multiple) * single + multiple * warp::cosine_hemisphere_pdf(wi.z).0)
+        SolidAnglePdf(self.distribution.scattering_pdf(wo, wi, multiple))
     }
 
     /// The mirrored direction, or one that a facet mirrors, or one of light between facets.
     fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
         let [up, _] = upper_side(wo, wo)?;
         if self.is_delta() {
-            let lobe = Lobe::SPECULAR_REFLECTION;
-            return Some(BsdfSample::delta(mirrored(wo), self.metal.reflectance(wo.z), lobe));
+            return Some(mirror_image(wo, self.metal.reflectance(wo.z)));
         }
-        let mut wi = self.sample_rough(up, xi, xi_lobe);
-        wi.z *= 1.0_f64.copysign(wo.z);
+        let wi = to_side_of(wo, self.sample_rough(up, xi, xi_lobe));
         BsdfSample::of_direction(self, [wo, wi], Lobe::GLOSSY, mode)
     }
 

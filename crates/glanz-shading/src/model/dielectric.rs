@@ -6,10 +6,10 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 use glanz_sampling::warp;
 
-use super::mirror::mirrored;
+use super::mirror::mirror_image;
 use super::roughness::Roughness;
 use super::{Material, MaterialModel, TexturedModel};
-use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, estimated_albedo, upper_side};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, estimated_albedo, to_side_of, upper_side};
 use crate::fresnel::{self, DielectricSplit};
 use crate::microfacet::interface::{InterfaceScattering, Refraction};
 use crate::microfacet::{MicrofacetDistribution, half_vector};
@@ -90,10 +90,9 @@ impl Dielectric {
         let split = self.split(wo.z.abs(), self.eta_from(wo));
         let reflected = self.reflectance * split.reflectance as f32;
         let transmitted = self.transmittance * (1.0 - split.reflectance) as f32;
-        let reflection = BsdfSample::delta(mirrored(wo), reflected, Lobe::SPECULAR_REFLECTION);
         let transmission = self.transmission(wo, split.cos_transmitted, transmitted, mode);
         [
-            (!reflected.is_black()).then_some(reflection),
+            (!reflected.is_black()).then(|| mirror_image(wo, reflected)),
             transmission.filter(|_| !split.total && !transmitted.is_black()),
         ]
     }
@@ -187,7 +186,7 @@ impl Dielectric {
                 (fresnel::refract(view.wo, m, view.eta)?, true)
             }
         };
-        let wi = DVec3::new(wi.x, wi.y, wi.z * 1.0_f64.copysign(wo.z)).normalize();
+        let wi = to_side_of(wo, wi).normalize();
         // Facets may reflect light below the surface and refract it above.
         let lobe = if transmits { Lobe::GLOSSY_TRANSMISSION } else { Lobe::GLOSSY };
         ((wi.z * wo.z < 0.0) == transmits && wi.z != 0.0).then_some((wi, lobe))

@@ -19,7 +19,7 @@ impl BsdfModel for Mirror {
 
     /// The mirrored direction.
     fn sample(&self, wo: DVec3, _: DVec2, _: f64, _: TransportMode) -> Option<BsdfSample> {
-        (wo.z != 0.0).then(|| BsdfSample::delta(mirrored(wo), self.reflectance, Lobe::SPECULAR_REFLECTION))
+        (wo.z != 0.0).then(|| mirror_image(wo, self.reflectance))
     }
 
     fn albedo(&self, _: DVec3) -> Spectrum {
@@ -34,6 +34,11 @@ impl BsdfModel for Mirror {
 /// `wo` rotated by half a turn about z.
 pub(super) fn mirrored(wo: DVec3) -> DVec3 {
     DVec3::new(-wo.x, -wo.y, wo.z)
+}
+
+/// The mirrored direction, of this weight.
+pub(super) fn mirror_image(wo: DVec3, weight: Spectrum) -> BsdfSample {
+    BsdfSample::delta(mirrored(wo), weight, Lobe::SPECULAR_REFLECTION)
 }
 
 /// The material of [`Mirror`].

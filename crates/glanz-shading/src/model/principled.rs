@@ -10,7 +10,7 @@ use super::conductor::{Conductor, ConductorFresnel, MetalColor};
 use super::dielectric::Dielectric;
 use super::roughness::{Roughness, RoughnessScale};
 use super::{Material, MaterialModel, TexturedModel};
-use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, estimated_albedo, upper_side};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, estimated_albedo, to_side_of, upper_side};
 use crate::microfacet::coat::Coat;
 use crate::microfacet::sheen::SheenDistribution;
 use crate::microfacet::{MicrofacetDistribution, SMOOTH, clamp_unit};
@@ -205,11 +205,11 @@ impl BsdfModel for Principled {
         } else {
             (self.coat.sample(up, xi, selects(parts.coat)?), Lobe::GLOSSY)
         };
-        let wi = DVec3::new(wi.x, wi.y, wi.z * 1.0_f64.copysign(wo.z));
-        if wi.z * wo.z <= 0.0 {
+        // Facets may reflect light below the surface, where glass would scatter it.
+        if wi.z <= 0.0 {
             return None;
         }
-        BsdfSample::of_direction(self, [wo, wi], lobe, mode)
+        BsdfSample::of_direction(self, [wo, to_side_of(wo, wi)], lobe, mode)
     }
 
     /// Whether there is nothing but clear glass.
