@@ -143,7 +143,7 @@ impl<P: ParameterForm> MaterialModel<P> for CoatedDiffuseMaterial<P> {
         Ok(CoatedDiffuseMaterial {
             reflectance: resolver.fraction("reflectance", &self.reflectance)?,
             eta: resolver.float("eta", &self.eta, Coat::INDICES, "a number between 1 and 1000")?,
-            roughness: self.roughness.resolve(resolver)?,
+            roughness: self.roughness.resolve("roughness", resolver)?,
             multiple_scattering: self.multiple_scattering,
         })
     }

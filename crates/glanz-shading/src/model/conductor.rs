@@ -178,12 +178,17 @@ pub enum MetalColor<P: ParameterForm = ShadingForm> {
 }
 
 impl<P: ParameterForm> MetalColor<P> {
-    /// Checks the parameters and converts them for shading.
-    pub(super) fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<MetalColor, MaterialError> {
+    /// Checks the parameters and converts them for shading. `names`: those of the index and of the absorption coefficient in errors.
+    pub(super) fn resolve<R: ParameterResolver<P>>(
+        &self,
+        names: [&'static str; 2],
+        resolver: &R,
+    ) -> Result<MetalColor, MaterialError> {
         Ok(match self {
-            Self::Index { eta, k } => {
-                MetalColor::Index { eta: resolver.spectrum("eta", eta)?, k: resolver.spectrum("k", k)? }
-            }
+            Self::Index { eta, k } => MetalColor::Index {
+                eta: resolver.spectrum(names[0], eta)?,
+                k: resolver.spectrum(names[1], k)?,
+            },
             Self::Reflectance(reflectance) => {
                 MetalColor::Reflectance(resolver.fraction("reflectance", reflectance)?)
             }
@@ -225,8 +230,8 @@ impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
 
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<ConductorMaterial, MaterialError> {
         Ok(ConductorMaterial {
-            color: self.color.resolve(resolver)?,
-            roughness: self.roughness.resolve(resolver)?,
+            color: self.color.resolve(["eta", "k"], resolver)?,
+            roughness: self.roughness.resolve("roughness", resolver)?,
             multiple_scattering: self.multiple_scattering,
         })
     }

@@ -325,7 +325,7 @@ impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
             reflectance: resolver.fraction("reflectance", &self.reflectance)?,
             transmittance: resolver.fraction("transmittance", &self.transmittance)?,
             thin: self.thin,
-            roughness: self.roughness.resolve(resolver)?,
+            roughness: self.roughness.resolve("roughness", resolver)?,
             multiple_scattering: self.multiple_scattering,
         })
     }

@@ -24,7 +24,7 @@ impl<P: ParameterForm> MixMaterial<P> {
         &self,
         resolver: &R,
     ) -> Result<MixMaterial, MaterialError> {
-        let range = "a number";
+        let range = "a finite number";
         let amount = resolver.float("amount", &self.amount, f32::MIN..=f32::MAX, range)?;
         Ok(MixMaterial { materials: self.materials, amount })
     }

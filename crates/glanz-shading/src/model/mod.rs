@@ -329,7 +329,7 @@ impl Material {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::texture::Texture;
+    use crate::texture::{FloatInput, Texture};
     use glanz_math::{DVec2, DVec3};
 
     const RGB: Wavelengths = Wavelengths::Rgb;
@@ -383,6 +383,45 @@ mod tests {
         let foreign = SpectrumInput::Texture(others.add(Texture::Constant(Spectrum::ONE)).unwrap());
         let error = Material::mirror(foreign).check(&textures);
         assert_eq!(error, Err(MaterialError::Texture { parameter: "reflectance" }));
+    }
+
+    #[test]
+    fn errors_name_the_parameter_of_their_layer() {
+        let checked = |set: fn(&mut PrincipledMaterial)| {
+            let mut material = PrincipledMaterial::new(0.5, 0.5);
+            set(&mut material);
+            match Material::from(material).check(&Textures::new()) {
+                Err(MaterialError::Range { parameter, .. }) => parameter,
+                other => panic!("{other:?}"),
+            }
+        };
+        assert_eq!(checked(|m| m.roughness.v = (-1.0).into()), "roughness");
+        assert_eq!(checked(|m| m.coat_roughness.u = (-1.0).into()), "coat.roughness");
+        assert_eq!(checked(|m| m.eta = 0.5.into()), "eta");
+        assert_eq!(
+            checked(|m| m.metal = Some(MetalColor::Index { eta: grey(-1.0), k: grey(1.0) })),
+            "metal.eta"
+        );
+        assert_eq!(
+            checked(|m| m.metal = Some(MetalColor::Index { eta: grey(1.0), k: grey(-1.0) })),
+            "metal.k"
+        );
+    }
+
+    #[test]
+    fn mixtures_select_the_second_part_with_the_probability_of_their_amount() {
+        let (textures, at) = (Textures::new(), point());
+        let at = TextureEvaluator::new(&textures, &at, &RGB);
+        for (amount, xi, selected) in
+            [(0.25, 0.249, 9), (0.25, 0.25, 4), (-1.0, 0.0, 4), (7.0, 0.999, 9), (f32::NAN, 0.0, 4)]
+        {
+            let mix = MixMaterial::<ShadingForm> { materials: [4, 9], amount: FloatInput::Constant(amount) };
+            assert_eq!(mix.select(&at, xi), selected, "{amount} {xi}");
+        }
+        assert!(matches!(
+            Material::mix([0, 1], f32::INFINITY).check(&textures),
+            Err(MaterialError::Range { parameter: "amount", .. })
+        ));
     }
 
     #[test]

@@ -316,6 +316,9 @@ impl<P: ParameterForm<Float: From<f32>, Spectrum: From<f32>>> PrincipledMaterial
     }
 }
 
+/// Names of the optical constants of the metal in errors.
+const METAL_NAMES: [&str; 2] = ["metal.eta", "metal.k"];
+
 impl<P: ParameterForm> MaterialModel<P> for PrincipledMaterial<P> {
     type Textured = PrincipledMaterial;
 
@@ -329,14 +332,14 @@ impl<P: ParameterForm> MaterialModel<P> for PrincipledMaterial<P> {
         Ok(PrincipledMaterial {
             base_color: resolver.fraction("basecolor", &self.base_color)?,
             metallic: fraction("metallic", &self.metallic)?,
-            roughness: self.roughness.resolve(resolver)?,
+            roughness: self.roughness.resolve("roughness", resolver)?,
             eta: index("eta", &self.eta)?,
             specular: resolver.fraction("specular", &self.specular)?,
-            metal: self.metal.as_ref().map(|metal| metal.resolve(resolver)).transpose()?,
+            metal: self.metal.as_ref().map(|metal| metal.resolve(METAL_NAMES, resolver)).transpose()?,
             transmission: fraction("transmission", &self.transmission)?,
             thin: self.thin,
             coat: fraction("coat", &self.coat)?,
-            coat_roughness: self.coat_roughness.resolve(resolver)?,
+            coat_roughness: self.coat_roughness.resolve("coat.roughness", resolver)?,
             coat_eta: index("coat.eta", &self.coat_eta)?,
             sheen: resolver.fraction("sheen", &self.sheen)?,
             sheen_roughness: fraction("sheen.roughness", &self.sheen_roughness)?,

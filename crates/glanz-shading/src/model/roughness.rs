@@ -62,14 +62,14 @@ impl<P: ParameterForm> Roughness<P> {
         Self::isotropic(0.0, RoughnessScale::Alpha)
     }
 
-    /// Checks the parameters and converts them for shading.
-    pub(super) fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<Roughness, MaterialError> {
-        let number = |name, input| resolver.float(name, input, 0.0..=f32::MAX, "a number of at least 0");
-        Ok(Roughness {
-            u: number("roughness", &self.u)?,
-            v: number("roughness", &self.v)?,
-            scale: self.scale,
-        })
+    /// Checks the parameters, called `name` in errors, and converts them for shading.
+    pub(super) fn resolve<R: ParameterResolver<P>>(
+        &self,
+        name: &'static str,
+        resolver: &R,
+    ) -> Result<Roughness, MaterialError> {
+        let number = |input| resolver.float(name, input, 0.0..=f32::MAX, "a number of at least 0");
+        Ok(Roughness { u: number(&self.u)?, v: number(&self.v)?, scale: self.scale })
     }
 }
 
