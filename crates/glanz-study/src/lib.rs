@@ -5,6 +5,7 @@
 //! which are processor times by [`clock`].
 //!
 //! - [`report`] holds results and writes them (Markdown, CSV, SVG, PNG), with tables and plots of [`glanz_report`];
+//! - `bsdfs` plots scattering models;
 //! - `densities` integrates with learnt densities (document 003);
 //! - `guiding` renders rooms with and without learnt densities (document 003);
 //! - `newton` compares Newton's method with the certified search (document 000);
@@ -24,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod bsdfs;
 pub mod clock;
 mod densities;
 mod guiding;

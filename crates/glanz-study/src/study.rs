@@ -18,7 +18,7 @@ use glanz_transport::{FilmError, FilterError, IntegratorError, RenderError};
 
 use crate::reconstruction::quadtree::QuadtreeError;
 use crate::report::Report;
-use crate::{densities, guiding, newton, reconstruction, reflector, solvers, tessellation};
+use crate::{bsdfs, densities, guiding, newton, reconstruction, reflector, solvers, tessellation};
 
 /// A study: a question and the function that answers it.
 #[derive(Debug)]
@@ -64,7 +64,14 @@ pub enum StudyOption {
 }
 
 /// All studies. A new one is a file and a line here.
-static STUDIES: [Study; 7] = [
+static STUDIES: [Study; 8] = [
+    Study {
+        name: "bsdfs",
+        description: "values of scattering models, densities of their samples, and what they give back of a white sky",
+        options: &[],
+        caches: false,
+        run: bsdfs::run,
+    },
     Study {
         name: "densities",
         description: "variance of integrals whose density learns from its own samples (document 003)",
