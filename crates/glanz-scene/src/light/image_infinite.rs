@@ -99,8 +99,8 @@ impl ImageInfiniteLight {
 }
 
 /// Mean over the bands of a colour in linear Rec. 709 times `emission`.
-pub(super) fn brightness_of(rgb: [f64; 3], emission: Spectrum) -> f64 {
-    brightness(emission * Spectrum::from_rgb(rgb.map(|x| x as f32)))
+pub(super) fn brightness_of(rgb: [f64; 3], emission: Spectrum) -> f32 {
+    brightness(emission * Spectrum::from_rgb(rgb.map(|x| x as f32))) as f32
 }
 
 impl LightModel for ImageInfiniteLight {

@@ -132,15 +132,18 @@ impl PortalImage {
     /// The picture of `radiance`, W/(m^2 sr), by unit direction.
     fn new(side: usize, radiance: impl Fn(DVec3) -> Spectrum) -> Self {
         let image = FlatImage::new([side; 2], |place| radiance(direction_of(place)));
-        let weights = |factor: fn(DVec3) -> f64| -> Vec<f64> {
-            let weight = |(place, mean)| {
-                let local = direction_of(place);
-                brightness(mean) * solid_angle_of_unit(local) * factor(local)
-            };
-            image.cells().map(weight).collect()
+        let weight = |(place, mean)| {
+            let local = direction_of(place);
+            (local, brightness(mean) * solid_angle_of_unit(local))
         };
-        let windowed = WindowedPiecewiseConstant2::try_new(side, side, weights(|_| 1.0)).ok();
-        let through = PiecewiseConstant2::try_new(side, side, &weights(|local| local.z)).ok();
+        let weights = image.cells().map(|cell| weight(cell).1).collect();
+        let windowed = WindowedPiecewiseConstant2::try_new(side, side, weights).ok();
+        let through = |cell| {
+            let (local, weight) = weight(cell);
+            (weight * local.z) as f32
+        };
+        let weights = image.cells().map(through).collect();
+        let through = PiecewiseConstant2::try_new(side, side, weights, |_| 1.0).ok();
         Self { image, windowed, through }
     }
 

@@ -55,9 +55,9 @@ impl ProjectionLight {
         let [width, height] = intensity.size();
         let half = half_sides([width as f64, height as f64], field_of_view);
         let solid_angle = |place: DVec2| solid_angle_of_unit(half, place);
-        let weights: Vec<f64> =
-            intensity.cells().map(|(place, mean)| brightness(mean) * solid_angle(place)).collect();
-        let density = PiecewiseConstant2::try_new(width, height, &weights).ok();
+        let weight = |(place, mean)| (brightness(mean) * solid_angle(place)) as f32;
+        let weights = intensity.cells().map(weight).collect();
+        let density = PiecewiseConstant2::try_new(width, height, weights, |_| 1.0).ok();
         let power = intensity.mean(solid_angle);
         let position = input.to_world.point(DVec3::ZERO);
         let density = density.map(Arc::new);

@@ -22,35 +22,27 @@ pub(super) struct SphereDensity {
 
 impl SphereDensity {
     /// The density proportional to `weight` of the mean value of each pixel; `None` if that is 0 everywhere.
-    pub(super) fn new(image: &SphereImage, weight: impl Fn([f64; 3]) -> f64) -> Option<Self> {
+    pub(super) fn new(image: &SphereImage, weight: impl Fn([f64; 3]) -> f32) -> Option<Self> {
         let (width, height) = (image.width(), image.height());
-        let mut weights = Vec::with_capacity(width * height);
-        for row in 0..height {
-            let solid_angle = image.solid_angle(row);
-            weights.extend((0..width).map(|column| solid_angle * weight(image.mean_of_cell(column, row))));
-        }
-        Self::of_pixels(image, &weights)
+        let of_pixel = |i| weight(image.mean_of_cell(i % width, i / width));
+        let weights = (0..width * height).map(of_pixel).collect();
+        let solid_angle = |row| image.solid_angle(row);
+        let pixels = PiecewiseConstant2::try_new(width, height, weights, solid_angle).ok()?;
+        Some(Self { mapping: image.mapping(), height, pixels })
     }
 
     /// That density, and the one proportional to the excess over the mean (@karlik2019): where a picture is darker than its mean, BSDF sampling
     /// finds its light as well. Both are the same if a picture is almost even.
     pub(super) fn with_compensation(
         image: &SphereImage,
-        weight: impl Fn([f64; 3]) -> f64,
+        weight: impl Fn([f64; 3]) -> f32,
     ) -> Option<[Self; 2]> {
-        let complete = Self::new(image, &weight)?;
+        let complete = Self::new(image, weight)?;
         let sum = complete.pixels.sum();
-        let mean = sum / (4.0 * PI);
-        let excess = Self::new(image, |rgb| (weight(rgb) - mean).max(0.0));
-        let compensated = excess.filter(|excess| excess.pixels.sum() > EVEN * sum);
-        let compensated = compensated.unwrap_or_else(|| complete.clone());
+        let excess = complete.pixels.above(sum / (4.0 * PI), |row| image.solid_angle(row)).ok();
+        let excess = excess.filter(|excess| excess.sum() > EVEN * sum);
+        let compensated = excess.map_or_else(|| complete.clone(), |pixels| Self { pixels, ..complete });
         Some([complete, compensated])
-    }
-
-    fn of_pixels(image: &SphereImage, weights: &[f64]) -> Option<Self> {
-        let (width, height) = (image.width(), image.height());
-        let pixels = PiecewiseConstant2::try_new(width, height, weights).ok()?;
-        Some(Self { mapping: image.mapping(), height, pixels })
     }
 
     /// A unit direction by two numbers uniform in [0, 1), with its density.

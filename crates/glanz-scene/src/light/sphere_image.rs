@@ -19,7 +19,7 @@ pub struct SphereImage {
     width: usize,
     height: usize,
     /// Rows from the top.
-    texels: Arc<[[f32; 3]]>,
+    texels: Arc<Vec<[f32; 3]>>,
 }
 
 /// A pixel of a [`SphereImage`].
@@ -38,9 +38,10 @@ impl SphereImage {
     #[must_use]
     pub fn new(pixels: &Pixels, mapping: SphereMapping) -> Option<Self> {
         let positive = |x: f32| if x > 0.0 && x.is_finite() { x } else { 0.0 };
-        let texels = pixels.to_rgb()?.into_iter().map(|rgb| rgb.map(positive)).collect();
+        let mut texels = pixels.to_rgb()?;
+        texels.iter_mut().for_each(|rgb| *rgb = rgb.map(positive));
         let (width, height) = (pixels.width() as usize, pixels.height() as usize);
-        Some(Self { mapping, width, height, texels })
+        Some(Self { mapping, width, height, texels: Arc::new(texels) })
     }
 
     /// A square picture of `function` of unit directions, at the middles of `size` times `size` pixels; its values are not negative.
