@@ -14,7 +14,7 @@ use super::{Context, Integrator, IntegratorSettings, mirrors};
 ///   [`classic`](glanz_shading::model::phong::classic). The intensity L of a light is the radiance of a white diffuse surface that faces it, irradiance / pi, so that the diffuse part is that of
 ///   Lambert's law; the ambient light S is that of the infinite lights, without shadows.
 /// - Other rough materials are lit by every light: exactly by point and directional lights, with one random direction to each
-///   area light and each infinite light.
+///   area light and each infinite light, through surfaces that transmit one on either side to the same light from everywhere.
 /// - Every light is tested for shadow by one ray.
 /// - All directions of mirrors and glass are traced with their Fresnel weights, up to the depth limit and while
 ///   the weight of a ray at the viewer is at least [`SMALLEST_WEIGHT`](super::SMALLEST_WEIGHT).
@@ -46,12 +46,23 @@ fn light_ids(context: &Context<'_>) -> impl Iterator<Item = LightId> + use<> {
 
 /// Light of all lights that a rough surface scatters to the viewer.
 fn direct_light(context: &mut Context<'_>, vertex: &Vertex<'_>) -> Spectrum {
-    light_ids(context)
-        .map(|id| {
-            let xi = context.sampler.next_2d();
-            vertex.light(context, id, xi, |_, _, _| 1.0)
-        })
-        .sum()
+    let mut behind = *vertex.at;
+    behind.wo = -behind.wo;
+    let mut light = Spectrum::BLACK;
+    for id in light_ids(context) {
+        let xi = context.sampler.next_2d();
+        light += vertex.light(context, id, xi, |_, _, _| 1.0);
+        // The samples of such a light lie on the side of the viewer only.
+        if vertex.bsdf.transmits() && matches!(context.scene.light(id), Some(Light::Infinite(_))) {
+            let sample = context.scene.sample_light(id, &behind, xi);
+            if let Some((beyond, shadow)) = vertex.sampled_light(sample, |_, _, _| 1.0)
+                && context.is_free(&shadow.ray, shadow.t_max)
+            {
+                light += beyond;
+            }
+        }
+    }
+    light
 }
 
 /// Document 001 section 3.4.

@@ -68,6 +68,17 @@ fn layered_and_transmitting_surfaces_without_absorption_are_unseen_in_a_closed_r
 }
 
 #[test]
+fn sheet_under_a_constant_sky_shows_what_it_reflects_and_what_it_transmits() {
+    let scene = looking(DVec3::new(0.5, 0.3, -2.0), DVec3::ZERO, [4, 4], 0.2)
+        .shape(ShapeDescription::disk(1.0), MaterialKind::diffuse_transmission(0.2, 0.5))
+        .light(LightDescription::infinite([3.0; 3]));
+    for run in Run::all_random(3, 256) {
+        run.picture(&scene).assert_average([2.1; 3], 0.02, &run.name());
+    }
+    Run::new("whitted", 3, 4).picture(&scene).assert_exact(2.1, "whitted");
+}
+
+#[test]
 fn depth_counts_scattering_events() {
     let scene = looking(DVec3::ZERO, DVec3::X, [4, 4], 1.0)
         .shape(ShapeDescription::sphere(2.0).reversed().emitting([1.0; 3]), diffuse(0.5));
