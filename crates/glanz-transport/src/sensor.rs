@@ -76,6 +76,8 @@ impl FilmSensor {
         }
         let factor = match self.limit {
             SampleLimit::None => 1.0,
+            // An infinite limit is none; the ratio would not be a number.
+            SampleLimit::Component(limit) | SampleLimit::Luminance(limit) if limit.is_infinite() => 1.0,
             SampleLimit::Component(limit) => limit / rgb.into_iter().fold(limit, f64::max),
             SampleLimit::Luminance(limit) => limit / luminance(rgb).max(limit),
         };
@@ -109,6 +111,10 @@ mod tests {
         let luminous = sensor(SensorDescription { limit, ..SensorDescription::default() });
         assert_eq!(luminous.exposed([3.0; 3]).map(|x| (x * 1e6).round()), [0.5e6; 3]);
         assert_eq!(luminous.exposed([0.3; 3]), [0.3; 3]);
+        for limit in [SampleLimit::Component(f64::INFINITY), SampleLimit::Luminance(f64::INFINITY)] {
+            let unlimited = sensor(SensorDescription { limit, ..SensorDescription::default() });
+            assert_eq!(unlimited.exposed([3.0, 1.0, 0.5]), [3.0, 1.0, 0.5]);
+        }
     }
 
     #[test]
