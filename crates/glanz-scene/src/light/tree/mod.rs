@@ -197,10 +197,16 @@ impl LightTree {
             total += *weight;
             count += f64::from(u8::from(*weight > 0.0));
         }
-        for weight in weights.iter_mut().filter(|weight| **weight > 0.0) {
+        for weight in weights.iter_mut().take(self.groups.len()).filter(|weight| **weight > 0.0) {
             *weight = (1.0 - EVEN_SHARE) * *weight / total + EVEN_SHARE / count;
         }
         weights
+    }
+
+    /// Those of the groups that there are.
+    #[inline]
+    fn of_groups<'a>(&self, probabilities: &'a [f64; MAX_LIGHT_GROUPS]) -> &'a [f64] {
+        probabilities.get(..self.groups.len()).unwrap_or_default()
     }
 
     #[inline]
@@ -236,7 +242,8 @@ impl LightTree {
         probabilities: &[f64; MAX_LIGHT_GROUPS],
         xi: f64,
     ) -> Option<SelectedLight> {
-        let Choice { index: group, probability: group_probability, xi } = choose(probabilities, xi)?;
+        let Choice { index: group, probability: group_probability, xi } =
+            choose(self.of_groups(probabilities), xi)?;
         let (id, inside) = match self.groups.get(group)? {
             LightGroup::Bounded(root) => self.descend(*root, from, xi)?,
             LightGroup::Distant(range) => self.select_distant(self.distant(range), from, xi)?,
@@ -312,7 +319,7 @@ impl LightTree {
     ) -> f64 {
         let Some(place) = self.place(light) else { return 0.0 };
         let group = usize::from(place.group);
-        let of_group = fraction(probabilities, group);
+        let of_group = fraction(self.of_groups(probabilities), group);
         if of_group <= 0.0 {
             return 0.0;
         }
