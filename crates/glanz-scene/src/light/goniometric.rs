@@ -1,19 +1,14 @@
 //! A point with a picture of its intensity.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray};
 
 use super::extent::EmissionBounds;
-use super::image_infinite::brightness_of;
-use super::photometric::{luminaire_axes, uneven};
 use super::point::sample_point;
-use super::sphere_density::SphereDensity;
-use super::{
-    IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, SphereImage, brightness,
-};
+use super::sphere_emission::SphereEmission;
+use super::{IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, brightness};
 use crate::description::SphereMapping;
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
@@ -27,13 +22,8 @@ use crate::scene::Scene;
 #[derive(Clone, Debug)]
 pub struct GoniometricLight {
     position: DVec3,
-    /// The axes of the picture in the world; orthonormal, perhaps mirrored.
-    axes: DMat3,
-    image: SphereImage,
-    /// Factor on the picture, W/sr.
-    emission: Spectrum,
-    /// Directions by power; `None` if it is black.
-    density: Option<Arc<SphereDensity>>,
+    /// W/sr.
+    intensity: SphereEmission,
     power: Spectrum,
 }
 
@@ -44,14 +34,12 @@ impl GoniometricLight {
         mapping: SphereMapping,
     ) -> Result<Self, SceneErrorKind> {
         let image = input.sphere_image(image, mapping)?;
-        let (axes, _) =
-            luminaire_axes(&input.to_world).ok_or_else(|| uneven("goniometric light: transformation"))?;
+        let axes = input.axes("goniometric light: transformation")?;
         // The axis of such pictures is y.
         let axes = DMat3::from_cols(axes.x_axis, axes.z_axis, axes.y_axis);
-        let emission = input.emission;
-        let density = SphereDensity::new(&image, |rgb| brightness_of(rgb, emission)).map(Arc::new);
-        let power = emission * Spectrum::from_rgb(image.mean()) * (4.0 * PI) as f32;
-        Ok(Self { position: input.to_world.point(DVec3::ZERO), axes, image, emission, density, power })
+        let intensity = SphereEmission::new(image, input.emission, axes);
+        let power = intensity.mean() * (4.0 * PI) as f32;
+        Ok(Self { position: input.to_world.point(DVec3::ZERO), intensity, power })
     }
 
     /// Total power, W.
@@ -69,7 +57,7 @@ impl GoniometricLight {
     /// Intensity in a unit direction, W/sr.
     #[must_use]
     pub fn intensity(&self, direction: DVec3) -> Spectrum {
-        self.emission * Spectrum::from_rgb(self.image.lookup(self.axes.transpose() * direction))
+        self.intensity.light(direction)
     }
 }
 
@@ -90,14 +78,12 @@ impl LightModel for GoniometricLight {
 
     /// Directions in proportion to the intensity.
     fn emit(&self, _: &Scene, _: DVec2, direction: DVec2) -> Option<LightRay> {
-        let (local, pdf) = self.density.as_ref()?.sample(direction);
-        let way = self.axes * local;
-        Some(LightRay::new(Ray::new(self.position, way), self.intensity(way) * (1.0 / pdf.0) as f32))
+        let (way, intensity, pdf) = self.intensity.sample(direction)?;
+        Some(LightRay::new(Ray::new(self.position, way), intensity * (1.0 / pdf.0) as f32))
     }
 
     fn emission_pdf(&self, _: &Scene, at: DVec3, wi: DVec3, _: Option<AreaPdf>) -> f64 {
-        let pdf = self.density.as_ref().map_or(0.0, |density| density.pdf(self.axes.transpose() * -wi).0);
-        pdf / (at - self.position).length_squared()
+        self.intensity.pdf(-wi).0 / (at - self.position).length_squared()
     }
 
     fn incident(&self, point: DVec3) -> Option<IncidentLight> {

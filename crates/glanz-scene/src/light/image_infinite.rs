@@ -1,14 +1,12 @@
 //! Light from all directions by a picture.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use glanz_light::Spectrum;
-use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, SolidAnglePdf};
+use glanz_math::{AreaPdf, DVec2, DVec3, SolidAnglePdf};
 
 use super::emission::SceneSphere;
-use super::photometric::{luminaire_axes, uneven};
-use super::sphere_density::SphereDensity;
+use super::sphere_emission::SphereEmission;
 use super::{LightInput, LightModel, LightRay, LightSample, SphereImage, brightness};
 use crate::description::SphereMapping;
 use crate::error::SceneErrorKind;
@@ -21,14 +19,11 @@ use crate::scene::Scene;
 /// @pharr2023 section 12.5.2; sampling for combined estimators by @karlik2019.
 #[derive(Clone, Debug)]
 pub struct ImageInfiniteLight {
-    image: SphereImage,
-    /// Factor on the picture.
-    emission: Spectrum,
-    /// The axes of the picture in the world; orthonormal, perhaps mirrored.
-    axes: DMat3,
+    /// Radiance, sampled for estimators of light samples alone.
+    complete: SphereEmission,
+    /// The same radiance, sampled for those that combine them with others.
+    compensated: SphereEmission,
     mean: Spectrum,
-    /// Densities for samples alone and for those that are combined with others; `None` if the light is black.
-    densities: Option<Arc<[SphereDensity; 2]>>,
 }
 
 impl ImageInfiniteLight {
@@ -42,12 +37,9 @@ impl ImageInfiniteLight {
 
     /// The light of a picture that the emission of `input` multiplies.
     pub(super) fn try_new(input: &LightInput<'_>, image: SphereImage) -> Result<Self, SceneErrorKind> {
-        let (axes, _) =
-            luminaire_axes(&input.to_world).ok_or_else(|| uneven("infinite light: transformation"))?;
-        let emission = input.emission;
-        let densities = SphereDensity::with_compensation(&image, |rgb| brightness_of(rgb, emission));
-        let mean = emission * Spectrum::from_rgb(image.mean());
-        Ok(Self { image, emission, axes, mean, densities: densities.map(Arc::new) })
+        let axes = input.axes("infinite light: transformation")?;
+        let complete = SphereEmission::new(image, input.emission, axes);
+        Ok(Self { mean: complete.mean(), compensated: complete.compensated(), complete })
     }
 
     /// Mean radiance over all directions, W/(m^2 sr).
@@ -59,48 +51,27 @@ impl ImageInfiniteLight {
     /// W/(m^2 sr) from the direction `wi`, of any length.
     #[must_use]
     pub fn radiance(&self, wi: DVec3) -> Spectrum {
-        self.radiance_of(self.axes.transpose() * wi.normalize())
-    }
-
-    fn radiance_of(&self, local: DVec3) -> Spectrum {
-        self.emission * Spectrum::from_rgb(self.image.lookup(local))
+        self.complete.light(wi.normalize())
     }
 
     /// Density with which a sample has the unit direction `wi`.
     #[must_use]
     pub fn pdf(&self, wi: DVec3) -> SolidAnglePdf {
-        self.density_at(wi, |[complete, _]| complete)
+        self.complete.pdf(wi)
     }
 
     /// Density with which a sample of [`Scene::sample_light_compensated`] has the unit direction `wi`.
     #[must_use]
     pub fn compensated_pdf(&self, wi: DVec3) -> SolidAnglePdf {
-        self.density_at(wi, |[_, compensated]| compensated)
-    }
-
-    fn density_at(&self, wi: DVec3, pick: fn(&[SphereDensity; 2]) -> &SphereDensity) -> SolidAnglePdf {
-        let densities = self.densities.as_deref().map(pick);
-        densities.map_or(SolidAnglePdf(0.0), |density| density.pdf(self.axes.transpose() * wi))
-    }
-
-    fn sample_density(&self, density: &SphereDensity, from: &Interaction, xi: DVec2) -> Option<LightSample> {
-        let (local, pdf) = density.sample(xi);
-        let wi = self.axes * local;
-        (pdf.0 > 0.0).then(|| LightSample {
-            wi,
-            radiance: self.radiance_of(local),
-            pdf,
-            is_delta: false,
-            shadow: from.spawn(wi),
-            t_max: f64::INFINITY,
-            area_pdf: None,
-        })
+        self.compensated.pdf(wi)
     }
 }
 
-/// Mean over the bands of a colour in linear Rec. 709 times `emission`.
-pub(super) fn brightness_of(rgb: [f64; 3], emission: Spectrum) -> f32 {
-    brightness(emission * Spectrum::from_rgb(rgb.map(|x| x as f32))) as f32
+/// A sample of the light that arrives at `from`.
+fn light_sample(radiance: &SphereEmission, from: &Interaction, xi: DVec2) -> Option<LightSample> {
+    let (wi, radiance, pdf) = radiance.sample(xi)?;
+    let (shadow, t_max) = (from.spawn(wi), f64::INFINITY);
+    Some(LightSample { wi, radiance, pdf, is_delta: false, shadow, t_max, area_pdf: None })
 }
 
 impl LightModel for ImageInfiniteLight {
@@ -120,21 +91,18 @@ impl LightModel for ImageInfiniteLight {
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
-        let [complete, _] = self.densities.as_deref()?;
-        self.sample_density(complete, from, xi)
+        light_sample(&self.complete, from, xi)
     }
 
     fn sample_compensated(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
-        let [_, compensated] = self.densities.as_deref()?;
-        self.sample_density(compensated, from, xi)
+        light_sample(&self.compensated, from, xi)
     }
 
     /// Directions in proportion to the picture.
     fn emit(&self, scene: &Scene, place: DVec2, direction: DVec2) -> Option<LightRay> {
-        let [complete, _] = self.densities.as_deref()?;
-        let (local, pdf) = complete.sample(direction);
-        let (ray, area) = SceneSphere::new(scene)?.sample(scene, self.axes * local, place)?;
-        Some(LightRay::new(ray, self.radiance_of(local) * (area / pdf.0) as f32))
+        let (towards, radiance, pdf) = self.complete.sample(direction)?;
+        let (ray, area) = SceneSphere::new(scene)?.sample(scene, towards, place)?;
+        Some(LightRay::new(ray, radiance * (area / pdf.0) as f32))
     }
 
     fn emission_pdf(&self, scene: &Scene, at: DVec3, wi: DVec3, _: Option<AreaPdf>) -> f64 {

@@ -17,14 +17,14 @@ mod projection;
 mod rays;
 mod select;
 mod sky;
-mod sphere_density;
+mod sphere_emission;
 mod sphere_image;
 mod spot;
 mod sun;
 mod tree;
 
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{AreaPdf, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
+use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
 
 use crate::description::{ImageDescription, LightDescription, LightKind, SphereMapping};
 use crate::error::SceneErrorKind;
@@ -279,6 +279,12 @@ impl LightInput<'_> {
     fn sphere_image(&self, index: usize, mapping: SphereMapping) -> Result<SphereImage, SceneErrorKind> {
         let image = self.image(index)?;
         SphereImage::new(&image.pixels, mapping).ok_or_else(|| without_colors(image))
+    }
+
+    /// Its axes in the world; orthonormal, perhaps mirrored. `what`: name of the transformation in errors.
+    fn axes(&self, what: &'static str) -> Result<DMat3, SceneErrorKind> {
+        let axes = photometric::luminaire_axes(&self.to_world).map(|(axes, _)| axes);
+        axes.ok_or_else(|| photometric::uneven(what))
     }
 
     fn image(&self, index: usize) -> Result<&ImageDescription, SceneErrorKind> {

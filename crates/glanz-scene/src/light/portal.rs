@@ -8,7 +8,6 @@ use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, SolidAnglePdf};
 use glanz_sampling::discrete::{GridWindow, PiecewiseConstant2, WindowedPiecewiseConstant2};
 
 use super::flat_image::FlatImage;
-use super::photometric::{luminaire_axes, uneven};
 use super::{LightInput, LightModel, LightRay, LightSample, brightness, range_error};
 use crate::description::SphereMapping;
 use crate::error::SceneErrorKind;
@@ -59,8 +58,7 @@ impl PortalInfiniteLight {
         portal: [DVec3; 4],
     ) -> Result<Self, SceneErrorKind> {
         let image = image.map(|(index, mapping)| input.sphere_image(index, mapping)).transpose()?;
-        let (axes, _) =
-            luminaire_axes(&input.to_world).ok_or_else(|| uneven("infinite light: transformation"))?;
+        let axes = input.axes("infinite light: transformation")?;
         let (corner, size, frame) = rectangle(portal).ok_or_else(|| {
             let value = format!("{portal:?}");
             range_error("infinite light: portal", value, "the four corners of a rectangle in order")

@@ -8,7 +8,6 @@ use glanz_sampling::discrete::PiecewiseConstant2;
 
 use super::extent::{DirectionCone, EmissionBounds};
 use super::flat_image::FlatImage;
-use super::photometric::{luminaire_axes, uneven};
 use super::point::sample_point;
 use super::{
     IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, range_error,
@@ -47,8 +46,7 @@ impl ProjectionLight {
         if !(field_of_view > 0.0 && field_of_view < std::f64::consts::PI) {
             return Err(range_error("projection light: field of view", field_of_view, "between 0 and pi"));
         }
-        let (axes, _) =
-            luminaire_axes(&input.to_world).ok_or_else(|| uneven("projection light: transformation"))?;
+        let axes = input.axes("projection light: transformation")?;
         let picture = input.image(image)?;
         let intensity = FlatImage::of_pixels(&picture.pixels, input.emission);
         let intensity = intensity.ok_or_else(|| without_colors(picture))?;
