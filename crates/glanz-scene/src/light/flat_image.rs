@@ -85,8 +85,15 @@ impl FlatImage {
     /// The mean of the values times `weight`, by the middles of pixels.
     pub(super) fn mean(&self, weight: impl Fn(DVec2) -> f64) -> Spectrum {
         let share = 1.0 / self.texels.len() as f64;
-        let texels = self.texels.iter().enumerate();
-        texels.map(|(i, &texel)| texel * (weight(middle(self.size(), i)) * share) as f32).sum()
+        let (mut sum, mut excess) = (Spectrum::BLACK, Spectrum::BLACK);
+        for (i, &texel) in self.texels.iter().enumerate() {
+            // Kahan's summation: millions of small terms would be rounded to a few digits of the sum.
+            let term = texel * (weight(middle(self.size(), i)) * share) as f32 - excess;
+            let next = sum + term;
+            excess = (next - sum) - term;
+            sum = next;
+        }
+        sum
     }
 }
 
@@ -117,6 +124,14 @@ mod tests {
             assert!((found - expected).abs() < 1e-5, "{x} {y}: {found}");
         }
         assert_eq!(image.lookup(DVec2::splat(1e30)), image.lookup(DVec2::ONE));
+    }
+
+    #[test]
+    fn means_of_millions_of_pixels_are_precise() {
+        for value in [0.7, 0.9] {
+            let image = FlatImage::new([1024, 1024], |_| Spectrum::ONE * value);
+            assert!((image.mean(|_| 1.0).max_component() / value - 1.0).abs() < 1e-6);
+        }
     }
 
     #[test]
