@@ -16,7 +16,7 @@ use crate::scene::Scene;
 pub struct LightSampleContext {
     /// Position, metres.
     pub position: DVec3,
-    /// Unit normal for shading.
+    /// Unit normal for shading, see [`Interaction::normal_for`].
     pub shading_normal: DVec3,
     /// Unit direction to the viewer.
     pub wo: DVec3,
@@ -50,10 +50,18 @@ impl Interaction {
     pub fn light_sample_context(&self) -> LightSampleContext {
         LightSampleContext {
             position: self.point.position,
-            shading_normal: self.point.shading_normal,
+            shading_normal: self.normal_for(self.wo),
             wo: self.wo,
             normal: None,
         }
+    }
+
+    /// The normal by which light is scattered to `viewer`, a unit direction: where that is on the wrong side of the shading normal, the normal of the
+    /// surface, because it would be black otherwise.
+    #[must_use]
+    pub fn normal_for(&self, viewer: DVec3) -> DVec3 {
+        let ShadingPoint { normal, shading_normal, .. } = self.point;
+        if normal.dot(viewer) * shading_normal.dot(viewer) <= 0.0 { normal } else { shading_normal }
     }
 
     /// A frame for isotropic BSDFs: z is the shading normal, the tangents are any.

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 
 use glanz_light::Spectrum;
-use glanz_math::{AreaPdf, DVec2, DVec3, SolidAnglePdf};
+use glanz_math::{AreaPdf, DVec2, DVec3, Frame, SolidAnglePdf};
 use glanz_sampling::warp;
 
 use super::emission::SceneSphere;
@@ -58,7 +58,7 @@ impl LightModel for InfiniteLight {
     /// Directions by the cosine to the shading normal on the side of `wo`: the light is the same everywhere, so the
     /// cosine is all that varies. Light through a surface is left to BSDF sampling.
     fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
-        let frame = from.frame();
+        let frame = Frame::from_z(from.normal_for(from.wo));
         let mut local = warp::cosine_hemisphere(xi);
         if frame.z.dot(from.wo) < 0.0 {
             local.z = -local.z;

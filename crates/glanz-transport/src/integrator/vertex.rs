@@ -53,8 +53,7 @@ impl<'a> Vertex<'a> {
     }
 
     fn from_viewer(at: &'a Interaction, bsdf: Bsdf, viewer: DVec3) -> Self {
-        let normal = if is_turned(at, viewer) { at.point.normal } else { at.point.shading_normal };
-        let frame = at.frame_of(&bsdf, normal);
+        let frame = at.frame_of(&bsdf, at.normal_for(viewer));
         Self { at, bsdf, frame, wo: frame.to_local(viewer), viewer_side: at.point.normal.dot(viewer) }
     }
 
@@ -65,7 +64,7 @@ impl<'a> Vertex<'a> {
 
     /// Whether a viewer in the unit direction `viewer` has the same shading normal.
     pub(super) fn is_seen_alike(&self, viewer: DVec3) -> bool {
-        is_turned(self.at, viewer) == is_turned(self.at, self.at.wo)
+        self.at.normal_for(viewer) == self.at.normal_for(self.at.wo)
     }
 
     /// The shading normal on the viewer's side.
@@ -76,7 +75,8 @@ impl<'a> Vertex<'a> {
     /// The point as the origin of light samples for a viewer in the unit direction `viewer`, for which the vertex was made.
     pub(super) fn light_sample_context(&self, viewer: DVec3) -> LightSampleContext {
         let normal = (!self.bsdf.transmits()).then(|| self.normal_to_viewer());
-        LightSampleContext { wo: viewer, normal, ..self.at.light_sample_context() }
+        let position = self.at.point.position;
+        LightSampleContext { position, shading_normal: self.frame.z, wo: viewer, normal }
     }
 
     /// The cosine between `direction` and the shading normal.
@@ -224,11 +224,6 @@ impl<'a> Vertex<'a> {
 pub(super) fn pass_interface(at: &Interaction, direction: DVec3, passed: &mut u32) -> Option<Ray> {
     *passed += 1;
     (*passed <= INTERFACE_LIMIT).then(|| at.spawn(direction))
-}
-
-/// Whether `viewer` is on the wrong side of the shading normal.
-fn is_turned(at: &Interaction, viewer: DVec3) -> bool {
-    at.point.normal.dot(viewer) * at.point.shading_normal.dot(viewer) <= 0.0
 }
 
 /// The vertex before the current ray, with the density of the ray, for the weight of light that it hits.

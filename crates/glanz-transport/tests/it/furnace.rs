@@ -414,6 +414,22 @@ fn smooth_shading_normals_let_no_light_through() {
     }
 }
 
+#[test]
+fn surface_seen_from_behind_its_shading_normal_reflects_a_constant_sky() {
+    // The viewer is 10 degrees above the triangle, whose shading normal leans away by 70 degrees.
+    let at = |degrees: f64| DVec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos());
+    let positions = vec![DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, -1.0, 0.0), DVec3::Y];
+    let normals = Some(vec![at(70.0); 3]);
+    let triangle = GeometryDescription::Triangles { positions, indices: vec![[0, 1, 2]], normals, uvs: None };
+    let scene = one_pixel(2.0 * at(-80.0), DVec3::ZERO)
+        .shape(triangle, diffuse(0.6))
+        .light(LightDescription::infinite([3.0; 3]));
+    for run in Run::all_random(2, 1024) {
+        run.picture(&scene).assert_average([1.8; 3], 0.02, &run.name());
+    }
+    Run::new("whitted", 2, 4).picture(&scene).assert_exact(1.8, "whitted");
+}
+
 /// A room with a lamp under the ceiling, a glass sphere and a glossy one.
 fn cornell_box(resolution: [u32; 2]) -> SceneBuilder {
     let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
