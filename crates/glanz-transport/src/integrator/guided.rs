@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::GuideSettings;
-use glanz_scene::{LightId, LightSampleContext, Scene, SelectedLight};
+use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, Scene, SelectedLight};
 
 use super::path::BsdfDirections;
 use super::path_state::SampledDirection;
@@ -180,35 +180,15 @@ impl DirectionSampler for GuideDirections<'_> {
         rough.then(|| self.guide.place(vertex.at.point.position, vertex.normal_to_viewer()))
     }
 
-    fn select_light(
+    fn light_groups(
         &self,
         place: &Self::VertexData,
         scene: &Scene,
         from: &LightSampleContext,
-        xi: f64,
-    ) -> Option<SelectedLight> {
+    ) -> [f64; MAX_LIGHT_GROUPS] {
         match place {
-            Some(place) if self.learns_lights => {
-                let weights = self.guide.light_groups(place).weights(scene, from);
-                scene.select_light_by_groups(from, &weights, xi)
-            }
-            _ => scene.select_light(from, xi),
-        }
-    }
-
-    fn light_probability(
-        &self,
-        place: &Self::VertexData,
-        scene: &Scene,
-        from: &LightSampleContext,
-        id: LightId,
-    ) -> f64 {
-        match place {
-            Some(place) if self.learns_lights => {
-                let weights = self.guide.light_groups(place).weights(scene, from);
-                scene.light_probability_by_groups(id, from, &weights)
-            }
-            _ => scene.light_probability(id, from),
+            Some(place) if self.learns_lights => self.guide.light_groups(place).weights(scene, from),
+            _ => scene.light_group_probabilities(from),
         }
     }
 

@@ -3,17 +3,18 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec3, Ray};
-use glanz_scene::{LightSampleContext, SelectedLight};
+use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, SelectedLight};
 
 use super::Context;
 use super::path_tracer::DirectionSampler;
 use super::vertex::{PreviousVertex, ScatteredRay};
 
-/// Sampling state of the current ray, with the guide data of its origin.
+/// Sampling state of the current ray.
 #[derive(Clone, Copy)]
-pub(super) struct PathRay<P> {
+pub(super) struct PathRay {
     pub(super) origin: PreviousVertex,
-    pub(super) place: P,
+    /// Those of [`DirectionSampler::light_groups`] at its origin.
+    pub(super) light_groups: [f64; MAX_LIGHT_GROUPS],
 }
 
 /// State of a path.
@@ -36,7 +37,7 @@ pub(super) struct PathState<P> {
     pub(super) importance: Spectrum,
     pub(super) eta_scale: f32,
     /// `None` after delta lobes only: light sampling cannot find their light.
-    pub(super) origin: Option<PathRay<P>>,
+    pub(super) origin: Option<PathRay>,
     pub(super) depth: u32,
     pub(super) interfaces: u32,
     pub(super) pending: PendingVertex<P>,

@@ -4,7 +4,9 @@ use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
-use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, Scene, SceneHit, SelectedLight};
+use glanz_scene::{
+    BatchedPath, Interaction, LightId, LightSampleContext, MAX_LIGHT_GROUPS, Scene, SceneHit, SelectedLight,
+};
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
@@ -34,26 +36,14 @@ pub(super) trait DirectionSampler {
     /// The data of a vertex, computed once.
     fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData;
 
-    /// Selects a light for a vertex by a number uniform in [0, 1).
-    fn select_light(
+    /// The probabilities with which the groups of lights are selected at a vertex, or weights in proportion to them.
+    fn light_groups(
         &self,
         _place: &Self::VertexData,
         scene: &Scene,
         from: &LightSampleContext,
-        xi: f64,
-    ) -> Option<SelectedLight> {
-        scene.select_light(from, xi)
-    }
-
-    /// The probability with which [`DirectionSampler::select_light`] selects the light `id`.
-    fn light_probability(
-        &self,
-        _place: &Self::VertexData,
-        scene: &Scene,
-        from: &LightSampleContext,
-        id: LightId,
-    ) -> f64 {
-        scene.light_probability(id, from)
+    ) -> [f64; MAX_LIGHT_GROUPS] {
+        scene.light_group_probabilities(from)
     }
 
     /// Records a sample of a light: its luminance at the viewer, not yet divided by the probability of the selection.
@@ -202,12 +192,12 @@ impl PathTracer {
         let Some(hit) = hit else {
             path.light += match path.depth {
                 0 => path.throughput * context.scene.backdrop_radiance(&path.ray),
-                _ => path.throughput * self.escaped(context, &path.ray, directions, origin),
+                _ => path.throughput * self.escaped(context, &path.ray, origin),
             };
             return false;
         };
         let hit = context.scene.interaction(&path.ray, hit);
-        path.light += path.throughput * self.emitted(context, &hit, directions, origin);
+        path.light += path.throughput * self.emitted(context, &hit, origin);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
             path.interfaces += 1;
             path.ray = hit.spawn(path.ray.direction);
@@ -248,9 +238,15 @@ impl PathTracer {
         let place = directions.vertex_data(vertex);
         path.pending.place = Some(place);
         let from = vertex.light_sample_context(vertex.at.wo);
+        let mut light_groups = [0.0; MAX_LIGHT_GROUPS];
         if self.light_sampling && !vertex.is_delta() {
-            let (throughput, xi) = (path.throughput, sampler.next_group());
-            path.pending.light = direct_light(context, vertex, &from, directions, &place, throughput, xi);
+            let (throughput, [x, y, xi_light, _]) = (path.throughput, sampler.next_group());
+            light_groups = directions.light_groups(&place, context.scene, &from);
+            let selected = context.scene.select_light_by_groups(&from, &light_groups, xi_light);
+            let on_light = DVec2::new(x, y);
+            path.pending.light = selected.and_then(|selected| {
+                direct_light(context, vertex, directions, &place, throughput, selected, on_light)
+            });
         }
         let Some(scattered) = directions.sample(&place, vertex, xi, xi_lobe) else { return false };
         let cosine = vertex.cosine(scattered.direction).abs();
@@ -273,21 +269,15 @@ impl PathTracer {
         }
         path.ray = vertex.at.spawn(scattered.direction);
         let from = PreviousVertex { from, pdf: scattered.pdf };
-        path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, place });
+        path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, light_groups });
         true
     }
 
     /// Light of the infinite lights along `ray`.
-    fn escaped<D: DirectionSampler>(
-        &self,
-        context: &Context<'_>,
-        ray: &Ray,
-        directions: &D,
-        origin: Option<&PathRay<D::VertexData>>,
-    ) -> Spectrum {
+    fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&PathRay>) -> Spectrum {
         let scene = context.scene;
         let density = |id| move |o: &PreviousVertex| o.compensated_infinite_pdf(context, id, ray.direction);
-        let weight = |id| self.weight(context, id, directions, origin, density(id));
+        let weight = |id| self.weight(context, id, origin, density(id));
         // Most rays miss the sun, whose probability costs as much as that of any light.
         let weighted = |(id, radiance): (LightId, Spectrum)| radiance * weight(id);
         let lights = scene.infinite_lights().iter().map(|&id| (id, scene.infinite_radiance(id, ray)));
@@ -295,13 +285,7 @@ impl PathTracer {
     }
 
     /// Light emitted by the surface at `hit`.
-    fn emitted<D: DirectionSampler>(
-        &self,
-        context: &Context<'_>,
-        hit: &Interaction,
-        directions: &D,
-        origin: Option<&PathRay<D::VertexData>>,
-    ) -> Spectrum {
+    fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&PathRay>) -> Spectrum {
         match hit.light() {
             None => Spectrum::BLACK,
             Some(id) => {
@@ -309,23 +293,22 @@ impl PathTracer {
                 if emitted.is_black() {
                     return emitted;
                 }
-                emitted * self.weight(context, id, directions, origin, |o| o.area_light_pdf(context, id, hit))
+                emitted * self.weight(context, id, origin, |o| o.area_light_pdf(context, id, hit))
             }
         }
     }
 
     /// Weight of light `id` against light sampling.
-    fn weight<D: DirectionSampler>(
+    fn weight(
         &self,
         context: &Context<'_>,
         id: LightId,
-        directions: &D,
-        origin: Option<&PathRay<D::VertexData>>,
+        origin: Option<&PathRay>,
         light_pdf: impl FnOnce(&PreviousVertex) -> f64,
     ) -> f32 {
         match origin {
-            Some(PathRay { origin, place }) if self.light_sampling => {
-                let probability = directions.light_probability(place, context.scene, &origin.from, id);
+            Some(PathRay { origin, light_groups }) if self.light_sampling => {
+                let probability = context.scene.light_probability_by_groups(id, &origin.from, light_groups);
                 mis::power(origin.pdf, light_pdf(origin) * probability) as f32
             }
             _ => 1.0,
@@ -333,24 +316,23 @@ impl PathTracer {
     }
 }
 
-/// Direct light of one randomly selected light, with the weight of the power heuristic against BSDF sampling, until its shadow ray is
-/// traced. The numbers, uniform in [0, 1), select the point on the light and the light.
+/// Direct light of a selected light, with the weight of the power heuristic against BSDF sampling, until its shadow ray is traced. `xi`: two numbers
+/// uniform in [0, 1) that select the point on the light.
 fn direct_light<D: DirectionSampler>(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
-    from: &LightSampleContext,
     directions: &mut D,
     place: &D::VertexData,
     throughput: Spectrum,
-    [x, y, xi_light, _]: [f64; 4],
+    selected: SelectedLight,
+    xi: DVec2,
 ) -> Option<PendingLight> {
     let scene = context.scene;
-    let selected = directions.select_light(place, scene, from, xi_light)?;
     let SelectedLight { id, probability, .. } = selected;
     let weight = |direction, light: f64, bsdf_pdf| {
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
-    let sample = scene.sample_light_compensated(id, vertex.at, DVec2::new(x, y));
+    let sample = scene.sample_light_compensated(id, vertex.at, xi);
     let Some((light, shadow)) = vertex.sampled_light(sample, weight) else {
         directions.record_light(place, &selected, 0.0);
         return None;
