@@ -4,14 +4,16 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use glanz_light::Spectrum;
-use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, SolidAnglePdf};
+use glanz_math::{AreaPdf, Bounds3, DMat3, DVec2, DVec3, Ray, SolidAnglePdf};
 use glanz_sampling::discrete::{GridWindow, PiecewiseConstant2, WindowedPiecewiseConstant2};
 
+use super::extent::{DirectionCone, EmissionBounds};
 use super::flat_image::FlatImage;
-use super::{LightInput, LightModel, LightRay, LightSample, brightness, range_error};
+use super::{LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, range_error};
 use crate::description::SphereMapping;
 use crate::error::SceneErrorKind;
 use crate::interaction::{Interaction, LightSampleContext};
+use crate::object::SceneObject;
 use crate::scene::Scene;
 
 /// Error of the corners of a rectangle, relative to its sides: matrices printed with four digits pass.
@@ -199,6 +201,18 @@ impl LightModel for PortalInfiniteLight {
 
     fn importance(&self, _: f64) -> f64 {
         brightness(self.power)
+    }
+
+    /// Its light arrives as that of its rectangle.
+    fn extent(&self, _: &[SceneObject]) -> LightExtent {
+        let corners = [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE];
+        let corners = corners.map(|corner| self.corner + self.frame * (self.size * corner).extend(0.0));
+        let normal = DirectionCone { axis: -self.frame.z_axis, half_angle: 0.0 };
+        let bounds = Bounds3::from_points(corners);
+        LightExtent::Bounded(EmissionBounds {
+            bounds,
+            ..EmissionBounds::beam(self.corner, normal, FRAC_PI_2)
+        })
     }
 
     fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {

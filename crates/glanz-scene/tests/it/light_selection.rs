@@ -219,6 +219,41 @@ fn points_on_the_horizon_of_lights_have_a_probability() {
 }
 
 #[test]
+fn light_through_the_nearer_of_two_windows_is_selected() {
+    // Squares of 2 m side, through which light goes inwards at x = -5 and x = 5.
+    let window = |corner: DVec3, to_second: DVec3, to_last: DVec3| {
+        let portal = [corner, corner + to_second, corner + to_second + to_last, corner + to_last];
+        LightDescription::new(LightKind::PortalInfinite { image: None, portal }, 1.0)
+    };
+    let (y, z) = (2.0 * DVec3::Y, 2.0 * DVec3::Z);
+    let [left, right] =
+        [window(DVec3::new(-5.0, -1.0, -1.0), y, z), window(DVec3::new(5.0, -1.0, -1.0), z, y)];
+    let scene = SceneBuilder::new().light(left).light(right).resolve().unwrap().0;
+    let probabilities = |x: f64| {
+        let from = receiver(DVec3::new(x, 0.2, 0.3), DVec3::Z).light_sample_context();
+        [LightId(0), LightId(1)].map(|id| scene.light_probability(id, &from))
+    };
+    // By the squared distances 2 and 81, and a share of 0.1 for both.
+    assert!(probabilities(-4.0)[0] > 0.9, "{:?}", probabilities(-4.0));
+    assert!(probabilities(4.0)[1] > 0.9);
+    // Behind a window none of its light arrives, which shows outside of the sphere around it.
+    assert_eq!(probabilities(-7.5), [0.0, 1.0]);
+    let mut numbers = Numbers(9);
+    let mut arrived = 0;
+    for _ in 0..2000 {
+        let at = receiver(numbers.point(8.0), numbers.direction());
+        for id in ids(&scene) {
+            let Some(sample) = scene.sample_light(id, &at, numbers.pair()) else { continue };
+            arrived += 1;
+            assert!(scene.light_probability(id, &at.light_sample_context()) > 0.0);
+            let is_lit = at.point.normal.dot(sample.wi) > 0.0;
+            assert!(!is_lit || scene.light_probability(id, &context(&at)) > 0.0);
+        }
+    }
+    assert!(arrived > 2000, "{arrived}");
+}
+
+#[test]
 fn probabilities_add_up_to_one() {
     let mut numbers = Numbers(3);
     // Lights at random, of which each shines on few points: bounds of many include points that those of each exclude.
