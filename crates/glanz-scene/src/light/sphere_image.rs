@@ -48,7 +48,7 @@ impl SphereImage {
     pub(super) fn of(mapping: SphereMapping, size: usize, function: impl Fn(DVec3) -> [f32; 3]) -> Self {
         let place = |i| (DVec2::new((i % size) as f64, (i / size) as f64) + 0.5) / size as f64;
         let texels = (0..size * size).map(|i| function(mapping.direction(place(i)))).collect();
-        Self { mapping, width: size, height: size, texels }
+        Self { mapping, width: size, height: size, texels: Arc::new(texels) }
     }
 
     /// Pixels per row.

@@ -35,7 +35,7 @@ impl InterfaceScattering {
         let alpha = distribution.mean_width();
         let [near, far] = [eta, 1.0 / eta].map(|eta| energy::mean_interface_loss(alpha, eta));
         // From the thinner side; from the denser side this fraction is transmitted less total reflection.
-        let entering = 1.0 - mean_dielectric(eta.max(1.0 / eta));
+        let entering = entering_share(alpha, eta.max(1.0 / eta));
         let share = if eta < 1.0 { entering * eta * eta } else { entering };
         let largest = near.max(far);
         let transmitted = if largest > 0.0 { share * far / largest } else { 0.0 };
@@ -83,6 +83,17 @@ impl InterfaceScattering {
         let [_, far] = self.means;
         if far > 0.0 { FRAC_1_PI * self.transmitted * lost_o * lost_beyond / far } else { 0.0 }
     }
+}
+
+/// The part of the light lost between facets that gets through the interface from the thinner side: nearly all of it where facets are steep,
+/// because it meets several and each reflects little.
+///
+/// A fit to random walks between facets (@heitz2016). `eta`: at least 1. Error for indices from 1.1 to 3 and widths of 0.4 or more below 0.012, for widths from 0.2, where
+/// little is lost, below 0.03 up to an index of 2.
+fn entering_share(alpha: f64, eta: f64) -> f64 {
+    let reflectance = mean_dielectric(eta);
+    let gain = (1.0 - 3.0 * (-4.15 * alpha).exp()).max(-1.0);
+    (1.0 - reflectance) * (1.0 + gain * reflectance)
 }
 
 /// The mean reflectance of a smooth interface for diffuse light. `eta`: refractive index on the far side over that on the near side.
@@ -140,6 +151,34 @@ mod tests {
             assert!((found.transmitted / expected.transmitted - 1.0).abs() < 1e-12, "{found:?} {expected:?}");
             assert_eq!(found.means, expected.means);
             assert!((found.eta * eta - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn light_between_facets_gets_through_as_in_random_walks() {
+        // Reflected parts of what is lost, of diffuse light from the thinner side, by 240 000 walks each between facets of Smith's model.
+        for (eta, alpha, reflected) in [
+            (1.1, 0.2, 0.0315),
+            (1.1, 0.6, 0.0072),
+            (1.1, 1.0, 0.0032),
+            (1.5, 0.2, 0.1299),
+            (1.5, 0.4, 0.0549),
+            (1.5, 0.6, 0.0281),
+            (1.5, 1.0, 0.0130),
+            (2.0, 0.2, 0.2014),
+            (2.0, 0.4, 0.1049),
+            (2.0, 0.6, 0.0615),
+            (2.0, 1.0, 0.0301),
+            (3.0, 0.4, 0.1894),
+            (3.0, 0.6, 0.1369),
+            (3.0, 1.0, 0.0778),
+        ] {
+            let found = 1.0 - entering_share(alpha, eta);
+            let tolerance = if alpha < 0.4 { 0.03 } else { 0.012 };
+            assert!(
+                (found - reflected).abs() < tolerance,
+                "index {eta}, width {alpha}: {found}, not {reflected}"
+            );
         }
     }
 
