@@ -2,7 +2,7 @@
 //!
 //! # Modules
 //!
-//! - [`spectrum`]: [`Spectrum`], light or reflectance along one path, a few `f32` lanes whose meaning is given by [`Wavelengths`];
+//! - [`spectrum`]: [`Spectrum`], light or reflectance along one path, a few `f32` lanes whose meaning is given by [`Wavelengths`]; [`LaneChoice`], a random choice between them;
 //! - [`distribution`]: [`SpectralDistribution`], a function of the wavelength: a constant, a colour, a black body, measured samples;
 //! - [`named`]: metals, glasses and illuminants with a name; [`cie`]: tables of the standard observer and illuminants;
 //! - [`rgb`]: conversion between CIE XYZ, linear Rec. 709 and sRGB; [`units`]: between watts and lumens;
@@ -17,6 +17,7 @@ pub mod compare;
 pub mod distribution;
 pub mod flip;
 pub mod intensity;
+mod lane_choice;
 pub mod named;
 pub mod pixels;
 pub mod rgb;
@@ -29,6 +30,7 @@ pub mod white_balance;
 pub use compare::{CompareError, PictureComparison};
 pub use distribution::{SpectralDistribution, SpectralSamples, SpectrumError};
 pub use flip::FlipMap;
+pub use lane_choice::LaneChoice;
 pub use pixels::{Channel, Pixels, PixelsError};
 pub use sky::{ClearSky, SkyError};
 pub use spectrum::{Spectrum, Wavelengths};

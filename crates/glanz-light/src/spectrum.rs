@@ -80,6 +80,16 @@ impl Spectrum {
         }
     }
 
+    /// All lanes, those without a meaning included.
+    pub(crate) fn lanes(self) -> [f32; LANES] {
+        self.0
+    }
+
+    /// The sum of all lanes.
+    pub(crate) fn sum_of_lanes(self) -> f32 {
+        self.0.iter().sum()
+    }
+
     /// `f` in every lane.
     #[must_use]
     pub fn map(self, f: impl Fn(f32) -> f32) -> Self {
