@@ -18,11 +18,13 @@ pub mod fresnel;
 pub mod microfacet;
 pub mod model;
 pub mod parameter;
+mod phase;
 pub mod preview;
 pub mod texture;
 
 pub use bsdf::{BsdfModel, BsdfSample, Lobe, Spread, TransportMode};
 pub use model::{Bsdf, Material};
 pub use parameter::{MaterialError, ParameterForm};
+pub use phase::HenyeyGreenstein;
 pub use preview::PreviewSurface;
 pub use texture::{FloatInput, SpectrumInput, Texture, TextureError, TextureId, TexturePoint, Textures};

@@ -16,6 +16,7 @@ use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
+use crate::phase::HenyeyGreenstein;
 use crate::preview::PreviewSurface;
 use crate::texture::{SpectrumInput, TexturePoint, Textures};
 
@@ -67,6 +68,8 @@ macro_rules! bsdfs {
         pub enum Bsdf {
             /// Absorbs everything.
             Black,
+            /// A point in a medium, which no material has.
+            Medium(HenyeyGreenstein),
             $($(#[$doc])* $variant($model),)*
         }
 
@@ -76,6 +79,7 @@ macro_rules! bsdfs {
             pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
                 match self {
                     Self::Black => Spectrum::BLACK,
+                    Self::Medium(model) => model.eval(wo, wi),
                     $(Self::$variant(model) => model.eval(wo, wi),)*
                 }
             }
@@ -85,6 +89,7 @@ macro_rules! bsdfs {
             pub fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
                 match self {
                     Self::Black => SolidAnglePdf(0.0),
+                    Self::Medium(model) => model.pdf(wo, wi),
                     $(Self::$variant(model) => model.pdf(wo, wi),)*
                 }
             }
@@ -100,6 +105,7 @@ macro_rules! bsdfs {
             ) -> Option<BsdfSample> {
                 match self {
                     Self::Black => None,
+                    Self::Medium(model) => model.sample(wo, xi, xi_lobe, mode),
                     $(Self::$variant(model) => model.sample(wo, xi, xi_lobe, mode),)*
                 }
             }
@@ -110,6 +116,7 @@ macro_rules! bsdfs {
             pub fn diffuse_probability(&self, wo: DVec3) -> f64 {
                 match self {
                     Self::Black => 0.0,
+                    Self::Medium(model) => model.diffuse_probability(wo),
                     $(Self::$variant(model) => model.diffuse_probability(wo),)*
                 }
             }
@@ -119,6 +126,7 @@ macro_rules! bsdfs {
             pub fn delta_branches(&self, wo: DVec3, mode: TransportMode) -> [Option<BsdfSample>; 2] {
                 match self {
                     Self::Black => [None; 2],
+                    Self::Medium(model) => model.delta_branches(wo, mode),
                     $(Self::$variant(model) => model.delta_branches(wo, mode),)*
                 }
             }
@@ -128,6 +136,7 @@ macro_rules! bsdfs {
             pub fn is_delta(&self) -> bool {
                 match self {
                     Self::Black => false,
+                    Self::Medium(model) => model.is_delta(),
                     $(Self::$variant(model) => model.is_delta(),)*
                 }
             }
@@ -137,6 +146,7 @@ macro_rules! bsdfs {
             pub fn is_anisotropic(&self) -> bool {
                 match self {
                     Self::Black => false,
+                    Self::Medium(model) => model.is_anisotropic(),
                     $(Self::$variant(model) => model.is_anisotropic(),)*
                 }
             }
@@ -146,6 +156,7 @@ macro_rules! bsdfs {
             pub fn transmits(&self) -> bool {
                 match self {
                     Self::Black => false,
+                    Self::Medium(model) => model.transmits(),
                     $(Self::$variant(model) => model.transmits(),)*
                 }
             }
@@ -155,6 +166,7 @@ macro_rules! bsdfs {
             pub fn albedo(&self, wo: DVec3) -> Spectrum {
                 match self {
                     Self::Black => Spectrum::BLACK,
+                    Self::Medium(model) => model.albedo(wo),
                     $(Self::$variant(model) => model.albedo(wo),)*
                 }
             }
@@ -164,6 +176,7 @@ macro_rules! bsdfs {
             pub fn eta_scale(&self, wo: DVec3, wi: DVec3) -> f32 {
                 match self {
                     Self::Black => 1.0,
+                    Self::Medium(model) => model.eta_scale(wo, wi),
                     $(Self::$variant(model) => model.eta_scale(wo, wi),)*
                 }
             }
@@ -173,6 +186,7 @@ macro_rules! bsdfs {
             pub fn reflected(&self, wo: DVec3) -> Spectrum {
                 match self {
                     Self::Black => Spectrum::BLACK,
+                    Self::Medium(model) => model.reflected(wo),
                     $(Self::$variant(model) => model.reflected(wo),)*
                 }
             }
