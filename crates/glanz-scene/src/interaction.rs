@@ -8,6 +8,7 @@ use glanz_sampling::hash::{combine, unit_f64};
 use glanz_shading::{Bsdf, Material, TexturePoint};
 
 use crate::light::LightId;
+use crate::medium::MediumInterface;
 use crate::parameterization::LocalPoint;
 use crate::scene::Scene;
 
@@ -40,6 +41,7 @@ pub struct Interaction {
     /// Density of area sampling at the point, on lights that can be sampled.
     pub(crate) area_pdf: Option<AreaPdf>,
     pub(crate) material: u32,
+    pub(crate) media: MediumInterface,
     pub(crate) light: Option<LightId>,
 }
 

@@ -13,6 +13,7 @@ mod hit;
 mod hit_location;
 mod interaction;
 pub mod light;
+pub mod medium;
 mod object;
 pub mod parameterization;
 mod path_batch;
@@ -40,6 +41,7 @@ pub use interaction::{Interaction, LightSampleContext};
 pub use light::{
     IncidentLight, Light, LightId, LightRange, LightRay, LightSample, MAX_LIGHT_GROUPS, SelectedLight,
 };
+pub use medium::{Medium, MediumId};
 pub use object::SceneObject;
 pub use parameterization::ShapeParameterization;
 pub use path_batch::BatchedPath;

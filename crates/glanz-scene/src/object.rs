@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::alpha::AlphaTest;
 use crate::light::LightId;
+use crate::medium::MediumInterface;
 use crate::parameterization::ShapeParameterization;
 
 /// Attributes of a shape besides its surface.
@@ -15,6 +16,7 @@ pub(crate) struct ShapeAttributes {
     /// Number in the order of the scene file.
     pub(crate) id: u32,
     pub(crate) material: u32,
+    pub(crate) media: MediumInterface,
     /// Whether the normal is reversed.
     pub(crate) reversed: bool,
     /// Whether the material has a [`SurfaceDetail`](crate::surface_detail::SurfaceDetail).

@@ -178,6 +178,7 @@ impl PlacedSurface<'_> {
             own: Some(own),
             area_pdf: None,
             material: attributes.material,
+            media: attributes.media,
             light: self.object.light,
         };
         Some(PlacedPoint { at, area_element, opacity: opacity as f32 })

@@ -18,6 +18,7 @@ use crate::description::EdgeDescription;
 use crate::hit::{NearestHit, SceneHit};
 use crate::interaction::Interaction;
 use crate::light::{Light, LightId, LightSelector, LightTree};
+use crate::medium::SceneMedia;
 use crate::object::SceneObject;
 use crate::parameterization::{LocalPoint, ShapeParameterization};
 use crate::placed::ParametricPoint;
@@ -91,6 +92,7 @@ pub struct Scene {
     /// One per material.
     pub(crate) surface_details: Arc<[Option<SurfaceDetail>]>,
     pub(crate) textures: Arc<Textures>,
+    pub(crate) media: Arc<SceneMedia>,
     pub(crate) lights: Arc<[Light]>,
     pub(crate) infinite_lights: Arc<[LightId]>,
     /// Selects lights to sample from a point.
@@ -311,6 +313,7 @@ impl Scene {
             own: None,
             area_pdf: object.area_pdf(local, &found.hit),
             material: attributes.material,
+            media: attributes.media,
             light: object.light,
         };
         at.own = moved.map(|local| LocalPoint::new(at.point.position, at.point.normal, local.direction));

@@ -15,6 +15,7 @@ mod guide;
 mod integrator;
 mod light;
 mod material;
+mod medium;
 mod pass_lengths;
 mod receiver;
 mod section;
@@ -42,6 +43,7 @@ pub use light::{
     SphereMapping, SpotFalloff,
 };
 pub use material::{DescriptionForm, MaterialDescription, MaterialKind, SurfaceDetailDescription};
+pub use medium::{DensityDescription, MediumDescription, SurfaceMedia};
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
 pub use section::SectionDescription;
@@ -87,6 +89,10 @@ pub struct Description {
     pub textures: Vec<TextureDescription>,
     /// Materials, referred to by index.
     pub materials: Vec<MaterialDescription>,
+    /// Participating media, referred to by index.
+    pub media: Vec<MediumDescription>,
+    /// Index of the medium around the camera; `None`: empty space.
+    pub camera_medium: Option<usize>,
     /// Lights that are not surfaces.
     pub lights: Vec<LightDescription>,
     /// Radiance, W/(m^2 sr), that the camera sees where its rays leave the scene; it lights nothing. `None`: that of the infinite lights.

@@ -11,6 +11,7 @@ use super::Location;
 use super::freeform::{BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription};
 use super::geometry::GeometryDescription;
 use super::light::EmissionDescription;
+use super::medium::SurfaceMedia;
 use super::receiver::{ReceiverDescription, ReceiverSide};
 use super::texture::FloatParameter;
 use super::trim::TrimDescription;
@@ -34,6 +35,8 @@ pub struct ShapeDescription {
     pub reverse_orientation: bool,
     /// Index into [`Description::materials`](super::Description::materials).
     pub material: usize,
+    /// The media on both sides.
+    pub media: SurfaceMedia,
     /// Emitted light.
     pub emission: Option<EmissionDescription>,
     /// The part of the parameter domain that is kept; `None`: all of it.
@@ -75,6 +78,7 @@ impl From<GeometryDescription> for ShapeDescription {
             to_parent: DMat4::IDENTITY,
             reverse_orientation: false,
             material: 0,
+            media: SurfaceMedia::default(),
             emission: None,
             trim: None,
             solid: None,
@@ -208,6 +212,12 @@ impl ShapeDescription {
     #[must_use]
     pub fn emitting(self, emission: impl Into<EmissionDescription>) -> Self {
         Self { emission: Some(emission.into()), ..self }
+    }
+
+    /// The shape as the boundary of the medium `inside`, by its index; `outside` there is another, or empty space.
+    #[must_use]
+    pub fn enclosing(self, inside: usize, outside: Option<usize>) -> Self {
+        Self { media: SurfaceMedia { inside: Some(inside), outside }, ..self }
     }
 
     /// The shape with an opacity.

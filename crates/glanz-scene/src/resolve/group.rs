@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::emission::{EmissionPictures, area_light, emission_per_object};
 use super::join::join_small_meshes;
+use super::medium::ResolvedMedia;
 use super::texture::ResolvedTextures;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
 use crate::alpha::AlphaTest;
@@ -20,6 +21,7 @@ use crate::description::{
 };
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightId};
+use crate::medium::MediumInterface;
 use crate::object::SceneObject;
 use crate::receiver::NamedReceiver;
 use crate::scene::{Instance, MAX_NESTING, Primitive, SceneGroup};
@@ -44,6 +46,7 @@ struct PendingShape {
     emission: Option<EmissionDescription>,
     solid: Option<u32>,
     receiver: Option<NamedReceiver>,
+    media: MediumInterface,
     shape: ShapeDescription,
 }
 
@@ -70,20 +73,22 @@ struct BuiltShape {
     emission: Option<EmissionDescription>,
     solid: Option<u32>,
     receiver: Option<NamedReceiver>,
+    bounds_medium: bool,
     warnings: WarningList,
 }
 
 impl PendingShape {
     fn build(self) -> BuiltShape {
-        let Self { id, attributes, location, emission, solid, receiver, shape } = self;
+        let Self { id, attributes, location, emission, solid, receiver, media, shape } = self;
         let mut warnings = WarningList { warnings: Vec::new() };
-        let made = shape::objects(shape, id, &mut warnings);
+        let made = shape::objects(shape, id, media, &mut warnings);
         let bounding = |object: SceneObject| match solid {
             Some(solid) => object.bounding(solid),
             None => object,
         };
         let made = made.map(|objects| objects.into_iter().map(bounding).collect());
-        BuiltShape { made, attributes, location, emission, solid, receiver, warnings }
+        let bounds_medium = media.is_boundary();
+        BuiltShape { made, attributes, location, emission, solid, receiver, bounds_medium, warnings }
     }
 }
 
@@ -98,6 +103,9 @@ pub(super) struct GroupResolver<'a> {
     passable: Vec<bool>,
     /// Per material, its surface detail.
     details: &'a [Option<SurfaceDetail>],
+    media: &'a ResolvedMedia,
+    /// Whether media end at surfaces that light passes.
+    open_media: bool,
     next_id: u32,
     receivers: Vec<NamedReceiver>,
 }
@@ -108,6 +116,8 @@ pub(super) struct ResolvedGroups {
     /// One for each copy of a shape that emits light.
     pub(super) lights: Vec<Light>,
     pub(super) receivers: Vec<NamedReceiver>,
+    /// Whether media end at surfaces that light passes.
+    pub(super) open_media: bool,
 }
 
 impl<'a> GroupResolver<'a> {
@@ -115,6 +125,7 @@ impl<'a> GroupResolver<'a> {
     pub(super) fn new(
         materials: &[Material],
         details: &'a [Option<SurfaceDetail>],
+        media: &'a ResolvedMedia,
         textures: &'a ResolvedTextures,
         wavelengths: &'a Wavelengths,
     ) -> Self {
@@ -123,6 +134,8 @@ impl<'a> GroupResolver<'a> {
             textures,
             wavelengths,
             details,
+            media,
+            open_media: false,
             groups: Vec::new(),
             emitters: Vec::new(),
             depths: Vec::new(),
@@ -168,7 +181,12 @@ impl<'a> GroupResolver<'a> {
         // Behind all objects of the hierarchy; instances have the numbers after it.
         let id = self.next_id;
         self.next_id = self.next_id.wrapping_add(1);
-        group.objects.extend(shape::objects(section.shape(description.material), id, warnings)?);
+        group.objects.extend(shape::objects(
+            section.shape(description.material),
+            id,
+            MediumInterface::NONE,
+            warnings,
+        )?);
         group.placed_before.iter_mut().for_each(|before| *before += 1);
         group.section = Some(section);
         Ok(())
@@ -205,7 +223,8 @@ impl<'a> GroupResolver<'a> {
         let world = self.build(objects, instances, edges);
         self.groups.push(world);
         measure_placements(&mut self.groups);
-        Ok(ResolvedGroups { groups: self.groups, lights, receivers: self.receivers })
+        let Self { groups, receivers, open_media, .. } = self;
+        Ok(ResolvedGroups { groups, lights, receivers, open_media })
     }
 
     fn attributes(&self, shape: &ShapeDescription) -> Result<BuiltAttributes, SceneError> {
@@ -234,6 +253,7 @@ impl<'a> GroupResolver<'a> {
             self.next_id = self.next_id.wrapping_add(1);
             reference("material", shape.material, self.passable.len(), shape.location)?;
             let attributes = self.attributes(&shape)?;
+            let media = self.media.interface(shape.media, shape.location)?;
             let is_opaque = attributes.alpha.is_none();
             let receiver = shape.receiver.take();
             let receiver = receiver.map(|r| NamedReceiver::try_new(r, id, is_opaque)).transpose()?;
@@ -244,12 +264,23 @@ impl<'a> GroupResolver<'a> {
                 emission: shape.emission.take(),
                 solid: shape.solid,
                 receiver,
+                media,
                 shape,
             });
         }
         // Surfaces of CAD models are many, and each takes a while to build.
         let built: Vec<_> = pending.into_par_iter().map(PendingShape::build).collect();
-        for BuiltShape { made, attributes, location, emission, solid, receiver, warnings: found } in built {
+        for built in built {
+            let BuiltShape {
+                made,
+                attributes,
+                location,
+                emission,
+                solid,
+                receiver,
+                bounds_medium,
+                warnings: found,
+            } = built;
             let mut made = made?;
             warnings.warnings.extend(found.warnings);
             let measures = receiver.is_some();
@@ -260,8 +291,9 @@ impl<'a> GroupResolver<'a> {
                 object.set_detail(attributes.has_detail);
                 object.alpha = attributes.alpha.clone();
             }
-            // What light passes has no effect if it neither emits nor measures light.
-            let is_passed = attributes.passable || attributes.is_absent();
+            self.open_media |= attributes.passable && bounds_medium && !attributes.is_absent();
+            // What light passes has no effect if it neither emits nor measures light and no medium ends there.
+            let is_passed = attributes.passable && !bounds_medium || attributes.is_absent();
             let is_left_out = is_passed && !measures && emission.is_none();
             if is_left_out || attributes.is_absent() {
                 open.extend(solid);

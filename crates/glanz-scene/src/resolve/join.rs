@@ -15,7 +15,7 @@ const LARGEST: usize = 256;
 
 /// Joins the small meshes among `objects`, which keep their numbers, materials and orientation by face.
 ///
-/// Lights are not joined: points are sampled on one shape at a time. Neither are shapes with an opacity of their own.
+/// Lights are not joined: points are sampled on one shape at a time. Neither are shapes with an opacity of their own, nor those that light passes.
 pub(super) fn join_small_meshes(objects: Vec<SceneObject>) -> Vec<SceneObject> {
     // Lists by vertex exist for all or for none: four kinds of meshes.
     let mut kinds: [Vec<(Arc<Mesh>, SceneObject)>; 4] = Default::default();
@@ -44,6 +44,7 @@ fn joinable(mesh: &Mesh, object: &SceneObject) -> bool {
         && object.light.is_none()
         && object.solid.is_none()
         && object.alpha.is_none()
+        && !object.passable
         && object.shape_count() == 1
 }
 

@@ -6,6 +6,7 @@ mod group;
 mod join;
 mod light;
 mod material;
+mod medium;
 mod shape;
 mod texture;
 
@@ -20,6 +21,7 @@ use crate::light::{LightId, LightSelector, LightTree};
 use crate::scene::Scene;
 pub(crate) use freeform::region as trim_region;
 use group::{GroupResolver, ResolvedGroups};
+use medium::ResolvedMedia;
 pub(crate) use shape::surface as shape_surface;
 
 /// Coordinates beyond this, in metres, leave the range of the hierarchy's `f32` boxes.
@@ -56,7 +58,8 @@ impl Scene {
         let textures = texture::textures(&description, &wavelengths)?;
         let materials = material::materials(&description, &textures, &wavelengths, &mut warnings)?;
         let surface_details = material::surface_details(&description, &textures, &wavelengths)?;
-        let mut groups = GroupResolver::new(&materials, &surface_details, &textures, &wavelengths);
+        let media = ResolvedMedia::new(&description, &wavelengths)?;
+        let mut groups = GroupResolver::new(&materials, &surface_details, &media, &textures, &wavelengths);
         if let Some(section) = &description.section {
             group::reference("group", section.group, description.groups.len(), None)?;
         }
@@ -66,7 +69,7 @@ impl Scene {
                 groups.cut(section, &mut warnings)?;
             }
         }
-        let ResolvedGroups { groups, mut lights, receivers } =
+        let ResolvedGroups { groups, mut lights, receivers, open_media } =
             groups.finish(description.world, &description.images, &mut warnings)?;
         for light in &description.lights {
             lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
@@ -96,6 +99,7 @@ impl Scene {
             materials: materials.into(),
             surface_details: surface_details.into(),
             textures: textures.textures,
+            media: media.finish(description.camera_medium, open_media)?.into(),
             lights: lights.into(),
             infinite_lights,
             light_tree: light_tree.into(),

@@ -18,12 +18,14 @@ use glanz_math::{Bounds3, DVec3, Transform};
 use super::{WarningList, freeform, transform};
 use crate::description::{GeometryDescription, Location, ShapeDescription};
 use crate::error::{SceneError, SceneErrorKind};
+use crate::medium::MediumInterface;
 use crate::object::{SceneObject, ShapeAttributes};
 
 /// The objects of one shape: one, except for a list of patches.
 pub(super) fn objects(
     shape: ShapeDescription,
     id: u32,
+    media: MediumInterface,
     warnings: &mut WarningList,
 ) -> Result<Vec<SceneObject>, SceneError> {
     let location = shape.location;
@@ -31,6 +33,7 @@ pub(super) fn objects(
     let attributes = ShapeAttributes {
         id,
         material: shape.material as u32,
+        media,
         reversed: shape.reverse_orientation,
         has_detail: false,
     };

@@ -33,6 +33,8 @@ pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description
         images: description.images.clone(),
         textures: description.textures.clone(),
         materials: description.materials.clone(),
+        media: description.media.clone(),
+        camera_medium: description.camera_medium,
         lights: description.lights.clone(),
         backdrop: description.backdrop.clone(),
         groups: pruning.groups,

@@ -1,0 +1,204 @@
+//! Participating media: what absorbs, scatters and emits light between surfaces.
+
+mod grid;
+mod segments;
+
+use glanz_geometry::ShadingPoint;
+use glanz_light::Spectrum;
+use glanz_math::{DVec2, DVec3, Ray};
+use glanz_shading::HenyeyGreenstein;
+
+use crate::interaction::Interaction;
+use crate::scene::Scene;
+
+pub(crate) use grid::DensityGrid;
+pub use grid::MAX_DENSITIES;
+pub use segments::{MediumSegment, MediumSegments};
+
+/// Largest number of media.
+pub const MAX_MEDIA: usize = u16::MAX as usize;
+
+/// Number of a medium of a [`Scene`], or empty space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MediumId(u16);
+
+impl MediumId {
+    /// Empty space.
+    pub const VACUUM: Self = Self(u16::MAX);
+
+    /// The medium of this index, below [`MAX_MEDIA`].
+    pub(crate) fn new(index: usize) -> Self {
+        Self(u16::try_from(index).unwrap_or(u16::MAX))
+    }
+}
+
+/// The media on both sides of a surface; if they are the same, it has no part in where media end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct MediumInterface {
+    /// Opposite to the normal.
+    pub(crate) inside: MediumId,
+    /// On the side of the normal.
+    pub(crate) outside: MediumId,
+}
+
+impl MediumInterface {
+    /// Of a surface at which no medium ends.
+    pub(crate) const NONE: Self = Self { inside: MediumId::VACUUM, outside: MediumId::VACUUM };
+
+    /// Whether a medium ends at the surface.
+    #[inline]
+    pub(crate) fn is_boundary(self) -> bool {
+        self.inside != self.outside
+    }
+}
+
+/// A participating medium. Coefficients are those at density 1, 1/m.
+#[derive(Clone, Debug)]
+pub struct Medium {
+    /// Absorption and scattering together.
+    pub(crate) extinction: Spectrum,
+    /// Scattering over extinction; 0 where that is 0.
+    pub(crate) albedo: Spectrum,
+    /// Emitted radiance times absorption over extinction, W/(m^2 sr); of homogeneous media only.
+    pub(crate) source: Spectrum,
+    pub(crate) phase: HenyeyGreenstein,
+    /// `None`: 1 everywhere.
+    pub(crate) density: Option<DensityGrid>,
+}
+
+impl Medium {
+    /// Absorption and scattering together at density 1, 1/m.
+    #[must_use]
+    pub fn extinction(&self) -> Spectrum {
+        self.extinction
+    }
+
+    /// The fraction of the light taken out that is scattered.
+    #[must_use]
+    pub fn albedo(&self) -> Spectrum {
+        self.albedo
+    }
+
+    /// The angular distribution of scattered light.
+    #[must_use]
+    pub fn phase(&self) -> HenyeyGreenstein {
+        self.phase
+    }
+
+    /// Whether it is the same everywhere.
+    #[must_use]
+    pub fn is_homogeneous(&self) -> bool {
+        self.density.is_none()
+    }
+
+    /// The density at a point: the factor on the coefficients.
+    #[must_use]
+    pub fn density(&self, at: DVec3) -> f64 {
+        self.density.as_ref().map_or(1.0, |grid| grid.density(at))
+    }
+
+    /// The parts of a ray with `0 < t < t_max` in which there is something of the medium, with bounds on its density.
+    #[must_use]
+    pub fn segments(&self, ray: &Ray, t_max: f64) -> MediumSegments<'_> {
+        match &self.density {
+            None => MediumSegments::homogeneous(t_max),
+            Some(grid) => grid.segments(ray, t_max),
+        }
+    }
+
+    /// Whether it emits light.
+    #[must_use]
+    pub fn emits(&self) -> bool {
+        !self.source.is_black()
+    }
+
+    /// The radiance that a homogeneous medium emits towards the start of a `distance`, metres: the integral of the transmittance times absorption times
+    /// emission, which has a closed form.
+    #[must_use]
+    pub fn emitted(&self, distance: f64) -> Spectrum {
+        self.source * (Spectrum::ONE - transmittance(self.extinction, distance))
+    }
+}
+
+/// The fraction of light left after a `distance`, metres, with an `extinction`, 1/m (Beer's law).
+#[must_use]
+pub fn transmittance(extinction: Spectrum, distance: f64) -> Spectrum {
+    // An infinite distance times no extinction would be no number.
+    let distance = distance.min(f64::from(f32::MAX)) as f32;
+    extinction.map(|sigma| (-sigma * distance).exp())
+}
+
+impl Scene {
+    /// The medium `id`; `None` for empty space.
+    #[inline]
+    #[must_use]
+    pub fn medium(&self, id: MediumId) -> Option<&Medium> {
+        self.media.media.get(id.0 as usize)
+    }
+
+    /// The medium around the camera.
+    #[must_use]
+    pub fn camera_medium(&self) -> MediumId {
+        self.media.camera
+    }
+
+    /// Whether there are participating media.
+    #[must_use]
+    pub fn has_media(&self) -> bool {
+        !self.media.media.is_empty()
+    }
+
+    /// Whether media end at surfaces that shadow rays pass, so that a ray that nothing stops may lie in several of them.
+    #[must_use]
+    pub fn has_open_media(&self) -> bool {
+        self.media.are_open
+    }
+}
+
+/// The media of a scene.
+#[derive(Clone, Debug)]
+pub(crate) struct SceneMedia {
+    pub(crate) media: Vec<Medium>,
+    pub(crate) camera: MediumId,
+    /// See [`Scene::has_open_media`].
+    pub(crate) are_open: bool,
+}
+
+impl Interaction {
+    /// A point in a medium where light may be scattered: it has no error, and its normal is the unit direction `wo` back along the ray. `t`: its
+    /// parameter.
+    #[must_use]
+    pub fn in_medium(position: DVec3, t: f64, wo: DVec3) -> Self {
+        let (error, uv, dpdu) = (DVec3::ZERO, DVec2::ZERO, DVec3::ZERO);
+        Self {
+            point: ShadingPoint { position, error, normal: wo, shading_normal: wo, uv, dpdu },
+            t,
+            wo,
+            id: u32::MAX,
+            own: None,
+            area_pdf: None,
+            material: 0,
+            media: MediumInterface::NONE,
+            light: None,
+        }
+    }
+
+    /// Whether it is on an interface, which light passes.
+    #[must_use]
+    pub fn is_interface(&self, scene: &Scene) -> bool {
+        scene.material(self.material).is_interface()
+    }
+
+    /// The medium on the side of `direction`; `current`: the medium of the ray that hit the surface.
+    #[inline]
+    #[must_use]
+    pub fn medium_towards(&self, direction: DVec3, current: MediumId) -> MediumId {
+        if !self.media.is_boundary() {
+            current
+        } else if self.point.normal.dot(direction) > 0.0 {
+            self.media.outside
+        } else {
+            self.media.inside
+        }
+    }
+}
