@@ -171,12 +171,13 @@ impl<'a> GuideDirections<'a> {
 }
 
 impl DirectionSampler for GuideDirections<'_> {
-    /// `None` where all directions are delta lobes.
+    /// `None` where all directions are delta lobes, and in media.
     type VertexData = Option<GuidedVertex>;
     const RECORDS_DIRECTIONS: bool = true;
 
     fn vertex_data(&self, vertex: &Vertex<'_>) -> Self::VertexData {
-        let rough = !vertex.is_delta();
+        // The guide's densities are those over surfaces.
+        let rough = !vertex.is_delta() && !vertex.is_in_medium();
         rough.then(|| self.guide.place(vertex.at.point.position, vertex.normal_to_viewer()))
     }
 

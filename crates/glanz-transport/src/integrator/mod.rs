@@ -22,6 +22,7 @@ mod path;
 mod path_state;
 mod path_tracer;
 mod stored;
+mod tracking;
 mod vertex;
 mod whitted;
 
@@ -97,6 +98,8 @@ pub struct IntegratorEntry {
     pub light_sampling_is_optional: bool,
     /// Whether it uses a [`Guide`].
     pub guided: bool,
+    /// Whether it sees participating media; others treat them as empty space.
+    pub sees_media: bool,
     build: fn(&IntegratorSettings) -> Box<dyn Integrator>,
 }
 
@@ -114,6 +117,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         default_branching: Some(1),
         light_sampling_is_optional: true,
         guided: false,
+        sees_media: true,
         build: |settings| Box::new(Path::new(settings)),
     },
     IntegratorEntry {
@@ -123,6 +127,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         default_branching: None,
         light_sampling_is_optional: false,
         guided: false,
+        sees_media: false,
         build: |settings| Box::new(LightPaths::new(settings)),
     },
     IntegratorEntry {
@@ -132,6 +137,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         default_branching: None,
         light_sampling_is_optional: true,
         guided: true,
+        sees_media: true,
         build: |settings| Box::new(Guided::new(settings)),
     },
     IntegratorEntry {
@@ -141,6 +147,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         default_branching: Some(8),
         light_sampling_is_optional: true,
         guided: false,
+        sees_media: false,
         build: |settings| Box::new(Distributed::new(settings)),
     },
     IntegratorEntry {
@@ -150,6 +157,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         default_branching: None,
         light_sampling_is_optional: false,
         guided: false,
+        sees_media: false,
         build: |settings| Box::new(Whitted::new(settings)),
     },
     IntegratorEntry {
@@ -159,6 +167,7 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         default_branching: None,
         light_sampling_is_optional: false,
         guided: false,
+        sees_media: false,
         build: |settings| Box::new(Stored::new(settings, None)),
     },
 ];
@@ -267,6 +276,12 @@ impl IntegratorSettings {
     #[must_use]
     pub fn is_guided(&self) -> bool {
         INTEGRATORS.iter().any(|entry| entry.name == self.name && entry.guided)
+    }
+
+    /// Whether the integrator sees participating media.
+    #[must_use]
+    pub fn sees_media(&self) -> bool {
+        INTEGRATORS.iter().any(|entry| entry.name == self.name && entry.sees_media)
     }
 
     /// The integrator with a fixed guide; `guide` is ignored by those that are not

@@ -3,10 +3,11 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec3, Ray};
-use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, SelectedLight};
+use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, MediumId, SelectedLight};
 
 use super::Context;
 use super::path_tracer::DirectionSampler;
+use super::tracking::shadow_transmittance;
 use super::vertex::{PreviousVertex, ScatteredRay};
 
 /// Sampling state of the current ray.
@@ -40,6 +41,8 @@ pub(super) struct PathState<P> {
     pub(super) origin: Option<PathRay>,
     pub(super) depth: u32,
     pub(super) interfaces: u32,
+    /// The medium in which the ray starts.
+    pub(super) medium: MediumId,
     pub(super) pending: PendingVertex<P>,
 }
 
@@ -60,6 +63,9 @@ pub(super) struct PendingLight {
     /// Throughput up to the vertex.
     pub(super) throughput: Spectrum,
     pub(super) shadow: BoundedRay,
+    /// The medium in which the shadow ray starts, and a number uniform in [0, 1) for its way through media.
+    pub(super) medium: MediumId,
+    pub(super) xi_medium: f64,
 }
 
 impl<P: Copy> PathState<P> {
@@ -78,6 +84,7 @@ impl<P: Copy> PathState<P> {
             origin: None,
             depth: 0,
             interfaces: 0,
+            medium: context.scene.camera_medium(),
             pending: PendingVertex { place: None, light: None, direction: None },
         }
     }
@@ -104,9 +111,15 @@ impl<P: Copy> PathState<P> {
     ) {
         let PendingVertex { place, light, direction } = &mut self.pending;
         let Some(place) = place.take() else { return };
-        if let Some(PendingLight { selected, light, throughput, .. }) = light.take() {
+        if let Some(PendingLight { selected, light, throughput, shadow, medium, xi_medium }) = light.take() {
             context.counters.shadow += 1;
-            let light = if occluded { Spectrum::BLACK } else { light };
+            let light = if occluded {
+                Spectrum::BLACK
+            } else if context.scene.has_media() {
+                light * shadow_transmittance(context, &shadow, medium, xi_medium)
+            } else {
+                light
+            };
             let luminance = f64::from(light.luminance(&context.wavelengths));
             directions.record_light(&place, &selected, luminance);
             self.light += throughput * (light * (1.0 / selected.probability) as f32);

@@ -5,10 +5,13 @@ use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::mis;
 use glanz_scene::{
-    BatchedPath, Interaction, LightId, LightSampleContext, MAX_LIGHT_GROUPS, Scene, SceneHit, SelectedLight,
+    BatchedPath, Interaction, LightId, LightSampleContext, MAX_LIGHT_GROUPS, MediumId, Scene, SceneHit,
+    SelectedLight,
 };
+use glanz_shading::Bsdf;
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
+use super::tracking::{TrackingNumbers, track};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
@@ -18,6 +21,9 @@ pub(super) const ROULETTE_FROM: u32 = 4;
 
 /// Dimensions of the sampler per scattering event, so that an event has the same dimensions in every sample.
 pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
+
+/// The first dimension of the sampler for media, four for each segment of a path: beyond those of scattering events.
+const FIRST_MEDIUM_DIMENSION: u32 = 1 << 30;
 
 /// Largest number of interfaces that a ray may pass between two scattering events; a ray with more is assumed not to advance.
 pub(crate) const INTERFACE_LIMIT: u32 = 1000;
@@ -133,7 +139,7 @@ impl<'a, 'b, D: DirectionSampler> BatchedPath<TracedSamples<'a, 'b, D>> for Path
 
 /// Path tracing with any sampler of directions.
 ///
-/// At every scattering event one light is sampled and the path continues in one direction; at its first rough surface it first
+/// At every scattering event, at surfaces and in media, one light is sampled and the path continues in one direction; at its first rough vertex it first
 /// divides into `branching` paths (splitting, @pharr2023 section 2.2.5). Light that both techniques can find is
 /// weighted by the power heuristic (@veach1995). Without light sampling, light is found by chance alone, and that of point
 /// and directional lights never.
@@ -188,6 +194,12 @@ impl PathTracer {
         hit: Option<&SceneHit>,
         branches: &mut Vec<PathState<D::VertexData>>,
     ) -> bool {
+        if path.medium != MediumId::VACUUM {
+            let end = hit.map_or(f64::INFINITY, SceneHit::t);
+            if let Some(continues) = self.pass_medium(context, directions, path, end, branches) {
+                return continues;
+            }
+        }
         let origin = path.origin.as_ref();
         let Some(hit) = hit else {
             path.light += match path.depth {
@@ -200,24 +212,73 @@ impl PathTracer {
         path.light += path.throughput * self.emitted(context, &hit, origin);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
             path.interfaces += 1;
+            path.medium = hit.medium_towards(path.ray.direction, path.medium);
             path.ray = hit.spawn(path.ray.direction);
             return path.interfaces <= INTERFACE_LIMIT;
         };
         let vertex = Vertex::new(&hit, bsdf);
-        context.note_first_hit(&vertex);
+        // After scattering in a medium, what the path hits is not what the camera sees.
+        if path.depth == 0 {
+            context.note_first_hit(&vertex);
+        }
         if path.depth >= self.max_depth {
             return false;
         }
+        self.scatter_at_or_divide(context, directions, path, &vertex, branches)
+    }
+
+    /// Follows a path through its medium up to the ray parameter `end`: adds emitted light and samples where it is scattered. `None` if it gets through;
+    /// otherwise, whether it continues.
+    fn pass_medium<D: DirectionSampler>(
+        &self,
+        context: &mut Context<'_>,
+        directions: &mut D,
+        path: &mut PathState<D::VertexData>,
+        end: f64,
+        branches: &mut Vec<PathState<D::VertexData>>,
+    ) -> Option<bool> {
+        let medium = context.scene.medium(path.medium)?;
+        let segment = path.depth.wrapping_mul(INTERFACE_LIMIT + 1).wrapping_add(path.interfaces);
+        let mut sampler = context.sampler.with_index(path.sampler_index);
+        sampler.skip_to_dimension(FIRST_MEDIUM_DIMENSION.wrapping_add(segment.wrapping_mul(4)));
+        let mut numbers = TrackingNumbers::of_group(sampler.next_group());
+        if medium.emits() {
+            path.light += path.throughput * medium.emitted(end * path.ray.direction.length());
+        }
+        let passage = track(medium, &path.ray, end, path.throughput, &context.wavelengths, &mut numbers);
+        path.throughput *= passage.factor;
+        path.importance *= passage.factor;
+        if passage.factor.is_black() {
+            return Some(false);
+        }
+        let t = passage.scattered_at?;
+        if path.depth >= self.max_depth {
+            return Some(false);
+        }
+        let at = Interaction::in_medium(path.ray.at(t), t, -path.ray.direction.normalize());
+        let vertex = Vertex::new(&at, Bsdf::Medium(medium.phase()));
+        Some(self.scatter_at_or_divide(context, directions, path, &vertex, branches))
+    }
+
+    /// As [`PathTracer::scatter_at`]; at its first rough vertex, a path divides.
+    fn scatter_at_or_divide<D: DirectionSampler>(
+        &self,
+        context: &mut Context<'_>,
+        directions: &mut D,
+        path: &mut PathState<D::VertexData>,
+        vertex: &Vertex<'_>,
+        branches: &mut Vec<PathState<D::VertexData>>,
+    ) -> bool {
         if path.branches > 1 && !vertex.is_delta() {
             let first = PathState { light: path.light, ..path.branch(0) };
             for branch in 1..path.branches {
                 let mut other = path.branch(branch);
-                other.is_active = self.scatter_at(context, directions, &mut other, &vertex);
+                other.is_active = self.scatter_at(context, directions, &mut other, vertex);
                 branches.push(other);
             }
             *path = first;
         }
-        self.scatter_at(context, directions, path, &vertex)
+        self.scatter_at(context, directions, path, vertex)
     }
 
     /// Samples a light and the next direction at a vertex. Returns whether the path continues.
@@ -240,12 +301,11 @@ impl PathTracer {
         let from = vertex.light_sample_context(vertex.at.wo);
         let mut light_groups = [0.0; MAX_LIGHT_GROUPS];
         if self.light_sampling && !vertex.is_delta() {
-            let (throughput, [x, y, xi_light, _]) = (path.throughput, sampler.next_group());
+            let [x, y, xi_light, xi_medium] = sampler.next_group();
             light_groups = directions.light_groups(&place, context.scene, &from);
             let selected = context.scene.select_light_by_groups(&from, &light_groups, xi_light);
-            let on_light = DVec2::new(x, y);
             path.pending.light = selected.and_then(|selected| {
-                direct_light(context, vertex, directions, &place, throughput, selected, on_light)
+                direct_light(context, vertex, directions, &place, path, selected, [x, y, xi_medium])
             });
         }
         let Some(scattered) = directions.sample(&place, vertex, xi, xi_lobe) else { return false };
@@ -268,6 +328,7 @@ impl PathTracer {
             path.importance *= (1.0 / survival) as f32;
         }
         path.ray = vertex.at.spawn(scattered.direction);
+        path.medium = vertex.at.medium_towards(scattered.direction, path.medium);
         let from = PreviousVertex { from, pdf: scattered.pdf };
         path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, light_groups });
         true
@@ -316,26 +377,27 @@ impl PathTracer {
     }
 }
 
-/// Direct light of a selected light, with the weight of the power heuristic against BSDF sampling, until its shadow ray is traced. `xi`: two numbers
-/// uniform in [0, 1) that select the point on the light.
+/// Direct light of a selected light, with the weight of the power heuristic against BSDF sampling, until its shadow ray is traced. The numbers, uniform
+/// in [0, 1), select the point on the light and the way through media.
 fn direct_light<D: DirectionSampler>(
     context: &mut Context<'_>,
     vertex: &Vertex<'_>,
     directions: &mut D,
     place: &D::VertexData,
-    throughput: Spectrum,
+    path: &PathState<D::VertexData>,
     selected: SelectedLight,
-    xi: DVec2,
+    [x, y, xi_medium]: [f64; 3],
 ) -> Option<PendingLight> {
     let scene = context.scene;
     let SelectedLight { id, probability, .. } = selected;
     let weight = |direction, light: f64, bsdf_pdf| {
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
-    let sample = scene.sample_light_compensated(id, vertex.at, xi);
+    let sample = scene.sample_light_compensated(id, vertex.at, DVec2::new(x, y));
     let Some((light, shadow)) = vertex.sampled_light(sample, weight) else {
         directions.record_light(place, &selected, 0.0);
         return None;
     };
-    Some(PendingLight { selected, light, throughput, shadow })
+    let medium = vertex.at.medium_towards(shadow.ray.direction, path.medium);
+    Some(PendingLight { selected, light, throughput: path.throughput, shadow, medium, xi_medium })
 }

@@ -9,7 +9,7 @@ use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 use super::Context;
 use super::path_tracer::INTERFACE_LIMIT;
 
-/// An interaction with its BSDF; directions are in world space, unit length, away from the surface.
+/// An interaction with its BSDF, or with the phase function of a medium; directions are in world space, unit length, away from the surface.
 ///
 /// With shading normals, a direction may be on different sides of the shading and the geometric surface, and light would leak through.
 /// Such directions carry no light (@veach1997 section 5.3.2). Where the viewer itself is on the wrong side of the shading
@@ -87,6 +87,11 @@ impl<'a> Vertex<'a> {
     /// Whether all lobes are delta lobes.
     pub(super) fn is_delta(&self) -> bool {
         self.bsdf.is_delta()
+    }
+
+    /// Whether it is a point in a medium.
+    pub(super) fn is_in_medium(&self) -> bool {
+        matches!(self.bsdf, Bsdf::Medium(_))
     }
 
     /// The probability with which the BSDF samples Lambert's lobe.

@@ -13,6 +13,7 @@ mod grid;
 mod guided;
 mod image_light;
 mod light;
+mod media;
 mod particles;
 mod same_bits;
 mod stored;

@@ -1,0 +1,179 @@
+//! Rays through participating media: free paths, and the light that is left of a shadow ray.
+
+use glanz_geometry::BoundedRay;
+use glanz_light::{LaneChoice, Spectrum, Wavelengths};
+use glanz_math::Ray;
+use glanz_sampling::hash::{combine, unit_f64};
+use glanz_scene::medium::transmittance;
+use glanz_scene::{Medium, MediumId};
+
+use super::Context;
+use super::path_tracer::INTERFACE_LIMIT;
+
+/// Largest number of tentative collisions on a ray: one with more is in a medium so dense that it makes no progress, and counts as absorbed.
+const COLLISION_LIMIT: u32 = 1 << 20;
+
+/// Transmittance below which ratio tracking goes on with a probability of [`SURVIVAL`] only.
+const FAINT: f32 = 0.05;
+const SURVIVAL: f32 = 0.25;
+
+/// Numbers uniform in [0, 1) for a ray through a medium, which takes nobody knows how many: a few of a sampler, then hashes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TrackingNumbers {
+    first: [f64; 3],
+    key: u64,
+    used: usize,
+}
+
+impl TrackingNumbers {
+    /// The first three numbers of a group of a sampler come first, the last one is the key of all others.
+    pub(super) fn of_group([a, b, c, key]: [f64; 4]) -> Self {
+        Self { first: [a, b, c], key: key.to_bits(), used: 0 }
+    }
+
+    /// Numbers that depend on a single one.
+    fn of_number(xi: f64) -> Self {
+        Self { first: [0.0; 3], key: xi.to_bits(), used: 3 }
+    }
+
+    fn next(&mut self) -> f64 {
+        let number = self.used;
+        self.used += 1;
+        let hashed = || unit_f64(combine(self.key, number as u64));
+        self.first.get(number).copied().unwrap_or_else(hashed)
+    }
+
+    /// A number of the exponential distribution with mean 1.
+    fn next_exponential(&mut self) -> f64 {
+        -(-self.next()).ln_1p()
+    }
+}
+
+/// What becomes of a path on its way through a medium.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passage {
+    /// Factor on the throughput; black if nothing is left.
+    pub(super) factor: Spectrum,
+    /// Ray parameter at which it is scattered; `None` if it gets through.
+    pub(super) scattered_at: Option<f64>,
+}
+
+/// Samples the free path of a ray with `0 < t < t_max`, by delta tracking under the bounds of the medium's segments.
+///
+/// A collision is sampled for one lane, chosen in proportion to `throughput`, and weighted for all by [`LaneChoice`]: the sum of the lanes never grows.
+/// Real and null collisions have the same probability in all lanes, since density does not depend on them. Absorption is a weight, no end of the path; in
+/// a medium that does not scatter, nothing is sampled where it is homogeneous.
+///
+/// # Source
+/// @novak2018 sections 3 and 5 (null collisions, spectral media); @miller2019 (weights of lanes; departure: the lane is chosen anew for each
+/// collision by what is left in it, which is its probability given the path so far and needs no state).
+pub(super) fn track(
+    medium: &Medium,
+    ray: &Ray,
+    t_max: f64,
+    throughput: Spectrum,
+    wavelengths: &Wavelengths,
+    numbers: &mut TrackingNumbers,
+) -> Passage {
+    if medium.albedo().is_black() {
+        return Passage { factor: remaining(medium, ray, t_max, numbers), scattered_at: None };
+    }
+    let length = ray.direction.length();
+    let absorbed = Passage { factor: Spectrum::BLACK, scattered_at: None };
+    let (mut factor, mut collisions) = (Spectrum::ONE, 0);
+    for segment in medium.segments(ray, t_max) {
+        let extinction = medium.extinction() * segment.density;
+        let mut t = segment.start;
+        loop {
+            let Some(lanes) = LaneChoice::try_new(throughput * factor, wavelengths) else { return absorbed };
+            let rate = f64::from(lanes.select(extinction, numbers.next()));
+            // Infinite where nothing is in the way of this lane.
+            let distance = numbers.next_exponential() / rate;
+            let rest = (segment.end - t) * length;
+            // 0 / 0 is no number.
+            if distance.is_nan() || distance >= rest {
+                factor *= lanes.balanced(transmittance(extinction, rest));
+                break;
+            }
+            t += distance / length;
+            factor *= lanes.balanced(extinction * transmittance(extinction, distance));
+            if numbers.next() * f64::from(segment.density) < medium.density(ray.at(t)) {
+                return Passage { factor: factor * medium.albedo(), scattered_at: Some(t) };
+            }
+            collisions += 1;
+            if collisions > COLLISION_LIMIT {
+                return absorbed;
+            }
+        }
+    }
+    Passage { factor, scattered_at: None }
+}
+
+/// The fraction of light left of a ray with `0 < t < t_max`: in homogeneous media by Beer's law, in others estimated by ratio tracking with the largest
+/// lane.
+///
+/// # Source
+/// @novak2014 section 4.1.
+fn remaining(medium: &Medium, ray: &Ray, t_max: f64, numbers: &mut TrackingNumbers) -> Spectrum {
+    let (length, extinction) = (ray.direction.length(), medium.extinction());
+    if medium.is_homogeneous() {
+        return transmittance(extinction, t_max * length);
+    }
+    let largest = extinction.max_component();
+    let (mut left, mut collisions) = (Spectrum::ONE, 0);
+    for segment in medium.segments(ray, t_max) {
+        let rate = f64::from(largest * segment.density) * length;
+        let mut t = segment.start;
+        loop {
+            t += numbers.next_exponential() / rate;
+            if t >= segment.end {
+                break;
+            }
+            let share = (medium.density(ray.at(t)) / f64::from(segment.density)).min(1.0) as f32;
+            left *= extinction.map(|sigma| 1.0 - share * (sigma / largest));
+            if left.max_component() < FAINT {
+                if numbers.next() >= f64::from(SURVIVAL) {
+                    return Spectrum::BLACK;
+                }
+                left *= 1.0 / SURVIVAL;
+            }
+            collisions += 1;
+            if collisions > COLLISION_LIMIT {
+                return Spectrum::BLACK;
+            }
+        }
+    }
+    left
+}
+
+/// The fraction of light that media leave of a shadow ray that nothing stops and that starts in `medium`. `xi`: a number uniform in [0, 1).
+///
+/// Where media end at interfaces, the ray is traced from one surface to the next; what it passes by its opacity has no part in this.
+pub(super) fn shadow_transmittance(
+    context: &mut Context<'_>,
+    shadow: &BoundedRay,
+    mut medium: MediumId,
+    xi: f64,
+) -> Spectrum {
+    let (scene, mut numbers) = (context.scene, TrackingNumbers::of_number(xi));
+    let BoundedRay { mut ray, t_max: mut end } = *shadow;
+    let mut left = Spectrum::ONE;
+    for _ in 0..INTERFACE_LIMIT {
+        let hit = if scene.has_open_media() {
+            context.counters.closest += 1;
+            scene.intersect(&ray, end)
+        } else {
+            None
+        };
+        if let Some(medium) = scene.medium(medium) {
+            left *= remaining(medium, &ray, hit.map_or(end, |hit| hit.t), &mut numbers);
+        }
+        let Some(hit) = hit.filter(|_| !left.is_black()) else { return left };
+        if hit.is_interface(scene) {
+            medium = hit.medium_towards(ray.direction, medium);
+        }
+        ray = hit.spawn(ray.direction);
+        end -= hit.t;
+    }
+    Spectrum::BLACK
+}
