@@ -26,6 +26,11 @@ pub enum Warning {
         /// Their number.
         materials: usize,
     },
+    /// Participating media, in a job that treats them as empty space.
+    MediaLeftOut {
+        /// What does so: an integrator with its name, or another job.
+        what: String,
+    },
     /// Unbounded surfaces or surfaces without parameters, which cast shadows but carry no light.
     LeftOut {
         /// Their number.
@@ -94,6 +99,11 @@ impl fmt::Display for Warning {
                 f,
                 "{} not diffuse; what they reflect or transmit counts as reflected diffusely",
                 plural(*materials as u64, "material is", "materials are")
+            ),
+            Self::MediaLeftOut { what } => write!(
+                f,
+                "{what} does not see the participating media of the scene: they count as empty space; render with \
+                 the integrator \"path\" or \"guided\" to see them"
             ),
             Self::LeftOut { surfaces } => write!(
                 f,

@@ -93,6 +93,9 @@ impl<'a> BakeBuilder<'a> {
         let view = model_files::ModelView::of(&scene.description);
         let (scene, warnings) = scene.resolve()?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
+        if scene.has_media() {
+            job.warn(Warning::MediaLeftOut { what: "the bake".to_owned() });
+        }
         let start = Instant::now();
         #[cfg(feature = "formats")]
         if view.camera(&scene.bounds()).is_none() {

@@ -202,6 +202,9 @@ impl Design {
         }
         let (scene, warnings) = scene.resolve()?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
+        if scene.has_media() {
+            job.warn(Warning::MediaLeftOut { what: "the calculation of illuminance".to_owned() });
+        }
         let requests = ReceiverRequest::of_scene(&scene, options.resolution);
         if requests.is_empty() && !options.far_field {
             return Err(Error::NoReceiver { scene: name });

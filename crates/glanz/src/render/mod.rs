@@ -148,6 +148,10 @@ impl<'a> RenderBuilder<'a> {
         let film = starting_film(&plan, &mut job)?;
         let (scene, warnings) = scene.resolve()?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
+        let settings = &plan.identity.integrator;
+        if scene.has_media() && !settings.sees_media() {
+            job.warn(Warning::MediaLeftOut { what: format!("the integrator {:?}", settings.name()) });
+        }
         job.options.cancel.check()?;
         job.emit(JobEvent::RenderStarted(&plan));
         let lines = match plan.edges {
