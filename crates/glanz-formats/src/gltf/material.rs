@@ -2,7 +2,7 @@
 
 use glanz_light::SpectralDistribution;
 use glanz_scene::description::{
-    AlphaDescription, EmissionDescription, ImageWrap, MaterialDescription, MaterialKind,
+    AlphaDescription, EmissionDescription, ImageWrap, MaterialDescription, MaterialKind, MediumDescription,
     SurfaceDetailDescription,
 };
 
@@ -26,6 +26,8 @@ pub(super) struct GltfMaterial {
     pub(super) is_repeated: bool,
     /// Whether coordinates may be moved by whole pictures, as all textures repeat alike.
     pub(super) is_periodic: bool,
+    /// Index of the medium inside its surfaces, if it absorbs light.
+    pub(super) medium: Option<usize>,
     /// Coordinates of its textures; `None`: it has no textures.
     pub(super) uv: Option<UvSource>,
 }
@@ -43,8 +45,7 @@ const READ: [&str; 8] = [
 ];
 
 /// Members of extensions without an effect on pictures here, which are reported.
-const LEFT_OUT_MEMBERS: [(&str, &str); 2] =
-    [("KHR_materials_volume", "attenuationDistance"), ("KHR_materials_clearcoat", "clearcoatNormalTexture")];
+const LEFT_OUT_MEMBERS: [(&str, &str); 1] = [("KHR_materials_clearcoat", "clearcoatNormalTexture")];
 
 /// Names of other extensions, which are reported.
 const LEFT_OUT: [(&str, &str); 4] = [
@@ -98,10 +99,38 @@ impl GltfReader<'_, '_> {
                 && texture.uv == base
                 && self.sampler_of(texture, material)?.0 == ImageWrap::Repeat;
         }
+        let medium = self.volume(material, &kind)?;
         let materials = &mut self.reader.description.materials;
         materials.push(MaterialDescription { name: material.own_name(), surface_detail, ..kind.into() });
         let index = materials.len() - 1;
-        Ok(GltfMaterial { index, emission, alpha, is_repeated, is_periodic, uv })
+        Ok(GltfMaterial { index, emission, alpha, is_repeated, is_periodic, medium, uv })
+    }
+
+    /// The medium inside surfaces that light passes, if it absorbs: after its distance, white light has its colour (@khr_gltf,
+    /// KHR_materials_volume).
+    fn volume(&mut self, material: &JsonObject<'_>, kind: &MaterialKind) -> Result<Option<usize>, GltfError> {
+        let MaterialKind::Principled(principled) = kind else { return Ok(None) };
+        if principled.thin || principled.transmission == 0.0.into() {
+            return Ok(None);
+        }
+        material.extension("KHR_materials_volume", |found| {
+            let Some(volume) = found else { return Ok(None) };
+            let distance = volume.positive("attenuationDistance", f64::INFINITY)?;
+            let color = volume.color::<3>("attenuationColor")?.unwrap_or([1.0; 3]);
+            // No absorption leaves nothing at all.
+            let absorption =
+                color.map(|c| -(c.clamp(f64::from(f32::MIN_POSITIVE), 1.0).ln() / distance) as f32);
+            if absorption == [0.0; 3] {
+                return Ok(None);
+            }
+            if !absorption.iter().all(|x| x.is_finite()) {
+                return Err(volume.error("attenuationDistance", format!("{distance} is too short")));
+            }
+            let name = material.own_name();
+            let media = &mut self.reader.description.media;
+            media.push(MediumDescription { name, ..MediumDescription::new(absorption, 0.0) });
+            Ok(Some(media.len() - 1))
+        })
     }
 
     /// A surface that shows its base colour whatever the light: it emits that colour.

@@ -1,7 +1,7 @@
 //! Meshes: primitives as triangles.
 
 use glanz_math::{DVec2, DVec3};
-use glanz_scene::description::{GeometryDescription, ShapeDescription};
+use glanz_scene::description::{GeometryDescription, ShapeDescription, SurfaceMedia};
 
 use super::GltfReader;
 use super::accessor::{Accessor, ElementType};
@@ -141,8 +141,9 @@ impl<'a> GltfReader<'a, '_> {
             let material = self.material(primitive.count("material")?, primitive)?;
             self.report_attributes(primitive, &attributes, &vertices, count)?;
             let geometry = self.geometry(&attributes, &positions, vertices, &material)?;
-            let GltfMaterial { index, emission, alpha, .. } = material;
-            Ok(Some(ShapeDescription { material: index, emission, alpha, ..geometry.into() }))
+            let GltfMaterial { index, emission, alpha, medium: inside, .. } = material;
+            let media = SurfaceMedia { inside, outside: None };
+            Ok(Some(ShapeDescription { material: index, emission, alpha, media, ..geometry.into() }))
         })
     }
 

@@ -7,11 +7,11 @@ mod view;
 use std::sync::Arc;
 
 use data_encoding::BASE64;
-use glanz_light::SpectralDistribution;
+use glanz_light::{SpectralDistribution, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
     CameraKind, DescriptionForm, FloatParameter, GeometryDescription, LightKind, MaterialKind,
-    SpectrumParameter, SurfaceDetailDescription, TextureKind,
+    SpectrumParameter, SurfaceDetailDescription, SurfaceMedia, TextureKind,
 };
 use glanz_shading::model::{PrincipledMaterial, Roughness, RoughnessScale};
 use serde_json::{Value, json};

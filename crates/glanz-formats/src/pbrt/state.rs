@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use glanz_math::DMat4;
-use glanz_scene::description::EmissionDescription;
+use glanz_scene::description::{EmissionDescription, SurfaceMedia};
 
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::Parameter;
@@ -49,6 +49,8 @@ pub(crate) struct GraphicsState {
     pub(crate) reverse_orientation: bool,
     /// Index of the material; `None` for the default material.
     pub(crate) material: Option<usize>,
+    /// The media on both sides of shapes.
+    pub(crate) media: SurfaceMedia,
     /// Emission of shapes.
     pub(crate) emission: Option<Rc<EmissionDescription>>,
     /// Colour space of `rgb`.
@@ -64,6 +66,7 @@ impl Default for GraphicsState {
             start_active: true,
             reverse_orientation: false,
             material: None,
+            media: SurfaceMedia::default(),
             emission: None,
             color_space: ColorSpace::Rec709,
             attributes: Attributes::default(),

@@ -37,7 +37,8 @@ const SCENES: &[&str] = &[
     Texture "d" "spectrum" "mix" "rgb tex1" [1 0 0] "texture tex2" "c" "float amount" .5 Texture "i" "float" "imagemap" "string filename" "p\n.png"
     Material "matte" "texture Kd" "c" Shape "algebraic" "integer exponents" [2 0 0 0 2 0 0 0 0] "float coefficients" [1 1 -1]
     Shape "polyhedron" "normal N" [1 0 0 0 1 0] "float d" [1 1] Shape "torus" Shape "box" "vector size" [1 2 3]
-    ReverseOrientation ActiveTransform EndTime Rotate 90 1 0 0 ActiveTransform All MediumInterface "a" "b"
+    ReverseOrientation ActiveTransform EndTime Rotate 90 1 0 0 ActiveTransform All MakeNamedMedium "a" "string type" "uniformgrid"
+    "integer nx" 2 "float density" [1 2] "rgb sigma_a" [1 2 3] "float g" .5 MediumInterface "a" ""
     Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] MakeNamedMaterial "q" "string type" "glass"
     Material "mix" "string namedmaterial1" "q" "string namedmaterial2" "q""#,
     r#"Option "string studio" "z" WorldBegin Shape "nurbs" "integer nu" 2 "integer nv" 3 "integer uorder" 2 "integer vorder" [3] "float uknots" [0 0 1 1]

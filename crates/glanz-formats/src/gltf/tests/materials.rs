@@ -161,6 +161,32 @@ fn the_parameters_of_materials_are_those_of_the_principled_one() {
 }
 
 #[test]
+fn glass_with_a_thickness_absorbs_to_its_colour_over_its_distance() {
+    let volume = |transmission: f64, volume: Value| {
+        let extensions = json!({
+            "KHR_materials_transmission": { "transmissionFactor": transmission }, "KHR_materials_volume": volume
+        });
+        load(&with_material(json!({ "extensions": extensions }), json!({}))).description
+    };
+    let amber =
+        json!({ "thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [1, 0.25, 0.0625] });
+    let description = volume(1.0, amber.clone());
+    let media: Vec<_> = description.world.shapes.iter().map(|shape| shape.media).collect();
+    assert_eq!(media, [SurfaceMedia { inside: Some(0), outside: None }]);
+    // 2 ln 4 and 2 ln 16 per metre.
+    let absorption = description.media[0].absorption.unbounded(&Wavelengths::Rgb).to_rgb(&Wavelengths::Rgb);
+    for (found, expected) in absorption.into_iter().zip([0.0, 4.0, 8.0].map(|x| x * 2.0_f32.ln())) {
+        assert!((found - expected).abs() < 1e-6, "{absorption:?}");
+    }
+    // Without light inside, without a thickness, without an absorption.
+    let thin = json!({ "attenuationDistance": 0.5, "attenuationColor": [0, 0, 0] });
+    let clear = json!({ "thicknessFactor": 1, "attenuationColor": [0, 0, 0] });
+    for (transmission, without) in [(0.0, amber), (1.0, thin), (1.0, clear)] {
+        assert!(volume(transmission, without).media.is_empty());
+    }
+}
+
+#[test]
 fn the_textures_of_extensions_have_their_channels() {
     let texture = json!({ "index": 0 });
     let extensions = json!({

@@ -44,6 +44,7 @@ impl Lowering {
             self.stand_in(&alpha_place, "stand-in-alpha", message);
         }
         self.without_receiver(&mut list)?;
+        self.without_media(&list, context);
         if context.reverse_orientation {
             let message = format!(
                 "{}: ReverseOrientation has no effect; normals of solids point outwards",

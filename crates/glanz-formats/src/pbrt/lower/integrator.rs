@@ -72,7 +72,7 @@ impl Lowering {
         let r = &mut self.reporter;
         let name = match kind {
             "whitted" | "distributed" | "path" | "light" | "guided" | "radiosity" => kind,
-            "simplepath" => "path",
+            "simplepath" | "volpath" | "simplevolpath" => "path",
             "lightpath" => "light",
             // The same picture, with light samples alone.
             "directlighting" => "whitted",

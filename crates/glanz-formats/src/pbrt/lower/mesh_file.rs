@@ -60,6 +60,7 @@ impl Lowering {
         };
         self.alpha(&mut list)?;
         self.without_receiver(&mut list)?;
+        self.without_media(&list, context);
         let subject = std::mem::take(&mut list.subject);
         list.finish(&mut self.reporter);
         let known = self.find(&name).ok().and_then(|path| self.gltf_files.get(&path).copied());

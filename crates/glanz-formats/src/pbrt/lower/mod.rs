@@ -13,6 +13,7 @@ mod light;
 mod luminaire;
 mod material;
 mod material_stand_in;
+mod medium;
 mod mesh_file;
 mod mix;
 mod named;
@@ -35,7 +36,7 @@ use std::rc::Rc;
 
 use glanz_math::DMat4;
 use glanz_scene::Description;
-use glanz_scene::description::EmissionDescription;
+use glanz_scene::description::{EmissionDescription, SurfaceMedia};
 use glanz_scene::studio::{UpAxis, UpAxisError};
 
 use crate::finder::{FileFinder, FindError};
@@ -47,6 +48,7 @@ use crate::source::{ParseResult, Reporter, Span};
 pub(crate) use cad_file::CadFile;
 pub(crate) use film::finish_film;
 pub(crate) use material::NamedMaterial;
+pub(crate) use medium::NamedMedium;
 pub(crate) use object::OpenObject;
 pub(crate) use texture::{ImageKey, TextureNames};
 
@@ -73,6 +75,7 @@ pub(crate) struct Lowering {
     pub(crate) gltf_files: BTreeMap<PathBuf, usize>,
     pub(crate) materials: BTreeMap<String, NamedMaterial>,
     pub(crate) default_material: Option<usize>,
+    pub(crate) media: BTreeMap<String, NamedMedium>,
     pub(crate) textures: TextureNames,
     pub(crate) images: BTreeMap<ImageKey, usize>,
     pub(crate) has_film: bool,
@@ -113,6 +116,7 @@ pub(crate) struct EntityState {
     pub(crate) ctm: DMat4,
     pub(crate) reverse_orientation: bool,
     pub(crate) material: Option<usize>,
+    pub(crate) media: SurfaceMedia,
     pub(crate) emission: Option<Rc<EmissionDescription>>,
     pub(crate) color_space: ColorSpace,
 }
@@ -135,6 +139,7 @@ impl Lowering {
             gltf_files: BTreeMap::new(),
             materials: BTreeMap::new(),
             default_material: None,
+            media: BTreeMap::new(),
             textures: TextureNames::default(),
             images: BTreeMap::new(),
             has_film: false,

@@ -88,6 +88,7 @@ impl Lowering {
                 to_parent: context.ctm,
                 reverse_orientation: context.reverse_orientation,
                 material,
+                media: context.media,
                 emission: emission.clone(),
                 trim: trim.clone(),
                 solid,

@@ -92,7 +92,6 @@ pub(crate) struct Parser {
     files: Vec<OpenFile>,
     block: OpenBlock,
     includes: usize,
-    media_reported: bool,
 }
 
 impl Parser {
@@ -104,7 +103,6 @@ impl Parser {
             files: Vec::new(),
             block: OpenBlock::Options,
             includes: 0,
-            media_reported: false,
         }
     }
 
@@ -130,6 +128,7 @@ impl Parser {
         }
         self.lowering.end_object();
         self.lowering.check_materials();
+        self.lowering.check_media();
         finish_film(&mut self.lowering);
         self.lowering.description.files = self.lowering.reporter.sources.names();
     }
@@ -228,7 +227,9 @@ impl Parser {
                 self.state.now.reverse_orientation = !self.state.now.reverse_orientation;
                 Ok(())
             }
-            "MakeNamedMedium" | "MediumInterface" | "Volume" => self.medium(word, place),
+            "MediumInterface" => self.medium_interface(place),
+            "MakeNamedMedium" => self.named_medium(place),
+            "Volume" => self.volume(place),
             "Material" | "MakeNamedMaterial" | "NamedMaterial" | "Texture" | "Shape" | "AreaLightSource"
             | "LightSource" | "ObjectInstance" => self.thing(word, place),
             _ => {

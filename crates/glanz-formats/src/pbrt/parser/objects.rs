@@ -4,6 +4,8 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use glanz_scene::description::SurfaceMedia;
+
 use super::{OpenBlock, Parser};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::lower::EntityState;
@@ -50,6 +52,7 @@ impl Parser {
             "Camera" => {
                 let ctm = self.state.now.ctm;
                 self.lowering.camera(&kind, list, ctm)?;
+                self.lowering.description.camera_medium = self.state.now.media.outside;
                 self.state.named_frames.insert("camera".to_owned(), ctm.inverse());
                 Ok(())
             }
@@ -57,7 +60,7 @@ impl Parser {
             "Sampler" => self.lowering.sampler(&kind, list),
             "Integrator" | "SurfaceIntegrator" => self.lowering.integrator(&kind, list),
             "PixelFilter" => self.lowering.filter(&kind, list),
-            // These have no effect on the picture, or only with media.
+            // These have no effect on the picture, or only on its noise.
             _ => Ok(()),
         }
     }
@@ -134,23 +137,35 @@ impl Parser {
         Ok(())
     }
 
-    /// Media are read and left out.
-    pub(super) fn medium(&mut self, word: &str, place: Span) -> ParseResult<()> {
-        let (kind, _) = self.name(word, &place)?;
-        // The second name of MediumInterface looks like a parameter without type; both are read the same way.
-        if word == "MediumInterface" {
-            let lexer = self.lexer(&place)?;
-            if lexer.peek() == Some(b'"') {
-                let second = lexer.next();
-                second.map_err(|error| self.syntax(error))?;
-            }
-        }
-        self.parameters(format!("medium {:?}", shortened(&kind)), place)?;
-        if !self.media_reported {
-            self.media_reported = true;
-            let message = "media are not available yet; empty space stands in";
-            self.lowering.reporter.stand_in(&place, "stand-in-medium", message);
-        }
+    /// `MediumInterface "inside" "outside"`; a single name is that of both.
+    pub(super) fn medium_interface(&mut self, place: Span) -> ParseResult<()> {
+        let (inside, inside_place) = self.name("MediumInterface", &place)?;
+        let second = self.lexer(&place)?.peek() == Some(b'"');
+        let (outside, outside_place) = match second {
+            true => self.name("MediumInterface", &place)?,
+            false => (inside.clone(), inside_place),
+        };
+        self.state.now.media = SurfaceMedia {
+            inside: self.lowering.use_medium(&inside, &inside_place),
+            outside: self.lowering.use_medium(&outside, &outside_place),
+        };
+        Ok(())
+    }
+
+    pub(super) fn named_medium(&mut self, place: Span) -> ParseResult<()> {
+        let (name, _) = self.name("MakeNamedMedium", &place)?;
+        let mut list = self.parameters(format!("medium {:?}", shortened(&name)), place)?;
+        list.inherit(&self.state.now.attributes.medium);
+        let context = self.context();
+        self.lowering.named_medium(&name, list, &context)
+    }
+
+    /// Media of version 1, which fill a box of their own, are read and left out.
+    pub(super) fn volume(&mut self, place: Span) -> ParseResult<()> {
+        let (kind, _) = self.name("Volume", &place)?;
+        self.parameters(format!("volume {:?}", shortened(&kind)), place)?;
+        let message = "Volume is not available yet; empty space stands in";
+        self.lowering.reporter.stand_in(&place, "stand-in-medium", message);
         Ok(())
     }
 
@@ -160,6 +175,7 @@ impl Parser {
             ctm: now.ctm,
             reverse_orientation: now.reverse_orientation,
             material: now.material,
+            media: now.media,
             emission: now.emission.clone(),
             color_space: now.color_space,
         }

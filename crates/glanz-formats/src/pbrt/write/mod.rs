@@ -44,6 +44,7 @@ pub enum PbrtWriteError {
 pub fn write(description: &Description, up: UpAxis) -> Result<String, PbrtWriteError> {
     let scene = [
         ("a light", description.lights.is_empty()),
+        ("a medium", description.media.is_empty()),
         ("a texture", description.textures.is_empty()),
         ("a section", description.section.is_none()),
         ("a backdrop", description.backdrop.is_none()),

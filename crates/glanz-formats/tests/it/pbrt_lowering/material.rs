@@ -177,7 +177,7 @@ fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
         ("LightSource \"infinite\" \"string mapname\" \"no.exr\"", "missing-file"),
         ("Texture \"t\" \"color\" \"ptex\"", "stand-in-texture"),
         ("Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"no.png\"", "missing-file"),
-        ("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"", "stand-in-medium"),
+        ("MakeNamedMedium \"fog\" \"string type\" \"cloud\"", "stand-in-medium"),
         ("ActiveTransform EndTime Translate 0 0 1 ActiveTransform All", "stand-in-motion"),
     ] {
         let text = format!("WorldBegin {text}");

@@ -4,6 +4,7 @@ mod film;
 mod layered_material;
 mod light;
 mod material;
+mod medium;
 mod receiver;
 mod shape;
 mod space;

@@ -1,0 +1,204 @@
+//! `MakeNamedMedium` and `MediumInterface`.
+
+use glanz_light::SpectralDistribution;
+use glanz_math::DVec3;
+use glanz_scene::description::{DensityDescription, MediumDescription};
+
+use super::spectrum::grey;
+use super::{EntityState, Lowering};
+use crate::nearest::nearest;
+use crate::pbrt::color_space::ColorSpace;
+use crate::pbrt::dialect::Dialect;
+use crate::pbrt::parameters::{ParameterList, ParameterType, shortened};
+use crate::source::{ParseResult, Span};
+
+/// Absorption and scattering of media without any, 1/m: those of skim milk in 1/mm.
+const DEFAULT_COEFFICIENTS: [[f32; 3]; 2] = [[0.0011, 0.0024, 0.014], [2.55, 3.21, 3.77]];
+
+/// A medium with a name.
+#[derive(Debug)]
+pub(crate) struct NamedMedium {
+    index: usize,
+    /// Span of its first use, until it is defined.
+    awaited: Option<Span>,
+}
+
+impl Lowering {
+    /// The index of the medium of this name, which may be defined later; `None` for empty space, which has no name.
+    pub(crate) fn use_medium(&mut self, name: &str, place: &Span) -> Option<usize> {
+        if name.is_empty() {
+            return None;
+        }
+        if let Some(medium) = self.media.get(name) {
+            return Some(medium.index);
+        }
+        self.description.media.push(nothing(name, place));
+        let index = self.description.media.len() - 1;
+        self.media.insert(name.to_owned(), NamedMedium { index, awaited: Some(*place) });
+        Some(index)
+    }
+
+    /// Reports media that are used and never defined.
+    pub(crate) fn check_media(&mut self) {
+        let awaited = |(name, medium): (&String, &NamedMedium)| Some((name.clone(), medium.awaited?));
+        let missing: Vec<(String, Span)> = self.media.iter().filter_map(awaited).collect();
+        for (name, place) in missing {
+            let made = self.media.iter().filter(|(_, m)| m.awaited.is_none()).map(|(n, _)| n.as_str());
+            let help = nearest(&name, made).map(|n| format!("did you mean {n:?}?"));
+            let message = format!("there is no medium {:?}", shortened(&name));
+            self.reporter.error_with_help(&place, "missing-medium", message, help);
+        }
+    }
+
+    /// Defines a medium with a name; its type is the parameter `type`.
+    pub(crate) fn named_medium(
+        &mut self,
+        name: &str,
+        mut list: ParameterList,
+        context: &EntityState,
+    ) -> ParseResult<()> {
+        let place = list.place;
+        let Some(kind) = list.text("type", &mut self.reporter)? else {
+            let message = format!("medium {:?} has no \"string type\"", shortened(name));
+            return Err(self.reporter.error(&place, "parameter-missing", message));
+        };
+        list.subject = format!("medium {:?}", shortened(&kind));
+        let medium = match kind.as_str() {
+            "homogeneous" => self.homogeneous_medium(name, list, context)?,
+            "uniformgrid" | "heterogeneous" => self.grid_medium(name, &kind, list, context)?,
+            _ => {
+                let message = format!("{} is not available yet; empty space stands in", list.subject);
+                self.stand_in(&place, "stand-in-medium", message);
+                nothing(name, &place)
+            }
+        };
+        let media = &mut self.description.media;
+        let index = match self.media.get(name) {
+            Some(NamedMedium { index, awaited: Some(_) }) if *index < media.len() => {
+                media[*index] = medium;
+                *index
+            }
+            _ => {
+                media.push(medium);
+                media.len() - 1
+            }
+        };
+        self.media.insert(name.to_owned(), NamedMedium { index, awaited: None });
+        Ok(())
+    }
+
+    /// The parameters of all media.
+    fn coefficients(
+        &mut self,
+        name: &str,
+        list: &mut ParameterList,
+        defaults: [SpectralDistribution; 2],
+        space: ColorSpace,
+    ) -> ParseResult<MediumDescription> {
+        let [absorption, scattering] = defaults;
+        let mut coefficient = |name, default| match list.take(name) {
+            Some(p) => self.distribution(&list.subject, &p, space),
+            None => Ok(default),
+        };
+        let absorption = coefficient("sigma_a", absorption)?;
+        let scattering = coefficient("sigma_s", scattering)?;
+        let scale = list.float_or("scale", 1.0, &mut self.reporter)? as f32;
+        let g = list.float_or("g", 0.0, &mut self.reporter)?;
+        let (name, location) = (name.to_owned(), Some(list.place.location));
+        Ok(MediumDescription { name, scale, g, location, ..MediumDescription::new(absorption, scattering) })
+    }
+
+    fn homogeneous_medium(
+        &mut self,
+        name: &str,
+        mut list: ParameterList,
+        context: &EntityState,
+    ) -> ParseResult<MediumDescription> {
+        let place = list.value_place("preset");
+        if let Some(preset) = list.text("preset", &mut self.reporter)? {
+            let message = format!(
+                "{}: preset {:?} is not available yet; the coefficients of the file or the default stand in",
+                list.subject,
+                shortened(&preset)
+            );
+            self.stand_in(&place, "stand-in-medium", message);
+        }
+        let defaults = DEFAULT_COEFFICIENTS.map(SpectralDistribution::from);
+        let mut medium = self.coefficients(name, &mut list, defaults, context.color_space)?;
+        medium.emission_scale = list.float_or("Lescale", 1.0, &mut self.reporter)? as f32;
+        if let Some(p) = list.take("Le") {
+            medium.emission = self.distribution(&list.subject, &p, context.color_space)?;
+            // As that of lights.
+            if self.dialect == Dialect::V4
+                && matches!(p.kind, ParameterType::Blackbody | ParameterType::Spectrum)
+            {
+                let luminance = medium.emission.luminance();
+                medium.emission_scale *= if luminance > 0.0 { 1.0 / luminance } else { 0.0 };
+            }
+        }
+        list.finish(&mut self.reporter);
+        Ok(medium)
+    }
+
+    fn grid_medium(
+        &mut self,
+        name: &str,
+        kind: &str,
+        mut list: ParameterList,
+        context: &EntityState,
+    ) -> ParseResult<MediumDescription> {
+        let place = list.place;
+        let Some((p, densities)) = list.floats("density", &mut self.reporter)? else {
+            let message = format!("{} has no \"float density\"", list.subject);
+            return Err(self.reporter.error(&place, "parameter-missing", message));
+        };
+        let r = &mut self.reporter;
+        let mut resolution = [1; 3];
+        for (count, name) in resolution.iter_mut().zip(["nx", "ny", "nz"]) {
+            *count = list.integer_from(name, 1, r)?.unwrap_or(1);
+        }
+        let [nx, ny, nz] = resolution.map(u64::from);
+        if nx.checked_mul(ny).and_then(|product| product.checked_mul(nz)) != Some(densities.len() as u64) {
+            let found = densities.len();
+            let message =
+                format!("{}: {found} densities are not nx {nx} times ny {ny} times nz {nz}", list.subject);
+            return Err(r.error(&p.value_place, "parameter-count", message));
+        }
+        let corners = [list.vec3("p0", r)?.unwrap_or(DVec3::ZERO), list.vec3("p1", r)?.unwrap_or(DVec3::ONE)];
+        for emission in ["Le", "Lescale", "temperature"] {
+            let place = list.value_place(emission);
+            if list.take(emission).is_some() {
+                let message = format!(
+                    "{}: {emission:?} is not available yet; a medium without it stands in",
+                    list.subject
+                );
+                self.stand_in(&place, "stand-in-medium", message);
+            }
+        }
+        list.ignore(&["temperaturescale", "temperatureoffset"]);
+        let defaults = match kind {
+            "uniformgrid" => [grey(1.0), grey(1.0)],
+            _ => DEFAULT_COEFFICIENTS.map(SpectralDistribution::from),
+        };
+        let medium = self.coefficients(name, &mut list, defaults, context.color_space)?;
+        list.finish(&mut self.reporter);
+        let values = densities.into_iter().map(|density| density as f32).collect();
+        let density = DensityDescription { resolution, values, corners, to_world: context.ctm };
+        Ok(MediumDescription { density: Some(density), ..medium })
+    }
+
+    /// Reports that the shapes of a file have no media.
+    pub(super) fn without_media(&mut self, list: &ParameterList, context: &EntityState) {
+        if context.media.inside != context.media.outside {
+            let message =
+                format!("{}: media of shapes of such files are not available; none stands in", list.subject);
+            self.stand_in(&list.place, "stand-in-medium", message);
+        }
+    }
+}
+
+/// A medium that does nothing.
+fn nothing(name: &str, place: &Span) -> MediumDescription {
+    let location = Some(place.location);
+    MediumDescription { name: name.to_owned(), location, ..MediumDescription::new(0.0, 0.0) }
+}
