@@ -191,7 +191,8 @@ fn what_only_scatters_is_unseen_under_a_white_sky() {
                 .shape(ball.clone(), MaterialKind::Interface)
                 .shape(ShapeDescription::sphere(0.3).translated([0.2, 0.1, 0.0]), diffuse(1.0))
                 .light(LightDescription::infinite([1.0; 3]));
-            for run in runs(200, 64) {
+            // Of three bands with a sum that does not grow, one may have it all.
+            for run in runs(200, 256) {
                 run.picture(&scene).assert_average([1.0; 3], 0.03, &format!("{g} {}", run.name()));
             }
         }
@@ -229,8 +230,8 @@ fn a_ball_of_coloured_glass_absorbs_along_the_refracted_ray() {
         .shape(ShapeDescription::sphere(1.0).enclosing(0, None), glass())
         .light(LightDescription::infinite([1.0; 3]));
     let scene = with_medium(scene, MediumDescription::new(EXTINCTION, 0.0));
-    for run in runs(60, 10_000) {
-        run.picture(&scene).assert_average(expected, 0.02, &run.name());
+    for run in runs(60, 30_000) {
+        run.picture(&scene).assert_average(expected, 0.04, &run.name());
     }
 }
 
@@ -247,7 +248,7 @@ fn smoke() -> SceneBuilder {
             diffuse(0.6),
         )
         .shape(
-            ShapeDescription::sphere(0.3).translated([1.5, 0.0, 1.8]).emitting([8.0, 6.0, 5.0]),
+            ShapeDescription::sphere(0.6).translated([1.8, 0.0, 2.2]).emitting([8.0, 6.0, 5.0]),
             diffuse(0.0),
         )
 }
