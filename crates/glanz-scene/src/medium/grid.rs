@@ -82,3 +82,63 @@ impl DensityGrid {
         MediumSegments::through_cells(&self.to_box.ray(ray), t_max, BOUNDS, &self.bounds)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glanz_sampling::hash::{combine, unit_f64};
+
+    use super::*;
+
+    fn grid(resolution: [usize; 3]) -> DensityGrid {
+        let count: usize = resolution.iter().product();
+        // A third of them is 0.
+        let values =
+            (0..count).map(|i| (1.5 * unit_f64(combine(7, i as u64)) - 0.5).max(0.0) as f32).collect();
+        let to_box = Transform::translate(DVec3::new(1.0, 2.0, 3.0));
+        DensityGrid::from_checked(resolution, values, to_box.inverse())
+    }
+
+    #[test]
+    fn densities_are_those_of_cells_at_their_middles_and_linear_in_between() {
+        let (resolution, corner) = ([3, 4, 5], DVec3::new(1.0, 2.0, 3.0));
+        let grid = grid(resolution);
+        let middle = |cell: [usize; 3]| {
+            corner + DVec3::from(std::array::from_fn(|k| (cell[k] as f64 + 0.5) / resolution[k] as f64))
+        };
+        let value = |cell| f64::from(grid.value(cell));
+        let close = |at: DVec3, expected: f64| assert!((grid.density(at) - expected).abs() < 1e-14, "{at}");
+        let (a, b) = ([1, 2, 3], [2, 3, 2]);
+        close(middle(a), value(a));
+        close(middle(b), value(b));
+        close(
+            0.25 * middle([0, 1, 4]) + 0.75 * middle([1, 1, 4]),
+            0.25 * value([0, 1, 4]) + 0.75 * value([1, 1, 4]),
+        );
+        // At the border half of the last value is left, half a cell beyond it nothing.
+        let last = [2, 2, 3];
+        close(DVec3 { x: 2.0, ..middle(last) }, 0.5 * value(last));
+        close(DVec3 { x: 2.0 + 0.5 / 3.0, ..middle(last) }, 0.0);
+    }
+
+    #[test]
+    fn segments_bound_all_densities_along_a_ray() {
+        for resolution in [[1, 1, 1], [3, 5, 40], [16, 7, 33]] {
+            let grid = grid(resolution);
+            for i in 0..200 {
+                let number = |k| unit_f64(combine(k, i));
+                let point = |k| DVec3::new(number(k), number(k + 1), number(k + 2));
+                let origin = DVec3::new(1.0, 2.0, 3.0) + 2.0 * point(1) - 0.5;
+                let ray = Ray::new(origin, point(4) - 0.5);
+                let segments: Vec<_> = grid.segments(&ray, 5.0).collect();
+                for k in 0..500 {
+                    let t = f64::from(k) * 0.01;
+                    let density = grid.density(ray.at(t));
+                    let is_inside = (ray.at(t) - DVec3::new(1.5, 2.5, 3.5)).abs().max_element() < 0.5;
+                    let bound =
+                        segments.iter().find(|s| s.start <= t && t <= s.end).map_or(0.0, |s| s.density);
+                    assert!(!is_inside || density <= f64::from(bound), "{resolution:?} ray {i} at {t}");
+                }
+            }
+        }
+    }
+}

@@ -202,3 +202,63 @@ impl Interaction {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::DMat4;
+
+    use super::*;
+    use crate::SceneBuilder;
+    use crate::description::*;
+
+    #[test]
+    fn surfaces_have_their_media_also_in_joined_meshes_and_mirrored_copies() {
+        let triangle = |z: f64| {
+            ShapeDescription::mesh(
+                vec![DVec3::new(-9.0, -9.0, z), DVec3::new(9.0, -9.0, z), DVec3::new(0.0, 9.0, z)],
+                vec![[0, 1, 2]],
+            )
+        };
+        let media = [
+            MediumDescription::new(1.0, 0.0),
+            MediumDescription::new(0.0, 0.0),
+            MediumDescription::new(0.0, 1.0),
+        ];
+        let (scene, _) = SceneBuilder::new()
+            .edit(|description| description.media.extend(media))
+            .shape(triangle(0.0).enclosing(0, Some(2)), MaterialKind::diffuse(0.5))
+            .shape(triangle(1.0).enclosing(2, None), MaterialKind::Interface)
+            // Empty space on both sides, by a medium that does nothing.
+            .shape(triangle(2.0).enclosing(1, None), MaterialKind::diffuse(0.5))
+            .group("turned", |group| {
+                group.shape(triangle(-3.0).enclosing(0, None), MaterialKind::diffuse(0.5))
+            })
+            .instance("turned", DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0)))
+            .resolve()
+            .unwrap();
+        let (a, b, none) = (MediumId(0), MediumId(1), MediumId::VACUUM);
+        assert!(scene.has_media() && scene.has_open_media());
+        let current = MediumId(77);
+        let mut z = 9.0;
+        // From above; the copy is at z = 3 with its normal downwards.
+        for (expected, below, above) in [(3.0, none, a), (2.0, current, current), (1.0, b, none), (0.0, a, b)]
+        {
+            let ray = Ray::new(DVec3::new(0.1, 0.2, z), -DVec3::Z);
+            let hit = scene.intersect(&ray, f64::INFINITY).unwrap();
+            assert_eq!(hit.point.position.z, expected);
+            assert_eq!(hit.medium_towards(-DVec3::Z, current), below, "{expected}");
+            assert_eq!(hit.medium_towards(DVec3::Z, current), above, "{expected}");
+            assert_eq!(hit.is_interface(&scene), expected == 1.0);
+            z = expected - 0.5;
+        }
+    }
+
+    #[test]
+    fn media_that_do_not_exist_are_an_error() {
+        let shape = ShapeDescription::sphere(1.0).enclosing(3, None);
+        let error = SceneBuilder::new().shape(shape, MaterialKind::Interface).resolve().unwrap_err();
+        assert_eq!(error.to_string(), "medium number 3 does not exist; there are 0");
+        let lost = SceneBuilder::new().edit(|description| description.camera_medium = Some(0));
+        assert!(lost.resolve().is_err());
+    }
+}
