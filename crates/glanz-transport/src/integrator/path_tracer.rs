@@ -8,10 +8,8 @@ use glanz_scene::{
     BatchedPath, Interaction, LightId, LightSampleContext, MAX_LIGHT_GROUPS, MediumId, Scene, SceneHit,
     SelectedLight,
 };
-use glanz_shading::Bsdf;
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
-use super::tracking::{TrackingNumbers, track};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 
@@ -21,9 +19,6 @@ pub(super) const ROULETTE_FROM: u32 = 4;
 
 /// Dimensions of the sampler per scattering event, so that an event has the same dimensions in every sample.
 pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
-
-/// The first dimension of the sampler for media, four for each segment of a path: beyond those of scattering events.
-const FIRST_MEDIUM_DIMENSION: u32 = 1 << 30;
 
 /// Largest number of interfaces that a ray may pass between two scattering events; a ray with more is assumed not to advance.
 pub(crate) const INTERFACE_LIMIT: u32 = 1000;
@@ -145,7 +140,7 @@ impl<'a, 'b, D: DirectionSampler> BatchedPath<TracedSamples<'a, 'b, D>> for Path
 /// and directional lights never.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathTracer {
-    max_depth: u32,
+    pub(super) max_depth: u32,
     light_sampling: bool,
     branching: u32,
 }
@@ -227,41 +222,8 @@ impl PathTracer {
         self.scatter_at_or_divide(context, directions, path, &vertex, branches)
     }
 
-    /// Follows a path through its medium up to the ray parameter `end`: adds emitted light and samples where it is scattered. `None` if it gets through;
-    /// otherwise, whether it continues.
-    fn pass_medium<D: DirectionSampler>(
-        &self,
-        context: &mut Context<'_>,
-        directions: &mut D,
-        path: &mut PathState<D::VertexData>,
-        end: f64,
-        branches: &mut Vec<PathState<D::VertexData>>,
-    ) -> Option<bool> {
-        let medium = context.scene.medium(path.medium)?;
-        let segment = path.depth.wrapping_mul(INTERFACE_LIMIT + 1).wrapping_add(path.interfaces);
-        let mut sampler = context.sampler.with_index(path.sampler_index);
-        sampler.skip_to_dimension(FIRST_MEDIUM_DIMENSION.wrapping_add(segment.wrapping_mul(4)));
-        let mut numbers = TrackingNumbers::of_group(sampler.next_group());
-        if medium.emits() {
-            path.light += path.throughput * medium.emitted(end * path.ray.direction.length());
-        }
-        let passage = track(medium, &path.ray, end, path.throughput, &context.wavelengths, &mut numbers);
-        path.throughput *= passage.factor;
-        path.importance *= passage.factor;
-        if passage.factor.is_black() {
-            return Some(false);
-        }
-        let t = passage.scattered_at?;
-        if path.depth >= self.max_depth {
-            return Some(false);
-        }
-        let at = Interaction::in_medium(path.ray.at(t), t, -path.ray.direction.normalize());
-        let vertex = Vertex::new(&at, Bsdf::Medium(medium.phase()));
-        Some(self.scatter_at_or_divide(context, directions, path, &vertex, branches))
-    }
-
     /// As [`PathTracer::scatter_at`]; at its first rough vertex, a path divides.
-    fn scatter_at_or_divide<D: DirectionSampler>(
+    pub(super) fn scatter_at_or_divide<D: DirectionSampler>(
         &self,
         context: &mut Context<'_>,
         directions: &mut D,

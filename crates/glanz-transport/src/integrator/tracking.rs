@@ -5,10 +5,16 @@ use glanz_light::{LaneChoice, Spectrum, Wavelengths};
 use glanz_math::Ray;
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_scene::medium::transmittance;
-use glanz_scene::{Medium, MediumId};
+use glanz_scene::{Interaction, Medium, MediumId};
+use glanz_shading::Bsdf;
 
 use super::Context;
-use super::path_tracer::INTERFACE_LIMIT;
+use super::path_state::PathState;
+use super::path_tracer::{DirectionSampler, INTERFACE_LIMIT, PathTracer};
+use super::vertex::Vertex;
+
+/// The first dimension of the sampler for media, four for each segment of a path: beyond those of scattering events.
+const FIRST_MEDIUM_DIMENSION: u32 = 1 << 30;
 
 /// Largest number of tentative collisions on a ray: one with more is in a medium so dense that it makes no progress, and counts as absorbed.
 const COLLISION_LIMIT: u32 = 1 << 20;
@@ -19,7 +25,7 @@ const SURVIVAL: f32 = 0.25;
 
 /// Numbers uniform in [0, 1) for a ray through a medium, which takes nobody knows how many: a few of a sampler, then hashes.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TrackingNumbers {
+struct TrackingNumbers {
     first: [f64; 3],
     key: u64,
     used: usize,
@@ -27,7 +33,7 @@ pub(super) struct TrackingNumbers {
 
 impl TrackingNumbers {
     /// The first three numbers of a group of a sampler come first, the last one is the key of all others.
-    pub(super) fn of_group([a, b, c, key]: [f64; 4]) -> Self {
+    fn of_group([a, b, c, key]: [f64; 4]) -> Self {
         Self { first: [a, b, c], key: key.to_bits(), used: 0 }
     }
 
@@ -51,11 +57,11 @@ impl TrackingNumbers {
 
 /// What becomes of a path on its way through a medium.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Passage {
+struct Passage {
     /// Factor on the throughput; black if nothing is left.
-    pub(super) factor: Spectrum,
+    factor: Spectrum,
     /// Ray parameter at which it is scattered; `None` if it gets through.
-    pub(super) scattered_at: Option<f64>,
+    scattered_at: Option<f64>,
 }
 
 /// Samples the free path of a ray with `0 < t < t_max`, by delta tracking under the bounds of the medium's segments.
@@ -67,7 +73,7 @@ pub(super) struct Passage {
 /// # Source
 /// @novak2018 sections 3 and 5 (null collisions, spectral media); @miller2019 (weights of lanes; departure: the lane is chosen anew for each
 /// collision by what is left in it, which is its probability given the path so far and needs no state).
-pub(super) fn track(
+fn track(
     medium: &Medium,
     ray: &Ray,
     t_max: f64,
@@ -144,6 +150,41 @@ fn remaining(medium: &Medium, ray: &Ray, t_max: f64, numbers: &mut TrackingNumbe
         }
     }
     left
+}
+
+impl PathTracer {
+    /// Follows a path through its medium up to the ray parameter `end`: adds emitted light and samples where it is scattered. `None` if it gets through;
+    /// otherwise, whether it continues.
+    pub(super) fn pass_medium<D: DirectionSampler>(
+        &self,
+        context: &mut Context<'_>,
+        directions: &mut D,
+        path: &mut PathState<D::VertexData>,
+        end: f64,
+        branches: &mut Vec<PathState<D::VertexData>>,
+    ) -> Option<bool> {
+        let medium = context.scene.medium(path.medium)?;
+        let segment = path.depth.wrapping_mul(INTERFACE_LIMIT + 1).wrapping_add(path.interfaces);
+        let mut sampler = context.sampler.with_index(path.sampler_index);
+        sampler.skip_to_dimension(FIRST_MEDIUM_DIMENSION.wrapping_add(segment.wrapping_mul(4)));
+        let mut numbers = TrackingNumbers::of_group(sampler.next_group());
+        if medium.emits() {
+            path.light += path.throughput * medium.emitted(end * path.ray.direction.length());
+        }
+        let passage = track(medium, &path.ray, end, path.throughput, &context.wavelengths, &mut numbers);
+        path.throughput *= passage.factor;
+        path.importance *= passage.factor;
+        if passage.factor.is_black() {
+            return Some(false);
+        }
+        let t = passage.scattered_at?;
+        if path.depth >= self.max_depth {
+            return Some(false);
+        }
+        let at = Interaction::in_medium(path.ray.at(t), t, -path.ray.direction.normalize());
+        let vertex = Vertex::new(&at, Bsdf::Medium(medium.phase()));
+        Some(self.scatter_at_or_divide(context, directions, path, &vertex, branches))
+    }
 }
 
 /// The fraction of light that media leave of a shadow ray that nothing stops and that starts in `medium`. `xi`: a number uniform in [0, 1).
