@@ -222,7 +222,36 @@ pub enum ResumedState {
 
 #[cfg(test)]
 mod tests {
+    use glanz_scene::SceneBuilder;
+    use glanz_scene::description::{MaterialKind, MediumDescription, ShapeDescription};
+
     use super::*;
+    use crate::LoadedScene;
+
+    #[test]
+    fn integrators_that_do_not_see_media_warn_of_it() {
+        let scene = |media: &[MediumDescription]| {
+            SceneBuilder::new()
+                .resolution(2, 2)
+                .edit(|description| description.media.extend(media.iter().cloned()))
+                .shape(ShapeDescription::sphere(1.0), MaterialKind::diffuse(0.5))
+                .describe()
+                .unwrap()
+        };
+        let warnings = |name: &str, media: &[MediumDescription]| {
+            let scene = LoadedScene::from_description("fog", scene(media)).render();
+            scene.samples(1).integrator(name).run().unwrap().warnings().to_vec()
+        };
+        let fog = [MediumDescription::new(0.0, 1.0)];
+        for name in ["light", "whitted", "distributed"] {
+            let what = format!("the integrator {name:?}");
+            assert_eq!(warnings(name, &fog), [Warning::MediaLeftOut { what }]);
+            assert_eq!(warnings(name, &[]), []);
+        }
+        for name in ["path", "guided"] {
+            assert_eq!(warnings(name, &fog), []);
+        }
+    }
 
     #[test]
     fn warning_of_coarse_elements_has_numbers_and_a_remedy() {
