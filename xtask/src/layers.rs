@@ -16,6 +16,7 @@ const LAYERS: &[LayeredCrate] = &[
     LayeredCrate { layer: 0, name: "glanz-math", may_use: "-" },
     LayeredCrate { layer: 0, name: "glanz-job", may_use: "-" },
     LayeredCrate { layer: 1, name: "glanz-geometry", may_use: "math" },
+    LayeredCrate { layer: 1, name: "glanz-denoise", may_use: "job" },
     LayeredCrate { layer: 1, name: "glanz-light", may_use: "math" },
     LayeredCrate { layer: 1, name: "glanz-sampling", may_use: "math" },
     LayeredCrate { layer: 2, name: "glanz-brep", may_use: "math, geometry" },

@@ -1,5 +1,6 @@
 //! Conversion of errors of the engine into messages with advice.
 
+use glanz::denoise::DenoiseError;
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::{FilmError, MergeError};
 use glanz::{Error, FileFault};
@@ -74,6 +75,9 @@ fn advice(error: &Error) -> Option<String> {
         }
         Error::Merge(MergeError::Learning { .. }) => {
             "learn a guide once with --guide-out, and render every part with --guide-in"
+        }
+        Error::Denoise(DenoiseError::NotFound { .. }) => {
+            "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to its folder"
         }
         Error::Bake(BakeError::TooMany(..)) => "choose fewer with --texels-per-metre",
         Error::NoReceiver { .. } => {

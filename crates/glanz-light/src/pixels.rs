@@ -93,6 +93,25 @@ impl Pixels {
         Ok(())
     }
 
+    /// Replaces the channels R, G and B, or adds them.
+    ///
+    /// # Errors
+    /// As [`Pixels::add_channel`].
+    pub fn set_rgb(&mut self, rgb: &[[f32; 3]]) -> Result<(), PixelsError> {
+        for (band, name) in ["R", "G", "B"].into_iter().enumerate() {
+            let values: Vec<f32> = rgb.iter().map(|pixel| pixel[band]).collect();
+            let expected = self.len();
+            match self.channels.iter_mut().find(|channel| channel.name == name) {
+                Some(channel) if values.len() == expected => channel.values = values,
+                Some(_) => {
+                    return Err(PixelsError::Length { name: name.to_owned(), found: values.len(), expected });
+                }
+                None => self.add_channel(name, values)?,
+            }
+        }
+        Ok(())
+    }
+
     /// Pixels per row.
     #[must_use]
     pub fn width(&self) -> u32 {

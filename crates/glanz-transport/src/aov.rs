@@ -75,6 +75,12 @@ impl AovSet {
         Self(self.0 | 1 << aov as u8)
     }
 
+    /// This set and `other`.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// Whether `aov` is in the set.
     #[must_use]
     pub const fn contains(self, aov: Aov) -> bool {

@@ -414,6 +414,18 @@ impl Film {
     /// # Errors
     /// [`PixelsError`] as [`Pixels::try_new`] and [`Pixels::add_channel`].
     pub fn to_pixels(&self) -> Result<Pixels, PixelsError> {
+        self.to_pixels_with(self.edges.as_ref())
+    }
+
+    /// As [`Film::to_pixels`], without the lines.
+    ///
+    /// # Errors
+    /// As [`Film::to_pixels`].
+    pub fn to_pixels_without_edges(&self) -> Result<Pixels, PixelsError> {
+        self.to_pixels_with(None)
+    }
+
+    fn to_pixels_with(&self, edges: Option<&EdgeLayer>) -> Result<Pixels, PixelsError> {
         let [width, height] = self.format.crop.size;
         let mut pixels = Pixels::try_new(width, height)?;
         let names = channel_names(self.format.aovs);
@@ -429,7 +441,7 @@ impl Film {
                 own.mean += splatted.mean;
                 own.variance += splatted.variance;
             }
-            if let Some(edges) = &self.edges {
+            if let Some(edges) = edges {
                 let [r, g, b] = edges.over(at, radiance.map(|band| band.mean));
                 [radiance[0].mean, radiance[1].mean, radiance[2].mean] = [r, g, b];
             }

@@ -111,6 +111,10 @@ pub enum Error {
         /// The error of the file.
         error: Box<Error>,
     },
+    /// Noise that cannot be removed.
+    #[cfg(feature = "denoise")]
+    #[error(transparent)]
+    Denoise(#[from] glanz_denoise::DenoiseError),
     /// Light maps that cannot be baked.
     #[cfg(feature = "radiosity")]
     #[error(transparent)]

@@ -51,6 +51,8 @@ pub enum Warning {
         /// Their number.
         samples: u64,
     },
+    /// Noise was to be removed from the picture, but the job was cancelled.
+    NotDenoised,
     /// Edges were to be drawn over the picture, but the scene has none.
     NoEdges,
     /// Edges were to be drawn over the picture, but there are too many.
@@ -123,6 +125,7 @@ impl fmt::Display for Warning {
             Self::Cut { samples } => {
                 write!(f, "{} too bright to be added and cut", plural(*samples, "sample was", "samples were"))
             }
+            Self::NotDenoised => f.write_str("the picture has its noise: the job ended before it was removed"),
             Self::NoEdges => f.write_str("no edges are drawn: only models from CAD files have edges"),
             Self::TooManyEdges { edges } => write!(
                 f,

@@ -28,6 +28,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `formats` | scene files, picture files, models |
+//! | `denoise` | removal of noise from pictures, if Open Image Denoise is installed |
 //! | `radiosity` | light maps, and the integrator that shows them |
 //! | `illumination` | lux maps |
 //! | `viewer` | the page that shows a scene, and its server (not among the defaults) |
@@ -76,6 +77,9 @@ pub use render::{
     EdgeLines, MAX_LINE_WIDTH, Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics, merge,
 };
 
+#[cfg(feature = "denoise")]
+#[doc(inline)]
+pub use glanz_denoise as denoise;
 #[cfg(feature = "formats")]
 #[doc(inline)]
 pub use glanz_formats as formats;

@@ -125,6 +125,10 @@ pub(crate) struct RenderArguments {
     /// Draw the edges of CAD models over the picture, with lines of this many pixels, up to 64 [default: 1.5 where the shorter side has 720]
     #[arg(long, value_name = "WIDTH", num_args = 0..=1, require_equals = true, value_parser = line_width)]
     edges: Option<Option<f64>>,
+    /// Remove the noise of the finished picture by Open Image Denoise 2, which is loaded from the folder OIDN_DIR or where the system keeps
+    /// libraries; checkpoints keep the noise
+    #[arg(long)]
+    denoise: bool,
     /// Render only the samples of every pixel from A up to, but not including, B
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
     pub(crate) samples: Option<Range<u32>>,
@@ -172,6 +176,7 @@ impl RenderArguments {
             light_input: self.light_in.clone(),
             aovs: self.aovs(),
             edges: self.edges.map(|width| EdgeLines { width }),
+            denoise: self.denoise,
         }
     }
 

@@ -97,6 +97,13 @@ impl EdgeLayer {
         Ok(Self { crop: format.crop, color: style.color, coverage: map.bytes() })
     }
 
+    /// Draws the layer over the radiance of all pixels, row by row.
+    pub fn draw_over(&self, rgb: &mut [[f32; 3]]) {
+        for (pixel, rgb) in rgb.iter_mut().enumerate() {
+            *rgb = self.over(pixel, rgb.map(f64::from)).map(|x| x as f32);
+        }
+    }
+
     /// The radiance of a pixel under the layer. `pixel`: its index, row by row.
     pub(crate) fn over(&self, pixel: usize, radiance: [f64; 3]) -> [f64; 3] {
         let covered = f64::from(self.coverage.get(pixel).copied().unwrap_or_default()) / 255.0;

@@ -1,5 +1,7 @@
 //! Rendering: pictures of a scene, and their files.
 
+#[cfg(feature = "denoise")]
+mod denoised;
 mod edges;
 mod guide_file;
 mod picture;
@@ -71,6 +73,9 @@ pub struct RenderOptions {
     /// Lines over the picture along the feature edges of CAD models that were read with [their edges](glanz_scene::description::EdgeDescription);
     /// `None`: no lines.
     pub edges: Option<EdgeLines>,
+    /// Whether noise is removed from the finished picture, by Open Image Denoise. Adds the channels of albedo and shading normals.
+    #[cfg(feature = "denoise")]
+    pub denoise: bool,
 }
 
 /// Builder of a render.
@@ -144,6 +149,8 @@ impl<'a> RenderBuilder<'a> {
         let mut job = job.start();
         job.check_checkpoint()?;
         options.guide_output.as_deref().map_or(Ok(()), file::check_writable)?;
+        #[cfg(feature = "denoise")]
+        let denoiser = options.denoise.then(glanz_denoise::Denoiser::load).transpose()?;
         let plan = RenderPlan::new(&options, &mut scene, &job.options)?;
         let film = starting_film(&plan, &mut job)?;
         let (scene, warnings) = scene.resolve()?;
@@ -161,7 +168,13 @@ impl<'a> RenderBuilder<'a> {
         let film = film.with_edges(lines)?;
         let integrator = plan.integrator(&scene, &mut job)?;
         let outcome = expose(&scene, integrator.as_ref(), &plan, film, &mut job)?;
-        finish(plan, outcome, scene.undecided(), options.guide_output.as_deref(), job)
+        let picture = finish(plan, outcome, scene.undecided(), options.guide_output.as_deref(), &mut job)?;
+        #[cfg(feature = "denoise")]
+        let picture = match denoiser {
+            Some(denoiser) => denoised::denoise(picture, &denoiser, &mut job)?,
+            None => picture,
+        };
+        Ok(picture)
     }
 }
 
@@ -197,7 +210,7 @@ fn finish(
     outcome: RenderOutcome,
     undecided: u64,
     guide: Option<&Path>,
-    mut job: RunningJob<'_>,
+    job: &mut RunningJob<'_>,
 ) -> Result<Picture, Error> {
     let RenderOutcome { film, end, elapsed, counters, samples } = outcome;
     if film.samples().is_empty() {
@@ -212,9 +225,10 @@ fn finish(
     counts.into_iter().filter(|(count, _)| *count > 0).for_each(|(_, warning)| job.warn(warning));
     let threads = plan.threads;
     let statistics = RenderStatistics { end, elapsed, counters, samples, undecided, threads };
-    let picture = Picture::new(plan.identity, film, statistics, job.warnings);
+    let picture = Picture::new(plan.identity, film, statistics, std::mem::take(&mut job.warnings));
     // The checkpoint is written first, because it takes longest to compute again.
-    let saved = job.options.checkpoint.map_or(Ok(()), |path| picture.save_checkpoint(path));
+    let checkpoint = job.options.checkpoint.as_deref();
+    let saved = checkpoint.map_or(Ok(()), |path| picture.save_checkpoint(path));
     match saved.and(guide.map_or(Ok(()), |path| picture.save_guide(path))) {
         Ok(()) => Ok(picture),
         Err(error) => Err(Error::Unsaved { picture: Box::new(picture), error: Box::new(error) }),

@@ -18,7 +18,9 @@ pub struct Picture {
     identity: PictureIdentity,
     film: Film,
     statistics: RenderStatistics,
-    warnings: Vec<Warning>,
+    pub(super) warnings: Vec<Warning>,
+    /// Its colours without noise, row by row; `None` if noise was not removed.
+    pub(super) denoised: Option<Vec<[f32; 3]>>,
 }
 
 /// Statistics of a render.
@@ -53,7 +55,7 @@ impl Picture {
         statistics: RenderStatistics,
         warnings: Vec<Warning>,
     ) -> Self {
-        Self { identity, film, statistics, warnings }
+        Self { identity, film, statistics, warnings, denoised: None }
     }
 
     /// The identity of the picture: everything that it depends on.
@@ -80,12 +82,16 @@ impl Picture {
         &self.warnings
     }
 
-    /// The planes of the picture, linear light.
+    /// The planes of the picture, linear light; the colours without noise, if it was removed.
     ///
     /// # Errors
     /// [`Error::Pixels`] if two channels have the same name.
     pub fn pixels(&self) -> Result<Pixels, Error> {
-        Ok(self.film.to_pixels()?)
+        let mut pixels = self.film.to_pixels()?;
+        if let Some(colors) = &self.denoised {
+            pixels.set_rgb(colors)?;
+        }
+        Ok(pixels)
     }
 
     /// Writes film and identity to a file, to be resumed by a [`RenderBuilder`](super::RenderBuilder) or [merged](merge).
@@ -125,7 +131,7 @@ pub fn merge<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Pictu
         Some(error) => Err(error),
         None => {
             let Checkpoint { identity, film } = merged?;
-            Ok(Picture { identity, film, statistics: RenderStatistics::default(), warnings: Vec::new() })
+            Ok(Picture::new(identity, film, RenderStatistics::default(), Vec::new()))
         }
     }
 }

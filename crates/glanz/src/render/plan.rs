@@ -9,8 +9,8 @@ use glanz_sampling::exact::MAX_TERMS;
 use glanz_scene::Scene;
 use glanz_scene::description::FilmDescription;
 use glanz_transport::{
-    EdgeStyle, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings, PictureIdentity, PixelRect,
-    RenderSettings, StoredLight,
+    AovSet, EdgeStyle, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings, PictureIdentity,
+    PixelRect, RenderSettings, StoredLight,
 };
 
 use super::RenderOptions;
@@ -73,7 +73,7 @@ impl RenderPlan {
             film: FilmFormat {
                 resolution: film.resolution,
                 crop,
-                aovs: options.aovs,
+                aovs: options.channels(),
                 signed: filter.is_signed(),
                 passes: integrator.is_guided() && guide.is_none(),
                 splats: integrator.build().splats(),
@@ -153,6 +153,15 @@ impl RenderPlan {
 }
 
 impl RenderOptions {
+    /// The channels to render beside the colour.
+    fn channels(&self) -> AovSet {
+        #[cfg(feature = "denoise")]
+        if self.denoise {
+            return self.aovs.union(super::denoised::CHANNELS);
+        }
+        self.aovs
+    }
+
     /// Replaces settings of the description.
     fn apply(&self, scene: &mut LoadedScene) {
         let FilmDescription { resolution, .. } = &mut scene.description.film;

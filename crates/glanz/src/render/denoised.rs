@@ -1,0 +1,69 @@
+//! Removal of noise from finished pictures.
+
+use glanz_denoise::{DenoiseError, Denoiser, NoisyPicture};
+use glanz_job::{ProgressSink, Silent};
+use glanz_light::Pixels;
+use glanz_transport::{Aov, AovSet};
+
+use super::picture::Picture;
+use crate::error::Error;
+use crate::event::Warning;
+use crate::job_options::JobOptions;
+use crate::running_job::RunningJob;
+
+/// The channels that [`denoise`] needs.
+pub(super) const CHANNELS: AovSet = AovSet::NONE.with(Aov::Albedo).with(Aov::ShadingNormal);
+
+/// The picture with colours without noise, under its lines; with noise and a warning if the job is cancelled.
+///
+/// # Errors
+/// [`Error::Unsaved`] with the picture as it was.
+pub(super) fn denoise(
+    mut picture: Picture,
+    denoiser: &Denoiser,
+    job: &mut RunningJob<'_>,
+) -> Result<Picture, Error> {
+    match colors_without_noise(&picture, denoiser, job) {
+        Ok(colors) => picture.denoised = Some(colors),
+        Err(Error::Denoise(DenoiseError::Interrupted(_))) => {
+            job.warn(Warning::NotDenoised);
+            picture.warnings.append(&mut job.warnings);
+        }
+        Err(error) => {
+            return Err(Error::Unsaved { picture: Box::new(picture), error: Box::new(error) });
+        }
+    }
+    Ok(picture)
+}
+
+fn colors_without_noise(
+    picture: &Picture,
+    denoiser: &Denoiser,
+    job: &mut RunningJob<'_>,
+) -> Result<Vec<[f32; 3]>, Error> {
+    let film = picture.film();
+    let pixels = film.to_pixels_without_edges()?;
+    let noisy = NoisyPicture {
+        size: [pixels.width(), pixels.height()],
+        color: planes(&pixels, ["R", "G", "B"]),
+        albedo: planes(&pixels, ["Albedo.R", "Albedo.G", "Albedo.B"]),
+        normal: planes(&pixels, ["Ns.X", "Ns.Y", "Ns.Z"]),
+    };
+    let JobOptions { sink, cancel, threads, .. } = &mut job.options;
+    let mut silent = Silent;
+    let sink: &mut dyn ProgressSink = match sink {
+        Some(sink) => &mut **sink,
+        None => &mut silent,
+    };
+    let mut colors = denoiser.denoise(noisy, *threads, sink, cancel)?;
+    if let Some(edges) = film.edges() {
+        edges.draw_over(&mut colors);
+    }
+    Ok(colors)
+}
+
+/// Three channels of a picture, pixel by pixel.
+fn planes(pixels: &Pixels, names: [&str; 3]) -> Vec<[f32; 3]> {
+    let planes = names.map(|name| pixels.channel(name).unwrap_or_default());
+    (0..pixels.len()).map(|i| planes.map(|plane| plane.get(i).copied().unwrap_or_default())).collect()
+}
