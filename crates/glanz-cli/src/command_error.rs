@@ -33,6 +33,8 @@ fn is_usage(error: &Error) -> bool {
         | Error::Branching { .. }
         | Error::SampleRange { .. }
         | Error::SampleOrder { .. }
+        | Error::NoiseLevel { .. }
+        | Error::NoiseOf { .. }
         | Error::NoModel { .. }
         | Error::Accuracy { .. } => true,
         Error::File { fault, .. } => {
@@ -52,6 +54,7 @@ fn advice(error: &Error) -> Option<String> {
         Error::NoModel { .. } => "triangles can be made of a scene: .glb, .obj or .ply",
         Error::NoGuide { .. } => "add --integrator guided",
         Error::NoStoredLight { .. } => "add --integrator radiosity",
+        Error::NoiseOf { .. } => "add --integrator path, or use a learnt guide with --guide-in",
         Error::Branching { .. } => "add --integrator path or distributed, or leave out --branching",
         Error::SampleRange { range, sampler, .. } => {
             return Some(format!(
@@ -60,7 +63,9 @@ fn advice(error: &Error) -> Option<String> {
             ));
         }
         Error::SampleOrder { next, .. } => {
-            return Some(format!("begin at {next}, or use a learnt guide with --guide-in"));
+            return Some(format!(
+                "begin at {next}, use a learnt guide with --guide-in, or leave out --noise"
+            ));
         }
         Error::Film(FilmError::Size(..) | FilmError::Memory(_)) => "choose a smaller picture with --size",
         Error::Guide(_) => "choose a smaller grid or scale with --guide",
@@ -74,7 +79,7 @@ fn advice(error: &Error) -> Option<String> {
             "render every part with a range of its own: --samples A..B"
         }
         Error::Merge(MergeError::Learning { .. }) => {
-            "learn a guide once with --guide-out, and render every part with --guide-in"
+            "learn a guide once with --guide-out, render every part with --guide-in, and without --noise"
         }
         Error::Denoise(DenoiseError::NotFound { .. }) => {
             "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to its folder"

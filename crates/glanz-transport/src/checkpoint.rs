@@ -9,6 +9,7 @@
 //! | 4, 8 each | number of sample ranges; first and end of each, ascending |
 //! | 16 | samples dropped, samples cut |
 //! | | with passes: their weight, samples and last weight (8 each); length (8) and state of the training, see [`Guide`](crate::Guide) |
+//! | 4 each | with a noise level: number of samples with which each tile ended, 2^32 - 1 if it has not |
 //! | 1 | 1 with lines over the picture: their red, green and blue (`f32`), the covered share of each pixel of the crop window in 255ths (1 each), row by row |
 //! | 8 each | the sums of all pixels, tile after tile, and of the light splatted to them, row by row, see [`Film`] |
 //! | 4 | CRC-32 (IEEE) of all preceding bytes |
@@ -25,14 +26,15 @@ use crate::film::{Film, FilmError, FilmFormat};
 use crate::guide::{decode_training, encode_training};
 use crate::identity::PictureIdentity;
 use crate::integrator::IntegratorSettings;
+use crate::noise::NoiseLevel;
 use crate::passes::Passes;
 use crate::pixel::Rejects;
-use crate::pixel_rect::PixelRect;
+use crate::pixel_rect::{PixelRect, TILE_SIDE};
 use crate::ranges::SampleRanges;
 
 /// Envelope of checkpoint files.
 const ENVELOPE: FileEnvelope =
-    FileEnvelope { magic: b"GLANZCKP", version: 5, content: "the checkpoint", kind: "a checkpoint of Glanz" };
+    FileEnvelope { magic: b"GLANZCKP", version: 6, content: "the checkpoint", kind: "a checkpoint of Glanz" };
 
 /// Errors of reading a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -80,6 +82,7 @@ impl Checkpoint {
             if film.format().passes {
                 encode_passes(e, film.passes());
             }
+            film.tile_ends().iter().for_each(|&end| e.u32(end));
             encode_edges(e, film.edges());
             e.0.reserve(film.words().len() * 8 + 4);
             for &word in film.words() {
@@ -104,6 +107,7 @@ impl Checkpoint {
             true => decode_passes(&mut d, &samples).ok_or(CheckpointError::Content("its training state"))?,
             false => Passes::default(),
         };
+        let ends = decode_tile_ends(&mut d, &identity.film).ok_or(CheckpointError::Content("its tiles"))?;
         let edges = decode_edges(&mut d, &identity.film).ok_or(CheckpointError::Content("its edges"))?;
         // Sizes are compared before anything is allocated for them.
         if identity.film.words()?.checked_mul(8) != Some(d.0.len() as u64) {
@@ -112,8 +116,19 @@ impl Checkpoint {
         let (words, _) = d.0.as_chunks::<8>();
         let words = words.iter().map(|w| u64::from_le_bytes(*w)).collect();
         let film = Film::try_from_words(identity.film, words, samples, rejects)?;
+        let film = film.with_tile_ends(ends).ok_or(CheckpointError::Content("its tiles"))?;
         Ok(Self { identity, film: film.with_passes(passes).with_edges(edges)? })
     }
+}
+
+fn decode_tile_ends(d: &mut Decoder<'_>, format: &FilmFormat) -> Option<Vec<u32>> {
+    if format.noise.is_none() {
+        return Some(Vec::new());
+    }
+    // The size of the film is checked after this: a header cannot make it allocate more than the file has.
+    let count = format.crop.size.map(|side| u64::from(side.div_ceil(TILE_SIDE)));
+    let bytes = d.take(usize::try_from(count[0].checked_mul(count[1])?.checked_mul(4)?).ok()?)?;
+    Some(bytes.as_chunks::<4>().0.iter().map(|end| u32::from_le_bytes(*end)).collect())
 }
 
 fn encode_passes(e: &mut Encoder, passes: &Passes) {
@@ -175,6 +190,7 @@ fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
     e.u8(u8::from(film.signed));
     e.u8(u8::from(film.passes));
     e.u8(u8::from(film.splats));
+    e.u32(film.noise.map_or(0, NoiseLevel::millionths));
     encode_filter(e, &identity.filter);
     e.text(&identity.integrator.full_name());
     e.u32(identity.integrator.max_depth);
@@ -215,6 +231,10 @@ fn decode_format(d: &mut Decoder<'_>) -> Option<FilmFormat> {
         signed: d.u8()? != 0,
         passes: d.u8()? != 0,
         splats: d.u8()? != 0,
+        noise: match d.u32()? {
+            0 => None,
+            millionths => Some(NoiseLevel::try_new(1e-6 * f64::from(millionths))?),
+        },
     })
 }
 
@@ -274,6 +294,7 @@ mod tests {
             signed: true,
             passes: false,
             splats: true,
+            noise: None,
         };
         let mut film = Film::try_new(format).unwrap();
         let layout = format.layout();

@@ -7,6 +7,7 @@ pub use crate::channels::channel_names;
 use crate::channels::channel_values;
 use crate::edges::EdgeLayer;
 use crate::guide::{Guide, Training};
+use crate::noise::{self, ENDLESS, NoiseLevel};
 use crate::passes::Passes;
 use crate::pixel::{PixelLayout, PixelSums, PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
@@ -30,6 +31,9 @@ pub enum FilmError {
         /// Width and height of the full picture.
         resolution: [u32; 2],
     },
+    /// A noise level for samples whose variance is not known, or depends on other pixels.
+    #[error("a noise level needs the channel of the variance, and an integrator without passes and splats")]
+    Noise,
     /// The sums do not fit in memory.
     #[error("there is no memory for a film of {0} bytes")]
     Memory(u64),
@@ -74,6 +78,8 @@ pub struct FilmFormat {
     pub passes: bool,
     /// Whether the integrator [splats](crate::Integrator::splats).
     pub splats: bool,
+    /// The noise at which tiles take no more samples, which needs [`Aov::Variance`], and neither passes nor splats; `None`: all take the same.
+    pub noise: Option<NoiseLevel>,
 }
 
 impl FilmFormat {
@@ -87,7 +93,14 @@ impl FilmFormat {
             signed: false,
             passes: false,
             splats: false,
+            noise: None,
         }
+    }
+
+    /// Whether samples depend on earlier ones, so that they are taken in order and parts cannot be merged.
+    #[must_use]
+    pub fn is_ordered(&self) -> bool {
+        self.passes || self.noise.is_some()
     }
 
     /// The sums of each pixel.
@@ -104,7 +117,7 @@ impl FilmFormat {
     /// Number of 64 bit words that a film of this format holds.
     ///
     /// # Errors
-    /// [`FilmError::Size`] and [`FilmError::Crop`] as [`Film::try_new`].
+    /// [`FilmError::Size`], [`FilmError::Crop`] and [`FilmError::Noise`] as [`Film::try_new`].
     pub fn words(&self) -> Result<u64, FilmError> {
         let [width, height] = self.crop.size;
         if self.crop.is_empty() || self.crop.len() > 1 << 31 {
@@ -117,6 +130,9 @@ impl FilmFormat {
             let [x, y] = self.crop.min.map(f64::from);
             let window = [x, x + f64::from(width), y, y + f64::from(height)];
             return Err(FilmError::Crop { window, resolution: self.resolution });
+        }
+        if self.noise.is_some() && (!self.aovs.contains(Aov::Variance) || self.passes || self.splats) {
+            return Err(FilmError::Noise);
         }
         let splats = if self.splats { self.splat_layout().words() } else { 0 };
         Ok(self.crop.len() * (self.layout().words() + splats) as u64)
@@ -150,13 +166,15 @@ pub struct Film {
     passes: Passes,
     /// Lines that are drawn over the picture.
     edges: Option<EdgeLayer>,
+    /// Numbers of samples with which the tiles ended, or [`ENDLESS`]; empty without a noise level.
+    tile_ends: Vec<u32>,
 }
 
 impl Film {
     /// A film without samples.
     ///
     /// # Errors
-    /// [`FilmError::Size`] or [`FilmError::Crop`] for an invalid format, [`FilmError::Memory`] if memory is insufficient.
+    /// [`FilmError::Size`], [`FilmError::Crop`] or [`FilmError::Noise`] for an invalid format, [`FilmError::Memory`] if memory is insufficient.
     pub fn try_new(format: FilmFormat) -> Result<Self, FilmError> {
         let count = format.words()?;
         let mut words = Vec::new();
@@ -166,8 +184,7 @@ impl Film {
         words.resize(length, 0);
         let layout = format.layout();
         // Not all sums start as zero bits: the shape's number starts as "none".
-        let (samples, rejects, passes) = Default::default();
-        let mut film = Self { format, words, samples, rejects, passes, edges: None };
+        let mut film = Self::without_samples(format, words);
         for pixel in film.sums_mut().0.chunks_exact_mut(layout.words()) {
             PixelSums::default().write(&layout, pixel);
         }
@@ -190,7 +207,42 @@ impl Film {
         if samples.total() > u64::from(MAX_TERMS) {
             return Err(FilmError::Samples(samples.total()));
         }
-        Ok(Self { format, words, samples, rejects, passes: Passes::default(), edges: None })
+        let mut film = Self::without_samples(format, words);
+        (film.samples, film.rejects) = (samples, rejects);
+        Ok(film)
+    }
+
+    fn without_samples(format: FilmFormat, words: Vec<u64>) -> Self {
+        let (samples, rejects, passes) = Default::default();
+        let tile_ends = format.noise.map_or(Vec::new(), |_| vec![ENDLESS; format.crop.tiles().count()]);
+        Self { format, words, samples, rejects, passes, edges: None, tile_ends }
+    }
+
+    /// The film with these numbers of samples with which its tiles ended; `None` if they are not those of a film of its format and samples.
+    pub(crate) fn with_tile_ends(mut self, tile_ends: Vec<u32>) -> Option<Self> {
+        let total = self.samples.total();
+        let fine = tile_ends.iter().all(|&end| end == ENDLESS || u64::from(end) <= total);
+        if !fine || tile_ends.len() != self.tile_ends.len() {
+            return None;
+        }
+        self.tile_ends = tile_ends;
+        Some(self)
+    }
+
+    /// Numbers of samples with which the tiles ended, or [`ENDLESS`]; empty without a noise level.
+    pub(crate) fn tile_ends(&self) -> &[u32] {
+        &self.tile_ends
+    }
+
+    /// Number of samples of each pixel of a tile.
+    pub(crate) fn samples_of_tile(&self, tile: usize) -> u64 {
+        let total = self.samples.total();
+        self.tile_ends.get(tile).map_or(total, |&end| u64::from(end).min(total))
+    }
+
+    /// Whether all tiles have reached the noise level.
+    pub(crate) fn is_quiet(&self) -> bool {
+        !self.tile_ends.is_empty() && self.tile_ends.iter().all(|&end| end != ENDLESS)
     }
 
     /// The film with this state of its passes.
@@ -273,27 +325,30 @@ impl Film {
         self.passes.training.get_or_insert_with(|| Box::new(Training::new(guide)));
     }
 
-    /// End of the pass that contains sample `next`; only films with passes have one.
+    /// End of the pass that contains sample `next`, or the next check of noise; `None` for films without passes and noise level.
     pub(crate) fn end_of_pass(&self, next: u32) -> Option<u32> {
-        self.format.passes.then(|| self.passes.end_of_pass(next))
+        let check = self.format.noise.map(|_| noise::next_check(next));
+        check.or_else(|| self.format.passes.then(|| self.passes.end_of_pass(next)))
     }
 
-    /// Buffers for threads to fill. [`Film::finish_pass`] must follow.
+    /// Buffers for threads to fill, without those of tiles that have ended. [`Film::finish_pass`] must follow.
     pub(crate) fn parts_mut(&mut self) -> FilmParts<'_> {
         let (format, own) = (self.format, self.own_words());
         let (mut rest, splats) = self.words.split_at_mut(own);
         let stride = format.layout().words();
         let mut tiles = Vec::new();
-        for tile in format.crop.tiles() {
+        for (number, tile) in format.crop.tiles().enumerate() {
             let (words, tail) = rest.split_at_mut(tile.len() as usize * stride);
-            tiles.push((tile, words));
+            if self.tile_ends.get(number).is_none_or(|&end| end == ENDLESS) {
+                tiles.push((tile, words));
+            }
             rest = tail;
         }
         let splats = SplatRows::new(format.crop, format.splat_layout(), splats);
         FilmParts { tiles, splats, training: self.passes.training.as_deref() }
     }
 
-    /// Records that every pixel has the samples of `range`.
+    /// Records that every pixel of a tile that has not ended has the samples of `range`.
     pub(crate) fn finish_pass(
         &mut self,
         range: std::ops::Range<u32>,
@@ -304,6 +359,13 @@ impl Film {
         self.rejects.merge(rejects);
         if over {
             self.settle();
+        }
+        let total = u32::try_from(self.samples.total()).unwrap_or(ENDLESS);
+        if let Some(level) = self.format.noise.filter(|_| noise::is_check(total)) {
+            let quiet = noise::quiet_tiles(self, level);
+            let ending =
+                self.tile_ends.iter_mut().zip(quiet).filter(|(end, quiet)| *quiet && **end == ENDLESS);
+            ending.for_each(|(end, _)| *end = total);
         }
         Ok(())
     }
@@ -327,7 +389,7 @@ impl Film {
         if count < 2 || count.saturating_mul(pixels) < FEWEST_SAMPLES {
             return None;
         }
-        let variance: f64 = self.pixels().map(|(_, sums)| sums.sample_variance(count)).sum();
+        let variance: f64 = self.pixels().map(|(_, _, sums)| sums.sample_variance(count)).sum();
         let mean = variance / pixels as f64;
         (mean > 0.0 && mean.is_finite()).then(|| 1.0 / mean)
     }
@@ -343,7 +405,8 @@ impl Film {
     /// Mean of all pixels and bands.
     fn brightness(&self) -> f64 {
         let blend = self.blend();
-        let sum: f64 = self.pixels().flat_map(|(_, sums)| sums.blended(&blend)).map(|value| value.mean).sum();
+        let sum: f64 =
+            self.pixels().flat_map(|(_, _, sums)| sums.blended(&blend)).map(|value| value.mean).sum();
         sum / (3.0 * self.format.crop.len() as f64)
     }
 
@@ -360,7 +423,7 @@ impl Film {
         if self.edges != other.edges {
             return Err(FilmError::Layout("edges over the picture"));
         }
-        if self.format.passes {
+        if self.format.is_ordered() {
             return Err(FilmError::Learning);
         }
         let total = self.samples.total() + other.samples.total();
@@ -388,14 +451,15 @@ impl Film {
         Ok(())
     }
 
-    /// The sums of every pixel with its position in the crop window.
-    fn pixels(&self) -> impl Iterator<Item = ([u32; 2], PixelSums)> {
+    /// The sums of every pixel with the number of its tile and its position in the crop window.
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = (usize, [u32; 2], PixelSums)> {
         let layout = self.format.layout();
         let origin = self.format.crop.min;
-        let places = self.format.crop.tiles().flat_map(|tile| tile.pixels());
-        places
-            .zip(self.sums().0.chunks_exact(layout.words()))
-            .map(move |([x, y], words)| ([x - origin[0], y - origin[1]], PixelSums::read(&layout, words)))
+        let tiles = self.format.crop.tiles().enumerate();
+        let places = tiles.flat_map(|(tile, rect)| rect.pixels().map(move |pixel| (tile, pixel)));
+        places.zip(self.sums().0.chunks_exact(layout.words())).map(move |((tile, [x, y]), words)| {
+            (tile, [x - origin[0], y - origin[1]], PixelSums::read(&layout, words))
+        })
     }
 
     /// Splatted light of the pixel in that row and column of the crop window.
@@ -431,9 +495,12 @@ impl Film {
         let names = channel_names(self.format.aovs);
         let mut planes: Vec<Vec<f32>> = names.iter().map(|_| vec![0.0; pixels.len()]).collect();
         let blend = self.blend();
-        for ([x, y], sums) in self.pixels() {
+        for (tile, [x, y], sums) in self.pixels() {
             let at = y as usize * width as usize + x as usize;
-            let mut radiance = sums.blended(&blend);
+            let mut radiance = match self.format.noise {
+                Some(_) => sums.radiance(self.samples_of_tile(tile)),
+                None => sums.blended(&blend),
+            };
             // Splats and the pixel's own samples are independent: their variances add up.
             for (own, splatted) in
                 radiance.iter_mut().zip(self.splatted(y as usize, x as usize).into_iter().flatten())
@@ -497,6 +564,7 @@ mod tests {
             signed: true,
             passes: false,
             splats: false,
+            noise: None,
         }
     }
 

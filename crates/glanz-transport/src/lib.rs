@@ -22,6 +22,7 @@ pub mod guide;
 pub mod identity;
 pub mod integrator;
 pub mod merge;
+pub mod noise;
 pub mod particle;
 mod passes;
 pub mod pixel;
@@ -45,6 +46,7 @@ pub use integrator::{
     IntegratorError, IntegratorSettings, StoredLight,
 };
 pub use merge::{MergeError, merge};
+pub use noise::NoiseLevel;
 pub use particle::{Arrival, ParticleFate, ParticlePath, ParticleTracer};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;

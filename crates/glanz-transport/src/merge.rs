@@ -24,7 +24,7 @@ pub enum MergeError {
         mismatch: IdentityMismatch,
     },
     /// A part whose samples depend on earlier ones.
-    #[error("part {part} learnt its own guide while it was rendered, and cannot be joined with others")]
+    #[error("the samples of part {part} depend on earlier ones, so that it cannot be joined with others")]
     Learning {
         /// Its number.
         part: usize,
@@ -59,8 +59,9 @@ pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, 
     let mut parts = parts.into_iter();
     let mut whole = parts.next().ok_or(MergeError::Empty)?;
     let mut taken: Vec<SampleRanges> = vec![whole.film.samples().clone()];
-    let learnt =
-        |part, film: &Film| if film.format().passes { Err(MergeError::Learning { part }) } else { Ok(()) };
+    let learnt = |part, film: &Film| {
+        if film.format().is_ordered() { Err(MergeError::Learning { part }) } else { Ok(()) }
+    };
     for (part, next) in (1..).zip(parts) {
         learnt(0, &whole.film)?;
         learnt(part, &next.film)?;

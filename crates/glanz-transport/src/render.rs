@@ -49,7 +49,7 @@ pub struct RenderSettings {
 /// Film and statistics of a render.
 #[derive(Clone, Debug)]
 pub struct RenderOutcome {
-    /// The film; every pixel has the same samples, whatever the reason for the end.
+    /// The film; every pixel has the same samples, whatever the reason for the end, unless it has a [noise level](crate::FilmFormat::noise).
     pub film: Film,
     /// Reason for the end; the time limit counts as reached if another pass would not fit.
     pub end: JobEnd,
@@ -76,8 +76,8 @@ pub enum RenderError {
         "the integrator connects light to points of the film, which a realistic camera does not allow; use another integrator"
     )]
     Camera,
-    /// Samples out of order, for a learning integrator.
-    #[error("the integrator learns, so that samples must be rendered in order; the next is {next}")]
+    /// Samples out of order, for a learning integrator or a film with a noise level.
+    #[error("samples depend on earlier ones, so that they must be rendered in order; the next is {next}")]
     Order {
         /// The next sample.
         next: u32,
@@ -101,7 +101,7 @@ pub enum RenderError {
 /// Every pass over all pixels renders one or more samples of every pixel, as many as fit in about half a
 /// second. Sums are exact, so that the film depends on its set of samples, not on passes, threads, interruptions or
 /// earlier runs. A learning integrator renders samples in order, and a pass over the picture ends with a training pass,
-/// so that the same holds. After each pass `sink` receives the film and the progress, and the loop ends if `cancel` is
+/// so that the same holds. A film with a noise level takes samples in order, too, and the render ends when all tiles have reached it. After each pass `sink` receives the film and the progress, and the loop ends if `cancel` is
 /// raised and the film is not empty. If the tile sink abandons the film, the render ends at once, and the film is lost.
 ///
 /// # Errors
@@ -124,8 +124,10 @@ pub fn render(
     if integrator.splats() && !scene.camera().can_project() {
         return Err(RenderError::Camera);
     }
-    if integrator.learns() {
+    if film.format().is_ordered() {
         check_order(&film, settings)?;
+    }
+    if integrator.learns() {
         film.begin_training(integrator.new_guide(scene)?);
     }
     let new = missing(&film, settings);
@@ -143,16 +145,17 @@ pub fn render(
     let mut clock = PassClock::new(settings.time_limit);
     let mut counters = Counters::default();
     let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
-    let mut taken = 0;
+    let mut samples = 0;
     let end = loop {
-        let Some(gap) = film.samples().missing(settings.samples.clone()).into_iter().next() else {
+        let gap = film.samples().missing(settings.samples.clone()).into_iter().next();
+        let Some(gap) = gap.filter(|_| !film.is_quiet()) else {
             break JobEnd::Complete;
         };
         // A cancelled render returns a picture with at least one sample per pixel.
         if cancel.is_cancelled() && !film.samples().is_empty() {
             break JobEnd::Interrupted;
         }
-        if taken > 0 && timer.is_due() {
+        if samples > 0 && timer.is_due() {
             sink.on_checkpoint(&film);
             timer.restart();
         }
@@ -170,11 +173,10 @@ pub fn render(
         clock.note(length, begun.elapsed());
         film.finish_pass(range, work.rejects)?;
         counters.merge(work.counters);
-        taken += u64::from(length);
+        samples += work.samples;
         sink.on_pass(&film);
         sink.on_progress(&progress(&film, settings, &clock, start.elapsed()));
     };
-    let samples = taken * film.format().crop.len();
     Ok(RenderOutcome { film, end, elapsed: start.elapsed(), counters, samples })
 }
 
@@ -258,12 +260,15 @@ impl PassClock {
 /// Results of a pass or a part of it.
 #[derive(Clone, Copy, Debug, Default)]
 struct PassWork {
+    /// Samples over all pixels.
+    samples: u64,
     counters: Counters,
     rejects: Rejects,
 }
 
 impl PassWork {
     fn merged(mut self, other: Self) -> Self {
+        self.samples += other.samples;
         self.counters.merge(other.counters);
         self.rejects.merge(other.rejects);
         self
@@ -336,6 +341,7 @@ impl<'a> PassRenderer<'a> {
         sink: &dyn TileSink,
     ) -> Result<PassWork, Interrupted> {
         let (mut work, stride) = (PassWork::default(), layout.words());
+        work.samples = tile.len() * range.len() as u64;
         let PassState { splats, training, batches } = state;
         // A thread that panicked with the lock has ended the render; the list is valid between two calls.
         let mut batch = batches.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();

@@ -83,8 +83,8 @@ pub enum Error {
         /// Name of the sampler.
         sampler: &'static str,
     },
-    /// Samples out of order for an integrator that learns: its passes depend on one another.
-    #[error("the integrator learns from its samples in order; the next sample is {next}")]
+    /// Samples out of order for an integrator that learns or a picture with a noise level, whose samples depend on earlier ones.
+    #[error("samples depend on earlier ones and are taken in order; the next is {next}")]
     SampleOrder {
         /// First requested sample.
         start: u32,
@@ -110,6 +110,20 @@ pub enum Error {
         picture: Box<Picture>,
         /// The error of the file.
         error: Box<Error>,
+    },
+    /// A noise level out of range.
+    #[error("the noise level is {error}; it must be from 0.000001 to 1")]
+    NoiseLevel {
+        /// The relative standard error.
+        error: f64,
+    },
+    /// A noise level for an integrator whose samples depend on other pixels.
+    #[error(
+        "the integrator \"{integrator}\" cannot take more samples in some parts of the picture than in others"
+    )]
+    NoiseOf {
+        /// Name of the integrator.
+        integrator: &'static str,
     },
     /// Noise that cannot be removed.
     #[cfg(feature = "denoise")]

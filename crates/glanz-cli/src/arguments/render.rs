@@ -108,6 +108,10 @@ pub(crate) struct RenderArguments {
     /// Wall time of the render loop in seconds, instead of a number of samples
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
+    /// Take samples until this standard error of a pixel, relative to the brightness around it (0.02: 2 %); some parts of the picture take more than
+    /// others. --spp is then a limit [integrators path, distributed, whitted, and guided with --guide-in]
+    #[arg(long, value_name = "LEVEL", value_parser = positive, conflicts_with = "samples")]
+    noise: Option<f64>,
     /// Size of the full picture in pixels
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(crate) size: Option<[u32; 2]>,
@@ -166,6 +170,7 @@ impl RenderArguments {
             sampler: self.sampler.as_deref().and_then(SamplerKind::from_name),
             seed: self.seed,
             samples: self.spp,
+            noise: self.noise,
             sample_range: self.samples.clone(),
             time_limit: self.time,
             light_sampling: self.samplelights,

@@ -170,6 +170,7 @@ impl Run {
             signed: Filter::try_new(&description.filter).unwrap().is_signed(),
             passes: self.integrator_settings().build().learns(),
             splats: self.integrator_settings().build().splats(),
+            noise: None,
         }
     }
 

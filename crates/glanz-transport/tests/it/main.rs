@@ -14,6 +14,7 @@ mod guided;
 mod image_light;
 mod light;
 mod media;
+mod noise;
 mod particles;
 mod same_bits;
 mod stored;

@@ -9,8 +9,8 @@ use glanz_sampling::exact::MAX_TERMS;
 use glanz_scene::Scene;
 use glanz_scene::description::FilmDescription;
 use glanz_transport::{
-    AovSet, EdgeStyle, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings, PictureIdentity,
-    PixelRect, RenderSettings, StoredLight,
+    Aov, AovSet, EdgeStyle, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings, NoiseLevel,
+    PictureIdentity, PixelRect, RenderSettings, StoredLight,
 };
 
 use super::RenderOptions;
@@ -21,6 +21,9 @@ use crate::error::{Error, FileFault};
 use crate::job_options::JobOptions;
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::RunningJob;
+
+/// Samples per pixel after which a render ends that has not reached its noise level.
+const MOST_SAMPLES: u32 = 1 << 16;
 
 /// Plan of a render, complete before the first ray.
 #[derive(Clone, Debug)]
@@ -77,6 +80,7 @@ impl RenderPlan {
                 signed: filter.is_signed(),
                 passes: integrator.is_guided() && guide.is_none(),
                 splats: integrator.build().splats(),
+                noise: options.noise_level(&integrator, guide.is_some())?,
             },
             filter: description.filter,
             integrator,
@@ -155,11 +159,29 @@ impl RenderPlan {
 impl RenderOptions {
     /// The channels to render beside the colour.
     fn channels(&self) -> AovSet {
+        let mut channels = self.aovs;
+        if self.noise.is_some() {
+            channels = channels.with(Aov::Variance);
+        }
         #[cfg(feature = "denoise")]
         if self.denoise {
-            return self.aovs.union(super::denoised::CHANNELS);
+            channels = channels.union(super::denoised::CHANNELS);
         }
-        self.aovs
+        channels
+    }
+
+    /// The noise at which tiles take no more samples.
+    fn noise_level(
+        &self,
+        integrator: &IntegratorSettings,
+        has_guide: bool,
+    ) -> Result<Option<NoiseLevel>, Error> {
+        let Some(error) = self.noise else { return Ok(None) };
+        let level = NoiseLevel::try_new(error).ok_or(Error::NoiseLevel { error })?;
+        if integrator.is_guided() && !has_guide || integrator.build().splats() {
+            return Err(Error::NoiseOf { integrator: integrator.name() });
+        }
+        Ok(Some(level))
     }
 
     /// Replaces settings of the description.
@@ -246,6 +268,9 @@ impl RenderOptions {
             }
             Some(range) => Ok(range.clone()),
             None if self.time_limit.is_some() => Ok(0..MAX_TERMS),
+            None if self.noise.is_some() && self.samples.is_none() && !identity.plan_matters() => {
+                Ok(0..MOST_SAMPLES)
+            }
             None => Ok(0..planned),
         }
     }
