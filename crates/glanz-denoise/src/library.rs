@@ -4,6 +4,7 @@
 //! within the major version.
 #![allow(unsafe_code)]
 
+use std::error::Error;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -77,7 +78,8 @@ impl Library {
         // have no preconditions.
         let library = match unsafe { libloading::Library::new(path) } {
             Ok(library) => library,
-            Err(reason) => return Ok(Err(reason.to_string())),
+            // The reason of the system has the name of the file.
+            Err(error) => return Ok(Err(error.source().unwrap_or(&error).to_string())),
         };
         match Functions::of(&library) {
             Ok(functions) => Ok(Ok(Self { functions, _library: library })),
