@@ -1,0 +1,172 @@
+"""What Mitsuba lacks of pbrt's meaning, as plugins."""
+
+import drjit
+import mitsuba
+import numpy
+
+
+class Correlated(mitsuba.BSDF):
+    """A microfacet BSDF (GGX) whose masking is correlated by height.
+
+    Mitsuba multiplies the masking of both directions, 1 / ((1 + a)(1 + b)); pbrt correlates them by height, 1 / (1 + a + b).
+    """
+
+    def __init__(self, properties):
+        super().__init__(properties)
+        self.widths = properties["alpha_u"], properties["alpha_v"]
+        self.nested = properties["nested"]
+        self.m_components = [self.nested.flags(i) for i in range(self.nested.component_count())]
+        self.m_flags = self.nested.flags()
+
+    def factor(self, wi, wo):
+        def slope(w):
+            squared = (drjit.square(w.x * self.widths[0]) + drjit.square(w.y * self.widths[1])) / drjit.square(w.z)
+            return (drjit.sqrt(1 + squared) - 1) / 2
+
+        a, b = slope(wi), slope(wo)
+        return (1 + a) * (1 + b) / (1 + a + b)
+
+    def eval(self, context, si, wo, active):
+        return self.nested.eval(context, si, wo, active) * self.factor(si.wi, wo)
+
+    def pdf(self, context, si, wo, active):
+        return self.nested.pdf(context, si, wo, active)
+
+    def eval_pdf(self, context, si, wo, active):
+        return self.eval(context, si, wo, active), self.pdf(context, si, wo, active)
+
+    def sample(self, context, si, sample1, sample2, active):
+        sampled, weight = self.nested.sample(context, si, sample1, sample2, active)
+        return sampled, weight * self.factor(si.wi, sampled.wo)
+
+    def to_string(self):
+        return f"Correlated[{self.nested}]"
+
+
+class RoughCoat(Correlated):
+    """Mitsuba's `roughplastic` with correlated masking, and without its loss of light between coat and base.
+
+    The loss is what facets block inside. It is large: with alpha 0.3 a white base scatters 0.69 of all light. Where it is not lost, what the coat does
+    not reflect arrives at the base, and by reciprocity the fraction T / eta^2 of diffuse light from inside leaves, where T is the mean of what enters. So the
+    mean albedo of the base is T R (T / eta^2) / (1 - R (1 - T / eta^2)), or T R without changes of colour between coat and base (`saturates` false). The
+    diffuse part of `nested`, which has a white base, is scaled to this value.
+    """
+
+    FACETS, BASE = 0, 1
+
+    def __init__(self, properties):
+        super().__init__(properties)
+        transmitted = 1 - self.mean_facets()
+        leaving = transmitted / properties["eta"] ** 2
+        reflectance = mitsuba.Color3f(properties["reflectance"])
+        albedo = transmitted * reflectance
+        if properties["saturates"]:
+            albedo *= leaving / (1 - reflectance * (1 - leaving))
+        self.scale = albedo / self.mean_base()
+
+    def part(self, component):
+        return mitsuba.BSDFContext(mitsuba.TransportMode.Radiance, 0xFFFFFFFF, component)
+
+    def surface(self, wi):
+        si = drjit.zeros(mitsuba.SurfaceInteraction3f, drjit.width(wi))
+        si.wi = wi
+        return si
+
+    def mean_facets(self, count=1 << 22):
+        """Fraction of diffuse light from outside that facets reflect."""
+        random = mitsuba.PCG32(size=count)
+        points = [mitsuba.Point2f(random.next_float32(), random.next_float32()) for _ in range(2)]
+        si = self.surface(mitsuba.warp.square_to_cosine_hemisphere(points[0]))
+        sampled, weight = self.nested.sample(self.part(self.FACETS), si, random.next_float32(), points[1], True)
+        weight = drjit.select(sampled.pdf > 0, weight * self.factor(si.wi, sampled.wo), 0)
+        return float(numpy.array(weight.x, dtype=float).mean())
+
+    def mean_base(self, count=64):
+        """Fraction of diffuse light that the base of `nested` scatters."""
+        nodes, weights = numpy.polynomial.legendre.leggauss(count)
+        # cos^2 is evenly distributed.
+        cos = numpy.sqrt((nodes + 1) / 2)
+        i, o = (mitsuba.Float(c.ravel().astype(numpy.float32)) for c in numpy.meshgrid(cos, cos))
+        wi, wo = (mitsuba.Vector3f(drjit.sqrt(1 - c * c), 0, c) for c in (i, o))
+        value = self.nested.eval(self.part(self.BASE), self.surface(wi), wo, True) * drjit.pi / wo.z
+        return float((numpy.array(value.x, dtype=float) * numpy.outer(weights, weights).ravel()).sum() / 4)
+
+    def eval(self, context, si, wo, active):
+        facets = self.nested.eval(self.part(self.FACETS), si, wo, active) * self.factor(si.wi, wo)
+        return facets + self.scale * self.nested.eval(self.part(self.BASE), si, wo, active)
+
+    def sample(self, context, si, sample1, sample2, active):
+        sampled, _ = self.nested.sample(context, si, sample1, sample2, active)
+        active &= sampled.pdf > 0
+        return sampled, drjit.select(active, self.eval(context, si, sampled.wo, active) / sampled.pdf, 0)
+
+
+class DiffuseTransmission(mitsuba.BSDF):
+    """Diffuse reflection and diffuse transmission, the same on both sides."""
+
+    def __init__(self, properties):
+        super().__init__(properties)
+        self.reflectance, self.transmittance = (mitsuba.Color3f(properties[name]) for name in ("reflectance", "transmittance"))
+        both = mitsuba.BSDFFlags.FrontSide | mitsuba.BSDFFlags.BackSide
+        self.m_components = [mitsuba.BSDFFlags.DiffuseReflection | both, mitsuba.BSDFFlags.DiffuseTransmission | both]
+        self.m_flags = self.m_components[0] | self.m_components[1]
+
+    def share(self, si, wo):
+        """Fraction of light on the side of `wo`."""
+        same = mitsuba.Frame3f.cos_theta(si.wi) * mitsuba.Frame3f.cos_theta(wo) > 0
+        return drjit.select(same, self.reflectance, self.transmittance)
+
+    def eval(self, context, si, wo, active):
+        return drjit.select(active, self.share(si, wo) * drjit.abs(mitsuba.Frame3f.cos_theta(wo)) / drjit.pi, 0)
+
+    def pdf(self, context, si, wo, active):
+        return drjit.select(active, drjit.abs(mitsuba.Frame3f.cos_theta(wo)) / (2 * drjit.pi), 0)
+
+    def eval_pdf(self, context, si, wo, active):
+        return self.eval(context, si, wo, active), self.pdf(context, si, wo, active)
+
+    def sample(self, context, si, sample1, sample2, active):
+        wo = mitsuba.warp.square_to_cosine_hemisphere(sample2)
+        reflected = sample1 < 0.5
+        wo.z = drjit.select(reflected, wo.z, -wo.z) * drjit.sign(mitsuba.Frame3f.cos_theta(si.wi))
+        sampled = drjit.zeros(mitsuba.BSDFSample3f)
+        sampled.wo, sampled.eta, sampled.pdf = wo, 1.0, self.pdf(context, si, wo, active)
+        sampled.sampled_type = drjit.select(reflected, mitsuba.UInt32(int(mitsuba.BSDFFlags.DiffuseReflection)),
+                                            mitsuba.UInt32(int(mitsuba.BSDFFlags.DiffuseTransmission)))
+        sampled.sampled_component = drjit.select(reflected, mitsuba.UInt32(0), mitsuba.UInt32(1))
+        return sampled, drjit.select(active, 2 * self.share(si, wo), 0)
+
+    def to_string(self):
+        return "DiffuseTransmission[]"
+
+
+class LongitudeLatitude(mitsuba.Sensor):
+    """All directions, after pbrt's manual: rows from +y to -y, columns from +x over +z and -x to -z of a left-handed camera."""
+
+    def __init__(self, properties):
+        super().__init__(properties)
+        self.m_needs_sample_3 = False
+
+    def sample_ray(self, time, wavelength_sample, position_sample, aperture_sample, active=True):
+        ray = drjit.zeros(mitsuba.Ray3f)
+        phi, theta = 2 * drjit.pi * position_sample.x, drjit.pi * position_sample.y
+        # Mitsuba's x points to the left.
+        local = mitsuba.Vector3f(-drjit.cos(phi) * drjit.sin(theta), drjit.cos(theta), drjit.sin(phi) * drjit.sin(theta))
+        to_world = self.world_transform()
+        ray.o, ray.d = to_world @ mitsuba.Point3f(0), to_world @ local
+        ray.maxt, ray.time = drjit.inf, time
+        return ray, mitsuba.Color3f(1)
+
+    def sample_ray_differential(self, time, wavelength_sample, position_sample, aperture_sample, active=True):
+        ray, weight = self.sample_ray(time, wavelength_sample, position_sample, aperture_sample, active)
+        return mitsuba.RayDifferential3f(ray), weight
+
+    def to_string(self):
+        return "LongitudeLatitude[]"
+
+
+def register():
+    mitsuba.register_bsdf("correlated", Correlated)
+    mitsuba.register_bsdf("rough_coat", RoughCoat)
+    mitsuba.register_bsdf("diffuse_transmission", DiffuseTransmission)
+    mitsuba.register_sensor("longitude_latitude", LongitudeLatitude)
