@@ -33,7 +33,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--scene", nargs="*", default=["all"], help="names, or all")
     parser.add_argument("--list", action="store_true", help="list the scenes")
     parser.add_argument("--renders", type=int, default=32, help="independent renders by each program")
-    parser.add_argument("--samples", type=int, default=32, help="samples per pixel of each")
+    parser.add_argument("--samples", type=int, default=32, help="samples per pixel of each; some scenes have a multiple in Mitsuba")
     parser.add_argument("--size", type=int, default=64, help="width and height, a multiple of 8")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--integrator", help="another integrator of Glanz: light, guided, distributed, ...")
@@ -55,8 +55,9 @@ def render_glanz(scene: languages.Scene, asked: argparse.Namespace) -> numpy.nda
         command += ["--integrator", asked.integrator] if asked.integrator else []
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
         if done.returncode:
-            if "not yet" in done.stderr or "stand-in" in done.stderr or "strict" in done.stderr:
-                raise NotAvailable(done.stderr.strip().splitlines()[0])
+            errors = [text for text in done.stderr.splitlines() if text.startswith("error:")]
+            if errors and all("stands in" in text for text in errors):
+                raise NotAvailable(errors[0].rpartition(": ")[2])
             sys.exit(f"{file}\n{done.stderr}")
         pictures.append(read(out))
     return numpy.stack(pictures)
@@ -65,7 +66,7 @@ def render_glanz(scene: languages.Scene, asked: argparse.Namespace) -> numpy.nda
 def render_mitsuba(scene: languages.Scene, asked: argparse.Namespace, first: int = 0) -> numpy.ndarray:
     world = scene.mitsuba()
     seeds = range(first, first + asked.renders)
-    return numpy.stack([numpy.array(mitsuba.render(world, spp=asked.samples, seed=seed), dtype=float) for seed in seeds])
+    return numpy.stack([numpy.array(mitsuba.render(world, spp=asked.samples * scene.factor, seed=seed), dtype=float) for seed in seeds])
 
 
 def show(name: str, first: numpy.ndarray, second: numpy.ndarray, z: numpy.ndarray, folder: pathlib.Path) -> None:

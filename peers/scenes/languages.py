@@ -5,7 +5,7 @@ same name, the function converts. Lengths are metres, colours linear Rec. 709, y
 """
 
 import pathlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import mitsuba
@@ -56,6 +56,8 @@ class Scene:
 
     def __init__(self, folder: pathlib.Path, size: int):
         self.folder, self.size, self.depth, self.integrator = folder, size, 32, "path"
+        # Mitsuba's samples over those of Glanz: pixels need enough for a normal distribution of their means.
+        self.factor = 1
         self.camera = Part("", {})
         self.parts: list[Part] = []
         self.files = 0
@@ -217,11 +219,11 @@ def mix(first: Part, second: Part, amount: float, name: str) -> Part:
 
 
 def with_normals(material: Part, pixels: numpy.ndarray, scene: Scene) -> Part:
-    """A map of normals."""
+    """A map of normals, which repeats in pbrt."""
     texture = scene.image_texture(pixels)
     nested = material.mitsuba.get("inside", material.mitsuba)
     return Part(f'{material.pbrt} "string normalmap" "{texture.name}.exr"',
-                both_sides({"type": "normalmap", "normalmap": texture.mitsuba, "nested": nested, "use_shadowing_function": False,
+                both_sides({"type": "normalmap", "normalmap": texture.mitsuba | {"wrap_mode": "repeat"}, "nested": nested, "use_shadowing_function": False,
                             "flip_invalid_normals": False}))
 
 
@@ -241,7 +243,8 @@ def transform(*, scale: Sequence[float] = (1, 1, 1), rotate: Iterable[tuple[Sequ
     """Scaled, then rotated by degrees about axes, then moved."""
     result = mitsuba.ScalarTransform4f().scale(list(scale))
     for axis, angle in rotate:
-        result = mitsuba.ScalarTransform4f().rotate(list(axis), angle) @ result
+        # Mitsuba expects an axis of length 1.
+        result = mitsuba.ScalarTransform4f().rotate((numpy.asarray(axis) / numpy.linalg.norm(axis)).tolist(), angle) @ result
     return mitsuba.ScalarTransform4f().translate(list(translate)) @ result
 
 
@@ -333,11 +336,21 @@ def point(position: Sequence[float], intensity: Colour) -> Part:
 
 def spot(position: Sequence[float], target: Sequence[float], angle: float, intensity: Colour) -> Part:
     """A cone with a hard edge: the programs fade differently."""
-    to_world = mitsuba.ScalarTransform4f().look_at(origin=list(position), target=list(target), up=[0, 0, 1])
     return Part(f'LightSource "spot" "point3 from" {numbers(position)} "point3 to" {numbers(target)} "float coneangle" {angle} '
                 f'"float conedeltaangle" 0.001 {rgb("I", intensity)}',
-                {"type": "spot", "to_world": to_world, "intensity": colour_of(intensity), "cutoff_angle": angle,
+                {"type": "spot", "to_world": pointing(position, target), "intensity": colour_of(intensity), "cutoff_angle": angle,
                  "beam_width": angle - 0.001})
+
+
+def pointing(position: Sequence[float], target: Sequence[float]) -> mitsuba.ScalarTransform4f:
+    return mitsuba.ScalarTransform4f().look_at(origin=list(position), target=list(target), up=[0, 0, 1])
+
+
+def angular(to_world: mitsuba.ScalarTransform4f, text: str, intensity: Callable) -> Part:
+    """A point light of this intensity by the direction (drjit) in its space, for Glanz as `text`."""
+    plugins.INTENSITIES.append(intensity)
+    return Part(f"AttributeBegin\nConcatTransform {numbers(matrix(to_world).T.ravel())}\n{text}\nAttributeEnd",
+                {"type": "angular", "to_world": to_world, "intensity": len(plugins.INTENSITIES) - 1})
 
 
 def distant(direction: Sequence[float], irradiance: Colour) -> Part:
@@ -349,7 +362,7 @@ def constant(radiance: Colour) -> Part:
     return Part(f'LightSource "infinite" {rgb("L", radiance)}', {"type": "constant", "radiance": colour_of(radiance)})
 
 
-def environment(scene: Scene, radiance, width: int) -> Part:
+def environment(scene: Scene, radiance: Callable, width: int) -> Part:
     """`radiance(directions)`: colours of an array of directions. Each program gets them where it has the pixels of its pictures.
 
     Glanz: rows between z and -z, columns by the angle from x to y; here turned so that z becomes y, x becomes z, y becomes x.

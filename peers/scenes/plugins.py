@@ -165,7 +165,46 @@ class LongitudeLatitude(mitsuba.Sensor):
         return "LongitudeLatitude[]"
 
 
+# Functions of a direction, by the number that `angular` has as `intensity`.
+INTENSITIES = []
+
+
+class Angular(mitsuba.Emitter):
+    """A point light whose intensity depends on the direction."""
+
+    def __init__(self, properties):
+        super().__init__(properties)
+        self.intensity = INTENSITIES[int(properties["intensity"])]
+        self.m_flags = int(mitsuba.EmitterFlags.DeltaPosition)
+
+    def sample_direction(self, it, sample, active=True):
+        to_world = self.world_transform()
+        sampled = drjit.zeros(mitsuba.DirectionSample3f)
+        sampled.p = to_world @ mitsuba.Point3f(0)
+        sampled.time, sampled.pdf, sampled.delta = it.time, 1.0, True
+        sampled.emitter = mitsuba.EmitterPtr(self)
+        towards = sampled.p - it.p
+        sampled.dist = drjit.norm(towards)
+        sampled.d = towards / sampled.dist
+        local = drjit.normalize(to_world.inverse() @ mitsuba.Vector3f(-sampled.d))
+        value = mitsuba.Color3f(self.intensity(local)) / drjit.square(sampled.dist)
+        return sampled, drjit.select(active, value, 0)
+
+    def pdf_direction(self, it, sampled, active=True):
+        return mitsuba.Float(0)
+
+    def eval(self, si, active=True):
+        return mitsuba.Color3f(0)
+
+    def bbox(self):
+        return mitsuba.ScalarBoundingBox3f()
+
+    def to_string(self):
+        return "Angular[]"
+
+
 def register():
+    mitsuba.register_emitter("angular", Angular)
     mitsuba.register_bsdf("correlated", Correlated)
     mitsuba.register_bsdf("rough_coat", RoughCoat)
     mitsuba.register_bsdf("diffuse_transmission", DiffuseTransmission)

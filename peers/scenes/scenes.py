@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 
+import drjit
+import mitsuba
 import numpy
 
-from languages import (Part, Scene, alphas, box, coated_diffuse, conductor, constant, correlated, cylinder, dielectric, diffuse, diffuse_transmission,
-                       disk, distant, environment, fog, instances, mesh, mix, numbers, placed, plastic, point, rectangle, rgb, sphere, spot,
+from languages import (Part, Scene, angular, box, coated_diffuse, conductor, constant, correlated, cylinder, dielectric, diffuse, diffuse_transmission,
+                       disk, distant, environment, fog, instances, mesh, mix, plastic, point, pointing, rectangle, rgb, sphere, spot,
                        thin_dielectric, both_sides, colour_of, transform, with_bumps, with_normals)
 
 SCENES: dict[str, Callable[[Scene], None]] = {}
@@ -122,7 +124,7 @@ def coated_layers(s: Scene) -> None:
     """A coated plate; in Mitsuba a sheet of glass 2 mm above a diffuse one"""
     reflectance, eta = (0.8, 0.4, 0.1), 1.5
     # The picture shows the middle alone: light leaves between the sheets at the border.
-    s.look_at((0, 4, 6), (0, 0, 0), fov=10)
+    s.look_at((0, 4, 6), (0, 0, 0), fov=5)
     s.add(environment(s, sky, 512))
     lying = transform(scale=(1, 1, 1), rotate=[((1, 0, 0), -90)])
     pair = rectangle(coated_diffuse(reflectance, eta), lying)
@@ -209,7 +211,10 @@ def bump_map(s: Scene) -> None:
 @scene
 def alpha(s: Scene) -> None:
     """A sheet whose opacity is a picture, and one of constant opacity"""
-    stage(s)
+    # A large lamp: Mitsuba finds it behind such sheets by chance alone.
+    s.factor = 2
+    s.look_at((0.4, 2.4, 6), (0, 0.8, 0))
+    s.add(floor(), wall(), lamp(half=3, emission=(1.1, 1, 0.9)), constant((0.2, 0.25, 0.3)))
     opacity = numpy.random.default_rng(5).uniform(0, 1, (6, 6, 1)).repeat(3, axis=2)
     upright = {"rotate": [((0, 1, 0), 25)]}
     s.add(rectangle(diffuse((0.7, 0.2, 0.2)), transform(scale=(0.9, 0.9, 1), translate=(-1.1, 1, 1), **upright), opacity=s.image_texture(opacity, "float")),
@@ -240,7 +245,7 @@ def many_lights(s: Scene) -> None:
     """200 balls, squares and points that emit"""
     s.look_at((0.4, 2.4, 6), (0, 0.8, 0), fov=50)
     s.add(floor(), wall())
-    s.depth = 4
+    s.depth, s.factor = 4, 8
     random = numpy.random.default_rng(11)
     for number in range(200):
         position, colour = random.uniform((-4, 0.3, -2.5), (4, 4, 2)).tolist(), (10 ** random.uniform(-1, 1) * random.uniform(0.3, 1, 3)).tolist()
@@ -259,6 +264,50 @@ def point_lights(s: Scene) -> None:
     s.look_at((0.4, 2.4, 6), (0, 0.8, 0), fov=50)
     s.add(floor(), wall(), sphere(diffuse((0.7, 0.7, 0.2)), (0, 0.8, 0), 0.8), spot((-2, 4, 2), (-0.5, 0, 0.5), 20, (40, 30, 20)),
           point((2, 2, 2), (5, 8, 10)), distant((1, -2, -1), (0.5, 0.4, 0.6)))
+
+
+@scene
+def angular_lights(s: Scene) -> None:
+    """A spot with a soft edge, a goniometric light, a projector and a photometric file"""
+    s.look_at((0.4, 2.4, 6), (0, 0.8, 0), fov=60)
+    s.add(floor(), wall(), sphere(diffuse((0.7, 0.7, 0.2)), (0, 0.8, 0), 0.8))
+
+    def cone(d):
+        # pbrt: a cubic step between the cosines of both angles.
+        first, last = numpy.cos(numpy.radians((30, 15))).tolist()
+        t = drjit.clip((d.z - first) / (last - first), 0, 1)
+        return 20 * t * t * (3 - 2 * t) * mitsuba.Color3f(1, 0.8, 0.6)
+
+    s.add(angular(pointing((-2.5, 3, 2), (-1.5, 0, 0)), 'LightSource "spot" "point3 from" [0 0 0] "point3 to" [0 0 1] "float coneangle" 30 '
+                  '"float conedeltaangle" 15 "rgb I" [20 16 12]', cone))
+
+    def lobes(x, y, z):
+        return 2 + x + 0.5 * y * z, 1.5 + 0.8 * z * x, 1.6 - 0.7 * y + x * y
+
+    # pbrt swaps y and z: rows from y to -y, columns by the angle from x towards z.
+    width, height = 512, 256
+    phi, theta = numpy.meshgrid(2 * numpy.pi * (numpy.arange(width) + 0.5) / width, numpy.pi * (numpy.arange(height) + 0.5) / height)
+    file, _ = s.picture(numpy.stack(lobes(numpy.cos(phi) * numpy.sin(theta), numpy.cos(theta), numpy.sin(phi) * numpy.sin(theta)), axis=2))
+    s.add(angular(transform(rotate=[((1, 2, 3), 50)], translate=(2, 1.5, 1.5)), f'LightSource "goniometric" "string filename" "{file}"',
+                  lambda d: mitsuba.Color3f(*lobes(d.x, d.y, d.z))))
+
+    def slide(x, y):
+        return 4 + 3 * x + 0.5 * y, 4 + 2 * x * y, 4 - 3 * y - 0.5 * x * x
+
+    # Columns of the picture to the right (x), rows down (-y).
+    x, y = numpy.meshgrid(2 * (numpy.arange(width) + 0.5) / width - 1, 1 - 2 * (numpy.arange(width) + 0.5) / width)
+    file, _ = s.picture(numpy.stack(slide(x, y), axis=2))
+
+    def projected(d):
+        x, y = (c / (d.z * float(numpy.tan(numpy.radians(20)))) for c in (d.x, d.y))
+        return drjit.select((d.z > 0) & (abs(x) < 1) & (abs(y) < 1), mitsuba.Color3f(*slide(x, y)), 0)
+
+    s.add(angular(pointing((0, 3, 3), (0.5, 2.5, -3)), f'LightSource "projection" "string filename" "{file}" "float fov" 40', projected))
+
+    # From 2000 cd downwards (-z) in a straight line to 0 cd at the horizon; 683 cd are 1 W/sr.
+    (s.folder / "lamp.ies").write_text("IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 2 1 1 2 0 0 0 1 1 25\n0 90\n0\n2000 0\n")
+    s.add(angular(transform(rotate=[((1, 0, 0), -90), ((0, 0, 1), 20)], translate=(-0.5, 3.5, -1)), 'LightSource "photometric" "string filename" "lamp.ies"',
+                  lambda d: 2000 / 683 * mitsuba.Color3f(drjit.maximum(0, 1 - 2 / drjit.pi * drjit.safe_acos(-d.z)))))
 
 
 @scene
