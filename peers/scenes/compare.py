@@ -96,6 +96,8 @@ def compare(name: str, asked: argparse.Namespace, folder: pathlib.Path) -> dict[
     end = time.monotonic()
     result = ztest.compare(first, second)
     levels = result.pop("levels")
+    # At as many samples.
+    result["variance_ratio"] = {k: v / scene.factor for k, v in result["variance_ratio"].items()}
     if asked.pictures:
         show(name, first, second, levels[0].z, asked.pictures)
     return {"scene": name, "state": "agrees" if result.pop("passes") else "DIFFERS", **result,
@@ -108,7 +110,8 @@ def line(result: dict[str, object]) -> str:
         return f"{result['scene']:24} not available: {result['reason']}"
     cells = "  ".join(f"{l['smallest_p']:8.2g} {100 * l['beyond']:5.2f} {l['variance']:5.2f}" for l in result["levels"][:2])
     return (f"{result['scene']:24} {result['state']:8} {cells}  {result['levels'][2]['smallest_p']:8.2g}  "
-            f"{result['ratio']:.5f} +- {result['ratio_error']:.5f}  {result['seconds']} s")
+            f"{result['ratio']:.5f} +- {result['ratio_error']:.5f}  {result['variance_ratio']['mean']:6.2f}"
+            f" {result['variance_ratio']['median']:6.2f}  {result['seconds']} s")
 
 
 def main() -> int:
@@ -118,7 +121,7 @@ def main() -> int:
         return 0
     drjit.set_thread_count(asked.threads)
     names = list(scenes.SCENES) if asked.scene == ["all"] else asked.scene
-    print(f"{'':33} pixels: p, % beyond, var   blocks: p, % beyond, var     mean: p     Glanz / Mitsuba")
+    print(f"{'':33} pixels: p, % beyond, var   blocks: p, % beyond, var     mean: p     Glanz / Mitsuba     variances: all, median")
     results = []
     with tempfile.TemporaryDirectory() as temporary:
         for name in names:
