@@ -48,9 +48,9 @@ def main():
         squares(f"light{number}", [quad], material(f"light{number}", [0] * 3, emission))
     for number, (position, intensity) in enumerate(hall["points"]):
         light = bpy.data.lights.new(f"point{number}", "POINT")
-        # The power of a point light is 4 pi^2 times its intensity.
+        # Its unit is so that a power of 4 pi is an intensity of 1.
         strength = max(intensity)
-        light.energy, light.color, light.shadow_soft_size = 4 * math.pi**2 * strength, [i / strength for i in intensity], 0
+        light.energy, light.color, light.shadow_soft_size = 4 * math.pi * strength, [i / strength for i in intensity], 0
         made = bpy.data.objects.new(f"point{number}", light)
         made.location = position
         bpy.context.collection.objects.link(made)

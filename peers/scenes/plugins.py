@@ -44,56 +44,52 @@ class Correlated(mitsuba.BSDF):
 
 
 class RoughCoat(Correlated):
-    """Mitsuba's `roughplastic` with correlated masking, and without its loss of light between coat and base.
+    """The facets of Mitsuba's `roughplastic`, with correlated masking, over a diffuse base that loses no light.
 
-    The loss is what facets block inside. It is large: with alpha 0.3 a white base scatters 0.69 of all light. Where it is not lost, what the coat does
-    not reflect arrives at the base, and by reciprocity the fraction T / eta^2 of diffuse light from inside leaves, where T is the mean of what enters. So the
-    mean albedo of the base is T R (T / eta^2) / (1 - R (1 - T / eta^2)), or T R without changes of colour between coat and base (`saturates` false). The
-    diffuse part of `nested`, which has a white base, is scaled to this value.
+    Mitsuba loses what facets block inside; with alpha 0.3 a white base scatters 0.69 of all light. Where it is not lost, what the coat does not reflect of a direction,
+    T(w), arrives at the base, and by reciprocity the fraction t / eta^2 of diffuse light from inside leaves, where t is the mean of T. So the base scatters
+    T(i) T(o) a / (pi t^2), with the mean albedo a = t R (t / eta^2) / (1 - R (1 - t / eta^2)), or t R without changes of colour between coat and base
+    (`saturates` false).
     """
 
-    FACETS, BASE = 0, 1
+    NODES = 128
 
     def __init__(self, properties):
         super().__init__(properties)
-        transmitted = 1 - self.mean_facets()
-        leaving = transmitted / properties["eta"] ** 2
+        self.facets = mitsuba.BSDFContext(mitsuba.TransportMode.Radiance, 0xFFFFFFFF, 0)
+        cosines = (numpy.arange(self.NODES) + 0.5) / self.NODES
+        transmitted = self.transmitted(cosines)
+        mean = float((2 * cosines * transmitted).mean())
+        leaving = mean / properties["eta"] ** 2
         reflectance = mitsuba.Color3f(properties["reflectance"])
-        albedo = transmitted * reflectance
+        albedo = mean * reflectance
         if properties["saturates"]:
             albedo *= leaving / (1 - reflectance * (1 - leaving))
-        self.scale = albedo / self.mean_base()
+        self.scale = albedo / (mean**2 * drjit.pi)
+        self.table = mitsuba.Float(transmitted.astype(numpy.float32))
 
-    def part(self, component):
-        return mitsuba.BSDFContext(mitsuba.TransportMode.Radiance, 0xFFFFFFFF, component)
-
-    def surface(self, wi):
-        si = drjit.zeros(mitsuba.SurfaceInteraction3f, drjit.width(wi))
-        si.wi = wi
-        return si
-
-    def mean_facets(self, count=1 << 22):
-        """Fraction of diffuse light from outside that facets reflect."""
-        random = mitsuba.PCG32(size=count)
-        points = [mitsuba.Point2f(random.next_float32(), random.next_float32()) for _ in range(2)]
-        si = self.surface(mitsuba.warp.square_to_cosine_hemisphere(points[0]))
-        sampled, weight = self.nested.sample(self.part(self.FACETS), si, random.next_float32(), points[1], True)
+    def transmitted(self, cosines, side=256):
+        """T at these cosines: one minus what facets reflect, over a grid of samples."""
+        grid = (numpy.arange(side) + 0.5) / side
+        cos, x, y = (mitsuba.Float(c.ravel().astype(numpy.float32)) for c in numpy.meshgrid(cosines, grid, grid, indexing="ij"))
+        si = drjit.zeros(mitsuba.SurfaceInteraction3f, drjit.width(cos))
+        si.wi = mitsuba.Vector3f(drjit.sqrt(1 - cos * cos), 0, cos)
+        sampled, weight = self.nested.sample(self.facets, si, 0.5, mitsuba.Point2f(x, y), True)
         weight = drjit.select(sampled.pdf > 0, weight * self.factor(si.wi, sampled.wo), 0)
-        return float(numpy.array(weight.x, dtype=float).mean())
+        return 1 - numpy.array(weight.x, dtype=float).reshape(len(cosines), -1).mean(axis=1)
 
-    def mean_base(self, count=64):
-        """Fraction of diffuse light that the base of `nested` scatters."""
-        nodes, weights = numpy.polynomial.legendre.leggauss(count)
-        # cos^2 is evenly distributed.
-        cos = numpy.sqrt((nodes + 1) / 2)
-        i, o = (mitsuba.Float(c.ravel().astype(numpy.float32)) for c in numpy.meshgrid(cos, cos))
-        wi, wo = (mitsuba.Vector3f(drjit.sqrt(1 - c * c), 0, c) for c in (i, o))
-        value = self.nested.eval(self.part(self.BASE), self.surface(wi), wo, True) * drjit.pi / wo.z
-        return float((numpy.array(value.x, dtype=float) * numpy.outer(weights, weights).ravel()).sum() / 4)
+    def through(self, cos):
+        """T, linear between its values."""
+        position = drjit.clip(cos * self.NODES - 0.5, 0, self.NODES - 1.001)
+        node = mitsuba.UInt32(position)
+        first, second = (drjit.gather(mitsuba.Float, self.table, node + i) for i in (0, 1))
+        return drjit.lerp(first, second, position - node)
 
     def eval(self, context, si, wo, active):
-        facets = self.nested.eval(self.part(self.FACETS), si, wo, active) * self.factor(si.wi, wo)
-        return facets + self.scale * self.nested.eval(self.part(self.BASE), si, wo, active)
+        i, o = mitsuba.Frame3f.cos_theta(si.wi), mitsuba.Frame3f.cos_theta(wo)
+        active &= (i > 0) & (o > 0)
+        facets = self.nested.eval(self.facets, si, wo, active) * self.factor(si.wi, wo)
+        return drjit.select(active, facets + self.scale * self.through(i) * self.through(o) * o, 0)
 
     def sample(self, context, si, sample1, sample2, active):
         sampled, _ = self.nested.sample(context, si, sample1, sample2, active)
