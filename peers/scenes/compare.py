@@ -35,8 +35,10 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--renders", type=int, default=32, help="independent renders by each program")
     parser.add_argument("--samples", type=int, default=32, help="samples per pixel of each; some scenes have a multiple in Mitsuba")
     parser.add_argument("--size", type=int, default=64, help="width and height, a multiple of 8")
+    parser.add_argument("--seed", type=int, default=0, help="the first seed")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--integrator", help="another integrator of Glanz: light, guided, distributed, ...")
+    parser.add_argument("--sampler", help="another sampler of Glanz; independent is that of Mitsuba here")
     parser.add_argument("--json", type=pathlib.Path, help="file for the results")
     parser.add_argument("--pictures", type=pathlib.Path, help="folder for pictures: Glanz, Mitsuba, z of every pixel")
     parser.add_argument("--keep", type=pathlib.Path, help="folder for the scene files, instead of a temporary one")
@@ -50,9 +52,10 @@ def read(path: pathlib.Path) -> numpy.ndarray:
 def render_glanz(scene: languages.Scene, asked: argparse.Namespace) -> numpy.ndarray:
     file, out = scene.folder / "scene.pbrt", scene.folder / "out.exr"
     pictures = []
-    for seed in range(asked.renders):
+    for seed in range(asked.seed, asked.seed + asked.renders):
         command = [asked.glanz, "render", file, "-o", out, "--spp", asked.samples, "--seed", seed, "--threads", asked.threads, "--strict", "-q"]
         command += ["--integrator", asked.integrator] if asked.integrator else []
+        command += ["--sampler", asked.sampler] if asked.sampler else []
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
         if done.returncode:
             errors = [text for text in done.stderr.splitlines() if text.startswith("error:")]
@@ -65,7 +68,7 @@ def render_glanz(scene: languages.Scene, asked: argparse.Namespace) -> numpy.nda
 
 def render_mitsuba(scene: languages.Scene, asked: argparse.Namespace, first: int = 0) -> numpy.ndarray:
     world = scene.mitsuba()
-    seeds = range(first, first + asked.renders)
+    seeds = range(asked.seed + first, asked.seed + first + asked.renders)
     return numpy.stack([numpy.array(mitsuba.render(world, spp=asked.samples * scene.factor, seed=seed), dtype=float) for seed in seeds])
 
 
@@ -97,7 +100,8 @@ def compare(name: str, asked: argparse.Namespace, folder: pathlib.Path) -> dict[
     result = ztest.compare(first, second)
     levels = result.pop("levels")
     # At as many samples.
-    result["variance_ratio"] = {k: v / scene.factor for k, v in result["variance_ratio"].items()}
+    factor = scene.factor if asked.glanz else 1
+    result["variance_ratio"] = {k: v / factor for k, v in result["variance_ratio"].items()}
     if asked.pictures:
         show(name, first, second, levels[0].z, asked.pictures)
     return {"scene": name, "state": "agrees" if result.pop("passes") else "DIFFERS", **result,
@@ -132,7 +136,7 @@ def main() -> int:
         if asked.glanz:
             versions["glanz"] = subprocess.run([asked.glanz, "--version"], capture_output=True, text=True).stdout.strip()
         report = {"date": time.strftime("%Y-%m-%d"), "versions": versions, "renders": asked.renders, "samples": asked.samples, "size": asked.size,
-                  "integrator": asked.integrator or "path", "results": results}
+                  "integrator": asked.integrator or "path", "sampler": asked.sampler or "sobol", "seed": asked.seed, "results": results}
         asked.json.write_text(json.dumps(report, indent=1) + "\n")
     return 1 if any(r["state"] == "DIFFERS" for r in results) else 0
 

@@ -27,7 +27,7 @@ HALF = (10.0, 2.0, 6.0)
 
 
 def hall(scene: languages.Scene, count: int) -> dict[str, object]:
-    """Fills the scene; returns the same for Cycles: quadrilaterals, lights, camera."""
+    """Fills the scene; returns the same for Cycles: walls, squares and points that emit, camera."""
     random = numpy.random.default_rng(1)
     width, height, depth = HALF
     grey = diffuse(0.6)
@@ -36,9 +36,9 @@ def hall(scene: languages.Scene, count: int) -> dict[str, object]:
     scene.depth = 3
     cycles: dict[str, object] = {"eye": eye, "target": target, "fov": 60, "bounces": 2, "walls": [], "lights": [], "points": []}
 
-    def add(to_world: object, corners: list[list[float]], key: str = "walls", emission: list[float] | None = None) -> None:
+    def add(to_world: object, corners: list[list[float]]) -> None:
         points = (languages.matrix(to_world) @ numpy.array([[*c, 1] for c in corners], dtype=float).T).T[:, :3]
-        cycles[key].append(points.tolist() if emission is None else [points.tolist(), emission])
+        cycles["walls"].append(points.tolist())
 
     square = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
     faces = [((1, 0, 0), -90, (0, 0, 0), (width, depth)), ((1, 0, 0), 90, (0, 2 * height, 0), (width, depth)),
@@ -65,7 +65,7 @@ def hall(scene: languages.Scene, count: int) -> dict[str, object]:
             radiance = [100 * c for c in colour]
             to_world = transform(scale=(0.05, 0.05, 1), rotate=[(random.normal(size=3), random.uniform(0, 180))], translate=position)
             scene.add(rectangle(diffuse(0), to_world, emission=radiance))
-            add(to_world, square, "lights", radiance)
+            cycles["lights"].append([languages.matrix(to_world).tolist(), radiance])
     return cycles
 
 

@@ -9,26 +9,26 @@ import bpy
 import mathutils
 
 
-def material(name, colour, emission=None):
-    made = bpy.data.materials.new(name)
+def grey(reflectance):
+    made = bpy.data.materials.new("grey")
     made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links
     nodes.clear()
     out, surface = nodes.new("ShaderNodeOutputMaterial"), nodes.new("ShaderNodeBsdfDiffuse")
-    surface.inputs["Color"].default_value = (*colour, 1)
-    if emission:
-        # The front alone emits; the rest of the light is black.
-        nodes.remove(surface)
-        surface, back, front = nodes.new("ShaderNodeEmission"), nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeMath")
-        strength = max(emission)
-        surface.inputs["Color"].default_value = (*(e / strength for e in emission), 1)
-        front.operation = "MULTIPLY_ADD"
-        front.inputs[1].default_value, front.inputs[2].default_value = -strength, strength
-        links.new(back.outputs["Backfacing"], front.inputs[0])
-        links.new(front.outputs[0], surface.inputs["Strength"])
-        made.cycles.emission_sampling = "FRONT"
+    surface.inputs["Color"].default_value = (*[reflectance] * 3, 1)
     links.new(surface.outputs[0], out.inputs["Surface"])
     return made
+
+
+def light(name, kind, power, place):
+    """`power`: of red, green and blue."""
+    data = bpy.data.lights.new(name, kind)
+    strength = max(power)
+    data.energy, data.color = strength, [p / strength for p in power]
+    made = bpy.data.objects.new(name, data)
+    made.matrix_world = place
+    bpy.context.collection.objects.link(made)
+    return data
 
 
 def squares(name, quads, made):
@@ -43,17 +43,17 @@ def main():
     with open(scene_file) as file:
         hall = json.load(file)
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    squares("walls", hall["walls"], material("grey", [0.6] * 3))
-    for number, (quad, emission) in enumerate(hall["lights"]):
-        squares(f"light{number}", [quad], material(f"light{number}", [0] * 3, emission))
+    squares("walls", hall["walls"], grey(0.6))
+    for number, (to_world, radiance) in enumerate(hall["lights"]):
+        # A square from (-1, -1) to (1, 1) in z = 0 that emits towards z; Blender's emits towards -z, with power pi times area times radiance.
+        place = mathutils.Matrix(to_world)
+        half = place.to_scale()[0]
+        place = place @ mathutils.Matrix.Diagonal((1 / half, -1 / half, -1, 1))
+        data = light(f"square{number}", "AREA", [math.pi * (2 * half) ** 2 * r for r in radiance], place)
+        data.shape, data.size = "SQUARE", 2 * half
     for number, (position, intensity) in enumerate(hall["points"]):
-        light = bpy.data.lights.new(f"point{number}", "POINT")
-        # Its unit is so that a power of 4 pi is an intensity of 1.
-        strength = max(intensity)
-        light.energy, light.color, light.shadow_soft_size = 4 * math.pi * strength, [i / strength for i in intensity], 0
-        made = bpy.data.objects.new(f"point{number}", light)
-        made.location = position
-        bpy.context.collection.objects.link(made)
+        data = light(f"point{number}", "POINT", [4 * math.pi * i for i in intensity], mathutils.Matrix.Translation(position))
+        data.shadow_soft_size = 0
     data = bpy.data.cameras.new("camera")
     data.sensor_fit, data.clip_start, data.clip_end = "VERTICAL", 1e-3, 1e3
     data.angle_y = math.radians(hall["fov"])

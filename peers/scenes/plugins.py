@@ -46,10 +46,10 @@ class Correlated(mitsuba.BSDF):
 class RoughCoat(Correlated):
     """The facets of Mitsuba's `roughplastic`, with correlated masking, over a diffuse base that loses no light.
 
-    Mitsuba loses what facets block inside; with alpha 0.3 a white base scatters 0.69 of all light. Where it is not lost, what the coat does not reflect of a direction,
-    T(w), arrives at the base, and by reciprocity the fraction t / eta^2 of diffuse light from inside leaves, where t is the mean of T. So the base scatters
-    T(i) T(o) a / (pi t^2), with the mean albedo a = t R (t / eta^2) / (1 - R (1 - t / eta^2)), or t R without changes of colour between coat and base
-    (`saturates` false).
+    Mitsuba loses what facets block inside; with alpha 0.3 a white base scatters 0.69 of all light. Where it is not lost, what the coat does not reflect
+    of a direction, T(w), arrives at the base, and by reciprocity the fraction t / eta^2 of diffuse light from inside leaves, where t is the mean of T. So
+    the base scatters T(i) T(o) a / (pi t^2), with the mean albedo a = t R (t / eta^2) / (1 - R (1 - t / eta^2)), or t R without changes of colour between
+    coat and base (`saturates` false).
     """
 
     NODES = 128

@@ -283,6 +283,7 @@ def point_lights(s: Scene) -> None:
 def angular_lights(s: Scene) -> None:
     """A spot with a soft edge, a goniometric light, a projector and a photometric file"""
     s.look_at((0.4, 2.4, 6), (0, 0.8, 0), fov=60)
+    s.factor = 8
     s.add(floor(), wall(), sphere(diffuse((0.7, 0.7, 0.2)), (0, 0.8, 0), 0.8))
 
     def cone(d):
