@@ -89,7 +89,7 @@ fn faults_of_media_are_errors_with_their_place() {
         ("MakeNamedMedium \"m\" \"string type\" \"uniformgrid\"", "1:12", "has no \"float density\""),
         (
             "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [1 2 3]",
-            "1:91",
+            "1:92",
             "3 densities are not nx 2 times ny 1 times nz 1",
         ),
         (
