@@ -271,7 +271,7 @@ fn reading_goes_on_after_an_error_and_stops_at_twenty() {
 
 #[test]
 fn a_thousand_equal_warnings_are_shown_a_hundred_times_and_counted() {
-    let text = format!("WorldBegin\n{}", "Shape \"curve\"\n".repeat(1000));
+    let text = format!("WorldBegin\n{}", "Shape \"heightfield\"\n".repeat(1000));
     let loaded = load_str("a.pbrt", &text, &Options::default()).unwrap();
     assert_eq!(loaded.diagnostics.iter().count(), 100);
     assert_eq!(loaded.diagnostics.count(glanz_formats::Severity::Warning), 1000);

@@ -146,6 +146,7 @@ proptest! {
         let facets = Roughness { u: (0.1 + a).into(), v: b.into(), scale: RoughnessScale::Alpha };
         let kinds = [
             MaterialKind::diffuse([a, b, c]),
+            MaterialKind::oren_nayar([a, b, c], 30.0 * a),
             MaterialKind::mirror(d),
             MaterialKind::conductor([a, b, c], [d, e, f]),
             MaterialKind::dielectric(1.0 + a, b, [c, d, e]),

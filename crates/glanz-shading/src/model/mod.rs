@@ -7,6 +7,7 @@ mod diffuse_transmission;
 mod lambert;
 mod mirror;
 mod mix;
+mod oren_nayar;
 pub mod phong;
 mod principled;
 pub mod roughness;
@@ -27,6 +28,7 @@ pub use diffuse_transmission::{DiffuseTransmission, DiffuseTransmissionMaterial}
 pub use lambert::{DiffuseMaterial, Lambert};
 pub use mirror::{Mirror, MirrorMaterial};
 pub use mix::MixMaterial;
+pub use oren_nayar::{OrenNayar, OrenNayarMaterial};
 pub use phong::{Phong, PhongMaterial};
 pub use principled::{Principled, PrincipledMaterial};
 pub use roughness::{Roughness, RoughnessScale};
@@ -293,6 +295,8 @@ macro_rules! bsdfs {
 bsdfs! {
     /// Lambert's law.
     Diffuse(DiffuseMaterial) => Lambert(Lambert),
+    /// Rough diffuse reflection.
+    OrenNayar(OrenNayarMaterial) => OrenNayar(OrenNayar),
     /// Perfect mirror.
     Mirror(MirrorMaterial) => Mirror(Mirror),
     /// Metal.

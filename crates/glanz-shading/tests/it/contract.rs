@@ -17,7 +17,7 @@ use glanz_shading::microfacet::coat::Coat;
 use glanz_shading::model::phong::PhongCoefficients;
 use glanz_shading::model::{
     CoatedDiffuse, Conductor, ConductorFresnel, Dielectric, DiffuseTransmission, Lambert, MetalColor, Mirror,
-    Phong, PrincipledMaterial, Roughness, RoughnessScale,
+    OrenNayar, Phong, PrincipledMaterial, Roughness, RoughnessScale,
 };
 use glanz_shading::{Bsdf, BsdfModel, BsdfSample, Lobe, Material, TexturePoint, Textures, TransportMode};
 
@@ -92,8 +92,10 @@ fn samples_follow_the_density_which_integrates_to_one() {
             let total: f64 = expected.iter().sum();
             // Quadrature of the sharpest lobe over cells half its width.
             assert!(total < 1.0 + 1e-4, "{name}, {wo}: the density integrates to {total}");
-            let is_complete =
-                matches!(bsdf, Bsdf::Lambert(_) | Bsdf::Phong(_) | Bsdf::DiffuseTransmission(_));
+            let is_complete = matches!(
+                bsdf,
+                Bsdf::Lambert(_) | Bsdf::OrenNayar(_) | Bsdf::Phong(_) | Bsdf::DiffuseTransmission(_)
+            );
             assert!(!is_complete || (total - 1.0).abs() < 1e-4, "{name}, {wo}: {total}");
             // The last cell holds samples of delta lobes and those that facets send into the surface.
             let mut counts = vec![0; expected.len() + 1];

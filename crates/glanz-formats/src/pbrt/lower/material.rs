@@ -185,12 +185,9 @@ impl Lowering {
     ) -> ParseResult<MaterialKind> {
         let name = if kind == "matte" { "Kd" } else { "reflectance" };
         let reflectance = self.spectrum_or(list, name, 0.5, space)?;
-        let place = list.value_place("sigma");
         let sigma = self.float_or(list, "sigma", 0.0)?;
-        if !matches!(sigma, FloatParameter::Value(0.0)) {
-            let message =
-                format!("material {kind:?}: \"sigma\" is not available yet; Lambert's law stands in");
-            self.stand_in(&place, "stand-in-material", message);
+        if !matches!(sigma, FloatParameter::Value(x) if x <= 0.0) {
+            return Ok(MaterialKind::oren_nayar(reflectance, sigma));
         }
         Ok(MaterialKind::diffuse(reflectance))
     }

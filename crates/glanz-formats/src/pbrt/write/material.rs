@@ -24,6 +24,11 @@ pub(super) fn write(text: &mut String, number: usize, kind: &MaterialKind) -> Re
             list.text("type", "diffuse");
             spectrum(&mut list, "reflectance", &material.reflectance)?;
         }
+        MaterialKind::OrenNayar(material) => {
+            list.text("type", "matte");
+            spectrum(&mut list, "Kd", &material.reflectance)?;
+            number_or_texture(&mut list, "sigma", material.sigma)?;
+        }
         MaterialKind::Mirror(material) => {
             list.text("type", "mirror");
             spectrum(&mut list, "reflectance", &material.reflectance)?;

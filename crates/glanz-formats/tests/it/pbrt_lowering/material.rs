@@ -161,18 +161,22 @@ fn mixtures_name_their_parts_before_or_after_these() {
 }
 
 #[test]
+fn matte_with_sigma_is_rough_and_diffuse() {
+    let MaterialKind::OrenNayar(plaster) = material("\"matte\" \"rgb Kd\" [.1 .2 .3] \"float sigma\" 20")
+    else {
+        panic!()
+    };
+    assert_eq!((value(&plaster.reflectance), plaster.sigma), ([0.1, 0.2, 0.3], 20.0.into()));
+    assert!(matches!(material("\"matte\" \"float sigma\" 0"), MaterialKind::Diffuse(_)));
+}
+
+#[test]
 fn stand_ins_cause_warnings_and_strict_mode_refuses_them() {
     for (text, kind) in [
         ("Material \"coateddiffuse\" \"rgb albedo\" [.1 .1 .1]", "stand-in-material"),
-        ("Material \"matte\" \"float sigma\" 20", "stand-in-material"),
-        ("Material \"uber\" \"float opacity\" .5", "stand-in-material"),
         ("Material \"hair\"", "stand-in-material"),
         ("Material \"fluff\"", "stand-in-material"),
-        ("Shape \"curve\"", "stand-in-shape"),
-        (
-            "Shape \"loopsubdiv\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]",
-            "stand-in-shape",
-        ),
+        ("Shape \"heightfield\"", "stand-in-shape"),
         ("LightSource \"projection\"", "stand-in-light"),
         ("LightSource \"infinite\" \"string mapname\" \"no.exr\"", "missing-file"),
         ("Texture \"t\" \"color\" \"ptex\"", "stand-in-texture"),

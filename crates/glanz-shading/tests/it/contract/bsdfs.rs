@@ -59,6 +59,8 @@ pub(super) fn bsdfs() -> Vec<(&'static str, Bsdf)> {
         ("black", Bsdf::Black),
         ("lambert", Bsdf::Lambert(Lambert { reflectance: colour })),
         ("white", Bsdf::Lambert(Lambert { reflectance: Spectrum::ONE })),
+        ("plaster", Bsdf::OrenNayar(OrenNayar::new(colour, 0.6))),
+        ("white plaster", Bsdf::OrenNayar(OrenNayar::new(WHITE, 0.2))),
         ("mirror", Bsdf::Mirror(Mirror { reflectance: colour })),
         ("gold", metal(eta, k, [0.0; 2])),
         ("dull gold", metal(eta, k, [0.4; 2])),
@@ -137,7 +139,7 @@ pub(super) fn bsdfs() -> Vec<(&'static str, Bsdf)> {
         match bsdf {
             Bsdf::Black | Bsdf::Lambert(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_) => {}
             Bsdf::Dielectric(_) | Bsdf::Phong(_) | Bsdf::CoatedDiffuse(_) | Bsdf::DiffuseTransmission(_) => {}
-            Bsdf::Principled(_) => {}
+            Bsdf::Principled(_) | Bsdf::OrenNayar(_) => {}
             // Of no surface, so that the contract is another: `phase` has the tests.
             Bsdf::Medium(_) => {}
         }
