@@ -1,16 +1,14 @@
 //! Materials with a glossy surface over another, and sheets that transmit light.
 
 use glanz_light::SpectralDistribution;
-use glanz_scene::description::{
-    DescriptionForm, FloatParameter, MaterialKind, SpectrumParameter, TextureDescription, TextureKind,
-};
+use glanz_scene::description::{DescriptionForm, FloatParameter, MaterialKind, SpectrumParameter};
 use glanz_shading::model::{
     CoatedDiffuseMaterial, ConductorMaterial, MetalColor, PrincipledMaterial, RoughnessScale,
 };
 
 use super::Lowering;
 use super::roughness::RoughnessNames;
-use super::spectrum::{grey, scaled};
+use super::spectrum::{grey, largest, scaled};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::ParameterList;
 use crate::source::ParseResult;
@@ -81,32 +79,6 @@ impl Lowering {
         Ok(MaterialKind::diffuse_transmission(reflectance, transmittance))
     }
 
-    /// Version 3's sheet: Lambert's law on both sides; its highlight is left out.
-    pub(super) fn translucent(
-        &mut self,
-        list: &mut ParameterList,
-        space: ColorSpace,
-    ) -> ParseResult<MaterialKind> {
-        let base = self.spectrum_or(list, "Kd", 0.25, space)?;
-        let place = list.value_place("Ks");
-        let specular = self.spectrum_or(list, "Ks", 0.25, space)?;
-        list.ignore(&["roughness", "remaproughness"]);
-        if specular != SpectrumParameter::Value(grey(0.0)) {
-            let message = "material \"translucent\": \"Ks\" is not available yet; a surface without highlight stands in";
-            self.stand_in(&place, "stand-in-material", message);
-        }
-        let mut part = |name| {
-            let share = self.spectrum_or(list, name, 0.5, space)?;
-            Ok(match (share, &base) {
-                (SpectrumParameter::Value(share), base) => self.product(base.clone(), share, list),
-                (texture, SpectrumParameter::Value(base)) => self.product(texture, base.clone(), list),
-                (share, base) => self.texture_product(base.clone(), share, list),
-            })
-        };
-        let (reflectance, transmittance) = (part("reflect")?, part("transmit")?);
-        Ok(MaterialKind::diffuse_transmission(reflectance, transmittance))
-    }
-
     /// Version 3's sum of Lambert's law and the highlight of a surface of index 1.5.
     pub(super) fn plastic(
         &mut self,
@@ -145,21 +117,6 @@ impl Lowering {
             multiple_scattering: self.multiple_scattering(list)?,
             ..PrincipledMaterial::new(self.spectrum_or(list, "Kd", 0.5, space)?, 0.0)
         }))
-    }
-
-    /// Version 3's sum of Lambert's law, a highlight, a mirror and glass, of which the first two are available.
-    pub(super) fn uber(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialKind> {
-        for (name, default) in [("Kr", 0.0), ("Kt", 0.0), ("opacity", 1.0)] {
-            let place = list.value_place(name);
-            if self.spectrum_or(list, name, default, space)? != SpectrumParameter::Value(grey(default)) {
-                let message =
-                    format!("material \"uber\": {name:?} is not available yet; {default} stands in");
-                self.stand_in(&place, "stand-in-material", message);
-            }
-        }
-        let index = self.float_or(list, "index", 1.5)?;
-        let eta = self.optional_float(list, "eta")?.unwrap_or(index);
-        Ok(MaterialKind::Principled(PrincipledMaterial { eta, ..self.plastic(list, space)? }))
     }
 
     /// Version 2's metal of a highlight and a mirror, as one rough metal.
@@ -210,44 +167,6 @@ impl Lowering {
             multiple_scattering: self.multiple_scattering(list)?,
         }))
     }
-
-    /// An input times a spectrum, by a texture if necessary.
-    fn product(
-        &mut self,
-        input: SpectrumParameter,
-        factor: SpectralDistribution,
-        list: &ParameterList,
-    ) -> SpectrumParameter {
-        use SpectralDistribution::{Constant, Rgb};
-        match (&input, &factor) {
-            (_, Constant(1.0)) => input,
-            (SpectrumParameter::Value(Constant(a)), Constant(b)) => SpectrumParameter::Value(Constant(a * b)),
-            (SpectrumParameter::Value(Rgb(a)), Constant(b))
-            | (SpectrumParameter::Value(Constant(b)), Rgb(a)) => {
-                SpectrumParameter::Value(Rgb(a.map(|a| a * b)))
-            }
-            (SpectrumParameter::Value(Rgb(a)), Rgb(b)) => {
-                SpectrumParameter::Value(Rgb(std::array::from_fn(|i| a[i] * b[i])))
-            }
-            _ => self.texture_product(input, SpectrumParameter::Value(factor), list),
-        }
-    }
-
-    fn texture_product(
-        &mut self,
-        a: SpectrumParameter,
-        b: SpectrumParameter,
-        list: &ParameterList,
-    ) -> SpectrumParameter {
-        SpectrumParameter::Texture(self.add_texture(TextureKind::Scale(a, b), list))
-    }
-
-    /// Adds a texture without a name and returns its index.
-    pub(super) fn add_texture(&mut self, kind: TextureKind, list: &ParameterList) -> usize {
-        let textures = &mut self.description.textures;
-        textures.push(TextureDescription { name: String::new(), kind, location: Some(list.place.location) });
-        textures.len() - 1
-    }
 }
 
 /// A metal whose surroundings have the index of a coat, in place of 1. Textures and a reflectance stay as they are.
@@ -265,12 +184,7 @@ fn under_coat(color: MetalColor<DescriptionForm>, coat_eta: FloatParameter) -> M
 /// The refractive index whose surface reflects the largest value of a spectrum at normal incidence, and the spectrum over this value; `None` for
 /// one without such a value.
 fn index_and_tint(reflectance: &SpectralDistribution) -> Option<(f32, SpectralDistribution)> {
-    let largest = match reflectance {
-        SpectralDistribution::Constant(r) => *r,
-        SpectralDistribution::Rgb(rgb) => rgb.iter().copied().fold(0.0, f32::max),
-        SpectralDistribution::Sampled(samples) => samples.range().1,
-        _ => return None,
-    };
+    let largest = largest(reflectance)?;
     // Without reflection every tint is right.
     let tint = if largest > 0.0 { scaled(reflectance, 1.0 / largest)? } else { grey(1.0) };
     Some((reflecting_index(largest), tint))

@@ -13,6 +13,7 @@ mod light;
 mod luminaire;
 mod material;
 mod material_stand_in;
+mod material_sum;
 mod medium;
 mod mesh_file;
 mod mix;

@@ -31,6 +31,16 @@ pub(super) fn scaled(spectrum: &SpectralDistribution, factor: f32) -> Option<Spe
     }
 }
 
+/// The largest value of a spectrum, of colours the largest component; `None` for one without such a value.
+pub(super) fn largest(spectrum: &SpectralDistribution) -> Option<f32> {
+    Some(match spectrum {
+        SpectralDistribution::Constant(value) => *value,
+        SpectralDistribution::Rgb(rgb) => rgb.iter().copied().fold(0.0, f32::max),
+        SpectralDistribution::Sampled(samples) => samples.range().1,
+        _ => return None,
+    })
+}
+
 impl Lowering {
     /// The spectrum of a parameter without texture.
     pub(super) fn distribution(

@@ -60,6 +60,69 @@ fn uber_has_an_index_by_either_name() {
     }
 }
 
+/// The parts of the first material that is a mixture, with the probability of the second.
+fn parts(text: &str) -> ([MaterialKind; 2], f32) {
+    let materials = read_clean(&format!("WorldBegin Material {text}")).description.materials;
+    let mix = materials.iter().rev().find_map(|m| match &m.kind {
+        MaterialKind::Mix(mix) => Some(mix.clone()),
+        _ => None,
+    });
+    let mix = mix.unwrap();
+    let FloatParameter::Value(amount) = mix.amount else { panic!("{mix:?}") };
+    (mix.materials.map(|index| materials[index].kind.clone()), amount)
+}
+
+fn closes(found: [f32; 3], expected: [f32; 3]) {
+    found.into_iter().zip(expected).for_each(|(a, b)| close(a.into(), b.into()));
+}
+
+#[test]
+fn opacity_of_uber_lets_light_pass_straight() {
+    let ([opaque, pane], amount) = parts("\"uber\" \"rgb Kd\" [.4 .3 .2] \"rgb opacity\" [.8 .8 .8]");
+    close(amount.into(), 0.2);
+    let (MaterialKind::Principled(opaque), MaterialKind::Dielectric(pane)) = (opaque, pane) else { panic!() };
+    assert_eq!(value(&opaque.base_color), [0.4, 0.3, 0.2]);
+    assert_eq!((pane.thin, pane.eta, value(&pane.transmittance)), (true, 1.0.into(), [1.0; 3]));
+    // Of a colour: probability times factor is what version 3 adds up, 1 - opacity and opacity.
+    let ([opaque, pane], amount) = parts("\"uber\" \"rgb Kd\" [.4 .4 .4] \"rgb opacity\" [.3 .5 .7]");
+    let (MaterialKind::Principled(opaque), MaterialKind::Dielectric(pane)) = (opaque, pane) else { panic!() };
+    closes(value(&opaque.base_color).map(|x| x * (1.0 - amount)), [0.12, 0.2, 0.28]);
+    closes(value(&pane.transmittance).map(|x| x * amount), [0.7, 0.5, 0.3]);
+}
+
+#[test]
+fn sums_of_version_3_are_mixtures_with_the_same_mean() {
+    let ([plastic, glass], amount) = parts(
+        "\"uber\" \"rgb Kd\" [.2 .1 .1] \"rgb Ks\" [.3 .3 .3] \"rgb Kr\" [.1 .2 .2] \"rgb Kt\" [.1 0 .1] \"float index\" 1.4",
+    );
+    let (MaterialKind::Principled(plastic), MaterialKind::Dielectric(glass)) = (plastic, glass) else {
+        panic!()
+    };
+    closes(value(&plastic.base_color).map(|x| x * (1.0 - amount)), [0.2, 0.1, 0.1]);
+    closes(value(&plastic.specular).map(|x| x * (1.0 - amount)), [0.3; 3]);
+    closes(value(&glass.reflectance).map(|x| x * amount), [0.1, 0.2, 0.2]);
+    closes(value(&glass.transmittance).map(|x| x * amount), [0.1, 0.0, 0.1]);
+    assert_eq!((glass.eta, plastic.eta), (1.4.into(), 1.4.into()));
+    let ([sheet, glass], amount) = parts("\"translucent\" \"rgb Kd\" [.5 .3 .3] \"float transmit\" .25");
+    let (MaterialKind::DiffuseTransmission(sheet), MaterialKind::Dielectric(glass)) = (sheet, glass) else {
+        panic!()
+    };
+    closes(value(&sheet.reflectance).map(|x| x * (1.0 - amount)), [0.25, 0.15, 0.15]);
+    closes(value(&sheet.transmittance).map(|x| x * (1.0 - amount)), [0.125, 0.075, 0.075]);
+    closes(value(&glass.reflectance).map(|x| x * amount), [0.125; 3]);
+    closes(value(&glass.transmittance).map(|x| x * amount), [0.0625; 3]);
+    assert_eq!(
+        (glass.eta, glass.roughness),
+        (1.5.into(), Roughness::isotropic(0.1, RoughnessScale::Logarithmic))
+    );
+    // What would create light is scaled down.
+    let ([plastic, glass], amount) = parts("\"uber\" \"float Kd\" 1 \"float Kr\" 1");
+    let (MaterialKind::Principled(plastic), MaterialKind::Dielectric(glass)) = (plastic, glass) else {
+        panic!()
+    };
+    assert_eq!((value(&plastic.base_color), value(&glass.reflectance), amount), ([1.0; 3], [1.0; 3], 0.5));
+}
+
 #[test]
 fn shiny_metal_is_a_rough_metal_of_its_mirror() {
     let text = "\"shinymetal\" \"rgb Kr\" [.2 .5 .9] \"float roughness\" .1";
