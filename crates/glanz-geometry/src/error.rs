@@ -156,6 +156,16 @@ pub enum SurfaceError {
         /// Entries possible.
         max: usize,
     },
+    /// Triangles around a vertex do not make a surface that can be subdivided.
+    #[error(
+        "the triangles around vertex {vertex} make no surface: {reason}; give each sheet vertices of its own"
+    )]
+    NotManifold {
+        /// The vertex, from 0.
+        vertex: u32,
+        /// The reason.
+        reason: &'static str,
+    },
     /// Two consecutive curves of a trimming loop do not meet.
     #[error(
         "curve {curve} of the trimming loop ends at ({}, {}) and curve {next} starts at ({}, {}), {gap} away; \

@@ -33,7 +33,7 @@ impl Surface {
     #[must_use]
     pub fn faces(&self) -> u32 {
         match self {
-            Self::Algebraic(_) => 0,
+            Self::Algebraic(_) | Self::Curve(_) => 0,
             Self::Plane(plane) => u32::from(plane.area().is_finite()),
             Self::Cuboid(_) => 6,
             Self::Polyhedron(polyhedron) => polyhedron.facets().len() as u32,
@@ -90,7 +90,7 @@ impl Surface {
                     .then(|| FacePoint { point, area_element: s.area_element_at(face, u, v) })
             }
             Self::Trimmed(s) => s.surface().at(face, uv).filter(|found| s.region().contains(found.point.uv)),
-            Self::Algebraic(_) => None,
+            Self::Algebraic(_) | Self::Curve(_) => None,
         }
     }
 

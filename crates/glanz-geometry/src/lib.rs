@@ -9,6 +9,8 @@
 //! - [`triangle`], [`mesh`], [`bilinear`], [`cuboid`], [`polyhedron`]: flat facets and bilinear patches;
 //! - [`spline`] (NURBS) and [`bezier`] (patches over squares and triangles): control points, evaluation, editing;
 //!   [`freeform`] intersects them with rays; [`rational`] represents other surfaces as such patches;
+//! - [`subdivision`]: limits of meshes that are divided again and again;
+//! - [`curve`]: curves with a width;
 //! - [`trim`]: parts of parameter domains inside loops of curves; [`trimmed`]: surfaces restricted to them; [`edge_tube`]: where
 //!   neighbours may leave gaps;
 //! - [`face`]: evaluation of surfaces by face and parameters;
@@ -22,6 +24,7 @@ pub mod bilinear;
 pub mod bvh;
 mod convex;
 pub mod cuboid;
+pub mod curve;
 pub mod edge_tube;
 pub mod error;
 pub mod face;
@@ -33,6 +36,7 @@ pub mod quadric;
 pub mod rational;
 mod ray_line;
 pub mod spline;
+pub mod subdivision;
 pub mod surface;
 pub mod torus;
 pub mod triangle;

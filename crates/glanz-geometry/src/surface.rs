@@ -8,6 +8,7 @@ use crate::algebraic::AlgebraicSurface;
 use crate::batch::BoundedRay;
 use crate::bilinear::BilinearPatch;
 use crate::cuboid::Cuboid;
+use crate::curve::FacingCurve;
 use crate::freeform::Freeform;
 use crate::hit::{AreaSample, Hit, ShadingPoint, SurfaceLocation, SurfacePoint, SurfaceSample};
 use crate::mesh::Mesh;
@@ -245,6 +246,8 @@ surfaces! {
     "trianglemesh" Mesh(Arc<Mesh>),
     /// Bézier patches with a hierarchy of their own, shared between copies.
     "freeform" Freeform(Arc<Freeform>),
+    /// Curves with a width that face every ray, shared between copies.
+    "curve" Curve(Arc<FacingCurve>),
     /// Part of another surface inside trimming loops.
     "trimmed" Trimmed(Trimmed),
 }
@@ -258,6 +261,12 @@ impl From<AlgebraicSurface> for Surface {
 impl From<Mesh> for Surface {
     fn from(mesh: Mesh) -> Self {
         Self::Mesh(Arc::new(mesh))
+    }
+}
+
+impl From<FacingCurve> for Surface {
+    fn from(curve: FacingCurve) -> Self {
+        Self::Curve(Arc::new(curve))
     }
 }
 

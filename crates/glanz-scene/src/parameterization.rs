@@ -49,6 +49,7 @@ impl ShapeParameterization {
             | Surface::Mesh(_)
             | Surface::Cuboid(_)
             | Surface::Polyhedron(_)
+            | Surface::Curve(_)
             | Surface::Algebraic(_) => Self::Projections(surface.bounds()),
             Surface::Freeform(freeform) => {
                 let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];

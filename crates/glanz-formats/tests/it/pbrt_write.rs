@@ -2,6 +2,7 @@
 
 use glanz_formats::pbrt::write;
 use glanz_formats::{Loaded, Options, load_str};
+use glanz_geometry::curve::CurveShading;
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::Description;
 use glanz_scene::description::*;
@@ -98,6 +99,11 @@ fn shapes(n: [f64; 6]) -> Vec<ShapeDescription> {
         GeometryDescription::Nurbs(nurbs),
         GeometryDescription::BezierPatches(patches),
         GeometryDescription::BezierTriangles(triangles),
+        GeometryDescription::Curve {
+            points: vec![p, q, r, p],
+            widths: [b, c],
+            shading: CurveShading::Cylinder,
+        },
     ];
     kinds.into_iter().map(ShapeDescription::from).collect()
 }

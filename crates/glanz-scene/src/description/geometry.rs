@@ -1,5 +1,6 @@
 //! Surfaces.
 
+use glanz_geometry::curve::CurveShading;
 use glanz_math::{DVec2, DVec3};
 
 use super::freeform::{BezierPatchesDescription, BezierTrianglesDescription, NurbsDescription};
@@ -133,6 +134,15 @@ pub enum GeometryDescription {
     BezierPatches(BezierPatchesDescription),
     /// Rational Bézier patches over triangles.
     BezierTriangles(BezierTrianglesDescription),
+    /// A chain of cubic Bézier curves with a width, which face every ray.
+    Curve {
+        /// Control points, three times the number of segments plus one.
+        points: Vec<DVec3>,
+        /// Widths at the beginning and at the end.
+        widths: [f64; 2],
+        /// How it is shaded.
+        shading: CurveShading,
+    },
 }
 
 impl GeometryDescription {
@@ -157,6 +167,7 @@ impl GeometryDescription {
             Self::Nurbs(_) => "nurbs",
             Self::BezierPatches(_) => "bezierpatch",
             Self::BezierTriangles(_) => "beziertriangle",
+            Self::Curve { .. } => "curve",
         }
     }
 }

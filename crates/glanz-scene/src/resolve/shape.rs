@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glanz_geometry::algebraic::{AlgebraicSurface, PolynomialTerm};
 use glanz_geometry::bilinear::BilinearPatch;
 use glanz_geometry::cuboid::Cuboid;
+use glanz_geometry::curve::FacingCurve;
 use glanz_geometry::mesh::Mesh;
 use glanz_geometry::polyhedron::{HalfSpace, Polyhedron};
 use glanz_geometry::quadric::{
@@ -168,5 +169,8 @@ pub(crate) fn surface(
         GeometryDescription::Nurbs(description) => freeform::nurbs(description, region)?,
         GeometryDescription::BezierPatches(description) => freeform::patches(description, region)?,
         GeometryDescription::BezierTriangles(description) => freeform::triangles(description, region)?,
+        GeometryDescription::Curve { points, widths, shading } => {
+            FacingCurve::try_new(&points, widths, shading)?.into()
+        }
     })
 }

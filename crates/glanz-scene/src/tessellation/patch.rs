@@ -91,6 +91,7 @@ impl MeshPatch {
             GeometryDescription::Algebraic { .. } => {
                 Err(TessellationFaultKind::Unsupported("an algebraic surface"))
             }
+            GeometryDescription::Curve { .. } => Err(TessellationFaultKind::Unsupported("a curve")),
             GeometryDescription::Plane { x, y }
                 if [x, y].iter().any(|range| !(range[1] - range[0]).is_finite()) =>
             {

@@ -2,6 +2,7 @@
 
 mod cad_file;
 mod camera;
+mod curve;
 mod disney;
 mod extension;
 mod film;
@@ -28,6 +29,7 @@ mod shape;
 mod sky;
 mod spectrum;
 mod spline;
+mod subdivision;
 mod texture;
 mod trim;
 

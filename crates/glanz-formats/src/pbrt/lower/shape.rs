@@ -63,6 +63,7 @@ impl Lowering {
         let surfaces = match kind {
             "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
             "obj" | "stl" => self.mesh_file(kind, &mut list)?,
+            "curve" => self.curve(&mut list)?,
             _ => Vec::from_iter(self.geometry(kind, &mut list)?),
         };
         if surfaces.is_empty() {
@@ -153,13 +154,7 @@ impl Lowering {
                 phi_max: self.phi_max(list)?,
             },
             "trianglemesh" => self.triangle_mesh(list)?,
-            "loopsubdiv" => {
-                list.ignore(&["nlevels", "levels", "scheme"]);
-                let mesh = self.triangle_mesh(list)?;
-                let message = "shape \"loopsubdiv\" is not available yet; its control mesh stands in";
-                self.stand_in(&list.place, "stand-in-shape", message);
-                mesh
-            }
+            "loopsubdiv" => self.loop_subdivision(list)?,
             "bilinearmesh" => self.bilinear_mesh(list)?,
             "plymesh" => self.ply_mesh(list)?,
             "twosheetedhyperboloid" | "plane" | "algebraic" | "torus" | "polyhedron" | "box" => {
@@ -189,7 +184,12 @@ impl Lowering {
         }
     }
 
-    fn float(&mut self, list: &mut ParameterList, name: &'static str, default: f64) -> ParseResult<f64> {
+    pub(super) fn float(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+        default: f64,
+    ) -> ParseResult<f64> {
         list.float_or(name, default, &mut self.reporter)
     }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use glanz_geometry::curve::CurveShading;
 use glanz_scene::description::{
     GeometryDescription, NurbsDescription, ShapeDescription, TrimCurveDescription, TrimDescription,
 };
@@ -121,6 +122,16 @@ fn geometry(list: &mut ParameterWriter<'_>, geometry: &GeometryDescription) -> R
         GeometryDescription::BezierTriangles(patches) => {
             list.integers("degree", [patches.degree as i64]);
             weighted(list, patches.patches.iter().flatten().copied());
+        }
+        GeometryDescription::Curve { points, widths, shading } => {
+            list.points("P", points.iter().copied());
+            list.float("width0", widths[0]);
+            list.float("width1", widths[1]);
+            let shading = match shading {
+                CurveShading::Flat => "flat",
+                CurveShading::Cylinder => "cylinder",
+            };
+            list.text("type", shading);
         }
     }
     Ok(())

@@ -1,5 +1,7 @@
 //! Shapes.
 
+use glanz_geometry::curve::CurveShading;
+
 use super::*;
 
 fn shape(text: &str) -> GeometryDescription {
@@ -53,6 +55,97 @@ fn meshes_keep_points_corners_normals_and_coordinates() {
         panic!()
     };
     assert_eq!(indices, [[0, 1, 2, 3]]);
+}
+
+#[test]
+fn subdivided_meshes_have_four_triangles_per_level_and_normals() {
+    let text = "\"loopsubdiv\" \"point P\" [1 1 1 -1 -1 1 -1 1 -1 1 -1 -1] \"integer indices\" [0 2 1 0 1 3 0 3 2 1 2 3]";
+    for (levels, count) in
+        [("", 256), ("\"integer nlevels\" 1", 16), ("\"integer levels\" 2 \"string scheme\" \"loop\"", 64)]
+    {
+        let GeometryDescription::Triangles { positions, indices, normals, .. } =
+            shape(&format!("{text} {levels}"))
+        else {
+            panic!()
+        };
+        assert_eq!((indices.len(), positions.len()), (count, count / 2 + 2));
+        // The limit of a corner of valence 3: 1 / (3 + 3 / (8 beta)) with beta = 3 / 16, that is 1/5 of each neighbour.
+        assert!(positions[0].distance(DVec3::splat(0.4 - 0.2)) < 1e-12);
+        assert!(normals.unwrap()[0].normalize().cross(DVec3::ONE.normalize()).length() < 1e-12);
+    }
+    let broken =
+        "WorldBegin Shape \"loopsubdiv\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 1]";
+    let errors = load_str("test.pbrt", broken, &Options::default()).unwrap_err().to_string();
+    assert!(errors.contains("the triangles around vertex 1 make no surface"), "{errors}");
+}
+
+fn curve(text: &str) -> (Vec<DVec3>, [f64; 2], CurveShading) {
+    match shape(&format!("\"curve\" {text}")) {
+        GeometryDescription::Curve { points, widths, shading } => (points, widths, shading),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn curves_of_both_bases_and_degrees_become_cubic_segments() {
+    let p = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    let (points, widths, shading) =
+        curve("\"point P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"float width0\" .5 \"integer splitdepth\" 2");
+    assert_eq!((points.len(), points[2], widths, shading), (4, p(1.0, 1.0), [0.5, 1.0], CurveShading::Flat));
+    let (points, widths, shading) = curve(
+        "\"point P\" [0 0 0 3 3 0 6 0 0 9 -3 0 12 0 0] \"integer degree\" 2 \"float width\" .25 \"string type\" \"cylinder\"",
+    );
+    let expected =
+        [p(0.0, 0.0), p(2.0, 2.0), p(4.0, 2.0), p(6.0, 0.0), p(8.0, -2.0), p(10.0, -2.0), p(12.0, 0.0)];
+    assert_eq!((widths, shading, points.len()), ([0.25; 2], CurveShading::Cylinder, 7));
+    assert!(points.iter().zip(expected).all(|(a, b)| a.distance(b) < 1e-12), "{points:?}");
+    // Uniform B-splines of points on a line at equal distances run along it evenly.
+    for (degree, start) in [(2, 0.5), (3, 1.0)] {
+        let text = format!(
+            "\"point P\" [0 0 0 1 0 0 2 0 0 3 0 0 4 0 0] \"string basis\" \"bspline\" \"integer degree\" {degree}"
+        );
+        let (points, ..) = curve(&text);
+        assert_eq!(points.len(), 3 * (5 - degree) + 1);
+        let even = points
+            .iter()
+            .enumerate()
+            .all(|(k, point)| point.distance(p(start + k as f64 / 3.0, 0.0)) < 1e-12);
+        assert!(even, "{points:?}");
+    }
+    // A cubic one bends as its basis: (1, 4, 1) / 6 at knots.
+    let (points, ..) = curve("\"point P\" [0 0 0 0 6 0 6 6 0 6 0 0] \"string basis\" \"bspline\"");
+    assert!(points[0].distance(p(1.0, 5.0)) < 1e-12 && points[3].distance(p(5.0, 5.0)) < 1e-12);
+}
+
+#[test]
+fn ribbons_are_spline_surfaces_per_segment() {
+    let text = "WorldBegin Shape \"curve\" \"string type\" \"ribbon\" \"float width\" 2 \"integer degree\" 2 \
+        \"point P\" [0 0 0 1 0 0 2 0 0 3 0 0 4 0 0] \"normal N\" [0 0 1 0 0 1 0 0 1]";
+    let shapes = read_clean(text).description.world.shapes;
+    assert_eq!(shapes.len(), 2);
+    let GeometryDescription::Nurbs(nurbs) = &shapes[1].geometry else { panic!() };
+    assert_eq!((nurbs.degree_u, nurbs.degree_v, nurbs.points.len()), (3, 1, 8));
+    let corners = [nurbs.points[0], nurbs.points[1], nurbs.points[6], nurbs.points[7]];
+    assert_eq!(
+        corners,
+        [[2.0, -1.0, 0.0, 1.0], [2.0, 1.0, 0.0, 1.0], [4.0, -1.0, 0.0, 1.0], [4.0, 1.0, 0.0, 1.0]]
+    );
+}
+
+#[test]
+fn curves_with_wrong_counts_and_words_are_errors() {
+    for (text, expected) in [
+        ("", "has no points \"P\""),
+        ("\"point P\" [0 0 0 1 0 0]", "2 points are no bezier curve of degree 3"),
+        ("\"point P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"integer degree\" 4", "the degree is 4"),
+        ("\"point P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"string type\" \"ribon\"", "did you mean \"ribbon\"?"),
+        ("\"point P\" [0 0 0 1 0 0 2 0 0 3 0 0] \"string type\" \"ribbon\"", "2 of them; there are 0"),
+        ("\"point P\" [0 0 0 1 0 0] \"string basis\" \"bspline\"", "4 points or more"),
+    ] {
+        let text = format!("WorldBegin Shape \"curve\" {text}");
+        let errors = load_str("test.pbrt", &text, &Options::default()).unwrap_err().to_string();
+        assert!(errors.contains(expected), "{text}: {errors}");
+    }
 }
 
 #[test]

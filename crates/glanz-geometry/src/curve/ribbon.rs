@@ -1,0 +1,133 @@
+//! Curves with normals of their own, as spline surfaces.
+
+use glanz_math::DVec3;
+
+use crate::error::{SurfaceError, finite, not_negative};
+
+/// Largest distance between the edges of a ribbon and their splines, in parts of its width.
+const EDGE_TOLERANCE: f64 = 1e-5;
+
+/// Largest number of halvings of a segment.
+const MOST_HALVINGS: u32 = 8;
+
+/// A spline surface of degree 3 along a curve and of degree 1 across.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RibbonSurface {
+    /// Knots along the curve, from 0 to 1.
+    pub knots: Vec<f64>,
+    /// Control points along the curve on the sides v = 0 and v = 1, metres.
+    pub points: Vec<[DVec3; 2]>,
+}
+
+/// A cubic Bézier segment whose width spreads in the direction N x C' at every point.
+struct Ribbon {
+    points: [DVec3; 4],
+    widths: [f64; 2],
+    normals: [DVec3; 2],
+    /// Angle between the normals, radians.
+    angle: f64,
+}
+
+/// Both edges, and their derivatives by u.
+type Edges = [[DVec3; 2]; 2];
+
+/// The ribbon along a cubic Bézier segment (metres), with the widths (metres) and normals (of any length) at its ends. Between them the normal turns evenly, and the
+/// ribbon is perpendicular to the part of it that is perpendicular to the curve: the normal of the surface.
+///
+/// The edges are splines that depart from it by at most 1e-5 of the width, save where the normal is parallel to the curve, so that it has no
+/// direction.
+///
+/// # Errors
+/// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`] for a width, [`SurfaceError::Degenerate`] if the curve is a point, has no width or a normal
+/// is zero.
+pub fn ribbon_surface(
+    points: [DVec3; 4],
+    widths: [f64; 2],
+    normals: [DVec3; 2],
+) -> Result<RibbonSurface, SurfaceError> {
+    for vector in points.iter().chain(&normals) {
+        finite("control point or normal", vector.element_sum())?;
+    }
+    for width in widths {
+        not_negative("width", width)?;
+    }
+    let degenerate = |reason, value| SurfaceError::Degenerate { reason, value };
+    if points.iter().all(|&p| p == points[0]) || widths == [0.0; 2] {
+        return Err(degenerate("the ribbon is a point or has no width", widths[0]));
+    }
+    let [Some(start), Some(end)] = normals.map(DVec3::try_normalize) else {
+        return Err(degenerate("a normal of the ribbon is zero", 0.0));
+    };
+    let ribbon = Ribbon { points, widths, normals: [start, end], angle: start.angle_between(end) };
+    let first = ribbon.edges(0.0);
+    let mut surface = RibbonSurface { knots: vec![0.0; 4], points: vec![first[0]] };
+    ribbon.append([0.0, 1.0], [&first, &ribbon.edges(1.0)], MOST_HALVINGS, &mut surface);
+    surface.knots.push(1.0);
+    Ok(surface)
+}
+
+impl Ribbon {
+    fn edges(&self, u: f64) -> Edges {
+        let [a, b, c, d] = self.points;
+        let rest = 1.0 - u;
+        let center = a * rest.powi(3) + (b * rest + c * u) * (3.0 * u * rest) + d * u.powi(3);
+        let tangent = 3.0 * ((b - a) * rest * rest + (c - b) * 2.0 * u * rest + (d - c) * u * u);
+        let bend = 6.0 * ((a - 2.0 * b + c) * rest + (b - 2.0 * c + d) * u);
+        let (normal, turn) = self.normal(u);
+        // pbrt's direction at a point where the derivative vanishes.
+        let direction = if tangent.length_squared() > 0.0 { tangent } else { d - a };
+        let across = normal.cross(direction);
+        let length = across.length();
+        let (unit, change) = if length > 0.0 {
+            let change = (turn.cross(direction) + normal.cross(bend)) / length;
+            let unit = across / length;
+            (unit, change - unit * unit.dot(change))
+        } else {
+            (DVec3::ZERO, DVec3::ZERO)
+        };
+        let half = 0.5 * (self.widths[0] * rest + self.widths[1] * u);
+        let half_change = 0.5 * (self.widths[1] - self.widths[0]);
+        let (side, side_change) = (half * unit, half_change * unit + half * change);
+        [[center - side, center + side], [tangent - side_change, tangent + side_change]]
+    }
+
+    /// The normal and its derivative.
+    fn normal(&self, u: f64) -> (DVec3, DVec3) {
+        let [start, end] = self.normals;
+        let sin = self.angle.sin();
+        if sin < 1e-9 {
+            return (start.lerp(end, u), end - start);
+        }
+        let weight = |u: f64| (u * self.angle).sin() / sin;
+        let slope = |u: f64| (u * self.angle).cos() * self.angle / sin;
+        (start * weight(1.0 - u) + end * weight(u), end * slope(u) - start * slope(1.0 - u))
+    }
+
+    /// Appends cubic pieces with the edges' points and derivatives at their ends.
+    fn append(&self, [start, end]: [f64; 2], ends: [&Edges; 2], halvings: u32, surface: &mut RibbonSurface) {
+        let third = (end - start) / 3.0;
+        let [[from, leave], [to, arrive]] = ends;
+        let controls = [0, 1].map(|side| {
+            [from[side], from[side] + third * leave[side], to[side] - third * arrive[side], to[side]]
+        });
+        let middle = self.edges(0.5 * (start + end));
+        let tolerance = EDGE_TOLERANCE * self.widths[0].max(self.widths[1]);
+        let is_near = |share: f64| {
+            let exact = self.edges(start + (end - start) * share)[0];
+            controls.iter().zip(exact).all(|(&[a, b, c, d], exact)| {
+                let rest = 1.0 - share;
+                let point =
+                    a * rest.powi(3) + (b * rest + c * share) * (3.0 * share * rest) + d * share.powi(3);
+                point.distance(exact) <= tolerance
+            })
+        };
+        if halvings > 0 && ![0.25, 0.5, 0.75].into_iter().all(is_near) {
+            let half = 0.5 * (start + end);
+            self.append([start, half], [ends[0], &middle], halvings - 1, surface);
+            self.append([half, end], [&middle, ends[1]], halvings - 1, surface);
+            return;
+        }
+        surface.points.extend([1, 2, 3].map(|k| controls.map(|side| side[k])));
+        surface.knots.extend([end; 3]);
+    }
+}
