@@ -1,8 +1,10 @@
-//! Triangles: meshes, and surfaces of flat facets.
+//! Triangles: meshes, surfaces of flat facets, and tubes around curves.
 
 use std::collections::HashMap;
+use std::f64::consts::TAU;
 use std::ops::Range;
 
+use glanz_geometry::curve::FacingCurve;
 use glanz_geometry::mesh::Mesh;
 use glanz_geometry::triangle::unit_normal;
 use glanz_geometry::{FaceDomain, Surface};
@@ -11,6 +13,10 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 use super::error::{ModelError, number};
 use super::head;
 use super::surfaces::{BuiltSurface, Surfaces};
+
+/// Parts of a segment of a curve, and sides of the tube that stands for it.
+const CURVE_STEPS: u32 = 8;
+const TUBE_SIDES: u32 = 6;
 
 /// Triangles of one surface, in its own frame.
 #[derive(Default)]
@@ -75,6 +81,38 @@ impl Surfaces {
                 let first = *first.get_or_insert(vertex);
                 if vertex >= first + 2 {
                     triangles.indices.push([first, vertex - 1, vertex]);
+                }
+            }
+        }
+        self.push_mesh(&triangles)
+    }
+
+    /// A tube around a curve that faces every ray.
+    pub(super) fn tube(&mut self, curve: &FacingCurve) -> Result<BuiltSurface, ModelError> {
+        let mut triangles = MeshBuilder::default();
+        let mut side = DVec3::X;
+        for (number, &[a, b, c, d]) in (0..).zip(curve.segments()) {
+            for step in 0..=CURVE_STEPS {
+                let u = f64::from(step) / f64::from(CURVE_STEPS);
+                let [ab, bc, cd] = [a.lerp(b, u), b.lerp(c, u), c.lerp(d, u)];
+                let [before, after] = [ab.lerp(bc, u), bc.lerp(cd, u)];
+                let along = (after - before).try_normalize().or_else(|| (d - a).try_normalize());
+                let along = along.unwrap_or(DVec3::Z);
+                // The nearest side to the one before, so that the tube is not twisted.
+                side = side
+                    .reject_from_normalized(along)
+                    .try_normalize()
+                    .unwrap_or_else(|| along.any_orthonormal_vector());
+                let center = before.lerp(after, u);
+                for corner in 0..TUBE_SIDES {
+                    let (sin, cos) = (TAU * f64::from(corner) / f64::from(TUBE_SIDES)).sin_cos();
+                    let normal = cos * side + sin * along.cross(side);
+                    let vertex = triangles.vertex(center + 0.5 * curve.width(number, u) * normal, normal)?;
+                    if step > 0 {
+                        let next = if corner + 1 < TUBE_SIDES { vertex + 1 } else { vertex + 1 - TUBE_SIDES };
+                        let [below, next_below] = [vertex, next].map(|vertex| vertex - TUBE_SIDES);
+                        triangles.indices.extend([[below, next_below, vertex], [next_below, next, vertex]]);
+                    }
                 }
             }
         }

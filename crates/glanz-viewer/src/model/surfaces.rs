@@ -85,6 +85,10 @@ impl Surfaces {
             Surface::Mesh(mesh) => {
                 parts_of(parts, mesh.indices().len()).map(|part| self.mesh(mesh, part)).collect()
             }
+            Surface::Curve(curve) => {
+                self.notes.push("a curve that faces every ray is drawn as a tube".to_owned());
+                Ok(vec![self.tube(curve)?])
+            }
             _ => Ok(vec![self.flat(surface)?]),
         }
     }

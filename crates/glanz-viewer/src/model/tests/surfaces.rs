@@ -301,3 +301,21 @@ fn faces_that_are_small_parts_of_their_surface_have_patches_of_their_own() {
         assert!(met.position.distance(middle) < 1e-6, "{object}");
     }
 }
+
+#[test]
+fn a_curve_that_faces_every_ray_is_drawn_as_a_tube() {
+    let text = r#"
+        WorldBegin
+        Shape "curve" "point3 P" [ 0 0 0  1 0 0  2 0 0  3 0 0 ] "float width0" 0.5 "float width1" 0.25"#;
+    let (_, file, _) = model(text);
+    let positions = file.floats("positions");
+    let origin = numbers(&file.list("surfaces")[0]["origin"]);
+    assert_eq!(positions.len(), 3 * 9 * 6);
+    for point in positions.chunks_exact(3) {
+        let [x, y, z] = [0, 1, 2].map(|k| point[k] + origin[k]);
+        // Half the width, which falls by 1/12 per metre.
+        assert!((y.hypot(z) - (0.25 - x / 24.0)).abs() < 1e-6, "{x} {y} {z}");
+    }
+    assert_eq!(file.words("indices").len(), 3 * 2 * 6 * 8);
+    assert_eq!(file.head["notes"].as_array().unwrap().len(), 1);
+}
