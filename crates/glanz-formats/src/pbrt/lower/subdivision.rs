@@ -1,5 +1,6 @@
 //! `Shape "loopsubdiv"`.
 
+use glanz_geometry::SurfaceError;
 use glanz_geometry::subdivision::{SubdividedMesh, loop_subdivision};
 use glanz_scene::description::GeometryDescription;
 
@@ -19,9 +20,14 @@ impl Lowering {
         let triangles = self.corners::<3>(list, &p, positions.len())?;
         let levels = list.integer_from("nlevels", 0, &mut self.reporter)?;
         let levels = list.integer_from("levels", 0, &mut self.reporter)?.or(levels).unwrap_or(LEVELS);
-        match loop_subdivision(positions, triangles, levels) {
+        match loop_subdivision(positions.clone(), triangles.clone(), levels) {
             Ok(SubdividedMesh { positions, normals, triangles: indices }) => {
                 Ok(GeometryDescription::Triangles { positions, indices, normals: Some(normals), uvs: None })
+            }
+            Err(error @ SurfaceError::NotManifold { .. }) => {
+                let message = format!("shape \"loopsubdiv\": {error}. Its control mesh stands in");
+                self.stand_in(&p.value_place, "stand-in-shape", message);
+                Ok(GeometryDescription::Triangles { positions, indices: triangles, normals: None, uvs: None })
             }
             Err(error) => {
                 let message = format!("shape \"loopsubdiv\": {error}");
