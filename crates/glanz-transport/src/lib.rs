@@ -6,6 +6,7 @@
 //! - a [`Film`] sums samples exactly ([`glanz_sampling::exact`]): the picture depends on the set of samples, not on
 //!   threads, passes, interruptions or machines;
 //! - [`render()`] exposes a film, and reports to a [`RenderSink`];
+//! - a [`PhotonMap`] holds light that arrives by mirror or glass, for pictures of caustics;
 //! - a [`ParticleTracer`] traces particles from lights, for illuminance;
 //! - a [`Guide`] holds the densities of incident light that guided integrators sample;
 //! - an [`EdgeLayer`] holds lines along the edges of the scene, which lie over the picture;
@@ -25,6 +26,7 @@ pub mod merge;
 pub mod noise;
 pub mod particle;
 mod passes;
+pub mod photon;
 pub mod pixel;
 pub mod pixel_rect;
 pub mod progress;
@@ -48,6 +50,7 @@ pub use integrator::{
 pub use merge::{MergeError, merge};
 pub use noise::NoiseLevel;
 pub use particle::{Arrival, ParticleFate, ParticlePath, ParticleTracer};
+pub use photon::{PHOTON_LIMIT, PhotonMap, PhotonTracer};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;
 pub use progress::{FinishedTile, RenderSink, TileSink};

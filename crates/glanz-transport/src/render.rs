@@ -15,6 +15,7 @@ use crate::film::{Film, FilmError};
 use crate::filter::Filter;
 use crate::guide::{GridError, Training};
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
+use crate::photon::{PhotonMap, PhotonTracer};
 use crate::pixel::{PixelLayout, PixelSums, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::progress::{FinishedTile, RenderSink, TileSink};
@@ -143,7 +144,9 @@ pub fn render(
     let exposure = PassRenderer { scene, integrator, settings, options };
     let start = Instant::now();
     let mut clock = PassClock::new(settings.time_limit);
-    let mut counters = Counters::default();
+    let resolution = film.format().resolution;
+    let tracer = pool.install(|| integrator.photon_tracer(scene, settings.seed, resolution));
+    let mut counters = tracer.as_ref().map(PhotonTracer::counters).unwrap_or_default();
     let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
     let mut samples = 0;
     let end = loop {
@@ -166,10 +169,16 @@ pub fn render(
         if let Some(end) = film.end_of_pass(range.start) {
             range.end = range.end.min(end);
         }
-        let length = range.end - range.start;
         let begun = Instant::now();
+        let photons = tracer.as_ref().map(|tracer| pool.install(|| tracer.map(scene, range.start)));
+        if let Some(photons) = &photons {
+            // The photons of one sample number are in memory at a time.
+            range.end = range.start + 1;
+            counters.merge(photons.counters());
+        }
+        let length = range.end - range.start;
         let tiles = sink.tiles();
-        let work = pool.install(|| exposure.expose(&mut film, &range, tiles))?;
+        let work = pool.install(|| exposure.expose(&mut film, photons.as_ref(), &range, tiles))?;
         clock.note(length, begun.elapsed());
         film.finish_pass(range, work.rejects)?;
         counters.merge(work.counters);
@@ -298,6 +307,7 @@ struct PassRenderer<'a> {
 struct PassState<'s, 'a> {
     splats: SplatRows<'s>,
     training: Option<&'a Training>,
+    photons: Option<&'a PhotonMap>,
     /// Memory of batches that no thread uses at the moment.
     batches: Mutex<Vec<SampleBatch<'a>>>,
 }
@@ -310,6 +320,7 @@ impl<'a> PassRenderer<'a> {
     fn expose(
         &self,
         film: &'a mut Film,
+        photons: Option<&'a PhotonMap>,
         range: &Range<u32>,
         sink: &dyn TileSink,
     ) -> Result<PassWork, Interrupted> {
@@ -317,7 +328,8 @@ impl<'a> PassRenderer<'a> {
         let samples = film.samples().total() + range.len() as u64;
         let parts = film.parts_mut();
         let tiles = parts.tiles;
-        let state = PassState { splats: parts.splats, training: parts.training, batches: Mutex::default() };
+        let (splats, training) = (parts.splats, parts.training);
+        let state = PassState { splats, training, photons, batches: Mutex::default() };
         tiles
             .into_par_iter()
             .with_max_len(1)
@@ -342,7 +354,7 @@ impl<'a> PassRenderer<'a> {
     ) -> Result<PassWork, Interrupted> {
         let (mut work, stride) = (PassWork::default(), layout.words());
         work.samples = tile.len() * range.len() as u64;
-        let PassState { splats, training, batches } = state;
+        let PassState { splats, batches, .. } = state;
         // A thread that panicked with the lock has ended the render; the list is valid between two calls.
         let mut batch = batches.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         let limit = self.integrator.batch().max(1);
@@ -357,7 +369,7 @@ impl<'a> PassRenderer<'a> {
                     return Err(Interrupted);
                 }
                 let part = start..range.end.min(start.saturating_add(step as u32));
-                self.sample(pixels, &part, *training, &mut batch);
+                self.sample(pixels, &part, state, &mut batch);
                 let light = batch.radiance.iter().zip(&batch.negative);
                 for (position, (context, (light, negative))) in
                     batch.contexts.iter_mut().zip(light).enumerate()
@@ -387,7 +399,7 @@ impl<'a> PassRenderer<'a> {
         &self,
         pixels: &[[u32; 2]],
         range: &Range<u32>,
-        training: Option<&'a Training>,
+        state: &PassState<'_, 'a>,
         batch: &mut SampleBatch<'a>,
     ) {
         let (settings, camera) = (self.settings, self.scene.camera());
@@ -404,9 +416,11 @@ impl<'a> PassRenderer<'a> {
             batch.negative.push(place.negative);
             match batch.contexts.get_mut(position) {
                 Some(context) => context.restart(ray, sampler),
-                None => batch
-                    .contexts
-                    .push(Context::new(self.scene, ray, sampler, self.options).with_training(training)),
+                None => batch.contexts.push(
+                    Context::new(self.scene, ray, sampler, self.options)
+                        .with_training(state.training)
+                        .with_photons(state.photons),
+                ),
             }
         }
         batch.contexts.truncate(batch.negative.len());

@@ -1,6 +1,6 @@
 //! Sampler and integrator.
 
-use super::{GuideSettings, Location};
+use super::{GuideSettings, Location, PhotonSettings};
 
 /// A sampler.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +32,8 @@ pub struct IntegratorDescription {
     pub branching: Option<u32>,
     /// Guide of `guided`.
     pub guide: GuideSettings,
+    /// Photons of `sppm`.
+    pub photons: PhotonSettings,
     /// Its place in the input.
     pub location: Option<Location>,
 }
@@ -54,6 +56,7 @@ impl Default for IntegratorDescription {
             light_sampling: true,
             branching: None,
             guide: GuideSettings::Tree,
+            photons: PhotonSettings::default(),
             location: None,
         }
     }

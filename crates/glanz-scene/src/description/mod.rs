@@ -17,6 +17,7 @@ mod light;
 mod material;
 mod medium;
 mod pass_lengths;
+mod photon;
 mod receiver;
 mod section;
 mod shape;
@@ -45,6 +46,7 @@ pub use light::{
 pub use material::{DescriptionForm, MaterialDescription, MaterialKind, SurfaceDetailDescription};
 pub use medium::{DensityDescription, MediumDescription, SurfaceMedia};
 pub use pass_lengths::{PassLengths, PassLengthsError};
+pub use photon::{PhotonSettings, PhotonSettingsError};
 pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
 pub use section::SectionDescription;
 pub use shape::{AlphaDescription, ShapeDescription};

@@ -8,6 +8,7 @@ use glanz_scene::{CameraRay, Interaction, ParametricPoint, Scene};
 use super::vertex::Vertex;
 use crate::filter::Filter;
 use crate::guide::{PathRecords, Training};
+use crate::photon::PhotonMap;
 use crate::pixel::{FirstHit, PixelSample};
 use crate::pixel_rect::PixelRect;
 use crate::sensor::FilmSensor;
@@ -50,6 +51,8 @@ pub struct Context<'a> {
     pub counters: Counters,
     /// Training state of learning integrators.
     pub(crate) training: Option<&'a Training>,
+    /// Photons of the sample.
+    pub(crate) photons: Option<&'a PhotonMap>,
     /// Memory that is reused by the next sample.
     pub(crate) records: PathRecords,
     /// Splats of the sample to other pixels.
@@ -121,7 +124,8 @@ impl<'a> Context<'a> {
         options: ContextOptions,
     ) -> Self {
         let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
-        let (training, records, splats, first_hit) = (None, PathRecords::default(), Vec::new(), None);
+        let (training, photons, first_hit) = (None, None, None);
+        let (records, splats) = (PathRecords::default(), Vec::new());
         Self {
             scene,
             camera_ray,
@@ -129,6 +133,7 @@ impl<'a> Context<'a> {
             wavelengths,
             counters,
             training,
+            photons,
             records,
             splats,
             options,
@@ -139,6 +144,11 @@ impl<'a> Context<'a> {
     /// For a pass that trains.
     pub(crate) fn with_training(self, training: Option<&'a Training>) -> Self {
         Self { training, ..self }
+    }
+
+    /// For samples with photons.
+    pub(crate) fn with_photons(self, photons: Option<&'a PhotonMap>) -> Self {
+        Self { photons, ..self }
     }
 
     /// The same for another sample.

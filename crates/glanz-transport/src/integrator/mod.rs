@@ -8,9 +8,10 @@ use std::sync::Arc;
 
 use glanz_light::Spectrum;
 use glanz_scene::Scene;
-use glanz_scene::description::{GuideSettings, IntegratorDescription};
+use glanz_scene::description::{GuideSettings, IntegratorDescription, PhotonSettings};
 
 use crate::guide::{GridError, Guide};
+use crate::photon::{PHOTON_LIMIT, PhotonTracer};
 
 mod context;
 mod distributed;
@@ -21,6 +22,7 @@ mod mirrors;
 mod path;
 mod path_state;
 mod path_tracer;
+mod sppm;
 mod stored;
 mod tracking;
 mod vertex;
@@ -32,9 +34,10 @@ pub use guided::Guided;
 pub use light::LightPaths;
 pub use mirrors::SMALLEST_WEIGHT;
 pub use path::Path;
-pub(crate) use path_tracer::INTERFACE_LIMIT;
+pub(crate) use path_tracer::{INTERFACE_LIMIT, ROULETTE_FROM};
+pub use sppm::Sppm;
 pub use stored::{Stored, StoredLight};
-pub(crate) use vertex::Vertex;
+pub(crate) use vertex::{Vertex, pass_interface, roulette};
 pub use whitted::Whitted;
 
 /// Estimator of the radiance along camera rays.
@@ -65,6 +68,12 @@ pub trait Integrator: Send + Sync {
     /// [`FilmFormat::splats`](crate::FilmFormat::splats).
     fn splats(&self) -> bool {
         false
+    }
+
+    /// The tracer of its photons for a picture of `resolution` pixels; `None` without photons. The photons of a sample number must be in the contexts of these samples.
+    fn photon_tracer(&self, scene: &Scene, seed: u64, resolution: [u32; 2]) -> Option<PhotonTracer> {
+        let _ = (scene, seed, resolution);
+        None
     }
 
     /// An untrained guide for `scene`, of the kind that the integrator trains.
@@ -103,13 +112,16 @@ pub struct IntegratorEntry {
     build: fn(&IntegratorSettings) -> Box<dyn Integrator>,
 }
 
+/// The integrator with photons.
+const SPPM: &str = "sppm";
+
 /// The integrator that shows stored light.
 const RADIOSITY: &str = "radiosity";
 
 /// Table of integrators.
 ///
 /// The default depth is that of pbrt, on which its scenes rely.
-pub static INTEGRATORS: [IntegratorEntry; 6] = [
+pub static INTEGRATORS: [IntegratorEntry; 7] = [
     IntegratorEntry {
         name: "path",
         description: "unidirectional path tracing with light sampling and multiple importance sampling",
@@ -129,6 +141,16 @@ pub static INTEGRATORS: [IntegratorEntry; 6] = [
         guided: false,
         sees_media: false,
         build: |settings| Box::new(LightPaths::new(settings)),
+    },
+    IntegratorEntry {
+        name: SPPM,
+        description: "path tracing with photons: caustics that are seen by mirror or glass",
+        default_max_depth: 5,
+        default_branching: None,
+        light_sampling_is_optional: false,
+        guided: false,
+        sees_media: true,
+        build: |settings| Box::new(Sppm::new(settings)),
     },
     IntegratorEntry {
         name: "guided",
@@ -179,7 +201,7 @@ pub const DEPTH_LIMIT: u32 = 1 << 16;
 pub const BRANCHING_LIMIT: u32 = 1 << 16;
 
 /// Errors of resolving an integrator's description.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IntegratorError {
     /// A name that is not in the table.
@@ -196,10 +218,16 @@ pub enum IntegratorError {
     /// No branches or more than [`BRANCHING_LIMIT`].
     #[error("a branching of {0} is not between 1 and {BRANCHING_LIMIT}")]
     Branching(u32),
+    /// A radius of photons that is not positive and finite.
+    #[error("a radius of photons of {0} m is not positive and finite")]
+    Radius(f64),
+    /// No photons or more than [`PHOTON_LIMIT`].
+    #[error("a number of photons of {0} is not between 1 and {PHOTON_LIMIT}")]
+    Photons(u32),
 }
 
 /// An integrator with all settings; those that it does not use have fixed values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorSettings {
     name: &'static str,
     /// Largest number of scattering events of a path: 0 shows lights alone, 1 direct light, 2 light scattered twice.
@@ -210,6 +238,8 @@ pub struct IntegratorSettings {
     pub branching: u32,
     /// The kind of guide to train.
     pub guide: GuideSettings,
+    /// The photons.
+    pub photons: PhotonSettings,
 }
 
 impl IntegratorSettings {
@@ -236,16 +266,34 @@ impl IntegratorSettings {
         }
         let light_sampling = description.light_sampling || !entry.light_sampling_is_optional;
         let guide = if entry.guided { description.guide } else { GuideSettings::Tree };
-        Ok(Self { name: entry.name, max_depth, light_sampling, branching, guide })
+        let photons = if entry.name == SPPM { description.photons } else { PhotonSettings::default() };
+        match photons {
+            PhotonSettings { radius: Some(radius), .. } if !(radius > 0.0 && radius.is_finite()) => {
+                return Err(IntegratorError::Radius(radius));
+            }
+            PhotonSettings { count: Some(count), .. } if count == 0 || count > PHOTON_LIMIT => {
+                return Err(IntegratorError::Photons(count));
+            }
+            _ => {}
+        }
+        Ok(Self { name: entry.name, max_depth, light_sampling, branching, guide, photons })
     }
 
     /// The settings from the parts of earlier ones.
     ///
     /// `name`: output of [`IntegratorSettings::full_name`].
     pub(crate) fn by_name(name: &str, max_depth: u32, light_sampling: bool, branching: u32) -> Option<Self> {
-        let (name, guide) = match name.split_once(' ') {
-            Some((name, guide)) => (name, guide.parse().ok()?),
-            None => (name, GuideSettings::Tree),
+        let (mut guide, mut photons) = (GuideSettings::Tree, PhotonSettings::default());
+        let name = match name.split_once(' ') {
+            Some((SPPM, settings)) => {
+                photons = settings.parse().ok()?;
+                SPPM
+            }
+            Some((name, settings)) => {
+                guide = settings.parse().ok()?;
+                name
+            }
+            None => name,
         };
         let description = IntegratorDescription {
             name: name.to_owned(),
@@ -253,6 +301,7 @@ impl IntegratorSettings {
             light_sampling,
             branching: Some(branching),
             guide,
+            photons,
             location: None,
         };
         Self::resolve(&description).ok()
@@ -264,11 +313,14 @@ impl IntegratorSettings {
         self.name
     }
 
-    /// The name, followed by a space and the guide unless it is the default.
+    /// The name, followed by a space and the guide or the photons unless they are the default.
     pub(crate) fn full_name(&self) -> String {
         match &self.guide {
-            GuideSettings::Tree => self.name.to_owned(),
             grid @ GuideSettings::Grid(_) => format!("{} {grid}", self.name),
+            GuideSettings::Tree if self.photons != PhotonSettings::default() => {
+                format!("{} {}", self.name, self.photons)
+            }
+            GuideSettings::Tree => self.name.to_owned(),
         }
     }
 
@@ -320,6 +372,9 @@ impl fmt::Display for IntegratorSettings {
         let lights = if self.light_sampling { "sampled" } else { "not sampled" };
         write!(f, "{} (depth {}, branching {}, lights {lights}", self.name, self.max_depth, self.branching)?;
         match &self.guide {
+            GuideSettings::Tree if self.photons != PhotonSettings::default() => {
+                write!(f, ", {})", self.photons)
+            }
             GuideSettings::Tree => f.write_str(")"),
             grid @ GuideSettings::Grid(_) => write!(f, ", {grid})"),
         }
@@ -346,15 +401,31 @@ mod tests {
 
     #[test]
     fn unknown_names_and_numbers_out_of_range_are_refused() {
-        let error = IntegratorSettings::resolve(&description("sppm")).unwrap_err();
+        let error = IntegratorSettings::resolve(&description("mlt")).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "there is no integrator \"sppm\" (there are path, light, guided, distributed, whitted, radiosity)"
+            "there is no integrator \"mlt\" (there are path, light, sppm, guided, distributed, whitted, radiosity)"
         );
         let deep = IntegratorDescription { max_depth: Some(100_000), ..description("path") };
         assert_eq!(IntegratorSettings::resolve(&deep), Err(IntegratorError::Depth(100_000)));
         let bare = IntegratorDescription { branching: Some(0), ..description("distributed") };
         assert_eq!(IntegratorSettings::resolve(&bare), Err(IntegratorError::Branching(0)));
+        let with = |photons| IntegratorDescription { photons, ..description("sppm") };
+        let flat = with(PhotonSettings { radius: Some(0.0), count: None });
+        assert_eq!(IntegratorSettings::resolve(&flat), Err(IntegratorError::Radius(0.0)));
+        let empty = with(PhotonSettings { radius: None, count: Some(0) });
+        assert_eq!(IntegratorSettings::resolve(&empty), Err(IntegratorError::Photons(0)));
+    }
+
+    #[test]
+    fn name_with_settings_is_read_back() {
+        for photons in [PhotonSettings::default(), PhotonSettings { radius: Some(1.0 / 3.0), count: Some(9) }]
+        {
+            let settings =
+                IntegratorSettings::resolve(&IntegratorDescription { photons, ..description("sppm") })
+                    .unwrap();
+            assert_eq!(IntegratorSettings::by_name(&settings.full_name(), 5, true, 1), Some(settings));
+        }
     }
 
     #[test]

@@ -39,6 +39,8 @@ pub(super) struct PathState<P> {
     pub(super) eta_scale: f32,
     /// `None` after delta lobes only: light sampling cannot find their light.
     pub(super) origin: Option<PathRay>,
+    /// [`PhotonMap::odds`](crate::photon::PhotonMap::odds) at the last scattering event at which photons were added, if only delta lobes followed; 0 without photons.
+    pub(super) photon_odds: f64,
     pub(super) depth: u32,
     pub(super) interfaces: u32,
     /// The medium in which the ray starts.
@@ -82,6 +84,7 @@ impl<P: Copy> PathState<P> {
             importance: Spectrum::ONE,
             eta_scale: 1.0,
             origin: None,
+            photon_odds: 0.0,
             depth: 0,
             interfaces: 0,
             medium: context.scene.camera_medium(),

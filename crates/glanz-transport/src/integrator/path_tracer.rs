@@ -2,7 +2,7 @@
 
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3, Ray};
+use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
 use glanz_sampling::mis;
 use glanz_scene::{
     BatchedPath, Interaction, LightId, LightSampleContext, MAX_LIGHT_GROUPS, MediumId, Scene, SceneHit,
@@ -12,10 +12,11 @@ use glanz_scene::{
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
+use crate::photon::PhotonMap;
 
 /// Number of scattering events after which Russian roulette may end a path. The first bounces carry most of the variance of indirect light, and
 /// ending them saves little time.
-pub(super) const ROULETTE_FROM: u32 = 4;
+pub(crate) const ROULETTE_FROM: u32 = 4;
 
 /// Dimensions of the sampler per scattering event, so that an event has the same dimensions in every sample.
 pub(super) const DIMENSIONS_PER_EVENT: u32 = 8;
@@ -195,16 +196,15 @@ impl PathTracer {
                 return continues;
             }
         }
-        let origin = path.origin.as_ref();
         let Some(hit) = hit else {
             path.light += match path.depth {
                 0 => path.throughput * context.scene.backdrop_radiance(&path.ray),
-                _ => path.throughput * self.escaped(context, &path.ray, origin),
+                _ => path.throughput * self.escaped(context, path),
             };
             return false;
         };
         let hit = context.scene.interaction(&path.ray, hit);
-        path.light += path.throughput * self.emitted(context, &hit, origin);
+        path.light += path.throughput * self.emitted(context, &hit, path);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
             path.interfaces += 1;
             path.medium = hit.medium_towards(path.ray.direction, path.medium);
@@ -260,6 +260,13 @@ impl PathTracer {
         let xi = DVec2::new(x, y);
         let place = directions.vertex_data(vertex);
         path.pending.place = Some(place);
+        if let Some(photons) = context.photons.filter(|_| !vertex.is_delta()) {
+            let most_events = self.max_depth - path.depth;
+            path.light += path.throughput
+                * lit_by(photons, vertex, most_events, |direction, bsdf_pdf| {
+                    directions.pdf(&place, direction, bsdf_pdf)
+                });
+        }
         let from = vertex.light_sample_context(vertex.at.wo);
         let mut light_groups = [0.0; MAX_LIGHT_GROUPS];
         if self.light_sampling && !vertex.is_delta() {
@@ -291,16 +298,19 @@ impl PathTracer {
         }
         path.ray = vertex.at.spawn(scattered.direction);
         path.medium = vertex.at.medium_towards(scattered.direction, path.medium);
+        if let Some(photons) = context.photons {
+            path.photon_odds = photon_odds(photons, vertex, &scattered, path.photon_odds);
+        }
         let from = PreviousVertex { from, pdf: scattered.pdf };
         path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, light_groups });
         true
     }
 
-    /// Light of the infinite lights along `ray`.
-    fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&PathRay>) -> Spectrum {
-        let scene = context.scene;
+    /// Light of the infinite lights along the ray of `path`.
+    fn escaped<P>(&self, context: &Context<'_>, path: &PathState<P>) -> Spectrum {
+        let (scene, ray) = (context.scene, &path.ray);
         let density = |id| move |o: &PreviousVertex| o.compensated_infinite_pdf(context, id, ray.direction);
-        let weight = |id| self.weight(context, id, origin, density(id));
+        let weight = |id| self.weight(context, id, path, None, density(id));
         // Most rays miss the sun, whose probability costs as much as that of any light.
         let weighted = |(id, radiance): (LightId, Spectrum)| radiance * weight(id);
         let lights = scene.infinite_lights().iter().map(|&id| (id, scene.infinite_radiance(id, ray)));
@@ -308,7 +318,7 @@ impl PathTracer {
     }
 
     /// Light emitted by the surface at `hit`.
-    fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&PathRay>) -> Spectrum {
+    fn emitted<P>(&self, context: &Context<'_>, hit: &Interaction, path: &PathState<P>) -> Spectrum {
         match hit.light() {
             None => Spectrum::BLACK,
             Some(id) => {
@@ -316,26 +326,69 @@ impl PathTracer {
                 if emitted.is_black() {
                     return emitted;
                 }
-                emitted * self.weight(context, id, origin, |o| o.area_light_pdf(context, id, hit))
+                let density = |o: &PreviousVertex| o.area_light_pdf(context, id, hit);
+                emitted * self.weight(context, id, path, hit.area_pdf(), density)
             }
         }
     }
 
-    /// Weight of light `id` against light sampling.
-    fn weight(
+    /// Weight of light `id`, which the ray of `path` hits, against light sampling or photons. `area_pdf`: density of the point on the light, if that is a surface.
+    fn weight<P>(
         &self,
         context: &Context<'_>,
         id: LightId,
-        origin: Option<&PathRay>,
+        path: &PathState<P>,
+        area_pdf: Option<AreaPdf>,
         light_pdf: impl FnOnce(&PreviousVertex) -> f64,
     ) -> f32 {
-        match origin {
+        match &path.origin {
             Some(PathRay { origin, light_groups }) if self.light_sampling => {
                 let probability = context.scene.light_probability_by_groups(id, &origin.from, light_groups);
                 mis::power(origin.pdf, light_pdf(origin) * probability) as f32
             }
+            None if path.photon_odds > 0.0 => {
+                PhotonMap::weight_of_hit(context.scene, path.photon_odds, id, &path.ray, area_pdf) as f32
+            }
             _ => 1.0,
         }
+    }
+}
+
+/// Light of `photons` with up to `most_events` scattering events that is scattered at a vertex. `pdf`: density per solid angle with which a path continues in a direction,
+/// by the direction and the density of the BSDF.
+fn lit_by(
+    photons: &PhotonMap,
+    vertex: &Vertex<'_>,
+    most_events: u32,
+    pdf: impl Fn(DVec3, f64) -> f64,
+) -> Spectrum {
+    let (position, normal) = (vertex.at.point.position, vertex.at.point.normal);
+    let mut light = Spectrum::BLACK;
+    photons.visit(position, normal, |photon| {
+        if photon.events() > most_events {
+            return;
+        }
+        let direction = photon.direction();
+        let (value, bsdf_pdf) = vertex.eval(direction);
+        if value.is_black() {
+            return;
+        }
+        // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric cosine
+        // (@veach1997 section 5.3.2).
+        let cosine = normal.dot(direction).abs();
+        let weight = PhotonMap::weight(photons.odds(cosine, pdf(direction, bsdf_pdf)), photon);
+        light += value * photon.flux() * (weight / cosine) as f32;
+    });
+    light * (1.0 / photons.area()) as f32
+}
+
+/// Odds of photons after `scattered`; `before`: those before it.
+fn photon_odds(photons: &PhotonMap, vertex: &Vertex<'_>, scattered: &ScatteredRay, before: f64) -> f64 {
+    match scattered.is_delta {
+        false => photons.odds(vertex.at.point.normal.dot(scattered.direction).abs(), scattered.pdf),
+        true if vertex.is_seen_alike(scattered.direction) => before,
+        // No photon comes this way.
+        true => 0.0,
     }
 }
 

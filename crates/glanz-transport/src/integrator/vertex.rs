@@ -15,7 +15,7 @@ use super::path_tracer::INTERFACE_LIMIT;
 /// Such directions carry no light (@veach1997 section 5.3.2). Where the viewer itself is on the wrong side of the shading
 /// normal, the surface is shaded by its geometric normal, because it would be black otherwise.
 pub(crate) struct Vertex<'a> {
-    pub(super) at: &'a Interaction,
+    pub(crate) at: &'a Interaction,
     pub(super) bsdf: Bsdf,
     frame: Frame,
     wo: DVec3,
@@ -36,7 +36,7 @@ pub(crate) struct ScatteredRay {
     pub(super) bsdf_pdf: f64,
     /// Density per solid angle with which the direction was sampled.
     pub(super) pdf: f64,
-    pub(super) is_delta: bool,
+    pub(crate) is_delta: bool,
     pub(super) eta_scale: f32,
 }
 
@@ -63,7 +63,7 @@ impl<'a> Vertex<'a> {
     }
 
     /// Whether a viewer in the unit direction `viewer` has the same shading normal.
-    pub(super) fn is_seen_alike(&self, viewer: DVec3) -> bool {
+    pub(crate) fn is_seen_alike(&self, viewer: DVec3) -> bool {
         self.at.normal_for(viewer) == self.at.normal_for(self.at.wo)
     }
 
@@ -85,7 +85,7 @@ impl<'a> Vertex<'a> {
     }
 
     /// Whether all lobes are delta lobes.
-    pub(super) fn is_delta(&self) -> bool {
+    pub(crate) fn is_delta(&self) -> bool {
         self.bsdf.is_delta()
     }
 
@@ -226,7 +226,7 @@ impl<'a> Vertex<'a> {
 
 /// The ray that continues through an interface at `at`; `None` after too many of them. `passed`: the number of interfaces since the last
 /// scattering event, counted here.
-pub(super) fn pass_interface(at: &Interaction, direction: DVec3, passed: &mut u32) -> Option<Ray> {
+pub(crate) fn pass_interface(at: &Interaction, direction: DVec3, passed: &mut u32) -> Option<Ray> {
     *passed += 1;
     (*passed <= INTERFACE_LIMIT).then(|| at.spawn(direction))
 }
@@ -265,7 +265,7 @@ impl PreviousVertex {
 /// Random survival of a path whose throughput is small (document 003 section 3.1.4).
 ///
 /// `throughput`: without the scaling by refraction. Returns the factor for survivors.
-pub(super) fn roulette(throughput: Spectrum, xi: f64) -> Option<f32> {
+pub(crate) fn roulette(throughput: Spectrum, xi: f64) -> Option<f32> {
     let survival = throughput.max_component();
     if survival >= 1.0 {
         return Some(1.0);

@@ -83,6 +83,7 @@ pub(crate) struct Run {
     pub(crate) light_sampling: bool,
     pub(crate) branching: Option<u32>,
     pub(crate) guide: GuideSettings,
+    pub(crate) photons: PhotonSettings,
     pub(crate) sampler: SamplerKind,
     pub(crate) samples: Range<u32>,
     pub(crate) seed: u64,
@@ -98,6 +99,7 @@ impl Run {
             light_sampling: true,
             branching: (integrator == "distributed").then_some(4),
             guide: GuideSettings::Tree,
+            photons: PhotonSettings::default(),
             sampler: SamplerKind::Independent,
             samples: 0..samples,
             // Three standard errors leave out one comparison in 370 by chance, and the tests make over a hundred. With
@@ -109,9 +111,9 @@ impl Run {
         }
     }
 
-    /// `path`, `guided` and `distributed`, each with and without light sampling, `path` with branches, and `light`.
+    /// `path`, `guided` and `distributed`, each with and without light sampling, `path` with branches, `light` and `sppm`.
     pub(crate) fn all_random(depth: u32, samples: u32) -> Vec<Self> {
-        let mut runs = vec![Self::new("light", depth, samples)];
+        let mut runs = vec![Self::new("light", depth, samples), Self::new("sppm", depth, samples)];
         for light_sampling in [true, false] {
             // Half as many samples: three branches each make up for the time, and the error stays within the bounds of the tests.
             let branching = Some(3);
@@ -141,6 +143,7 @@ impl Run {
             light_sampling: self.light_sampling,
             branching: self.branching,
             guide: self.guide,
+            photons: self.photons,
             location: None,
         })
         .unwrap()

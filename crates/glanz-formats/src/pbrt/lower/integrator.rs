@@ -1,6 +1,6 @@
 //! `Sampler` and `Integrator`.
 
-use glanz_scene::description::{GuideSettings, IntegratorDescription, SamplerDescription};
+use glanz_scene::description::{GuideSettings, IntegratorDescription, PhotonSettings, SamplerDescription};
 
 use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -71,7 +71,7 @@ impl Lowering {
         let place = list.place;
         let r = &mut self.reporter;
         let name = match kind {
-            "whitted" | "distributed" | "path" | "light" | "guided" | "radiosity" => kind,
+            "whitted" | "distributed" | "path" | "light" | "guided" | "sppm" | "radiosity" => kind,
             "simplepath" | "volpath" | "simplevolpath" => "path",
             "lightpath" => "light",
             // The same picture, with light samples alone.
@@ -93,6 +93,17 @@ impl Lowering {
                 r.error(&parameter.value_place, "parameter-range", format!("\"guide\": {error}"))
             })?,
         };
+        let photons = match name {
+            "sppm" => PhotonSettings {
+                radius: list.float("radius", r)?,
+                // As many as pixels: -1 or 0, as in pbrt.
+                count: list
+                    .integer("photonsperiteration", r)?
+                    .and_then(|n| u32::try_from(n).ok())
+                    .filter(|&n| n > 0),
+            },
+            _ => PhotonSettings::default(),
+        };
         let description = IntegratorDescription {
             name: name.to_owned(),
             max_depth: Some(list.integer_from("maxdepth", 0, r)?.unwrap_or(DEFAULT_DEPTH)),
@@ -103,6 +114,7 @@ impl Lowering {
                 _ => None,
             },
             guide,
+            photons,
             location: Some(place.location),
         };
         // Parameters of other integrators, and those that affect the noise but not the expected picture.

@@ -1,6 +1,6 @@
 //! Film, filter, sampler, integrator.
 
-use glanz_scene::description::{GridSettings, GuideBasis, GuideSettings};
+use glanz_scene::description::{GridSettings, GuideBasis, GuideSettings, PhotonSettings};
 
 use super::*;
 
@@ -108,6 +108,7 @@ fn samplers_and_integrators_have_the_names_of_the_tables() {
         ("Integrator \"distributed\" \"integer branching\" 4", "distributed", 5),
         ("SurfaceIntegrator \"path\" \"integer maxdepth\" 0", "path", 0),
         ("Integrator \"light\"", "light", 5),
+        ("Integrator \"sppm\"", "sppm", 5),
         ("Integrator \"lightpath\" \"integer maxdepth\" 3", "light", 3),
     ] {
         let integrator = read_clean(text).description.integrator;
@@ -123,6 +124,15 @@ fn samplers_and_integrators_have_the_names_of_the_tables() {
         guide("Integrator \"guided\" \"string guide\" \"grid=4,basis=spline1\""),
         GuideSettings::Grid(grid)
     );
+    let photons = |text: &str| read_clean(&format!("Integrator {text}")).description.integrator.photons;
+    let settings = |radius, count| PhotonSettings { radius, count };
+    assert_eq!(photons("\"sppm\""), settings(None, None));
+    assert_eq!(
+        photons("\"sppm\" \"float radius\" 0.5 \"integer photonsperiteration\" 9"),
+        settings(Some(0.5), Some(9))
+    );
+    assert_eq!(photons("\"sppm\" \"integer photonsperiteration\" -1"), settings(None, None));
+    assert_eq!(photons("\"path\" \"float radius\" 0.5"), settings(None, None));
     assert_eq!(read("Integrator \"directlighting\"").description.integrator.name, "whitted");
     assert_eq!(read("Integrator \"bdpt\"").description.integrator.name, "path");
 }
