@@ -61,7 +61,7 @@ fn layered_and_transmitting_surfaces_without_absorption_are_unseen_in_a_closed_r
         )
         .shape(ShapeDescription::sphere(0.4).translated([0.3, 0.7, 0.3]), frosted)
         .shape(sheet, MaterialKind::diffuse_transmission(0.5, 0.5));
-    for integrator in ["path", "light", "guided"] {
+    for integrator in ["path", "light", "sppm", "guided"] {
         let run = Run::new(integrator, 100, 256);
         run.picture(&scene).assert_average([2.0; 3], 0.01, &run.name());
     }

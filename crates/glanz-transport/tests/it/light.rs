@@ -346,17 +346,26 @@ fn glass_throws_the_light_that_path_finds_by_chance() {
 
 /// Means over each pixel of `radiance` on the floor z = 0, 16 x 16 points.
 fn floor_picture(scene: &SceneBuilder, radiance: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let [width, height] = described(scene).film.resolution;
+    plane_picture(scene, 0.0, radiance)
+}
+
+/// Means over each pixel of `radiance` on the plane z = `height`, 16 x 16 points.
+pub(crate) fn plane_picture(
+    scene: &SceneBuilder,
+    height: f64,
+    radiance: impl Fn(f64, f64) -> f64,
+) -> Vec<f64> {
+    let [columns, rows] = described(scene).film.resolution;
     let camera = resolved(scene).camera().clone();
     let mut means = Vec::new();
-    for y in 0..height {
-        for x in 0..width {
+    for y in 0..rows {
+        for x in 0..columns {
             let mut sum = 0.0;
             for i in 0..256 {
                 let inside = (DVec2::new(f64::from(i % 16), f64::from(i / 16)) + 0.5) / 16.0;
                 let ray =
                     camera.ray(DVec2::new(f64::from(x), f64::from(y)) + inside, DVec2::ZERO).unwrap().ray;
-                let p = ray.at(-ray.origin.z / ray.direction.z);
+                let p = ray.at((height - ray.origin.z) / ray.direction.z);
                 sum += radiance(p.x, p.y);
             }
             means.push(sum / 256.0);
@@ -366,7 +375,7 @@ fn floor_picture(scene: &SceneBuilder, radiance: impl Fn(f64, f64) -> f64) -> Ve
 }
 
 /// Fails unless pixels are `expected` within 4.5 standard errors each (7e-6 by chance) and 1 % of the brightest stated.
-fn assert_pixels(picture: &Picture, expected: &[f64], name: &str) {
+pub(crate) fn assert_pixels(picture: &Picture, expected: &[f64], name: &str) {
     let brightest = expected.iter().copied().fold(0.0, f64::max);
     for (i, &expected) in expected.iter().enumerate() {
         let (mean, error) = (picture.mean[0][i], picture.variance[0][i].sqrt());

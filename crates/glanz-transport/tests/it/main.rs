@@ -17,5 +17,6 @@ mod media;
 mod noise;
 mod particles;
 mod same_bits;
+mod sppm;
 mod stored;
 mod watched;

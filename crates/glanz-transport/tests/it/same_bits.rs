@@ -33,6 +33,7 @@ fn runs() -> Vec<Run> {
         ("whitted", SamplerKind::Regular),
         ("path", SamplerKind::Stratified),
         ("light", SamplerKind::Sobol),
+        ("sppm", SamplerKind::Sobol),
     ] {
         runs.push(Run { sampler, aovs: AovSet::ALL, ..Run::new(integrator, 5, 16) });
     }

@@ -70,7 +70,7 @@ fn queries(integrator: &str) -> u64 {
 
 #[test]
 fn an_abandoned_render_takes_no_further_batch() {
-    for integrator in ["path", "guided", "light", "distributed", "whitted"] {
+    for integrator in ["path", "guided", "light", "sppm", "distributed", "whitted"] {
         let first = queries(integrator);
         for (patience, passes) in [(0, 0), (1, 0), (first / 2, 0), (first - 1, 0), (first + 3, 1)] {
             let mut watch = Impatient { patience, ..Impatient::default() };
@@ -86,7 +86,7 @@ fn an_abandoned_render_takes_no_further_batch() {
 
 #[test]
 fn a_render_queries_before_every_batch() {
-    for integrator in ["path", "light", "distributed", "whitted"] {
+    for integrator in ["path", "light", "sppm", "distributed", "whitted"] {
         let mut watch = Impatient { patience: u64::MAX, ..Impatient::default() };
         expose(&Run::new(integrator, 5, 8), &mut watch).unwrap();
         let (asked, samples) = (watch.asked.into_inner(), 8 * u64::from(SIZE[0] * SIZE[1]));
