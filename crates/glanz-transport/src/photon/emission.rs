@@ -33,13 +33,13 @@ pub(super) struct EmissionDensity {
 }
 
 impl EmissionDensity {
-    /// The density in proportion to weights; `None` if all are 0.
+    /// The density in proportion to weights, each spread over the cells around its own, because they may be few; `None` if all are 0.
     pub(super) fn fit(weighted: impl Iterator<Item = (EmissionNumbers, f64)>) -> Option<Self> {
         let [mut direction, mut place] = [const { [0.0; CELLS * CELLS] }; 2];
         let mut selection = [0.0; SELECTION_CELLS];
         for (numbers, weight) in weighted {
-            direction[square(numbers.direction)] += weight;
-            place[square(numbers.place)] += weight;
+            spread(&mut direction, numbers.direction, weight);
+            spread(&mut place, numbers.place, weight);
             selection[cell(numbers.selection, SELECTION_CELLS)] += weight;
         }
         Some(Self {
@@ -72,9 +72,17 @@ fn cell(x: f64, cells: usize) -> usize {
     ((x * cells as f64) as usize).min(cells - 1)
 }
 
-/// The cell of a point of the unit square.
-fn square(point: DVec2) -> usize {
-    cell(point.y, CELLS) * CELLS + cell(point.x, CELLS)
+/// Adds a weight to the cell of a point of the unit square and to those around it.
+fn spread(cells: &mut [f64; CELLS * CELLS], point: DVec2, weight: f64) {
+    let around = |x: f64| {
+        let middle = cell(x, CELLS);
+        middle.saturating_sub(1)..=(middle + 1).min(CELLS - 1)
+    };
+    for row in around(point.y) {
+        for column in around(point.x) {
+            cells[row * CELLS + column] += weight;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -94,7 +102,7 @@ mod tests {
     fn weighted_means_are_those_of_uniform_numbers() {
         // Photons from a corner of the directions by one of the lights alone.
         let seen = |n: &EmissionNumbers| n.direction.x < 0.25 && n.direction.y > 0.5 && n.selection < 0.5;
-        let trained = (0..4000).map(|i| (uniform(i).0, 1.0)).filter(|(n, _)| seen(n));
+        let trained = (0..1 << 14).map(|i| (uniform(i).0, 1.0)).filter(|(n, _)| seen(n));
         let density = EmissionDensity::fit(trained).unwrap();
         let (mut hits, mut sum, mut mean) = (0, 0.0, 0.0);
         for i in 0..1 << 14 {
@@ -108,9 +116,11 @@ mod tests {
             }
         }
         let count = f64::from(1 << 14);
-        // 1/16 of the uniform numbers, with a mean place of 1/2; means of some 16 000 numbers, stratified.
-        assert!((mean / count - 1.0).abs() < 0.02, "{}", mean / count);
-        assert!((sum / count - 0.5 / 16.0).abs() < 0.02 / 32.0, "{}", sum / count);
-        assert!(f64::from(hits) > 0.75 * count, "{hits}");
+        // 1/16 of the uniform numbers, with a mean place of 1/2. Weights are 4 or nearly 0, so that their mean has an error of 1.4 %; three of them.
+        assert!((mean / count - 1.0).abs() < 0.042, "{}", mean / count);
+        // 10 000 hits, the weights of which vary by a third: an error of 0.4 %, without stratification.
+        assert!((sum / count - 0.5 / 16.0).abs() < 0.012 / 32.0, "{}", sum / count);
+        // Three quarters, less what is spread over the borders of the corner.
+        assert!(f64::from(hits) > 0.6 * count, "{hits}");
     }
 }

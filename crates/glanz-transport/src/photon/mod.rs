@@ -52,7 +52,7 @@ const RADIUS_EXPONENT: f64 = -1.0 / 6.0;
 
 /// Rounds in which the density of emission is fitted, and bounds of the number of paths of each.
 const TRAINING_ROUNDS: u32 = 2;
-const TRAINING_PATHS: [u32; 2] = [1 << 12, 1 << 16];
+const TRAINING_PATHS: [u32; 2] = [1 << 13, 1 << 16];
 
 /// Light that arrives after mirrors and glass.
 #[derive(Clone, Copy, Debug)]
