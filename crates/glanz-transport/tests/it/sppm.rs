@@ -10,8 +10,9 @@ use glanz_math::DVec3;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
 
+/// `run` with 8192 photon paths per sample.
 fn with_radius(radius: f64, run: Run) -> Run {
-    Run { photons: PhotonSettings { radius: Some(radius), count: None }, ..run }
+    Run { photons: PhotonSettings { radius: Some(radius), count: Some(8192) }, ..run }
 }
 
 /// Fresnel reflectance of a dielectric of relative index `n` under the angle of incidence `t`, unpolarised.
@@ -31,9 +32,9 @@ fn floor_under_a_glass_pane_is_seen_through_it_by_its_closed_form() {
     let top = below + thickness;
     let pane = ShapeDescription::cuboid(DVec3::new(-30.0, -30.0, below), DVec3::new(30.0, 30.0, top));
     // Vertical rays, which the pane does not shift.
-    let scene = looking(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, [6, 5], 1.0)
+    let scene = looking(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, [3, 2], 1.0)
         .edit(|scene| scene.camera.kind = CameraKind::Orthographic)
-        .shape(ShapeDescription::disk(9.0), diffuse(rho))
+        .shape(ShapeDescription::disk(2.1), diffuse(rho))
         .shape(pane, glass())
         .light(LightDescription::point(DVec3::new(0.2, 0.0, top + above), [intensity; 3]));
     // A ray under the angle t arrives at the distance r(t); the flux 2 pi I sin t dt, less what both sides reflect, falls on the ring 2 pi r dr.
@@ -50,7 +51,7 @@ fn floor_under_a_glass_pane_is_seen_through_it_by_its_closed_form() {
     };
     let seen = f64::from(rho) / PI * (1.0 - fresnel(0.0, n)).powi(2);
     let expected = plane_picture(&scene, 0.0, |x, y| seen * irradiance((x - 0.2).hypot(y)));
-    let run = with_radius(0.03, Run::new("sppm", 5, 300));
+    let run = with_radius(0.1, Run::new("sppm", 5, 400));
     assert_pixels(&run.picture(&scene), &expected, "pane");
     let chance = Run::new("path", 5, 16).picture(&scene);
     assert!(chance.mean[0].iter().all(|&mean| mean == 0.0), "a path from the camera met a point");
@@ -60,7 +61,7 @@ fn floor_under_a_glass_pane_is_seen_through_it_by_its_closed_form() {
 fn floor_lit_by_a_mirror_is_seen_in_it_by_its_closed_form() {
     let (rho, reflectance, intensity, h, ceiling) = (0.5_f32, 0.8_f32, 3.0_f32, 1.0, 1.5);
     let scene = looking(DVec3::new(-2.0, 0.2, 0.6), DVec3::new(0.0, 0.0, 2.0 * ceiling), [6, 5], 0.5)
-        .shape(ShapeDescription::disk(40.0), diffuse(rho))
+        .shape(ShapeDescription::disk(2.0), diffuse(rho))
         .shape(
             ShapeDescription::disk(200.0).translated([0.0, 0.0, ceiling]),
             MaterialKind::mirror(reflectance),
@@ -75,7 +76,7 @@ fn floor_lit_by_a_mirror_is_seen_in_it_by_its_closed_form() {
         let irradiance = lit(h, x, y) + mirrored * lit(2.0 * ceiling - h, x, y);
         mirrored * f64::from(rho) / PI * irradiance
     });
-    let run = with_radius(0.03, Run::new("sppm", 3, 600));
+    let run = with_radius(0.06, Run::new("sppm", 3, 400));
     assert_pixels(&run.picture(&scene), &expected, "mirror");
 }
 
@@ -95,11 +96,11 @@ fn pane(scene: SceneBuilder) -> SceneBuilder {
     scene.shape(pane, glass())
 }
 
-/// Fails unless the averages of two pictures differ by less than 1.5 %, and pixels by their errors.
+/// Fails unless the averages of two pictures differ by less than 3 %, three times the error of either, and pixels by their errors.
 fn assert_alike(a: &Picture, b: &Picture, name: &str) {
     for band in 0..3 {
         let ((a, _), (b, _)) = (a.average(band), b.average(band));
-        assert!((a - b).abs() < 0.015 * a, "{name}: averages {a} and {b}");
+        assert!((a - b).abs() < 0.03 * a, "{name}: averages {a} and {b}");
     }
     let spread = pooled_square(a, b);
     println!("{name}: {spread:.2}, averages {:?} {:?}", a.average(1), b.average(1));
@@ -110,7 +111,7 @@ fn assert_alike(a: &Picture, b: &Picture, name: &str) {
 fn glass_seen_through_glass_throws_the_light_that_path_finds_by_chance() {
     let scene = ball(pane);
     let path = Run { seed: 5, ..Run::new("path", 8, 8000) }.picture(&scene);
-    let sppm = with_radius(0.02, Run { seed: 6, ..Run::new("sppm", 8, 500) }).picture(&scene);
+    let sppm = with_radius(0.05, Run { seed: 6, ..Run::new("sppm", 8, 500) }).picture(&scene);
     assert_alike(&path, &sppm, "glass through glass");
     // With sixteen times the samples `path` would have a sixteenth of the variance if both were as good.
     let sum = |picture: &Picture| picture.variance[1].iter().sum::<f64>();
@@ -125,7 +126,7 @@ fn caustics_and_their_indirect_light_are_those_of_paths_from_lights() {
             .light(LightDescription::point(DVec3::new(0.2, 0.1, 2.0), [2.0; 3]))
     });
     let light = Run { seed: 5, ..Run::new("light", 6, 3000) }.picture(&scene);
-    let sppm = with_radius(0.02, Run { seed: 6, ..Run::new("sppm", 6, 500) }).picture(&scene);
+    let sppm = with_radius(0.03, Run { seed: 6, ..Run::new("sppm", 6, 500) }).picture(&scene);
     assert_alike(&light, &sppm, "caustic");
 }
 
