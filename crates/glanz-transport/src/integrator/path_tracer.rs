@@ -10,6 +10,7 @@ use glanz_scene::{
 };
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
+use super::sppm::{lit_by, photon_odds};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 use crate::photon::PhotonMap;
@@ -351,44 +352,6 @@ impl PathTracer {
             }
             _ => 1.0,
         }
-    }
-}
-
-/// Light of `photons` with up to `most_events` scattering events that is scattered at a vertex. `pdf`: density per solid angle with which a path continues in a direction,
-/// by the direction and the density of the BSDF.
-fn lit_by(
-    photons: &PhotonMap,
-    vertex: &Vertex<'_>,
-    most_events: u32,
-    pdf: impl Fn(DVec3, f64) -> f64,
-) -> Spectrum {
-    let (position, normal) = (vertex.at.point.position, vertex.at.point.normal);
-    let mut light = Spectrum::BLACK;
-    photons.visit(position, normal, |photon| {
-        if photon.events() > most_events {
-            return;
-        }
-        let direction = photon.direction();
-        let (value, bsdf_pdf) = vertex.eval(direction);
-        if value.is_black() {
-            return;
-        }
-        // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric cosine
-        // (@veach1997 section 5.3.2).
-        let cosine = normal.dot(direction).abs();
-        let weight = PhotonMap::weight(photons.odds(cosine, pdf(direction, bsdf_pdf)), photon);
-        light += value * photon.flux() * (weight / cosine) as f32;
-    });
-    light * (1.0 / photons.area()) as f32
-}
-
-/// Odds of photons after `scattered`; `before`: those before it.
-fn photon_odds(photons: &PhotonMap, vertex: &Vertex<'_>, scattered: &ScatteredRay, before: f64) -> f64 {
-    match scattered.is_delta {
-        false => photons.odds(vertex.at.point.normal.dot(scattered.direction).abs(), scattered.pdf),
-        true if vertex.is_seen_alike(scattered.direction) => before,
-        // No photon comes this way.
-        true => 0.0,
     }
 }
 

@@ -1,13 +1,15 @@
 //! Path tracing with photons.
 
 use glanz_light::Spectrum;
+use glanz_math::DVec3;
 use glanz_scene::Scene;
 use glanz_scene::description::PhotonSettings;
 
 use super::path::BsdfDirections;
 use super::path_tracer::PathTracer;
+use super::vertex::{ScatteredRay, Vertex};
 use super::{Context, Integrator, IntegratorSettings, radiance_of_one};
-use crate::photon::PhotonTracer;
+use crate::photon::{PhotonMap, PhotonTracer};
 
 /// As [`Path`](super::Path), and light that mirrors and glass send on arrives as photons.
 ///
@@ -49,5 +51,48 @@ impl Integrator for Sppm {
             return None;
         }
         PhotonTracer::new(scene, &self.photons, self.max_depth, seed, resolution)
+    }
+}
+
+/// Light of `photons` with up to `most_events` scattering events that is scattered at a vertex. `pdf`: density per solid angle with which a path continues in a direction,
+/// by the direction and the density of the BSDF.
+pub(super) fn lit_by(
+    photons: &PhotonMap,
+    vertex: &Vertex<'_>,
+    most_events: u32,
+    pdf: impl Fn(DVec3, f64) -> f64,
+) -> Spectrum {
+    let (position, normal) = (vertex.at.point.position, vertex.at.point.normal);
+    let mut light = Spectrum::BLACK;
+    photons.visit(position, normal, |photon| {
+        if photon.events() > most_events {
+            return;
+        }
+        let direction = photon.direction();
+        let (value, bsdf_pdf) = vertex.eval(direction);
+        if value.is_black() {
+            return;
+        }
+        // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric cosine
+        // (@veach1997 section 5.3.2).
+        let cosine = normal.dot(direction).abs();
+        let weight = PhotonMap::weight(photons.odds(cosine, pdf(direction, bsdf_pdf)), photon);
+        light += value * photon.flux() * (weight / cosine) as f32;
+    });
+    light * (1.0 / photons.area()) as f32
+}
+
+/// Odds of photons after `scattered`; `before`: those before it.
+pub(super) fn photon_odds(
+    photons: &PhotonMap,
+    vertex: &Vertex<'_>,
+    scattered: &ScatteredRay,
+    before: f64,
+) -> f64 {
+    match scattered.is_delta {
+        false => photons.odds(vertex.at.point.normal.dot(scattered.direction).abs(), scattered.pdf),
+        true if vertex.is_seen_alike(scattered.direction) => before,
+        // No photon comes this way.
+        true => 0.0,
     }
 }
