@@ -156,7 +156,7 @@ pub fn d65(nm: f64) -> f64 {
 }
 
 /// The entry before `nm` (never the last) and the fraction of a step beyond it.
-fn locate(nm: f64) -> Option<(usize, f64)> {
+pub(crate) fn locate(nm: f64) -> Option<(usize, f64)> {
     if !(FIRST_NM..=LAST_NM).contains(&nm) {
         return None;
     }

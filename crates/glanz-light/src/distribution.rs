@@ -173,6 +173,7 @@ impl SpectralDistribution {
 
     /// The fraction of light reflected or transmitted, in [0, 1].
     ///
+    /// At sampled wavelengths the values there; a colour becomes a smooth spectrum ([`Spectrum::upsampled`]).
     /// In RGB the response of each band under daylight D65, so that a flat spectrum is grey of its value.
     #[must_use]
     pub fn reflectance(&self, wavelengths: &Wavelengths) -> Spectrum {
@@ -186,6 +187,11 @@ impl SpectralDistribution {
     #[must_use]
     pub fn unbounded(&self, wavelengths: &Wavelengths) -> Spectrum {
         match wavelengths {
+            Wavelengths::Sampled(sampled) => match self {
+                Self::Constant(value) => Spectrum::splat(*value),
+                Self::Rgb(rgb) => sampled.upsampled(Spectrum::from_rgb(*rgb)),
+                Self::Blackbody { .. } | Self::Sampled(_) => sampled.evaluate(|nm| self.at(nm)),
+            },
             Wavelengths::Rgb => Spectrum::from_rgb(match self {
                 Self::Constant(value) => [*value; 3],
                 Self::Rgb(rgb) => *rgb,
@@ -203,6 +209,7 @@ impl SpectralDistribution {
 
     /// Emitted light, in the unit of the values.
     ///
+    /// At sampled wavelengths the values there; a colour becomes a smooth spectrum ([`Spectrum::upsampled_light`]).
     /// In RGB the colour that the CIE 1931 observer sees, as linear Rec. 709, divided by the integral of the
     /// luminosity function: light of the value 1 at every wavelength has the luminance 1. Components may be negative
     /// where a pure colour lies outside Rec. 709.
@@ -213,11 +220,33 @@ impl SpectralDistribution {
     #[must_use]
     pub fn radiance(&self, wavelengths: &Wavelengths) -> Spectrum {
         match wavelengths {
+            Wavelengths::Sampled(sampled) => match self {
+                Self::Constant(_) | Self::Rgb(_) => self.unbounded(wavelengths) * sampled.daylight(),
+                Self::Blackbody { .. } | Self::Sampled(_) => sampled.evaluate(|nm| self.at(nm)),
+            },
             Wavelengths::Rgb => Spectrum::from_rgb(match self {
                 Self::Constant(value) => [*value; 3],
                 Self::Rgb(rgb) => *rgb,
                 Self::Blackbody { .. } | Self::Sampled(_) => to_f32(xyz_to_rgb(self.xyz())),
             }),
+        }
+    }
+
+    /// Whether its values are given by wavelength, not only by colour.
+    #[must_use]
+    pub fn is_spectral(&self) -> bool {
+        matches!(self, Self::Blackbody { .. } | Self::Sampled(_))
+    }
+
+    /// The value at `nm` of a spectrum that is given by wavelength; of others the mean of their bands.
+    fn at(&self, nm: f64) -> f64 {
+        match self {
+            Self::Constant(value) => f64::from(*value),
+            Self::Rgb([r, g, b]) => f64::from(r + g + b) / 3.0,
+            Self::Blackbody { kelvin, scale } => {
+                f64::from(*scale) * blackbody(nm, *kelvin, blackbody_peak_nm(*kelvin))
+            }
+            Self::Sampled(samples) => samples.at(nm),
         }
     }
 
@@ -283,7 +312,7 @@ fn under_daylight(f: impl Fn(f64) -> f64, knots: &[(f32, f32)]) -> [f64; 3] {
 /// Integral over the CIE range of a function that is a polynomial of degree 3 or less between the entries of the
 /// tables and `knots` (a product of up to three piecewise linear functions is); exact for those by Simpson's rule, for
 /// smooth functions accurate to the fourth power of 5 nm over their scale.
-fn integrate(f: impl Fn(f64) -> [f64; 3], knots: &[(f32, f32)]) -> [f64; 3] {
+pub(crate) fn integrate(f: impl Fn(f64) -> [f64; 3], knots: &[(f32, f32)]) -> [f64; 3] {
     let mut sum = [0.0; 3];
     let mut add = |a: f64, b: f64| {
         let (fa, fm, fb) = (f(a), f(0.5 * (a + b)), f(b));

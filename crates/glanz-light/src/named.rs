@@ -50,7 +50,7 @@ enum Illuminant {
 struct DispersionFormula {
     a: f64,
     /// Pairs b, c.
-    terms: [(f64, f64); 3],
+    terms: [(f64, f64); 4],
     /// Validity range of the source, nm; beyond it the index is constant.
     range: (f64, f64),
 }
@@ -58,7 +58,11 @@ struct DispersionFormula {
 impl DispersionFormula {
     /// Schott's form, a = 1 (@schott2017).
     const fn sellmeier(b: [f64; 3], c: [f64; 3], first_nm: f64) -> Self {
-        Self { a: 1.0, terms: [(b[0], c[0]), (b[1], c[1]), (b[2], c[2])], range: (first_nm, 2500.0) }
+        Self {
+            a: 1.0,
+            terms: [(b[0], c[0]), (b[1], c[1]), (b[2], c[2]), (0.0, 1.0)],
+            range: (first_nm, 2500.0),
+        }
     }
 
     fn index(&self, nm: f64) -> f64 {
@@ -102,33 +106,79 @@ static N_SF11: DispersionFormula = DispersionFormula::sellmeier(
     [0.013_188_707, 0.062_306_814_2, 155.236_29],
     370.0,
 );
+static N_BAK1: DispersionFormula = DispersionFormula::sellmeier(
+    [1.123_656_62, 0.309_276_848, 0.881_511_957],
+    [0.006_447_427_52, 0.022_228_440_2, 107.297_751],
+    310.0,
+);
+static F2: DispersionFormula = DispersionFormula::sellmeier(
+    [1.345_333_59, 0.209_073_176, 0.937_357_162],
+    [0.009_977_438_71, 0.047_045_076_7, 111.886_764],
+    320.0,
+);
+
+/// Fused silica, @malitson1965.
+static FUSED_SILICA: DispersionFormula = DispersionFormula::sellmeier(
+    [0.696_166_3, 0.407_942_6, 0.897_479_4],
+    [0.068_404_3 * 0.068_404_3, 0.116_241_4 * 0.116_241_4, 9.896_161 * 9.896_161],
+    210.0,
+);
+
+/// Sapphire, ordinary ray, @malitson1972.
+static SAPPHIRE: DispersionFormula = DispersionFormula::sellmeier(
+    [1.431_349_3, 0.650_547_13, 5.341_402_1],
+    [0.072_663_1 * 0.072_663_1, 0.119_324_2 * 0.119_324_2, 18.028_251 * 18.028_251],
+    200.0,
+);
+
+/// Diamond, @peter1923.
+static DIAMOND: DispersionFormula =
+    DispersionFormula::sellmeier([0.3306, 4.3356, 0.0], [0.175 * 0.175, 0.106 * 0.106, 1.0], 226.0);
+
+/// Water of 20 degrees Celsius, @daimon2007.
+static WATER: DispersionFormula = DispersionFormula {
+    a: 1.0,
+    terms: [
+        (0.568_402_756_5, 0.005_101_829_712),
+        (0.172_617_739_1, 0.018_211_539_36),
+        (0.020_861_895_78, 0.026_207_222_93),
+        (0.113_074_868_8, 10.697_927_21),
+    ],
+    range: (200.0, 1100.0),
+};
 
 /// Magnesium oxide, @stephens1952: n^2 = 2.957019 + 0.0216485 / (w^2 - 0.015865) - 0.0101373 w^2. Written with
 /// b / (w^2 - c) = (b / c) (w^2 / (w^2 - c) - 1), and the last term as one that is linear in w^2 over the range.
 static MGO: DispersionFormula = DispersionFormula {
     a: 2.957_019 - 0.021_648_5 / 0.015_865,
-    terms: [(0.021_648_5 / 0.015_865, 0.015_865), (0.010_137_3e6, 1e6), (0.0, 1.0)],
+    terms: [(0.021_648_5 / 0.015_865, 0.015_865), (0.010_137_3e6, 1e6), (0.0, 1.0), (0.0, 1.0)],
     range: (404.7, 767.9),
 };
 
 /// Rutile, extraordinary ray, @devore1951: n^2 = 7.197 + 0.3322 / (w^2 - 0.0843), written as for [`MGO`].
 static TIO2: DispersionFormula = DispersionFormula {
     a: 7.197 - 0.3322 / 0.0843,
-    terms: [(0.3322 / 0.0843, 0.0843), (0.0, 1.0), (0.0, 1.0)],
+    terms: [(0.3322 / 0.0843, 0.0843), (0.0, 1.0), (0.0, 1.0), (0.0, 1.0)],
     range: (430.0, 1530.0),
 };
 
 static NAMED_SPECTRA: &[(&str, SpectrumSource)] = &[
     ("glass-BAF10", SpectrumSource::Formula(&N_BAF10)),
+    ("glass-BAK1", SpectrumSource::Formula(&N_BAK1)),
     ("glass-BK7", SpectrumSource::Formula(&N_BK7)),
     ("glass-F10", SpectrumSource::Formula(&N_SF10)),
     ("glass-F11", SpectrumSource::Formula(&N_SF11)),
+    ("glass-F2", SpectrumSource::Formula(&F2)),
     ("glass-F5", SpectrumSource::Formula(&N_SF5)),
     ("glass-FK51A", SpectrumSource::Formula(&N_FK51A)),
     ("glass-LASF9", SpectrumSource::Formula(&N_LASF9)),
     ("glass-SF10", SpectrumSource::Formula(&N_SF10)),
     ("glass-SF11", SpectrumSource::Formula(&N_SF11)),
     ("glass-SF5", SpectrumSource::Formula(&N_SF5)),
+    ("glass-diamond", SpectrumSource::Formula(&DIAMOND)),
+    ("glass-fused-silica", SpectrumSource::Formula(&FUSED_SILICA)),
+    ("glass-sapphire", SpectrumSource::Formula(&SAPPHIRE)),
+    ("glass-water", SpectrumSource::Formula(&WATER)),
     ("illum-acesD60", SpectrumSource::Illuminant(Illuminant::D60)),
     ("metal-Ag-eta", SpectrumSource::Eta(metals::SILVER)),
     ("metal-Ag-k", SpectrumSource::K(metals::SILVER)),
@@ -167,7 +217,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// The spectrum with the name `name`, case-sensitive. Illuminants have luminance 1. pbrt's `glass-F5`, `glass-F10` and
-/// `glass-F11` are Schott's SF5, SF10 and SF11, which have their own names, too.
+/// `glass-F11` are Schott's SF5, SF10 and SF11, which have their own names, too; `glass-` is also the prefix of other clear media.
 #[must_use]
 pub fn spectrum(name: &str) -> Option<SpectralDistribution> {
     let (_, source) = NAMED_SPECTRA.iter().find(|(known, _)| *known == name)?;
@@ -235,7 +285,7 @@ mod tests {
 
     #[test]
     fn only_listed_names_are_spectra() {
-        assert_eq!(names().count(), 40);
+        assert_eq!(names().count(), 46);
         for name in names() {
             assert!(spectrum(name).is_some(), "{name}");
         }
@@ -246,20 +296,41 @@ mod tests {
 
     #[test]
     fn glasses_have_the_catalogue_index_at_the_yellow_helium_line() {
-        // n_d of the Schott catalogue, at 587.5618 nm.
-        for (name, formula, expected) in [
-            ("glass-BK7", &N_BK7, 1.51680),
-            ("glass-BAF10", &N_BAF10, 1.67003),
-            ("glass-FK51A", &N_FK51A, 1.48656),
-            ("glass-LASF9", &N_LASF9, 1.85025),
-            ("glass-SF5", &N_SF5, 1.67271),
-            ("glass-SF10", &N_SF10, 1.72828),
-            ("glass-SF11", &N_SF11, 1.78472),
+        // n_d and the Abbe number (n_d - 1) / (n_F - n_C) of the catalogues.
+        for (name, formula, expected, abbe) in [
+            ("glass-BK7", &N_BK7, 1.51680, 64.17),
+            ("glass-BAF10", &N_BAF10, 1.67003, 47.11),
+            ("glass-BAK1", &N_BAK1, 1.57250, 57.55),
+            ("glass-F2", &F2, 1.62004, 36.37),
+            ("glass-FK51A", &N_FK51A, 1.48656, 84.47),
+            ("glass-LASF9", &N_LASF9, 1.85025, 32.17),
+            ("glass-SF5", &N_SF5, 1.67271, 32.25),
+            ("glass-SF10", &N_SF10, 1.72828, 28.53),
+            ("glass-SF11", &N_SF11, 1.78472, 25.68),
+            ("glass-fused-silica", &FUSED_SILICA, 1.45846, 67.82),
         ] {
-            assert!((formula.index(587.5618) - expected).abs() < 1e-5, "{name}");
+            let [d, f, c] = [587.5618, 486.1327, 656.2725].map(|nm| formula.index(nm));
+            assert!((d - expected).abs() < 1e-5, "{name} {d}");
+            assert!(((d - 1.0) / (f - c) - abbe).abs() < 0.01, "{name} {}", (d - 1.0) / (f - c));
             assert!((at(name, 587.5618) - expected).abs() < 5e-5, "{name}");
         }
         assert_eq!(spectrum("glass-F11"), spectrum("glass-SF11"));
+    }
+
+    #[test]
+    fn crystals_and_water_have_their_tabulated_indices() {
+        // Handbook of Optical Materials (sapphire), and the tables of the sources.
+        for (name, nm, expected) in [
+            ("glass-sapphire", 488.0, 1.77530),
+            ("glass-sapphire", 590.0, 1.76804),
+            ("glass-sapphire", 694.0, 1.76341),
+            ("glass-diamond", 589.3, 2.4173),
+            ("glass-diamond", 486.1, 2.4354),
+            ("glass-water", 589.3, 1.33335),
+            ("glass-water", 404.7, 1.3431),
+        ] {
+            assert!((at(name, nm) - expected).abs() < 2e-4, "{name} {nm} {}", at(name, nm));
+        }
     }
 
     #[test]

@@ -3,6 +3,8 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 
+use crate::sampled_wavelengths::SampledWavelengths;
+
 /// Number of lanes of a [`Spectrum`].
 pub const LANES: usize = 4;
 
@@ -13,13 +15,15 @@ pub enum Wavelengths {
     /// Three lanes hold linear Rec. 709 red, green and blue, the fourth is unused and zero.
     #[default]
     Rgb,
+    /// Every lane holds the value at one wavelength.
+    Sampled(SampledWavelengths),
 }
 
 /// Radiance, throughput or reflectance in [`LANES`] lanes; [`Wavelengths`] gives their meaning.
 ///
 /// Arithmetic is lane by lane. Only this crate reads single lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Spectrum([f32; LANES]);
+pub struct Spectrum(pub(crate) [f32; LANES]);
 
 impl Spectrum {
     /// No light.
@@ -39,12 +43,55 @@ impl Spectrum {
         Self([rgb[0], rgb[1], rgb[2], 0.0])
     }
 
-    /// Linear Rec. 709 values of this spectrum.
+    /// Linear Rec. 709 values of this spectrum; of sampled wavelengths an estimate, whose components may be negative.
     #[must_use]
     pub fn to_rgb(self, wavelengths: &Wavelengths) -> [f32; 3] {
         match wavelengths {
             Wavelengths::Rgb => [self.0[0], self.0[1], self.0[2]],
+            Wavelengths::Sampled(sampled) => sampled.rgb(self),
         }
+    }
+
+    /// A reflectance or another quantity in linear Rec. 709, as a smooth spectrum at `wavelengths`.
+    ///
+    /// Linear, so that it commutes with interpolation; the same grey for grey.
+    #[inline]
+    #[must_use]
+    pub fn upsampled(self, wavelengths: &Wavelengths) -> Self {
+        match wavelengths {
+            Wavelengths::Rgb => self,
+            Wavelengths::Sampled(sampled) => sampled.upsampled(self),
+        }
+    }
+
+    /// Light in linear Rec. 709, as a smooth spectrum at `wavelengths`: white is daylight D65.
+    #[inline]
+    #[must_use]
+    pub fn upsampled_light(self, wavelengths: &Wavelengths) -> Self {
+        match wavelengths {
+            Wavelengths::Rgb => self,
+            Wavelengths::Sampled(sampled) => sampled.upsampled(self) * sampled.daylight(),
+        }
+    }
+
+    /// The value at the first of the sampled wavelengths, the hero.
+    #[must_use]
+    pub fn hero(self) -> f32 {
+        self.0[0]
+    }
+
+    /// The hero alone, which represents all wavelengths from now on: it counts for all lanes, and the others are zero.
+    ///
+    /// Its own density is that of each lane, so that the mean over random wavelengths stays the same.
+    ///
+    /// # Source
+    /// `SampledWavelengths::TerminateSecondary` of @pharr2023 section 4.5.4; departure: the values change instead of the densities, so
+    /// that light which a path has gathered before keeps all lanes.
+    #[must_use]
+    pub fn hero_alone(self) -> Self {
+        let mut alone = [0.0; LANES];
+        alone[0] = LANES as f32 * self.0[0];
+        Self(alone)
     }
 
     /// Luminance (CIE Y, Rec. 709 primaries); 1 for red, green and blue of 1.
@@ -77,6 +124,7 @@ impl Spectrum {
     pub fn mean(self, wavelengths: &Wavelengths) -> f32 {
         match wavelengths {
             Wavelengths::Rgb => (self.0[0] + self.0[1] + self.0[2]) / 3.0,
+            Wavelengths::Sampled(_) => self.0.iter().sum::<f32>() / LANES as f32,
         }
     }
 
