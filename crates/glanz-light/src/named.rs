@@ -236,10 +236,22 @@ fn column(table: &[[f32; 3]], index: usize) -> Result<SpectralDistribution, Spec
 }
 
 fn from_formula(formula: &DispersionFormula) -> Result<SpectralDistribution, SpectrumError> {
+    tabulated(|nm| formula.index(nm))
+}
+
+/// The refractive index `a + b / w^2`, w the wavelength in micrometres (Cauchy's formula).
+///
+/// # Errors
+/// [`SpectrumError::NotFinite`] if a number is not finite.
+pub fn cauchy([a, b]: [f64; 2]) -> Result<SpectralDistribution, SpectrumError> {
+    tabulated(|nm| a + b / (nm * 1e-3).powi(2))
+}
+
+fn tabulated(index: impl Fn(f64) -> f64) -> Result<SpectralDistribution, SpectrumError> {
     // Linear interpolation between samples 5 nm apart is off by less than 2e-4.
     let points: Vec<(f32, f32)> = (0..cie::COUNT)
         .map(|i| cie::FIRST_NM + cie::STEP_NM * i as f64)
-        .map(|nm| (nm as f32, formula.index(nm) as f32))
+        .map(|nm| (nm as f32, index(nm) as f32))
         .collect();
     SpectralDistribution::try_sampled(points)
 }
@@ -331,6 +343,15 @@ mod tests {
         ] {
             assert!((at(name, nm) - expected).abs() < 2e-4, "{name} {nm} {}", at(name, nm));
         }
+    }
+
+    #[test]
+    fn cauchy_index_is_its_formula_in_micrometres() {
+        // Borosilicate crown by its textbook coefficients, and at the d line its n_d of 1.5168.
+        let Ok(SpectralDistribution::Sampled(crown)) = cauchy([1.5046, 0.0042]) else { panic!() };
+        assert!((crown.at(500.0) - (1.5046 + 0.0042 / 0.25)).abs() < 1e-6);
+        assert!((crown.at(587.5618) - 1.5168).abs() < 1e-4);
+        assert!(cauchy([f64::NAN, 0.0]).is_err());
     }
 
     #[test]

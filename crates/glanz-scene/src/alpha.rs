@@ -7,7 +7,6 @@
 use std::sync::Arc;
 
 use glanz_geometry::{Hit, RaySurface, SurfaceLocation};
-use glanz_light::Wavelengths;
 use glanz_math::Ray;
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_shading::Textures;
@@ -49,7 +48,7 @@ impl AlphaTest {
     /// The opacity at a point, in [0, 1].
     pub(crate) fn opacity(&self, at: &TexturePoint, kind: RayKind) -> f64 {
         let value = |input| {
-            let value = self.textures.float(input, at, &Wavelengths::default());
+            let value = self.textures.float(input, at);
             // Not `clamp`, which keeps NaN.
             if value > 0.0 { f64::from(value.min(1.0)) } else { 0.0 }
         };

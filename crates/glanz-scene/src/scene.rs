@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glanz_geometry::Hit;
 use glanz_geometry::bvh::Bvh;
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::{EmissionSpectrum, Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, Ray, Transform};
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_shading::parameter::TextureEvaluator;
@@ -101,8 +101,10 @@ pub struct Scene {
     pub(crate) emitters: Arc<LightSelector>,
     pub(crate) bounds: Bounds3,
     pub(crate) receivers: Arc<[NamedReceiver]>,
+    /// One per light.
+    pub(crate) light_spectra: Arc<[EmissionSpectrum]>,
     /// See [`Scene::backdrop_radiance`].
-    pub(crate) backdrop: Option<Spectrum>,
+    pub(crate) backdrop: Option<(Spectrum, EmissionSpectrum)>,
 }
 
 impl Scene {

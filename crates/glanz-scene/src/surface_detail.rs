@@ -1,7 +1,6 @@
 //! Bumps and maps of normals: detail that changes the shading normal.
 
 use glanz_geometry::{Hit, RaySurface, SurfacePoint};
-use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3, Ray, Transform};
 use glanz_shading::Textures;
 use glanz_shading::texture::{FloatInput, ImageFilter, ImageWrap, MipMap, TexturePoint};
@@ -56,7 +55,7 @@ fn bumped_normal(
     let &SurfacePoint { position, normal, shading_normal: n, uv, dpdu, dpdv, .. } = point;
     let height = |du: f64, dv: f64| {
         let moved = TexturePoint::new(uv + DVec2::new(du, dv), position + du * dpdu + dv * dpdv);
-        f64::from(textures.float(height, &moved.with_normal(normal), &Wavelengths::default()))
+        f64::from(textures.float(height, &moved.with_normal(normal)))
     };
     let here = height(0.0, 0.0);
     let slopes = [height(STEP, 0.0) - here, height(0.0, STEP) - here].map(|difference| difference / STEP);

@@ -150,6 +150,11 @@ pub trait BsdfModel {
         !Self::LOBES.is_empty() && Self::LOBES.iter().all(|lobe| lobe.is_delta())
     }
 
+    /// Whether it is that of the hero of sampled wavelengths alone, so that light of the others ends here.
+    fn is_dispersive(&self) -> bool {
+        false
+    }
+
     /// Whether scattering depends on the tangents.
     fn is_anisotropic(&self) -> bool {
         false
@@ -226,6 +231,10 @@ impl<M: BsdfModel> BsdfModel for Box<M> {
 
     fn is_delta(&self) -> bool {
         (**self).is_delta()
+    }
+
+    fn is_dispersive(&self) -> bool {
+        (**self).is_dispersive()
     }
 
     fn is_anisotropic(&self) -> bool {

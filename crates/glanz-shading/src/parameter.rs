@@ -15,7 +15,7 @@ pub trait ParameterForm {
     type Float: Clone + Debug + PartialEq;
 }
 
-/// The form for shading: constants at the wavelengths of the render, and textures of [`Textures`].
+/// The form for shading: constants, and textures of [`Textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShadingForm {}
 
@@ -101,8 +101,8 @@ impl ParameterResolver<ShadingForm> for Textures {
 
     fn spectrum_input(&self, input: &SpectrumInput) -> Option<SpectrumInput> {
         match input {
-            SpectrumInput::Texture(id) => self.get(*id).map(|_| *input),
-            SpectrumInput::Constant(_) => Some(*input),
+            SpectrumInput::Texture(id) => self.get(*id).map(|_| input.clone()),
+            SpectrumInput::Constant(_) | SpectrumInput::Spectral(_) => Some(input.clone()),
         }
     }
 
@@ -119,8 +119,9 @@ fn checked_spectrum(
     input: Option<SpectrumInput>,
 ) -> Result<SpectrumInput, MaterialError> {
     let input = input.ok_or(MaterialError::Texture { parameter })?;
-    let outside = match input {
-        SpectrumInput::Constant(value) => first_outside(value),
+    let outside = match &input {
+        SpectrumInput::Constant(value) => first_outside(*value),
+        SpectrumInput::Spectral(constant) => first_outside(constant.rgb),
         SpectrumInput::Texture(_) => None,
     };
     match outside {
@@ -173,7 +174,14 @@ impl<'a> TextureEvaluator<'a> {
     /// A number, not clamped.
     #[must_use]
     pub fn float(&self, input: &FloatInput) -> f32 {
-        self.textures.float(input, self.at, self.wavelengths)
+        self.textures.float(input, self.at)
+    }
+
+    /// The refractive index at the hero of sampled wavelengths, at which alone light can continue; `None` for RGB.
+    #[must_use]
+    pub fn hero_index(&self, dispersion: &SpectralDistribution) -> Option<f32> {
+        let is_sampled = matches!(self.wavelengths, Wavelengths::Sampled(_));
+        is_sampled.then(|| dispersion.unbounded(self.wavelengths).hero())
     }
 
     /// 1 in the lanes in use, 0 in others.

@@ -194,7 +194,7 @@ fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
     encode_filter(e, &identity.filter);
     e.text(&identity.integrator.full_name());
     e.u32(identity.integrator.max_depth);
-    e.u8(u8::from(identity.integrator.light_sampling));
+    e.u8(u8::from(identity.integrator.light_sampling) | u8::from(identity.integrator.spectral) << 1);
     e.u32(identity.integrator.branching);
     e.text(identity.sampler.name());
     e.u64(identity.seed);
@@ -211,10 +211,11 @@ fn decode_identity(d: &mut Decoder<'_>) -> Result<PictureIdentity, CheckpointErr
     let filter = decode_filter(d).ok_or(CheckpointError::Content("its filter"))?;
     let name = d.text().ok_or_else(cut)?;
     let max_depth = d.u32().ok_or_else(cut)?;
-    let light_sampling = d.u8().ok_or_else(cut)? != 0;
+    let flags = d.u8().ok_or_else(cut)?;
     let branching = d.u32().ok_or_else(cut)?;
-    let integrator = IntegratorSettings::by_name(name, max_depth, light_sampling, branching)
-        .ok_or(CheckpointError::Content("an integrator this program does not have"))?;
+    let integrator =
+        IntegratorSettings::by_name(name, max_depth, [1, 2].map(|bit| flags & bit != 0), branching)
+            .ok_or(CheckpointError::Content("an integrator this program does not have"))?;
     let sampler = d.text().and_then(SamplerKind::from_name);
     let sampler = sampler.ok_or(CheckpointError::Content("a sampler this program does not have"))?;
     let seed = d.u64().ok_or_else(cut)?;
@@ -319,7 +320,7 @@ mod tests {
             scene: 0x0123_4567_89ab_cdef_0011_2233_4455_6677,
             film: format,
             filter: FilterDescription { kind: FilterKind::Mitchell { b: 0.1, c: 0.4 }, radius: [2.0, 1.5] },
-            integrator: IntegratorSettings::by_name("path", 7, true, 1).unwrap(),
+            integrator: IntegratorSettings::by_name("path", 7, [true, true], 1).unwrap(),
             sampler: SamplerKind::Stratified,
             seed: 5,
             samples_per_pixel: 64,

@@ -43,6 +43,8 @@ pub struct RenderSettings {
     pub samples: Range<u32>,
     /// Number of threads; 0 for all processors of the machine. Does not affect the picture.
     pub threads: usize,
+    /// Whether each sample carries light at wavelengths of its own instead of red, green and blue.
+    pub spectral: bool,
     /// Time limit: no pass starts that would end later, except the first.
     pub time_limit: Option<Duration>,
 }
@@ -137,7 +139,7 @@ pub fn render(
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
     let options = ContextOptions::new(film.format().aovs.needs_first_hit());
-    let mut options = options.with_sensor(settings.sensor);
+    let mut options = options.with_sensor(settings.sensor).with_spectral(settings.spectral);
     if film.format().splats {
         options = options.with_splats(&film.format().crop, &settings.filter);
     }

@@ -142,6 +142,9 @@ pub(crate) struct RenderArguments {
     /// Whether lights are sampled at every hit; otherwise paths find them by chance
     #[arg(long, value_name = "on|off", value_parser = switch)]
     samplelights: Option<bool>,
+    /// Carry light at four random wavelengths per path instead of red, green and blue: glass disperses it, spectra keep their shape
+    #[arg(long)]
+    spectral: bool,
     /// Number of paths into which a camera ray divides at its first rough surface (integrators path, default 1, and distributed, default 8)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(BRANCHING_LIMIT)))]
     pub(crate) branching: Option<u32>,
@@ -174,6 +177,7 @@ impl RenderArguments {
             sample_range: self.samples.clone(),
             time_limit: self.time,
             light_sampling: self.samplelights,
+            spectral: self.spectral,
             branching: self.branching,
             guide: self.guide,
             guide_input: self.guide_in.clone(),

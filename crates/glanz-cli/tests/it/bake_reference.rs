@@ -57,7 +57,10 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
         }
         // Direct light has been counted already.
         let seen = scene.intersect(&ray, f64::INFINITY);
-        let own = seen.map_or_else(|| scene.environment_radiance(&ray), |hit| scene.emitted(&hit, hit.wo));
+        let own = seen.map_or_else(
+            || scene.environment_radiance(&ray, &Wavelengths::Rgb),
+            |hit| scene.emitted(&hit, hit.wo),
+        );
         let mut context =
             Context::new(scene, Some(CameraRay { ray, weight: 1.0 }), sampler, ContextOptions::new(false));
         light += PI * (luminance(path.radiance(&mut context)) - luminance(own));

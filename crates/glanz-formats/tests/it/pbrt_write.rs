@@ -3,6 +3,7 @@
 use glanz_formats::pbrt::write;
 use glanz_formats::{Loaded, Options, load_str};
 use glanz_geometry::curve::CurveShading;
+use glanz_light::SpectralDistribution;
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::Description;
 use glanz_scene::description::*;
@@ -183,6 +184,7 @@ proptest! {
             }),
             MaterialKind::Dielectric(DielectricMaterial {
                 eta: (1.0 + a).into(),
+                dispersion: SpectralDistribution::try_sampled(vec![(400.0, 1.0 + a), (700.0, 1.0 + a)]).ok(),
                 reflectance: [a, b, c].into(),
                 transmittance: [d, e, f].into(),
                 thin: false,

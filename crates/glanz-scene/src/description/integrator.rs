@@ -34,6 +34,8 @@ pub struct IntegratorDescription {
     pub guide: GuideSettings,
     /// Photons of `sppm`.
     pub photons: PhotonSettings,
+    /// Whether each sample carries light at four wavelengths of its own instead of red, green and blue.
+    pub spectral: bool,
     /// Its place in the input.
     pub location: Option<Location>,
 }
@@ -57,6 +59,7 @@ impl Default for IntegratorDescription {
             branching: None,
             guide: GuideSettings::Tree,
             photons: PhotonSettings::default(),
+            spectral: false,
             location: None,
         }
     }

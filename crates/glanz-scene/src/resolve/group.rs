@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glanz_geometry::bvh::{BuildOptions, Bvh};
-use glanz_light::Wavelengths;
+use glanz_light::{EmissionSpectrum, Wavelengths};
 use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
 use rayon::prelude::*;
@@ -115,6 +115,8 @@ pub(super) struct ResolvedGroups {
     pub(super) groups: Vec<SceneGroup>,
     /// One for each copy of a shape that emits light.
     pub(super) lights: Vec<Light>,
+    /// One per light.
+    pub(super) light_spectra: Vec<EmissionSpectrum>,
     pub(super) receivers: Vec<NamedReceiver>,
     /// Whether media end at surfaces that light passes.
     pub(super) open_media: bool,
@@ -203,6 +205,7 @@ impl<'a> GroupResolver<'a> {
         let edges = std::mem::take(&mut world.edges);
         let (mut objects, emitters, instances, _) = self.parts(world, index, warnings)?;
         let mut lights = Vec::with_capacity(emitters.len());
+        let mut light_spectra = Vec::with_capacity(emitters.len());
         let mut pictures = EmissionPictures::new(images);
         for emitter in emitters {
             let mut object = emitter.object;
@@ -218,13 +221,14 @@ impl<'a> GroupResolver<'a> {
             }
             object.light = Some(LightId(lights.len() as u32));
             lights.push(Light::Area(light));
+            light_spectra.push(EmissionSpectrum::new(&emission.radiance));
             objects.push(object);
         }
         let world = self.build(objects, instances, edges);
         self.groups.push(world);
         measure_placements(&mut self.groups);
         let Self { groups, receivers, open_media, .. } = self;
-        Ok(ResolvedGroups { groups, lights, receivers, open_media })
+        Ok(ResolvedGroups { groups, lights, light_spectra, receivers, open_media })
     }
 
     fn attributes(&self, shape: &ShapeDescription) -> Result<BuiltAttributes, SceneError> {

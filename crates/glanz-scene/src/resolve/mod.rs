@@ -11,7 +11,7 @@ mod shape;
 mod texture;
 
 use glanz_geometry::RaySurface;
-use glanz_light::Wavelengths;
+use glanz_light::{EmissionSpectrum, Wavelengths};
 use glanz_math::{Bounds3, DMat4, Transform};
 
 use crate::camera::Camera;
@@ -69,15 +69,16 @@ impl Scene {
                 groups.cut(section, &mut warnings)?;
             }
         }
-        let ResolvedGroups { groups, mut lights, receivers, open_media } =
+        let ResolvedGroups { groups, mut lights, mut light_spectra, receivers, open_media } =
             groups.finish(description.world, &description.images, &mut warnings)?;
         for light in &description.lights {
             lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
+            light_spectra.push(EmissionSpectrum::new(&light.emission));
         }
-        let backdrop = description
-            .backdrop
-            .as_ref()
-            .map(|backdrop| light::emitted_spectrum(backdrop, 1.0, &wavelengths, "backdrop: radiance", None));
+        let backdrop = description.backdrop.as_ref().map(|backdrop| {
+            let rgb = light::emitted_spectrum(backdrop, 1.0, &wavelengths, "backdrop: radiance", None)?;
+            Ok::<_, SceneError>((rgb, EmissionSpectrum::new(backdrop)))
+        });
         let bounds = groups.last().map(group::finite_bounds).unwrap_or(Bounds3::EMPTY);
         let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
         let importance: Vec<f64> = lights.iter().map(|l| l.importance(radius)).collect();
@@ -101,6 +102,7 @@ impl Scene {
             textures: textures.textures,
             media: media.finish(description.camera_medium, open_media)?.into(),
             lights: lights.into(),
+            light_spectra: light_spectra.into(),
             infinite_lights,
             light_tree: light_tree.into(),
             emitters: emitters.into(),

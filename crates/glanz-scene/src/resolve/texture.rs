@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use glanz_light::Wavelengths;
+use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_shading::Textures;
 use glanz_shading::parameter::ParameterResolver;
 use glanz_shading::texture::{
     Bilerp, Checkerboard, DirectionMix, Dots, FloatInput, Fractal, ImageFilter, ImageTexture, Marble, MipMap,
-    SpectrumInput, Texture, TextureId, TextureMapping,
+    SpectralConstant, SpectrumInput, Texture, TextureId, TextureMapping,
 };
 
 use super::transform;
@@ -56,7 +56,7 @@ impl InputResolver<'_> {
     /// A spectrum without upper bound.
     fn unbounded(&self, input: &SpectrumParameter) -> Result<SpectrumInput, SceneError> {
         Ok(match input {
-            SpectrumParameter::Value(value) => SpectrumInput::Constant(value.unbounded(self.wavelengths)),
+            SpectrumParameter::Value(value) => constant(value, value.unbounded(self.wavelengths)),
             SpectrumParameter::Texture(index) => SpectrumInput::Texture(self.id(*index)?),
         })
     }
@@ -69,12 +69,19 @@ impl InputResolver<'_> {
     }
 }
 
+/// The same spectrum everywhere, of which `rgb` are the values in RGB.
+fn constant(value: &SpectralDistribution, rgb: Spectrum) -> SpectrumInput {
+    if value.is_spectral() {
+        SpectrumInput::Spectral(Arc::new(SpectralConstant { rgb, distribution: value.clone() }))
+    } else {
+        SpectrumInput::Constant(rgb)
+    }
+}
+
 impl ParameterResolver<DescriptionForm> for InputResolver<'_> {
     fn fraction_input(&self, input: &SpectrumParameter) -> Option<SpectrumInput> {
         match input {
-            SpectrumParameter::Value(value) => {
-                Some(SpectrumInput::Constant(value.reflectance(self.wavelengths)))
-            }
+            SpectrumParameter::Value(value) => Some(constant(value, value.reflectance(self.wavelengths))),
             SpectrumParameter::Texture(_) => self.spectrum_input(input),
         }
     }
@@ -131,9 +138,7 @@ fn texture(
     Ok(match &texture.kind {
         TextureKind::Constant(value) => match inputs.unbounded(value)? {
             SpectrumInput::Constant(value) => Texture::Constant(value),
-            other @ SpectrumInput::Texture(_) => {
-                Texture::Scale(other, SpectrumInput::Constant(glanz_light::Spectrum::ONE))
-            }
+            other => Texture::Scale(other, SpectrumInput::Constant(Spectrum::ONE)),
         },
         TextureKind::Scale(a, b) => Texture::Scale(inputs.unbounded(a)?, inputs.unbounded(b)?),
         TextureKind::Mix { a, b, amount } => {

@@ -1,6 +1,6 @@
 //! Selection of the lights of a scene, their samples and their radiance.
 
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray, SolidAnglePdf};
 
 use super::Scene;
@@ -187,16 +187,30 @@ impl Scene {
         }
     }
 
-    /// Radiance of all infinite lights along a ray that left the scene.
+    /// Radiance of all infinite lights along a ray that left the scene, at `wavelengths`.
     #[must_use]
-    pub fn environment_radiance(&self, ray: &Ray) -> Spectrum {
-        self.infinite_lights.iter().map(|&id| self.infinite_radiance(id, ray)).sum()
+    pub fn environment_radiance(&self, ray: &Ray, wavelengths: &Wavelengths) -> Spectrum {
+        let lights = self.infinite_lights.iter();
+        lights.map(|&id| self.light_at(id, self.infinite_radiance(id, ray), wavelengths)).sum()
+    }
+
+    /// Light of the light `id`, which the queries of lights give in RGB, at `wavelengths`.
+    #[inline]
+    #[must_use]
+    pub fn light_at(&self, id: LightId, rgb: Spectrum, wavelengths: &Wavelengths) -> Spectrum {
+        match wavelengths {
+            Wavelengths::Rgb => rgb,
+            _ => self.light_spectra.get(id.0 as usize).map_or(rgb, |spectrum| spectrum.at(rgb, wavelengths)),
+        }
     }
 
     /// Radiance that a camera ray sees where it leaves the scene without being scattered: of the [backdrop](crate::Description::backdrop), or else of
-    /// all infinite lights.
+    /// all infinite lights; at `wavelengths`.
     #[must_use]
-    pub fn backdrop_radiance(&self, ray: &Ray) -> Spectrum {
-        self.backdrop.unwrap_or_else(|| self.environment_radiance(ray))
+    pub fn backdrop_radiance(&self, ray: &Ray, wavelengths: &Wavelengths) -> Spectrum {
+        match &self.backdrop {
+            Some((rgb, spectrum)) => spectrum.at(*rgb, wavelengths),
+            None => self.environment_radiance(ray, wavelengths),
+        }
     }
 }

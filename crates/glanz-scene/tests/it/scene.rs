@@ -229,7 +229,9 @@ fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
     assert!((sample.pdf.0 - -sample.wi.z / PI).abs() < 1e-12);
     assert!((sample.radiance.luminance(&Wavelengths::default()) - 3.0).abs() < 0.01);
     assert!(
-        (scene.environment_radiance(&sample.shadow).max_component() / sample.radiance.max_component() - 1.0)
+        (scene.environment_radiance(&sample.shadow, &Wavelengths::Rgb).max_component()
+            / sample.radiance.max_component()
+            - 1.0)
             .abs()
             < 1e-6
     );

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use glanz_light::Spectrum;
+use glanz_light::{SpectralDistribution, Spectrum};
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 use glanz_sampling::warp;
 
@@ -35,6 +35,8 @@ pub struct Dielectric {
     distribution: MicrofacetDistribution,
     /// Light between facets, of light that arrives outside.
     multiple: Option<InterfaceScattering>,
+    /// Whether the index is that of the hero of sampled wavelengths, see [`BsdfModel::is_dispersive`].
+    dispersive: bool,
 }
 
 /// A direction and the refractive indices seen from there, with what facets do to its light.
@@ -56,7 +58,7 @@ impl Dielectric {
     #[must_use]
     pub fn new(eta: f64, reflectance: Spectrum, transmittance: Spectrum) -> Self {
         let distribution = MicrofacetDistribution::SMOOTH;
-        Self { eta, reflectance, transmittance, thin: false, distribution, multiple: None }
+        Self { eta, reflectance, transmittance, thin: false, distribution, multiple: None, dispersive: false }
     }
 
     /// The same as a sheet too thin to displace a ray, which has no facets: light passes straight through and is reflected by both faces.
@@ -72,6 +74,12 @@ impl Dielectric {
         let multiple = multiple_scattering && !rough.is_delta();
         let multiple = if multiple { InterfaceScattering::new(&distribution, self.eta) } else { None };
         Self { multiple, ..rough }
+    }
+
+    /// The same with an index that is, or is not, that of the hero of sampled wavelengths, see [`BsdfModel::is_dispersive`].
+    #[must_use]
+    pub fn with_dispersion(self, dispersive: bool) -> Self {
+        Self { dispersive, ..self }
     }
 
     /// Refractive index inside (z < 0) over that outside.
@@ -259,6 +267,10 @@ impl BsdfModel for Dielectric {
         self.thin || self.distribution.is_smooth() || self.eta == 1.0
     }
 
+    fn is_dispersive(&self) -> bool {
+        self.dispersive
+    }
+
     fn is_anisotropic(&self) -> bool {
         self.distribution.is_anisotropic()
     }
@@ -298,8 +310,10 @@ impl BsdfModel for Dielectric {
 #[derive(Clone, Debug, PartialEq)]
 pub struct DielectricMaterial<P: ParameterForm = ShadingForm> {
     /// Refractive index inside over outside, in [0.001, 1000] (far beyond any medium; squares still fit `f32`); a
-    /// texture's value outside counts as 1.
+    /// texture's value outside counts as 1. At sampled wavelengths that of `dispersion` replaces it.
     pub eta: P::Float,
+    /// Refractive index by wavelength, which a pane does not use; `None` if it is the same everywhere.
+    pub dispersion: Option<SpectralDistribution>,
     /// Factor on reflected light.
     pub reflectance: P::Spectrum,
     /// Factor on transmitted light.
@@ -322,6 +336,7 @@ impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<DielectricMaterial, MaterialError> {
         Ok(DielectricMaterial {
             eta: resolver.float("eta", &self.eta, INDICES, "a number between 0.001 and 1000")?,
+            dispersion: self.dispersion.clone().filter(|_| !self.thin),
             reflectance: resolver.fraction("reflectance", &self.reflectance)?,
             transmittance: resolver.fraction("transmittance", &self.transmittance)?,
             thin: self.thin,
@@ -335,9 +350,11 @@ impl TexturedModel for DielectricMaterial {
     type Bsdf = Dielectric;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Dielectric {
-        let eta = at.float(&self.eta);
+        let hero = self.dispersion.as_ref().and_then(|dispersion| at.hero_index(dispersion));
+        let eta = hero.unwrap_or_else(|| at.float(&self.eta));
         let eta = if INDICES.contains(&eta) { f64::from(eta) } else { 1.0 };
         let smooth = Dielectric::new(eta, at.fraction(&self.reflectance), at.fraction(&self.transmittance));
+        let smooth = smooth.with_dispersion(hero.is_some());
         if self.thin {
             smooth.as_sheet()
         } else {
@@ -356,6 +373,7 @@ impl<P: ParameterForm<Float: From<f32>>> Material<P> {
     ) -> Self {
         Self::Dielectric(DielectricMaterial {
             eta: eta.into(),
+            dispersion: None,
             reflectance: reflectance.into(),
             transmittance: transmittance.into(),
             thin: false,

@@ -143,6 +143,16 @@ macro_rules! bsdfs {
                 }
             }
 
+            /// See [`BsdfModel::is_dispersive`].
+            #[inline]
+            #[must_use]
+            pub fn is_dispersive(&self) -> bool {
+                match self {
+                    Self::Black => false,
+                    $(Self::$variant(model) => model.is_dispersive(),)*
+                }
+            }
+
             /// See [`BsdfModel::is_anisotropic`].
             #[must_use]
             pub fn is_anisotropic(&self) -> bool {

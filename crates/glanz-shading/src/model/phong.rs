@@ -207,11 +207,11 @@ impl TexturedModel for PhongMaterial {
     /// Names the largest sum of constant diffuse and specular coefficients where it is above 1; textured ones do not count.
     fn warning(&self) -> Option<String> {
         let (SpectrumInput::Constant(diffuse), SpectrumInput::Constant(specular)) =
-            (self.diffuse, self.specular)
+            (&self.diffuse, &self.specular)
         else {
             return None;
         };
-        let sum = (diffuse + specular).max_component();
+        let sum = (*diffuse + *specular).max_component();
         let message =
             || format!("diffuse plus specular is {sum}; path-traced light scales both down to a sum of 1");
         (sum > 1.0).then(message)

@@ -6,7 +6,7 @@ use super::{SpectrumInput, TextureMapping, TexturePoint};
 ///
 /// # Source
 /// @pbrt4 `BilerpTexture`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Bilerp {
     /// Inputs at (0, 0), (0, 1), (1, 0) and (1, 1).
     pub corners: [SpectrumInput; 4],

@@ -5,7 +5,7 @@ use glanz_math::DVec3;
 use super::{SpectrumInput, TextureMapping, TexturePoint};
 
 /// Two textures alternating in unit squares of a flat, or unit cubes of a [`TextureMapping::Solid`] mapping.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Checkerboard {
     /// Input in cells whose numbers have an even sum.
     pub even: SpectrumInput,

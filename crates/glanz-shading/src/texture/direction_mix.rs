@@ -8,7 +8,7 @@ use super::{SpectrumInput, TexturePoint};
 ///
 /// # Source
 /// @pbrt4 `DirectionMixTexture`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DirectionMix {
     /// Input where the normal is along the direction, to either side.
     pub along: SpectrumInput,

@@ -15,7 +15,7 @@ const MAX_SHIFT: f64 = 0.5 - RADIUS;
 ///
 /// # Source
 /// @pbrt4 `InsidePolkaDot`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Dots {
     /// Input inside of dots.
     pub inside: SpectrumInput,

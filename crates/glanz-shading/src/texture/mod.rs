@@ -13,6 +13,9 @@ pub mod mapping;
 pub mod marble;
 pub mod mip_map;
 pub mod noise;
+pub mod spectral_constant;
+
+use std::sync::Arc;
 
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
@@ -26,6 +29,7 @@ pub use image::ImageTexture;
 pub use mapping::{TextureCoordinates, TextureMapping};
 pub use marble::Marble;
 pub use mip_map::{ImageFilter, ImageWrap, MipMap, MipMapError};
+pub use spectral_constant::SpectralConstant;
 
 /// A point at which a texture is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,10 +71,12 @@ impl TexturePoint {
 pub struct TextureId(u32);
 
 /// A spectrum, the same everywhere or textured.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SpectrumInput {
-    /// The same everywhere.
+    /// The same everywhere, in linear Rec. 709.
     Constant(Spectrum),
+    /// The same everywhere, by wavelength.
+    Spectral(Arc<SpectralConstant>),
     /// The spectrum of a texture.
     Texture(TextureId),
 }
@@ -82,7 +88,7 @@ impl From<Spectrum> for SpectrumInput {
 }
 
 impl From<f32> for SpectrumInput {
-    /// Grey in red, green and blue, for [`Wavelengths::Rgb`].
+    /// Grey.
     fn from(value: f32) -> Self {
         Self::Constant(Spectrum::from_rgb([value; 3]))
     }
@@ -93,7 +99,7 @@ impl From<f32> for SpectrumInput {
 pub enum FloatInput {
     /// The same everywhere.
     Constant(f32),
-    /// The mean over the wavelengths of a texture.
+    /// The mean over red, green and blue of a texture.
     Texture(TextureId),
 }
 
@@ -142,7 +148,7 @@ impl Texture {
     fn inputs(&self) -> [Option<TextureId>; 4] {
         let of = |input: &SpectrumInput| match input {
             SpectrumInput::Texture(id) => Some(*id),
-            SpectrumInput::Constant(_) => None,
+            SpectrumInput::Constant(_) | SpectrumInput::Spectral(_) => None,
         };
         match self {
             Self::Constant(_) | Self::Image(_) | Self::Uv(_) | Self::Fractal(_) | Self::Marble(_) => {
@@ -238,17 +244,18 @@ impl Textures {
     #[must_use]
     pub fn spectrum(&self, input: &SpectrumInput, at: &TexturePoint, wavelengths: &Wavelengths) -> Spectrum {
         match input {
-            SpectrumInput::Constant(value) => *value,
+            SpectrumInput::Constant(value) => value.upsampled(wavelengths),
+            SpectrumInput::Spectral(constant) => constant.at(wavelengths),
             SpectrumInput::Texture(id) => self.evaluate(*id, at, wavelengths),
         }
     }
 
-    /// The value of `input` at a point; 0 for a texture of other [`Textures`].
+    /// The value of `input` at a point, the same at all wavelengths; 0 for a texture of other [`Textures`].
     #[must_use]
-    pub fn float(&self, input: &FloatInput, at: &TexturePoint, wavelengths: &Wavelengths) -> f32 {
+    pub fn float(&self, input: &FloatInput, at: &TexturePoint) -> f32 {
         match input {
             FloatInput::Constant(value) => *value,
-            FloatInput::Texture(id) => self.evaluate(*id, at, wavelengths).mean(wavelengths),
+            FloatInput::Texture(id) => self.evaluate(*id, at, &Wavelengths::Rgb).mean(&Wavelengths::Rgb),
         }
     }
 
@@ -259,11 +266,9 @@ impl Textures {
         };
         let spectrum = |input: &SpectrumInput| self.spectrum(input, at, wavelengths);
         match texture {
-            Texture::Constant(value) => *value,
+            Texture::Constant(value) => value.upsampled(wavelengths),
             Texture::Scale(a, b) => spectrum(a) * spectrum(b),
-            Texture::Mix { a, b, amount } => {
-                spectrum(a).lerp(spectrum(b), self.float(amount, at, wavelengths))
-            }
+            Texture::Mix { a, b, amount } => spectrum(a).lerp(spectrum(b), self.float(amount, at)),
             Texture::Checkerboard(board) => {
                 let odd = board.odd_fraction(at);
                 // Most points lie in one of the two; the other one need not be evaluated.
@@ -275,10 +280,11 @@ impl Textures {
                     spectrum(&board.even).lerp(spectrum(&board.odd), odd)
                 }
             }
-            Texture::Image(image) => image.evaluate(at),
+            Texture::Image(image) => image.evaluate(at).upsampled(wavelengths),
             Texture::Uv(mapping) => {
                 let st = mapping.coordinates(at).position;
-                Spectrum::from_rgb([(st.x - st.x.floor()) as f32, (st.y - st.y.floor()) as f32, 0.0])
+                let rgb = [(st.x - st.x.floor()) as f32, (st.y - st.y.floor()) as f32, 0.0];
+                Spectrum::from_rgb(rgb).upsampled(wavelengths)
             }
             Texture::Bilerp(bilerp) => {
                 let weights = bilerp.weights(at);
@@ -289,7 +295,7 @@ impl Textures {
             Texture::Fractal(fractal) => {
                 SpectralDistribution::Constant(1.0).reflectance(wavelengths) * fractal.evaluate(at)
             }
-            Texture::Marble(marble) => marble.evaluate(at),
+            Texture::Marble(marble) => marble.evaluate(at).upsampled(wavelengths),
             Texture::DirectionMix(mix) => {
                 spectrum(&mix.across).lerp(spectrum(&mix.along), mix.along_fraction(at))
             }
@@ -316,13 +322,13 @@ mod tests {
         let mut textures = Textures::new();
         let a = textures.add(Texture::Constant(Spectrum::from_rgb([0.5, 1.0, 0.0]))).unwrap();
         let half = SpectrumInput::Constant(Spectrum::from_rgb([0.5, 0.25, 1.0]));
-        let scaled = textures.add(Texture::Scale(SpectrumInput::Texture(a), half)).unwrap();
+        let scaled = textures.add(Texture::Scale(SpectrumInput::Texture(a), half.clone())).unwrap();
         assert_eq!(rgb(&textures, scaled), [0.25, 0.25, 0.0]);
         let amount = textures.add(Texture::Constant(Spectrum::from_rgb([0.25; 3]))).unwrap();
         let mix = Texture::Mix { a: SpectrumInput::Texture(a), b: half, amount: FloatInput::Texture(amount) };
         let mixed = textures.add(mix).unwrap();
         assert_eq!(rgb(&textures, mixed), [0.5, 0.8125, 0.25]);
-        assert_eq!(textures.float(&FloatInput::Texture(amount), &point(), &RGB), 0.25);
+        assert_eq!(textures.float(&FloatInput::Texture(amount), &point()), 0.25);
     }
 
     #[test]
@@ -335,7 +341,7 @@ mod tests {
             let angle = degrees.to_radians();
             let at = point().with_normal(DVec3::new(angle.sin(), angle.cos(), 0.0));
             let expected = angle.cos().abs() as f32;
-            assert!((textures.float(&input, &at, &RGB) - expected).abs() < 1e-7, "{degrees}");
+            assert!((textures.float(&input, &at) - expected).abs() < 1e-7, "{degrees}");
         }
     }
 
@@ -345,8 +351,7 @@ mod tests {
         let corners = [1.0, 2.0, 4.0, 9.0].map(|x| Spectrum::from_rgb([x; 3]).into());
         let bilerp = Texture::Bilerp(Bilerp { corners, mapping: TextureMapping::default() });
         let input = FloatInput::Texture(textures.add(bilerp).unwrap());
-        let at =
-            |u: f64, v: f64| textures.float(&input, &TexturePoint::new(DVec2::new(u, v), DVec3::ZERO), &RGB);
+        let at = |u: f64, v: f64| textures.float(&input, &TexturePoint::new(DVec2::new(u, v), DVec3::ZERO));
         assert_eq!([at(0.0, 0.0), at(0.0, 1.0), at(1.0, 0.0), at(1.0, 1.0)], [1.0, 2.0, 4.0, 9.0]);
         // 1 / 4 * (3 / 4 * 1 + 1 / 4 * 2) and so on: s = 3 / 4, t = 1 / 4.
         assert_eq!(at(0.75, 0.25), 0.25 * (0.75 + 0.25 * 2.0) + 0.75 * (0.75 * 4.0 + 0.25 * 9.0));
@@ -367,7 +372,7 @@ mod tests {
     fn references_to_unknown_textures_are_refused() {
         let mut textures = Textures::new();
         let itself = SpectrumInput::Texture(TextureId(0));
-        let refused = textures.add(Texture::Scale(itself, itself));
+        let refused = textures.add(Texture::Scale(itself.clone(), itself));
         assert_eq!(refused, Err(TextureError::Unknown(0, 0)));
         assert!(textures.is_empty());
         let foreign = textures.spectrum(&SpectrumInput::Texture(TextureId(9)), &point(), &RGB);
@@ -381,7 +386,7 @@ mod tests {
         // Costs 1, 3, 7, ... 2^k - 1: the ninth product still has 1023 > 1000.
         let error = loop {
             let both = SpectrumInput::Texture(last);
-            match textures.add(Texture::Scale(both, both)) {
+            match textures.add(Texture::Scale(both.clone(), both)) {
                 Ok(id) => last = id,
                 Err(error) => break error,
             }
@@ -397,10 +402,10 @@ mod tests {
         let mut last = textures.add(Texture::Constant(Spectrum::ONE)).unwrap();
         let one = SpectrumInput::Constant(Spectrum::ONE);
         for _ in 1..Textures::MAX_EVALUATIONS {
-            last = textures.add(Texture::Scale(SpectrumInput::Texture(last), one)).unwrap();
+            last = textures.add(Texture::Scale(SpectrumInput::Texture(last), one.clone())).unwrap();
         }
         assert_eq!(rgb(&textures, last), [1.0; 3]);
-        let refused = textures.add(Texture::Scale(SpectrumInput::Texture(last), one));
+        let refused = textures.add(Texture::Scale(SpectrumInput::Texture(last), one.clone()));
         assert_eq!(refused, Err(TextureError::Cost(1001)));
     }
 }

@@ -145,6 +145,7 @@ impl<'a> GuidingRoom<'a> {
             samples_per_pixel: 1,
             samples,
             threads: self.threads,
+            spectral: false,
             time_limit: limit,
         };
         let watch = Stopwatch::start(TimeScope::Process);

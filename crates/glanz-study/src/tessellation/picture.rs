@@ -70,6 +70,7 @@ pub(super) fn picture(
         samples_per_pixel: SAMPLES,
         samples: 0..SAMPLES,
         threads: 1,
+        spectral: false,
         time_limit: None,
     };
     let watch = Stopwatch::start(TimeScope::Process);

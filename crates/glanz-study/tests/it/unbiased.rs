@@ -59,6 +59,7 @@ fn picture(
         samples_per_pixel: samples,
         samples: 0..samples,
         threads: 2,
+        spectral: false,
         time_limit: None,
     };
     let film = Film::try_new(film).unwrap();

@@ -1,9 +1,9 @@
 //! State of one sample for an integrator.
 
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::{SampledWavelengths, Spectrum, Wavelengths};
 use glanz_math::{DVec2, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{CameraRay, Interaction, ParametricPoint, Scene};
+use glanz_scene::{CameraRay, Interaction, LightId, ParametricPoint, Scene};
 
 use super::vertex::Vertex;
 use crate::filter::Filter;
@@ -64,11 +64,16 @@ pub struct Context<'a> {
 /// The first dimension of the sampler for the integrator; those before are used for pixel and lens.
 pub const FIRST_DIMENSION: u32 = 4;
 
+/// The dimension for the wavelengths, which no integrator reaches.
+const WAVELENGTH_DIMENSION: u32 = u32::MAX - 3;
+
 /// Settings common to all samples of a render.
 #[derive(Clone, Copy, Debug)]
 pub struct ContextOptions {
     /// Whether [`Context::first_hit`] is needed.
     wants_first_hit: bool,
+    /// Whether samples have wavelengths of their own.
+    spectral: bool,
     splats: SplatWindow,
     sensor: FilmSensor,
 }
@@ -93,7 +98,23 @@ impl ContextOptions {
     /// `wants_first_hit`: whether [`Context::first_hit`] is needed.
     #[must_use]
     pub fn new(wants_first_hit: bool) -> Self {
-        Self { wants_first_hit, splats: SplatWindow::default(), sensor: FilmSensor::default() }
+        let (splats, sensor) = (SplatWindow::default(), FilmSensor::default());
+        Self { wants_first_hit, spectral: false, splats, sensor }
+    }
+
+    /// `spectral`: whether each sample carries light at wavelengths of its own instead of red, green and blue.
+    #[must_use]
+    pub fn with_spectral(self, spectral: bool) -> Self {
+        Self { spectral, ..self }
+    }
+
+    /// The wavelengths of a sample.
+    fn wavelengths(&self, mut sampler: PixelSampler) -> Wavelengths {
+        if !self.spectral {
+            return Wavelengths::Rgb;
+        }
+        sampler.skip_to_dimension(WAVELENGTH_DIMENSION);
+        Wavelengths::Sampled(SampledWavelengths::sample(sampler.next_1d()))
     }
 
     /// Records the samples by this sensor.
@@ -123,7 +144,7 @@ impl<'a> Context<'a> {
         sampler: PixelSampler,
         options: ContextOptions,
     ) -> Self {
-        let (wavelengths, counters) = (Wavelengths::default(), Counters::default());
+        let (wavelengths, counters) = (options.wavelengths(sampler), Counters::default());
         let (training, photons, first_hit) = (None, None, None);
         let (records, splats) = (PathRecords::default(), Vec::new());
         Self {
@@ -155,6 +176,7 @@ impl<'a> Context<'a> {
     pub(crate) fn restart(&mut self, camera_ray: Option<CameraRay>, sampler: PixelSampler) {
         self.camera_ray = camera_ray;
         self.sampler = sampler;
+        self.wavelengths = self.options.wavelengths(sampler);
         self.counters = Counters::default();
         self.first_hit = None;
     }
@@ -171,6 +193,30 @@ impl<'a> Context<'a> {
         let weighted = light * self.camera_ray.map_or(0.0, |camera| camera.weight as f32);
         let rgb = self.options.sensor.exposed(weighted.to_rgb(&self.wavelengths));
         PixelSample { index, rgb, negative, first_hit: self.first_hit }
+    }
+
+    /// Light of the light `id`, which the queries of the scene give in RGB, at the wavelengths of the sample.
+    #[inline]
+    pub(super) fn light_at(&self, id: LightId, rgb: Spectrum) -> Spectrum {
+        self.scene.light_at(id, rgb, &self.wavelengths)
+    }
+
+    /// Light emitted by the surface at `hit` to where the ray came from.
+    #[inline]
+    pub(super) fn emitted(&self, hit: &Interaction) -> Spectrum {
+        let light = hit.light();
+        light.map_or(Spectrum::BLACK, |id| self.light_at(id, self.scene.emitted(hit, hit.wo)))
+    }
+
+    /// Radiance of the infinite light `id` along a ray that left the scene.
+    #[inline]
+    pub(super) fn infinite_radiance(&self, id: LightId, ray: &Ray) -> Spectrum {
+        self.light_at(id, self.scene.infinite_radiance(id, ray))
+    }
+
+    /// As [`Scene::backdrop_radiance`].
+    pub(super) fn backdrop_radiance(&self, ray: &Ray) -> Spectrum {
+        self.scene.backdrop_radiance(ray, &self.wavelengths)
     }
 
     /// The closest hit on `ray`, with its parameters.
@@ -199,7 +245,7 @@ impl<'a> Context<'a> {
     /// Splats `light` to the film point `film`, pixels: the radiance that the path would contribute to a single pixel.
     /// `xi`: a number uniform in [0, 1).
     pub(super) fn splat(&mut self, film: DVec2, light: Spectrum, xi: f64) {
-        let light = light * (1.0 / self.light_paths()) as f32;
+        let light = Spectrum::from_rgb(light.to_rgb(&self.wavelengths)) * (1.0 / self.light_paths()) as f32;
         let window = self.options.splats;
         let points = self.scene.camera().film_points(film).filter(|&film| window.contains(film));
         self.splats.extend(points.map(|film| Splat { film, light, xi }));
@@ -223,7 +269,7 @@ impl<'a> Context<'a> {
                 // There may be interfaces in between, so the parameter of the last ray is not the whole distance.
                 distance: self.start().map_or(0.0, |ray| (point.position - ray.origin).length()),
                 object: vertex.at.id,
-                albedo: vertex.albedo().to_rgb(&self.wavelengths),
+                albedo: vertex.rgb_albedo(self.scene, &self.wavelengths),
             });
         }
     }

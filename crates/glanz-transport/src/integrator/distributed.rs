@@ -40,6 +40,8 @@ struct DistributedPath {
     /// Throughput since the path branched off, by which Russian roulette decides.
     branch_throughput: Spectrum,
     eta_scale: f32,
+    /// Whether the hero of its wavelengths is left alone.
+    is_dispersed: bool,
     /// The last vertex with a rough lobe; `None` after the camera or a delta lobe.
     origin: Option<PreviousVertex>,
     depth: u32,
@@ -78,16 +80,13 @@ impl Distributed {
     fn escaped(&self, context: &Context<'_>, ray: &Ray, origin: Option<&PreviousVertex>) -> Spectrum {
         let scene = context.scene;
         let weight = |id| self.weight(origin, |o| o.infinite_light_pdf(context, id, ray.direction));
-        scene.infinite_lights().iter().map(|&id| scene.infinite_radiance(id, ray) * weight(id)).sum()
+        scene.infinite_lights().iter().map(|&id| context.infinite_radiance(id, ray) * weight(id)).sum()
     }
 
     fn emitted(&self, context: &Context<'_>, hit: &Interaction, origin: Option<&PreviousVertex>) -> Spectrum {
         match hit.light() {
             None => Spectrum::BLACK,
-            Some(id) => {
-                context.scene.emitted(hit, hit.wo)
-                    * self.weight(origin, |o| o.area_light_pdf(context, id, hit))
-            }
+            Some(id) => context.emitted(hit) * self.weight(origin, |o| o.area_light_pdf(context, id, hit)),
         }
     }
 
@@ -103,8 +102,8 @@ impl Distributed {
             let factor = path.throughput * (1.0 / count as f32);
             path.pending.extend((0..count).filter_map(|j| {
                 let xi = spread(j, count, shift);
-                let (light, shadow) =
-                    vertex.sampled_light(context.scene.sample_light(id, vertex.at, xi), |_, _, _| 1.0)?;
+                let sample = context.scene.sample_light(id, vertex.at, xi);
+                let (light, shadow) = vertex.sampled_light(context, id, sample, |_, _, _| 1.0)?;
                 Some((shadow, factor * light))
             }));
         }
@@ -121,7 +120,7 @@ impl Distributed {
     ) -> Option<Ray> {
         let Some(hit) = hit else {
             path.light += match path.depth {
-                0 => path.throughput * context.scene.backdrop_radiance(ray),
+                0 => path.throughput * context.backdrop_radiance(ray),
                 _ => path.throughput * self.escaped(context, ray, path.origin.as_ref()),
             };
             return None;
@@ -136,6 +135,7 @@ impl Distributed {
         if path.depth >= self.max_depth {
             return None;
         }
+        vertex.disperse(&mut path.throughput, &mut path.is_dispersed);
         path.depth += 1;
         path.interfaces = 0;
         context.sampler.skip_to_dimension(path.dimension);
@@ -214,6 +214,7 @@ impl Distributed {
             throughput: path.throughput * scattered.weight,
             branch_throughput: scattered.weight,
             eta_scale: path.eta_scale * scattered.eta_scale,
+            is_dispersed: path.is_dispersed,
             origin: (!scattered.is_delta).then(|| previous(vertex, scattered)),
             depth: path.depth,
             interfaces: 0,
@@ -280,6 +281,7 @@ impl Integrator for Distributed {
             throughput: Spectrum::ONE,
             branch_throughput: Spectrum::ONE,
             eta_scale: 1.0,
+            is_dispersed: false,
             origin: None,
             depth: 0,
             interfaces: 0,

@@ -1,6 +1,6 @@
 //! Path tracing with the guide of document 003.
 
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::{mis, warp};
 use glanz_scene::{LightSampleContext, Scene};
@@ -23,7 +23,17 @@ pub(super) fn radiance(
     let share = if grid.settings().mixture { 0.5 } else { 1.0 };
     let directions = contexts.iter().map(|context| {
         let (scene, records) = (context.scene, training.map(|_| Vec::new()));
-        GridDirections { grid, scene, light_sampling, share, records, drawn: None, segment: None }
+        let wavelengths = context.wavelengths;
+        GridDirections {
+            grid,
+            scene,
+            wavelengths,
+            light_sampling,
+            share,
+            records,
+            drawn: None,
+            segment: None,
+        }
     });
     let mut directions: Vec<_> = directions.collect();
     tracer.radiance(contexts, &mut directions, radiance);
@@ -42,6 +52,7 @@ pub(super) fn radiance(
 struct GridDirections<'a> {
     grid: &'a GridGuide,
     scene: &'a Scene,
+    wavelengths: Wavelengths,
     light_sampling: bool,
     /// Fraction of the diffuse directions that are sampled from densities.
     share: f64,
@@ -91,6 +102,7 @@ impl GridDirections<'_> {
     fn emitted(&self, segment: &PathSegment, vertex: &Vertex<'_>) -> Spectrum {
         let Some(id) = vertex.at.light() else { return Spectrum::BLACK };
         let emitted = self.scene.emitted(vertex.at, vertex.at.wo);
+        let emitted = self.scene.light_at(id, emitted, &self.wavelengths);
         if emitted.is_black() {
             return emitted;
         }

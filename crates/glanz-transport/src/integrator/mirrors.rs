@@ -19,6 +19,8 @@ struct DeferredRay {
     weight: Spectrum,
     /// Factor that undoes the scaling of radiance by all refractions, so that the weight of rays in glass is not underestimated.
     eta_scale: f32,
+    /// Whether the hero of its wavelengths is left alone.
+    is_dispersed: bool,
     depth: u32,
 }
 
@@ -33,7 +35,8 @@ pub(super) fn radiance(
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     let mut stack = Vec::new();
-    let first = |ray| DeferredRay { ray, weight: Spectrum::ONE, eta_scale: 1.0, depth: 0 };
+    let first =
+        |ray| DeferredRay { ray, weight: Spectrum::ONE, eta_scale: 1.0, is_dispersed: false, depth: 0 };
     let mut next = context.start().map(first);
     while let Some(pending) = next {
         light += pending.weight * follow(context, pending, max_depth, rough, &mut stack);
@@ -55,11 +58,11 @@ fn follow(
         let Some((hit, place)) = context.intersect_parametric(&pending.ray) else {
             return light
                 + match pending.depth {
-                    0 => context.scene.backdrop_radiance(&pending.ray),
-                    _ => context.scene.environment_radiance(&pending.ray),
+                    0 => context.backdrop_radiance(&pending.ray),
+                    _ => context.scene.environment_radiance(&pending.ray, &context.wavelengths),
                 };
         };
-        light += context.scene.emitted(&hit, hit.wo);
+        light += context.emitted(&hit);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
             pending.ray = hit.spawn(pending.ray.direction);
             continue;
@@ -69,19 +72,22 @@ fn follow(
         if pending.depth >= max_depth {
             return light;
         }
+        let mut here = Spectrum::ONE;
+        vertex.disperse(&mut here, &mut pending.is_dispersed);
         stack.extend(vertex.delta_branches().filter_map(|branch| {
-            let weight = pending.weight * branch.weight;
+            let weight = pending.weight * here * branch.weight;
             let eta_scale = pending.eta_scale * branch.eta_scale;
             let enough = weight.max_component() * eta_scale >= SMALLEST_WEIGHT;
             let ray = hit.spawn(branch.direction);
-            enough.then_some(DeferredRay { ray, weight, eta_scale, depth: pending.depth + 1 })
+            let (is_dispersed, depth) = (pending.is_dispersed, pending.depth + 1);
+            enough.then_some(DeferredRay { ray, weight, eta_scale, is_dispersed, depth })
         }));
         if vertex.is_delta() {
             return light;
         }
         let dimension = FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(pending.depth);
         context.sampler.skip_to_dimension(dimension);
-        return light + rough(context, &vertex, &place);
+        return light + here * rough(context, &vertex, &place);
     }
     light
 }

@@ -240,6 +240,8 @@ pub struct IntegratorSettings {
     pub guide: GuideSettings,
     /// The photons.
     pub photons: PhotonSettings,
+    /// Whether each sample carries light at wavelengths of its own instead of red, green and blue.
+    pub spectral: bool,
 }
 
 impl IntegratorSettings {
@@ -276,13 +278,19 @@ impl IntegratorSettings {
             }
             _ => {}
         }
-        Ok(Self { name: entry.name, max_depth, light_sampling, branching, guide, photons })
+        let spectral = description.spectral;
+        Ok(Self { name: entry.name, max_depth, light_sampling, branching, guide, photons, spectral })
     }
 
     /// The settings from the parts of earlier ones.
     ///
     /// `name`: output of [`IntegratorSettings::full_name`].
-    pub(crate) fn by_name(name: &str, max_depth: u32, light_sampling: bool, branching: u32) -> Option<Self> {
+    pub(crate) fn by_name(
+        name: &str,
+        max_depth: u32,
+        [light_sampling, spectral]: [bool; 2],
+        branching: u32,
+    ) -> Option<Self> {
         let (mut guide, mut photons) = (GuideSettings::Tree, PhotonSettings::default());
         let name = match name.split_once(' ') {
             Some((SPPM, settings)) => {
@@ -302,6 +310,7 @@ impl IntegratorSettings {
             branching: Some(branching),
             guide,
             photons,
+            spectral,
             location: None,
         };
         Self::resolve(&description).ok()
@@ -371,6 +380,9 @@ impl fmt::Display for IntegratorSettings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lights = if self.light_sampling { "sampled" } else { "not sampled" };
         write!(f, "{} (depth {}, branching {}, lights {lights}", self.name, self.max_depth, self.branching)?;
+        if self.spectral {
+            f.write_str(", spectral")?;
+        }
         match &self.guide {
             GuideSettings::Tree if self.photons != PhotonSettings::default() => {
                 write!(f, ", {})", self.photons)

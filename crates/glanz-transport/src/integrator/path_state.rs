@@ -37,6 +37,8 @@ pub(super) struct PathState<P> {
     /// often has a small throughput because much light comes from there; to end such paths would undo the guide's work.
     pub(super) importance: Spectrum,
     pub(super) eta_scale: f32,
+    /// Whether the hero of its wavelengths is left alone.
+    pub(super) is_dispersed: bool,
     /// `None` after delta lobes only: light sampling cannot find their light.
     pub(super) origin: Option<PathRay>,
     /// [`PhotonMap::odds`](crate::photon::PhotonMap::odds) at the last scattering event at which photons were added, if only delta lobes followed; 0 without photons.
@@ -83,6 +85,7 @@ impl<P: Copy> PathState<P> {
             throughput: Spectrum::ONE,
             importance: Spectrum::ONE,
             eta_scale: 1.0,
+            is_dispersed: false,
             origin: None,
             photon_odds: 0.0,
             depth: 0,

@@ -199,7 +199,7 @@ impl PathTracer {
         }
         let Some(hit) = hit else {
             path.light += match path.depth {
-                0 => path.throughput * context.scene.backdrop_radiance(&path.ray),
+                0 => path.throughput * context.backdrop_radiance(&path.ray),
                 _ => path.throughput * self.escaped(context, path),
             };
             return false;
@@ -220,6 +220,7 @@ impl PathTracer {
         if path.depth >= self.max_depth {
             return false;
         }
+        vertex.disperse(&mut path.throughput, &mut path.is_dispersed);
         self.scatter_at_or_divide(context, directions, path, &vertex, branches)
     }
 
@@ -314,7 +315,7 @@ impl PathTracer {
         let weight = |id| self.weight(context, id, path, None, density(id));
         // Most rays miss the sun, whose probability costs as much as that of any light.
         let weighted = |(id, radiance): (LightId, Spectrum)| radiance * weight(id);
-        let lights = scene.infinite_lights().iter().map(|&id| (id, scene.infinite_radiance(id, ray)));
+        let lights = scene.infinite_lights().iter().map(|&id| (id, context.infinite_radiance(id, ray)));
         lights.filter(|(_, radiance)| !radiance.is_black()).map(weighted).sum()
     }
 
@@ -323,7 +324,7 @@ impl PathTracer {
         match hit.light() {
             None => Spectrum::BLACK,
             Some(id) => {
-                let emitted = context.scene.emitted(hit, hit.wo);
+                let emitted = context.emitted(hit);
                 if emitted.is_black() {
                     return emitted;
                 }
@@ -372,7 +373,7 @@ fn direct_light<D: DirectionSampler>(
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
     let sample = scene.sample_light_compensated(id, vertex.at, DVec2::new(x, y));
-    let Some((light, shadow)) = vertex.sampled_light(sample, weight) else {
+    let Some((light, shadow)) = vertex.sampled_light(context, id, sample, weight) else {
         directions.record_light(place, &selected, 0.0);
         return None;
     };

@@ -36,9 +36,10 @@ impl Stored {
 
 impl Integrator for Stored {
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum {
-        mirrors::radiance(context, self.max_depth, &|_, vertex, place| {
+        mirrors::radiance(context, self.max_depth, &|context, vertex, place| {
             let irradiance = self.light.as_ref().and_then(|light| light.irradiance(place));
-            vertex.rough_albedo() * irradiance.unwrap_or_default() * FRAC_1_PI
+            let irradiance = irradiance.unwrap_or_default().upsampled_light(&context.wavelengths);
+            vertex.rough_albedo() * irradiance * FRAC_1_PI
         })
     }
 }

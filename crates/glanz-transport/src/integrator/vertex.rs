@@ -1,9 +1,9 @@
 //! A point where light is scattered.
 
 use glanz_geometry::BoundedRay;
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Frame, Ray};
-use glanz_scene::{Interaction, LightId, LightSample, LightSampleContext};
+use glanz_scene::{Interaction, LightId, LightSample, LightSampleContext, Scene};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
@@ -103,6 +103,26 @@ impl<'a> Vertex<'a> {
         self.bsdf.albedo(self.wo)
     }
 
+    /// The albedo in linear Rec. 709, under daylight. `wavelengths`: those of the BSDF.
+    pub(super) fn rgb_albedo(&self, scene: &Scene, wavelengths: &Wavelengths) -> [f32; 3] {
+        let rgb = Wavelengths::Rgb;
+        match wavelengths {
+            Wavelengths::Rgb => self.albedo(),
+            _ => self.at.bsdf(scene, &rgb).map_or(Spectrum::BLACK, |bsdf| bsdf.albedo(self.wo)),
+        }
+        .to_rgb(&rgb)
+    }
+
+    /// Ends the light of other wavelengths than the hero of a path with this `throughput`, at its first dispersive surface.
+    /// `is_dispersed`: whether there was one before, and from now on.
+    #[inline]
+    pub(super) fn disperse(&self, throughput: &mut Spectrum, is_dispersed: &mut bool) {
+        if self.bsdf.is_dispersive() && !*is_dispersed {
+            *is_dispersed = true;
+            *throughput = throughput.hero_alone();
+        }
+    }
+
     /// The fraction of light that is reflected by other lobes than delta lobes.
     pub(super) fn rough_albedo(&self) -> Spectrum {
         let branches = self.bsdf.delta_branches(self.wo, TransportMode::Importance);
@@ -200,21 +220,24 @@ impl<'a> Vertex<'a> {
         xi: DVec2,
         weight: impl FnOnce(DVec3, f64, f64) -> f64,
     ) -> Spectrum {
-        match self.sampled_light(context.scene.sample_light(id, self.at, xi), weight) {
+        let sample = context.scene.sample_light(id, self.at, xi);
+        match self.sampled_light(context, id, sample, weight) {
             Some((light, shadow)) if context.is_free(&shadow.ray, shadow.t_max) => light,
             _ => Spectrum::BLACK,
         }
     }
 
-    /// As [`Vertex::light`], of a sample from this point, with the ray that must be free for the light to arrive. `None` if there is no light.
+    /// As [`Vertex::light`], of a sample of the light `id` from this point, with the ray that must be free for the light to arrive. `None` if there is no light.
     pub(super) fn sampled_light(
         &self,
+        context: &Context<'_>,
+        id: LightId,
         sample: Option<LightSample>,
         weight: impl FnOnce(DVec3, f64, f64) -> f64,
     ) -> Option<(Spectrum, BoundedRay)> {
         let sample = sample?;
         let (value, bsdf_pdf) = self.eval(sample.wi);
-        let light = value * sample.radiance;
+        let light = value * context.light_at(id, sample.radiance);
         if light.is_black() {
             return None;
         }

@@ -72,7 +72,7 @@ fn phong_light(context: &mut Context<'_>, vertex: &Vertex<'_>, surface: &PhongCo
     let mut light = Spectrum::BLACK;
     for id in light_ids(context) {
         if let Some(Light::Infinite(infinite)) = context.scene.light(id) {
-            ambient += infinite.radiance();
+            ambient += context.light_at(id, infinite.radiance());
             continue;
         }
         let xi = context.sampler.next_2d();
@@ -81,7 +81,8 @@ fn phong_light(context: &mut Context<'_>, vertex: &Vertex<'_>, surface: &PhongCo
         };
         // The surface shadows light on its back, as in `Vertex::eval`.
         let lit = vertex.at.point.normal.dot(sample.wi) * vertex.at.point.normal.dot(vertex.at.wo) > 0.0;
-        let intensity = sample.radiance * (std::f64::consts::FRAC_1_PI / sample.pdf.0) as f32;
+        let radiance = context.light_at(id, sample.radiance);
+        let intensity = radiance * (std::f64::consts::FRAC_1_PI / sample.pdf.0) as f32;
         let source = ClassicLight { direction: sample.wi, diffuse: intensity, specular: intensity };
         let scattered = classic(surface, normal, vertex.at.wo, &source);
         if lit && !scattered.is_black() && context.is_free(&sample.shadow, sample.t_max) {

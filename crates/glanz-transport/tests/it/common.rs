@@ -84,6 +84,7 @@ pub(crate) struct Run {
     pub(crate) branching: Option<u32>,
     pub(crate) guide: GuideSettings,
     pub(crate) photons: PhotonSettings,
+    pub(crate) spectral: bool,
     pub(crate) sampler: SamplerKind,
     pub(crate) samples: Range<u32>,
     pub(crate) seed: u64,
@@ -100,6 +101,7 @@ impl Run {
             branching: (integrator == "distributed").then_some(4),
             guide: GuideSettings::Tree,
             photons: PhotonSettings::default(),
+            spectral: false,
             sampler: SamplerKind::Independent,
             samples: 0..samples,
             // Three standard errors leave out one comparison in 370 by chance, and the tests make over a hundred. With
@@ -144,6 +146,7 @@ impl Run {
             branching: self.branching,
             guide: self.guide,
             photons: self.photons,
+            spectral: self.spectral,
             location: None,
         })
         .unwrap()
@@ -159,6 +162,7 @@ impl Run {
             samples_per_pixel: 64,
             samples: self.samples.clone(),
             threads: self.threads,
+            spectral: self.spectral,
             time_limit: None,
         }
     }

@@ -45,6 +45,7 @@ fn layered_and_transmitting_surfaces_without_absorption_are_unseen_in_a_closed_r
     // and frosted glass, each without absorption, change nothing of it outside of glass.
     let (e, rho) = (1.0, 0.5_f32);
     let frosted = MaterialKind::Dielectric(DielectricMaterial {
+        dispersion: None,
         eta: 1.5.into(),
         reflectance: 1.0.into(),
         transmittance: 1.0.into(),

@@ -17,6 +17,7 @@ mod media;
 mod noise;
 mod particles;
 mod same_bits;
+mod spectral;
 mod sppm;
 mod stored;
 mod watched;

@@ -146,6 +146,7 @@ impl RenderRequest {
             samples_per_pixel: MAX_SAMPLES,
             samples: 0..MAX_SAMPLES,
             threads,
+            spectral: integrator.spectral,
             time_limit: None,
         };
         Ok(StreamPlan { camera, integrator, settings, format })

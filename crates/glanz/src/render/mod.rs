@@ -58,6 +58,8 @@ pub struct RenderOptions {
     pub time_limit: Option<Duration>,
     /// Whether lights are sampled at every hit; otherwise paths find them by chance.
     pub light_sampling: Option<bool>,
+    /// Renders with four wavelengths per path instead of red, green and blue, whatever the scene says.
+    pub spectral: bool,
     /// Number of paths into which a camera ray divides at its first rough surface, from 1 to
     /// [`BRANCHING_LIMIT`](glanz_transport::BRANCHING_LIMIT): of the integrators `path`, by default 1, and `distributed`, by default 8. An
     /// error for all others.

@@ -125,6 +125,7 @@ impl RenderPlan {
             samples_per_pixel: self.identity.samples_per_pixel,
             samples: self.samples.clone(),
             threads: self.threads,
+            spectral: self.identity.integrator.spectral,
             time_limit: self.time_limit,
         }
     }
@@ -194,6 +195,7 @@ impl RenderOptions {
         }
         integrator.branching = self.branching.or(integrator.branching);
         integrator.guide = self.guide.unwrap_or(integrator.guide);
+        integrator.spectral |= self.spectral;
         integrator.light_sampling = self.light_sampling.unwrap_or(integrator.light_sampling);
     }
 

@@ -115,6 +115,7 @@ impl Lowering {
             },
             guide,
             photons,
+            spectral: list.boolean("spectral", r)?.unwrap_or(false),
             location: Some(place.location),
         };
         // Parameters of other integrators, and those that affect the noise but not the expected picture.

@@ -218,10 +218,11 @@ impl Lowering {
         list: &mut ParameterList,
         space: ColorSpace,
     ) -> ParseResult<MaterialKind> {
-        let index = self.optional_float(list, "index")?;
+        let (eta, dispersion) = self.refractive_index(list)?;
         let thin = kind == "thindielectric";
         Ok(MaterialKind::Dielectric(DielectricMaterial {
-            eta: self.optional_float(list, "eta")?.or(index).unwrap_or(FloatParameter::Value(1.5)),
+            eta,
+            dispersion,
             reflectance: self.spectrum_or(list, "Kr", 1.0, space)?,
             transmittance: self.spectrum_or(list, "Kt", 1.0, space)?,
             thin,

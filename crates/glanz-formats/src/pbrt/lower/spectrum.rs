@@ -201,12 +201,41 @@ impl Lowering {
         list: &mut ParameterList,
         name: &'static str,
     ) -> ParseResult<Option<FloatParameter>> {
+        Ok(self.optional_index(list, name)?.map(|(value, _)| value))
+    }
+
+    /// As [`Lowering::optional_float`], with the spectrum if it is given by wavelength.
+    pub(super) fn optional_index(
+        &mut self,
+        list: &mut ParameterList,
+        name: &'static str,
+    ) -> ParseResult<Option<(FloatParameter, Option<SpectralDistribution>)>> {
         let Some(p) = list.take(name) else { return Ok(None) };
         if p.kind == ParameterType::Texture {
-            return self.texture_named(&list.subject, &p, false).map(|t| Some(FloatParameter::Texture(t)));
+            let texture = self.texture_named(&list.subject, &p, false)?;
+            return Ok(Some((FloatParameter::Texture(texture), None)));
         }
         let spectrum = self.distribution(&list.subject, &p, ColorSpace::Rec709)?;
-        Ok(Some(FloatParameter::Value(at_d_line(&spectrum))))
+        let value = FloatParameter::Value(at_d_line(&spectrum));
+        Ok(Some((value, Some(spectrum).filter(SpectralDistribution::is_spectral))))
+    }
+
+    /// The refractive index of glass, 1.5 by default: a number, a texture, a spectrum, or the two numbers of Cauchy's formula.
+    pub(super) fn refractive_index(
+        &mut self,
+        list: &mut ParameterList,
+    ) -> ParseResult<(FloatParameter, Option<SpectralDistribution>)> {
+        let place = list.value_place("cauchy");
+        let cauchy = list.float_array::<2>("cauchy", &mut self.reporter)?;
+        let (index, eta) = (self.optional_index(list, "index")?, self.optional_index(list, "eta")?);
+        let Some(coefficients) = cauchy else {
+            return Ok(eta.or(index).unwrap_or((FloatParameter::Value(1.5), None)));
+        };
+        let spectrum = named::cauchy(coefficients).map_err(|error| {
+            let message = format!("{}: \"cauchy\" is not an index: {error}", list.subject);
+            self.reporter.error(&place, "spectrum", message)
+        })?;
+        Ok((FloatParameter::Value(at_d_line(&spectrum)), Some(spectrum)))
     }
 
     /// A number or a texture, or a default.

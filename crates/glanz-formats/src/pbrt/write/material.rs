@@ -40,7 +40,10 @@ pub(super) fn write(text: &mut String, number: usize, kind: &MaterialKind) -> Re
         }
         MaterialKind::Dielectric(material) => {
             list.text("type", if material.thin { "thindielectric" } else { "dielectric" });
-            number_or_texture(&mut list, "eta", material.eta)?;
+            match &material.dispersion {
+                Some(index) => spectrum(&mut list, "eta", &SpectrumParameter::Value(index.clone()))?,
+                None => number_or_texture(&mut list, "eta", material.eta)?,
+            }
             spectrum(&mut list, "Kr", &material.reflectance)?;
             spectrum(&mut list, "Kt", &material.transmittance)?;
             // A pane has no facets.

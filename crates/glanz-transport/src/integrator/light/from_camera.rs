@@ -43,6 +43,8 @@ struct CameraPath {
     light: Spectrum,
     throughput: Spectrum,
     eta_scale: f32,
+    /// Whether the hero of its wavelengths is left alone.
+    is_dispersed: bool,
     /// `None` before the first scattering: no other technique finds directly visible light.
     origin: Option<CameraPathRay>,
     depth: u32,
@@ -65,6 +67,7 @@ impl CameraPath {
             light: Spectrum::BLACK,
             throughput: Spectrum::ONE,
             eta_scale: 1.0,
+            is_dispersed: false,
             origin: None,
             depth: 0,
             interfaces: 0,
@@ -76,7 +79,7 @@ impl CameraPath {
     fn next_ray(&mut self, context: &mut Context<'_>, ray: &Ray, hit: Option<&SceneHit>) -> Option<Ray> {
         let Some(hit) = hit else {
             self.light += match self.depth {
-                0 => self.throughput * context.scene.backdrop_radiance(ray),
+                0 => self.throughput * context.backdrop_radiance(ray),
                 _ => self.throughput * escaped(context, ray, self.origin.as_ref()),
             };
             return None;
@@ -91,6 +94,7 @@ impl CameraPath {
         if self.depth >= self.max_depth {
             return None;
         }
+        vertex.disperse(&mut self.throughput, &mut self.is_dispersed);
         context.sampler.skip_to_dimension(FIRST_DIMENSION + DIMENSIONS_PER_EVENT.wrapping_mul(self.depth));
         self.depth += 1;
         self.interfaces = 0;
@@ -165,7 +169,7 @@ fn escaped(context: &Context<'_>, ray: &Ray, origin: Option<&CameraPathRay>) -> 
         .map(|&id| {
             let sampled =
                 |origin: &CameraPathRay| scene.compensated_infinite_pdf(id, &origin.from, ray.direction).0;
-            scene.infinite_radiance(id, ray)
+            context.infinite_radiance(id, ray)
                 * weight_of_hit(context, id, origin, ray.direction, None, sampled) as f32
         })
         .sum()
@@ -174,7 +178,7 @@ fn escaped(context: &Context<'_>, ray: &Ray, origin: Option<&CameraPathRay>) -> 
 /// Light emitted by the surface at `hit`.
 fn emitted(context: &Context<'_>, hit: &Interaction, origin: Option<&CameraPathRay>) -> Spectrum {
     let Some(id) = hit.light() else { return Spectrum::BLACK };
-    let emitted = context.scene.emitted(hit, hit.wo);
+    let emitted = context.emitted(hit);
     if emitted.is_black() {
         return emitted;
     }
@@ -211,7 +215,7 @@ fn sampled(
     let SelectedLight { id, probability, .. } = scene.select_light(&from, xi_light)?;
     let sample = scene.sample_light_compensated(id, vertex.at, xi)?;
     let (value, light_pdf) = vertex.eval(sample.wi);
-    let light = value * sample.radiance;
+    let light = value * context.light_at(id, sample.radiance);
     if light.is_black() {
         return None;
     }

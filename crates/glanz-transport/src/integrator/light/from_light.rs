@@ -30,7 +30,8 @@ impl LightPathStart {
         let (direction, place) = (context.sampler.next_2d(), context.sampler.next_2d());
         let scene = context.scene;
         let (id, probability) = scene.select_emitter(context.sampler.next_1d())?;
-        let light = scene.emit(id, place, direction)?;
+        let mut light = scene.emit(id, place, direction)?;
+        light.power = context.light_at(id, light.power);
         let is_delta = !scene.light(id).is_some_and(Light::can_be_hit);
         (probability > 0.0).then_some(Self { id, probability, light, is_delta })
     }
@@ -70,6 +71,8 @@ struct LightPath {
     flux: Spectrum,
     /// Factor on the flux since the light.
     left: Spectrum,
+    /// Whether the hero of its wavelengths is left alone.
+    is_dispersed: bool,
     /// `None` before the first vertex.
     weights: Option<LightPathWeights>,
     depth: u32,
@@ -99,6 +102,7 @@ impl LightPath {
             ray: Some(start.light.ray),
             flux: start.light.power * (1.0 / start.probability) as f32,
             left: Spectrum::ONE,
+            is_dispersed: false,
             weights: None,
             depth: 0,
             interfaces: 0,
@@ -116,6 +120,7 @@ impl LightPath {
         self.depth += 1;
         self.interfaces = 0;
         let vertex = Vertex::new(&hit, bsdf);
+        vertex.disperse(&mut self.flux, &mut self.is_dispersed);
         let weights = match self.weights {
             Some(weights) => weights,
             None => {
