@@ -195,10 +195,7 @@ impl SpectralDistribution {
             Wavelengths::Rgb => Spectrum::from_rgb(match self {
                 Self::Constant(value) => [*value; 3],
                 Self::Rgb(rgb) => *rgb,
-                Self::Blackbody { kelvin, scale } => {
-                    let peak = blackbody_peak_nm(*kelvin);
-                    to_f32(under_daylight(|nm| f64::from(*scale) * blackbody(nm, *kelvin, peak), &[]))
-                }
+                Self::Blackbody { .. } => to_f32(under_daylight(|nm| self.at(nm), &[])),
                 Self::Sampled(samples) => {
                     let (low, high) = samples.range();
                     to_f32(under_daylight(|nm| samples.at(nm), samples.points())).map(|x| x.clamp(low, high))
@@ -262,18 +259,12 @@ impl SpectralDistribution {
 
     /// CIE XYZ of the emitted light, divided by the integral of the luminosity function.
     fn xyz(&self) -> [f64; 3] {
-        let sums = match self {
-            Self::Constant(value) => integrate(|nm| cie::observer(nm).map(|c| c * f64::from(*value)), &[]),
+        let knots = match self {
             Self::Rgb(rgb) => return crate::rgb::rgb_to_xyz(rgb.map(f64::from)),
-            Self::Blackbody { kelvin, scale } => {
-                let peak = blackbody_peak_nm(*kelvin);
-                let body = |nm| f64::from(*scale) * blackbody(nm, *kelvin, peak);
-                integrate(|nm| cie::observer(nm).map(|c| c * body(nm)), &[])
-            }
-            Self::Sampled(samples) => {
-                integrate(|nm| cie::observer(nm).map(|c| c * samples.at(nm)), samples.points())
-            }
+            Self::Sampled(samples) => samples.points(),
+            Self::Constant(_) | Self::Blackbody { .. } => &[],
         };
+        let sums = integrate(|nm| cie::observer(nm).map(|c| c * self.at(nm)), knots);
         sums.map(|sum| sum / cie::Y_INTEGRAL)
     }
 }

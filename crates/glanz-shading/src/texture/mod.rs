@@ -361,6 +361,20 @@ mod tests {
     }
 
     #[test]
+    fn colors_become_spectra_and_numbers_stay() {
+        let wavelengths = Wavelengths::Sampled(glanz_light::SampledWavelengths::sample(0.4));
+        let mut textures = Textures::new();
+        let uv = textures.add(Texture::Uv(TextureMapping::default())).unwrap();
+        let color = Spectrum::from_rgb([0.25, 0.75, 0.0]).upsampled(&wavelengths);
+        assert_eq!(textures.spectrum(&SpectrumInput::Texture(uv), &point(), &wavelengths), color);
+        assert!((color - Spectrum::from_rgb([0.25, 0.75, 0.0])).max_component() > 0.1);
+        let at = point();
+        let evaluator = crate::parameter::TextureEvaluator::new(&textures, &at, &wavelengths);
+        assert_eq!(evaluator.float(&FloatInput::Texture(uv)), 1.0 / 3.0);
+        assert_eq!(evaluator.spectrum(&SpectrumInput::from(0.3)), Spectrum::splat(0.3));
+    }
+
+    #[test]
     fn uv_shows_the_fractions_of_the_coordinates() {
         let mut textures = Textures::new();
         let mapping = TextureMapping::Uv { scale: DVec2::splat(5.0), offset: DVec2::ZERO };

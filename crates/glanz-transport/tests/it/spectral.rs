@@ -88,6 +88,30 @@ fn spectra_multiply_by_wavelength() {
 }
 
 #[test]
+fn metal_reflects_by_its_constants_at_each_wavelength() {
+    let [eta, k] = ["metal-Au-eta", "metal-Au-k"].map(|name| named::spectrum(name).unwrap());
+    let gold =
+        MaterialKind::conductor(SpectrumParameter::Value(eta.clone()), SpectrumParameter::Value(k.clone()));
+    let scene =
+        resolved(&one_pixel(DVec3::NEG_X * 3.0, DVec3::ZERO).shape(ShapeDescription::sphere(1.0), gold));
+    let hit = scene.intersect(&Ray::new(DVec3::NEG_X * 3.0, DVec3::X), f64::INFINITY).unwrap();
+    let at = |spectrum: &SpectralDistribution, nm: f64| match spectrum {
+        SpectralDistribution::Sampled(samples) => samples.at(nm),
+        other => unreachable!("{other:?}"),
+    };
+    for xi in [0.05, 0.3, 0.6, 0.8] {
+        let sampled = SampledWavelengths::sample(xi);
+        let nm = f64::from(sampled.nm()[0]);
+        let (n, k) = (at(&eta, nm), at(&k, nm));
+        // Fresnel's equations at normal incidence.
+        let expected = ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
+        let bsdf = hit.bsdf(&scene, &Wavelengths::Sampled(sampled)).unwrap();
+        let found = f64::from(bsdf.albedo(DVec3::Z).hero());
+        assert!((found - expected).abs() < 1e-4, "{nm} nm: {found}, not {expected}");
+    }
+}
+
+#[test]
 fn dispersive_glass_without_absorption_is_unseen_in_a_white_room() {
     for roughness in [0.0, 0.3] {
         let sphere = |y: f64| ShapeDescription::sphere(0.5).translated([0.5, y, 0.0]);

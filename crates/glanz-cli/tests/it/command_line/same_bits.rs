@@ -243,6 +243,22 @@ fn grid_guide_is_selected_resumed_and_reused_by_the_command_line() {
 }
 
 #[test]
+fn spectral_pictures_are_pictures_of_their_own() {
+    let folder = Folder::with_scene();
+    folder.succeed("render small.pbrt --spp 4 -q -o rgb.exr --checkpoint rgb.glanz");
+    for threads in [1, 2] {
+        folder.succeed(&format!(
+            "render small.pbrt --spp 4 -q --spectral --threads {threads} -o {threads}.exr"
+        ));
+    }
+    assert_eq!(folder.bytes("1.exr"), folder.bytes("2.exr"));
+    assert_ne!(folder.bytes("1.exr"), folder.bytes("rgb.exr"));
+    folder
+        .run("render small.pbrt --spp 8 -q --spectral --checkpoint rgb.glanz --resume -o m.exr")
+        .refused(1, &["rgb.glanz", "another picture", "spectral"]);
+}
+
+#[test]
 fn options_of_other_integrators_are_refused() {
     let folder = Folder::with_scene();
     folder

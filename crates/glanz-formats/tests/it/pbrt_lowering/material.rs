@@ -49,6 +49,40 @@ fn glass_by_name_has_the_index_of_its_catalogue() {
     }
 }
 
+/// The index at the d line and that at 450 nm, if it is given by wavelength.
+fn dispersion_of(text: &str) -> (f32, Option<f64>) {
+    let kind = material(text);
+    let MaterialKind::Dielectric(glass) = &kind else { panic!("{text}") };
+    let at_450 = glass.dispersion.as_ref().map(|index| match index {
+        SpectralDistribution::Sampled(samples) => samples.at(450.0),
+        other => panic!("{other:?}"),
+    });
+    (index_of(&kind, glass.thin), at_450)
+}
+
+#[test]
+fn index_by_wavelength_is_dispersion() {
+    // Schott's formula for N-BK7 at 450 nm.
+    let (_, blue) = dispersion_of("\"dielectric\" \"spectrum eta\" \"glass-BK7\"");
+    assert!((blue.unwrap() - 1.525_32).abs() < 1e-5, "{blue:?}");
+    // 1.5 + 0.0081 / 0.45^2, and at 587.5618 nm.
+    let (eta, blue) = dispersion_of("\"glass\" \"float cauchy\" [1.5 0.0081]");
+    assert!((blue.unwrap() - 1.54).abs() < 1e-6 && (eta - 1.523_46).abs() < 1e-5, "{eta} {blue:?}");
+    for same in ["\"float eta\" 1.7", "\"rgb eta\" [1.7 1.7 1.7]", "\"float index\" 1.7"] {
+        assert_eq!(dispersion_of(&format!("\"glass\" {same}")), (1.7, None), "{same}");
+    }
+}
+
+#[test]
+fn integrators_are_spectral_if_asked() {
+    for (text, expected) in
+        [("", false), (" \"bool spectral\" true", true), (" \"bool spectral\" false", false)]
+    {
+        let loaded = read_clean(&format!("Film \"rgb\" Integrator \"path\"{text} WorldBegin"));
+        assert_eq!(loaded.description.integrator.spectral, expected);
+    }
+}
+
 #[test]
 fn metals_by_name_keep_their_spectrum_and_copper_is_the_default() {
     for (text, metal) in [
