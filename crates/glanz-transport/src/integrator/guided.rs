@@ -159,15 +159,19 @@ impl<'a> GuideDirections<'a> {
         }
     }
 
-    fn luminance(&self, spectrum: Spectrum) -> f64 {
-        f64::from(spectrum.luminance(&self.wavelengths))
-    }
-
     /// Expected luminance of a vertex towards the viewer, without light sampling, if it is known.
     fn expectation(&self, place: &GuidedVertex, vertex: &Vertex<'_>) -> Option<f64> {
         let is_known = place.flux > 0.0 && vertex.diffuse_probability() == 1.0;
-        is_known.then(|| self.luminance(vertex.albedo()) * place.flux / PI)
+        is_known.then(|| brightness(vertex.albedo(), &self.wavelengths) * place.flux / PI)
     }
+}
+
+/// Luminance of a throughput times white light. At sampled wavelengths the mean: a path of blue light has hardly any luminance, but all of the blue.
+fn brightness(throughput: Spectrum, wavelengths: &Wavelengths) -> f64 {
+    f64::from(match wavelengths {
+        Wavelengths::Rgb => throughput.luminance(wavelengths),
+        _ => throughput.mean(wavelengths),
+    })
 }
 
 impl DirectionSampler for GuideDirections<'_> {
@@ -259,17 +263,17 @@ impl DirectionSampler for GuideDirections<'_> {
         state: &RouletteState,
     ) -> f64 {
         let known = place.as_ref().filter(|place| place.flux > 0.0 && !scattered.is_delta);
-        let luminance = |spectrum: Spectrum| f64::from(spectrum.luminance(&self.wavelengths));
+        let wavelengths = &self.wavelengths;
         let by_light = known.and_then(|place| {
             let path = *self.expected.get_or_insert_with(|| {
                 // An estimate that treats all surfaces as diffuse.
-                let own = luminance(state.before * vertex.albedo()) * place.flux / PI;
+                let own = brightness(state.before * vertex.albedo(), wavelengths) * place.flux / PI;
                 survival::expected(own, self.guide.brightness)
             });
             let guide_pdf = self.drawn.map_or(scattered.bsdf_pdf, |(pdf, _)| pdf);
             let radiance = place.flux * survival::believed(guide_pdf, scattered.bsdf_pdf)
                 / vertex.cosine(scattered.direction).abs();
-            survival::probability(luminance(state.after) * radiance, path)
+            survival::probability(brightness(state.after, wavelengths) * radiance, path)
         });
         self.survival = by_light.unwrap_or_else(|| state.by_throughput());
         self.survival
