@@ -227,5 +227,6 @@ fn white_line_seen_through_a_prism_is_a_spectrum() {
         (27.0..33.0).contains(&red) && (33.0..42.0).contains(&green) && (42.0..56.0).contains(&blue);
     assert!(are_apart, "{red} {green} {blue}");
     let same = seen(MaterialKind::dielectric(n as f32, 1.0, 1.0), spectral(run));
-    assert!((same[0] - same[2]).abs() < 1e-3, "{same:?}");
+    // All bands in the row of 587.6 nm, which is that in the middle, up to their noise.
+    assert!((same[0] - same[2]).abs() < 0.05 && (same[1] - 31.5).abs() < 0.5, "{same:?}");
 }
