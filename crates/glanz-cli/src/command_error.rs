@@ -63,9 +63,7 @@ fn advice(error: &Error) -> Option<String> {
             ));
         }
         Error::SampleOrder { next, .. } => {
-            return Some(format!(
-                "begin at {next}, use a learnt guide with --guide-in, or leave out --noise"
-            ));
+            return Some(format!("begin at {next}, or use a learnt guide with --guide-in"));
         }
         Error::Film(FilmError::Size(..) | FilmError::Memory(_)) => "choose a smaller picture with --size",
         Error::Guide(_) => "choose a smaller grid or scale with --guide",
@@ -82,7 +80,7 @@ fn advice(error: &Error) -> Option<String> {
             "learn a guide once with --guide-out, render every part with --guide-in, and without --noise"
         }
         Error::Denoise(DenoiseError::NotFound { .. }) => {
-            "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to its folder"
+            "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to the folder that contains its folder lib (of pyoidn: site-packages/pyoidn/oidn)"
         }
         Error::Bake(BakeError::TooMany(..)) => "choose fewer with --texels-per-metre",
         Error::NoReceiver { .. } => {

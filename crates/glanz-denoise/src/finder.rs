@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
-/// Name of the environment variable with the folder of the library, or with the folder of its `lib` or `bin`.
+/// Name of the environment variable with the folder of the library, or with the folder of its `lib`, `lib64` or `bin`.
 pub const DIRECTORY_VARIABLE: &str = "OIDN_DIR";
 
 #[cfg(target_os = "windows")]
@@ -19,7 +19,7 @@ pub(crate) fn candidates(directory: Option<&OsStr>) -> Vec<PathBuf> {
         return FILE_NAMES.map(PathBuf::from).to_vec();
     };
     let directory = PathBuf::from(directory);
-    let folders = [directory.clone(), directory.join("lib"), directory.join("bin")];
+    let folders = [directory.clone(), directory.join("lib"), directory.join("lib64"), directory.join("bin")];
     folders.iter().flat_map(|folder| FILE_NAMES.map(|name| folder.join(name))).collect()
 }
 

@@ -68,9 +68,9 @@ pub struct NoisyPicture {
     pub size: [u32; 2],
     /// Linear radiance.
     pub color: Vec<[f32; 3]>,
-    /// Albedo of the first hit, in [0, 1].
+    /// Albedo of the first hit, in [0, 1]: the mean over all samples, 0 for those without a hit.
     pub albedo: Vec<[f32; 3]>,
-    /// Shading normal of the first hit; its mean over a pixel may be shorter than 1.
+    /// Shading normal of the first hit: the mean over all samples, 0 for those without a hit.
     pub normal: Vec<[f32; 3]>,
 }
 
@@ -114,6 +114,7 @@ impl Denoiser {
         cancel: &CancelFlag,
     ) -> Result<Vec<[f32; 3]>, DenoiseError> {
         picture.check()?;
+        cancel.check()?;
         if picture.color.is_empty() {
             return Ok(picture.color);
         }

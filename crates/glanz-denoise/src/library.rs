@@ -78,8 +78,12 @@ impl Library {
         // have no preconditions.
         let library = match unsafe { libloading::Library::new(path) } {
             Ok(library) => library,
-            // The reason of the system has the name of the file.
-            Err(error) => return Ok(Err(error.source().unwrap_or(&error).to_string())),
+            Err(error) => {
+                let (reason, name) =
+                    (error.source().unwrap_or(&error).to_string(), path.display().to_string());
+                // Not all systems name the file.
+                return Ok(Err(if reason.contains(&name) { reason } else { format!("{name}: {reason}") }));
+            }
         };
         match Functions::of(&library) {
             Ok(functions) => Ok(Ok(Self { functions, _library: library })),
@@ -152,29 +156,31 @@ impl Device<'_> {
         // threads, while this function runs.
         unsafe {
             let filter = (functions.new_filter)(self.handle, name("RT").as_ptr());
-            if !filter.is_null() {
-                for image in images {
-                    let pixels = image.pixels.as_mut_ptr().cast();
-                    (functions.set_image)(
-                        filter,
-                        name(image.name).as_ptr(),
-                        pixels,
-                        FLOAT3,
-                        width,
-                        height,
-                        0,
-                        0,
-                        0,
-                    );
-                }
-                for flag in flags {
-                    (functions.set_bool)(filter, name(flag).as_ptr(), true);
-                }
-                (functions.set_progress)(filter, on_progress, (&raw const *monitor).cast_mut().cast());
-                (functions.commit_filter)(filter);
-                (functions.execute_filter)(filter);
-                (functions.release_filter)(filter);
+            if filter.is_null() {
+                let unknown = || DenoiseError::Library("no filter".to_owned());
+                return Err(self.error().err().unwrap_or_else(unknown));
             }
+            for image in images {
+                let pixels = image.pixels.as_mut_ptr().cast();
+                (functions.set_image)(
+                    filter,
+                    name(image.name).as_ptr(),
+                    pixels,
+                    FLOAT3,
+                    width,
+                    height,
+                    0,
+                    0,
+                    0,
+                );
+            }
+            for flag in flags {
+                (functions.set_bool)(filter, name(flag).as_ptr(), true);
+            }
+            (functions.set_progress)(filter, on_progress, (&raw const *monitor).cast_mut().cast());
+            (functions.commit_filter)(filter);
+            (functions.execute_filter)(filter);
+            (functions.release_filter)(filter);
         }
         self.error()
     }

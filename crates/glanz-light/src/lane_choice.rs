@@ -17,6 +17,7 @@ impl LaneChoice {
     pub fn try_new(weights: Spectrum, wavelengths: &Wavelengths) -> Option<Self> {
         let used = match wavelengths {
             Wavelengths::Rgb => Spectrum::from_rgb(weights.to_rgb(wavelengths)),
+            Wavelengths::Sampled(_) => weights,
         };
         let sum = used.sum_of_lanes();
         (sum > 0.0 && sum.is_finite()).then(|| Self(used.map(|weight| weight.max(0.0) / sum)))
@@ -25,6 +26,8 @@ impl LaneChoice {
     /// The value of the lane that a number uniform in [0, 1) chooses.
     #[must_use]
     pub fn select(&self, values: Spectrum, xi: f64) -> f32 {
+        // The probabilities are rounded: a number beyond their sum would choose the last lane.
+        let xi = xi * self.0.lanes().into_iter().map(f64::from).sum::<f64>();
         let (mut below, mut chosen) = (0.0, 0.0);
         for (probability, value) in self.0.lanes().into_iter().zip(values.lanes()) {
             if probability > 0.0 && xi >= below {

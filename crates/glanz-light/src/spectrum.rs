@@ -31,6 +31,15 @@ impl Spectrum {
     /// One in every lane.
     pub const ONE: Self = Self([1.0; LANES]);
 
+    /// One in each lane in use.
+    #[must_use]
+    pub fn one(wavelengths: &Wavelengths) -> Self {
+        match wavelengths {
+            Wavelengths::Rgb => Self::from_rgb([1.0; 3]),
+            Wavelengths::Sampled(_) => Self::ONE,
+        }
+    }
+
     /// The same value in every lane.
     #[must_use]
     pub const fn splat(value: f32) -> Self {

@@ -13,7 +13,7 @@ use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
 /// cosine. It scatters all light; what the medium absorbs is no part of it.
 ///
 /// # Source
-/// @henyey1941; directions as in @pharr2023 section 11.3.1: both point away from the particle, so that `wi = -wo` is straight on.
+/// @henyey1941; directions as in @pharr2023 section 11.3.1: both point away from the particle, so that `wi = -wo` continues straight ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HenyeyGreenstein {
     g: f64,
@@ -23,7 +23,7 @@ pub struct HenyeyGreenstein {
 const ISOTROPIC: f64 = 1e-6;
 
 impl HenyeyGreenstein {
-    /// `g`: the mean cosine of the angle by which light is turned, between -1 and 1 (both excluded): above 0 it goes on, below 0 it comes back.
+    /// `g`: the asymmetry parameter, the mean cosine of the scattering angle, between -1 and 1 (both excluded): above 0 forwards, below 0 backwards.
     /// `None` for others.
     #[must_use]
     pub fn try_new(g: f64) -> Option<Self> {
@@ -34,7 +34,7 @@ impl HenyeyGreenstein {
     fn density(&self, cos: f64) -> f64 {
         let g = self.g;
         // 1 + g^2 + 2 g cos without cancellation where it is small.
-        let denominator = (1.0 - g.abs()).powi(2) + 2.0 * (g.abs() + g * cos);
+        let denominator = (1.0 - g.abs()).powi(2) + 2.0 * (g.abs() + g * cos).max(0.0);
         0.25 * FRAC_1_PI * (1.0 - g * g) / (denominator * denominator.sqrt())
     }
 

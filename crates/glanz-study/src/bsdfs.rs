@@ -87,6 +87,7 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
         reflectance: 1.0.into(),
         transmittance: 1.0.into(),
         thin: false,
+        dispersion: None,
         roughness: rough(alpha),
         multiple_scattering: true,
     };

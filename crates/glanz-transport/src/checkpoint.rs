@@ -234,7 +234,7 @@ fn decode_format(d: &mut Decoder<'_>) -> Option<FilmFormat> {
         splats: d.u8()? != 0,
         noise: match d.u32()? {
             0 => None,
-            millionths => Some(NoiseLevel::try_new(1e-6 * f64::from(millionths))?),
+            millionths => Some(NoiseLevel::try_new(f64::from(millionths) / 1e6)?),
         },
     })
 }
@@ -335,6 +335,20 @@ mod tests {
         let checkpoint = example();
         assert_eq!(checkpoint.film.rejects().dropped, 60);
         assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes()), Ok(checkpoint));
+    }
+
+    #[test]
+    fn ends_of_tiles_are_read_back_and_foreign_ones_refused() {
+        let Checkpoint { identity, film } = example();
+        let format = FilmFormat { splats: false, noise: NoiseLevel::try_new(0.05), ..*film.format() };
+        let identity = PictureIdentity { film: format, ..identity };
+        let mut film = Film::try_new(format).unwrap();
+        film.finish_pass(0..40, Rejects::default()).unwrap();
+        let with = |ends: [u32; 2]| film.clone().with_tile_ends(ends.to_vec());
+        let checkpoint = Checkpoint { identity, film: with([32, u32::MAX]).unwrap() };
+        assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes()), Ok(checkpoint));
+        assert!(with([48, 32]).is_none() && with([31, 32]).is_none());
+        assert!(film.with_tile_ends(vec![32]).is_none());
     }
 
     #[test]

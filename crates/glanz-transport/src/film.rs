@@ -7,7 +7,7 @@ pub use crate::channels::channel_names;
 use crate::channels::channel_values;
 use crate::edges::EdgeLayer;
 use crate::guide::{Guide, Training};
-use crate::noise::{self, ENDLESS, NoiseLevel};
+use crate::noise::{self, NOT_ENDED, NoiseLevel};
 use crate::passes::Passes;
 use crate::pixel::{PixelLayout, PixelSums, PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
@@ -54,7 +54,7 @@ pub enum FilmError {
     /// Two films with common samples.
     #[error(transparent)]
     Overlap(#[from] OverlapError),
-    /// A film whose training depends on the order of samples, which cannot be merged.
+    /// A film whose training or noise level depends on the order of samples, which cannot be merged.
     #[error("its samples depend on earlier ones")]
     Learning,
     /// More samples than the sums can hold exactly.
@@ -141,7 +141,7 @@ impl FilmFormat {
 
 /// The buffers of a film, for threads to fill.
 pub(crate) struct FilmParts<'a> {
-    /// The tiles with their words.
+    /// The tiles that have not ended, with their words.
     pub(crate) tiles: Vec<(PixelRect, &'a mut [u64])>,
     /// Target of splats.
     pub(crate) splats: SplatRows<'a>,
@@ -166,7 +166,7 @@ pub struct Film {
     passes: Passes,
     /// Lines that are drawn over the picture.
     edges: Option<EdgeLayer>,
-    /// Numbers of samples with which the tiles ended, or [`ENDLESS`]; empty without a noise level.
+    /// Numbers of samples with which the tiles ended, or [`NOT_ENDED`]; empty without a noise level.
     tile_ends: Vec<u32>,
 }
 
@@ -214,14 +214,15 @@ impl Film {
 
     fn without_samples(format: FilmFormat, words: Vec<u64>) -> Self {
         let (samples, rejects, passes) = Default::default();
-        let tile_ends = format.noise.map_or(Vec::new(), |_| vec![ENDLESS; format.crop.tiles().count()]);
+        let tile_ends = format.noise.map_or(Vec::new(), |_| vec![NOT_ENDED; format.crop.tiles().count()]);
         Self { format, words, samples, rejects, passes, edges: None, tile_ends }
     }
 
     /// The film with these numbers of samples with which its tiles ended; `None` if they are not those of a film of its format and samples.
     pub(crate) fn with_tile_ends(mut self, tile_ends: Vec<u32>) -> Option<Self> {
         let total = self.samples.total();
-        let fine = tile_ends.iter().all(|&end| end == ENDLESS || u64::from(end) <= total);
+        let fine =
+            tile_ends.iter().all(|&end| end == NOT_ENDED || noise::is_check(end) && u64::from(end) <= total);
         if !fine || tile_ends.len() != self.tile_ends.len() {
             return None;
         }
@@ -229,7 +230,7 @@ impl Film {
         Some(self)
     }
 
-    /// Numbers of samples with which the tiles ended, or [`ENDLESS`]; empty without a noise level.
+    /// Numbers of samples with which the tiles ended, or [`NOT_ENDED`]; empty without a noise level.
     pub(crate) fn tile_ends(&self) -> &[u32] {
         &self.tile_ends
     }
@@ -240,9 +241,15 @@ impl Film {
         self.tile_ends.get(tile).map_or(total, |&end| u64::from(end).min(total))
     }
 
+    /// Number of tiles that have not reached the noise level.
+    #[must_use]
+    pub fn open_tiles(&self) -> u64 {
+        self.tile_ends.iter().filter(|&&end| end == NOT_ENDED).count() as u64
+    }
+
     /// Whether all tiles have reached the noise level.
-    pub(crate) fn is_quiet(&self) -> bool {
-        !self.tile_ends.is_empty() && self.tile_ends.iter().all(|&end| end != ENDLESS)
+    pub(crate) fn is_converged(&self) -> bool {
+        !self.tile_ends.is_empty() && self.tile_ends.iter().all(|&end| end != NOT_ENDED)
     }
 
     /// The film with this state of its passes.
@@ -287,7 +294,7 @@ impl Film {
         &self.format
     }
 
-    /// The samples of every pixel.
+    /// The samples of every pixel; tiles that have ended have the first of them.
     #[must_use]
     pub fn samples(&self) -> &SampleRanges {
         &self.samples
@@ -339,7 +346,7 @@ impl Film {
         let mut tiles = Vec::new();
         for (number, tile) in format.crop.tiles().enumerate() {
             let (words, tail) = rest.split_at_mut(tile.len() as usize * stride);
-            if self.tile_ends.get(number).is_none_or(|&end| end == ENDLESS) {
+            if self.tile_ends.get(number).is_none_or(|&end| end == NOT_ENDED) {
                 tiles.push((tile, words));
             }
             rest = tail;
@@ -360,11 +367,14 @@ impl Film {
         if over {
             self.settle();
         }
-        let total = u32::try_from(self.samples.total()).unwrap_or(ENDLESS);
+        let total = u32::try_from(self.samples.total()).unwrap_or(NOT_ENDED);
         if let Some(level) = self.format.noise.filter(|_| noise::is_check(total)) {
-            let quiet = noise::quiet_tiles(self, level);
-            let ending =
-                self.tile_ends.iter_mut().zip(quiet).filter(|(end, quiet)| *quiet && **end == ENDLESS);
+            let converged = noise::converged_tiles(self, level);
+            let ending = self
+                .tile_ends
+                .iter_mut()
+                .zip(converged)
+                .filter(|(end, converged)| *converged && **end == NOT_ENDED);
             ending.for_each(|(end, _)| *end = total);
         }
         Ok(())
@@ -414,7 +424,7 @@ impl Film {
     ///
     /// # Errors
     /// [`FilmError::Layout`] if the formats or the edges differ, [`FilmError::Overlap`] if a sample is in both, and
-    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes; after an error this film is
+    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes or a noise level; after an error this film is
     /// unchanged.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
         if self.format != other.format {
@@ -460,6 +470,18 @@ impl Film {
         places.zip(self.sums().0.chunks_exact(layout.words())).map(move |((tile, [x, y]), words)| {
             (tile, [x - origin[0], y - origin[1]], PixelSums::read(&layout, words))
         })
+    }
+
+    /// The share of the samples of each pixel that hit a surface, row by row; 0 without channels of the first hit.
+    #[must_use]
+    pub fn hit_shares(&self) -> Vec<f32> {
+        let width = self.format.crop.size[0] as usize;
+        let mut shares = vec![0.0; self.format.crop.len() as usize];
+        for (tile, [x, y], sums) in self.pixels() {
+            let samples = self.samples_of_tile(tile).max(1);
+            shares[y as usize * width + x as usize] = sums.hits() as f32 / samples as f32;
+        }
+        shares
     }
 
     /// Splatted light of the pixel in that row and column of the crop window.

@@ -67,11 +67,11 @@ impl JobIdentity for PictureIdentity {
             ("the scene (content hash)", format!("{:032x}", self.scene)),
             ("the picture size", format!("{width} x {height}")),
             ("the crop window", format!("{w} x {h} pixels at ({x}, {y})")),
-            ("the list of extra channels", self.film.aovs.to_string()),
             (
                 "the noise level",
                 self.film.noise.map_or_else(|| "none".to_owned(), |noise| noise.error().to_string()),
             ),
+            ("the list of extra channels", self.film.aovs.to_string()),
             ("the filter", format!("{:?}", self.filter)),
             ("the integrator", self.integrator.to_string()),
             ("the sampler", self.sampler.name().to_owned()),

@@ -5,9 +5,9 @@
 //! ends when the noise of it and of the tiles around it is at most the level. Checks take place at fixed numbers of samples, so that the
 //! picture depends on scene, settings, seed and level alone.
 //!
-//! A tile whose samples happen to be even ends early, so that its mean is not strictly unbiased. Each check judges 256 pixels with at least 32 samples by
-//! one number, to which a single pixel contributes a 256th: the bias of a pixel is about this fraction of its standard error, and is not seen
-//! unless light is so rare that 8192 samples around a tile miss it.
+//! A tile whose samples happen to be even ends early, so that its mean is not strictly unbiased: for 256 pixels of skewness s and n samples by about
+//! s / (300 sqrt(n)) of the standard error of a pixel, more in smaller tiles. Light that all samples of a tile and of the eight around it miss (73728 at
+//! the first check) is lost.
 
 use crate::film::Film;
 use crate::pixel::PixelValue;
@@ -19,8 +19,8 @@ const FIRST_CHECK: u32 = 32;
 /// Mean luminance below which a tile is judged as if it had this, relative to that of the picture.
 const DARK: f64 = 0.1;
 
-/// Number of samples of a tile that takes more.
-pub(crate) const ENDLESS: u32 = u32::MAX;
+/// Stands for the end of a tile that has not ended.
+pub(crate) const NOT_ENDED: u32 = u32::MAX;
 
 /// A relative standard error, in millionths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ impl NoiseLevel {
     /// The relative standard error.
     #[must_use]
     pub fn error(self) -> f64 {
-        1e-6 * f64::from(self.0)
+        f64::from(self.0) / 1e6
     }
 
     /// In millionths.
@@ -104,17 +104,18 @@ fn noise_of_tiles(film: &Film) -> Vec<f64> {
 }
 
 /// The tiles whose noise, and that of those around them, is at most `level`, in the order of [`PixelRect::tiles`].
-pub(crate) fn quiet_tiles(film: &Film, level: NoiseLevel) -> Vec<bool> {
+pub(crate) fn converged_tiles(film: &Film, level: NoiseLevel) -> Vec<bool> {
     let noise = noise_of_tiles(film);
     let PixelRect { size, .. } = film.format().crop;
     let [columns, rows] = size.map(|side| side.div_ceil(TILE_SIDE) as usize);
-    let is_quiet =
+    let is_converged =
         |column: usize, row: usize| noise.get(row * columns + column).is_none_or(|&n| n <= level.error());
     let around = |middle: usize, count: usize| middle.saturating_sub(1)..(middle + 2).min(count);
-    let all_quiet = |column, row| around(row, rows).all(|y| around(column, columns).all(|x| is_quiet(x, y)));
+    let all_converged =
+        |column, row| around(row, rows).all(|y| around(column, columns).all(|x| is_converged(x, y)));
     (0..rows)
         .flat_map(|row| (0..columns).map(move |column| (column, row)))
-        .map(|(x, y)| all_quiet(x, y))
+        .map(|(x, y)| all_converged(x, y))
         .collect()
 }
 
@@ -137,7 +138,9 @@ mod tests {
 
     #[test]
     fn levels_are_errors_above_zero() {
-        assert_eq!(NoiseLevel::try_new(0.02).map(NoiseLevel::error), Some(0.02));
+        for error in [0.02, 0.05, 0.07, 0.1, 1.0] {
+            assert_eq!(NoiseLevel::try_new(error).map(NoiseLevel::error), Some(error));
+        }
         for error in [0.0, -1.0, 1.5, f64::NAN, f64::INFINITY] {
             assert_eq!(NoiseLevel::try_new(error), None);
         }

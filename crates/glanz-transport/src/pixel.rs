@@ -278,6 +278,11 @@ impl PixelSums {
         self.identity.0 = self.identity.0.min(other.identity.0);
     }
 
+    /// Number of samples that hit a surface.
+    pub(crate) fn hits(&self) -> u64 {
+        self.hits
+    }
+
     /// Mean and variance of the mean per band, from `count` samples in all.
     ///
     /// The mean is the sum of signed samples over the sum of signs; with a filter without negative lobes the plain mean.

@@ -153,7 +153,7 @@ pub fn render(
     let mut samples = 0;
     let end = loop {
         let gap = film.samples().missing(settings.samples.clone()).into_iter().next();
-        let Some(gap) = gap.filter(|_| !film.is_quiet()) else {
+        let Some(gap) = gap.filter(|_| !film.is_converged()) else {
             break JobEnd::Complete;
         };
         // A cancelled render returns a picture with at least one sample per pixel.

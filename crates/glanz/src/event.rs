@@ -51,6 +51,13 @@ pub enum Warning {
         /// Their number.
         samples: u64,
     },
+    /// Photons, which see neither participating media nor sampled wavelengths, are left out.
+    NoPhotons,
+    /// Tiles of the picture that ended above its noise level.
+    NoiseAboveLevel {
+        /// Their number.
+        tiles: u64,
+    },
     /// Noise was to be removed from the picture, but the job was cancelled.
     NotDenoised,
     /// Edges were to be drawn over the picture, but the scene has none.
@@ -124,6 +131,13 @@ impl fmt::Display for Warning {
             ),
             Self::Cut { samples } => {
                 write!(f, "{} too bright to be added and cut", plural(*samples, "sample was", "samples were"))
+            }
+            Self::NoPhotons => f.write_str(
+                "no photons are traced: they see neither participating media nor wavelengths; caustics are found by chance alone",
+            ),
+            Self::NoiseAboveLevel { tiles } => {
+                let tiles = plural(*tiles, "tile", "tiles");
+                write!(f, "{tiles} of 16 x 16 pixels ended above the noise level; more samples or more time are needed")
             }
             Self::NotDenoised => f.write_str("the picture has its noise: the job ended before it was removed"),
             Self::NoEdges => f.write_str("no edges are drawn: only models from CAD files have edges"),

@@ -79,7 +79,7 @@ fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -
             Some(format!("{first} and {second} both have samples {} to {last}", samples.start))
         }
         Error::Merge(MergeError::Learning { part }) => Some(format!(
-            "{} learnt its own guide during the render: its passes depend on one another",
+            "the samples of {} depend on earlier ones (a noise level, or a guide that was learnt during the render)",
             name(*part)
         )),
         _ => None,

@@ -117,14 +117,19 @@ impl GltfReader<'_, '_> {
             let Some(volume) = found else { return Ok(None) };
             let distance = volume.positive("attenuationDistance", f64::INFINITY)?;
             let color = volume.color::<3>("attenuationColor")?.unwrap_or([1.0; 3]);
-            // No absorption leaves nothing at all.
+            // A colour of 0 would need infinite absorption.
             let absorption =
                 color.map(|c| -(c.clamp(f64::from(f32::MIN_POSITIVE), 1.0).ln() / distance) as f32);
             if absorption == [0.0; 3] {
                 return Ok(None);
             }
             if !absorption.iter().all(|x| x.is_finite()) {
-                return Err(volume.error("attenuationDistance", format!("{distance} is too short")));
+                return Err(volume.error(
+                    "attenuationDistance",
+                    format!(
+                        "{distance} is too short for its colour; use a longer distance or a lighter colour"
+                    ),
+                ));
             }
             let name = material.own_name();
             let media = &mut self.reader.description.media;

@@ -18,7 +18,7 @@ pub struct MediumDescription {
     pub scattering: SpectralDistribution,
     /// Factor on `absorption` and `scattering`.
     pub scale: f32,
-    /// Mean cosine of the angle by which light is turned, between -1 and 1.
+    /// Asymmetry parameter: mean cosine of the scattering angle, between -1 and 1.
     pub g: f64,
     /// Radiance, W/(m^2 sr), that the medium emits where it absorbs; only without `density`.
     pub emission: SpectralDistribution,

@@ -8,7 +8,7 @@ use super::{ImageInfiniteLight, LightInput, SphereImage, range_error};
 use crate::description::{SkyDescription, SphereMapping};
 use crate::error::SceneErrorKind;
 
-/// Pixels along each side of the picture: 0.35 degrees each, which resolves the brightness around the sun.
+/// Pixels along each side of the picture: 0.4 degrees each, which resolves the brightness around the sun.
 const RESOLUTION: usize = 512;
 
 /// The sky as a picture of equal areas, over the ground that it lights.

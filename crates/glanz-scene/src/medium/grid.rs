@@ -15,7 +15,7 @@ const BOUNDS: usize = 16;
 /// Densities at the middles of cells, linear along each axis between them and 0 outside.
 ///
 /// # Source
-/// @pharr2023 section 11.4.4 (`GridMedium`) and C.3 (`SampledGrid`).
+/// @pharr2023 section 11.4.4 (`GridMedium`) and appendix B (`SampledGrid`).
 #[derive(Clone, Debug)]
 pub(crate) struct DensityGrid {
     resolution: [usize; 3],

@@ -4,7 +4,7 @@ mod grid;
 mod segments;
 
 use glanz_geometry::ShadingPoint;
-use glanz_light::Spectrum;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_shading::HenyeyGreenstein;
 
@@ -52,31 +52,59 @@ impl MediumInterface {
     }
 }
 
-/// A participating medium. Coefficients are those at density 1, 1/m.
+/// Coefficients of a medium at density 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MediumCoefficients {
+    /// Absorption and scattering together, 1/m.
+    pub extinction: Spectrum,
+    /// Scattering over extinction; 0 where that is 0.
+    pub albedo: Spectrum,
+    /// Emitted radiance times absorption over extinction, W/(m^2 sr); of homogeneous media only.
+    pub source: Spectrum,
+}
+
+impl MediumCoefficients {
+    /// The radiance that a homogeneous medium emits towards the start of a `distance`, metres: the integral of the transmittance times absorption times
+    /// emission, which has a closed form.
+    #[must_use]
+    pub fn emitted(&self, distance: f64) -> Spectrum {
+        // Not 1 minus the transmittance, of which little is left in thin media.
+        let distance = distance.min(f64::from(f32::MAX)) as f32;
+        self.source * self.extinction.map(|sigma| -(-sigma * distance).exp_m1())
+    }
+
+    /// Coefficients in linear Rec. 709 at `wavelengths`.
+    fn upsampled(&self, wavelengths: &Wavelengths) -> Self {
+        // Rounding may leave a little less than nothing where a colour has no light.
+        let at = |rgb: Spectrum| rgb.upsampled(wavelengths).map(|x| x.max(0.0));
+        // Scattering becomes a spectrum, not its ratio to extinction, so that no more is scattered than is taken out.
+        let (extinction, scattering) = (at(self.extinction), at(self.extinction * self.albedo));
+        let albedo =
+            scattering.zip(extinction, |part, all| if all > 0.0 { (part / all).min(1.0) } else { 0.0 });
+        let source = self.source.upsampled_light(wavelengths).map(|x| x.max(0.0));
+        Self { extinction, albedo, source }
+    }
+}
+
+/// A participating medium.
 #[derive(Clone, Debug)]
 pub struct Medium {
-    /// Absorption and scattering together.
-    pub(crate) extinction: Spectrum,
-    /// Scattering over extinction; 0 where that is 0.
-    pub(crate) albedo: Spectrum,
-    /// Emitted radiance times absorption over extinction, W/(m^2 sr); of homogeneous media only.
-    pub(crate) source: Spectrum,
+    /// In linear Rec. 709.
+    pub(crate) coefficients: MediumCoefficients,
     pub(crate) phase: HenyeyGreenstein,
     /// `None`: 1 everywhere.
     pub(crate) density: Option<DensityGrid>,
 }
 
 impl Medium {
-    /// Absorption and scattering together at density 1, 1/m.
+    /// The coefficients at `wavelengths`.
+    #[inline]
     #[must_use]
-    pub fn extinction(&self) -> Spectrum {
-        self.extinction
-    }
-
-    /// The fraction of the light taken out that is scattered.
-    #[must_use]
-    pub fn albedo(&self) -> Spectrum {
-        self.albedo
+    pub fn coefficients(&self, wavelengths: &Wavelengths) -> MediumCoefficients {
+        match wavelengths {
+            Wavelengths::Rgb => self.coefficients,
+            _ => self.coefficients.upsampled(wavelengths),
+        }
     }
 
     /// The angular distribution of scattered light.
@@ -104,19 +132,6 @@ impl Medium {
             None => MediumSegments::homogeneous(t_max),
             Some(grid) => grid.segments(ray, t_max),
         }
-    }
-
-    /// Whether it emits light.
-    #[must_use]
-    pub fn emits(&self) -> bool {
-        !self.source.is_black()
-    }
-
-    /// The radiance that a homogeneous medium emits towards the start of a `distance`, metres: the integral of the transmittance times absorption times
-    /// emission, which has a closed form.
-    #[must_use]
-    pub fn emitted(&self, distance: f64) -> Spectrum {
-        self.source * (Spectrum::ONE - transmittance(self.extinction, distance))
     }
 }
 

@@ -16,7 +16,7 @@ pub struct MediumSegment {
 /// The parts of a ray in a medium one after the other, from its start on.
 #[derive(Clone, Debug)]
 pub struct MediumSegments<'a> {
-    /// Where the rest begins and ends.
+    /// Ray parameters between which segments are left.
     t: f64,
     end: f64,
     /// `None` in a homogeneous medium.
@@ -26,7 +26,7 @@ pub struct MediumSegments<'a> {
 /// A walk along a ray through the cells of a grid over [0, 1]^3.
 ///
 /// # Source
-/// @amanatides1987; @pharr2023 section 11.4.2 (`DDAMajorantIterator`).
+/// @amanatides1987; @pharr2023 section 11.4.3 (`DDAMajorantIterator`).
 #[derive(Clone, Debug)]
 struct CellWalk<'a> {
     /// Cells along each axis.
@@ -91,7 +91,7 @@ impl CellWalk<'_> {
         (density, DVec3::from(self.next).min_element())
     }
 
-    /// Goes on to the next cell; `false` if that is outside.
+    /// Advances to the next cell; returns `false` outside the grid.
     fn advance(&mut self) -> bool {
         let [x, y, z] = self.next;
         let axis = if x <= y && x <= z {

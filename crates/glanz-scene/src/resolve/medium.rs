@@ -9,7 +9,9 @@ use super::light::emitted_spectrum;
 use super::{range_error, transform};
 use crate::description::{DensityDescription, Description, Location, MediumDescription, SurfaceMedia};
 use crate::error::SceneError;
-use crate::medium::{DensityGrid, MAX_DENSITIES, MAX_MEDIA, Medium, MediumId, MediumInterface, SceneMedia};
+use crate::medium::{
+    DensityGrid, MAX_DENSITIES, MAX_MEDIA, Medium, MediumCoefficients, MediumId, MediumInterface, SceneMedia,
+};
 
 /// The media of a description, of which those without effect became empty space.
 pub(super) struct ResolvedMedia {
@@ -81,15 +83,18 @@ fn medium(description: &MediumDescription, wavelengths: &Wavelengths) -> Result<
     let (emission, factor) = (&description.emission, description.emission_scale);
     let emission = emitted_spectrum(emission, factor, wavelengths, "medium: emission", location)?;
     let extinction = absorption + scattering;
-    if !extinction.is_finite() {
-        let range = "finite with absorption and scattering added";
-        return Err(range_error(location, "medium: extinction", format!("{extinction:?}"), range));
-    }
     let share = |part: Spectrum| part.zip(extinction, |part, all| if all > 0.0 { part / all } else { 0.0 });
     let density = density.as_ref().map(|grid| density_grid(grid, location)).transpose()?;
+    let largest = |grid: &DensityDescription| grid.values.iter().copied().fold(0.0, f32::max);
+    let densest = extinction * description.density.as_ref().map_or(1.0, largest);
+    if !densest.is_finite() {
+        let range = "finite where the density is largest, with absorption and scattering added";
+        return Err(range_error(location, "medium: extinction", format!("{densest:?}"), range));
+    }
     let source = if density.is_none() { emission * share(absorption) } else { Spectrum::BLACK };
     let albedo = share(scattering);
-    Ok((!extinction.is_black()).then_some(Medium { extinction, albedo, source, phase, density }))
+    let coefficients = MediumCoefficients { extinction, albedo, source };
+    Ok((!extinction.is_black()).then_some(Medium { coefficients, phase, density }))
 }
 
 fn density_grid(

@@ -149,6 +149,7 @@ macro_rules! bsdfs {
             pub fn is_dispersive(&self) -> bool {
                 match self {
                     Self::Black => false,
+                    Self::Medium(model) => model.is_dispersive(),
                     $(Self::$variant(model) => model.is_dispersive(),)*
                 }
             }

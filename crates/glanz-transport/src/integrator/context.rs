@@ -257,7 +257,7 @@ impl<'a> Context<'a> {
         self.first_hit
     }
 
-    /// Records the first scattering surface: integrators call this at all of them, and the first call counts.
+    /// Records the first scattering surface, if the camera sees it without scattering in a medium before; the first call counts.
     pub(super) fn note_first_hit(&mut self, vertex: &Vertex<'_>) {
         if self.options.wants_first_hit && self.first_hit.is_none() {
             let point = &vertex.at.point;

@@ -339,6 +339,12 @@ impl IntegratorSettings {
         INTEGRATORS.iter().any(|entry| entry.name == self.name && entry.guided)
     }
 
+    /// Whether the integrator has photons, in scenes without participating media and with red, green and blue light.
+    #[must_use]
+    pub fn has_photons(&self) -> bool {
+        self.name == SPPM
+    }
+
     /// Whether the integrator sees participating media.
     #[must_use]
     pub fn sees_media(&self) -> bool {
@@ -436,7 +442,10 @@ mod tests {
             let settings =
                 IntegratorSettings::resolve(&IntegratorDescription { photons, ..description("sppm") })
                     .unwrap();
-            assert_eq!(IntegratorSettings::by_name(&settings.full_name(), 5, true, 1), Some(settings));
+            assert_eq!(
+                IntegratorSettings::by_name(&settings.full_name(), 5, [true, false], 1),
+                Some(settings)
+            );
         }
     }
 

@@ -15,20 +15,21 @@ use crate::photon::{PhotonMap, PhotonTracer};
 ///
 /// Every sample of the picture has photons of its own (see [`crate::photon`]), which are added at all scattering events of its paths. This finds caustics, also from point
 /// lights, and also where they are seen by mirror or glass, or light other surfaces; their edges are blurred by the radius of the density estimates, which shrinks
-/// with the number of the sample. Chains of rough glass are left to path tracing, and so is everything in scenes with participating media, which photons do not see.
+/// with the number of the sample. Chains of rough glass are left to path tracing, and so is everything in scenes with participating media and at sampled wavelengths, which photons do not see.
 #[derive(Clone, Copy, Debug)]
 pub struct Sppm {
     tracer: PathTracer,
     max_depth: u32,
     photons: PhotonSettings,
+    spectral: bool,
 }
 
 impl Sppm {
     /// With the depth, the light sampling and the photons of `settings`.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
-        let IntegratorSettings { max_depth, photons, .. } = *settings;
-        Self { tracer: PathTracer::new(settings), max_depth, photons }
+        let IntegratorSettings { max_depth, photons, spectral, .. } = *settings;
+        Self { tracer: PathTracer::new(settings), max_depth, photons, spectral }
     }
 }
 
@@ -47,7 +48,7 @@ impl Integrator for Sppm {
     }
 
     fn photon_tracer(&self, scene: &Scene, seed: u64, resolution: [u32; 2]) -> Option<PhotonTracer> {
-        if scene.has_media() {
+        if self.spectral || scene.has_media() {
             return None;
         }
         PhotonTracer::new(scene, &self.photons, self.max_depth, seed, resolution)

@@ -4,7 +4,7 @@ use glanz_geometry::BoundedRay;
 use glanz_light::{LaneChoice, Spectrum, Wavelengths};
 use glanz_math::Ray;
 use glanz_sampling::hash::{combine, unit_f64};
-use glanz_scene::medium::transmittance;
+use glanz_scene::medium::{MediumCoefficients, transmittance};
 use glanz_scene::{Interaction, Medium, MediumId};
 use glanz_shading::Bsdf;
 
@@ -19,11 +19,11 @@ const FIRST_MEDIUM_DIMENSION: u32 = 1 << 30;
 /// Largest number of tentative collisions on a ray: one with more is in a medium so dense that it makes no progress, and counts as absorbed.
 const COLLISION_LIMIT: u32 = 1 << 20;
 
-/// Transmittance below which ratio tracking goes on with a probability of [`SURVIVAL`] only.
-const FAINT: f32 = 0.05;
-const SURVIVAL: f32 = 0.25;
+/// Transmittance below which ratio tracking goes on with a probability of [`ROULETTE_SURVIVAL`] only.
+const ROULETTE_BELOW: f32 = 0.05;
+const ROULETTE_SURVIVAL: f32 = 0.25;
 
-/// Numbers uniform in [0, 1) for a ray through a medium, which takes nobody knows how many: a few of a sampler, then hashes.
+/// Numbers uniform in [0, 1) for a ray through a medium, whose number is not known in advance: three of a sampler, then hashes.
 #[derive(Clone, Copy, Debug)]
 struct TrackingNumbers {
     first: [f64; 3],
@@ -55,9 +55,9 @@ impl TrackingNumbers {
     }
 }
 
-/// What becomes of a path on its way through a medium.
+/// Result of tracking a path through a medium.
 #[derive(Clone, Copy, Debug)]
-struct Passage {
+struct MediumPassage {
     /// Factor on the throughput; black if nothing is left.
     factor: Spectrum,
     /// Ray parameter at which it is scattered; `None` if it gets through.
@@ -80,31 +80,34 @@ fn track(
     throughput: Spectrum,
     wavelengths: &Wavelengths,
     numbers: &mut TrackingNumbers,
-) -> Passage {
-    if medium.albedo().is_black() {
-        return Passage { factor: remaining(medium, ray, t_max, numbers), scattered_at: None };
+) -> MediumPassage {
+    let MediumCoefficients { extinction, albedo, .. } = medium.coefficients(wavelengths);
+    if albedo.is_black() {
+        return MediumPassage {
+            factor: remaining(medium, ray, t_max, wavelengths, numbers),
+            scattered_at: None,
+        };
     }
     let length = ray.direction.length();
-    let absorbed = Passage { factor: Spectrum::BLACK, scattered_at: None };
+    let absorbed = MediumPassage { factor: Spectrum::BLACK, scattered_at: None };
     let (mut factor, mut collisions) = (Spectrum::ONE, 0);
     for segment in medium.segments(ray, t_max) {
-        let extinction = medium.extinction() * segment.density;
+        let extinction = extinction * segment.density;
         let mut t = segment.start;
         loop {
             let Some(lanes) = LaneChoice::try_new(throughput * factor, wavelengths) else { return absorbed };
             let rate = f64::from(lanes.select(extinction, numbers.next()));
-            // Infinite where nothing is in the way of this lane.
-            let distance = numbers.next_exponential() / rate;
+            // Nothing is in the way of a lane without extinction.
+            let distance = if rate > 0.0 { numbers.next_exponential() / rate } else { f64::INFINITY };
             let rest = (segment.end - t) * length;
-            // 0 / 0 is no number.
-            if distance.is_nan() || distance >= rest {
+            if distance >= rest {
                 factor *= lanes.balanced(transmittance(extinction, rest));
                 break;
             }
             t += distance / length;
             factor *= lanes.balanced(extinction * transmittance(extinction, distance));
             if numbers.next() * f64::from(segment.density) < medium.density(ray.at(t)) {
-                return Passage { factor: factor * medium.albedo(), scattered_at: Some(t) };
+                return MediumPassage { factor: factor * albedo, scattered_at: Some(t) };
             }
             collisions += 1;
             if collisions > COLLISION_LIMIT {
@@ -112,7 +115,7 @@ fn track(
             }
         }
     }
-    Passage { factor, scattered_at: None }
+    MediumPassage { factor, scattered_at: None }
 }
 
 /// The fraction of light left of a ray with `0 < t < t_max`: in homogeneous media by Beer's law, in others estimated by ratio tracking with the largest
@@ -120,15 +123,21 @@ fn track(
 ///
 /// # Source
 /// @novak2014 section 4.1.
-fn remaining(medium: &Medium, ray: &Ray, t_max: f64, numbers: &mut TrackingNumbers) -> Spectrum {
-    let (length, extinction) = (ray.direction.length(), medium.extinction());
+fn remaining(
+    medium: &Medium,
+    ray: &Ray,
+    t_max: f64,
+    wavelengths: &Wavelengths,
+    numbers: &mut TrackingNumbers,
+) -> Spectrum {
+    let (length, extinction) = (ray.direction.length(), medium.coefficients(wavelengths).extinction);
     if medium.is_homogeneous() {
         return transmittance(extinction, t_max * length);
     }
     let largest = extinction.max_component();
-    let (mut left, mut collisions) = (Spectrum::ONE, 0);
+    let (mut left, mut collisions) = (Spectrum::one(wavelengths), 0);
     for segment in medium.segments(ray, t_max) {
-        let rate = f64::from(largest * segment.density) * length;
+        let rate = f64::from(largest) * f64::from(segment.density) * length;
         let mut t = segment.start;
         loop {
             t += numbers.next_exponential() / rate;
@@ -137,11 +146,11 @@ fn remaining(medium: &Medium, ray: &Ray, t_max: f64, numbers: &mut TrackingNumbe
             }
             let share = (medium.density(ray.at(t)) / f64::from(segment.density)).min(1.0) as f32;
             left *= extinction.map(|sigma| 1.0 - share * (sigma / largest));
-            if left.max_component() < FAINT {
-                if numbers.next() >= f64::from(SURVIVAL) {
+            if left.max_component() < ROULETTE_BELOW {
+                if numbers.next() >= f64::from(ROULETTE_SURVIVAL) {
                     return Spectrum::BLACK;
                 }
-                left *= 1.0 / SURVIVAL;
+                left *= 1.0 / ROULETTE_SURVIVAL;
             }
             collisions += 1;
             if collisions > COLLISION_LIMIT {
@@ -168,13 +177,14 @@ impl PathTracer {
         let mut sampler = context.sampler.with_index(path.sampler_index);
         sampler.skip_to_dimension(FIRST_MEDIUM_DIMENSION.wrapping_add(segment.wrapping_mul(4)));
         let mut numbers = TrackingNumbers::of_group(sampler.next_group());
-        if medium.emits() {
-            path.light += path.throughput * medium.emitted(end * path.ray.direction.length());
+        let coefficients = medium.coefficients(&context.wavelengths);
+        if !coefficients.source.is_black() {
+            path.light += path.throughput * coefficients.emitted(end * path.ray.direction.length());
         }
         let passage = track(medium, &path.ray, end, path.throughput, &context.wavelengths, &mut numbers);
         path.throughput *= passage.factor;
         path.importance *= passage.factor;
-        if passage.factor.is_black() {
+        if path.throughput.is_black() {
             return Some(false);
         }
         let t = passage.scattered_at?;
@@ -198,7 +208,7 @@ pub(super) fn shadow_transmittance(
 ) -> Spectrum {
     let (scene, mut numbers) = (context.scene, TrackingNumbers::of_number(xi));
     let BoundedRay { mut ray, t_max: mut end } = *shadow;
-    let mut left = Spectrum::ONE;
+    let mut left = Spectrum::one(&context.wavelengths);
     for _ in 0..INTERFACE_LIMIT {
         let hit = if scene.has_open_media() {
             context.counters.closest += 1;
@@ -207,7 +217,7 @@ pub(super) fn shadow_transmittance(
             None
         };
         if let Some(medium) = scene.medium(medium) {
-            left *= remaining(medium, &ray, hit.map_or(end, |hit| hit.t), &mut numbers);
+            left *= remaining(medium, &ray, hit.map_or(end, |hit| hit.t), &context.wavelengths, &mut numbers);
         }
         let Some(hit) = hit.filter(|_| !left.is_black()) else { return left };
         if hit.is_interface(scene) {

@@ -55,7 +55,7 @@ fn direct_light(context: &mut Context<'_>, vertex: &Vertex<'_>) -> Spectrum {
         // The samples of such a light lie on the side of the viewer only.
         if vertex.bsdf.transmits() && matches!(context.scene.light(id), Some(Light::Infinite(_))) {
             let sample = context.scene.sample_light(id, &behind, xi);
-            if let Some((beyond, shadow)) = vertex.sampled_light(sample, |_, _, _| 1.0)
+            if let Some((beyond, shadow)) = vertex.sampled_light(context, id, sample, |_, _, _| 1.0)
                 && context.is_free(&shadow.ray, shadow.t_max)
             {
                 light += beyond;

@@ -43,8 +43,8 @@ impl EmissionDensity {
             selection[cell(numbers.selection, SELECTION_CELLS)] += weight;
         }
         Some(Self {
-            direction: PiecewiseConstant2::try_new(CELLS, CELLS, &direction).ok()?,
-            place: PiecewiseConstant2::try_new(CELLS, CELLS, &place).ok()?,
+            direction: grid(&direction)?,
+            place: grid(&place)?,
             selection: PiecewiseConstant1::try_new(&selection).ok()?,
         })
     }
@@ -65,6 +65,13 @@ impl EmissionDensity {
             * self.selection.pdf(numbers.selection);
         (numbers, UNIFORM + (1.0 - UNIFORM) * fitted)
     }
+}
+
+/// The density over the unit square in proportion to weights of its cells; `None` if all are 0.
+fn grid(weights: &[f64; CELLS * CELLS]) -> Option<PiecewiseConstant2> {
+    let largest = weights.iter().fold(0.0, |a: f64, &b| a.max(b));
+    let weights = weights.iter().map(|weight| (weight / largest) as f32).collect();
+    PiecewiseConstant2::try_new(CELLS, CELLS, weights, |_| 1.0).ok()
 }
 
 /// The cell of a number in [0, 1).

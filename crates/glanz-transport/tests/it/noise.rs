@@ -3,11 +3,11 @@
 use glanz_math::DVec3;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
-use glanz_transport::{Aov, AovSet, Film, FilmError, FilmFormat, NoiseLevel};
+use glanz_transport::{Aov, AovSet, Film, FilmError, FilmFormat, NoiseLevel, RenderError};
 
 use crate::common::*;
 
-const SIDE: u32 = 64;
+const SIDE: u32 = 48;
 
 /// A wall, the left part of which a lamp close to it lights unevenly; the rest is dark.
 fn wall() -> SceneBuilder {
@@ -38,8 +38,8 @@ fn tiles_take_samples_until_their_noise_is_at_the_level() {
     let deepest = film.samples().total();
     assert!(deepest < 4096, "the level is never reached");
     assert!(outcome.samples < deepest * pixels * 3 / 4, "{} of {}", outcome.samples, deepest * pixels);
-    // The claimed error is the true one, against many more samples.
-    let reference = Run { samples: 0..20_000, ..run(1000) }.picture(&wall());
+    // The true error is at most the claimed one, against many more samples.
+    let reference = Run { samples: 0..8000, ..run(1000) }.picture(&wall());
     let found = run(3).picture_of(&outcome);
     let picture = reference.mean[1].iter().sum::<f64>() / pixels as f64;
     for tile in film.format().crop.tiles() {
@@ -51,7 +51,7 @@ fn tiles_take_samples_until_their_noise_is_at_the_level() {
         let count = mean.len() as f64;
         let reference = (truth.iter().sum::<f64>() / count).max(0.1 * picture);
         let error = (square / count).sqrt() / reference;
-        assert!(error < 0.03 * 1.3, "tile at {:?}: {error}", tile.min);
+        assert!(error < 0.03 * 1.4, "tile at {:?}: {error}", tile.min);
     }
 }
 
@@ -78,6 +78,7 @@ fn ends_of_tiles_hardly_change_the_mean() {
 #[test]
 fn picture_depends_neither_on_threads_nor_on_interruptions() {
     let once = adaptive(&run(7), 0.06, 2000);
+    assert!(once.samples().total() < 2000, "no tile ends");
     assert_eq!(once, adaptive(&Run { threads: 1, ..run(7) }, 0.06, 2000));
     let mut film = adaptive(&run(7), 0.06, 20);
     for samples in [33, 50, 120, 2000] {
@@ -89,7 +90,7 @@ fn picture_depends_neither_on_threads_nor_on_interruptions() {
 #[test]
 fn samples_are_taken_in_order_and_films_cannot_be_joined() {
     let film = Film::try_new(format(0.06)).unwrap();
-    assert!(run(7).resume(&wall(), film, 5..20, None).is_err());
+    assert!(matches!(run(7).resume(&wall(), film, 5..20, None), Err(RenderError::Order { next: 0 })));
     let (mut one, other) = (adaptive(&run(7), 0.06, 8), Film::try_new(format(0.06)).unwrap());
     assert_eq!(one.merge(&other), Err(FilmError::Learning));
 }

@@ -41,13 +41,20 @@ fn colors_without_noise(
     denoiser: &Denoiser,
     job: &mut RunningJob<'_>,
 ) -> Result<Vec<[f32; 3]>, Error> {
+    job.options.cancel.check().map_err(DenoiseError::from)?;
     let film = picture.film();
     let pixels = film.to_pixels_without_edges()?;
+    // Channels are means over hits; features of the denoiser are means over all samples, as the colour is.
+    let shares = film.hit_shares();
+    let features = |names| -> Vec<[f32; 3]> {
+        let means = planes(&pixels, names).into_iter().zip(&shares);
+        means.map(|(mean, share)| mean.map(|x| x * share)).collect()
+    };
     let noisy = NoisyPicture {
         size: [pixels.width(), pixels.height()],
         color: planes(&pixels, ["R", "G", "B"]),
-        albedo: planes(&pixels, ["Albedo.R", "Albedo.G", "Albedo.B"]),
-        normal: planes(&pixels, ["Ns.X", "Ns.Y", "Ns.Z"]),
+        albedo: features(["Albedo.R", "Albedo.G", "Albedo.B"]),
+        normal: features(["Ns.X", "Ns.Y", "Ns.Z"]),
     };
     let JobOptions { sink, cancel, threads, .. } = &mut job.options;
     let mut silent = Silent;

@@ -50,7 +50,7 @@ pub struct RenderOptions {
     /// Samples per pixel.
     pub samples: Option<u32>,
     /// Relative standard error at which the tiles of the picture take no more samples, from 10^-6 to 1, see [`glanz_transport::noise`]. The
-    /// number of samples is then a limit; without one it is 65536. An error for integrators whose samples depend on other pixels.
+    /// number of samples is then a limit; without one it is 65536. Adds the channel of the variance. An error for integrators whose samples depend on other pixels.
     pub noise: Option<f64>,
     /// Renders only these samples of every pixel, as a part of a picture that [`merge`] joins.
     pub sample_range: Option<Range<u32>>,
@@ -164,6 +164,9 @@ impl<'a> RenderBuilder<'a> {
         if scene.has_media() && !settings.sees_media() {
             job.warn(Warning::MediaLeftOut { what: format!("the integrator {:?}", settings.name()) });
         }
+        if settings.has_photons() && (settings.spectral || scene.has_media()) {
+            job.warn(Warning::NoPhotons);
+        }
         job.options.cancel.check()?;
         job.emit(JobEvent::RenderStarted(&plan));
         let lines = match plan.edges {
@@ -226,6 +229,7 @@ fn finish(
         (dropped, Warning::Dropped { samples: dropped }),
         (cut, Warning::Cut { samples: cut }),
         (undecided, Warning::Undecided { rays: undecided }),
+        (film.open_tiles(), Warning::NoiseAboveLevel { tiles: film.open_tiles() }),
     ];
     counts.into_iter().filter(|(count, _)| *count > 0).for_each(|(_, warning)| job.warn(warning));
     let threads = plan.threads;

@@ -23,7 +23,7 @@ use crate::loaded_scene::LoadedScene;
 use crate::running_job::RunningJob;
 
 /// Samples per pixel after which a render ends that has not reached its noise level.
-const MOST_SAMPLES: u32 = 1 << 16;
+const MAX_SAMPLES: u32 = 1 << 16;
 
 /// Plan of a render, complete before the first ray.
 #[derive(Clone, Debug)]
@@ -270,9 +270,7 @@ impl RenderOptions {
             }
             Some(range) => Ok(range.clone()),
             None if self.time_limit.is_some() => Ok(0..MAX_TERMS),
-            None if self.noise.is_some() && self.samples.is_none() && !identity.plan_matters() => {
-                Ok(0..MOST_SAMPLES)
-            }
+            None if self.noise.is_some() && self.samples.is_none() => Ok(0..MAX_SAMPLES),
             None => Ok(0..planned),
         }
     }

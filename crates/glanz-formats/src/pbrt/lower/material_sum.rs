@@ -32,6 +32,7 @@ impl Lowering {
             reflectance: self.spectrum_or(list, "Kr", 0.0, space)?,
             transmittance: self.spectrum_or(list, "Kt", 0.0, space)?,
             thin: false,
+            dispersion: None,
             roughness: Roughness::smooth(),
             multiple_scattering: true,
         };
@@ -47,6 +48,7 @@ impl Lowering {
             reflectance: SpectrumParameter::Value(grey(0.0)),
             transmittance: SpectrumParameter::Value(passing),
             thin: true,
+            dispersion: None,
             roughness: Roughness::smooth(),
             multiple_scattering: true,
         });
@@ -105,6 +107,7 @@ impl Lowering {
             reflectance: part(&specular, &reflect),
             transmittance: part(&specular, &transmit),
             thin: false,
+            dispersion: None,
             roughness,
             multiple_scattering: self.multiple_scattering(list)?,
         };

@@ -12,7 +12,7 @@ use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, ParameterType, shortened};
 use crate::source::{ParseResult, Span};
 
-/// Absorption and scattering of media without any, 1/m: those of skim milk in 1/mm.
+/// Absorption and scattering of media of version 3 without any, 1/m: those of skim milk in 1/mm.
 const DEFAULT_COEFFICIENTS: [[f32; 3]; 2] = [[0.0011, 0.0024, 0.014], [2.55, 3.21, 3.77]];
 
 /// A medium with a name.
@@ -123,7 +123,10 @@ impl Lowering {
             );
             self.stand_in(&place, "stand-in-medium", message);
         }
-        let defaults = DEFAULT_COEFFICIENTS.map(SpectralDistribution::from);
+        let defaults = match self.dialect {
+            Dialect::V3 => DEFAULT_COEFFICIENTS.map(SpectralDistribution::from),
+            Dialect::V4 => [grey(1.0), grey(1.0)],
+        };
         let mut medium = self.coefficients(name, &mut list, defaults, context.color_space)?;
         medium.emission_scale = list.float_or("Lescale", 1.0, &mut self.reporter)? as f32;
         if let Some(p) = list.take("Le") {
@@ -175,7 +178,7 @@ impl Lowering {
                 self.stand_in(&place, "stand-in-medium", message);
             }
         }
-        list.ignore(&["temperaturescale", "temperatureoffset"]);
+        list.ignore(&["temperaturescale", "temperatureoffset", "temperaturecutoff"]);
         let defaults = match kind {
             "uniformgrid" => [grey(1.0), grey(1.0)],
             _ => DEFAULT_COEFFICIENTS.map(SpectralDistribution::from),

@@ -56,8 +56,10 @@ impl Lowering {
             }),
             (None, 3) => self.sun_at_time(list),
             _ => {
-                let message =
-                    format!("{}: the position of the sun is not given once and completely", list.subject);
+                let message = format!(
+                    "{}: the position of the sun is missing, incomplete or given twice",
+                    list.subject
+                );
                 let help = "give either \"vector3 direction\", or \"float latitude\", \"float longitude\" and \"string time\"";
                 Err(self.reporter.error_with_help(
                     &list.place,

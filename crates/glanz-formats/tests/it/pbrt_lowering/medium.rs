@@ -21,6 +21,8 @@ fn media_have_the_parameters_and_defaults_of_pbrt() {
     let plain = medium("\"homogeneous\"");
     assert_eq!((coefficients(&plain), plain.scale, plain.g), (milk, 1.0, 0.0));
     assert!(plain.density.is_none());
+    let v4 = read_clean("Film \"rgb\" WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\"");
+    assert_eq!(coefficients(&v4.description.media[0]), [[1.0; 3]; 2]);
     let fog = medium(
         "\"homogeneous\" \"rgb sigma_a\" [.1 .2 .3] \"spectrum sigma_s\" [400 2 700 2] \"float scale\" 5 \"float g\" -.5 \
          \"rgb Le\" [1 2 3] \"float Lescale\" 7",
