@@ -68,6 +68,35 @@ pub(crate) struct Library {
     _library: libloading::Library,
 }
 
+/// Loads a library.
+///
+/// # Safety
+/// The initialisers of the library have no preconditions.
+#[cfg(not(windows))]
+unsafe fn load(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    // SAFETY: the contract of this function.
+    unsafe { libloading::Library::new(path) }
+}
+
+/// Loads a library, whose own libraries lie beside it. The current folder is not searched: it may be that of a stranger's scene.
+///
+/// # Safety
+/// The initialisers of the library have no preconditions.
+#[cfg(windows)]
+unsafe fn load(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    use libloading::os::windows::{
+        LOAD_LIBRARY_SEARCH_DEFAULT_DIRS, LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR, Library,
+    };
+    let is_in_folder = path.components().count() > 1;
+    let beside = if is_in_folder { LOAD_LIBRARY_SEARCH_DLL_LOAD_DIR } else { 0 };
+    let path = match is_in_folder {
+        true => std::path::absolute(path).unwrap_or_else(|_| path.to_owned()),
+        false => path.to_owned(),
+    };
+    // SAFETY: the contract of this function.
+    unsafe { Library::load_with_flags(path, beside | LOAD_LIBRARY_SEARCH_DEFAULT_DIRS) }.map(Into::into)
+}
+
 impl Library {
     /// Loads the library `path`. The inner error is the reason why it could not be loaded.
     ///
@@ -76,7 +105,7 @@ impl Library {
     pub(crate) fn open(path: &Path) -> Result<Result<Self, String>, DenoiseError> {
         // SAFETY: loading runs the initialisers of the library, which the user chose by its folder or installed; those of Open Image Denoise
         // have no preconditions.
-        let library = match unsafe { libloading::Library::new(path) } {
+        let library = match unsafe { load(path) } {
             Ok(library) => library,
             Err(error) => {
                 let (reason, name) =

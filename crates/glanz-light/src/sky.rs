@@ -66,8 +66,7 @@ impl ClearSky {
     /// [`SkyError`] for the first argument out of range.
     pub fn try_new(towards_sun: DVec3, turbidity: f64, albedo: [f32; 3]) -> Result<Self, SkyError> {
         let elevation = towards_sun.z.clamp(-1.0, 1.0).asin();
-        // Negated, so that NaN is out of range.
-        if !(elevation >= 0.0) {
+        if elevation.is_nan() || elevation < 0.0 {
             return Err(SkyError::BelowHorizon(-elevation.to_degrees()));
         }
         if !TURBIDITIES.contains(&turbidity) {

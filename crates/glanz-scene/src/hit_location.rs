@@ -4,6 +4,7 @@ use glanz_geometry::{RaySurface, SurfaceLocation};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_shading::Material;
 
+use crate::alpha::RayKind;
 use crate::hit::SceneHit;
 use crate::interaction::Interaction;
 use crate::placed::ParametricPoint;
@@ -60,6 +61,18 @@ impl Scene {
             (group, number) = (&self.groups[instance.group], inner);
         }
         self.material(group.objects[number as usize].attributes(found.hit.face).material)
+    }
+
+    /// The opacity of the surface at a hit of `ray`: the probability with which it stopped the ray.
+    #[must_use]
+    pub fn hit_opacity(&self, ray: &Ray, found: &SceneHit) -> f64 {
+        let (mut group, mut number, mut moved) = (self.world(), found.surface, *ray);
+        while let Some((instance, inner)) = group.instance_of(number) {
+            moved = instance.to_parent.inverse().ray(&moved);
+            (group, number) = (&self.groups[instance.group], inner);
+        }
+        let object = &group.objects[number as usize];
+        object.opacity(&object.local(&moved), &found.hit, RayKind::Closest)
     }
 }
 

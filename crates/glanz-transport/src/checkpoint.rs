@@ -211,7 +211,7 @@ fn decode_identity(d: &mut Decoder<'_>) -> Result<PictureIdentity, CheckpointErr
     let filter = decode_filter(d).ok_or(CheckpointError::Content("its filter"))?;
     let name = d.text().ok_or_else(cut)?;
     let max_depth = d.u32().ok_or_else(cut)?;
-    let flags = d.u8().ok_or_else(cut)?;
+    let flags = d.u8().filter(|flags| flags & !3 == 0).ok_or_else(cut)?;
     let branching = d.u32().ok_or_else(cut)?;
     let integrator =
         IntegratorSettings::by_name(name, max_depth, [1, 2].map(|bit| flags & bit != 0), branching)

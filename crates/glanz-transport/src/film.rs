@@ -241,6 +241,14 @@ impl Film {
         self.tile_ends.get(tile).map_or(total, |&end| u64::from(end).min(total))
     }
 
+    /// Mean number of samples over all pixels.
+    #[must_use]
+    pub fn mean_samples(&self) -> f64 {
+        let tiles = self.format.crop.tiles().enumerate();
+        let samples: u64 = tiles.map(|(number, tile)| tile.len() * self.samples_of_tile(number)).sum();
+        samples as f64 / self.format.crop.len() as f64
+    }
+
     /// Number of tiles that have not reached the noise level.
     #[must_use]
     pub fn open_tiles(&self) -> u64 {

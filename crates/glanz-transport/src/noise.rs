@@ -7,7 +7,8 @@
 //!
 //! A tile whose samples happen to be even ends early, so that its mean is not strictly unbiased: for 256 pixels of skewness s and n samples by about
 //! s / (300 sqrt(n)) of the standard error of a pixel, more in smaller tiles. Light that all samples of a tile and of the eight around it miss (73728 at
-//! the first check) is lost.
+//! the first check) is lost; photons are common to all pixels of a sample number, so that a caustic that 32 maps miss is lost as well, and their blur, which is no
+//! noise, stays as it is where a tile ends.
 
 use crate::film::Film;
 use crate::pixel::PixelValue;

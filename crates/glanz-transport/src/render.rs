@@ -147,7 +147,11 @@ pub fn render(
     let start = Instant::now();
     let mut clock = PassClock::new(settings.time_limit);
     let resolution = film.format().resolution;
-    let tracer = pool.install(|| integrator.photon_tracer(scene, settings.seed, resolution));
+    // Photons carry red, green and blue.
+    let tracer = match settings.spectral {
+        true => None,
+        false => pool.install(|| integrator.photon_tracer(scene, settings.seed, resolution)),
+    };
     let mut counters = tracer.as_ref().map(PhotonTracer::counters).unwrap_or_default();
     let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
     let mut samples = 0;
@@ -205,7 +209,7 @@ fn missing(film: &Film, settings: &RenderSettings) -> u64 {
     missing.iter().map(|r| u64::from(r.end - r.start)).sum()
 }
 
-/// The progress after a pass. The number of samples is known only if there is no time limit.
+/// The progress after a pass. The number of samples is known only if there is no time limit and no noise level.
 fn progress(
     film: &Film,
     settings: &RenderSettings,
@@ -215,9 +219,13 @@ fn progress(
     let missing = missing(film, settings);
     let wanted = u64::from(settings.samples.end.saturating_sub(settings.samples.start));
     let remaining = clock.remaining(missing, elapsed);
-    JobProgress::by_time("rendering", elapsed, Some(remaining)).with_count(WorkCount {
+    // How many samples a noise level takes is not known.
+    let is_adaptive = film.format().noise.is_some();
+    let is_timed = settings.time_limit.is_some();
+    let remaining = (is_timed || !is_adaptive).then_some(remaining);
+    JobProgress::by_time("rendering", elapsed, remaining).with_count(WorkCount {
         done: wanted - missing,
-        wanted: settings.time_limit.is_none().then_some(wanted),
+        wanted: (!is_timed && !is_adaptive).then_some(wanted),
         unit: ["sample per pixel", "samples per pixel"],
     })
 }

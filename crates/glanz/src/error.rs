@@ -103,12 +103,12 @@ pub enum Error {
     /// A guide that cannot be created.
     #[error(transparent)]
     Guide(#[from] GridError),
-    /// The picture is complete, but its checkpoint or its guide was not written.
+    /// The picture is complete, but its checkpoint or its guide was not written, or its noise was not removed.
     #[error("{error}")]
     Unsaved {
         /// The picture, which can still be saved.
         picture: Box<Picture>,
-        /// The error of the file.
+        /// The error.
         error: Box<Error>,
     },
     /// A noise level out of range.

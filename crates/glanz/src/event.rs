@@ -247,26 +247,30 @@ mod tests {
 
     #[test]
     fn integrators_that_do_not_see_media_warn_of_it() {
-        let scene = |media: &[MediumDescription]| {
+        let scene = |media: &[MediumDescription], camera_medium| {
             SceneBuilder::new()
                 .resolution(2, 2)
-                .edit(|description| description.media.extend(media.iter().cloned()))
+                .edit(|description| {
+                    description.media.extend(media.iter().cloned());
+                    description.camera_medium = camera_medium;
+                })
                 .shape(ShapeDescription::sphere(1.0), MaterialKind::diffuse(0.5))
                 .describe()
                 .unwrap()
         };
-        let warnings = |name: &str, media: &[MediumDescription]| {
-            let scene = LoadedScene::from_description("fog", scene(media)).render();
+        let warnings = |name: &str, media: &[MediumDescription], camera_medium| {
+            let scene = LoadedScene::from_description("fog", scene(media, camera_medium)).render();
             scene.samples(1).integrator(name).run().unwrap().warnings().to_vec()
         };
         let fog = [MediumDescription::new(0.0, 1.0)];
         for name in ["light", "whitted", "distributed"] {
             let what = format!("the integrator {name:?}");
-            assert_eq!(warnings(name, &fog), [Warning::MediaLeftOut { what }]);
-            assert_eq!(warnings(name, &[]), []);
+            assert_eq!(warnings(name, &fog, Some(0)), [Warning::MediaLeftOut { what }]);
+            assert_eq!(warnings(name, &fog, None), [], "a medium without a place");
+            assert_eq!(warnings(name, &[], None), []);
         }
         for name in ["path", "guided"] {
-            assert_eq!(warnings(name, &fog), []);
+            assert_eq!(warnings(name, &fog, Some(0)), []);
         }
     }
 

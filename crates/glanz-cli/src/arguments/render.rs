@@ -109,9 +109,9 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
     /// Take samples until this standard error of a pixel, relative to the brightness around it (0.02: 2 %); some parts of the picture take more than
-    /// others. --spp is then a limit [integrators path, distributed, whitted, and guided with --guide-in]
+    /// others. --spp is then a limit of at least 32; EXR files get the channels of the variance [not for light, nor for guided without --guide-in]
     #[arg(long, value_name = "LEVEL", value_parser = positive, conflicts_with = "samples")]
-    noise: Option<f64>,
+    pub(crate) noise: Option<f64>,
     /// Size of the full picture in pixels
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(crate) size: Option<[u32; 2]>,
@@ -130,7 +130,7 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "WIDTH", num_args = 0..=1, require_equals = true, value_parser = line_width)]
     edges: Option<Option<f64>>,
     /// Remove the noise of the finished picture by Open Image Denoise 2, which is loaded from the folder OIDN_DIR or where the system keeps
-    /// libraries; checkpoints keep the noise
+    /// libraries; checkpoints keep the noise, EXR files get the channels of albedo and shading normals
     #[arg(long)]
     denoise: bool,
     /// Render only the samples of every pixel from A up to, but not including, B

@@ -161,6 +161,10 @@ fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages)
         Error::SampleRange { .. } | Error::SampleOrder { .. } => {
             arguments.samples.as_ref().map(|range| format!("--samples {}..{}", range.start, range.end))
         }
+        Error::NoiseLevel { .. } | Error::NoiseOf { .. } => {
+            arguments.noise.map(|level| format!("--noise {level}"))
+        }
+        Error::Denoise(_) => Some("--denoise".to_owned()),
         Error::Film(_) => arguments.size.map(|[width, height]| format!("--size {width}x{height}")),
         _ => None,
     };
@@ -208,11 +212,15 @@ fn finish(
         guide: GuideReport::of(film),
         warnings,
     };
+    let taken = plural(report.samples_per_pixel, "sample per pixel", "samples per pixel");
+    let taken = match identity.film.noise {
+        Some(_) => format!("up to {taken}, {:.0} on average", film.mean_samples()),
+        None => taken,
+    };
     messages.note(&format!(
-        "{}wrote {}: {} in {}, {:.1} million rays, {:.2} million a second",
+        "{}wrote {}: {taken} in {}, {:.1} million rays, {:.2} million a second",
         if interrupted { "interrupted; " } else { "" },
         report.outputs.join(", "),
-        plural(report.samples_per_pixel, "sample per pixel", "samples per pixel"),
         report::duration(report.seconds),
         report.rays as f64 / 1e6,
         report.rays_per_second / 1e6,

@@ -9,6 +9,9 @@ use crate::hit::Hit;
 /// Part of its parameters by which a piece extends beyond its ends, so that rounding does not lose a ray between two pieces.
 pub(super) const OVERLAP: f64 = 1e-9;
 
+/// Part of a piece's largest coefficient below which its derivative counts as zero: the root that all rays have there is exact to about 1e-8.
+const STILL: f64 = 1e-10;
+
 /// A part of a cubic curve with a width.
 #[derive(Clone, Debug)]
 pub(super) struct CurvePiece {
@@ -73,7 +76,13 @@ impl CurvePiece {
             5.0 * q2.dot(q3),
             3.0 * q3.dot(q3),
         ];
+        let largest = p1.length_squared().max(p2.length_squared()).max(p3.length_squared());
         for &x in roots(&product, -OVERLAP, 1.0 + OVERLAP).iter() {
+            let velocity = p1 + x * (2.0 * p2 + 3.0 * x * p3);
+            // Where the curve has no direction every ray would be perpendicular to it.
+            if velocity.length_squared() <= STILL * STILL * largest {
+                continue;
+            }
             let q = q0 + x * (q1 + x * (q2 + x * q3));
             let half = self.half_width[0] + self.half_width[1] * x;
             let distance = q.length();

@@ -74,8 +74,9 @@ impl Ribbon {
         let tangent = 3.0 * ((b - a) * rest * rest + (c - b) * 2.0 * u * rest + (d - c) * u * u);
         let bend = 6.0 * ((a - 2.0 * b + c) * rest + (b - 2.0 * c + d) * u);
         let (normal, turn) = self.normal(u);
-        // pbrt's direction at a point where the derivative vanishes.
-        let direction = if tangent.length_squared() > 0.0 { tangent } else { d - a };
+        // The limit of the direction where the derivative vanishes.
+        let turned = if u < 0.5 { bend } else { -bend };
+        let direction = [tangent, turned].into_iter().find(|v| v.length_squared() > 0.0).unwrap_or(d - a);
         let across = normal.cross(direction);
         let length = across.length();
         let (unit, change) = if length > 0.0 {

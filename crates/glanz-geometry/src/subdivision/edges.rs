@@ -5,7 +5,7 @@ use glanz_math::DVec3;
 use crate::error::SurfaceError;
 
 /// An edge of one triangle or two.
-pub(super) struct SharedEdge {
+pub(super) struct SubdivisionEdge {
     pub(super) ends: [u32; 2],
     /// Corners of the triangles that are opposite to the edge.
     pub(super) opposite: (u32, Option<u32>),
@@ -30,7 +30,7 @@ pub(super) struct VertexRing {
 
 /// The edges of a mesh.
 pub(super) struct EdgeTable {
-    edges: Vec<SharedEdge>,
+    edges: Vec<SubdivisionEdge>,
     /// The edge from each corner of a triangle to the next.
     of_sides: Vec<u32>,
     /// Number of edges at each vertex.
@@ -85,14 +85,14 @@ impl EdgeTable {
             }
             let opposite = |side| corner(previous(side));
             let (opposite, sides) = ((opposite(first), second.map(opposite)), (first, second));
-            edges.push(SharedEdge { ends, opposite, sides });
+            edges.push(SubdivisionEdge { ends, opposite, sides });
         }
         Ok(Self { edges, of_sides, valences, fan_starts })
     }
 }
 
 impl EdgeTable {
-    pub(super) fn edges(&self) -> &[SharedEdge] {
+    pub(super) fn edges(&self) -> &[SubdivisionEdge] {
         &self.edges
     }
 

@@ -18,7 +18,7 @@ use self::edges::{EdgeTable, VertexRing};
 use crate::error::{SurfaceError, finite};
 
 /// Largest number of triangles after the last level.
-const MOST_TRIANGLES: usize = 1 << 24;
+const MOST_TRIANGLES: usize = 1 << 22;
 
 /// Points of a limit surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,7 @@ pub struct SubdividedMesh {
 ///
 /// # Errors
 /// [`SurfaceError::NotFinite`], [`SurfaceError::BadIndex`], [`SurfaceError::NotManifold`], [`SurfaceError::TooFew`] without a triangle,
-/// [`SurfaceError::TooMany`] if the level has more than 17 million triangles.
+/// [`SurfaceError::TooMany`] if the level has more than 4 million triangles.
 pub fn loop_subdivision(
     positions: Vec<DVec3>,
     triangles: Vec<[u32; 3]>,
@@ -171,13 +171,12 @@ fn border_tangents(vertex: DVec3, ring: &[DVec3]) -> Option<[DVec3; 2]> {
     let [first, between @ .., last] = ring else { return None };
     let across = match between {
         [] => *first + *last - 2.0 * vertex,
-        [middle] => *middle - vertex,
-        [second, third] => 2.0 * (*second + *third) - *first - *last - 2.0 * vertex,
         between => {
+            // The eigenvector of the rules above, which differ from the source's at such vertices.
             let theta = PI / (between.len() + 1) as f64;
-            let weight = 2.0 - 2.0 * theta.cos();
+            let (cos, sum) = (theta.cos(), 1.0 / (0.5 * theta).tan());
             let inner = between.iter().zip(1..).map(|(point, k)| (f64::from(k) * theta).sin() * *point);
-            weight * inner.sum::<DVec3>() - theta.sin() * (*first + *last)
+            inner.sum::<DVec3>() - sum / (1.0 + 2.0 * cos) * (cos * (*first + *last) + vertex)
         }
     };
     Some([*first - *last, across])

@@ -117,3 +117,20 @@ fn meshes_that_are_no_surface_are_refused() {
     let (positions, triangles) = pyramid(4, true);
     assert!(matches!(loop_subdivision(positions, triangles, 40), Err(SurfaceError::TooMany { .. })));
 }
+
+#[test]
+fn normals_at_a_border_do_not_depend_on_the_level() {
+    // Fans of 1 to 8 triangles around vertex 0, whose border bends out of the plane.
+    for count in 1..=8_u32 {
+        let rim = (0..=count).map(|k| {
+            let (sin, cos) = (PI * f64::from(k) / f64::from(count)).sin_cos();
+            DVec3::new(cos, sin, 0.3 * f64::from(k * k % 3))
+        });
+        let positions: Vec<DVec3> = [DVec3::ZERO].into_iter().chain(rim).collect();
+        let triangles: Vec<[u32; 3]> = (1..=count).map(|k| [0, k, k + 1]).collect();
+        let normal =
+            |levels| subdivide((positions.clone(), triangles.clone()), levels).normals[0].normalize();
+        let [a, b] = [0, 3].map(normal);
+        assert!(a.distance(b) < 1e-9, "{count}: {a} {b}");
+    }
+}

@@ -81,8 +81,13 @@ impl MediumCoefficients {
         let (extinction, scattering) = (at(self.extinction), at(self.extinction * self.albedo));
         let albedo =
             scattering.zip(extinction, |part, all| if all > 0.0 { (part / all).min(1.0) } else { 0.0 });
-        let source = self.source.upsampled_light(wavelengths).map(|x| x.max(0.0));
-        Self { extinction, albedo, source }
+        // What absorbs emits: the colour of the emission is that of the light divided by what is not scattered.
+        let absorbed = |albedo: Spectrum| Spectrum::ONE - albedo;
+        let emission = self
+            .source
+            .zip(absorbed(self.albedo), |source, part| if part > 0.0 { source / part } else { 0.0 });
+        let emission = emission.upsampled_light(wavelengths).map(|x| x.max(0.0));
+        Self { extinction, albedo, source: emission * absorbed(albedo) }
     }
 }
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::emission::{EmissionPictures, area_light, emission_per_object};
 use super::join::join_small_meshes;
-use super::medium::ResolvedMedia;
+use super::medium::{MediaEnds, ResolvedMedia};
 use super::texture::ResolvedTextures;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
 use crate::alpha::AlphaTest;
@@ -104,8 +104,7 @@ pub(super) struct GroupResolver<'a> {
     /// Per material, its surface detail.
     details: &'a [Option<SurfaceDetail>],
     media: &'a ResolvedMedia,
-    /// Whether media end at surfaces that light passes.
-    open_media: bool,
+    media_ends: MediaEnds,
     next_id: u32,
     receivers: Vec<NamedReceiver>,
 }
@@ -118,8 +117,7 @@ pub(super) struct ResolvedGroups {
     /// One per light.
     pub(super) light_spectra: Vec<EmissionSpectrum>,
     pub(super) receivers: Vec<NamedReceiver>,
-    /// Whether media end at surfaces that light passes.
-    pub(super) open_media: bool,
+    pub(super) media_ends: MediaEnds,
 }
 
 impl<'a> GroupResolver<'a> {
@@ -137,7 +135,7 @@ impl<'a> GroupResolver<'a> {
             wavelengths,
             details,
             media,
-            open_media: false,
+            media_ends: MediaEnds::default(),
             groups: Vec::new(),
             emitters: Vec::new(),
             depths: Vec::new(),
@@ -227,8 +225,8 @@ impl<'a> GroupResolver<'a> {
         let world = self.build(objects, instances, edges);
         self.groups.push(world);
         measure_placements(&mut self.groups);
-        let Self { groups, receivers, open_media, .. } = self;
-        Ok(ResolvedGroups { groups, lights, light_spectra, receivers, open_media })
+        let Self { groups, receivers, media_ends, .. } = self;
+        Ok(ResolvedGroups { groups, lights, light_spectra, receivers, media_ends })
     }
 
     fn attributes(&self, shape: &ShapeDescription) -> Result<BuiltAttributes, SceneError> {
@@ -295,7 +293,9 @@ impl<'a> GroupResolver<'a> {
                 object.set_detail(attributes.has_detail);
                 object.alpha = attributes.alpha.clone();
             }
-            self.open_media |= attributes.passable && bounds_medium && !attributes.is_absent();
+            let bounds_medium = bounds_medium && !attributes.is_absent();
+            self.media_ends.anywhere |= bounds_medium;
+            self.media_ends.at_interfaces |= bounds_medium && attributes.passable;
             // What light passes has no effect if it neither emits nor measures light and no medium ends there.
             let is_passed = attributes.passable && !bounds_medium || attributes.is_absent();
             let is_left_out = is_passed && !measures && emission.is_none();

@@ -20,6 +20,14 @@ pub(super) struct ResolvedMedia {
     ids: Vec<MediumId>,
 }
 
+/// Whether media end at surfaces of a scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct MediaEnds {
+    pub(super) anywhere: bool,
+    /// At surfaces that light passes.
+    pub(super) at_interfaces: bool,
+}
+
 impl ResolvedMedia {
     pub(super) fn new(description: &Description, wavelengths: &Wavelengths) -> Result<Self, SceneError> {
         let count = description.media.len();
@@ -58,10 +66,12 @@ impl ResolvedMedia {
         Ok(MediumInterface { inside: self.id(inside, location)?, outside: self.id(outside, location)? })
     }
 
-    /// `are_open`: whether media end at surfaces that light passes.
-    pub(super) fn finish(self, camera: Option<usize>, are_open: bool) -> Result<SceneMedia, SceneError> {
+    /// The media, none if no ray can be in one: neither around the camera nor behind a surface.
+    pub(super) fn finish(self, camera: Option<usize>, ends: MediaEnds) -> Result<SceneMedia, SceneError> {
         let camera = self.id(camera, None)?;
-        Ok(SceneMedia { media: self.media, camera, are_open })
+        let is_used = ends.anywhere || camera != MediumId::VACUUM;
+        let media = if is_used { self.media } else { Vec::new() };
+        Ok(SceneMedia { media, camera, are_open: ends.at_interfaces })
     }
 }
 

@@ -69,7 +69,7 @@ impl Scene {
                 groups.cut(section, &mut warnings)?;
             }
         }
-        let ResolvedGroups { groups, mut lights, mut light_spectra, receivers, open_media } =
+        let ResolvedGroups { groups, mut lights, mut light_spectra, receivers, media_ends } =
             groups.finish(description.world, &description.images, &mut warnings)?;
         for light in &description.lights {
             lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
@@ -100,7 +100,7 @@ impl Scene {
             materials: materials.into(),
             surface_details: surface_details.into(),
             textures: textures.textures,
-            media: media.finish(description.camera_medium, open_media)?.into(),
+            media: media.finish(description.camera_medium, media_ends)?.into(),
             lights: lights.into(),
             light_spectra: light_spectra.into(),
             infinite_lights,

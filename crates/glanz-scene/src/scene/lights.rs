@@ -200,7 +200,13 @@ impl Scene {
     pub fn light_at(&self, id: LightId, rgb: Spectrum, wavelengths: &Wavelengths) -> Spectrum {
         match wavelengths {
             Wavelengths::Rgb => rgb,
-            _ => self.light_spectra.get(id.0 as usize).map_or(rgb, |spectrum| spectrum.at(rgb, wavelengths)),
+            _ => {
+                let spectrum = self.light_spectra.get(id.0 as usize);
+                spectrum.map_or_else(
+                    || rgb.upsampled_light(wavelengths),
+                    |spectrum| spectrum.at(rgb, wavelengths),
+                )
+            }
         }
     }
 

@@ -334,9 +334,17 @@ impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
     }
 
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<DielectricMaterial, MaterialError> {
+        let dispersion = self.dispersion.clone().filter(|_| !self.thin);
+        if let Some(SpectralDistribution::Sampled(samples)) = &dispersion {
+            let (low, high) = samples.range();
+            if let Some(value) = [low, high].into_iter().find(|value| !INDICES.contains(value)) {
+                let range = "a number between 0.001 and 1000 at every wavelength";
+                return Err(MaterialError::Range { parameter: "eta", value, range });
+            }
+        }
         Ok(DielectricMaterial {
             eta: resolver.float("eta", &self.eta, INDICES, "a number between 0.001 and 1000")?,
-            dispersion: self.dispersion.clone().filter(|_| !self.thin),
+            dispersion,
             reflectance: resolver.fraction("reflectance", &self.reflectance)?,
             transmittance: resolver.fraction("transmittance", &self.transmittance)?,
             thin: self.thin,

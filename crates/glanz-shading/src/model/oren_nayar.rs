@@ -9,6 +9,7 @@ use glanz_sampling::warp;
 
 use super::{Material, MaterialModel, TexturedModel};
 use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, same_side};
+use crate::microfacet::clamp_unit;
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 
 /// A surface of symmetric V-shaped grooves whose sides follow Lambert's law, such as plaster or clay: it reflects more light back to where the light comes from.
@@ -115,7 +116,7 @@ impl TexturedModel for OrenNayarMaterial {
     type Bsdf = OrenNayar;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> OrenNayar {
-        let sigma = f64::from(at.float(&self.sigma).clamp(0.0, 90.0)).to_radians();
+        let sigma = (90.0 * clamp_unit(f64::from(at.float(&self.sigma)) / 90.0)).to_radians();
         OrenNayar::new(at.fraction(&self.reflectance), sigma)
     }
 }

@@ -11,7 +11,7 @@ use glanz_scene::Scene;
 use glanz_scene::description::{GuideSettings, IntegratorDescription, PhotonSettings};
 
 use crate::guide::{GridError, Guide};
-use crate::photon::{PHOTON_LIMIT, PhotonTracer};
+use crate::photon::{PHOTON_LIMIT, PHOTON_RADII, PhotonTracer};
 
 mod context;
 mod distributed;
@@ -44,10 +44,10 @@ pub use whitted::Whitted;
 pub trait Integrator: Send + Sync {
     /// An estimate of the radiance that arrives along [`Context::camera_ray`].
     ///
-    /// The estimate depends on the ray, the scene, the numbers of the sampler and, for learning integrators, the film's training alone.
+    /// The estimate depends on the ray, the scene, the numbers of the sampler, the photons of the sample number and, for learning integrators, the film's training alone.
     fn radiance(&self, context: &mut Context<'_>) -> Spectrum;
 
-    /// Estimates for many samples, the same as one by one. `contexts`: of one scene and one training; `radiance` is replaced.
+    /// Estimates for many samples, the same as one by one. `contexts`: of one scene, one training and the photons of one sample number; `radiance` is replaced.
     fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
         radiance.clear();
         radiance.extend(contexts.iter_mut().map(|context| self.radiance(context)));
@@ -218,8 +218,8 @@ pub enum IntegratorError {
     /// No branches or more than [`BRANCHING_LIMIT`].
     #[error("a branching of {0} is not between 1 and {BRANCHING_LIMIT}")]
     Branching(u32),
-    /// A radius of photons that is not positive and finite.
-    #[error("a radius of photons of {0} m is not positive and finite")]
+    /// A radius of photons outside its range.
+    #[error("a radius of photons of {0} m is not between 1e-9 and 1e9")]
     Radius(f64),
     /// No photons or more than [`PHOTON_LIMIT`].
     #[error("a number of photons of {0} is not between 1 and {PHOTON_LIMIT}")]
@@ -270,7 +270,7 @@ impl IntegratorSettings {
         let guide = if entry.guided { description.guide } else { GuideSettings::Tree };
         let photons = if entry.name == SPPM { description.photons } else { PhotonSettings::default() };
         match photons {
-            PhotonSettings { radius: Some(radius), .. } if !(radius > 0.0 && radius.is_finite()) => {
+            PhotonSettings { radius: Some(radius), .. } if !PHOTON_RADII.contains(&radius) => {
                 return Err(IntegratorError::Radius(radius));
             }
             PhotonSettings { count: Some(count), .. } if count == 0 || count > PHOTON_LIMIT => {

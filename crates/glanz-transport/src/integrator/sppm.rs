@@ -21,15 +21,14 @@ pub struct Sppm {
     tracer: PathTracer,
     max_depth: u32,
     photons: PhotonSettings,
-    spectral: bool,
 }
 
 impl Sppm {
     /// With the depth, the light sampling and the photons of `settings`.
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
-        let IntegratorSettings { max_depth, photons, spectral, .. } = *settings;
-        Self { tracer: PathTracer::new(settings), max_depth, photons, spectral }
+        let IntegratorSettings { max_depth, photons, .. } = *settings;
+        Self { tracer: PathTracer::new(settings), max_depth, photons }
     }
 }
 
@@ -48,7 +47,7 @@ impl Integrator for Sppm {
     }
 
     fn photon_tracer(&self, scene: &Scene, seed: u64, resolution: [u32; 2]) -> Option<PhotonTracer> {
-        if self.spectral || scene.has_media() {
+        if scene.has_media() {
             return None;
         }
         PhotonTracer::new(scene, &self.photons, self.max_depth, seed, resolution)
@@ -71,12 +70,12 @@ pub(super) fn lit_by(
         }
         let direction = photon.direction();
         let (value, bsdf_pdf) = vertex.eval(direction);
-        if value.is_black() {
+        let cosine = normal.dot(direction).abs();
+        if value.is_black() || cosine == 0.0 {
             return;
         }
         // `value` contains the cosine to the shading normal, as needed for incident radiance; flux already contains the geometric cosine
         // (@veach1997 section 5.3.2).
-        let cosine = normal.dot(direction).abs();
         let weight = PhotonMap::weight(photons.odds(cosine, pdf(direction, bsdf_pdf)), photon);
         light += value * photon.flux() * (weight / cosine) as f32;
     });

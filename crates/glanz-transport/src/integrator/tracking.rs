@@ -19,7 +19,7 @@ const FIRST_MEDIUM_DIMENSION: u32 = 1 << 30;
 /// Largest number of tentative collisions on a ray: one with more is in a medium so dense that it makes no progress, and counts as absorbed.
 const COLLISION_LIMIT: u32 = 1 << 20;
 
-/// Transmittance below which ratio tracking goes on with a probability of [`ROULETTE_SURVIVAL`] only.
+/// Transmittance below which ratio tracking continues with a probability of [`ROULETTE_SURVIVAL`] only.
 const ROULETTE_BELOW: f32 = 0.05;
 const ROULETTE_SURVIVAL: f32 = 0.25;
 

@@ -33,7 +33,7 @@ pub(super) struct EmissionDensity {
 }
 
 impl EmissionDensity {
-    /// The density in proportion to weights, each spread over the cells around its own, because they may be few; `None` if all are 0.
+    /// The density in proportion to weights, those of place and direction spread over the cells around their own, because they may be few; `None` if all are 0.
     pub(super) fn fit(weighted: impl Iterator<Item = (EmissionNumbers, f64)>) -> Option<Self> {
         let [mut direction, mut place] = [const { [0.0; CELLS * CELLS] }; 2];
         let mut selection = [0.0; SELECTION_CELLS];

@@ -2,10 +2,10 @@
 //!
 //! A [`PhotonMap`] holds the light that arrives on scattering surfaces after one or more delta lobes (mirrors, smooth glass) and nothing else since it left its light.
 //! Paths from the camera, which cannot sample such light and hit its lights by chance only, add it at every scattering event by a density estimate: the photons within
-//! a small radius, divided by the area of the disk. This is the only technique that finds caustics seen by mirror or glass.
+//! a small radius, divided by the area of the disk. Of lights that no ray can hit, this is the only technique that finds caustics seen by mirror or glass.
 //!
 //! The map of a sample number is a function of the scene, the settings and the seed alone, and all pixels share it. The estimate has a bias: caustics are blurred by a
-//! disk, and within its radius of the border of a surface too dark, by half at most. The radius of sample i is `r (i + 1)^(-1/6)`, by which the squared bias and the
+//! disk, and too dark by half at a straight border, by more at corners and on parts that are narrower or more curved than the disk. The radius of sample i is `r (i + 1)^(-1/6)`, by which the squared bias and the
 //! variance of the mean both vanish, as n^(-2/3).
 //!
 //! # Weights
@@ -24,6 +24,8 @@
 //! @jensen2001 for photon maps; @georgiev2012 for the weights, of which these are the part that concerns caustics; @knaus2011 for independent maps with shrinking radii.
 //! Departures: the power of the radius in closed form; only caustics are stored, everything else is light that path tracing samples well.
 
+use std::ops::RangeInclusive;
+
 use glanz_light::Spectrum;
 use glanz_math::DVec3;
 use glanz_math::glam::Vec3;
@@ -41,8 +43,12 @@ mod trace;
 
 pub use map::PhotonMap;
 
-/// Largest number of photon paths of a map. A map takes up to 90 bytes for each, and 250 while it is made.
+/// Largest number of photon paths of a map. A map takes up to 90 bytes for each photon, and 250 while it is made; a path leaves
+/// one at every surface that both scatters and mirrors.
 pub const PHOTON_LIMIT: u32 = 1 << 24;
+
+/// Radii of density estimates, metres: cells of the map stay within integers, and areas within `f32`.
+pub const PHOTON_RADII: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Bounds of the number of photon paths if it is not given: that of the pixels, but enough to be traced by all threads, and at most 250 MB.
 const DEFAULT_PHOTONS: [u64; 2] = [1 << 12, 1 << 20];
@@ -63,7 +69,7 @@ pub(crate) struct Photon {
     normal: Vec3,
     /// Flux divided by the number of photon paths, W.
     flux: Spectrum,
-    /// Density of emission, per square metre across the ray and steradian; infinite for lights that no ray can hit.
+    /// Density of emission, per square metre across the ray and steradian, times the probability of the light; infinite for lights that no ray can hit.
     emission: f32,
     /// Number of scattering events since its light.
     events: u32,
@@ -105,7 +111,7 @@ impl PhotonTracer {
     /// A tracer for a picture of `resolution` pixels, with its density of emission fitted with the threads of the pool. `max_depth`: largest number of scattering events of a
     /// whole path.
     ///
-    /// `None` if no radius is given and none of the scene's surfaces is seen.
+    /// `None` if no radius is given, no surface is seen and none has an extent.
     pub(crate) fn new(
         scene: &Scene,
         settings: &PhotonSettings,
@@ -116,7 +122,10 @@ impl PhotonTracer {
         let [least, most] = DEFAULT_PHOTONS;
         let pixels = resolution.into_iter().map(u64::from).product::<u64>().clamp(least, most);
         let paths = settings.count.unwrap_or(pixels as u32);
-        let radius = settings.radius.or_else(|| radius::of_pixels(scene, resolution))?;
+        let automatic = || {
+            radius::of_pixels(scene, resolution).map(|r| r.clamp(*PHOTON_RADII.start(), *PHOTON_RADII.end()))
+        };
+        let radius = settings.radius.or_else(automatic)?;
         let (density, counters) = (None, Counters::default());
         let mut tracer = Self { radius, paths, max_depth, seed, density, counters };
         let [least, most] = TRAINING_PATHS;

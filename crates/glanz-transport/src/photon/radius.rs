@@ -12,18 +12,22 @@ const LARGEST: f64 = 1.0 / 200.0;
 /// Number of rays along each side of the picture.
 const RAYS: u32 = 16;
 
-/// Radius, metres: some pixels, as seen at the median of the distances of surfaces from the camera. `None` if no surface is seen.
+/// Radius, metres: some pixels, as seen at the median of the distances of surfaces from the camera. `None` if no surface is seen and none has an extent.
 pub(super) fn of_pixels(scene: &Scene, resolution: [u32; 2]) -> Option<f64> {
     let size = DVec2::from(resolution.map(f64::from));
     let places = (0..RAYS * RAYS).map(|i| DVec2::from([i % RAYS, i / RAYS].map(f64::from)) + 0.5);
     let mut pixels: Vec<f64> =
         places.filter_map(|place| pixel(scene, place / f64::from(RAYS) * size)).collect();
     pixels.sort_by(f64::total_cmp);
-    let radius = PIXELS * *pixels.get(pixels.len() / 2)?;
+    let seen = pixels.get(pixels.len() / 2).map(|pixel| PIXELS * pixel);
     let bounds = scene.bounds();
-    let largest = if bounds.is_empty() { f64::INFINITY } else { LARGEST * bounds.diagonal().length() };
     // A plane has a bound of no extent.
-    Some(if largest > 0.0 { radius.min(largest) } else { radius }).filter(|&r| r > 0.0)
+    let largest = Some(LARGEST * bounds.diagonal().length()).filter(|&r| !bounds.is_empty() && r > 0.0);
+    let radius = match (seen, largest) {
+        (Some(seen), Some(largest)) => Some(seen.min(largest)),
+        (seen, largest) => seen.or(largest),
+    };
+    radius.filter(|&r| r > 0.0)
 }
 
 /// The size of a pixel on the surface that is seen at the film point `film`, metres.

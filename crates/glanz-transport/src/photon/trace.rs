@@ -5,7 +5,8 @@ use std::ops::Range;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::{PixelSampler, SamplerKind};
-use glanz_scene::{BatchedPath, Light, LightId, LightRay, Scene, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, Light, LightId, LightRay, Scene, SceneHit};
+use glanz_shading::Material;
 use rayon::prelude::*;
 
 use super::Photon;
@@ -160,11 +161,20 @@ impl PhotonPath {
     fn next_ray(&mut self, batch: &mut PhotonBatch<'_>, ray: &Ray, hit: &SceneHit) -> Option<Ray> {
         let pass = batch.pass;
         let scene = pass.scene;
-        if scene.hit_material(hit).absorbs_all() {
+        let material = scene.hit_material(hit);
+        if material.absorbs_all() {
             return None;
         }
-        let hit = scene.interaction(ray, hit);
-        let Some(bsdf) = hit.bsdf(scene, &pass.wavelengths) else {
+        let is_mixture = matches!(material, Material::Mix(_));
+        let found = hit;
+        let hit = scene.interaction(ray, found);
+        let bsdf = hit.bsdf(scene, &pass.wavelengths);
+        // The path from the camera selects a part of a mixture: selected here as well, its probability would count twice.
+        if self.events > 0 && (is_mixture || bsdf.as_ref().is_some_and(|bsdf| !bsdf.is_delta())) {
+            let photon = self.photon(&hit, pass.paths, scene.hit_opacity(ray, found));
+            batch.arrivals.push(PhotonArrival { path: self.number, position: hit.point.position, photon });
+        }
+        let Some(bsdf) = bsdf else {
             return pass_interface(&hit, ray.direction, &mut self.interfaces);
         };
         self.interfaces = 0;
@@ -173,9 +183,6 @@ impl PhotonPath {
             let distance = (hit.point.position - self.light.ray.origin).length();
             self.flux *= self.light.range.attenuation(distance);
             self.emission = self.emission_at(scene, hit.point.position, hit.wo);
-        } else if !vertex.is_delta() {
-            let photon = self.photon(&vertex, pass.paths);
-            batch.arrivals.push(PhotonArrival { path: self.number, position: hit.point.position, photon });
         }
         if self.events == pass.max_events {
             return None;
@@ -206,12 +213,13 @@ impl PhotonPath {
         self.probability * scene.emission_pdf(self.id, at, to_light, self.light.area_pdf())
     }
 
-    /// The photon at a vertex.
-    fn photon(&self, vertex: &Vertex<'_>, paths: u32) -> Photon {
+    /// The photon at a point of a surface with this `opacity`.
+    fn photon(&self, at: &Interaction, paths: u32, opacity: f64) -> Photon {
         Photon {
-            from: vertex.at.wo.as_vec3(),
-            normal: vertex.at.point.normal.as_vec3(),
-            flux: self.flux * (1.0 / paths as f32),
+            from: at.wo.as_vec3(),
+            normal: at.point.normal.as_vec3(),
+            // The path from the camera is stopped here with this probability, too.
+            flux: self.flux * (1.0 / (f64::from(paths) * opacity)) as f32,
             emission: self.emission as f32,
             events: self.events,
         }

@@ -82,7 +82,7 @@ impl Picture {
         &self.warnings
     }
 
-    /// The planes of the picture, linear light; the colours without noise, if it was removed.
+    /// The planes of the picture, linear light; the colours without noise, if it was removed (variances stay those of the noisy colours).
     ///
     /// # Errors
     /// [`Error::Pixels`] if two channels have the same name.

@@ -119,7 +119,8 @@ impl Lowering {
         Ok(self.sum(parts, sizes, list))
     }
 
-    /// The sum of two materials that scatter these fractions of light at most. If they add up to more than 1, both are scaled down to 1 together.
+    /// The sum of two materials that scatter these fractions of light at most. Where a divided colour exceeds 1 it
+    /// is clamped at shading, so that no light is created.
     fn sum(&mut self, parts: [MaterialKind; 2], sizes: [f32; 2], list: &ParameterList) -> MaterialKind {
         let [first, second] = parts;
         if sizes[1] <= 0.0 {
@@ -129,7 +130,7 @@ impl Lowering {
             return second;
         }
         let total = sizes[0] + sizes[1];
-        let [a, b] = sizes.map(|size| grey(total.min(1.0) / size));
+        let [a, b] = sizes.map(|size| grey(total / size));
         let materials = [self.tinted(first, &a, list), self.tinted(second, &b, list)];
         let materials = materials.map(|part| self.add_part(part, list));
         MaterialKind::mix(materials, sizes[1] / total)

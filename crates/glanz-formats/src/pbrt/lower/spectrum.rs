@@ -217,7 +217,9 @@ impl Lowering {
         }
         let spectrum = self.distribution(&list.subject, &p, ColorSpace::Rec709)?;
         let value = FloatParameter::Value(at_d_line(&spectrum));
-        Ok(Some((value, Some(spectrum).filter(SpectralDistribution::is_spectral))))
+        Ok(Some((value, Some(spectrum).filter(|spectrum| {
+            matches!(spectrum, SpectralDistribution::Sampled(samples) if samples.range().0 < samples.range().1)
+        }))))
     }
 
     /// The refractive index of glass, 1.5 by default: a number, a texture, a spectrum, or the two numbers of Cauchy's formula.

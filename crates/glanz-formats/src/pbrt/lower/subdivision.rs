@@ -24,10 +24,12 @@ impl Lowering {
             Ok(SubdividedMesh { positions, normals, triangles: indices }) => {
                 Ok(GeometryDescription::Triangles { positions, indices, normals: Some(normals), uvs: None })
             }
-            Err(error @ SurfaceError::NotManifold { .. }) => {
-                let message = format!("shape \"loopsubdiv\": {error}. Its control mesh stands in");
+            Err(error @ (SurfaceError::NotManifold { .. } | SurfaceError::TooMany { .. })) => {
+                let message = format!("shape \"loopsubdiv\": the control mesh stands in: {error}");
                 self.stand_in(&p.value_place, "stand-in-shape", message);
-                Ok(GeometryDescription::Triangles { positions, indices: triangles, normals: None, uvs: None })
+                // The normals of the limit point to this side.
+                let indices = triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect();
+                Ok(GeometryDescription::Triangles { positions, indices, normals: None, uvs: None })
             }
             Err(error) => {
                 let message = format!("shape \"loopsubdiv\": {error}");

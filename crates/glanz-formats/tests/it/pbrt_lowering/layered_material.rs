@@ -91,7 +91,7 @@ fn opacity_of_uber_lets_light_pass_straight() {
 }
 
 #[test]
-fn sums_of_version_3_are_mixtures_with_the_same_mean() {
+fn parts_of_sums_have_their_colours_divided_by_their_probability() {
     let ([plastic, glass], amount) = parts(
         "\"uber\" \"rgb Kd\" [.2 .1 .1] \"rgb Ks\" [.3 .3 .3] \"rgb Kr\" [.1 .2 .2] \"rgb Kt\" [.1 0 .1] \"float index\" 1.4",
     );
@@ -115,12 +115,12 @@ fn sums_of_version_3_are_mixtures_with_the_same_mean() {
         (glass.eta, glass.roughness),
         (1.5.into(), Roughness::isotropic(0.1, RoughnessScale::Logarithmic))
     );
-    // What would create light is scaled down.
+    // What would create light is clamped where it is used.
     let ([plastic, glass], amount) = parts("\"uber\" \"float Kd\" 1 \"float Kr\" 1");
     let (MaterialKind::Principled(plastic), MaterialKind::Dielectric(glass)) = (plastic, glass) else {
         panic!()
     };
-    assert_eq!((value(&plastic.base_color), value(&glass.reflectance), amount), ([1.0; 3], [1.0; 3], 0.5));
+    assert_eq!((value(&plastic.base_color), value(&glass.reflectance), amount), ([2.0; 3], [2.0; 3], 0.5));
 }
 
 #[test]
