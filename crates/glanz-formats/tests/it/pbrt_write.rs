@@ -184,7 +184,13 @@ proptest! {
             }),
             MaterialKind::Dielectric(DielectricMaterial {
                 eta: (1.0 + a).into(),
-                dispersion: SpectralDistribution::try_sampled(vec![(400.0, 1.0 + a), (700.0, 1.0 + a)]).ok(),
+                // At the d line the index of red, green and blue.
+                dispersion: SpectralDistribution::try_sampled(vec![
+                    (400.0, 1.2 + a),
+                    (500.0, 1.0 + a),
+                    (700.0, 1.0 + a),
+                ])
+                .ok(),
                 reflectance: [a, b, c].into(),
                 transmittance: [d, e, f].into(),
                 thin: false,
