@@ -25,16 +25,19 @@ fn fresnel(t: f64, n: f64) -> f64 {
     (s * s + p * p) / 2.0
 }
 
-#[test]
-fn floor_under_a_glass_pane_is_seen_through_it_by_its_closed_form() {
-    let (rho, intensity, n) = (0.6_f32, 3.0_f32, 1.5);
+/// Reflectance of the floor under the pane.
+const RHO: f32 = 0.6;
+
+/// Fails unless the floor of `add_floor`, of the reflectance [`RHO`] in a share of all hits and dark in others, is seen through a glass pane under a lamp by its closed form.
+fn assert_floor_under_pane(share: f64, name: &str, add_floor: impl FnOnce(SceneBuilder) -> SceneBuilder) {
+    let (intensity, n) = (3.0_f32, 1.5);
     let (above, thickness, below) = (0.7, 0.4, 0.9);
     let top = below + thickness;
     let pane = ShapeDescription::cuboid(DVec3::new(-30.0, -30.0, below), DVec3::new(30.0, 30.0, top));
     // Vertical rays, which the pane does not shift.
     let scene = looking(DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO, [6, 5], 1.0)
-        .edit(|scene| scene.camera.kind = CameraKind::Orthographic)
-        .shape(ShapeDescription::disk(2.1), diffuse(rho))
+        .edit(|scene| scene.camera.kind = CameraKind::Orthographic);
+    let scene = add_floor(scene)
         .shape(pane, glass())
         .light(LightDescription::point(DVec3::new(0.2, 0.0, top + above), [intensity; 3]));
     // A ray under the angle t arrives at the distance r(t); the flux 2 pi I sin t dt, less what both sides reflect, falls on the ring 2 pi r dr.
@@ -49,12 +52,26 @@ fn floor_under_a_glass_pane_is_seen_through_it_by_its_closed_form() {
         let slope = (reach(low + 1e-5) - reach(low - 1e-5)) / 2e-5;
         f64::from(intensity) * low.sin() / (r * slope) * (1.0 - fresnel(low, n)).powi(2)
     };
-    let seen = f64::from(rho) / PI * (1.0 - fresnel(0.0, n)).powi(2);
+    let seen = share * f64::from(RHO) / PI * (1.0 - fresnel(0.0, n)).powi(2);
     let expected = plane_picture(&scene, 0.0, |x, y| seen * irradiance((x - 0.2).hypot(y)));
-    let run = with_photons(0.3, 2048, Run::new("sppm", 5, 1600));
-    assert_pixels(&run.picture(&scene), &expected, "pane");
+    let run = with_photons(0.3, 2048, Run::new("sppm", 5, (1600.0 / (share * share)) as u32));
+    assert_pixels(&run.picture(&scene), &expected, name);
     let chance = Run::new("path", 5, 16).picture(&scene);
     assert!(chance.mean[0].iter().all(|&mean| mean == 0.0), "a path from the camera met a point");
+}
+
+#[test]
+fn floor_under_a_glass_pane_is_seen_through_it_by_its_closed_form() {
+    let floor = || ShapeDescription::disk(2.1);
+    assert_floor_under_pane(1.0, "diffuse", |scene| scene.shape(floor(), diffuse(RHO)));
+    // The selection of a part of a mixture, and the opacity, count once.
+    assert_floor_under_pane(0.5, "half a mirror", |scene| {
+        let parts = scene.material("matte", diffuse(RHO)).material("mirror", MaterialKind::mirror(1.0));
+        parts.shape(floor(), MaterialKind::mix([0, 1], 0.5))
+    });
+    assert_floor_under_pane(0.5, "half open", |scene| {
+        scene.shape(floor().with_alpha(FloatParameter::Value(0.5)), diffuse(RHO))
+    });
 }
 
 #[test]
