@@ -209,33 +209,36 @@ mod tests {
         assert!(matches!(short.check(), Err(DenoiseError::Size { layer: "albedo", found: 5, expected: 6 })));
     }
 
-    /// Needs the library, see [`DIRECTORY_VARIABLE`].
-    #[test]
-    #[ignore = "needs Open Image Denoise"]
-    fn noise_is_removed_and_the_border_of_the_albedo_stays() {
-        let size = [64, 48];
-        let left = |i: usize| i % 64 < 32;
-        let mut state = 1_u32;
-        let mut noise = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(state) as f32 / 4_294_967_296.0 - 0.5
-        };
-        let pixels = 64 * 48;
-        let albedo: Vec<[f32; 3]> = (0..pixels).map(|i| [if left(i) { 0.2 } else { 0.8 }; 3]).collect();
-        let color: Vec<[f32; 3]> = albedo.iter().map(|a| a.map(|a| 3.0 * a * (1.0 + noise()))).collect();
-        let normal = vec![[0.0, 0.0, 1.0]; pixels];
-        let clean = albedo.clone();
-        let picture = NoisyPicture { size, color: color.clone(), albedo, normal };
-        let found =
-            Denoiser::load().unwrap().denoise(picture, 0, &mut Silent, &CancelFlag::default()).unwrap();
-        let error = |of: &[[f32; 3]]| -> f32 {
-            of.iter().zip(&clean).map(|(x, a)| (x[1] - 3.0 * a[1]).powi(2)).sum::<f32>() / pixels as f32
-        };
-        assert!(error(&found) < 0.02 * error(&color), "{} {}", error(&found), error(&color));
-        let cancelled = CancelFlag::default();
-        cancelled.cancel();
-        let picture = NoisyPicture { size, color: color.clone(), albedo: color.clone(), normal: color };
-        let end = Denoiser::load().unwrap().denoise(picture, 0, &mut Silent, &cancelled);
-        assert!(matches!(end, Err(DenoiseError::Interrupted(_))));
+    /// Tests of the nightly run, which need the library, see [`DIRECTORY_VARIABLE`].
+    mod heavy {
+        use super::*;
+
+        #[test]
+        fn noise_is_removed_and_the_border_of_the_albedo_stays() {
+            let size = [64, 48];
+            let left = |i: usize| i % 64 < 32;
+            let mut state = 1_u32;
+            let mut noise = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(state) as f32 / 4_294_967_296.0 - 0.5
+            };
+            let pixels = 64 * 48;
+            let albedo: Vec<[f32; 3]> = (0..pixels).map(|i| [if left(i) { 0.2 } else { 0.8 }; 3]).collect();
+            let color: Vec<[f32; 3]> = albedo.iter().map(|a| a.map(|a| 3.0 * a * (1.0 + noise()))).collect();
+            let normal = vec![[0.0, 0.0, 1.0]; pixels];
+            let clean = albedo.clone();
+            let picture = NoisyPicture { size, color: color.clone(), albedo, normal };
+            let found =
+                Denoiser::load().unwrap().denoise(picture, 0, &mut Silent, &CancelFlag::default()).unwrap();
+            let error = |of: &[[f32; 3]]| -> f32 {
+                of.iter().zip(&clean).map(|(x, a)| (x[1] - 3.0 * a[1]).powi(2)).sum::<f32>() / pixels as f32
+            };
+            assert!(error(&found) < 0.02 * error(&color), "{} {}", error(&found), error(&color));
+            let cancelled = CancelFlag::default();
+            cancelled.cancel();
+            let picture = NoisyPicture { size, color: color.clone(), albedo: color.clone(), normal: color };
+            let end = Denoiser::load().unwrap().denoise(picture, 0, &mut Silent, &cancelled);
+            assert!(matches!(end, Err(DenoiseError::Interrupted(_))));
+        }
     }
 }

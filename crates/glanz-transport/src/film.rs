@@ -1,143 +1,22 @@
 //! The film: accumulates samples into pixels.
 
-use glanz_light::{Pixels, PixelsError};
+mod format;
+mod merge;
+mod picture;
 
-use crate::aov::{Aov, AovSet};
 pub use crate::channels::channel_names;
-use crate::channels::channel_values;
 use crate::edges::EdgeLayer;
 use crate::guide::{Guide, Training};
-use crate::noise::{self, NOT_ENDED, NoiseLevel};
+use crate::noise::{self, NOT_ENDED};
 use crate::passes::Passes;
-use crate::pixel::{PixelLayout, PixelSums, PixelValue, Rejects};
+use crate::pixel::{PixelSums, Rejects};
 use crate::pixel_rect::PixelRect;
-use crate::ranges::{OverlapError, SampleRanges};
-use crate::splat::{SplatLayout, SplatRows, SplatSums};
+use crate::ranges::SampleRanges;
+use crate::splat::SplatRows;
 use crate::weighted_sums::{FEWEST_SAMPLES, PassWeights};
 use glanz_sampling::exact::MAX_TERMS;
 
-/// Errors of creating or merging films.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FilmError {
-    /// Width or height is zero, or there are more than 2^31 pixels.
-    #[error("the picture has {0} x {1} pixels; it must have 1 to 2^31")]
-    Size(u32, u32),
-    /// A crop window that is empty or extends beyond the picture.
-    #[error("the crop window {window:?} is empty or extends beyond the picture of {} x {} pixels", .resolution[0], .resolution[1])]
-    Crop {
-        /// Smallest and largest x, then y.
-        window: [f64; 4],
-        /// Width and height of the full picture.
-        resolution: [u32; 2],
-    },
-    /// A noise level for samples whose variance is not known, or depends on other pixels.
-    #[error("a noise level needs the channel of the variance, and an integrator without passes and splats")]
-    Noise,
-    /// The sums do not fit in memory.
-    #[error("there is no memory for a film of {0} bytes")]
-    Memory(u64),
-    /// Lines along edges that are drawn for other pixels.
-    #[error(
-        "the edges are drawn for {} x {} pixels from {:?} on, the film has {} x {} from {:?} on; draw them for the film",
-        .drawn.size[0], .drawn.size[1], .drawn.min, .crop.size[0], .crop.size[1], .crop.min
-    )]
-    Edges {
-        /// The pixels of the lines.
-        drawn: PixelRect,
-        /// The pixels of the film.
-        crop: PixelRect,
-    },
-    /// Two films of different pictures.
-    #[error("the films differ in {0}")]
-    Layout(&'static str),
-    /// Two films with common samples.
-    #[error(transparent)]
-    Overlap(#[from] OverlapError),
-    /// A film whose training or noise level depends on the order of samples, which cannot be merged.
-    #[error("its samples depend on earlier ones")]
-    Learning,
-    /// More samples than the sums can hold exactly.
-    #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
-    Samples(u64),
-}
-
-/// Format of a film: its pixels and the sums of each.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FilmFormat {
-    /// Width and height of the full picture.
-    pub resolution: [u32; 2],
-    /// The part that is rendered.
-    pub crop: PixelRect,
-    /// Extra channels.
-    pub aovs: AovSet,
-    /// Whether the filter has negative lobes.
-    pub signed: bool,
-    /// Whether samples come in passes of different variance, from an integrator that
-    /// [learns](crate::Integrator::learns).
-    pub passes: bool,
-    /// Whether the integrator [splats](crate::Integrator::splats).
-    pub splats: bool,
-    /// The noise at which tiles take no more samples, which needs [`Aov::Variance`], and neither passes nor splats; `None`: all take the same.
-    pub noise: Option<NoiseLevel>,
-}
-
-impl FilmFormat {
-    /// The whole picture without extra channels, for a filter without negative lobes.
-    #[must_use]
-    pub const fn plain(resolution: [u32; 2]) -> Self {
-        Self {
-            resolution,
-            crop: PixelRect::full(resolution),
-            aovs: AovSet::NONE,
-            signed: false,
-            passes: false,
-            splats: false,
-            noise: None,
-        }
-    }
-
-    /// Whether samples depend on earlier ones, so that they are taken in order and parts cannot be merged.
-    #[must_use]
-    pub fn is_ordered(&self) -> bool {
-        self.passes || self.noise.is_some()
-    }
-
-    /// The sums of each pixel.
-    #[must_use]
-    pub fn layout(&self) -> PixelLayout {
-        PixelLayout { aovs: self.aovs, signed: self.signed, passes: self.passes }
-    }
-
-    /// The sums of the light splatted to each pixel.
-    fn splat_layout(&self) -> SplatLayout {
-        SplatLayout { squares: self.aovs.contains(Aov::Variance) }
-    }
-
-    /// Number of 64 bit words that a film of this format holds.
-    ///
-    /// # Errors
-    /// [`FilmError::Size`], [`FilmError::Crop`] and [`FilmError::Noise`] as [`Film::try_new`].
-    pub fn words(&self) -> Result<u64, FilmError> {
-        let [width, height] = self.crop.size;
-        if self.crop.is_empty() || self.crop.len() > 1 << 31 {
-            return Err(FilmError::Size(width, height));
-        }
-        let inside = (0..2).all(|i| {
-            self.crop.min[i].checked_add(self.crop.size[i]).is_some_and(|end| end <= self.resolution[i])
-        });
-        if !inside {
-            let [x, y] = self.crop.min.map(f64::from);
-            let window = [x, x + f64::from(width), y, y + f64::from(height)];
-            return Err(FilmError::Crop { window, resolution: self.resolution });
-        }
-        if self.noise.is_some() && (!self.aovs.contains(Aov::Variance) || self.passes || self.splats) {
-            return Err(FilmError::Noise);
-        }
-        let splats = if self.splats { self.splat_layout().words() } else { 0 };
-        Ok(self.crop.len() * (self.layout().words() + splats) as u64)
-    }
-}
+pub use format::{FilmError, FilmFormat};
 
 /// The buffers of a film, for threads to fill.
 pub(crate) struct FilmParts<'a> {
@@ -428,47 +307,6 @@ impl Film {
         sum / (3.0 * self.format.crop.len() as f64)
     }
 
-    /// Adds the samples of another film of the same picture.
-    ///
-    /// # Errors
-    /// [`FilmError::Layout`] if the formats or the edges differ, [`FilmError::Overlap`] if a sample is in both, and
-    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes or a noise level; after an error this film is
-    /// unchanged.
-    pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
-        if self.format != other.format {
-            return Err(FilmError::Layout("size, crop, filter or channels"));
-        }
-        if self.edges != other.edges {
-            return Err(FilmError::Layout("edges over the picture"));
-        }
-        if self.format.is_ordered() {
-            return Err(FilmError::Learning);
-        }
-        let total = self.samples.total() + other.samples.total();
-        if total > u64::from(MAX_TERMS) {
-            return Err(FilmError::Samples(total));
-        }
-        let mut samples = self.samples.clone();
-        for range in other.samples.as_slice() {
-            samples.insert(range.clone())?;
-        }
-        let (layout, splats) = (self.format.layout(), self.format.splat_layout());
-        let ((own, splatted), (theirs, their_splats)) = (self.sums_mut(), other.sums());
-        join(own, theirs, layout.words(), |mine, theirs| {
-            let mut sums = PixelSums::read(&layout, mine);
-            sums.merge(&PixelSums::read(&layout, theirs));
-            sums.write(&layout, mine);
-        });
-        join(splatted, their_splats, splats.words(), |mine, theirs| {
-            let mut sums = SplatSums::read(mine);
-            sums.merge(&SplatSums::read(theirs));
-            sums.write(mine);
-        });
-        self.samples = samples;
-        self.rejects.merge(other.rejects);
-        Ok(())
-    }
-
     /// The sums of every pixel with the number of its tile and its position in the crop window.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = (usize, [u32; 2], PixelSums)> {
         let layout = self.format.layout();
@@ -479,92 +317,14 @@ impl Film {
             (tile, [x - origin[0], y - origin[1]], PixelSums::read(&layout, words))
         })
     }
-
-    /// The share of the samples of each pixel that hit a surface, row by row; 0 without channels of the first hit.
-    #[must_use]
-    pub fn hit_shares(&self) -> Vec<f32> {
-        let width = self.format.crop.size[0] as usize;
-        let mut shares = vec![0.0; self.format.crop.len() as usize];
-        for (tile, [x, y], sums) in self.pixels() {
-            let samples = self.samples_of_tile(tile).max(1);
-            shares[y as usize * width + x as usize] = sums.hits() as f32 / samples as f32;
-        }
-        shares
-    }
-
-    /// Splatted light of the pixel in that row and column of the crop window.
-    fn splatted(&self, row: usize, column: usize) -> Option<[PixelValue; 3]> {
-        let stride = self.format.splat_layout().words();
-        let start = (row * self.format.crop.size[0] as usize + column) * stride;
-        let words = self.sums().1.get(start..start + stride)?;
-        Some(SplatSums::read(words).values(self.samples.total(), self.format.crop.len()))
-    }
-
-    /// The picture of the crop window: `R G B` and the extra channels.
-    ///
-    /// The values are those of [`PixelSums::radiance`], with the splatted light, and [`PixelSums::first_hit`], rounded to `f32`. Where no
-    /// sample hit a surface, geometry and albedo are 0 and `id` is -1. A film without samples is black. Edges lie over `R G B` alone.
-    ///
-    /// # Errors
-    /// [`PixelsError`] as [`Pixels::try_new`] and [`Pixels::add_channel`].
-    pub fn to_pixels(&self) -> Result<Pixels, PixelsError> {
-        self.to_pixels_with(self.edges.as_ref())
-    }
-
-    /// As [`Film::to_pixels`], without the lines.
-    ///
-    /// # Errors
-    /// As [`Film::to_pixels`].
-    pub fn to_pixels_without_edges(&self) -> Result<Pixels, PixelsError> {
-        self.to_pixels_with(None)
-    }
-
-    fn to_pixels_with(&self, edges: Option<&EdgeLayer>) -> Result<Pixels, PixelsError> {
-        let [width, height] = self.format.crop.size;
-        let mut pixels = Pixels::try_new(width, height)?;
-        let names = channel_names(self.format.aovs);
-        let mut planes: Vec<Vec<f32>> = names.iter().map(|_| vec![0.0; pixels.len()]).collect();
-        let blend = self.blend();
-        for (tile, [x, y], sums) in self.pixels() {
-            let at = y as usize * width as usize + x as usize;
-            let mut radiance = match self.format.noise {
-                Some(_) => sums.radiance(self.samples_of_tile(tile)),
-                None => sums.blended(&blend),
-            };
-            // Splats and the pixel's own samples are independent: their variances add up.
-            for (own, splatted) in
-                radiance.iter_mut().zip(self.splatted(y as usize, x as usize).into_iter().flatten())
-            {
-                own.mean += splatted.mean;
-                own.variance += splatted.variance;
-            }
-            if let Some(edges) = edges {
-                let [r, g, b] = edges.over(at, radiance.map(|band| band.mean));
-                [radiance[0].mean, radiance[1].mean, radiance[2].mean] = [r, g, b];
-            }
-            let values = channel_values(self.format.aovs, &radiance, sums.first_hit().as_ref());
-            for (plane, value) in planes.iter_mut().zip(values) {
-                plane[at] = value;
-            }
-        }
-        for (name, plane) in names.iter().zip(planes) {
-            pixels.add_channel(name, plane)?;
-        }
-        Ok(pixels)
-    }
-}
-
-/// Calls `add` for every `stride` words of two films of one format.
-fn join(mine: &mut [u64], theirs: &[u64], stride: usize, add: impl Fn(&mut [u64], &[u64])) {
-    mine.chunks_exact_mut(stride)
-        .zip(theirs.chunks_exact(stride))
-        .for_each(|(mine, theirs)| add(mine, theirs));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aov::AovSet;
     use crate::pixel::PixelSample;
+    use crate::ranges::OverlapError;
 
     /// Fills samples `range` with values that differ by pixel and sample.
     fn expose(film: &mut Film, range: std::ops::Range<u32>) {

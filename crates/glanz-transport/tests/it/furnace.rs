@@ -1,4 +1,6 @@
 //! Integrators against scenes with known answers. Errors are those that the films state themselves.
+//!
+//! One file in spite of its length: one contract for all integrators, a function per scene; a new integrator inherits them all.
 
 use std::f64::consts::PI;
 
