@@ -265,7 +265,7 @@ def all_renderers(arguments):
 def options():
     parser = argparse.ArgumentParser()
     parser.add_argument("--rooms", nargs="+", choices=ROOMS + EXTRA_SCENES, default=ROOMS)
-    parser.add_argument("--times", nargs="+", type=float, default=[5, 15, 45], help="seconds; none: only the references")
+    parser.add_argument("--times", nargs="*", type=float, default=[5, 15, 45], help="seconds; none: only the references")
     parser.add_argument("--size", default="320x240", help="of the pictures, pixels")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=3)

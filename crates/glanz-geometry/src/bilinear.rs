@@ -117,6 +117,12 @@ impl BilinearPatch {
         self.corners
     }
 
+    /// Whether it is a parallelogram up to roundings, and not narrow.
+    #[must_use]
+    pub fn is_parallelogram(&self) -> bool {
+        self.plane.is_some()
+    }
+
     fn tangents(&self, u: f64, v: f64) -> (DVec3, DVec3) {
         let [p00, p10, p01, p11] = self.corners;
         ((p10 - p00).lerp(p11 - p01, v), (p01 - p00).lerp(p11 - p10, u))

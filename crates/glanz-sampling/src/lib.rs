@@ -5,6 +5,7 @@
 //! - [`sampler`]: [`PixelSampler`] generates the numbers of one sample of one pixel, dimension by dimension;
 //! - [`sequence`]: scrambled Sobol' points; [`hash`]: counter-based random numbers;
 //! - [`warp`]: maps from uniform numbers to disks, hemispheres, cones, triangles and lobes, with densities and inverses;
+//! - [`SphericalTriangle`]: directions to a triangle, uniform by solid angle;
 //! - [`discrete`]: choices by weight and piecewise constant densities;
 //! - [`mis`]: the weights of multiple importance sampling;
 //! - [`exact`]: sums that do not depend on the order of their terms;
@@ -38,6 +39,7 @@ pub mod mis;
 pub mod multiresolution;
 pub mod sampler;
 pub mod sequence;
+mod spherical_triangle;
 pub mod statistics;
 pub mod warp;
 
@@ -47,3 +49,4 @@ mod reference;
 pub use discrete::{AliasTable, DiscreteChoice, PiecewiseConstant1, PiecewiseConstant2, WeightsError};
 pub use error::DensityError;
 pub use sampler::{PixelSampler, SamplerKind};
+pub use spherical_triangle::SphericalTriangle;

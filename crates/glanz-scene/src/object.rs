@@ -265,7 +265,7 @@ impl SceneObject {
 
     /// Moves a sample from the own frame to that of the group.
     #[inline]
-    fn place_sample(&self, sample: &mut AreaSample) {
+    pub(crate) fn place_sample(&self, sample: &mut AreaSample) {
         if let Some(to_parent) = &self.to_parent {
             *sample = sample.transformed(to_parent);
         }

@@ -14,6 +14,7 @@ use glanz_sampling::warp;
 
 use super::extent::{DirectionCone, EmissionBounds};
 use super::flat_image::FlatImage;
+use super::light_triangles::LightTriangles;
 use super::{LightExtent, LightModel, LightRay, LightSample, brightness};
 use crate::alpha::RayKind;
 use crate::area::area;
@@ -43,6 +44,8 @@ pub struct AreaLight {
     area: Option<f64>,
     /// The surface, if it is a whole sphere in the world too.
     sphere: Option<WorldSphere>,
+    /// The triangles of a light of few flat faces without picture.
+    triangles: Option<Arc<LightTriangles>>,
     /// Whether a sphere emits to its inside.
     inward: bool,
     /// Whether it is transparent in part, so that it emits less.
@@ -62,10 +65,12 @@ impl AreaLight {
     ) -> Self {
         let radiance = image.as_ref().map_or(emission, |image| emission * mean_of_image(object, image));
         let is_invisible = object.is_absent();
+        let triangles = image.is_none().then(|| LightTriangles::new(object, two_sided)).flatten();
         Self {
             object: object_index,
             emission,
             image,
+            triangles: triangles.map(Arc::new),
             radiance,
             two_sided,
             area: area(object),
@@ -166,6 +171,9 @@ impl AreaLight {
         if let Some(cone) = self.cone(from.position) {
             return cone.pdf();
         }
+        if let Some(triangles) = self.near_triangles(from.position) {
+            return triangles.pdf(from.position);
+        }
         let offset = position - from.position;
         let distance_squared = offset.length_squared();
         area_pdf.to_solid_angle(distance_squared, normal.dot(offset / distance_squared.sqrt()))
@@ -192,6 +200,11 @@ impl AreaLight {
         }
         let WorldSphere { center, radius, .. } = self.sphere.filter(|_| self.image.is_none())?;
         SphereCone::new(center, radius, from)
+    }
+
+    /// The triangles, if they are sampled by solid angle from a point.
+    fn near_triangles(&self, from: DVec3) -> Option<&LightTriangles> {
+        self.triangles.as_deref().filter(|triangles| triangles.are_near(from))
     }
 
     /// A point of the surface: uniform by area on a sphere, else as by [`SceneObject::sample`]; with its texture coordinates, if they matter.
@@ -273,12 +286,24 @@ impl LightModel for AreaLight {
         if let Some(cone) = self.cone(from.point.position) {
             return self.sample_cone(scene, &cone, from, xi);
         }
-        let (AreaSample { position, error, normal, pdf: area_pdf, .. }, uv) =
-            self.sample_surface(scene, xi)?;
-        let offset = position - from.point.position;
+        let origin = from.point.position;
+        let near = match (self.near_triangles(origin), self.area) {
+            (Some(triangles), Some(area)) => {
+                Some(triangles.sample(scene.world_object(self.object)?, area, origin, xi)?)
+            }
+            _ => None,
+        };
+        let (AreaSample { position, error, normal, pdf: area_pdf, .. }, uv) = match &near {
+            Some(point) => (point.at, DVec2::ZERO),
+            None => self.sample_surface(scene, xi)?,
+        };
+        let offset = position - origin;
         let wi = offset.try_normalize()?;
         let radiance = self.emitted(normal, uv, -wi);
-        let pdf = area_pdf.to_solid_angle(offset.length_squared(), normal.dot(wi));
+        let pdf = near.map_or_else(
+            || area_pdf.to_solid_angle(offset.length_squared(), normal.dot(wi)),
+            |point| point.pdf,
+        );
         if radiance.is_black() || !(pdf.0 > 0.0 && pdf.0.is_finite()) {
             return None;
         }

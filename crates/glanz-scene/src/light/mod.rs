@@ -9,6 +9,7 @@ mod goniometric;
 mod image_infinite;
 mod incident;
 mod infinite;
+mod light_triangles;
 mod opening;
 mod photometric;
 mod point;

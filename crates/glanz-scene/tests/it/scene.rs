@@ -89,11 +89,15 @@ fn every_instance_of_an_emissive_shape_is_a_light() {
     }
 }
 
+/// The middles of the fields of a grid.
+fn grid(n: u32) -> impl Iterator<Item = DVec2> {
+    (0..n * n).map(move |i| (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) / f64::from(n))
+}
+
 /// Mean of 1 / pdf over a grid of samples: the solid angle that the light fills.
 fn solid_angle(scene: &Scene, from: &Interaction, n: u32) -> f64 {
     let mut sum = 0.0;
-    for i in 0..n * n {
-        let xi = (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) / f64::from(n);
+    for xi in grid(n) {
         if let Some(sample) = scene.sample_light(LightId(0), from, xi) {
             assert!((sample.wi.length() - 1.0).abs() < 1e-12);
             sum += 1.0 / sample.pdf.0;
@@ -136,6 +140,37 @@ fn light_samples_fill_the_solid_angle_of_the_light() {
         let from = observer(&scene);
         let found = solid_angle(&scene, &from, 128);
         assert!((found / expected - 1.0).abs() < tolerance, "{name}: {found} instead of {expected}");
+    }
+}
+
+#[test]
+fn flat_lights_are_sampled_by_solid_angle_from_near() {
+    // Squares of side 2 parallel to the observer, at half their height and less.
+    for h in [0.5, 0.01_f64] {
+        let down = translate(0.0, 0.0, h) * DMat4::from_rotation_x(PI);
+        let parallelogram = ShapeDescription::parallelogram([-1.0, -1.0, 0.0], DVec3::X * 2.0, DVec3::Y * 2.0);
+        let mesh = square().scaled([2.0, 2.0, 1.0]);
+        let cuboid = ShapeDescription::cuboid([-1.0, -1.0, h], [1.0, 1.0, 3.0]);
+        let solid_angle_of_square = 4.0 * (1.0 / (h * (h * h + 2.0).sqrt())).atan();
+        // Howell's configuration factor C-11 of a corner, times pi, four times.
+        let slant = (h * h + 1.0).sqrt();
+        let irradiance = 4.0 / slant * (1.0 / slant).atan();
+        for (name, light) in [
+            ("parallelogram", parallelogram.transformed(down)),
+            ("mesh", mesh.transformed(down)),
+            ("cuboid", cuboid),
+        ] {
+            let scene = resolve(with_shapes([ShapeDescription::disk(1e-3), shining(light)]));
+            let from = observer(&scene);
+            let found = solid_angle(&scene, &from, 64);
+            assert!((found / solid_angle_of_square - 1.0).abs() < 1e-9, "{name}, {h}: {found}");
+            let cosines = grid(64).filter_map(|xi| {
+                let sample = scene.sample_light(LightId(0), &from, xi)?;
+                Some(sample.wi.z.abs() / sample.pdf.0)
+            });
+            let found = cosines.sum::<f64>() / 4096.0;
+            assert!((found / irradiance - 1.0).abs() < 1e-3, "{name}, {h}: {found} {irradiance}");
+        }
     }
 }
 
