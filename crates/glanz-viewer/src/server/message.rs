@@ -24,6 +24,9 @@ pub(crate) enum PageRequest {
         hidden: BTreeSet<u32>,
         /// `None` for the server's default.
         integrator: Option<IntegratorName>,
+        /// Whether noise is removed.
+        #[serde(default)]
+        denoise: bool,
     },
     /// End rendering.
     Stop { id: u32 },
@@ -104,7 +107,17 @@ pub(crate) struct SceneMessage {
     pub(crate) session: String,
     /// Default integrator.
     pub(crate) integrator: IntegratorName,
+    /// State of the denoiser, if pages offer one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) denoiser: Option<DenoiserMessage>,
     /// Messages about a file that cannot be read.
+    pub(crate) error: Option<String>,
+}
+
+/// Whether the noise of views can be removed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub(crate) struct DenoiserMessage {
+    /// The reason why it cannot; `None` if it can.
     pub(crate) error: Option<String>,
 }
 

@@ -6,7 +6,7 @@ use std::time::Duration;
 use glanz_formats::Options;
 
 use super::overlay::SceneOverlay;
-use crate::stream::IntegratorName;
+use crate::stream::{IntegratorName, ViewDenoiser};
 
 /// Settings of the server.
 #[derive(Clone, Debug, Default)]
@@ -24,6 +24,8 @@ pub struct ServerSettings {
     pub options: Options,
     /// Overlay applied to the scene whenever it is read; not to uploaded scenes.
     pub overlay: Option<Arc<dyn SceneOverlay>>,
+    /// Denoiser that pages offer, or the reason why it is missing, which they show; `None` if they offer none.
+    pub denoiser: Option<Result<Arc<dyn ViewDenoiser>, String>>,
     /// Reads the scene again when one of its files changes.
     pub watch: bool,
     /// Resource limits of clients.

@@ -1,5 +1,6 @@
 //! The WebSocket connection with a page.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -153,11 +154,11 @@ impl PageConnection {
 
     async fn serve(&mut self, request: PageRequest) -> Result<(), ConnectionEnd> {
         match request {
-            PageRequest::View { id, camera, size, hidden, integrator } => {
+            PageRequest::View { id, camera, size, hidden, integrator, denoise } => {
                 self.end_stream().await;
                 self.picture.clear();
                 let integrator = integrator.unwrap_or(self.app.integrator);
-                let request = RenderRequest { id, camera, size, hidden, integrator };
+                let request = RenderRequest { id, camera, size, hidden, integrator, denoise };
                 match Stream::start(request, self.stream_context()) {
                     Ok(stream) => self.stream = Some(stream),
                     Err(error) => {
@@ -232,6 +233,10 @@ impl PageConnection {
             outbox: Arc::clone(&self.outbox),
             picture: Arc::clone(&self.picture),
             processors: Arc::clone(&self.app.processors),
+            denoiser: match &self.app.denoiser {
+                Some(denoiser) => denoiser.clone(),
+                None => Err("this server does not remove noise".to_owned()),
+            },
         }
     }
 }
@@ -260,7 +265,10 @@ async fn answer(
 /// The picture so far as OpenEXR, as it is sent.
 async fn save(id: u32, picture: Arc<LatestImage>) -> Result<Vec<u8>, String> {
     let Some(shot) = picture.get() else { return Err("there is no picture yet".to_owned()) };
-    let attributes = [("samplesPerPixel".to_owned(), shot.samples.to_string())].into();
+    let mut attributes = BTreeMap::from([("samplesPerPixel".to_owned(), shot.samples.to_string())]);
+    if shot.is_denoised {
+        attributes.insert("denoised".to_owned(), "true".to_owned());
+    }
     let write = move || {
         let bytes = image::write(&shot.pixels, Format::Exr, &Tone::default(), &attributes);
         bytes.map(|bytes| file(id, &bytes)).map_err(|error| error.to_string())

@@ -10,13 +10,13 @@ use tokio::time::sleep;
 
 use super::access::AccessControl;
 use super::access_key::AccessKey;
-use super::message::SceneMessage;
+use super::message::{DenoiserMessage, SceneMessage};
 use super::models::{ModelStore, PublishedModel};
 use super::overlay::SceneOverlay;
 use super::session::Sessions;
 use super::settings::{Limits, ServerSettings};
 use super::{STOP_INTERVAL, SceneUpdate, UpdateListener, ViewerScene};
-use crate::stream::{IntegratorName, Processors};
+use crate::stream::{IntegratorName, Processors, SharedDenoiser};
 
 /// State shared by all requests.
 pub(crate) struct AppState {
@@ -26,6 +26,8 @@ pub(crate) struct AppState {
     pub(crate) overlay: Option<Arc<dyn SceneOverlay>>,
     pub(crate) integrator: IntegratorName,
     pub(crate) processors: Arc<Processors>,
+    /// As in the settings.
+    pub(crate) denoiser: Option<Result<Arc<SharedDenoiser>, String>>,
     pub(crate) models: ModelStore,
     pub(crate) sessions: Arc<Sessions>,
     pub(crate) uploads: Semaphore,
@@ -55,6 +57,10 @@ impl AppState {
             overlay: settings.overlay.clone(),
             integrator: settings.integrator,
             processors: Arc::new(Processors::new(settings.threads)),
+            denoiser: settings
+                .denoiser
+                .clone()
+                .map(|denoiser| denoiser.map(|denoiser| Arc::new(SharedDenoiser::new(denoiser)))),
             models,
             sessions: Arc::new(Sessions::new(limits.sessions)),
             uploads: Semaphore::new(limits.uploads),
@@ -76,8 +82,14 @@ impl AppState {
             name: published.viewer_scene.name.clone(),
             session: session.to_string(),
             integrator: self.integrator,
+            denoiser: self.denoiser_message(),
             error: None,
         }
+    }
+
+    fn denoiser_message(&self) -> Option<DenoiserMessage> {
+        let denoiser = self.denoiser.as_ref()?;
+        Some(DenoiserMessage { error: denoiser.as_ref().err().cloned() })
     }
 
     /// Sends a change of the file `scene` to the pages and the listener.
@@ -99,6 +111,7 @@ impl AppState {
                     name: name.clone(),
                     session: session.to_string(),
                     integrator: self.integrator,
+                    denoiser: self.denoiser_message(),
                     error: Some(diagnostics.to_string()),
                 });
             }

@@ -23,6 +23,11 @@ impl StreamCancel {
         self.flag.is_cancelled()
     }
 
+    /// The flag for jobs that end when it is raised.
+    pub(crate) fn flag(&self) -> &CancelFlag {
+        &self.flag
+    }
+
     /// Waits until the end is requested.
     pub(crate) async fn cancelled(&self) {
         while !self.is_cancelled() {

@@ -4,10 +4,15 @@
 //! it has [`MAX_SAMPLES`] or is stopped, and puts tiles and progress into the [`Outbox`] of the page. There a new version of a tile replaces
 //! the one before it: a slow page misses passes, but neither delays the render nor accumulates messages.
 //!
+//! Where a page asks for it, a [`ViewDenoiser`] removes the noise of the image at every doubling of its samples, beside the render (`denoising`). From the
+//! first denoised image on, tiles with noise are no longer sent.
+//!
 //! All streams share the [`Processors`]: a few render at a time, the others wait for their turn. A stopped stream ends within a sample.
 
 mod camera;
 mod cancel;
+mod denoiser;
+mod denoising;
 mod latest_image;
 mod noise;
 mod outbox;
@@ -19,6 +24,7 @@ mod time_slice;
 mod visible_scene;
 
 pub use camera::{ViewCamera, ViewCameraError, ViewCameraKind};
+pub use denoiser::{SharedDenoiser, ViewDenoiser};
 pub use latest_image::LatestImage;
 pub(crate) use outbox::OutboxMessage;
 pub use outbox::{Outbox, StreamStatus};

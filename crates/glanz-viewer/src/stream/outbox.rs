@@ -49,7 +49,16 @@ pub struct Outbox {
 struct OutboxContent {
     tiles: BTreeMap<[u16; 2], Vec<u8>>,
     order: VecDeque<[u16; 2]>,
+    /// Whether a denoised image was put: tiles with noise no longer replace it.
+    is_denoised: bool,
     status: Option<(u32, StreamStatus)>,
+}
+
+impl OutboxContent {
+    fn replace_tiles(&mut self, tiles: Vec<Tile>) {
+        self.order = tiles.iter().map(|tile| tile.min).collect();
+        self.tiles = tiles.into_iter().map(|tile| (tile.min, tile.bytes)).collect();
+    }
 }
 
 impl Outbox {
@@ -58,9 +67,12 @@ impl Outbox {
         self.content.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Replaces an earlier tile at the same position.
+    /// Replaces an earlier tile at the same position; without effect after a denoised image.
     pub(crate) fn put_tile(&self, tile: Tile) {
         let mut content = self.content();
+        if content.is_denoised {
+            return;
+        }
         if content.tiles.insert(tile.min, tile.bytes).is_none() {
             content.order.push_back(tile.min);
         }
@@ -68,11 +80,21 @@ impl Outbox {
         self.notify.notify_one();
     }
 
-    /// Replaces all tiles by a whole image.
+    /// Replaces all tiles by a whole image; without effect after a denoised image.
     pub(crate) fn put_picture(&self, tiles: Vec<Tile>) {
         let mut content = self.content();
-        content.order = tiles.iter().map(|tile| tile.min).collect();
-        content.tiles = tiles.into_iter().map(|tile| (tile.min, tile.bytes)).collect();
+        if !content.is_denoised {
+            content.replace_tiles(tiles);
+            drop(content);
+            self.notify.notify_one();
+        }
+    }
+
+    /// Replaces all tiles by a whole denoised image.
+    pub(crate) fn put_denoised(&self, tiles: Vec<Tile>) {
+        let mut content = self.content();
+        content.replace_tiles(tiles);
+        content.is_denoised = true;
         drop(content);
         self.notify.notify_one();
     }
@@ -145,5 +167,22 @@ mod tests {
         outbox.put_status(1, StreamStatus::Waiting);
         outbox.clear();
         assert_eq!(outbox.take(), None);
+    }
+
+    #[test]
+    fn a_denoised_picture_stays_until_the_next_one_or_the_end_of_the_view() {
+        let outbox = Outbox::default();
+        outbox.put_tile(tile(7, 1));
+        outbox.put_denoised(vec![tile(2, 4)]);
+        outbox.put_tile(tile(7, 8));
+        outbox.put_picture(vec![tile(3, 8)]);
+        assert_eq!(outbox.take(), Some(OutboxMessage::Tile(tile(2, 4).bytes)));
+        outbox.put_picture(vec![tile(3, 9)]);
+        assert_eq!(outbox.take(), None);
+        outbox.put_denoised(vec![tile(2, 16)]);
+        assert_eq!(outbox.take(), Some(OutboxMessage::Tile(tile(2, 16).bytes)));
+        outbox.clear();
+        outbox.put_tile(tile(7, 1));
+        assert_eq!(outbox.take(), Some(OutboxMessage::Tile(tile(7, 1).bytes)));
     }
 }

@@ -12,7 +12,7 @@ const RENDERS: usize = 4;
 /// Time slice of a render while others wait, unless a pass takes longer.
 pub(crate) const TIME_SLICE: Duration = Duration::from_secs(2);
 
-/// Largest number of pixels of all films together, 120 to 230 bytes each.
+/// Largest number of pixels of all films together, 120 to 290 bytes each.
 const PIXELS: usize = 1 << 24;
 
 /// Pixels per unit of the semaphore.

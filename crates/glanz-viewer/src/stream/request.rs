@@ -54,6 +54,8 @@ pub struct RenderRequest {
     pub hidden: BTreeSet<u32>,
     /// The integrator.
     pub integrator: IntegratorName,
+    /// Whether noise is removed.
+    pub denoise: bool,
 }
 
 /// Errors of a render request.
@@ -78,6 +80,9 @@ pub enum RenderRequestError {
     /// An invalid film, or too little memory for it.
     #[error(transparent)]
     Film(#[from] FilmError),
+    /// Removal of noise without a denoiser, with the reason.
+    #[error("{0}")]
+    Denoiser(String),
 }
 
 impl From<SceneError> for RenderRequestError {
@@ -129,7 +134,11 @@ impl RenderRequest {
         integrator.select(self.integrator.name());
         let integrator = IntegratorSettings::resolve(&integrator)?;
         let filter = Filter::try_new(&description.filter)?;
-        let aovs = AovSet::NONE.with(Aov::Variance);
+        let variance = AovSet::NONE.with(Aov::Variance);
+        let aovs = match self.denoise {
+            true => variance.with(Aov::Albedo).with(Aov::ShadingNormal),
+            false => variance,
+        };
         let format = FilmFormat {
             aovs,
             signed: filter.is_signed(),
@@ -179,7 +188,8 @@ mod tests {
             height: None,
             distance: None,
         };
-        RenderRequest { id: 1, camera, size, hidden: BTreeSet::new(), integrator: IntegratorName::Guided }
+        let (hidden, integrator) = (BTreeSet::new(), IntegratorName::Guided);
+        RenderRequest { id: 1, camera, size, hidden, integrator, denoise: false }
     }
 
     #[test]
@@ -201,6 +211,16 @@ mod tests {
         assert_eq!((plan.integrator.name(), plan.integrator.max_depth), ("guided", 9));
         assert_eq!((plan.settings.seed, plan.settings.threads), (77, 3));
         assert!(plan.format.passes && plan.format.resolution == [6, 4]);
+    }
+
+    #[test]
+    fn only_a_denoised_view_records_albedo_and_normals() {
+        let plan = |denoise| {
+            let request = RenderRequest { denoise, ..request([6, 4]) };
+            request.plan(&Description::default(), 3).unwrap().format.aovs
+        };
+        assert!(!plan(false).needs_first_hit());
+        assert!([Aov::Albedo, Aov::ShadingNormal, Aov::Variance].iter().all(|aov| plan(true).contains(*aov)));
     }
 
     #[test]

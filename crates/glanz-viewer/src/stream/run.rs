@@ -1,5 +1,6 @@
 //! A view being rendered.
 
+use std::pin::pin;
 use std::sync::Arc;
 
 use glanz_scene::{Description, Scene};
@@ -7,6 +8,8 @@ use glanz_transport::RenderError;
 use tokio::task::{JoinHandle, spawn_blocking};
 
 use super::cancel::StreamCancel;
+use super::denoiser::SharedDenoiser;
+use super::denoising::ViewDenoising;
 use super::latest_image::LatestImage;
 use super::outbox::{Outbox, StreamStatus};
 use super::processors::{ProcessorShare, Processors};
@@ -29,6 +32,8 @@ pub struct StreamContext {
     pub picture: Arc<LatestImage>,
     /// Shared with all streams.
     pub processors: Arc<Processors>,
+    /// The denoiser of the server, or the reason why there is none.
+    pub denoiser: Result<Arc<SharedDenoiser>, String>,
 }
 
 /// A view that is rendered until it is done, stopped or dropped.
@@ -43,16 +48,21 @@ impl Stream {
     /// Starts to render `request`; must be called within a tokio runtime.
     ///
     /// # Errors
-    /// [`RenderRequestError::Size`], [`RenderRequestError::Camera`]. Later errors are reported as [`StreamStatus::Failed`].
+    /// [`RenderRequestError::Size`], [`RenderRequestError::Camera`], [`RenderRequestError::Denoiser`]. Later errors are reported as [`StreamStatus::Failed`].
     pub fn start(request: RenderRequest, context: StreamContext) -> Result<Self, RenderRequestError> {
         request.check()?;
+        let denoiser = match (request.denoise, &context.denoiser) {
+            (false, _) => None,
+            (true, Ok(denoiser)) => Some(Arc::clone(denoiser)),
+            (true, Err(reason)) => return Err(RenderRequestError::Denoiser(reason.clone())),
+        };
         let id = request.id;
         let cancel = Arc::new(StreamCancel::default());
         let task = tokio::spawn({
             let cancel = Arc::clone(&cancel);
             async move {
                 let outbox = Arc::clone(&context.outbox);
-                if let Err(Stop::Failed(message)) = render(request, context, cancel).await {
+                if let Err(Stop::Failed(message)) = render(request, context, denoiser, cancel).await {
                     outbox.put_status(id, StreamStatus::Failed(message));
                 }
             }
@@ -104,13 +114,14 @@ async fn unless_cancelled<T>(cancel: &StreamCancel, next: impl Future<Output = T
     }
 }
 
-/// Renders a view in time slices.
+/// Renders a view, and removes its noise if there is a `denoiser`.
 async fn render(
     request: RenderRequest,
     context: StreamContext,
+    denoiser: Option<Arc<SharedDenoiser>>,
     cancel: Arc<StreamCancel>,
 ) -> Result<(), Stop> {
-    let StreamContext { description, scene, visible, outbox, picture, processors } = context;
+    let StreamContext { description, scene, visible, outbox, picture, processors, .. } = context;
     let id = request.id;
     let plan = request.plan(&description, processors.threads())?;
     let _memory: Option<ProcessorShare> = match processors.try_film(request.pixels()) {
@@ -124,13 +135,61 @@ async fn render(
     let film = plan.film()?;
     let scene = scene.with_camera(plan.camera.clone());
     let integrator = plan.integrator.build();
-    let view = StreamView { id, scene, plan, integrator, cancel, outbox, picture, processors };
-    let (view, mut slice) = (Arc::new(view), TimeSlice { film, seconds: 0.0 });
+    let (denoising, noisy) = denoiser
+        .map(|denoiser| {
+            let (cancel, outbox, picture) = (Arc::clone(&cancel), Arc::clone(&outbox), Arc::clone(&picture));
+            ViewDenoising::new(id, processors.threads(), denoiser, cancel, outbox, picture)
+        })
+        .unzip();
+    let view = StreamView {
+        id,
+        scene,
+        plan,
+        integrator,
+        cancel: Arc::clone(&cancel),
+        outbox,
+        picture,
+        processors,
+        noisy,
+    };
+    let rendering = render_slices(view, TimeSlice { film, seconds: 0.0 });
+    match denoising {
+        Some(denoising) => render_denoised(rendering, denoising, &cancel).await,
+        None => rendering.await,
+    }
+}
+
+/// Renders and denoises side by side. A stream that is cancelled does not wait for the denoiser.
+async fn render_denoised(
+    rendering: impl Future<Output = Result<(), Stop>>,
+    denoising: ViewDenoising,
+    cancel: &StreamCancel,
+) -> Result<(), Stop> {
+    let (mut rendering, mut denoising) = (pin!(rendering), pin!(denoising.run()));
+    tokio::select! {
+        biased;
+        rendered = &mut rendering => {
+            rendered?;
+            unless_cancelled(cancel, denoising).await?.map_err(Stop::Failed)
+        }
+        denoised = &mut denoising => {
+            if denoised.is_err() {
+                cancel.cancel();
+            }
+            let rendered = rendering.await;
+            denoised.map_err(Stop::Failed).and(rendered)
+        }
+    }
+}
+
+/// Renders a view in time slices.
+async fn render_slices(view: StreamView, mut slice: TimeSlice) -> Result<(), Stop> {
+    let view = Arc::new(view);
     while !is_done(&slice.film) {
         let permit = match view.processors.try_permit() {
             Some(permit) => Some(permit),
             None => {
-                view.outbox.put_status(id, StreamStatus::Waiting);
+                view.outbox.put_status(view.id, StreamStatus::Waiting);
                 unless_cancelled(&view.cancel, view.processors.permit()).await?
             }
         };

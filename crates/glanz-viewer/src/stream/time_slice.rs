@@ -4,20 +4,17 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glanz_job::{CancelFlag, JobProgress, ProgressSink};
-use glanz_light::Pixels;
 use glanz_scene::Scene;
 use glanz_transport::{Film, FinishedTile, Integrator, RenderError, RenderSink, TileSink, render};
 
 use super::cancel::StreamCancel;
+use super::denoising::NoisyImages;
 use super::latest_image::LatestImage;
 use super::noise::noise;
 use super::outbox::{Outbox, StreamStatus};
 use super::processors::{Processors, TIME_SLICE};
 use super::request::{MAX_SAMPLES, StreamPlan};
-use super::tile::Tile;
-
-/// Side of the tiles of a whole picture, pixels: few messages, none of them long.
-const SIDE: u32 = 128;
+use super::tile::{Tile, tiles};
 
 /// State shared by the time slices of one view.
 pub(crate) struct StreamView {
@@ -31,6 +28,8 @@ pub(crate) struct StreamView {
     pub(crate) outbox: Arc<Outbox>,
     pub(crate) picture: Arc<LatestImage>,
     pub(crate) processors: Arc<Processors>,
+    /// Receiver of images to be denoised, if they are.
+    pub(crate) noisy: Option<NoisyImages>,
 }
 
 /// State after a time slice.
@@ -102,6 +101,10 @@ impl RenderSink for StreamSink<'_> {
         if !self.is_tiled(length) {
             self.view.outbox.put_picture(tiles(self.view.id, &pixels, samples));
         }
+        let pixels = Arc::new(pixels);
+        if let Some(noisy) = &self.view.noisy {
+            noisy.send_if_due(film, &pixels);
+        }
         self.view.picture.set(pixels, samples);
     }
 
@@ -137,44 +140,5 @@ impl TileSink for StreamSink<'_> {
 
     fn is_abandoned(&self) -> bool {
         self.view.cancel.is_cancelled()
-    }
-}
-
-/// An image cut into tiles.
-fn tiles(id: u32, pixels: &Pixels, samples: u64) -> Vec<Tile> {
-    let [width, height] = [pixels.width(), pixels.height()];
-    let bands = ["R", "G", "B"].map(|name| pixels.channel(name).unwrap_or_default());
-    let at = |x: u32, y: u32| {
-        let index = y as usize * width as usize + x as usize;
-        bands.map(|band| band.get(index).copied().unwrap_or_default())
-    };
-    let starts = |length: u32| (0..length).step_by(SIDE as usize);
-    let places = starts(height).flat_map(|y| starts(width).map(move |x| [x, y]));
-    let tile = |[x, y]: [u32; 2]| {
-        let size = [(width - x).min(SIDE), (height - y).min(SIDE)];
-        let radiance = (y..y + size[1]).flat_map(|row| (x..x + size[0]).map(move |column| at(column, row)));
-        Tile::new(id, [x, y], size, samples, radiance)
-    };
-    places.map(tile).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tiles_of_a_picture_cover_it_once_in_rows() {
-        let (width, height) = (300, 130);
-        let rgb: Vec<[f32; 3]> =
-            (0..width * height).map(|i| [(i % 300) as f32, (i / 300) as f32, 1.0]).collect();
-        let pixels = Pixels::try_from_rgb(width, height, &rgb).unwrap();
-        let tiles = tiles(9, &pixels, 5);
-        let places: Vec<_> = tiles.iter().map(|tile| tile.min).collect();
-        assert_eq!(places, [[0, 0], [128, 0], [256, 0], [0, 128], [128, 128], [256, 128]]);
-        // 20 bytes before the pixels, 6 each: 44 x 2 pixels in the last corner.
-        assert_eq!(tiles[5].bytes.len(), 20 + 6 * 44 * 2);
-        // Its second row begins at (256, 129). 256 and 129 as half floats: 2^8 is 0x5c00, 129 = 2^7 (1 + 8/1024) is 0x5808.
-        let second = 20 + 6 * 44;
-        assert_eq!(tiles[5].bytes[second..second + 4], [0x00, 0x5c, 0x08, 0x58]);
     }
 }

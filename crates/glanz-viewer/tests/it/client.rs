@@ -167,6 +167,7 @@ pub(crate) struct ReceivedTile {
     pub(crate) min: [u16; 2],
     pub(crate) size: [u16; 2],
     pub(crate) samples: u32,
+    pub(crate) is_denoised: bool,
     /// Half floats.
     pub(crate) values: Vec<u16>,
 }
@@ -227,7 +228,15 @@ fn binary(bytes: &[u8]) -> ReceivedMessage {
         1 => {
             let values = (20..bytes.len()).step_by(2).map(short).collect();
             let (min, size) = ([short(8), short(10)], [short(12), short(14)]);
-            ReceivedMessage::Tile(ReceivedTile { id: long(4), min, size, samples: long(16), values })
+            let is_denoised = bytes[1] == 1;
+            ReceivedMessage::Tile(ReceivedTile {
+                id: long(4),
+                min,
+                size,
+                samples: long(16),
+                is_denoised,
+                values,
+            })
         }
         2 => ReceivedMessage::File(long(4), bytes[8..].to_vec()),
         kind => panic!("binary messages have no kind {kind}"),

@@ -10,6 +10,7 @@
 mod admission;
 mod client;
 mod conversation;
+mod denoising;
 mod page;
 mod rendering;
 mod upload;
