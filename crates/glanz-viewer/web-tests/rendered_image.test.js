@@ -28,9 +28,16 @@ test("tile is read as the server writes it", () => {
       width: 2,
       height: 1,
       samples: 5,
+      denoised: false,
       pixels: [1, 2, 3, 4, 5, 6],
     },
   );
+});
+
+test("second byte of a tile tells that its noise was removed", () => {
+  const bytes = tileBytes([0, 0, 1, 1], [1, 2, 3]);
+  new DataView(bytes).setUint8(1, 1);
+  assert.equal(tileFromBytes(bytes)?.denoised, true);
 });
 
 test("bytes that are no whole tile are none", () => {

@@ -14,11 +14,17 @@ function recorder() {
 }
 
 const ORDER = /** @type {import("../web/rendered_image.js").RenderRequest} */ (
-  /** @type {unknown} */ ({ camera: "camera", size: { width: 2, height: 1 }, hidden: [], integrator: "path" })
+  /** @type {unknown} */ ({
+    camera: "camera",
+    size: { width: 2, height: 1 },
+    hidden: [],
+    integrator: "path",
+    denoise: true,
+  })
 );
 
 /** @param {number} id */
-const tile = (id) => ({ id, x: 0, y: 0, width: 2, height: 1, samples: 1, pixels: new Uint16Array(6) });
+const tile = (id) => ({ id, x: 0, y: 0, width: 2, height: 1, samples: 1, denoised: false, pixels: new Uint16Array(6) });
 
 test("move ends the rendering of the view before it, and forgets the picture", () => {
   const { sent, session } = recorder();
@@ -51,6 +57,20 @@ test("what comes late of an earlier view changes nothing", () => {
   image.tile(tile(2));
   image.progress({ type: "progress", id: 2, samples: 1, noise: null, seconds: 1, done: false });
   assert.deepEqual([image.status?.samples, image.status?.covered], [1, true]);
+});
+
+test("view asks for what the settings say of noise, and the status tells which picture is without", () => {
+  const { sent, session } = recorder();
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  assert.equal(sent[0].denoise, true);
+  image.tile(tile(1));
+  assert.equal(image.status?.denoised, null);
+  image.tile({ ...tile(1), samples: 8, denoised: true });
+  image.progress({ type: "progress", id: 1, samples: 13, noise: 0.1, seconds: 1, done: false });
+  assert.deepEqual([image.status?.denoised, image.status?.samples], [8, 13]);
+  image.begin(ORDER);
+  assert.equal(image.status?.denoised, null);
 });
 
 test("latency is known once the server has stopped what it was told to", () => {

@@ -216,8 +216,9 @@ function fileName(page, extension) {
 function savePng(page) {
   // The browser clears the canvas once it was shown: only right after drawing there is something to read.
   page.draw(true);
+  const name = fileName(page, page.isDenoised ? "denoised.png" : "png");
   page.canvas.toBlob((blob) => {
-    if (blob) download(blob, fileName(page, "png"));
+    if (blob) download(blob, name);
   }, "image/png");
 }
 

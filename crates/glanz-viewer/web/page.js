@@ -70,6 +70,8 @@ export class Page {
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.tileTimer = undefined;
     this.rendered = "";
+    /** Whether the last picture was a rendered one without noise. */
+    this.isDenoised = false;
     this.saveExr = element("save-exr", HTMLButtonElement);
     this.isReady = () => {};
     /** Once the first scene is drawn, with its shadows. @type {Promise<void>} */
@@ -131,6 +133,7 @@ export class Page {
   async enter(message) {
     this.scene.session = message.session ?? "";
     if (this.model === null && message.integrator) this.settings.integrator = message.integrator;
+    this.tools.allowDenoising(message.denoiser ?? null);
     if (message.error !== null) showProblem(`${message.name} cannot be shown`, message.error);
     if (message.model === null || message.model === this.scene.model) {
       // After the connection was made anew, the picture has to be asked for again.
@@ -222,10 +225,10 @@ export class Page {
 
   /** The request for the server, `null` if nothing is to be rendered. */
   wanted() {
-    const { integrator } = this.settings;
+    const { integrator, denoise } = this.settings;
     if (!this.parts || integrator === "none" || this.pointer.isDragging || this.viewpoint.isMoving) return null;
     const { camera } = this.viewpoint;
-    return { camera, size: this.size, hidden: ranges(this.parts.hidden), integrator };
+    return { camera, size: this.size, hidden: ranges(this.parts.hidden), integrator, denoise };
   }
 
   /** The view changed: draws at once, and requests a rendering when the camera rests. */
@@ -248,7 +251,8 @@ export class Page {
   /** The settings that the rendered picture depends on, as a key. */
   get rendering() {
     if (!this.model) return "no scene";
-    return this.realTimeOnly ?? `by ${this.settings.integrator}`;
+    const { integrator, denoise } = this.settings;
+    return this.realTimeOnly ?? `by ${integrator}${denoise ? ", denoised" : ""}`;
   }
 
   settingsChanged() {
@@ -308,7 +312,9 @@ export class Page {
     const glance = this.drawnAt < this.glanceUntil;
     if (glance || !picture?.covered) this.drawScene(view, share, whole);
     const isDrawn = picture?.covered || this.frame?.pending === 0;
-    if (picture && !glance && !picture.empty && isDrawn) this.renderer.drawRenderedImage(picture, view);
+    const isRendered = picture !== null && !glance && !picture.empty && isDrawn;
+    if (isRendered) this.renderer.drawRenderedImage(picture, view);
+    this.isDenoised = isRendered && status?.denoised != null;
     this.measure.draw(view.camera, this.viewpoint.size);
     if (picture?.covered || (this.frame?.pending === 0 && !isNew)) this.isReady();
   }

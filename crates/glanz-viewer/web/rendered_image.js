@@ -12,12 +12,12 @@
 
 /** @typedef {[x: number, y: number, width: number, height: number]} Rectangle */
 /** @typedef {"path" | "guided"} Integrator */
-/** @typedef {{ camera: Camera, size: Size, hidden: ReturnType<typeof import("./scene_parts.js").ranges>, integrator: Integrator }} RenderRequest */
+/** @typedef {{ camera: Camera, size: Size, hidden: ReturnType<typeof import("./scene_parts.js").ranges>, integrator: Integrator, denoise: boolean }} RenderRequest */
 
 /**
- * `queued`: behind the images of other pages.
+ * `queued`: behind the images of other pages. `denoised`: samples of the image that is shown, if its noise is removed.
  * @typedef {{ samples: number, noise: number | null, seconds: number, done: boolean, covered: boolean, queued: boolean,
- *   error: string | null }} RenderStatus
+ *   denoised: number | null, error: string | null }} RenderStatus
  */
 
 /** 1 as a half float. */
@@ -131,12 +131,16 @@ export class RenderedImage {
     if (!asked || !this.session.isOnline) {
       return;
     }
-    const { camera, hidden, integrator } = asked;
+    const { camera, hidden, integrator, denoise } = asked;
     const size = renderSize(asked.size);
     this.id = this.session.nextId();
     this.picture = new TileImage(size);
-    this.status = { samples: 0, noise: null, seconds: 0, done: false, covered: false, queued: false, error: null };
-    this.session.send({ type: "view", id: this.id, camera, size: [size.width, size.height], hidden, integrator });
+    this.status = {
+      ...{ samples: 0, noise: null, seconds: 0, done: false, covered: false, queued: false },
+      ...{ denoised: null, error: null },
+    };
+    const sides = [size.width, size.height];
+    this.session.send({ type: "view", id: this.id, camera, size: sides, hidden, integrator, denoise });
     this.notify();
   }
 
@@ -177,6 +181,7 @@ export class RenderedImage {
     if (tile.id === this.id && this.picture && this.status) {
       this.picture.put(tile);
       this.status.covered = this.picture.covered;
+      this.status.denoised = tile.denoised ? tile.samples : null;
       this.notify();
     }
   }

@@ -16,12 +16,16 @@
  *   curvature: Curvature | null }} Hit
  */
 
-/** @typedef {{ type: "scene", model: string | null, name: string, error: string | null, session?: string, integrator?: "path" | "guided" }} SceneMessage */
+/**
+ * `denoiser`: missing if the server offers none; `error`: why it cannot be used.
+ * @typedef {{ type: "scene", model: string | null, name: string, error: string | null, session?: string, integrator?: "path" | "guided",
+ *   denoiser?: { error: string | null } }} SceneMessage
+ */
 /** @typedef {{ type: "progress", id: number, samples: number, noise: number | null, seconds: number, done: boolean }} Progress */
 
 /**
  * Part of the rendered picture: half floats, three a pixel, rows from the top.
- * @typedef {{ id: number, x: number, y: number, width: number, height: number, samples: number, pixels: Uint16Array }} Tile
+ * @typedef {{ id: number, x: number, y: number, width: number, height: number, samples: number, denoised: boolean, pixels: Uint16Array }} Tile
  */
 
 /**
@@ -64,6 +68,7 @@ export function tileFromBytes(bytes) {
     width,
     height,
     samples: header.getUint32(16, true),
+    denoised: header.getUint8(1) === 1,
     pixels: new Uint16Array(bytes, TILE_HEADER),
   };
 }

@@ -13,7 +13,7 @@ import { add, dot, scale } from "./linear.js";
 /**
  * `exposure`: stops. `stripes`: of the zebra. `curvature`: power of ten of what gets full colour, as a multiple of one over the scene's size. `isocurves`: per
  * patch. `sectionShare`: place of the plane between the ends of the scene's bounds. `pickedNormal`: of the point that a plane was put through.
- * @typedef {{ exposure: number, integrator: "none" | "path" | "guided", shading: Shading, stripes: number, curvature: number,
+ * @typedef {{ exposure: number, integrator: "none" | "path" | "guided", denoise: boolean, shading: Shading, stripes: number, curvature: number,
  *   isocurves: number, edges: boolean, net: boolean, maps: boolean, section: boolean, sectionAxis: "x" | "y" | "z" | "picked",
  *   sectionShare: number, sectionFlip: boolean, pickedNormal: Vector | null }} Settings
  */
@@ -25,6 +25,7 @@ export function defaultSettings() {
   return {
     exposure: 0,
     integrator: "path",
+    denoise: false,
     shading: "material",
     stripes: 16,
     curvature: 1,

@@ -69,6 +69,19 @@ export class SettingsPanel {
   }
 
   /**
+   * Offers to remove noise, or shows why that is not possible.
+   * @param {{ error: string | null } | null} denoiser of the server
+   */
+  allowDenoising(denoiser) {
+    const error = denoiser?.error ?? null;
+    element("denoise-row", HTMLElement).hidden = denoiser === null;
+    element("denoise", HTMLInputElement).disabled = error !== null;
+    element("no-denoiser", HTMLElement).textContent = error ?? "";
+    if (!denoiser || error !== null) this.settings.denoise = false;
+    this.write();
+  }
+
+  /**
    * Updates the values beside the sliders and hides the controls that do not apply to the scene.
    * @param {number} extent metres, of the scene
    * @param {Plane | null} section

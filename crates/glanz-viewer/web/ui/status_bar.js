@@ -59,6 +59,7 @@ function renderingText(image, integrator) {
     `${image.samples} ${image.samples === 1 ? "sample" : "samples"}`,
     ...noise,
     timeText(image.seconds),
+    ...(image.denoised === null ? [] : [`denoised at ${image.denoised}`]),
     ...(image.done ? ["done"] : []),
   ];
   return `${name}: ${parts.join(", ")}`;
