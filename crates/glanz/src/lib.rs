@@ -28,7 +28,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `formats` | scene files, picture files, models |
-//! | `denoise` | removal of noise from pictures, if Open Image Denoise is installed |
+//! | `denoise` | removal of noise from pictures and from views of the page, if Open Image Denoise is installed |
 //! | `radiosity` | light maps, and the integrator that shows them |
 //! | `illumination` | lux maps |
 //! | `viewer` | the page that shows a scene, and its server (not among the defaults) |
@@ -47,6 +47,8 @@ pub mod file;
 #[cfg(feature = "illumination")]
 mod illuminate;
 mod job_options;
+#[cfg(all(feature = "denoise", feature = "viewer"))]
+mod library_denoiser;
 mod loaded_scene;
 #[cfg(feature = "viewer")]
 mod overlay;
@@ -68,6 +70,8 @@ pub use illuminate::{IlluminateBuilder, IlluminateMethod, IlluminateOptions, Ill
 #[cfg(all(feature = "illumination", feature = "formats"))]
 pub use illuminate::{LuxFolder, PlacedLux, check_far_field_path, save_comparison};
 pub use job_options::JobOptions;
+#[cfg(all(feature = "denoise", feature = "viewer"))]
+pub use library_denoiser::LibraryDenoiser;
 pub use loaded_scene::LoadedScene;
 #[cfg(feature = "viewer")]
 pub use overlay::LightOverlay;

@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use glanz::LightOverlay;
+use glanz::denoise::DenoiseError;
 use glanz::formats::Options;
 use glanz::viewer::server::{SceneOverlay, SceneUpdate, Server, ServerError, ServerSettings, ViewerScene};
+use glanz::viewer::stream::ViewDenoiser;
+use glanz::{LibraryDenoiser, LightOverlay};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
 
@@ -34,6 +36,7 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
         integrator: arguments.integrator.into(),
         options: options.clone(),
         overlay: overlay.clone(),
+        denoiser: Some(denoiser()),
         watch: arguments.watch,
         ..ServerSettings::default()
     };
@@ -68,6 +71,19 @@ fn overlay(arguments: &ViewArguments) -> Result<LightOverlay, glanz::Error> {
         (Some(path), _) => overlay.baked(path),
         (None, Some(folder)) => overlay.lux(folder),
         (None, None) => Ok(overlay),
+    }
+}
+
+/// The denoiser, or the reason why there is none, as pages show it.
+fn denoiser() -> Result<Arc<dyn ViewDenoiser>, String> {
+    match LibraryDenoiser::load() {
+        Ok(denoiser) => Ok(Arc::new(denoiser)),
+        // Without the files that were tried, which are of no interest on another machine.
+        Err(DenoiseError::NotFound { .. }) => Err(
+            "Open Image Denoise was not found: install it (https://www.openimagedenoise.org), set OIDN_DIR to its folder, and start glanz view again"
+                .to_owned(),
+        ),
+        Err(error) => Err(error.to_string()),
     }
 }
 

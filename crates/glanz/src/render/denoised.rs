@@ -43,19 +43,7 @@ fn colors_without_noise(
 ) -> Result<Vec<[f32; 3]>, Error> {
     job.options.cancel.check().map_err(DenoiseError::from)?;
     let film = picture.film();
-    let pixels = film.to_pixels_without_edges()?;
-    // Channels are means over hits; features of the denoiser are means over all samples, as the colour is.
-    let shares = film.hit_shares();
-    let features = |names| -> Vec<[f32; 3]> {
-        let means = planes(&pixels, names).into_iter().zip(&shares);
-        means.map(|(mean, share)| mean.map(|x| x * share)).collect()
-    };
-    let noisy = NoisyPicture {
-        size: [pixels.width(), pixels.height()],
-        color: planes(&pixels, ["R", "G", "B"]),
-        albedo: features(["Albedo.R", "Albedo.G", "Albedo.B"]),
-        normal: features(["Ns.X", "Ns.Y", "Ns.Z"]),
-    };
+    let noisy = noisy_picture(&film.to_pixels_without_edges()?, &film.hit_shares());
     let JobOptions { sink, cancel, threads, .. } = &mut job.options;
     let mut silent = Silent;
     let sink: &mut dyn ProgressSink = match sink {
@@ -67,6 +55,21 @@ fn colors_without_noise(
         edges.draw_over(&mut colors);
     }
     Ok(colors)
+}
+
+/// The input of the denoiser. `pixels`: with the channels of [`CHANNELS`]; `hit_shares`: as [`Film::hit_shares`](glanz_transport::Film::hit_shares).
+pub(crate) fn noisy_picture(pixels: &Pixels, hit_shares: &[f32]) -> NoisyPicture {
+    // Channels are means over hits; features of the denoiser are means over all samples, as the colour is.
+    let features = |names| -> Vec<[f32; 3]> {
+        let means = planes(pixels, names).into_iter().zip(hit_shares);
+        means.map(|(mean, share)| mean.map(|x| x * share)).collect()
+    };
+    NoisyPicture {
+        size: [pixels.width(), pixels.height()],
+        color: planes(pixels, ["R", "G", "B"]),
+        albedo: features(["Albedo.R", "Albedo.G", "Albedo.B"]),
+        normal: features(["Ns.X", "Ns.Y", "Ns.Z"]),
+    }
 }
 
 /// Three channels of a picture, pixel by pixel.

@@ -30,6 +30,8 @@ use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::{JobSink, RunningJob};
 
+#[cfg(all(feature = "denoise", feature = "viewer"))]
+pub(crate) use denoised::noisy_picture;
 pub use edges::{EdgeLines, MAX_LINE_WIDTH};
 pub use picture::{Picture, RenderStatistics, merge};
 #[cfg(feature = "formats")]

@@ -1,6 +1,7 @@
 //! End-to-end tests of `glanz view`: the process, its page in a browser, and many simultaneous clients.
 
 mod browser;
+mod denoising;
 mod http;
 mod server;
 mod soak;

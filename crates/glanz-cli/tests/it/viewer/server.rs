@@ -25,10 +25,16 @@ pub(crate) struct ViewServer {
 impl ViewServer {
     /// Serves a scene and waits until the address is printed.
     pub(crate) fn start(scene: &Path) -> Self {
+        Self::start_with(scene, &[])
+    }
+
+    /// The same with these environment variables.
+    pub(crate) fn start_with(scene: &Path, variables: &[(&str, &Path)]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_glanz"))
             .arg("view")
             .arg(scene)
             .args(["--no-open", "--port", "0"])
+            .envs(variables.iter().copied())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

@@ -94,6 +94,22 @@ fn chosen_files_are_opened() {
     assert_eq!(page.faults(), [""; 0]);
 }
 
+#[test]
+fn switch_is_disabled_with_the_reason_where_the_denoiser_is_missing() {
+    let nowhere = Path::new("/nowhere");
+    let served = ViewServer::start_with(&scene_file("teapot.pbrt"), &[("OIDN_DIR", nowhere)]);
+    let mut page = Page::open(&served.address(), SIZE);
+    let switch = "document.querySelector('#denoise')";
+    assert_eq!(
+        page.evaluate(&format!("[{switch}.disabled, {switch}.checked]")),
+        serde_json::json!([true, false])
+    );
+    let reason = page.evaluate("document.querySelector('#no-denoiser').textContent");
+    assert!(reason.as_str().is_some_and(|text| text.contains("OIDN_DIR")), "{reason}");
+    assert_eq!(page.evaluate("document.querySelector('#denoise-row').hidden"), false);
+    assert_eq!(page.faults(), [""; 0]);
+}
+
 /// Tests of the nightly run.
 mod heavy {
     use super::*;
@@ -168,6 +184,34 @@ mod heavy {
             println!("{name}: {} x {} pixels, {} bytes, mean {mean}", size[0], size[1], bytes.len());
             assert!((0.01..10.0).contains(&mean), "{name} is {mean} on average");
         }
+        assert_eq!(page.faults(), [""; 0]);
+    }
+    /// Needs the library, see `glanz_denoise::DIRECTORY_VARIABLE`.
+    #[test]
+    fn switch_shows_the_picture_without_noise_until_the_camera_moves() {
+        let served = ViewServer::start(&scene_file("teapot.pbrt"));
+        let mut page = Page::open(&served.address(), SIZE);
+        rendered(&mut page, 1);
+        assert!(page.evaluate("window.glanz.renderStatus().denoised").is_null());
+        page.evaluate("document.querySelector('#denoise').click()");
+        let is_shown = "(window.glanz.renderStatus()?.denoised ?? 0) >= 1";
+        page.until("the picture is denoised", is_shown);
+        page.until(
+            "that is reported",
+            "document.querySelector('#renderer').textContent.includes('denoised at')",
+        );
+        let (name, _) = page.saved(|page| {
+            page.evaluate("document.querySelector('[data-command=savePng]').click()");
+        });
+        assert_eq!(name, "teapot.denoised.png");
+        let [x, y] = middle(&mut page);
+        page.drag(&[[x, y], [x + 20.0, y], [x + 40.0, y]]);
+        page.until("rendering stops", "typeof window.glanz.latency === 'number'");
+        println!("milliseconds until rendering has stopped: {}", page.evaluate("window.glanz.latency"));
+        page.until("the picture of the new camera is denoised", is_shown);
+        page.evaluate("document.querySelector('#denoise').click()");
+        rendered(&mut page, 2);
+        assert!(page.evaluate("window.glanz.renderStatus().denoised").is_null());
         assert_eq!(page.faults(), [""; 0]);
     }
 }

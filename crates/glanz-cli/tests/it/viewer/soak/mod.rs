@@ -4,7 +4,7 @@
 
 mod mischief;
 mod process;
-mod visitor;
+pub(crate) mod visitor;
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};

@@ -19,7 +19,7 @@ pub(crate) type Fault = String;
 pub(crate) struct Visitor {
     pub(crate) socket: WebSocket<TcpStream>,
     /// The camera of the scene.
-    camera: Value,
+    pub(crate) camera: Value,
     /// Identifier of the connection, required for uploads.
     pub(crate) session: String,
     id: u64,
@@ -101,7 +101,7 @@ impl Visitor {
     }
 
     /// Sends a request with a new number.
-    fn request(&mut self, mut request: Value) -> Result<u64, Fault> {
+    pub(crate) fn request(&mut self, mut request: Value) -> Result<u64, Fault> {
         self.id += 1;
         request["id"] = self.id.into();
         self.send(Message::text(request.to_string()))?;
@@ -147,7 +147,7 @@ impl Visitor {
 }
 
 /// Parses a text message.
-fn text_of(message: &Message) -> Option<Value> {
+pub(crate) fn text_of(message: &Message) -> Option<Value> {
     let Message::Text(text) = message else { return None };
     serde_json::from_str(text).ok()
 }
