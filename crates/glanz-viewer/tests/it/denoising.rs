@@ -122,6 +122,18 @@ fn denoised_picture_replaces_the_noisy_one_for_good_and_is_the_one_that_is_saved
     assert!(saved.pixels.channel("Albedo.R").is_none());
 }
 
+#[test]
+fn guided_views_are_denoised_too() {
+    let server = open(BALL, Arc::new(Painter));
+    let mut page = server.connect_page();
+    let mut order = denoised_view(1, [24, 16]);
+    order["integrator"] = json!("guided");
+    page.send(order);
+    for _ in 0..2 {
+        assert_eq!(denoised_tile(&mut page).0.values[0], TWO);
+    }
+}
+
 /// Returns once the gate is open, whether cancelled or not, as a library that looks at the flag too seldom.
 #[derive(Debug, Default)]
 struct Gated {
