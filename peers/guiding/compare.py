@@ -18,8 +18,9 @@ Then the renderers render in turn for each of the times, with one seed per round
 used is measured as well. Building hierarchies and compiling are not counted, except for a tenth of a second in Glanz's processor
 time. Errors are medians over the rounds: the root of the mean squared difference per pixel and channel (rmse) and the mean squared
 difference relative to the square of the reference + 0.01 (relmse), both against Glanz's reference; the same two against the
-renderer's own reference, which excludes differences by the export (own); and relmse without the worst thousandth of all pixels,
-which excludes fireflies (trimmed).
+renderer's own reference, which excludes differences by the export (own); relmse without the worst thousandth of all pixels,
+which excludes fireflies (trimmed); and, from two rounds on, half of the mean squared difference between rounds, relative to the same (variance), which needs no reference
+of the renderer's own: --references 4096 0 spares those of the others.
 
 Efficiency is 1 / (relmse x processor seconds), as a multiple of Glanz's path tracer at the same time: on shared processors,
 wall-clock time is not comparable. Path guiding improves with time; compare it on a machine without other load.
@@ -180,6 +181,11 @@ def errors(picture, reference, own):
     }
 
 
+def variance(pictures, reference):
+    """Variance of a picture relative to the square of the reference + 0.01, from independent ones."""
+    return float((numpy.var(pictures, axis=0, ddof=1) / (reference**2 + 0.01)).mean())
+
+
 def write_png(path, picture):
     """Linear values as an sRGB picture."""
     x = numpy.clip(picture, 0, 1)
@@ -198,7 +204,9 @@ def references(room, renderers, samples):
     """References by name, and the agreement of the peers' with that of Glanz."""
     found, agreements = {}, {}
     for renderer in renderers:
-        if renderer.reference not in found:
+        if renderer.reference != "glanz" and samples[1] == 0:
+            found[renderer.reference] = found["glanz"]
+        elif renderer.reference not in found:
             picture = renderer.converged(room, samples[0] if renderer.reference == "glanz" else samples[1])
             found[renderer.reference] = picture
             if renderer.reference != "glanz":
@@ -214,13 +222,17 @@ def measure(room, renderers, found, arguments):
     rows = []
     for seconds in arguments.times:
         runs = {renderer.name: [] for renderer in renderers}
+        pictures = {renderer.name: [] for renderer in renderers}
         for seed in range(1, arguments.rounds + 1):
             for renderer in renderers:
                 picture, about = renderer.render(room, seconds, seed)
+                pictures[renderer.name].append(picture)
                 runs[renderer.name].append(about | errors(picture, found["glanz"], found[renderer.reference]))
         for name, all_runs in runs.items():
             numbers = [key for key, value in all_runs[0].items() if isinstance(value, (int, float))]
             medians = {key: statistics.median(run[key] for run in all_runs) for key in numbers}
+            if arguments.rounds > 1:
+                medians["variance"] = variance(pictures[name], found["glanz"])
             rows.append({"renderer": name, "time": seconds} | medians | {"runs": all_runs})
         show(rows[-len(renderers):])
     return rows
@@ -231,7 +243,7 @@ def show(rows):
         return 1 / (row["relmse"] * row["processor_seconds"])
 
     columns = ["time", "seconds", "processor_seconds", "samples", "rmse", "own_rmse", "relmse", "own_relmse", "trimmed_relmse",
-               "efficiency"]
+               "variance", "efficiency"]
     print("\n  | renderer | " + " | ".join(columns) + " |\n  |" + "---|" * (len(columns) + 1))
     for row in rows:
         row["efficiency"] = efficiency(row) / efficiency(rows[0])

@@ -19,6 +19,17 @@ pub enum FaceDomain {
     Polygon(Vec<DVec2>),
 }
 
+impl FaceDomain {
+    /// Its corners, in order.
+    #[must_use]
+    pub fn corners(self) -> Vec<DVec2> {
+        match self {
+            Self::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
+            Self::Polygon(corners) => corners,
+        }
+    }
+}
+
 /// A point of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FacePoint {

@@ -24,7 +24,7 @@ impl SphericalTriangle {
         Self { corners, solid_angle }
     }
 
-    /// Steradians, below 2 pi; 0 if the corners lie in a plane with the origin, NaN if one is at the origin.
+    /// Steradians, at most 2 pi; 0 if the corners lie in a plane with the origin and not around it, NaN if one is at the origin.
     #[must_use]
     pub fn solid_angle(&self) -> f64 {
         self.solid_angle

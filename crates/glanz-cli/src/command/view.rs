@@ -83,6 +83,9 @@ fn denoiser() -> Result<Arc<dyn ViewDenoiser>, String> {
             "Open Image Denoise was not found: install it (https://www.openimagedenoise.org), set OIDN_DIR to its folder, and start glanz view again"
                 .to_owned(),
         ),
+        Err(DenoiseError::Version { function, .. }) => Err(format!(
+            "Open Image Denoise has no function {function:?}; version 2 is needed: install it, set OIDN_DIR to its folder, and start glanz view again"
+        )),
         Err(error) => Err(error.to_string()),
     }
 }

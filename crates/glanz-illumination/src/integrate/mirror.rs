@@ -58,10 +58,7 @@ impl<'a> Mirrors<'a> {
 
     /// Whether a face reflects specularly.
     fn reflects(&self, placed: &PlacedSurface<'_>, face: u32) -> bool {
-        let corners = match placed.face_domain(face) {
-            FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
-            FaceDomain::Polygon(corners) => corners,
-        };
+        let corners = placed.face_domain(face).corners();
         let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
         let grid = (0..SAMPLES_PER_SIDE * SAMPLES_PER_SIDE).map(|k| {
             (DVec2::new(f64::from(k % SAMPLES_PER_SIDE), f64::from(k / SAMPLES_PER_SIDE)) + 0.5)

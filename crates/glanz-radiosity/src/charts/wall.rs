@@ -3,7 +3,7 @@
 //! A texel at a wall thinner than texels extends to its other side, and bilinear filtering mixes the light of both. Charts are
 //! therefore divided along the middles of such walls (`parts`), which hide the borders of the parts.
 
-use glanz_geometry::{FaceDomain, Surface};
+use glanz_geometry::Surface;
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::PlacedSurface;
 
@@ -66,10 +66,7 @@ pub(super) fn flat_faces(surfaces: &[PlacedSurface<'_>]) -> Vec<WallFace> {
     for surface in surfaces.iter().filter(|surface| !surface.is_passable() && !surface.is_trimmed()) {
         let is_closed = matches!(surface.surface(), Surface::Cuboid(_) | Surface::Polyhedron(_));
         for face in 0..surface.faces() {
-            let parameters = match surface.face_domain(face) {
-                FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
-                FaceDomain::Polygon(corners) => corners,
-            };
+            let parameters = surface.face_domain(face).corners();
             let position = |uv| surface.at(face, uv, false).map(|at| at.at.point.position);
             let Some(corners) = parameters.iter().map(|&uv| position(uv)).collect::<Option<Vec<DVec3>>>()
             else {

@@ -287,11 +287,9 @@ impl LightModel for AreaLight {
             return self.sample_cone(scene, &cone, from, xi);
         }
         let origin = from.point.position;
-        let near = match (self.near_triangles(origin), self.area) {
-            (Some(triangles), Some(area)) => {
-                Some(triangles.sample(scene.world_object(self.object)?, area, origin, xi)?)
-            }
-            _ => None,
+        let near = match self.near_triangles(origin) {
+            Some(triangles) => Some(triangles.sample(scene.world_object(self.object)?, origin, xi)?),
+            None => None,
         };
         let (AreaSample { position, error, normal, pdf: area_pdf, .. }, uv) = match &near {
             Some(point) => (point.at, DVec2::ZERO),

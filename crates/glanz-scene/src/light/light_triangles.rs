@@ -1,7 +1,7 @@
 //! Sampling of flat light sources by solid angle.
 
-use glanz_geometry::{AreaSample, FaceDomain, Surface, SurfacePoint};
-use glanz_math::{AreaPdf, DVec2, DVec3, SolidAnglePdf};
+use glanz_geometry::{AreaSample, Hit, RaySurface, Surface, SurfacePoint};
+use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 use glanz_sampling::SphericalTriangle;
 
 use crate::object::SceneObject;
@@ -36,7 +36,9 @@ struct LightTriangle {
 
 /// A point on a light.
 pub(super) struct PointOnTriangles {
+    /// With the density of sampling by area.
     pub(super) at: AreaSample,
+    /// Density with which it was sampled.
     pub(super) pdf: SolidAnglePdf,
 }
 
@@ -54,10 +56,7 @@ impl LightTriangles {
         }
         let mut triangles = Vec::new();
         for face in 0..surface.faces() {
-            let corners = match surface.face_domain(face) {
-                FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
-                FaceDomain::Polygon(corners) => corners,
-            };
+            let corners = surface.face_domain(face).corners();
             let (first, others) = corners.split_first()?;
             for pair in others.windows(2) {
                 triangles.push(LightTriangle::new(object, face, [*first, pair[0], pair[1]])?);
@@ -81,11 +80,10 @@ impl LightTriangles {
         SolidAnglePdf(if seen > 0.0 { 1.0 / seen } else { 0.0 })
     }
 
-    /// A point uniform by the solid angle that is seen from `from`. `object`: that of the triangles, of this area, m^2.
+    /// A point uniform by the solid angle that is seen from `from`. `object`: that of the triangles.
     pub(super) fn sample(
         &self,
         object: &SceneObject,
-        area: f64,
         from: DVec3,
         mut xi: DVec2,
     ) -> Option<PointOnTriangles> {
@@ -104,8 +102,7 @@ impl LightTriangles {
         })?;
         xi.x = place / part;
         let parameters = triangle.sample(from, xi)?;
-        let mut at = area_sample(object, triangle.face, parameters)?;
-        at.pdf = AreaPdf(1.0 / area);
+        let at = area_sample(object, triangle.face, parameters)?;
         Some(PointOnTriangles { at, pdf: SolidAnglePdf(1.0 / whole) })
     }
 }
@@ -153,10 +150,12 @@ impl LightTriangle {
     }
 }
 
-/// The point of an object with these parameters, in the world, without a density.
+/// The point of an object with these parameters, in the world, with the density of [`SceneObject::sample`] there.
 fn area_sample(object: &SceneObject, face: u32, parameters: DVec2) -> Option<AreaSample> {
-    let SurfacePoint { position, error, normal, .. } = object.surface().at(face, parameters)?.point;
-    let mut sample = AreaSample { position, error, normal, face, pdf: AreaPdf(1.0) };
+    let point = object.surface().at(face, parameters)?.point;
+    let pdf = object.surface().area_pdf(&Hit::new(0.0, parameters.x, parameters.y, face), &point)?;
+    let SurfacePoint { position, error, normal, .. } = point;
+    let mut sample = AreaSample { position, error, normal, face, pdf };
     object.place_sample(&mut sample);
     Some(sample)
 }

@@ -114,6 +114,9 @@ fn check_sample_against_hit(scene: &Scene, from: &Interaction, sample: &glanz_sc
     if let Some(hit) = scene.intersect(&from.spawn(sample.wi), f64::INFINITY) {
         let pdf = scene.light_pdf(LightId(0), &from.light_sample_context(), &hit);
         assert!((pdf.0 / sample.pdf.0 - 1.0).abs() < 1e-5, "{pdf:?} {sample:?}");
+        if let (Some(of_hit), Some(of_sample)) = (hit.area_pdf(), sample.area_pdf) {
+            assert!((of_hit.0 / of_sample.0 - 1.0).abs() < 1e-5, "{of_hit:?} {sample:?}");
+        }
     }
 }
 
@@ -151,6 +154,10 @@ fn flat_lights_are_sampled_by_solid_angle_from_near() {
         let parallelogram = ShapeDescription::parallelogram([-1.0, -1.0, 0.0], DVec3::X * 2.0, DVec3::Y * 2.0);
         let mesh = square().scaled([2.0, 2.0, 1.0]);
         let cuboid = ShapeDescription::cuboid([-1.0, -1.0, h], [1.0, 1.0, 3.0]);
+        // Its sampling by area is not uniform.
+        let stretched = translate(0.0, 0.0, h) * DMat4::from_scale(DVec3::new(2.0, 2.0, 5.0));
+        let mirrored = translate(0.0, 0.0, h) * DMat4::from_scale(DVec3::new(2.0, 2.0, -1.0));
+        let unit_cuboid = ShapeDescription::cuboid([-0.5, -0.5, 0.0], [0.5, 0.5, 1.0]);
         let solid_angle_of_square = 4.0 * (1.0 / (h * (h * h + 2.0).sqrt())).atan();
         // Howell's configuration factor C-11 of a corner, times pi, four times.
         let slant = (h * h + 1.0).sqrt();
@@ -159,6 +166,8 @@ fn flat_lights_are_sampled_by_solid_angle_from_near() {
             ("parallelogram", parallelogram.transformed(down)),
             ("mesh", mesh.transformed(down)),
             ("cuboid", cuboid),
+            ("stretched cuboid", unit_cuboid.transformed(stretched)),
+            ("mirrored mesh", square().transformed(mirrored)),
         ] {
             let scene = resolve(with_shapes([ShapeDescription::disk(1e-3), shining(light)]));
             let from = observer(&scene);

@@ -169,6 +169,9 @@ async fn render_denoised(
     tokio::select! {
         biased;
         rendered = &mut rendering => {
+            if rendered.is_err() {
+                cancel.cancel();
+            }
             rendered?;
             unless_cancelled(cancel, denoising).await?.map_err(Stop::Failed)
         }
