@@ -9,8 +9,9 @@ use crate::hit::Hit;
 /// Part of its parameters by which a piece extends beyond its ends, so that rounding does not lose a ray between two pieces.
 pub(super) const OVERLAP: f64 = 1e-9;
 
-/// Part of a piece's largest coefficient below which its derivative counts as zero: the root that all rays have there is exact to about 1e-8.
-const STILL: f64 = 1e-10;
+/// Part of a piece's largest coefficient below which its derivative counts as zero: above the roundings of control points up to 1e8 lengths of the piece from
+/// the origin. Points of the curve with a smaller derivative are nearer than 1e-9 lengths of the piece to the one without.
+const STILL: f64 = 1e-6;
 
 /// A part of a cubic curve with a width.
 #[derive(Clone, Debug)]

@@ -1,5 +1,7 @@
 //! Curves with normals of their own, as spline surfaces.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glanz_math::DVec3;
 
 use crate::error::{SurfaceError, finite, not_negative};
@@ -9,6 +11,9 @@ const EDGE_TOLERANCE: f64 = 1e-5;
 
 /// Largest number of halvings of a segment.
 const MOST_HALVINGS: u32 = 8;
+
+/// Sine of the angle below which normals count as parallel: the error of linear interpolation between them is below its square.
+const PARALLEL: f64 = 1e-9;
 
 /// A spline surface of degree 3 along a curve and of degree 1 across.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,8 +43,8 @@ type Edges = [[DVec3; 2]; 2];
 /// direction.
 ///
 /// # Errors
-/// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`] for a width, [`SurfaceError::Degenerate`] if the curve is a point, has no width or a normal
-/// is zero.
+/// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`] for a width, [`SurfaceError::Degenerate`] if the curve is a point or has no width, a normal
+/// is zero or the two are opposite.
 pub fn ribbon_surface(
     points: [DVec3; 4],
     widths: [f64; 2],
@@ -58,7 +63,12 @@ pub fn ribbon_surface(
     let [Some(start), Some(end)] = normals.map(DVec3::try_normalize) else {
         return Err(degenerate("a normal of the ribbon is zero", 0.0));
     };
-    let ribbon = Ribbon { points, widths, normals: [start, end], angle: start.angle_between(end) };
+    // The arc cosine of the product would lose half of the digits where normals are parallel or opposite.
+    let angle = start.cross(end).length().atan2(start.dot(end));
+    if angle > FRAC_PI_2 && angle.sin() < PARALLEL {
+        return Err(degenerate("the normals of the ribbon are opposite, so that they turn to no side; their angle", angle));
+    }
+    let ribbon = Ribbon { points, widths, normals: [start, end], angle };
     let first = ribbon.edges(0.0);
     let mut surface = RibbonSurface { knots: vec![0.0; 4], points: vec![first[0]] };
     ribbon.append([0.0, 1.0], [&first, &ribbon.edges(1.0)], MOST_HALVINGS, &mut surface);
@@ -74,13 +84,19 @@ impl Ribbon {
         let tangent = 3.0 * ((b - a) * rest * rest + (c - b) * 2.0 * u * rest + (d - c) * u * u);
         let bend = 6.0 * ((a - 2.0 * b + c) * rest + (b - 2.0 * c + d) * u);
         let (normal, turn) = self.normal(u);
-        // The limit of the direction where the derivative vanishes.
-        let turned = if u < 0.5 { bend } else { -bend };
-        let direction = [tangent, turned].into_iter().find(|v| v.length_squared() > 0.0).unwrap_or(d - a);
+        let (direction, direction_change) = if tangent.length_squared() > 0.0 {
+            (tangent, bend)
+        } else if bend.length_squared() > 0.0 {
+            // The limit of the derivative over the distance of the parameter, which changes by half of the third derivative.
+            let side = if u < 0.5 { 1.0 } else { -1.0 };
+            (side * bend, side * 3.0 * (d - 3.0 * c + 3.0 * b - a))
+        } else {
+            (d - a, DVec3::ZERO)
+        };
         let across = normal.cross(direction);
         let length = across.length();
         let (unit, change) = if length > 0.0 {
-            let change = (turn.cross(direction) + normal.cross(bend)) / length;
+            let change = (turn.cross(direction) + normal.cross(direction_change)) / length;
             let unit = across / length;
             (unit, change - unit * unit.dot(change))
         } else {
@@ -96,7 +112,7 @@ impl Ribbon {
     fn normal(&self, u: f64) -> (DVec3, DVec3) {
         let [start, end] = self.normals;
         let sin = self.angle.sin();
-        if sin < 1e-9 {
+        if sin < PARALLEL {
             return (start.lerp(end, u), end - start);
         }
         let weight = |u: f64| (u * self.angle).sin() / sin;

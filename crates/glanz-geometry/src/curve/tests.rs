@@ -130,7 +130,10 @@ fn queries_agree_and_points_lie_on_ray_and_in_bounds() {
 }
 
 fn at_parameter(u: f64) -> DVec3 {
-    let [a, b, c, d] = BENT;
+    on_curve(BENT, u)
+}
+
+fn on_curve([a, b, c, d]: [DVec3; 4], u: f64) -> DVec3 {
     a.lerp(b, u).lerp(b.lerp(c, u), u).lerp(b.lerp(c, u).lerp(c.lerp(d, u), u), u)
 }
 
@@ -202,26 +205,67 @@ fn wrong_curves_are_refused() {
 }
 
 #[test]
+fn curves_that_start_with_equal_points_are_cut_off_straight_far_from_the_origin() {
+    // All rays pass the tip within half of the width, so that a round cap would stop them.
+    for place in (0..100).map(|k| 1000.0 + 0.37 * f64::from(k)) {
+        let points = [0.0, 0.0, 0.03, 0.07].map(|x| DVec3::new(place + x, place, 0.0));
+        // Seven pieces.
+        let width = 0.07 / (8.0 * 6.5);
+        let curve = FacingCurve::try_new(&points, [width; 2], CurveShading::Flat).unwrap();
+        for k in 1..40 {
+            let before = 0.5 * width * f64::from(k) / 40.0;
+            assert!(
+                !curve.occluded(&downwards(place - before, place + 0.01 * width), f64::INFINITY),
+                "{place} {k}"
+            );
+        }
+    }
+}
+
+#[test]
 fn edges_of_a_ribbon_are_half_the_width_away_and_perpendicular() {
     let normals = [DVec3::new(-0.1, 0.0, 1.0), DVec3::new(-0.7, 0.1, 0.4)];
-    let ribbon = ribbon_surface(BENT, [0.35, 0.15], normals).unwrap();
-    assert_eq!(ribbon.knots.len(), ribbon.points.len() + 4);
-    let pieces = (ribbon.points.len() - 1) / 3;
-    for (k, points) in ribbon.points.iter().step_by(3).enumerate() {
-        let u = ribbon.knots[3 * k + 3];
-        let center = at_parameter(u);
-        let tangent = at_parameter(u + 1e-5) - at_parameter(u - 1e-5);
-        let [left, right] = points.map(|point| point - center);
-        let width = 0.35 - 0.2 * u;
-        assert!((left + right).length() < 1e-12 && (right.length() - 0.5 * width).abs() < 1e-12);
-        assert!(right.dot(tangent).abs() < 1e-7 * tangent.length());
-        // The normal of the surface is the part of the mean normal perpendicular to the curve.
-        let (start, end) = (normals[0].normalize(), normals[1].normalize());
-        let angle = start.angle_between(end);
-        let mean = (start * ((1.0 - u) * angle).sin() + end * (u * angle).sin()) / angle.sin();
-        assert!(right.dot(mean).abs() < 1e-12 && tangent.cross(right).dot(mean) > 0.0);
+    let [a, b, c, d] = BENT;
+    for curve in [BENT, [a, a, c, d], [a, b, d, d]] {
+        let ribbon = ribbon_surface(curve, [0.35, 0.15], normals).unwrap();
+        assert_eq!(ribbon.knots.len(), ribbon.points.len() + 4);
+        let pieces = (ribbon.points.len() - 1) / 3;
+        for k in 0..pieces {
+            let side = |v: usize| [0, 1, 2, 3].map(|i| ribbon.points[3 * k + i][v]);
+            let [from, to] = [ribbon.knots[3 * k + 3], ribbon.knots[3 * k + 6]];
+            for t in [0.0, 0.1, 0.37, 0.63, 0.9, 1.0] {
+                let u = from + (to - from) * t;
+                // The ends of the curve have no tangent where two points are equal.
+                let tangent = on_curve(curve, (u + 1e-5).min(1.0)) - on_curve(curve, (u - 1e-5).max(0.0));
+                // The normal of the surface is the part of the mean normal perpendicular to the curve.
+                let (start, end) = (normals[0].normalize(), normals[1].normalize());
+                let angle = start.angle_between(end);
+                let mean = (start * ((1.0 - u) * angle).sin() + end * (u * angle).sin()) / angle.sin();
+                let expected = 0.5 * (0.35 - 0.2 * u) * mean.cross(tangent).normalize();
+                // Ends of pieces are exact; the others are splines within the stated part of the width. The tangent is a difference of points.
+                let accuracy = if t == 0.0 || t == 1.0 { 1e-7 } else { 1e-5 * 0.35 };
+                let accuracy = if u == 0.0 || u == 1.0 { 1e-5 } else { accuracy };
+                for (v, sign) in [(0, -1.0), (1, 1.0)] {
+                    let off = on_curve(side(v), t) - on_curve(curve, u) - sign * expected;
+                    assert!(off.length() < accuracy, "{curve:?} {u} {v}: {}", off.length());
+                }
+            }
+        }
+        assert!((4..=128).contains(&pieces), "{pieces}");
     }
-    assert!((4..=128).contains(&pieces), "{pieces}");
+}
+
+#[test]
+fn ribbons_with_opposite_normals_are_refused() {
+    let points = [0.0, 1.0, 2.0, 3.0].map(|x| DVec3::new(x, 0.0, 0.0));
+    for normal in [DVec3::Z, DVec3::new(0.3, -0.7, 0.9), DVec3::new(0.1, 0.2, 1e-3)] {
+        let refused = ribbon_surface(points, [1.0; 2], [normal, -2.3 * normal]);
+        assert!(matches!(refused, Err(SurfaceError::Degenerate { .. })), "{normal}");
+    }
+    let half_a_turn = ribbon_surface(points, [1.0; 2], [DVec3::Z, DVec3::new(0.0, 1e-6, -1.0)]).unwrap();
+    for points in half_a_turn.points.iter().step_by(3) {
+        assert!((points[0].distance(points[1]) - 1.0).abs() < 1e-9, "{points:?}");
+    }
 }
 
 #[test]
