@@ -39,8 +39,7 @@ pub enum CurveShading {
 
 /// Cubic Bézier curves with a width, which face every ray.
 ///
-/// `Hit::face` is the segment, `u` its parameter, and `v` runs from 0 to 1 across the width. The normal is on the side of the ray's origin, whatever its
-/// direction. The error of a point is the width, so that rays start beyond the curve that they leave. It has no area to sample.
+/// `Hit::face` is the segment, `u` its parameter, and `v` runs from 0 to 1 across the width. The normal faces the origin of every ray. The error of a point is the width, so that rays start beyond the curve that they leave. It has no area to sample.
 #[derive(Clone, Debug)]
 pub struct FacingCurve {
     segments: Vec<[DVec3; 4]>,
@@ -75,16 +74,15 @@ impl FacingCurve {
             .zip(ends)
             .map(|(start, end)| [start[0], start[1], start[2], *end])
             .collect();
-        let count = segments.len() as f64;
-        let width_at = |position: f64| widths[0] + (widths[1] - widths[0]) * (position / count);
+        let width_at = |position| linear_width(widths, position, segments.len());
         let mut pieces = Vec::new();
         for (segment, points) in (0_u32..).zip(&segments) {
             let ends = [0, 1].map(|end| width_at(f64::from(segment + end)));
             divide(segment, points, ends, &mut pieces);
         }
         if pieces.is_empty() {
-            let reason = "the curve is a point or has no width, segments";
-            return Err(SurfaceError::Degenerate { reason, value: count });
+            let reason = "the curve is a point or has no width; its larger width";
+            return Err(SurfaceError::Degenerate { reason, value: widths[0].max(widths[1]) });
         }
         let boxes: Vec<Bounds3> = pieces.iter().map(CurvePiece::bounds).collect();
         let bvh = Bvh::build(&boxes, &BuildOptions::default());
@@ -100,8 +98,7 @@ impl FacingCurve {
     /// Width at a parameter of a segment, metres.
     #[must_use]
     pub fn width(&self, segment: u32, u: f64) -> f64 {
-        let [start, end] = self.widths;
-        start + (end - start) * ((f64::from(segment) + u) / self.segments.len() as f64)
+        linear_width(self.widths, f64::from(segment) + u, self.segments.len())
     }
 
     /// Adds the hits with the pieces of a leaf.
@@ -124,11 +121,27 @@ impl FacingCurve {
 
     /// Derivative of a segment; where it vanishes, the direction from its first to its last point, as in pbrt.
     fn tangent(&self, hit: &Hit) -> DVec3 {
-        let [a, b, c, d] = self.segments.get(hit.face as usize).copied().unwrap_or_default();
-        let (u, rest) = (hit.u, 1.0 - hit.u);
-        let tangent = 3.0 * ((b - a) * rest * rest + (c - b) * 2.0 * u * rest + (d - c) * u * u);
-        if tangent.length_squared() > 0.0 { tangent } else { d - a }
+        let segment = self.segments.get(hit.face as usize).copied().unwrap_or_default();
+        let tangent = tangent_at(segment, hit.u);
+        if tangent.length_squared() > 0.0 { tangent } else { segment[3] - segment[0] }
     }
+}
+
+/// The width at `position`, counted in segments, of which there are `count`, metres.
+fn linear_width([start, end]: [f64; 2], position: f64, count: usize) -> f64 {
+    start + (end - start) * (position / count as f64)
+}
+
+/// The point of a cubic Bézier segment at `u`.
+fn point_at([a, b, c, d]: [DVec3; 4], u: f64) -> DVec3 {
+    let rest = 1.0 - u;
+    a * rest.powi(3) + (b * rest + c * u) * (3.0 * u * rest) + d * u.powi(3)
+}
+
+/// The derivative of a cubic Bézier segment at `u`.
+fn tangent_at([a, b, c, d]: [DVec3; 4], u: f64) -> DVec3 {
+    let rest = 1.0 - u;
+    3.0 * ((b - a) * rest * rest + (c - b) * 2.0 * u * rest + (d - c) * u * u)
 }
 
 /// Divides a segment into pieces, unless it is a point or has no width.

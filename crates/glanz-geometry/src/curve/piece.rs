@@ -13,6 +13,10 @@ pub(super) const OVERLAP: f64 = 1e-9;
 /// the origin. Points of the curve with a smaller derivative are nearer than 1e-9 lengths of the piece to the one without.
 const STILL: f64 = 1e-6;
 
+/// Part of its size by which the bounds of a piece exceed it: [`OVERLAP`] extends the curve by at most three times that part of its control polygon, and
+/// roundings are smaller unless coordinates are 1e9 times the size.
+const MARGIN: f64 = 1e-6;
+
 /// A part of a cubic curve with a width.
 #[derive(Clone, Debug)]
 pub(super) struct CurvePiece {
@@ -42,10 +46,9 @@ impl CurvePiece {
         let half = halves[0].max(halves[1]);
         let chord = d - a;
         let off_chord = |point: DVec3| (point - a).distance(chord * share(point - a, chord));
-        // Slightly more than that for the overlap and roundings.
-        let radius = (half + off_chord(b).max(off_chord(c))) * (1.0 + 1e-6);
+        let radius = (half + off_chord(b).max(off_chord(c))) * (1.0 + MARGIN);
         let box_of_points = Bounds3::from_points(points);
-        let margin = DVec3::splat(half + 1e-6 * (half + box_of_points.diagonal().length()));
+        let margin = DVec3::splat(half + MARGIN * (half + box_of_points.diagonal().length()));
         let bounds = Bounds3::new(box_of_points.min - margin, box_of_points.max + margin);
         let half_width = [halves[0], halves[1] - halves[0]];
         Self { powers, chord, radius, half_width, range: [start, end - start], segment, bounds }

@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glanz_math::DVec3;
 
+use super::{point_at, tangent_at};
 use crate::error::{SurfaceError, finite, not_negative};
 
 /// Largest distance between the edges of a ribbon and their splines, in parts of its width.
@@ -58,7 +59,10 @@ pub fn ribbon_surface(
     }
     let degenerate = |reason, value| SurfaceError::Degenerate { reason, value };
     if points.iter().all(|&p| p == points[0]) || widths == [0.0; 2] {
-        return Err(degenerate("the ribbon is a point or has no width", widths[0]));
+        return Err(degenerate(
+            "the ribbon is a point or has no width; its larger width",
+            widths[0].max(widths[1]),
+        ));
     }
     let [Some(start), Some(end)] = normals.map(DVec3::try_normalize) else {
         return Err(degenerate("a normal of the ribbon is zero", 0.0));
@@ -66,7 +70,10 @@ pub fn ribbon_surface(
     // The arc cosine of the product would lose half of the digits where normals are parallel or opposite.
     let angle = start.cross(end).length().atan2(start.dot(end));
     if angle > FRAC_PI_2 && angle.sin() < PARALLEL {
-        return Err(degenerate("the normals of the ribbon are opposite, so that they turn to no side; their angle", angle));
+        return Err(degenerate(
+            "the normals of the ribbon are opposite, so that they turn to no side; their angle",
+            angle,
+        ));
     }
     let ribbon = Ribbon { points, widths, normals: [start, end], angle };
     let first = ribbon.edges(0.0);
@@ -80,8 +87,7 @@ impl Ribbon {
     fn edges(&self, u: f64) -> Edges {
         let [a, b, c, d] = self.points;
         let rest = 1.0 - u;
-        let center = a * rest.powi(3) + (b * rest + c * u) * (3.0 * u * rest) + d * u.powi(3);
-        let tangent = 3.0 * ((b - a) * rest * rest + (c - b) * 2.0 * u * rest + (d - c) * u * u);
+        let (center, tangent) = (point_at(self.points, u), tangent_at(self.points, u));
         let bend = 6.0 * ((a - 2.0 * b + c) * rest + (b - 2.0 * c + d) * u);
         let (normal, turn) = self.normal(u);
         let (direction, direction_change) = if tangent.length_squared() > 0.0 {
@@ -131,12 +137,10 @@ impl Ribbon {
         let tolerance = EDGE_TOLERANCE * self.widths[0].max(self.widths[1]);
         let is_near = |share: f64| {
             let exact = self.edges(start + (end - start) * share)[0];
-            controls.iter().zip(exact).all(|(&[a, b, c, d], exact)| {
-                let rest = 1.0 - share;
-                let point =
-                    a * rest.powi(3) + (b * rest + c * share) * (3.0 * share * rest) + d * share.powi(3);
-                point.distance(exact) <= tolerance
-            })
+            controls
+                .iter()
+                .zip(exact)
+                .all(|(&side, exact)| point_at(side, share).distance(exact) <= tolerance)
         };
         if halvings > 0 && ![0.25, 0.5, 0.75].into_iter().all(is_near) {
             let half = 0.5 * (start + end);

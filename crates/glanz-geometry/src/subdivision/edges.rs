@@ -89,9 +89,7 @@ impl EdgeTable {
         }
         Ok(Self { edges, of_sides, valences, fan_starts })
     }
-}
 
-impl EdgeTable {
     pub(super) fn edges(&self) -> &[SubdivisionEdge] {
         &self.edges
     }
