@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::cie;
-use crate::rgb::{XYZ_TO_RGB, luminance, xyz_to_rgb};
+use crate::rgb::{luminance, xyz_to_rgb};
 use crate::spectrum::{Spectrum, Wavelengths};
 
 /// Errors of making spectra.
@@ -94,6 +94,13 @@ impl SpectralSamples {
     #[must_use]
     pub fn range(&self) -> (f32, f32) {
         self.0.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(lo, hi), &(_, v)| (lo.min(v), hi.max(v)))
+    }
+
+    /// Whether the value is the same at every wavelength.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        let (low, high) = self.range();
+        low == high
     }
 
     /// Every value times `factor`.
@@ -235,11 +242,10 @@ impl SpectralDistribution {
         matches!(self, Self::Blackbody { .. } | Self::Sampled(_))
     }
 
-    /// The value at `nm` of a spectrum that is given by wavelength; of others the mean of their bands.
+    /// The value at `nm` of a spectrum that is given by wavelength; 0 of others.
     fn at(&self, nm: f64) -> f64 {
         match self {
-            Self::Constant(value) => f64::from(*value),
-            Self::Rgb([r, g, b]) => f64::from(r + g + b) / 3.0,
+            Self::Constant(_) | Self::Rgb(_) => 0.0,
             Self::Blackbody { kelvin, scale } => {
                 f64::from(*scale) * blackbody(nm, *kelvin, blackbody_peak_nm(*kelvin))
             }
@@ -257,12 +263,11 @@ impl SpectralDistribution {
         }) as f32
     }
 
-    /// CIE XYZ of the emitted light, divided by the integral of the luminosity function.
+    /// CIE XYZ of the light of a spectrum that is given by wavelength, divided by the integral of the luminosity function.
     fn xyz(&self) -> [f64; 3] {
         let knots = match self {
-            Self::Rgb(rgb) => return crate::rgb::rgb_to_xyz(rgb.map(f64::from)),
             Self::Sampled(samples) => samples.points(),
-            Self::Constant(_) | Self::Blackbody { .. } => &[],
+            _ => &[],
         };
         let sums = integrate(|nm| cie::observer(nm).map(|c| c * self.at(nm)), knots);
         sums.map(|sum| sum / cie::Y_INTEGRAL)
@@ -288,13 +293,7 @@ fn planck(nm: f64, kelvin: f64) -> f64 {
 
 /// Means of `f` in the three Rec. 709 bands under D65.
 fn under_daylight(f: impl Fn(f64) -> f64, knots: &[(f32, f32)]) -> [f64; 3] {
-    let weight = |nm: f64| {
-        let daylight = cie::d65(nm);
-        XYZ_TO_RGB.map(|row| {
-            let [x, y, z] = cie::observer(nm);
-            daylight * (row[0] * x + row[1] * y + row[2] * z)
-        })
-    };
+    let weight = |nm: f64| xyz_to_rgb(cie::observer(nm)).map(|band| cie::d65(nm) * band);
     let sum = integrate(|nm| weight(nm).map(|w| w * f(nm)), knots);
     let white = integrate(weight, &[]);
     std::array::from_fn(|i| sum[i] / white[i])

@@ -27,9 +27,9 @@ impl LaneChoice {
     #[must_use]
     pub fn select(&self, values: Spectrum, xi: f64) -> f32 {
         // The probabilities are rounded: a number beyond their sum would choose the last lane.
-        let xi = xi * self.0.lanes().into_iter().map(f64::from).sum::<f64>();
+        let xi = xi * self.0.0.into_iter().map(f64::from).sum::<f64>();
         let (mut below, mut chosen) = (0.0, 0.0);
-        for (probability, value) in self.0.lanes().into_iter().zip(values.lanes()) {
+        for (probability, value) in self.0.0.into_iter().zip(values.0) {
             if probability > 0.0 && xi >= below {
                 chosen = value;
             }
@@ -70,7 +70,7 @@ mod tests {
         let choice = LaneChoice::try_new(Spectrum::ONE, &RGB).unwrap();
         let colour = Spectrum::from_rgb([5.0; 3]);
         assert_eq!(choice.select(colour, 1.0 - 1e-16), 5.0);
-        let [r, g, b, unused] = choice.balanced(Spectrum::splat(7.0)).lanes();
+        let [r, g, b, unused] = choice.balanced(Spectrum::splat(7.0)).0;
         // Three thirds in f32.
         assert!(unused == 0.0 && [r, g, b].iter().all(|x| (x - 1.0).abs() < 1e-6), "{r} {g} {b} {unused}");
         assert_eq!(LaneChoice::try_new(Spectrum::BLACK, &RGB), None);

@@ -248,7 +248,7 @@ pub fn cauchy([a, b]: [f64; 2]) -> Result<SpectralDistribution, SpectrumError> {
 }
 
 fn tabulated(index: impl Fn(f64) -> f64) -> Result<SpectralDistribution, SpectrumError> {
-    // Linear interpolation between samples 5 nm apart is off by less than 2e-4.
+    // Linear interpolation between samples 5 nm apart is off by less than 2e-4, of Cauchy's formula by 1.1e-3 b.
     let points: Vec<(f32, f32)> = (0..cie::COUNT)
         .map(|i| cie::FIRST_NM + cie::STEP_NM * i as f64)
         .map(|nm| (nm as f32, index(nm) as f32))
@@ -356,7 +356,9 @@ mod tests {
 
     #[test]
     fn sampled_index_follows_its_formula() {
-        for formula in [&N_BK7, &N_SF11, &N_SF10, &N_LASF9, &TIO2, &MGO] {
+        for formula in
+            [&N_BK7, &N_SF11, &N_SF10, &N_LASF9, &F2, &DIAMOND, &SAPPHIRE, &FUSED_SILICA, &WATER, &TIO2, &MGO]
+        {
             let Ok(SpectralDistribution::Sampled(samples)) = from_formula(formula) else { panic!() };
             for nm in 360..830 {
                 let nm = f64::from(nm);

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use crate::cie;
 use crate::distribution::integrate;
-use crate::rgb::XYZ_TO_RGB;
+use crate::rgb::xyz_to_rgb;
 use crate::rgb_primaries::RED_BLUE;
 use crate::spectrum::{LANES, Spectrum};
 
@@ -38,17 +38,14 @@ static TABLE: LazyLock<ObserverTable> = LazyLock::new(ObserverTable::new);
 
 impl ObserverTable {
     fn new() -> Self {
-        let band = |nm: f64| {
-            let [x, y, z] = cie::observer(nm);
-            XYZ_TO_RGB.map(|row| row[0] * x + row[1] * y + row[2] * z)
-        };
+        let band = |nm: f64| xyz_to_rgb(cie::observer(nm));
         // The table's D65 and the white of Rec. 709, whose chromaticity has four digits, differ by 4e-4: grey shall be grey.
         let white = integrate(|nm| band(nm).map(|w| w * cie::d65(nm)), &[]);
         let luminance = integrate(|nm| cie::observer(nm).map(|c| c * cie::d65(nm)), &[])[1];
+        let [rw, gw, bw] = white.map(|w| w * cie::Y_INTEGRAL / luminance);
         let row = |(index, (&power, &[red, blue])): (u32, (&f64, &[f64; 2]))| {
             let [r, g, b] = band(cie::FIRST_NM + cie::STEP_NM * f64::from(index));
             let daylight = power * cie::Y_INTEGRAL / luminance;
-            let [rw, gw, bw] = white.map(|w| w * cie::Y_INTEGRAL / luminance);
             [r / rw, g / gw, b / bw, daylight, red, blue]
         };
         Self { rows: (0..).zip(cie::D65.iter().zip(&RED_BLUE)).map(row).collect() }
@@ -121,7 +118,6 @@ impl SampledWavelengths {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rgb::xyz_to_rgb;
     use crate::{SpectralDistribution, Wavelengths, named};
 
     const COUNT: u32 = 4096;

@@ -75,11 +75,14 @@ impl ClearSky {
         if let Some(&outside) = albedo.iter().find(|x| !(0.0..=1.0).contains(*x)) {
             return Err(SkyError::Albedo(outside));
         }
-        let elevation = (elevation as f32).min(FRAC_PI_2 as f32);
-        let state = SkyState::new(&SkyParams { elevation, turbidity: turbidity as f32, albedo });
+        let parameters = SkyParams {
+            elevation: (elevation as f32).min(FRAC_PI_2 as f32),
+            turbidity: turbidity as f32,
+            albedo,
+        };
         // All that the model checks was checked above.
-        let state = state.map_err(|_| SkyError::BelowHorizon(0.0))?;
-        let sun = sun_irradiance(towards_sun.z.min(1.0).asin(), turbidity)?;
+        let state = SkyState::new(&parameters).map_err(|_| SkyError::BelowHorizon(0.0))?;
+        let sun = sun_irradiance(elevation, turbidity)?;
         Ok(Self { state, towards_sun, sun })
     }
 

@@ -21,7 +21,7 @@ pub enum Wavelengths {
 
 /// Radiance, throughput or reflectance in [`LANES`] lanes; [`Wavelengths`] gives their meaning.
 ///
-/// Arithmetic is lane by lane. Only this crate reads single lanes.
+/// Arithmetic is lane by lane. Only this crate reads single lanes, except for the [`hero`](Self::hero).
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Spectrum(pub(crate) [f32; LANES]);
 
@@ -133,13 +133,8 @@ impl Spectrum {
     pub fn mean(self, wavelengths: &Wavelengths) -> f32 {
         match wavelengths {
             Wavelengths::Rgb => (self.0[0] + self.0[1] + self.0[2]) / 3.0,
-            Wavelengths::Sampled(_) => self.0.iter().sum::<f32>() / LANES as f32,
+            Wavelengths::Sampled(_) => self.sum_of_lanes() / LANES as f32,
         }
-    }
-
-    /// All lanes, those without a meaning included.
-    pub(crate) fn lanes(self) -> [f32; LANES] {
-        self.0
     }
 
     /// The sum of all lanes.
