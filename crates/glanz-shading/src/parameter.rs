@@ -57,7 +57,8 @@ pub trait ParameterResolver<P: ParameterForm> {
     /// Converts a number; `None` if its texture does not exist.
     fn float_input(&self, input: &P::Float) -> Option<FloatInput>;
 
-    /// A fraction of light. Constants above 1 are allowed (scene files hold 1.0001): they are clamped where they are used.
+    /// A fraction of light. Constants above 1 are allowed (scene files hold 1.0001): they are clamped where they are used. Of a spectrum by wavelength the
+    /// colour is checked; negative samples, which measurements have, count as 0 where it is used.
     ///
     /// # Errors
     /// [`MaterialError::Texture`] for a texture that does not exist, [`MaterialError::Range`] for a constant that is negative or not finite.
@@ -65,7 +66,7 @@ pub trait ParameterResolver<P: ParameterForm> {
         checked_spectrum(parameter, self.fraction_input(input))
     }
 
-    /// A spectrum of numbers of at least 0, such as refractive indices.
+    /// A spectrum of numbers of at least 0, such as refractive indices; of one by wavelength as for [`ParameterResolver::fraction`].
     ///
     /// # Errors
     /// As for [`ParameterResolver::fraction`].
@@ -171,6 +172,18 @@ impl<'a> TextureEvaluator<'a> {
         self.textures.spectrum(input, self.at, self.wavelengths).map(|x| x.max(0.0))
     }
 
+    /// The largest component of a spectrum that has the value `here` at these wavelengths: of a colour that in RGB, which does not depend on the
+    /// wavelengths of a path. `value`: the spectrum.
+    #[must_use]
+    pub fn largest(&self, here: Spectrum, value: impl Fn(&Self) -> Spectrum) -> f32 {
+        let in_rgb = Self { wavelengths: &Wavelengths::Rgb, ..*self };
+        match self.wavelengths {
+            Wavelengths::Rgb => here.max_component(),
+            // A spectrum by wavelength can exceed its colour.
+            _ => here.max_component().max(value(&in_rgb).max_component()),
+        }
+    }
+
     /// A number, not clamped.
     #[must_use]
     pub fn float(&self, input: &FloatInput) -> f32 {
@@ -187,6 +200,6 @@ impl<'a> TextureEvaluator<'a> {
     /// 1 in the lanes in use, 0 in others.
     #[must_use]
     pub fn white(&self) -> Spectrum {
-        SpectralDistribution::Constant(1.0).reflectance(self.wavelengths)
+        Spectrum::one(self.wavelengths)
     }
 }

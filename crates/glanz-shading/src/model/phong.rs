@@ -23,7 +23,7 @@ use crate::texture::SpectrumInput;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
     coefficients: PhongCoefficients,
-    /// Factor that makes diffuse + specular at most 1 in every lane.
+    /// Factor that makes diffuse + specular at most 1.
     energy_scale: f32,
     /// Probability to sample the diffuse lobe.
     diffuse_probability: f64,
@@ -50,6 +50,11 @@ impl Phong {
     /// changed. An exponent below 0 or not a number counts as 0.
     #[must_use]
     pub fn new(coefficients: PhongCoefficients) -> Self {
+        Self::with_largest_sum(coefficients, 0.0)
+    }
+
+    /// The model of [`Phong::new`], of which diffuse + specular is `largest_sum` at other wavelengths.
+    fn with_largest_sum(coefficients: PhongCoefficients, largest_sum: f32) -> Self {
         let positive = |s: Spectrum| s.map(|x| x.max(0.0));
         let coefficients = PhongCoefficients {
             ambient: positive(coefficients.ambient),
@@ -58,7 +63,7 @@ impl Phong {
             exponent: coefficients.exponent.max(0.0),
         };
         let (d, s) = (coefficients.diffuse.max_component(), coefficients.specular.max_component());
-        let most = (coefficients.diffuse + coefficients.specular).max_component();
+        let most = (coefficients.diffuse + coefficients.specular).max_component().max(largest_sum);
         let diffuse_probability = if d + s > 0.0 { f64::from(d / (d + s)) } else { 1.0 };
         Self { coefficients, energy_scale: if most > 1.0 { 1.0 / most } else { 1.0 }, diffuse_probability }
     }
@@ -196,22 +201,22 @@ impl TexturedModel for PhongMaterial {
     type Bsdf = Phong;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Phong {
-        Phong::new(PhongCoefficients {
-            ambient: at.spectrum(&self.ambient),
-            diffuse: at.spectrum(&self.diffuse),
-            specular: at.spectrum(&self.specular),
-            exponent: f64::from(at.float(&self.exponent)),
-        })
+        let [ambient, diffuse, specular] =
+            [&self.ambient, &self.diffuse, &self.specular].map(|input| at.spectrum(input));
+        let sum = |at: &TextureEvaluator<'_>| at.spectrum(&self.diffuse) + at.spectrum(&self.specular);
+        let largest_sum = at.largest(diffuse + specular, sum);
+        let exponent = f64::from(at.float(&self.exponent));
+        Phong::with_largest_sum(PhongCoefficients { ambient, diffuse, specular, exponent }, largest_sum)
     }
 
     /// Names the largest sum of constant diffuse and specular coefficients where it is above 1; textured ones do not count.
     fn warning(&self) -> Option<String> {
-        let (SpectrumInput::Constant(diffuse), SpectrumInput::Constant(specular)) =
-            (&self.diffuse, &self.specular)
-        else {
-            return None;
+        let constant = |input: &SpectrumInput| match input {
+            SpectrumInput::Constant(value) => Some(*value),
+            SpectrumInput::Spectral(constant) => Some(constant.rgb),
+            SpectrumInput::Texture(_) => None,
         };
-        let sum = (*diffuse + *specular).max_component();
+        let sum = (constant(&self.diffuse)? + constant(&self.specular)?).max_component();
         let message =
             || format!("diffuse plus specular is {sum}; path-traced light scales both down to a sum of 1");
         (sum > 1.0).then(message)

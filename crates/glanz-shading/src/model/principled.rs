@@ -36,7 +36,7 @@ pub struct Principled {
     metal_max: f64,
     glass: Dielectric,
     color: Spectrum,
-    /// Factor on what the interface of the glossy surface reflects, and its largest lane.
+    /// Factor on what the interface of the glossy surface reflects, and its largest component.
     specular: Spectrum,
     specular_max: f64,
     interface: Coat,
@@ -44,7 +44,7 @@ pub struct Principled {
     diffuse_scale: f64,
     coat_weight: f64,
     coat: Coat,
-    /// Colour of the fibres, and its largest lane.
+    /// Colour of the fibres, and its largest component.
     sheen_color: Spectrum,
     sheen_max: f64,
     sheen: SheenDistribution,
@@ -367,7 +367,7 @@ impl TexturedModel for PrincipledMaterial {
         let (color, specular) = (at.fraction(&self.base_color), at.fraction(&self.specular));
         let (distribution, eta) = (rough(&self.roughness), at.float(&self.eta));
         let interface = Coat::new(eta, distribution, multiple(glossy));
-        let specular_max = f64::from(specular.max_component());
+        let specular_max = f64::from(at.largest(specular, |at| at.fraction(&self.specular)));
         let mean_reflected =
             if glossy > 0.0 { specular_max * (1.0 - interface.mean_transmittance()) } else { 0.0 };
         let metal = match &self.metal {
@@ -395,7 +395,7 @@ impl TexturedModel for PrincipledMaterial {
             coat_weight,
             coat: Coat::new(at.float(&self.coat_eta), rough(&self.coat_roughness), multiple(coat_weight)),
             sheen_color,
-            sheen_max: f64::from(sheen_color.max_component()),
+            sheen_max: f64::from(at.largest(sheen_color, |at| at.fraction(&self.sheen))),
             sheen: SheenDistribution::new(fraction(&self.sheen_roughness).powi(2)),
         })
     }

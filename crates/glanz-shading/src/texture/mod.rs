@@ -17,7 +17,7 @@ pub mod spectral_constant;
 
 use std::sync::Arc;
 
-use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 
 pub use bilerp::Bilerp;
@@ -292,9 +292,7 @@ impl Textures {
             }
             Texture::Dots(dots) if dots.is_inside(at) => spectrum(&dots.inside),
             Texture::Dots(dots) => spectrum(&dots.outside),
-            Texture::Fractal(fractal) => {
-                SpectralDistribution::Constant(1.0).reflectance(wavelengths) * fractal.evaluate(at)
-            }
+            Texture::Fractal(fractal) => Spectrum::one(wavelengths) * fractal.evaluate(at),
             Texture::Marble(marble) => marble.evaluate(at).upsampled(wavelengths),
             Texture::DirectionMix(mix) => {
                 spectrum(&mix.across).lerp(spectrum(&mix.along), mix.along_fraction(at))

@@ -12,7 +12,7 @@ pub struct SpectralConstant {
 }
 
 impl SpectralConstant {
-    /// Its values at `wavelengths`, not clamped.
+    /// Its values at `wavelengths`: in RGB those of [`SpectralConstant::rgb`], else those of the distribution, not clamped.
     #[must_use]
     pub fn at(&self, wavelengths: &Wavelengths) -> Spectrum {
         match wavelengths {

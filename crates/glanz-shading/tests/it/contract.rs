@@ -7,7 +7,7 @@ mod cells;
 
 use std::f64::consts::TAU;
 
-use glanz_light::{Spectrum, Wavelengths};
+use glanz_light::{SampledWavelengths, Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_sampling::statistics::chi_square;
@@ -16,10 +16,13 @@ use glanz_shading::microfacet::MicrofacetDistribution;
 use glanz_shading::microfacet::coat::Coat;
 use glanz_shading::model::phong::PhongCoefficients;
 use glanz_shading::model::{
-    CoatedDiffuse, Conductor, ConductorFresnel, Dielectric, DiffuseTransmission, Lambert, MetalColor, Mirror,
-    OrenNayar, Phong, PrincipledMaterial, Roughness, RoughnessScale,
+    CoatedDiffuse, CoatedDiffuseMaterial, Conductor, ConductorFresnel, ConductorMaterial, Dielectric,
+    DielectricMaterial, DiffuseTransmission, Lambert, MetalColor, Mirror, OrenNayar, Phong,
+    PrincipledMaterial, Roughness, RoughnessScale,
 };
-use glanz_shading::{Bsdf, BsdfModel, BsdfSample, Lobe, Material, TexturePoint, Textures, TransportMode};
+use glanz_shading::{
+    Bsdf, BsdfModel, BsdfSample, Lobe, Material, SpectrumInput, TexturePoint, Textures, TransportMode,
+};
 
 use bsdfs::*;
 use cells::*;
@@ -454,6 +457,51 @@ fn light_passes_only_where_the_lobes_say_so() {
             };
             // Half of all directions are on the other side.
             assert_eq!((0..1000).any(passes), bsdf.transmits(), "{name}, {wo}");
+        }
+    }
+}
+
+fn bsdf_at(material: &Material, wavelengths: &Wavelengths) -> Bsdf {
+    let point = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
+    material.bsdf(&Textures::new(), &point, wavelengths).unwrap_or(Bsdf::Black)
+}
+
+/// Pairs of directions, on one side and on both.
+fn pairs() -> impl Iterator<Item = [DVec3; 2]> {
+    [0.9, 0.4, 0.05, -0.7]
+        .into_iter()
+        .flat_map(|z| [0.8, 0.1].map(|o| [direction(o, 0.4), direction(z, 2.9)]))
+}
+
+#[test]
+fn grey_materials_are_the_same_at_sampled_wavelengths() {
+    let sampled = Wavelengths::Sampled(SampledWavelengths::sample(0.3));
+    for (name, material) in materials(Spectrum::from_rgb([0.6; 3])) {
+        let [at, rgb] = [&sampled, &Wavelengths::Rgb].map(|wavelengths| bsdf_at(&material, wavelengths));
+        let all_lanes = |grey: Spectrum| Spectrum::splat(grey.hero());
+        let near = |found: Spectrum, expected: Spectrum| {
+            (found - expected).map(f32::abs).max_component() <= 1e-5 * expected.max_component()
+        };
+        for [wo, wi] in pairs() {
+            let (found, expected) = (at.eval(wo, wi), all_lanes(rgb.eval(wo, wi)));
+            assert!(near(found, expected), "{name}: {found:?} {expected:?}");
+            let (found, expected) = (at.albedo(wo), all_lanes(rgb.albedo(wo)));
+            assert!(near(found, expected), "{name}: {found:?} {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn values_at_one_wavelength_do_not_depend_on_the_others() {
+    // The heroes are at 533 and 543 nm, where this colour has the value of its red and green band; other wavelengths of the path see the blue one.
+    for xi in [0.45, 0.49] {
+        let sampled = Wavelengths::Sampled(SampledWavelengths::sample(xi));
+        for (name, material) in materials(Spectrum::from_rgb([0.1, 0.1, 0.9])) {
+            let [at, rgb] = [&sampled, &Wavelengths::Rgb].map(|wavelengths| bsdf_at(&material, wavelengths));
+            for [wo, wi] in pairs() {
+                let (found, expected) = (at.eval(wo, wi).hero(), rgb.eval(wo, wi).hero());
+                assert!((found - expected).abs() <= 1e-5 * expected, "{name} {xi}: {found}, not {expected}");
+            }
         }
     }
 }

@@ -49,6 +49,62 @@ pub(super) fn principled(color: Spectrum, roughness: f32, set: impl Fn(&mut Prin
     bsdf.unwrap_or(Bsdf::Black)
 }
 
+/// Materials of all kinds whose BSDFs have a density, with a colour; what else they have is grey.
+pub(super) fn materials(color: Spectrum) -> Vec<(&'static str, Material)> {
+    let grey = |value: f32| SpectrumInput::from(Spectrum::from_rgb([value; 3]));
+    let rough = Roughness::isotropic(0.4, RoughnessScale::Alpha);
+    let layered = |set: fn(&mut PrincipledMaterial)| {
+        let mut material = PrincipledMaterial::new(color, 0.6);
+        set(&mut material);
+        material
+    };
+    let cloth = PrincipledMaterial { sheen: color.into(), ..PrincipledMaterial::new(grey(0.5), 0.6) };
+    let tinted = PrincipledMaterial { specular: color.into(), ..PrincipledMaterial::new(grey(0.5), 0.6) };
+    vec![
+        ("diffuse", Material::diffuse(color)),
+        ("plaster", Material::oren_nayar(color, 20.0)),
+        (
+            "metal",
+            ConductorMaterial {
+                color: MetalColor::Reflectance(color.into()),
+                roughness: rough.clone(),
+                multiple_scattering: true,
+            }
+            .into(),
+        ),
+        (
+            "glass",
+            DielectricMaterial {
+                eta: 1.5.into(),
+                dispersion: None,
+                reflectance: color.into(),
+                transmittance: grey(0.7),
+                thin: false,
+                roughness: rough.clone(),
+                multiple_scattering: true,
+            }
+            .into(),
+        ),
+        (
+            "plastic",
+            CoatedDiffuseMaterial {
+                reflectance: color.into(),
+                eta: 1.5.into(),
+                roughness: rough,
+                multiple_scattering: true,
+            }
+            .into(),
+        ),
+        ("paper", Material::diffuse_transmission(color, grey(0.4))),
+        ("paint", layered(|m| m.coat = 0.8.into()).into()),
+        ("flaked metal", layered(|m| m.metallic = 0.6.into()).into()),
+        ("waxed glass", layered(|m| m.transmission = 0.6.into()).into()),
+        ("cloth", cloth.into()),
+        ("tinted gloss", tinted.into()),
+        ("phong", Material::phong(grey(0.1), color, grey(0.8), 20.0)),
+    ]
+}
+
 /// The table.
 pub(super) fn bsdfs() -> Vec<(&'static str, Bsdf)> {
     let colour = Spectrum::from_rgb([0.9, 0.5, 0.1]);
