@@ -150,7 +150,7 @@ pub trait BsdfModel {
         !Self::LOBES.is_empty() && Self::LOBES.iter().all(|lobe| lobe.is_delta())
     }
 
-    /// Whether it is that of the hero of sampled wavelengths alone, so that light of the others ends here.
+    /// Whether the model holds for the hero of sampled wavelengths alone: light at the others ends here.
     fn is_dispersive(&self) -> bool {
         false
     }

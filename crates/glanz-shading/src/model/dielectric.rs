@@ -312,7 +312,7 @@ pub struct DielectricMaterial<P: ParameterForm = ShadingForm> {
     /// Refractive index inside over outside, in [0.001, 1000] (far beyond any medium; squares still fit `f32`); a
     /// texture's value outside counts as 1. At sampled wavelengths that of `dispersion` replaces it.
     pub eta: P::Float,
-    /// Refractive index by wavelength, which a pane does not use; `None` if it is the same everywhere.
+    /// Refractive index by wavelength, which a pane does not use; without effect unless it is sampled and differs between wavelengths.
     pub dispersion: Option<SpectralDistribution>,
     /// Factor on reflected light.
     pub reflectance: P::Spectrum,
@@ -334,8 +334,11 @@ impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
     }
 
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<DielectricMaterial, MaterialError> {
-        let dispersion = self.dispersion.clone().filter(|_| !self.thin);
-        if let Some(SpectralDistribution::Sampled(samples)) = &dispersion {
+        let samples = match &self.dispersion {
+            Some(SpectralDistribution::Sampled(samples)) if !self.thin => Some(samples),
+            _ => None,
+        };
+        if let Some(samples) = samples {
             let (low, high) = samples.range();
             if let Some(value) = [low, high].into_iter().find(|value| !INDICES.contains(value)) {
                 let range = "a number between 0.001 and 1000 at every wavelength";
@@ -344,7 +347,10 @@ impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
         }
         Ok(DielectricMaterial {
             eta: resolver.float("eta", &self.eta, INDICES, "a number between 0.001 and 1000")?,
-            dispersion,
+            // With the same index everywhere all wavelengths can continue.
+            dispersion: samples
+                .filter(|samples| !samples.is_flat())
+                .map(|samples| SpectralDistribution::Sampled(samples.clone())),
             reflectance: resolver.fraction("reflectance", &self.reflectance)?,
             transmittance: resolver.fraction("transmittance", &self.transmittance)?,
             thin: self.thin,

@@ -330,12 +330,6 @@ impl<P: ParameterForm> Material<P> {
     pub fn is_interface(&self) -> bool {
         matches!(self, Self::Interface)
     }
-
-    /// Whether all light is reflected diffusely.
-    #[must_use]
-    pub fn is_diffuse(&self) -> bool {
-        self.lobes().iter().all(|&lobe| lobe == Lobe::DIFFUSE)
-    }
 }
 
 impl Material {
@@ -357,9 +351,11 @@ impl Material {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::texture::{FloatInput, Texture};
+    use glanz_light::{SampledWavelengths, SpectralDistribution};
     use glanz_math::{DVec2, DVec3};
+
+    use super::*;
+    use crate::texture::{FloatInput, SpectralConstant, Texture};
 
     const RGB: Wavelengths = Wavelengths::Rgb;
 
@@ -459,6 +455,39 @@ mod tests {
             |diffuse, specular| Material::phong(grey(0.1), grey(diffuse), grey(specular), 20.0).warning();
         assert_eq!(warning(0.5, 0.5), None);
         assert!(warning(0.75, 0.5).is_some_and(|message| message.contains("1.25")));
+        // Also if one is given by wavelength.
+        let distribution = SpectralDistribution::try_sampled(vec![(400.0, 0.5), (700.0, 0.9)]).unwrap();
+        let rgb = distribution.reflectance(&RGB);
+        let spectral = SpectrumInput::Spectral(SpectralConstant { rgb, distribution }.into());
+        let message = Material::phong(grey(0.1), spectral, grey(0.8), 20.0).warning();
+        assert!(message.is_some_and(|message| {
+            message.contains(&(rgb + Spectrum::splat(0.8)).max_component().to_string())
+        }));
+    }
+
+    #[test]
+    fn glass_of_the_same_index_at_all_wavelengths_does_not_disperse() {
+        let sampled = |points: &[(f32, f32)]| SpectralDistribution::try_sampled(points.to_vec()).unwrap();
+        let wavelengths = Wavelengths::Sampled(SampledWavelengths::sample(0.3));
+        for (dispersion, is_dispersive) in [
+            (SpectralDistribution::Constant(0.0), false),
+            (sampled(&[(400.0, 1.7), (700.0, 1.7)]), false),
+            (sampled(&[(400.0, 1.7), (700.0, 1.6)]), true),
+        ] {
+            let glass = DielectricMaterial::<ShadingForm> {
+                eta: 1.5.into(),
+                dispersion: Some(dispersion),
+                reflectance: grey(1.0),
+                transmittance: grey(1.0),
+                thin: false,
+                roughness: Roughness::smooth(),
+                multiple_scattering: true,
+            };
+            let textures = Textures::new();
+            let glass = Material::from(glass).resolve(&textures).unwrap();
+            let bsdf = glass.bsdf(&textures, &point(), &wavelengths).unwrap();
+            assert_eq!(bsdf.is_dispersive(), is_dispersive, "{glass:?}");
+        }
     }
 
     #[test]
