@@ -1,5 +1,7 @@
 //! Resolves groups of shapes and instances.
 
+mod pending;
+
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -9,12 +11,12 @@ use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
 use rayon::prelude::*;
 
+use self::pending::{BuiltShape, PendingShape, ShapeEntry};
 use super::emission::{EmissionPictures, area_light, emission_per_object};
 use super::join::join_small_meshes;
 use super::medium::{MediaEnds, ResolvedMedia};
 use super::texture::ResolvedTextures;
 use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
-use crate::alpha::AlphaTest;
 use crate::description::{
     EdgeDescription, EmissionDescription, GroupDescription, ImageDescription, InstanceDescription, Location,
     ReceiverDescription, SectionDescription, ShapeDescription,
@@ -38,58 +40,16 @@ struct EmissiveObject {
     location: Option<Location>,
 }
 
-/// A shape whose surfaces are still to be built.
-struct PendingShape {
-    id: u32,
-    attributes: BuiltAttributes,
-    location: Option<Location>,
-    emission: Option<EmissionDescription>,
-    solid: Option<u32>,
-    receiver: Option<NamedReceiver>,
-    media: MediumInterface,
-    shape: ShapeDescription,
-}
-
-/// What is told of the objects of a shape when they are built.
-#[derive(Clone)]
-struct BuiltAttributes {
-    passable: bool,
-    has_detail: bool,
-    alpha: Option<Arc<AlphaTest>>,
-}
-
-impl BuiltAttributes {
-    /// Whether no ray hits the shape.
-    fn is_absent(&self) -> bool {
-        self.alpha.as_ref().is_some_and(|alpha| alpha.is_absent())
-    }
-}
-
-/// A shape with its surfaces.
-struct BuiltShape {
-    made: Result<Vec<SceneObject>, SceneError>,
-    attributes: BuiltAttributes,
-    location: Option<Location>,
-    emission: Option<EmissionDescription>,
-    solid: Option<u32>,
-    receiver: Option<NamedReceiver>,
-    bounds_medium: bool,
-    warnings: WarningList,
-}
-
-impl PendingShape {
-    fn build(self) -> BuiltShape {
-        let Self { id, attributes, location, emission, solid, receiver, media, shape } = self;
-        let mut warnings = WarningList { warnings: Vec::new() };
-        let made = shape::objects(shape, id, media, &mut warnings);
-        let bounding = |object: SceneObject| match solid {
-            Some(solid) => object.bounding(solid),
-            None => object,
-        };
-        let made = made.map(|objects| objects.into_iter().map(bounding).collect());
-        let bounds_medium = media.is_boundary();
-        BuiltShape { made, attributes, location, emission, solid, receiver, bounds_medium, warnings }
-    }
+/// The contents of a group.
+#[derive(Default)]
+struct GroupParts {
+    objects: Vec<SceneObject>,
+    emitters: Vec<EmissiveObject>,
+    instances: Vec<Instance>,
+    /// Number of levels of instances.
+    depth: usize,
+    /// Solids of which a part of the boundary is missing.
+    open: BTreeSet<u32>,
 }
 
 /// Resolves groups one after the other.
@@ -158,7 +118,8 @@ impl<'a> GroupResolver<'a> {
             let kind = SceneErrorKind::ReceiverInGroup(name.clone());
             return Err(SceneError { location: *location, kind });
         }
-        let (mut objects, emitters, instances, depth) = self.parts(description, index, warnings)?;
+        let GroupParts { mut objects, emitters, instances, depth, .. } =
+            self.parts(description, index, warnings)?;
         // Copies of what emits light are added to the world.
         let open: BTreeSet<u32> = emitters.iter().filter_map(|emitter| emitter.object.solid).collect();
         release_solids(&mut objects, &open);
@@ -201,7 +162,7 @@ impl<'a> GroupResolver<'a> {
     ) -> Result<ResolvedGroups, SceneError> {
         let index = self.groups.len();
         let edges = std::mem::take(&mut world.edges);
-        let (mut objects, emitters, instances, _) = self.parts(world, index, warnings)?;
+        let GroupParts { mut objects, emitters, instances, .. } = self.parts(world, index, warnings)?;
         let mut lights = Vec::with_capacity(emitters.len());
         let mut light_spectra = Vec::with_capacity(emitters.len());
         let mut pictures = EmissionPictures::new(images);
@@ -229,118 +190,119 @@ impl<'a> GroupResolver<'a> {
         Ok(ResolvedGroups { groups, lights, light_spectra, receivers, media_ends })
     }
 
-    fn attributes(&self, shape: &ShapeDescription) -> Result<BuiltAttributes, SceneError> {
-        let inputs = self.textures.inputs(self.wavelengths, shape.location);
-        let alpha =
-            shape.alpha.as_ref().map(|alpha| inputs.alpha(alpha, &self.textures.textures)).transpose()?;
-        Ok(BuiltAttributes {
-            passable: self.passable[shape.material],
-            has_detail: self.details.get(shape.material).is_some_and(Option::is_some),
-            alpha: alpha.flatten().map(Arc::new),
-        })
-    }
-
-    #[allow(clippy::type_complexity)]
     fn parts(
         &mut self,
         description: GroupDescription,
         index: usize,
         warnings: &mut WarningList,
-    ) -> Result<(Vec<SceneObject>, Vec<EmissiveObject>, Vec<Instance>, usize), SceneError> {
-        let mut objects = Vec::with_capacity(description.shapes.len());
-        let (mut emitters, mut open) = (Vec::new(), BTreeSet::new());
-        let mut pending = Vec::with_capacity(description.shapes.len());
-        for mut shape in description.shapes {
+    ) -> Result<GroupParts, SceneError> {
+        let pending = self.pending_shapes(description.shapes)?;
+        // Surfaces of CAD models are many, and each takes a while to build.
+        let built: Vec<_> = pending.into_par_iter().map(PendingShape::build).collect();
+        let mut parts = GroupParts::default();
+        for shape in built {
+            self.add_built(shape, &mut parts, warnings)?;
+        }
+        self.add_instances(description.instances, index, &mut parts)?;
+        release_solids(&mut parts.objects, &parts.open);
+        release_solids(parts.emitters.iter_mut().map(|emitter| &mut emitter.object), &parts.open);
+        parts.objects = join_small_meshes(parts.objects);
+        Ok(parts)
+    }
+
+    fn pending_shapes(&mut self, shapes: Vec<ShapeDescription>) -> Result<Vec<PendingShape>, SceneError> {
+        let mut pending = Vec::with_capacity(shapes.len());
+        for mut shape in shapes {
             let id = self.next_id;
             self.next_id = self.next_id.wrapping_add(1);
-            reference("material", shape.material, self.passable.len(), shape.location)?;
-            let attributes = self.attributes(&shape)?;
-            let media = self.media.interface(shape.media, shape.location)?;
-            let is_opaque = attributes.alpha.is_none();
+            let location = shape.location;
+            reference("material", shape.material, self.passable.len(), location)?;
+            let inputs = self.textures.inputs(self.wavelengths, location);
+            let alpha =
+                shape.alpha.as_ref().map(|alpha| inputs.alpha(alpha, &self.textures.textures)).transpose()?;
+            let alpha = alpha.flatten().map(Arc::new);
             let receiver = shape.receiver.take();
-            let receiver = receiver.map(|r| NamedReceiver::try_new(r, id, is_opaque)).transpose()?;
-            pending.push(PendingShape {
+            let receiver = receiver.map(|r| NamedReceiver::try_new(r, id, alpha.is_none())).transpose()?;
+            let entry = ShapeEntry {
                 id,
-                attributes,
-                location: shape.location,
+                passable: self.passable[shape.material],
+                has_detail: self.details.get(shape.material).is_some_and(Option::is_some),
+                alpha,
+                location,
                 emission: shape.emission.take(),
                 solid: shape.solid,
                 receiver,
-                media,
-                shape,
-            });
+                media: self.media.interface(shape.media, location)?,
+            };
+            pending.push(PendingShape { entry, shape });
         }
-        // Surfaces of CAD models are many, and each takes a while to build.
-        let built: Vec<_> = pending.into_par_iter().map(PendingShape::build).collect();
-        for built in built {
-            let BuiltShape {
-                made,
-                attributes,
-                location,
-                emission,
-                solid,
-                receiver,
-                bounds_medium,
-                warnings: found,
-            } = built;
-            let mut made = made?;
-            warnings.warnings.extend(found.warnings);
-            let measures = receiver.is_some();
-            self.receivers.extend(receiver.filter(|_| !made.is_empty()));
-            for object in &mut made {
-                check_extent(&object.bounds(), location)?;
-                object.passable = attributes.passable;
-                object.set_detail(attributes.has_detail);
-                object.alpha = attributes.alpha.clone();
-            }
-            let bounds_medium = bounds_medium && !attributes.is_absent();
-            self.media_ends.anywhere |= bounds_medium;
-            self.media_ends.at_interfaces |= bounds_medium && attributes.passable;
-            // What light passes has no effect if it neither emits nor measures light and no medium ends there.
-            let is_passed = attributes.passable && !bounds_medium || attributes.is_absent();
-            let is_left_out = is_passed && !measures && emission.is_none();
-            if is_left_out || attributes.is_absent() {
-                open.extend(solid);
-            }
-            match emission {
-                Some(emission) => {
-                    let emissions = emission_per_object(&emission, &made, location)?;
-                    let shining = made.into_iter().zip(emissions);
-                    emitters.extend(shining.map(|(object, emission)| EmissiveObject {
-                        object,
-                        emission,
-                        location,
-                    }));
-                }
-                None if is_left_out => {}
-                None => objects.extend(made),
-            }
+        Ok(pending)
+    }
+
+    fn add_built(
+        &mut self,
+        shape: BuiltShape,
+        parts: &mut GroupParts,
+        warnings: &mut WarningList,
+    ) -> Result<(), SceneError> {
+        let (entry, objects) = (shape.entry, shape.objects?);
+        warnings.warnings.extend(shape.warnings.warnings);
+        for object in &objects {
+            check_extent(&object.bounds(), entry.location)?;
         }
-        let mut instances = Vec::with_capacity(description.instances.len());
-        let (mut depth, mut placed) = (0, objects.len() as u64);
-        for InstanceDescription { name: _, group, to_parent, location } in description.instances {
+        let (is_absent, bounds_medium) = (entry.is_absent(), entry.bounds_medium());
+        self.media_ends.anywhere |= bounds_medium;
+        self.media_ends.at_interfaces |= bounds_medium && entry.passable;
+        // What light passes has no effect if it neither emits nor measures light and no medium ends there.
+        let is_passed = entry.passable && !bounds_medium || is_absent;
+        let is_left_out = is_passed && entry.receiver.is_none() && entry.emission.is_none();
+        self.receivers.extend(entry.receiver.filter(|_| !objects.is_empty()));
+        if is_left_out || is_absent {
+            parts.open.extend(entry.solid);
+        }
+        match entry.emission {
+            Some(emission) => {
+                let location = entry.location;
+                let emissions = emission_per_object(&emission, &objects, location)?;
+                let shining = objects.into_iter().zip(emissions);
+                let emitters =
+                    shining.map(|(object, emission)| EmissiveObject { object, emission, location });
+                parts.emitters.extend(emitters);
+            }
+            None if is_left_out => {}
+            None => parts.objects.extend(objects),
+        }
+        Ok(())
+    }
+
+    /// Adds the instances of the group with this index, after its own shapes.
+    fn add_instances(
+        &self,
+        instances: Vec<InstanceDescription>,
+        index: usize,
+        parts: &mut GroupParts,
+    ) -> Result<(), SceneError> {
+        let mut placed = parts.objects.len() as u64;
+        for InstanceDescription { name: _, group, to_parent, location } in instances {
             reference("object", group, index.min(self.groups.len()), location)?;
             let to_parent = transform(to_parent, "instance", location)?;
-            depth = depth.max(self.depths[group] + 1);
-            if depth > MAX_NESTING {
+            parts.depth = parts.depth.max(self.depths[group] + 1);
+            if parts.depth > MAX_NESTING {
                 return Err(SceneError { location, kind: SceneErrorKind::Nesting(MAX_NESTING) });
             }
-            let inner = self.groups[group].placed_before.last().copied().unwrap_or_default();
-            placed += inner;
+            placed += self.groups[group].placed_before.last().copied().unwrap_or_default();
             if placed >= MOST_SURFACES {
                 return Err(SceneError { location, kind: SceneErrorKind::TooManyCopies });
             }
-            emitters.extend(self.emitters[group].iter().map(|e| EmissiveObject {
+            parts.emitters.extend(self.emitters[group].iter().map(|e| EmissiveObject {
                 object: e.object.placed(&to_parent),
                 emission: e.emission.clone(),
                 location: e.location,
             }));
             check_extent(&instance_bounds(&self.groups[group], &to_parent), location)?;
-            instances.push(Instance { group, to_parent });
+            parts.instances.push(Instance { group, to_parent });
         }
-        release_solids(&mut objects, &open);
-        release_solids(emitters.iter_mut().map(|emitter| &mut emitter.object), &open);
-        Ok((join_small_meshes(objects), emitters, instances, depth))
+        Ok(())
     }
 
     fn build(
