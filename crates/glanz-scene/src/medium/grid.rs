@@ -1,5 +1,6 @@
 //! Densities on a grid.
 
+use std::cmp::Reverse;
 use std::sync::Arc;
 
 use glanz_math::{DVec3, Ray, Transform};
@@ -29,23 +30,13 @@ pub(crate) struct DensityGrid {
 impl DensityGrid {
     /// `values`: as many as the product of the `resolution`, x fastest, finite and at least 0.
     pub(crate) fn from_checked(resolution: [usize; 3], values: Arc<[f32]>, to_box: Transform) -> Self {
-        let mut grid = Self { resolution, values, to_box, bounds: Vec::new() };
-        grid.bounds = (0..BOUNDS.pow(3)).map(|cell| grid.bound_of(cell)).collect();
-        grid
-    }
-
-    /// The largest density in a cell of the bounds.
-    fn bound_of(&self, cell: usize) -> f32 {
-        let place = [cell % BOUNDS, cell / BOUNDS % BOUNDS, cell / (BOUNDS * BOUNDS)];
-        // All values between which densities of the cell are interpolated, and one more on each side for roundings.
-        let range = |axis: usize| {
-            let (n, i) = (self.resolution[axis], place[axis]);
-            let first = (i * n / BOUNDS).saturating_sub(1);
-            first..=((i + 1) * n / BOUNDS + 1).min(n - 1)
-        };
-        let rows = range(2).flat_map(|z| range(1).map(move |y| (z, y)));
-        let values = rows.flat_map(|(z, y)| range(0).map(move |x| self.value([x, y, z])));
-        values.fold(0.0, f32::max)
+        // The longest axis first: the others then have few densities left.
+        let mut axes = [0, 1, 2];
+        axes.sort_unstable_by_key(|&axis| Reverse(resolution[axis]));
+        let mut sides = resolution;
+        let first = largest_along(axes[0], &values, &mut sides);
+        let bounds = axes[1..].iter().fold(first, |largest, &axis| largest_along(axis, &largest, &mut sides));
+        Self { resolution, values, to_box, bounds }
     }
 
     fn value(&self, [x, y, z]: [usize; 3]) -> f32 {
@@ -83,6 +74,23 @@ impl DensityGrid {
     }
 }
 
+/// The largest of `values` (x fastest) in the cells of the bounds along one axis, of which `sides` has the new number afterwards.
+fn largest_along(axis: usize, values: &[f32], sides: &mut [usize; 3]) -> Vec<f32> {
+    let (n, stride) = (sides[axis], sides[..axis].iter().product::<usize>());
+    sides[axis] = BOUNDS;
+    let mut largest = vec![0.0_f32; sides.iter().product()];
+    for (block, cells) in values.chunks_exact(n * stride).zip(largest.chunks_exact_mut(BOUNDS * stride)) {
+        for (i, cell) in cells.chunks_exact_mut(stride).enumerate() {
+            // All values between which densities of the cell are interpolated; where a rounding selects one more, its weight is a rounding.
+            let (first, last) = ((i * n / BOUNDS).saturating_sub(1), ((i + 1) * n / BOUNDS + 1).min(n - 1));
+            for row in block[first * stride..(last + 1) * stride].chunks_exact(stride) {
+                cell.iter_mut().zip(row).for_each(|(largest, value)| *largest = largest.max(*value));
+            }
+        }
+    }
+    largest
+}
+
 #[cfg(test)]
 mod tests {
     use glanz_sampling::hash::{combine, unit_f64};
@@ -118,6 +126,34 @@ mod tests {
         let last = [2, 2, 3];
         close(DVec3 { x: 2.0, ..middle(last) }, 0.5 * value(last));
         close(DVec3 { x: 2.0 + 0.5 / 3.0, ..middle(last) }, 0.0);
+    }
+
+    #[test]
+    fn bounds_are_the_largest_densities_near_their_cells() {
+        for resolution in [[1, 1, 1], [3, 5, 40], [16, 7, 33], [50, 1, 2]] {
+            let grid = grid(resolution);
+            let cells: Vec<[usize; 3]> = (0..16 * 16 * 16).map(|i| [i % 16, i / 16 % 16, i / 256]).collect();
+            for (cell, bound) in cells.iter().zip(&grid.bounds) {
+                // Distance of the middle of a value from the cell, in values.
+                let distance = |axis: usize, i: usize| {
+                    let (n, c) = (resolution[axis] as f64, cell[axis] as f64);
+                    let (low, high) = (c * n / 16.0, (c + 1.0) * n / 16.0);
+                    let middle = i as f64 + 0.5;
+                    (low - middle).max(middle - high)
+                };
+                let largest_within = |reach: f64| {
+                    let [nx, ny, nz] = resolution;
+                    let near = |axis, i| distance(axis, i) < reach;
+                    let rows = (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z)));
+                    let rows = rows.filter(|&(y, z)| near(1, y) && near(2, z));
+                    let values = rows.flat_map(|(y, z)| (0..nx).map(move |x| [x, y, z]));
+                    values.filter(|&[x, ..]| near(0, x)).map(|at| grid.value(at)).fold(0.0, f32::max)
+                };
+                // Interpolation reaches less than one value far.
+                assert!(largest_within(1.0 - 1e-9) <= *bound, "{resolution:?} {cell:?}");
+                assert!(*bound <= largest_within(2.0), "{resolution:?} {cell:?}");
+            }
+        }
     }
 
     #[test]

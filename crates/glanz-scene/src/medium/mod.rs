@@ -225,6 +225,7 @@ impl Interaction {
 
 #[cfg(test)]
 mod tests {
+    use glanz_light::SampledWavelengths;
     use glanz_math::DMat4;
 
     use super::*;
@@ -271,6 +272,35 @@ mod tests {
             assert_eq!(hit.is_interface(&scene), expected == 1.0);
             z = expected - 0.5;
         }
+    }
+
+    #[test]
+    fn grey_media_are_the_same_at_all_wavelengths_and_shine_as_daylight() {
+        let grey = |x: f32| Spectrum::from_rgb([x; 3]);
+        let coefficients =
+            MediumCoefficients { extinction: grey(3.0), albedo: grey(0.25), source: grey(1.5) };
+        let sampled = Wavelengths::Sampled(SampledWavelengths::sample(0.37));
+        let found = coefficients.upsampled(&sampled);
+        assert_eq!((found.extinction, found.albedo), (Spectrum::splat(3.0), Spectrum::splat(0.25)));
+        let off = found.source - grey(1.5).upsampled_light(&sampled);
+        assert!(off.map(f32::abs).max_component() < 1e-5, "{found:?}");
+    }
+
+    #[test]
+    fn emission_of_media_with_densities_is_refused() {
+        let density = DensityDescription {
+            resolution: [1, 1, 2],
+            values: [1.0, 2.0].into(),
+            corners: [DVec3::ZERO, DVec3::ONE],
+            to_world: DMat4::IDENTITY,
+        };
+        let dense = MediumDescription { density: Some(density), ..MediumDescription::new(1.0, 0.5) };
+        let resolved = |medium: MediumDescription| {
+            SceneBuilder::new().edit(|description| description.media.push(medium)).resolve()
+        };
+        assert!(resolved(dense.clone()).is_ok());
+        let error = resolved(MediumDescription { emission: 0.5.into(), ..dense }).unwrap_err().to_string();
+        assert!(error.contains("medium: emission") && error.contains("densities"), "{error}");
     }
 
     #[test]

@@ -20,15 +20,15 @@ pub struct MediumSegments<'a> {
     t: f64,
     end: f64,
     /// `None` in a homogeneous medium.
-    cells: Option<CellWalk<'a>>,
+    cells: Option<CellTraversal<'a>>,
 }
 
-/// A walk along a ray through the cells of a grid over [0, 1]^3.
+/// A traversal of the cells of a grid over [0, 1]^3 along a ray.
 ///
 /// # Source
 /// @amanatides1987; @pharr2023 section 11.4.3 (`DDAMajorantIterator`).
 #[derive(Clone, Debug)]
-struct CellWalk<'a> {
+struct CellTraversal<'a> {
     /// Cells along each axis.
     count: usize,
     densities: &'a [f32],
@@ -58,7 +58,7 @@ impl<'a> MediumSegments<'a> {
             }
         }
         let start = ray.at(t);
-        let walk = |axis: usize| {
+        let axis_state = |axis: usize| {
             let (place, direction) = (start[axis] * count as f64, ray.direction[axis]);
             // Negative places become 0.
             let cell = (place as usize).min(count - 1);
@@ -70,8 +70,8 @@ impl<'a> MediumSegments<'a> {
             let next = (border - ray.origin[axis]) / direction;
             (cell, next, 1.0 / (count as f64 * direction.abs()), is_descending)
         };
-        let axes = [walk(0), walk(1), walk(2)];
-        let cells = CellWalk {
+        let axes = [0, 1, 2].map(axis_state);
+        let cells = CellTraversal {
             count,
             densities,
             cell: axes.map(|axis| axis.0),
@@ -83,7 +83,7 @@ impl<'a> MediumSegments<'a> {
     }
 }
 
-impl CellWalk<'_> {
+impl CellTraversal<'_> {
     /// The bound of the current cell and the parameter at which it ends.
     fn current(&self) -> (f32, f64) {
         let [x, y, z] = self.cell;

@@ -101,7 +101,11 @@ fn medium(description: &MediumDescription, wavelengths: &Wavelengths) -> Result<
         let range = "finite where the density is largest, with absorption and scattering added";
         return Err(range_error(location, "medium: extinction", format!("{densest:?}"), range));
     }
-    let source = if density.is_none() { emission * share(absorption) } else { Spectrum::BLACK };
+    if density.is_some() && !emission.is_black() {
+        let range = "0 in a medium with densities";
+        return Err(range_error(location, "medium: emission", format!("{emission:?}"), range));
+    }
+    let source = emission * share(absorption);
     let albedo = share(scattering);
     let coefficients = MediumCoefficients { extinction, albedo, source };
     Ok((!extinction.is_black()).then_some(Medium { coefficients, phase, density }))

@@ -100,6 +100,15 @@ fn light_behind_what_absorbs_is_left_by_beers_law_in_each_band() {
 }
 
 #[test]
+fn grey_media_leave_the_same_light_at_sampled_wavelengths() {
+    let scene =
+        with_medium(along_x().shape(wall(4.0, LIGHT), diffuse(0.0)), MediumDescription::new(0.9, 0.0));
+    let slab = fog_box(scene, [1.0, -2.0, -2.0], [2.5, 2.0, 2.0]);
+    let run = Run { spectral: true, ..Run::new("path", 3, 8192) };
+    run.picture(&slab).assert_average(attenuated([0.9; 3], 1.5), 0.05, &run.name());
+}
+
+#[test]
 fn light_that_is_not_scattered_is_left_by_beers_law_in_each_band() {
     let scattering = MediumDescription::new([0.1, 0.0, 1.5], [0.1, 0.9, 1.0]);
     let scene = with_medium(along_x().shape(wall(4.0, LIGHT), diffuse(0.0)), scattering);
@@ -111,15 +120,20 @@ fn light_that_is_not_scattered_is_left_by_beers_law_in_each_band() {
 
 #[test]
 fn a_medium_shines_with_what_it_absorbs() {
-    let medium = MediumDescription {
+    let shining = |absorption: [f32; 3], scattering: [f32; 3]| MediumDescription {
         emission: LIGHT.into(),
         emission_scale: 3.0,
-        ..MediumDescription::new(EXTINCTION, [0.0; 3])
+        ..MediumDescription::new(absorption, scattering)
     };
-    let slab = fog_box(with_medium(along_x(), medium), [1.0, -2.0, -2.0], [2.5, 2.0, 2.0]);
-    let expected = std::array::from_fn(|i| 3.0 * (f64::from(LIGHT[i]) - attenuated(EXTINCTION, 1.5)[i]));
-    let run = Run { sampler: SamplerKind::Center, ..Run::new("path", 3, 2) };
-    assert_exact(&run.picture(&slab), expected, "slab");
+    let half = EXTINCTION.map(|x| 0.5 * x);
+    // Without scattered light emission is exact also in what scatters, and as large a part of it as absorption of extinction.
+    for (medium, depth, share) in [(shining(EXTINCTION, [0.0; 3]), 3, 1.0), (shining(half, half), 0, 0.5)] {
+        let slab = fog_box(with_medium(along_x(), medium), [1.0, -2.0, -2.0], [2.5, 2.0, 2.0]);
+        let left = attenuated(EXTINCTION, 1.5);
+        let expected = std::array::from_fn(|i| 3.0 * share * (f64::from(LIGHT[i]) - left[i]));
+        let run = Run { sampler: SamplerKind::Center, ..Run::new("path", depth, 2) };
+        assert_exact(&run.picture(&slab), expected, "slab");
+    }
 }
 
 /// The density of Henyey and Greenstein per solid angle for the cosine of the angle by which light is turned.
