@@ -7,8 +7,9 @@ use glanz_shading::Material;
 use crate::alpha::RayKind;
 use crate::hit::SceneHit;
 use crate::interaction::Interaction;
+use crate::object::SceneObject;
 use crate::placed::ParametricPoint;
-use crate::scene::Scene;
+use crate::scene::{Instance, Scene};
 
 /// The location where a ray hit the scene, without what scattering needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,25 +54,27 @@ impl Scene {
         HitLocation { position, uv, shape: attributes.id, place }
     }
 
+    /// The object of a hit; `enter` gets the instances around it, from the outermost on.
+    fn hit_object(&self, found: &SceneHit, mut enter: impl FnMut(&Instance)) -> &SceneObject {
+        let (mut group, mut number) = (self.world(), found.surface);
+        while let Some((instance, inner)) = group.instance_of(number) {
+            enter(instance);
+            (group, number) = (&self.groups[instance.group], inner);
+        }
+        &group.objects[number as usize]
+    }
+
     /// The material of the surface at a hit.
     #[must_use]
     pub fn hit_material(&self, found: &SceneHit) -> &Material {
-        let (mut group, mut number) = (self.world(), found.surface);
-        while let Some((instance, inner)) = group.instance_of(number) {
-            (group, number) = (&self.groups[instance.group], inner);
-        }
-        self.material(group.objects[number as usize].attributes(found.hit.face).material)
+        self.material(self.hit_object(found, |_| ()).attributes(found.hit.face).material)
     }
 
     /// The opacity of the surface at a hit of `ray`: the probability with which it stopped the ray.
     #[must_use]
     pub fn hit_opacity(&self, ray: &Ray, found: &SceneHit) -> f64 {
-        let (mut group, mut number, mut moved) = (self.world(), found.surface, *ray);
-        while let Some((instance, inner)) = group.instance_of(number) {
-            moved = instance.to_parent.inverse().ray(&moved);
-            (group, number) = (&self.groups[instance.group], inner);
-        }
-        let object = &group.objects[number as usize];
+        let mut moved = *ray;
+        let object = self.hit_object(found, |instance| moved = instance.to_parent.inverse().ray(&moved));
         object.opacity(&object.local(&moved), &found.hit, RayKind::Closest)
     }
 }
@@ -79,15 +82,66 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use glanz_geometry::BoundedRay;
+    use glanz_light::SpectralDistribution;
     use glanz_math::DMat4;
+    use glanz_shading::texture::TextureMapping;
 
     use super::*;
     use crate::SceneBuilder;
     use crate::description::*;
 
     #[test]
+    fn opacities_at_hits_are_those_of_places_in_the_frame_of_the_group() {
+        // Opacity x between 0 and 1.
+        let mapping = TextureMapping::Planar {
+            v1: DVec3::X,
+            v2: DVec3::Y,
+            offset: DVec2::ZERO,
+            to_texture: DMat4::IDENTITY,
+        };
+        let corners = [0.0, 0.0, 1.0, 1.0].map(SpectrumParameter::from);
+        let kind = TextureKind::Bilerp { corners, mapping };
+        let texture = TextureDescription { name: "slope".into(), kind, location: None };
+        let turned = DMat4::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
+        let to_world = DMat4::from_translation(DVec3::new(0.2, -0.3, 0.1)) * turned;
+        let sloped = ShapeDescription::cuboid([-0.5; 3], [0.5; 3])
+            .rotated(DVec3::Z, 0.3)
+            .translated([0.5, 0.0, 0.0])
+            .with_alpha(FloatParameter::Texture(0));
+        let (scene, _) = SceneBuilder::new()
+            .edit(|description| description.textures.push(texture))
+            .group("box", |group| group.shape(sloped, MaterialKind::diffuse(0.5)))
+            .instance("box", to_world)
+            .shape(ShapeDescription::sphere(3.0), MaterialKind::diffuse(0.5))
+            .resolve()
+            .unwrap();
+        let direction = |i: f64| DVec3::new((0.7 * i).sin(), (1.1 * i).cos(), (1.9 * i).sin());
+        let (mut partly, mut opaque) = (0, 0);
+        let ray = |i: f64| Ray::new(2.5 * direction(i), direction(i + 0.5) - 3.0 * direction(i));
+        let rays: Vec<BoundedRay> = (0..500).map(|i| ray(f64::from(i)).into()).collect();
+        let mut hits = Vec::new();
+        scene.closest_batch(&rays, &mut hits);
+        for (BoundedRay { ray, .. }, hit) in rays.iter().zip(&hits) {
+            let hit = hit.as_ref().unwrap();
+            let (found, at) = (scene.hit_opacity(ray, hit), scene.interaction(ray, hit));
+            let expected = if at.id == 1 {
+                opaque += 1;
+                1.0
+            } else {
+                partly += 1;
+                to_world.inverse().transform_point3(at.point.position).x.clamp(0.0, 1.0)
+            };
+            assert!((found - expected).abs() < 1e-6, "{ray:?}: {found}, not {expected}");
+        }
+        assert!(partly > 50 && opaque > 50, "{partly} {opaque}");
+    }
+
+    #[test]
     fn locations_and_materials_are_those_of_interactions() {
-        let black = || MaterialKind::diffuse(0.0);
+        let black = || {
+            let flat = SpectralDistribution::try_sampled(vec![(400.0, 0.0), (700.0, 0.0)]).unwrap();
+            MaterialKind::diffuse(flat)
+        };
         let side = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
         let wall =
             ShapeDescription::parallelogram(side(-3.0, 2.0, -3.0), side(6.0, 0.0, 0.0), side(0.5, 0.5, 6.0));

@@ -71,7 +71,9 @@ impl InputResolver<'_> {
 
 /// The same spectrum everywhere, of which `rgb` are the values in RGB.
 fn constant(value: &SpectralDistribution, rgb: Spectrum) -> SpectrumInput {
-    if value.is_spectral() {
+    // The same value everywhere is grey.
+    let is_flat = matches!(value, SpectralDistribution::Sampled(samples) if samples.is_flat());
+    if value.is_spectral() && !is_flat {
         SpectrumInput::Spectral(Arc::new(SpectralConstant { rgb, distribution: value.clone() }))
     } else {
         SpectrumInput::Constant(rgb)
