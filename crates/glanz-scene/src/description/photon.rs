@@ -10,7 +10,7 @@ use std::str::FromStr;
 pub struct PhotonSettings {
     /// Radius of the first density estimate, metres, above 0; `None`: by the size of pixels in the scene.
     pub radius: Option<f64>,
-    /// Number of photon paths per sample of every pixel, at least 1; `None`: that of pixels, within bounds.
+    /// Number of photon paths in each pass over the pixels, at least 1; `None`: the number of pixels, within bounds.
     pub count: Option<u32>,
 }
 
@@ -33,12 +33,15 @@ impl FromStr for PhotonSettings {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let mut settings = Self::default();
-        for item in text.split(',').filter(|item| !item.is_empty()) {
+        if text.is_empty() {
+            return Ok(settings);
+        }
+        for item in text.split(',') {
             match item.split_once('=') {
-                Some(("radius", value)) => {
+                Some(("radius", value)) if settings.radius.is_none() => {
                     settings.radius = Some(value.parse().map_err(|_| PhotonSettingsError)?);
                 }
-                Some(("photons", value)) => {
+                Some(("photons", value)) if settings.count.is_none() => {
                     settings.count = Some(value.parse().map_err(|_| PhotonSettingsError)?);
                 }
                 _ => return Err(PhotonSettingsError),
@@ -60,7 +63,16 @@ mod tests {
                 assert_eq!(settings.to_string().parse(), Ok(settings));
             }
         }
-        for text in ["radius", "radius=x", "photons=0.5", "depth=3"] {
+        for text in [
+            "radius",
+            "radius=x",
+            "photons=0.5",
+            "depth=3",
+            "radius=1,radius=2",
+            "photons=1,photons=1",
+            ",",
+            "radius=1,",
+        ] {
             assert_eq!(text.parse::<PhotonSettings>(), Err(PhotonSettingsError), "{text}");
         }
     }
