@@ -39,8 +39,8 @@ impl PiecewiseConstant2 {
     /// The density proportional to `weights` times the factor of their row: `height` rows of `width` values; x runs along a row, y over the rows.
     ///
     /// # Errors
-    /// [`WeightsError`] if a side is zero, the number of weights is not width * height, a weight is negative or not
-    /// finite, or all are zero.
+    /// [`WeightsError`] if a side is zero, the number of weights is not width * height, a weight or factor is negative or not
+    /// finite (the index is then that of the weight or of the row), or all are zero.
     pub fn try_new(
         width: usize,
         height: usize,

@@ -144,7 +144,7 @@ pub enum LightKind {
         /// Directions in light space.
         mapping: SphereMapping,
     },
-    /// Factor on a clear sky with z up; the light of its sun is one of its own.
+    /// A clear sky with z up, times the emission; its sun is a separate light.
     Sky(SkyDescription),
     /// As [`LightKind::ImageInfinite`] or [`LightKind::Infinite`], through a rectangle only.
     PortalInfinite {

@@ -1,6 +1,6 @@
 //! Pictures on a rectangle.
 
-use glanz_light::{Pixels, Spectrum};
+use glanz_light::{Pixels, Spectrum, Wavelengths};
 use glanz_math::DVec2;
 
 /// Weights of a pixel and its neighbours in the mean of linear interpolation over the pixel: across half a pixel the weight of the neighbour falls
@@ -82,18 +82,15 @@ impl FlatImage {
         })
     }
 
-    /// The mean of the values times `weight`, by the middles of pixels.
+    /// The mean of the values, in RGB, times `weight`, by the middles of pixels.
     pub(super) fn mean(&self, weight: impl Fn(DVec2) -> f64) -> Spectrum {
-        let share = 1.0 / self.texels.len() as f64;
-        let (mut sum, mut excess) = (Spectrum::BLACK, Spectrum::BLACK);
-        for (i, &texel) in self.texels.iter().enumerate() {
-            // Kahan's summation: millions of small terms would be rounded to a few digits of the sum.
-            let term = texel * (weight(middle(self.size(), i)) * share) as f32 - excess;
-            let next = sum + term;
-            excess = (next - sum) - term;
-            sum = next;
+        let mut sum = [0.0; 3];
+        for (i, texel) in self.texels.iter().enumerate() {
+            let weight = weight(middle(self.size(), i));
+            let rgb = texel.to_rgb(&Wavelengths::Rgb);
+            sum = std::array::from_fn(|band| sum[band] + weight * f64::from(rgb[band]));
         }
-        sum
+        Spectrum::from_rgb(sum.map(|sum: f64| (sum / self.texels.len() as f64) as f32))
     }
 }
 

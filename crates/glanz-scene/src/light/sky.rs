@@ -26,9 +26,8 @@ pub(super) fn resolve(
         [0.0; 3]
     };
     let picture = |ground: [f32; 3]| {
-        SphereImage::of(SphereMapping::EqualArea, RESOLUTION, |direction| match direction.z < 0.0 {
-            true => ground,
-            false => model.radiance(direction),
+        SphereImage::of(SphereMapping::EqualArea, RESOLUTION, |direction| {
+            if direction.z < 0.0 { ground } else { model.radiance(direction) }
         })
     };
     let above = picture([0.0; 3]).irradiance();

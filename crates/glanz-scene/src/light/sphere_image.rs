@@ -18,7 +18,7 @@ pub struct SphereImage {
     mapping: SphereMapping,
     width: usize,
     height: usize,
-    /// Rows from the top.
+    /// Rows from the top; a vector, which a slice would be copied from.
     texels: Arc<Vec<[f32; 3]>>,
 }
 

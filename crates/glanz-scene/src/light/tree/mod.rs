@@ -203,7 +203,7 @@ impl LightTree {
         weights
     }
 
-    /// Those of the groups that there are.
+    /// The probabilities of the groups that exist, without the empty places after them: these would be summed as well.
     #[inline]
     fn of_groups<'a>(&self, probabilities: &'a [f64; MAX_LIGHT_GROUPS]) -> &'a [f64] {
         probabilities.get(..self.groups.len()).unwrap_or_default()
