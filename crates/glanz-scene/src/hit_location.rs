@@ -117,7 +117,10 @@ mod tests {
             .unwrap();
         let direction = |i: f64| DVec3::new((0.7 * i).sin(), (1.1 * i).cos(), (1.9 * i).sin());
         let (mut partly, mut opaque) = (0, 0);
-        let ray = |i: f64| Ray::new(2.5 * direction(i), direction(i + 0.5) - 3.0 * direction(i));
+        let ray = |i: f64| {
+            let target = DVec3::new(0.5, 0.0, 0.0) + 0.4 * direction(i + 0.5);
+            Ray::new(1.5 * direction(i), to_world.transform_point3(target) - 1.5 * direction(i))
+        };
         let rays: Vec<BoundedRay> = (0..500).map(|i| ray(f64::from(i)).into()).collect();
         let mut hits = Vec::new();
         scene.closest_batch(&rays, &mut hits);
