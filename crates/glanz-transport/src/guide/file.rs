@@ -240,6 +240,7 @@ mod tests {
                     light: Spectrum::BLACK,
                     throughput: Spectrum::ONE,
                     beyond,
+                    is_dispersed: false,
                     next: None,
                 };
                 let mut records = PathRecords::default();

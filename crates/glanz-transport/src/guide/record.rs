@@ -2,6 +2,8 @@
 
 use glanz_light::{Spectrum, Wavelengths};
 
+use super::survival::brightness;
+
 /// Records of all vertices of a path.
 #[derive(Debug, Default)]
 pub(crate) struct PathRecords {
@@ -73,6 +75,8 @@ pub(crate) struct DirectionRecord {
     /// Throughput up to the vertex, and beyond it.
     pub(crate) throughput: Spectrum,
     pub(crate) beyond: Spectrum,
+    /// Whether the hero alone is left in both throughputs.
+    pub(crate) is_dispersed: bool,
     /// Data of the vertex to which the direction leads; `None` if unknown.
     pub(crate) next: Option<NextVertex>,
 }
@@ -96,20 +100,29 @@ impl DirectionRecord {
     /// A surface that scatters no red gives no information on incident red, which counts as zero.
     pub(crate) fn found(&self, all: Spectrum, wavelengths: &Wavelengths) -> (f64, f64) {
         let over = |light: Spectrum, throughput: Spectrum| {
-            let ratio = light.zip(throughput, |l, t| if t > 0.0 { l / t } else { 0.0 });
-            f64::from(ratio.luminance(wavelengths))
+            incident(light, throughput, self.is_dispersed).luminance(wavelengths).into()
         };
         let Some(NextVertex { light, beyond }) = self.next else {
             let found = all - self.light;
             return (over(found, self.beyond), over(found, self.throughput));
         };
         let arrived = over(light.unwrap_or(all) - self.light, self.beyond) + beyond;
-        (arrived, arrived * over(self.beyond, self.throughput))
+        let scattered = incident(self.beyond, self.throughput, self.is_dispersed);
+        (arrived, arrived * brightness(scattered, wavelengths))
     }
+}
+
+/// The light that the factor `throughput` made `light`; zero where nothing is left. `is_dispersed`: whether the hero alone is left in both, which stands for all wavelengths.
+pub(super) fn incident(light: Spectrum, throughput: Spectrum, is_dispersed: bool) -> Spectrum {
+    let ratio = light.zip(throughput, |l, t| if t > 0.0 { l / t } else { 0.0 });
+    // The factor by which the hero is brighter in both is not in their ratio.
+    if is_dispersed { ratio.hero_alone() } else { ratio }
 }
 
 #[cfg(test)]
 mod tests {
+    use glanz_light::SampledWavelengths;
+
     use super::*;
 
     /// A record with light 1 before, throughput 1/2 at the vertex and 1/8 beyond it.
@@ -125,6 +138,7 @@ mod tests {
             light: rgb([1.0; 3]),
             throughput: rgb([0.5; 3]),
             beyond: rgb([0.125; 3]),
+            is_dispersed: false,
             next: None,
         }
     }
@@ -140,6 +154,31 @@ mod tests {
         let green = DirectionRecord { beyond: rgb([0.0, 0.125, 0.0]), ..record };
         let (arrived, _) = green.found(rgb([1.0, 1.75, 1.0]), &wavelengths);
         assert!((arrived - 6.0 * 0.715_169).abs() < 1e-5, "{arrived}");
+    }
+
+    #[test]
+    fn hero_of_a_dispersed_path_stands_for_all_wavelengths() {
+        let hero = |x: f32| Spectrum::splat(x).hero_alone();
+        let dispersed = DirectionRecord {
+            light: Spectrum::BLACK,
+            throughput: hero(0.5),
+            beyond: hero(0.125),
+            is_dispersed: true,
+            ..record()
+        };
+        // Radiance 6 at all wavelengths has luminance 6; f |cos| / p is 1/4. Half of it is found at the next vertex, the other half is expected from beyond.
+        let next = NextVertex { light: Some(hero(0.375)), beyond: 3.0 };
+        for record in [dispersed, DirectionRecord { next: Some(next), ..dispersed }] {
+            let count = 256;
+            let mut mean = [0.0; 2];
+            for i in 0..count {
+                let sampled = SampledWavelengths::sample((f64::from(i) + 0.5) / f64::from(count));
+                let (arrived, went_on) = record.found(hero(0.75), &Wavelengths::Sampled(sampled));
+                mean[0] += arrived / f64::from(count);
+                mean[1] += went_on / f64::from(count);
+            }
+            assert!((mean[0] - 6.0).abs() < 0.01 && (mean[1] - 1.5).abs() < 0.003, "{mean:?}");
+        }
     }
 
     #[test]

@@ -4,6 +4,8 @@
 //! throughput is small; the guide estimates the incident light (@vorba2016). The reference is the mean of the path's own expectation and
 //! that of the whole picture: an absolute error counts the same in dark and in bright pixels, but is more visible in dark ones.
 
+use glanz_light::{Spectrum, Wavelengths};
+
 /// Factor on the survival probability above the ratio of contributions, because the path so far has a cost, too.
 const EAGERNESS: f64 = 3.0;
 
@@ -12,6 +14,14 @@ const LEAST: f64 = 0.2;
 
 /// Fraction of the light that is assumed to be distributed as the BSDF, regardless of the guide.
 const DOUBT: f64 = 0.3;
+
+/// Luminance of a throughput times white light. At sampled wavelengths the mean: a path of blue light has hardly any luminance, but all of the blue.
+pub(crate) fn brightness(throughput: Spectrum, wavelengths: &Wavelengths) -> f64 {
+    f64::from(match wavelengths {
+        Wavelengths::Rgb => throughput.luminance(wavelengths),
+        _ => throughput.mean(wavelengths),
+    })
+}
 
 /// Expected contribution of a path, from its first vertex and the mean of the picture.
 pub(crate) fn expected(own: f64, brightness: f64) -> f64 {

@@ -220,6 +220,7 @@ mod tests {
                 light: Spectrum::BLACK,
                 throughput: Spectrum::ONE,
                 beyond: Spectrum::ONE,
+                is_dispersed: false,
                 next: None,
             };
             sums.add(&record, Spectrum::splat(light), &Wavelengths::default(), 1.0);

@@ -119,12 +119,19 @@ impl GridDirections<'_> {
     }
 
     /// Records a direction.
-    fn note(&mut self, drawn: GridDensitySample, cosine: f64, light: Spectrum, beyond: Spectrum) {
+    fn note(
+        &mut self,
+        drawn: GridDensitySample,
+        cosine: f64,
+        light: Spectrum,
+        beyond: Spectrum,
+        is_dispersed: bool,
+    ) {
         // Before the segment reaches a scattering surface, all its light comes directly from lights or from the sky.
         let left_out = (!self.light_sampling).then_some(Spectrum::BLACK);
         if let Some(records) = &mut self.records {
             let GridDensitySample { cell, function } = drawn;
-            records.push(GridRecord { cell, function, cosine, light, beyond, left_out });
+            records.push(GridRecord { cell, function, cosine, light, beyond, is_dispersed, left_out });
         }
     }
 }
@@ -178,7 +185,7 @@ impl DirectionSampler for GridDirections<'_> {
             // Directions below the geometric surface carry no light, which is also recorded.
             let normal = vertex.at.point.normal;
             if normal.dot(direction) * normal.dot(vertex.at.wo) <= 0.0 {
-                self.note(drawn, 0.0, Spectrum::BLACK, Spectrum::BLACK);
+                self.note(drawn, 0.0, Spectrum::BLACK, Spectrum::BLACK, false);
             }
             return None;
         }
@@ -192,13 +199,13 @@ impl DirectionSampler for GridDirections<'_> {
     }
 
     fn record_direction(&mut self, _: &Self::VertexData, sampled: &SampledDirection, light: Spectrum) {
-        let SampledDirection { from, scattered, cosine, throughput } = *sampled;
+        let SampledDirection { from, scattered, cosine, throughput, is_dispersed } = *sampled;
         if let Some(segment) = self.segment.take() {
             // Only now is the throughput after Russian roulette known.
             self.leave_out(segment.emitted, Some(throughput));
         }
         let (Some(drawn), true) = (self.drawn.take(), self.records.is_some()) else { return };
-        self.note(drawn, cosine, light, throughput * scattered.weight);
+        self.note(drawn, cosine, light, throughput * scattered.weight, is_dispersed);
         if self.light_sampling {
             self.segment = Some(PathSegment { from, pdf: scattered.pdf, emitted: Spectrum::BLACK });
         }

@@ -15,7 +15,8 @@ use super::vertex::{ScatteredRay, Vertex};
 use super::{Context, Integrator, IntegratorSettings, grid_guided, radiance_of_one};
 use crate::guide::{
     DirectionRecord, GridError, Guide, GuidedVertex, LightGroupRecord, PathRecords, Training, TreeGuide,
-    density, survival,
+    density,
+    survival::{self, brightness},
 };
 
 /// As [`Path`](super::Path), but at rough surfaces some of the directions are sampled from a guide.
@@ -166,14 +167,6 @@ impl<'a> GuideDirections<'a> {
     }
 }
 
-/// Luminance of a throughput times white light. At sampled wavelengths the mean: a path of blue light has hardly any luminance, but all of the blue.
-fn brightness(throughput: Spectrum, wavelengths: &Wavelengths) -> f64 {
-    f64::from(match wavelengths {
-        Wavelengths::Rgb => throughput.luminance(wavelengths),
-        _ => throughput.mean(wavelengths),
-    })
-}
-
 impl DirectionSampler for GuideDirections<'_> {
     /// `None` where all directions are delta lobes, and in media.
     type VertexData = Option<GuidedVertex>;
@@ -283,7 +276,7 @@ impl DirectionSampler for GuideDirections<'_> {
         let Some(records) = &mut self.records else { return };
         records.leave(light);
         let Some(place) = place else { return };
-        let SampledDirection { scattered, cosine, throughput, .. } = *sampled;
+        let SampledDirection { scattered, cosine, throughput, is_dispersed, .. } = *sampled;
         if scattered.is_delta || self.sparse && place.probability == 0.0 {
             return;
         }
@@ -298,6 +291,7 @@ impl DirectionSampler for GuideDirections<'_> {
             light,
             throughput,
             beyond: throughput * scattered.weight,
+            is_dispersed,
             next: None,
         });
     }

@@ -146,4 +146,6 @@ pub(super) struct SampledDirection {
     pub(super) cosine: f64,
     /// Throughput up to the vertex.
     pub(super) throughput: Spectrum,
+    /// Whether the hero of its wavelengths is left alone in the throughput.
+    pub(super) is_dispersed: bool,
 }

@@ -283,7 +283,9 @@ impl PathTracer {
         let cosine = vertex.cosine(scattered.direction).abs();
         let before = path.throughput;
         if D::RECORDS_DIRECTIONS {
-            path.pending.direction = Some(SampledDirection { from, scattered, cosine, throughput: before });
+            let (throughput, is_dispersed) = (before, path.is_dispersed);
+            path.pending.direction =
+                Some(SampledDirection { from, scattered, cosine, throughput, is_dispersed });
         }
         path.throughput *= scattered.weight;
         path.importance *= scattered.bsdf_weight;

@@ -121,12 +121,7 @@ fn dispersive_glass_without_absorption_is_unseen_in_a_white_room() {
             .shape(sphere(0.6), dispersive_glass("glass-diamond", roughness));
         for name in ["path", "light", "guided", "distributed"] {
             let run = spectral(Run::new(name, 100, 512));
-            let largest_error = if name == "guided" { 0.1 } else { 0.03 };
-            run.picture(&scene).assert_average(
-                [2.0; 3],
-                largest_error,
-                &format!("{roughness}: {}", run.name()),
-            );
+            run.picture(&scene).assert_average([2.0; 3], 0.03, &format!("{roughness}: {}", run.name()));
         }
         let sky = looking(DVec3::new(-1.2, 0.0, 0.0), DVec3::X, [8, 8], 1.2)
             .shape(sphere(0.0), dispersive_glass("glass-SF11", 0.0))

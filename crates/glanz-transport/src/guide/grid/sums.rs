@@ -8,6 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glanz_light::{Spectrum, Wavelengths};
 
+use crate::guide::record::incident;
+
 /// Units of light in a typical luminance.
 const QUANTA: f64 = (1_u64 << 20) as f64;
 
@@ -27,6 +29,8 @@ pub(crate) struct GridRecord {
     pub(crate) light: Spectrum,
     /// Throughput beyond the vertex.
     pub(crate) beyond: Spectrum,
+    /// Whether the hero alone is left in the throughput.
+    pub(crate) is_dispersed: bool,
     /// Part of the light after this vertex that is excluded from training; `None`: all of it.
     pub(crate) left_out: Option<Spectrum>,
 }
@@ -38,7 +42,7 @@ impl GridRecord {
     fn arrived(&self, all: Spectrum, wavelengths: &Wavelengths) -> f64 {
         let Some(left_out) = self.left_out else { return 0.0 };
         let found = all - self.light - left_out;
-        f64::from(found.zip(self.beyond, |l, t| if t > 0.0 { l / t } else { 0.0 }).luminance(wavelengths))
+        incident(found, self.beyond, self.is_dispersed).luminance(wavelengths).into()
     }
 }
 
@@ -142,6 +146,7 @@ mod tests {
             cosine: 0.5,
             light: Spectrum::ONE,
             beyond: Spectrum::splat(0.125),
+            is_dispersed: false,
             left_out,
         }
     }

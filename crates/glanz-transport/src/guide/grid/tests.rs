@@ -58,6 +58,7 @@ fn trained(
             cosine: local.z,
             light: Spectrum::BLACK,
             beyond: Spectrum::ONE,
+            is_dispersed: false,
             left_out: Some(Spectrum::BLACK),
         };
         sums.add(&record, Spectrum::splat(light(local) as f32), &Wavelengths::default(), 1.0);
@@ -250,6 +251,7 @@ fn example() -> Training {
                         cosine: at.cosine(draw.direction),
                         light: Spectrum::BLACK,
                         beyond: Spectrum::ONE,
+                        is_dispersed: false,
                         left_out: Some(Spectrum::BLACK),
                     }
                 })
