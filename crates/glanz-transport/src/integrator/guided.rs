@@ -136,7 +136,7 @@ struct GuideDirections<'a> {
     drawn: Option<(f64, u32)>,
     /// Expected luminance of the whole path, estimated at its first rough vertex.
     expected: Option<f64>,
-    /// The last probability of survival.
+    /// The last probability of survival, over the fraction of light that media have left since then.
     survival: f64,
     wavelengths: Wavelengths,
 }
@@ -203,6 +203,10 @@ impl DirectionSampler for GuideDirections<'_> {
                 probability,
             });
         }
+    }
+
+    fn record_medium(&mut self, before: Spectrum, after: Spectrum) {
+        self.survival *= brightness(before, &self.wavelengths) / brightness(after, &self.wavelengths);
     }
 
     fn pdf(&self, place: &Self::VertexData, direction: DVec3, bsdf_pdf: f64) -> f64 {
@@ -294,5 +298,37 @@ impl DirectionSampler for GuideDirections<'_> {
             is_dispersed,
             next: None,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::Bounds3;
+    use glanz_scene::Interaction;
+    use glanz_shading::Bsdf;
+    use glanz_shading::model::Lambert;
+
+    use super::*;
+
+    #[test]
+    fn expected_light_arrives_with_what_the_medium_on_its_way_leaves() {
+        let guide = TreeGuide::new(&Bounds3 { min: DVec3::ZERO, max: DVec3::ONE });
+        let at = Interaction::in_medium(DVec3::splat(0.5), 1.0, DVec3::Z);
+        let vertex = Vertex::new(&at, Bsdf::Lambert(Lambert { reflectance: Spectrum::splat(0.6) }));
+        let mut place = guide.place(at.point.position, DVec3::Z);
+        place.flux = PI;
+        let mut records = PathRecords::default();
+        let mut directions = GuideDirections::new(&guide, false, Some(&mut records), Wavelengths::Rgb);
+        let scattered = directions.sample(&Some(place), &vertex, DVec2::splat(0.3), 0.5).unwrap();
+        let (from, throughput) = (vertex.light_sample_context(DVec3::Z), Spectrum::ONE);
+        let sampled = SampledDirection { from, scattered, cosine: 1.0, throughput, is_dispersed: false };
+        directions.record_direction(&Some(place), &sampled, Spectrum::BLACK);
+        directions.survival = 0.5;
+        directions.record_medium(Spectrum::splat(0.8), Spectrum::splat(0.4));
+        directions.record_medium(Spectrum::splat(0.4), Spectrum::splat(0.2));
+        directions.sample(&Some(place), &vertex, DVec2::splat(0.3), 0.5).unwrap();
+        // The next vertex reflects 0.6 of the irradiance pi, over pi; half of the paths reach it, with a quarter of their light.
+        let (arrived, _) = records.directions[0].found(Spectrum::BLACK, &Wavelengths::Rgb);
+        assert!((arrived - 0.6 / 0.5 * 0.25).abs() < 1e-6, "{arrived}");
     }
 }

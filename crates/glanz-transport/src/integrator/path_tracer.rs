@@ -52,6 +52,9 @@ pub(super) trait DirectionSampler {
     /// Records a sample of a light: its luminance at the viewer, not yet divided by the probability of the selection.
     fn record_light(&mut self, _: &Self::VertexData, _: &SelectedLight, _luminance: f64) {}
 
+    /// Records that a medium changed the throughput of the path between two vertices.
+    fn record_medium(&mut self, _before: Spectrum, _after: Spectrum) {}
+
     /// Density per solid angle of `direction`; `bsdf_pdf`: that of the BSDF alone.
     fn pdf(&self, place: &Self::VertexData, direction: DVec3, bsdf_pdf: f64) -> f64;
 

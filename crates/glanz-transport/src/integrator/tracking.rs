@@ -182,11 +182,13 @@ impl PathTracer {
             path.light += path.throughput * coefficients.emitted(end * path.ray.direction.length());
         }
         let passage = track(medium, &path.ray, end, path.throughput, &context.wavelengths, &mut numbers);
+        let before = path.throughput;
         path.throughput *= passage.factor;
         path.importance *= passage.factor;
         if path.throughput.is_black() {
             return Some(false);
         }
+        directions.record_medium(before, path.throughput);
         let t = passage.scattered_at?;
         if path.depth >= self.max_depth {
             return Some(false);
