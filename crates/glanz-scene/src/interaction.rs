@@ -17,8 +17,8 @@ use crate::scene::Scene;
 pub struct LightSampleContext {
     /// Position, metres.
     pub position: DVec3,
-    /// Unit normal for shading, see [`Interaction::normal_for`].
-    pub shading_normal: DVec3,
+    /// Unit normal for shading, see [`Interaction::normal_for`]; `None` in a medium.
+    pub shading_normal: Option<DVec3>,
     /// Unit direction to the viewer.
     pub wo: DVec3,
     /// Unit normal of the side from which light is scattered to the viewer; `None` if that may be both.
@@ -34,7 +34,7 @@ pub struct Interaction {
     pub t: f64,
     /// Unit direction back along the ray.
     pub wo: DVec3,
-    /// Number of the shape in the order of the scene file.
+    /// Number of the shape in the order of the scene file; `u32::MAX` in a medium.
     pub id: u32,
     /// The point in the frame of its shape; `None` if that is the world's.
     pub(crate) own: Option<LocalPoint>,
@@ -52,7 +52,7 @@ impl Interaction {
     pub fn light_sample_context(&self) -> LightSampleContext {
         LightSampleContext {
             position: self.point.position,
-            shading_normal: self.normal_for(self.wo),
+            shading_normal: (!self.is_in_medium()).then(|| self.normal_for(self.wo)),
             wo: self.wo,
             normal: None,
         }

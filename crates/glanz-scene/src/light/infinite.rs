@@ -33,7 +33,7 @@ impl InfiniteLight {
     /// Density with which a sample from `from` has the unit direction `wi`.
     #[must_use]
     pub fn pdf(&self, from: &LightSampleContext, wi: DVec3) -> SolidAnglePdf {
-        let normal = from.shading_normal;
+        let Some(normal) = from.shading_normal else { return warp::uniform_sphere_pdf() };
         let cos = normal.dot(wi) * 1.0_f64.copysign(normal.dot(from.wo));
         SolidAnglePdf(cos.max(0.0) * FRAC_1_PI)
     }
@@ -56,15 +56,18 @@ impl LightModel for InfiniteLight {
     }
 
     /// Directions by the cosine to the shading normal on the side of `wo`: the light is the same everywhere, so the
-    /// cosine is all that varies. Light through a surface is left to BSDF sampling.
+    /// cosine is all that varies. Light through a surface is left to BSDF sampling. In a medium light is scattered from all sides: uniform directions.
     fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
-        let frame = Frame::from_z(from.normal_for(from.wo));
-        let mut local = warp::cosine_hemisphere(xi);
-        if frame.z.dot(from.wo) < 0.0 {
-            local.z = -local.z;
-        }
-        let wi = frame.to_world(local);
-        let pdf = self.pdf(&from.light_sample_context(), wi);
+        let context = from.light_sample_context();
+        let wi = match context.shading_normal {
+            Some(normal) => {
+                let mut local = warp::cosine_hemisphere(xi);
+                local.z = local.z.copysign(normal.dot(from.wo));
+                Frame::from_z(normal).to_world(local)
+            }
+            None => warp::uniform_sphere(xi),
+        };
+        let pdf = self.pdf(&context, wi);
         (pdf.0 > 0.0).then(|| LightSample {
             wi,
             radiance: self.radiance,

@@ -184,6 +184,9 @@ pub(crate) struct SceneMedia {
     pub(crate) are_open: bool,
 }
 
+/// Stands for the number of the shape of a point in a medium.
+const NO_SHAPE: u32 = u32::MAX;
+
 impl Interaction {
     /// A point in a medium where light may be scattered: it has no error, and its normal is the unit direction `wo` back along the ray. `t`: its
     /// parameter.
@@ -194,13 +197,20 @@ impl Interaction {
             point: ShadingPoint { position, error, normal: wo, shading_normal: wo, uv, dpdu },
             t,
             wo,
-            id: u32::MAX,
+            id: NO_SHAPE,
             own: None,
             area_pdf: None,
             material: 0,
             media: MediumInterface::NONE,
             light: None,
         }
+    }
+
+    /// Whether it is a point of [`Interaction::in_medium`].
+    #[inline]
+    #[must_use]
+    pub fn is_in_medium(&self) -> bool {
+        self.id == NO_SHAPE
     }
 
     /// Whether it is on an interface, which light passes.

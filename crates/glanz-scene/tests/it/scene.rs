@@ -282,6 +282,22 @@ fn infinite_light_samples_follow_the_cosine_on_the_side_of_the_viewer() {
 }
 
 #[test]
+fn infinite_light_samples_are_uniform_in_media() {
+    let scene = resolve(with_shapes([ShapeDescription::disk(1.0)]).light(LightDescription::infinite(1.0)));
+    let (from, light) = (Interaction::in_medium(DVec3::ONE, 1.0, DVec3::Z), scene.infinite_lights()[0]);
+    let (side, mut mean, mut squares) = (16, DVec3::ZERO, DVec3::ZERO);
+    for i in 0..side * side {
+        let xi = (DVec2::new(f64::from(i % side), f64::from(i / side)) + 0.5) / f64::from(side);
+        let sample = scene.sample_light(light, &from, xi).unwrap();
+        let pdf = scene.infinite_pdf(light, &from.light_sample_context(), sample.wi);
+        assert!(sample.pdf == pdf && (pdf.0 * 4.0 * PI - 1.0).abs() < 1e-12, "{pdf:?}");
+        mean += sample.wi / f64::from(side * side);
+        squares += sample.wi * sample.wi / f64::from(side * side);
+    }
+    assert!(mean.length() < 1e-9 && squares.abs_diff_eq(DVec3::splat(1.0 / 3.0), 2e-3), "{mean} {squares}");
+}
+
+#[test]
 fn faults_are_reported_with_their_location() {
     let singular = error(with_shapes([located(unit_sphere().transformed(DMat4::ZERO))]));
     assert_eq!(singular.location, Some(HERE));

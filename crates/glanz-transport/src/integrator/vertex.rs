@@ -75,8 +75,8 @@ impl<'a> Vertex<'a> {
     /// The point as the origin of light samples for a viewer in the unit direction `viewer`, for which the vertex was made.
     pub(super) fn light_sample_context(&self, viewer: DVec3) -> LightSampleContext {
         let normal = (!self.bsdf.transmits()).then(|| self.normal_to_viewer());
-        let position = self.at.point.position;
-        LightSampleContext { position, shading_normal: self.frame.z, wo: viewer, normal }
+        let shading_normal = (!self.is_in_medium()).then_some(self.frame.z);
+        LightSampleContext { position: self.at.point.position, shading_normal, wo: viewer, normal }
     }
 
     /// The cosine between `direction` and the shading normal.
