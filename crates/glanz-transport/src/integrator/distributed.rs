@@ -6,7 +6,7 @@ use glanz_math::{DVec2, Ray};
 use glanz_scene::{BatchedPath, Interaction, Light, LightId, SceneHit};
 
 use super::path_tracer::{BATCH, DIMENSIONS_PER_EVENT, ROULETTE_FROM};
-use super::vertex::{PreviousVertex, ScatteredRay, Vertex, pass_interface, roulette};
+use super::vertex::{PreviousVertex, ScatteredRay, Vertex, carried, pass_interface, roulette};
 use super::{Context, FIRST_DIMENSION, Integrator, IntegratorSettings, radiance_of_one};
 
 /// Distributed ray tracing: several rays from a hit instead of one.
@@ -158,7 +158,8 @@ impl Distributed {
         path.branch_throughput *= scattered.weight;
         path.eta_scale *= scattered.eta_scale;
         if path.depth >= ROULETTE_FROM {
-            let factor = roulette(path.branch_throughput * path.eta_scale, xi_roulette)?;
+            let left = carried(path.branch_throughput, path.throughput);
+            let factor = roulette(left * path.eta_scale, xi_roulette)?;
             path.throughput *= factor;
             path.branch_throughput *= factor;
         }
@@ -278,8 +279,8 @@ impl Integrator for Distributed {
             sample,
             ray: context.start(),
             light: Spectrum::BLACK,
-            throughput: Spectrum::ONE,
-            branch_throughput: Spectrum::ONE,
+            throughput: Spectrum::one(&context.wavelengths),
+            branch_throughput: Spectrum::one(&context.wavelengths),
             eta_scale: 1.0,
             is_dispersed: false,
             origin: None,

@@ -11,7 +11,7 @@ use glanz_scene::{
 
 use super::path_state::{PathRay, PathState, PendingLight, SampledDirection};
 use super::sppm::{lit_by, photon_odds};
-use super::vertex::{PreviousVertex, ScatteredRay, Vertex};
+use super::vertex::{PreviousVertex, ScatteredRay, Vertex, carried};
 use super::{Context, FIRST_DIMENSION, IntegratorSettings};
 use crate::photon::PhotonMap;
 
@@ -293,7 +293,7 @@ impl PathTracer {
         path.throughput *= scattered.weight;
         path.importance *= scattered.bsdf_weight;
         path.eta_scale *= scattered.eta_scale;
-        let importance = path.importance * path.eta_scale;
+        let importance = carried(path.importance, path.throughput) * path.eta_scale;
         let state = RouletteState { depth: path.depth, before, after: path.throughput, importance };
         let survival = directions.survival(&place, vertex, &scattered, &state);
         if survival < 1.0 {

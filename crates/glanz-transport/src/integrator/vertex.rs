@@ -285,6 +285,11 @@ impl PreviousVertex {
     }
 }
 
+/// The lanes of a factor that carry light in a path with this `throughput`; the others, in which no wavelength or no light is left, are zero.
+pub(super) fn carried(factor: Spectrum, throughput: Spectrum) -> Spectrum {
+    factor.zip(throughput, |lane, used| if used > 0.0 { lane } else { 0.0 })
+}
+
 /// Random survival of a path whose throughput is small (document 003 section 3.1.4).
 ///
 /// `throughput`: without the scaling by refraction. Returns the factor for survivors.

@@ -135,6 +135,28 @@ fn dispersive_glass_without_absorption_is_unseen_in_a_white_room() {
     }
 }
 
+#[test]
+fn dispersed_paths_end_where_the_hero_is_absorbed() {
+    // Paths leave the glass ball around the camera with the hero alone. The walls absorb two of three heroes, and one of the four wavelengths is in the band that they reflect: if it kept a dead path
+    // going, all paths would be as long as those of the third.
+    let band = vec![(560.0, 0.02), (561.0, 0.98), (640.0, 0.98), (641.0, 0.02)];
+    let walls = room(1.0, SpectralDistribution::try_sampled(band).unwrap()).shape(
+        ShapeDescription::sphere(0.5).translated([0.3, -0.2, 0.4]),
+        dispersive_glass("glass-SF11", 0.0),
+    );
+    let rays = |run: Run| {
+        let outcome = run.outcome(&walls);
+        outcome.counters.closest as f64 / outcome.samples as f64
+    };
+    for run in [
+        spectral(Run::new("path", 100, 256)),
+        spectral(Run { branching: Some(1), ..Run::new("distributed", 100, 256) }),
+    ] {
+        let (name, rays) = (run.name(), rays(run));
+        assert!(rays < 20.0, "{name}: {rays}");
+    }
+}
+
 /// An equilateral prism of side 1 along z, its base on y = 0.
 fn prism() -> ShapeDescription {
     let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);

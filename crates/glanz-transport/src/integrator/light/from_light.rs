@@ -8,7 +8,7 @@ use glanz_scene::{BatchedPath, Light, LightId, LightRay, LightSampleContext, Sce
 use super::weights::LightPathWeights;
 use super::{LightPaths, turn};
 use crate::integrator::path_tracer::{DIMENSIONS_PER_EVENT, ROULETTE_FROM};
-use crate::integrator::vertex::{Vertex, pass_interface, roulette};
+use crate::integrator::vertex::{Vertex, carried, pass_interface, roulette};
 use crate::integrator::{Context, DEPTH_LIMIT, FIRST_DIMENSION};
 
 /// The sampler's first dimension of light paths, after all those of camera paths.
@@ -101,7 +101,7 @@ impl LightPath {
             max_depth,
             ray: Some(start.light.ray),
             flux: start.light.power * (1.0 / start.probability) as f32,
-            left: Spectrum::ONE,
+            left: Spectrum::one(&context.wavelengths),
             is_dispersed: false,
             weights: None,
             depth: 0,
@@ -142,7 +142,7 @@ impl LightPath {
         self.left *= weight;
         self.weights = Some(next);
         if self.depth >= ROULETTE_FROM {
-            let factor = roulette(self.left, xi_roulette)?;
+            let factor = roulette(carried(self.left, self.flux), xi_roulette)?;
             self.flux *= factor;
             self.left *= factor;
         }
