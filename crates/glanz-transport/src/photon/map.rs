@@ -89,7 +89,7 @@ impl PhotonMap {
         let low = cell(at - self.radius, self.radius);
         let mut near = [0; 8];
         for (i, near) in (0..).zip(&mut near) {
-            let corner = low + I64Vec3::new(i & 1, i >> 1 & 1, i >> 2);
+            let corner = low.wrapping_add(I64Vec3::new(i & 1, i >> 1 & 1, i >> 2));
             *near = bucket(corner, self.starts.len() - 1);
         }
         near.sort_unstable();
@@ -170,6 +170,16 @@ mod tests {
             assert_eq!(seen, inside.filter(|i| !i.is_multiple_of(3)).collect::<Vec<_>>());
         }
         assert!(visits > 1000, "{visits}");
+    }
+
+    #[test]
+    fn places_beyond_the_integers_of_cells_are_searched() {
+        let far = DVec3::new(1e12, -1e12, 1e12);
+        let arrival = PhotonArrival { path: 0, position: far, photon: photon(7, Vec3::Z) };
+        let map = PhotonMap::new(1e-9, 1, &[arrival], Counters::default());
+        let mut seen = Vec::new();
+        map.visit(far, DVec3::Z, |photon| seen.push(photon.events));
+        assert_eq!(seen, [7]);
     }
 
     #[test]

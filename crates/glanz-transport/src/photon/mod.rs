@@ -47,7 +47,7 @@ pub use map::PhotonMap;
 /// one at every surface that both scatters and mirrors.
 pub const PHOTON_LIMIT: u32 = 1 << 24;
 
-/// Radii of density estimates, metres: cells of the map stay within integers, and areas within `f32`.
+/// Radii of density estimates, metres: cells of the map stay within integers in scenes of up to 10^8 m, and areas within `f32`.
 pub const PHOTON_RADII: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// Bounds of the number of photon paths if it is not given: that of the pixels, but enough to be traced by all threads, and at most 250 MB.
