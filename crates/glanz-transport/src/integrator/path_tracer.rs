@@ -265,13 +265,7 @@ impl PathTracer {
         let xi = DVec2::new(x, y);
         let place = directions.vertex_data(vertex);
         path.pending.place = Some(place);
-        if let Some(photons) = context.photons.filter(|_| !vertex.is_delta()) {
-            let most_events = self.max_depth - path.depth;
-            path.light += path.throughput
-                * lit_by(photons, vertex, most_events, |direction, bsdf_pdf| {
-                    directions.pdf(&place, direction, bsdf_pdf)
-                });
-        }
+        path.light += self.photon_light(context, directions, path, vertex, &place);
         let from = vertex.light_sample_context(vertex.at.wo);
         let mut light_groups = [0.0; MAX_LIGHT_GROUPS];
         if self.light_sampling && !vertex.is_delta() {
@@ -311,6 +305,24 @@ impl PathTracer {
         let from = PreviousVertex { from, pdf: scattered.pdf };
         path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, light_groups });
         true
+    }
+
+    /// Light of photons that is scattered at a vertex, by the throughput of `path`.
+    fn photon_light<D: DirectionSampler>(
+        &self,
+        context: &Context<'_>,
+        directions: &D,
+        path: &PathState<D::VertexData>,
+        vertex: &Vertex<'_>,
+        place: &D::VertexData,
+    ) -> Spectrum {
+        let left = self.max_depth - path.depth;
+        // Photons have had one scattering event or more.
+        let Some(photons) = context.photons.filter(|_| left > 0 && !vertex.is_delta()) else {
+            return Spectrum::BLACK;
+        };
+        let pdf = |direction, bsdf_pdf| directions.pdf(place, direction, bsdf_pdf);
+        path.throughput * lit_by(photons, vertex, left, pdf)
     }
 
     /// Light of the infinite lights along the ray of `path`.
