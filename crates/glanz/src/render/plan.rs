@@ -265,13 +265,65 @@ impl RenderOptions {
                 Err(Error::SampleRange { range, planned, sampler })
             }
             // Resumed, they may come in turn: the render loop knows.
-            Some(range) if identity.film.passes && range.start > 0 && !resume => {
+            Some(range) if identity.film.is_ordered() && range.start > 0 && !resume => {
                 Err(Error::SampleOrder { start: range.start, next: 0 })
             }
             Some(range) => Ok(range.clone()),
             None if self.time_limit.is_some() => Ok(0..MAX_TERMS),
             None if self.noise.is_some() && self.samples.is_none() => Ok(0..MAX_SAMPLES),
             None => Ok(0..planned),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_scene::SceneBuilder;
+
+    use super::*;
+
+    fn plan(options: &RenderOptions) -> Result<RenderPlan, Error> {
+        let scene = SceneBuilder::new().resolution(2, 2).describe().unwrap();
+        RenderPlan::new(options, &mut LoadedScene::from_description("empty", scene), &JobOptions::default())
+    }
+
+    fn by_noise(noise: f64) -> RenderOptions {
+        RenderOptions { noise: Some(noise), ..RenderOptions::default() }
+    }
+
+    #[test]
+    fn samples_out_of_order_are_refused_by_the_plan() {
+        let learning = RenderOptions { integrator: Some("guided".to_owned()), ..RenderOptions::default() };
+        for options in [by_noise(0.1), learning] {
+            let late = RenderOptions { sample_range: Some(5..9), ..options.clone() };
+            assert!(matches!(plan(&late), Err(Error::SampleOrder { start: 5, next: 0 })));
+            let early = RenderOptions { sample_range: Some(0..9), ..options };
+            assert_eq!(plan(&early).unwrap().samples, 0..9);
+        }
+    }
+
+    #[test]
+    fn noise_levels_have_limits_of_samples_and_add_the_variance() {
+        let limited = |samples, time_limit| RenderOptions { samples, time_limit, ..by_noise(0.1) };
+        for (samples, time, expected) in [
+            (None, None, 0..65_536),
+            (Some(40), None, 0..40),
+            (None, Some(Duration::from_secs(1)), 0..MAX_TERMS),
+        ] {
+            let plan = plan(&limited(samples, time)).unwrap();
+            assert_eq!(plan.samples, expected);
+            assert!(plan.identity.film.aovs.contains(Aov::Variance));
+        }
+    }
+
+    #[test]
+    fn noise_levels_are_refused_out_of_range_and_where_samples_depend_on_others() {
+        for noise in [0.0, 2.0, f64::NAN] {
+            assert!(matches!(plan(&by_noise(noise)), Err(Error::NoiseLevel { .. })), "{noise}");
+        }
+        for name in ["light", "guided"] {
+            let options = RenderOptions { integrator: Some(name.to_owned()), ..by_noise(0.1) };
+            assert!(matches!(plan(&options), Err(Error::NoiseOf { integrator }) if integrator == name));
         }
     }
 }
