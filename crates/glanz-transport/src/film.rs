@@ -128,7 +128,7 @@ impl Film {
         samples as f64 / self.format.crop.len() as f64
     }
 
-    /// Number of tiles that have not reached the noise level.
+    /// Number of tiles that have not ended at the noise level; 0 without one.
     #[must_use]
     pub fn open_tiles(&self) -> u64 {
         self.tile_ends.iter().filter(|&&end| end == NOT_ENDED).count() as u64

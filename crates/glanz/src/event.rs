@@ -53,7 +53,7 @@ pub enum Warning {
     },
     /// Photons, which see neither participating media nor sampled wavelengths, are left out.
     NoPhotons,
-    /// Tiles of the picture that ended above its noise level.
+    /// Tiles of the picture that had not reached its noise level, or lay beside such a tile, at the last check.
     NoiseAboveLevel {
         /// Their number.
         tiles: u64,
@@ -137,7 +137,10 @@ impl fmt::Display for Warning {
             ),
             Self::NoiseAboveLevel { tiles } => {
                 let tiles = plural(*tiles, "tile", "tiles");
-                write!(f, "{tiles} of 16 x 16 pixels ended above the noise level; more samples or more time are needed")
+                write!(
+                    f,
+                    "{tiles} of 16 x 16 pixels had not reached the noise level at the last check, or lay beside such a tile; more samples or more time are needed"
+                )
             }
             Self::NotDenoised => f.write_str("the picture has its noise: the job ended before it was removed"),
             Self::NoEdges => f.write_str("no edges are drawn: only models from CAD files have edges"),
@@ -243,7 +246,7 @@ mod tests {
     use glanz_scene::description::{MaterialKind, MediumDescription, ShapeDescription};
 
     use super::*;
-    use crate::LoadedScene;
+    use crate::{LoadedScene, RenderOptions};
 
     #[test]
     fn integrators_that_do_not_see_media_warn_of_it() {
@@ -258,9 +261,13 @@ mod tests {
                 .describe()
                 .unwrap()
         };
-        let warnings = |name: &str, media: &[MediumDescription], camera_medium| {
+        let warnings_of = |name: &str, spectral, media: &[MediumDescription], camera_medium| {
             let scene = LoadedScene::from_description("fog", scene(media, camera_medium)).render();
-            scene.samples(1).integrator(name).run().unwrap().warnings().to_vec()
+            let options = RenderOptions { spectral, ..RenderOptions::default() };
+            scene.options(options).samples(1).integrator(name).run().unwrap().warnings().to_vec()
+        };
+        let warnings = |name: &str, media: &[MediumDescription], camera_medium| {
+            warnings_of(name, false, media, camera_medium)
         };
         let fog = [MediumDescription::new(0.0, 1.0)];
         for name in ["light", "whitted", "distributed"] {
@@ -272,6 +279,10 @@ mod tests {
         for name in ["path", "guided"] {
             assert_eq!(warnings(name, &fog, Some(0)), []);
         }
+        assert_eq!(warnings("sppm", &fog, Some(0)), [Warning::NoPhotons]);
+        assert_eq!(warnings("sppm", &[], None), []);
+        assert_eq!(warnings_of("sppm", true, &[], None), [Warning::NoPhotons]);
+        assert_eq!(warnings_of("path", true, &[], None), []);
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub struct RenderOptions {
     /// Samples per pixel.
     pub samples: Option<u32>,
     /// Relative standard error at which the tiles of the picture take no more samples, from 10^-6 to 1, see [`glanz_transport::noise`]. The
-    /// number of samples is then a limit; without one it is 65536. Adds the channel of the variance. An error for integrators whose samples depend on other pixels.
+    /// number of samples is then a limit; without one it is 65536, or as many as fit into the time. Adds the channel of the variance. An error for integrators whose samples depend on other pixels.
     pub noise: Option<f64>,
     /// Renders only these samples of every pixel, as a part of a picture that [`merge`] joins.
     pub sample_range: Option<Range<u32>>,
