@@ -5,20 +5,18 @@ use glanz_math::DVec3;
 use glanz_scene::Scene;
 use glanz_scene::description::PhotonSettings;
 
-use super::path::BsdfDirections;
-use super::path_tracer::PathTracer;
 use super::vertex::{ScatteredRay, Vertex};
-use super::{Context, Integrator, IntegratorSettings, radiance_of_one};
+use super::{Context, Integrator, IntegratorSettings, Path, radiance_of_one};
 use crate::photon::{PhotonMap, PhotonTracer};
 
-/// As [`Path`](super::Path), and light that mirrors and glass send on arrives as photons.
+/// Path tracing as by [`Path`], with photons for light that mirrors and glass send on.
 ///
 /// Every sample of the picture has photons of its own (see [`crate::photon`]), which are added at all scattering events of its paths. This finds caustics, also from point
 /// lights, and also where they are seen by mirror or glass, or light other surfaces; their edges are blurred by the radius of the density estimates, which shrinks
 /// with the number of the sample. Chains of rough glass are left to path tracing, and so is everything in scenes with participating media and at sampled wavelengths, which photons do not see.
 #[derive(Clone, Copy, Debug)]
 pub struct Sppm {
-    tracer: PathTracer,
+    path: Path,
     max_depth: u32,
     photons: PhotonSettings,
 }
@@ -28,7 +26,7 @@ impl Sppm {
     #[must_use]
     pub fn new(settings: &IntegratorSettings) -> Self {
         let IntegratorSettings { max_depth, photons, .. } = *settings;
-        Self { tracer: PathTracer::new(settings), max_depth, photons }
+        Self { path: Path::new(settings), max_depth, photons }
     }
 }
 
@@ -38,12 +36,11 @@ impl Integrator for Sppm {
     }
 
     fn batch(&self) -> usize {
-        self.tracer.batch()
+        self.path.batch()
     }
 
     fn radiance_batch(&self, contexts: &mut [Context<'_>], radiance: &mut Vec<Spectrum>) {
-        let mut directions: Vec<_> = contexts.iter().map(|_| BsdfDirections).collect();
-        self.tracer.radiance(contexts, &mut directions, radiance);
+        self.path.radiance_batch(contexts, radiance);
     }
 
     fn photon_tracer(&self, scene: &Scene, seed: u64, resolution: [u32; 2]) -> Option<PhotonTracer> {
