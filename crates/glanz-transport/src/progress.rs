@@ -59,7 +59,7 @@ pub trait TileSink: Sync {
         let _ = tile;
     }
 
-    /// Whether the film is no longer needed; called before every batch of samples, a thousand at most. If so, the render ends at once with
+    /// Whether the film is no longer needed; called before every batch of samples or photons, about a thousand at most. If so, the render ends at once with
     /// [`RenderError::Interrupted`](crate::RenderError::Interrupted).
     fn is_abandoned(&self) -> bool {
         false

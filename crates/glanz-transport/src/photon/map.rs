@@ -57,7 +57,7 @@ impl PhotonMap {
         Self { radius, paths, counters, starts, positions, photons }
     }
 
-    /// Rays traced for the map.
+    /// Rays traced for the map, and before the first one to fit the density of emission.
     pub(crate) fn counters(&self) -> Counters {
         self.counters
     }

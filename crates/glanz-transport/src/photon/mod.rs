@@ -26,6 +26,7 @@
 
 use std::ops::RangeInclusive;
 
+use glanz_job::Interrupted;
 use glanz_light::Spectrum;
 use glanz_math::DVec3;
 use glanz_math::glam::Vec3;
@@ -102,14 +103,14 @@ pub struct PhotonTracer {
     /// Largest number of scattering events of a whole path.
     max_depth: u32,
     seed: u64,
-    /// `None` for uniform numbers.
+    /// Density of emission, fitted before the first map; `None` for uniform numbers.
     density: Option<EmissionDensity>,
-    counters: Counters,
+    /// Number of rounds in which the density has been fitted.
+    rounds: u32,
 }
 
 impl PhotonTracer {
-    /// A tracer for a picture of `resolution` pixels, with its density of emission fitted with the threads of the pool. `max_depth`: largest number of scattering events of a
-    /// whole path.
+    /// A tracer for a picture of `resolution` pixels. `max_depth`: largest number of scattering events of a whole path.
     ///
     /// `None` if no radius is given, no surface is seen and none has an extent.
     pub(crate) fn new(
@@ -126,34 +127,48 @@ impl PhotonTracer {
             radius::of_pixels(scene, resolution).map(|r| r.clamp(*PHOTON_RADII.start(), *PHOTON_RADII.end()))
         };
         let radius = settings.radius.or_else(automatic)?;
-        let (density, counters) = (None, Counters::default());
-        let mut tracer = Self { radius, paths, max_depth, seed, density, counters };
+        Some(Self { radius, paths, max_depth, seed, density: None, rounds: 0 })
+    }
+
+    /// The photons for sample `sample` of every pixel, traced with the threads of the pool; before the first ones, the density of emission is fitted. `is_stopped`: asked
+    /// before every batch of a thousand paths.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if `is_stopped`.
+    pub(crate) fn map(
+        &mut self,
+        scene: &Scene,
+        sample: u32,
+        is_stopped: &(dyn Fn() -> bool + Sync),
+    ) -> Result<PhotonMap, Interrupted> {
+        let mut counters = self.fit(scene, is_stopped)?;
+        let radius = self.radius * (1.0 + f64::from(sample)).powf(RADIUS_EXPONENT);
+        let (arrivals, traced) = self.batch(scene, sample, self.paths).trace(is_stopped)?;
+        counters.merge(traced);
+        Ok(PhotonMap::new(radius, self.paths, &arrivals, counters))
+    }
+
+    /// Fits the density of emission in the rounds that are left. Returns the rays traced.
+    fn fit(
+        &mut self,
+        scene: &Scene,
+        is_stopped: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Counters, Interrupted> {
+        let mut counters = Counters::default();
         let [least, most] = TRAINING_PATHS;
-        let training = paths.clamp(least, most);
-        for round in 0..TRAINING_ROUNDS {
+        while self.rounds < TRAINING_ROUNDS {
             // The last sample numbers of all, which are the last to be rendered.
-            let batch = tracer.batch(scene, u32::MAX - round, training);
-            let (arrivals, counters) = batch.trace();
+            let batch = self.batch(scene, u32::MAX - self.rounds, self.paths.clamp(least, most));
+            let (arrivals, traced) = batch.trace(is_stopped)?;
             let weighted = |arrival: &PhotonArrival| {
                 (batch.numbers(arrival.path).0, f64::from(arrival.photon.flux.max_component()))
             };
             let density = EmissionDensity::fit(arrivals.iter().map(weighted));
-            tracer.counters.merge(counters);
-            tracer.density = density.or(tracer.density.take());
+            counters.merge(traced);
+            self.density = density.or(self.density.take());
+            self.rounds += 1;
         }
-        Some(tracer)
-    }
-
-    /// The photons for sample `sample` of every pixel, traced with the threads of the pool.
-    pub(crate) fn map(&self, scene: &Scene, sample: u32) -> PhotonMap {
-        let radius = self.radius * (1.0 + f64::from(sample)).powf(RADIUS_EXPONENT);
-        let (arrivals, counters) = self.batch(scene, sample, self.paths).trace();
-        PhotonMap::new(radius, self.paths, &arrivals, counters)
-    }
-
-    /// Rays traced to fit the density of emission.
-    pub(crate) fn counters(&self) -> Counters {
-        self.counters
+        Ok(counters)
     }
 
     /// What the `paths` paths of a sample share.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use glanz_job::Interrupted;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::{PixelSampler, SamplerKind};
@@ -65,25 +66,34 @@ impl<'a> PhotonPass<'a> {
         Self { scene, density, wavelengths: Wavelengths::default(), paths, max_events, first }
     }
 
-    /// The arrivals in the order of paths, and the rays traced.
-    pub(super) fn trace(&self) -> (Vec<PhotonArrival>, Counters) {
+    /// The arrivals in the order of paths, and the rays traced. `is_stopped`: asked before every batch of a thousand paths.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if `is_stopped`.
+    pub(super) fn trace(
+        &self,
+        is_stopped: &(dyn Fn() -> bool + Sync),
+    ) -> Result<(Vec<PhotonArrival>, Counters), Interrupted> {
         let paths = if self.max_events > 0 { self.paths } else { 0 };
-        let batches: Vec<_> = (0..paths.div_ceil(BATCH))
+        let batches = (0..paths.div_ceil(BATCH))
             .into_par_iter()
             .map(|i| {
+                if is_stopped() {
+                    return Err(Interrupted);
+                }
                 let mut batch =
                     PhotonBatch { pass: self, counters: Counters::default(), arrivals: Vec::new() };
                 batch.trace(i * BATCH..paths.min((i + 1) * BATCH));
-                (batch.arrivals, batch.counters)
+                Ok((batch.arrivals, batch.counters))
             })
-            .collect();
+            .collect::<Result<Vec<_>, _>>()?;
         let mut counters = Counters::default();
         let mut all = Vec::with_capacity(batches.iter().map(|(arrivals, _)| arrivals.len()).sum());
         for (arrivals, traced) in batches {
             all.extend(arrivals);
             counters.merge(traced);
         }
-        (all, counters)
+        Ok((all, counters))
     }
 
     /// The numbers by which the path `number` leaves its light, and their density.
@@ -150,7 +160,7 @@ impl PhotonPath {
             light,
             ray: Some(light.ray),
             flux: light.power * (1.0 / (probability * density)) as f32,
-            left: Spectrum::ONE,
+            left: Spectrum::one(&pass.wavelengths),
             emission: 0.0,
             events: 0,
             interfaces: 0,
@@ -158,15 +168,14 @@ impl PhotonPath {
     }
 
     /// Stores the photon at a scattering surface, and continues from the hit of `ray` along delta lobes; `None` if the path ends.
-    fn next_ray(&mut self, batch: &mut PhotonBatch<'_>, ray: &Ray, hit: &SceneHit) -> Option<Ray> {
+    fn next_ray(&mut self, batch: &mut PhotonBatch<'_>, ray: &Ray, found: &SceneHit) -> Option<Ray> {
         let pass = batch.pass;
         let scene = pass.scene;
-        let material = scene.hit_material(hit);
+        let material = scene.hit_material(found);
         if material.absorbs_all() {
             return None;
         }
         let is_mixture = matches!(material, Material::Mix(_));
-        let found = hit;
         let hit = scene.interaction(ray, found);
         let bsdf = hit.bsdf(scene, &pass.wavelengths);
         // The path from the camera selects a part of a mixture: selected here as well, its probability would count twice.

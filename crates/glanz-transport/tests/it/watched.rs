@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::*;
-use glanz_job::{CancelFlag, JobProgress, ProgressSink};
+use glanz_job::{CancelFlag, JobEnd, JobProgress, ProgressSink};
 use glanz_math::DVec3;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
@@ -63,9 +63,14 @@ impl TileSink for Impatient {
     }
 }
 
-/// Queries of a pass with one sample per pixel: one per tile if samples are taken in batches, else one per sample.
+/// Queries of the first pass, which has one sample per pixel: one per tile if samples are taken in batches, else one per sample, and of `sppm` one per
+/// 1024 photons, of which two rounds of 8192 are traced before the first pass and 4096 before each pass.
 fn queries(integrator: &str) -> u64 {
-    if integrator == "whitted" { u64::from(SIZE[0] * SIZE[1]) } else { 6 }
+    match integrator {
+        "whitted" => u64::from(SIZE[0] * SIZE[1]),
+        "sppm" => 2 * 8 + 4 + 6,
+        _ => 6,
+    }
 }
 
 #[test]
@@ -93,10 +98,57 @@ fn a_render_queries_before_every_batch() {
         if integrator == "whitted" {
             assert_eq!(asked, samples);
         } else {
-            assert!(asked >= queries(integrator) * watch.passes && asked < samples / 100, "{asked}");
+            let least = if integrator == "sppm" { 2 * 8 + (4 + 6) * watch.passes } else { 6 * watch.passes };
+            assert!(asked >= least && asked < samples / 50, "{integrator}: {asked}");
         }
         assert_eq!(watch.tiles.into_inner(), 6 * watch.passes);
     }
+}
+
+/// Raises a flag while the photons of the second pass are traced.
+struct CancelledInPhotons {
+    cancel: CancelFlag,
+    passes: u64,
+    asked: AtomicU64,
+}
+
+impl ProgressSink<Film> for CancelledInPhotons {
+    fn on_progress(&mut self, _: &JobProgress<'_>) {
+        self.passes += 1;
+    }
+}
+
+impl RenderSink for CancelledInPhotons {
+    fn tiles(&self) -> &dyn TileSink {
+        self
+    }
+}
+
+impl TileSink for CancelledInPhotons {
+    fn is_abandoned(&self) -> bool {
+        // The first pass has `queries("sppm")`: this is the second of the four batches of photons of the second one.
+        if self.asked.fetch_add(1, Ordering::Relaxed) + 1 == queries("sppm") + 2 {
+            self.cancel.cancel();
+        }
+        false
+    }
+}
+
+#[test]
+fn a_render_cancelled_while_photons_are_traced_returns_the_passes_before() {
+    let (builder, run) = (scene(), Run { threads: 1, ..Run::new("sppm", 5, 64) });
+    let film = Film::try_new(run.format(&builder)).unwrap();
+    let cancel = CancelFlag::default();
+    let mut sink = CancelledInPhotons { cancel: cancel.clone(), passes: 0, asked: AtomicU64::default() };
+    let integrator = run.integrator_settings().build();
+    let outcome =
+        render(&resolved(&builder), integrator.as_ref(), &run.settings(&builder), film, &mut sink, &cancel)
+            .unwrap();
+    assert_eq!((outcome.end, sink.passes), (JobEnd::Interrupted, 1));
+    // Not a single batch follows.
+    assert_eq!(sink.asked.into_inner(), queries("sppm") + 2);
+    let once = Run { samples: 0..1, ..run };
+    assert_eq!(outcome.film, once.outcome(&builder).film);
 }
 
 /// Pixels, samples of each, radiance.

@@ -1,0 +1,199 @@
+//! Passes over all pixels.
+
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
+
+use glanz_job::Interrupted;
+use glanz_light::Spectrum;
+use glanz_math::DVec2;
+use glanz_sampling::PixelSampler;
+use glanz_scene::Scene;
+use rayon::prelude::*;
+
+use super::RenderSettings;
+use crate::film::{Film, FilmFormat};
+use crate::guide::Training;
+use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
+use crate::photon::PhotonMap;
+use crate::pixel::{PixelLayout, PixelSums, Rejects};
+use crate::pixel_rect::PixelRect;
+use crate::progress::{FinishedTile, TileSink};
+use crate::splat::{SplatBuffer, SplatRows};
+
+/// Results of a pass or a part of it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PassWork {
+    /// Samples over all pixels.
+    pub(super) samples: u64,
+    pub(super) counters: Counters,
+    pub(super) rejects: Rejects,
+}
+
+impl PassWork {
+    fn merged(mut self, other: Self) -> Self {
+        self.samples += other.samples;
+        self.counters.merge(other.counters);
+        self.rejects.merge(other.rejects);
+        self
+    }
+}
+
+/// Memory that is reused by consecutive batches of samples.
+#[derive(Default)]
+struct SampleBatch<'a> {
+    contexts: Vec<Context<'a>>,
+    /// For each sample, whether the filter is negative there.
+    negative: Vec<bool>,
+    radiance: Vec<Spectrum>,
+    /// Splats that are not in the film yet.
+    splats: SplatBuffer,
+}
+
+/// Renderer of passes over a picture.
+#[derive(Clone, Copy)]
+pub(super) struct PassRenderer<'a> {
+    scene: &'a Scene,
+    integrator: &'a dyn Integrator,
+    settings: &'a RenderSettings,
+    options: ContextOptions,
+}
+
+/// What the tiles of a pass share.
+struct PassState<'s, 'a> {
+    splats: SplatRows<'s>,
+    training: Option<&'a Training>,
+    photons: Option<&'a PhotonMap>,
+    /// Memory of batches that no thread uses at the moment.
+    batches: Mutex<Vec<SampleBatch<'a>>>,
+}
+
+impl<'a> PassRenderer<'a> {
+    /// A renderer for films of this format.
+    pub(super) fn new(
+        scene: &'a Scene,
+        integrator: &'a dyn Integrator,
+        settings: &'a RenderSettings,
+        format: &FilmFormat,
+    ) -> Self {
+        let options = ContextOptions::new(format.aovs.needs_first_hit());
+        let mut options = options.with_sensor(settings.sensor).with_spectral(settings.spectral);
+        if format.splats {
+            options = options.with_splats(&format.crop, &settings.filter);
+        }
+        Self { scene, integrator, settings, options }
+    }
+
+    /// Renders one pass: the samples of `range` for every pixel.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if `sink` abandons the film, which is then incomplete.
+    pub(super) fn expose(
+        &self,
+        film: &'a mut Film,
+        photons: Option<&'a PhotonMap>,
+        range: &Range<u32>,
+        sink: &dyn TileSink,
+    ) -> Result<PassWork, Interrupted> {
+        let layout = film.format().layout();
+        let samples = film.samples().total() + range.len() as u64;
+        let parts = film.parts_mut();
+        let tiles = parts.tiles;
+        let (splats, training) = (parts.splats, parts.training);
+        let state = PassState { splats, training, photons, batches: Mutex::default() };
+        tiles
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|(tile, words): (PixelRect, &mut [u64])| {
+                let work = self.expose_tile(&tile, &layout, words, range, &state, sink)?;
+                sink.on_tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
+                Ok(work)
+            })
+            // Counts are integers, so that the order of this sum is irrelevant.
+            .try_reduce(PassWork::default, |a, b| Ok(a.merged(b)))
+    }
+
+    /// Renders one pass over a tile, whose sums are `words`.
+    fn expose_tile(
+        &self,
+        tile: &PixelRect,
+        layout: &PixelLayout,
+        words: &mut [u64],
+        range: &Range<u32>,
+        state: &PassState<'_, 'a>,
+        sink: &dyn TileSink,
+    ) -> Result<PassWork, Interrupted> {
+        let (mut work, stride) = (PassWork::default(), layout.words());
+        work.samples = tile.len() * range.len() as u64;
+        let PassState { splats, batches, .. } = state;
+        // A thread that panicked with the lock has ended the render; the list is valid between two calls.
+        let mut batch = batches.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
+        let limit = self.integrator.batch().max(1);
+        let pixels: Vec<_> = tile.pixels().collect();
+        let together = (limit / range.len().max(1)).max(1);
+        for (pixels, words) in pixels.chunks(together).zip(words.chunks_mut(together * stride)) {
+            let mut sums: Vec<_> =
+                words.chunks_exact(stride).map(|words| PixelSums::read(layout, words)).collect();
+            let step = (limit / pixels.len()).max(1);
+            for start in range.clone().step_by(step) {
+                if sink.is_abandoned() {
+                    return Err(Interrupted);
+                }
+                let part = start..range.end.min(start.saturating_add(step as u32));
+                self.sample(pixels, &part, state, &mut batch);
+                let light = batch.radiance.iter().zip(&batch.negative);
+                for (position, (context, (light, negative))) in
+                    batch.contexts.iter_mut().zip(light).enumerate()
+                {
+                    if let Some(sums) = sums.get_mut(position / part.len()) {
+                        sums.add(layout, &context.pixel_sample(*light, *negative), &mut work.rejects);
+                    }
+                    work.counters.merge(context.counters);
+                    if !context.splats.is_empty() {
+                        let exposure = (&self.settings.filter, &self.settings.sensor);
+                        batch.splats.take(&context.splats, exposure, splats, &mut work.rejects);
+                        context.splats.clear();
+                    }
+                }
+            }
+            for (sums, words) in sums.iter().zip(words.chunks_exact_mut(stride)) {
+                sums.write(layout, words);
+            }
+        }
+        batch.splats.flush(splats, &mut work.rejects);
+        batches.lock().unwrap_or_else(PoisonError::into_inner).push(batch);
+        Ok(work)
+    }
+
+    /// Renders the samples `range` of each of `pixels`, pixel after pixel.
+    fn sample(
+        &self,
+        pixels: &[[u32; 2]],
+        range: &Range<u32>,
+        state: &PassState<'_, 'a>,
+        batch: &mut SampleBatch<'a>,
+    ) {
+        let (settings, camera) = (self.settings, self.scene.camera());
+        batch.negative.clear();
+        let samples = pixels.iter().flat_map(|&pixel| range.clone().map(move |index| (pixel, index)));
+        for (position, (pixel, index)) in samples.enumerate() {
+            let mut sampler =
+                PixelSampler::new(settings.sampler, settings.samples_per_pixel, settings.seed, pixel, index);
+            let place = settings.filter.sample(sampler.pixel_2d());
+            let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
+            let lens = if camera.has_lens() { sampler.next_2d() } else { DVec2::splat(0.5) };
+            let ray = camera.ray(middle + place.offset, lens);
+            sampler.skip_to_dimension(FIRST_DIMENSION);
+            batch.negative.push(place.negative);
+            match batch.contexts.get_mut(position) {
+                Some(context) => context.restart(ray, sampler),
+                None => batch.contexts.push(
+                    Context::new(self.scene, ray, sampler, self.options)
+                        .with_training(state.training)
+                        .with_photons(state.photons),
+                ),
+            }
+        }
+        batch.contexts.truncate(batch.negative.len());
+        self.integrator.radiance_batch(&mut batch.contexts, &mut batch.radiance);
+    }
+}
