@@ -8,6 +8,7 @@ use glanz_math::{DMat4, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
+use glanz_transport::{Aov, AovSet};
 
 fn with_medium(scene: SceneBuilder, medium: MediumDescription) -> SceneBuilder {
     scene.edit(|description| description.media.push(medium))
@@ -133,6 +134,36 @@ fn a_medium_shines_with_what_it_absorbs() {
         let expected = std::array::from_fn(|i| 3.0 * share * (f64::from(LIGHT[i]) - left[i]));
         let run = Run { sampler: SamplerKind::Center, ..Run::new("path", depth, 2) };
         assert_exact(&run.picture(&slab), expected, "slab");
+    }
+}
+
+#[test]
+fn a_medium_that_also_scatters_shines_with_the_part_that_it_absorbs() {
+    let scattering = [0.3, 0.1, 1.5_f32];
+    let medium =
+        MediumDescription { emission: LIGHT.into(), ..MediumDescription::new(EXTINCTION, scattering) };
+    let slab = fog_box(with_medium(along_x(), medium), [1.0, -2.0, -2.0], [2.5, 2.0, 2.0]);
+    // Absorption times emission times the integral of the transmittance; without scattering events nothing else is seen.
+    let expected = std::array::from_fn(|i| {
+        let (absorbed, lost) = (f64::from(EXTINCTION[i]), f64::from(EXTINCTION[i] + scattering[i]));
+        f64::from(LIGHT[i]) * absorbed / lost * (1.0 - (-lost * 1.5).exp())
+    });
+    let run = Run { sampler: SamplerKind::Center, ..Run::new("path", 0, 2) };
+    assert_exact(&run.picture(&slab), expected, "slab");
+}
+
+#[test]
+fn what_fog_sends_elsewhere_is_not_what_the_camera_sees() {
+    // A wall 1 m in front of the camera; all others of the room are at other distances.
+    let room = ShapeDescription::cuboid([-3.0, -2.0, -2.5], [1.0, 2.2, 1.7]).reversed();
+    let fog = MediumDescription::new(0.0, 1.0);
+    let scene = in_fog(with_medium(along_x().shape(room, diffuse(0.5)), fog));
+    for name in ["path", "guided"] {
+        let run =
+            Run { aovs: AovSet::NONE.with(Aov::Variance).with(Aov::Distance), ..Run::new(name, 50, 256) };
+        let picture = run.outcome(&scene).film.to_pixels().unwrap();
+        let distance = picture.channel("Z").unwrap()[0];
+        assert!((distance - 1.0).abs() < 1e-4, "{name}: {distance}");
     }
 }
 
@@ -296,6 +327,13 @@ fn guided_paths_and_divided_paths_see_the_same_smoke() {
     for run in others {
         assert_same(&path, &run.picture(&scene), 0.06, &run.name());
     }
+}
+
+#[test]
+fn photons_leave_smoke_to_paths() {
+    let scene = smoke();
+    let [path, sppm] = ["path", "sppm"].map(|name| Run::new(name, 8, 16).picture(&scene).mean);
+    assert_eq!(path, sppm);
 }
 
 #[test]

@@ -1,4 +1,7 @@
 //! Adaptive numbers of samples.
+//!
+//! Seeds are fixed. The mean may be three standard errors from that of the reference (one fair comparison in 370 fails). The true error of a tile may be 1.4 of the level: in a tile of
+//! 256 pixels its root mean square varies by 1 / sqrt(512), 4.4 %, and more where samples are skewed.
 
 use glanz_math::DVec3;
 use glanz_scene::SceneBuilder;

@@ -37,7 +37,9 @@ fn runs() -> Vec<Run> {
     ] {
         runs.push(Run { sampler, aovs: AovSet::ALL, ..Run::new(integrator, 5, 16) });
     }
-    runs.push(Run { branching: Some(3), sampler: SamplerKind::Sobol, ..Run::new("path", 5, 16) });
+    let sampler = SamplerKind::Sobol;
+    runs.push(Run { branching: Some(3), sampler, ..Run::new("path", 5, 16) });
+    runs.push(Run { spectral: true, sampler, aovs: AovSet::ALL, ..Run::new("light", 5, 16) });
     runs
 }
 
@@ -125,6 +127,9 @@ fn merged_halves_are_one_run() {
         assert_eq!(error, "parts 0 and 1 are of different pictures: the seed is 2 in part 0 and 7 in part 1");
         let mut foreign = halves[1].clone();
         foreign.identity.integrator.branching += 1;
+        assert!(matches!(merge([halves[0].clone(), foreign]), Err(MergeError::Picture { .. })));
+        let mut foreign = halves[1].clone();
+        foreign.identity.integrator.spectral ^= true;
         assert!(matches!(merge([halves[0].clone(), foreign]), Err(MergeError::Picture { .. })));
     }
     assert_eq!(merge([]), Err(MergeError::Empty));

@@ -157,6 +157,33 @@ fn dispersed_paths_end_where_the_hero_is_absorbed() {
     }
 }
 
+#[test]
+fn what_only_scatters_is_unseen_under_a_white_sky_at_wavelengths() {
+    let fog = MediumDescription { g: 0.3, ..MediumDescription::new(0.0, [0.5, 1.0, 3.0]) };
+    let scene = looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, [4, 4], 0.4)
+        .edit(|description| description.media.push(fog))
+        .shape(ShapeDescription::sphere(1.0).enclosing(0, None), MaterialKind::Interface)
+        .shape(ShapeDescription::sphere(0.3).translated([0.2, 0.1, 0.0]), dispersive_glass("glass-SF11", 0.0))
+        .light(LightDescription::infinite([1.0; 3]));
+    for name in ["path", "guided"] {
+        let run = spectral(Run::new(name, 200, 1024));
+        run.picture(&scene).assert_average([1.0; 3], 0.05, &run.name());
+    }
+}
+
+#[test]
+fn grey_absorption_leaves_the_same_at_wavelengths() {
+    let scene = one_pixel(DVec3::ZERO, DVec3::X)
+        .edit(|description| {
+            description.media.push(MediumDescription::new(0.7, 0.0));
+            description.camera_medium = Some(0);
+        })
+        .shape(ShapeDescription::sphere(2.0).reversed().emitting([1.0; 3]), diffuse(0.0));
+    let run = spectral(Run::new("path", 1, 4096));
+    // The way from the middle to the sphere is 2 m.
+    run.picture(&scene).assert_average([(-1.4_f64).exp(); 3], 0.02, &run.name());
+}
+
 /// An equilateral prism of side 1 along z, its base on y = 0.
 fn prism() -> ShapeDescription {
     let corner = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);

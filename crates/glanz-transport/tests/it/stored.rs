@@ -31,16 +31,32 @@ fn square(corner: DVec3, a: DVec3, b: DVec3) -> GeometryDescription {
 /// What a camera sees of a 2 m x 2 m square around (2, 0, 0) that faces it with one side and reflects half of the light, at the place
 /// `y` metres from its middle; `first`: another shape before it, which has no light.
 fn seen(material: &MaterialKind, from: DVec3, to: DVec3, turned: bool) -> f64 {
+    let run = Run { sampler: SamplerKind::Center, ..Run::new("radiosity", 5, 1) };
+    seen_by(&run, material, from, to, turned)[0]
+}
+
+/// As [`seen`], in red, green and blue.
+fn seen_by(run: &Run, material: &MaterialKind, from: DVec3, to: DVec3, turned: bool) -> [f64; 3] {
     let (a, b) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
     let corner = DVec3::new(2.0, -1.0, -1.0);
     let wall = if turned { square(corner, b, a) } else { square(corner, a, b) };
     let scene = one_pixel(from, to)
         .shape(square(DVec3::new(-1.0, -1.0, -2.0), a, DVec3::X * 2.0), material.clone())
         .shape(wall, diffuse(0.5));
-    let run = Run { sampler: SamplerKind::Center, ..Run::new("radiosity", 5, 1) };
     let integrator = run.integrator_settings().build_with_light(Arc::new(Slope));
     let outcome = run.outcome_with(&scene, integrator.as_ref());
-    run.picture_of(&outcome).mean[0][0]
+    run.picture_of(&outcome).mean.map(|band| band[0])
+}
+
+#[test]
+fn stored_light_is_daylight_at_wavelengths() {
+    let run = Run { spectral: true, sampler: SamplerKind::Sobol, ..Run::new("radiosity", 5, 1024) };
+    let seen_in = |run: &Run| seen_by(run, &diffuse(0.5), DVec3::ZERO, DVec3::new(2.0, 0.5, 0.25), false);
+    let [grey, ..] = seen_in(&Run { spectral: false, ..run.clone() });
+    for band in seen_in(&run) {
+        // Grey is daylight of its luminance, up to the noise of 1024 stratified wavelengths.
+        assert!((band / grey - 1.0).abs() < 0.01, "{band}, not {grey}");
+    }
 }
 
 #[test]
