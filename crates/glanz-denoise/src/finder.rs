@@ -25,13 +25,17 @@ pub(crate) fn candidates(directory: Option<&OsStr>) -> Vec<PathBuf> {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
-    fn named_folder_is_searched_alone_with_its_lib_and_bin() {
+    fn named_folder_is_searched_alone_with_those_of_its_libraries() {
         let found = candidates(Some(OsStr::new("folder")));
         assert!(found.iter().all(|path| path.starts_with("folder")));
-        assert!(found.iter().any(|path| path.parent().is_some_and(|parent| parent.ends_with("lib"))));
+        for inner in ["folder", "folder/lib", "folder/lib64", "folder/bin"] {
+            assert!(found.iter().any(|path| path.parent() == Some(Path::new(inner))), "{inner}");
+        }
     }
 
     #[test]
