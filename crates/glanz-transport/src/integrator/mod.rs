@@ -234,7 +234,7 @@ pub struct IntegratorSettings {
     pub max_depth: u32,
     /// Whether lights are sampled at every hit; otherwise they are found by BSDF sampling alone.
     pub light_sampling: bool,
-    /// Number of rays from the first rough surface on the way of a camera ray, from 1 to [`BRANCHING_LIMIT`].
+    /// Number of rays from the first rough surface or scattering point in a medium on the way of a camera ray, from 1 to [`BRANCHING_LIMIT`].
     pub branching: u32,
     /// The kind of guide to train.
     pub guide: GuideSettings,

@@ -13,7 +13,7 @@ use super::{Context, Integrator, IntegratorSettings, radiance_of_one};
 /// At every scattering event one light is sampled, too; light that both techniques can find is weighted by the power heuristic
 /// (@veach1995). Without light sampling, light is found by chance alone, and that of point and directional lights never.
 ///
-/// At its first rough surface a camera ray divides into [`IntegratorSettings::branching`] paths, each with a light and a direction of
+/// At its first rough surface, or where a medium first scatters it, a camera ray divides into [`IntegratorSettings::branching`] paths, each with a light and a direction of
 /// its own. Camera ray, first hit and film are then paid once for several paths, which is worth it where most variance is that of
 /// indirect light.
 #[derive(Clone, Copy, Debug)]

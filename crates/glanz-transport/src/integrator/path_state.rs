@@ -14,7 +14,7 @@ use super::vertex::{PreviousVertex, ScatteredRay};
 #[derive(Clone, Copy)]
 pub(super) struct PathRay {
     pub(super) origin: PreviousVertex,
-    /// Those of [`DirectionSampler::light_groups`] at its origin.
+    /// Weights of the groups of lights at its origin, see [`DirectionSampler::light_groups`]; 0 where no light was selected.
     pub(super) light_groups: [f64; MAX_LIGHT_GROUPS],
 }
 
@@ -25,7 +25,7 @@ pub(super) struct PathState<P> {
     pub(super) sample: u32,
     /// The sample index of its random numbers; that of its sample until it divides, see [`PathState::branch`].
     pub(super) sampler_index: u32,
-    /// Number of paths into which it divides at its first rough surface.
+    /// Number of paths into which it divides at its first rough vertex.
     pub(super) branches: u32,
     /// Whether it continues.
     pub(super) is_active: bool,
