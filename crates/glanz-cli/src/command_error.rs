@@ -54,7 +54,10 @@ fn advice(error: &Error) -> Option<String> {
         Error::NoModel { .. } => "triangles can be made of a scene: .glb, .obj or .ply",
         Error::NoGuide { .. } => "add --integrator guided",
         Error::NoStoredLight { .. } => "add --integrator radiosity",
-        Error::NoiseOf { .. } => "add --integrator path, or use a learnt guide with --guide-in",
+        Error::NoiseOf { integrator: "guided" } => {
+            "use a learnt guide with --guide-in, or add --integrator path"
+        }
+        Error::NoiseOf { .. } => "add --integrator path",
         Error::Branching { .. } => "add --integrator path or distributed, or leave out --branching",
         Error::SampleRange { range, sampler, .. } => {
             return Some(format!(
@@ -76,7 +79,7 @@ fn advice(error: &Error) -> Option<String> {
         Error::Merge(MergeError::Overlap { .. }) => {
             "render every part with a range of its own: --samples A..B"
         }
-        Error::Merge(MergeError::Learning { .. }) => {
+        Error::Merge(MergeError::Ordered { .. }) => {
             "learn a guide once with --guide-out, render every part with --guide-in, and without --noise"
         }
         Error::Denoise(DenoiseError::NotFound { .. }) => {

@@ -25,7 +25,7 @@ pub enum MergeError {
     },
     /// A part whose samples depend on earlier ones.
     #[error("the samples of part {part} depend on earlier ones, so that it cannot be joined with others")]
-    Learning {
+    Ordered {
         /// Its number.
         part: usize,
     },
@@ -54,17 +54,17 @@ pub enum MergeError {
 /// Parts are taken one by one, so that an iterator that reads files needs memory for two of them.
 ///
 /// # Errors
-/// [`MergeError`] if the parts are of different pictures or edges, share samples, or have more than a film can hold.
+/// [`MergeError`] if the parts are of different pictures or edges, share samples, depend on the order of samples, or have more than a film can hold.
 pub fn merge(parts: impl IntoIterator<Item = Checkpoint>) -> Result<Checkpoint, MergeError> {
     let mut parts = parts.into_iter();
     let mut whole = parts.next().ok_or(MergeError::Empty)?;
     let mut taken: Vec<SampleRanges> = vec![whole.film.samples().clone()];
-    let learnt = |part, film: &Film| {
-        if film.format().is_ordered() { Err(MergeError::Learning { part }) } else { Ok(()) }
+    let check_order = |part, film: &Film| {
+        if film.format().is_ordered() { Err(MergeError::Ordered { part }) } else { Ok(()) }
     };
     for (part, next) in (1..).zip(parts) {
-        learnt(0, &whole.film)?;
-        learnt(part, &next.film)?;
+        check_order(0, &whole.film)?;
+        check_order(part, &next.film)?;
         next.identity.check(&whole.identity).map_err(|mismatch| MergeError::Picture { part, mismatch })?;
         let shared = taken.iter().enumerate().find_map(|(i, t)| Some((i, t.overlap(next.film.samples())?)));
         if let Some((first, samples)) = shared {

@@ -109,7 +109,7 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     time: Option<Duration>,
     /// Take samples until this standard error of a pixel, relative to the brightness around it (0.02: 2 %); some parts of the picture take more than
-    /// others. --spp is then a limit of at least 32; EXR files get the channels of the variance [not for light, nor for guided without --guide-in]
+    /// others. --spp is then a limit; noise is first checked after 32 samples; EXR files get the channels of the variance [not for light, nor for guided without --guide-in]
     #[arg(long, value_name = "LEVEL", value_parser = positive, conflicts_with = "samples")]
     pub(crate) noise: Option<f64>,
     /// Size of the full picture in pixels

@@ -78,7 +78,7 @@ fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -
             let (first, second, last) = (name(*first), name(*second), samples.end - 1);
             Some(format!("{first} and {second} both have samples {} to {last}", samples.start))
         }
-        Error::Merge(MergeError::Learning { part }) => Some(format!(
+        Error::Merge(MergeError::Ordered { part }) => Some(format!(
             "the samples of {} depend on earlier ones (a noise level, or a guide that was learnt during the render)",
             name(*part)
         )),

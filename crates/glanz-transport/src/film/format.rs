@@ -47,9 +47,9 @@ pub enum FilmError {
     /// Two films with common samples.
     #[error(transparent)]
     Overlap(#[from] OverlapError),
-    /// A film whose training or noise level depends on the order of samples, which cannot be merged.
+    /// A film whose samples depend on earlier ones, which cannot be merged.
     #[error("its samples depend on earlier ones")]
-    Learning,
+    Ordered,
     /// More samples than the sums can hold exactly.
     #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
     Samples(u64),

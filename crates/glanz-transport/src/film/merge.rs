@@ -11,7 +11,7 @@ impl Film {
     ///
     /// # Errors
     /// [`FilmError::Layout`] if the formats or the edges differ, [`FilmError::Overlap`] if a sample is in both, and
-    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Learning`] for films with passes or a noise level; after an error this film is
+    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Ordered`] for films with passes or a noise level; after an error this film is
     /// unchanged.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
         if self.format != other.format {
@@ -21,7 +21,7 @@ impl Film {
             return Err(FilmError::Layout("edges over the picture"));
         }
         if self.format.is_ordered() {
-            return Err(FilmError::Learning);
+            return Err(FilmError::Ordered);
         }
         let total = self.samples.total() + other.samples.total();
         if total > u64::from(MAX_TERMS) {

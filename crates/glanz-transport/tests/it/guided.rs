@@ -192,8 +192,8 @@ fn parts_with_one_guide_are_the_whole_and_parts_that_learn_are_refused() {
     foreign.identity.guide = Some(8);
     assert!(matches!(merge([parts[0].clone(), foreign]), Err(MergeError::Picture { part: 1, .. })));
     let learnt = through_bytes(learning, &run, None);
-    assert_eq!(merge([parts[0].clone(), learnt.clone()]), Err(MergeError::Learning { part: 1 }));
-    assert_eq!(merge([learnt.clone(), parts[0].clone()]), Err(MergeError::Learning { part: 0 }));
+    assert_eq!(merge([parts[0].clone(), learnt.clone()]), Err(MergeError::Ordered { part: 1 }));
+    assert_eq!(merge([learnt.clone(), parts[0].clone()]), Err(MergeError::Ordered { part: 0 }));
     assert_eq!(merge([learnt.clone()]), Ok(learnt));
 }
 

@@ -95,7 +95,7 @@ fn samples_are_taken_in_order_and_films_cannot_be_joined() {
     let film = Film::try_new(format(0.06)).unwrap();
     assert!(matches!(run(7).resume(&wall(), film, 5..20, None), Err(RenderError::Order { next: 0 })));
     let (mut one, other) = (adaptive(&run(7), 0.06, 8), Film::try_new(format(0.06)).unwrap());
-    assert_eq!(one.merge(&other), Err(FilmError::Learning));
+    assert_eq!(one.merge(&other), Err(FilmError::Ordered));
 }
 
 #[test]
