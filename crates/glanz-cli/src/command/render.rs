@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glanz::file::FileUses;
 use glanz::job::JobEnd;
-use glanz::transport::{AovSet, Film, GuideSize};
+use glanz::transport::{AovSet, Film, GuideSize, NoiseLevel};
 use glanz::{Error, LoadedScene, Picture};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::interrupt;
@@ -48,8 +48,14 @@ struct RenderReport {
     sampler: &'static str,
     seed: u64,
     threads: usize,
-    /// Samples that each pixel of the picture has.
+    /// Samples of each pixel of the picture; with a noise level, the largest number.
     samples_per_pixel: u64,
+    /// Mean of the samples per pixel.
+    mean_samples_per_pixel: f64,
+    /// The noise level, a relative standard error.
+    noise: Option<f64>,
+    /// Whether noise was removed.
+    denoised: bool,
     /// The same as ranges.
     sample_ranges: String,
     /// Samples of this run, over all pixels.
@@ -202,6 +208,9 @@ fn finish(
         seed: identity.seed,
         threads: statistics.threads,
         samples_per_pixel: film.samples().total(),
+        mean_samples_per_pixel: film.mean_samples(),
+        noise: identity.film.noise.map(NoiseLevel::error),
+        denoised: picture.is_denoised(),
         sample_ranges: film.samples().to_string(),
         samples: statistics.samples,
         seconds,

@@ -82,6 +82,12 @@ impl Picture {
         &self.warnings
     }
 
+    /// Whether the noise of its colours was removed.
+    #[must_use]
+    pub fn is_denoised(&self) -> bool {
+        self.denoised.is_some()
+    }
+
     /// The planes of the picture, linear light; the colours without noise, if it was removed (variances stay those of the noisy colours).
     ///
     /// # Errors

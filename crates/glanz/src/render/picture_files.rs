@@ -34,13 +34,20 @@ impl Picture {
 /// Header attributes of an EXR file: only those that the picture depends on, so that equal pictures are equal files.
 fn attributes(picture: &Picture) -> BTreeMap<String, String> {
     let identity = picture.identity();
-    let entries = [
+    let mut entries = vec![
         ("software", format!("Glanz {}", identity.version)),
         ("glanz.integrator", identity.integrator.to_string()),
         ("glanz.sampler", identity.sampler.name().to_owned()),
         ("glanz.samples", picture.film().samples().to_string()),
         ("glanz.seed", identity.seed.to_string()),
     ];
+    if let Some(level) = identity.film.noise {
+        entries.push(("glanz.noise", level.error().to_string()));
+        entries.push(("glanz.mean_samples", picture.film().mean_samples().to_string()));
+    }
+    if picture.is_denoised() {
+        entries.push(("glanz.denoised", "true".to_owned()));
+    }
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
