@@ -2,7 +2,8 @@
 //!
 //! A surface of opacity a stops a ray at a point with probability a; otherwise the ray continues to the next hit as if there were none. The
 //! decision is a hash of the ray and the hit: it does not depend on threads, batches or the order of the search, and a ray that is
-//! traced again meets the same surfaces.
+//! traced again meets the same surfaces. Textures of opacity are read at the hit alone: their mean over the footprint of a ray would stop as many
+//! rays, with the same variance.
 
 use std::sync::Arc;
 

@@ -7,6 +7,7 @@ use glanz_math::{AreaPdf, DVec3, Frame, Ray};
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_shading::{Bsdf, Material, TexturePoint};
 
+use crate::differential::SurfaceDifferential;
 use crate::light::LightId;
 use crate::medium::MediumInterface;
 use crate::parameterization::LocalPoint;
@@ -36,6 +37,8 @@ pub struct Interaction {
     pub wo: DVec3,
     /// Number of the shape in the order of the scene file; `u32::MAX` in a medium.
     pub id: u32,
+    /// How the point moves with that of the film, if the ray has a differential.
+    pub differential: Option<SurfaceDifferential>,
     /// The point in the frame of its shape; `None` if that is the world's.
     pub(crate) own: Option<LocalPoint>,
     /// Density of area sampling at the point, on lights that can be sampled.
@@ -85,7 +88,9 @@ impl Interaction {
     /// The BSDF at the point; `None` for an interface, which all rays pass.
     #[must_use]
     pub fn bsdf(&self, scene: &Scene, wavelengths: &Wavelengths) -> Option<Bsdf> {
+        let footprint = self.differential.as_ref().map(|differential| differential.footprint);
         let at = TexturePoint::new(self.point.uv, self.point.position).with_normal(self.point.normal);
+        let at = at.with_footprint(footprint);
         let mut material = scene.material(self.material);
         if matches!(material, Material::Mix(_)) {
             // As in pbrt, the same for every ray that comes along the same line: pictures do not depend on threads.

@@ -175,6 +175,7 @@ impl PlacedSurface<'_> {
             t: 0.0,
             wo: if back { -point.normal } else { point.normal },
             id: attributes.id,
+            differential: None,
             own: Some(own),
             area_pdf: None,
             material: attributes.material,

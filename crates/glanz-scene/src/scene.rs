@@ -15,6 +15,7 @@ use glanz_shading::{Material, TexturePoint, Textures};
 use crate::alpha::RayKind;
 use crate::camera::Camera;
 use crate::description::EdgeDescription;
+use crate::differential::{RayDifferential, SurfaceDifferential};
 use crate::hit::{NearestHit, SceneHit};
 use crate::interaction::Interaction;
 use crate::light::{Light, LightId, LightSelector, LightTree};
@@ -211,6 +212,18 @@ impl Scene {
         Some((at, self.parametric_point(&found, &at)))
     }
 
+    /// As [`Scene::intersect_parametric`], of a ray of unit direction that may have a differential.
+    #[must_use]
+    pub fn intersect_differential(
+        &self,
+        ray: &Ray,
+        differential: Option<&RayDifferential>,
+    ) -> Option<(Interaction, ParametricPoint)> {
+        let found = self.closest(self.world(), ray, f64::INFINITY)?;
+        let at = self.interaction_differential(ray, &found, differential);
+        Some((at, self.parametric_point(&found, &at)))
+    }
+
     /// The parameters of a hit of this scene. `at`: the point at the hit, by [`Scene::interaction`].
     #[must_use]
     pub fn parametric_point(&self, found: &SceneHit, at: &Interaction) -> ParametricPoint {
@@ -291,6 +304,17 @@ impl Scene {
     /// The point at a hit of this scene with this ray.
     #[must_use]
     pub fn interaction(&self, ray: &Ray, found: &SceneHit) -> Interaction {
+        self.interaction_differential(ray, found, None)
+    }
+
+    /// As [`Scene::interaction`], of a ray of unit direction that may have a differential.
+    #[must_use]
+    pub fn interaction_differential(
+        &self,
+        ray: &Ray,
+        found: &SceneHit,
+        differential: Option<&RayDifferential>,
+    ) -> Interaction {
         let (mut group, mut number) = (self.world(), found.surface);
         let (mut moved, mut depth) = (None, 0);
         let mut maps = [&Transform::IDENTITY; MAX_NESTING];
@@ -312,6 +336,7 @@ impl Scene {
             t: found.hit.t,
             wo: -ray.direction.normalize(),
             id: attributes.id,
+            differential: None,
             own: None,
             area_pdf: object.area_pdf(local, &found.hit),
             material: attributes.material,
@@ -322,6 +347,10 @@ impl Scene {
         object.place(&mut at.point, attributes.reversed);
         for map in maps[..depth].iter().rev() {
             at.point = at.point.transformed(map);
+        }
+        if let Some(differential) = differential {
+            let (point, normal) = object.differential_point(local, &found.hit, &maps[..depth]);
+            at.differential = SurfaceDifferential::try_new(ray, differential, at.t, &point, normal);
         }
         if attributes.has_detail {
             self.apply_surface_detail(&mut at, object, local, &found.hit, &maps[..depth]);

@@ -1,9 +1,9 @@
 //! Bumps and maps of normals: detail that changes the shading normal.
 
-use glanz_geometry::{Hit, RaySurface, SurfacePoint};
+use glanz_geometry::{Hit, SurfacePoint};
 use glanz_math::{DVec2, DVec3, Ray, Transform};
 use glanz_shading::Textures;
-use glanz_shading::texture::{FloatInput, ImageFilter, ImageWrap, MipMap, TexturePoint};
+use glanz_shading::texture::{FloatInput, ImageFilter, ImageWrap, MipMap, TextureFootprint, TexturePoint};
 
 use crate::interaction::Interaction;
 use crate::object::SceneObject;
@@ -32,9 +32,10 @@ impl SurfaceDetail {
         textures: &Textures,
         point: &SurfacePoint,
         derivatives: [DVec3; 2],
+        footprint: Option<TextureFootprint>,
     ) -> Option<DVec3> {
         let normal = match self {
-            Self::Bump(height) => bumped_normal(textures, height, point, derivatives)?,
+            Self::Bump(height) => bumped_normal(textures, height, point, derivatives, footprint)?,
             Self::NormalMap(picture) => mapped_normal(picture, point)?,
         };
         (normal.dot(point.normal) > 0.0).then_some(normal)
@@ -51,11 +52,12 @@ fn bumped_normal(
     height: &FloatInput,
     point: &SurfacePoint,
     [dndu, dndv]: [DVec3; 2],
+    footprint: Option<TextureFootprint>,
 ) -> Option<DVec3> {
     let &SurfacePoint { position, normal, shading_normal: n, uv, dpdu, dpdv, .. } = point;
     let height = |du: f64, dv: f64| {
         let moved = TexturePoint::new(uv + DVec2::new(du, dv), position + du * dpdu + dv * dpdv);
-        f64::from(textures.float(height, &moved.with_normal(normal)))
+        f64::from(textures.float(height, &moved.with_normal(normal).with_footprint(footprint)))
     };
     let here = height(0.0, 0.0);
     let slopes = [height(STEP, 0.0) - here, height(0.0, STEP) - here].map(|difference| difference / STEP);
@@ -67,9 +69,9 @@ fn bumped_normal(
 /// The normal of a picture in the frame of the shading normal and the derivative of the position by u.
 ///
 /// # Source
-/// @pbrt4 `NormalMap`. Departure: green leans towards growing v also where the texture coordinates or the surface are mirrored, as in @khr_gltf.
+/// @pbrt4 `NormalMap`, without a filter: light reflected by a mean normal is not the mean of the reflected light. Departure: green leans towards growing v also where the texture coordinates or the surface are mirrored, as in @khr_gltf.
 fn mapped_normal(picture: &MipMap, point: &SurfacePoint) -> Option<DVec3> {
-    let rgb = picture.lookup(point.uv, 0.0, ImageWrap::Repeat, ImageFilter::Bilinear);
+    let rgb = picture.lookup(point.uv, [DVec2::ZERO; 2], ImageWrap::Repeat, ImageFilter::Bilinear);
     let [x, y, z] = rgb.map(|c| 2.0 * f64::from(c) - 1.0);
     let n = point.shading_normal;
     let tangent = (point.dpdu - n * n.dot(point.dpdu)).try_normalize()?;
@@ -93,16 +95,9 @@ impl Scene {
         let Some(detail) = self.surface_details.get(at.material as usize).and_then(Option::as_ref) else {
             return;
         };
-        let mut point = object.surface().point(local, hit);
-        let mut derivatives = object.surface().normal_derivatives(hit, &point);
-        for map in object.to_parent().into_iter().chain(maps.iter().rev().copied()) {
-            derivatives = point.transformed_normal_derivatives(derivatives, map);
-            point = point.transformed(map);
-        }
-        if object.attributes(hit.face).reversed {
-            (point, derivatives) = (point.reversed(), derivatives.map(|derivative| -derivative));
-        }
-        if let Some(normal) = detail.shading_normal(&self.textures, &point, derivatives) {
+        let (point, derivatives) = object.differential_point(local, hit, maps);
+        let footprint = at.differential.map(|differential| differential.footprint);
+        if let Some(normal) = detail.shading_normal(&self.textures, &point, derivatives, footprint) {
             at.point.shading_normal = normal;
         }
     }

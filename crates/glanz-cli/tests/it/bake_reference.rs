@@ -61,8 +61,12 @@ fn reference(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, samples: u3
             || scene.environment_radiance(&ray, &Wavelengths::Rgb),
             |hit| scene.emitted(&hit, hit.wo),
         );
-        let mut context =
-            Context::new(scene, Some(CameraRay { ray, weight: 1.0 }), sampler, ContextOptions::new(false));
+        let mut context = Context::new(
+            scene,
+            Some(CameraRay { ray, weight: 1.0, differential: None }),
+            sampler,
+            ContextOptions::new(false),
+        );
         light += PI * (luminance(path.radiance(&mut context)) - luminance(own));
         sum += light;
         squares += light * light;

@@ -10,6 +10,7 @@ mod spherical;
 
 use glanz_math::{DVec2, DVec3, Ray, Transform};
 
+use crate::RayDifferential;
 use crate::description::{CameraDescription, CameraKind, FilmDescription};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::resolve::range_error;
@@ -21,6 +22,10 @@ pub use perspective::Perspective;
 pub use realistic::RealisticLens;
 pub use screen::Screen;
 pub use spherical::Spherical;
+
+/// Distance on the film, pixels, of the rays whose difference is a derivative: a power of 2, so far above the rounding of directions and so far below a pixel
+/// that either error is below 1e-5.
+const DIFFERENTIAL_STEP: f64 = 1.0 / 1024.0;
 
 /// A camera in the world; its rays have unit directions.
 #[derive(Clone, Debug)]
@@ -42,6 +47,8 @@ pub struct CameraRay {
     pub ray: Ray,
     /// Factor for the light along it; 1 but for realistic lenses.
     pub weight: f64,
+    /// The derivatives of the ray by the film, if they were asked for.
+    pub differential: Option<RayDifferential>,
 }
 
 /// A point of the scene projected on the film.
@@ -161,7 +168,29 @@ impl Camera {
             ray.direction = focus - ray.origin;
         }
         let world = self.to_world.ray(&ray);
-        Some(CameraRay { ray: Ray::new(world.origin, world.direction.normalize()), weight })
+        Some(CameraRay {
+            ray: Ray::new(world.origin, world.direction.normalize()),
+            weight,
+            differential: None,
+        })
+    }
+
+    /// As [`Camera::ray`], with the derivatives by film points in units of `spacing` pixels. Beside the rays of a picture's border, where there may be no rays, they are
+    /// those inwards, or none.
+    #[must_use]
+    pub fn ray_with_differential(&self, film: DVec2, lens: DVec2, spacing: f64) -> Option<CameraRay> {
+        let camera = self.ray(film, lens)?;
+        let along = |axis: DVec2| {
+            [DIFFERENTIAL_STEP, -DIFFERENTIAL_STEP].into_iter().find_map(|step| {
+                let beside = self.ray(film + step * axis, lens)?.ray;
+                let Ray { origin, direction } = camera.ray;
+                Some([(beside.origin - origin) / step, (beside.direction - direction) / step])
+            })
+        };
+        let differential = along(DVec2::X)
+            .zip(along(DVec2::Y))
+            .map(|(x, y)| RayDifferential { origin: [x[0], y[0]], direction: [x[1], y[1]] }.scaled(spacing));
+        Some(CameraRay { differential, ..camera })
     }
 
     /// Whether rays depend on the point of the lens.

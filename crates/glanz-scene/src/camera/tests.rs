@@ -100,7 +100,7 @@ fn points_on_a_ray_are_projected_to_its_film_point() {
             (DVec2::new(31.0, 11.0), DVec2::new(0.9, 0.1), 3.0),
             (DVec2::new(20.0, 29.0), DVec2::new(0.5, 0.4), 50.0),
         ] {
-            let CameraRay { ray, weight } = camera.ray(place, lens).unwrap();
+            let CameraRay { ray, weight, .. } = camera.ray(place, lens).unwrap();
             assert_eq!(weight, 1.0);
             let seen = camera.project(ray.at(t), lens).unwrap();
             assert!((seen.film - place).length() < 1e-11, "{camera:?} {} {place}", seen.film);
@@ -141,6 +141,24 @@ fn density_is_the_film_area_of_a_small_surface_across_the_ray() {
         let area = side(a).perp_dot(side(b)).abs();
         let density = camera.project(point, lens).unwrap().density;
         assert!((density / area - 1.0).abs() < 1e-7, "{density} {area}");
+    }
+}
+
+#[test]
+fn differentials_span_the_area_of_a_pixel() {
+    for camera in cameras() {
+        let (film, lens) = (DVec2::new(14.0, 21.0), DVec2::new(0.3, 0.8));
+        let CameraRay { ray, differential, .. } = camera.ray_with_differential(film, lens, 0.5).unwrap();
+        assert_eq!(camera.ray(film, lens).unwrap().ray, ray);
+        let RayDifferential { origin, direction } = differential.unwrap();
+        let t = 2.5;
+        let [x, y] = [0, 1].map(|i| origin[i] + t * direction[i]);
+        let area = x.cross(y).dot(ray.direction).abs();
+        // A spacing of half a pixel: a quarter of the area.
+        let expected = 0.25 / camera.density(ray.at(t), ray.direction);
+        assert!((area / expected - 1.0).abs() < 1e-3, "{area} {expected}");
+        let beside = camera.ray(film + 0.5 * DVec2::X, lens).unwrap().ray.at(t);
+        assert!((ray.at(t) + x - beside).length() < 0.05 * x.length(), "{x}");
     }
 }
 

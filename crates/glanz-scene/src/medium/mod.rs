@@ -198,6 +198,7 @@ impl Interaction {
             t,
             wo,
             id: NO_SHAPE,
+            differential: None,
             own: None,
             area_pdf: None,
             material: 0,

@@ -92,7 +92,7 @@ pub(super) fn surface_details(
                 if let Some(Some(picture)) = pictures.get(index) {
                     return Ok(Some(SurfaceDetail::NormalMap(picture.clone())));
                 }
-                let picture = MipMap::try_new(&source.pixels, false).map_err(|reason| {
+                let picture = MipMap::try_new(&source.pixels).map_err(|reason| {
                     let name = name_in_messages(&material.name);
                     let (what, reason) = (format!("normal map of material {name}"), reason.to_string());
                     SceneError { location, kind: SceneErrorKind::Texture { name: what, reason } }

@@ -6,7 +6,7 @@ use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_shading::Textures;
 use glanz_shading::parameter::ParameterResolver;
 use glanz_shading::texture::{
-    Bilerp, Checkerboard, DirectionMix, Dots, FloatInput, Fractal, ImageFilter, ImageTexture, Marble, MipMap,
+    Bilerp, Checkerboard, DirectionMix, Dots, FloatInput, Fractal, ImageTexture, Marble, MipMap,
     SpectralConstant, SpectrumInput, Texture, TextureId, TextureMapping,
 };
 
@@ -111,7 +111,6 @@ pub(super) fn textures(
     description: &Description,
     wavelengths: &Wavelengths,
 ) -> Result<ResolvedTextures, SceneError> {
-    // The pyramid takes a third more memory: it is built only for pictures that a texture filters by it.
     let mut images: Vec<Option<MipMap>> = vec![None; description.images.len()];
     let (mut textures, mut ids) = (Textures::new(), Vec::new());
     for texture in &description.textures {
@@ -206,10 +205,7 @@ fn image(
     if let Some(image) = slot {
         return Ok(image.clone());
     }
-    let filters_by_levels = |t: &TextureDescription| matches!(&t.kind, TextureKind::Image { image, filter: ImageFilter::Trilinear, .. } if *image == index);
-    let with_levels = description.textures.iter().any(filters_by_levels);
-    let image =
-        MipMap::try_new(&source.pixels, with_levels).map_err(|reason| texture_error(texture, reason))?;
+    let image = MipMap::try_new(&source.pixels).map_err(|reason| texture_error(texture, reason))?;
     Ok(slot.insert(image).clone())
 }
 

@@ -5,6 +5,7 @@
 mod alpha;
 mod area_lights;
 mod batch;
+mod differential;
 mod emission;
 mod image_light;
 mod light_selection;

@@ -1,7 +1,7 @@
 //! Sums of noise as textures of numbers.
 
 use super::noise::{fractal_sum, turbulence};
-use super::{TextureCoordinates, TextureMapping, TexturePoint};
+use super::{TextureMapping, TexturePoint};
 
 /// The kinds of sums of noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,13 +40,13 @@ impl Fractal {
     /// The value at a point, of either sign.
     #[must_use]
     pub fn evaluate(&self, at: &TexturePoint) -> f32 {
-        let TextureCoordinates { position, width, .. } = self.mapping.coordinates(at);
+        let position = self.mapping.coordinates(at).position;
         let value = match self.kind {
-            FractalKind::Fbm { octaves, roughness } => fractal_sum(position, width, roughness, octaves),
-            FractalKind::Wrinkled { octaves, roughness } => turbulence(position, width, roughness, octaves),
+            FractalKind::Fbm { octaves, roughness } => fractal_sum(position, roughness, octaves),
+            FractalKind::Wrinkled { octaves, roughness } => turbulence(position, roughness, octaves),
             FractalKind::Windy => {
-                let wind = fractal_sum(0.1 * position, 0.1 * width, 0.5, 3);
-                wind.abs() * fractal_sum(position, width, 0.5, 6)
+                let wind = fractal_sum(0.1 * position, 0.5, 3);
+                wind.abs() * fractal_sum(position, 0.5, 6)
             }
         };
         value as f32

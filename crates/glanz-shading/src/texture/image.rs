@@ -1,6 +1,7 @@
 //! Pictures as textures.
 
 use glanz_light::Spectrum;
+use glanz_math::DVec2;
 
 use super::{ImageFilter, ImageWrap, MipMap, TextureMapping, TexturePoint};
 
@@ -22,12 +23,22 @@ pub struct ImageTexture {
 }
 
 impl ImageTexture {
+    /// Whether it averages over footprints.
+    #[must_use]
+    pub fn uses_footprints(&self) -> bool {
+        matches!(self.filter, ImageFilter::Trilinear | ImageFilter::Anisotropic { .. })
+            && self.image.levels() > 1
+    }
+
     /// The value at a point, never negative.
     #[must_use]
     pub fn evaluate(&self, at: &TexturePoint) -> Spectrum {
-        let coordinates = self.mapping.coordinates(at);
-        let st = coordinates.position.truncate();
-        let rgb = self.image.lookup(st, coordinates.width, self.wrap, self.filter).map(|x| {
+        let st = self.mapping.coordinates(at).position.truncate();
+        let footprint = match &at.footprint {
+            Some(footprint) if self.uses_footprints() => self.mapping.footprint(at, footprint),
+            _ => [DVec2::ZERO; 2],
+        };
+        let rgb = self.image.lookup(st, footprint, self.wrap, self.filter).map(|x| {
             let x = self.scale * x;
             if self.invert { (1.0 - x).max(0.0) } else { x.max(0.0) }
         });
@@ -45,7 +56,7 @@ mod tests {
     #[test]
     fn scale_and_invert_apply_to_values() {
         let texture = |scale, invert| ImageTexture {
-            image: MipMap::try_new(&Pixels::try_from_rgb(1, 1, &[[0.25; 3]]).unwrap(), true).unwrap(),
+            image: MipMap::try_new(&Pixels::try_from_rgb(1, 1, &[[0.25; 3]]).unwrap()).unwrap(),
             mapping: TextureMapping::default(),
             wrap: ImageWrap::Repeat,
             filter: ImageFilter::Bilinear,

@@ -4,15 +4,13 @@ use std::f64::consts::{PI, TAU};
 
 use glanz_math::{DVec2, DVec3, Transform};
 
-use super::TexturePoint;
+use super::{TextureFootprint, TexturePoint};
 
-/// Coordinates in a texture, and the extent to average over.
+/// Coordinates in a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureCoordinates {
     /// The coordinates; the third is 0 for flat textures.
     pub position: DVec3,
-    /// Extent in the same units, one number for all directions; 0 without a footprint.
-    pub width: f64,
     /// Whether the third coordinate counts.
     pub solid: bool,
 }
@@ -88,64 +86,59 @@ impl TextureMapping {
     /// Coordinates of a point.
     #[must_use]
     pub fn coordinates(&self, at: &TexturePoint) -> TextureCoordinates {
-        let flat = |x: f64, y: f64, width: f64| TextureCoordinates {
-            position: DVec3::new(x, y, 0.0),
-            width,
-            solid: false,
-        };
+        let flat = |x: f64, y: f64| TextureCoordinates { position: DVec3::new(x, y, 0.0), solid: false };
         match self {
             Self::Uv { scale, offset } => {
                 let st = *scale * at.uv + *offset;
-                flat(st.x, st.y, at.uv_width * scale.abs().max_element())
+                flat(st.x, st.y)
             }
             Self::Planar { v1, v2, offset, to_texture } => {
                 let p = to_texture.point(at.position);
-                let width = local_width(to_texture, at) * v1.length().max(v2.length());
-                flat(p.dot(*v1) + offset.x, p.dot(*v2) + offset.y, width)
+                flat(p.dot(*v1) + offset.x, p.dot(*v2) + offset.y)
             }
             Self::Spherical { to_texture } => {
                 let p = to_texture.point(at.position);
                 let around = p.x.hypot(p.y);
                 let phi = p.y.atan2(p.x);
                 let phi = if phi < 0.0 { phi + TAU } else { phi };
-                // The angle from the axis grows by 1 / |p| per metre.
-                flat(
-                    around.atan2(p.z) / PI,
-                    phi / TAU,
-                    finite(local_width(to_texture, at) / (PI * p.length())),
-                )
+                flat(around.atan2(p.z) / PI, phi / TAU)
             }
             Self::Cylindrical { to_texture } => {
                 let p = to_texture.point(at.position);
-                let width = local_width(to_texture, at);
-                let turn = finite(width / (TAU * p.x.hypot(p.y)));
-                flat((PI + p.y.atan2(p.x)) / TAU, p.z, width.max(turn))
+                flat((PI + p.y.atan2(p.x)) / TAU, p.z)
             }
-            Self::Solid { to_texture } => TextureCoordinates {
-                position: to_texture.point(at.position),
-                width: local_width(to_texture, at),
-                solid: true,
-            },
+            Self::Solid { to_texture } => {
+                TextureCoordinates { position: to_texture.point(at.position), solid: true }
+            }
         }
     }
-}
 
-/// The extent of the footprint in the texture's space; the largest over the axes.
-fn local_width(to_texture: &Transform, at: &TexturePoint) -> f64 {
-    if at.position_width == 0.0 {
-        return 0.0;
+    /// The sides of the footprint of a point in the first two coordinates: differences between both ends of a side, which are bounded on the axes of
+    /// spheres and cylinders, too.
+    #[must_use]
+    pub fn footprint(&self, at: &TexturePoint, footprint: &TextureFootprint) -> [DVec2; 2] {
+        if let Self::Uv { scale, .. } = self {
+            return footprint.uv.map(|side| *scale * side);
+        }
+        let here = self.coordinates(at).position.truncate();
+        footprint.position.map(|side| {
+            let end = TexturePoint { position: at.position + side, ..*at };
+            let mut difference = self.coordinates(&end).position.truncate() - here;
+            // The shorter way around.
+            match self {
+                Self::Spherical { .. } => difference.y -= difference.y.round(),
+                Self::Cylindrical { .. } => difference.x -= difference.x.round(),
+                Self::Uv { .. } | Self::Planar { .. } | Self::Solid { .. } => {}
+            }
+            difference
+        })
     }
-    let m = to_texture.forward().matrix3;
-    at.position_width * m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
-}
-
-/// On the axis of a mapping the extent has no bound: the whole turn is averaged.
-fn finite(width: f64) -> f64 {
-    if width.is_nan() { 0.0 } else { width.min(1.0) }
 }
 
 #[cfg(test)]
 mod tests {
+    use glanz_math::DMat4;
+
     use super::*;
 
     fn at(x: f64, y: f64, z: f64) -> TexturePoint {
@@ -159,9 +152,11 @@ mod tests {
     #[test]
     fn uv_scales_and_shifts() {
         let mapping = TextureMapping::Uv { scale: DVec2::new(4.0, -2.0), offset: DVec2::new(0.5, 1.0) };
-        let point = at(9.0, 9.0, 9.0).with_footprint(0.1, 0.0);
+        let point = at(9.0, 9.0, 9.0);
         assert_eq!(flat(&mapping, &point), DVec2::new(1.5, 0.0));
-        assert!((mapping.coordinates(&point).width - 0.4).abs() < 1e-15);
+        let uv = [DVec2::new(0.25, 0.5), DVec2::new(0.0, -1.0)];
+        let footprint = TextureFootprint { uv, position: [DVec3::ZERO; 2] };
+        assert_eq!(mapping.footprint(&point, &footprint), [DVec2::new(1.0, -1.0), DVec2::new(0.0, 2.0)]);
     }
 
     #[test]
@@ -194,14 +189,37 @@ mod tests {
         assert_eq!(flat(&mapping, &at(-2.0, 0.0, 0.0)), DVec2::new(1.0, 0.0));
     }
 
+    fn in_space(position: [DVec3; 2]) -> TextureFootprint {
+        TextureFootprint { uv: [DVec2::ZERO; 2], position }
+    }
+
+    #[test]
+    fn footprints_are_measured_in_the_space_of_the_texture() {
+        let to_texture = Transform::try_from_matrix(DMat4::from_scale(DVec3::splat(3.0))).unwrap();
+        let mapping = TextureMapping::Planar { v1: DVec3::Y, v2: DVec3::Z, offset: DVec2::ONE, to_texture };
+        let axes = mapping.footprint(&at(1.0, 2.0, 3.0), &in_space([DVec3::X, DVec3::new(0.0, 0.5, -1.0)]));
+        assert_eq!(axes, [DVec2::ZERO, DVec2::new(1.5, -3.0)]);
+    }
+
+    #[test]
+    fn footprints_over_the_seam_of_a_mapping_are_as_small_as_elsewhere() {
+        let (to_texture, across) = (Transform::IDENTITY, in_space([DVec3::new(0.0, 0.02, 0.0), DVec3::ZERO]));
+        let turn = 2.0 * 0.01_f64.atan() / TAU;
+        let spherical = TextureMapping::Spherical { to_texture };
+        let axes = spherical.footprint(&at(1.0, -0.01, 0.0), &across);
+        assert!((axes[0] - DVec2::new(0.0, turn)).length() < 1e-15, "{axes:?}");
+        let cylindrical = TextureMapping::Cylindrical { to_texture };
+        let axes = cylindrical.footprint(&at(-1.0, -0.01, 0.0), &across);
+        assert!((axes[0] - DVec2::new(-turn, 0.0)).length() < 1e-15, "{axes:?}");
+    }
+
     #[test]
     fn footprints_on_the_axis_of_a_mapping_stay_finite() {
-        for mapping in [
-            TextureMapping::Spherical { to_texture: Transform::IDENTITY },
-            TextureMapping::Cylindrical { to_texture: Transform::IDENTITY },
-        ] {
-            let width = mapping.coordinates(&at(0.0, 0.0, 0.0).with_footprint(0.1, 0.1)).width;
-            assert!((0.0..=1.0).contains(&width));
+        let to_texture = Transform::IDENTITY;
+        for mapping in [TextureMapping::Spherical { to_texture }, TextureMapping::Cylindrical { to_texture }]
+        {
+            let axes = mapping.footprint(&at(0.0, 0.0, 0.0), &in_space([DVec3::splat(0.1), DVec3::X]));
+            assert!(axes.iter().all(|axis| axis.abs().max_element() <= 1.0), "{axes:?}");
         }
     }
 }

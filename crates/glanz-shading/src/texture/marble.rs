@@ -46,9 +46,8 @@ impl Marble {
     /// The colour at a point.
     #[must_use]
     pub fn evaluate(&self, at: &TexturePoint) -> Spectrum {
-        let coordinates = self.mapping.coordinates(at);
-        let (p, width) = (self.scale * coordinates.position, self.scale.abs() * coordinates.width);
-        let displacement = self.variation * fractal_sum(p, width, self.roughness, self.octaves);
+        let p = self.scale * self.mapping.coordinates(at).position;
+        let displacement = self.variation * fractal_sum(p, self.roughness, self.octaves);
         Spectrum::from_rgb(layer_color(0.5 + 0.5 * (p.y + displacement).sin()))
     }
 }

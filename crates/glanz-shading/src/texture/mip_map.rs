@@ -1,9 +1,11 @@
 //! Pictures with mipmap levels.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glanz_light::Pixels;
 use glanz_math::DVec2;
+
+use super::footprint::FootprintEllipse;
 
 /// An error of [`MipMap::try_new`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -47,8 +49,16 @@ pub enum ImageFilter {
     /// Bilinear interpolation.
     #[default]
     Bilinear,
-    /// Bilinear interpolation in the two levels of the mipmap whose pixels are nearest in size to the footprint.
+    /// Bilinear interpolation in the two levels of the mipmap whose pixels are nearest in size to the longer axis of the footprint.
     Trilinear,
+    /// The mean of trilinear values along the longer axis of the footprint, each as wide as the shorter one.
+    ///
+    /// # Source
+    /// The extension EXT_texture_filter_anisotropic of OpenGL. Departure: the axes of the ellipse instead of the derivatives along x and y.
+    Anisotropic {
+        /// Largest number of values, at least 1; where the axes differ more, the values are wider.
+        most: u8,
+    },
 }
 
 #[derive(Debug)]
@@ -60,21 +70,25 @@ struct MipLevel {
 }
 
 /// A picture with its mipmap levels; cheap to clone.
+///
+/// Levels halve in both directions, rounding down, to one pixel; each pixel is the exact mean over its area of the level before, so that all
+/// levels have the mean of the picture.
 #[derive(Clone, Debug)]
-pub struct MipMap {
-    /// Levels from the full size down to one pixel, or the full size alone.
-    levels: Arc<[MipLevel]>,
+pub struct MipMap(Arc<MipLevels>);
+
+#[derive(Debug)]
+struct MipLevels {
+    full: MipLevel,
+    /// The levels below the full size, which take a third of its memory: made when one is read for the first time.
+    smaller: OnceLock<Vec<MipLevel>>,
 }
 
 impl MipMap {
-    /// A picture of linear values; smaller levels are built if `with_levels`, and take a third more memory.
-    ///
-    /// Levels halve in both directions, rounding down; each pixel is the exact mean over its area of the
-    /// level before, so that all levels have the mean of the picture.
+    /// A picture of linear values.
     ///
     /// # Errors
     /// [`MipMapError`] if the channels are missing or a pixel is not finite.
-    pub fn try_new(pixels: &Pixels, with_levels: bool) -> Result<Self, MipMapError> {
+    pub fn try_new(pixels: &Pixels) -> Result<Self, MipMapError> {
         let texels = pixels.to_rgb().ok_or_else(|| {
             MipMapError::Channels(pixels.channels().iter().map(|c| c.name.clone()).collect())
         })?;
@@ -82,48 +96,72 @@ impl MipMap {
         if let Some(i) = texels.iter().position(|t| t.iter().any(|x| !x.is_finite())) {
             return Err(MipMapError::NotFinite { column: i % width, row: i / width });
         }
-        let mut levels = Vec::new();
-        let mut next = Some(MipLevel { width, height, texels });
-        while let Some(level) = next {
-            next = (with_levels && level.width.max(level.height) > 1).then(|| level.halved());
-            levels.push(level);
-        }
-        Ok(Self { levels: levels.into() })
+        let full = MipLevel { width, height, texels };
+        Ok(Self(Arc::new(MipLevels { full, smaller: OnceLock::new() })))
     }
 
     /// Number of levels.
     #[must_use]
     pub fn levels(&self) -> usize {
-        self.levels.len()
+        let MipLevel { width, height, .. } = self.0.full;
+        width.max(height).checked_ilog2().map_or(1, |halvings| halvings as usize + 1)
+    }
+
+    /// The level with this number, or the last one; the full size is level 0.
+    fn level(&self, number: usize) -> &MipLevel {
+        let MipLevels { full, smaller } = &*self.0;
+        let Some(index) = number.checked_sub(1) else { return full };
+        let smaller =
+            smaller.get_or_init(|| std::iter::successors(Some(full.halved()), MipLevel::next).collect());
+        smaller.get(index).or(smaller.last()).unwrap_or(full)
     }
 
     /// The value at `st`, (0, 0) the lower left and (1, 1) the upper right corner; black where `st` is not finite.
     ///
-    /// `width`: extent of the footprint in the same units, only used by [`ImageFilter::Trilinear`].
+    /// `footprint`: sides of the parallelogram to average over in the same units, for [`ImageFilter::Trilinear`] and [`ImageFilter::Anisotropic`].
     #[must_use]
-    pub fn lookup(&self, st: DVec2, width: f64, wrap: ImageWrap, filter: ImageFilter) -> [f32; 3] {
-        let Some(first) = self.levels.first() else {
-            return [0.0; 3];
-        };
+    pub fn lookup(&self, st: DVec2, footprint: [DVec2; 2], wrap: ImageWrap, filter: ImageFilter) -> [f32; 3] {
+        let full = &self.0.full;
         if !st.is_finite() {
             return [0.0; 3];
         }
-        match filter {
-            ImageFilter::Point => first.point(st, wrap),
-            ImageFilter::Bilinear => first.bilinear(st, wrap),
-            ImageFilter::Trilinear => {
-                // Pixels of level k have the size of the footprint; NaN and 0 give level 0.
-                let texels = width * first.width.max(first.height) as f64;
-                let level = texels.max(1.0).log2().min((self.levels.len() - 1) as f64);
-                let (fine, share) = (level.floor() as usize, level.fract() as f32);
-                let at = |k: usize| self.levels.get(k).map_or([0.0; 3], |l| l.bilinear(st, wrap));
-                if share == 0.0 {
-                    return at(fine);
-                }
-                let (a, b) = (at(fine), at(fine + 1));
-                std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
-            }
+        let most = match filter {
+            ImageFilter::Point => return full.point(st, wrap),
+            ImageFilter::Bilinear => return full.bilinear(st, wrap),
+            _ if footprint == [DVec2::ZERO; 2] => return full.bilinear(st, wrap),
+            ImageFilter::Trilinear => 1,
+            ImageFilter::Anisotropic { most } => most.max(1),
+        };
+        let size = DVec2::new(full.width as f64, full.height as f64);
+        let FootprintEllipse { major, lengths: [long, short] } =
+            FootprintEllipse::new(footprint.map(|side| side * size));
+        if long.is_infinite() {
+            return self.trilinear(st, f64::INFINITY, wrap);
         }
+        // Values narrower than a pixel are the same as one of its width.
+        let count = (long / short.max(1.0)).ceil().clamp(1.0, f64::from(most));
+        let value = |i: u8| {
+            let place = (f64::from(i) + 0.5) / count - 0.5;
+            self.trilinear(st + place * major / size, long / count, wrap)
+        };
+        let mut sum = [0.0; 3];
+        for i in 0..count as u8 {
+            let value = value(i);
+            sum = std::array::from_fn(|k| sum[k] + value[k]);
+        }
+        sum.map(|x| x / count as f32)
+    }
+
+    /// The value of the levels whose pixels are nearest to a square with sides of `width` pixels of the full size.
+    fn trilinear(&self, st: DVec2, width: f64, wrap: ImageWrap) -> [f32; 3] {
+        let level = width.max(1.0).log2().min((self.levels() - 1) as f64);
+        let (fine, share) = (level.floor() as usize, level.fract() as f32);
+        let a = self.level(fine).bilinear(st, wrap);
+        if share == 0.0 {
+            return a;
+        }
+        let b = self.level(fine + 1).bilinear(st, wrap);
+        std::array::from_fn(|i| a[i] + share * (b[i] - a[i]))
     }
 }
 
@@ -175,6 +213,11 @@ impl MipLevel {
         })
     }
 
+    /// The next smaller level; `None` after one pixel.
+    fn next(&self) -> Option<Self> {
+        (self.width.max(self.height) > 1).then(|| self.halved())
+    }
+
     fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let (columns, rows) = (overlaps(self.width, width), overlaps(self.height, height));
@@ -217,6 +260,13 @@ fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
 mod tests {
     use super::*;
 
+    const NONE: [DVec2; 2] = [DVec2::ZERO; 2];
+
+    /// A square of this side.
+    fn square(side: f64) -> [DVec2; 2] {
+        [DVec2::new(side, 0.0), DVec2::new(0.0, side)]
+    }
+
     /// Two rows of three: top 1 2 3, bottom 4 5 6.
     fn six() -> MipMap {
         image(3, 2, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
@@ -224,11 +274,11 @@ mod tests {
 
     fn image(width: u32, height: u32, values: &[f32]) -> MipMap {
         let rgb: Vec<[f32; 3]> = values.iter().map(|&v| [v, 10.0 * v, 0.0]).collect();
-        MipMap::try_new(&Pixels::try_from_rgb(width, height, &rgb).unwrap(), true).unwrap()
+        MipMap::try_new(&Pixels::try_from_rgb(width, height, &rgb).unwrap()).unwrap()
     }
 
     fn at(image: &MipMap, s: f64, t: f64, wrap: ImageWrap, filter: ImageFilter) -> f32 {
-        image.lookup(DVec2::new(s, t), 0.0, wrap, filter)[0]
+        image.lookup(DVec2::new(s, t), NONE, wrap, filter)[0]
     }
 
     #[test]
@@ -271,7 +321,7 @@ mod tests {
         let image = image(4, 4, &std::array::from_fn::<f32, 16, _>(|i| i as f32));
         let at = |column: f64, row: f64| {
             let st = DVec2::new((column + 0.5) / 4.0, 1.0 - (row + 0.5) / 4.0);
-            image.lookup(st, 0.0, ImageWrap::OctahedralSphere, ImageFilter::Point)[0]
+            image.lookup(st, NONE, ImageWrap::OctahedralSphere, ImageFilter::Point)[0]
         };
         assert_eq!([at(0.0, 0.0), at(3.0, 2.0)], [0.0, 11.0]);
         for row in 0..4 {
@@ -285,10 +335,11 @@ mod tests {
 
     #[test]
     fn coordinates_without_bounds_give_values() {
-        for filter in [ImageFilter::Point, ImageFilter::Bilinear, ImageFilter::Trilinear] {
+        let anisotropic = ImageFilter::Anisotropic { most: 0 };
+        for filter in [ImageFilter::Point, ImageFilter::Bilinear, ImageFilter::Trilinear, anisotropic] {
             for wrap in [ImageWrap::Repeat, ImageWrap::Black, ImageWrap::Clamp, ImageWrap::OctahedralSphere] {
                 for s in [1e300, -1e300, f64::NAN, f64::INFINITY, 1e18] {
-                    let v = six().lookup(DVec2::new(s, 0.3), f64::NAN, wrap, filter);
+                    let v = six().lookup(DVec2::new(s, 0.3), square(f64::NAN), wrap, filter);
                     assert!((0.0..=6.0).contains(&v[0]), "{s}: {v:?}");
                 }
             }
@@ -301,11 +352,12 @@ mod tests {
         let mean = values.iter().sum::<f32>() / 35.0;
         let image = image(7, 5, &values);
         assert_eq!(image.levels(), 3, "7 x 5, 3 x 2, 1 x 1");
-        for level in image.levels.iter() {
+        for level in (0..3).map(|number| image.level(number)) {
             let m = level.texels.iter().map(|t| t[0]).sum::<f32>() / level.texels.len() as f32;
             assert!((m - mean).abs() < 1e-5, "{} x {}", level.width, level.height);
         }
-        let whole = image.lookup(DVec2::new(0.2, 0.9), 1.0, ImageWrap::Repeat, ImageFilter::Trilinear);
+        let whole =
+            image.lookup(DVec2::new(0.2, 0.9), square(1.0), ImageWrap::Repeat, ImageFilter::Trilinear);
         assert!((whole[0] - mean).abs() < 1e-5);
     }
 
@@ -314,8 +366,8 @@ mod tests {
         let values: Vec<f32> = (0..64).map(|i| if (i / 8 + i % 8) % 2 == 0 { 1.0 } else { 0.0 }).collect();
         let image = image(8, 8, &values);
         let st = DVec2::new(0.5 / 8.0, 0.5 / 8.0);
-        let f = |width: f64| image.lookup(st, width, ImageWrap::Repeat, ImageFilter::Trilinear)[0];
-        let exact = image.lookup(st, 0.0, ImageWrap::Repeat, ImageFilter::Bilinear)[0];
+        let f = |width: f64| image.lookup(st, square(width), ImageWrap::Repeat, ImageFilter::Trilinear)[0];
+        let exact = image.lookup(st, NONE, ImageWrap::Repeat, ImageFilter::Bilinear)[0];
         assert_eq!(f(0.0), exact);
         assert_eq!(f(1.0 / 8.0), exact);
         // Level 1 is 0.5 everywhere; at sqrt(2) pixels the two levels have equal shares.
@@ -324,13 +376,53 @@ mod tests {
     }
 
     #[test]
+    fn smaller_levels_are_made_when_a_footprint_needs_them() {
+        let image = image(8, 8, &[0.5; 64]);
+        let look =
+            |side: f64, filter| image.lookup(DVec2::splat(0.3), square(side), ImageWrap::Repeat, filter);
+        let (few, none) = (ImageFilter::Anisotropic { most: 4 }, ImageFilter::Bilinear);
+        assert_eq!(
+            [look(1.0, none), look(0.1, few), look(0.1, ImageFilter::Trilinear)],
+            [[0.5, 5.0, 0.0]; 3]
+        );
+        assert!(image.0.smaller.get().is_none());
+        assert_eq!(look(0.2, few), [0.5, 5.0, 0.0]);
+        assert!(image.0.smaller.get().is_some());
+    }
+
+    /// Stripes along s: a footprint long in s and narrow in t keeps them apart, and one long in t averages over them.
+    #[test]
+    fn anisotropic_values_average_along_the_longer_axis_only() {
+        let values: Vec<f32> = (0..64 * 64).map(|i| if (i / 64) % 2 == 0 { 1.0 } else { 0.0 }).collect();
+        let image = image(64, 64, &values);
+        let anisotropic = ImageFilter::Anisotropic { most: 8 };
+        // The middle of a row of ones.
+        let st = DVec2::new(0.4, 1.0 - 10.5 / 64.0);
+        let value = |long: f64, wide: f64, filter| {
+            image.lookup(
+                st,
+                [DVec2::new(long / 64.0, 0.0), DVec2::new(0.0, wide / 64.0)],
+                ImageWrap::Repeat,
+                filter,
+            )[0]
+        };
+        assert_eq!(value(8.0, 1.0, anisotropic), 1.0);
+        assert_eq!(value(8.0, 1.0, ImageFilter::Trilinear), 0.5);
+        // Eight rows, four of them ones.
+        assert!((value(1.0, 8.0, anisotropic) - 0.5).abs() < 1e-6);
+        // At twice the ratio its values are two pixels wide, as are those of a square.
+        assert_eq!(value(16.0, 1.0, anisotropic), 0.5);
+        assert_eq!(value(2.0, 2.0, anisotropic), 0.5);
+    }
+
+    #[test]
     fn grey_pictures_are_textures_and_others_are_refused() {
         let mut depth = Pixels::try_new(1, 1).unwrap();
         depth.add_channel("Z", vec![1.0]).unwrap();
-        assert_eq!(MipMap::try_new(&depth, false).unwrap_err(), MipMapError::Channels(vec!["Z".to_owned()]));
+        assert_eq!(MipMap::try_new(&depth).unwrap_err(), MipMapError::Channels(vec!["Z".to_owned()]));
         depth.add_channel("Y", vec![0.5]).unwrap();
-        assert_eq!(MipMap::try_new(&depth, false).unwrap().levels(), 1);
+        assert_eq!(MipMap::try_new(&depth).unwrap().levels(), 1);
         let bad = Pixels::try_from_rgb(2, 1, &[[0.0; 3], [f32::NAN; 3]]).unwrap();
-        assert_eq!(MipMap::try_new(&bad, false).unwrap_err(), MipMapError::NotFinite { column: 1, row: 0 });
+        assert_eq!(MipMap::try_new(&bad).unwrap_err(), MipMapError::NotFinite { column: 1, row: 0 });
     }
 }

@@ -7,6 +7,7 @@ pub mod bilerp;
 pub mod checkerboard;
 pub mod direction_mix;
 pub mod dots;
+pub mod footprint;
 pub mod fractal;
 pub mod image;
 pub mod mapping;
@@ -24,6 +25,7 @@ pub use bilerp::Bilerp;
 pub use checkerboard::Checkerboard;
 pub use direction_mix::DirectionMix;
 pub use dots::Dots;
+pub use footprint::TextureFootprint;
 pub use fractal::{Fractal, FractalKind};
 pub use image::ImageTexture;
 pub use mapping::{TextureCoordinates, TextureMapping};
@@ -40,17 +42,15 @@ pub struct TexturePoint {
     pub position: DVec3,
     /// Unit normal of the surface in the world, of either sign; zero if it is not known.
     pub normal: DVec3,
-    /// Extent of the footprint to average over, in units of `uv`; 0 for the point alone.
-    pub uv_width: f64,
-    /// The same in metres.
-    pub position_width: f64,
+    /// The footprint over which pictures are averaged; `None` for the point alone.
+    pub footprint: Option<TextureFootprint>,
 }
 
 impl TexturePoint {
     /// A point without extent and normal.
     #[must_use]
     pub const fn new(uv: DVec2, position: DVec3) -> Self {
-        Self { uv, position, normal: DVec3::ZERO, uv_width: 0.0, position_width: 0.0 }
+        Self { uv, position, normal: DVec3::ZERO, footprint: None }
     }
 
     /// The same point of a surface with this unit normal.
@@ -59,10 +59,10 @@ impl TexturePoint {
         Self { normal, ..self }
     }
 
-    /// The same point with a footprint of the extents `uv_width` and `position_width` (metres), >= 0.
+    /// The same point with a footprint.
     #[must_use]
-    pub const fn with_footprint(self, uv_width: f64, position_width: f64) -> Self {
-        Self { uv_width, position_width, ..self }
+    pub const fn with_footprint(self, footprint: Option<TextureFootprint>) -> Self {
+        Self { footprint, ..self }
     }
 }
 
@@ -240,6 +240,14 @@ impl Textures {
         self.textures.get(id.0 as usize)
     }
 
+    /// Whether a texture averages over footprints.
+    #[must_use]
+    pub fn use_footprints(&self) -> bool {
+        self.textures
+            .iter()
+            .any(|texture| matches!(texture, Texture::Image(image) if image.uses_footprints()))
+    }
+
     /// The value of `input` at a point; black for a texture of other [`Textures`].
     #[must_use]
     pub fn spectrum(&self, input: &SpectrumInput, at: &TexturePoint, wavelengths: &Wavelengths) -> Spectrum {
@@ -269,17 +277,8 @@ impl Textures {
             Texture::Constant(value) => value.upsampled(wavelengths),
             Texture::Scale(a, b) => spectrum(a) * spectrum(b),
             Texture::Mix { a, b, amount } => spectrum(a).lerp(spectrum(b), self.float(amount, at)),
-            Texture::Checkerboard(board) => {
-                let odd = board.odd_fraction(at);
-                // Most points lie in one of the two; the other one need not be evaluated.
-                if odd <= 0.0 {
-                    spectrum(&board.even)
-                } else if odd >= 1.0 {
-                    spectrum(&board.odd)
-                } else {
-                    spectrum(&board.even).lerp(spectrum(&board.odd), odd)
-                }
-            }
+            Texture::Checkerboard(board) if board.is_odd(at) => spectrum(&board.odd),
+            Texture::Checkerboard(board) => spectrum(&board.even),
             Texture::Image(image) => image.evaluate(at).upsampled(wavelengths),
             Texture::Uv(mapping) => {
                 let st = mapping.coordinates(at).position;

@@ -72,55 +72,32 @@ fn weight(t: DVec3) -> DVec3 {
 
 /// Sum of octaves of the noise: fractional Brownian motion. `roughness`: factor between the amplitudes of octaves.
 ///
-/// `width`: extent of the footprint; octaves smaller than it are left out, the last one gradually.
-///
 /// # Source
-/// @pbrt3: `FBm`.
+/// @pbrt3: `FBm`, without a filter.
 #[must_use]
-pub fn fractal_sum(p: DVec3, width: f64, roughness: f64, octaves: u32) -> f64 {
-    let resolved = resolved_octaves(width, octaves);
+pub fn fractal_sum(p: DVec3, roughness: f64, octaves: u32) -> f64 {
     let (mut sum, mut frequency, mut amplitude) = (0.0, 1.0, 1.0);
-    for _ in 0..resolved.floor() as u32 {
+    for _ in 0..octaves.min(MAX_OCTAVES) {
         sum += amplitude * noise(frequency * p);
         frequency *= LACUNARITY;
-        amplitude *= roughness;
-    }
-    let last = last_octave(resolved);
-    if last > 0.0 { sum + amplitude * last * noise(frequency * p) } else { sum }
-}
-
-/// As [`fractal_sum`], of absolute values: with creases. Octaves left out contribute their mean.
-///
-/// # Source
-/// @pbrt3: `Turbulence`, with its mean once more for the first octave that is left out.
-#[must_use]
-pub fn turbulence(p: DVec3, width: f64, roughness: f64, octaves: u32) -> f64 {
-    let resolved = resolved_octaves(width, octaves);
-    let (mut sum, mut frequency, mut amplitude) = (0.0, 1.0, 1.0);
-    for _ in 0..resolved.floor() as u32 {
-        sum += amplitude * noise(frequency * p).abs();
-        frequency *= LACUNARITY;
-        amplitude *= roughness;
-    }
-    let last = last_octave(resolved);
-    sum += amplitude * ((1.0 - last) * MEAN_ABSOLUTE + last * noise(frequency * p).abs());
-    for _ in resolved.floor() as u32..octaves.min(MAX_OCTAVES) {
-        sum += amplitude * MEAN_ABSOLUTE;
         amplitude *= roughness;
     }
     sum
 }
 
-/// Number of octaves that are larger than the footprint, with a fraction.
-fn resolved_octaves(width: f64, octaves: u32) -> f64 {
-    let most = f64::from(octaves.min(MAX_OCTAVES));
-    if width > 0.0 { (-1.0 - width.log2()).clamp(0.0, most) } else { most }
-}
-
-/// Share of the last octave.
-fn last_octave(resolved: f64) -> f64 {
-    let t = ((resolved.fract() - 0.3) / 0.4).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+/// As [`fractal_sum`], of absolute values: with creases. The first octave that is left out contributes its mean.
+///
+/// # Source
+/// @pbrt3: `Turbulence`, without a filter.
+#[must_use]
+pub fn turbulence(p: DVec3, roughness: f64, octaves: u32) -> f64 {
+    let (mut sum, mut frequency, mut amplitude) = (0.0, 1.0, 1.0);
+    for _ in 0..octaves.min(MAX_OCTAVES) {
+        sum += amplitude * noise(frequency * p).abs();
+        frequency *= LACUNARITY;
+        amplitude *= roughness;
+    }
+    sum + amplitude * MEAN_ABSOLUTE
 }
 
 #[cfg(test)]
@@ -141,7 +118,7 @@ mod tests {
             let found = noise(DVec3::from(p));
             assert!((found - expected).abs() < 1e-12, "{p:?}: {found}");
         }
-        let sum = fractal_sum(DVec3::new(0.3, 0.7, -1.2), 0.0, 0.5, 8);
+        let sum = fractal_sum(DVec3::new(0.3, 0.7, -1.2), 0.5, 8);
         assert!((sum - 0.33473841186158776).abs() < 1e-12, "{sum}");
     }
 
@@ -171,14 +148,9 @@ mod tests {
     }
 
     #[test]
-    fn octaves_smaller_than_the_footprint_are_left_out() {
+    fn octaves_that_are_left_out_count_by_their_mean_in_turbulence() {
         let p = DVec3::new(0.3, 0.7, -1.2);
-        // 2^-4 resolves three octaves, and half of them are nothing of the fourth.
-        assert_eq!(fractal_sum(p, 2.0_f64.powi(-4), 0.5, 8), fractal_sum(p, 0.0, 0.5, 3));
-        assert_eq!(fractal_sum(p, 1.0, 0.5, 8), 0.0);
-        // All octaves by their mean: 0.2 (1 + (1 + 1/2 + 1/4)).
-        assert!((turbulence(p, 1.0, 0.5, 3) - 0.2 * 2.75).abs() < 1e-15);
-        assert_eq!(turbulence(p, 0.0, 0.5, 1), noise(p).abs() + 0.5 * 0.2);
-        assert!(fractal_sum(p, f64::NAN, 0.5, u32::MAX).is_finite());
+        assert_eq!(turbulence(p, 0.5, 1), noise(p).abs() + 0.5 * 0.2);
+        assert!(fractal_sum(p, 0.5, u32::MAX).is_finite());
     }
 }

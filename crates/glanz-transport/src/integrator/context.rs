@@ -3,7 +3,7 @@
 use glanz_light::{SampledWavelengths, Spectrum, Wavelengths};
 use glanz_math::{DVec2, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{CameraRay, Interaction, LightId, ParametricPoint, Scene};
+use glanz_scene::{CameraRay, Interaction, LightId, ParametricPoint, RayDifferential, Scene};
 
 use super::vertex::Vertex;
 use crate::filter::Filter;
@@ -186,6 +186,11 @@ impl<'a> Context<'a> {
         self.camera_ray.map(|camera| camera.ray)
     }
 
+    /// Its differential, if textures are filtered.
+    pub(super) fn start_differential(&self) -> Option<RayDifferential> {
+        self.camera_ray.and_then(|camera| camera.differential)
+    }
+
     /// The sample for the film; `light`: the radiance, `negative`: whether the filter is negative there.
     pub(crate) fn pixel_sample(&self, light: Spectrum, negative: bool) -> PixelSample {
         let index = self.sampler.sample_index();
@@ -220,9 +225,13 @@ impl<'a> Context<'a> {
     }
 
     /// The closest hit on `ray`, with its parameters.
-    pub fn intersect_parametric(&mut self, ray: &Ray) -> Option<(Interaction, ParametricPoint)> {
+    pub fn intersect_parametric(
+        &mut self,
+        ray: &Ray,
+        differential: Option<&RayDifferential>,
+    ) -> Option<(Interaction, ParametricPoint)> {
         self.counters.closest += 1;
-        self.scene.intersect_parametric(ray, f64::INFINITY)
+        self.scene.intersect_differential(ray, differential)
     }
 
     /// Whether nothing blocks light on `ray` for `0 < t < t_max`.

@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, Ray};
-use glanz_scene::{BatchedPath, Interaction, Light, LightId, SceneHit};
+use glanz_scene::{BatchedPath, Interaction, Light, LightId, RayDifferential, SceneHit};
 
 use super::path_tracer::{BATCH, DIMENSIONS_PER_EVENT, ROULETTE_FROM};
 use super::vertex::{PreviousVertex, ScatteredRay, Vertex, carried, pass_interface, roulette};
@@ -33,6 +33,8 @@ struct DistributedPath {
     sample: usize,
     /// `None` if it has ended.
     ray: Option<Ray>,
+    /// Of the ray, up to the first rough vertex in scenes with filtered textures.
+    differential: Option<RayDifferential>,
     /// The light so far.
     light: Spectrum,
     /// Factor on the light of the path, the fraction of its branch included.
@@ -125,9 +127,10 @@ impl Distributed {
             };
             return None;
         };
-        let hit = context.scene.interaction(ray, hit);
+        let hit = context.scene.interaction_differential(ray, hit, path.differential.as_ref());
         path.light += path.throughput * self.emitted(context, &hit, path.origin.as_ref());
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+            path.differential = hit.differential.map(|differential| differential.passed());
             return pass_interface(&hit, ray.direction, &mut path.interfaces);
         };
         let vertex = Vertex::new(&hit, bsdf);
@@ -163,6 +166,7 @@ impl Distributed {
             path.throughput *= factor;
             path.branch_throughput *= factor;
         }
+        path.differential = vertex.differential(&scattered);
         path.origin = (!scattered.is_delta).then(|| previous(&vertex, &scattered));
         Some(hit.spawn(scattered.direction))
     }
@@ -211,6 +215,7 @@ impl Distributed {
         DistributedPath {
             sample: path.sample,
             ray: Some(vertex.at.spawn(scattered.direction)),
+            differential: vertex.differential(scattered),
             light: Spectrum::BLACK,
             throughput: path.throughput * scattered.weight,
             branch_throughput: scattered.weight,
@@ -278,6 +283,7 @@ impl Integrator for Distributed {
         let start = |(sample, context): (usize, &Context<'_>)| DistributedPath {
             sample,
             ray: context.start(),
+            differential: context.start_differential(),
             light: Spectrum::BLACK,
             throughput: Spectrum::one(&context.wavelengths),
             branch_throughput: Spectrum::one(&context.wavelengths),

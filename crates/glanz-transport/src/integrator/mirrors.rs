@@ -2,7 +2,7 @@
 
 use glanz_light::Spectrum;
 use glanz_math::Ray;
-use glanz_scene::ParametricPoint;
+use glanz_scene::{ParametricPoint, RayDifferential};
 
 use super::path_tracer::{DIMENSIONS_PER_EVENT, INTERFACE_LIMIT};
 use super::vertex::Vertex;
@@ -16,6 +16,8 @@ pub const SMALLEST_WEIGHT: f32 = 1.0 / 4096.0;
 /// A ray yet to be traced.
 struct DeferredRay {
     ray: Ray,
+    /// In scenes with filtered textures.
+    differential: Option<RayDifferential>,
     weight: Spectrum,
     /// Factor that undoes the scaling of radiance by all refractions, so that the weight of rays in glass is not underestimated.
     eta_scale: f32,
@@ -35,8 +37,15 @@ pub(super) fn radiance(
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     let mut stack = Vec::new();
-    let first =
-        |ray| DeferredRay { ray, weight: Spectrum::ONE, eta_scale: 1.0, is_dispersed: false, depth: 0 };
+    let differential = context.start_differential();
+    let first = |ray| DeferredRay {
+        ray,
+        differential,
+        weight: Spectrum::ONE,
+        eta_scale: 1.0,
+        is_dispersed: false,
+        depth: 0,
+    };
     let mut next = context.start().map(first);
     while let Some(pending) = next {
         light += pending.weight * follow(context, pending, max_depth, rough, &mut stack);
@@ -55,7 +64,8 @@ fn follow(
 ) -> Spectrum {
     let mut light = Spectrum::BLACK;
     for _ in 0..INTERFACE_LIMIT {
-        let Some((hit, place)) = context.intersect_parametric(&pending.ray) else {
+        let found = context.intersect_parametric(&pending.ray, pending.differential.as_ref());
+        let Some((hit, place)) = found else {
             return light
                 + match pending.depth {
                     0 => context.backdrop_radiance(&pending.ray),
@@ -65,6 +75,7 @@ fn follow(
         light += context.emitted(&hit);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
             pending.ray = hit.spawn(pending.ray.direction);
+            pending.differential = hit.differential.map(|differential| differential.passed());
             continue;
         };
         let vertex = Vertex::new(&hit, bsdf);
@@ -78,9 +89,9 @@ fn follow(
             let weight = pending.weight * here * branch.weight;
             let eta_scale = pending.eta_scale * branch.eta_scale;
             let enough = weight.max_component() * eta_scale >= SMALLEST_WEIGHT;
-            let ray = hit.spawn(branch.direction);
+            let (ray, differential) = (hit.spawn(branch.direction), vertex.differential(&branch));
             let (is_dispersed, depth) = (pending.is_dispersed, pending.depth + 1);
-            enough.then_some(DeferredRay { ray, weight, eta_scale, is_dispersed, depth })
+            enough.then_some(DeferredRay { ray, differential, weight, eta_scale, is_dispersed, depth })
         }));
         if vertex.is_delta() {
             return light;

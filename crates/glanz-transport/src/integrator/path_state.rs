@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec3, Ray};
-use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, MediumId, SelectedLight};
+use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, MediumId, RayDifferential, SelectedLight};
 
 use super::Context;
 use super::path_tracer::DirectionSampler;
@@ -30,6 +30,8 @@ pub(super) struct PathState<P> {
     /// Whether it continues.
     pub(super) is_active: bool,
     pub(super) ray: Ray,
+    /// Of the ray, up to the first rough vertex in scenes with filtered textures.
+    pub(super) differential: Option<RayDifferential>,
     /// The light so far.
     pub(super) light: Spectrum,
     pub(super) throughput: Spectrum,
@@ -81,6 +83,7 @@ impl<P: Copy> PathState<P> {
             branches,
             is_active: context.camera_ray.is_some(),
             ray: context.start().unwrap_or(Ray::new(DVec3::ZERO, DVec3::Z)),
+            differential: context.start_differential(),
             light: Spectrum::BLACK,
             throughput: Spectrum::one(&context.wavelengths),
             importance: Spectrum::one(&context.wavelengths),

@@ -207,12 +207,13 @@ impl PathTracer {
             };
             return false;
         };
-        let hit = context.scene.interaction(&path.ray, hit);
+        let hit = context.scene.interaction_differential(&path.ray, hit, path.differential.as_ref());
         path.light += path.throughput * self.emitted(context, &hit, path);
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
             path.interfaces += 1;
             path.medium = hit.medium_towards(path.ray.direction, path.medium);
             path.ray = hit.spawn(path.ray.direction);
+            path.differential = hit.differential.map(|differential| differential.passed());
             return path.interfaces <= INTERFACE_LIMIT;
         };
         let vertex = Vertex::new(&hit, bsdf);
@@ -298,6 +299,7 @@ impl PathTracer {
             path.importance *= (1.0 / survival) as f32;
         }
         path.ray = vertex.at.spawn(scattered.direction);
+        path.differential = vertex.differential(&scattered);
         path.medium = vertex.at.medium_towards(scattered.direction, path.medium);
         if let Some(photons) = context.photons {
             path.photon_odds = photon_odds(photons, vertex, &scattered, path.photon_odds);

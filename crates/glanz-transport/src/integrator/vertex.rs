@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Frame, Ray};
-use glanz_scene::{Interaction, LightId, LightSample, LightSampleContext, Scene};
+use glanz_scene::{Interaction, LightId, LightSample, LightSampleContext, RayDifferential, Scene};
 use glanz_shading::{Bsdf, BsdfSample, TransportMode};
 
 use super::Context;
@@ -191,6 +191,15 @@ impl<'a> Vertex<'a> {
     pub(super) fn delta_branches(&self) -> impl Iterator<Item = ScatteredRay> {
         let branches = self.bsdf.delta_branches(self.wo, TransportMode::Radiance);
         branches.into_iter().flatten().filter_map(|branch| self.consistent(branch))
+    }
+
+    /// The differential of a ray that continues in a sampled direction; `None` behind rough lobes.
+    #[inline]
+    pub(super) fn differential(&self, scattered: &ScatteredRay) -> Option<RayDifferential> {
+        let at = self.at.differential.as_ref().filter(|_| scattered.is_delta)?;
+        // Radiance changes by the squared ratio of the refractive indices.
+        let eta = 1.0 / f64::from(scattered.eta_scale).sqrt();
+        at.scattered(-self.at.wo, scattered.direction, self.frame.z, eta)
     }
 
     fn consistent(&self, sample: BsdfSample) -> Option<ScatteredRay> {

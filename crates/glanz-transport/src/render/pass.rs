@@ -173,6 +173,7 @@ impl<'a> PassRenderer<'a> {
         batch: &mut SampleBatch<'a>,
     ) {
         let (settings, camera) = (self.settings, self.scene.camera());
+        let filters_textures = self.scene.textures().use_footprints();
         batch.negative.clear();
         let samples = pixels.iter().flat_map(|&pixel| range.clone().map(move |index| (pixel, index)));
         for (position, (pixel, index)) in samples.enumerate() {
@@ -181,7 +182,12 @@ impl<'a> PassRenderer<'a> {
             let place = settings.filter.sample(sampler.pixel_2d());
             let middle = DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5);
             let lens = if camera.has_lens() { sampler.next_2d() } else { DVec2::splat(0.5) };
-            let ray = camera.ray(middle + place.offset, lens);
+            let film = middle + place.offset;
+            let ray = if filters_textures {
+                camera.ray_with_differential(film, lens, spacing(index))
+            } else {
+                camera.ray(film, lens)
+            };
             sampler.skip_to_dimension(FIRST_DIMENSION);
             batch.negative.push(place.negative);
             match batch.contexts.get_mut(position) {
@@ -196,4 +202,15 @@ impl<'a> PassRenderer<'a> {
         batch.contexts.truncate(batch.negative.len());
         self.integrator.radiance_batch(&mut batch.contexts, &mut batch.radiance);
     }
+}
+
+/// Distance of samples on the film, pixels, by which textures are filtered for the sample with this number.
+///
+/// It is that of as many samples per pixel as precede, not of the planned number: the film depends on the set of its samples alone, and may be
+/// given more.
+///
+/// # Source
+/// @pbrt4 `CameraBase`: the smallest distance. Departure: there it is that of the planned number.
+fn spacing(index: u32) -> f64 {
+    (1.0 / (f64::from(index) + 1.0).sqrt()).max(0.125)
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glanz_job::{CancelFlag, JobEnd, Silent};
 use glanz_light::Pixels;
-use glanz_math::{DMat4, DVec3};
+use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_sampling::SamplerKind;
 use glanz_scene::description::*;
 use glanz_scene::{Scene, SceneBuilder};
@@ -65,6 +65,29 @@ pub(crate) fn under_picture(
     builder
         .edit(|scene| scene.images.push(ImageDescription { name: "picture".to_owned(), pixels }))
         .light(LightDescription { to_world: DMat4::from_rotation_z(FRAC_PI_2), ..light })
+}
+
+/// The scene with a material `checkered`: a picture of `side` x `side` pixels of 0 and 0.8, `repeated` times along either parameter.
+pub(crate) fn checkered(
+    builder: SceneBuilder,
+    filter: ImageFilter,
+    side: u32,
+    repeated: f64,
+) -> SceneBuilder {
+    let value = |i: u32| if (i / side + i % side).is_multiple_of(2) { 0.0 } else { 0.8 };
+    let rgb: Vec<[f32; 3]> = (0..side * side).map(|i| [value(i); 3]).collect();
+    let pixels = Arc::new(Pixels::try_from_rgb(side, side, &rgb).unwrap());
+    builder.edit(move |scene| {
+        let name = "checkered".to_owned();
+        scene.images.push(ImageDescription { name: name.clone(), pixels });
+        let image = scene.images.len() - 1;
+        let mapping = MappingDescription::Uv { scale: DVec2::splat(repeated), offset: DVec2::ZERO };
+        let wrap = ImageWrap::Repeat;
+        let kind = TextureKind::Image { image, mapping, wrap, filter, scale: 1.0, invert: false };
+        scene.textures.push(TextureDescription { name: name.clone(), kind, location: None });
+        let texture = SpectrumParameter::Texture(scene.textures.len() - 1);
+        scene.materials.push(MaterialDescription { name, ..MaterialKind::diffuse(texture).into() });
+    })
 }
 
 pub(crate) fn described(builder: &SceneBuilder) -> Description {

@@ -20,4 +20,5 @@ mod same_bits;
 mod spectral;
 mod sppm;
 mod stored;
+mod texture_filter;
 mod watched;

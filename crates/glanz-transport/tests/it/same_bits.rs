@@ -16,10 +16,11 @@ use glanz_transport::{
 fn scene() -> SceneBuilder {
     let filter =
         FilterDescription { kind: FilterKind::Mitchell { b: 1.0 / 3.0, c: 1.0 / 3.0 }, radius: [2.0, 2.0] };
-    looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, [37, 23], 0.9)
+    let view = looking(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO, [37, 23], 0.9);
+    checkered(view, ImageFilter::Anisotropic { most: 4 }, 8, 10.0)
         .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
         .shape(ShapeDescription::sphere(0.5).translated([1.2, 0.0, -0.4]), glass())
-        .shape(ShapeDescription::disk(1.0).translated([-1.0, 0.0, 1.0]), diffuse(0.3))
+        .shape(ShapeDescription::disk(1.0).translated([-1.0, 0.0, 1.0]), "checkered")
         .light(LightDescription::infinite([0.7; 3]))
         .light(LightDescription::point(DVec3::new(2.0, 2.0, -3.0), [20.0; 3]))
         .edit(|scene| scene.filter = filter)

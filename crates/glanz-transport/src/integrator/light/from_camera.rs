@@ -3,7 +3,9 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DVec2, DVec3, Ray};
-use glanz_scene::{BatchedPath, Interaction, LightId, LightSampleContext, SceneHit, SelectedLight};
+use glanz_scene::{
+    BatchedPath, Interaction, LightId, LightSampleContext, RayDifferential, SceneHit, SelectedLight,
+};
 
 use super::weights::CameraPathWeights;
 use super::{LightPaths, turn};
@@ -40,6 +42,8 @@ struct CameraPath {
     max_depth: u32,
     /// `None` if it has ended.
     ray: Option<Ray>,
+    /// Of the ray, up to the first rough vertex in scenes with filtered textures.
+    differential: Option<RayDifferential>,
     light: Spectrum,
     throughput: Spectrum,
     eta_scale: f32,
@@ -64,6 +68,7 @@ impl CameraPath {
             sample,
             max_depth,
             ray: context.start(),
+            differential: context.start_differential(),
             light: Spectrum::BLACK,
             throughput: Spectrum::ONE,
             eta_scale: 1.0,
@@ -84,9 +89,10 @@ impl CameraPath {
             };
             return None;
         };
-        let hit = context.scene.interaction(ray, hit);
+        let hit = context.scene.interaction_differential(ray, hit, self.differential.as_ref());
         self.light += self.throughput * emitted(context, &hit, self.origin.as_ref());
         let Some(bsdf) = hit.bsdf(context.scene, &context.wavelengths) else {
+            self.differential = hit.differential.map(|differential| differential.passed());
             return pass_interface(&hit, ray.direction, &mut self.interfaces);
         };
         let vertex = Vertex::new(&hit, bsdf);
@@ -115,6 +121,7 @@ impl CameraPath {
         if self.depth >= ROULETTE_FROM {
             self.throughput *= roulette(self.throughput * self.eta_scale, xi_roulette)?;
         }
+        self.differential = vertex.differential(&scattered);
         let weights = passed(&weights, &vertex, &scattered);
         let from = vertex.light_sample_context(vertex.at.wo);
         self.origin = Some(CameraPathRay { from, pdf: scattered.pdf, weights });
