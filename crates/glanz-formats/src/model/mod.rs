@@ -13,11 +13,13 @@ use crate::{gltf, newell, obj, ply, rib, stl};
 mod light_copies;
 mod material;
 mod picture;
+mod picture_budget;
 mod reader;
 
 pub(crate) use light_copies::{MAX_LIGHT_COPIES, face_count, light_count};
 pub(crate) use material::grey;
 pub(crate) use picture::{PictureContent, repetition};
+pub(crate) use picture_budget::PictureBudget;
 pub(crate) use reader::ModelReader;
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.

@@ -1,6 +1,5 @@
 //! What the readers of models share: the description, messages, other files.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,6 +9,7 @@ use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
 use glanz_scene::{Description, Diagnostics, Location, Severity};
 
 use super::picture::{PictureContent, read_picture};
+use super::picture_budget::PictureBudget;
 use crate::cad::CadReport;
 use crate::finder::{FileFinder, FindError};
 use crate::registry::{Loaded, Options};
@@ -31,19 +31,8 @@ pub(crate) struct ModelReader {
     pub(crate) own_camera: bool,
     /// Whether the model has light.
     pub(crate) own_light: bool,
-    /// Values of pictures that may still be read.
-    pub(crate) picture_values: usize,
-    /// Paths of files that count for the pictures.
-    counted: BTreeSet<PathBuf>,
+    pub(crate) picture_budget: PictureBudget,
 }
-
-/// Values of pictures that may be read: for each byte of a model and its files, and in any case, 1 GiB. A picture may be used with several contents, or by
-/// several parts of a file.
-const VALUES_PER_BYTE: usize = 256;
-const FREE_VALUES: usize = 1 << 28;
-
-const TOO_MANY_PICTURES: &str =
-    "the pictures of the model have too many pixels for its size; let its materials share pictures";
 
 impl ModelReader {
     /// A reader of the file with these bytes.
@@ -64,7 +53,7 @@ impl ModelReader {
             Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
         let mut reader =
             Self { sources, file, strict: options.strict, ..Self::within(description, finder, None) };
-        reader.allow_pictures(bytes.len());
+        reader.picture_budget.allow(bytes.len());
         Ok(reader)
     }
 
@@ -81,8 +70,7 @@ impl ModelReader {
             strict: false,
             own_camera: false,
             own_light: false,
-            picture_values: FREE_VALUES,
-            counted: BTreeSet::new(),
+            picture_budget: PictureBudget::default(),
         }
     }
 
@@ -159,15 +147,8 @@ impl ModelReader {
         let path = self.path(name)?;
         let bytes = self.finder.read(&path);
         let bytes = bytes.map_err(|error| (format!("file {name:?} cannot be read: {error}"), false))?;
-        if self.counted.insert(std::fs::canonicalize(&path).unwrap_or(path)) {
-            self.allow_pictures(bytes.len());
-        }
+        self.picture_budget.allow_file(&path, bytes.len());
         Ok(bytes)
-    }
-
-    /// Allows pictures for so many bytes of the model.
-    pub(crate) fn allow_pictures(&mut self, bytes: usize) {
-        self.picture_values = self.picture_values.saturating_add(bytes.saturating_mul(VALUES_PER_BYTE));
     }
 
     /// The content of a picture as planes for a texture.
@@ -176,9 +157,7 @@ impl ModelReader {
     /// The problem.
     pub(crate) fn picture(&mut self, bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
         let pixels = read_picture(bytes, content)?;
-        let values = pixels.len().saturating_mul(pixels.channels().len());
-        let left = self.picture_values.checked_sub(values);
-        self.picture_values = left.ok_or(TOO_MANY_PICTURES)?;
+        self.picture_budget.take(&pixels)?;
         Ok(pixels)
     }
 }

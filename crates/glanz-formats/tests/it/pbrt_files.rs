@@ -9,7 +9,8 @@ use glanz_light::intensity::{IntensityDistribution, LuminousOpening, OpeningShap
 use glanz_light::{Pixels, SpectralDistribution, Tone};
 use glanz_math::DVec3;
 use glanz_scene::description::{
-    Description, GeometryDescription, LightKind, SpectrumParameter, SphereMapping, TextureKind,
+    Description, GeometryDescription, ImageFilter, LightKind, SpectrumParameter, SphereMapping,
+    TextureDescription, TextureKind,
 };
 
 /// A folder that goes away at the end of a test.
@@ -452,5 +453,38 @@ fn rays_of_a_file_share_its_luminous_flux() {
         let found = folder.messages(&read(parameters).unwrap_err());
         let expected = format!("error: scene.pbrt:2:45: light \"photometric\": {expected}");
         assert!(found.starts_with(&expected), "{found}");
+    }
+}
+
+#[test]
+fn filters_of_pictures_are_those_of_either_version() {
+    let folder = Folder::new("filters");
+    let anisotropic = |most| ImageFilter::Anisotropic { most };
+    for (version, text, expected) in [
+        (4, "", ImageFilter::Bilinear),
+        (3, "", anisotropic(8)),
+        (3, "\"bool trilinear\" true", ImageFilter::Trilinear),
+        (4, "\"string filter\" \"trilinear\"", ImageFilter::Trilinear),
+        (4, "\"string filter\" \"ewa\"", anisotropic(8)),
+        (4, "\"string filter\" \"ewa\" \"float maxanisotropy\" 3.6", anisotropic(4)),
+        (4, "\"string filter\" \"ewa\" \"float maxanisotropy\" 1e9", anisotropic(16)),
+        (4, "\"string filter\" \"ewa\" \"float maxanisotropy\" -1", anisotropic(1)),
+        (4, "\"string filter\" \"point\"", ImageFilter::Point),
+    ] {
+        // Version 3 alone has the one word, version 4 the other.
+        let end = if version == 3 { "WorldEnd\n" } else { "ColorSpace \"srgb\"\n" };
+        folder.put("p.pfm", picture(&[[0.5; 3]], 1)).put(
+            "scene.pbrt",
+            format!(
+                "WorldBegin\nTexture \"t\" \"color\" \"imagemap\" \"string filename\" \"p.pfm\" {text}\n{end}"
+            ),
+        );
+        let loaded = folder.load().unwrap();
+        let [TextureDescription { kind: TextureKind::Image { filter, .. }, .. }] =
+            loaded.description.textures[..]
+        else {
+            panic!("{:?}", loaded.description.textures);
+        };
+        assert_eq!(filter, expected, "version {version}: {text}");
     }
 }

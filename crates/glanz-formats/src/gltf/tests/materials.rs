@@ -1,6 +1,7 @@
 //! Materials and their textures.
 
 use super::*;
+use crate::model::PictureBudget;
 
 #[test]
 fn the_factor_of_the_specular_extension_applies_to_the_limited_colour() {
@@ -45,13 +46,13 @@ fn pictures_have_no_more_pixels_than_the_size_of_a_model_warrants() {
     let bytes: Arc<[u8]> = file.to_string().into_bytes().into();
     let mut reader = ModelReader::new("m", None, &bytes, &Options::default()).unwrap();
     // Two pixels with three values, twice.
-    reader.picture_values = 12;
+    reader.picture_budget = PictureBudget::of_values(12);
     crate::gltf::read(&bytes, &mut reader);
     let maps = reader.description.materials.iter().filter(|material| material.surface_detail.is_some());
     assert_eq!(maps.count(), 2);
     let warnings = reader.diagnostics.to_string();
     assert!(
-        warnings.contains("/images/0: the pictures of the model have too many pixels for its size"),
+        warnings.contains("/images/0: the pictures have too many pixels for the size of the files"),
         "{warnings}"
     );
 }

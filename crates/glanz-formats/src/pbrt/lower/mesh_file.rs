@@ -93,9 +93,11 @@ impl Lowering {
             (description.camera.clone(), description.film.clone(), description.lights.len());
         let first = description.groups.len();
         let mut reader = ModelReader::within(description, finder, Some(path));
-        reader.allow_pictures(bytes.len());
+        reader.picture_budget = std::mem::take(&mut self.picture_budget);
+        reader.picture_budget.allow_file(path, bytes.len());
         gltf::read(bytes, &mut reader);
-        let ModelReader { mut description, finder, diagnostics, .. } = reader;
+        let ModelReader { mut description, finder, diagnostics, picture_budget, .. } = reader;
+        self.picture_budget = picture_budget;
         let shapes = std::mem::replace(&mut description.world, world);
         description.lights.truncate(lights);
         (self.description, self.finder) = (glanz_scene::Description { camera, film, ..description }, finder);

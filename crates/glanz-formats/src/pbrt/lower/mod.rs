@@ -43,6 +43,7 @@ use glanz_scene::description::{EmissionDescription, SurfaceMedia};
 use glanz_scene::studio::{UpAxis, UpAxisError};
 
 use crate::finder::{FileFinder, FindError};
+use crate::model::PictureBudget;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -81,6 +82,7 @@ pub(crate) struct Lowering {
     pub(crate) media: BTreeMap<String, NamedMedium>,
     pub(crate) textures: TextureNames,
     pub(crate) images: BTreeMap<ImageKey, usize>,
+    pub(crate) picture_budget: PictureBudget,
     pub(crate) has_film: bool,
     /// How long the shutter is open, seconds; 1 where it does not matter.
     pub(crate) shutter_time: f64,
@@ -145,6 +147,7 @@ impl Lowering {
             media: BTreeMap::new(),
             textures: TextureNames::default(),
             images: BTreeMap::new(),
+            picture_budget: PictureBudget::default(),
             has_film: false,
             shutter_time: 1.0,
             exposure_time: None,

@@ -46,6 +46,9 @@ pub(crate) struct ImageKey {
     encoding: (u8, u32),
 }
 
+/// Largest ratio of the axes of a footprint that is filtered, as in graphics hardware: it bounds the time of a look-up.
+const MOST_ANISOTROPY: f64 = 16.0;
+
 /// Substitute for a picture that cannot be read.
 const MISSING_PICTURE: f32 = 0.5;
 
@@ -179,7 +182,7 @@ impl Lowering {
         let filter = self.image_filter(list)?;
         let scale = list.float_or("scale", 1.0, &mut self.reporter)? as f32;
         let invert = list.boolean("invert", &mut self.reporter)?.unwrap_or(false);
-        list.ignore(&["maxanisotropy", "noiseaware"]);
+        list.ignore(&["noiseaware"]);
         let instead = format!("grey of {MISSING_PICTURE} stands in");
         Ok(match self.image(&p, &name, encoding, &list.subject, &instead)? {
             Some(image) => TextureKind::Image { image, mapping, wrap, filter, scale, invert },
@@ -227,16 +230,20 @@ impl Lowering {
         })
     }
 
-    /// Version 3 filters anisotropically by default, to which a pyramid is closest.
+    /// Version 3 filters anisotropically by default.
     fn image_filter(&mut self, list: &mut ParameterList) -> ParseResult<ImageFilter> {
-        list.ignore(&["trilinear"]);
+        let most = list.float_or("maxanisotropy", 8.0, &mut self.reporter)?;
+        let anisotropic = ImageFilter::Anisotropic { most: most.round().clamp(1.0, MOST_ANISOTROPY) as u8 };
+        let isotropic = list.boolean("trilinear", &mut self.reporter)?.unwrap_or(false);
         let place = list.value_place("filter");
         let text = list.text("filter", &mut self.reporter)?;
         Ok(match text.as_deref() {
-            None if self.dialect == Dialect::V3 => ImageFilter::Trilinear,
+            None if isotropic => ImageFilter::Trilinear,
+            None if self.dialect == Dialect::V3 => anisotropic,
             None | Some("bilinear") => ImageFilter::Bilinear,
             Some("point" | "nearest") => ImageFilter::Point,
-            Some("trilinear" | "ewa" | "EWA") => ImageFilter::Trilinear,
+            Some("trilinear") => ImageFilter::Trilinear,
+            Some("ewa" | "EWA") => anisotropic,
             Some(other) => {
                 let message = format!(
                     "texture \"imagemap\": filter {:?} is unknown; \"bilinear\" stands in",
@@ -284,6 +291,10 @@ impl Lowering {
         if picture.pixels.to_rgb().is_none() {
             return Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into());
         }
+        self.picture_budget.allow_file(key.as_ref().map_or(&path, |key| &key.path), bytes.len());
+        self.picture_budget
+            .take(&picture.pixels)
+            .map_err(|problem| format!("picture {name:?}: {problem}"))?;
         let images = &mut self.description.images;
         images.push(ImageDescription { name: name.to_owned(), pixels: Arc::new(picture.pixels) });
         let index = images.len() - 1;
@@ -291,5 +302,43 @@ impl Lowering {
             self.images.insert(key, index);
         }
         Ok(index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_light::{Pixels, Tone};
+
+    use super::*;
+    use crate::finder::FileFinder;
+    use crate::image::Format;
+    use crate::model::PictureBudget;
+    use crate::source::Reporter;
+
+    /// A picture of one colour has far more pixels than its file has bytes.
+    #[test]
+    fn pictures_have_no_more_pixels_than_the_size_of_their_files_warrants() {
+        let pixels = Pixels::try_from_rgb(1024, 1024, &vec![[1.0; 3]; 1 << 20]).unwrap();
+        let bytes = image::write(&pixels, Format::Png, &Tone::default(), &Default::default()).unwrap();
+        assert!(256 * bytes.len() < 3 << 20, "{} bytes", bytes.len());
+        let path = std::env::temp_dir().join(format!("glanz-formats-{}-budget.png", std::process::id()));
+        std::fs::write(&path, bytes).unwrap();
+        let name = path.file_name().unwrap().display().to_string();
+        let read = |values: usize| {
+            let mut lowering =
+                Lowering::new(Reporter::default(), Dialect::V4, FileFinder::new(path.parent()));
+            lowering.picture_budget = PictureBudget::of_values(values);
+            // The second time with another content, for which the file counts no more.
+            [Encoding::Srgb, Encoding::Linear]
+                .map(|encoding| lowering.picture(&name, encoding).map_err(|e| e.message))
+        };
+        let results = [0, 3 << 20, 6 << 20].map(read);
+        std::fs::remove_file(&path).unwrap();
+        let refused = format!(
+            "picture {name:?}: the pictures have too many pixels for the size of the files; use smaller or fewer pictures"
+        );
+        assert_eq!(results[0], [Err(refused.clone()), Err(refused.clone())]);
+        assert_eq!(results[1], [Ok(0), Err(refused)]);
+        assert_eq!(results[2], [Ok(0), Ok(1)]);
     }
 }
