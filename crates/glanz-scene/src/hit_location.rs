@@ -104,7 +104,9 @@ mod tests {
         let texture = TextureDescription { name: "slope".into(), kind, location: None };
         let turned = DMat4::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.7);
         let to_world = DMat4::from_translation(DVec3::new(0.2, -0.3, 0.1)) * turned;
-        let sloped = ShapeDescription::cuboid([-0.5; 3], [0.5; 3])
+        // The point of a sphere is that of the ray; a cuboid has it from its parameters.
+        let sloped = ShapeDescription::sphere(0.6)
+            .scaled([1.0, 1.2, 0.9])
             .rotated(DVec3::Z, 0.3)
             .translated([0.5, 0.0, 0.0])
             .with_alpha(FloatParameter::Texture(0));

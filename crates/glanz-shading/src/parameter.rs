@@ -172,8 +172,8 @@ impl<'a> TextureEvaluator<'a> {
         self.textures.spectrum(input, self.at, self.wavelengths).map(|x| x.max(0.0))
     }
 
-    /// The largest component of a spectrum that has the value `here` at these wavelengths: of a colour that in RGB, which does not depend on the
-    /// wavelengths of a path. `value`: the spectrum.
+    /// The largest component of a spectrum that has the value `here` at these wavelengths; for a colour the largest in RGB, which does not depend on
+    /// the wavelengths of a path. `value` evaluates the spectrum at the wavelengths of its argument.
     #[must_use]
     pub fn largest(&self, here: Spectrum, value: impl Fn(&Self) -> Spectrum) -> f32 {
         let in_rgb = Self { wavelengths: &Wavelengths::Rgb, ..*self };

@@ -39,7 +39,8 @@ pub enum CurveShading {
 
 /// Cubic Bézier curves with a width, which face every ray.
 ///
-/// `Hit::face` is the segment, `u` its parameter, and `v` runs from 0 to 1 across the width. The normal faces the origin of every ray. The error of a point is the width, so that rays start beyond the curve that they leave. It has no area to sample.
+/// `Hit::face` is the segment, `u` its parameter, and `v` runs from 0 to 1 across the width. The normal faces the origin of every ray. The error of a
+/// point is the width, so that rays start beyond the curve that they leave. It has no area to sample.
 #[derive(Clone, Debug)]
 pub struct FacingCurve {
     segments: Vec<[DVec3; 4]>,

@@ -130,23 +130,32 @@ impl Ribbon {
     fn append(&self, [start, end]: [f64; 2], ends: [&Edges; 2], halvings: u32, surface: &mut RibbonSurface) {
         let third = (end - start) / 3.0;
         let [[from, leave], [to, arrive]] = ends;
-        let controls = [0, 1].map(|side| {
+        let mut controls = [0, 1].map(|side| {
             [from[side], from[side] + third * leave[side], to[side] - third * arrive[side], to[side]]
         });
-        let middle = self.edges(0.5 * (start + end));
-        let tolerance = EDGE_TOLERANCE * self.widths[0].max(self.widths[1]);
-        let is_near = |share: f64| {
-            let exact = self.edges(start + (end - start) * share)[0];
-            controls
-                .iter()
-                .zip(exact)
-                .all(|(&side, exact)| point_at(side, share).distance(exact) <= tolerance)
+        let exact = [0.25, 0.5, 0.75].map(|share| (share, self.edges(start + (end - start) * share)));
+        let deviation = |controls: &[[DVec3; 4]; 2]| {
+            let off = |(share, edges): &(f64, Edges)| {
+                let [left, right] =
+                    [0, 1].map(|side| point_at(controls[side], *share).distance(edges[0][side]));
+                left.max(right)
+            };
+            exact.iter().map(off).fold(0.0, f64::max)
         };
-        if halvings > 0 && ![0.25, 0.5, 0.75].into_iter().all(is_near) {
-            let half = 0.5 * (start + end);
-            self.append([start, half], [ends[0], &middle], halvings - 1, surface);
-            self.append([half, end], [&middle, ends[1]], halvings - 1, surface);
-            return;
+        let smooth = deviation(&controls);
+        if smooth > EDGE_TOLERANCE * self.widths[0].max(self.widths[1]) {
+            if halvings > 0 {
+                let (half, middle) = (0.5 * (start + end), &exact[1].1);
+                self.append([start, half], [ends[0], middle], halvings - 1, surface);
+                self.append([half, end], [middle, ends[1]], halvings - 1, surface);
+                return;
+            }
+            // Where an edge turns within the last piece, its derivative at the turn leads far away.
+            let straight = [0, 1]
+                .map(|side| [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|t| from[side].lerp(to[side], t)));
+            if deviation(&straight) < smooth {
+                controls = straight;
+            }
         }
         surface.points.extend([1, 2, 3].map(|k| controls.map(|side| side[k])));
         surface.knots.extend([end; 3]);

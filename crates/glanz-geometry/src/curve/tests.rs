@@ -1,3 +1,6 @@
+use std::f64::consts::PI;
+
+use glanz_math::Bounds3;
 use glanz_math::rounding::offset_origin;
 
 use super::*;
@@ -263,9 +266,12 @@ fn ribbons_with_opposite_normals_are_refused() {
         assert!(matches!(refused, Err(SurfaceError::Degenerate { .. })), "{normal}");
     }
     let half_a_turn = ribbon_surface(points, [1.0; 2], [DVec3::Z, DVec3::new(0.0, 1e-6, -1.0)]).unwrap();
-    for points in half_a_turn.points.iter().step_by(3) {
-        assert!((points[0].distance(points[1]) - 1.0).abs() < 1e-9, "{points:?}");
+    // The normal turns evenly from z by y to -z.
+    for (k, points) in half_a_turn.points.iter().step_by(3).enumerate() {
+        let (sin, cos) = (PI * half_a_turn.knots[3 * k + 3]).sin_cos();
+        assert!((points[1] - points[0]).distance(DVec3::new(0.0, cos, -sin)) < 1e-5, "{points:?}");
     }
+    assert!(half_a_turn.points.len() > 7, "it turns within the segment");
 }
 
 #[test]
@@ -279,4 +285,20 @@ fn straight_ribbon_is_one_bilinear_piece() {
         assert!(point[1].distance(DVec3::new(x, half, 0.0)) < 1e-15);
     }
     assert!(ribbon_surface(points, [1.0; 2], [DVec3::ZERO; 2]).is_err());
+}
+
+#[test]
+fn ribbons_that_start_with_almost_equal_points_stay_within_their_width() {
+    let [a, _, c, d] = BENT;
+    let along = (c - a).normalize();
+    for off in [1e-3, 1e-5, 1e-7, 1e-9] {
+        let points = [a, a + off * along.any_orthonormal_vector(), c, d];
+        let normals = [DVec3::new(-0.1, 0.0, 1.0), DVec3::new(-0.7, 0.1, 0.4)];
+        let ribbon = ribbon_surface(points, [0.35, 0.15], normals).unwrap();
+        let reach = Bounds3::from_points(points);
+        // Splines lie within their control points.
+        for point in ribbon.points.iter().flatten() {
+            assert!((reach.min - *point).max(*point - reach.max).max_element() < 0.35, "{off}: {point}");
+        }
+    }
 }

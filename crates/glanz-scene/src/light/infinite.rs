@@ -55,7 +55,7 @@ impl LightModel for InfiniteLight {
         brightness(self.radiance) * PI * 4.0 * disk
     }
 
-    /// Directions by the cosine to the shading normal on the side of `wo`: the light is the same everywhere, so the
+    /// Directions by the cosine to [`Interaction::normal_for`] the viewer, on its side: the light is the same everywhere, so the
     /// cosine is all that varies. Light through a surface is left to BSDF sampling. In a medium light is scattered from all sides: uniform directions.
     fn sample(&self, _: &Scene, from: &Interaction, xi: DVec2) -> Option<LightSample> {
         let context = from.light_sample_context();

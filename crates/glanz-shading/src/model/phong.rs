@@ -53,7 +53,7 @@ impl Phong {
         Self::with_largest_sum(coefficients, 0.0)
     }
 
-    /// The model of [`Phong::new`], of which diffuse + specular is `largest_sum` at other wavelengths.
+    /// The model of [`Phong::new`], of which diffuse + specular is at most `largest_sum` at other wavelengths.
     fn with_largest_sum(coefficients: PhongCoefficients, largest_sum: f32) -> Self {
         let positive = |s: Spectrum| s.map(|x| x.max(0.0));
         let coefficients = PhongCoefficients {

@@ -463,7 +463,7 @@ fn light_passes_only_where_the_lobes_say_so() {
 
 fn bsdf_at(material: &Material, wavelengths: &Wavelengths) -> Bsdf {
     let point = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
-    material.bsdf(&Textures::new(), &point, wavelengths).unwrap_or(Bsdf::Black)
+    material.bsdf(&Textures::new(), &point, wavelengths).unwrap()
 }
 
 /// Pairs of directions, on one side and on both.
