@@ -1,4 +1,6 @@
-//! Materials of version 3 that are sums of scattering models, as mixtures: each is selected with a probability, and the colours of the selected one are divided by it.
+//! Materials of version 3 that are sums of scattering models, as mixtures.
+//!
+//! Each model is selected with a probability, by which its colours are divided.
 
 use glanz_light::SpectralDistribution;
 use glanz_scene::description::{
@@ -23,7 +25,6 @@ struct Opening {
 impl Lowering {
     /// The sum of Lambert's law, a highlight, a mirror and glass, of which `opacity` lets a part of the light pass.
     pub(super) fn uber(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<MaterialKind> {
-        let opening = self.open_part(list, space)?;
         let index = self.float_or(list, "index", 1.5)?;
         let eta = self.optional_float(list, "eta")?.unwrap_or(index);
         let plastic = PrincipledMaterial { eta, ..self.plastic(list, space)? };
@@ -40,8 +41,11 @@ impl Lowering {
             brightness(&plastic.base_color).max(brightness(&plastic.specular)),
             brightness(&glass.reflectance).max(brightness(&glass.transmittance)),
         ];
+        let textured = [[&plastic.base_color, &plastic.specular], [&glass.reflectance, &glass.transmittance]]
+            .map(any_texture);
+        let opening = self.open_part(list, space, (sizes[0] + sizes[1]).min(1.0))?;
         let parts = [MaterialKind::Principled(plastic), MaterialKind::Dielectric(glass)];
-        let opaque = self.sum(parts, sizes, list);
+        let opaque = self.sum(parts, sizes, textured, list);
         let Some(Opening { amount, colors: [passing, rest] }) = opening else { return Ok(opaque) };
         let pane = MaterialKind::Dielectric(DielectricMaterial {
             eta: FloatParameter::Value(1.0),
@@ -57,8 +61,14 @@ impl Lowering {
         Ok(MaterialKind::mix(materials, amount))
     }
 
-    /// The part that `opacity` leaves open; `None` if it is 1.
-    fn open_part(&mut self, list: &mut ParameterList, space: ColorSpace) -> ParseResult<Option<Opening>> {
+    /// The part that `opacity` leaves open; `None` if it is 1. `size`: the largest colour of the rest.
+    fn open_part(
+        &mut self,
+        list: &mut ParameterList,
+        space: ColorSpace,
+        size: f32,
+    ) -> ParseResult<Option<Opening>> {
+        let place = list.value_place("opacity");
         let opacity = match self.spectrum_or(list, "opacity", 1.0, space)? {
             SpectrumParameter::Value(opacity) => opacity,
             SpectrumParameter::Texture(texture) => {
@@ -72,14 +82,29 @@ impl Lowering {
             SpectralDistribution::Rgb(rgb) => rgb.map(|x| x.clamp(0.0, 1.0)),
             other => [largest(other).unwrap_or(1.0).clamp(0.0, 1.0); 3],
         };
-        let mean = if rgb == [rgb[0]; 3] { rgb[0] } else { rgb.iter().sum::<f32>() / 3.0 };
-        let amount = FloatParameter::Value(1.0 - mean);
-        let over = |part: [f32; 3], mean: f32| match part {
-            part if part == [mean; 3] => grey(1.0),
-            part => SpectralDistribution::Rgb(part.map(|x| x / mean)),
+        if rgb == [rgb[0]; 3] {
+            let amount = FloatParameter::Value(1.0 - rgb[0]);
+            return Ok((rgb[0] < 1.0).then_some(Opening { amount, colors: [grey(1.0), grey(1.0)] }));
+        }
+        // Each part gets the share that its largest component needs: divided colours above 1 are clamped.
+        let open = rgb.map(|x| 1.0 - x);
+        let [passing, rest] =
+            [(open, 1.0), (rgb, size)].map(|(part, size)| size * part.into_iter().fold(0.0, f32::max));
+        let total = passing + rest;
+        if total > 1.0 {
+            let message = format!(
+                "{}: no mixture has this coloured opacity; one that lets less light pass stands in",
+                list.subject
+            );
+            self.stand_in(&place, "stand-in-material", message);
+        }
+        let amount = passing / total;
+        let over = |part: [f32; 3], share: f32| match share > 0.0 {
+            true => SpectralDistribution::Rgb(part.map(|x| x / share)),
+            false => grey(1.0),
         };
-        let colors = [over(rgb.map(|x| 1.0 - x), 1.0 - mean), over(rgb, mean)];
-        Ok((mean < 1.0).then_some(Opening { amount, colors }))
+        let colors = [over(open, amount), over(rgb, 1.0 - amount)];
+        Ok(Some(Opening { amount: FloatParameter::Value(amount), colors }))
     }
 
     /// A sheet: the sum of Lambert's law and of rough glass of index 1.5, each on both sides.
@@ -115,13 +140,23 @@ impl Lowering {
             brightness(&sheet.reflectance) + brightness(&sheet.transmittance),
             brightness(&glass.reflectance).max(brightness(&glass.transmittance)),
         ];
+        let textured =
+            [[&sheet.reflectance, &sheet.transmittance], [&glass.reflectance, &glass.transmittance]]
+                .map(any_texture);
         let parts = [MaterialKind::DiffuseTransmission(sheet), MaterialKind::Dielectric(glass)];
-        Ok(self.sum(parts, sizes, list))
+        Ok(self.sum(parts, sizes, textured, list))
     }
 
-    /// The sum of two materials that scatter these fractions of light at most. Where a divided colour exceeds 1 it
-    /// is clamped at shading, so that no light is created.
-    fn sum(&mut self, parts: [MaterialKind; 2], sizes: [f32; 2], list: &ParameterList) -> MaterialKind {
+    /// The sum of two materials that scatter these fractions of light at most. Where both together scatter more than
+    /// all light, constant colours are divided by the sum of the fractions, and those of a part with textures are
+    /// clamped at shading.
+    fn sum(
+        &mut self,
+        parts: [MaterialKind; 2],
+        sizes: [f32; 2],
+        textured: [bool; 2],
+        list: &ParameterList,
+    ) -> MaterialKind {
         let [first, second] = parts;
         if sizes[1] <= 0.0 {
             return first;
@@ -130,7 +165,9 @@ impl Lowering {
             return second;
         }
         let total = sizes[0] + sizes[1];
-        let [a, b] = sizes.map(|size| grey(total / size));
+        // Of a texture only the bound is known: where it is dark, nothing has to be scaled down.
+        let factor = |part: usize| grey(if textured[part] { total } else { total.min(1.0) } / sizes[part]);
+        let [a, b] = [0, 1].map(factor);
         let materials = [self.tinted(first, &a, list), self.tinted(second, &b, list)];
         let materials = materials.map(|part| self.add_part(part, list));
         MaterialKind::mix(materials, sizes[1] / total)
@@ -216,6 +253,10 @@ impl Lowering {
         textures.push(TextureDescription { name: String::new(), kind, location: Some(list.place.location) });
         textures.len() - 1
     }
+}
+
+fn any_texture(colors: [&SpectrumParameter; 2]) -> bool {
+    colors.into_iter().any(|color| matches!(color, SpectrumParameter::Texture(_)))
 }
 
 /// The largest fraction of light that a colour scatters; of a texture 1.

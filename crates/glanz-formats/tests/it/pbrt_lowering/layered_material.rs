@@ -1,7 +1,9 @@
 //! Materials of several layers.
 
-use glanz_scene::description::DescriptionForm;
+use glanz_scene::SceneBuilder;
+use glanz_scene::description::{DescriptionForm, ShapeDescription};
 use glanz_shading::model::{MetalColor, PrincipledMaterial, Roughness, RoughnessScale};
+use glanz_shading::texture::TexturePoint;
 
 use super::*;
 
@@ -83,11 +85,30 @@ fn opacity_of_uber_lets_light_pass_straight() {
     let (MaterialKind::Principled(opaque), MaterialKind::Dielectric(pane)) = (opaque, pane) else { panic!() };
     assert_eq!(value(&opaque.base_color), [0.4, 0.3, 0.2]);
     assert_eq!((pane.thin, pane.eta, value(&pane.transmittance)), (true, 1.0.into(), [1.0; 3]));
-    // Of a colour: probability times factor is what version 3 adds up, 1 - opacity and opacity.
-    let ([opaque, pane], amount) = parts("\"uber\" \"rgb Kd\" [.4 .4 .4] \"rgb opacity\" [.3 .5 .7]");
-    let (MaterialKind::Principled(opaque), MaterialKind::Dielectric(pane)) = (opaque, pane) else { panic!() };
-    closes(value(&opaque.base_color).map(|x| x * (1.0 - amount)), [0.12, 0.2, 0.28]);
-    closes(value(&pane.transmittance).map(|x| x * amount), [0.7, 0.5, 0.3]);
+}
+
+/// Light that a mixture reflects and passes in all, seen along its normal, by the mean of its parts.
+fn albedo_of_mix(text: &str) -> [f32; 3] {
+    let (materials, amount) = parts(text);
+    let albedo = materials.map(|kind| {
+        let (scene, _) = SceneBuilder::new().shape(ShapeDescription::sphere(1.0), kind).resolve().unwrap();
+        let at = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
+        let bsdf = scene.materials()[0].bsdf(scene.textures(), &at, &Wavelengths::Rgb).unwrap();
+        bsdf.albedo(DVec3::Z).to_rgb(&Wavelengths::Rgb)
+    });
+    [0, 1, 2].map(|i| (1.0 - amount) * albedo[0][i] + amount * albedo[1][i])
+}
+
+#[test]
+fn coloured_opacity_of_uber_passes_and_scatters_what_version_3_adds_up() {
+    // 1 - opacity passes, and opacity times Kd is scattered.
+    closes(
+        albedo_of_mix("\"uber\" \"float Kd\" .4 \"float Ks\" 0 \"rgb opacity\" [.3 .5 .7]"),
+        [0.3, 0.5, 0.7].map(|opacity| 1.0 - opacity + opacity * 0.4),
+    );
+    // The pane would have to be selected with a probability of .9, the rest with one of .9.
+    let messages = stand_ins("Material \"uber\" \"float Kd\" 1 \"rgb opacity\" [.1 .9 .9]");
+    assert!(messages.len() == 1 && messages[0].contains("coloured opacity"), "{messages:?}");
 }
 
 #[test]
@@ -115,12 +136,23 @@ fn parts_of_sums_have_their_colours_divided_by_their_probability() {
         (glass.eta, glass.roughness),
         (1.5.into(), Roughness::isotropic(0.1, RoughnessScale::Logarithmic))
     );
-    // What would create light is clamped where it is used.
-    let ([plastic, glass], amount) = parts("\"uber\" \"float Kd\" 1 \"float Kr\" 1");
+    // What would create light is scaled down.
+    let ([plastic, glass], amount) = parts("\"uber\" \"rgb Kd\" [.8 .2 .1] \"float Kr\" .8");
     let (MaterialKind::Principled(plastic), MaterialKind::Dielectric(glass)) = (plastic, glass) else {
         panic!()
     };
-    assert_eq!((value(&plastic.base_color), value(&glass.reflectance), amount), ([2.0; 3], [2.0; 3], 0.5));
+    close(amount.into(), 0.5);
+    closes(value(&plastic.base_color), [1.0, 0.25, 0.125]);
+    closes(value(&glass.reflectance), [1.0; 3]);
+    // Of textures it is clamped where it is used.
+    let text =
+        "Texture \"t\" \"color\" \"checkerboard\" Material \"uber\" \"texture Kd\" \"t\" \"float Kr\" 1";
+    let d = read_clean(&format!("WorldBegin {text}")).description;
+    let scales = d.textures.iter().filter_map(|texture| match &texture.kind {
+        TextureKind::Scale(_, SpectrumParameter::Value(factor)) => Some(rgb(factor)),
+        _ => None,
+    });
+    assert_eq!(scales.collect::<Vec<_>>(), [[2.0; 3]]);
 }
 
 #[test]
