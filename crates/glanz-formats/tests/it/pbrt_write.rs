@@ -27,6 +27,10 @@ fn content(description: &Description) -> String {
     let mut plain = description.clone();
     plain.files.clear();
     plain.film.location = None;
+    plain.camera.location = None;
+    for medium in &mut plain.media {
+        (medium.name, medium.location) = (String::new(), None);
+    }
     for material in &mut plain.materials {
         (material.name, material.location) = (String::new(), None);
     }
@@ -215,6 +219,44 @@ proptest! {
 }
 
 #[test]
+fn media_read_back_to_the_same_bits() {
+    let sampled = SpectralDistribution::try_sampled(vec![(400.0, 0.1), (700.0, 0.3)]).unwrap();
+    let fog = MediumDescription {
+        scale: 0.1,
+        g: -0.3,
+        emission: [0.1, 0.2, 0.7].into(),
+        emission_scale: 0.3,
+        ..MediumDescription::new([0.1, 0.2, 0.3], sampled)
+    };
+    let smoke = MediumDescription {
+        density: Some(DensityDescription {
+            resolution: [2, 1, 3],
+            values: [0.1, 0.0, 0.7, 1.1, 2.3, 1e-3].into(),
+            corners: [DVec3::splat(-0.1), DVec3::new(0.3, 0.7, 1.1)],
+            to_world: DMat4::from_rotation_y(0.7),
+        }),
+        ..MediumDescription::new(0.1, 0.7)
+    };
+    let placed = |inside, outside| ShapeDescription {
+        media: SurfaceMedia { inside, outside },
+        ..ShapeDescription::sphere(1.0)
+    };
+    let shapes =
+        vec![placed(Some(1), Some(0)), placed(None, Some(1)), placed(None, None), placed(Some(0), Some(0))];
+    let model = Description { media: vec![fog, smoke], ..model(shapes.clone()) };
+    assert_same(&model);
+    let part = GroupDescription { name: "part".to_owned(), shapes, ..GroupDescription::default() };
+    assert_same(&Description { groups: vec![part], ..model.clone() });
+    // What a studio replaces of the camera is reported.
+    let seen = Description { camera_medium: Some(1), ..model };
+    let text = write(&seen, UpAxis::Z).unwrap();
+    let loaded = load_str("model.pbrt", &text, &Options::default()).unwrap_or_else(|d| panic!("{d}\n{text}"));
+    assert_eq!(loaded.diagnostics.iter().map(|d| d.kind).collect::<Vec<_>>(), ["stand-in-studio"]);
+    let read = Description { camera: seen.camera.clone(), ..loaded.description };
+    assert_eq!(content(&read), content(&seen), "{text}");
+}
+
+#[test]
 fn assemblies_read_back_with_their_instances_and_names() {
     let loaded = load_str("lamp.step", &lamp(), &Options::default()).unwrap();
     assert_same(&loaded.description);
@@ -279,7 +321,12 @@ fn what_the_language_cannot_say_is_refused() {
     let infinite = model(vec![ShapeDescription::rectangle([0.0, f64::INFINITY], [0.0, 1.0])]);
     let mut lit = model(vec![ShapeDescription::sphere(1.0)]);
     lit.lights.push(LightDescription::infinite(1.0));
-    for (description, word) in [(emitting, "emission"), (infinite, "not finite"), (lit, "a light")] {
+    let mut burning = model(vec![ShapeDescription::sphere(1.0)]);
+    let flame = SpectralDistribution::try_sampled(vec![(400.0, 0.1), (700.0, 0.3)]).unwrap();
+    burning.media.push(MediumDescription { emission: flame, ..MediumDescription::new(1.0, 1.0) });
+    for (description, word) in
+        [(emitting, "emission"), (infinite, "not finite"), (lit, "a light"), (burning, "by wavelength")]
+    {
         let error = write(&description, UpAxis::Z).unwrap_err().to_string();
         assert!(error.contains(word), "{error}");
     }

@@ -164,7 +164,8 @@ fn number_or_texture(
     Ok(())
 }
 
-fn spectrum(
+/// A spectrum as a parameter.
+pub(super) fn spectrum(
     list: &mut ParameterWriter<'_>,
     name: &str,
     value: &SpectrumParameter,

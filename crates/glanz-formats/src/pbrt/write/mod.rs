@@ -1,8 +1,9 @@
 //! Models in the scene language, exactly: every number reads back to the same bits.
 //!
-//! `parameters` writes values, `shape` surfaces with their trimming, `material` materials. Parts are objects, their occurrences instances.
+//! `parameters` writes values, `shape` surfaces with their trimming, `material` materials, `medium` media. Parts are objects, their occurrences instances.
 
 mod material;
+mod medium;
 mod parameters;
 mod shape;
 
@@ -11,7 +12,9 @@ use std::fmt::Write;
 
 use glanz_math::DMat4;
 use glanz_scene::Description;
-use glanz_scene::description::{FilterDescription, FilterKind, GroupDescription, InstanceDescription};
+use glanz_scene::description::{
+    FilterDescription, FilterKind, GroupDescription, InstanceDescription, SurfaceMedia,
+};
 use glanz_scene::studio::UpAxis;
 
 use parameters::{matrix, quoted};
@@ -37,14 +40,13 @@ pub enum PbrtWriteError {
 
 /// The text of a model in the scene language. `up`: its upward axis, for the studio.
 ///
-/// Groups of the same name, and those without, get numbers; so do materials.
+/// Groups of the same name, and those without, get numbers; so do materials and media.
 ///
 /// # Errors
-/// [`PbrtWriteError`] for lights, textures, emission and receivers, and for numbers that are not finite.
+/// [`PbrtWriteError`] for lights, textures, emission, receivers and media that emit a spectrum by wavelength, and for numbers that are not finite.
 pub fn write(description: &Description, up: UpAxis) -> Result<String, PbrtWriteError> {
     let scene = [
         ("a light", description.lights.is_empty()),
-        ("a medium", description.media.is_empty()),
         ("a texture", description.textures.is_empty()),
         ("a section", description.section.is_none()),
         ("a backdrop", description.backdrop.is_none()),
@@ -68,6 +70,15 @@ pub fn write(description: &Description, up: UpAxis) -> Result<String, PbrtWriteE
         text,
         "PixelFilter \"gaussian\" \"float sigma\" [ {sigma} ] \"float xradius\" [ {x} ] \"float yradius\" [ {y} ]"
     );
+    for (number, described) in description.media.iter().enumerate() {
+        medium::write(&mut text, number, described)?;
+    }
+    if description.camera_medium.is_some() {
+        // The studio replaces all else of the camera.
+        medium::write_interface(&mut text, SurfaceMedia { inside: None, outside: description.camera_medium });
+        text.push_str("Camera \"perspective\"\n");
+        medium::write_interface(&mut text, SurfaceMedia::default());
+    }
     text.push_str("WorldBegin\n");
     for (number, described) in description.materials.iter().enumerate() {
         if described.surface_detail.is_some() {
@@ -99,6 +110,9 @@ fn write_group(
             text.push_str("ReverseOrientation\n");
         }
         let _ = writeln!(text, "NamedMaterial {}", quoted(&material::name(described.material)));
+        if described.media != SurfaceMedia::default() {
+            medium::write_interface(text, described.media);
+        }
         shape::write(text, described).map_err(refused)?;
         text.push_str("AttributeEnd\n");
     }
