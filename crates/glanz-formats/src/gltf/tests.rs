@@ -122,8 +122,11 @@ fn with_material(material: Value, more: Value) -> Value {
 
 /// A picture of two pixels, red over black with green and blue of 1/5 and 2/5.
 fn picture() -> Value {
-    let png = crate::image::write_srgb8(1, 2, &[[255, 0, 0], [0, 51, 102]]).unwrap();
-    json!({ "uri": format!("data:image/png;base64,{}", BASE64.encode(&png)) })
+    json!({ "uri": format!("data:image/png;base64,{}", BASE64.encode(&picture_bytes())) })
+}
+
+fn picture_bytes() -> Vec<u8> {
+    crate::image::write_srgb8(1, 2, &[[255, 0, 0], [0, 51, 102]]).unwrap()
 }
 
 #[test]

@@ -10,6 +10,9 @@ use glanz_light::Pixels;
 const VALUES_PER_BYTE: usize = 256;
 const FREE_VALUES: usize = 1 << 28;
 
+const TOO_MANY_PICTURES: &str =
+    "the pictures have too many pixels for the size of the files; use smaller or fewer pictures";
+
 /// Number of values of pictures that a scene or a model may still read.
 #[derive(Debug)]
 pub(crate) struct PictureBudget {
@@ -43,17 +46,29 @@ impl PictureBudget {
         }
     }
 
-    /// Takes the values of a picture.
+    /// Decodes a picture of so many bytes and takes its values.
+    ///
+    /// After the first picture that is too large none is decoded: that takes time, and memory for a while. What cannot be decoded takes the share
+    /// of its bytes, so that a file that names it often does not have it decoded each time.
     ///
     /// # Errors
-    /// The problem as a sentence, if too few are left.
-    pub(crate) fn take(&mut self, pixels: &Pixels) -> Result<(), String> {
-        let values = pixels.len().saturating_mul(pixels.channels().len());
+    /// The problem as a sentence: that of `decode`, or that too few values are left.
+    pub(crate) fn decode(
+        &mut self,
+        bytes: usize,
+        decode: impl FnOnce() -> Result<Pixels, String>,
+    ) -> Result<Pixels, String> {
+        if self.values == 0 {
+            return Err(TOO_MANY_PICTURES.to_owned());
+        }
+        let decoded = decode();
+        let values = match &decoded {
+            Ok(pixels) => pixels.len().saturating_mul(pixels.channels().len()),
+            Err(_) => bytes.saturating_mul(VALUES_PER_BYTE).min(self.values),
+        };
         let left = self.values.checked_sub(values);
-        self.values = left.ok_or(
-            "the pictures have too many pixels for the size of the files; use smaller or fewer pictures",
-        )?;
-        Ok(())
+        self.values = left.unwrap_or(0);
+        left.map_or_else(|| Err(TOO_MANY_PICTURES.to_owned()), |_| decoded)
     }
 }
 
@@ -63,13 +78,13 @@ mod tests {
 
     #[test]
     fn a_file_counts_once_and_pictures_by_their_values() {
-        let mut budget = PictureBudget::of_values(0);
-        let pixels = Pixels::try_from_rgb(16, 16, &[[0.5; 3]; 256]).unwrap();
-        budget.allow_file(Path::new("a.png"), 3);
-        budget.allow_file(Path::new("a.png"), 3);
-        assert_eq!(budget.take(&pixels), Ok(()));
-        assert!(budget.take(&pixels).unwrap_err().contains("too many pixels"));
-        budget.allow_file(Path::new("b.png"), 3);
-        assert_eq!(budget.take(&pixels), Ok(()));
+        let mut budget = PictureBudget::of_values(1);
+        let mut decode = |file: &str| {
+            budget.allow_file(Path::new(file), 3);
+            budget.decode(3, || Ok(Pixels::try_from_rgb(16, 16, &[[0.5; 3]; 256]).unwrap())).map(|_| ())
+        };
+        assert_eq!(decode("a.png"), Ok(()));
+        assert!(decode("a.png").unwrap_err().contains("too many pixels"));
+        assert_eq!(decode("b.png"), Ok(()));
     }
 }

@@ -156,8 +156,6 @@ impl ModelReader {
     /// # Errors
     /// The problem.
     pub(crate) fn picture(&mut self, bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
-        let pixels = read_picture(bytes, content)?;
-        self.picture_budget.take(&pixels)?;
-        Ok(pixels)
+        self.picture_budget.decode(bytes.len(), || read_picture(bytes, content))
     }
 }

@@ -1,7 +1,7 @@
 //! Materials and their textures.
 
 use super::*;
-use crate::model::PictureBudget;
+use crate::model::{PictureBudget, PictureContent};
 
 #[test]
 fn the_factor_of_the_specular_extension_applies_to_the_limited_colour() {
@@ -55,6 +55,25 @@ fn pictures_have_no_more_pixels_than_the_size_of_a_model_warrants() {
         warnings.contains("/images/0: the pictures have too many pixels for the size of the files"),
         "{warnings}"
     );
+}
+
+#[test]
+fn pictures_beyond_the_bound_are_not_decoded_again() {
+    let bytes: Arc<[u8]> = (*b"{}").into();
+    let png = picture_bytes();
+    let read = |values: usize, picture: &[&[u8]]| {
+        let mut reader = ModelReader::new("m", None, &bytes, &Options::default()).unwrap();
+        reader.picture_budget = PictureBudget::of_values(values);
+        Vec::from_iter(picture.iter().map(|bytes| match reader.picture(bytes, PictureContent::Color) {
+            Ok(_) => "picture",
+            Err(problem) if problem.contains("too many pixels") => "too many",
+            Err(_) => "broken",
+        }))
+    };
+    // Two pixels with three values. What cannot be read would be "broken" if it were decoded.
+    assert_eq!(read(11, &[&png, &png, b"no"]), ["picture", "too many", "too many"]);
+    // Two bytes are worth 512 values.
+    assert_eq!(read(513, &[b"no", b"no", b"no"]), ["broken", "broken", "too many"]);
 }
 
 #[test]

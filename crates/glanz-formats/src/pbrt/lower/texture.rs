@@ -286,17 +286,21 @@ impl Lowering {
             return Ok(*known);
         }
         let (path, bytes) = self.read_file(name)?;
-        let picture =
-            image::read(&bytes, Some(&path), encoding).map_err(|e| format!("picture {name:?}: {e}"))?;
-        if picture.pixels.to_rgb().is_none() {
+        self.picture_budget.allow_file(key.as_ref().map_or(&path, |key| &key.path), bytes.len());
+        let decode = || {
+            image::read(&bytes, Some(&path), encoding)
+                .map(|picture| picture.pixels)
+                .map_err(|error| error.to_string())
+        };
+        let pixels = self
+            .picture_budget
+            .decode(bytes.len(), decode)
+            .map_err(|problem| format!("picture {name:?}: {problem}"))?;
+        if pixels.to_rgb().is_none() {
             return Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into());
         }
-        self.picture_budget.allow_file(key.as_ref().map_or(&path, |key| &key.path), bytes.len());
-        self.picture_budget
-            .take(&picture.pixels)
-            .map_err(|problem| format!("picture {name:?}: {problem}"))?;
         let images = &mut self.description.images;
-        images.push(ImageDescription { name: name.to_owned(), pixels: Arc::new(picture.pixels) });
+        images.push(ImageDescription { name: name.to_owned(), pixels: Arc::new(pixels) });
         let index = images.len() - 1;
         if let Some(key) = key {
             self.images.insert(key, index);
