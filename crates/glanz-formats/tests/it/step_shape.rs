@@ -224,7 +224,7 @@ fn faces_emit_radiance_and_share_no_power() {
     let lumens = "AreaLightSource \"diffuse\" \"float lumens\" 800";
     assert!(load_in(&folder(), &format!("{lumens} {}", shape("\"string part\" \"bulb\""))).is_ok());
     let text = messages(&format!("{lumens} {}", shape("")));
-    assert!(text.contains("its file has 3 surfaces, which cannot share one power"), "{text}");
+    assert!(text.contains("it has 3 surfaces, which cannot share one power"), "{text}");
     let text = messages(&format!("ObjectBegin \"o\" {light} {} ObjectEnd", shape("")));
     assert!(text.contains("an object that emits light cannot be part of another"), "{text}");
 }

@@ -80,6 +80,40 @@ fn a_scene_places_a_file_with_its_own_materials_and_without_its_camera() {
 }
 
 #[test]
+fn what_shapes_of_a_file_lack_is_reported() {
+    let mut data = Data::default();
+    let position = data.floats("VEC3", &CORNERS[..9]);
+    let meshes = json!([{ "primitives": [{ "attributes": { "POSITION": position }, "material": 0 }] }]);
+    let volume =
+        json!({ "thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [1, 0.5, 0.5] });
+    let glass = json!({ "extensions": {
+        "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_volume": volume } });
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64.encode(&data.bytes));
+    let mut file = data.file(json!({ "meshes": meshes, "materials": [glass, {}], "nodes": [{ "mesh": 0 }] }));
+    file["buffers"][0]["uri"] = json!(uri);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("glass.gltf"), file.to_string()).unwrap();
+    file["meshes"][0]["primitives"][0]["material"] = json!(1);
+    std::fs::write(folder.path().join("clay.gltf"), file.to_string()).unwrap();
+    for (before, file, parameters, expected) in [
+        ("", "glass", "", vec![]),
+        ("MediumInterface \"fog\"", "clay", "", vec![]),
+        ("MediumInterface \"fog\"", "glass", "", vec!["stand-in-medium"]),
+        ("MediumInterface \"fog\" \"\"", "clay", "", vec!["stand-in-medium"]),
+        ("", "clay", "\"float alpha\" .5", vec!["stand-in-alpha"]),
+    ] {
+        // Twice: the file is read once.
+        let shape = format!("Shape \"gltf\" \"string filename\" \"{file}.gltf\" {parameters}\n").repeat(2);
+        let fog = "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"";
+        let path = folder.path().join("scene.pbrt");
+        std::fs::write(&path, format!("WorldBegin {fog} {before}\n{shape}")).unwrap();
+        let loaded = crate::load(&path, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+        let kinds: Vec<_> = loaded.diagnostics.iter().map(|diagnostic| diagnostic.kind).collect();
+        assert_eq!(kinds, expected.repeat(2), "{before} {file} {parameters}: {}", loaded.diagnostics);
+    }
+}
+
+#[test]
 fn instances_may_not_create_more_lights_than_a_scene_holds() {
     let mut data = Data::default();
     let position = data.floats("VEC3", &CORNERS[..9]);

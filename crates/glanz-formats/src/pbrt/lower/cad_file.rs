@@ -35,16 +35,7 @@ impl Lowering {
         };
         let path = self.cad_file(&list.subject, &p, &name)?;
         let settings = self.cad_settings(&path, &mut list, context)?;
-        let alpha_place = list.value_place("alpha");
-        if self.alpha(&mut list)?.is_some() {
-            let message = format!(
-                "{}: \"alpha\" is not available for CAD files; opaque surfaces stand in",
-                list.subject
-            );
-            self.stand_in(&alpha_place, "stand-in-alpha", message);
-        }
-        self.without_receiver(&mut list)?;
-        self.without_media(&list, context);
+        self.without_surface_parameters(&mut list, context, "CAD", "opaque surfaces stand in")?;
         if context.reverse_orientation {
             let message = format!(
                 "{}: ReverseOrientation has no effect; normals of solids point outwards",
@@ -151,20 +142,6 @@ impl Lowering {
             }
         }
         Ok((table, others))
-    }
-
-    /// Refuses a receiver.
-    pub(super) fn without_receiver(&mut self, list: &mut ParameterList) -> ParseResult<()> {
-        let receiver = list.text_parameter("receiver", &mut self.reporter)?;
-        list.ignore(&["cells", "receiverside"]);
-        match receiver {
-            Some((p, name)) if !name.is_empty() => {
-                let message = format!("{} cannot be receiver {:?}", list.subject, shortened(&name));
-                let help = Some("place another shape of the material \"interface\" in front".to_owned());
-                Err(self.reporter.error_with_help(&p.value_place, "receiver-in-object", message, help))
-            }
-            _ => Ok(()),
-        }
     }
 
     /// The group of a file with these settings, made once; `None` if it has no surface.

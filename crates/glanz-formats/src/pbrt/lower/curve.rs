@@ -23,6 +23,7 @@ impl Lowering {
         let (p, points) = self.positions(list)?;
         let kind = self.choice(list, "type", &TYPES)?;
         let basis = self.choice(list, "basis", &BASES)?;
+        let degree_place = list.value_place("degree");
         let degree = list.integer("degree", &mut self.reporter)?.unwrap_or(3);
         let count = points.len();
         let segments = match (degree, basis) {
@@ -31,11 +32,11 @@ impl Lowering {
             (2 | 3, _) => None,
             _ => {
                 let message = format!("shape \"curve\": the degree is {degree}; it must be 2 or 3");
-                return Err(self.reporter.error(&list.value_place("degree"), "curve", message));
+                return Err(self.reporter.error(&degree_place, "curve", message));
             }
         };
         let Some(segments) = segments.filter(|segments| *segments > 0) else {
-            let message = format!("shape \"curve\": {count} points are no {basis} curve of degree {degree}");
+            let message = format!("shape \"curve\": {count} points make no {basis} curve of degree {degree}");
             let help = match basis {
                 "bspline" => format!("{} points or more are needed", degree + 1),
                 _ => format!(

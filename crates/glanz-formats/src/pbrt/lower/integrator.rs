@@ -4,10 +4,36 @@ use glanz_scene::description::{GuideSettings, IntegratorDescription, PhotonSetti
 
 use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::ParseResult;
+use crate::source::{ParseResult, Reporter};
 
 /// Default for the largest number of scattering events of a path.
 const DEFAULT_DEPTH: u32 = 5;
+
+/// Parameters of other integrators, and those that affect the noise but not the expected picture.
+const IGNORED: &[&str] = &[
+    "regularize",
+    "lightsampler",
+    "lightsamplestrategy",
+    "rrthreshold",
+    "strategy",
+    "samplebsdf",
+    "radius",
+    "photonsperiteration",
+    "imagewritefrequency",
+    "seed",
+    "visualizestrategies",
+    "visualizeweights",
+    "bootstrapsamples",
+    "chains",
+    "mutationsperpixel",
+    "largestepprobability",
+    "sigma",
+    "cossample",
+    "maxdistance",
+    "nsamples",
+    "pixelbounds",
+    "stepsize",
+];
 
 impl Lowering {
     /// Lowers the sampler. All of pbrt's low-discrepancy sequences become the best available one.
@@ -94,14 +120,7 @@ impl Lowering {
             })?,
         };
         let photons = match name {
-            "sppm" => PhotonSettings {
-                radius: list.float("radius", r)?,
-                // As many as pixels: -1 or 0, as in pbrt.
-                count: list
-                    .integer("photonsperiteration", r)?
-                    .and_then(|n| u32::try_from(n).ok())
-                    .filter(|&n| n > 0),
-            },
+            "sppm" => photon_settings(&mut list, r)?,
             _ => PhotonSettings::default(),
         };
         let description = IntegratorDescription {
@@ -118,35 +137,25 @@ impl Lowering {
             spectral: list.boolean("spectral", r)?.unwrap_or(false),
             location: Some(place.location),
         };
-        // Parameters of other integrators, and those that affect the noise but not the expected picture.
-        list.ignore(&[
-            "regularize",
-            "lightsampler",
-            "lightsamplestrategy",
-            "rrthreshold",
-            "strategy",
-            "samplebsdf",
-            "radius",
-            "photonsperiteration",
-            "iterations",
-            "numiterations",
-            "imagewritefrequency",
-            "seed",
-            "visualizestrategies",
-            "visualizeweights",
-            "bootstrapsamples",
-            "chains",
-            "mutationsperpixel",
-            "largestepprobability",
-            "sigma",
-            "cossample",
-            "maxdistance",
-            "nsamples",
-            "pixelbounds",
-            "stepsize",
-        ]);
+        list.ignore(IGNORED);
+        if name != "sppm" {
+            // There the passes are the samples per pixel: they are reported as unused.
+            list.ignore(&["iterations", "numiterations"]);
+        }
         list.finish(r);
         self.description.integrator = description;
         Ok(())
     }
+}
+
+/// The photons of `sppm`.
+fn photon_settings(list: &mut ParameterList, reporter: &mut Reporter) -> ParseResult<PhotonSettings> {
+    Ok(PhotonSettings {
+        radius: list.float("radius", reporter)?,
+        // As many as pixels: -1 or 0, as in pbrt.
+        count: list
+            .integer("photonsperiteration", reporter)?
+            .and_then(|n| u32::try_from(n).ok())
+            .filter(|&n| n > 0),
+    })
 }

@@ -11,18 +11,9 @@ use super::Lowering;
 use super::roughness::RoughnessNames;
 use super::spectrum::grey;
 use crate::image::Encoding;
-use crate::nearest::nearest;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::{ParseResult, Span};
-
-/// A material with a name. If it is used before its definition, its place in the list is reserved.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NamedMaterial {
-    pub(crate) index: usize,
-    /// Span of its first use, until it is defined.
-    pub(crate) awaited: Option<Span>,
-}
 
 impl Lowering {
     /// Adds a material; returns its index.
@@ -56,37 +47,14 @@ impl Lowering {
         let surface_detail = self.surface_detail(&mut list)?;
         let kind = self.material_kind(&kind, list, space)?;
         let material = MaterialDescription { name: name.to_owned(), kind, surface_detail, location };
-        let materials = &mut self.description.materials;
-        let index = match self.materials.get(name) {
-            Some(NamedMaterial { index, awaited: Some(_) }) if *index < materials.len() => {
-                materials[*index] = material;
-                *index
-            }
-            _ => {
-                materials.push(material);
-                materials.len() - 1
-            }
-        };
-        self.materials.insert(name.to_owned(), NamedMaterial { index, awaited: None });
+        self.materials.define(name, material, &mut self.description.materials);
         Ok(())
     }
 
     /// The index of the material of this name, which may be defined later.
     pub(crate) fn use_material(&mut self, name: &str, place: &Span) -> usize {
-        if let Some(material) = self.materials.get(name) {
-            return material.index;
-        }
-        let index = self.add_default(name, place);
-        self.materials.insert(name.to_owned(), NamedMaterial { index, awaited: Some(*place) });
-        index
-    }
-
-    fn add_default(&mut self, name: &str, place: &Span) -> usize {
-        let kind = MaterialKind::diffuse(grey(0.5));
-        let location = Some(place.location);
-        let material = MaterialDescription { name: name.to_owned(), location, ..kind.into() };
-        self.description.materials.push(material);
-        self.description.materials.len() - 1
+        let materials = &mut self.description.materials;
+        self.materials.index_of(name, place, materials, || grey_material(name, place))
     }
 
     /// The material of shapes without one.
@@ -94,7 +62,9 @@ impl Lowering {
         match self.default_material {
             Some(index) => index,
             None => {
-                let index = self.add_default("", place);
+                let materials = &mut self.description.materials;
+                materials.push(grey_material("", place));
+                let index = materials.len() - 1;
                 self.default_material = Some(index);
                 index
             }
@@ -103,17 +73,7 @@ impl Lowering {
 
     /// Reports materials that are used and never defined.
     pub(crate) fn check_materials(&mut self) {
-        let missing: Vec<(String, Span)> = self
-            .materials
-            .iter()
-            .filter_map(|(name, m)| m.awaited.map(|place| (name.clone(), place)))
-            .collect();
-        for (name, place) in missing {
-            let made = self.materials.iter().filter(|(_, m)| m.awaited.is_none()).map(|(n, _)| n.as_str());
-            let help = nearest(&name, made).map(|n| format!("did you mean {n:?}?"));
-            let message = format!("there is no material {:?}", shortened(&name));
-            self.reporter.error_with_help(&place, "missing-material", message, help);
-        }
+        self.materials.report_missing("material", "missing-material", &mut self.reporter);
     }
 
     fn material_kind(
@@ -235,4 +195,10 @@ impl Lowering {
             multiple_scattering: thin || self.multiple_scattering(list)?,
         }))
     }
+}
+
+/// The material of shapes without one, and of a name until it is defined.
+fn grey_material(name: &str, place: &Span) -> MaterialDescription {
+    let location = Some(place.location);
+    MaterialDescription { name: name.to_owned(), location, ..MaterialKind::diffuse(grey(0.5)).into() }
 }

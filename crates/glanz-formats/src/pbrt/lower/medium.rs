@@ -6,22 +6,13 @@ use glanz_scene::description::{DensityDescription, MediumDescription};
 
 use super::spectrum::grey;
 use super::{EntityState, Lowering};
-use crate::nearest::nearest;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
-use crate::pbrt::parameters::{ParameterList, ParameterType, shortened};
+use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::{ParseResult, Span};
 
-/// Absorption and scattering of media of version 3 without any, 1/m: those of skim milk in 1/mm.
+/// Absorption and scattering of media of version 3 without any, 1/m: those of whole milk in 1/mm.
 const DEFAULT_COEFFICIENTS: [[f32; 3]; 2] = [[0.0011, 0.0024, 0.014], [2.55, 3.21, 3.77]];
-
-/// A medium with a name.
-#[derive(Debug)]
-pub(crate) struct NamedMedium {
-    index: usize,
-    /// Span of its first use, until it is defined.
-    awaited: Option<Span>,
-}
 
 impl Lowering {
     /// The index of the medium of this name, which may be defined later; `None` for empty space, which has no name.
@@ -29,25 +20,13 @@ impl Lowering {
         if name.is_empty() {
             return None;
         }
-        if let Some(medium) = self.media.get(name) {
-            return Some(medium.index);
-        }
-        self.description.media.push(nothing(name, place));
-        let index = self.description.media.len() - 1;
-        self.media.insert(name.to_owned(), NamedMedium { index, awaited: Some(*place) });
-        Some(index)
+        let media = &mut self.description.media;
+        Some(self.media.index_of(name, place, media, || nothing(name, place)))
     }
 
     /// Reports media that are used and never defined.
     pub(crate) fn check_media(&mut self) {
-        let awaited = |(name, medium): (&String, &NamedMedium)| Some((name.clone(), medium.awaited?));
-        let missing: Vec<(String, Span)> = self.media.iter().filter_map(awaited).collect();
-        for (name, place) in missing {
-            let made = self.media.iter().filter(|(_, m)| m.awaited.is_none()).map(|(n, _)| n.as_str());
-            let help = nearest(&name, made).map(|n| format!("did you mean {n:?}?"));
-            let message = format!("there is no medium {:?}", shortened(&name));
-            self.reporter.error_with_help(&place, "missing-medium", message, help);
-        }
+        self.media.report_missing("medium", "missing-medium", &mut self.reporter);
     }
 
     /// Defines a medium with a name; its type is the parameter `type`.
@@ -72,18 +51,7 @@ impl Lowering {
                 nothing(name, &place)
             }
         };
-        let media = &mut self.description.media;
-        let index = match self.media.get(name) {
-            Some(NamedMedium { index, awaited: Some(_) }) if *index < media.len() => {
-                media[*index] = medium;
-                *index
-            }
-            _ => {
-                media.push(medium);
-                media.len() - 1
-            }
-        };
-        self.media.insert(name.to_owned(), NamedMedium { index, awaited: None });
+        self.media.define(name, medium, &mut self.description.media);
         Ok(())
     }
 
@@ -95,6 +63,15 @@ impl Lowering {
         defaults: [SpectralDistribution; 2],
         space: ColorSpace,
     ) -> ParseResult<MediumDescription> {
+        let place = list.value_place("preset");
+        if let Some(preset) = list.text("preset", &mut self.reporter)? {
+            let message = format!(
+                "{}: preset {:?} is not available yet; the coefficients of the file or the default stand in",
+                list.subject,
+                shortened(&preset)
+            );
+            self.stand_in(&place, "stand-in-medium", message);
+        }
         let [absorption, scattering] = defaults;
         let mut coefficient = |name, default| match list.take(name) {
             Some(p) => self.distribution(&list.subject, &p, space),
@@ -114,15 +91,6 @@ impl Lowering {
         mut list: ParameterList,
         context: &EntityState,
     ) -> ParseResult<MediumDescription> {
-        let place = list.value_place("preset");
-        if let Some(preset) = list.text("preset", &mut self.reporter)? {
-            let message = format!(
-                "{}: preset {:?} is not available yet; the coefficients of the file or the default stand in",
-                list.subject,
-                shortened(&preset)
-            );
-            self.stand_in(&place, "stand-in-medium", message);
-        }
         let defaults = match self.dialect {
             Dialect::V3 => DEFAULT_COEFFICIENTS.map(SpectralDistribution::from),
             Dialect::V4 => [grey(1.0), grey(1.0)],
@@ -131,13 +99,7 @@ impl Lowering {
         medium.emission_scale = list.float_or("Lescale", 1.0, &mut self.reporter)? as f32;
         if let Some(p) = list.take("Le") {
             medium.emission = self.distribution(&list.subject, &p, context.color_space)?;
-            // As that of lights.
-            if self.dialect == Dialect::V4
-                && matches!(p.kind, ParameterType::Blackbody | ParameterType::Spectrum)
-            {
-                let luminance = medium.emission.luminance();
-                medium.emission_scale *= if luminance > 0.0 { 1.0 / luminance } else { 0.0 };
-            }
+            medium.emission_scale *= self.normalisation(p.kind, &medium.emission);
         }
         list.finish(&mut self.reporter);
         Ok(medium)
@@ -188,15 +150,6 @@ impl Lowering {
         let values = densities.into_iter().map(|density| density as f32).collect();
         let density = DensityDescription { resolution, values, corners, to_world: context.ctm };
         Ok(MediumDescription { density: Some(density), ..medium })
-    }
-
-    /// Reports that the shapes of a file have no media.
-    pub(super) fn without_media(&mut self, list: &ParameterList, context: &EntityState) {
-        if context.media.inside != context.media.outside {
-            let message =
-                format!("{}: media of shapes of such files are not available; none stands in", list.subject);
-            self.stand_in(&list.place, "stand-in-medium", message);
-        }
     }
 }
 

@@ -50,6 +50,14 @@ impl Lowering {
     }
 }
 
+/// A glTF file, read once.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct GltfFile {
+    group: usize,
+    /// Whether there are media in it.
+    has_media: bool,
+}
+
 impl Lowering {
     /// Adds an instance of the default scene of a glTF file. Its camera and lights have no effect.
     pub(super) fn gltf_shape(&mut self, mut list: ParameterList, context: &EntityState) -> ParseResult<()> {
@@ -58,14 +66,13 @@ impl Lowering {
             let message = format!("{} has no \"string filename\"", list.subject);
             return Err(self.reporter.error(&place, "parameter-missing", message));
         };
-        self.alpha(&mut list)?;
-        self.without_receiver(&mut list)?;
-        self.without_media(&list, context);
+        let opacity = "the opacity of their materials stands in";
+        self.without_surface_parameters(&mut list, context, "glTF", opacity)?;
         let subject = std::mem::take(&mut list.subject);
         list.finish(&mut self.reporter);
         let known = self.find(&name).ok().and_then(|path| self.gltf_files.get(&path).copied());
-        let group = match known {
-            Some(group) => group,
+        let GltfFile { group, has_media } = match known {
+            Some(file) => file,
             None => {
                 let found = self.find(&name).map_err(|fault| format!("file {name:?} {}", fault.what()));
                 let read = found.and_then(|path| {
@@ -76,22 +83,32 @@ impl Lowering {
                     let message = format!("{subject}: {problem}");
                     self.reporter.error(&p.value_place, "missing-file", message)
                 })?;
-                let group = self.gltf_group(&path, &bytes, &subject, &p.value_place)?;
-                self.gltf_files.insert(path, group);
-                group
+                let file = self.gltf_group(&path, &bytes, &subject, &p.value_place)?;
+                self.gltf_files.insert(path, file);
+                file
             }
         };
+        if has_media && context.media.outside.is_some() && context.media.inside == context.media.outside {
+            let message = format!("{subject}: glass that absorbs has empty space around, not the medium");
+            self.stand_in(&p.value_place, "stand-in-medium", message);
+        }
         self.add_instance(group, &place, context)
     }
 
     /// Adds a group of the default scene of a file.
-    fn gltf_group(&mut self, path: &Path, bytes: &[u8], subject: &str, place: &Span) -> ParseResult<usize> {
+    fn gltf_group(
+        &mut self,
+        path: &Path,
+        bytes: &[u8],
+        subject: &str,
+        place: &Span,
+    ) -> ParseResult<GltfFile> {
         let (mut description, finder) =
             (std::mem::take(&mut self.description), std::mem::take(&mut self.finder));
         let world = std::mem::take(&mut description.world);
         let (camera, film, lights) =
             (description.camera.clone(), description.film.clone(), description.lights.len());
-        let first = description.groups.len();
+        let (first, media) = (description.groups.len(), description.media.len());
         let mut reader = ModelReader::within(description, finder, Some(path));
         reader.picture_budget = std::mem::take(&mut self.picture_budget);
         reader.picture_budget.allow_file(path, bytes.len());
@@ -117,7 +134,8 @@ impl Lowering {
             let lights = inner.fold(emitting, |sum, lights| sum.saturating_add(*lights));
             self.lights_in_groups.insert(index, lights);
         }
-        Ok(self.description.groups.len() - 1)
+        let has_media = self.description.media.len() > media;
+        Ok(GltfFile { group: self.description.groups.len() - 1, has_media })
     }
 }
 

@@ -5,7 +5,9 @@ mod camera;
 mod curve;
 mod disney;
 mod extension;
+mod file_shape;
 mod film;
+mod forward_names;
 mod freeform;
 mod image_light;
 mod integrator;
@@ -51,8 +53,8 @@ use crate::source::{ParseResult, Reporter, Span};
 
 pub(crate) use cad_file::CadFile;
 pub(crate) use film::finish_film;
-pub(crate) use material::NamedMaterial;
-pub(crate) use medium::NamedMedium;
+pub(crate) use forward_names::ForwardNames;
+pub(crate) use mesh_file::GltfFile;
 pub(crate) use object::OpenObject;
 pub(crate) use texture::{ImageKey, TextureNames};
 
@@ -75,11 +77,14 @@ pub(crate) struct Lowering {
     /// Number of lights created by further instances.
     pub(crate) light_copies: usize,
     pub(crate) cad_files: BTreeMap<PathBuf, CadFile>,
-    /// Groups of glTF files.
-    pub(crate) gltf_files: BTreeMap<PathBuf, usize>,
-    pub(crate) materials: BTreeMap<String, NamedMaterial>,
+    pub(crate) gltf_files: BTreeMap<PathBuf, GltfFile>,
+    pub(crate) materials: ForwardNames,
     pub(crate) default_material: Option<usize>,
-    pub(crate) media: BTreeMap<String, NamedMedium>,
+    pub(crate) media: ForwardNames,
+    /// Triangles of subdivided meshes so far.
+    pub(crate) subdivided: usize,
+    /// Number of skies so far.
+    pub(crate) skies: usize,
     pub(crate) textures: TextureNames,
     pub(crate) images: BTreeMap<ImageKey, usize>,
     pub(crate) picture_budget: PictureBudget,
@@ -142,9 +147,11 @@ impl Lowering {
             light_copies: 0,
             cad_files: BTreeMap::new(),
             gltf_files: BTreeMap::new(),
-            materials: BTreeMap::new(),
+            materials: ForwardNames::default(),
             default_material: None,
-            media: BTreeMap::new(),
+            media: ForwardNames::default(),
+            subdivided: 0,
+            skies: 0,
             textures: TextureNames::default(),
             images: BTreeMap::new(),
             picture_budget: PictureBudget::default(),

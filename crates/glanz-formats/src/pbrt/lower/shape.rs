@@ -113,9 +113,8 @@ impl Lowering {
         if surfaces <= 1 || emission.is_none_or(|emission| emission.power.is_none()) {
             return Ok(());
         }
-        let message =
-            format!("shape {kind:?}: its file has {surfaces} surfaces, which cannot share one power");
-        let help = Some("give the light its radiance \"L\", or one file per kind of surface".to_owned());
+        let message = format!("shape {kind:?}: it has {surfaces} surfaces, which cannot share one power");
+        let help = Some("give the light its radiance \"L\", or one shape per surface".to_owned());
         Err(self.reporter.error_with_help(place, "light-power", message, help))
     }
 

@@ -10,11 +10,14 @@ use glanz_scene::description::{LightDescription, LightKind, SkyDescription};
 use solar_positioning::{Location, SolarPositions, delta_t};
 
 use super::{EntityState, Lowering};
-use crate::pbrt::parameters::{ParameterList, shortened};
+use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::source::{ParseResult, ReportedError, Span};
 
 const DEFAULT_TURBIDITY: f64 = 3.0;
 const DEFAULT_ALBEDO: f32 = 0.2;
+
+/// Largest number of skies: each is a picture.
+const MOST_SKIES: usize = 16;
 
 impl Lowering {
     /// Adds a sky and its sun; in light space x is east, y north and z up.
@@ -27,6 +30,11 @@ impl Lowering {
         let scale = self.not_negative(list, "scale")?.unwrap_or(1.0) as f32;
         let model = ClearSky::try_new(towards_sun, turbidity, albedo)
             .map_err(|problem| self.refuse_sky(&place, list, &problem))?;
+        self.skies += 1;
+        if self.skies > MOST_SKIES {
+            let message = format!("{}: there are more than {MOST_SKIES} skies", list.subject);
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
         let sky = SkyDescription { towards_sun, turbidity, albedo, is_ground_sunlit: has_sun };
         let light = |kind, emission| LightDescription {
             kind,
@@ -43,18 +51,19 @@ impl Lowering {
         Ok(())
     }
 
-    /// The unit direction to the sun: `sun`, or by `latitude`, `longitude` and `time`.
+    /// The unit direction to the sun: `direction`, or by `latitude`, `longitude` and `time`.
     fn towards_sun(&mut self, list: &mut ParameterList) -> ParseResult<DVec3> {
         let by_time = ["latitude", "longitude", "time"];
         let place = list.value_place("direction");
         let direction = list.vec3("direction", &mut self.reporter)?;
         let given = by_time.iter().filter(|name| list.has(name)).count();
-        match (direction, given) {
-            (Some(direction), 0) => direction.try_normalize().ok_or_else(|| {
+        let time = list.text_parameter("time", &mut self.reporter)?;
+        match (direction, given, time) {
+            (Some(direction), 0, _) => direction.try_normalize().ok_or_else(|| {
                 let message = format!("{}: \"direction\" is {direction}; it must not be 0", list.subject);
                 self.reporter.error(&place, "parameter-range", message)
             }),
-            (None, 3) => self.sun_at_time(list),
+            (None, 3, Some((p, time))) => self.sun_at_time(list, &p, &time),
             _ => {
                 let message = format!(
                     "{}: the position of the sun is missing, incomplete or given twice",
@@ -71,19 +80,17 @@ impl Lowering {
         }
     }
 
-    fn sun_at_time(&mut self, list: &mut ParameterList) -> ParseResult<DVec3> {
+    fn sun_at_time(
+        &mut self,
+        list: &mut ParameterList,
+        time_parameter: &Parameter,
+        text: &str,
+    ) -> ParseResult<DVec3> {
         let place = list.place;
         let latitude = list.float_or("latitude", 0.0, &mut self.reporter)?;
         let longitude = list.float_or("longitude", 0.0, &mut self.reporter)?;
-        let Some((time_parameter, text)) = list.text_parameter("time", &mut self.reporter)? else {
-            return Err(self.reporter.error(
-                &place,
-                "parameter-missing",
-                format!("{}: no \"time\"", list.subject),
-            ));
-        };
-        let time = DateTime::parse_from_rfc3339(&text).map_err(|problem| {
-            let message = format!("{}: \"time\" is {:?}: {problem}", list.subject, shortened(&text));
+        let time = DateTime::parse_from_rfc3339(text).map_err(|problem| {
+            let message = format!("{}: \"time\" is {:?}: {problem}", list.subject, shortened(text));
             let help = "write date, time and offset from UTC as \"2026-06-21T12:00:00+02:00\"".to_owned();
             self.reporter.error_with_help(&time_parameter.value_place, "parameter-range", message, Some(help))
         })?;

@@ -233,6 +233,11 @@ impl Lowering {
         let Some(coefficients) = cauchy else {
             return Ok(eta.or(index).unwrap_or((FloatParameter::Value(1.5), None)));
         };
+        if eta.or(index).is_some() {
+            let message = format!("{}: \"cauchy\" and \"eta\" both set the refractive index", list.subject);
+            let help = Some("give one of them".to_owned());
+            return Err(self.reporter.error_with_help(&place, "parameter-conflict", message, help));
+        }
         let spectrum = named::cauchy(coefficients).map_err(|error| {
             let message = format!("{}: \"cauchy\" is not an index: {error}", list.subject);
             self.reporter.error(&place, "spectrum", message)
@@ -280,18 +285,10 @@ impl Lowering {
         name: &'static str,
         space: ColorSpace,
     ) -> ParseResult<EmissionParameters> {
-        let taken = list.take(name);
-        let spectral = taken
-            .as_ref()
-            .is_some_and(|p| matches!(p.kind, ParameterType::Blackbody | ParameterType::Spectrum));
-        let spectrum = match taken {
-            Some(p) => self.distribution(&list.subject, &p, space)?,
-            None => grey(1.0),
-        };
-        let mut light = EmissionParameters { spectrum, factor: 1.0, normalisation: 1.0 };
-        if self.dialect == Dialect::V4 && spectral {
-            let luminance = light.spectrum.luminance();
-            light.normalisation = if luminance > 0.0 { 1.0 / luminance } else { 0.0 };
+        let mut light = EmissionParameters { spectrum: grey(1.0), factor: 1.0, normalisation: 1.0 };
+        if let Some(p) = list.take(name) {
+            light.spectrum = self.distribution(&list.subject, &p, space)?;
+            light.normalisation = self.normalisation(p.kind, &light.spectrum);
         }
         let Some(p) = list.take("scale") else { return Ok(light) };
         match self.distribution(&list.subject, &p, space)? {
@@ -303,6 +300,16 @@ impl Lowering {
             }
         }
         Ok(light)
+    }
+
+    /// The factor that version 4 has on sampled light and black bodies, which brings them to luminance 1.
+    pub(super) fn normalisation(&self, kind: ParameterType, spectrum: &SpectralDistribution) -> f32 {
+        if self.dialect == Dialect::V3 || !matches!(kind, ParameterType::Blackbody | ParameterType::Spectrum)
+        {
+            return 1.0;
+        }
+        let luminance = spectrum.luminance();
+        if luminance > 0.0 { 1.0 / luminance } else { 0.0 }
     }
 }
 

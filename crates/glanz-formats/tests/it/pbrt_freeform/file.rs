@@ -90,7 +90,7 @@ fn surfaces_of_a_rib_file_do_not_share_the_power_of_a_light() {
     let (found, folder) = with_file("rib-power", ("a.rib", MIXED), scene);
     let messages = said(found.unwrap_err(), &folder);
     let expected =
-        "error: scene.pbrt:3:1: shape \"bezierpatch\": its file has 2 surfaces, which cannot share one power";
+        "error: scene.pbrt:3:1: shape \"bezierpatch\": it has 2 surfaces, which cannot share one power";
     assert!(messages.contains(expected), "{messages}");
 }
 

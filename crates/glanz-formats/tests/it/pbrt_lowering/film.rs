@@ -133,6 +133,11 @@ fn samplers_and_integrators_have_the_names_of_the_tables() {
     );
     assert_eq!(photons("\"sppm\" \"integer photonsperiteration\" -1"), settings(None, None));
     assert_eq!(photons("\"path\" \"float radius\" 0.5"), settings(None, None));
+    // The passes of sppm are the samples per pixel.
+    let unused = |name: &str| {
+        read(&format!("Integrator \"{name}\" \"integer numiterations\" 9")).diagnostics.iter().count()
+    };
+    assert_eq!(["sppm", "path"].map(unused), [1, 0]);
     assert_eq!(read("Integrator \"directlighting\"").description.integrator.name, "whitted");
     assert_eq!(read("Integrator \"bdpt\"").description.integrator.name, "path");
 }

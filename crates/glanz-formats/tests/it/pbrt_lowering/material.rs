@@ -75,6 +75,19 @@ fn index_by_wavelength_is_dispersion() {
 }
 
 #[test]
+fn two_indices_of_one_glass_are_refused() {
+    for other in ["eta", "index"] {
+        let text =
+            format!("WorldBegin Material \"glass\" \"float {other}\" 1.5\n\"float cauchy\" [1.5 .008]");
+        let errors = load_str("test.pbrt", &text, &Options::default()).unwrap_err().to_string();
+        assert!(
+            errors.contains("test.pbrt:2:17") && errors.contains("\"cauchy\" and \"eta\" both"),
+            "{errors}"
+        );
+    }
+}
+
+#[test]
 fn integrators_are_spectral_if_asked() {
     for (text, expected) in
         [("", false), (" \"bool spectral\" true", true), (" \"bool spectral\" false", false)]

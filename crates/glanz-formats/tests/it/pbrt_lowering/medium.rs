@@ -30,6 +30,10 @@ fn media_have_the_parameters_and_defaults_of_pbrt() {
     assert_eq!((coefficients(&fog)[0], fog.scale, fog.g), ([0.1, 0.2, 0.3], 5.0, -0.5));
     coefficients(&fog)[1].into_iter().for_each(|x| close(f64::from(x), 2.0));
     assert_eq!((rgb(&fog.emission), fog.emission_scale), ([1.0, 2.0, 3.0], 7.0));
+    // Version 4 divides black bodies by their luminance (HomogeneousMedium::Create), version 3 has none.
+    let lava = "WorldBegin MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"blackbody Le\" 3000 \"float Lescale\" 7";
+    let lava = read_clean(&format!("Film \"rgb\" {lava}")).description.media[0].clone();
+    close(f64::from(lava.emission.luminance() * lava.emission_scale), 7.0);
     for (kind, defaults) in [("uniformgrid", [[1.0; 3]; 2]), ("heterogeneous", milk)] {
         let smoke = medium(&format!(
             "\"{kind}\" \"integer nx\" 3 \"integer nz\" 2 \"float density\" [0 1 2 3 4 5] \"point3 p1\" [3 4 5]"
@@ -75,6 +79,7 @@ fn media_that_are_not_available_are_reported() {
         "MakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string filename\" \"no.nvdb\"",
         "MakeNamedMedium \"m\" \"string type\" \"rgbgrid\"",
         "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"string preset\" \"Skin1\"",
+        "MakeNamedMedium \"m\" \"string type\" \"heterogeneous\" \"string preset\" \"Skin1\" \"float density\" 1",
         "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"float density\" 1 \"float temperature\" 1000",
         "Volume \"homogeneous\" \"color sigma_a\" [1 1 1]",
     ] {
