@@ -45,10 +45,6 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def read(path: pathlib.Path) -> numpy.ndarray:
-    return numpy.array(mitsuba.Bitmap(str(path)).convert(mitsuba.Bitmap.PixelFormat.RGB, mitsuba.Struct.Type.Float32, False), dtype=float)
-
-
 def render_glanz(scene: languages.Scene, asked: argparse.Namespace) -> numpy.ndarray:
     file, out = scene.folder / "scene.pbrt", scene.folder / "out.exr"
     pictures = []
@@ -61,8 +57,9 @@ def render_glanz(scene: languages.Scene, asked: argparse.Namespace) -> numpy.nda
             errors = [text for text in done.stderr.splitlines() if text.startswith("error:")]
             if errors and all("stands in" in text for text in errors):
                 raise NotAvailable(errors[0].rpartition(": ")[2])
-            sys.exit(f"{file}\n{done.stderr}")
-        pictures.append(read(out))
+            print(f"{file}\n{done.stderr}", file=sys.stderr)
+            sys.exit(2)
+        pictures.append(languages.read(out))
     return numpy.stack(pictures)
 
 

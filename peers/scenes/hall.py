@@ -75,15 +75,12 @@ def processor_seconds() -> float:
     return sum(resource.getrusage(who).ru_utime for who in (resource.RUSAGE_CHILDREN, resource.RUSAGE_SELF))
 
 
-def read(path: pathlib.Path) -> numpy.ndarray:
-    return numpy.array(mitsuba.Bitmap(str(path)).convert(mitsuba.Bitmap.PixelFormat.RGB, mitsuba.Struct.Type.Float32, False), dtype=float)
-
-
 def by_command(command: list[object], out: pathlib.Path) -> numpy.ndarray:
+    out.unlink(missing_ok=True)
     done = subprocess.run([str(c) for c in command], capture_output=True, text=True)
     if done.returncode or not out.exists():
         sys.exit(done.stdout + done.stderr)
-    return read(out)
+    return languages.read(out)
 
 
 def relative_error(pictures: numpy.ndarray, shown: numpy.ndarray) -> tuple[float, float]:

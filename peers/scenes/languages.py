@@ -31,6 +31,12 @@ def numbers(values: Iterable[float]) -> str:
     return "[" + " ".join(f"{v:.9g}" for v in numpy.asarray(list(values), dtype=float).ravel()) + "]"
 
 
+def read(path: pathlib.Path) -> numpy.ndarray:
+    """The linear RGB values of a picture."""
+    picture = mitsuba.Bitmap(str(path)).convert(mitsuba.Bitmap.PixelFormat.RGB, mitsuba.Struct.Type.Float32, False)
+    return numpy.array(picture, dtype=float)
+
+
 def three(colour: Colour) -> list[float]:
     return [float(c) for c in colour] if isinstance(colour, Sequence) else [float(colour)] * 3
 
