@@ -82,6 +82,7 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
         roughness: rough(alpha),
         multiple_scattering: true,
     };
+    let white_metal = ConductorMaterial { color: MetalColor::Reflectance(1.0.into()), ..metal(0.3) };
     let glass = |alpha| DielectricMaterial {
         eta: 1.5.into(),
         reflectance: 1.0.into(),
@@ -103,8 +104,9 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
     (cloth.sheen, cloth.sheen_roughness) = (0.8.into(), 0.5.into());
     let mut wax = PrincipledMaterial::new(0.8, 0.5);
     wax.transmission = 0.5.into();
-    let list: [(_, _, Material); 14] = [
+    let list: [(_, _, Material); 16] = [
         ("lambert", "Lambert's law, reflectance 0.8", Material::diffuse(0.8)),
+        ("oren_nayar", "grooves of 20 degrees, reflectance 0.8", Material::oren_nayar(0.8, 20.0)),
         (
             "phong",
             "Phong model, 0.4 diffuse, 0.4 specular, exponent 20",
@@ -113,6 +115,7 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
         ("mirror", "mirror, reflectance 0.9", Material::mirror(0.9)),
         ("conductor", "smooth metal, reflectance 0.9", metal(0.0).into()),
         ("rough_conductor", "metal with facets of width 0.3, reflectance 0.9", metal(0.3).into()),
+        ("white_rough_conductor", "metal with facets of width 0.3, reflectance 1", white_metal.into()),
         ("dielectric", "smooth glass, index 1.5", glass(0.0).into()),
         ("rough_dielectric", "glass with facets of width 0.3, index 1.5", glass(0.3).into()),
         ("thin_dielectric", "pane of glass, index 1.5", Material::thin_dielectric(1.5, 1.0, 1.0)),
@@ -139,7 +142,7 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
     shown.collect()
 }
 
-/// The unit direction in the plane of incidence at an angle to the normal, degrees, whose other side is that of the viewer.
+/// The unit direction in the plane of incidence at an angle to the normal, degrees, negative on the side of the viewer.
 fn direction(degrees: i32) -> DVec3 {
     let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
     DVec3::new(sin, 0.0, cos)
@@ -150,9 +153,11 @@ fn direction(degrees: i32) -> DVec3 {
 struct Weights {
     reflected: f64,
     transmitted: f64,
-    /// The part of both without delta lobes, and the number of its samples.
+    /// Of samples without delta lobes.
     smooth: f64,
+    /// Number of samples without delta lobes.
     smooth_count: f64,
+    /// Squares of all weights.
     squares: f64,
 }
 
@@ -233,7 +238,7 @@ fn sky_plot(shown: &PlottedBsdf) -> Plot {
         x: Axis::linear("angle of the viewer to the normal, degrees"),
         y: Axis::linear("fraction of the light"),
         series,
-        reference_lines: vec![],
+        reference_lines: Vec::new(),
     }
 }
 
@@ -251,9 +256,11 @@ mod tests {
             assert_eq!(angle, 60.0);
             assert!((value - 0.5 / std::f64::consts::PI).abs() < 1e-6, "{}: {value}", series.name);
         }
-        for name in ["dielectric", "thin_dielectric", "rough_dielectric"] {
+        for (name, curve) in
+            [("dielectric", 2), ("thin_dielectric", 2), ("rough_dielectric", 2), ("white_rough_conductor", 0)]
+        {
             let plot = sky_plot(find(name));
-            assert!(plot.series[2].points.iter().all(|point| (point[1] - 1.0).abs() < 0.04), "{name}");
+            assert!(plot.series[curve].points.iter().all(|point| (point[1] - 1.0).abs() < 0.04), "{name}");
         }
     }
 }
