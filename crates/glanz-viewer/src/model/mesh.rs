@@ -18,6 +18,9 @@ use super::surfaces::{BuiltSurface, Surfaces};
 const CURVE_STEPS: u32 = 8;
 const TUBE_SIDES: u32 = 6;
 
+/// Sine of the angle to a curve from which a direction has a part across it that is more than rounding.
+const LEAST_SINE: f64 = 1e-3;
+
 /// Triangles of one surface, in its own frame.
 #[derive(Default)]
 struct MeshBuilder {
@@ -99,10 +102,11 @@ impl Surfaces {
                 let along = (after - before).try_normalize().or_else(|| (d - a).try_normalize());
                 let along = along.unwrap_or(DVec3::Z);
                 // The nearest side to the one before, so that the tube is not twisted.
-                side = side
-                    .reject_from_normalized(along)
-                    .try_normalize()
-                    .unwrap_or_else(|| along.any_orthonormal_vector());
+                let across = side.reject_from_normalized(along);
+                side = match across.length() > LEAST_SINE {
+                    true => across.normalize(),
+                    false => along.any_orthonormal_vector(),
+                };
                 let center = before.lerp(after, u);
                 for corner in 0..TUBE_SIDES {
                     let (sin, cos) = (TAU * f64::from(corner) / f64::from(TUBE_SIDES)).sin_cos();

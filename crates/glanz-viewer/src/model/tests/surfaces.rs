@@ -319,3 +319,32 @@ fn a_curve_that_faces_every_ray_is_drawn_as_a_tube() {
     assert_eq!(file.words("indices").len(), 3 * 2 * 6 * 8);
     assert_eq!(file.head["notes"].as_array().unwrap().len(), 1);
 }
+
+#[test]
+fn a_tube_along_x_has_its_width_whatever_the_length() {
+    // 49 times 1/49 is not 1: the direction has a part across itself.
+    let text = r#"
+        WorldBegin
+        Shape "curve" "point3 P" [ 0 0 0  49 0 0  98 0 0  147 0 0  196 0 0  245 0 0  294 0 0 ] "float width" 0.5"#;
+    let (_, file, _) = model(text);
+    let (positions, normals) = (file.floats("positions"), file.floats("normals"));
+    let origin = numbers(&file.list("surfaces")[0]["origin"]);
+    let at = |list: &[f64], index: usize| DVec3::from_slice(&list[3 * index..]);
+    let point = |index: usize| at(&positions, index) + DVec3::from_slice(&origin);
+    assert_eq!(positions.len(), 3 * 2 * 9 * 6);
+    for ring in 0..2 * 9 {
+        let middle = (6 * ring..6 * ring + 6).map(point).sum::<DVec3>() / 6.0;
+        assert!(middle.truncate().with_x(middle.z).length() < 1e-6, "{middle}");
+        for corner in 6 * ring..6 * ring + 6 {
+            let outwards = point(corner) - middle;
+            assert!((outwards.length() - 0.25).abs() < 1e-5 && outwards.x.abs() < 1e-4, "{outwards}");
+            assert!(at(&normals, corner).distance(outwards / 0.25) < 1e-3, "{outwards}");
+        }
+    }
+    // Triangles face outwards.
+    for corners in file.words("indices").chunks_exact(3) {
+        let [a, b, c] = [0, 1, 2].map(|k| point(corners[k] as usize));
+        let middle = (a + b + c) / 3.0;
+        assert!((b - a).cross(c - a).dot(middle.with_x(0.0)) > 0.0, "{corners:?}");
+    }
+}
