@@ -17,6 +17,7 @@ use crate::film::{Film, FilmError};
 use crate::filter::Filter;
 use crate::guide::GridError;
 use crate::integrator::{Counters, Integrator};
+use crate::photon::PhotonTracer;
 use crate::progress::RenderSink;
 use crate::sensor::FilmSensor;
 
@@ -98,8 +99,8 @@ pub enum RenderError {
 /// Every pass over all pixels renders one or more samples of every pixel, as many as fit in about half a
 /// second. Sums are exact, so that the film depends on its set of samples, not on passes, threads, interruptions or
 /// earlier runs. A learning integrator renders samples in order, and a pass over the picture ends with a training pass,
-/// so that the same holds. A film with a noise level takes samples in order, too, and the render ends when all tiles have reached it. After each pass `sink` receives the film and the progress, and the loop ends if `cancel` is
-/// raised and the film is not empty. If the tile sink abandons the film, the render ends at once, and the film is lost.
+/// so that the same holds. A film with a noise level takes samples in order, too, and the render ends when all tiles have reached it. After each pass `sink` receives the film and the progress,
+/// and the loop ends if `cancel` is raised and the film is not empty, also while photons are traced. If the tile sink abandons the film, the render ends at once, and the film is lost.
 ///
 /// # Errors
 /// [`RenderError`] before the first pass, if the film does not match the filter or the integrator, the camera does not suit it, samples are out of order, it would have
@@ -142,17 +143,21 @@ pub fn render(
             sink.on_checkpoint(&film);
             timer.restart();
         }
-        let Some(length) = clock.next_pass(gap.end - gap.start, start.elapsed()) else {
+        let Some(mut range) = next_range(&film, &clock, &gap, start.elapsed()) else {
             break JobEnd::TimeUp;
         };
-        let mut range = gap.start..gap.start + length;
-        if let Some(end) = film.end_of_pass(range.start) {
-            range.end = range.end.min(end);
-        }
-        let begun = Instant::now();
+        let mut begun = Instant::now();
         let tiles = sink.tiles();
         let is_stopped = || is_cancelled() || tiles.is_abandoned();
-        let map = tracer.as_mut().map(|tracer| pool.install(|| tracer.map(scene, range.start, &is_stopped)));
+        let mut trace = |tracer: &mut PhotonTracer| {
+            if samples == 0 {
+                tracer.fit(scene, &is_stopped)?;
+                // No other pass takes this time.
+                begun = Instant::now();
+            }
+            tracer.map(scene, range.start, &is_stopped)
+        };
+        let map = tracer.as_mut().map(|tracer| pool.install(|| trace(tracer)));
         let photons = match map.transpose() {
             Ok(photons) => photons,
             Err(Interrupted) if is_cancelled() => break JobEnd::Interrupted,
@@ -173,6 +178,12 @@ pub fn render(
         sink.on_progress(&progress(&film, settings, &clock, start.elapsed()));
     };
     Ok(RenderOutcome { film, end, elapsed: start.elapsed(), counters, samples })
+}
+
+/// Samples of the next pass, the first of `gap`; `None` if there is no time for one.
+fn next_range(film: &Film, clock: &PassClock, gap: &Range<u32>, elapsed: Duration) -> Option<Range<u32>> {
+    let end = gap.start + clock.next_pass(gap.end - gap.start, elapsed)?;
+    Some(gap.start..film.end_of_pass(gap.start).map_or(end, |last| end.min(last)))
 }
 
 /// Checks that the film suits the settings, the integrator and the scene.

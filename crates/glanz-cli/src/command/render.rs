@@ -56,7 +56,7 @@ struct RenderReport {
     noise: Option<f64>,
     /// Whether noise was removed.
     denoised: bool,
-    /// The same as ranges.
+    /// Numbers of the samples, as ranges.
     sample_ranges: String,
     /// Samples of this run, over all pixels.
     samples: u64,

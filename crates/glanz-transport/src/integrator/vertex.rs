@@ -91,7 +91,7 @@ impl<'a> Vertex<'a> {
 
     /// Whether it is a point in a medium.
     pub(super) fn is_in_medium(&self) -> bool {
-        matches!(self.bsdf, Bsdf::Medium(_))
+        self.at.is_in_medium()
     }
 
     /// The probability with which the BSDF samples Lambert's lobe.

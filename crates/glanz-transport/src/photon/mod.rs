@@ -105,8 +105,8 @@ pub struct PhotonTracer {
     seed: u64,
     /// Density of emission, fitted before the first map; `None` for uniform numbers.
     density: Option<EmissionDensity>,
-    /// Number of rounds in which the density has been fitted.
-    rounds: u32,
+    /// Rays traced to fit it, until the first map takes them.
+    counters: Counters,
 }
 
 impl PhotonTracer {
@@ -127,11 +127,11 @@ impl PhotonTracer {
             radius::of_pixels(scene, resolution).map(|r| r.clamp(*PHOTON_RADII.start(), *PHOTON_RADII.end()))
         };
         let radius = settings.radius.or_else(automatic)?;
-        Some(Self { radius, paths, max_depth, seed, density: None, rounds: 0 })
+        Some(Self { radius, paths, max_depth, seed, density: None, counters: Counters::default() })
     }
 
-    /// The photons for sample `sample` of every pixel, traced with the threads of the pool; before the first ones, the density of emission is fitted. `is_stopped`: asked
-    /// before every batch of a thousand paths.
+    /// The photons for sample `sample` of every pixel, traced with the threads of the pool. `is_stopped`: asked before every batch of a
+    /// thousand paths.
     ///
     /// # Errors
     /// [`Interrupted`] if `is_stopped`.
@@ -141,34 +141,35 @@ impl PhotonTracer {
         sample: u32,
         is_stopped: &(dyn Fn() -> bool + Sync),
     ) -> Result<PhotonMap, Interrupted> {
-        let mut counters = self.fit(scene, is_stopped)?;
         let radius = self.radius * (1.0 + f64::from(sample)).powf(RADIUS_EXPONENT);
         let (arrivals, traced) = self.batch(scene, sample, self.paths).trace(is_stopped)?;
+        let mut counters = std::mem::take(&mut self.counters);
         counters.merge(traced);
         Ok(PhotonMap::new(radius, self.paths, &arrivals, counters))
     }
 
-    /// Fits the density of emission in the rounds that are left. Returns the rays traced.
-    fn fit(
+    /// Fits the density of emission, before the first map. `is_stopped`: as of [`PhotonTracer::map`].
+    ///
+    /// # Errors
+    /// [`Interrupted`] if `is_stopped`.
+    pub(crate) fn fit(
         &mut self,
         scene: &Scene,
         is_stopped: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Counters, Interrupted> {
-        let mut counters = Counters::default();
+    ) -> Result<(), Interrupted> {
         let [least, most] = TRAINING_PATHS;
-        while self.rounds < TRAINING_ROUNDS {
+        for round in 0..TRAINING_ROUNDS {
             // The last sample numbers of all, which are the last to be rendered.
-            let batch = self.batch(scene, u32::MAX - self.rounds, self.paths.clamp(least, most));
+            let batch = self.batch(scene, u32::MAX - round, self.paths.clamp(least, most));
             let (arrivals, traced) = batch.trace(is_stopped)?;
             let weighted = |arrival: &PhotonArrival| {
                 (batch.numbers(arrival.path).0, f64::from(arrival.photon.flux.max_component()))
             };
             let density = EmissionDensity::fit(arrivals.iter().map(weighted));
-            counters.merge(traced);
+            self.counters.merge(traced);
             self.density = density.or(self.density.take());
-            self.rounds += 1;
         }
-        Ok(counters)
+        Ok(())
     }
 
     /// What the `paths` paths of a sample share.

@@ -137,8 +137,8 @@ fn dispersive_glass_without_absorption_is_unseen_in_a_white_room() {
 
 #[test]
 fn dispersed_paths_end_where_the_hero_is_absorbed() {
-    // Paths leave the glass ball around the camera with the hero alone. The walls absorb two of three heroes, and one of the four wavelengths is in the band that they reflect: if it kept a dead path
-    // going, all paths would be as long as those of the third.
+    // Paths leave the glass ball around the camera with the hero alone. The walls absorb three of four heroes, and one of the four wavelengths is in the band that they reflect: if it kept a dead path
+    // going, all paths would be as long as those of the fourth.
     let band = vec![(560.0, 0.02), (561.0, 0.98), (640.0, 0.98), (641.0, 0.02)];
     let walls = room(1.0, SpectralDistribution::try_sampled(band).unwrap()).shape(
         ShapeDescription::sphere(0.5).translated([0.3, -0.2, 0.4]),

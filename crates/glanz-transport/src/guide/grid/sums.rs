@@ -136,6 +136,8 @@ fn load(word: &AtomicU64) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use glanz_light::SampledWavelengths;
+
     use super::*;
 
     fn record(function: u32, left_out: Option<Spectrum>) -> GridRecord {
@@ -165,6 +167,24 @@ mod tests {
         assert_eq!([cell[0], (cell[1].0, 0), (cell[2].0, 0)], [(1, 0); 3]);
         assert!(near(cell[2].1, 3.0) && near(cell[1].1, 2.0), "{cell:?}");
         assert_eq!((sums.cell(0), sums.records()), (None, 3));
+    }
+
+    #[test]
+    fn hero_of_a_dispersed_path_stands_for_all_wavelengths() {
+        let hero = |x: f32| Spectrum::splat(x).hero_alone();
+        let record = GridRecord {
+            light: Spectrum::BLACK,
+            beyond: hero(0.125),
+            is_dispersed: true,
+            ..record(0, Some(Spectrum::BLACK))
+        };
+        let arrived = |i: u32| {
+            let sampled = SampledWavelengths::sample((f64::from(i) + 0.5) / 256.0);
+            record.arrived(hero(0.75), &Wavelengths::Sampled(sampled)) / 256.0
+        };
+        // Radiance 6 at all wavelengths has luminance 6.
+        let mean: f64 = (0..256).map(arrived).sum();
+        assert!((mean - 6.0).abs() < 0.01, "{mean}");
     }
 
     #[test]
