@@ -151,8 +151,8 @@ impl Ribbon {
                 return;
             }
             // Where an edge turns within the last piece, its derivative at the turn leads far away.
-            let straight = [0, 1]
-                .map(|side| [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|t| from[side].lerp(to[side], t)));
+            let straight =
+                [0, 1].map(|side| [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|t| from[side].lerp(to[side], t)));
             if deviation(&straight) < smooth {
                 controls = straight;
             }

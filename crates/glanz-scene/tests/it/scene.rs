@@ -151,7 +151,8 @@ fn flat_lights_are_sampled_by_solid_angle_from_near() {
     // Squares of side 2 parallel to the observer, at half their height and less.
     for h in [0.5, 0.01_f64] {
         let down = translate(0.0, 0.0, h) * DMat4::from_rotation_x(PI);
-        let parallelogram = ShapeDescription::parallelogram([-1.0, -1.0, 0.0], DVec3::X * 2.0, DVec3::Y * 2.0);
+        let parallelogram =
+            ShapeDescription::parallelogram([-1.0, -1.0, 0.0], DVec3::X * 2.0, DVec3::Y * 2.0);
         let mesh = square().scaled([2.0, 2.0, 1.0]);
         let cuboid = ShapeDescription::cuboid([-1.0, -1.0, h], [1.0, 1.0, 3.0]);
         // Its sampling by area is not uniform.
