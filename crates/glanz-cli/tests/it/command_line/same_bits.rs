@@ -46,6 +46,30 @@ fn halves_need_no_plan_with_the_default_sampler() {
     assert_eq!(folder.bytes("merged.exr"), folder.bytes("whole.exr"));
 }
 
+#[test]
+fn noise_level_is_reached_resumed_and_not_merged() {
+    let folder = Folder::with_scene();
+    let once = folder.succeed("render small.pbrt --noise 0.05 --threads 1 --json -o once.exr").json();
+    let (most, mean) = (once["samples_per_pixel"].as_u64().unwrap(), &once["mean_samples_per_pixel"]);
+    assert!((48..65_536).contains(&most) && mean.as_f64().unwrap() <= most as f64, "{once}");
+    assert!(once["noise"] == 0.05 && once["denoised"] == false && once["warnings"] == serde_json::json!([]));
+    let part =
+        folder.succeed("render small.pbrt --noise 0.05 --spp 40 --json --checkpoint part.glanz -o part.exr");
+    assert!(part.stdout.contains("had not reached the noise level"), "{}", part.stdout);
+    folder.succeed("render small.pbrt --noise 0.05 -q --checkpoint part.glanz --resume -o again.exr");
+    assert_eq!(folder.bytes("once.exr"), folder.bytes("again.exr"));
+    assert_ne!(folder.bytes("once.exr"), folder.bytes("part.exr"));
+    assert!(folder.picture("once.exr").channel("Variance.G").is_some());
+    folder.run("merge part.glanz part.glanz -o m.exr").refused(1, &["noise level"]);
+    for (option, words) in [
+        ("--noise 2", ["--noise 2: ", "0.000001"]),
+        ("--noise 0.1 --integrator light", ["the integrator \"light\"", "add --integrator path"]),
+    ] {
+        folder.run(&format!("render small.pbrt {option} -o m.exr")).refused(2, &words);
+    }
+    assert!(!folder.has("m.exr"));
+}
+
 #[cfg(unix)]
 #[test]
 fn killed_and_resumed_is_one_run() {

@@ -74,6 +74,11 @@ impl Folder {
         finish(self.start(line), line)
     }
 
+    /// Runs the program with a variable of the environment.
+    pub(crate) fn run_with(&self, (name, value): (&str, &str), line: &str) -> ProgramOutput {
+        finish(self.command(line).env(name, value).spawn().expect("the program starts"), line)
+    }
+
     /// Runs the program and expects success.
     pub(crate) fn succeed(&self, line: &str) -> ProgramOutput {
         let ran = self.run(line);
