@@ -80,6 +80,11 @@ pub trait RaySurface {
         [DVec3::ZERO; 2]
     }
 
+    /// The derivatives of the texture coordinates at a hit by the parameters of `dpdu` and `dpdv`: 1 unless these are parameters of their own.
+    fn uv_rates(&self, _hit: &Hit) -> [DVec2; 2] {
+        [DVec2::X, DVec2::Y]
+    }
+
     /// The surface at the first hit: position, normal, parameters and derivatives.
     fn first_point(&self, ray: &Ray) -> Option<SurfacePoint> {
         self.intersect(ray, f64::INFINITY).map(|hit| self.point(ray, &hit))
@@ -183,6 +188,12 @@ macro_rules! surfaces {
             fn normal_derivatives(&self, hit: &Hit, point: &SurfacePoint) -> [DVec3; 2] {
                 match self {
                     $(Self::$name(s) => s.normal_derivatives(hit, point),)*
+                }
+            }
+
+            fn uv_rates(&self, hit: &Hit) -> [DVec2; 2] {
+                match self {
+                    $(Self::$name(s) => s.uv_rates(hit),)*
                 }
             }
 

@@ -91,6 +91,10 @@ impl RaySurface for Trimmed {
         self.surface.normal_derivatives(hit, point)
     }
 
+    fn uv_rates(&self, hit: &Hit) -> [DVec2; 2] {
+        self.surface.uv_rates(hit)
+    }
+
     fn sample(&self, _xi: DVec2) -> Option<SurfaceSample> {
         None
     }

@@ -1,7 +1,8 @@
 //! Differentials of rays: how rays and their hits move with the point of the film. They give the footprints that textures are filtered by.
 //!
 //! A ray of the camera has the derivatives of its origin and direction by the film. At a surface they become those of the hit and its normal,
-//! by the first and second derivatives of the surface, and behind a mirror or clear glass those of the next ray. All are exact to the first order.
+//! by the first and second derivatives of the surface, and behind a mirror or clear glass those of the next ray. They are exact
+//! to the first order, save that the curvature of bumps and of maps of normals is left out.
 //!
 //! After a rough surface a path has none: its directions are spread over much more than a pixel, and their own mean is that of the
 //! texture. (@pharr2023 section 10.1 approximates it by that of a camera which sees the point directly. That saves memory where textures are read from files
@@ -39,21 +40,22 @@ impl RayDifferential {
 pub struct SurfaceDifferential {
     /// Derivatives of the point, in the tangent plane.
     pub footprint: TextureFootprint,
-    /// Derivatives of the unit normal for shading; not finite at the poles of a curved surface.
+    /// Derivatives of the unit normal for shading without bumps; not finite at the poles of a curved surface.
     pub normal: [DVec3; 2],
     /// Derivatives of the unit direction of the ray.
     pub direction: [DVec3; 2],
 }
 
 impl SurfaceDifferential {
-    /// The derivatives at `point`, where a ray of unit direction arrives with parameter `t`. `normal`: `[dn/du, dn/dv]` of the shading normal. `None` where
-    /// the point's is not finite, as on a surface that the ray grazes.
+    /// The derivatives at `point`, where a ray of unit direction arrives with parameter `t`. `normal`: `[dn/du, dn/dv]` of the shading normal; `uv_rates`: as of
+    /// [`RaySurface::uv_rates`]. `None` where the point's is not finite, as on a surface that the ray grazes.
     pub(crate) fn try_new(
         ray: &Ray,
         differential: &RayDifferential,
         t: f64,
         point: &SurfacePoint,
         normal: [DVec3; 2],
+        uv_rates: [DVec2; 2],
     ) -> Option<Self> {
         let cosine = point.normal.dot(ray.direction);
         let position = [0, 1].map(|i| {
@@ -63,7 +65,8 @@ impl SurfaceDifferential {
         let uv = position.map(|side| parameters(side, point));
         let is_flat = normal == [DVec3::ZERO; 2];
         let normal = uv.map(|uv| if is_flat { DVec3::ZERO } else { uv.x * normal[0] + uv.y * normal[1] });
-        let uv = uv.map(|uv| if uv.is_finite() { uv } else { DVec2::ZERO });
+        let by_rates = |uv: DVec2| uv.x * uv_rates[0] + uv.y * uv_rates[1];
+        let uv = uv.map(|uv| if uv.is_finite() { by_rates(uv) } else { DVec2::ZERO });
         let footprint = TextureFootprint { uv, position };
         let finite = position.iter().all(|side| side.is_finite());
         finite.then_some(Self { footprint, normal, direction: differential.direction })
@@ -100,12 +103,11 @@ impl SurfaceDifferential {
     }
 }
 
-/// The change of the texture coordinates with the change `side` of the point in the tangent plane, by least squares; not finite where the parameters degenerate.
+/// The change of the texture coordinates with the change `side` of the point in the tangent plane; not finite where the parameters degenerate.
 fn parameters(side: DVec3, point: &SurfacePoint) -> DVec2 {
     let SurfacePoint { dpdu, dpdv, .. } = *point;
-    let (uu, uv, vv) = (dpdu.length_squared(), dpdu.dot(dpdv), dpdv.length_squared());
-    let (u, v) = (dpdu.dot(side), dpdv.dot(side));
-    DVec2::new(vv * u - uv * v, uu * v - uv * u) / (uu * vv - uv * uv)
+    let across = dpdu.cross(dpdv);
+    DVec2::new(side.cross(dpdv).dot(across), dpdu.cross(side).dot(across)) / across.length_squared()
 }
 
 impl SceneObject {

@@ -4,8 +4,8 @@ mod lights;
 
 use std::sync::Arc;
 
-use glanz_geometry::Hit;
 use glanz_geometry::bvh::Bvh;
+use glanz_geometry::{Hit, RaySurface};
 use glanz_light::{EmissionSpectrum, Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, Ray, Transform};
 use glanz_sampling::hash::{combine, unit_f64};
@@ -350,7 +350,8 @@ impl Scene {
         }
         if let Some(differential) = differential {
             let (point, normal) = object.differential_point(local, &found.hit, &maps[..depth]);
-            at.differential = SurfaceDifferential::try_new(ray, differential, at.t, &point, normal);
+            let uv_rates = object.surface().uv_rates(&found.hit);
+            at.differential = SurfaceDifferential::try_new(ray, differential, at.t, &point, normal, uv_rates);
         }
         if attributes.has_detail {
             self.apply_surface_detail(&mut at, object, local, &found.hit, &maps[..depth]);

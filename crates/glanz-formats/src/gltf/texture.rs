@@ -192,7 +192,7 @@ impl GltfReader<'_, '_> {
         let document = self.document;
         document.element("textures", texture.index, from.path(), |texture| {
             let Some(sampler) = texture.count("sampler")? else {
-                return Ok((ImageWrap::Repeat, ImageFilter::Anisotropic { most: 8 }));
+                return Ok((ImageWrap::Repeat, ImageFilter::ANISOTROPIC));
             };
             document.element("samplers", sampler, &texture.path().name("sampler"), |sampler| {
                 let [s, t] = ["wrapS", "wrapT"].map(|name| sampler.count(name));
@@ -213,7 +213,7 @@ impl GltfReader<'_, '_> {
                 let filter = match (sampler.count("magFilter")?, sampler.count("minFilter")?) {
                     (Some(NEAREST), _) => ImageFilter::Point,
                     (_, Some(NEAREST | LINEAR)) => ImageFilter::Bilinear,
-                    (_, None) => ImageFilter::Anisotropic { most: 8 },
+                    (_, None) => ImageFilter::ANISOTROPIC,
                     _ => ImageFilter::Trilinear,
                 };
                 Ok((wrap, filter))

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use glanz_light::Pixels;
 
 /// Values of pictures that may be read: for each byte of a scene or model and its files, and in any case, 1 GiB. A picture may be used with several contents,
-/// or by several parts of a file.
+/// or by several parts of a file. A picture of one channel takes three times as much again in the scene.
 const VALUES_PER_BYTE: usize = 256;
 const FREE_VALUES: usize = 1 << 28;
 
-const TOO_MANY_PICTURES: &str =
+/// The problem of a picture beyond the bound, as a sentence.
+pub(crate) const TOO_MANY_PICTURES: &str =
     "the pictures have too many pixels for the size of the files; use smaller or fewer pictures";
 
 /// Number of values of pictures that a scene or a model may still read.

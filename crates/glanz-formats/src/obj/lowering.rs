@@ -263,7 +263,7 @@ impl MaterialLowering<'_> {
         let image = self.image(&map.file, content, name)?;
         let mapping = MappingDescription::Uv { scale: map.scale.into(), offset: map.offset.into() };
         let wrap = if map.clamped { ImageWrap::Clamp } else { ImageWrap::Repeat };
-        let filter = ImageFilter::Anisotropic { most: 8 };
+        let filter = ImageFilter::ANISOTROPIC;
         let kind = TextureKind::Image { image, mapping, wrap, filter, scale: 1.0, invert: false };
         Some(self.reader.add_texture(map.file.clone(), kind))
     }

@@ -309,6 +309,10 @@ impl RaySurface for Mesh {
         self.normal_derivatives_at(hit.face, hit.u, hit.v, point.shading_normal)
     }
 
+    fn uv_rates(&self, hit: &Hit) -> [DVec2; 2] {
+        self.uv_rates_at(hit.face)
+    }
+
     fn sample(&self, xi: DVec2) -> Option<SurfaceSample> {
         self.sample_point(xi)
     }

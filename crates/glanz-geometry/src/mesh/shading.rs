@@ -144,6 +144,16 @@ impl Mesh {
         SurfacePoint { position, error, normal, shading_normal, uv, dpdu, dpdv }
     }
 
+    /// The derivatives of the texture coordinates by the parameters of `dpdu` and `dpdv`, which are default ones where the coordinates lie on a line.
+    pub(super) fn uv_rates_at(&self, face: u32) -> [DVec2; 2] {
+        let uvs = self.at_corners(self.uvs.as_ref(), face).unwrap_or(DEFAULT_UVS);
+        if Gradient::new(uvs).is_some() {
+            return [DVec2::X, DVec2::Y];
+        }
+        // By default coordinates the weights of the second and the third corner are u - v and v.
+        [uvs[1] - uvs[0], uvs[2] - uvs[1]]
+    }
+
     /// Derivatives of the interpolated normal at the weights `u`, `v`, where the shading normal is `unit`.
     pub(super) fn normal_derivatives_at(&self, face: u32, u: f64, v: f64, unit: DVec3) -> [DVec3; 2] {
         let uvs = self.at_corners(self.uvs.as_ref(), face).unwrap_or(DEFAULT_UVS);

@@ -24,7 +24,7 @@ pub use screen::Screen;
 pub use spherical::Spherical;
 
 /// Distance on the film, pixels, of the rays whose difference is a derivative: a power of 2, so far above the rounding of directions and so far below a pixel
-/// that either error is below 1e-5.
+/// that either error is small against that of the footprint itself.
 const DIFFERENTIAL_STEP: f64 = 1.0 / 1024.0;
 
 /// A camera in the world; its rays have unit directions.
@@ -153,13 +153,18 @@ impl Camera {
     /// `lens`: two numbers uniform in [0, 1) that select the point of the aperture; without meaning for a pinhole.
     #[must_use]
     pub fn ray(&self, film: DVec2, lens: DVec2) -> Option<CameraRay> {
+        self.ray_by_pupil_of(film, film, lens)
+    }
+
+    /// As [`Camera::ray`], through the point of a realistic camera's pupil that `lens` selects for the film point `pupil_of`.
+    fn ray_by_pupil_of(&self, film: DVec2, pupil_of: DVec2, lens: DVec2) -> Option<CameraRay> {
         let on_screen = self.screen.from_film(film);
         let (mut ray, weight) = match &self.projection {
             CameraProjection::Perspective(p) => (p.ray(on_screen), 1.0),
             CameraProjection::Orthographic(o) => (o.ray(on_screen), 1.0),
             CameraProjection::Spherical(s) => (s.ray(on_screen), 1.0),
             CameraProjection::Fisheye(f) => (f.ray(on_screen)?, 1.0),
-            CameraProjection::Realistic(r) => r.ray(on_screen, lens)?,
+            CameraProjection::Realistic(r) => r.ray(on_screen, self.screen.from_film(pupil_of), lens)?,
         };
         if self.aperture.is_open() {
             // All rays of one film point meet in the plane of focus.
@@ -182,7 +187,7 @@ impl Camera {
         let camera = self.ray(film, lens)?;
         let along = |axis: DVec2| {
             [DIFFERENTIAL_STEP, -DIFFERENTIAL_STEP].into_iter().find_map(|step| {
-                let beside = self.ray(film + step * axis, lens)?.ray;
+                let beside = self.ray_by_pupil_of(film + step * axis, film, lens)?.ray;
                 let Ray { origin, direction } = camera.ray;
                 Some([(beside.origin - origin) / step, (beside.direction - direction) / step])
             })

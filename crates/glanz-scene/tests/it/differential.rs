@@ -62,17 +62,27 @@ fn on_a_plane_the_footprint_is_angle_times_distance_and_longer_along_the_slope()
 
 #[test]
 fn footprints_on_triangles_are_in_their_texture_coordinates() {
-    let points = vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0];
-    // u = (x + y) / 2, v = 5 y / 2.
-    let uvs = Some(vec![DVec2::ZERO, DVec2::X, DVec2::new(1.0, 5.0)]);
-    let mesh =
-        GeometryDescription::Triangles { positions: points, indices: vec![[0, 1, 2]], normals: None, uvs };
-    let shape = ShapeDescription::from(mesh);
-    let moved = shape.transformed(DMat4::from_scale(DVec3::splat(10.0)));
-    let (_, at) = hit(&scene(moved), &Ray::new(DVec3::new(5.0, 5.0, 3.0), -DVec3::Z), &diverging(0.1));
+    let footprint = |uvs: [DVec2; 3]| {
+        let positions = vec![DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0];
+        let (indices, uvs) = (vec![[0, 1, 2]], Some(uvs.to_vec()));
+        let mesh = GeometryDescription::Triangles { positions, indices, normals: None, uvs };
+        let moved = ShapeDescription::from(mesh).transformed(DMat4::from_scale(DVec3::splat(10.0)));
+        let (_, at) = hit(&scene(moved), &Ray::new(DVec3::new(5.0, 5.0, 3.0), -DVec3::Z), &diverging(0.1));
+        at.footprint.uv
+    };
+    let half = DVec2::new(0.5, 0.0);
     // 0.3 m in the world are 0.03 m of the mesh.
-    assert!((at.footprint.uv[0] - DVec2::new(0.015, 0.0)).length() < 1e-12);
-    assert!((at.footprint.uv[1] - DVec2::new(0.015, 0.075)).length() < 1e-12, "{:?}", at.footprint.uv);
+    for (uvs, expected) in [
+        // u = (x + y) / 2, v = 5 y / 2.
+        ([DVec2::ZERO, DVec2::X, DVec2::new(1.0, 5.0)], [DVec2::new(0.015, 0.0), DVec2::new(0.015, 0.075)]),
+        // On a line: u = x / 2 + y / 4; at one point.
+        ([DVec2::ZERO, DVec2::X, half], [DVec2::new(0.015, 0.0), DVec2::new(0.0075, 0.0)]),
+        ([half; 3], [DVec2::ZERO; 2]),
+    ] {
+        for (found, expected) in footprint(uvs).into_iter().zip(expected) {
+            assert!((found - expected).length() < 1e-12, "{uvs:?}: {found}");
+        }
+    }
 }
 
 #[test]

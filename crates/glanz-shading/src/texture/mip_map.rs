@@ -51,7 +51,7 @@ pub enum ImageFilter {
     Bilinear,
     /// Bilinear interpolation in the two levels of the mipmap whose pixels are nearest in size to the longer axis of the footprint.
     Trilinear,
-    /// The mean of trilinear values along the longer axis of the footprint, each as wide as the shorter one.
+    /// The mean of trilinear values along the longer axis of the footprint, each as wide as the shorter one or a little wider.
     ///
     /// # Source
     /// The extension EXT_texture_filter_anisotropic of OpenGL. Departure: the axes of the ellipse instead of the derivatives along x and y.
@@ -59,6 +59,11 @@ pub enum ImageFilter {
         /// Largest number of values, at least 1; where the axes differ more, the values are wider.
         most: u8,
     },
+}
+
+impl ImageFilter {
+    /// The filter of pictures that name none, with pbrt's default for `maxanisotropy`.
+    pub const ANISOTROPIC: Self = Self::Anisotropic { most: 8 };
 }
 
 #[derive(Debug)]
@@ -140,9 +145,14 @@ impl MipMap {
         }
         // Values narrower than a pixel are the same as one of its width.
         let count = (long / short.max(1.0)).ceil().clamp(1.0, f64::from(most));
+        // Wide enough to leave no gaps along the longer axis, and for the whole of the shorter one; together they are as long as the longer one.
+        let width = (long / count).max(short);
         let value = |i: u8| {
-            let place = (f64::from(i) + 0.5) / count - 0.5;
-            self.trilinear(st + place * major / size, long / count, wrap)
+            let place = match count > 1.0 {
+                true => (f64::from(i) / (count - 1.0) - 0.5) * (1.0 - width / long),
+                false => 0.0,
+            };
+            self.trilinear(st + place * major / size, width, wrap)
         };
         let mut sum = [0.0; 3];
         for i in 0..count as u8 {
@@ -413,6 +423,9 @@ mod tests {
         // At twice the ratio its values are two pixels wide, as are those of a square.
         assert_eq!(value(16.0, 1.0, anisotropic), 0.5);
         assert_eq!(value(2.0, 2.0, anisotropic), 0.5);
+        // Nothing jumps where the axes change places.
+        assert!((value(2.000_001, 2.0, anisotropic) - 0.5).abs() < 1e-5);
+        assert!((value(2.0, 2.000_001, anisotropic) - 0.5).abs() < 1e-5);
     }
 
     #[test]

@@ -309,3 +309,43 @@ pub(crate) fn roulette(throughput: Spectrum, xi: f64) -> Option<f32> {
     }
     (xi < f64::from(survival)).then(|| 1.0 / survival)
 }
+
+#[cfg(test)]
+mod tests {
+    use glanz_scene::SceneBuilder;
+    use glanz_scene::description::{MaterialKind, ShapeDescription};
+
+    use super::*;
+
+    /// Directions of the mirrored and the refracted ray with their differentials.
+    fn branches(scene: &Scene, ray: &Ray, differential: &RayDifferential) -> Vec<(DVec3, RayDifferential)> {
+        let (at, _) = scene.intersect_differential(ray, Some(differential)).unwrap();
+        let bsdf = at.bsdf(scene, &Wavelengths::default()).unwrap();
+        let vertex = Vertex::new(&at, bsdf);
+        let with_differential = |ray: ScatteredRay| (ray.direction, vertex.differential(&ray).unwrap());
+        vertex.delta_branches().map(with_differential).collect()
+    }
+
+    #[test]
+    fn differentials_at_glass_are_limits_of_differences() {
+        let glass = MaterialKind::dielectric(1.5, 1.0, 1.0);
+        let scene = SceneBuilder::new().shape(ShapeDescription::sphere(1.0), glass).resolve().unwrap().0;
+        let parallel = RayDifferential { origin: [DVec3::X, DVec3::Y], direction: [DVec3::ZERO; 2] };
+        // From outside and from inside.
+        for origin in [DVec3::new(0.3, 0.2, 3.0), DVec3::new(0.3, 0.2, 0.1)] {
+            let ray = |offset: DVec3| Ray::new(origin + offset, -DVec3::Z);
+            let found = branches(&scene, &ray(DVec3::ZERO), &parallel);
+            assert_eq!(found.len(), 2);
+            let step = 1e-5;
+            for (axis, side) in [DVec3::X, DVec3::Y].into_iter().enumerate() {
+                let [ahead, behind] =
+                    [step, -step].map(|step| branches(&scene, &ray(step * side), &parallel));
+                for ((ahead, behind), (_, differential)) in ahead.iter().zip(&behind).zip(&found) {
+                    let difference = (ahead.0 - behind.0) / (2.0 * step);
+                    let off = difference - differential.direction[axis];
+                    assert!(off.length() < 1e-6, "{origin}, {side}: {difference} {differential:?}");
+                }
+            }
+        }
+    }
+}

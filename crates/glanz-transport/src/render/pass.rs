@@ -214,3 +214,13 @@ impl<'a> PassRenderer<'a> {
 fn spacing(index: u32) -> f64 {
     (1.0 / (f64::from(index) + 1.0).sqrt()).max(0.125)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_samples_sharpen_textures_to_an_eighth_of_a_pixel() {
+        assert_eq!([0, 3, 63, 1000].map(spacing), [1.0, 0.5, 0.125, 0.125]);
+    }
+}

@@ -174,7 +174,7 @@ fn wrong_usage_is_two_and_failure_is_one() {
 fn missing_denoising_library_is_refused_before_the_scene_is_rendered() {
     let folder = Folder::with_scene();
     let nowhere = folder.path("nothing").display().to_string();
-    let ran = folder.run_with(("OIDN_DIR", &nowhere), "render small.pbrt --denoise -o m.png");
+    let ran = folder.run_with(&[("OIDN_DIR", &nowhere)], "render small.pbrt --denoise -o m.png");
     ran.refused(1, &["--denoise: ", "was not found", "OIDN_DIR"]);
     assert!(!folder.has("m.png"));
 }

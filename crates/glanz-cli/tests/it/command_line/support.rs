@@ -71,12 +71,13 @@ impl Folder {
 
     /// Runs the program to its end.
     pub(crate) fn run(&self, line: &str) -> ProgramOutput {
-        finish(self.start(line), line)
+        self.run_with(&[], line)
     }
 
-    /// Runs the program with a variable of the environment.
-    pub(crate) fn run_with(&self, (name, value): (&str, &str), line: &str) -> ProgramOutput {
-        finish(self.command(line).env(name, value).spawn().expect("the program starts"), line)
+    /// Runs the program with variables of the environment.
+    pub(crate) fn run_with(&self, variables: &[(&str, &str)], line: &str) -> ProgramOutput {
+        let variables = variables.iter().copied();
+        finish(self.command(line).envs(variables).spawn().expect("the program starts"), line)
     }
 
     /// Runs the program and expects success.

@@ -13,6 +13,7 @@ use glanz_scene::description::{
 use super::spectrum::grey;
 use super::{EntityState, FileError, Lowering};
 use crate::image::{self, Encoding};
+use crate::model::TOO_MANY_PICTURES;
 use crate::nearest::nearest;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
@@ -285,6 +286,10 @@ impl Lowering {
         if let Some(known) = key.as_ref().and_then(|key| self.images.get(key)) {
             return Ok(*known);
         }
+        // Whatever the encoding: it would have to be decoded again to be refused.
+        if key.as_ref().is_some_and(|key| self.refused_pictures.contains(&key.path)) {
+            return Err(format!("picture {name:?}: {TOO_MANY_PICTURES}").into());
+        }
         let (path, bytes) = self.read_file(name)?;
         self.picture_budget.allow_file(key.as_ref().map_or(&path, |key| &key.path), bytes.len());
         let decode = || {
@@ -292,10 +297,11 @@ impl Lowering {
                 .map(|picture| picture.pixels)
                 .map_err(|error| error.to_string())
         };
-        let pixels = self
-            .picture_budget
-            .decode(bytes.len(), decode)
-            .map_err(|problem| format!("picture {name:?}: {problem}"))?;
+        let decoded = self.picture_budget.decode(bytes.len(), decode);
+        if decoded.as_ref().is_err_and(|problem| problem == TOO_MANY_PICTURES) {
+            self.refused_pictures.extend(key.as_ref().map(|key| key.path.clone()));
+        }
+        let pixels = decoded.map_err(|problem| format!("picture {name:?}: {problem}"))?;
         if pixels.to_rgb().is_none() {
             return Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into());
         }

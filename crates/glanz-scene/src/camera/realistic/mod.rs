@@ -55,12 +55,13 @@ impl RealisticLens {
 
     /// The ray that leaves the lens towards the scene, for a point of the screen (metres on the film), and its weight; `None` if it is stopped.
     ///
-    /// `xi`: two numbers uniform in [0, 1) that select the point of the exit pupil. The mean of weight times radiance is the irradiance of the film,
+    /// `xi`: two numbers uniform in [0, 1) that select the point of the exit pupil, from the bounds for the point `pupil_of` of the screen: `screen` itself, or a neighbour
+    /// whose ray goes through the same point. The mean of weight times radiance is the irradiance of the film,
     /// or with relative weights that over (d / z)^2, for the exit pupil of diameter d at the distance z from the middle of the film.
     #[must_use]
-    pub fn ray(&self, screen: DVec2, xi: DVec2) -> Option<(Ray, f64)> {
+    pub fn ray(&self, screen: DVec2, pupil_of: DVec2, xi: DVec2) -> Option<(Ray, f64)> {
         let film = -screen;
-        let (on_plane, area) = self.pupil.sample(film, xi);
+        let (on_plane, area) = self.pupil.sample(-pupil_of, xi);
         let (start, target) = (film.extend(0.0), on_plane.extend(self.pupil.plane));
         let inside = Ray::new(start, (target - start).normalize());
         let (outside, transmittance) = interface::trace(&self.interfaces, &self.stop, inside)?;

@@ -73,7 +73,7 @@ fn rays_of_a_film_point_meet_at_the_distance_in_focus() {
         let lens = RealisticLens::try_new(&described, 0.035).unwrap();
         let mut found = 0;
         for i in 0..4000 {
-            let Some((ray, _)) = lens.ray(DVec2::ZERO, xi(i)) else { continue };
+            let Some((ray, _)) = lens.ray(DVec2::ZERO, DVec2::ZERO, xi(i)) else { continue };
             let slope = ray.direction.truncate().length() / ray.direction.z;
             if slope < 1e-5 {
                 continue;
@@ -98,7 +98,7 @@ fn picture_of_a_far_point_is_at_the_focal_length_times_its_angle() {
     let screen = DVec2::new(0.002, -0.003);
     let (mut sum, mut count) = (DVec2::ZERO, 0);
     for i in 0..4000 {
-        if let Some((ray, _)) = lens.ray(screen, xi(i)) {
+        if let Some((ray, _)) = lens.ray(screen, screen, xi(i)) {
             sum += ray.direction.truncate() / ray.direction.z;
             count += 1;
         }
@@ -132,7 +132,7 @@ fn irradiance_through_a_small_stop_is_that_of_its_picture() {
         };
         for screen in [DVec2::ZERO, DVec2::new(0.006, 0.008)] {
             let n = 200_000;
-            let weights = (0..n).map(|i| lens.ray(screen, xi(i)).map_or(0.0, |(_, weight)| weight));
+            let weights = (0..n).map(|i| lens.ray(screen, screen, xi(i)).map_or(0.0, |(_, weight)| weight));
             let (sum, squares) = weights.fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
             let mean = sum / n as f64;
             let error = ((squares / n as f64 - mean * mean) / n as f64).sqrt();
@@ -169,7 +169,8 @@ fn sampling_the_exit_pupil_has_the_mean_of_sampling_the_last_lens() {
                 let mean = sum / n as f64;
                 (mean, (squares / n as f64 - mean * mean) / n as f64)
             };
-            let (mean, variance) = estimate(&|xi| lens.ray(screen, xi).map_or(0.0, |(_, weight)| weight));
+            let (mean, variance) =
+                estimate(&|xi| lens.ray(screen, screen, xi).map_or(0.0, |(_, weight)| weight));
             let reach = 2.0 * 0.01;
             let (all, all_variance) = estimate(&|xi| {
                 let target = (reach * (2.0 * xi - 1.0)).extend(plane);
@@ -194,7 +195,8 @@ fn relative_weights_are_those_of_the_square_around_the_exit_pupil() {
             LensDescription { aperture_diameter, relative_weights: true, ..lens(double_gauss(), 2.0) };
         let lens = RealisticLens::try_new(&described, 0.0433).unwrap();
         let n = 100_000;
-        let weights = (0..n).map(|i| lens.ray(DVec2::ZERO, xi(i)).map_or(0.0, |(_, weight)| weight));
+        let weights =
+            (0..n).map(|i| lens.ray(DVec2::ZERO, DVec2::ZERO, xi(i)).map_or(0.0, |(_, weight)| weight));
         let (sum, squares) = weights.fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
         let mean = sum / n as f64;
         let error = ((squares / n as f64 - mean * mean) / n as f64).sqrt();
