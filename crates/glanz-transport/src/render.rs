@@ -89,7 +89,7 @@ pub enum RenderError {
     /// The film refused a pass.
     #[error(transparent)]
     Film(#[from] FilmError),
-    /// The film was abandoned during a pass, see [`TileSink::is_abandoned`].
+    /// The film was abandoned during a pass, see [`TileSink::is_abandoned`](crate::TileSink::is_abandoned).
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
 }

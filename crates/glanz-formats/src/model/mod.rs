@@ -19,7 +19,7 @@ mod reader;
 pub(crate) use light_copies::{MAX_LIGHT_COPIES, face_count, light_count};
 pub(crate) use material::grey;
 pub(crate) use picture::{PictureContent, repetition};
-pub(crate) use picture_budget::{PictureBudget, TOO_MANY_PICTURES};
+pub(crate) use picture_budget::PictureBudget;
 pub(crate) use reader::ModelReader;
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.

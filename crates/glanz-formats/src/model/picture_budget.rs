@@ -11,7 +11,7 @@ const VALUES_PER_BYTE: usize = 256;
 const FREE_VALUES: usize = 1 << 28;
 
 /// The problem of a picture beyond the bound, as a sentence.
-pub(crate) const TOO_MANY_PICTURES: &str =
+const TOO_MANY_PICTURES: &str =
     "the pictures have too many pixels for the size of the files; use smaller or fewer pictures";
 
 /// Number of values of pictures that a scene or a model may still read.
@@ -49,8 +49,8 @@ impl PictureBudget {
 
     /// Decodes a picture of so many bytes and takes its values.
     ///
-    /// After the first picture that is too large none is decoded: that takes time, and memory for a while. What cannot be decoded takes the share
-    /// of its bytes, so that a file that names it often does not have it decoded each time.
+    /// What cannot be decoded, or is too large, takes the share of its bytes, so that a file that names it often does not have it decoded each time: that takes time, and
+    /// memory for a while.
     ///
     /// # Errors
     /// The problem as a sentence: that of `decode`, or that too few values are left.
@@ -62,14 +62,15 @@ impl PictureBudget {
         if self.values == 0 {
             return Err(TOO_MANY_PICTURES.to_owned());
         }
-        let decoded = decode();
-        let values = match &decoded {
-            Ok(pixels) => pixels.len().saturating_mul(pixels.channels().len()),
-            Err(_) => bytes.saturating_mul(VALUES_PER_BYTE).min(self.values),
-        };
-        let left = self.values.checked_sub(values);
-        self.values = left.unwrap_or(0);
-        left.map_or_else(|| Err(TOO_MANY_PICTURES.to_owned()), |_| decoded)
+        let decoded = decode().and_then(|pixels| {
+            let values = pixels.len().saturating_mul(pixels.channels().len());
+            self.values = self.values.checked_sub(values).ok_or(TOO_MANY_PICTURES)?;
+            Ok(pixels)
+        });
+        if decoded.is_err() {
+            self.values = self.values.saturating_sub(bytes.saturating_mul(VALUES_PER_BYTE));
+        }
+        decoded
     }
 }
 

@@ -41,7 +41,7 @@ type Edges = [[DVec3; 2]; 2];
 /// ribbon is perpendicular to the part of it that is perpendicular to the curve: the normal of the surface.
 ///
 /// The edges are splines that depart from it by at most 1e-5 of the width, save where the normal is parallel to the curve, so that it has no
-/// direction.
+/// direction, and where the curve turns within 1/256 of it: there the edges are straight.
 ///
 /// # Errors
 /// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`] for a width, [`SurfaceError::Degenerate`] if the curve is a point or has no width, a normal

@@ -24,9 +24,12 @@ impl Gradient {
     /// `None` if the texture coordinates of the triangle lie on a line.
     fn new(uvs: [DVec2; 3]) -> Option<Self> {
         let (a, b) = (uvs[0] - uvs[2], uvs[1] - uvs[2]);
-        let inverse = 1.0 / (a.x * b.y - a.y * b.x);
-        inverse
-            .is_finite()
+        let area = a.x * b.y - a.y * b.x;
+        // Points on a line have as much by rounding.
+        let largest = uvs.iter().fold(0.0_f64, |most, uv| most.max(uv.abs().max_element()));
+        let rounding = 4.0 * f64::EPSILON * largest * (a.abs() + b.abs()).element_sum();
+        let inverse = 1.0 / area;
+        (area.abs() > rounding && inverse.is_finite())
             .then(|| Self { by_u: DVec2::new(b.y, -a.y) * inverse, by_v: DVec2::new(-b.x, a.x) * inverse })
     }
 
@@ -193,5 +196,19 @@ impl Mesh {
             }
         }
         hits.truncate(kept);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texture_coordinates_on_a_line_have_no_gradient() {
+        let of = |uvs: [[f64; 2]; 3]| Gradient::new(uvs.map(DVec2::from_array));
+        // Their determinants are -1e-19 and 7e-18.
+        assert!(of([[0.152, 0.192], [0.188, 0.078], [0.158, 0.173]]).is_none());
+        assert!(of([[0.1, 0.3], [0.2, 0.6], [0.3, 0.9]]).is_none());
+        assert!(of([[0.5, 0.5], [0.5001, 0.5], [0.5, 0.5001]]).is_some());
     }
 }

@@ -51,7 +51,7 @@ pub enum ImageFilter {
     Bilinear,
     /// Bilinear interpolation in the two levels of the mipmap whose pixels are nearest in size to the longer axis of the footprint.
     Trilinear,
-    /// The mean of trilinear values along the longer axis of the footprint, each as wide as the shorter one or a little wider.
+    /// The mean of trilinear values along the longer axis of the footprint, each as wide as the shorter one.
     ///
     /// # Source
     /// The extension EXT_texture_filter_anisotropic of OpenGL. Departure: the axes of the ellipse instead of the derivatives along x and y.

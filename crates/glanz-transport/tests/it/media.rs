@@ -332,7 +332,7 @@ fn guided_paths_and_divided_paths_see_the_same_smoke() {
 #[test]
 fn photons_leave_smoke_to_paths() {
     // A caustic on the floor, if there were photons.
-    let scene = smoke().shape(ShapeDescription::sphere(0.5).translated([1.8, -0.6, 0.2]), glass());
+    let scene = smoke().shape(ShapeDescription::sphere(0.35).translated([1.4, -0.5, 0.2]), glass());
     let [path, sppm] = ["path", "sppm"].map(|name| Run::new(name, 8, 16).picture(&scene).mean);
     assert_eq!(path, sppm);
 }

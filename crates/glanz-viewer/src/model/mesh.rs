@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use glanz_geometry::Surface;
 use glanz_geometry::curve::FacingCurve;
 use glanz_geometry::mesh::Mesh;
 use glanz_geometry::triangle::unit_normal;
-use glanz_geometry::{FaceDomain, Surface};
-use glanz_math::{Bounds3, DVec2, DVec3};
+use glanz_math::{Bounds3, DVec3};
 
 use super::error::{ModelError, number};
 use super::head;
@@ -73,10 +73,7 @@ impl Surfaces {
     pub(super) fn flat(&mut self, surface: &Surface) -> Result<BuiltSurface, ModelError> {
         let mut triangles = MeshBuilder::default();
         for face in 0..surface.faces() {
-            let corners = match surface.face_domain(face) {
-                FaceDomain::Square => vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y],
-                FaceDomain::Polygon(corners) => corners,
-            };
+            let corners = surface.face_domain(face).corners();
             let mut first = None;
             for corner in corners {
                 let Some(at) = surface.untrimmed_at(face, corner) else { continue };

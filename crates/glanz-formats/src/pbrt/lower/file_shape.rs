@@ -14,7 +14,7 @@ impl Lowering {
         opacity: &str,
     ) -> ParseResult<()> {
         let alpha_place = list.value_place("alpha");
-        if self.alpha(list)?.is_some() {
+        if self.alpha(list)?.is_some_and(|alpha| [alpha.opacity, alpha.shadow] != [1.0.into(), 1.0.into()]) {
             let message =
                 format!("{}: \"alpha\" is not available for {files} files; {opacity}", list.subject);
             self.stand_in(&alpha_place, "stand-in-alpha", message);

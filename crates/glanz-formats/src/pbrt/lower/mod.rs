@@ -88,8 +88,8 @@ pub(crate) struct Lowering {
     pub(crate) textures: TextureNames,
     pub(crate) images: BTreeMap<ImageKey, usize>,
     pub(crate) picture_budget: PictureBudget,
-    /// Files of pictures beyond it.
-    pub(crate) refused_pictures: BTreeSet<PathBuf>,
+    /// Problems of the files of pictures that cannot be decoded, or are beyond it.
+    pub(crate) refused_pictures: BTreeMap<PathBuf, String>,
     pub(crate) has_film: bool,
     /// How long the shutter is open, seconds; 1 where it does not matter.
     pub(crate) shutter_time: f64,
@@ -157,7 +157,7 @@ impl Lowering {
             textures: TextureNames::default(),
             images: BTreeMap::new(),
             picture_budget: PictureBudget::default(),
-            refused_pictures: BTreeSet::new(),
+            refused_pictures: BTreeMap::new(),
             has_film: false,
             shutter_time: 1.0,
             exposure_time: None,

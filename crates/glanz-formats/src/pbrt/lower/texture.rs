@@ -13,7 +13,6 @@ use glanz_scene::description::{
 use super::spectrum::grey;
 use super::{EntityState, FileError, Lowering};
 use crate::image::{self, Encoding};
-use crate::model::TOO_MANY_PICTURES;
 use crate::nearest::nearest;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
@@ -287,8 +286,8 @@ impl Lowering {
             return Ok(*known);
         }
         // Whatever the encoding: it would have to be decoded again to be refused.
-        if key.as_ref().is_some_and(|key| self.refused_pictures.contains(&key.path)) {
-            return Err(format!("picture {name:?}: {TOO_MANY_PICTURES}").into());
+        if let Some(problem) = key.as_ref().and_then(|key| self.refused_pictures.get(&key.path)) {
+            return Err(format!("picture {name:?}: {problem}").into());
         }
         let (path, bytes) = self.read_file(name)?;
         self.picture_budget.allow_file(key.as_ref().map_or(&path, |key| &key.path), bytes.len());
@@ -297,11 +296,10 @@ impl Lowering {
                 .map(|picture| picture.pixels)
                 .map_err(|error| error.to_string())
         };
-        let decoded = self.picture_budget.decode(bytes.len(), decode);
-        if decoded.as_ref().is_err_and(|problem| problem == TOO_MANY_PICTURES) {
-            self.refused_pictures.extend(key.as_ref().map(|key| key.path.clone()));
-        }
-        let pixels = decoded.map_err(|problem| format!("picture {name:?}: {problem}"))?;
+        let pixels = self.picture_budget.decode(bytes.len(), decode).map_err(|problem| {
+            self.refused_pictures.extend(key.as_ref().map(|key| (key.path.clone(), problem.clone())));
+            format!("picture {name:?}: {problem}")
+        })?;
         if pixels.to_rgb().is_none() {
             return Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into());
         }
@@ -350,5 +348,20 @@ mod tests {
         assert_eq!(results[0], [Err(refused.clone()), Err(refused.clone())]);
         assert_eq!(results[1], [Ok(0), Err(refused)]);
         assert_eq!(results[2], [Ok(0), Ok(1)]);
+    }
+
+    #[test]
+    fn a_broken_picture_takes_no_share_of_others_twice() {
+        let path = std::env::temp_dir().join(format!("glanz-formats-{}-broken.png", std::process::id()));
+        std::fs::write(&path, b"no").unwrap();
+        let name = path.file_name().unwrap().display().to_string();
+        let mut lowering = Lowering::new(Reporter::default(), Dialect::V4, FileFinder::new(path.parent()));
+        lowering.picture_budget = PictureBudget::of_values(1);
+        let results = [Encoding::Srgb, Encoding::Linear, Encoding::Gamma(2.0)]
+            .map(|encoding| lowering.picture(&name, encoding).map_err(|e| e.message));
+        std::fs::remove_file(&path).unwrap();
+        let problem = results[0].clone().unwrap_err();
+        assert!(!problem.contains("too many pixels"), "{problem}");
+        assert!(results.iter().all(|result| result.as_ref() == Err(&problem)), "{results:?}");
     }
 }
