@@ -37,15 +37,15 @@ struct Ribbon {
 /// Both edges, and their derivatives by u.
 type Edges = [[DVec3; 2]; 2];
 
-/// The ribbon along a cubic Bézier segment (metres), with the widths (metres) and normals (of any length) at its ends. Between them the normal turns evenly, and the
+/// The ribbon along a cubic Bézier segment (metres), with the widths (metres) and normals (of any length) at its ends. Between them the normal turns evenly, opposite ones not at all, and the
 /// ribbon is perpendicular to the part of it that is perpendicular to the curve: the normal of the surface.
 ///
 /// The edges are splines that depart from it by at most 1e-5 of the width, save where the normal is parallel to the curve, so that it has no
 /// direction, and where the curve turns within 1/256 of it: there the edges are straight.
 ///
 /// # Errors
-/// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`] for a width, [`SurfaceError::Degenerate`] if the curve is a point or has no width, a normal
-/// is zero or the two are opposite.
+/// [`SurfaceError::NotFinite`], [`SurfaceError::Negative`] for a width, [`SurfaceError::Degenerate`] if the curve is a point or has no width, or a normal
+/// is zero.
 pub fn ribbon_surface(
     points: [DVec3; 4],
     widths: [f64; 2],
@@ -69,12 +69,9 @@ pub fn ribbon_surface(
     };
     // The arc cosine of the product would lose half of the digits where normals are parallel or opposite.
     let angle = start.cross(end).length().atan2(start.dot(end));
-    if angle > FRAC_PI_2 && angle.sin() < PARALLEL {
-        return Err(degenerate(
-            "the normals of the ribbon are opposite, so that they turn to no side; their angle",
-            angle,
-        ));
-    }
+    // Opposite normals turn to no side; a ribbon is the same from both.
+    let are_opposite = angle > FRAC_PI_2 && angle.sin() < PARALLEL;
+    let (end, angle) = if are_opposite { (start, 0.0) } else { (end, angle) };
     let ribbon = Ribbon { points, widths, normals: [start, end], angle };
     let first = ribbon.edges(0.0);
     let mut surface = RibbonSurface { knots: vec![0.0; 4], points: vec![first[0]] };
