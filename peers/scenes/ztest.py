@@ -45,11 +45,12 @@ def level(first: numpy.ndarray, second: numpy.ndarray, size: int) -> Level:
 
 
 def variance_ratio(first: numpy.ndarray, second: numpy.ndarray) -> dict[str, float]:
-    """Variance of single renders, first over second: of the relative errors of all pixels together, and the median over the pixels with noise."""
+    """Variance of single renders, first over second: of the relative errors of all pixels together, without the worst 1 % of each, and the median over the pixels with noise."""
     mean2 = second.mean(axis=0) ** 2
     relative = [p.var(axis=0, ddof=1) / (mean2 + 1e-2 * mean2.mean()) for p in (first, second)]
     noisy = (relative[0] > 1e-9) & (relative[1] > 1e-9)
-    return {"mean": float(relative[0].mean() / relative[1].mean()), "median": float(numpy.median(relative[0][noisy] / relative[1][noisy]))}
+    kept = [numpy.sort(r.ravel())[: int(0.99 * r.size)].mean() for r in relative]
+    return {"mean": float(relative[0].mean() / relative[1].mean()), "without_worst_percent": float(kept[0] / kept[1]), "median": float(numpy.median(relative[0][noisy] / relative[1][noisy]))}
 
 
 def compare(first: numpy.ndarray, second: numpy.ndarray) -> dict[str, object]:
