@@ -23,6 +23,7 @@ mod sphere_image;
 mod spot;
 mod sun;
 mod tree;
+mod world_sphere;
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
