@@ -1,4 +1,6 @@
 //! Scenes in more than one file.
+//!
+//! One file in spite of its length: a test for each kind of file that a scene may name, all in temporary folders of the same kind.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,7 @@
 //! The contract of BSDFs. A new variant gets a line in [`bsdfs`] and inherits all tests.
 //!
+//! One file in spite of its length: one contract for all BSDFs, a function per property.
+//!
 //! Significance of the chi-square tests: 0.001 together (Bonferroni over BSDFs and directions).
 
 mod bsdfs;
