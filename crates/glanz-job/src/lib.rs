@@ -61,6 +61,7 @@ mod cancel;
 mod checkpoint;
 mod content_hash;
 mod identity;
+mod part;
 mod progress;
 
 pub use atomic::{WriteError, write_atomically};
@@ -68,4 +69,5 @@ pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;
 pub use content_hash::ContentHash;
 pub use identity::{IdentityMismatch, JobIdentity, current_version};
+pub use part::{JobPart, JobPartError};
 pub use progress::{JobProgress, ProgressSink, Silent, WorkCount, grouped};
