@@ -33,6 +33,8 @@ fn is_usage(error: &Error) -> bool {
         | Error::Branching { .. }
         | Error::SampleRange { .. }
         | Error::SampleOrder { .. }
+        | Error::OrderedParts
+        | Error::Parts { .. }
         | Error::NoiseLevel { .. }
         | Error::NoiseOf { .. }
         | Error::NoModel { .. }
@@ -79,7 +81,8 @@ fn advice(error: &Error) -> Option<String> {
         Error::Merge(MergeError::Overlap { .. }) => {
             "render every part with a range of its own: --samples A..B"
         }
-        Error::Merge(MergeError::Ordered { .. }) => {
+        Error::Parts { .. } => "choose fewer parts, or more samples with --spp",
+        Error::OrderedParts | Error::Merge(MergeError::Ordered { .. }) => {
             "learn a guide once with --guide-out, render every part with --guide-in, and without --noise"
         }
         Error::Denoise(DenoiseError::NotFound { .. }) => {

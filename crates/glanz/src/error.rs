@@ -4,7 +4,7 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use glanz_job::{IdentityMismatch, Interrupted};
+use glanz_job::{IdentityMismatch, Interrupted, JobPart};
 use glanz_scene::description::GuideSettings;
 #[cfg(feature = "formats")]
 use glanz_scene::tessellation::TessellationError;
@@ -90,6 +90,17 @@ pub enum Error {
         start: u32,
         /// The next sample in order.
         next: u32,
+    },
+    /// Parts of a picture for an integrator that learns or a picture with a noise level, whose samples depend on earlier ones.
+    #[error("samples depend on earlier ones, so that they cannot be divided into parts")]
+    OrderedParts,
+    /// More parts than samples.
+    #[error("the samples {}..{} of each pixel make at most {} parts", samples.start, samples.end, samples.len())]
+    Parts {
+        /// The requested part.
+        part: JobPart,
+        /// The samples to divide.
+        samples: Range<u32>,
     },
     /// A film of the requested size cannot be created.
     #[error("the picture cannot be rendered: {0}")]

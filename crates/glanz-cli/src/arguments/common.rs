@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum, ValueHint};
 use glanz::file::FileUses;
+use glanz::job::JobPart;
 use glanz::light::{Tone, ToneCurve};
 use glanz::math::DVec3;
 use glanz::scene::studio::{SrgbColor, StudioMaterial, StudioSettings, StudioView, UpAxis};
@@ -126,6 +127,14 @@ impl CheckpointArguments {
     pub(crate) fn add_to(&self, files: &mut FileUses) -> Result<(), glanz::Error> {
         self.checkpoint.as_deref().map_or(Ok(()), |path| files.add_checkpoint(path, self.resume))
     }
+}
+
+/// The part of a job that is split over several runs or machines.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct PartArguments {
+    /// Compute part K of N only, with K from 1, into the checkpoint, which needs no -o; `glanz merge` joins the parts
+    #[arg(long, value_name = "K/N", value_parser = clap::value_parser!(JobPart), requires = "checkpoint")]
+    pub(crate) part: Option<JobPart>,
 }
 
 /// Options of all long-running commands.

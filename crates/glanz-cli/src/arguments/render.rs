@@ -13,7 +13,7 @@ use glanz::transport::{Aov, AovSet, BRANCHING_LIMIT, INTEGRATORS};
 use glanz::{EdgeLines, MAX_LINE_WIDTH, RenderOptions};
 use glanz_terminal::values::{one_of, positive, sample_range, seconds, size, switch};
 
-use super::common::{JobArguments, ModelArgument, ToneArguments};
+use super::common::{JobArguments, ModelArgument, PartArguments, ToneArguments};
 
 /// The word for every extra channel.
 const ALL_AOVS: &str = "all";
@@ -53,15 +53,19 @@ Examples:
   glanz render part.ply -o turn.png --turntable 36
   glanz render part.step -o part.png --edges
 
-  Half of the samples on each of two machines, with the bits of 256 samples on one:
-  glanz render room.pbrt --samples 0..128 --checkpoint a.glanz
-  glanz render room.pbrt --samples 128..256 --checkpoint b.glanz
+  Half of the samples on each of two machines, with the bits of all samples on one:
+  glanz render room.pbrt --part 1/2 --checkpoint a.glanz
+  glanz render room.pbrt --part 2/2 --checkpoint b.glanz
   glanz merge a.glanz b.glanz -o room.exr
+
+  More samples for a picture of 256, later; --part divides such a range, too:
+  glanz render room.pbrt --samples 256..512 --checkpoint c.glanz
+  glanz merge a.glanz b.glanz c.glanz -o room.exr
 
   Learn a guide once, then render parts with it; without --guide-in the passes of \"guided\"
   depend on one another, and parts cannot be merged:
   glanz render room.pbrt --integrator guided --spp 64 --guide-out room.guide
-  glanz render room.pbrt --integrator guided --guide-in room.guide --samples 0..512
+  glanz render room.pbrt --integrator guided --guide-in room.guide --part 1/4 --checkpoint a.glanz
 
 The default guide of \"guided\" is \"tree\": adaptively refined cells and directions, combined with
 the BSDF by learnt weights. Comma-separated keys select a fixed grid, as in document 003:
@@ -89,7 +93,7 @@ pub(crate) struct RenderCommandArguments {
     pub(crate) section: Option<SectionPlane>,
     /// Write N pictures of a turn around the upward axis: NAME-1.png, NAME-2.png and so on
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MAX_FRAMES),
-          conflicts_with_all = ["checkpoint", "guide_out", "json"])]
+          conflicts_with_all = ["part", "checkpoint", "guide_out", "json"])]
     pub(crate) turntable: Option<u32>,
 }
 
@@ -106,11 +110,11 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "N", conflicts_with = "time", value_parser = clap::value_parser!(u32).range(1..=MAX_SAMPLES))]
     spp: Option<u32>,
     /// Wall time of the render loop in seconds, instead of a number of samples
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "part")]
     time: Option<Duration>,
     /// Take samples until this standard error of a pixel, relative to the brightness around it (0.02: 2 %); some parts of the picture take more than
     /// others. --spp is then a limit; noise is first checked after 32 samples; EXR files get the channels of the variance [not for light, nor for guided without --guide-in]
-    #[arg(long, value_name = "LEVEL", value_parser = positive, conflicts_with = "samples")]
+    #[arg(long, value_name = "LEVEL", value_parser = positive, conflicts_with_all = ["samples", "part"])]
     pub(crate) noise: Option<f64>,
     /// Size of the full picture in pixels
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -136,6 +140,8 @@ pub(crate) struct RenderArguments {
     /// Render only the samples of every pixel from A up to, but not including, B
     #[arg(long, value_name = "A..B", value_parser = sample_range, conflicts_with = "time")]
     pub(crate) samples: Option<Range<u32>>,
+    #[command(flatten)]
+    pub(crate) part: PartArguments,
     /// Guide of "guided": tree, or the keys of a grid, explained in `glanz render --help`
     #[arg(long, value_name = "GUIDE", value_parser = clap::value_parser!(GuideSettings))]
     pub(crate) guide: Option<GuideSettings>,
@@ -175,6 +181,7 @@ impl RenderArguments {
             samples: self.spp,
             noise: self.noise,
             sample_range: self.samples.clone(),
+            part: self.part.part,
             time_limit: self.time,
             light_sampling: self.samplelights,
             spectral: self.spectral,

@@ -111,13 +111,14 @@ pub(crate) fn render_scene(
     let name = scene.name().to_owned();
     let film_name = scene.description().film.file_name.as_deref();
     let default = || default_output.map_or_else(|| default_path(film_name, Path::new(&name)), PathBuf::from);
-    let outputs = match arguments.output.is_empty() {
+    // A part is of use in its checkpoint.
+    let outputs = match arguments.output.is_empty() && arguments.part.part.is_none() {
         true => Outputs::try_new(&[default()], tone, &mut files, messages)?,
         false => named,
     };
     let options = arguments.options();
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
-    if options.aovs != AovSet::NONE && !outputs.keep_channels() {
+    if options.aovs != AovSet::NONE && options.part.is_none() && !outputs.keep_channels() {
         let text = "--aov has no effect: only EXR files hold further channels";
         messages.warning(text);
         warnings.push(text.to_owned());
@@ -167,6 +168,7 @@ fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages)
         Error::SampleRange { .. } | Error::SampleOrder { .. } => {
             arguments.samples.as_ref().map(|range| format!("--samples {}..{}", range.start, range.end))
         }
+        Error::OrderedParts | Error::Parts { .. } => arguments.part.part.map(|part| format!("--part {part}")),
         Error::NoiseLevel { .. } | Error::NoiseOf { .. } => {
             arguments.noise.map(|level| format!("--noise {level}"))
         }
@@ -226,10 +228,11 @@ fn finish(
         Some(_) => format!("up to {taken}, {:.0} on average", film.mean_samples()),
         None => taken,
     };
+    let files = if report.outputs.is_empty() { report.checkpoint.as_slice() } else { &report.outputs };
     messages.note(&format!(
         "{}wrote {}: {taken} in {}, {:.1} million rays, {:.2} million a second",
         if interrupted { "interrupted; " } else { "" },
-        report.outputs.join(", "),
+        files.join(", "),
         report::duration(report.seconds),
         report.rays as f64 / 1e6,
         report.rays_per_second / 1e6,

@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use glanz_job::JobIdentity;
+use glanz_job::{JobIdentity, JobPart};
 use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::GuideSettings;
@@ -56,6 +56,9 @@ pub struct RenderOptions {
     pub noise: Option<f64>,
     /// Renders only these samples of every pixel, as a part of a picture that [`merge`] joins.
     pub sample_range: Option<Range<u32>>,
+    /// Renders only this part of the samples, or of [`RenderOptions::sample_range`], as a part of a picture that [`merge`] joins. It keeps its
+    /// noise. An error for an integrator that learns without [`RenderOptions::guide_input`], and with a noise level.
+    pub part: Option<JobPart>,
     /// Renders as many samples as fit into this wall time of the render loop, at least one, instead of a fixed number.
     pub time_limit: Option<Duration>,
     /// Whether lights are sampled at every hit; otherwise paths find them by chance.
@@ -157,7 +160,8 @@ impl<'a> RenderBuilder<'a> {
         job.check_checkpoint()?;
         options.guide_output.as_deref().map_or(Ok(()), file::check_writable)?;
         #[cfg(feature = "denoise")]
-        let denoiser = options.denoise.then(glanz_denoise::Denoiser::load).transpose()?;
+        let denoiser =
+            (options.denoise && options.part.is_none()).then(glanz_denoise::Denoiser::load).transpose()?;
         let plan = RenderPlan::new(&options, &mut scene, &job.options)?;
         let film = starting_film(&plan, &mut job)?;
         let (scene, warnings) = scene.resolve()?;

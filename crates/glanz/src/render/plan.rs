@@ -94,7 +94,7 @@ impl RenderPlan {
             Some(_) => Error::Film(error),
             None => at_film(&error),
         })?;
-        let samples = options.sample_numbers(&identity, job.resume)?;
+        let samples = options.part_of(options.sample_numbers(&identity, job.resume)?, &identity)?;
         let threads = match job.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
@@ -274,6 +274,20 @@ impl RenderOptions {
             None => Ok(0..planned),
         }
     }
+
+    /// The share of `samples` that the requested part has.
+    fn part_of(&self, samples: Range<u32>, identity: &PictureIdentity) -> Result<Range<u32>, Error> {
+        let Some(part) = self.part.filter(|part| part.count() > 1) else { return Ok(samples) };
+        if identity.film.is_ordered() {
+            return Err(Error::OrderedParts);
+        }
+        if part.count() as usize > samples.len() {
+            return Err(Error::Parts { part, samples });
+        }
+        // Both ends lie within the range.
+        let share = part.share(samples.start.into()..samples.end.into());
+        Ok(share.start as u32..share.end as u32)
+    }
 }
 
 #[cfg(test)]
@@ -300,6 +314,30 @@ mod tests {
             let early = RenderOptions { sample_range: Some(0..9), ..options };
             assert_eq!(plan(&early).unwrap().samples, 0..9);
         }
+    }
+
+    #[test]
+    fn parts_divide_the_planned_samples_or_the_range() {
+        let part = |text: &str, options: RenderOptions| {
+            plan(&RenderOptions { part: Some(text.parse().unwrap()), ..options })
+        };
+        let by_count = || RenderOptions { samples: Some(7), ..RenderOptions::default() };
+        let by_range = || RenderOptions { sample_range: Some(10..15), ..by_count() };
+        for (text, of_count, of_range) in
+            [("1/1", 0..7, 10..15), ("1/3", 0..2, 10..11), ("3/3", 4..7, 13..15)]
+        {
+            assert_eq!(part(text, by_count()).unwrap().samples, of_count);
+            assert_eq!(part(text, by_range()).unwrap().samples, of_range);
+        }
+        let too_many = part("2/8", by_count()).unwrap_err();
+        assert_eq!(too_many.to_string(), "the samples 0..7 of each pixel make at most 7 parts");
+        assert!(part("2/7", by_count()).is_ok());
+        assert!(matches!(part("2/6", by_range()), Err(Error::Parts { .. })));
+        let learning = || RenderOptions { integrator: Some("guided".to_owned()), ..by_count() };
+        for options in [learning(), RenderOptions { noise: Some(0.1), ..by_count() }] {
+            assert!(matches!(part("1/2", options), Err(Error::OrderedParts)));
+        }
+        assert_eq!(part("1/1", learning()).unwrap().samples, 0..7);
     }
 
     #[test]
