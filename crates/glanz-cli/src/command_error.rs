@@ -2,8 +2,8 @@
 
 use glanz::denoise::DenoiseError;
 use glanz::radiosity::bake::BakeError;
-use glanz::transport::{FilmError, MergeError};
-use glanz::{Error, FileFault};
+use glanz::transport::FilmError;
+use glanz::{Error, FileFault, JoinError, PartKind};
 use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::notes::note_diagnostics;
@@ -72,19 +72,8 @@ fn advice(error: &Error) -> Option<String> {
         }
         Error::Film(FilmError::Size(..) | FilmError::Memory(_)) => "choose a smaller picture with --size",
         Error::Guide(_) => "choose a smaller grid or scale with --guide",
-        Error::Merge(MergeError::Picture { .. }) => {
-            "parts must be rendered from the same scene with the same settings"
-        }
-        Error::Merge(MergeError::Film { error: FilmError::Layout(_), .. }) => {
-            "render every part with the same --edges, or without"
-        }
-        Error::Merge(MergeError::Overlap { .. }) => {
-            "render every part with a range of its own: --samples A..B"
-        }
-        Error::Parts { .. } => "choose fewer parts, or more samples with --spp",
-        Error::OrderedParts | Error::Merge(MergeError::Ordered { .. }) => {
-            "learn a guide once with --guide-out, render every part with --guide-in, and without --noise"
-        }
+        Error::OrderedParts => ORDERED_HELP,
+        Error::Join(error) => return join_advice(error).map(str::to_owned),
         Error::Denoise(DenoiseError::NotFound { .. }) => {
             "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to the folder that contains its folder lib (of pyoidn: site-packages/pyoidn/oidn)"
         }
@@ -97,6 +86,34 @@ fn advice(error: &Error) -> Option<String> {
         _ => return None,
     };
     Some(text.to_owned())
+}
+
+/// Advice on parts whose samples depend on one another.
+const ORDERED_HELP: &str =
+    "learn a guide once with --guide-out, render every part with --guide-in, and without --noise";
+
+fn join_advice(error: &JoinError) -> Option<&'static str> {
+    match error {
+        JoinError::Identity { kind: PartKind::Picture, .. } => {
+            Some("parts must be rendered from the same scene with the same settings")
+        }
+        JoinError::Film { error: FilmError::Layout(_), .. } => {
+            Some("render every part with the same --edges, or without")
+        }
+        JoinError::Overlap { .. } => Some(
+            "compute every part with a number of its own, --part K/N, or samples of its own, --samples A..B",
+        ),
+        JoinError::Ordered { .. } => Some(ORDERED_HELP),
+        JoinError::Kinds { .. } => Some("join each kind by itself"),
+        JoinError::NoPicture { kind: PartKind::Illuminance } => Some(
+            "join them with --checkpoint WHOLE and without -o, then: glanz illuminate SCENE -o DIR --rays N --checkpoint WHOLE --resume",
+        ),
+        JoinError::NoPicture { .. } => Some(
+            "join them with --checkpoint WHOLE and without -o, then: glanz bake SCENE -o FILE --checkpoint WHOLE --resume",
+        ),
+        JoinError::Missing(_) => Some("compute what is missing, or join what is there with --partial"),
+        _ => None,
+    }
 }
 
 fn file_advice(fault: &FileFault) -> Option<String> {

@@ -10,8 +10,9 @@ use glanz_scene::description::GuideSettings;
 use glanz_scene::tessellation::TessellationError;
 use glanz_scene::{Diagnostic, Diagnostics, SceneError, Severity};
 use glanz_transport::codec::EnvelopeError;
-use glanz_transport::{CheckpointError, FilmError, GridError, GuideFileError, MergeError, RenderError};
+use glanz_transport::{CheckpointError, FilmError, GridError, GuideFileError, RenderError};
 
+use crate::merge::JoinError;
 use crate::render::Picture;
 
 /// Error of the engine: the facts, without advice.
@@ -108,9 +109,9 @@ pub enum Error {
     /// The render loop ended without a picture.
     #[error("the render stopped: {0}")]
     Render(RenderError),
-    /// Pictures that cannot be joined.
+    /// Parts that cannot be joined.
     #[error(transparent)]
-    Merge(#[from] MergeError),
+    Join(Box<JoinError>),
     /// A guide that cannot be created.
     #[error(transparent)]
     Guide(#[from] GridError),
@@ -338,6 +339,12 @@ impl Error {
     /// An error of the file `path`.
     pub(crate) fn of_file<F: Into<FileFault>>(path: &Path) -> impl FnOnce(F) -> Self + '_ {
         move |fault| fault.into().of(path)
+    }
+}
+
+impl From<JoinError> for Error {
+    fn from(error: JoinError) -> Self {
+        Self::Join(Box::new(error))
     }
 }
 

@@ -8,6 +8,7 @@ use glanz_scene::Diagnostic;
 use glanz_transport::SampleRanges;
 
 use crate::error::Error;
+use crate::merge::MissingPart;
 use crate::render::RenderPlan;
 
 /// Warning about something that a job repaired, left out or could not decide. The result of the job contains all warnings, too.
@@ -90,6 +91,13 @@ pub enum Warning {
         /// Their number.
         lights: u64,
     },
+    /// A part that cannot be read, and was not joined with the others.
+    PartLeftOut {
+        /// Its file and what is wrong with it.
+        reason: String,
+    },
+    /// A part of a job that is not among those that were joined.
+    PartMissing(MissingPart),
     /// A receiver that receives light only on the side that is not counted.
     DarkSide {
         /// Name of the receiver.
@@ -174,6 +182,8 @@ impl fmt::Display for Warning {
                 "{} no extent: reflections of it in mirrors are not integrated",
                 plural(*lights, "light has", "lights have")
             ),
+            Self::PartLeftOut { reason } => write!(f, "{reason}; this part is left out"),
+            Self::PartMissing(part) => part.fmt(f),
             Self::DarkSide { receiver, other_side } => write!(
                 f,
                 "the side of \"{receiver}\" that counts receives no light, the other side {other_side:.4} lm: \

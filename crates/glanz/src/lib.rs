@@ -15,7 +15,7 @@
 //!
 //! Every job reports progress to a [`ProgressSink`](job::ProgressSink) and warnings as a [`JobEvent`], ends when its
 //! [`CancelFlag`](job::CancelFlag) is raised, and saves its state in a checkpoint from which it resumes to the same bits.
-//! [`merge`] joins pictures of disjoint samples. An [`Error`] states the facts; advice is left to the program.
+//! [`merge`] joins the checkpoints of parts of a job. An [`Error`] states the facts; advice is left to the program.
 //!
 //! # The parts
 //! The jobs use the following parts, which can be used alone: [`formats`] reads scene files into a
@@ -50,6 +50,7 @@ mod job_options;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 mod library_denoiser;
 mod loaded_scene;
+mod merge;
 #[cfg(feature = "viewer")]
 mod overlay;
 mod render;
@@ -73,12 +74,13 @@ pub use job_options::JobOptions;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub use library_denoiser::LibraryDenoiser;
 pub use loaded_scene::LoadedScene;
+pub use merge::{JoinError, MergeOptions, MergeOutcome, MissingPart, PartKind, merge};
 #[cfg(feature = "viewer")]
 pub use overlay::LightOverlay;
 #[cfg(feature = "formats")]
 pub use render::picture_format;
 pub use render::{
-    EdgeLines, MAX_LINE_WIDTH, Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics, merge,
+    EdgeLines, MAX_LINE_WIDTH, Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics,
 };
 
 #[cfg(feature = "denoise")]

@@ -56,7 +56,7 @@ pub(crate) enum Command {
     Bake(BakeArguments),
     /// Calculate illuminance in lux: on receivers of a scene or the walls of a room
     Illuminate(IlluminateArguments),
-    /// Join checkpoints of disjoint sample ranges into one picture
+    /// Join parts that were computed separately: into a picture, or one checkpoint
     Merge(MergeArguments),
     /// Summarise a scene, or the luminaire of a photometric file
     Info(InfoArguments),

@@ -1,92 +1,126 @@
-//! `glanz merge`: joins the separately rendered parts of a picture.
+//! `glanz merge`: joins the separately computed parts of a job.
 
 use std::path::Path;
 
-use glanz::Error;
 use glanz::file::FileUses;
-use glanz::transport::MergeError;
+use glanz::{Error, JobEvent, JobOptions, MergeOptions, MergeOutcome};
 use glanz_terminal::CommandOutcome;
+use glanz_terminal::interrupt;
 use glanz_terminal::messages::{CommandError, Messages};
+use glanz_terminal::progress::Progress;
 use serde::Serialize;
 
 use crate::arguments::MergeArguments;
 use crate::command_error::command_error;
+use crate::notes::note_event;
 use crate::outputs::Outputs;
 use crate::report::{self, plural};
 
 /// The output of `--json`.
 #[derive(Serialize)]
 struct MergeReport {
+    /// picture, illuminance or light.
+    kind: String,
     outputs: Vec<String>,
     checkpoint: Option<String>,
     parts: usize,
-    samples_per_pixel: u64,
-    samples: String,
+    #[serde(flatten)]
+    content: MergeContent,
+    seconds: f64,
+    peak_memory_bytes: Option<u64>,
+    /// Parts that were left out, and what is missing.
+    warnings: Vec<String>,
 }
 
-/// Joins the parts and writes the pictures.
+/// What was joined.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum MergeContent {
+    Picture { samples_per_pixel: u64, samples: String },
+}
+
+impl MergeContent {
+    fn of(outcome: &MergeOutcome) -> Option<Self> {
+        let MergeOutcome::Picture(picture) = outcome else { return None };
+        let samples = picture.film().samples();
+        Some(Self::Picture { samples_per_pixel: samples.total(), samples: samples.to_string() })
+    }
+
+    /// The same in words.
+    fn words(&self) -> String {
+        match self {
+            Self::Picture { samples, .. } => format!("samples {samples}"),
+        }
+    }
+}
+
+/// Joins the parts, and writes pictures and checkpoint.
 ///
 /// # Errors
 /// Parts that do not belong together, or a file that cannot be read or written.
 pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
+    let cancel = interrupt::listen()?;
+    let start = std::time::Instant::now();
     let mut files = FileUses::default();
     files.add_inputs(&arguments.parts).map_err(command_error(messages))?;
     let outputs = Outputs::try_new(&arguments.output, arguments.tone.tone(), &mut files, messages)?;
     if let Some(path) = &arguments.checkpoint {
         files.add_output(path).map_err(command_error(messages))?;
     }
-    let picture =
-        glanz::merge(&arguments.parts).map_err(|error| merge_failure(error, arguments, messages))?;
-    outputs.write(&picture)?;
+    let mut progress = Progress::start(messages);
+    let mut events = |event: JobEvent<'_>| note_event(event, "", messages);
+    let job = JobOptions::default()
+        .threads(arguments.threads.count())
+        .cancel(cancel)
+        .on_progress(&mut progress)
+        .on_event(&mut events);
+    let options = MergeOptions { partial: arguments.partial, picture: !arguments.output.is_empty() };
+    let merged = glanz::merge(&arguments.parts, options, job);
+    progress.finish();
+    let merged = match merged {
+        Err(Error::Interrupted(_)) => {
+            messages.note("interrupted; nothing was written");
+            return Ok(CommandOutcome::Interrupted);
+        }
+        merged => merged.map_err(command_error(messages))?,
+    };
     if let Some(path) = &arguments.checkpoint {
-        picture.save_checkpoint(path).map_err(command_error(messages))?;
+        merged.save_checkpoint(path).map_err(command_error(messages))?;
     }
-    let samples = picture.film().samples();
+    if let MergeOutcome::Picture(picture) = &merged {
+        outputs.write(picture)?;
+    }
+    finish(&merged, arguments, &outputs, start.elapsed().as_secs_f64(), messages)
+}
+
+/// Reports what was written.
+fn finish(
+    merged: &MergeOutcome,
+    arguments: &MergeArguments,
+    outputs: &Outputs,
+    seconds: f64,
+    messages: Messages,
+) -> Result<CommandOutcome, CommandError> {
+    let Some(content) = MergeContent::of(merged) else { return Ok(CommandOutcome::Done) };
+    let checkpoint = arguments.checkpoint.as_deref().map(Path::display).map(|path| path.to_string());
+    let written: Vec<String> = outputs.names().into_iter().chain(checkpoint.clone()).collect();
     messages.note(&format!(
-        "joined {} with samples {samples} into {}",
+        "joined {} with {} into {}",
         plural(arguments.parts.len() as u64, "part", "parts"),
-        outputs.names().join(", ")
+        content.words(),
+        written.join(", ")
     ));
     if arguments.verbosity.json {
         report::print(&MergeReport {
+            kind: merged.kind().to_string(),
             outputs: outputs.names(),
-            checkpoint: arguments.checkpoint.as_deref().map(Path::display).map(|path| path.to_string()),
+            checkpoint,
             parts: arguments.parts.len(),
-            samples_per_pixel: samples.total(),
-            samples: samples.to_string(),
+            content,
+            seconds,
+            peak_memory_bytes: report::peak_memory_bytes(),
+            warnings: merged.warnings().iter().map(ToString::to_string).collect(),
         })?;
     }
     Ok(CommandOutcome::Done)
-}
-
-/// The error, with the files that cause it.
-fn merge_failure(error: Error, arguments: &MergeArguments, messages: Messages) -> CommandError {
-    let name =
-        |part: usize| arguments.parts.get(part).map_or_else(String::new, |path| path.display().to_string());
-    let message = match &error {
-        Error::Merge(MergeError::Picture { part, mismatch }) => {
-            let (first, other) = (name(0), name(*part));
-            Some(format!(
-                "{first} and {other} are not parts of one picture: {} is {} in {first} and {} in {other}",
-                mismatch.what, mismatch.wanted, mismatch.found
-            ))
-        }
-        Error::Merge(MergeError::Film { part, error }) => {
-            Some(format!("{} cannot be joined with {}: {error}", name(*part), name(0)))
-        }
-        Error::Merge(MergeError::Overlap { first, second, samples }) => {
-            let (first, second, last) = (name(*first), name(*second), samples.end - 1);
-            Some(format!("{first} and {second} both have samples {} to {last}", samples.start))
-        }
-        Error::Merge(MergeError::Ordered { part }) => Some(format!(
-            "the samples of {} depend on earlier ones (a noise level, or a guide that was learnt during the render)",
-            name(*part)
-        )),
-        _ => None,
-    };
-    let failure = command_error(messages)(error);
-    match message {
-        Some(message) => CommandError { message, ..failure },
-        None => failure,
-    }
 }

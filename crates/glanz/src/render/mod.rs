@@ -33,7 +33,7 @@ use crate::running_job::{JobSink, RunningJob};
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub(crate) use denoised::noisy_picture;
 pub use edges::{EdgeLines, MAX_LINE_WIDTH};
-pub use picture::{Picture, RenderStatistics, merge};
+pub use picture::{Picture, RenderStatistics};
 #[cfg(feature = "formats")]
 pub use picture_files::picture_format;
 pub use plan::RenderPlan;
@@ -54,9 +54,9 @@ pub struct RenderOptions {
     /// Relative standard error at which the tiles of the picture take no more samples, from 10^-6 to 1, see [`glanz_transport::noise`]. The
     /// number of samples is then a limit; without one it is 65536, or as many as fit into the time. Adds the channel of the variance. An error for integrators whose samples depend on other pixels.
     pub noise: Option<f64>,
-    /// Renders only these samples of every pixel, as a part of a picture that [`merge`] joins.
+    /// Renders only these samples of every pixel, as a part of a picture that [`merge`](crate::merge) joins.
     pub sample_range: Option<Range<u32>>,
-    /// Renders only this part of the samples, or of [`RenderOptions::sample_range`], as a part of a picture that [`merge`] joins. It keeps its
+    /// Renders only this part of the samples, or of [`RenderOptions::sample_range`], as a part of a picture that [`merge`](crate::merge) joins. It keeps its
     /// noise. An error for an integrator that learns without [`RenderOptions::guide_input`], and with a noise level.
     pub part: Option<JobPart>,
     /// Renders as many samples as fit into this wall time of the render loop, at least one, instead of a fixed number.

@@ -49,7 +49,7 @@ impl Default for RenderStatistics {
 }
 
 impl Picture {
-    pub(super) fn new(
+    pub(crate) fn new(
         identity: PictureIdentity,
         film: Film,
         statistics: RenderStatistics,
@@ -100,7 +100,7 @@ impl Picture {
         Ok(pixels)
     }
 
-    /// Writes film and identity to a file, to be resumed by a [`RenderBuilder`](super::RenderBuilder) or [merged](merge).
+    /// Writes film and identity to a file, to be resumed by a [`RenderBuilder`](super::RenderBuilder) or [merged](crate::merge).
     ///
     /// # Errors
     /// [`Error::File`].
@@ -116,28 +116,5 @@ impl Picture {
         let integrator = self.identity.integrator.name();
         let training = self.film.training().ok_or(Error::NoGuide { integrator })?;
         guide_file::write(path.as_ref(), training.guide())
-    }
-}
-
-/// Joins checkpoints of disjoint sample ranges into one picture, with the same bits as one render of all samples.
-///
-/// # Errors
-/// [`Error::File`] for a checkpoint that cannot be read, [`Error::Merge`] for checkpoints of different pictures or common samples.
-pub fn merge<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Picture, Error> {
-    // Parts are read one after the other, so that at most two are in memory; the first that cannot be read ends the merge.
-    let mut unreadable = None;
-    let parts = paths.into_iter().map_while(|path| {
-        let path = path.as_ref();
-        let bytes = file::read(path);
-        let part = bytes.and_then(|bytes| Checkpoint::from_bytes(&bytes).map_err(Error::of_file(path)));
-        part.map_err(|error| unreadable = Some(error)).ok()
-    });
-    let merged = glanz_transport::merge(parts);
-    match unreadable {
-        Some(error) => Err(error),
-        None => {
-            let Checkpoint { identity, film } = merged?;
-            Ok(Picture::new(identity, film, RenderStatistics::default(), Vec::new()))
-        }
     }
 }

@@ -1,0 +1,111 @@
+//! Errors of joining parts, with the paths of their files.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use glanz_job::{IdentityMismatch, JobPart};
+use glanz_transport::FilmError;
+
+use super::PartKind;
+
+/// Parts that cannot be joined.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JoinError {
+    /// No part can be read.
+    #[error("there are no parts; at least one is needed")]
+    Empty,
+    /// Parts of different kinds.
+    #[error("{} is a part of kind \"{}\" and {} one of kind \"{}\"", .parts[0].display(), .kinds[0], .parts[1].display(), .kinds[1])]
+    Kinds {
+        /// Two parts.
+        parts: [PathBuf; 2],
+        /// Their kinds.
+        kinds: [PartKind; 2],
+    },
+    /// A picture was asked for, of parts of another kind.
+    #[error("these are no parts of a picture, but of kind \"{kind}\"")]
+    NoPicture {
+        /// Their kind.
+        kind: PartKind,
+    },
+    /// Parts of a kind that cannot be joined.
+    #[error("parts of kind \"{kind}\" cannot be joined")]
+    Unsupported {
+        /// Their kind.
+        kind: PartKind,
+    },
+    /// A part of another job than the first.
+    #[error(
+        "{} and {} are not parts of one {kind}: {} is {} in {} and {} in {}", .parts[0].display(), .parts[1].display(),
+        .mismatch.what, .mismatch.wanted, .parts[0].display(), .mismatch.found, .parts[1].display()
+    )]
+    Identity {
+        /// The kind of both.
+        kind: PartKind,
+        /// The first part, and the other.
+        parts: [PathBuf; 2],
+        /// The difference.
+        mismatch: Box<IdentityMismatch>,
+    },
+    /// A part whose samples depend on earlier ones.
+    #[error(
+        "the samples of {} depend on earlier ones (a noise level, or a guide that was learnt during the render)", .part.display()
+    )]
+    Ordered {
+        /// Its file.
+        part: PathBuf,
+    },
+    /// Two parts with something in common.
+    #[error("{} and {} both have {common}", .parts[0].display(), .parts[1].display())]
+    Overlap {
+        /// The parts.
+        parts: [PathBuf; 2],
+        /// What they share, such as "samples 0 to 31".
+        common: String,
+    },
+    /// A part whose film cannot be added to that of the first.
+    #[error("{} cannot be joined with {}: {error}", .parts[1].display(), .parts[0].display())]
+    Film {
+        /// The first part, and the other.
+        parts: [PathBuf; 2],
+        /// The reason.
+        error: FilmError,
+    },
+    /// Parts that are not among those given.
+    #[error("{}", sentences(.0))]
+    Missing(Vec<MissingPart>),
+}
+
+/// A part that is missing, or of which something is missing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingPart {
+    /// The part.
+    pub part: JobPart,
+    /// What is missing of it, such as "samples 64..96".
+    pub missing: String,
+    /// Whether that is all of it.
+    pub is_whole: bool,
+}
+
+impl fmt::Display for MissingPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { part, missing, is_whole } = self;
+        match is_whole {
+            true => write!(f, "part {part} ({missing}) is missing"),
+            false => write!(f, "part {part} lacks {missing}"),
+        }
+    }
+}
+
+/// Number of missing parts that a message names.
+const NAMED: usize = 8;
+
+/// The first of `missing`, and the number of the others.
+fn sentences(missing: &[MissingPart]) -> String {
+    let mut sentences: Vec<String> = missing.iter().take(NAMED).map(ToString::to_string).collect();
+    if missing.len() > NAMED {
+        sentences.push(format!("and {} more", missing.len() - NAMED));
+    }
+    sentences.join(", ")
+}
