@@ -64,7 +64,7 @@ mod identity;
 mod part;
 mod progress;
 
-pub use atomic::{WriteError, write_atomically};
+pub use atomic::{WriteError, write_atomically, write_atomically_with};
 pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;
 pub use content_hash::ContentHash;

@@ -38,16 +38,27 @@ impl Error for WriteError {
 /// [`WriteError`]; the temporary file is removed then and an old file `path` is untouched. An existing read-only
 /// file is an error.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    replace(path, bytes).map_err(|source| WriteError { path: path.to_owned(), source })
+    write_atomically_with(path, |out| out.write_all(bytes))
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+/// As [`write_atomically`], of bytes that `content` writes; it is not buffered.
+///
+/// # Errors
+/// As [`write_atomically`], also if `content` returns an error.
+pub fn write_atomically_with(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), WriteError> {
+    replace(path, content).map_err(|source| WriteError { path: path.to_owned(), source })
+}
+
+fn replace(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     // A rename would replace the link, not the file that it names.
     let path = if path.is_symlink() { fs::canonicalize(path)? } else { path.to_owned() };
     let existing = match fs::metadata(&path) {
         Ok(found) if found.is_file() => Some(found.permissions()),
         Ok(found) if found.is_dir() => return Err(io::Error::from(io::ErrorKind::IsADirectory)),
-        Ok(_) => return fs::OpenOptions::new().write(true).open(&path)?.write_all(bytes),
+        Ok(_) => return content(&mut fs::OpenOptions::new().write(true).open(&path)?),
         Err(e) if e.kind() == io::ErrorKind::NotFound => None,
         Err(e) => return Err(e),
     };
@@ -55,7 +66,7 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
         return Err(io::Error::from(io::ErrorKind::PermissionDenied));
     }
     let (temporary, mut file) = TemporaryFile::create_beside(&path)?;
-    file.write_all(bytes)?;
+    content(&mut file)?;
     if let Some(permissions) = existing {
         file.set_permissions(permissions)?;
     }

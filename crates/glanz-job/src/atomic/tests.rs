@@ -34,6 +34,20 @@ fn atomic_write_makes_and_replaces_a_file_and_leaves_nothing_else() {
 }
 
 #[test]
+fn content_that_fails_half_way_leaves_the_old_file_and_nothing_else() {
+    let folder = Folder::new("half");
+    let file = folder.0.join("state");
+    write_atomically(&file, b"old").unwrap();
+    let failed = write_atomically_with(&file, |out| {
+        out.write_all(b"ne")?;
+        Err(io::Error::from(io::ErrorKind::StorageFull))
+    });
+    assert_eq!(failed.unwrap_err().source.kind(), io::ErrorKind::StorageFull);
+    assert_eq!(fs::read(&file).unwrap(), b"old");
+    assert_eq!(folder.entries(), 1);
+}
+
+#[test]
 fn atomic_write_into_a_missing_folder_or_over_a_folder_fails() {
     let folder = Folder::new("missing");
     assert!(matches!(write_atomically(&folder.0.join("no/file"), b"x"), Err(WriteError { .. })));
