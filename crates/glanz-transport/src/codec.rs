@@ -5,6 +5,9 @@ pub const CRC_LENGTH: usize = 4;
 /// Length of magic, version and length.
 pub const PREFIX_LENGTH: usize = 20;
 
+/// Length of a file without content.
+const SHORTEST: u64 = (PREFIX_LENGTH + CRC_LENGTH) as u64;
+
 /// Kind of file in an envelope: magic, version, length, content, checksum.
 #[derive(Debug)]
 pub struct FileEnvelope {
@@ -60,10 +63,7 @@ impl FileEnvelope {
     /// The bytes of a file: magic, version (4 bytes), total length (8 bytes), the output of `content`, and the CRC-32 (IEEE) of all
     /// preceding bytes.
     pub fn seal(&self, content: impl FnOnce(&mut Encoder)) -> Vec<u8> {
-        let mut e = Encoder::default();
-        e.0.extend_from_slice(self.magic);
-        e.u32(self.version);
-        e.u64(0);
+        let mut e = self.prefix(0);
         content(&mut e);
         let length = (e.0.len() + CRC_LENGTH) as u64;
         if let Some(slot) = e.0.get_mut(PREFIX_LENGTH - 8..PREFIX_LENGTH) {
@@ -74,11 +74,21 @@ impl FileEnvelope {
         e.0
     }
 
-    /// The content of the output of [`FileEnvelope::seal`].
+    /// The first bytes of a file of `length` bytes: magic, version and length.
+    #[must_use]
+    pub fn prefix(&self, length: u64) -> Encoder {
+        let mut e = Encoder::default();
+        e.0.extend_from_slice(self.magic);
+        e.u32(self.version);
+        e.u64(length);
+        e
+    }
+
+    /// The length of a file that is stored in its first `bytes`, of which [`PREFIX_LENGTH`] are needed.
     ///
     /// # Errors
-    /// [`EnvelopeError`] if magic, version, length or checksum differ.
-    pub fn open<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
+    /// [`EnvelopeError`] if magic or version differ, or the bytes end.
+    pub fn length(&self, bytes: &[u8]) -> Result<u64, EnvelopeError> {
         let Self { magic, content, .. } = *self;
         let mut d = Decoder(bytes);
         // A file truncated within the magic is reported as truncated, not foreign, unless it is empty.
@@ -86,17 +96,27 @@ impl FileEnvelope {
         if bytes.is_empty() || !bytes.starts_with(start) {
             return Err(EnvelopeError::Foreign(self.kind));
         }
-        let found = bytes.len() as u64;
-        let short = EnvelopeError::Length { content, expected: (PREFIX_LENGTH + CRC_LENGTH) as u64, found };
-        let (Some(_), Some(version), Some(expected)) = (d.take(magic.len()), d.u32(), d.u64()) else {
-            return Err(short);
+        let (Some(_), Some(version), Some(length)) = (d.take(magic.len()), d.u32(), d.u64()) else {
+            let found = bytes.len() as u64;
+            return Err(EnvelopeError::Length { content, expected: SHORTEST, found });
         };
         if version != self.version {
             return Err(EnvelopeError::Version { content, found: version, known: self.version });
         }
+        Ok(length)
+    }
+
+    /// The content of the output of [`FileEnvelope::seal`].
+    ///
+    /// # Errors
+    /// [`EnvelopeError`] if magic, version, length or checksum differ.
+    pub fn open<'a>(&self, bytes: &'a [u8]) -> Result<&'a [u8], EnvelopeError> {
+        let content = self.content;
+        let (expected, found) = (self.length(bytes)?, bytes.len() as u64);
         if expected != found {
             return Err(EnvelopeError::Length { content, expected, found });
         }
+        let short = EnvelopeError::Length { content, expected: SHORTEST, found };
         let Some((rest, crc)) = bytes.split_last_chunk::<CRC_LENGTH>() else { return Err(short) };
         let (expected, found) = (u32::from_le_bytes(*crc), crc32fast::hash(rest));
         if expected != found {

@@ -12,6 +12,7 @@ use crate::passes::Passes;
 use crate::pixel::{PixelSums, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::ranges::SampleRanges;
+use crate::sample_plan::{MissingSamples, SamplePlan, SamplePlans};
 use crate::splat::SplatRows;
 use crate::weighted_sums::{FEWEST_SAMPLES, PassWeights};
 use glanz_sampling::exact::MAX_TERMS;
@@ -47,6 +48,8 @@ pub struct Film {
     edges: Option<EdgeLayer>,
     /// Numbers of samples with which the tiles ended, or [`NOT_ENDED`]; empty without a noise level.
     tile_ends: Vec<u32>,
+    /// Plans of samples that are rendered in parts, as long as samples are missing.
+    plans: SamplePlans,
 }
 
 impl Film {
@@ -80,21 +83,43 @@ impl Film {
         samples: SampleRanges,
         rejects: Rejects,
     ) -> Result<Self, FilmError> {
-        if format.words()? != words.len() as u64 {
-            return Err(FilmError::Layout("size"));
+        Self::try_from_state(format, samples, rejects)?.with_words(words)
+    }
+
+    /// The film with these sums.
+    pub(crate) fn with_words(self, words: Vec<u64>) -> Result<Self, FilmError> {
+        match self.format.words()? == words.len() as u64 {
+            true => Ok(Self { words, ..self }),
+            false => Err(FilmError::Layout("size")),
         }
+    }
+
+    /// A film with these samples, without their sums.
+    pub(crate) fn try_from_state(
+        format: FilmFormat,
+        samples: SampleRanges,
+        rejects: Rejects,
+    ) -> Result<Self, FilmError> {
+        format.words()?;
         if samples.total() > u64::from(MAX_TERMS) {
             return Err(FilmError::Samples(samples.total()));
         }
-        let mut film = Self::without_samples(format, words);
-        (film.samples, film.rejects) = (samples, rejects);
-        Ok(film)
+        Ok(Self { samples, rejects, ..Self::without_samples(format, Vec::new()) })
     }
 
     fn without_samples(format: FilmFormat, words: Vec<u64>) -> Self {
         let (samples, rejects, passes) = Default::default();
         let tile_ends = format.noise.map_or(Vec::new(), |_| vec![NOT_ENDED; format.crop.tiles().count()]);
-        Self { format, words, samples, rejects, passes, edges: None, tile_ends }
+        Self {
+            format,
+            words,
+            samples,
+            rejects,
+            passes,
+            edges: None,
+            tile_ends,
+            plans: SamplePlans::default(),
+        }
     }
 
     /// The film with these numbers of samples with which its tiles ended; `None` if they are not those of a film of its format and samples.
@@ -158,6 +183,10 @@ impl Film {
         Ok(self)
     }
 
+    pub(crate) fn drop_edges(&mut self) {
+        self.edges = None;
+    }
+
     /// The lines over its picture.
     #[must_use]
     pub fn edges(&self) -> Option<&EdgeLayer> {
@@ -173,6 +202,23 @@ impl Film {
     #[must_use]
     pub fn training(&self) -> Option<&Training> {
         self.passes.training.as_deref()
+    }
+
+    /// Adds a plan of which the film has a part of the samples.
+    pub fn add_plan(&mut self, plan: SamplePlan) {
+        self.plans.add(plan);
+        self.plans.drop_finished(&self.samples);
+    }
+
+    /// Plans of which samples are missing.
+    pub(crate) fn plans(&self) -> &SamplePlans {
+        &self.plans
+    }
+
+    /// What is missing of the samples that are rendered in parts.
+    #[must_use]
+    pub fn missing_samples(&self) -> Vec<MissingSamples> {
+        self.plans.missing(&self.samples)
     }
 
     /// Pixels and channels.
@@ -250,6 +296,7 @@ impl Film {
     ) -> Result<(), FilmError> {
         let over = self.format.passes && self.passes.end_of_pass(range.start) == range.end;
         self.samples.insert(range)?;
+        self.plans.drop_finished(&self.samples);
         self.rejects.merge(rejects);
         if over {
             self.settle();

@@ -10,7 +10,7 @@
 //! - a [`ParticleTracer`] traces particles from lights, for illuminance;
 //! - a [`Guide`] holds the densities of incident light that guided integrators sample;
 //! - an [`EdgeLayer`] holds lines along the edges of the scene, which lie over the picture;
-//! - a [`Checkpoint`] is a file of a film with its [`PictureIdentity`]; [`merge()`] joins several.
+//! - a [`Checkpoint`] is a file of a film with its [`PictureIdentity`]; [`merge()`] joins several, a [`FilmJoin`] from their files.
 
 pub mod aov;
 mod channels;
@@ -32,12 +32,14 @@ pub mod pixel_rect;
 pub mod progress;
 pub mod ranges;
 pub mod render;
+pub mod sample_plan;
 pub mod sensor;
 mod splat;
 mod weighted_sums;
+mod word_merge;
 
 pub use aov::{Aov, AovSet};
-pub use checkpoint::{Checkpoint, CheckpointError};
+pub use checkpoint::{Checkpoint, CheckpointError, CheckpointHead};
 pub use edges::{EdgeLayer, EdgeStyle, MAX_EDGES};
 pub use film::{Film, FilmError, FilmFormat};
 pub use filter::{Filter, FilterError};
@@ -47,7 +49,7 @@ pub use integrator::{
     BRANCHING_LIMIT, Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry,
     IntegratorError, IntegratorSettings, StoredLight,
 };
-pub use merge::{MergeError, merge};
+pub use merge::{FilmJoin, MergeChecks, MergeError, merge};
 pub use noise::NoiseLevel;
 pub use particle::{Arrival, ParticleFate, ParticlePath, ParticleTracer};
 pub use photon::{PHOTON_LIMIT, PhotonMap, PhotonTracer};
@@ -56,4 +58,5 @@ pub use pixel_rect::PixelRect;
 pub use progress::{FinishedTile, RenderSink, TileSink};
 pub use ranges::{OverlapError, SampleRanges};
 pub use render::{RenderError, RenderOutcome, RenderSettings, render};
+pub use sample_plan::{MissingSamples, SamplePlan};
 pub use sensor::{FilmSensor, SensorError};

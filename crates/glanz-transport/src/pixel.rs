@@ -4,6 +4,7 @@ use glanz_math::{DVec2, DVec3};
 
 use crate::aov::{Aov, AovSet};
 use crate::weighted_sums::{PassWeights, WeightedSums};
+use crate::word_merge::WordMerge;
 use glanz_sampling::exact::{NarrowSum, SquareSum, WideSum, fits_wide};
 
 /// First hit of a camera ray.
@@ -75,9 +76,14 @@ impl PixelLayout {
     /// Number of 64 bit words of one pixel.
     #[must_use]
     pub fn words(&self) -> usize {
-        let mut counter = WordCounter(0);
-        PixelSums::default().visit(self, &mut counter);
-        counter.0
+        self.merges().into_iter().map(WordMerge::words).sum()
+    }
+
+    /// How the sums of two pixels are merged, in the order of their words.
+    pub(crate) fn merges(&self) -> Vec<WordMerge> {
+        let mut merges = MergeList(Vec::new());
+        PixelSums::default().visit(self, &mut merges);
+        merges.0
     }
 }
 
@@ -114,13 +120,23 @@ impl Default for ObjectIdSums {
 /// A visitor of the words of a pixel in their order.
 trait WordAccess {
     fn word(&mut self, word: &mut u64);
+
+    /// Visits the words of an integer.
+    fn integer(&mut self, words: &mut [u64]) {
+        words.iter_mut().for_each(|word| self.word(word));
+    }
 }
 
-struct WordCounter(usize);
+/// A list of merges, in which single words are those of which the lowest is kept.
+struct MergeList(Vec<WordMerge>);
 
-impl WordAccess for WordCounter {
+impl WordAccess for MergeList {
     fn word(&mut self, _: &mut u64) {
-        self.0 += 1;
+        self.0.push(WordMerge::Lowest);
+    }
+
+    fn integer(&mut self, words: &mut [u64]) {
+        self.0.push(WordMerge::Add(words.len()));
     }
 }
 
@@ -145,7 +161,7 @@ impl WordAccess for WordWriter<'_> {
 fn visit_wide<const N: usize>(sums: &mut [WideSum; N], words: &mut impl WordAccess) {
     for sum in sums {
         let mut limbs = sum.to_words();
-        limbs.iter_mut().for_each(|w| words.word(w));
+        words.integer(&mut limbs);
         *sum = WideSum::from_words(limbs);
     }
 }
@@ -153,7 +169,7 @@ fn visit_wide<const N: usize>(sums: &mut [WideSum; N], words: &mut impl WordAcce
 fn visit_narrow(sums: &mut [NarrowSum; 3], words: &mut impl WordAccess) {
     for sum in sums {
         let mut word = sum.to_word();
-        words.word(&mut word);
+        words.integer(std::slice::from_mut(&mut word));
         *sum = NarrowSum::from_word(word);
     }
 }
@@ -163,18 +179,18 @@ impl PixelSums {
     fn visit(&mut self, layout: &PixelLayout, words: &mut impl WordAccess) {
         visit_wide(&mut self.radiance, words);
         if layout.signed {
-            words.word(&mut self.negative_count);
+            words.integer(std::slice::from_mut(&mut self.negative_count));
             visit_wide(&mut self.negative, words);
         }
         if layout.needs_squares() {
             for sum in &mut self.squares {
                 let mut limbs = sum.to_words();
-                limbs.iter_mut().for_each(|w| words.word(w));
+                words.integer(&mut limbs);
                 *sum = SquareSum::from_words(limbs);
             }
         }
         if layout.aovs.needs_first_hit() {
-            words.word(&mut self.hits);
+            words.integer(std::slice::from_mut(&mut self.hits));
         }
         if layout.aovs.contains(Aov::Albedo) {
             visit_narrow(&mut self.albedo, words);
@@ -199,8 +215,9 @@ impl PixelSums {
         }
         if layout.passes {
             for value in self.settled.values_mut() {
+                // Films with passes are not merged; added to no samples, the bits stay the same.
                 let mut bits = value.to_bits();
-                words.word(&mut bits);
+                words.integer(std::slice::from_mut(&mut bits));
                 *value = f64::from_bits(bits);
             }
         }
@@ -257,25 +274,6 @@ impl PixelSums {
         self.uv[1].add(hit.uv.y);
         self.distance.add(hit.distance);
         self.identity.0 = self.identity.0.min(u64::from(index) << 32 | u64::from(hit.object));
-    }
-
-    /// Adds the sums of other samples.
-    pub fn merge(&mut self, other: &Self) {
-        for i in 0..3 {
-            self.radiance[i].merge(other.radiance[i]);
-            self.negative[i].merge(other.negative[i]);
-            self.squares[i].merge(other.squares[i]);
-            self.position[i].merge(other.position[i]);
-            self.normal[i].merge(other.normal[i]);
-            self.shading_normal[i].merge(other.shading_normal[i]);
-            self.albedo[i].merge(other.albedo[i]);
-        }
-        self.negative_count = self.negative_count.wrapping_add(other.negative_count);
-        self.hits = self.hits.wrapping_add(other.hits);
-        self.distance.merge(other.distance);
-        self.uv[0].merge(other.uv[0]);
-        self.uv[1].merge(other.uv[1]);
-        self.identity.0 = self.identity.0.min(other.identity.0);
     }
 
     /// Number of samples that hit a surface.
@@ -445,7 +443,13 @@ mod tests {
         a.add(&layout, &PixelSample { first_hit: Some(hit(9)), ..sample(5, 1.0) }, &mut rejects);
         a.add(&layout, &sample(0, 1.0), &mut rejects);
         b.add(&layout, &PixelSample { first_hit: Some(hit(4)), ..sample(3, 1.0) }, &mut rejects);
-        a.merge(&b);
+        let [mut words, other] = [a, b].map(|sums| {
+            let mut words = vec![0; layout.words()];
+            sums.write(&layout, &mut words);
+            words
+        });
+        crate::word_merge::add_words(&layout.merges(), &mut words, &other, |word| *word);
+        let a = PixelSums::read(&layout, &words);
         assert_eq!(a.first_hit(), Some(hit(4)));
         assert_eq!(PixelSums::default().first_hit(), None);
     }

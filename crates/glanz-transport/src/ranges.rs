@@ -42,6 +42,17 @@ impl SampleRanges {
         Ok(())
     }
 
+    /// Adds the samples of another set.
+    ///
+    /// # Errors
+    /// [`OverlapError`] with the first samples that are in both; the set is then unchanged.
+    pub fn insert_all(&mut self, other: &Self) -> Result<(), OverlapError> {
+        match self.overlap(other) {
+            Some(common) => Err(OverlapError(common)),
+            None => other.0.iter().try_for_each(|range| self.insert(range.clone())),
+        }
+    }
+
     /// The first samples in both sets.
     #[must_use]
     pub fn overlap(&self, other: &Self) -> Option<Range<u32>> {
@@ -85,6 +96,12 @@ impl SampleRanges {
             gaps.push(from..wanted.end);
         }
         gaps
+    }
+}
+
+impl From<Range<u32>> for SampleRanges {
+    fn from(range: Range<u32>) -> Self {
+        Self(if range.is_empty() { Vec::new() } else { vec![range] })
     }
 }
 

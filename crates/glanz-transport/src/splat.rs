@@ -14,6 +14,7 @@ use crate::filter::Filter;
 use crate::pixel::{PixelValue, Rejects};
 use crate::pixel_rect::PixelRect;
 use crate::sensor::FilmSensor;
+use crate::word_merge::WordMerge;
 
 /// Number of splats that a thread collects before it adds them to the film.
 const BUFFERED: usize = 4096;
@@ -40,6 +41,12 @@ impl SplatLayout {
     /// Number of 64 bit words of one pixel.
     pub(crate) fn words(self) -> usize {
         if self.squares { 15 } else { 6 }
+    }
+
+    /// How the sums of two pixels are merged, in the order of their words.
+    pub(crate) fn merges(self) -> Vec<WordMerge> {
+        let squares = if self.squares { 3 } else { 0 };
+        [vec![WordMerge::Add(2); 3], vec![WordMerge::Add(3); squares]].concat()
     }
 }
 
@@ -79,14 +86,6 @@ impl SplatSums {
         for (i, value) in rgb.into_iter().enumerate() {
             self.light[i].add(f64::from(value));
             self.squares[i].add_square(value);
-        }
-    }
-
-    /// Adds the sums of other paths.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        for i in 0..3 {
-            self.light[i].merge(other.light[i]);
-            self.squares[i].merge(other.squares[i]);
         }
     }
 

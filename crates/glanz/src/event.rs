@@ -8,7 +8,7 @@ use glanz_scene::Diagnostic;
 use glanz_transport::SampleRanges;
 
 use crate::error::Error;
-use crate::merge::MissingPart;
+use crate::merge::MissingParts;
 use crate::render::RenderPlan;
 
 /// Warning about something that a job repaired, left out or could not decide. The result of the job contains all warnings, too.
@@ -96,8 +96,8 @@ pub enum Warning {
         /// Its file and what is wrong with it.
         reason: String,
     },
-    /// A part of a job that is not among those that were joined.
-    PartMissing(MissingPart),
+    /// Parts of a job that are not among those that were joined.
+    PartsMissing(MissingParts),
     /// A receiver that receives light only on the side that is not counted.
     DarkSide {
         /// Name of the receiver.
@@ -183,7 +183,7 @@ impl fmt::Display for Warning {
                 plural(*lights, "light has", "lights have")
             ),
             Self::PartLeftOut { reason } => write!(f, "{reason}; this part is left out"),
-            Self::PartMissing(part) => part.fmt(f),
+            Self::PartsMissing(parts) => parts.fmt(f),
             Self::DarkSide { receiver, other_side } => write!(
                 f,
                 "the side of \"{receiver}\" that counts receives no light, the other side {other_side:.4} lm: \

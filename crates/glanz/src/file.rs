@@ -1,6 +1,7 @@
 //! Files: checks before the work starts, reading, and atomic replacement.
 
 use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use glanz_job::WriteError;
@@ -140,7 +141,18 @@ pub fn read(path: &Path) -> Result<Vec<u8>, Error> {
 /// # Errors
 /// [`Error::File`].
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let written = glanz_job::write_atomically(path, bytes);
+    write_with(path, |out| out.write_all(bytes))
+}
+
+/// As [`write`], of bytes that `content` writes, in blocks.
+///
+/// # Errors
+/// [`Error::File`].
+pub fn write_with(
+    path: &Path,
+    content: impl FnOnce(&mut dyn io::Write) -> io::Result<()>,
+) -> Result<(), Error> {
+    let written = glanz_job::write_atomically_with(path, content);
     written.map_err(|WriteError { path, source }| FileFault::Io(source).of(&path))
 }
 

@@ -74,7 +74,7 @@ pub use job_options::JobOptions;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub use library_denoiser::LibraryDenoiser;
 pub use loaded_scene::LoadedScene;
-pub use merge::{JoinError, MergeOptions, MergeOutcome, MissingPart, PartKind, merge};
+pub use merge::{JoinError, MergeOptions, MergeOutcome, MissingPart, MissingParts, PartKind, merge};
 #[cfg(feature = "viewer")]
 pub use overlay::LightOverlay;
 #[cfg(feature = "formats")]

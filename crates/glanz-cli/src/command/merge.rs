@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glanz::file::FileUses;
-use glanz::{Error, JobEvent, JobOptions, MergeOptions, MergeOutcome};
+use glanz::{Error, JobEvent, JobOptions, MergeOptions, MergeOutcome, MissingParts, Warning};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::interrupt;
 use glanz_terminal::messages::{CommandError, Messages};
@@ -23,12 +23,15 @@ struct MergeReport {
     kind: String,
     outputs: Vec<String>,
     checkpoint: Option<String>,
+    /// Parts that were joined.
     parts: usize,
     #[serde(flatten)]
     content: MergeContent,
     seconds: f64,
     peak_memory_bytes: Option<u64>,
-    /// Parts that were left out, and what is missing.
+    /// What is missing.
+    missing: Vec<String>,
+    /// The same in one sentence, and parts that were left out.
     warnings: Vec<String>,
 }
 
@@ -104,9 +107,16 @@ fn finish(
     let Some(content) = MergeContent::of(merged) else { return Ok(CommandOutcome::Done) };
     let checkpoint = arguments.checkpoint.as_deref().map(Path::display).map(|path| path.to_string());
     let written: Vec<String> = outputs.names().into_iter().chain(checkpoint.clone()).collect();
+    let warnings = merged.warnings();
+    let left_out = warnings.iter().filter(|warning| matches!(warning, Warning::PartLeftOut { .. })).count();
+    let parts = arguments.parts.len() - left_out;
+    let missing = warnings.iter().filter_map(|warning| match warning {
+        Warning::PartsMissing(MissingParts(parts)) => Some(parts.iter().map(ToString::to_string)),
+        _ => None,
+    });
     messages.note(&format!(
         "joined {} with {} into {}",
-        plural(arguments.parts.len() as u64, "part", "parts"),
+        plural(parts as u64, "part", "parts"),
         content.words(),
         written.join(", ")
     ));
@@ -115,11 +125,12 @@ fn finish(
             kind: merged.kind().to_string(),
             outputs: outputs.names(),
             checkpoint,
-            parts: arguments.parts.len(),
+            parts,
             content,
             seconds,
             peak_memory_bytes: report::peak_memory_bytes(),
-            warnings: merged.warnings().iter().map(ToString::to_string).collect(),
+            missing: missing.flatten().collect(),
+            warnings: warnings.iter().map(ToString::to_string).collect(),
         })?;
     }
     Ok(CommandOutcome::Done)

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Encoding, Format};
-use glanz_job::{JobIdentity, write_atomically};
+use glanz_job::{JobIdentity, write_atomically, write_atomically_with};
 use glanz_light::{Pixels, Tone};
 use glanz_transport::{Checkpoint, Film, PictureIdentity};
 
@@ -134,7 +134,7 @@ impl ResultCache {
         film: &Film,
     ) -> Result<(), StudyError> {
         let Some(path) = self.path(name, "glanz") else { return Ok(()) };
-        Ok(write_atomically(&path, &Checkpoint::encode(identity, film))?)
+        Ok(write_atomically_with(&path, |out| Checkpoint::write(identity, film, out))?)
     }
 
     /// The cached picture `name` with its number of samples per pixel, if `about` is equal.

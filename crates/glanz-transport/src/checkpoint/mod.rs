@@ -5,36 +5,38 @@
 //! | 8 | `GLANZCKP` |
 //! | 4 | version of the format |
 //! | 8 | length of the file |
+//! | 8 | length of the head, the lines from the next one to the one before its checksum |
 //! | | the picture's identity, see [`PictureIdentity`] |
 //! | 4, 8 each | number of sample ranges; first and end of each, ascending |
+//! | 4, 12 each | number of plans of which samples are missing; first and end of the samples of each, and its number of parts |
 //! | 16 | samples dropped, samples cut |
 //! | | with passes: their weight, samples and last weight (8 each); length (8) and state of the training, see [`Guide`](crate::Guide) |
 //! | 4 each | with a noise level: number of samples with which each tile ended, 2^32 - 1 if it has not |
 //! | 1 | 1 with lines over the picture: their red, green and blue (`f32`), the covered share of each pixel of the crop window in 255ths (1 each), row by row |
+//! | 4 | CRC-32 (IEEE) of all preceding bytes |
 //! | 8 each | the sums of all pixels, tile after tile, and of the light splatted to them, row by row, see [`Film`] |
 //! | 4 | CRC-32 (IEEE) of all preceding bytes |
 //!
 //! Numbers are little-endian; text is a length byte and UTF-8.
 
-use glanz_sampling::SamplerKind;
-use glanz_scene::description::{FilterDescription, FilterKind};
+mod head;
+mod identity;
+mod sums;
 
-use crate::aov::AovSet;
-use crate::codec::{Decoder, Encoder, EnvelopeError, FileEnvelope};
-use crate::edges::EdgeLayer;
-use crate::film::{Film, FilmError, FilmFormat};
-use crate::guide::{decode_training, encode_training};
+use std::io::{self, Read, Write};
+
+use glanz_job::Interrupted;
+
+use crate::codec::{EnvelopeError, FileEnvelope};
+use crate::film::{Film, FilmError};
 use crate::identity::PictureIdentity;
-use crate::integrator::IntegratorSettings;
-use crate::noise::NoiseLevel;
-use crate::passes::Passes;
-use crate::pixel::Rejects;
-use crate::pixel_rect::{PixelRect, TILE_SIDE};
-use crate::ranges::SampleRanges;
+
+pub use head::CheckpointHead;
+pub(crate) use sums::SumReader;
 
 /// Envelope of checkpoint files.
 const ENVELOPE: FileEnvelope =
-    FileEnvelope { magic: b"GLANZCKP", version: 6, content: "the checkpoint", kind: "a checkpoint of Glanz" };
+    FileEnvelope { magic: b"GLANZCKP", version: 7, content: "the checkpoint", kind: "a checkpoint of Glanz" };
 
 /// Errors of reading a checkpoint.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -49,6 +51,23 @@ pub enum CheckpointError {
     /// The film cannot be created.
     #[error("the checkpoint cannot be used: {0}")]
     Film(#[from] FilmError),
+    /// The file cannot be read.
+    #[error("the checkpoint cannot be read: {0}")]
+    Read(io::ErrorKind),
+    /// Reading was cancelled.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+/// A file that ends after `found` bytes instead of `expected`.
+fn damaged(expected: u64, found: u64) -> CheckpointError {
+    EnvelopeError::Length { content: ENVELOPE.content, expected, found }.into()
+}
+
+/// Appends the next `count` bytes to `bytes`; false if the file ends before. Takes no more memory than the file has bytes.
+fn read_bytes(input: &mut impl Read, count: usize, bytes: &mut Vec<u8>) -> Result<bool, CheckpointError> {
+    let read = input.take(count as u64).read_to_end(bytes);
+    read.map(|read| read == count).map_err(|error| CheckpointError::Read(error.kind()))
 }
 
 /// A film with the identity of its picture.
@@ -61,230 +80,74 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// The bytes of the file. The caller should write a new file and rename it over the old one, so that one of them is always complete.
+    /// The bytes of the file.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        Self::encode(&self.identity, &self.film)
+        let mut bytes = Vec::new();
+        // A vector takes all bytes.
+        Self::write(&self.identity, &self.film, &mut bytes).unwrap_or(());
+        bytes
     }
 
-    /// As [`Checkpoint::to_bytes`], for a film that is still in use.
-    #[must_use]
-    pub fn encode(identity: &PictureIdentity, film: &Film) -> Vec<u8> {
-        ENVELOPE.seal(|e| {
-            encode_identity(e, identity);
-            e.u32(film.samples().as_slice().len() as u32);
-            for range in film.samples().as_slice() {
-                e.u32(range.start);
-                e.u32(range.end);
-            }
-            e.u64(film.rejects().dropped);
-            e.u64(film.rejects().cut);
-            if film.format().passes {
-                encode_passes(e, film.passes());
-            }
-            film.tile_ends().iter().for_each(|&end| e.u32(end));
-            encode_edges(e, film.edges());
-            e.0.reserve(film.words().len() * 8 + 4);
-            for &word in film.words() {
-                e.u64(word);
-            }
-        })
+    /// Writes the bytes of the file of a film that may be in use, in large blocks. The caller should write a new file and rename it over the old one,
+    /// so that one of them is always complete.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(identity: &PictureIdentity, film: &Film, out: &mut dyn Write) -> io::Result<()> {
+        let head = CheckpointHead::encode(identity, film);
+        out.write_all(&head)?;
+        sums::write(film.words(), crc32fast::Hasher::new_with_initial(crc32fast::hash(&head)), out)
+    }
+
+    /// Reads the output of [`Checkpoint::write`].
+    ///
+    /// # Errors
+    /// [`CheckpointError`] if any bit differs from the written file.
+    pub fn read(mut input: impl Read) -> Result<Self, CheckpointError> {
+        let head = CheckpointHead::read(&mut input)?;
+        let mut words = Vec::new();
+        let mut sums = SumReader::new(&head, input);
+        let mut block = Vec::new();
+        let count = head.film.format().words()? as usize;
+        while words.len() < count {
+            sums.read_words((count - words.len()).min(sums::BLOCK), &mut block)?;
+            words.extend(block.as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)));
+        }
+        sums.finish()?;
+        let CheckpointHead { identity, film, .. } = head;
+        Ok(Self { identity, film: film.with_words(words)? })
     }
 
     /// Reads the output of [`Checkpoint::to_bytes`]. Memory is limited to a few times the size of `bytes`, whatever their content.
     ///
     /// # Errors
-    /// [`CheckpointError`] if any bit differs from the written file.
+    /// As [`Checkpoint::read`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
-        let mut d = Decoder(ENVELOPE.open(bytes)?);
-        let identity = decode_identity(&mut d)?;
-        let samples = decode_ranges(&mut d).ok_or(CheckpointError::Content("its sample ranges"))?;
-        let rejects = match (d.u64(), d.u64()) {
-            (Some(dropped), Some(cut)) => Rejects { dropped, cut },
-            _ => return Err(CheckpointError::Content("its counters")),
-        };
-        let passes = match identity.film.passes {
-            true => decode_passes(&mut d, &samples).ok_or(CheckpointError::Content("its training state"))?,
-            false => Passes::default(),
-        };
-        let ends = decode_tile_ends(&mut d, &identity.film).ok_or(CheckpointError::Content("its tiles"))?;
-        let edges = decode_edges(&mut d, &identity.film).ok_or(CheckpointError::Content("its edges"))?;
-        // Sizes are compared before anything is allocated for them.
-        if identity.film.words()?.checked_mul(8) != Some(d.0.len() as u64) {
-            return Err(CheckpointError::Content("its size"));
-        }
-        let (words, _) = d.0.as_chunks::<8>();
-        let words = words.iter().map(|w| u64::from_le_bytes(*w)).collect();
-        let film = Film::try_from_words(identity.film, words, samples, rejects)?;
-        let film = film.with_tile_ends(ends).ok_or(CheckpointError::Content("its tiles"))?;
-        Ok(Self { identity, film: film.with_passes(passes).with_edges(edges)? })
+        Self::read(bytes)
     }
-}
-
-fn decode_tile_ends(d: &mut Decoder<'_>, format: &FilmFormat) -> Option<Vec<u32>> {
-    if format.noise.is_none() {
-        return Some(Vec::new());
-    }
-    // The size of the film is checked after this: a header cannot make it allocate more than the file has.
-    let count = format.crop.size.map(|side| u64::from(side.div_ceil(TILE_SIDE)));
-    let bytes = d.take(usize::try_from(count[0].checked_mul(count[1])?.checked_mul(4)?).ok()?)?;
-    Some(bytes.as_chunks::<4>().0.iter().map(|end| u32::from_le_bytes(*end)).collect())
-}
-
-fn encode_passes(e: &mut Encoder, passes: &Passes) {
-    e.f64(passes.weight);
-    e.u64(passes.samples);
-    e.f64(passes.last);
-    let mut training = Encoder::default();
-    if let Some(state) = &passes.training {
-        encode_training(&mut training, state);
-    }
-    e.u64(training.0.len() as u64);
-    e.0.extend(training.0);
-}
-
-fn decode_passes(d: &mut Decoder<'_>, taken: &SampleRanges) -> Option<Passes> {
-    let (weight, samples, last) = (d.f64()?, d.u64()?, d.f64()?);
-    let fine = |value: f64| value >= 0.0 && value.is_finite();
-    if !fine(weight) || !fine(last) || samples > taken.total() {
-        return None;
-    }
-    let length = usize::try_from(d.u64()?).ok()?;
-    let mut state = Decoder(d.take(length)?);
-    let training = match length {
-        0 => None,
-        _ => Some(Box::new(decode_training(&mut state)?)),
-    };
-    state.0.is_empty().then_some(Passes { weight, samples, last, training })
-}
-
-fn encode_edges(e: &mut Encoder, edges: Option<&EdgeLayer>) {
-    e.u8(u8::from(edges.is_some()));
-    if let Some(EdgeLayer { color, coverage, .. }) = edges {
-        color.iter().for_each(|band| e.u32(band.to_bits()));
-        e.0.extend(coverage);
-    }
-}
-
-fn decode_edges(d: &mut Decoder<'_>, format: &FilmFormat) -> Option<Option<EdgeLayer>> {
-    if d.u8()? == 0 {
-        return Some(None);
-    }
-    let color = [d.u32()?, d.u32()?, d.u32()?].map(f32::from_bits);
-    let coverage = d.take(usize::try_from(format.crop.len()).ok()?)?.to_vec();
-    color.iter().all(|band| band.is_finite()).then_some(Some(EdgeLayer {
-        crop: format.crop,
-        color,
-        coverage,
-    }))
-}
-
-fn encode_identity(e: &mut Encoder, identity: &PictureIdentity) {
-    e.text(&identity.version);
-    e.u128(identity.scene);
-    let film = &identity.film;
-    for value in film.resolution.into_iter().chain(film.crop.min).chain(film.crop.size) {
-        e.u32(value);
-    }
-    e.u8(film.aovs.to_bits());
-    e.u8(u8::from(film.signed));
-    e.u8(u8::from(film.passes));
-    e.u8(u8::from(film.splats));
-    e.u32(film.noise.map_or(0, NoiseLevel::millionths));
-    encode_filter(e, &identity.filter);
-    e.text(&identity.integrator.full_name());
-    e.u32(identity.integrator.max_depth);
-    e.u8(u8::from(identity.integrator.light_sampling) | u8::from(identity.integrator.spectral) << 1);
-    e.u32(identity.integrator.branching);
-    e.text(identity.sampler.name());
-    e.u64(identity.seed);
-    e.u32(identity.samples_per_pixel);
-    // A hash of 0 stands for none; one in 2^128 guides has this hash.
-    e.u128(identity.guide.unwrap_or_default());
-}
-
-fn decode_identity(d: &mut Decoder<'_>) -> Result<PictureIdentity, CheckpointError> {
-    let cut = || CheckpointError::Content("its header");
-    let version = d.text().ok_or_else(cut)?.to_owned();
-    let scene = d.u128().ok_or_else(cut)?;
-    let film = decode_format(d).ok_or_else(cut)?;
-    let filter = decode_filter(d).ok_or(CheckpointError::Content("its filter"))?;
-    let name = d.text().ok_or_else(cut)?;
-    let max_depth = d.u32().ok_or_else(cut)?;
-    let flags = d.u8().filter(|flags| flags & !3 == 0).ok_or_else(cut)?;
-    let branching = d.u32().ok_or_else(cut)?;
-    let integrator =
-        IntegratorSettings::by_name(name, max_depth, [1, 2].map(|bit| flags & bit != 0), branching)
-            .ok_or(CheckpointError::Content("an integrator this program does not have"))?;
-    let sampler = d.text().and_then(SamplerKind::from_name);
-    let sampler = sampler.ok_or(CheckpointError::Content("a sampler this program does not have"))?;
-    let seed = d.u64().ok_or_else(cut)?;
-    let samples_per_pixel = d.u32().ok_or_else(cut)?;
-    let guide = Some(d.u128().ok_or_else(cut)?).filter(|&hash| hash != 0);
-    Ok(PictureIdentity { scene, film, filter, integrator, sampler, seed, samples_per_pixel, guide, version })
-}
-
-fn decode_format(d: &mut Decoder<'_>) -> Option<FilmFormat> {
-    Some(FilmFormat {
-        resolution: [d.u32()?, d.u32()?],
-        crop: PixelRect { min: [d.u32()?, d.u32()?], size: [d.u32()?, d.u32()?] },
-        aovs: AovSet::from_bits(d.u8()?),
-        signed: d.u8()? != 0,
-        passes: d.u8()? != 0,
-        splats: d.u8()? != 0,
-        noise: match d.u32()? {
-            0 => None,
-            millionths => Some(NoiseLevel::try_new(f64::from(millionths) / 1e6)?),
-        },
-    })
-}
-
-fn encode_filter(e: &mut Encoder, filter: &FilterDescription) {
-    let (tag, parameters) = match filter.kind {
-        FilterKind::Box => (0, [0.0; 2]),
-        FilterKind::Triangle => (1, [0.0; 2]),
-        FilterKind::Gaussian { sigma } => (2, [sigma, 0.0]),
-        FilterKind::Mitchell { b, c } => (3, [b, c]),
-        FilterKind::Cylinder => (4, [0.0; 2]),
-        FilterKind::Pyramid => (5, [0.0; 2]),
-        FilterKind::Cone => (6, [0.0; 2]),
-        FilterKind::Sinc { tau } => (7, [tau, 0.0]),
-    };
-    e.u8(tag);
-    parameters.into_iter().chain(filter.radius).for_each(|v| e.f64(v));
-}
-
-fn decode_filter(d: &mut Decoder<'_>) -> Option<FilterDescription> {
-    let tag = d.u8()?;
-    let (p, q) = (d.f64()?, d.f64()?);
-    let kind = match tag {
-        0 => FilterKind::Box,
-        1 => FilterKind::Triangle,
-        2 => FilterKind::Gaussian { sigma: p },
-        3 => FilterKind::Mitchell { b: p, c: q },
-        4 => FilterKind::Cylinder,
-        5 => FilterKind::Pyramid,
-        6 => FilterKind::Cone,
-        7 => FilterKind::Sinc { tau: p },
-        _ => return None,
-    };
-    Some(FilterDescription { kind, radius: [d.f64()?, d.f64()?] })
-}
-
-fn decode_ranges(d: &mut Decoder<'_>) -> Option<SampleRanges> {
-    let count = d.u32()? as usize;
-    let (ranges, _) = d.take(count.checked_mul(8)?)?.as_chunks::<8>();
-    let number = |bytes: &[u8]| bytes.iter().rev().fold(0, |n: u32, &b| n << 8 | u32::from(b));
-    SampleRanges::from_ascending(ranges.iter().map(|r| number(&r[..4])..number(&r[4..])).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::aov::AovSet;
     use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
+    use crate::edges::EdgeLayer;
+    use crate::film::FilmFormat;
+    use crate::integrator::IntegratorSettings;
+    use crate::noise::NoiseLevel;
+    use crate::pixel::Rejects;
     use crate::pixel::{PixelSample, PixelSums};
+    use crate::pixel_rect::PixelRect;
+    use crate::sample_plan::SamplePlan;
     use glanz_job::JobIdentity;
+    use glanz_sampling::SamplerKind;
+    use glanz_scene::description::{FilterDescription, FilterKind};
     use proptest::prelude::*;
+
+    /// Length of what precedes the head.
+    const HEAD: usize = PREFIX_LENGTH + 8;
 
     pub(crate) fn example() -> Checkpoint {
         let crop = PixelRect { min: [2, 1], size: [20, 3] };
@@ -315,7 +178,8 @@ mod tests {
         film.finish_pass(4..5, rejects).unwrap();
         film.finish_pass(7..9, Rejects::default()).unwrap();
         let coverage = (0..60).map(|pixel| pixel * 4).collect();
-        let film = film.with_edges(Some(EdgeLayer { crop, color: [0.1, 0.2, 0.3], coverage })).unwrap();
+        let mut film = film.with_edges(Some(EdgeLayer { crop, color: [0.1, 0.2, 0.3], coverage })).unwrap();
+        film.add_plan(SamplePlan::try_new(4..9, 2).unwrap());
         let identity = PictureIdentity {
             scene: 0x0123_4567_89ab_cdef_0011_2233_4455_6677,
             film: format,
@@ -390,16 +254,24 @@ mod tests {
         );
     }
 
-    /// `bytes` with corrected length and checksum, as from a malicious writer.
+    /// `bytes` with corrected length and checksums, as from a malicious writer.
     fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
         bytes.truncate(bytes.len() - CRC_LENGTH);
+        let length = (bytes.len() + CRC_LENGTH) as u64;
+        bytes[12..20].copy_from_slice(&length.to_le_bytes());
+        let head = u64::from_le_bytes(bytes[PREFIX_LENGTH..HEAD].try_into().unwrap());
+        let end = HEAD.saturating_add(head as usize);
+        if bytes.len() >= end.saturating_add(CRC_LENGTH) {
+            let crc = crc32fast::hash(&bytes[..end]);
+            bytes[end..end + CRC_LENGTH].copy_from_slice(&crc.to_le_bytes());
+        }
         resealed(bytes)
     }
 
     #[test]
     fn sizes_beyond_the_file_are_refused_before_allocation() {
         // Version text, 16 bytes of hash, then the resolution and the crop.
-        let resolution = PREFIX_LENGTH + 1 + glanz_job::current_version().len() + 16;
+        let resolution = HEAD + 1 + glanz_job::current_version().len() + 16;
         let Checkpoint { identity, film } = example();
         let with_edges = film.edges().cloned();
         let written = |edges| {
@@ -431,7 +303,7 @@ mod tests {
                     bytes[at] = value;
                 }
             }
-            bytes.truncate(length.max(PREFIX_LENGTH + CRC_LENGTH));
+            bytes.truncate(length.max(HEAD + CRC_LENGTH));
             let _ = Checkpoint::from_bytes(&sealed(bytes));
         }
     }

@@ -1,10 +1,16 @@
 //! Films of one picture, added.
 
-use glanz_sampling::exact::MAX_TERMS;
+use std::ops::Range;
 
-use super::{Film, FilmError};
-use crate::pixel::PixelSums;
-use crate::splat::SplatSums;
+use glanz_sampling::exact::MAX_TERMS;
+use rayon::prelude::*;
+
+use super::{Film, FilmError, FilmFormat};
+use crate::edges::EdgeLayer;
+use crate::word_merge::add_words;
+
+/// Number of pixels that a thread adds at a time.
+const PIXELS: usize = 1024;
 
 impl Film {
     /// Adds the samples of another film of the same picture.
@@ -14,44 +20,74 @@ impl Film {
     /// [`FilmError::Samples`] if there would be too many, [`FilmError::Ordered`] for films with passes or a noise level; after an error this film is
     /// unchanged.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
-        if self.format != other.format {
-            return Err(FilmError::Layout("size, crop, filter or channels"));
-        }
-        if self.edges != other.edges {
-            return Err(FilmError::Layout("edges over the picture"));
-        }
+        self.check_layout(&other.format, other.edges())?;
         if self.format.is_ordered() {
             return Err(FilmError::Ordered);
         }
+        self.take_samples(other)?;
+        let own = self.own_words();
+        let (theirs, splatted) = other.sums();
+        self.add_sums(0, theirs, |word| *word);
+        self.add_sums(own, splatted, |word| *word);
+        Ok(())
+    }
+
+    /// Checks that the film has this format and these edges.
+    pub(crate) fn check_layout(
+        &self,
+        format: &FilmFormat,
+        edges: Option<&EdgeLayer>,
+    ) -> Result<(), FilmError> {
+        if self.format != *format {
+            return Err(FilmError::Layout("size, crop, filter or channels"));
+        }
+        if self.edges.as_ref() != edges {
+            return Err(FilmError::Layout("edges over the picture"));
+        }
+        Ok(())
+    }
+
+    /// Takes the numbers, plans and counters of the samples of another film, and the state of its passes if this one has no samples; its sums must be
+    /// added, too.
+    pub(crate) fn take_samples(&mut self, other: &Self) -> Result<(), FilmError> {
         let total = self.samples.total() + other.samples.total();
         if total > u64::from(MAX_TERMS) {
             return Err(FilmError::Samples(total));
         }
-        let mut samples = self.samples.clone();
-        for range in other.samples.as_slice() {
-            samples.insert(range.clone())?;
+        if self.samples.is_empty() {
+            (self.passes, self.tile_ends) = (other.passes.clone(), other.tile_ends.clone());
         }
-        let (layout, splats) = (self.format.layout(), self.format.splat_layout());
-        let ((own, splatted), (theirs, their_splats)) = (self.sums_mut(), other.sums());
-        join(own, theirs, layout.words(), |mine, theirs| {
-            let mut sums = PixelSums::read(&layout, mine);
-            sums.merge(&PixelSums::read(&layout, theirs));
-            sums.write(&layout, mine);
-        });
-        join(splatted, their_splats, splats.words(), |mine, theirs| {
-            let mut sums = SplatSums::read(mine);
-            sums.merge(&SplatSums::read(theirs));
-            sums.write(mine);
-        });
-        self.samples = samples;
+        self.samples.insert_all(&other.samples)?;
         self.rejects.merge(other.rejects);
+        other.plans.as_slice().iter().for_each(|plan| self.add_plan(plan.clone()));
         Ok(())
     }
-}
 
-/// Calls `add` for every `stride` words of two films of one format.
-fn join(mine: &mut [u64], theirs: &[u64], stride: usize, add: impl Fn(&mut [u64], &[u64])) {
-    mine.chunks_exact_mut(stride)
-        .zip(theirs.chunks_exact(stride))
-        .for_each(|(mine, theirs)| add(mine, theirs));
+    /// Ranges of about `words` words each, of whole pixels, in order: first of the pixels' own samples, then of splats.
+    pub(crate) fn blocks(&self, words: usize) -> Vec<Range<usize>> {
+        let (own, all) = (self.own_words(), self.words.len());
+        let strides = [self.format.layout().words(), self.format.splat_layout().words()];
+        let regions = [0..own, own..all].into_iter().zip(strides);
+        let blocks = regions.flat_map(|(region, stride)| {
+            let step = (words / stride).max(1) * stride;
+            region.clone().step_by(step).map(move |from| from..(from + step).min(region.end))
+        });
+        blocks.collect()
+    }
+
+    /// Adds the sums of whole pixels of another film, its words from `first` on: all of own samples, or all of splats. `word`: the value of a word.
+    pub(crate) fn add_sums<W: Sync>(&mut self, first: usize, theirs: &[W], word: impl Fn(&W) -> u64 + Sync) {
+        let merges = match first < self.own_words() {
+            true => self.format.layout().merges(),
+            false => self.format.splat_layout().merges(),
+        };
+        let stride: usize = merges.iter().map(|merge| merge.words()).sum();
+        let Some(mine) = self.words.get_mut(first..) else { return };
+        let chunks = mine.par_chunks_mut(stride * PIXELS).zip(theirs.par_chunks(stride * PIXELS));
+        chunks.for_each(|(mine, theirs)| {
+            for (mine, theirs) in mine.chunks_exact_mut(stride).zip(theirs.chunks_exact(stride)) {
+                add_words(&merges, mine, theirs, &word);
+            }
+        });
+    }
 }

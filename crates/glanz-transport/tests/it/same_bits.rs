@@ -3,14 +3,15 @@
 use std::time::Duration;
 
 use crate::common::*;
-use glanz_job::{CancelFlag, JobEnd, JobIdentity, JobProgress, ProgressSink, Silent, WorkCount};
+use glanz_job::{CancelFlag, JobEnd, JobIdentity, JobPart, JobProgress, ProgressSink, Silent, WorkCount};
 use glanz_math::DVec3;
 use glanz_sampling::SamplerKind;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::*;
 use glanz_transport::{
-    AovSet, Checkpoint, Film, FilmError, MergeError, PictureIdentity, RenderError, RenderSettings,
-    RenderSink, merge, render,
+    AovSet, Checkpoint, CheckpointError, CheckpointHead, Film, FilmError, FilmJoin, MergeChecks, MergeError,
+    MissingSamples, PictureIdentity, RenderError, RenderSettings, RenderSink, SamplePlan, SampleRanges,
+    merge, render,
 };
 
 fn scene() -> SceneBuilder {
@@ -110,16 +111,110 @@ fn odd_splits_and_their_order_do_not_change_a_bit() {
     }
 }
 
+/// The checkpoints of the parts of 16 samples, from the last to the first.
+fn parts(run: &Run, count: u32) -> Vec<Checkpoint> {
+    let plan = SamplePlan::try_new(0..16, count).unwrap();
+    let numbers = (1..=count).rev().map(|number| JobPart::try_new(number, count).unwrap());
+    let parts = numbers.map(|number| {
+        let mut film = fresh(run);
+        film.add_plan(plan.clone());
+        let range = plan.share(number);
+        (film, _) = resume(run, film, |s| s.samples = range, &mut Silent, &CancelFlag::default());
+        Checkpoint { identity: identity(run), film }
+    });
+    parts.collect()
+}
+
+/// The film of these files, as far as they are undamaged.
+fn joined(files: &[Vec<u8>], hold: bool) -> (Checkpoint, Vec<CheckpointError>) {
+    let mut checks = MergeChecks::default();
+    let heads: Vec<_> = files.iter().map(|bytes| CheckpointHead::read(bytes.as_slice())).collect();
+    let heads: Vec<_> = heads.into_iter().enumerate().filter_map(|(i, head)| Some((i, head.ok()?))).collect();
+    let heads = heads.into_iter().map(|(i, mut head)| {
+        checks.admit(i, &mut head).unwrap();
+        (i, head)
+    });
+    let heads: Vec<_> = heads.collect();
+    let mut join = FilmJoin::try_new(checks).unwrap();
+    let mut errors = Vec::new();
+    for (i, head) in heads {
+        let sums = &files[i][head.before_sums() as usize..];
+        errors.extend(join.add(&head, sums, hold, |_| Ok(())).err());
+    }
+    (join.finish(), errors)
+}
+
 #[test]
-fn merged_halves_are_one_run() {
+fn merged_parts_are_one_run() {
     for run in runs() {
         let whole = Checkpoint { identity: identity(&run), film: part(&run, 0..16) };
-        let halves = [9..16, 0..9].map(|range| {
-            let bytes = Checkpoint { identity: identity(&run), film: part(&run, range) }.to_bytes();
-            Checkpoint::from_bytes(&bytes).unwrap()
-        });
-        let merged = merge(halves.clone()).unwrap();
-        assert_eq!(merged.to_bytes(), whole.to_bytes());
+        for count in [1, 3, 7] {
+            let parts = parts(&run, count);
+            let files: Vec<_> = parts.iter().map(Checkpoint::to_bytes).collect();
+            assert_eq!(Checkpoint::from_bytes(&files[0]).as_ref(), Ok(&parts[0]));
+            assert_eq!(merge(parts).unwrap().to_bytes(), whole.to_bytes(), "{}", run.name());
+            for hold in [false, true] {
+                let (join, errors) = joined(&files, hold);
+                assert_eq!((join.to_bytes() == whole.to_bytes(), errors), (true, vec![]), "{}", run.name());
+            }
+        }
+    }
+    assert_eq!(merge([]), Err(MergeError::Empty));
+}
+
+#[test]
+fn what_is_there_is_joined_and_the_rest_rendered_later() {
+    let run = &runs()[4];
+    let whole = part(run, 0..16);
+    let mut files: Vec<_> = parts(run, 7).iter().map(Checkpoint::to_bytes).collect();
+    // From the last to the first: part 3 of 7, samples 4 and 5.
+    files.remove(4);
+    let (join, errors) = joined(&files, true);
+    assert_eq!(errors, []);
+    let (third, samples) = (JobPart::try_new(3, 7).unwrap(), SampleRanges::from(4..6));
+    let missing = [MissingSamples { part: third, samples, is_whole: true }];
+    assert_eq!(join.film.missing_samples(), missing);
+    let saved = Checkpoint::from_bytes(&join.to_bytes()).unwrap();
+    assert_eq!(saved.film.missing_samples(), missing);
+    for samples in [4..6, 0..16] {
+        let film = saved.film.clone();
+        let (film, _) = resume(run, film, |s| s.samples = samples, &mut Silent, &CancelFlag::default());
+        assert_eq!(film, whole);
+    }
+}
+
+#[test]
+fn damaged_parts_leave_no_trace_in_the_film() {
+    let run = &runs()[4];
+    let files: Vec<_> = parts(run, 3).iter().map(Checkpoint::to_bytes).collect();
+    let (rest, _) = joined(&[files[0].clone(), files[2].clone()], true);
+    let length = files[1].len();
+    let sums = CheckpointHead::read(files[1].as_slice()).unwrap().before_sums() as usize;
+    let mut damaged = Vec::new();
+    for at in [0, 9, 15, 21, 40, 120, sums - 1, sums, sums + 5000, length - 5, length - 1] {
+        let mut bytes = files[1].clone();
+        bytes[at] ^= 4;
+        damaged.push((at, bytes));
+    }
+    for end in [0, 5, 30, sums - 1, sums, length / 2, length - 1] {
+        damaged.push((end, files[1][..end].to_vec()));
+    }
+    damaged.push((length, [files[1].as_slice(), &[0]].concat()));
+    for (at, bytes) in damaged {
+        let in_head = CheckpointHead::read(bytes.as_slice()).is_err();
+        let (join, errors) = joined(&[files[0].clone(), bytes, files[2].clone()], true);
+        assert!(in_head == errors.is_empty(), "at {at}: {errors:?}");
+        assert_eq!(in_head, at < sums, "at {at}");
+        assert_eq!(join, rest, "at {at}");
+    }
+}
+
+#[test]
+fn parts_that_do_not_belong_together_are_refused() {
+    for run in runs() {
+        let whole = Checkpoint { identity: identity(&run), film: part(&run, 0..16) };
+        let halves =
+            [9..16, 0..9].map(|range| Checkpoint { identity: identity(&run), film: part(&run, range) });
         let overlap = merge([halves[0].clone(), whole.clone()]).unwrap_err();
         assert_eq!(overlap, MergeError::Overlap { first: 0, second: 1, samples: 9..16 });
         let mut foreign = halves[1].clone();
@@ -133,7 +228,6 @@ fn merged_halves_are_one_run() {
         foreign.identity.integrator.spectral ^= true;
         assert!(matches!(merge([halves[0].clone(), foreign]), Err(MergeError::Picture { .. })));
     }
-    assert_eq!(merge([]), Err(MergeError::Empty));
 }
 
 /// Asks to stop after some passes.

@@ -73,8 +73,27 @@ pub enum JoinError {
         error: FilmError,
     },
     /// Parts that are not among those given.
-    #[error("{}", sentences(.0))]
-    Missing(Vec<MissingPart>),
+    #[error(transparent)]
+    Missing(MissingParts),
+}
+
+/// Parts of one job that are missing, or of which something is missing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub struct MissingParts(pub Vec<MissingPart>);
+
+/// Number of missing parts that a message names.
+const NAMED: usize = 8;
+
+impl fmt::Display for MissingParts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, part) in self.0.iter().take(NAMED).enumerate() {
+            write!(f, "{}{part}", if i == 0 { "" } else { "; " })?;
+        }
+        match self.0.len().saturating_sub(NAMED) {
+            0 => Ok(()),
+            others => write!(f, "; so are {others} more"),
+        }
+    }
 }
 
 /// A part that is missing, or of which something is missing.
@@ -93,19 +112,27 @@ impl fmt::Display for MissingPart {
         let Self { part, missing, is_whole } = self;
         match is_whole {
             true => write!(f, "part {part} ({missing}) is missing"),
-            false => write!(f, "part {part} lacks {missing}"),
+            false => write!(f, "of part {part}, {missing} are missing"),
         }
     }
 }
 
-/// Number of missing parts that a message names.
-const NAMED: usize = 8;
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// The first of `missing`, and the number of the others.
-fn sentences(missing: &[MissingPart]) -> String {
-    let mut sentences: Vec<String> = missing.iter().take(NAMED).map(ToString::to_string).collect();
-    if missing.len() > NAMED {
-        sentences.push(format!("and {} more", missing.len() - NAMED));
+    #[test]
+    fn missing_parts_are_named_up_to_a_number() {
+        let part = |number, is_whole| MissingPart {
+            part: JobPart::try_new(number, 20).unwrap(),
+            missing: format!("samples {}..{number}", number - 1),
+            is_whole,
+        };
+        let two = MissingParts(vec![part(3, true), part(5, false)]);
+        let text = "part 3/20 (samples 2..3) is missing; of part 5/20, samples 4..5 are missing";
+        assert_eq!(two.to_string(), text);
+        let text = MissingParts((1..=20).map(|number| part(number, true)).collect()).to_string();
+        assert!(text.contains("part 8/20") && !text.contains("part 9/20"), "{text}");
+        assert!(text.ends_with("is missing; so are 12 more"), "{text}");
     }
-    sentences.join(", ")
 }

@@ -12,7 +12,7 @@ use crate::job_options::JobOptions;
 use crate::render::Picture;
 use crate::running_job::RunningJob;
 
-pub use error::{JoinError, MissingPart};
+pub use error::{JoinError, MissingPart, MissingParts};
 pub use part_file::PartKind;
 use part_file::{PartFile, common_kind};
 
@@ -82,6 +82,20 @@ pub fn merge<P: AsRef<Path>>(
         kind if options.picture => Err(JoinError::NoPicture { kind }.into()),
         kind => Err(JoinError::Unsupported { kind }.into()),
     })
+}
+
+/// An error if parts are missing, or a warning if only what is there is joined.
+fn check_missing(
+    missing: Vec<MissingPart>,
+    options: MergeOptions,
+    job: &mut RunningJob<'_>,
+) -> Result<(), Error> {
+    match missing.is_empty() {
+        true => {}
+        false if options.partial => job.warn(Warning::PartsMissing(MissingParts(missing))),
+        false => return Err(JoinError::Missing(MissingParts(missing)).into()),
+    }
+    Ok(())
 }
 
 /// What was read of a part, or `None` for a part that is left out.

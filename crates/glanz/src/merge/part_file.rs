@@ -1,8 +1,8 @@
 //! Files of parts.
 
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs::File;
+use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use glanz_transport::codec::EnvelopeError;
@@ -62,16 +62,22 @@ impl PartFile {
         Ok(Self { path: path.to_owned(), kind, start, pipe })
     }
 
-    /// The bytes of the whole file.
-    pub(super) fn bytes(self) -> Result<Vec<u8>, Error> {
-        let Self { path, mut start, pipe, .. } = self;
-        let bytes: io::Result<Vec<u8>> = match pipe {
-            Some(mut pipe) => pipe.read_to_end(&mut start).map(|_| start),
-            None => fs::read(&path),
-        };
-        bytes.map_err(Error::of_file(&path))
+    /// A reader of the whole file, and its length, if it is no pipe.
+    pub(super) fn reader(self) -> Result<(PartReader, Option<u64>), Error> {
+        let Self { path, start, pipe, .. } = self;
+        match pipe {
+            Some(pipe) => Ok((Box::new(Cursor::new(start).chain(pipe)), None)),
+            None => {
+                let opened = File::open(&path).and_then(|file| Ok((file.metadata()?.len(), file)));
+                let (length, file) = opened.map_err(Error::of_file(&path))?;
+                Ok((Box::new(file), Some(length)))
+            }
+        }
     }
 }
+
+/// Reader of the file of a part.
+pub(super) type PartReader = Box<dyn Read + Send>;
 
 /// The kind of all parts.
 pub(super) fn common_kind(parts: &[PartFile]) -> Result<PartKind, JoinError> {

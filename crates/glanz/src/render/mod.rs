@@ -11,6 +11,7 @@ mod plan;
 #[cfg(feature = "radiosity")]
 mod stored;
 
+use std::fs::File;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -194,11 +195,17 @@ impl<'a> RenderBuilder<'a> {
 
 /// The film of the checkpoint to resume, or an empty one.
 fn starting_film(plan: &RenderPlan, job: &mut RunningJob<'_>) -> Result<Film, Error> {
-    let Some(path) = job.resumed() else { return Ok(Film::try_new(plan.identity.film)?) };
-    let checkpoint = Checkpoint::from_bytes(&file::read(&path)?).map_err(Error::of_file(&path))?;
+    let Some(path) = job.resumed() else {
+        let mut film = Film::try_new(plan.identity.film)?;
+        plan.part_of.iter().for_each(|plan| film.add_plan(plan.clone()));
+        return Ok(film);
+    };
+    let file = File::open(&path).map_err(Error::of_file(&path))?;
+    let mut checkpoint = Checkpoint::read(file).map_err(Error::of_file(&path))?;
     checkpoint.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
     let state = &ResumedState::Samples(checkpoint.film.samples().clone());
     job.emit(JobEvent::Resumed { path: &path, state });
+    plan.part_of.iter().for_each(|plan| checkpoint.film.add_plan(plan.clone()));
     Ok(checkpoint.film)
 }
 
@@ -210,7 +217,8 @@ fn expose(
     job: &mut RunningJob<'_>,
 ) -> Result<RenderOutcome, Error> {
     let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
-    let write = |path: &Path, film: &Film| file::write(path, &Checkpoint::encode(&plan.identity, film));
+    let write =
+        |path: &Path, film: &Film| file::write_with(path, |out| Checkpoint::write(&plan.identity, film, out));
     let mut sink = JobSink::new(job, path, write);
     let outcome = render(scene, integrator, &plan.settings(), film, &mut sink, &cancel);
     outcome.map_err(|error| match error {

@@ -105,7 +105,7 @@ impl Picture {
     /// # Errors
     /// [`Error::File`].
     pub fn save_checkpoint(&self, path: impl AsRef<Path>) -> Result<(), Error> {
-        file::write(path.as_ref(), &Checkpoint::encode(&self.identity, &self.film))
+        file::write_with(path.as_ref(), |out| Checkpoint::write(&self.identity, &self.film, out))
     }
 
     /// Writes the guide learnt in the last complete pass, for [`RenderOptions::guide_input`](super::RenderOptions::guide_input).

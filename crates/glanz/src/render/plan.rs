@@ -10,7 +10,7 @@ use glanz_scene::Scene;
 use glanz_scene::description::FilmDescription;
 use glanz_transport::{
     Aov, AovSet, EdgeStyle, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings, NoiseLevel,
-    PictureIdentity, PixelRect, RenderSettings, StoredLight,
+    PictureIdentity, PixelRect, RenderSettings, SamplePlan, StoredLight,
 };
 
 use super::RenderOptions;
@@ -36,6 +36,8 @@ pub struct RenderPlan {
     pub time_limit: Option<Duration>,
     /// Samples to render of each pixel.
     pub samples: Range<u32>,
+    /// The samples of which these are a part.
+    pub(super) part_of: Option<SamplePlan>,
     /// Lines over the picture.
     pub(super) edges: Option<EdgeStyle>,
     filter: Filter,
@@ -94,7 +96,8 @@ impl RenderPlan {
             Some(_) => Error::Film(error),
             None => at_film(&error),
         })?;
-        let samples = options.part_of(options.sample_numbers(&identity, job.resume)?, &identity)?;
+        let samples = options.sample_numbers(&identity, job.resume)?;
+        let (samples, part_of) = options.part_of(samples, &identity)?;
         let threads = match job.threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             threads => threads,
@@ -106,6 +109,7 @@ impl RenderPlan {
             threads,
             time_limit,
             samples,
+            part_of,
             edges,
             filter,
             sensor,
@@ -275,18 +279,20 @@ impl RenderOptions {
         }
     }
 
-    /// The share of `samples` that the requested part has.
-    fn part_of(&self, samples: Range<u32>, identity: &PictureIdentity) -> Result<Range<u32>, Error> {
-        let Some(part) = self.part.filter(|part| part.count() > 1) else { return Ok(samples) };
-        if identity.film.is_ordered() {
+    /// The share of `samples` that the requested part has, and the plan that it is a part of.
+    fn part_of(
+        &self,
+        samples: Range<u32>,
+        identity: &PictureIdentity,
+    ) -> Result<(Range<u32>, Option<SamplePlan>), Error> {
+        let Some(part) = self.part else { return Ok((samples, None)) };
+        if identity.film.is_ordered() && part.count() > 1 {
             return Err(Error::OrderedParts);
         }
-        if part.count() as usize > samples.len() {
-            return Err(Error::Parts { part, samples });
+        match SamplePlan::try_new(samples.clone(), part.count()) {
+            Some(plan) => Ok((plan.share(part), Some(plan))),
+            None => Err(Error::Parts { part, samples }),
         }
-        // Both ends lie within the range.
-        let share = part.share(samples.start.into()..samples.end.into());
-        Ok(share.start as u32..share.end as u32)
     }
 }
 

@@ -120,10 +120,12 @@ fn bake_by_radiosity_is_the_gather_and_resumes() {
     folder.run(&format!("{bake} -o three.glb --checkpoint room.light --resume")).refused(1, &["the method"]);
     folder.succeed(&format!("{bake} -o three.glb --method radiosity --checkpoint room.light --resume"));
     assert_eq!(folder.bytes("three.glb"), folder.bytes("two.glb"));
-    // The renderer uses it.
-    folder.succeed(
-        "render room.pbrt --integrator radiosity --light-in room.light --size 24x16 --spp 4 -o shown.exr -q",
-    );
+    // The renderer uses it, also for parts.
+    let show = "render room.pbrt --integrator radiosity --light-in room.light --size 24x16 --spp 4 -q";
+    folder.succeed(&format!("{show} -o shown.exr"));
+    (1..=3).for_each(|k| drop(folder.succeed(&format!("{show} --part {k}/3 --checkpoint {k}.glanz"))));
+    folder.succeed("merge 3.glanz 1.glanz 2.glanz -o merged.exr");
+    assert_eq!(folder.bytes("merged.exr"), folder.bytes("shown.exr"));
 }
 
 #[test]

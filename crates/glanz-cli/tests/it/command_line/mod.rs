@@ -5,6 +5,7 @@ mod bake;
 mod convert;
 mod file_uses;
 mod illuminate;
+mod merge;
 mod model;
 mod render;
 mod same_bits;

@@ -149,7 +149,7 @@ fn foreign_and_damaged_checkpoints_are_refused_with_the_reason() {
         folder
             .run("render small.pbrt --checkpoint bad.glanz --resume -o b.exr")
             .refused(1, &["bad.glanz", reason]);
-        folder.run("merge state.glanz bad.glanz -o b.exr").refused(1, &["bad.glanz", reason]);
+        folder.run("merge bad.glanz -o b.exr").refused(1, &["bad.glanz", reason]);
         assert_eq!(folder.bytes("bad.glanz"), bytes, "a refused checkpoint is left as it is");
     }
     assert!(!folder.has("b.exr"));
