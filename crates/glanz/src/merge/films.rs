@@ -11,7 +11,7 @@ use glanz_transport::{
     Checkpoint, CheckpointError, CheckpointHead, FilmJoin, MergeChecks, MergeError, MissingSamples,
 };
 
-use super::part_file::{PartFile, PartReader};
+use super::part_file::{PartFile, PartInput};
 use super::{JoinError, MergeOptions, MissingPart, PartKind, check_missing, readable};
 use crate::error::{Error, FileFault};
 use crate::render::{Picture, RenderStatistics};
@@ -22,7 +22,7 @@ struct FilmPart {
     path: PathBuf,
     head: CheckpointHead,
     /// The rest of a pipe.
-    pipe: Option<PartReader>,
+    pipe: Option<PartInput>,
 }
 
 /// The picture of all parts.

@@ -63,7 +63,7 @@ impl PartFile {
     }
 
     /// A reader of the whole file, and its length, if it is no pipe.
-    pub(super) fn reader(self) -> Result<(PartReader, Option<u64>), Error> {
+    pub(super) fn reader(self) -> Result<(PartInput, Option<u64>), Error> {
         let Self { path, start, pipe, .. } = self;
         match pipe {
             Some(pipe) => Ok((Box::new(Cursor::new(start).chain(pipe)), None)),
@@ -77,7 +77,7 @@ impl PartFile {
 }
 
 /// Reader of the file of a part.
-pub(super) type PartReader = Box<dyn Read + Send>;
+pub(super) type PartInput = Box<dyn Read + Send>;
 
 /// The kind of all parts.
 pub(super) fn common_kind(parts: &[PartFile]) -> Result<PartKind, JoinError> {
