@@ -1,6 +1,7 @@
 //! Conversion of errors of the engine into messages with advice.
 
 use glanz::denoise::DenoiseError;
+use glanz::formats::{Diagnostic, Severity};
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::FilmError;
 use glanz::{Error, FileFault, JoinError, PartKind};
@@ -13,7 +14,8 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
     move |error| {
         if let Error::Scene(diagnostics) = &error {
             note_diagnostics(diagnostics, messages);
-            return CommandError::reported();
+            let first = diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
+            return CommandError::reported(first.map_or_else(String::new, Diagnostic::sentence));
         }
         let failure = if is_usage(&error) { CommandError::usage } else { CommandError::new };
         let failure = failure(error.to_string());

@@ -24,23 +24,23 @@ fn main() -> ExitCode {
     };
     let (messages, outcome) = match arguments.command {
         Command::Demo(demo) => {
-            let messages = Messages::new(demo.render.job.verbosity.quiet);
+            let messages = demo.render.job.verbosity.messages();
             (messages, command::demo::run(&demo, messages))
         }
         Command::Render(render) => {
-            let messages = Messages::new(render.render.job.verbosity.quiet);
+            let messages = render.render.job.verbosity.messages();
             (messages, command::render::run(&render, messages))
         }
         Command::Bake(bake) => {
-            let messages = Messages::new(bake.job.verbosity.quiet);
+            let messages = bake.job.verbosity.messages();
             (messages, command::bake::run(&bake, messages))
         }
         Command::Illuminate(illuminate) => {
-            let messages = Messages::new(illuminate.job.verbosity.quiet);
+            let messages = illuminate.job.verbosity.messages();
             (messages, command::illuminate::run(&illuminate, messages))
         }
         Command::Merge(merge) => {
-            let messages = Messages::new(merge.verbosity.quiet);
+            let messages = merge.verbosity.messages();
             (messages, command::merge::run(&merge, messages))
         }
         Command::Info(info) => {
@@ -57,7 +57,7 @@ fn main() -> ExitCode {
             (messages, command::view::run(&view, messages))
         }
         Command::Convert(convert) => {
-            let messages = Messages::new(convert.verbosity.quiet);
+            let messages = convert.verbosity.messages();
             (messages, command::convert::run(&convert, messages))
         }
         Command::Compare(compare) => {

@@ -3,18 +3,20 @@
 //! # Modules
 //! - [`values`] parses the values of options, [`Verbosity`] holds the options that every command has;
 //! - [`messages`] and [`progress`] write to the standard error stream, [`output`] to the standard output;
+//! - `openjd` writes progress, status and failure for render farms;
 //! - [`interrupt`] turns Ctrl-C and SIGTERM into a flag;
 //! - [`parse`] and [`exit_code`] are the two ends of a `main` function.
 
 pub mod interrupt;
 pub mod messages;
+mod openjd;
 pub mod output;
 pub mod progress;
 pub mod values;
 
 use std::process::ExitCode;
 
-use clap::{Args, Parser};
+use clap::{Args, Parser, ValueEnum};
 
 use messages::{CommandError, Messages};
 
@@ -41,6 +43,29 @@ pub struct Verbosity {
     /// Print one JSON object at the end
     #[arg(long)]
     pub json: bool,
+    /// Format of progress, status and failure: for people, or for a render farm as messages of Open Job Description on the
+    /// standard output
+    #[arg(long, value_name = "FORMAT", value_enum, default_value_t, conflicts_with = "json")]
+    progress: ProgressFormat,
+}
+
+/// Formats of progress, status and failure, without help texts, which would lengthen that of the command.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ProgressFormat {
+    // On the standard error stream: a bar on a terminal, lines elsewhere.
+    #[default]
+    Auto,
+    // Also on the standard output, in lines that begin with `openjd_`.
+    #[value(name = "openjd")]
+    OpenJobDescription,
+}
+
+impl Verbosity {
+    /// Writer of messages with these settings.
+    #[must_use]
+    pub fn messages(self) -> Messages {
+        Messages::new(self.quiet).with_format(self.progress)
+    }
 }
 
 /// Parses the command line.
@@ -58,9 +83,18 @@ pub fn parse<P: Parser>() -> Result<P, ExitCode> {
 #[must_use]
 pub fn exit_code(messages: Messages, outcome: Result<CommandOutcome, CommandError>) -> ExitCode {
     match outcome {
-        Ok(CommandOutcome::Done) => ExitCode::SUCCESS,
-        Ok(CommandOutcome::Refused) => ExitCode::FAILURE,
-        Ok(CommandOutcome::Interrupted) => ExitCode::from(interrupt::EXIT_CODE),
+        Ok(CommandOutcome::Done) => {
+            openjd::progress(messages, 1.0);
+            ExitCode::SUCCESS
+        }
+        Ok(CommandOutcome::Refused) => {
+            openjd::fail(messages, "the tested condition does not hold");
+            ExitCode::FAILURE
+        }
+        Ok(CommandOutcome::Interrupted) => {
+            openjd::fail(messages, "interrupted by a signal");
+            ExitCode::from(interrupt::EXIT_CODE)
+        }
         Err(failure) => {
             messages.error(&failure);
             if failure.usage { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }

@@ -4,12 +4,15 @@ use std::io::{IsTerminal, Write};
 
 use glanz_scene::Severity;
 
+use crate::{ProgressFormat, openjd};
+
 /// Writer of messages with its settings.
 #[derive(Clone, Copy, Debug)]
 pub struct Messages {
     quiet: bool,
     colour: bool,
     is_terminal: bool,
+    format: ProgressFormat,
 }
 
 const RED: &str = "\x1b[1;31m";
@@ -26,7 +29,17 @@ impl Messages {
     pub fn new(quiet: bool) -> Self {
         let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
         let is_terminal = std::io::stderr().is_terminal();
-        Self { quiet, colour: is_terminal && !refused, is_terminal }
+        Self { quiet, colour: is_terminal && !refused, is_terminal, format: ProgressFormat::Auto }
+    }
+
+    /// The same with progress, status and failure in this format, too.
+    pub(crate) fn with_format(self, format: ProgressFormat) -> Self {
+        Self { format, ..self }
+    }
+
+    /// The format of progress, status and failure.
+    pub(crate) fn format(self) -> ProgressFormat {
+        self.format
     }
 
     /// Whether only errors are printed.
@@ -34,10 +47,11 @@ impl Messages {
         self.quiet
     }
 
-    /// Prints a note.
+    /// Prints a note, which is also the status for a render farm.
     pub fn note(self, text: &str) {
         if !self.quiet {
             self.print("", "", text);
+            openjd::status(self, text);
         }
     }
 
@@ -60,7 +74,8 @@ impl Messages {
 
     /// Prints an error and its help.
     pub fn error(self, failure: &CommandError) {
-        if !failure.message.is_empty() {
+        openjd::fail(self, &failure.message);
+        if !failure.is_printed {
             self.print(RED, "error: ", &failure.message);
         }
         if let Some(help) = &failure.help {
@@ -80,23 +95,25 @@ impl Messages {
 /// Error of a command as a message with advice.
 #[derive(Debug)]
 pub struct CommandError {
-    /// The fault and its place; empty if they have been printed already.
+    /// The fault and its place.
     pub message: String,
     /// Advice on the error.
     pub help: Option<String>,
     /// Whether the command line is invalid, rather than its execution.
     pub usage: bool,
+    /// Whether the fault has been printed already.
+    pub is_printed: bool,
 }
 
 impl CommandError {
     /// An error of the execution.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None, usage: false }
+        Self { message: message.into(), help: None, usage: false, is_printed: false }
     }
 
     /// An error that has been printed already.
-    pub fn reported() -> Self {
-        Self::new("")
+    pub fn reported(message: impl Into<String>) -> Self {
+        Self { is_printed: true, ..Self::new(message) }
     }
 
     /// An invalid command line.

@@ -1,4 +1,4 @@
-//! Progress of a job: a bar on a terminal, plain lines elsewhere, nothing if quiet.
+//! Progress of a job: a bar on a terminal, plain lines elsewhere, messages for a render farm, nothing if quiet.
 
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
@@ -7,8 +7,9 @@ use glanz_job::{JobProgress, ProgressSink};
 use glanz_report::number::duration;
 
 use crate::messages::{CLEAR_LINE, Messages};
+use crate::{ProgressFormat, openjd};
 
-/// Time between two plain lines.
+/// Time between two plain lines, or messages for a render farm.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
 
 /// Smallest time between two updates of the bar.
@@ -28,6 +29,7 @@ pub struct Progress {
 enum ProgressDisplay {
     Bar { drawn: Option<Instant> },
     Lines { messages: Messages, last: Instant },
+    RenderFarm { messages: Messages, sent: Option<Instant> },
     Nothing,
 }
 
@@ -36,6 +38,8 @@ impl Progress {
     pub fn start(messages: Messages) -> Self {
         let display = if messages.is_quiet() {
             ProgressDisplay::Nothing
+        } else if messages.format() == ProgressFormat::OpenJobDescription {
+            ProgressDisplay::RenderFarm { messages, sent: None }
         } else if std::io::stderr().is_terminal() {
             ProgressDisplay::Bar { drawn: None }
         } else {
@@ -60,6 +64,13 @@ impl Progress {
                 if last.elapsed() >= LINE_INTERVAL {
                     *last = Instant::now();
                     messages.note(&format!("{:3.0} % {text}", 100.0 * fraction));
+                }
+            }
+            ProgressDisplay::RenderFarm { messages, sent } => {
+                if sent.is_none_or(|sent| sent.elapsed() >= LINE_INTERVAL) {
+                    *sent = Some(Instant::now());
+                    openjd::progress(*messages, overall(progress.step, fraction));
+                    openjd::status(*messages, &text);
                 }
             }
             ProgressDisplay::Nothing => {}
@@ -96,6 +107,11 @@ fn text(progress: &JobProgress<'_>) -> String {
     text
 }
 
+/// Share of all phases that is done, as if they took the same time: it never decreases from phase to phase.
+fn overall([number, phases]: [u32; 2], fraction: f64) -> f64 {
+    (f64::from(number.saturating_sub(1)) + fraction.clamp(0.0, 1.0)) / f64::from(phases.max(1))
+}
+
 /// A line of a terminal of `width` characters.
 fn bar(fraction: f64, text: &str, width: usize) -> String {
     let done = (fraction.clamp(0.0, 1.0) * BAR_WIDTH as f64) as usize;
@@ -116,6 +132,12 @@ fn draw(line: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn phases_share_the_whole() {
+        assert_eq!([overall([1, 1], 0.25), overall([1, 4], 1.0), overall([2, 4], 0.0)], [0.25; 3]);
+        assert_eq!([overall([4, 4], 1.0), overall([1, 1], 2.0)], [1.0; 2]);
+    }
 
     #[test]
     fn bar_fills_with_the_work_and_stays_in_its_line() {

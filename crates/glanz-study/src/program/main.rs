@@ -5,7 +5,6 @@ mod command;
 
 use std::process::ExitCode;
 
-use glanz_terminal::messages::Messages;
 use glanz_terminal::{exit_code, parse};
 
 use arguments::StudyArguments;
@@ -15,6 +14,6 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(code) => return code,
     };
-    let messages = Messages::new(arguments.verbosity.quiet);
+    let messages = arguments.verbosity.messages();
     exit_code(messages, command::run(&arguments, messages))
 }

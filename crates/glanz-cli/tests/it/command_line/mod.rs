@@ -7,6 +7,7 @@ mod file_uses;
 mod illuminate;
 mod merge;
 mod model;
+mod progress;
 mod render;
 mod same_bits;
 mod small_scene;
