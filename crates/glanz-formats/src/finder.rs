@@ -1,12 +1,13 @@
 //! Search for the files that a scene refers to.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
 use glanz_job::ContentHash;
 use glanz_scene::Diagnostics;
 
+use crate::file_list::{FileKind, FileList, SceneFile};
 use crate::registry::{Options, failure};
 
 /// Finder and reader of files, with the hash of their contents.
@@ -15,8 +16,10 @@ pub(crate) struct FileFinder {
     /// Search folders, in order: the scene's, those of `SearchPath`.
     folders: Vec<PathBuf>,
     confinement: Option<Confinement>,
-    /// Paths of all files read.
-    pub(crate) paths: BTreeSet<PathBuf>,
+    /// All files that were found, and those that are missing, by their paths.
+    files: BTreeMap<PathBuf, SceneFile>,
+    /// Whether files are only listed: those that name no others are not read.
+    pub(crate) lists: bool,
     /// Hash of their bytes.
     pub(crate) hash: ContentHash,
 }
@@ -76,7 +79,7 @@ impl FileFinder {
             Some(folder) if options.confined => Self::confined_to(folder).map_err(unreadable)?,
             folder => Self::new(folder),
         };
-        finder.paths.extend(path.map(Path::to_owned));
+        path.into_iter().for_each(|path| finder.add(path.to_owned(), FileKind::Scene, true));
         finder.hash.add_file(bytes);
         Ok(finder)
     }
@@ -128,7 +131,7 @@ impl FileFinder {
     ///
     /// # Errors
     /// [`FindError`].
-    pub(crate) fn find(&self, name: &str, asking: Option<&Path>) -> Result<PathBuf, FindError> {
+    pub(crate) fn locate(&self, name: &str, asking: Option<&Path>) -> Result<PathBuf, FindError> {
         if name.is_empty() || name.contains('\0') {
             return Err(FindError::Missing);
         }
@@ -150,16 +153,54 @@ impl FileFinder {
         }
     }
 
+    /// As [`FileFinder::locate`]; the file, or its place in the scene's folder if it is missing, is added to those of the scene.
+    ///
+    /// # Errors
+    /// [`FindError`].
+    pub(crate) fn find(
+        &mut self,
+        name: &str,
+        asking: Option<&Path>,
+        kind: FileKind,
+    ) -> Result<PathBuf, FindError> {
+        let found = self.locate(name, asking);
+        match &found {
+            Ok(path) => self.add(path.clone(), kind, true),
+            Err(FindError::Missing) => {
+                let folder = self.folders.first().map_or_else(PathBuf::new, PathBuf::clone);
+                self.add(folder.join(name), kind, false);
+            }
+            Err(FindError::Outside) => {}
+        }
+        found
+    }
+
+    fn add(&mut self, path: PathBuf, kind: FileKind, exists: bool) {
+        self.files.entry(path.clone()).or_insert(SceneFile { path, kind, exists });
+    }
+
+    /// The paths of all files that were found.
+    pub(crate) fn paths(&self) -> Vec<PathBuf> {
+        self.files.values().filter(|file| file.exists).map(|file| file.path.clone()).collect()
+    }
+
+    /// All files, and the errors of reading those that name others.
+    pub(crate) fn into_list(self, diagnostics: Diagnostics) -> FileList {
+        FileList { files: self.files.into_values().collect(), diagnostics }
+    }
+
     /// The bytes of a file, which are added to the hash.
     ///
     /// # Errors
-    /// Those of the file system, and [`io::ErrorKind::InvalidInput`] for anything but a regular file.
-    pub(crate) fn read(&mut self, path: &Path) -> io::Result<Vec<u8>> {
+    /// Those of the file system, [`io::ErrorKind::Unsupported`] if files are only listed and those of this kind name no others, and [`io::ErrorKind::InvalidInput`] for anything but a regular file.
+    pub(crate) fn read(&mut self, path: &Path, kind: FileKind) -> io::Result<Vec<u8>> {
+        if self.lists && !kind.names_files() {
+            return Err(io::Error::new(io::ErrorKind::Unsupported, "the file is only listed"));
+        }
         if !std::fs::metadata(path)?.is_file() {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
         }
         let bytes = std::fs::read(path)?;
-        self.paths.insert(path.to_owned());
         self.hash.add_file(&bytes);
         Ok(bytes)
     }

@@ -8,6 +8,7 @@
 //! more memory than the size of the input justifies.
 
 pub mod cad;
+mod file_list;
 mod finder;
 pub mod glb;
 mod gltf;
@@ -27,7 +28,8 @@ pub mod step;
 pub mod stl;
 pub mod tessellated;
 
+pub use file_list::{FileKind, FileList, SceneFile};
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;
-pub use registry::{Loaded, MODEL_EXTENSIONS, ModelFormat, Options, SceneFormat, load, load_str};
+pub use registry::{Loaded, MODEL_EXTENSIONS, ModelFormat, Options, SceneFormat, list_files, load, load_str};
 pub use source::Sources;

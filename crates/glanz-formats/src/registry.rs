@@ -7,6 +7,7 @@ use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
+use crate::file_list::FileList;
 use crate::source::Sources;
 use crate::{gltf, iges, image, model, obj, pbrt, rib, stl};
 
@@ -184,6 +185,25 @@ pub(crate) fn failure(name: &str, kind: &'static str, message: String) -> Diagno
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
+    let (name, bytes) = read(path, options)?;
+    load_bytes(&name, Some(path), bytes, options)
+}
+
+/// Lists the files that the scene file at `path` needs, with those that are missing. Reads only files that may name others.
+///
+/// # Errors
+/// Diagnostics, if the scene file itself cannot be read.
+pub fn list_files(path: &Path, options: &Options) -> Result<FileList, Diagnostics> {
+    let (name, bytes) = read(path, options)?;
+    match SceneFormat::of_file(&bytes, Some(path)) {
+        Ok(SceneFormat::Pbrt) => pbrt::list_files(&name, path, bytes, options),
+        Ok(SceneFormat::Model(format)) => model::list_files(format, &name, path, &bytes, options),
+        Err(what) => Err(failure(&name, "format", format!("the file is {what}"))),
+    }
+}
+
+/// The scene file: its name in messages, and its bytes.
+fn read(path: &Path, options: &Options) -> Result<(String, Arc<[u8]>), Diagnostics> {
     let folder = options.folder.as_deref().or_else(|| path.parent());
     let shown = folder.filter(|_| options.confined).and_then(|folder| path.strip_prefix(folder).ok());
     let name = shown.unwrap_or(path).display().to_string();
@@ -200,7 +220,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     }
     let bytes =
         std::fs::read(path).map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
-    load_bytes(&name, Some(path), bytes.into(), options)
+    Ok((name, bytes.into()))
 }
 
 /// Whether `path`, with links resolved, is in `folder`.

@@ -169,7 +169,12 @@ pub(crate) struct Reporter {
     pub(crate) diagnostics: Diagnostics,
     /// Whether a substitute is an error.
     pub(crate) strict: bool,
+    /// Whether files are only listed: it matters to nobody here which are not available.
+    pub(crate) lists: bool,
 }
+
+/// Kind of the messages about files that are not available.
+pub(crate) const MISSING_FILE: &str = "missing-file";
 
 impl Reporter {
     /// Reports an error, which makes the scene unusable.
@@ -230,6 +235,9 @@ impl Reporter {
         message: String,
         help: Option<String>,
     ) {
+        if self.lists && kind == MISSING_FILE {
+            return;
+        }
         if self.diagnostics.admit(severity, kind) {
             let file = self.sources.name(place.location.file);
             let excerpt = self.sources.excerpt(place);

@@ -6,7 +6,13 @@ use clap::{Args, ValueHint};
 
 use super::common::Strictness;
 
+const INFO_HELP: &str = "\
+Examples:
+  glanz info -v part.step
+  glanz info --files room.pbrt | tar -chf room.tar -T -";
+
 #[derive(Debug, Args)]
+#[command(after_help = INFO_HELP)]
 pub(crate) struct InfoArguments {
     /// Scene file in pbrt's language (v3 or v4), model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib, or photometric file: .ies, .ldt
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -14,6 +20,9 @@ pub(crate) struct InfoArguments {
     /// Draw the candela distribution of a photometric file: polar plot, .svg
     #[arg(long, value_name = "SVG", value_hint = ValueHint::FilePath)]
     pub(crate) plot: Option<PathBuf>,
+    /// List every file that the scene needs, one path per line; files that are missing are named by warnings, and the exit status is 1
+    #[arg(long, conflicts_with_all = ["plot", "verbose"])]
+    pub(crate) files: bool,
     /// Of a CAD file, list every repair and everything that is left out, with entity numbers
     #[arg(short, long)]
     pub(crate) verbose: bool,

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::arguments::InfoArguments;
 use crate::command::cad::CadSummary;
-use crate::command::luminaire;
+use crate::command::{files, luminaire};
 use crate::command_error::command_error;
 use crate::notes::note_warning;
 use crate::report::{self, grouped};
@@ -55,6 +55,9 @@ struct Corners {
 /// # Errors
 /// A scene that is refused.
 pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
+    if arguments.files {
+        return files::run(arguments, messages);
+    }
     if luminaire::is_named(&arguments.scene) {
         luminaire::run(arguments, messages)?;
         return Ok(CommandOutcome::Done);

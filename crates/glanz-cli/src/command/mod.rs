@@ -5,6 +5,7 @@ mod cad;
 pub(crate) mod compare;
 pub(crate) mod convert;
 pub(crate) mod demo;
+mod files;
 pub(crate) mod illuminate;
 pub(crate) mod info;
 pub(crate) mod luminaire;

@@ -9,6 +9,7 @@ use data_encoding::BASE64_NOPAD;
 
 use super::error::GltfError;
 use super::json::{Document, JsonObject, JsonPath};
+use crate::file_list::FileKind;
 use crate::model::ModelReader;
 
 /// The compression of buffer views that is not read, and the remedy.
@@ -61,7 +62,8 @@ impl<'a> Buffers<'a> {
                         BufferBytes::Address(match known.get(&key) {
                             Some(bytes) => Rc::clone(bytes),
                             None => {
-                                let bytes: Rc<[u8]> = read_address(uri, reader).map_err(problem)?.into();
+                                let bytes: Rc<[u8]> =
+                                    read_address(uri, reader, FileKind::Buffer).map_err(problem)?.into();
                                 known.insert(key, Rc::clone(&bytes));
                                 bytes
                             }
@@ -143,13 +145,29 @@ fn address_key(uri: &str, reader: &ModelReader) -> Result<PathBuf, String> {
 }
 
 /// The bytes at an address, or the problem.
-pub(super) fn read_address(uri: &str, reader: &mut ModelReader) -> Result<Vec<u8>, String> {
+pub(super) fn read_address(uri: &str, reader: &mut ModelReader, kind: FileKind) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         let text = data.split_once(";base64,").ok_or("data in an address must be in base 64")?.1;
         let text = text.trim_end_matches('=').as_bytes();
         return BASE64_NOPAD.decode(text).map_err(|error| format!("the data is not base 64: {error}"));
     }
-    reader.read_file(&file_name(uri)?).map_err(|(problem, _)| problem)
+    reader.read_file(&file_name(uri)?, kind).map_err(|(problem, _)| problem)
+}
+
+/// Adds the files of all buffers and pictures to those that the model needs, for a list of a model of which a buffer is not there.
+pub(super) fn name_files(document: &Document, reader: &mut ModelReader) -> Result<(), GltfError> {
+    for (list, kind) in [("buffers", FileKind::Buffer), ("images", FileKind::Picture)] {
+        for index in 0..document.length(list) {
+            document.element(list, index, &JsonPath::ROOT, |element| {
+                let uri = element.text("uri")?.filter(|uri| !uri.starts_with("data:"));
+                if let Some(name) = uri.and_then(|uri| file_name(uri).ok()) {
+                    reader.name_file(&name, kind);
+                }
+                Ok(())
+            })?;
+        }
+    }
+    Ok(())
 }
 
 /// The name of a file by its address.

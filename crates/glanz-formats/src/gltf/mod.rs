@@ -108,7 +108,12 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
         }
     })?;
     check(&document, reader)?;
-    let buffers = Buffers::read(&document, parts.binary, reader)?;
+    let buffers = match Buffers::read(&document, parts.binary, reader) {
+        Err(error) if reader.finder.lists => {
+            return Ok(buffers::name_files(&document, reader).map_err(|_| error)?);
+        }
+        buffers => buffers?,
+    };
     let size = bytes.len().saturating_add(buffers.size());
     let mut gltf = GltfReader {
         document: &document,

@@ -10,6 +10,7 @@ use super::GltfReader;
 use super::buffers::read_address;
 use super::error::GltfError;
 use super::json::JsonObject;
+use crate::file_list::FileKind;
 use crate::model::PictureContent;
 use crate::source::shortened;
 
@@ -283,7 +284,7 @@ impl GltfReader<'_, '_> {
     ) -> Result<Result<glanz_light::Pixels, String>, GltfError> {
         match (image.text("uri")?, image.count("bufferView")?) {
             (Some(uri), _) => {
-                let bytes = read_address(uri, self.reader);
+                let bytes = read_address(uri, self.reader, FileKind::Picture);
                 Ok(bytes.and_then(|bytes| self.reader.picture(&bytes, content)))
             }
             (None, Some(view)) => {

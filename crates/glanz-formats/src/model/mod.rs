@@ -7,6 +7,7 @@ use glanz_scene::description::GeometryDescription;
 use glanz_scene::{Diagnostics, Severity};
 
 use crate::cad::{CadModel, CadWarning};
+use crate::file_list::FileList;
 use crate::registry::{Loaded, ModelFormat, Options};
 use crate::{gltf, newell, obj, ply, rib, stl};
 
@@ -31,20 +32,40 @@ pub(crate) fn load(
     options: &Options,
 ) -> Result<Loaded, Diagnostics> {
     let mut reader = ModelReader::new(name, path, bytes, options)?;
-    match format {
-        ModelFormat::Ply => reader.ply(bytes),
-        ModelFormat::Rib => reader.rib(bytes),
-        ModelFormat::Newell => reader.newell(bytes),
-        ModelFormat::Step => reader.cad("step", bytes, options.edges),
-        ModelFormat::Obj => obj::read_into(bytes, &mut reader),
-        ModelFormat::Gltf => gltf::read(bytes, &mut reader),
-        ModelFormat::Stl => reader.stl(bytes),
-        ModelFormat::Iges => reader.cad("iges", bytes, options.edges),
-    }
+    reader.read(format, bytes, options);
     reader.finish(format.up(), options)
 }
 
+/// Lists the files that a model needs.
+pub(crate) fn list_files(
+    format: ModelFormat,
+    name: &str,
+    path: &Path,
+    bytes: &Arc<[u8]>,
+    options: &Options,
+) -> Result<FileList, Diagnostics> {
+    let mut reader = ModelReader::new(name, Some(path), bytes, options)?;
+    reader.finder.lists = true;
+    if matches!(format, ModelFormat::Obj | ModelFormat::Gltf) {
+        reader.read(format, bytes, options);
+    }
+    Ok(reader.finder.into_list(reader.diagnostics))
+}
+
 impl ModelReader {
+    fn read(&mut self, format: ModelFormat, bytes: &[u8], options: &Options) {
+        match format {
+            ModelFormat::Ply => self.ply(bytes),
+            ModelFormat::Rib => self.rib(bytes),
+            ModelFormat::Newell => self.newell(bytes),
+            ModelFormat::Step => self.cad("step", bytes, options.edges),
+            ModelFormat::Obj => obj::read_into(bytes, self),
+            ModelFormat::Gltf => gltf::read(bytes, self),
+            ModelFormat::Stl => self.stl(bytes),
+            ModelFormat::Iges => self.cad("iges", bytes, options.edges),
+        }
+    }
+
     fn ply(&mut self, bytes: &[u8]) {
         match ply::read(bytes) {
             Ok(ply::PlyMesh { positions, normals, uvs, triangles: indices, skipped_faces }) => {

@@ -11,6 +11,7 @@ use glanz_scene::{Description, Diagnostics, Location, Severity};
 use super::picture::{PictureContent, read_picture};
 use super::picture_budget::PictureBudget;
 use crate::cad::CadReport;
+use crate::file_list::FileKind;
 use crate::finder::{FileFinder, FindError};
 use crate::registry::{Loaded, Options};
 use crate::source::Sources;
@@ -83,7 +84,7 @@ impl ModelReader {
             return Err(self.diagnostics);
         }
         self.sources.close(self.file);
-        self.sources.set_paths(self.finder.paths);
+        self.sources.set_paths(self.finder.paths());
         let given = &options.studio;
         let [own_camera, own_light] = [self.own_camera, self.own_light];
         let studio = StudioSettings { up: given.up.or(Some(up)), own_camera, own_light, ..given.clone() };
@@ -126,9 +127,13 @@ impl ModelReader {
     }
 
     fn path(&self, name: &str) -> Result<PathBuf, (String, bool)> {
-        self.finder.find(name, self.asking.as_deref()).map_err(|fault| {
-            (format!("file {name:?} {}; {}", fault.what(), fault.help()), fault == FindError::Outside)
-        })
+        self.finder.locate(name, self.asking.as_deref()).map_err(|fault| problem(name, fault))
+    }
+
+    /// Adds a file to those that the model needs, whether it is there or not.
+    pub(crate) fn name_file(&mut self, name: &str, kind: FileKind) {
+        // If it is missing, the list has it as such.
+        let _ = self.finder.find(name, self.asking.as_deref(), kind);
     }
 
     /// The path of a file to which the model refers with links resolved: the same for all of its names.
@@ -143,9 +148,10 @@ impl ModelReader {
     ///
     /// # Errors
     /// As of [`ModelReader::real_path`].
-    pub(crate) fn read_file(&mut self, name: &str) -> Result<Vec<u8>, (String, bool)> {
-        let path = self.path(name)?;
-        let bytes = self.finder.read(&path);
+    pub(crate) fn read_file(&mut self, name: &str, kind: FileKind) -> Result<Vec<u8>, (String, bool)> {
+        let found = self.finder.find(name, self.asking.as_deref(), kind);
+        let path = found.map_err(|fault| problem(name, fault))?;
+        let bytes = self.finder.read(&path, kind);
         let bytes = bytes.map_err(|error| (format!("file {name:?} cannot be read: {error}"), false))?;
         self.picture_budget.allow_file(&path, bytes.len());
         Ok(bytes)
@@ -158,4 +164,9 @@ impl ModelReader {
     pub(crate) fn picture(&mut self, bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
         self.picture_budget.decode(bytes.len(), || read_picture(bytes, content))
     }
+}
+
+/// The problem of a file as a sentence, and whether the model is not allowed to read it.
+fn problem(name: &str, fault: FindError) -> (String, bool) {
+    (format!("file {name:?} {}; {}", fault.what(), fault.help()), fault == FindError::Outside)
 }

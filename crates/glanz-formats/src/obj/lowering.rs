@@ -15,6 +15,7 @@ use glanz_scene::studio::CAD_GREY;
 use glanz_shading::model::PrincipledMaterial;
 
 use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read, read_materials};
+use crate::file_list::FileKind;
 use crate::model::{ModelReader, PictureContent, repetition};
 
 /// A material of the description, with the emission and the opacity of its surfaces.
@@ -126,7 +127,10 @@ impl MaterialLowering<'_> {
                         }
                     }
                 }
-                Err(problem) => self.report_missing(problem),
+                Err(problem) => {
+                    self.reader.name_file(library, FileKind::Materials);
+                    self.report_missing(problem);
+                }
             }
         }
         materials
@@ -151,7 +155,7 @@ impl MaterialLowering<'_> {
     }
 
     fn library(&mut self, name: &str, materials: &mut BTreeMap<String, StyledMaterial>) {
-        let bytes = match self.reader.read_file(name) {
+        let bytes = match self.reader.read_file(name, FileKind::Materials) {
             Ok(bytes) => bytes,
             Err(problem) => return self.report_missing(problem),
         };
@@ -274,7 +278,7 @@ impl MaterialLowering<'_> {
         if let Some(known) = self.images.get(&key) {
             return *known;
         }
-        let read = self.reader.read_file(map).map_err(|(problem, _)| problem);
+        let read = self.reader.read_file(map, FileKind::Picture).map_err(|(problem, _)| problem);
         let index = match read.and_then(|bytes| self.reader.picture(&bytes, content)) {
             Ok(pixels) => {
                 let images = &mut self.reader.description.images;

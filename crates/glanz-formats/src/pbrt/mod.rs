@@ -22,6 +22,7 @@ use std::sync::Arc;
 use glanz_scene::Diagnostics;
 use glanz_scene::studio::StudioSettings;
 
+use crate::file_list::FileList;
 use crate::finder::FileFinder;
 use crate::registry::{Loaded, Options};
 use crate::source::Reporter;
@@ -37,19 +38,15 @@ pub(crate) fn load(
     bytes: Arc<[u8]>,
     options: &Options,
 ) -> Result<Loaded, Diagnostics> {
-    let reporter = Reporter { strict: options.strict, ..Reporter::default() };
     let finder = FileFinder::of_scene(name, path, &bytes, options)?;
-    let dialect = dialect::detect(&bytes);
-    let lowering = Lowering { edges: options.edges, ..Lowering::new(reporter, dialect, finder) };
-    let mut parser = Parser::new(lowering);
-    parser.run(name, path, bytes);
-    let Lowering { description, mut reporter, finder, studio_up, .. } = parser.lowering;
+    let lowering = lower(name, path, bytes, options, finder);
+    let Lowering { description, mut reporter, finder, studio_up, .. } = lowering;
     let is_lit = !description.lights.is_empty();
     if let Some((_, place)) = studio_up.filter(|_| is_lit || description.camera.location.is_some()) {
         let message = "Option \"studio\": the scene is a model; a studio replaces its camera and adds light";
         reporter.stand_in(&place, "stand-in-studio", message);
     }
-    reporter.sources.set_paths(finder.paths);
+    reporter.sources.set_paths(finder.paths());
     if reporter.diagnostics.has_errors() {
         return Err(reporter.diagnostics);
     }
@@ -64,4 +61,33 @@ pub(crate) fn load(
         }),
         cad: None,
     })
+}
+
+/// Lists the files that a scene needs.
+pub(crate) fn list_files(
+    name: &str,
+    path: &Path,
+    bytes: Arc<[u8]>,
+    options: &Options,
+) -> Result<FileList, Diagnostics> {
+    let mut finder = FileFinder::of_scene(name, Some(path), &bytes, options)?;
+    finder.lists = true;
+    let Lowering { finder, reporter, .. } = lower(name, Some(path), bytes, options, finder);
+    Ok(finder.into_list(reporter.diagnostics))
+}
+
+/// Reads and lowers a scene and all files that it names.
+fn lower(
+    name: &str,
+    path: Option<&Path>,
+    bytes: Arc<[u8]>,
+    options: &Options,
+    finder: FileFinder,
+) -> Lowering {
+    let reporter = Reporter { strict: options.strict, lists: finder.lists, ..Reporter::default() };
+    let dialect = dialect::detect(&bytes);
+    let lowering = Lowering { edges: options.edges, ..Lowering::new(reporter, dialect, finder) };
+    let mut parser = Parser::new(lowering);
+    parser.run(name, path, bytes);
+    parser.lowering
 }

@@ -3,6 +3,7 @@
 mod bad_input;
 mod bake;
 mod convert;
+mod file_list;
 mod file_uses;
 mod illuminate;
 mod merge;

@@ -6,6 +6,7 @@ use std::rc::Rc;
 
 use super::{EntityState, Lowering};
 use crate::cad::{CadModel, CadSettings, CadWarning, TOO_MANY_COLORS};
+use crate::file_list::FileKind;
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::source::{ParseResult, Span};
@@ -60,14 +61,15 @@ impl Lowering {
             let message = format!("{subject}: {problem}");
             this.reporter.error(&p.value_place, "missing-file", message)
         };
-        let path = match self.find(name) {
+        let path = match self.find(name, FileKind::Cad) {
             Ok(path) => path,
             Err(fault) => return Err(missing(self, &format_args!("file {name:?} {}", fault.what()))),
         };
         if self.cad_files.contains_key(&path) {
             return Ok(path);
         }
-        let (shown, bytes) = self.read_file(name).map_err(|problem| missing(self, &problem))?;
+        let (shown, bytes) =
+            self.read_file(name, FileKind::Cad).map_err(|problem| missing(self, &problem))?;
         let shown = shown.display().to_string();
         let model = CadModel::read(&bytes, self.edges).map_err(|error| {
             self.reporter.error(&p.value_place, "step", format!("{subject}: {shown}: {error}"))

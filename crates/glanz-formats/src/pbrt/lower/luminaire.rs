@@ -10,6 +10,7 @@ use glanz_scene::description::{LightKind, SourceRay};
 use super::light::LightParts;
 use super::spectrum::{EmissionParameters, grey};
 use super::{EntityState, Lowering};
+use crate::file_list::FileKind;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::photometry::tm25::{MAGIC, RayReader};
 use crate::photometry::{self, Photometry, PhotometryError, PhotometryFile};
@@ -28,7 +29,7 @@ impl Lowering {
         };
         let from = list.vec3("from", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
         let emission = self.color_and_scale(list, context)?;
-        let (path, bytes) = match self.read_file(&name) {
+        let (path, bytes) = match self.read_file(&name, FileKind::Luminaire) {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("light \"photometric\": {problem}");
@@ -69,7 +70,9 @@ impl Lowering {
     /// The photometry in the file, and in the file of its tilt data if there is one.
     fn photometry(&mut self, p: &Parameter, path: &Path, bytes: &[u8]) -> ParseResult<Photometry> {
         let read = photometry::read_with(bytes, &mut |tilt| {
-            self.read_file(tilt).map(|(_, bytes)| bytes).map_err(|problem| problem.message)
+            self.read_file(tilt, FileKind::Luminaire)
+                .map(|(_, bytes)| bytes)
+                .map_err(|problem| problem.message)
         });
         let message = |fault: &PhotometryError| format!("light \"photometric\": {}:{fault}", path.display());
         let help = |fault: &PhotometryError| fault.kind.help().map(str::to_owned);

@@ -6,6 +6,7 @@ use glanz_scene::Severity;
 use glanz_scene::description::{GeometryDescription, GroupDescription};
 
 use super::{EntityState, Lowering};
+use crate::file_list::FileKind;
 use crate::gltf;
 use crate::model::{ModelReader, light_count};
 use crate::obj::{self, ObjMesh, ObjSurface};
@@ -24,7 +25,7 @@ impl Lowering {
             let message = format!("{} has no \"string filename\"", list.subject);
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
         };
-        let (path, bytes) = match self.read_file(&name) {
+        let (path, bytes) = match self.read_file(&name, FileKind::Mesh) {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("{}: {problem}", list.subject);
@@ -70,13 +71,15 @@ impl Lowering {
         self.without_surface_parameters(&mut list, context, "glTF", opacity)?;
         let subject = std::mem::take(&mut list.subject);
         list.finish(&mut self.reporter);
-        let known = self.find(&name).ok().and_then(|path| self.gltf_files.get(&path).copied());
+        let known = self.locate(&name).ok().and_then(|path| self.gltf_files.get(&path).copied());
         let GltfFile { group, has_media } = match known {
             Some(file) => file,
             None => {
-                let found = self.find(&name).map_err(|fault| format!("file {name:?} {}", fault.what()));
+                let found = self
+                    .find(&name, FileKind::Model)
+                    .map_err(|fault| format!("file {name:?} {}", fault.what()));
                 let read = found.and_then(|path| {
-                    let bytes = self.finder.read(&path);
+                    let bytes = self.finder.read(&path, FileKind::Model);
                     Ok((bytes.map_err(|error| format!("file {name:?} cannot be read: {error}"))?, path))
                 });
                 let (bytes, path) = read.map_err(|problem| {

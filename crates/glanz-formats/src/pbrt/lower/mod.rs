@@ -44,6 +44,7 @@ use glanz_scene::Description;
 use glanz_scene::description::{EmissionDescription, SurfaceMedia};
 use glanz_scene::studio::{UpAxis, UpAxisError};
 
+use crate::file_list::FileKind;
 use crate::finder::{FileFinder, FindError};
 use crate::model::PictureBudget;
 use crate::pbrt::color_space::ColorSpace;
@@ -182,18 +183,23 @@ impl Lowering {
     }
 
     /// Finds a file that a parameter names.
-    fn find(&self, name: &str) -> Result<PathBuf, FindError> {
+    fn locate(&self, name: &str) -> Result<PathBuf, FindError> {
+        self.finder.locate(name, self.reading.last().and_then(Option::as_deref))
+    }
+
+    /// Finds a file that a parameter names, and adds it to those of the scene.
+    fn find(&mut self, name: &str, kind: FileKind) -> Result<PathBuf, FindError> {
         let asking = self.reading.last().and_then(Option::as_deref);
-        self.finder.find(name, asking)
+        self.finder.find(name, asking, kind)
     }
 
     /// Finds and reads a file that a parameter names, or returns the reason why not. The path is that for messages.
-    fn read_file(&mut self, name: &str) -> Result<(PathBuf, Vec<u8>), FileError> {
-        let path = self.find(name).map_err(|fault| FileError {
+    fn read_file(&mut self, name: &str, kind: FileKind) -> Result<(PathBuf, Vec<u8>), FileError> {
+        let path = self.find(name, kind).map_err(|fault| FileError {
             message: format!("file {name:?} {}", fault.what()),
             refused: fault == FindError::Outside,
         })?;
-        match self.finder.read(&path) {
+        match self.finder.read(&path, kind) {
             Ok(bytes) => Ok((self.finder.shown(&path).to_owned(), bytes)),
             Err(error) => Err(format!("file {name:?} cannot be read: {error}").into()),
         }

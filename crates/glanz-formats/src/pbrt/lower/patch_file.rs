@@ -3,6 +3,7 @@
 use glanz_scene::description::GeometryDescription;
 
 use super::Lowering;
+use crate::file_list::FileKind;
 use crate::pbrt::parameters::{Parameter, ParameterList};
 use crate::source::ParseResult;
 use crate::{newell, rib};
@@ -18,7 +19,7 @@ impl Lowering {
             let message = format!("{}: give either \"filename\" or \"P\"", list.subject);
             return Err(self.reporter.error(&p.value_place, "parameter-count", message));
         }
-        let (path, bytes) = match self.read_file(&name) {
+        let (path, bytes) = match self.read_file(&name, FileKind::Mesh) {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("{}: {problem}", list.subject);

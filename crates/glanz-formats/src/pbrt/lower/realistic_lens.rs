@@ -3,6 +3,7 @@
 use glanz_scene::description::{LensDescription, LensInterfaceDescription, StopShape};
 
 use super::Lowering;
+use crate::file_list::FileKind;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::ParseResult;
@@ -17,7 +18,8 @@ impl Lowering {
             let message = "camera \"realistic\" has no \"string lensfile\"";
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
         };
-        let numbers = self.read_file(&name).map_err(|problem| (problem.to_string(), "missing-file"));
+        let numbers =
+            self.read_file(&name, FileKind::Lens).map_err(|problem| (problem.to_string(), "missing-file"));
         let numbers = numbers.and_then(|(path, bytes)| {
             self.floats_of_file(&path, bytes).map_err(|problem| (problem, "lens-file"))
         });

@@ -8,6 +8,7 @@ use glanz_scene::description::{
 };
 
 use super::{EntityState, Lowering};
+use crate::file_list::FileKind;
 use crate::model::face_count;
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
@@ -322,7 +323,7 @@ impl Lowering {
             self.stand_in(&place, "stand-in-bumps", message);
         }
         list.ignore(&["edgelength"]);
-        let (path, bytes) = match self.read_file(&name) {
+        let (path, bytes) = match self.read_file(&name, FileKind::Mesh) {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("shape \"plymesh\": {problem}");

@@ -8,6 +8,7 @@ use glanz_scene::description::{FloatParameter, SpectrumParameter};
 
 use super::Lowering;
 use super::named::{at_d_line, suggestion};
+use crate::file_list::FileKind;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::lexer::Lexer;
@@ -136,7 +137,7 @@ impl Lowering {
         if let Some(spectrum) = named::spectrum(name) {
             return Ok(spectrum);
         }
-        let (path, bytes) = match self.read_file(name) {
+        let (path, bytes) = match self.read_file(name, FileKind::Spectrum) {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("{subject}: parameter {:?}: spectrum {problem}", p.name);

@@ -12,6 +12,7 @@ use glanz_scene::description::{
 
 use super::spectrum::grey;
 use super::{EntityState, FileError, Lowering};
+use crate::file_list::FileKind;
 use crate::image::{self, Encoding};
 use crate::nearest::nearest;
 use crate::pbrt::dialect::Dialect;
@@ -281,7 +282,7 @@ impl Lowering {
             Encoding::Linear => (1, 0),
             Encoding::Gamma(g) => (2, g.to_bits()),
         };
-        let key = self.find(name).ok().map(|path| ImageKey { path, encoding: tag });
+        let key = self.locate(name).ok().map(|path| ImageKey { path, encoding: tag });
         if let Some(known) = key.as_ref().and_then(|key| self.images.get(key)) {
             return Ok(*known);
         }
@@ -289,7 +290,7 @@ impl Lowering {
         if let Some(problem) = key.as_ref().and_then(|key| self.refused_pictures.get(&key.path)) {
             return Err(format!("picture {name:?}: {problem}").into());
         }
-        let (path, bytes) = self.read_file(name)?;
+        let (path, bytes) = self.read_file(name, FileKind::Picture)?;
         self.picture_budget.allow_file(key.as_ref().map_or(&path, |key| &key.path), bytes.len());
         let decode = || {
             image::read(&bytes, Some(&path), encoding)

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glanz_scene::description::SurfaceMedia;
 
 use super::{OpenBlock, Parser};
+use crate::file_list::FileKind;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::lower::EntityState;
 use crate::pbrt::parameters::shortened;
@@ -78,7 +79,7 @@ impl Parser {
             return Err(r.error(&name_place, "include", message));
         }
         let asking = self.files.last().and_then(|f| f.path.as_deref());
-        let path = match self.lowering.finder.find(&name, asking) {
+        let path = match self.lowering.finder.find(&name, asking, FileKind::Scene) {
             Ok(path) => path,
             Err(fault) => {
                 let message = format!("{word}: file {:?} {}", shortened(&name), fault.what());
@@ -92,7 +93,7 @@ impl Parser {
             let message = format!("{word}: file {:?} includes itself", shortened(&name));
             return Err(r.error(&name_place, "include", message));
         }
-        let bytes: Arc<[u8]> = match self.lowering.finder.read(&path) {
+        let bytes: Arc<[u8]> = match self.lowering.finder.read(&path, FileKind::Scene) {
             Ok(bytes) => bytes.into(),
             Err(error) => {
                 let message = format!("{word}: file {:?} cannot be read: {error}", shortened(&name));

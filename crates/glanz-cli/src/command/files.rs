@@ -1,0 +1,98 @@
+//! `glanz info --files`: the files that a scene needs.
+
+use std::path::{Component, Path, PathBuf};
+
+use glanz::Error;
+use glanz::formats::photometry;
+use glanz::formats::{Diagnostics, FileKind, FileList, Options, SceneFile};
+use glanz_terminal::CommandOutcome;
+use glanz_terminal::messages::{CommandError, Messages};
+use serde::Serialize;
+
+use crate::arguments::InfoArguments;
+use crate::command::luminaire;
+use crate::command_error::command_error;
+use crate::notes::note_diagnostics;
+use crate::report;
+
+/// A file in the output of `--json`.
+#[derive(Serialize)]
+struct FileEntry {
+    /// Absolute.
+    path: PathBuf,
+    kind: &'static str,
+    /// Null if it is missing.
+    bytes: Option<u64>,
+    exists: bool,
+}
+
+impl FileEntry {
+    fn of(file: &SceneFile) -> Self {
+        let path = std::path::absolute(&file.path).map_or_else(|_| file.path.clone(), |path| tidy(&path));
+        let bytes = std::fs::metadata(&file.path).ok().map(|metadata| metadata.len());
+        Self { path, kind: file.kind.name(), bytes, exists: file.exists }
+    }
+}
+
+/// Prints the files; missing ones and other faults make the outcome a refusal.
+///
+/// # Errors
+/// A scene file that cannot be read, or a closed stream.
+pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
+    let FileList { files, diagnostics } = list(&arguments.scene, messages)?;
+    if arguments.json {
+        report::print(&files.iter().map(FileEntry::of).collect::<Vec<_>>())?;
+    } else {
+        let lines = files.iter().map(|file| format!("{}\n", tidy(&file.path).display()));
+        report::print_text(&lines.collect::<String>())?;
+    }
+    if diagnostics.has_errors() {
+        note_diagnostics(&diagnostics, messages);
+    }
+    let mut missing = files.iter().filter(|file| !file.exists).peekable();
+    let is_complete = !diagnostics.has_errors() && missing.peek().is_none();
+    missing.for_each(|file| {
+        messages.warning(&format!("{}: the {} is missing", tidy(&file.path).display(), file.kind.name()));
+    });
+    Ok(if is_complete { CommandOutcome::Done } else { CommandOutcome::Refused })
+}
+
+fn list(path: &Path, messages: Messages) -> Result<FileList, CommandError> {
+    if luminaire::is_named(path) {
+        return of_luminaire(path).map_err(command_error(messages));
+    }
+    glanz::formats::list_files(path, &Options::default())
+        .map_err(Error::Scene)
+        .map_err(command_error(messages))
+}
+
+/// A photometric file, and the file of its tilt data if it names one.
+fn of_luminaire(path: &Path) -> Result<FileList, Error> {
+    let bytes = glanz::file::read(path)?;
+    let file = |path: PathBuf| SceneFile { kind: FileKind::Luminaire, exists: path.is_file(), path };
+    let mut files = vec![file(path.to_owned())];
+    // Faults of the file matter to those who read its light.
+    let _ = photometry::read_with(&bytes, &mut |name| {
+        let tilt = path.with_file_name(name);
+        let bytes = std::fs::read(&tilt).map_err(|error| error.to_string());
+        files.push(file(tilt));
+        bytes
+    });
+    Ok(FileList { files, diagnostics: Diagnostics::default() })
+}
+
+/// The same path without `.`, and without `NAME/..` where NAME is no link, so that archives keep the layout.
+fn tidy(path: &Path) -> PathBuf {
+    let mut tidy = PathBuf::new();
+    for component in path.components() {
+        let is_folder = matches!(tidy.components().next_back(), Some(Component::Normal(_)));
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir if is_folder && !tidy.is_symlink() => {
+                tidy.pop();
+            }
+            component => tidy.push(component),
+        }
+    }
+    tidy
+}
