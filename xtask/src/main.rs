@@ -4,6 +4,7 @@
 
 mod checks;
 mod chromium;
+mod farm;
 mod layers;
 mod nightly;
 mod publish;
@@ -22,7 +23,8 @@ const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
   test [STEP...]       the checks of a change: format, layers, references, words, clippy, docs, tests, web, browser
-  nightly [PART...]    all long checks: heavy, browser, benches, publish, and the parts below
+  nightly [PART...]    all long checks: heavy, browser, benches, publish, farm, and the parts below
+  farm [JOB...]        jobs in parts by Open Job Description and on a local cluster of Slurm, against single runs; installs both; the variable GLANZ may name the program
   setup                installs the tools of the checks; `test` does so, too
   layers               dependencies between crates, against the layers of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
     let result = match *words.as_slice() {
         ["test", ref steps @ ..] => return checks::test(steps).unwrap_or_else(|why| usage(&why)),
         ["nightly", ref parts @ ..] => return nightly::nightly(parts).unwrap_or_else(|why| usage(&why)),
+        ["farm", ref jobs @ ..] => return farm::run(jobs).unwrap_or_else(|why| usage(&why)),
         ["setup"] => setup::install(),
         ["layers"] => layers::check(),
         ["references"] => references::check(),

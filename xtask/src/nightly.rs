@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode};
 use crate::checks::{BROWSER_TESTS, HEAVY_TESTS, all_tests, run_tests};
 use crate::setup::{Tool, Toolbox};
 use crate::suite::{self, Check, Verdict, succeed};
-use crate::{chromium, publish, workspace};
+use crate::{chromium, farm, publish, workspace};
 
 /// Integration tests that take their extent from environment variables, optimised.
 struct NightlyPart {
@@ -182,6 +182,7 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
         },
         Check { name: "benches", run: Box::new(benches) },
         Check { name: "publish", run: Box::new(|| publish::dry_run().map(Verdict::Passed)) },
+        Check { name: "farm", run: Box::new(farm::check) },
     ];
     checks.extend(PARTS.iter().map(|part| Check {
         name: part.name,
@@ -330,7 +331,7 @@ mod tests {
         let workflow = std::fs::read_to_string(workflow).unwrap();
         let list = workflow.lines().find_map(|line| line.trim().strip_prefix("part: [")?.strip_suffix(']'));
         let listed: BTreeSet<&str> = list.unwrap().split(", ").collect();
-        let others = ["heavy", "browser", "benches", "publish"];
+        let others = ["heavy", "browser", "benches", "publish", "farm"];
         let parts: BTreeSet<&str> = PARTS.iter().map(|part| part.name).chain(others).collect();
         assert_eq!(listed, parts);
     }

@@ -31,6 +31,10 @@ pub(crate) enum Tool {
     /// The npm packages that check the viewer's page.
     NodePackages,
     Chromium,
+    /// The programs of a cluster, for `farm`.
+    Slurm,
+    /// The program that runs jobs of Open Job Description, for `farm`.
+    OpenJobDescription,
 }
 
 /// Tools of a run, some of which may still be on their way.
@@ -116,6 +120,7 @@ fn install_all(tools: &[Tool]) -> Vec<MissingTool> {
 }
 
 impl Tool {
+    /// Those of the checks of a change.
     const ALL: [Self; 5] = [Self::Rustfmt, Self::Clippy, Self::Node, Self::NodePackages, Self::Chromium];
 
     /// Name and verb of a sentence.
@@ -126,6 +131,8 @@ impl Tool {
             Self::Node => "Node.js 18 or later with npm is",
             Self::NodePackages => "the npm packages that check the page are",
             Self::Chromium => "Chromium is",
+            Self::Slurm => "Slurm with munge is",
+            Self::OpenJobDescription => "openjd is",
         }
     }
 
@@ -147,6 +154,8 @@ impl Tool {
             }
             Self::NodePackages => web::packages_are_installed(),
             Self::Chromium => chromium::find().is_some(),
+            Self::Slurm => ["slurmctld", "slurmd", "munged"].iter().all(|name| find_program(name).is_some()),
+            Self::OpenJobDescription => openjd().is_some(),
         }
     }
 
@@ -159,7 +168,8 @@ impl Tool {
             Self::Chromium if chromium::has_package() && Self::NodePackages.installer().is_some() => {
                 Some("npm")
             }
-            Self::Chromium => may_use_apt().then_some("apt-get"),
+            Self::Chromium | Self::Slurm => may_use_apt().then_some("apt-get"),
+            Self::OpenJobDescription => find_program("python3").map(|_| "pip"),
         }
     }
 
@@ -172,6 +182,12 @@ impl Tool {
             // A package of npm changes nothing outside of this folder, and comes in seconds.
             Self::Chromium => chromium::install_package()
                 .or_else(|why| apt_install(&["chromium"]).map_err(|other| format!("{why}; {other}"))),
+            Self::Slurm => apt_install(&["slurm-wlm", "munge"]),
+            Self::OpenJobDescription => {
+                let folder = in_target(OPENJD_FOLDER);
+                run_quietly(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
+                run_quietly(Command::new(folder.join("bin/pip")).args(["install", "--quiet", "openjd-cli"]))
+            }
         }
     }
 
@@ -186,6 +202,8 @@ impl Tool {
                 |manager| manager.chromium,
                 "any way, and its path in the variable CHROMIUM",
             ),
+            Self::Slurm => "sudo apt-get install slurm-wlm munge (Debian), as root".to_owned(),
+            Self::OpenJobDescription => "pip install openjd-cli".to_owned(),
         }
     }
 }
@@ -245,6 +263,15 @@ pub(crate) fn find_program(name: &str) -> Option<PathBuf> {
     let files = std::env::split_paths(&path)
         .flat_map(|folder| endings.iter().map(move |ending| folder.join(name).with_extension(ending)));
     files.into_iter().find(|file| file.is_file())
+}
+
+/// Folder of the Python environment with `openjd`, below that of build outputs.
+const OPENJD_FOLDER: &str = "openjd-venv";
+
+/// The program `openjd`.
+pub(crate) fn openjd() -> Option<PathBuf> {
+    let own = in_target(OPENJD_FOLDER).join("bin/openjd");
+    if own.is_file() { Some(own) } else { find_program("openjd") }
 }
 
 /// The number before the first point of Node.js' version.

@@ -47,11 +47,12 @@ impl Messages {
         self.quiet
     }
 
-    /// Prints a note, which is also the status for a render farm.
+    /// Prints a note; for a render farm it is the status instead.
     pub fn note(self, text: &str) {
-        if !self.quiet {
-            self.print("", "", text);
-            openjd::status(self, text);
+        match self.format {
+            _ if self.quiet => {}
+            ProgressFormat::Auto => self.print("", "", text),
+            ProgressFormat::OpenJobDescription => openjd::status(self, text),
         }
     }
 
