@@ -40,6 +40,11 @@ impl FarFieldGrid {
         self.planes as usize * (self.steps as usize - 1) + 2
     }
 
+    /// Number of planes, and of steps between gamma 0 and 180 degrees.
+    pub(crate) fn counts(&self) -> [u32; 2] {
+        [self.planes, self.steps]
+    }
+
     /// C angles, degrees.
     #[must_use]
     pub fn planes(&self) -> Vec<f64> {

@@ -1,53 +1,60 @@
 //! Tallies as bytes, for checkpoints.
 
 use glanz_sampling::exact::{SquareSum, WideSum};
+use glanz_transport::ParticleRanges;
 use glanz_transport::codec::{Decoder, Encoder};
 
 use crate::far_field::FarFieldGrid;
-use crate::receiver::Receivers;
 use crate::tally::{FarFieldSums, Tally, TallySums};
 
 impl Tally {
-    /// Appends the tally: number of particles, the six sums of the flux balance, then the lists of receivers, cells and directions,
-    /// each with its length.
+    /// Appends the tally: the ranges of its particles, the six sums of the flux balance, the lists of receivers and cells, then the numbers of
+    /// planes and of steps of gamma of the far field, or 0 and 0, with the list of its directions. Each list begins with its length.
     pub fn encode(&self, encoder: &mut Encoder) {
-        encoder.u64(self.particles);
+        let ranges = self.particles.as_slice();
+        encoder.u64(ranges.len() as u64);
+        ranges.iter().flat_map(|range| [range.start, range.end]).for_each(|number| encoder.u64(number));
         let books =
             [self.emitted, self.absorbed_by_receivers, self.absorbed_elsewhere, self.escaped, self.given_up];
         books.iter().for_each(|sum| encode_wide(sum, encoder));
         encode_list(&self.receivers, encoder);
         self.other_sides.iter().for_each(|sum| encode_wide(sum, encoder));
         encode_list(&self.cells, encoder);
+        let counts = self.far_field.as_ref().map_or([0, 0], |sums| sums.grid.counts());
+        counts.into_iter().for_each(|count| encoder.u32(count));
         encode_list(self.far_field.as_ref().map_or(&[][..], |far_field| &far_field.bins), encoder);
     }
 
-    /// Reads the output of [`Tally::encode`] for the same receivers and directions; `None` if malformed.
+    /// Reads the output of [`Tally::encode`]; `None` if malformed. Uses at most a few times the memory of the bytes.
     #[must_use]
-    pub fn decode(
-        decoder: &mut Decoder<'_>,
-        receivers: &Receivers,
-        far_field: Option<FarFieldGrid>,
-    ) -> Option<Self> {
-        let particles = decoder.u64()?;
+    pub fn decode(decoder: &mut Decoder<'_>) -> Option<Self> {
+        let count = decoder.u64()?;
+        let range = |_| Some(decoder.u64()?..decoder.u64()?);
+        let particles = ParticleRanges::from_ascending((0..count).map(range).collect::<Option<_>>()?)?;
         let mut book = || decode_wide(decoder);
         let (emitted, absorbed_by_receivers, absorbed_elsewhere) = (book()?, book()?, book()?);
         let (escaped, given_up) = (book()?, book()?);
-        let count = receivers.as_slice().len();
-        let of_receivers = decode_list(decoder, count)?;
-        let other_sides = (0..count).map(|_| decode_wide(decoder)).collect::<Option<Vec<_>>>()?;
-        let cells = decode_list(decoder, receivers.cell_count())?;
-        let bins = decode_list(decoder, far_field.map_or(0, |grid| grid.bins()))?;
+        let receivers = decode_list(decoder)?;
+        let other_sides = receivers.iter().map(|_| decode_wide(decoder)).collect::<Option<_>>()?;
+        let cells = decode_list(decoder)?;
+        let (planes, steps) = (decoder.u32()?, decoder.u32()?);
+        let bins = decode_list(decoder)?;
+        let far_field = match FarFieldGrid::try_new(planes, steps) {
+            Some(grid) if grid.bins() == bins.len() => Some(FarFieldSums { grid, bins }),
+            None if [planes, steps] == [0, 0] && bins.is_empty() => None,
+            _ => return None,
+        };
         Some(Self {
             particles,
             cells,
-            receivers: of_receivers,
+            receivers,
             other_sides,
             emitted,
             absorbed_by_receivers,
             absorbed_elsewhere,
             escaped,
             given_up,
-            far_field: far_field.map(|grid| FarFieldSums { grid, bins }),
+            far_field,
         })
     }
 }
@@ -68,15 +75,13 @@ fn encode_list(list: &[TallySums], encoder: &mut Encoder) {
     }
 }
 
-fn decode_list(decoder: &mut Decoder<'_>, wanted: usize) -> Option<Vec<TallySums>> {
-    if decoder.u64()? != wanted as u64 {
-        return None;
-    }
+fn decode_list(decoder: &mut Decoder<'_>) -> Option<Vec<TallySums>> {
+    let count = usize::try_from(decoder.u64()?).ok()?;
     // Every entry has 40 bytes: no more entries are allocated than the bytes can hold.
-    if decoder.0.len() / 40 < wanted {
+    if decoder.0.len() / 40 < count {
         return None;
     }
-    (0..wanted)
+    (0..count)
         .map(|_| {
             let sum = decode_wide(decoder)?;
             let squares = SquareSum::from_words([decoder.u64()?, decoder.u64()?, decoder.u64()?]);

@@ -1,9 +1,11 @@
 //! Exact sums of the flux that particles carry to receivers.
 
+use std::ops::Range;
+
 use glanz_light::units::photometric;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_sampling::exact::{SquareSum, WideSum};
-use glanz_transport::{Arrival, ParticleFate, ParticlePath};
+use glanz_transport::{Arrival, ParticleFate, ParticlePath, ParticleRanges};
 
 use crate::balance::FluxBalance;
 use crate::far_field::{FarField, FarFieldGrid};
@@ -49,7 +51,7 @@ impl TallySums {
 /// times count as one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Tally {
-    pub(crate) particles: u64,
+    pub(crate) particles: ParticleRanges,
     pub(crate) cells: Vec<TallySums>,
     /// Sums over all cells of each receiver.
     pub(crate) receivers: Vec<TallySums>,
@@ -77,7 +79,7 @@ impl Tally {
         let zero = WideSum::default();
         let count = receivers.as_slice().len();
         Self {
-            particles: 0,
+            particles: ParticleRanges::default(),
             cells: vec![TallySums::default(); receivers.cell_count()],
             receivers: vec![TallySums::default(); count],
             other_sides: vec![zero; count],
@@ -91,15 +93,42 @@ impl Tally {
         }
     }
 
-    /// Number of traced particles.
+    /// The traced particles.
     #[must_use]
-    pub fn particles(&self) -> u64 {
-        self.particles
+    pub fn particles(&self) -> &ParticleRanges {
+        &self.particles
     }
 
-    /// Adds a tally of other particles for the same receivers.
-    pub(crate) fn merge(&mut self, other: &Self) {
-        self.particles += other.particles;
+    /// Whether it counts the light of these receivers and directions.
+    #[must_use]
+    pub fn fits(&self, receivers: &Receivers, far_field: Option<FarFieldGrid>) -> bool {
+        self.has_shape_of(&Self::new(receivers, far_field))
+    }
+
+    /// Whether two tallies have the same numbers of receivers and cells, and the same directions.
+    #[must_use]
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        let shape = |tally: &Self| {
+            (tally.receivers.len(), tally.cells.len(), tally.far_field.as_ref().map(|sums| sums.grid))
+        };
+        shape(self) == shape(other)
+    }
+
+    /// Adds a tally of other particles for the same receivers; the sums have the bits of one tally of all particles.
+    ///
+    /// # Errors
+    /// The first particles that both have; this tally is then unchanged.
+    pub fn merge(&mut self, other: &Self) -> Result<(), Range<u64>> {
+        if let Some(shared) = self.particles.overlap(&other.particles) {
+            return Err(shared);
+        }
+        other.particles.as_slice().iter().try_for_each(|range| self.particles.try_insert(range.clone()))?;
+        self.add_sums(other);
+        Ok(())
+    }
+
+    /// Adds the sums of a tally for the same receivers.
+    pub(crate) fn add_sums(&mut self, other: &Self) {
         let pairs = [(&mut self.cells, &other.cells), (&mut self.receivers, &other.receivers)];
         for (mine, theirs) in pairs {
             mine.iter_mut().zip(theirs).for_each(|(a, b)| a.merge(b));
@@ -118,8 +147,7 @@ impl Tally {
     /// Mean emitted flux and where it ended, lm.
     #[must_use]
     pub fn balance(&self) -> FluxBalance {
-        let mean =
-            |sum: WideSum| if self.particles == 0 { 0.0 } else { sum.to_f64() / self.particles as f64 };
+        let mean = |sum| self.mean(sum);
         FluxBalance {
             emitted: mean(self.emitted),
             absorbed_by_receivers: mean(self.absorbed_by_receivers),
@@ -132,14 +160,19 @@ impl Tally {
     /// Flux that a receiver receives, and its standard error, lm.
     #[must_use]
     pub fn received(&self, receiver: usize) -> (f64, f64) {
-        self.receivers.get(receiver).map_or((0.0, 0.0), |sums| sums.mean(self.particles))
+        self.receivers.get(receiver).map_or((0.0, 0.0), |sums| sums.mean(self.particles.total()))
     }
 
     /// Flux on the side of a receiver that is not counted, lm.
     #[must_use]
     pub fn on_other_side(&self, receiver: usize) -> f64 {
         let sum = self.other_sides.get(receiver).copied().unwrap_or_default();
-        if self.particles == 0 { 0.0 } else { sum.to_f64() / self.particles as f64 }
+        self.mean(sum)
+    }
+
+    /// Mean over all particles.
+    fn mean(&self, sum: WideSum) -> f64 {
+        if self.particles.is_empty() { 0.0 } else { sum.to_f64() / self.particles.total() as f64 }
     }
 
     /// Illuminance on every receiver.
@@ -148,14 +181,15 @@ impl Tally {
     /// that the actual errors are smaller. The error of a cell without particles is that of a cell with a single one.
     #[must_use]
     pub fn lux_maps(&self, receivers: &Receivers) -> Vec<LuxMap> {
-        let one = self.balance().emitted / self.particles.max(1) as f64;
+        let particles = self.particles.total();
+        let one = self.balance().emitted / particles.max(1) as f64;
         let map = |(number, receiver): (usize, &crate::receiver::Receiver)| {
             let sums = self.cells.get(receivers.cells_of(number)).unwrap_or_default();
             let value = |(sums, &area): (&TallySums, &f64)| {
                 if area <= 0.0 {
                     return (0.0, 0.0);
                 }
-                let (lumens, error) = sums.mean(self.particles);
+                let (lumens, error) = sums.mean(particles);
                 (lumens / area, if lumens > 0.0 { error } else { one } / area)
             };
             let (lux, errors) = sums.iter().zip(receiver.areas()).map(value).unzip();
@@ -175,9 +209,9 @@ impl Tally {
     /// Intensities of the escaped light, if it was counted by direction.
     #[must_use]
     pub fn far_field(&self) -> Option<FarField> {
-        let far_field = self.far_field.as_ref()?;
+        let (far_field, particles) = (self.far_field.as_ref()?, self.particles.total());
         let value = |(bin, sums): (usize, &TallySums)| {
-            let (lumens, error) = sums.mean(self.particles);
+            let (lumens, error) = sums.mean(particles);
             let solid_angle = far_field.grid.solid_angle(bin);
             (lumens / solid_angle, error / solid_angle)
         };
@@ -218,7 +252,7 @@ impl TallyTerm {
     }
 }
 
-/// Adds particles, several of which are on their way, to a tally.
+/// Adds particles, several of which are on their way, to the sums of a tally.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
     wavelengths: Wavelengths,
@@ -233,6 +267,7 @@ impl<'a> ThreadTally<'a> {
         Self { receivers, wavelengths, tally, contributions: Vec::new() }
     }
 
+    /// The sums; the tally does not know of which particles.
     pub(crate) fn into_tally(self) -> Tally {
         self.tally
     }
@@ -260,12 +295,7 @@ impl<'a> ThreadTally<'a> {
 
     /// Ends all particles on their way, given by their paths; `None` for those that were not emitted.
     pub(crate) fn end(&mut self, paths: impl Iterator<Item = Option<ParticlePath>>) {
-        for path in paths {
-            self.tally.particles += 1;
-            if let Some(path) = path {
-                self.add_path(&path);
-            }
-        }
+        paths.flatten().for_each(|path| self.add_path(&path));
         self.settle();
     }
 

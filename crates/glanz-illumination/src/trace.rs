@@ -1,9 +1,10 @@
 //! Particle tracing from the lights to the receivers.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobProgress, ProgressSink, WorkCount};
+use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobPart, JobProgress, ProgressSink, WorkCount};
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
 use glanz_transport::{Counters, ParticleTracer};
@@ -23,7 +24,7 @@ const FIRST_ROUND: u64 = 1 << 14;
 /// Conditions for the end; the first that is met ends the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TraceGoal {
-    /// Particles in all, those of earlier runs included.
+    /// Particles in all, from number 0, those of earlier runs included.
     pub particles: Option<u64>,
     /// Wall time of this run.
     pub time: Option<Duration>,
@@ -42,6 +43,17 @@ pub struct TraceSettings {
     pub threads: usize,
     /// Conditions for the end.
     pub goal: TraceGoal,
+    /// The part of all particles that is traced; `None` for all of them.
+    pub part: Option<JobPart>,
+}
+
+impl TraceSettings {
+    /// Numbers of the particles that may be traced.
+    #[must_use]
+    pub fn range(&self) -> Range<u64> {
+        let all = 0..self.goal.particles.unwrap_or(u64::MAX);
+        self.part.map_or(all.clone(), |part| part.share(all))
+    }
 }
 
 /// Result of a run.
@@ -55,6 +67,8 @@ pub struct TraceOutcome {
     pub particles: u64,
     /// Rays of this run.
     pub counters: Counters,
+    /// The largest of the relative standard errors that [`TraceGoal::error`] names, of all particles so far; infinite without any light.
+    pub error: f64,
     /// Wall time of this run.
     pub elapsed: Duration,
 }
@@ -66,9 +80,9 @@ pub struct ThreadsError(#[from] pub rayon::ThreadPoolBuildError);
 
 /// Traces particles until a goal is reached and adds them to `tally`.
 ///
-/// Particles are numbered, and a run continues after the last one of `tally`: the sums depend on seed and number of
-/// particles alone, not on threads or interruptions. A cancelled run returns its sums so far, of at least one round of particles.
-/// The error in its progress is the largest of the relative standard errors that [`TraceGoal::error`] names.
+/// Particles are numbered, and a run traces those that `tally` lacks, in order: the sums depend on the seed and on which particles were traced
+/// alone, not on threads, interruptions or parts. A cancelled run returns its sums so far, of at least one round of particles.
+/// The error in its progress is that of [`TraceOutcome::error`].
 ///
 /// # Errors
 /// [`ThreadsError`] before the first particle.
@@ -82,18 +96,27 @@ pub fn trace(
 ) -> Result<TraceOutcome, ThreadsError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
     let start = Instant::now();
-    let first = tally.particles();
+    let (goal, range) = (&settings.goal, settings.range());
+    let first = tally.particles.total();
     let mut counters = Counters::default();
     let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
-    let end = loop {
+    let (end, error) = loop {
         let error = worst_error(&tally, receivers);
-        let done = tally.particles();
         let elapsed = start.elapsed();
-        let pace = pace(done - first, elapsed);
-        if done > first {
-            let remaining = settings.goal.remaining(done, error, elapsed, pace);
-            let unit = ["particle", "particles"];
-            let count = WorkCount { done, wanted: settings.goal.particles, unit };
+        let gaps = tally.particles.missing(range.clone());
+        let work = TraceWork {
+            done: tally.particles.total(),
+            left: gaps.iter().map(|gap| gap.end - gap.start).sum(),
+            elapsed,
+            pace: pace(tally.particles.total() - first, elapsed),
+        };
+        let has_traced = work.done > first;
+        if has_traced {
+            let length = range.end - range.start;
+            let of_goal = goal.particles.map(|_| length);
+            let done = of_goal.map_or(work.done, |length| length - work.left);
+            let count = WorkCount { done, wanted: of_goal, unit: ["particle", "particles"] };
+            let remaining = goal.remaining(&work, error);
             let progress = JobProgress::by_time("particles from lights", elapsed, remaining);
             sink.on_progress(&progress.with_count(count).with_error(error));
             if timer.is_due() {
@@ -101,23 +124,33 @@ pub fn trace(
                 timer.restart();
             }
         }
-        let goal = &settings.goal;
-        if goal.particles.is_some_and(|wanted| done >= wanted) || goal.error.is_some_and(|e| error <= e) {
-            break JobEnd::Complete;
+        let Some(gap) = gaps.first() else { break (JobEnd::Complete, error) };
+        if goal.error.is_some_and(|e| error <= e) {
+            break (JobEnd::Complete, error);
         }
-        if cancel.is_cancelled() && done > 0 {
-            break JobEnd::Interrupted;
+        if cancel.is_cancelled() && work.done > 0 {
+            break (JobEnd::Interrupted, error);
         }
-        if done > first && goal.time.is_some_and(|limit| elapsed >= limit) {
-            break JobEnd::TimeUp;
+        if has_traced && goal.time.is_some_and(|limit| elapsed >= limit) {
+            break (JobEnd::TimeUp, error);
         }
-        let length = settings.goal.round(done, elapsed, pace);
-        let (brought, work) = pool.install(|| round(scene, receivers, settings, &tally, done..done + length));
-        tally.merge(&brought);
-        counters.merge(work);
+        let next = gap.start..gap.end.min(gap.start.saturating_add(goal.round(&work)));
+        counters.merge(pool.install(|| round(scene, receivers, settings, &mut tally, next)));
     };
-    let particles = tally.particles() - first;
-    Ok(TraceOutcome { tally, end, particles, counters, elapsed: start.elapsed() })
+    let particles = tally.particles.total() - first;
+    Ok(TraceOutcome { tally, end, particles, counters, error, elapsed: start.elapsed() })
+}
+
+/// Progress of a run.
+struct TraceWork {
+    /// Particles so far, those of earlier runs included.
+    done: u64,
+    /// Particles that are still missing.
+    left: u64,
+    /// Wall time of the run.
+    elapsed: Duration,
+    /// Particles per second; `None` before the first.
+    pace: Option<f64>,
 }
 
 /// Particles per second; `None` before the first.
@@ -126,47 +159,44 @@ fn pace(particles: u64, elapsed: Duration) -> Option<f64> {
 }
 
 impl TraceGoal {
-    /// Particles of the next round.
-    fn round(&self, done: u64, elapsed: Duration, pace: Option<f64>) -> u64 {
-        let Some(pace) = pace else {
-            return self.particles.map_or(FIRST_ROUND, |wanted| (wanted - done).min(FIRST_ROUND));
-        };
+    /// Particles of the next round, if so many are missing.
+    fn round(&self, &TraceWork { done, elapsed, pace, .. }: &TraceWork) -> u64 {
+        let Some(pace) = pace else { return FIRST_ROUND };
         let mut seconds = ROUND_SECONDS;
         if let Some(limit) = self.time {
             seconds = seconds.min(limit.saturating_sub(elapsed).as_secs_f64());
         }
         let length = ((pace * seconds) as u64).max(BLOCK);
         // Not many more than the error requires, which is uncertain after few particles.
-        let length = if self.error.is_some() { length.min(done.max(FIRST_ROUND)) } else { length };
-        self.particles.map_or(length, |wanted| length.min(wanted - done))
+        if self.error.is_some() { length.min(done.max(FIRST_ROUND)) } else { length }
     }
 
     /// Time until the end; `None` if it is unknown.
-    fn remaining(&self, done: u64, error: f64, elapsed: Duration, pace: Option<f64>) -> Option<Duration> {
+    fn remaining(&self, work: &TraceWork, error: f64) -> Option<Duration> {
         let mut seconds = f64::INFINITY;
-        let by_pace = |particles: f64| particles / pace.unwrap_or(f64::INFINITY);
-        if let Some(wanted) = self.particles {
-            seconds = seconds.min(by_pace(wanted.saturating_sub(done) as f64));
+        let by_pace = |particles: f64| particles / work.pace.unwrap_or(f64::INFINITY);
+        if self.particles.is_some() {
+            seconds = seconds.min(by_pace(work.left as f64));
         }
         if let Some(goal) = self.error {
             // The error decreases with the square root of the number of particles.
-            seconds = seconds.min(by_pace(done as f64 * ((error / goal).powi(2) - 1.0).max(0.0)));
+            seconds = seconds.min(by_pace(work.done as f64 * ((error / goal).powi(2) - 1.0).max(0.0)));
         }
         if let Some(limit) = self.time {
-            seconds = seconds.min(limit.saturating_sub(elapsed).as_secs_f64());
+            seconds = seconds.min(limit.saturating_sub(work.elapsed).as_secs_f64());
         }
         Duration::try_from_secs_f64(seconds).ok()
     }
 }
 
-/// Traces the particles of a range with all threads of the pool.
+/// Traces particles that `tally` lacks with all threads of the pool, and adds them to it.
 fn round(
     scene: &Scene,
     receivers: &Receivers,
     settings: &TraceSettings,
-    tally: &Tally,
-    range: std::ops::Range<u64>,
-) -> (Tally, Counters) {
+    tally: &mut Tally,
+    range: Range<u64>,
+) -> Counters {
     let far_field = tally.far_field.as_ref().map(|sums| sums.grid);
     let next = AtomicU64::new(range.start);
     let works = rayon::broadcast(|_| {
@@ -190,13 +220,15 @@ fn round(
             }
         }
     });
-    // Sums are exact: their order does not matter.
-    let mut all = (Tally::new(receivers, far_field), Counters::default());
-    for (brought, counters) in works {
-        all.0.merge(&brought);
-        all.1.merge(counters);
+    // Sums are exact: their order does not matter. The range was missing, so that it is inserted.
+    let mut counters = Counters::default();
+    if tally.particles.try_insert(range).is_ok() {
+        for (brought, work) in works {
+            tally.add_sums(&brought);
+            counters.merge(work);
+        }
     }
-    all
+    counters
 }
 
 /// The sampler of a particle: one sequence for every 2^32 particles.
@@ -207,7 +239,7 @@ fn particle_sampler(seed: u64, number: u64) -> PixelSampler {
 /// The largest relative standard error of the brightest cell and of the mean of any receiver that light comes to; infinity if it
 /// comes to none.
 fn worst_error(tally: &Tally, receivers: &Receivers) -> f64 {
-    let mut worst = None;
+    let (mut worst, particles) = (None, tally.particles.total());
     for (number, receiver) in receivers.as_slice().iter().enumerate() {
         let (mean, error) = tally.received(number);
         if mean <= 0.0 {
@@ -216,7 +248,7 @@ fn worst_error(tally: &Tally, receivers: &Receivers) -> f64 {
         let sums = tally.cells.get(receivers.cells_of(number)).unwrap_or_default();
         let cells = sums.iter().zip(receiver.areas()).filter(|(_, area)| **area > 0.0);
         let lux = |(sums, &area): (&crate::tally::TallySums, &f64)| {
-            let (lumens, error) = sums.mean(tally.particles());
+            let (lumens, error) = sums.mean(particles);
             (lumens / area, error / lumens)
         };
         let brightest = cells.map(lux).max_by(|a, b| a.0.total_cmp(&b.0));

@@ -56,7 +56,7 @@ pub use photon::{PHOTON_LIMIT, PhotonMap, PhotonTracer};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;
 pub use progress::{FinishedTile, RenderSink, TileSink};
-pub use ranges::{OverlapError, SampleRanges};
+pub use ranges::{NumberRanges, OverlapError, ParticleRanges, SampleRanges};
 pub use render::{RenderError, RenderOutcome, RenderSettings, render};
 pub use sample_plan::{MissingSamples, SamplePlan};
 pub use sensor::{FilmSensor, SensorError};

@@ -1,4 +1,4 @@
-//! The set of samples of every pixel.
+//! Sets of numbers: the samples of every pixel, the particles of a calculation.
 
 use std::ops::Range;
 
@@ -7,14 +7,47 @@ use std::ops::Range;
 #[error("samples {} to {} occur twice", .0.start, .0.end - 1)]
 pub struct OverlapError(pub Range<u32>);
 
-/// A set of sample numbers as ascending ranges that neither touch nor overlap.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SampleRanges(Vec<Range<u32>>);
+/// A set of numbers as ascending ranges that neither touch nor overlap.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NumberRanges<T>(Vec<Range<T>>);
+
+/// A set of sample numbers.
+pub type SampleRanges = NumberRanges<u32>;
+
+/// A set of particle numbers.
+pub type ParticleRanges = NumberRanges<u64>;
+
+impl<T> Default for NumberRanges<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
 
 impl SampleRanges {
-    /// The set of `ranges`, if they have the form of [`SampleRanges::as_slice`]: not empty, ascending, with gaps.
+    /// Adds `range`.
+    ///
+    /// # Errors
+    /// [`OverlapError`] with the first samples that are in the set already; the set is then unchanged.
+    pub fn insert(&mut self, range: Range<u32>) -> Result<(), OverlapError> {
+        self.try_insert(range).map_err(OverlapError)
+    }
+
+    /// Adds the samples of another set.
+    ///
+    /// # Errors
+    /// [`OverlapError`] with the first samples that are in both; the set is then unchanged.
+    pub fn insert_all(&mut self, other: &Self) -> Result<(), OverlapError> {
+        match self.overlap(other) {
+            Some(common) => Err(OverlapError(common)),
+            None => other.0.iter().try_for_each(|range| self.insert(range.clone())),
+        }
+    }
+}
+
+impl<T: Copy + Ord + Into<u64>> NumberRanges<T> {
+    /// The set of `ranges`, if they have the form of [`NumberRanges::as_slice`]: not empty, ascending, with gaps.
     #[must_use]
-    pub fn from_ascending(ranges: Vec<Range<u32>>) -> Option<Self> {
+    pub fn from_ascending(ranges: Vec<Range<T>>) -> Option<Self> {
         let fine = ranges.iter().all(|r| r.start < r.end) && ranges.windows(2).all(|w| w[0].end < w[1].start);
         fine.then_some(Self(ranges))
     }
@@ -22,13 +55,13 @@ impl SampleRanges {
     /// Adds `range`.
     ///
     /// # Errors
-    /// [`OverlapError`] with the first samples that are in the set already; the set is then unchanged.
-    pub fn insert(&mut self, range: Range<u32>) -> Result<(), OverlapError> {
+    /// The first numbers that are in the set already; the set is then unchanged.
+    pub fn try_insert(&mut self, range: Range<T>) -> Result<(), Range<T>> {
         if range.is_empty() {
             return Ok(());
         }
         if let Some(old) = self.0.iter().find(|old| old.start < range.end && range.start < old.end) {
-            return Err(OverlapError(old.start.max(range.start)..old.end.min(range.end)));
+            return Err(old.start.max(range.start)..old.end.min(range.end));
         }
         let at = self.0.partition_point(|old| old.start < range.start);
         self.0.insert(at, range);
@@ -42,20 +75,9 @@ impl SampleRanges {
         Ok(())
     }
 
-    /// Adds the samples of another set.
-    ///
-    /// # Errors
-    /// [`OverlapError`] with the first samples that are in both; the set is then unchanged.
-    pub fn insert_all(&mut self, other: &Self) -> Result<(), OverlapError> {
-        match self.overlap(other) {
-            Some(common) => Err(OverlapError(common)),
-            None => other.0.iter().try_for_each(|range| self.insert(range.clone())),
-        }
-    }
-
-    /// The first samples in both sets.
+    /// The first numbers in both sets.
     #[must_use]
-    pub fn overlap(&self, other: &Self) -> Option<Range<u32>> {
+    pub fn overlap(&self, other: &Self) -> Option<Range<T>> {
         self.0.iter().find_map(|a| {
             let b = other.0.iter().find(|b| b.start < a.end && a.start < b.end)?;
             Some(a.start.max(b.start)..a.end.min(b.end))
@@ -64,17 +86,18 @@ impl SampleRanges {
 
     /// The ranges, ascending.
     #[must_use]
-    pub fn as_slice(&self) -> &[Range<u32>] {
+    pub fn as_slice(&self) -> &[Range<T>] {
         &self.0
     }
 
-    /// Number of samples in the set.
+    /// How many numbers are in the set.
     #[must_use]
     pub fn total(&self) -> u64 {
-        self.0.iter().map(|r| u64::from(r.end - r.start)).sum()
+        let length = |range: &Range<T>| -> u64 { range.end.into() - range.start.into() };
+        self.0.iter().map(length).sum()
     }
 
-    /// Whether the set has no samples.
+    /// Whether the set is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -82,7 +105,7 @@ impl SampleRanges {
 
     /// The parts of `wanted` that are not in the set, ascending.
     #[must_use]
-    pub fn missing(&self, wanted: Range<u32>) -> Vec<Range<u32>> {
+    pub fn missing(&self, wanted: Range<T>) -> Vec<Range<T>> {
         let mut gaps = Vec::new();
         let mut from = wanted.start;
         for done in &self.0 {
@@ -105,7 +128,7 @@ impl From<Range<u32>> for SampleRanges {
     }
 }
 
-impl std::fmt::Display for SampleRanges {
+impl<T: std::fmt::Display> std::fmt::Display for NumberRanges<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.0.is_empty() {
             return f.write_str("none");

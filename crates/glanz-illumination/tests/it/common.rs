@@ -42,7 +42,7 @@ pub(crate) fn request(name: &str, shape: u32, fineness: GridResolution) -> Recei
 
 /// Traces until the goal on all processors.
 pub(crate) fn traced(scene: &Scene, receivers: &Receivers, goal: TraceGoal) -> TraceOutcome {
-    let settings = TraceSettings { seed: 3, max_events: 1000, threads: 0, goal };
+    let settings = TraceSettings { seed: 3, max_events: 1000, threads: 0, goal, part: None };
     let tally = Tally::new(receivers, None);
     trace(scene, receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap()
 }

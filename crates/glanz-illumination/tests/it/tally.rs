@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use glanz_illumination::*;
-use glanz_job::{CancelFlag, JobEnd, Silent};
+use glanz_job::{CancelFlag, JobEnd, JobPart, Silent};
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::ShapeDescription;
 use glanz_scene::{Scene, SceneBuilder};
@@ -29,8 +29,19 @@ fn receivers(scene: &Scene) -> Receivers {
 }
 
 fn sent(scene: &Scene, receivers: &Receivers, tally: Tally, particles: u64, threads: usize) -> Tally {
+    sent_part(scene, receivers, tally, particles, None, threads)
+}
+
+fn sent_part(
+    scene: &Scene,
+    receivers: &Receivers,
+    tally: Tally,
+    particles: u64,
+    part: Option<JobPart>,
+    threads: usize,
+) -> Tally {
     let goal = TraceGoal { particles: Some(particles), ..TraceGoal::default() };
-    let settings = TraceSettings { seed: 1, max_events: 100, threads, goal };
+    let settings = TraceSettings { seed: 1, max_events: 100, threads, goal, part };
     trace(scene, receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap().tally
 }
 
@@ -41,15 +52,70 @@ fn threads_and_interruptions_change_no_bit() {
     let grid = FarFieldGrid::try_new(8, 18);
     let empty = || Tally::new(&receivers, grid);
     let whole = sent(&scene, &receivers, empty(), 50_001, 1);
-    assert_eq!(whole.particles(), 50_001);
+    assert_eq!(whole.particles().as_slice(), std::slice::from_ref(&(0..50_001)));
     assert!(whole == sent(&scene, &receivers, empty(), 50_001, 3));
     let half = sent(&scene, &receivers, empty(), 20_000, 2);
-    let mut encoder = Encoder(Vec::new());
-    half.encode(&mut encoder);
-    let read = |bytes: &[u8], grid| Tally::decode(&mut Decoder(bytes), &receivers, grid);
-    assert!(read(&encoder.0, grid).as_ref() == Some(&half));
-    assert!(read(&encoder.0, None).is_none() && read(&encoder.0[..encoder.0.len() - 1], grid).is_none());
     assert!(whole == sent(&scene, &receivers, half, 50_001, 2));
+}
+
+#[test]
+fn parts_in_any_number_and_order_are_the_whole() {
+    let scene = scene();
+    let receivers = receivers(&scene);
+    let grid = FarFieldGrid::try_new(8, 18);
+    let empty = || Tally::new(&receivers, grid);
+    let whole = sent(&scene, &receivers, empty(), 50_001, 2);
+    for (count, threads) in [(1, 2), (3, 1), (7, 3)] {
+        let part = |number| {
+            let part = JobPart::try_new(number, count);
+            sent_part(&scene, &receivers, empty(), 50_001, part, threads)
+        };
+        let mut joined = empty();
+        for number in (1..=count).rev() {
+            joined.merge(&part(number)).unwrap();
+        }
+        assert!(joined == whole, "{count} parts");
+        // A part twice: its first particles.
+        assert_eq!(joined.merge(&part(count)), Err(50_001 * u64::from(count - 1) / u64::from(count)..50_001));
+        assert!(joined == whole);
+    }
+    // Without the second of three parts: exactly its particles are traced.
+    let part = |number| sent_part(&scene, &receivers, empty(), 50_001, JobPart::try_new(number, 3), 2);
+    let mut joined = part(3);
+    joined.merge(&part(1)).unwrap();
+    assert_eq!(joined.particles().to_string(), "0..16667, 33334..50001");
+    let goal = TraceGoal { particles: Some(50_001), ..TraceGoal::default() };
+    let rest = TraceSettings { seed: 1, max_events: 100, threads: 2, goal, part: None };
+    let outcome = trace(&scene, &receivers, &rest, joined, &mut Silent, &CancelFlag::default()).unwrap();
+    assert_eq!(outcome.particles, 16_667);
+    assert!(outcome.tally == whole);
+    // Nothing is left: no particle is traced, but the error is known.
+    let again = trace(&scene, &receivers, &rest, whole, &mut Silent, &CancelFlag::default()).unwrap();
+    assert_eq!((again.particles, again.end), (0, JobEnd::Complete));
+    assert!(again.error == outcome.error && again.error.is_finite());
+}
+
+#[test]
+fn tallies_are_read_as_they_were_written() {
+    let scene = scene();
+    let receivers = receivers(&scene);
+    for grid in [FarFieldGrid::try_new(8, 18), None] {
+        let empty = Tally::new(&receivers, grid);
+        let mut tally = sent_part(&scene, &receivers, empty.clone(), 9_000, JobPart::try_new(2, 3), 1);
+        tally.merge(&sent(&scene, &receivers, empty, 1_000, 1)).unwrap();
+        let mut encoder = Encoder(Vec::new());
+        tally.encode(&mut encoder);
+        let read = |bytes: &[u8]| Tally::decode(&mut Decoder(bytes));
+        assert!(read(&encoder.0).as_ref() == Some(&tally));
+        assert!((0..encoder.0.len()).step_by(7).all(|length| read(&encoder.0[..length]).is_none()));
+        // Ranges that overlap.
+        let mut bytes = encoder.0;
+        bytes[8..16].copy_from_slice(&4_000_u64.to_le_bytes());
+        assert!(read(&bytes).is_none());
+        let other = FarFieldGrid::try_new(8, 17);
+        assert!(tally.fits(&receivers, grid) && !tally.fits(&receivers, other));
+        assert!(!tally.fits(&Receivers::default(), grid));
+    }
 }
 
 #[test]
@@ -60,7 +126,7 @@ fn errors_are_those_of_repeated_runs() {
     let receivers = receivers(&scene);
     let of = |seed| {
         let goal = TraceGoal { particles: Some(4096), ..TraceGoal::default() };
-        let settings = TraceSettings { seed, max_events: 100, threads: 1, goal };
+        let settings = TraceSettings { seed, max_events: 100, threads: 1, goal, part: None };
         let tally = Tally::new(&receivers, None);
         let outcome = trace(&scene, &receivers, &settings, tally, &mut Silent, &CancelFlag::default());
         let map = outcome.unwrap().tally.lux_maps(&receivers).swap_remove(0);
@@ -88,7 +154,8 @@ fn runs_end_at_the_error_asked_for() {
     assert!(outcome.particles < 10_000_000);
     let cancelled = CancelFlag::default();
     cancelled.cancel();
-    let settings = TraceSettings { seed: 1, max_events: 9, threads: 1, goal: TraceGoal::default() };
+    let settings =
+        TraceSettings { seed: 1, max_events: 9, threads: 1, goal: TraceGoal::default(), part: None };
     let outcome = trace(&scene, &receivers, &settings, outcome.tally, &mut Silent, &cancelled).unwrap();
     assert_eq!((outcome.end, outcome.particles), (JobEnd::Interrupted, 0));
 }

@@ -81,7 +81,7 @@ pub(super) fn measure(
 ) -> Result<LuxMeasurement, StudyError> {
     let threads = settings.threads.unwrap_or(1);
     let goal = TraceGoal { particles: Some(particles), ..TraceGoal::default() };
-    let how = TraceSettings { seed: settings.seed, max_events: EVENTS, threads, goal };
+    let how = TraceSettings { seed: settings.seed, max_events: EVENTS, threads, goal, part: None };
     let stopwatch = Stopwatch::start(TimeScope::Process);
     let mut sink = LuxProgress { particles, on_progress };
     let outcome = trace(scene, receivers, &how, Tally::new(receivers, None), &mut sink, &settings.cancel)?;
@@ -89,7 +89,7 @@ pub(super) fn measure(
     outcome.end.check()?;
     let tally = outcome.tally;
     Ok(LuxMeasurement {
-        particles: tally.particles(),
+        particles: tally.particles().total(),
         maps: tally.lux_maps(receivers),
         received: (0..receivers.as_slice().len()).map(|number| tally.received(number)).collect(),
         balance: tally.balance(),
