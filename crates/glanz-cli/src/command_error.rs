@@ -36,6 +36,8 @@ fn is_usage(error: &Error) -> bool {
         | Error::SampleRange { .. }
         | Error::SampleOrder { .. }
         | Error::OrderedParts
+        | Error::Indivisible { .. }
+        | Error::PartGoal
         | Error::Parts { .. }
         | Error::NoiseLevel { .. }
         | Error::NoiseOf { .. }
@@ -75,6 +77,8 @@ fn advice(error: &Error) -> Option<String> {
         Error::Film(FilmError::Size(..) | FilmError::Memory(_)) => "choose a smaller picture with --size",
         Error::Guide(_) => "choose a smaller grid or scale with --guide",
         Error::OrderedParts => ORDERED_HELP,
+        Error::PartGoal => "add --rays N, the number of the whole, and leave out --time and --error",
+        Error::Indivisible { .. } => "leave out --part, or choose another --method",
         Error::Join(error) => return join_advice(error).map(str::to_owned),
         Error::Denoise(DenoiseError::NotFound { .. }) => {
             "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to the folder that contains its folder lib (of pyoidn: site-packages/pyoidn/oidn)"
@@ -106,6 +110,7 @@ fn join_advice(error: &JoinError) -> Option<&'static str> {
             "compute every part with a number of its own, --part K/N, or samples of its own, --samples A..B",
         ),
         JoinError::Ordered { .. } => Some(ORDERED_HELP),
+        JoinError::NoPart { .. } => Some("parts are computed with --part K/N"),
         JoinError::Kinds { .. } => Some("join each kind by itself"),
         JoinError::NoPicture { kind: PartKind::Illuminance } => Some(
             "join them with --checkpoint WHOLE and without -o, then: glanz illuminate SCENE -o DIR --rays N --checkpoint WHOLE --resume",

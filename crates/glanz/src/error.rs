@@ -103,6 +103,15 @@ pub enum Error {
         /// The samples to divide.
         samples: Range<u32>,
     },
+    /// A part of a computation that has none.
+    #[error("{what} is one computation, which has no parts")]
+    Indivisible {
+        /// The computation.
+        what: &'static str,
+    },
+    /// A part of a calculation that does not end after a number of particles.
+    #[error("a part is a share of a number of particles, which has to be given, without a time or an error")]
+    PartGoal,
     /// A film of the requested size cannot be created.
     #[error("the picture cannot be rendered: {0}")]
     Film(#[from] FilmError),

@@ -67,7 +67,9 @@ pub use convert::{ChordalDeviation, MeshOutcome, MeshSettings, SolidCounts, is_e
 pub use error::{Error, FileFault};
 pub use event::{JobEvent, ResumedState, Warning};
 #[cfg(feature = "illumination")]
-pub use illuminate::{IlluminateBuilder, IlluminateMethod, IlluminateOptions, IlluminateOutcome};
+pub use illuminate::{
+    IlluminateBuilder, IlluminateMethod, IlluminateOptions, IlluminateOutcome, JoinedTally,
+};
 #[cfg(all(feature = "illumination", feature = "formats"))]
 pub use illuminate::{LuxFolder, PlacedLux, check_far_field_path, save_comparison};
 pub use job_options::JobOptions;

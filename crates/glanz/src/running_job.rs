@@ -69,19 +69,16 @@ pub(crate) struct JobSink<'a, 'o, W> {
     write: W,
     /// Result of writing the last checkpoint.
     pub(crate) written: Result<(), Error>,
-    /// The last estimate of the relative standard error.
-    pub(crate) error: Option<f64>,
 }
 
 impl<'a, 'o, W> JobSink<'a, 'o, W> {
     pub(crate) fn new(job: &'a mut RunningJob<'o>, path: Option<PathBuf>, write: W) -> Self {
-        Self { job, path, write, written: Ok(()), error: None }
+        Self { job, path, write, written: Ok(()) }
     }
 }
 
 impl<State, W: FnMut(&Path, &State) -> Result<(), Error>> ProgressSink<State> for JobSink<'_, '_, W> {
     fn on_progress(&mut self, progress: &JobProgress<'_>) {
-        self.error = progress.error.or(self.error);
         if let Some(sink) = &mut self.job.options.sink {
             sink.on_progress(progress);
         }

@@ -9,7 +9,7 @@ use glanz::scene::description::MAX_RECEIVER_CELLS;
 use glanz::{IlluminateMethod, IlluminateOptions};
 use glanz_terminal::values::{positive, seconds};
 
-use super::common::{JobArguments, RoomArgument, SceneArgument};
+use super::common::{JobArguments, PartArguments, RoomArgument, SceneArgument};
 
 /// Cells along a side of a receiver.
 const RECEIVER_CELLS: i64 = MAX_RECEIVER_CELLS as i64;
@@ -33,7 +33,12 @@ Examples:
   glanz illuminate office.pbrt -o office
   glanz illuminate reflector.pbrt --room 10 10 10 -o lux --method both --time 60
   glanz illuminate old.pbrt --compare new.pbrt -o designs --texel 0.1
-  glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --far-field lamp.ies";
+  glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --far-field lamp.ies
+
+  A third of the particles on each of three machines, with the bits of all particles on one:
+  glanz illuminate office.pbrt --rays 900000000 --part 1/3 --checkpoint 1.lux
+  glanz merge 1.lux 2.lux 3.lux --checkpoint whole.lux
+  glanz illuminate office.pbrt -o office --rays 900000000 --checkpoint whole.lux --resume";
 
 #[derive(Debug, Args)]
 #[command(after_help = HELP)]
@@ -41,8 +46,8 @@ pub(crate) struct IlluminateArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArgument,
     /// Folder for the results; created if necessary
-    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath)]
-    pub(crate) output: PathBuf,
+    #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath, required_unless_present = "part")]
+    pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     room: RoomArgument,
     /// Number of cells along the longer side of receivers without a resolution of their own
@@ -58,18 +63,19 @@ pub(crate) struct IlluminateArguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     rays: Option<u64>,
     /// Stop after this time, seconds
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "part")]
     time: Option<Duration>,
     /// Stop at this relative standard error of the brightest cell and of the mean of every receiver
-    #[arg(long, value_name = "E", value_parser = positive)]
+    #[arg(long, value_name = "E", value_parser = positive, conflicts_with = "part")]
     error: Option<f64>,
     /// Relative error of "integrate" in every cell
     #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
     tolerance: f64,
     /// Second design for a comparison: the first is written to DIR/a, this one to DIR/b, the comparison to DIR
-    #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with = "checkpoint")]
+    #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with_all = ["checkpoint", "part"])]
     pub(crate) compare: Option<PathBuf>,
-    /// Candela distribution of all light that leaves the scene, .ldt or .ies; -z is gamma 0 (repeat for several)
+    /// Candela distribution of all light that leaves the scene, .ldt or .ies; -z is gamma 0 (repeat for several); every --part of the
+    /// calculation needs this option, too, but writes no file
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "compare")]
     pub(crate) far_field: Vec<PathBuf>,
     /// Seed of the particles; another seed gives another, independent result
@@ -78,6 +84,8 @@ pub(crate) struct IlluminateArguments {
     /// Largest number of scattering events of a particle; its remaining flux is reported as given up
     #[arg(long, value_name = "N", default_value_t = 1000, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: u32,
+    #[command(flatten)]
+    pub(crate) part: PartArguments,
     #[command(flatten)]
     pub(crate) job: JobArguments,
 }
@@ -90,6 +98,7 @@ impl IlluminateArguments {
             resolution: self.texel.map_or(GridResolution::Longer(self.cells), GridResolution::Texel),
             method: self.method.into(),
             goal: TraceGoal { particles: self.rays, time: self.time, error: self.error },
+            part: self.part.part,
             tolerance: self.tolerance,
             far_field: !self.far_field.is_empty(),
             seed: self.seed,

@@ -42,7 +42,8 @@ pub(crate) fn run(
     for path in &paths {
         let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
         files.add_inputs(scene.paths()).map_err(command_error(messages))?;
-        glanz::file::make_folder(&arguments.output).map_err(command_error(messages))?;
+        let made = arguments.output.as_deref().map_or(Ok(()), glanz::file::make_folder);
+        made.map_err(command_error(messages))?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
             scene.illuminate().options(arguments.options()).job(job).run()
@@ -58,18 +59,24 @@ pub(crate) fn run(
         warnings.extend(outcome.warnings.iter().map(ToString::to_string));
         outcomes.push(outcome);
     }
-    let results = match outcomes.as_slice() {
-        [outcome] => outcome.paths(&arguments.output),
+    let results = match (outcomes.as_slice(), &arguments.output) {
+        ([outcome], Some(folder)) => outcome.paths(folder),
         // Each design has a folder of its own.
         _ => Vec::new(),
     };
     results.iter().try_for_each(|path| files.add_result(path)).map_err(command_error(messages))?;
     let written = saved(arguments, &outcomes).map_err(command_error(messages))?;
     let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-    if !messages.is_quiet() && !arguments.job.verbosity.json {
-        print_summary(&outcomes)?;
+    match (written.as_slice(), &arguments.job.checkpoint.checkpoint) {
+        ([first, others @ ..], _) => {
+            if !messages.is_quiet() && !arguments.job.verbosity.json {
+                print_summary(&outcomes)?;
+            }
+            messages.note(&format!("wrote {first} and {} more files", others.len()));
+        }
+        ([], Some(checkpoint)) => messages.note(&part_note(checkpoint, &outcomes)),
+        ([], None) => {}
     }
-    messages.note(&format!("wrote {} and {} more files", written[0], written.len() - 1));
     if arguments.job.verbosity.json {
         report::print(&IlluminateReport {
             scenes: paths.iter().map(|path| path.display().to_string()).collect(),
@@ -89,7 +96,9 @@ fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
     files.add_inputs([&arguments.scene.scene].into_iter().chain(&arguments.compare))?;
     for path in &arguments.far_field {
         glanz::check_far_field_path(path)?;
-        files.add_output(path)?;
+        if arguments.output.is_some() {
+            files.add_output(path)?;
+        }
     }
     arguments.job.checkpoint.add_to(&mut files)?;
     Ok(files)
@@ -113,9 +122,16 @@ fn print_summary(outcomes: &[IlluminateOutcome]) -> Result<(), CommandError> {
     }
 }
 
-/// Writes all files; returns them.
+/// The note about a part, which is in its checkpoint.
+fn part_note(checkpoint: &Path, outcomes: &[IlluminateOutcome]) -> String {
+    let tallies = outcomes.iter().filter_map(|outcome| outcome.tally.as_ref());
+    let particles: u64 = tallies.map(|tally| tally.particles().total()).sum();
+    format!("wrote {}: {}", checkpoint.display(), report::plural(particles, "particle", "particles"))
+}
+
+/// Writes all files; returns them. A part without a folder has none.
 fn saved(arguments: &IlluminateArguments, outcomes: &[IlluminateOutcome]) -> Result<Vec<PathBuf>, Error> {
-    let folder: &Path = &arguments.output;
+    let Some(folder) = arguments.output.as_deref() else { return Ok(Vec::new()) };
     match outcomes {
         [a, b] => glanz::save_comparison(folder, [a, b]),
         [outcome, ..] => {

@@ -40,19 +40,29 @@ struct MergeReport {
 #[serde(untagged)]
 enum MergeContent {
     Picture { samples_per_pixel: u64, samples: String },
+    Illuminance { particles: u64, particle_ranges: String },
 }
 
 impl MergeContent {
     fn of(outcome: &MergeOutcome) -> Option<Self> {
-        let MergeOutcome::Picture(picture) = outcome else { return None };
-        let samples = picture.film().samples();
-        Some(Self::Picture { samples_per_pixel: samples.total(), samples: samples.to_string() })
+        Some(match outcome {
+            MergeOutcome::Picture(picture) => {
+                let samples = picture.film().samples();
+                Self::Picture { samples_per_pixel: samples.total(), samples: samples.to_string() }
+            }
+            MergeOutcome::Illuminance(joined) => {
+                let particles = joined.tally().particles();
+                Self::Illuminance { particles: particles.total(), particle_ranges: particles.to_string() }
+            }
+            _ => return None,
+        })
     }
 
     /// The same in words.
     fn words(&self) -> String {
         match self {
             Self::Picture { samples, .. } => format!("samples {samples}"),
+            Self::Illuminance { particles, .. } => plural(*particles, "particle", "particles"),
         }
     }
 }

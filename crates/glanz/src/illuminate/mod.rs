@@ -9,6 +9,7 @@ mod integrating;
 mod lux_folder;
 mod outcome;
 mod tally_file;
+mod tally_join;
 mod tracing;
 
 use std::path::Path;
@@ -17,7 +18,7 @@ use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
     FarFieldGrid, GridResolution, ReceiverRequest, Receivers, Tally, TraceGoal, add_walls,
 };
-use glanz_job::ContentHash;
+use glanz_job::{ContentHash, JobPart};
 use glanz_math::DVec3;
 use glanz_report::number::{duration, grouped, significant};
 use glanz_scene::Scene;
@@ -36,6 +37,8 @@ pub use files::save_comparison;
 #[cfg(feature = "formats")]
 pub use lux_folder::{LuxFolder, PlacedLux};
 pub use outcome::IlluminateOutcome;
+pub use tally_join::JoinedTally;
+pub(crate) use tally_join::join;
 
 /// Largest number of cells of all receivers: the sums of each take 40 bytes per thread.
 const CELLS_LIMIT: usize = 1 << 24;
@@ -77,6 +80,9 @@ pub struct IlluminateOptions {
     pub method: IlluminateMethod,
     /// End of the calculation; by default a relative standard error of 0.01. Errors below 1e-6 are refused.
     pub goal: TraceGoal,
+    /// Traces only this part of the particles of the goal, from which [`merge`](crate::merge) joins the whole. An error with another goal and
+    /// another method.
+    pub part: Option<JobPart>,
     /// Relative error of the integration in every cell.
     pub tolerance: f64,
     /// Whether to count the directions of light that leaves the scene, see [`IlluminateOutcome::save_far_field`].
@@ -95,6 +101,7 @@ impl Default for IlluminateOptions {
             resolution: GridResolution::Longer(64),
             method: IlluminateMethod::default(),
             goal: TraceGoal::default(),
+            part: None,
             tolerance: 0.01,
             far_field: false,
             seed: 0,
@@ -132,6 +139,12 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
+    /// Traces only this part of the particles, into the checkpoint; [`merge`](crate::merge) joins all parts.
+    pub fn part(mut self, part: JobPart) -> Self {
+        self.options.part = Some(part);
+        self
+    }
+
     /// Ends at this relative standard error of the brightest cell and of the mean of every receiver, at least 1e-6.
     pub fn relative_error(mut self, error: f64) -> Self {
         self.options.goal.error = Some(error);
@@ -158,13 +171,22 @@ impl<'a> IlluminateBuilder<'a> {
     ///
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
-    /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`] and [`Error::Integrate`].
+    /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`] and [`Error::Integrate`];
+    /// [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
         let Self { scene, mut options, job } = self;
         scene.check_scene("illuminate")?;
         let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
             return Err(Error::Accuracy { error, smallest: SMALLEST_ERROR });
+        }
+        if options.part.is_some() {
+            if options.method != IlluminateMethod::Trace {
+                return Err(Error::Indivisible { what: "the integration over mirrors" });
+            }
+            if !matches!(options.goal, TraceGoal { particles: Some(_), time: None, error: None }) {
+                return Err(Error::PartGoal);
+            }
         }
         if options.goal == TraceGoal::default() {
             options.goal.error = Some(USUAL_ERROR);
@@ -184,8 +206,8 @@ struct Design {
     title: String,
     scene: Scene,
     receivers: Receivers,
-    /// Content hash of both.
-    hash: u128,
+    /// Content hashes of both.
+    hashes: [u128; 2],
     options: IlluminateOptions,
 }
 
@@ -217,14 +239,16 @@ impl Design {
         if scene.lights().is_empty() {
             return Err(Error::NoLight { scene: name });
         }
-        let mut hash = ContentHash::default();
         let names: Vec<(&str, [u32; 2])> =
             receivers.as_slice().iter().map(|receiver| (receiver.name(), receiver.cells())).collect();
-        let identity = format!("{content_hash:032x} {:?} {names:?} {}", options.room, options.far_field);
-        hash.add_file(identity.as_bytes());
+        let hashes = [format!("{content_hash:032x} {:?}", options.room), format!("{names:?}")].map(|text| {
+            let mut hash = ContentHash::default();
+            hash.add_file(text.as_bytes());
+            hash.value()
+        });
         let stem = Path::new(&name).file_stem();
         let title = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Ok(Self { title, scene, receivers, hash: hash.value(), options })
+        Ok(Self { title, scene, receivers, hashes, options })
     }
 
     /// Computes the light.

@@ -5,16 +5,18 @@
 //! | 8 | `GLANZLUX` |
 //! | 4 | version of the format |
 //! | 8 | length of the file |
-//! | 1 + n, 16 | version of Glanz, content hash of scene and receivers |
+//! | 1 + n, 16, 16, 1 | version of Glanz, content hashes of the scene and of the receivers, whether directions are counted |
 //! | 8, 4 | seed, largest depth |
-//! | | sums, as [`Tally::encode`] writes them |
+//! | 8, 4, 4 | of a part: particles of the whole, number of parts, number of the part, 0 for joined parts; otherwise 0, 0, 0 |
+//! | | particles and sums, as [`Tally::encode`] writes them |
 //! | 4 | CRC-32 (IEEE) of all before |
 
 use std::path::Path;
 
-use glanz_illumination::{FarFieldGrid, Receivers, Tally};
-use glanz_job::{JobIdentity, current_version};
-use glanz_transport::codec::{Decoder, FileEnvelope};
+use glanz_illumination::Tally;
+use glanz_job::{IdentityMismatch, JobIdentity, JobPart, current_version};
+use glanz_report::number::grouped;
+use glanz_transport::codec::{Decoder, Encoder, FileEnvelope};
 
 use crate::error::{Error, FileFault};
 use crate::file;
@@ -22,7 +24,7 @@ use crate::file;
 /// Envelope of the file.
 const ENVELOPE: FileEnvelope = FileEnvelope {
     magic: b"GLANZLUX",
-    version: 1,
+    version: 2,
     content: "the checkpoint",
     kind: "a checkpoint of illuminance",
 };
@@ -30,65 +32,156 @@ const ENVELOPE: FileEnvelope = FileEnvelope {
 /// Identity of a tally: everything that its particles depend on.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TallyIdentity {
-    version: String,
-    scene: u128,
-    seed: u64,
-    max_depth: u32,
-}
-
-impl TallyIdentity {
-    /// The identity of a calculation by this program; `scene`: content hash of the scene and its receivers.
-    pub(super) fn new(scene: u128, seed: u64, max_depth: u32) -> Self {
-        Self { version: current_version(), scene, seed, max_depth }
-    }
+    /// Version of Glanz.
+    pub(super) version: String,
+    /// Content hash of the scene, with the walls of a room.
+    pub(super) scene: u128,
+    /// Content hash of the names and cells of the receivers.
+    pub(super) receivers: u128,
+    /// Whether light that leaves the scene is counted by direction.
+    pub(super) far_field: bool,
+    pub(super) seed: u64,
+    pub(super) max_depth: u32,
 }
 
 impl JobIdentity for TallyIdentity {
     const FOREIGN: &'static str = "it holds another calculation";
 
     fn fields(&self) -> Vec<(&'static str, String)> {
+        let far_field = if self.far_field { "counted" } else { "not counted" };
         vec![
             ("the Glanz version", self.version.clone()),
-            ("the scene with its receivers (content hash)", format!("{:032x}", self.scene)),
+            ("the scene (content hash)", format!("{:032x}", self.scene)),
+            ("the list of receivers with their cells (content hash)", format!("{:032x}", self.receivers)),
+            ("the far field", far_field.to_owned()),
             ("the seed", self.seed.to_string()),
             ("the depth", self.max_depth.to_string()),
         ]
     }
 }
 
+/// Division of a calculation into parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct TallyPlan {
+    /// Particles of the whole.
+    pub(super) particles: u64,
+    /// Number of parts.
+    pub(super) count: u32,
+    /// The part; `None` for joined parts.
+    pub(super) part: Option<JobPart>,
+}
+
+impl JobIdentity for TallyPlan {
+    const FOREIGN: &'static str = TallyIdentity::FOREIGN;
+
+    fn fields(&self) -> Vec<(&'static str, String)> {
+        vec![
+            ("the number of particles", grouped(self.particles)),
+            ("the number of parts", self.count.to_string()),
+            ("the part", self.part.map_or("joined".to_owned(), |part| part.to_string())),
+        ]
+    }
+}
+
+impl TallyPlan {
+    fn encode(plan: Option<Self>, encoder: &mut Encoder) {
+        encoder.u64(plan.map_or(0, |plan| plan.particles));
+        encoder.u32(plan.map_or(0, |plan| plan.count));
+        encoder.u32(plan.and_then(|plan| plan.part).map_or(0, JobPart::number));
+    }
+
+    #[expect(clippy::option_option, reason = "malformed, or without a plan")]
+    fn decode(decoder: &mut Decoder<'_>) -> Option<Option<Self>> {
+        let (particles, count, number) = (decoder.u64()?, decoder.u32()?, decoder.u32()?);
+        let part = JobPart::try_new(number, count);
+        match (count, number) {
+            (0, 0) => Some(None),
+            (_, 1..) if part.is_none() => None,
+            _ => Some(Some(Self { particles, count, part })),
+        }
+    }
+}
+
+/// A tally with everything that decides what it may be joined with.
+#[derive(Clone, Debug)]
+pub(super) struct TallyFile {
+    pub(super) identity: TallyIdentity,
+    /// Of a part.
+    pub(super) plan: Option<TallyPlan>,
+    pub(super) tally: Tally,
+}
+
+impl TallyFile {
+    /// Reads the bytes of the file `path`.
+    pub(super) fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, Error> {
+        let content = ENVELOPE.open(bytes).map_err(Error::of_file(path))?;
+        decode(&mut Decoder(content)).ok_or_else(|| Self::senseless(path))
+    }
+
+    /// The error of a file with invalid content.
+    pub(super) fn senseless(path: &Path) -> Error {
+        FileFault::Content(ENVELOPE.content).of(path)
+    }
+
+    /// Refuses a tally of another calculation, or of another part than `part`.
+    pub(super) fn check(
+        &self,
+        identity: &TallyIdentity,
+        part: Option<TallyPlan>,
+    ) -> Result<(), IdentityMismatch> {
+        self.identity.check(identity)?;
+        match (self.plan, part) {
+            (Some(plan), Some(part)) => plan.check(&part),
+            (None, Some(part)) => Err(IdentityMismatch {
+                foreign: TallyIdentity::FOREIGN,
+                what: "the part",
+                found: "all of it".to_owned(),
+                wanted: part.part.map_or_else(String::new, |part| part.to_string()),
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Writes `tally` to the file `path`.
-pub(super) fn write(path: &Path, identity: &TallyIdentity, tally: &Tally) -> Result<(), Error> {
+pub(super) fn write(
+    path: &Path,
+    identity: &TallyIdentity,
+    plan: Option<TallyPlan>,
+    tally: &Tally,
+) -> Result<(), Error> {
     let bytes = ENVELOPE.seal(|encoder| {
         encoder.text(&identity.version);
         encoder.u128(identity.scene);
+        encoder.u128(identity.receivers);
+        encoder.u8(u8::from(identity.far_field));
         encoder.u64(identity.seed);
         encoder.u32(identity.max_depth);
+        TallyPlan::encode(plan, encoder);
         tally.encode(encoder);
     });
     file::write(path, &bytes)
 }
 
-/// Reads a tally of the calculation `wanted` from the file `path`.
-pub(super) fn read(
-    path: &Path,
-    wanted: &TallyIdentity,
-    receivers: &Receivers,
-    far_field: Option<FarFieldGrid>,
-) -> Result<Tally, Error> {
-    let bytes = file::read(path)?;
-    let content = ENVELOPE.open(&bytes).map_err(Error::of_file(path))?;
-    let mut decoder = Decoder(content);
-    let senseless = || FileFault::Content(ENVELOPE.content).of(path);
-    let identity = identity(&mut decoder).ok_or_else(senseless)?;
-    identity.check(wanted).map_err(Error::of_file(path))?;
-    Tally::decode(&mut decoder, receivers, far_field).ok_or_else(senseless)
-}
-
-fn identity(decoder: &mut Decoder<'_>) -> Option<TallyIdentity> {
-    Some(TallyIdentity {
+fn decode(decoder: &mut Decoder<'_>) -> Option<TallyFile> {
+    let identity = TallyIdentity {
         version: decoder.text()?.to_owned(),
         scene: decoder.u128()?,
+        receivers: decoder.u128()?,
+        far_field: decoder.u8()? != 0,
         seed: decoder.u64()?,
         max_depth: decoder.u32()?,
-    })
+    };
+    let (plan, tally) = (TallyPlan::decode(decoder)?, Tally::decode(decoder)?);
+    decoder.0.is_empty().then_some(TallyFile { identity, plan, tally })
+}
+
+/// The identity of a calculation by this program.
+pub(super) fn identity(
+    [scene, receivers]: [u128; 2],
+    far_field: bool,
+    seed: u64,
+    max_depth: u32,
+) -> TallyIdentity {
+    TallyIdentity { version: current_version(), scene, receivers, far_field, seed, max_depth }
 }

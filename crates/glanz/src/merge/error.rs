@@ -56,6 +56,12 @@ pub enum JoinError {
         /// Its file.
         part: PathBuf,
     },
+    /// The checkpoint of a whole job.
+    #[error("{} is no part of a job, but the checkpoint of a whole one", .part.display())]
+    NoPart {
+        /// Its file.
+        part: PathBuf,
+    },
     /// Two parts with something in common.
     #[error("{} and {} both have {common}", .parts[0].display(), .parts[1].display())]
     Overlap {

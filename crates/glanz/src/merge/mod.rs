@@ -8,13 +8,16 @@ use std::path::Path;
 
 use crate::error::Error;
 use crate::event::Warning;
+#[cfg(feature = "illumination")]
+use crate::illuminate::{self, JoinedTally};
 use crate::job_options::JobOptions;
 use crate::render::Picture;
 use crate::running_job::RunningJob;
 
 pub use error::{JoinError, MissingPart, MissingParts};
+pub(crate) use part_file::PartFile;
 pub use part_file::PartKind;
-use part_file::{PartFile, common_kind};
+use part_file::common_kind;
 
 /// Options of [`merge`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,6 +34,9 @@ pub struct MergeOptions {
 pub enum MergeOutcome {
     /// A picture, of parts that were rendered.
     Picture(Box<Picture>),
+    /// Particles, of parts of a calculation of illuminance.
+    #[cfg(feature = "illumination")]
+    Illuminance(Box<JoinedTally>),
 }
 
 impl MergeOutcome {
@@ -39,6 +45,8 @@ impl MergeOutcome {
     pub fn kind(&self) -> PartKind {
         match self {
             Self::Picture(_) => PartKind::Picture,
+            #[cfg(feature = "illumination")]
+            Self::Illuminance(_) => PartKind::Illuminance,
         }
     }
 
@@ -47,6 +55,8 @@ impl MergeOutcome {
     pub fn warnings(&self) -> &[Warning] {
         match self {
             Self::Picture(picture) => picture.warnings(),
+            #[cfg(feature = "illumination")]
+            Self::Illuminance(joined) => &joined.warnings,
         }
     }
 
@@ -57,6 +67,8 @@ impl MergeOutcome {
     pub fn save_checkpoint(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         match self {
             Self::Picture(picture) => picture.save_checkpoint(path),
+            #[cfg(feature = "illumination")]
+            Self::Illuminance(joined) => joined.save_checkpoint(path),
         }
     }
 }
@@ -80,12 +92,16 @@ pub fn merge<P: AsRef<Path>>(
     job.in_pool(|job| match kind {
         PartKind::Picture => Ok(MergeOutcome::Picture(Box::new(films::join(parts, options, job)?))),
         kind if options.picture => Err(JoinError::NoPicture { kind }.into()),
+        #[cfg(feature = "illumination")]
+        PartKind::Illuminance => {
+            Ok(MergeOutcome::Illuminance(Box::new(illuminate::join(parts, options, job)?)))
+        }
         kind => Err(JoinError::Unsupported { kind }.into()),
     })
 }
 
 /// An error if parts are missing, or a warning if only what is there is joined.
-fn check_missing(
+pub(crate) fn check_missing(
     missing: Vec<MissingPart>,
     options: MergeOptions,
     job: &mut RunningJob<'_>,
@@ -99,7 +115,7 @@ fn check_missing(
 }
 
 /// What was read of a part, or `None` for a part that is left out.
-fn readable<T>(
+pub(crate) fn readable<T>(
     read: Result<T, Error>,
     options: MergeOptions,
     job: &mut RunningJob<'_>,

@@ -39,8 +39,8 @@ impl fmt::Display for PartKind {
 
 /// The file of a part, of which the first bytes are read. A pipe, which can be read once only, stays open.
 #[derive(Debug)]
-pub(super) struct PartFile {
-    pub(super) path: PathBuf,
+pub(crate) struct PartFile {
+    pub(crate) path: PathBuf,
     pub(super) kind: PartKind,
     start: Vec<u8>,
     pipe: Option<File>,
@@ -73,6 +73,15 @@ impl PartFile {
                 Ok((Box::new(file), Some(length)))
             }
         }
+    }
+
+    /// The bytes of the whole file.
+    pub(crate) fn bytes(self) -> Result<Vec<u8>, Error> {
+        let path = self.path.clone();
+        let (mut reader, _) = self.reader()?;
+        let mut bytes = Vec::new();
+        reader.read_to_end(&mut bytes).map_err(Error::of_file(&path))?;
+        Ok(bytes)
     }
 }
 

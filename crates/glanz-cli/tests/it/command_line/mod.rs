@@ -6,6 +6,7 @@ mod convert;
 mod file_list;
 mod file_uses;
 mod illuminate;
+mod illuminate_parts;
 mod merge;
 mod model;
 mod progress;
