@@ -4,7 +4,7 @@ use glanz_geometry::Surface;
 use glanz_math::DVec2;
 use glanz_scene::PlacedSurface;
 
-use super::direct::DirectMap;
+use super::direct_light::DirectMap;
 use crate::charts::Chart;
 use crate::elements::Elements;
 

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::sync::Arc;
 
-use glanz_job::Interrupted;
+use glanz_job::JobPart;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, Frame};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
@@ -11,10 +12,12 @@ use glanz_sampling::{mis, warp};
 use glanz_scene::{Light, LightId, LightSampleContext, ParametricPoint, PlacedSurface, Scene, SelectedLight};
 use rayon::prelude::*;
 
+use super::direct_light::{self, DirectMap, DirectRun, RUN, texels_of_run};
+use super::part::has_piece;
 use super::progress::BakeProgress;
 use super::receiver::BakeReceiver;
 use super::visibility::{MAX_PASSED, Visibility};
-use super::{BakeMethod, BakeSettings, BakeState, CHARTS_AT_ONCE};
+use super::{BakeError, BakeMethod, BakeSettings, BakeState};
 use crate::charts::Chart;
 use crate::elements::Elements;
 
@@ -35,6 +38,9 @@ const PREVIEW_MAX_DIFFERENCE: f32 = 0.05;
 /// below (area / (pi distance^2))^2 < 2e-3.
 const NEAR_DISTANCE: f64 = 2.0;
 
+/// Runs of texels that are computed between two reports of progress.
+const RUNS_AT_ONCE: usize = 64;
+
 /// Key of the sample points; the same for all texels, so that adjacent texels and charts agree.
 const KEY: u64 = 0x6c61_6d70;
 
@@ -51,36 +57,6 @@ pub(super) struct DirectLighting<'a> {
     max_difference: f32,
 }
 
-/// Direct light on a chart.
-#[derive(Clone, Debug)]
-pub(super) struct DirectMap {
-    /// Irradiance at the points of each texel; empty where there is no surface.
-    of_texels: Vec<Vec<Spectrum>>,
-    is_lit: bool,
-}
-
-impl DirectMap {
-    /// Whether any texel receives light.
-    pub(super) fn is_lit(&self) -> bool {
-        self.is_lit
-    }
-
-    /// Irradiance at the points of a texel.
-    pub(super) fn at(&self, texel: usize) -> &[Spectrum] {
-        self.of_texels.get(texel).map_or(&[], Vec::as_slice)
-    }
-
-    /// Mean irradiance over the points of a texel.
-    pub(super) fn mean(&self, texel: usize) -> Spectrum {
-        let lights = self.at(texel);
-        if lights.is_empty() { Spectrum::BLACK } else { mean(lights) }
-    }
-}
-
-fn mean(list: &[Spectrum]) -> Spectrum {
-    list.iter().copied().sum::<Spectrum>() * (1.0 / list.len() as f32)
-}
-
 /// The points of a texel, given by its number.
 pub(super) fn texel_points(elements: &Elements<'_>, chart: &Chart, texel: usize) -> Vec<ParametricPoint> {
     let width = chart.size[0] as usize;
@@ -91,39 +67,62 @@ pub(super) fn texel_points(elements: &Elements<'_>, chart: &Chart, texel: usize)
         .map_or_else(Vec::new, |surface| chart.texel_points(surface, texel))
 }
 
-/// Direct light on all texels of charts. `state`: passed on to checkpoints.
+/// Direct light on all texels of charts, see [`add_runs`].
 pub(super) fn light_on_charts(
     elements: &Elements<'_>,
     charts: &[Chart],
     settings: &BakeSettings,
-    state: &BakeState,
+    state: &mut BakeState,
     progress: &mut BakeProgress<'_>,
-) -> Result<Vec<DirectMap>, Interrupted> {
-    let lighting = DirectLighting::new(elements, settings);
-    let texels: usize = charts.iter().map(Chart::texels).sum();
-    let mut direct = Vec::with_capacity(charts.len());
-    let mut done = 0;
-    for group in charts.chunks(CHARTS_AT_ONCE) {
-        progress.report(done as f64 / texels as f64, || state.clone())?;
-        let found: Vec<_> =
-            group.par_iter().map(|chart| light_on_chart(elements, &lighting, chart)).collect();
-        direct.extend(found);
-        done += group.iter().map(Chart::texels).sum::<usize>();
-    }
-    Ok(direct)
+) -> Result<Vec<DirectMap>, BakeError> {
+    add_runs(elements, charts, settings, None, state, progress)?;
+    Ok(direct_light::maps(charts, &state.direct))
 }
 
-/// Direct light on the texels of one chart.
-fn light_on_chart(elements: &Elements<'_>, lighting: &DirectLighting<'_>, chart: &Chart) -> DirectMap {
-    let of_texel = |texel| {
-        let texel_points = texel_points(elements, chart, texel);
+/// Adds the direct light that the state lacks, of a part or of all texels.
+pub(super) fn add_runs(
+    elements: &Elements<'_>,
+    charts: &[Chart],
+    settings: &BakeSettings,
+    part: Option<JobPart>,
+    state: &mut BakeState,
+    progress: &mut BakeProgress<'_>,
+) -> Result<(), BakeError> {
+    let lighting = DirectLighting::new(elements, settings);
+    let mut ends = Vec::with_capacity(charts.len());
+    let mut texels = 0;
+    for chart in charts {
+        texels += chart.texels();
+        ends.push(texels);
+    }
+    let count = texels.div_ceil(RUN);
+    let has_length = |(&number, run): (&u32, &Arc<DirectRun>)| {
+        run.texels() == texels_of_run(number as usize, texels).len()
+    };
+    if !state.direct.iter().all(has_length) {
+        return Err(BakeError::State);
+    }
+    let is_missing =
+        |number: &u32| has_piece(part, *number as usize, count) && !state.direct.contains_key(number);
+    let missing: Vec<u32> = (0..count as u32).filter(is_missing).collect();
+    let of_texel = |texel: usize| {
+        let chart = ends.partition_point(|end| *end <= texel);
+        let own = &charts[chart];
+        let points = texel_points(elements, own, texel + own.texels() - ends[chart]);
         let receivers: Vec<BakeReceiver> =
-            texel_points.iter().filter_map(|place| BakeReceiver::new(elements, place)).collect();
+            points.iter().filter_map(|place| BakeReceiver::new(elements, place)).collect();
         lighting.light(&receivers)
     };
-    let of_texels: Vec<Vec<Spectrum>> = (0..chart.texels()).map(of_texel).collect();
-    let is_lit = of_texels.iter().flatten().any(|light| !light.is_black());
-    DirectMap { of_texels, is_lit }
+    for (done, group) in missing.chunks(RUNS_AT_ONCE).enumerate() {
+        let fraction = (done * RUNS_AT_ONCE) as f64 / missing.len() as f64;
+        progress.report(fraction, || state.clone())?;
+        let run = |&number: &u32| {
+            let run = DirectRun::new(texels_of_run(number as usize, texels).map(of_texel));
+            (number, Arc::new(run))
+        };
+        state.direct.par_extend(group.par_iter().map(run));
+    }
+    Ok(())
 }
 
 impl<'a> DirectLighting<'a> {

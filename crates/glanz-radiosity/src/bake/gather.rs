@@ -10,7 +10,7 @@ use glanz_scene::ParametricPoint;
 use rayon::prelude::*;
 
 use super::closed::dark_insides;
-use super::direct::DirectMap;
+use super::direct_light::DirectMap;
 use super::lookup::SurfaceIndex;
 use super::progress::BakeProgress;
 use super::receiver::BakeReceiver;
@@ -72,6 +72,8 @@ pub(super) struct FinalGather<'a> {
     cache: GatherCache,
     /// Whether the indirect light of the elements is known.
     is_solved: bool,
+    /// The state without the light of elements and of gathered points.
+    before: BakeState,
 }
 
 /// Light gathered at a point.
@@ -120,6 +122,7 @@ impl<'a> FinalGather<'a> {
             is_dark: dark_insides(elements, charts, direct),
             cache: GatherCache::default(),
             is_solved: false,
+            before: BakeState::default(),
         }
     }
 
@@ -135,8 +138,15 @@ impl<'a> FinalGather<'a> {
         FinalGather { elements, index, indirect: vec![Spectrum::BLACK; elements.list.len()], ..self }
     }
 
+    /// Keeps direct light and parts for the states to resume from.
+    pub(super) fn keep(&mut self, state: &BakeState) {
+        let (parts, direct) = (state.parts.clone(), state.direct.clone());
+        self.before = BakeState { parts, direct, ..BakeState::default() };
+    }
+
     /// Resumes from a state; `false` if it belongs to other elements.
     pub(super) fn resume(&mut self, state: BakeState) -> bool {
+        self.keep(&state);
         let BakeState { indirect, gathered, solution, .. } = state;
         if solution.is_some() {
             return false;
@@ -161,7 +171,7 @@ impl<'a> FinalGather<'a> {
         BakeState {
             indirect: self.is_solved.then(|| self.indirect.clone()),
             gathered: self.cache.to_map(),
-            ..BakeState::default()
+            ..self.before.clone()
         }
     }
 
@@ -177,7 +187,7 @@ impl<'a> FinalGather<'a> {
     pub(super) fn solve(&mut self, progress: &mut BakeProgress<'_>) -> Result<(), BakeError> {
         let rows = self.rows(MAX_LINKS, progress)?;
         for _ in 0..MAX_ROUNDS {
-            progress.report(1.0, BakeState::default)?;
+            progress.report(1.0, || self.state())?;
             let (mut change, mut most) = (0.0_f32, 0.0_f32);
             for (i, row) in rows.iter().enumerate() {
                 let mut light = row.direct;
@@ -210,7 +220,7 @@ impl<'a> FinalGather<'a> {
         let mut links = 0;
         for group in list.chunks(ELEMENTS_AT_ONCE) {
             // States contain nothing of this phase.
-            progress.report(rows.len() as f64 / list.len() as f64, BakeState::default)?;
+            progress.report(rows.len() as f64 / list.len() as f64, || self.state())?;
             let found: Vec<ElementRow> = group.par_iter().map(|element| self.row(element)).collect();
             links += found.iter().map(|row| row.links.len()).sum::<usize>();
             if links > max_links {

@@ -2,13 +2,16 @@
 
 use std::collections::HashMap;
 
+use glanz_job::JobPart;
 use glanz_light::Spectrum;
 use glanz_math::DVec2;
 use rayon::prelude::*;
 
 use super::BakeError;
-use super::direct::{self, DirectMap, luminance};
+use super::direct::{self, luminance};
+use super::direct_light::DirectMap;
 use super::gather::{FinalGather, GatheredLight};
+use super::part::has_piece;
 use super::progress::BakeProgress;
 use super::receiver::BakeReceiver;
 use crate::charts::BLOCK_SIDE;
@@ -37,6 +40,11 @@ impl TexelBlock {
     fn corners(&self) -> [[u32; 2]; 4] {
         let ([a, b], [c, d]) = (self.low, self.high);
         [[a, b], [c, b], [a, d], [c, d]]
+    }
+
+    /// Number of its texels, without those of its last row and column.
+    fn texels(&self) -> usize {
+        ((self.high[0] - self.low[0]) * (self.high[1] - self.low[1])) as usize
     }
 
     fn side(&self) -> u32 {
@@ -69,20 +77,19 @@ pub(super) fn light_on_charts(
     direct: &[DirectMap],
     progress: &mut BakeProgress<'_>,
 ) -> Result<Vec<Vec<Option<Spectrum>>>, BakeError> {
-    let found = gather.charts.iter().map(|chart| vec![None; chart.texels()]).collect();
-    let mut filler = TexelFiller { gather, direct, known: GatheredCorners::new(), found, done: 0 };
-    let charts = || 0..gather.charts.len();
-    filler.fill(
-        charts().flat_map(|chart| largest_blocks(gather, chart)).collect(),
-        MAX_DIFFERENCE,
-        progress,
-    )?;
-    filler.fill(
-        charts().flat_map(|chart| border_lines(gather, chart)).collect(),
-        MAX_DIFFERENCE_ON_BORDER,
-        progress,
-    )?;
+    let mut filler = TexelFiller::new(gather, direct);
+    filler.fill_part(None, progress)?;
     Ok(filler.found)
+}
+
+/// Gathers the light of a part, which the state of `gather` then has.
+pub(super) fn gather_part(
+    gather: &FinalGather<'_>,
+    direct: &[DirectMap],
+    part: JobPart,
+    progress: &mut BakeProgress<'_>,
+) -> Result<(), BakeError> {
+    TexelFiller::new(gather, direct).fill_part(Some(part), progress)
 }
 
 /// State of the computation.
@@ -91,11 +98,33 @@ struct TexelFiller<'a> {
     direct: &'a [DirectMap],
     known: GatheredCorners,
     found: Vec<Vec<Option<Spectrum>>>,
-    /// Number of texels in finished blocks.
+    /// Number of texels in all blocks, and in finished ones.
+    all: usize,
     done: usize,
 }
 
-impl TexelFiller<'_> {
+impl<'a> TexelFiller<'a> {
+    fn new(gather: &'a FinalGather<'a>, direct: &'a [DirectMap]) -> Self {
+        let found = gather.charts.iter().map(|chart| vec![None; chart.texels()]).collect();
+        Self { gather, direct, known: GatheredCorners::new(), found, all: 1, done: 0 }
+    }
+
+    /// Fills the blocks and lines of a part, or all of them.
+    fn fill_part(&mut self, part: Option<JobPart>, progress: &mut BakeProgress<'_>) -> Result<(), BakeError> {
+        let gather = self.gather;
+        let of_part = |all: Vec<TexelBlock>| -> Vec<TexelBlock> {
+            let count = all.len();
+            let own = all.into_iter().enumerate().filter(|(index, _)| has_piece(part, *index, count));
+            own.map(|(_, block)| block).collect()
+        };
+        let charts = || 0..gather.charts.len();
+        let blocks = of_part(charts().flat_map(|chart| largest_blocks(gather, chart)).collect());
+        self.all = blocks.iter().map(TexelBlock::texels).sum::<usize>().max(1);
+        self.fill(blocks, MAX_DIFFERENCE, progress)?;
+        let lines = of_part(charts().flat_map(|chart| border_lines(gather, chart)).collect());
+        self.fill(lines, MAX_DIFFERENCE_ON_BORDER, progress)
+    }
+
     /// Fills blocks, divided until the light of their corners differs by at most `max_difference` and no surface is near for their size.
     fn fill(
         &mut self,
@@ -104,14 +133,13 @@ impl TexelFiller<'_> {
         progress: &mut BakeProgress<'_>,
     ) -> Result<(), BakeError> {
         let (gather, direct) = (self.gather, self.direct);
-        let all: usize = gather.charts.iter().map(crate::charts::Chart::texels).sum();
         while !blocks.is_empty() {
             let mut wanted: Vec<(usize, usize)> = blocks.iter().flat_map(|b| corners(gather, b)).collect();
             wanted.sort_unstable();
             wanted.dedup();
             wanted.retain(|key| !self.known.contains_key(key));
             for group in wanted.chunks(TEXELS_AT_ONCE) {
-                progress.report(self.done as f64 / all as f64, || gather.state())?;
+                progress.report(self.done as f64 / self.all as f64, || gather.state())?;
                 let together = group.par_chunks(gather.receivers_at_once());
                 let light: Vec<_> = together.map(|keys| gather_at_texels(gather, direct, keys)).collect();
                 self.known.extend(group.iter().copied().zip(light.into_iter().flatten()));
@@ -123,7 +151,7 @@ impl TexelFiller<'_> {
                 let is_fine = block.side() <= 1 || !gather.is_lit(block.chart) && is_dark(&corners);
                 if is_fine || is_smooth(gather, &block, &corners, max_difference) {
                     interpolate(gather, &block, &corners, &mut self.found[block.chart]);
-                    self.done += ((block.high[0] - block.low[0]) * (block.high[1] - block.low[1])) as usize;
+                    self.done += block.texels();
                 } else {
                     rest.extend(block.parts());
                 }

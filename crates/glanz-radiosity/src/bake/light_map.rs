@@ -3,7 +3,8 @@
 use glanz_light::Spectrum;
 use rayon::prelude::*;
 
-use super::direct::{self, DirectMap};
+use super::direct;
+use super::direct_light::DirectMap;
 use super::fill;
 use super::gather::FinalGather;
 use super::receiver::BakeReceiver;

@@ -19,6 +19,7 @@ use crate::reconstruct::{Interpolation, ReconstructError};
 mod atlas;
 mod closed;
 mod direct;
+mod direct_light;
 mod fill;
 mod gather;
 #[cfg(test)]
@@ -27,6 +28,9 @@ mod indirect;
 mod light_map;
 mod lookup;
 mod maps;
+mod part;
+#[cfg(test)]
+mod part_tests;
 mod progress;
 mod receiver;
 mod reconstruction;
@@ -41,11 +45,13 @@ mod tests;
 mod visibility;
 
 pub use atlas::{Atlas, AtlasPage, BORDER};
+use direct_light::DirectMap;
 use gather::{FinalGather, MAX_SMALL_ELEMENTS};
 pub use light_map::LightMap;
 use light_map::light_maps;
 use lookup::SurfaceIndex;
 pub use maps::LightMaps;
+pub use part::{BakeConflict, BakePart, BakeParts};
 use progress::BakeProgress;
 use receiver::BakeReceiver;
 use reconstruction::Reconstruction;
@@ -86,7 +92,7 @@ pub fn bake(
 }
 
 /// As [`bake`], from the state of an earlier call with the same elements and settings; the result has the same bits as that of a single
-/// call. Direct light is computed again.
+/// call.
 ///
 /// `sink` receives the progress of three or four phases, and the state at its interval and when the bake is cancelled.
 ///
@@ -102,6 +108,66 @@ pub fn resume(
     if let BakeMethod::Radiosity { reconstruction } = settings.method {
         reconstruction.check()?;
     }
+    let charts = checked_charts(elements, settings)?;
+    let phases = if settings.method == BakeMethod::Gather { 3 } else { 4 };
+    let mut progress = BakeProgress::new(sink, cancel, phases);
+    // What parts were joined for it matters no longer.
+    let state = BakeState { parts: None, ..state };
+    match settings.method {
+        BakeMethod::Gather => bake_by_gather(state, elements, &charts, settings, &mut progress),
+        BakeMethod::Radiosity { reconstruction } => {
+            bake_by_radiosity(state, elements, &charts, settings, reconstruction, &mut progress)
+        }
+    }
+}
+
+/// The state with the light of a part of a bake by a final gather. States of all parts, joined by [`BakeState::merge`], hold all light for [`resume`].
+///
+/// A part has its share of the direct light, the light between surfaces, and its share of the gathered light. It computes the direct light
+/// that `state` lacks, that of other parts included: if that takes long, parts that end with the direct light come first, and `state` is
+/// joined from them.
+///
+/// # Errors
+/// Those of [`bake`], and [`BakeError::State`] for the state of other elements or another part, and [`BakeError::Indivisible`] for [`BakeMethod::Radiosity`].
+pub fn bake_part(
+    state: BakeState,
+    elements: &Elements<'_>,
+    settings: &BakeSettings,
+    part: BakePart,
+    sink: &mut dyn ProgressSink<BakeState>,
+    cancel: &CancelFlag,
+) -> Result<BakeState, BakeError> {
+    if settings.method != BakeMethod::Gather {
+        return Err(BakeError::Indivisible);
+    }
+    let (begun, number) = (BakeParts::of(part, false), part.part.number());
+    let is_other = |parts: &BakeParts| {
+        let of_part =
+            |parts: &BakeParts| (parts.count, parts.direct_only, parts.finished.keys().eq([&number]));
+        of_part(parts) != of_part(&begun)
+    };
+    if state.parts.as_ref().is_some_and(is_other) {
+        return Err(BakeError::State);
+    }
+    let charts = checked_charts(elements, settings)?;
+    let mut progress = BakeProgress::new(sink, cancel, if part.direct_only { 1 } else { 3 });
+    let mut state = BakeState { parts: Some(begun), ..state };
+    let own = part.direct_only.then_some(part.part);
+    direct::add_runs(elements, &charts, settings, own, &mut state, &mut progress)?;
+    if !part.direct_only {
+        let direct = direct_light::maps(&charts, &state.direct);
+        let index = SurfaceIndex::new(elements, &charts);
+        let gather = solved_gather(state, elements, &index, &charts, &direct, settings, &mut progress)?;
+        indirect::gather_part(&gather, &direct, part.part, &mut progress)?;
+        state = gather.state();
+    }
+    let runs = charts.iter().map(Chart::texels).sum::<usize>().div_ceil(direct_light::RUN);
+    state.direct.retain(|number, _| part::has_piece(Some(part.part), *number as usize, runs));
+    Ok(BakeState { parts: Some(BakeParts::of(part, true)), ..state })
+}
+
+/// The charts of valid settings.
+fn checked_charts(elements: &Elements<'_>, settings: &BakeSettings) -> Result<Vec<Chart>, BakeError> {
     let density = settings.density;
     if !(density > 0.0 && density.is_finite()) {
         return Err(BakeError::Density(density));
@@ -111,27 +177,35 @@ pub fn resume(
     if texels > settings::MAX_TEXELS {
         return Err(BakeError::TooMany(density, texels));
     }
-    let phases = if settings.method == BakeMethod::Gather { 3 } else { 4 };
-    let mut progress = BakeProgress::new(sink, cancel, phases);
-    match settings.method {
-        BakeMethod::Gather => bake_by_gather(state, elements, &charts, settings, &mut progress),
-        BakeMethod::Radiosity { reconstruction } => {
-            bake_by_radiosity(state, elements, &charts, settings, reconstruction, &mut progress)
-        }
-    }
+    Ok(charts)
 }
 
 /// Light maps by a final gather.
 fn bake_by_gather(
-    state: BakeState,
+    mut state: BakeState,
     elements: &Elements<'_>,
     charts: &[Chart],
     settings: &BakeSettings,
     progress: &mut BakeProgress<'_>,
 ) -> Result<BakedLight, BakeError> {
-    let direct = direct::light_on_charts(elements, charts, settings, &state, progress)?;
+    let direct = direct::light_on_charts(elements, charts, settings, &mut state, progress)?;
     let index = SurfaceIndex::new(elements, charts);
-    let mut gather = FinalGather::new(elements, &index, charts, &direct, settings);
+    let gather = solved_gather(state, elements, &index, charts, &direct, settings, progress)?;
+    let indirect = indirect::light_on_charts(&gather, &direct, progress)?;
+    Ok(BakedLight { maps: light_maps(&gather, &direct, indirect), coarse_elements: None })
+}
+
+/// A final gather with the light of the elements, at the beginning of its phase.
+fn solved_gather<'a>(
+    state: BakeState,
+    elements: &'a Elements<'a>,
+    index: &'a SurfaceIndex,
+    charts: &'a [Chart],
+    direct: &[DirectMap],
+    settings: &BakeSettings,
+    progress: &mut BakeProgress<'_>,
+) -> Result<FinalGather<'a>, BakeError> {
+    let mut gather = FinalGather::new(elements, index, charts, direct, settings);
     if !gather.resume(state) {
         return Err(BakeError::State);
     }
@@ -141,22 +215,22 @@ fn bake_by_gather(
         gather.solve(progress)?;
     }
     progress.begin(3, "indirect light");
-    let indirect = indirect::light_on_charts(&gather, &direct, progress)?;
-    Ok(BakedLight { maps: light_maps(&gather, &direct, indirect), coarse_elements: None })
+    Ok(gather)
 }
 
 /// Light maps by the hierarchical solver.
 fn bake_by_radiosity(
-    state: BakeState,
+    mut state: BakeState,
     elements: &Elements<'_>,
     charts: &[Chart],
     settings: &BakeSettings,
     reconstruction: Interpolation,
     progress: &mut BakeProgress<'_>,
 ) -> Result<BakedLight, BakeError> {
-    let direct = direct::light_on_charts(elements, charts, settings, &state, progress)?;
+    let direct = direct::light_on_charts(elements, charts, settings, &mut state, progress)?;
     let index = SurfaceIndex::new(elements, charts);
-    let gather = FinalGather::new(elements, &index, charts, &direct, settings);
+    let mut gather = FinalGather::new(elements, &index, charts, &direct, settings);
+    gather.keep(&state);
     let (refined, coarse_error) = match &state.solution {
         Some(solution) => {
             (solution::stored(elements, settings, solution)?.ok_or(BakeError::State)?, state.coarse_error)
@@ -179,7 +253,7 @@ fn bake_by_radiosity(
             gather.solve(progress)?;
             let light = refined.list.par_iter().zip(gather.indirect());
             let light = light.map(|(e, light)| (e.patch, gather.is_open(e).then_some(*light)));
-            BakeState { solution: Some(light.collect()), coarse_error, ..BakeState::default() }
+            BakeState { solution: Some(light.collect()), coarse_error, ..state }
         }
     };
     progress.begin(4, "light on texels");
@@ -202,7 +276,7 @@ fn bake_by_radiosity(
 /// The indirect light of the texels of a chart, `None` for texels inside solids.
 fn without_hidden_texels(
     gather: &FinalGather<'_>,
-    direct: &[direct::DirectMap],
+    direct: &[DirectMap],
     number: usize,
     light: Option<Vec<Spectrum>>,
 ) -> Vec<Option<Spectrum>> {

@@ -11,16 +11,16 @@ use super::*;
 use crate::elements::{ElementSettings, Patch};
 use crate::scenes::{parallelogram, scene, walls};
 
-const COARSE: BakeSettings =
+pub(super) const COARSE: BakeSettings =
     BakeSettings { density: 5.0, rays: 64, shadow_rays: 64, method: BakeMethod::Gather };
 
-const BY_RADIOSITY: BakeSettings = BakeSettings {
+pub(super) const BY_RADIOSITY: BakeSettings = BakeSettings {
     method: BakeMethod::Radiosity { reconstruction: Interpolation::NaturalNeighbour },
     ..COARSE
 };
 
 /// A room with a lamp, a box and a ball.
-fn room() -> Scene {
+pub(super) fn room() -> Scene {
     let mut shapes: Vec<_> = walls(DVec3::new(2.0, 2.0, 1.5)).into_iter().map(|w| (w, 0.7, 0.0)).collect();
     shapes.push((parallelogram(DVec3::new(0.5, 0.5, 1.4), DVec3::Y, DVec3::X), 0.3, 2.0));
     let cuboid = ShapeDescription::cuboid(DVec3::new(0.4, 0.3, 0.0), DVec3::new(0.9, 0.8, 0.6));
@@ -29,11 +29,11 @@ fn room() -> Scene {
     scene(shapes)
 }
 
-fn elements(scene: &Scene) -> Elements<'_> {
+pub(super) fn elements(scene: &Scene) -> Elements<'_> {
     Elements::new(scene, &ElementSettings { side: 0.5 }).unwrap()
 }
 
-fn assert_same(a: &[LightMap], b: &[LightMap]) {
+pub(super) fn assert_same(a: &[LightMap], b: &[LightMap]) {
     assert_eq!(a.len(), b.len());
     for (a, b) in a.iter().zip(b) {
         assert_eq!(
@@ -44,10 +44,10 @@ fn assert_same(a: &[LightMap], b: &[LightMap]) {
 }
 
 /// Cancels a bake after a number of reports, and stores its state.
-struct Stopper {
-    reports: usize,
-    cancel: CancelFlag,
-    last: Option<BakeState>,
+pub(super) struct Stopper {
+    pub(super) reports: usize,
+    pub(super) cancel: CancelFlag,
+    pub(super) last: Option<BakeState>,
 }
 
 impl ProgressSink<BakeState> for Stopper {
@@ -279,8 +279,9 @@ fn elements_that_memory_makes_larger_are_reported_even_after_an_interruption() {
     let charts = charts(&elements.surfaces, COARSE.density);
     let (mut sink, cancel) = (Silent, CancelFlag::default());
     let mut progress = BakeProgress::new(&mut sink, &cancel, 4);
-    let state = BakeState::default();
-    let direct = direct::light_on_charts(&elements, &charts, &BY_RADIOSITY, &state, &mut progress).unwrap();
+    let mut state = BakeState::default();
+    let direct =
+        direct::light_on_charts(&elements, &charts, &BY_RADIOSITY, &mut state, &mut progress).unwrap();
     let index = SurfaceIndex::new(&elements, &charts);
     let gather = FinalGather::new(&elements, &index, &charts, &direct, &BY_RADIOSITY);
     for (limit, is_coarse) in [(100, true), (MAX_SMALL_ELEMENTS, false)] {

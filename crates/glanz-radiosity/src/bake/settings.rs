@@ -117,6 +117,9 @@ pub enum BakeError {
         "the saved state belongs to other elements or another method; resume with the scene and the settings that it was saved with"
     )]
     State,
+    /// A part of a bake with the hierarchical solver.
+    #[error("the hierarchical solver is one computation, which has no parts")]
+    Indivisible,
     /// The scene cannot be divided into elements.
     #[error(transparent)]
     Elements(#[from] ElementError),

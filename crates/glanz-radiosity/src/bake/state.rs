@@ -2,10 +2,12 @@
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 1 | 1 if the light of the given elements is known, 2 or 3 if that of the elements of the hierarchical solver is, 0 otherwise |
+//! | 1 | 1 if the light of the given elements is known, 2 or 3 if that of the elements of the hierarchical solver is, 0 otherwise; plus 4 with direct light, plus 8 with parts |
 //! | 8 | if 3: largest error of a link of the solver, which is above its bound for lack of memory |
 //! | 4; 12 each | if 1: elements; indirect irradiance of each |
 //! | 4; 41, 57, 53 or 69 each | if 2 or 3: elements; surface, face, bits 1 for the back, 2 for a triangle and 4 for light, then four parameters of a rectangle or six of a triangle, and indirect irradiance if there is light |
+//! | | if 8: parts, as `BakeParts::write` writes them |
+//! | | if 4: direct light, as `write_runs` does |
 //! | 8; 37 each | points of the final gather: key, irradiance, distance, whether light is visible |
 //!
 //! Numbers are little-endian, light is red, green and blue.
@@ -17,7 +19,9 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
 use glanz_sampling::hash::combine;
 
+use super::direct_light::{DirectRuns, read_runs, write_runs};
 use super::gather::GatheredLight;
+use super::part::BakeParts;
 use super::receiver::BakeReceiver;
 use super::solution::Solution;
 use crate::elements::{ParameterPatch, Patch};
@@ -25,12 +29,20 @@ use crate::elements::{ParameterPatch, Patch};
 /// Keys of the two halves of a fingerprint.
 const KEYS: [u64; 2] = [0x7370_6f74, 0x706c_6163];
 
+/// Bits of the kind of a state.
+const HAS_DIRECT: u8 = 4;
+const HAS_PARTS: u8 = 8;
+
 /// Bytes of a point of the final gather.
 const POINT: usize = 37;
 
 /// State of an unfinished bake. It is valid for the same scene, elements and settings only, whose identity has to be stored with it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BakeState {
+    /// The parts whose light it has, if it is not that of a whole bake.
+    pub parts: Option<BakeParts>,
+    /// Direct light, as far as it is known.
+    pub(super) direct: DirectRuns,
     /// Indirect irradiance of each element, once it is known.
     pub(super) indirect: Option<Vec<Spectrum>>,
     /// Gathered light by the fingerprint of the receiver.
@@ -48,7 +60,13 @@ impl BakeState {
         self.gathered.len()
     }
 
-    /// Whether it contains no results.
+    /// Number of texels whose direct light is known.
+    #[must_use]
+    pub fn direct_texels(&self) -> usize {
+        self.direct.values().map(|run| run.texels()).sum()
+    }
+
+    /// Whether it contains no results but direct light.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.indirect.is_none() && self.gathered.is_empty() && self.solution.is_none()
@@ -57,12 +75,14 @@ impl BakeState {
     /// Bytes of the state; equal states have equal bytes.
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut bytes = vec![match (&self.indirect, &self.solution) {
+        let kind = match (&self.indirect, &self.solution) {
             (Some(_), _) => 1,
             (None, Some(_)) if self.coarse_error.is_some() => 3,
             (None, Some(_)) => 2,
             (None, None) => 0,
-        }];
+        };
+        let direct = if self.direct.is_empty() { 0 } else { HAS_DIRECT };
+        let mut bytes = vec![kind | direct | if self.parts.is_some() { HAS_PARTS } else { 0 }];
         if let Some(indirect) = &self.indirect {
             bytes.extend((indirect.len() as u32).to_le_bytes());
             indirect.iter().for_each(|&light| write_light(&mut bytes, light));
@@ -70,6 +90,10 @@ impl BakeState {
             self.coarse_error.iter().for_each(|error| bytes.extend(error.to_le_bytes()));
             bytes.extend((solution.len() as u32).to_le_bytes());
             solution.iter().for_each(|(patch, light)| write_element(&mut bytes, patch, *light));
+        }
+        self.parts.iter().for_each(|parts| parts.write(&mut bytes));
+        if !self.direct.is_empty() {
+            write_runs(&mut bytes, &self.direct);
         }
         let mut places: Vec<(&u128, &GatheredLight)> = self.gathered.iter().collect();
         places.sort_unstable_by_key(|(key, _)| **key);
@@ -88,21 +112,23 @@ impl BakeState {
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = bytes;
         let (mut indirect, mut solution, mut coarse_error) = (None, None, None);
-        match read_bytes::<1>(&mut rest)? {
-            [0] => {}
-            [1] => {
+        let [kind @ 0..16] = read_bytes(&mut rest)? else { return None };
+        match kind % HAS_DIRECT {
+            0 => {}
+            1 => {
                 let count = u32::from_le_bytes(read_bytes(&mut rest)?);
                 indirect = Some((0..count).map(|_| read_light(&mut rest)).collect::<Option<Vec<_>>>()?);
             }
-            [kind @ 2..=3] => {
-                if kind == 3 {
+            solved => {
+                if solved == 3 {
                     coarse_error = Some(f64::from_le_bytes(read_bytes(&mut rest)?));
                 }
                 let count = u32::from_le_bytes(read_bytes(&mut rest)?);
                 solution = Some((0..count).map(|_| read_element(&mut rest)).collect::<Option<Vec<_>>>()?);
             }
-            _ => return None,
         }
+        let parts = if kind & HAS_PARTS == 0 { None } else { Some(BakeParts::read(&mut rest)?) };
+        let direct = if kind & HAS_DIRECT == 0 { DirectRuns::new() } else { read_runs(&mut rest)? };
         let count = u64::from_le_bytes(read_bytes(&mut rest)?);
         if count.checked_mul(POINT as u64) != Some(rest.len() as u64) {
             return None;
@@ -118,7 +144,7 @@ impl BakeState {
             }
             gathered.insert(key, GatheredLight { light, distance, sees_light });
         }
-        Some(Self { indirect, gathered, solution, coarse_error })
+        Some(Self { parts, direct, indirect, gathered, solution, coarse_error })
     }
 }
 

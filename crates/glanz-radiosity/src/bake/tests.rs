@@ -350,8 +350,8 @@ fn too_many_links_between_elements_are_refused() {
     let charts = charts(&elements.surfaces, COARSE.density);
     let (mut sink, cancel) = (Silent, CancelFlag::default());
     let mut progress = BakeProgress::new(&mut sink, &cancel, 3);
-    let state = BakeState::default();
-    let direct = direct::light_on_charts(&elements, &charts, &COARSE, &state, &mut progress).unwrap();
+    let mut state = BakeState::default();
+    let direct = direct::light_on_charts(&elements, &charts, &COARSE, &mut state, &mut progress).unwrap();
     let index = SurfaceIndex::new(&elements, &charts);
     let gather = FinalGather::new(&elements, &index, &charts, &direct, &COARSE);
     let rows = gather.rows(usize::MAX, &mut progress).unwrap();

@@ -261,8 +261,9 @@ mod tests {
         let charts = charts(&elements.surfaces, settings.density);
         let (mut sink, cancel) = (Silent, CancelFlag::default());
         let mut progress = BakeProgress::new(&mut sink, &cancel, 3);
-        let state = BakeState::default();
-        let direct = direct::light_on_charts(&elements, &charts, &settings, &state, &mut progress).unwrap();
+        let mut state = BakeState::default();
+        let direct =
+            direct::light_on_charts(&elements, &charts, &settings, &mut state, &mut progress).unwrap();
         let index = SurfaceIndex::new(&elements, &charts);
         let gather = FinalGather::new(&elements, &index, &charts, &direct, &settings);
         let places = elements.list.iter().map(super::super::element_center);

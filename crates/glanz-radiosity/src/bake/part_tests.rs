@@ -1,0 +1,134 @@
+//! Bakes in parts.
+
+use glanz_job::{JobPart, Silent};
+
+use super::resume_tests::{BY_RADIOSITY, COARSE, Stopper, assert_same, elements, room};
+use super::*;
+
+fn part(number: u32, count: u32, direct_only: bool) -> BakePart {
+    BakePart { part: JobPart::try_new(number, count).unwrap(), direct_only }
+}
+
+/// The joined state of all parts, as it is read from its bytes.
+fn joined(elements: &Elements<'_>, start: &BakeState, count: u32, direct_only: bool) -> BakeState {
+    let mut whole: Option<BakeState> = None;
+    for number in (1..=count).rev() {
+        let part = part(number, count, direct_only);
+        let state =
+            bake_part(start.clone(), elements, &COARSE, part, &mut Silent, &CancelFlag::default()).unwrap();
+        let state = BakeState::from_bytes(&state.to_bytes()).unwrap();
+        match &mut whole {
+            None => whole = Some(state),
+            Some(whole) => whole.merge(state).unwrap(),
+        }
+    }
+    let whole = whole.unwrap();
+    assert_eq!(whole.parts.as_ref().unwrap().missing().count(), 0);
+    whole
+}
+
+#[test]
+fn joined_parts_give_the_bits_of_one_bake() {
+    let scene = room();
+    let elements = elements(&scene);
+    let whole = bake(&elements, &COARSE, &mut Silent, &CancelFlag::default()).unwrap().maps;
+    let texels: usize = whole.iter().map(|map| map.chart.texels()).sum();
+    for count in [1, 3, 5] {
+        let state = joined(&elements, &BakeState::default(), count, false);
+        assert_eq!(state.direct_texels(), texels);
+        // Without parts that end with the direct light, and with them.
+        let direct = joined(&elements, &BakeState::default(), count, true);
+        assert_eq!((direct.direct_texels(), direct.points()), (texels, 0));
+        let start = BakeState { parts: None, ..direct };
+        assert_eq!(joined(&elements, &start, count, false), state);
+        // Nothing is computed again: no point is added.
+        let points = state.points();
+        assert!(points > 100);
+        let mut sink = PointCounter::default();
+        let maps = resume(state, &elements, &COARSE, &mut sink, &CancelFlag::default()).unwrap().maps;
+        assert_same(&maps, &whole);
+        assert_eq!((sink.points, sink.first_phase), (Some(points), Some(3)), "{count}");
+    }
+}
+
+/// Stores the number of points of the last state, and the first phase with progress.
+#[derive(Default)]
+struct PointCounter {
+    points: Option<usize>,
+    first_phase: Option<u32>,
+}
+
+impl ProgressSink<BakeState> for PointCounter {
+    fn on_progress(&mut self, progress: &glanz_job::JobProgress<'_>) {
+        self.first_phase.get_or_insert(progress.step[0]);
+    }
+
+    fn checkpoint_interval(&self) -> Option<std::time::Duration> {
+        Some(std::time::Duration::ZERO)
+    }
+
+    fn on_checkpoint(&mut self, state: &BakeState) {
+        self.points = Some(state.points());
+    }
+}
+
+#[test]
+fn interrupted_part_resumes_to_the_same_bits_and_is_not_finished() {
+    let scene = room();
+    let elements = elements(&scene);
+    let own = part(2, 3, false);
+    let cancel = CancelFlag::default();
+    let whole = bake_part(BakeState::default(), &elements, &COARSE, own, &mut Silent, &cancel).unwrap();
+    assert_eq!(whole.parts.as_ref().unwrap().missing().count(), 2);
+    for reports in 1.. {
+        let cancel = CancelFlag::default();
+        let mut stopper = Stopper { reports, cancel: cancel.clone(), last: None };
+        let Err(error) = bake_part(BakeState::default(), &elements, &COARSE, own, &mut stopper, &cancel)
+        else {
+            assert!(reports > 5);
+            break;
+        };
+        assert!(matches!(error, BakeError::Interrupted(_)));
+        let state = BakeState::from_bytes(&stopper.last.unwrap().to_bytes()).unwrap();
+        let missing: Vec<_> = state.parts.as_ref().unwrap().missing().collect();
+        assert_eq!(missing[1], (own.part, true));
+        let other = part(1, 3, false);
+        let refused =
+            bake_part(state.clone(), &elements, &COARSE, other, &mut Silent, &CancelFlag::default());
+        assert_eq!(refused.err(), Some(BakeError::State));
+        let again = bake_part(state, &elements, &COARSE, own, &mut Silent, &CancelFlag::default());
+        assert_eq!(again.unwrap(), whole);
+    }
+}
+
+#[test]
+fn states_that_contradict_each_other_are_not_joined() {
+    let scene = room();
+    let elements = elements(&scene);
+    let of = |number| {
+        let part = part(number, 2, false);
+        bake_part(BakeState::default(), &elements, &COARSE, part, &mut Silent, &CancelFlag::default())
+            .unwrap()
+    };
+    let (first, second) = (of(1), of(2));
+    assert_eq!(first.clone().merge(first.clone()), Err(BakeConflict::Part(1)));
+    let mut other = second.clone();
+    other.indirect.as_mut().unwrap()[0] += Spectrum::ONE;
+    assert_eq!(first.clone().merge(other), Err(BakeConflict::Light("light between surfaces")));
+    let mut other = second.clone();
+    let shared = other.gathered.keys().find(|key| first.gathered.contains_key(key)).copied().unwrap();
+    other.gathered.get_mut(&shared).unwrap().distance += 1.0;
+    assert_eq!(first.clone().merge(other), Err(BakeConflict::Light("gathered light")));
+    // The shares are even: neighbours have few points in common.
+    let whole = first.points() + second.points();
+    assert!(first.points().abs_diff(second.points()) < whole / 4, "{} {}", first.points(), second.points());
+    let refused = bake_part(
+        BakeState::default(),
+        &elements,
+        &BY_RADIOSITY,
+        part(1, 2, false),
+        &mut Silent,
+        &CancelFlag::default(),
+    );
+    assert_eq!(refused.err(), Some(BakeError::Indivisible));
+}
