@@ -110,6 +110,7 @@ fn join_advice(error: &JoinError) -> Option<&'static str> {
             "compute every part with a number of its own, --part K/N, or samples of its own, --samples A..B",
         ),
         JoinError::Ordered { .. } => Some(ORDERED_HELP),
+        JoinError::Contradiction { .. } => Some("compute both again, with the same program"),
         JoinError::NoPart { .. } => Some("parts are computed with --part K/N"),
         JoinError::Kinds { .. } => Some("join each kind by itself"),
         JoinError::NoPicture { kind: PartKind::Illuminance } => Some(

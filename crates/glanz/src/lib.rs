@@ -59,7 +59,7 @@ mod running_job;
 mod smoothness;
 
 #[cfg(feature = "radiosity")]
-pub use bake::{BakeBuilder, BakeOutcome, LightFile};
+pub use bake::{BakeBuilder, BakeOutcome, LightFile, LightState};
 #[cfg(all(feature = "radiosity", feature = "formats"))]
 pub use bake::{ModelFiles, ModelSettings, check_model_path, page_path};
 #[cfg(feature = "formats")]

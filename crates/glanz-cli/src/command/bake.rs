@@ -1,9 +1,12 @@
 //! `glanz bake`: from a scene to a model with light maps.
 
+use std::path::Path;
 use std::time::Instant;
 
 use glanz::file::FileUses;
-use glanz::{BakeOutcome, Error, ModelFiles, page_path};
+use glanz::job::JobPart;
+use glanz::radiosity::bake::{BakeMethod, BakePart};
+use glanz::{BakeOutcome, Error, LoadedScene, ModelFiles, page_path};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
@@ -43,7 +46,87 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
     let strict = arguments.job.strictness.strict;
     let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
     uses.add_inputs(scene.paths()).map_err(command_error(messages))?;
-    let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
+    let warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
+    match (&arguments.output, arguments.part.part) {
+        (Some(output), _) => run_whole(arguments, output, scene, method, uses, warnings, messages),
+        (None, Some(part)) => run_part(arguments, part, scene, method, warnings, messages),
+        (None, None) => Ok(CommandOutcome::Done),
+    }
+}
+
+/// The output of `--json` for a part.
+#[derive(Serialize)]
+struct BakePartReport {
+    scene: String,
+    part: String,
+    direct_texels: usize,
+    points: usize,
+    checkpoint: Option<String>,
+    seconds: f64,
+    peak_memory_bytes: Option<u64>,
+    warnings: Vec<String>,
+}
+
+/// Bakes a part into its checkpoint.
+fn run_part(
+    arguments: &BakeArguments,
+    part: JobPart,
+    scene: LoadedScene,
+    method: BakeMethod,
+    mut warnings: Vec<String>,
+    messages: Messages,
+) -> Result<CommandOutcome, CommandError> {
+    let start = Instant::now();
+    let cancel = interrupt::listen()?;
+    let baked = run_job(scene, &arguments.job, cancel, messages, |scene, job| {
+        let bake = scene.bake().density(arguments.texels_per_metre).rays(arguments.rays).method(method);
+        let part = BakePart { part, direct_only: arguments.direct_only };
+        bake.light_input(arguments.light_in.clone()).job(job).run_part(part)
+    });
+    let light = match baked {
+        Ok(light) => light,
+        Err(Error::Interrupted(_)) => {
+            messages.note(&interrupted(arguments));
+            return Ok(CommandOutcome::Interrupted);
+        }
+        Err(error) => return Err(command_error(messages)(error)),
+    };
+    warnings.extend(light.warnings.iter().map(ToString::to_string));
+    let [direct_texels, points] = light.amounts();
+    let checkpoint = arguments.job.checkpoint.checkpoint.as_ref().map(|path| path.display().to_string());
+    let seconds = start.elapsed().as_secs_f64();
+    messages.note(&format!(
+        "wrote {}: part {part}, direct light of {} and indirect light at {}, in {}",
+        checkpoint.as_deref().unwrap_or_default(),
+        plural(direct_texels as u64, "texel", "texels"),
+        plural(points as u64, "point", "points"),
+        duration(seconds),
+    ));
+    if arguments.job.verbosity.json {
+        report::print(&BakePartReport {
+            scene: arguments.scene.scene.display().to_string(),
+            part: part.to_string(),
+            direct_texels,
+            points,
+            checkpoint,
+            seconds,
+            peak_memory_bytes: report::peak_memory_bytes(),
+            warnings,
+        })?;
+    }
+    Ok(CommandOutcome::Done)
+}
+
+/// Bakes everything and writes the model.
+fn run_whole(
+    arguments: &BakeArguments,
+    output: &Path,
+    scene: LoadedScene,
+    method: BakeMethod,
+    mut uses: FileUses,
+    mut warnings: Vec<String>,
+    messages: Messages,
+) -> Result<CommandOutcome, CommandError> {
     let start = Instant::now();
     let cancel = interrupt::listen()?;
     let baked = run_job(scene, &arguments.job, cancel, messages, |scene, job| {
@@ -60,10 +143,9 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
     };
     warnings.extend(outcome.warnings.iter().map(ToString::to_string));
     let model = arguments.model();
-    let mut pages =
-        (1..outcome.atlas.pages.len()).map(|page| page_path(&arguments.output, page, model.irradiance));
+    let mut pages = (1..outcome.atlas.pages.len()).map(|page| page_path(output, page, model.irradiance));
     pages.try_for_each(|path| uses.add_output(&path)).map_err(command_error(messages))?;
-    let files = outcome.save_with(&arguments.output, &model).map_err(command_error(messages))?;
+    let files = outcome.save_with(output, &model).map_err(command_error(messages))?;
     let report = report_of(arguments, &outcome, &files, start, warnings);
     messages.note(&format!(
         "wrote {}: {} of light in {} of {} x {}, {}, in {}",
@@ -85,9 +167,12 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
 fn files(arguments: &BakeArguments) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
     files.add_input(&arguments.scene.scene)?;
-    glanz::check_model_path(&arguments.output)?;
-    files.add_output(&arguments.output)?;
-    files.add_output(&page_path(&arguments.output, 0, arguments.model().irradiance))?;
+    files.add_inputs(&arguments.light_in)?;
+    if let Some(output) = &arguments.output {
+        glanz::check_model_path(output)?;
+        files.add_output(output)?;
+        files.add_output(&page_path(output, 0, arguments.model().irradiance))?;
+    }
     arguments.job.checkpoint.add_to(&mut files)?;
     Ok(files)
 }

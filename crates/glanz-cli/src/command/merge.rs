@@ -41,6 +41,7 @@ struct MergeReport {
 enum MergeContent {
     Picture { samples_per_pixel: u64, samples: String },
     Illuminance { particles: u64, particle_ranges: String },
+    Light { direct_texels: usize, points: usize },
 }
 
 impl MergeContent {
@@ -54,6 +55,10 @@ impl MergeContent {
                 let particles = joined.tally().particles();
                 Self::Illuminance { particles: particles.total(), particle_ranges: particles.to_string() }
             }
+            MergeOutcome::Light(joined) => {
+                let [direct_texels, points] = joined.amounts();
+                Self::Light { direct_texels, points }
+            }
             _ => return None,
         })
     }
@@ -62,6 +67,11 @@ impl MergeContent {
     fn words(&self) -> String {
         match self {
             Self::Picture { samples, .. } => format!("samples {samples}"),
+            Self::Light { direct_texels, points } => format!(
+                "direct light of {} and indirect light at {}",
+                plural(*direct_texels as u64, "texel", "texels"),
+                plural(*points as u64, "point", "points")
+            ),
             Self::Illuminance { particles, .. } => plural(*particles, "particle", "particles"),
         }
     }

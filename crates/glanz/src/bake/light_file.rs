@@ -99,10 +99,14 @@ impl LightFile {
     /// # Errors
     /// [`Error::File`].
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = file::read(path)?;
-        let content = ENVELOPE.open(&bytes).map_err(Error::of_file(path))?;
+        Self::from_bytes(path, &file::read(path)?)
+    }
+
+    /// Reads the bytes of the file `path`.
+    pub(super) fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Self, Error> {
+        let content = ENVELOPE.open(bytes).map_err(Error::of_file(path))?;
         let mut hash = ContentHash::default();
-        hash.add_file(&bytes);
+        hash.add_file(bytes);
         let senseless = || FileFault::Content(ENVELOPE.content).of(path);
         let (identity, content) = decode(content).ok_or_else(senseless)?;
         Ok(Self { path: path.to_owned(), identity, content, hash: hash.value() })
@@ -114,6 +118,14 @@ impl LightFile {
         match &self.content {
             LightContent::Unfinished(state) => Ok(BakeStart::State(state.clone())),
             LightContent::Finished(_) => Ok(BakeStart::Finished(self.maps(elements)?)),
+        }
+    }
+
+    /// The state of a bake with its identity, unless it is finished.
+    pub(super) fn into_state(self) -> Option<(LightIdentity, BakeState)> {
+        match self.content {
+            LightContent::Unfinished(state) => Some((self.identity, state)),
+            LightContent::Finished(_) => None,
         }
     }
 

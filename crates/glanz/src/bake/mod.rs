@@ -1,6 +1,7 @@
 //! Baking: light maps of a scene, and models that show them.
 
 mod light_file;
+mod light_state;
 #[cfg(feature = "formats")]
 mod model;
 #[cfg(feature = "formats")]
@@ -9,11 +10,12 @@ mod model_camera;
 mod model_files;
 mod outcome;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glanz_radiosity::bake::{
-    Atlas, BakeError, BakeMethod, BakeSettings, BakeState, BakedLight, CoarseElements, LightMap, resume,
+    Atlas, BakeError, BakeMethod, BakePart, BakeSettings, BakeState, BakedLight, CoarseElements, LightMap,
+    resume,
 };
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::Scene;
@@ -28,6 +30,8 @@ use crate::smoothness::is_smooth;
 use light_file::{BakeStart, LightIdentity};
 
 pub use light_file::LightFile;
+pub use light_state::LightState;
+pub(crate) use light_state::join;
 #[cfg(feature = "formats")]
 pub use model_files::{ModelFiles, ModelSettings, check_model_path, page_path};
 pub use outcome::BakeOutcome;
@@ -44,12 +48,13 @@ const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
 pub struct BakeBuilder<'a> {
     scene: LoadedScene,
     settings: BakeSettings,
+    light_input: Option<PathBuf>,
     job: JobOptions<'a>,
 }
 
 impl<'a> BakeBuilder<'a> {
     pub(crate) fn new(scene: LoadedScene) -> Self {
-        Self { scene, settings: BakeSettings::default(), job: JobOptions::default() }
+        Self { scene, settings: BakeSettings::default(), light_input: None, job: JobOptions::default() }
     }
 
     /// Smallest density of the light maps, texels per metre; 25 unless set.
@@ -70,6 +75,12 @@ impl<'a> BakeBuilder<'a> {
         self
     }
 
+    /// Begins a part with the light of this file, of joined parts that end with the direct light.
+    pub fn light_input(mut self, path: impl Into<Option<PathBuf>>) -> Self {
+        self.light_input = path.into();
+        self
+    }
+
     /// Replaces the options that every job takes.
     pub fn job(mut self, options: JobOptions<'a>) -> Self {
         self.job = options;
@@ -84,27 +95,22 @@ impl<'a> BakeBuilder<'a> {
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
     /// [`Error::Elements`] and [`Error::Bake`] for more elements or texels than can be stored.
     pub fn run(self) -> Result<BakeOutcome, Error> {
-        let Self { scene, settings, job } = self;
+        let Self { scene, settings, job, .. } = self;
         scene.check_scene("bake")?;
         let mut job = job.start();
         job.check_checkpoint()?;
         let identity = LightIdentity::new(scene.content_hash(), settings);
         #[cfg(feature = "formats")]
         let view = model_files::ModelView::of(&scene.description);
-        let (scene, warnings) = scene.resolve()?;
-        warnings.into_iter().for_each(|warning| job.warn(warning));
-        if scene.has_media() {
-            job.warn(Warning::MediaLeftOut { what: "the bake".to_owned() });
-        }
+        let scene = resolved(scene, &mut job)?;
         let start = Instant::now();
         #[cfg(feature = "formats")]
         if view.camera(&scene.bounds()).is_none() {
             job.warn(Warning::CameraLeftOut);
         }
         let (maps, elements) = job.in_pool(|job| {
-            let elements = elements(&scene, &settings, job)?;
+            let elements = started_elements(&scene, &settings, job)?;
             let count = elements.list.len();
-            job.emit(JobEvent::BakeStarted { density: settings.density, elements: count });
             let maps = match start_of(&identity, &elements, job)? {
                 BakeStart::Finished(maps) => maps,
                 BakeStart::State(state) => baked_maps(state, &elements, &settings, Some(&identity), job)?,
@@ -127,6 +133,51 @@ impl<'a> BakeBuilder<'a> {
             warnings: job.warnings,
         })
     }
+}
+
+impl BakeBuilder<'_> {
+    /// Bakes a part, into the checkpoint; [`merge`](crate::merge) joins all parts.
+    ///
+    /// A part without [`BakeBuilder::light_input`] computes the direct light of all parts.
+    ///
+    /// # Errors
+    /// Those of [`BakeBuilder::run`]; [`Error::Indivisible`] for [`BakeMethod::Radiosity`], [`Error::Join`] for finished light as its beginning.
+    pub fn run_part(self, part: BakePart) -> Result<LightState, Error> {
+        let Self { scene, settings, light_input, job } = self;
+        scene.check_scene("bake")?;
+        if settings.method != BakeMethod::Gather {
+            return Err(Error::Indivisible { what: "the hierarchical solver" });
+        }
+        let mut job = job.start();
+        job.check_checkpoint()?;
+        let identity = LightIdentity::new(scene.content_hash(), settings);
+        let scene = resolved(scene, &mut job)?;
+        job.in_pool(|job| {
+            let elements = started_elements(&scene, &settings, job)?;
+            light_state::computed(identity, &elements, &settings, part, light_input.as_deref(), job)
+        })
+    }
+}
+
+/// The scene of a bake.
+fn resolved(scene: LoadedScene, job: &mut RunningJob<'_>) -> Result<Scene, Error> {
+    let (scene, warnings) = scene.resolve()?;
+    warnings.into_iter().for_each(|warning| job.warn(warning));
+    if scene.has_media() {
+        job.warn(Warning::MediaLeftOut { what: "the bake".to_owned() });
+    }
+    Ok(scene)
+}
+
+/// The elements, with the event that the bake starts.
+fn started_elements<'a>(
+    scene: &'a Scene,
+    settings: &BakeSettings,
+    job: &mut RunningJob<'_>,
+) -> Result<Elements<'a>, Error> {
+    let elements = elements(scene, settings, job)?;
+    job.emit(JobEvent::BakeStarted { density: settings.density, elements: elements.list.len() });
+    Ok(elements)
 }
 
 /// The start of the bake: the checkpoint to resume, or an empty state.

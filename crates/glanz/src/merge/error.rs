@@ -70,6 +70,14 @@ pub enum JoinError {
         /// What they share, such as "samples 0 to 31".
         common: String,
     },
+    /// Parts of one job with different results for the same.
+    #[error("{} and {} contradict each other in the {what}; one of them is damaged", .parts[0].display(), .parts[1].display())]
+    Contradiction {
+        /// The parts; the first may be joined with others already.
+        parts: [PathBuf; 2],
+        /// What differs.
+        what: &'static str,
+    },
     /// A part whose film cannot be added to that of the first.
     #[error("{} cannot be joined with {}: {error}", .parts[1].display(), .parts[0].display())]
     Film {

@@ -6,6 +6,8 @@ mod part_file;
 
 use std::path::Path;
 
+#[cfg(feature = "radiosity")]
+use crate::bake::{self, LightState};
 use crate::error::Error;
 use crate::event::Warning;
 #[cfg(feature = "illumination")]
@@ -37,6 +39,9 @@ pub enum MergeOutcome {
     /// Particles, of parts of a calculation of illuminance.
     #[cfg(feature = "illumination")]
     Illuminance(Box<JoinedTally>),
+    /// Light, of parts of a bake.
+    #[cfg(feature = "radiosity")]
+    Light(Box<LightState>),
 }
 
 impl MergeOutcome {
@@ -47,6 +52,8 @@ impl MergeOutcome {
             Self::Picture(_) => PartKind::Picture,
             #[cfg(feature = "illumination")]
             Self::Illuminance(_) => PartKind::Illuminance,
+            #[cfg(feature = "radiosity")]
+            Self::Light(_) => PartKind::Light,
         }
     }
 
@@ -57,6 +64,8 @@ impl MergeOutcome {
             Self::Picture(picture) => picture.warnings(),
             #[cfg(feature = "illumination")]
             Self::Illuminance(joined) => &joined.warnings,
+            #[cfg(feature = "radiosity")]
+            Self::Light(joined) => &joined.warnings,
         }
     }
 
@@ -69,6 +78,8 @@ impl MergeOutcome {
             Self::Picture(picture) => picture.save_checkpoint(path),
             #[cfg(feature = "illumination")]
             Self::Illuminance(joined) => joined.save_checkpoint(path),
+            #[cfg(feature = "radiosity")]
+            Self::Light(joined) => joined.save_checkpoint(path),
         }
     }
 }
@@ -96,6 +107,9 @@ pub fn merge<P: AsRef<Path>>(
         PartKind::Illuminance => {
             Ok(MergeOutcome::Illuminance(Box::new(illuminate::join(parts, options, job)?)))
         }
+        #[cfg(feature = "radiosity")]
+        PartKind::Light => Ok(MergeOutcome::Light(Box::new(bake::join(parts, options, job)?))),
+        #[cfg(not(all(feature = "illumination", feature = "radiosity")))]
         kind => Err(JoinError::Unsupported { kind }.into()),
     })
 }

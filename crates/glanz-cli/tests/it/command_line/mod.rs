@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod bake;
+mod bake_parts;
 mod convert;
 mod file_list;
 mod file_uses;
