@@ -1,4 +1,15 @@
-//! The native module of the Python package `glanz`.
+//! The native module of the Python package `glanz`: scenes, jobs and their results. The package re-exports it; values without methods of
+//! the engine are dataclasses of the package (`glanz/_results.py`), which this module fills.
+
+mod arguments;
+mod bake;
+mod compare;
+mod error;
+mod illuminate;
+mod image;
+mod job;
+mod render;
+mod scene;
 
 use pyo3::prelude::*;
 
@@ -6,6 +17,17 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _glanz {
     use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::bake::PyLightMaps;
+    #[pymodule_export]
+    use crate::compare::compare;
+    #[pymodule_export]
+    use crate::illuminate::PyIllumination;
+    #[pymodule_export]
+    use crate::image::{PyImage, merge, read_image};
+    #[pymodule_export]
+    use crate::scene::{PyScene, load, loads};
 
     /// Adds the version.
     #[pymodule_init]

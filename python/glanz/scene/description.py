@@ -1,0 +1,238 @@
+"""Scenes that are built in Python."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .. import _load
+from .._glanz import Scene
+from ._statement import Writer, numbers, parameter, parameters_of, quoted
+from .light import LightSource
+from .material import Material, Mix
+from .medium import Medium
+from .shape import Group, Instance, Shape
+from .transform import Transform
+from .trim import trim_parameters
+from .view import Camera, Film, Filter, Integrator, PerspectiveCamera, Sampler
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SceneDescription:
+    """A scene of objects.
+
+    The engine checks them: `load` gives a `Scene`, or a `SceneError` that names the object at fault. Objects may be used several times, and
+    ``dataclasses.replace`` makes variants.
+    """
+
+    camera: Camera = field(default_factory=PerspectiveCamera)
+    film: Film = field(default_factory=Film)
+    filter: Filter | None = None
+    sampler: Sampler = field(default_factory=Sampler)
+    integrator: Integrator = field(default_factory=Integrator)
+    lights: Sequence[LightSource] = ()
+    shapes: Sequence[Shape | Instance] = ()
+
+    def to_pbrt(self) -> str:
+        """The scene in the scene language, which ``glanz render`` takes.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For values that the language cannot express; a note names the object.
+        """
+        return _written(self)[0]
+
+    def load(self, *, name: str = "scene", folder: str | os.PathLike[str] | None = None, strict: bool = False) -> Scene:
+        """The scene for rendering and illuminating.
+
+        Parameters
+        ----------
+        name
+            Its name in messages and reports.
+        folder
+            Folder of the files that it names.
+        strict
+            Whether parts that have to be repaired or replaced are errors.
+
+        Raises
+        ------
+        SceneError
+            For what is not a scene; ``object`` names the object.
+        TypeError, ValueError
+            As `to_pbrt`.
+        """
+        text, origins = _written(self)
+        return _load.loads(text, name=name, folder=folder, strict=strict, origins=origins)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the scene as a scene file (.pbrt); files that it names are those beside it."""
+        Path(path).write_text(self.to_pbrt(), encoding="utf-8")
+
+
+def _written(scene: SceneDescription) -> tuple[str, list[tuple[int, str]]]:
+    """The text, with first lines and names of the objects."""
+    writer = Writer()
+    _write_view(writer, scene)
+    writer.origin("scene")
+    writer.lines.append("WorldBegin")
+    for number, light in enumerate(scene.lights):
+        name = _name(f"lights[{number}]", light)
+        writer.origin(name)
+        with _Place(name):
+            _write_light(writer, light)
+    for number, shape in enumerate(scene.shapes):
+        _write_placed(writer, f"shapes[{number}]", shape)
+    return "\n".join(writer.lines) + "\n", writer.origins
+
+
+class _Place:
+    """Names the object at fault in exceptions about its values."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if type(error) in (TypeError, ValueError) and not getattr(error, "glanz_object", None):
+            raised = type(error)(f"{self._name}: {error}")
+            raised.glanz_object = self._name  # type: ignore[union-attr]
+            raise raised from None
+
+
+def _name(path: str, value: object) -> str:
+    return f"{path}: {type(value).__name__}"
+
+
+def _write_view(writer: Writer, scene: SceneDescription) -> None:
+    camera = scene.camera
+    name = _name("camera", camera)
+    writer.origin(name)
+    with _Place(name):
+        if camera.transform is not None:
+            writer.lines.append(camera.transform.statement("Transform"))
+        else:
+            if camera.MIRROR:
+                writer.lines.append("Scale -1 1 1")
+            writer.lines.append(f"LookAt {numbers([camera.eye, camera.target, camera.up])}")
+        if camera.medium is not None:
+            medium = _medium(writer, camera.medium)
+            writer.lines.append(f"MediumInterface {medium}")
+        writer.lines.append(_statement(writer, "Camera", camera.KIND, camera))
+    parts = (("Film", scene.film.KIND, scene.film),) if scene.filter is None else (
+        ("Film", scene.film.KIND, scene.film),
+        ("PixelFilter", scene.filter.kind, scene.filter),
+    )
+    for directive, kind, value in (
+        *parts,
+        ("Sampler", scene.sampler.kind, scene.sampler),
+        ("Integrator", scene.integrator.kind, scene.integrator),
+    ):
+        name = _name("filter" if directive == "PixelFilter" else directive.lower(), value)
+        writer.origin(name)
+        with _Place(name):
+            writer.lines.append(_statement(writer, directive, kind, value))
+    if camera.medium is not None:
+        # A medium around the camera fills the world: shapes do not end it.
+        writer.origin("scene")
+
+
+def _statement(writer: Writer, directive: str, kind: str, value: object) -> str:
+    return f"{directive} {quoted(kind)}{''.join(parameters_of(writer, value))}"
+
+
+def _write_light(writer: Writer, light: LightSource) -> None:
+    line = _statement(writer, "LightSource", light.KIND, light)
+    if light.transform is None:
+        writer.lines.append(line)
+    else:
+        writer.lines += ["AttributeBegin", light.transform.statement(), line, "AttributeEnd"]
+
+
+def _medium(writer: Writer, medium: Medium | None) -> str:
+    """The name of a medium in quotation marks, which is defined if it is new."""
+    if medium is None:
+        return '""'
+    name, is_new = writer.name(medium, "medium")
+    if is_new:
+        parameters = "".join(parameters_of(writer, medium))
+        writer.lines.append(f'MakeNamedMedium {quoted(name)} "string type" {quoted(medium.KIND)}{parameters}')
+    return quoted(name)
+
+
+def _material(writer: Writer, material: Material) -> str:
+    """The name of a material in quotation marks, which is defined if it is new."""
+    name, is_new = writer.name(material, "material")
+    if is_new:
+        parts = ""
+        if isinstance(material, Mix):
+            first, second = _material(writer, material.first), _material(writer, material.second)
+            parts = f' "string materials" [ {first} {second} ]'
+        parameters = "".join(parameters_of(writer, material))
+        line = f'MakeNamedMaterial {quoted(name)} "string type" {quoted(material.KIND)}{parts}{parameters}'
+        writer.lines.append(line)
+    return quoted(name)
+
+
+def _write_placed(writer: Writer, path: str, placed: Shape | Instance) -> None:
+    if isinstance(placed, Instance):
+        group, is_new = writer.name(placed.group, "group")
+        if is_new:
+            _define_groups(writer, f"{path}.group", placed.group)
+            writer.origin(_name(path, placed.group))
+            writer.lines.append(f"ObjectBegin {quoted(group)}")
+            for number, shape in enumerate(placed.group.shapes):
+                _write_placed(writer, f"{path}.group.shapes[{number}]", shape)
+            writer.lines.append("ObjectEnd")
+        writer.origin(_name(path, placed))
+        with _Place(_name(path, placed)):
+            place = placed.transform.statement()
+        writer.lines += ["AttributeBegin", place, f"ObjectInstance {quoted(group)}", "AttributeEnd"]
+        return
+    name = _name(path, placed)
+    writer.origin(name)
+    with _Place(name):
+        _write_shape(writer, name, path, placed)
+
+
+def _define_groups(writer: Writer, path: str, group: Group) -> None:
+    """Defines the groups that a group contains before it, since definitions cannot be nested."""
+    for number, shape in enumerate(group.shapes):
+        if isinstance(shape, Instance):
+            name, is_new = writer.name(shape.group, "group")
+            if is_new:
+                own = f"{path}.shapes[{number}].group"
+                _define_groups(writer, own, shape.group)
+                writer.origin(_name(own, shape.group))
+                writer.lines.append(f"ObjectBegin {quoted(name)}")
+                for at, part in enumerate(shape.group.shapes):
+                    _write_placed(writer, f"{own}.shapes[{at}]", part)
+                writer.lines.append("ObjectEnd")
+
+
+def _write_shape(writer: Writer, name: str, path: str, shape: Shape) -> None:
+    writer.lines.append("AttributeBegin")
+    if shape.inside is not None or shape.outside is not None:
+        inside, outside = _medium(writer, shape.inside), _medium(writer, shape.outside)
+        writer.lines.append(f"MediumInterface {inside} {outside}")
+    if shape.material is not None:
+        writer.origin(_name(f"{path}.material", shape.material))
+        writer.lines.append(f"NamedMaterial {_material(writer, shape.material)}")
+    if shape.light is not None:
+        writer.origin(_name(f"{path}.light", shape.light))
+        writer.lines.append(_statement(writer, "AreaLightSource", shape.light.KIND, shape.light))
+    writer.origin(name)
+    if shape.transform is not None:
+        writer.lines.append(shape.transform.statement())
+    if shape.reverse_orientation:
+        writer.lines.append("ReverseOrientation")
+    line = _statement(writer, "Shape", shape.KIND, shape)
+    further = [shape.derived(), *map(trim_parameters, shape.trims)]
+    for parameters in further:
+        for own, (kind, value) in parameters.items():
+            line += parameter(writer, kind, own, value, "spectrum")
+    writer.lines += [line, "AttributeEnd"]

@@ -1,0 +1,139 @@
+"""Lights.
+
+Parameters have the names, units and defaults of the scene language (docs/scene-format.md); None stands for the default. Of ``power``, ``lumens``,
+``candela``, ``illuminance`` and ``nits`` a light has at most one, which replaces the magnitude of its colour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ._statement import Bool, Float, Integer, Light, Path, Point, Points, String, Vector
+from .transform import Transform
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LightSource:
+    """A light. ``transform``: from the light's space to the world; ``scale``: a factor."""
+
+    KIND: ClassVar[str]
+    transform: Transform | None = None
+    scale: Float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointLight(LightSource):
+    """A point at ``from_``, m, of the intensity ``I``, W/sr."""
+
+    KIND = "point"
+    from_: Point = (0.0, 0.0, 0.0)
+    I: Light | None = None
+    power: Float | None = None
+    lumens: Float | None = None
+    candela: Float | None = None
+    range: Float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpotLight(LightSource):
+    """A cone of light from ``from_`` to ``to``, m. ``coneangle`` and ``conedeltaangle``: degrees."""
+
+    KIND = "spot"
+    from_: Point = (0.0, 0.0, 0.0)
+    to: Point = (0.0, 0.0, 1.0)
+    I: Light | None = None
+    coneangle: Float | None = None
+    conedeltaangle: Float | None = None
+    power: Float | None = None
+    lumens: Float | None = None
+    candela: Float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DistantLight(LightSource):
+    """Parallel light in the direction from ``from_`` to ``to``; ``angle``: degrees, diameter of the disk on the sky that emits it."""
+
+    KIND = "distant"
+    from_: Point = (0.0, 0.0, 0.0)
+    to: Point = (0.0, 0.0, 1.0)
+    L: Light | None = None
+    illuminance: Float | None = None
+    angle: Float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class InfiniteLight(LightSource):
+    """Light from all directions, constant or from a picture. ``portal``: four corners of a rectangle that it comes through."""
+
+    KIND = "infinite"
+    L: Light | None = None
+    illuminance: Float | None = None
+    filename: Path | None = None
+    portal: Points | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ProjectionLight(LightSource):
+    """A projector of a picture. ``fov``: degrees of its shorter side."""
+
+    KIND = "projection"
+    filename: Path
+    I: Light | None = None
+    fov: Float | None = None
+    power: Float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GoniometricLight(LightSource):
+    """A point with a picture of its intensity over all directions."""
+
+    KIND = "goniometric"
+    filename: Path | None = None
+    I: Light | None = None
+    power: Float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SkyLight(LightSource):
+    """The clear sky and its sun: of a place and time, or of the ``direction`` to the sun. z is up, x east and y north."""
+
+    KIND = "sky"
+    latitude: Float | None = None
+    longitude: Float | None = None
+    time: String | None = None
+    direction: Vector | None = None
+    turbidity: Float | None = None
+    albedo: Light | None = None
+    sun: Bool | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PhotometricLight(LightSource):
+    """A luminaire from an IES or EULUMDAT file, or a ray file."""
+
+    KIND = "photometric"
+    filename: Path
+    from_: Point = (0.0, 0.0, 0.0)
+    lumens: Float | None = None
+    color: Light | None = None
+    lamps: Integer | None = None
+    tilt: Float | None = None
+    as_: String | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AreaLight:
+    """Light that a shape emits from the side of its normal, or from both. ``nits``: luminance, cd/m2."""
+
+    KIND: ClassVar[str] = "diffuse"
+    NAMES: ClassVar[Mapping[str, str]] = {}
+    L: Light | None = None
+    scale: Float | None = None
+    twosided: Bool | None = None
+    power: Float | None = None
+    lumens: Float | None = None
+    candela: Float | None = None
+    nits: Float | None = None
+    filename: Path | None = None

@@ -1,0 +1,147 @@
+//! Light maps from Python.
+
+use std::path::PathBuf;
+
+use glanz::formats::image::Format;
+use glanz::light::{Spectrum, Wavelengths};
+use glanz::radiosity::bake::BakeMethod;
+use glanz::radiosity::reconstruct::Interpolation;
+use glanz::{BakeOutcome, ModelSettings};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arguments::{Whole, by_name, positive, tone as tone_of};
+use crate::error::{LineOrigins, py_error, warn};
+use crate::image::image_array;
+use crate::job::{JobArguments, run_job};
+use crate::scene::PyScene;
+
+/// Light on the surfaces of a scene.
+#[pyclass(name = "LightMaps", module = "glanz", frozen)]
+pub(crate) struct PyLightMaps(BakeOutcome);
+
+/// Light of texels as an array of height x width x 3.
+fn light_array<'py>(py: Python<'py>, light: &[Spectrum], size: [u32; 2]) -> PyResult<Bound<'py, PyAny>> {
+    let wavelengths = Wavelengths::default();
+    let rgb: Vec<[f32; 3]> = light.iter().map(|light| light.to_rgb(&wavelengths)).collect();
+    image_array(py, rgb.into_flattened(), size, 3)
+}
+
+#[pymethods]
+impl PyLightMaps {
+    #[getter]
+    fn irradiance<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let atlas = &self.0.atlas;
+        atlas.pages.iter().map(|page| light_array(py, &page.irradiance, [atlas.side; 2])).collect()
+    }
+
+    #[getter]
+    fn radiance<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let atlas = &self.0.atlas;
+        atlas.pages.iter().map(|page| light_array(py, &page.radiance, [atlas.side; 2])).collect()
+    }
+
+    #[getter]
+    fn charts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let class = py.import("glanz._results")?.getattr("LightChart")?;
+        let charts = self.0.maps.iter().zip(&self.0.atlas.slots).map(|(map, slot)| {
+            let values = PyDict::new(py);
+            let size = if map.is_dark() { [0, 0] } else { map.chart.size };
+            values.set_item("shape", map.chart.shape)?;
+            values.set_item("back", map.chart.back)?;
+            values.set_item("hidden", map.is_hidden)?;
+            values.set_item("page", slot.map(|slot| slot.page))?;
+            values.set_item("corner", slot.map(|slot| (slot.corner[0], slot.corner[1])))?;
+            values.set_item("irradiance", light_array(py, &map.irradiance, size)?)?;
+            values.set_item("radiance", light_array(py, &map.radiance, size)?)?;
+            class.call((), Some(&values))
+        });
+        charts.collect()
+    }
+
+    #[getter]
+    fn elements(&self) -> usize {
+        self.0.elements
+    }
+
+    #[getter]
+    fn seconds(&self) -> f64 {
+        self.0.elapsed.as_secs_f64()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    #[pyo3(signature = (path, *, tolerance=None, exposure=0.0, tone="linear", lightmap="exr"))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        tolerance: Option<f64>,
+        exposure: f32,
+        tone: &str,
+        lightmap: &str,
+    ) -> PyResult<Vec<PathBuf>> {
+        let settings = ModelSettings {
+            tolerance: tolerance.map(|tolerance| positive(tolerance, "tolerance")).transpose()?,
+            tone: tone_of(exposure, tone)?,
+            irradiance: by_name(
+                lightmap,
+                "format of light maps",
+                [(Format::Exr, "exr"), (Format::Png, "png")],
+            )?,
+        };
+        let saved = py.detach(|| self.0.save_with(&path, &settings));
+        saved.map(|files| files.paths).map_err(|error| py_error(py, error, &LineOrigins::default()))
+    }
+
+    fn __repr__(&self) -> String {
+        let (charts, pages, side) = (self.0.maps.len(), self.0.atlas.pages.len(), self.0.atlas.side);
+        format!("<glanz.LightMaps {charts} charts on {pages} pages of {side} x {side} texels>")
+    }
+}
+
+#[pymethods]
+impl PyScene {
+    #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+    #[pyo3(signature = (*, density=25.0, rays=None, method="gather", interpolation=None, threads=None, checkpoint=None, resume=false,
+        progress=None))]
+    fn bake(
+        &self,
+        py: Python<'_>,
+        density: f64,
+        rays: Option<Whole>,
+        method: &str,
+        interpolation: Option<&str>,
+        threads: Option<Whole>,
+        checkpoint: Option<PathBuf>,
+        resume: bool,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<PyLightMaps> {
+        let interpolations = || Interpolation::ALL.into_iter().map(|method| (method, method.name()));
+        let interpolation =
+            interpolation.map(|name| by_name(name, "interpolation", interpolations())).transpose()?;
+        let radiosity = BakeMethod::Radiosity {
+            reconstruction: interpolation.unwrap_or(Interpolation::NaturalNeighbour),
+        };
+        let method = by_name(method, "method", [(BakeMethod::Gather, "gather"), (radiosity, "radiosity")])?;
+        if method == BakeMethod::Gather && interpolation.is_some() {
+            return Err(PyValueError::new_err("interpolation: only for method=\"radiosity\""));
+        }
+        let density = positive(density, "density")?;
+        let rays = rays.map(|rays| rays.within("rays", 16..=65_536)).transpose()?;
+        let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
+        let outcome = run_job(py, job, &self.origins, |job| {
+            let bake = scene.bake().method(method).density(density).job(job);
+            match rays {
+                Some(rays) => bake.rays(rays).run(),
+                None => bake.run(),
+            }
+        })?;
+        warn(py, outcome.warnings.iter().map(ToString::to_string))?;
+        Ok(PyLightMaps(outcome))
+    }
+}

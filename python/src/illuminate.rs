@@ -1,0 +1,212 @@
+//! Illuminance from Python.
+
+use std::path::PathBuf;
+
+use glanz::illumination::{GridResolution, LuxMap, TraceGoal};
+use glanz::job::JobEnd;
+use glanz::math::DVec3;
+use glanz::scene::description::MAX_RECEIVER_CELLS;
+use glanz::{IlluminateMethod, IlluminateOptions, IlluminateOutcome};
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arguments::{Whole, by_name, positive, seconds};
+use crate::error::{LineOrigins, py_error, warn};
+use crate::job::{JobArguments, run_job};
+use crate::scene::PyScene;
+
+/// Illuminance on the receivers of a scene.
+#[pyclass(name = "Illumination", module = "glanz", frozen)]
+pub(crate) struct PyIllumination {
+    outcome: IlluminateOutcome,
+    receivers: Py<PyDict>,
+    integrated: Py<PyDict>,
+}
+
+/// A map as `glanz.LuxMap`.
+fn lux_map<'py>(py: Python<'py>, map: &LuxMap) -> PyResult<Bound<'py, PyAny>> {
+    let shape = map.cells.map(|count| count as usize);
+    let grid = |values: &[f64]| values.to_vec().into_pyarray(py).reshape([shape[1], shape[0]]);
+    let positions: Vec<f64> = map.positions.iter().flat_map(|position| position.to_array()).collect();
+    let summary = map.summary();
+    let values = PyDict::new(py);
+    values.set_item("name", &map.name)?;
+    values.set_item("size", (map.size[0], map.size[1]))?;
+    values.set_item("lux", grid(&map.lux)?)?;
+    values.set_item("standard_errors", grid(&map.errors)?)?;
+    values.set_item("areas", grid(&map.areas)?)?;
+    values.set_item("positions", positions.into_pyarray(py).reshape([map.positions.len(), 3])?)?;
+    values.set_item("minimum", summary.minimum)?;
+    values.set_item("mean", summary.mean)?;
+    values.set_item("maximum", summary.maximum)?;
+    values.set_item("u0", summary.u0)?;
+    values.set_item("u1", summary.u1)?;
+    values.set_item("area", summary.area)?;
+    values.set_item("flux", summary.flux)?;
+    values.set_item("maximum_error", summary.maximum_error)?;
+    py.import("glanz._results")?.getattr("LuxMap")?.call((), Some(&values))
+}
+
+/// The maps by the names of their receivers; a repeated name gets a number.
+fn by_receiver(py: Python<'_>, maps: &[LuxMap]) -> PyResult<Py<PyDict>> {
+    let dict = PyDict::new(py);
+    for map in maps {
+        let mut name = map.name.clone();
+        let mut number = 2;
+        while dict.contains(&name)? {
+            name = format!("{} {number}", map.name);
+            number += 1;
+        }
+        dict.set_item(name, lux_map(py, map)?)?;
+    }
+    Ok(dict.unbind())
+}
+
+#[pymethods]
+impl PyIllumination {
+    #[getter]
+    fn receivers(&self, py: Python<'_>) -> Py<PyDict> {
+        self.receivers.clone_ref(py)
+    }
+
+    #[getter]
+    fn integrated(&self, py: Python<'_>) -> Py<PyDict> {
+        self.integrated.clone_ref(py)
+    }
+
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        self.receivers.bind(py).as_any().get_item(name)
+    }
+
+    #[getter]
+    fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let Some(balance) = self.outcome.report.balance else { return Ok(None) };
+        let values = PyDict::new(py);
+        values.set_item("emitted", balance.emitted)?;
+        values.set_item("absorbed_by_receivers", balance.absorbed_by_receivers)?;
+        values.set_item("absorbed_elsewhere", balance.absorbed_elsewhere)?;
+        values.set_item("escaped", balance.escaped)?;
+        values.set_item("given_up", balance.given_up)?;
+        values.set_item("closes_to", balance.closes_to())?;
+        py.import("glanz._results")?.getattr("FluxBalance")?.call((), Some(&values)).map(Some)
+    }
+
+    #[getter]
+    fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        self.outcome.report.how.iter().try_for_each(|(name, value)| dict.set_item(name, value))?;
+        Ok(dict)
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.outcome.warnings.iter().map(ToString::to_string).collect()
+    }
+
+    #[getter]
+    fn complete(&self) -> bool {
+        self.outcome.end == JobEnd::Complete
+    }
+
+    fn summary(&self) -> String {
+        self.outcome.report.text()
+    }
+
+    fn _repr_html_(&self) -> String {
+        let text = self.summary().replace('&', "&amp;").replace('<', "&lt;");
+        format!("<pre>{text}</pre>")
+    }
+
+    fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
+        let saved = py.detach(|| self.outcome.save(&folder));
+        saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
+    }
+
+    fn save_far_field(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let saved = py.detach(|| self.outcome.save_far_field(&path));
+        saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
+    }
+
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("glanz._results")?;
+        module.call_method1("illumination_frame", (slf.get().receivers(slf.py()),))
+    }
+
+    fn __repr__(&self) -> String {
+        let maps = self.outcome.report.maps.iter().map(|map| {
+            let summary = map.summary();
+            format!("{:?} mean {:.4} lx, U0 {:.3}", map.name, summary.mean, summary.u0)
+        });
+        format!("<glanz.Illumination {}>", maps.collect::<Vec<_>>().join("; "))
+    }
+}
+
+#[pymethods]
+impl PyScene {
+    #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+    #[pyo3(signature = (*, method="trace", particles=None, time_limit=None, error=None, tolerance=0.01, room=None, cells=None, texel=None,
+        far_field=false, seed=None, max_depth=None, threads=None, checkpoint=None, resume=false, progress=None))]
+    fn illuminate(
+        &self,
+        py: Python<'_>,
+        method: &str,
+        particles: Option<Whole>,
+        time_limit: Option<f64>,
+        error: Option<f64>,
+        tolerance: f64,
+        room: Option<[f64; 3]>,
+        cells: Option<Whole>,
+        texel: Option<f64>,
+        far_field: bool,
+        seed: Option<Whole>,
+        max_depth: Option<Whole>,
+        threads: Option<Whole>,
+        checkpoint: Option<PathBuf>,
+        resume: bool,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<PyIllumination> {
+        let default = IlluminateOptions::default();
+        let methods = [
+            (IlluminateMethod::Trace, "trace"),
+            (IlluminateMethod::Integrate, "integrate"),
+            (IlluminateMethod::Both, "both"),
+        ];
+        let resolution = match (cells, texel) {
+            (Some(_), Some(_)) => return Err(PyValueError::new_err("cells and texel exclude each other")),
+            (Some(cells), None) => GridResolution::Longer(cells.within("cells", 1..=MAX_RECEIVER_CELLS)?),
+            (None, Some(texel)) => GridResolution::Texel(positive(texel, "texel")?),
+            (None, None) => default.resolution,
+        };
+        if particles.is_some_and(|particles| particles.0 == 0) {
+            return Err(PyValueError::new_err("particles is 0; it must be at least 1"));
+        }
+        let room = room.map(|sides| {
+            sides.iter().try_for_each(|side| positive(*side, "a side of room").map(drop))?;
+            Ok::<_, PyErr>(DVec3::from_array(sides))
+        });
+        let depth = max_depth.map(|depth| depth.within("max_depth", 1..=u32::MAX)).transpose()?;
+        let options = IlluminateOptions {
+            room: room.transpose()?,
+            resolution,
+            method: by_name(method, "method", methods)?,
+            goal: TraceGoal {
+                particles: particles.map(|particles| particles.0),
+                time: time_limit.map(|time| seconds(time, "time_limit")).transpose()?,
+                error: error.map(|error| positive(error, "error")).transpose()?,
+            },
+            tolerance: positive(tolerance, "tolerance")?,
+            far_field,
+            seed: seed.map_or(default.seed, |seed| seed.0),
+            max_depth: depth.unwrap_or(default.max_depth),
+        };
+        let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
+        let outcome =
+            run_job(py, job, &self.origins, |job| scene.illuminate().options(options).job(job).run())?;
+        warn(py, outcome.warnings.iter().map(ToString::to_string))?;
+        let receivers = by_receiver(py, &outcome.report.maps)?;
+        let integrated = by_receiver(py, &outcome.integrated)?;
+        Ok(PyIllumination { outcome, receivers, integrated })
+    }
+}
