@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 
-from . import _glanz
 from ._glanz import Scene
+from ._glanz import load as _load
+from ._glanz import loads as _loads
 
 
 def load(
@@ -46,7 +47,7 @@ def load(
         For an argument without meaning.
     """
     arguments = _arguments(strict, edges, view, up, background, ground, material, section)
-    return _glanz.load(os.fspath(path), arguments)
+    return _load(os.fspath(path), arguments)
 
 
 def loads(
@@ -79,7 +80,7 @@ def loads(
     """
     arguments = _arguments(strict, False, None, None, None, None, None, None)
     folder = None if folder is None else os.fspath(folder)
-    return _glanz.loads(text, name, folder, list(origins), arguments)
+    return _loads(text, name, folder, list(origins), arguments)
 
 
 def _arguments(

@@ -8,6 +8,7 @@ mod farm;
 mod layers;
 mod nightly;
 mod publish;
+mod python;
 mod references;
 mod scenes;
 mod setup;
@@ -23,13 +24,14 @@ const USAGE: &str = "\
 Usage: cargo xtask COMMAND
 
   test [STEP...]       the checks of a change: format, layers, references, words, clippy, docs, tests, web, browser
-  nightly [PART...]    all long checks: heavy, browser, benches, publish, farm, and the parts below
+  nightly [PART...]    all long checks: heavy, browser, benches, publish, farm, python, and the parts below
   farm [JOB...]        jobs in parts by Open Job Description and on a local cluster of Slurm, against single runs; installs both; the variable GLANZ may name the program
   setup                installs the tools of the checks; `test` does so, too
   layers               dependencies between crates, against the layers of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib
   words [--report]     banned names and phrases, and names with two definitions; with --report it only lists them
   publish --dry-run    packages every crate and builds it from its package
+  python               builds the Python package into a fresh virtual environment, runs its tests and notebooks, checks its types
   pbrt-scenes DIR      loads every pbrt scene below DIR with `glanz info`, one line each
 
 Parts of nightly, optimised, with their default numbers:
@@ -48,6 +50,7 @@ fn main() -> ExitCode {
         ["words"] => words::check(),
         ["words", "--report"] => words::report(),
         ["publish", "--dry-run"] => publish::dry_run(),
+        ["python"] => python::check(),
         ["pbrt-scenes", folder] => scenes::load_all(Path::new(folder)),
         ["help" | "--help" | "-h"] => {
             println!("{USAGE}{}", nightly::help());

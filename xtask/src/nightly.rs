@@ -5,7 +5,7 @@ use std::process::{Command, ExitCode};
 use crate::checks::{BROWSER_TESTS, HEAVY_TESTS, all_tests, run_tests};
 use crate::setup::{Tool, Toolbox};
 use crate::suite::{self, Check, Verdict, succeed};
-use crate::{chromium, farm, publish, workspace};
+use crate::{chromium, farm, publish, python, workspace};
 
 /// Integration tests that take their extent from environment variables, optimised.
 struct NightlyPart {
@@ -183,6 +183,7 @@ pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
         Check { name: "benches", run: Box::new(benches) },
         Check { name: "publish", run: Box::new(|| publish::dry_run().map(Verdict::Passed)) },
         Check { name: "farm", run: Box::new(farm::check) },
+        Check { name: "python", run: Box::new(python::verdict) },
     ];
     checks.extend(PARTS.iter().map(|part| Check {
         name: part.name,

@@ -78,7 +78,7 @@ def numbers(values: ArrayLike, integer: bool = False) -> str:
     if not np.isfinite(array).all():
         raise ValueError("a number is infinite or not a number")
     if not integer:
-        return " ".join(map(repr, array.tolist()))
+        return repr(array.tolist())[1:-1].replace(",", "")
     if (array != np.rint(array)).any():
         raise ValueError("a number is not whole")
     return " ".join(map(str, array.astype(np.int64).tolist()))
@@ -92,6 +92,8 @@ def quoted(text: str) -> str:
     ValueError
         If the scene language cannot hold it.
     """
+    if not isinstance(text, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"{text!r} is not a text")
     if not text.isprintable():
         raise ValueError(f"{text!r} has characters that a name or path in a scene cannot have")
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
@@ -170,8 +172,7 @@ def parameter(writer: Writer, kind: str, name: str, value: Any, texture_kind: st
         if kind == "path":
             return f' "string {name}" {quoted(os.fspath(value))}'
         if kind == "string":
-            texts = [value] if isinstance(value, str) else list(value)
-            return f' "string {name}" [ {" ".join(map(quoted, texts))} ]'
+            return f' "string {name}" {quoted(value)}'
         return f' "{kind} {name}" [ {numbers(value, kind == "integer")} ]'
     except (TypeError, ValueError) as error:
         raise type(error)(f"{name}: {error}") from None
@@ -207,7 +208,8 @@ def _hint_names() -> dict[str, Any]:
 def parameters_of(writer: Writer, value: Any, texture_kind: str = "spectrum") -> list[str]:
     """The parameters of an object that are not None."""
     texts: list[str] = []
-    for field, kind, name in _fields(type(value)):
+    cls: type = type(value)
+    for field, kind, name in _fields(cls):
         own = getattr(value, field)
         if own is not None:
             texts.append(parameter(writer, kind, name, own, texture_kind))

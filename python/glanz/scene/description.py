@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from .. import _load
 from .._glanz import Scene
+from .._load import loads
 from ._statement import Writer, numbers, parameter, parameters_of, quoted
 from .light import LightSource
 from .material import Material, Mix
 from .medium import Medium
 from .shape import Group, Instance, Shape
-from .transform import Transform
 from .trim import trim_parameters
 from .view import Camera, Film, Filter, Integrator, PerspectiveCamera, Sampler
 
@@ -65,7 +65,7 @@ class SceneDescription:
             As `to_pbrt`.
         """
         text, origins = _written(self)
-        return _load.loads(text, name=name, folder=folder, strict=strict, origins=origins)
+        return loads(text, name=name, folder=folder, strict=strict, origins=origins)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the scene as a scene file (.pbrt); files that it names are those beside it."""
@@ -81,27 +81,26 @@ def _written(scene: SceneDescription) -> tuple[str, list[tuple[int, str]]]:
     for number, light in enumerate(scene.lights):
         name = _name(f"lights[{number}]", light)
         writer.origin(name)
-        with _Place(name):
+        with _place(name):
             _write_light(writer, light)
     for number, shape in enumerate(scene.shapes):
         _write_placed(writer, f"shapes[{number}]", shape)
     return "\n".join(writer.lines) + "\n", writer.origins
 
 
-class _Place:
+class _PlacedError(Exception):
+    """Marks messages that name their object already."""
+
+
+@contextmanager
+def _place(name: str) -> Iterator[None]:
     """Names the object at fault in exceptions about its values."""
-
-    def __init__(self, name: str) -> None:
-        self._name = name
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        if type(error) in (TypeError, ValueError) and not getattr(error, "glanz_object", None):
-            raised = type(error)(f"{self._name}: {error}")
-            raised.glanz_object = self._name  # type: ignore[union-attr]
-            raise raised from None
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        if isinstance(error.__cause__, _PlacedError):
+            raise
+        raise type(error)(f"{name}: {error}") from _PlacedError(name)
 
 
 def _name(path: str, value: object) -> str:
@@ -112,7 +111,7 @@ def _write_view(writer: Writer, scene: SceneDescription) -> None:
     camera = scene.camera
     name = _name("camera", camera)
     writer.origin(name)
-    with _Place(name):
+    with _place(name):
         if camera.transform is not None:
             writer.lines.append(camera.transform.statement("Transform"))
         else:
@@ -123,23 +122,17 @@ def _write_view(writer: Writer, scene: SceneDescription) -> None:
             medium = _medium(writer, camera.medium)
             writer.lines.append(f"MediumInterface {medium}")
         writer.lines.append(_statement(writer, "Camera", camera.KIND, camera))
-    parts = (("Film", scene.film.KIND, scene.film),) if scene.filter is None else (
-        ("Film", scene.film.KIND, scene.film),
-        ("PixelFilter", scene.filter.kind, scene.filter),
-    )
-    for directive, kind, value in (
-        *parts,
-        ("Sampler", scene.sampler.kind, scene.sampler),
-        ("Integrator", scene.integrator.kind, scene.integrator),
+    filters = [] if scene.filter is None else [("filter", "PixelFilter", scene.filter.kind, scene.filter)]
+    for path, directive, kind, value in (
+        ("film", "Film", scene.film.KIND, scene.film),
+        *filters,
+        ("sampler", "Sampler", scene.sampler.kind, scene.sampler),
+        ("integrator", "Integrator", scene.integrator.kind, scene.integrator),
     ):
-        name = _name("filter" if directive == "PixelFilter" else directive.lower(), value)
+        name = _name(path, value)
         writer.origin(name)
-        with _Place(name):
+        with _place(name):
             writer.lines.append(_statement(writer, directive, kind, value))
-    if camera.medium is not None:
-        # A medium around the camera fills the world: shapes do not end it.
-        writer.origin("scene")
-
 
 def _statement(writer: Writer, directive: str, kind: str, value: object) -> str:
     return f"{directive} {quoted(kind)}{''.join(parameters_of(writer, value))}"
@@ -179,39 +172,34 @@ def _material(writer: Writer, material: Material) -> str:
 
 
 def _write_placed(writer: Writer, path: str, placed: Shape | Instance) -> None:
-    if isinstance(placed, Instance):
-        group, is_new = writer.name(placed.group, "group")
-        if is_new:
-            _define_groups(writer, f"{path}.group", placed.group)
-            writer.origin(_name(path, placed.group))
-            writer.lines.append(f"ObjectBegin {quoted(group)}")
-            for number, shape in enumerate(placed.group.shapes):
-                _write_placed(writer, f"{path}.group.shapes[{number}]", shape)
-            writer.lines.append("ObjectEnd")
-        writer.origin(_name(path, placed))
-        with _Place(_name(path, placed)):
-            place = placed.transform.statement()
-        writer.lines += ["AttributeBegin", place, f"ObjectInstance {quoted(group)}", "AttributeEnd"]
-        return
     name = _name(path, placed)
-    writer.origin(name)
-    with _Place(name):
-        _write_shape(writer, name, path, placed)
+    if isinstance(placed, Instance):
+        group = _group(writer, f"{path}.group", placed.group)
+        writer.origin(name)
+        with _place(name):
+            place = placed.transform.statement()
+        writer.lines += ["AttributeBegin", place, f"ObjectInstance {group}", "AttributeEnd"]
+    else:
+        writer.origin(name)
+        with _place(name):
+            _write_shape(writer, name, path, placed)
 
 
-def _define_groups(writer: Writer, path: str, group: Group) -> None:
-    """Defines the groups that a group contains before it, since definitions cannot be nested."""
-    for number, shape in enumerate(group.shapes):
-        if isinstance(shape, Instance):
-            name, is_new = writer.name(shape.group, "group")
-            if is_new:
-                own = f"{path}.shapes[{number}].group"
-                _define_groups(writer, own, shape.group)
-                writer.origin(_name(own, shape.group))
-                writer.lines.append(f"ObjectBegin {quoted(name)}")
-                for at, part in enumerate(shape.group.shapes):
-                    _write_placed(writer, f"{own}.shapes[{at}]", part)
-                writer.lines.append("ObjectEnd")
+def _group(writer: Writer, path: str, group: Group) -> str:
+    """The name of a group in quotation marks, which is defined if it is new, after the groups that it contains."""
+    name, is_new = writer.name(group, "group")
+    if is_new:
+        parts = [(f"{path}.shapes[{number}]", part) for number, part in enumerate(group.shapes)]
+        for own, part in parts:
+            if isinstance(part, Instance):
+                _group(writer, f"{own}.group", part.group)
+        writer.origin(_name(path, group))
+        writer.lines.append(f"ObjectBegin {quoted(name)}")
+        for own, part in parts:
+            _write_placed(writer, own, part)
+        writer.origin(_name(path, group))
+        writer.lines.append("ObjectEnd")
+    return quoted(name)
 
 
 def _write_shape(writer: Writer, name: str, path: str, shape: Shape) -> None:

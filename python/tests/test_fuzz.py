@@ -1,0 +1,135 @@
+"""Arguments without meaning: results or documented exceptions, never a crash."""
+
+import math
+import os
+import random
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import glanz
+from glanz.scene import BezierPatch, Box, Diffuse, Disk, Film, Nurbs, PerspectiveCamera, PointLight, SceneDescription, Sphere, TriangleMesh
+
+#: Number of calls; GLANZ_FUZZ_CALLS sets another.
+CALLS = int(os.environ.get("GLANZ_FUZZ_CALLS", "100000"))
+
+DOCUMENTED = (glanz.GlanzError, ValueError, TypeError, OSError, KeyError)
+
+SCENE = SceneDescription(
+    film=Film(xresolution=2, yresolution=2),
+    lights=[PointLight(I=1)],
+    shapes=[Disk(height=1, receiver="disk", cells=[1, 1])],
+).load()
+
+VALUES: list[Any] = [
+    None, True, False, 0, 1, 2, 3, -1, 2**31, 2**32, 2**64, -(2**70), 0.0, 0.5, -0.0, 1e-300, 1e300, math.nan, math.inf, -math.inf,
+    "", "path", "trace", "all", "K/N", "1/2", "3/2", "x" * 300, "a\0b", "\ud800", b"bytes", (), (1, 1), (2, 1), (-1, 3), (0, 1), (1, 2, 3), [1.0, math.nan, 2.0],
+    [[0, 0, 0]], {}, {"a": 1}, object(), np.zeros((0, 3)), np.zeros((2, 2)), np.full((2, 2, 3), np.nan), np.ones((2, 2, 3), np.float32)[::-1, ::-1],
+    np.ones((3, 3), np.uint8), np.ones((2, 2, 3), complex), np.array(["a"]), Path("missing/file.exr"), range(3),
+]  # fmt: skip
+
+#: Values that often have a meaning.
+USUAL: list[Any] = [None, 1, 2, 0.5, (1, 1, 1), np.ones((2, 2, 3)), np.zeros((4, 4, 3), np.uint8), [0, 0, 1, 1], [0, 1, 2], np.eye(3)]
+
+RENDER = [
+    "size", "integrator", "sampler", "seed", "noise", "sample_range", "part", "time_limit", "light_sampling", "spectral", "branching", "guide",
+    "guide_input", "light_input", "aovs", "variance", "edges", "threads", "checkpoint", "resume", "progress", "unknown",
+]  # fmt: skip
+ILLUMINATE = ["method", "time_limit", "error", "tolerance", "room", "cells", "texel", "far_field", "seed", "max_depth", "threads", "progress"]
+BAKE = ["density", "method", "interpolation", "threads", "checkpoint", "resume", "progress"]
+#: Values that would only take long, or files: not for these.
+LONG = {"noise", "time_limit", "branching", "density", "error", "max_depth", "texel", "cells", "size", "tolerance", "threads"}
+
+
+def chosen(random_: random.Random, names: list[str]) -> dict[str, Any]:
+    """Some arguments with random values."""
+    arguments: dict[str, Any] = {}
+    for name in random_.sample(names, random_.randint(1, 3)):
+        value = random_.choice(VALUES)
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if name in LONG and is_number and value not in (0, -1, -(2**70)) and not (isinstance(value, float) and not math.isfinite(value)):
+            value = 1
+        arguments[name] = value
+    if isinstance(arguments.get("checkpoint"), (str, Path)):
+        arguments["checkpoint"] = "missing/state"
+    if arguments.get("noise") == 1 or arguments.get("time_limit") == 1:
+        arguments.pop("noise", None)
+        arguments.pop("time_limit", None)
+    return arguments
+
+
+def value_of(random_: random.Random) -> Any:
+    """Any value, or a usual one."""
+    return random_.choice(random_.choice([USUAL, USUAL, VALUES]))
+
+
+def shape(random_: random.Random) -> Any:
+    """A shape with random values."""
+
+    def value() -> Any:
+        return value_of(random_)
+
+    kinds: list[Any] = [
+        lambda: Sphere(radius=value(), zmin=value()),
+        lambda: Box(min=value(), max=value()),
+        lambda: TriangleMesh(P=value(), indices=value()),
+        lambda: BezierPatch(P=value(), weights=value()),
+        lambda: Nurbs(P=np.zeros((2, 2, 3)), uknots=value(), vknots=value()),
+        lambda: Disk(material=Diffuse(reflectance=value()), receiver=value(), cells=value()),
+    ]
+    return random_.choice(kinds)()
+
+
+def call(random_: random.Random) -> None:
+    """One random call."""
+
+    def value() -> Any:
+        return value_of(random_)
+
+    kind = random_.random()
+    if kind < 0.02:
+        SCENE.render(**{"samples": 1, "threads": 1, **chosen(random_, RENDER)})
+    elif kind < 0.025:
+        SCENE.illuminate(**{"particles": 10, "cells": 1, "threads": 1, **chosen(random_, ILLUMINATE)})
+    elif kind < 0.03:
+        SCENE.bake(**{"density": 1, "rays": 16, "threads": 1, **chosen(random_, BAKE)})
+    elif kind < 0.3:
+        scene = SceneDescription(shapes=[shape(random_)], camera=PerspectiveCamera(eye=value(), fov=value())).load()
+        scene.bounds()
+    elif kind < 0.5:
+        SceneDescription(film=Film(xresolution=value(), yresolution=2), shapes=[shape(random_)]).load()
+    elif kind < 0.6:
+        words = ["WorldBegin", "Shape", '"sphere"', '"float radius"', "[", "]", "1", "-1", "nan", '"', "\n", "Material", '"diffuse"', "\0", "é"]
+        glanz.loads(" ".join(random_.choices(words, k=random_.randint(0, 12))))
+    elif kind < 0.7:
+        image = glanz.Image(value())
+        random_.choice([lambda: image.array, lambda: image.aovs, image.to_png, lambda: repr(image), lambda: np.asarray(image)])()
+    elif kind < 0.8:
+        glanz.compare(value(), value())
+    elif kind < 0.85:
+        glanz.merge(value())
+    elif kind < 0.9:
+        glanz.read_image(value())
+    elif kind < 0.95:
+        glanz.load(value())
+    else:
+        glanz.Image(np.ones((2, 2))).save(random_.choice(["missing/a.exr", "a.tiff", value()]), exposure=value(), tone=value())
+
+
+def test_random_calls_give_results_or_documented_exceptions(tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    random_ = random.Random(20)
+    outcomes = {"results": 0, "exceptions": 0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for _ in range(CALLS):
+            try:
+                call(random_)
+                outcomes["results"] += 1
+            except DOCUMENTED:
+                outcomes["exceptions"] += 1
+    print(outcomes)
+    # Neither is rare.
+    assert min(outcomes.values()) > CALLS // 100

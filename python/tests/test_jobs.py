@@ -1,0 +1,191 @@
+"""Rendering, illuminating and baking."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import glanz
+from glanz.scene import AreaLight, Diffuse, Disk, Film, PerspectiveCamera, Plane, PointLight, SceneDescription, Sphere, Transform
+
+DESIGN = SceneDescription(
+    camera=PerspectiveCamera(eye=(0, -5, 1), target=(0, 0, 0), up=(0, 0, 1), fov=40),
+    film=Film(xresolution=24, yresolution=16),
+    lights=[PointLight(from_=(1, -4, 3), I=50)],
+    shapes=[Sphere(), Disk(height=-1, radius=4, receiver="floor", cells=[4, 3])],
+)
+SCENE = DESIGN.load()
+
+
+def test_image_has_writable_arrays_of_light_channels_and_errors() -> None:
+    image = SCENE.render(samples=8, aovs="all")
+    assert image.array.shape == (16, 24, 3) and image.array.dtype == np.float32
+    assert image.array is image.array and image.array.flags.writeable
+    shapes = {name: array.shape[2:] for name, array in image.aovs.items()}
+    three = {name: (3,) for name in ("Albedo", "P", "N", "Ns", "Variance")}
+    assert shapes == {**three, "uv": (2,), "Z": (), "id": ()}
+    assert image.standard_error is not None
+    np.testing.assert_allclose(image.standard_error**2, image.aovs["Variance"], rtol=1e-6)
+    assert image.samples == 8 and image.sample_ranges == [(0, 8)]
+    assert image.statistics is not None and image.statistics.end == "complete"
+    assert np.asarray(image).shape == (16, 24, 3)
+    assert image.to_png().startswith(b"\x89PNG")
+
+
+def test_parts_join_to_the_bits_of_the_whole(tmp_path: Path) -> None:
+    whole = SCENE.render(samples=7)
+    for part in (1, 2, 3):
+        SCENE.render(samples=7, part=f"{part}/3", checkpoint=tmp_path / f"{part}.glanz")
+    joined = glanz.merge([tmp_path / f"{part}.glanz" for part in (1, 2, 3)])
+    assert np.array_equal(joined.array, whole.array)
+    with pytest.raises(glanz.GlanzError):
+        glanz.merge([tmp_path / "1.glanz", tmp_path / "1.glanz"])
+
+
+def test_picture_does_not_depend_on_threads_or_checkpoints(tmp_path: Path) -> None:
+    whole = SCENE.render(samples=6, threads=1)
+    checkpoint = tmp_path / "state"
+    SCENE.render(samples=6, sample_range=(0, 2), checkpoint=checkpoint)
+    with pytest.raises(FileExistsError, match="resume=True"):
+        SCENE.render(samples=6, checkpoint=checkpoint)
+    assert np.array_equal(SCENE.render(samples=6, checkpoint=checkpoint, resume=True).array, whole.array)
+
+
+def test_saved_pictures_are_read_and_compared(tmp_path: Path) -> None:
+    image = SCENE.render(samples=2)
+    image.save(tmp_path / "a.exr")
+    back = glanz.read_image(tmp_path / "a.exr")
+    assert np.array_equal(back.array, image.array) and back.samples is None
+    same = glanz.compare(image, tmp_path / "a.exr")
+    assert same.rmse == 0 and same.flip == 0
+    shifted = glanz.compare(image.array + np.float32(0.25), image)
+    assert shifted.rmse == pytest.approx(0.25, rel=1e-6) and shifted.flip > 0
+    with pytest.raises(ValueError):
+        glanz.compare(image, image.array[:4])
+    grey = glanz.Image(np.full((2, 3), 128, dtype=np.uint8))
+    # 128 / 255 in sRGB.
+    assert grey.array[0, 0] == pytest.approx(((128 / 255 + 0.055) / 1.055) ** 2.4, rel=1e-5)
+    with pytest.raises(ValueError, match="extension"):
+        image.save(tmp_path / "a.tiff")
+    with pytest.raises(FileNotFoundError):
+        image.save(tmp_path / "none" / "a.png")
+
+
+def test_illuminance_under_a_point_light_follows_the_inverse_square() -> None:
+    # 100 cd, 2 m above the middle of a floor of 1 m: E = I h / r^3.
+    cells = 8
+    floor = Plane(x=[-0.5, 0.5], y=[-0.5, 0.5], material=Diffuse(reflectance=0), receiver="floor", cells=[cells, cells])
+    lamp = PointLight(from_=(0, 0, 2), candela=100)
+    scene = SceneDescription(lights=[lamp], shapes=[floor]).load()
+    maps = scene.illuminate(method="integrate", tolerance=1e-4).receivers["floor"]
+    x, y, _ = maps.positions.T.reshape(3, cells, cells)
+    np.testing.assert_allclose(maps.lux, 200 / (x**2 + y**2 + 4) ** 1.5, rtol=2e-3)
+    assert maps.areas.sum() == pytest.approx(1)
+    traced = scene.illuminate(particles=200_000)
+    assert traced["floor"].mean == pytest.approx(maps.mean, rel=0.05)
+    assert traced.balance is not None and traced.balance.closes_to < 1e-9
+    frame = traced.to_pandas()
+    assert len(frame) == cells**2 and frame["lux"].max() == traced["floor"].lux.max()
+
+
+def test_lux_maps_are_saved(tmp_path: Path) -> None:
+    result = SCENE.illuminate(particles=1000)
+    names = {path.name for path in result.save(tmp_path / "lux")}
+    assert {"report.json", "floor.csv", "floor.exr"} <= names
+    assert result["floor"].lux.shape == (3, 4)
+
+
+def test_bake_gives_pages_charts_and_a_model(tmp_path: Path) -> None:
+    maps = SCENE.bake(density=4, rays=16)
+    assert maps.irradiance[0].ndim == 3 and maps.radiance[0].max() > 0
+    lit = [chart for chart in maps.charts if chart.page is not None]
+    assert lit and lit[0].irradiance.shape[2] == 3
+    assert [path.name for path in maps.save(tmp_path / "room.glb")] == ["room.glb", "room.exr"]
+
+
+def test_progress_reaches_its_function_and_its_exceptions_end_the_job(tmp_path: Path) -> None:
+    seen: list[glanz.Progress] = []
+    SCENE.render(samples=4, progress=seen.append)
+    assert seen and seen[-1].fraction == 1 and seen[-1].phase
+
+    class Stop(Exception):
+        pass
+
+    def stop(progress: glanz.Progress) -> None:
+        raise Stop
+
+    checkpoint = tmp_path / "state"
+    with pytest.raises(Stop):
+        SCENE.render(samples=10**8, progress=stop, checkpoint=checkpoint)
+    done = glanz.merge([checkpoint])
+    assert done.samples is not None and 0 < done.samples < 10**8
+
+
+def test_other_threads_run_during_a_render() -> None:
+    counts = [0]
+    stopped = threading.Event()
+
+    def count() -> None:
+        while not stopped.wait(0.001):
+            counts[0] += 1
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    SCENE.render(time_limit=0.5)
+    stopped.set()
+    thread.join()
+    assert counts[0] > 20
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals are those of POSIX")
+def test_interrupt_ends_a_render_within_two_seconds_and_keeps_its_samples(tmp_path: Path) -> None:
+    checkpoint = tmp_path / "state"
+    sent: list[float] = []
+
+    def interrupt() -> None:
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.5, interrupt)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        SCENE.render(samples=10**8, checkpoint=checkpoint)
+    assert time.monotonic() - sent[0] < 2.0
+    samples = glanz.merge([checkpoint]).samples
+    assert samples is not None and samples > 0
+
+
+def test_bar_is_shown_with_and_without_tqdm(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    SCENE.render(samples=2, progress=True)
+    assert "100 %|" in capsys.readouterr().err
+    monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    SCENE.render(samples=2, progress=True)
+    assert "rendering 100 %" in capsys.readouterr().err
+    with pytest.raises(TypeError, match="progress"):
+        SCENE.render(samples=2, progress="yes")  # type: ignore[arg-type]
+
+
+def test_area_light_emits_the_flux_that_it_states() -> None:
+    lamp = Disk(light=AreaLight(lumens=700), transform=Transform.translate(0, 0, 1))
+    scene = SceneDescription(shapes=[lamp, Plane(receiver="floor")]).load
+    with pytest.raises(glanz.GlanzError):
+        scene().illuminate(particles=100)
+    boxed = SceneDescription(shapes=[lamp]).load().illuminate(particles=1000, room=(1, 1, 1))
+    assert boxed.balance is not None and boxed.balance.emitted == pytest.approx(700, rel=1e-6)
+
+
+def test_first_picture_after_the_import_is_quick() -> None:
+    code = (
+        "import time; begun = time.perf_counter(); import glanz; "
+        "image = glanz.loads('WorldBegin LightSource \"infinite\" Shape \"sphere\"').render(size=(64, 48), samples=4); "
+        "image.to_png(); print(time.perf_counter() - begun)"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    print(f"from import to first picture: {float(run.stdout):.2f} s")
+    assert float(run.stdout) < 10
