@@ -33,13 +33,13 @@ from glanz.scene import (
 # Every number is a parameter of the scene language; what is left out has the engine's default.
 
 # %%
-tiles = CheckerboardTexture(tex1=(0.7, 0.7, 0.7), tex2=(0.15, 0.2, 0.3), uscale=2, vscale=2)
+tiles = CheckerboardTexture(tex1=(0.7, 0.7, 0.7), tex2=(0.15, 0.2, 0.3), uscale=8, vscale=8)
 floor = Plane(x=[-3, 3], y=[-3, 3], material=Diffuse(reflectance=tiles), receiver="floor", cells=[48, 48])
 lamp = Disk(radius=0.6, transform=Transform.translate(0, 0, 3), reverse_orientation=True, light=AreaLight(lumens=8000))
 design = SceneDescription(
     camera=PerspectiveCamera(eye=(0, -6, 2.6), target=(0, 0, 0.5), up=(0, 0, 1), fov=32),
     film=Film(xresolution=320, yresolution=200),
-    lights=[InfiniteLight(L=(0.5, 0.6, 0.8))],
+    lights=[InfiniteLight(L=(0.25, 0.3, 0.4))],
     shapes=[
         floor,
         lamp,
@@ -80,13 +80,14 @@ for height in heights:
     moved = replace(lamp, transform=Transform.translate(0, 0, float(height)))
     study = replace(design, lights=[], shapes=[floor, moved, *design.shapes[2:]]).load()
     maps.append(study.illuminate(particles=400_000)["floor"])
-print([f"{height} m: {lux_map.mean:.0f} lx, U0 {lux_map.u0:.2f}" for height, lux_map in zip(heights, maps, strict=True)])
+print([f"{height} m: {lux_map.mean:.0f} lx on average, at most {lux_map.maximum:.0f} lx" for height, lux_map in zip(heights, maps, strict=True)])
 
 # %%
 figure, axes = plt.subplots(1, 2, figsize=(11, 4), layout="constrained")
 axes[0].imshow(np.clip(image.array, 0, 1) ** (1 / 2.2))
 axes[0].set(title="32 samples per pixel", xticks=[], yticks=[])
-shown = axes[1].imshow(maps[0].lux, origin="lower", extent=(-3, 3, -3, 3), cmap="inferno")
+brightest = float(np.quantile(maps[0].lux, 0.98))
+shown = axes[1].imshow(maps[0].lux, origin="lower", extent=(-3, 3, -3, 3), vmax=brightest, cmap="inferno")
 axes[1].set(title="Floor, lamp at 3 m", xlabel="x (m)", ylabel="y (m)")
 figure.colorbar(shown, label="illuminance (lx)")  # pyright: ignore[reportUnknownMemberType]
 

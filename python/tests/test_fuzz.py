@@ -90,11 +90,14 @@ def call(random_: random.Random) -> None:
 
     kind = random_.random()
     if kind < 0.02:
-        SCENE.render(**{"samples": 1, "threads": 1, **chosen(random_, RENDER)})
+        arguments: dict[str, Any] = {"samples": 1, "threads": 1}
+        SCENE.render(**(arguments | chosen(random_, RENDER)))
     elif kind < 0.025:
-        SCENE.illuminate(**{"particles": 10, "cells": 1, "threads": 1, **chosen(random_, ILLUMINATE)})
+        arguments: dict[str, Any] = {"particles": 10, "cells": 1, "threads": 1}
+        SCENE.illuminate(**(arguments | chosen(random_, ILLUMINATE)))
     elif kind < 0.03:
-        SCENE.bake(**{"density": 1, "rays": 16, "threads": 1, **chosen(random_, BAKE)})
+        arguments: dict[str, Any] = {"density": 1, "rays": 16, "threads": 1}
+        SCENE.bake(**(arguments | chosen(random_, BAKE)))
     elif kind < 0.3:
         scene = SceneDescription(shapes=[shape(random_)], camera=PerspectiveCamera(eye=value(), fov=value())).load()
         scene.bounds()

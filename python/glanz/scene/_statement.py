@@ -11,7 +11,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -170,7 +170,7 @@ def parameter(writer: Writer, kind: str, name: str, value: Any, texture_kind: st
         if kind == "bool":
             return f' "bool {name}" {"true" if value else "false"}'
         if kind == "path":
-            return f' "string {name}" {quoted(os.fspath(value))}'
+            return f' "string {name}" {quoted(cast(str, os.fspath(value)))}'
         if kind == "string":
             return f' "string {name}" {quoted(value)}'
         return f' "{kind} {name}" [ {numbers(value, kind == "integer")} ]'
@@ -187,7 +187,7 @@ def _types(annotation: Any) -> Iterator[str]:
 
 
 @cache
-def _fields(cls: type) -> list[tuple[str, str, str]]:
+def _fields(cls: type[Any]) -> list[tuple[str, str, str]]:
     """Fields that are parameters: name of the field, type and name of the parameter."""
     hints = get_type_hints(cls, localns=_hint_names(), include_extras=True)
     found: list[tuple[str, str, str]] = []
@@ -208,8 +208,7 @@ def _hint_names() -> dict[str, Any]:
 def parameters_of(writer: Writer, value: Any, texture_kind: str = "spectrum") -> list[str]:
     """The parameters of an object that are not None."""
     texts: list[str] = []
-    cls: type = type(value)
-    for field, kind, name in _fields(cls):
+    for field, kind, name in _fields(cast(type[Any], type(value))):
         own = getattr(value, field)
         if own is not None:
             texts.append(parameter(writer, kind, name, own, texture_kind))

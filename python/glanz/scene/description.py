@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -93,7 +93,7 @@ class _PlacedError(Exception):
 
 
 @contextmanager
-def _place(name: str) -> Iterator[None]:
+def _place(name: str) -> Generator[None]:
     """Names the object at fault in exceptions about its values."""
     try:
         yield
