@@ -4,7 +4,8 @@
 //! of a camera in tiles of 64 x 64 pixels, the same in random order, and random lines through the surface, in batches of 4096.
 //!
 //! With the word `growth`, instead of the models, surfaces of a thousand to a million patches, or of the numbers that follow: time and
-//! memory of building, and the same rates, as CSV.
+//! memory of building, and the same rates, as CSV. With the word `threads`, and the name of a model and a number of rays after it, the
+//! rate of random lines on all threads.
 
 #[path = "../freeform/camera_rays.rs"]
 mod camera_rays;
@@ -13,6 +14,7 @@ mod growth;
 mod models;
 mod processor_time;
 mod ray_sets;
+mod threads;
 
 use std::hint::black_box;
 use std::io::Write;
@@ -130,6 +132,11 @@ fn main() -> Result<(), Failure> {
         && first == "growth"
     {
         return growth::table(counts, &mut out);
+    }
+    if let Some((first, words)) = named.split_first()
+        && first == "threads"
+    {
+        return threads::rates(words, &mut out);
     }
     writeln!(out, "million rays a second, medians of {TIMES}: one by one, in batches of {BATCH}, ratio")?;
     for name in NAMES {

@@ -1,6 +1,9 @@
 //! Area and curvature of spline surfaces.
 
+use glanz_math::DVec3;
+
 use super::surface::NurbsSurface;
+use crate::bezier::Derivatives;
 use crate::error::{SurfaceError, positive};
 
 /// Curvatures of a surface at a point. They are positive where it bends towards its normal: a sphere of radius r whose
@@ -13,6 +16,47 @@ pub struct SurfaceCurvature {
     pub mean: f64,
     /// Smallest and largest curvature of a normal section, 1/m.
     pub principal: [f64; 2],
+}
+
+impl SurfaceCurvature {
+    /// The curvatures at a point with these derivatives, up to second order or more; the normal is that of `dS/du x dS/dv`. `None` where
+    /// the first derivatives vanish or are parallel.
+    ///
+    /// # Source
+    /// @docarmo1976 section 3.3.
+    #[must_use]
+    pub fn from_derivatives(d: &Derivatives) -> Option<Self> {
+        let (du, dv) = (d.at(1, 0), d.at(0, 1));
+        let normal = du.cross(dv).try_normalize()?;
+        Self::from_forms([du, dv], [d.at(2, 0), d.at(1, 1), d.at(0, 2)].map(|second| second.dot(normal)))
+    }
+
+    /// The curvatures at a point with the first derivatives `tangents` by u and by v, metres, where those of the unit normal are
+    /// `normal_derivatives`. `None` where the tangents vanish or are parallel.
+    ///
+    /// # Source
+    /// @docarmo1976 section 3.3.
+    #[must_use]
+    pub fn from_normal_derivatives(tangents: [DVec3; 2], normal_derivatives: [DVec3; 2]) -> Option<Self> {
+        let ([du, dv], [nu, nv]) = (tangents, normal_derivatives);
+        // Both mixed products are equal up to rounding.
+        let mixed = -0.5 * (nu.dot(dv) + nv.dot(du));
+        Self::from_forms(tangents, [-nu.dot(du), mixed, -nv.dot(dv)])
+    }
+
+    /// The curvatures from the tangents and the coefficients of the second fundamental form.
+    fn from_forms([du, dv]: [DVec3; 2], [l, m, n]: [f64; 3]) -> Option<Self> {
+        let (e, f, g) = (du.dot(du), du.dot(dv), dv.dot(dv));
+        // e g - f^2 without its cancellation.
+        let area2 = du.cross(dv).length_squared();
+        let gaussian = (l * n - m * m) / area2;
+        let mean = (e * n - 2.0 * f * m + g * l) / (2.0 * area2);
+        // Negative by rounding only.
+        let spread = (mean * mean - gaussian).max(0.0).sqrt();
+        let all = [gaussian, mean, spread];
+        let principal = [mean - spread, mean + spread];
+        all.iter().all(|x| x.is_finite()).then_some(Self { gaussian, mean, principal })
+    }
 }
 
 /// An area with an estimate of its error, m^2.
@@ -109,19 +153,6 @@ impl NurbsSurface {
     /// @docarmo1976 section 3.3.
     #[must_use]
     pub fn curvature(&self, u: f64, v: f64) -> Option<SurfaceCurvature> {
-        let d = self.derivatives(u, v, 2);
-        let (du, dv) = (d.at(1, 0), d.at(0, 1));
-        let normal = du.cross(dv).try_normalize()?;
-        let (e, f, g) = (du.dot(du), du.dot(dv), dv.dot(dv));
-        let (l, m, n) = (d.at(2, 0).dot(normal), d.at(1, 1).dot(normal), d.at(0, 2).dot(normal));
-        // e g - f^2 without its cancellation.
-        let area2 = du.cross(dv).length_squared();
-        let gaussian = (l * n - m * m) / area2;
-        let mean = (e * n - 2.0 * f * m + g * l) / (2.0 * area2);
-        // Negative by rounding only.
-        let spread = (mean * mean - gaussian).max(0.0).sqrt();
-        let all = [gaussian, mean, spread];
-        let principal = [mean - spread, mean + spread];
-        all.iter().all(|x| x.is_finite()).then_some(SurfaceCurvature { gaussian, mean, principal })
+        SurfaceCurvature::from_derivatives(&self.derivatives(u, v, 2))
     }
 }

@@ -113,6 +113,18 @@ impl<const D: usize> AdaptiveDensity<D> {
         self.levels
     }
 
+    /// The analyses of its bases.
+    #[must_use]
+    pub fn scales(&self) -> &Arc<TensorMultiResolution<D>> {
+        &self.scales
+    }
+
+    /// The method of estimating coefficients.
+    #[must_use]
+    pub fn method(&self) -> FittingMethod {
+        self.method
+    }
+
     /// The current density.
     #[must_use]
     pub fn density(&self) -> &Density<D> {

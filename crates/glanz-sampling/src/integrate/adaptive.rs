@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use crate::density::{
-    AdaptiveDensity, CoefficientFloor, Density, FittingMethod, TensorMultiResolution, Weighting,
+    AdaptiveDensity, CoefficientFloor, Density, DensitySample, FittingMethod, TensorMultiResolution,
+    Weighting,
 };
 use crate::error::DensityError;
 use crate::hash::combine;
 use crate::integrate::estimate::Estimate;
 use crate::integrate::sample_points::SamplingPattern;
-use crate::integrate::single_density::{IntegrationPlan, run};
+use crate::integrate::single_density::{IntegrationPlan, integrate_by_blocks};
 
 /// The levels and the number of samples of one pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -93,6 +94,21 @@ pub fn integrate_adaptively<const D: usize>(
     plan: &AdaptivePlan<D>,
     mut f: impl FnMut(&[f64]) -> f64,
 ) -> Result<AdaptiveResult<D>, DensityError> {
+    integrate_adaptively_by_blocks(scales, plan, |samples, values| {
+        values.iter_mut().zip(samples).for_each(|(value, sample)| *value = f(&sample.point));
+        Ok(())
+    })
+}
+
+/// As [`integrate_adaptively`], for an integrand that is evaluated at many samples at once, as by [`integrate_by_blocks`].
+///
+/// # Errors
+/// Those of [`integrate_adaptively`]; those of `f`, with which the integration ends.
+pub fn integrate_adaptively_by_blocks<const D: usize, E: From<DensityError>>(
+    scales: &Arc<TensorMultiResolution<D>>,
+    plan: &AdaptivePlan<D>,
+    mut f: impl FnMut(&[DensitySample<D>], &mut [f64]) -> Result<(), E>,
+) -> Result<AdaptiveResult<D>, E> {
     let first = plan.passes.first().ok_or(DensityError::Samples)?;
     let mut adaptive = AdaptiveDensity::try_new(scales.clone(), first.levels, plan.method)?;
     let mut passes = Vec::with_capacity(plan.passes.len());
@@ -105,10 +121,12 @@ pub fn integrate_adaptively<const D: usize>(
             sampling: plan.sampling,
             seed: combine(plan.seed, index as u64),
         };
-        let estimate = run(&density, &pass_plan, |sample| {
-            let value = f(&sample.point);
-            adaptive.record(sample, value);
-            value
+        let estimate = integrate_by_blocks(&density, &pass_plan, |samples, values| {
+            f(samples, values)?;
+            for (sample, value) in samples.iter().zip(values) {
+                adaptive.record(sample, *value);
+            }
+            Ok::<(), E>(())
         })?;
         let approximation = adaptive.fit(plan.floor, plan.weighting)?;
         passes.push(PassResult { levels: pass.levels, estimate, density, approximation });

@@ -14,7 +14,10 @@ mod single_density;
 #[cfg(test)]
 mod tests;
 
-pub use adaptive::{AdaptivePlan, AdaptiveResult, IntegrationPass, PassResult, integrate_adaptively};
+pub use adaptive::{
+    AdaptivePlan, AdaptiveResult, IntegrationPass, PassResult, integrate_adaptively,
+    integrate_adaptively_by_blocks,
+};
 pub use estimate::Estimate;
 pub use sample_points::SamplingPattern;
-pub use single_density::{IntegrationPlan, integrate};
+pub use single_density::{BLOCK, IntegrationPlan, integrate, integrate_by_blocks};

@@ -5,6 +5,9 @@ use crate::error::DensityError;
 use crate::integrate::estimate::{Estimate, RunningMoments};
 use crate::integrate::sample_points::{SamplePoints, SamplingPattern};
 
+/// Largest number of samples at which [`integrate_by_blocks`] evaluates an integrand at once.
+pub const BLOCK: usize = 4096;
+
 /// Numbers of samples and their pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IntegrationPlan {
@@ -30,28 +33,43 @@ pub fn integrate<const D: usize>(
     plan: &IntegrationPlan,
     mut f: impl FnMut(&[f64]) -> f64,
 ) -> Result<Estimate, DensityError> {
-    run(density, plan, |sample| f(&sample.point))
+    integrate_by_blocks(density, plan, |samples, values| {
+        values.iter_mut().zip(samples).for_each(|(value, sample)| *value = f(&sample.point));
+        Ok(())
+    })
 }
 
-/// As [`integrate`], for a function of the whole sample.
-pub(super) fn run<const D: usize>(
+/// As [`integrate`], for an integrand that is evaluated at up to [`BLOCK`] samples at once: `f` writes the value at each sample of the
+/// first list to the second. The same bits as [`integrate`] for the same values.
+///
+/// # Errors
+/// [`DensityError::Samples`]; those of `f`, with which the integration ends.
+pub fn integrate_by_blocks<const D: usize, E: From<DensityError>>(
     density: &Density<D>,
     plan: &IntegrationPlan,
-    mut f: impl FnMut(&DensitySample<D>) -> f64,
-) -> Result<Estimate, DensityError> {
+    mut f: impl FnMut(&[DensitySample<D>], &mut [f64]) -> Result<(), E>,
+) -> Result<Estimate, E> {
     if plan.samples == 0 || plan.repetitions == 0 {
-        return Err(DensityError::Samples);
+        return Err(DensityError::Samples.into());
     }
     let (mut primary, mut means) = (RunningMoments::default(), RunningMoments::default());
+    let (mut samples, mut values) = (Vec::new(), Vec::new());
     for repetition in 0..plan.repetitions {
         let points = SamplePoints::new(plan.sampling, plan.seed, repetition, plan.samples, D);
         let mut sum = 0.0;
-        for index in 0..points.count() {
-            let sample = density.sample(&points.point(index));
-            let value = f(&sample) / sample.pdf;
-            let value = if value.is_finite() { value } else { 0.0 };
-            primary.add(value);
-            sum += value;
+        for first in (0..points.count()).step_by(BLOCK) {
+            let end = points.count().min(first.saturating_add(BLOCK as u32));
+            samples.clear();
+            samples.extend((first..end).map(|index| density.sample(&points.point(index))));
+            values.clear();
+            values.resize(samples.len(), 0.0);
+            f(&samples, &mut values)?;
+            for (sample, value) in samples.iter().zip(&values) {
+                let value = value / sample.pdf;
+                let value = if value.is_finite() { value } else { 0.0 };
+                primary.add(value);
+                sum += value;
+            }
         }
         means.add(sum / f64::from(points.count()));
     }

@@ -249,3 +249,25 @@ fn empty_plans_are_refused() {
     let found = integrate_adaptively(&scales, &coarser, |_| 1.0);
     assert!(matches!(found, Err(DensityError::Level { level: 0, lowest: 1, .. })));
 }
+
+#[test]
+fn blocks_hold_all_samples_in_order_and_an_error_ends_the_integration() {
+    let density = Density::<1>::constant().unwrap();
+    for sampling in [SamplingPattern::Independent, SamplingPattern::Stratified, SamplingPattern::Sobol] {
+        let plan = plan(BLOCK as u32 + 5, 2, sampling);
+        let mut sizes = Vec::new();
+        let by_blocks = integrate_by_blocks(&density, &plan, |samples, values| {
+            sizes.push(samples.len());
+            values.iter_mut().zip(samples).for_each(|(value, sample)| *value = sine(sample.point[0]));
+            Ok::<(), DensityError>(())
+        });
+        assert_eq!(by_blocks, integrate(&density, &plan, |x| sine(x[0])));
+        assert_eq!(sizes, [BLOCK, 5, BLOCK, 5]);
+    }
+    let mut calls = 0;
+    let ended = integrate_by_blocks(&density, &plan(3 * BLOCK as u32, 1, SamplingPattern::Sobol), |_, _| {
+        calls += 1;
+        if calls == 2 { Err(DensityError::Mismatch) } else { Ok(()) }
+    });
+    assert_eq!((ended, calls), (Err(DensityError::Mismatch), 2));
+}

@@ -1,6 +1,26 @@
 //! Spheres, tori and interpolated points.
 
 use super::*;
+use crate::spline::SurfaceCurvature;
+
+#[test]
+fn curvature_by_derivatives_of_the_normal_is_that_of_a_torus() {
+    let (major, minor) = (3.0, 0.5);
+    for (phi, theta) in [(0.3, 0.4), (2.0, 1.7), (5.0, 3.0), (1.0, -1.2)] {
+        let ((s, c), (sin, cos)) = (f64::sin_cos(phi), f64::sin_cos(theta));
+        let (around, along) = (DVec3::new(-s, c, 0.0), DVec3::new(-sin * c, -sin * s, cos));
+        let width = major + minor * cos;
+        let tangents = [around * width, along * minor];
+        let curvature = SurfaceCurvature::from_normal_derivatives(tangents, [around * cos, along]).unwrap();
+        let expected = [-1.0 / minor, -cos / width];
+        let [low, high] = curvature.principal;
+        assert!((low - expected[0]).abs() < 1e-12 && (high - expected[1]).abs() < 1e-12, "{curvature:?}");
+        assert!((curvature.gaussian - expected[0] * expected[1]).abs() < 1e-12);
+        assert!((curvature.mean - 0.5 * (expected[0] + expected[1])).abs() < 1e-12);
+    }
+    let collapsed = [DVec3::ZERO, DVec3::X];
+    assert_eq!(SurfaceCurvature::from_normal_derivatives(collapsed, collapsed), None);
+}
 
 #[test]
 fn rational_octant_is_an_exact_sphere() {
