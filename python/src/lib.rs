@@ -1,14 +1,17 @@
-//! The native module of the Python package `glanz`: scenes, jobs and their results. The package re-exports it; values without methods of
-//! the engine are dataclasses of the package (`glanz/_results.py`), which this module fills.
+//! The native module of the Python package `glanz`: scenes, jobs and their results; surfaces; densities. The package re-exports it; values
+//! without methods of the engine are dataclasses of the package (`glanz/_results.py`), which this module fills.
 
 mod arguments;
 mod bake;
 mod compare;
 mod error;
+mod float_array;
+mod geometry;
 mod illuminate;
 mod image;
 mod job;
 mod render;
+mod sampling;
 mod scene;
 
 use pyo3::prelude::*;
@@ -23,9 +26,13 @@ mod _glanz {
     #[pymodule_export]
     use crate::compare::compare;
     #[pymodule_export]
+    use crate::geometry::geometry;
+    #[pymodule_export]
     use crate::illuminate::PyIllumination;
     #[pymodule_export]
     use crate::image::{PyImage, merge, read_image};
+    #[pymodule_export]
+    use crate::sampling::sampling;
     #[pymodule_export]
     use crate::scene::{PyScene, load, loads};
 
