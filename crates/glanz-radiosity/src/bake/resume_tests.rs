@@ -1,5 +1,7 @@
 //! Bakes that are interrupted and resumed.
 
+#![expect(clippy::result_large_err, reason = "an interrupted bake ends with its state")]
+
 use std::time::Duration;
 
 use glanz_job::{Interrupted, JobProgress, Silent};
