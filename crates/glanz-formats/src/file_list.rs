@@ -6,7 +6,7 @@ use glanz_scene::Diagnostics;
 
 /// The files that a scene needs.
 #[derive(Clone, Debug)]
-pub struct FileList {
+pub struct SceneFileList {
     /// By path; the scene file is one of them.
     pub files: Vec<SceneFile>,
     /// Messages of reading the files that name others. With an error the list may be incomplete; missing files are no errors here.

@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use glanz_job::ContentHash;
 use glanz_scene::Diagnostics;
 
-use crate::file_list::{FileKind, FileList, SceneFile};
+use crate::file_list::{FileKind, SceneFile, SceneFileList};
 use crate::registry::{Options, failure};
 
 /// Finder and reader of files, with the hash of their contents.
@@ -185,8 +185,8 @@ impl FileFinder {
     }
 
     /// All files, and the errors of reading those that name others.
-    pub(crate) fn into_list(self, diagnostics: Diagnostics) -> FileList {
-        FileList { files: self.files.into_values().collect(), diagnostics }
+    pub(crate) fn into_list(self, diagnostics: Diagnostics) -> SceneFileList {
+        SceneFileList { files: self.files.into_values().collect(), diagnostics }
     }
 
     /// The bytes of a file, which are added to the hash.

@@ -28,7 +28,7 @@ pub mod step;
 pub mod stl;
 pub mod tessellated;
 
-pub use file_list::{FileKind, FileList, SceneFile};
+pub use file_list::{FileKind, SceneFile, SceneFileList};
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;
 pub use registry::{Loaded, MODEL_EXTENSIONS, ModelFormat, Options, SceneFormat, list_files, load, load_str};

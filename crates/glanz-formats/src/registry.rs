@@ -7,7 +7,7 @@ use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
-use crate::file_list::FileList;
+use crate::file_list::SceneFileList;
 use crate::source::Sources;
 use crate::{gltf, iges, image, model, obj, pbrt, rib, stl};
 
@@ -193,7 +193,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
 ///
 /// # Errors
 /// Diagnostics, if the scene file itself cannot be read.
-pub fn list_files(path: &Path, options: &Options) -> Result<FileList, Diagnostics> {
+pub fn list_files(path: &Path, options: &Options) -> Result<SceneFileList, Diagnostics> {
     let (name, bytes) = read(path, options)?;
     match SceneFormat::of_file(&bytes, Some(path)) {
         Ok(SceneFormat::Pbrt) => pbrt::list_files(&name, path, bytes, options),

@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use glanz::Error;
 use glanz::formats::photometry;
-use glanz::formats::{Diagnostics, FileKind, FileList, Options, SceneFile};
+use glanz::formats::{Diagnostics, FileKind, Options, SceneFile, SceneFileList};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
@@ -39,7 +39,7 @@ impl FileEntry {
 /// # Errors
 /// A scene file that cannot be read, or a closed stream.
 pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let FileList { files, diagnostics } = list(&arguments.scene, messages)?;
+    let SceneFileList { files, diagnostics } = list(&arguments.scene, messages)?;
     if arguments.json {
         report::print(&files.iter().map(FileEntry::of).collect::<Vec<_>>())?;
     } else {
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
     Ok(if is_complete { CommandOutcome::Done } else { CommandOutcome::Refused })
 }
 
-fn list(path: &Path, messages: Messages) -> Result<FileList, CommandError> {
+fn list(path: &Path, messages: Messages) -> Result<SceneFileList, CommandError> {
     if luminaire::is_named(path) {
         return of_luminaire(path).map_err(command_error(messages));
     }
@@ -67,7 +67,7 @@ fn list(path: &Path, messages: Messages) -> Result<FileList, CommandError> {
 }
 
 /// A photometric file, and the file of its tilt data if it names one.
-fn of_luminaire(path: &Path) -> Result<FileList, Error> {
+fn of_luminaire(path: &Path) -> Result<SceneFileList, Error> {
     let bytes = glanz::file::read(path)?;
     let file = |path: PathBuf| SceneFile { kind: FileKind::Luminaire, exists: path.is_file(), path };
     let mut files = vec![file(path.to_owned())];
@@ -78,7 +78,7 @@ fn of_luminaire(path: &Path) -> Result<FileList, Error> {
         files.push(file(tilt));
         bytes
     });
-    Ok(FileList { files, diagnostics: Diagnostics::default() })
+    Ok(SceneFileList { files, diagnostics: Diagnostics::default() })
 }
 
 /// The same path without `.`, and without `NAME/..` where NAME is no link, so that archives keep the layout.

@@ -7,7 +7,7 @@ use glanz_scene::description::GeometryDescription;
 use glanz_scene::{Diagnostics, Severity};
 
 use crate::cad::{CadModel, CadWarning};
-use crate::file_list::FileList;
+use crate::file_list::SceneFileList;
 use crate::registry::{Loaded, ModelFormat, Options};
 use crate::{gltf, newell, obj, ply, rib, stl};
 
@@ -43,7 +43,7 @@ pub(crate) fn list_files(
     path: &Path,
     bytes: &Arc<[u8]>,
     options: &Options,
-) -> Result<FileList, Diagnostics> {
+) -> Result<SceneFileList, Diagnostics> {
     let mut reader = ModelReader::new(name, Some(path), bytes, options)?;
     reader.finder.lists = true;
     if matches!(format, ModelFormat::Obj | ModelFormat::Gltf) {

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use glanz_scene::Diagnostics;
 use glanz_scene::studio::StudioSettings;
 
-use crate::file_list::FileList;
+use crate::file_list::SceneFileList;
 use crate::finder::FileFinder;
 use crate::registry::{Loaded, Options};
 use crate::source::Reporter;
@@ -69,7 +69,7 @@ pub(crate) fn list_files(
     path: &Path,
     bytes: Arc<[u8]>,
     options: &Options,
-) -> Result<FileList, Diagnostics> {
+) -> Result<SceneFileList, Diagnostics> {
     let mut finder = FileFinder::of_scene(name, Some(path), &bytes, options)?;
     finder.lists = true;
     let Lowering { finder, reporter, .. } = lower(name, Some(path), bytes, options, finder);
