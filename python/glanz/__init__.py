@@ -16,6 +16,7 @@ from ._glanz import Scene as Scene
 from ._glanz import __version__ as __version__
 from ._glanz import compare as compare
 from ._glanz import merge as merge
+from ._glanz import merge_checkpoints as merge_checkpoints
 from ._glanz import read_image as read_image
 from ._load import load as load
 from ._load import loads as loads
@@ -46,6 +47,7 @@ __all__ = [
     "load",
     "loads",
     "merge",
+    "merge_checkpoints",
     "read_image",
     "scene",
 ]

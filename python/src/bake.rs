@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use glanz::formats::image::Format;
 use glanz::light::{Spectrum, Wavelengths};
-use glanz::radiosity::bake::BakeMethod;
+use glanz::radiosity::bake::{BakeMethod, BakePart};
 use glanz::radiosity::reconstruct::Interpolation;
-use glanz::{BakeOutcome, ModelSettings};
+use glanz::{BakeBuilder, BakeOutcome, LoadedScene, ModelSettings};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments::{Whole, by_name, positive, tone as tone_of};
+use crate::arguments::{Whole, by_name, parsed, positive, tone as tone_of};
 use crate::error::{LineOrigins, py_error, warn};
 use crate::image::image_array;
 use crate::job::{JobArguments, run_job};
@@ -104,6 +104,27 @@ impl PyLightMaps {
     }
 }
 
+/// Density of the light maps, and number of rays.
+struct BakeArguments {
+    density: f64,
+    rays: Option<u32>,
+}
+
+impl BakeArguments {
+    fn try_new(density: f64, rays: Option<Whole>) -> PyResult<Self> {
+        let rays = rays.map(|rays| rays.within("rays", 16..=65_536)).transpose()?;
+        Ok(Self { density: positive(density, "density")?, rays })
+    }
+
+    fn builder<'a>(&self, scene: LoadedScene) -> BakeBuilder<'a> {
+        let bake = scene.bake().density(self.density);
+        match self.rays {
+            Some(rays) => bake.rays(rays),
+            None => bake,
+        }
+    }
+}
+
 #[pymethods]
 impl PyScene {
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
@@ -121,6 +142,7 @@ impl PyScene {
         resume: bool,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<PyLightMaps> {
+        let settings = BakeArguments::try_new(density, rays)?;
         let interpolations = || Interpolation::ALL.into_iter().map(|method| (method, method.name()));
         let interpolation =
             interpolation.map(|name| by_name(name, "interpolation", interpolations())).transpose()?;
@@ -131,17 +153,36 @@ impl PyScene {
         if method == BakeMethod::Gather && interpolation.is_some() {
             return Err(PyValueError::new_err("interpolation: only for method=\"radiosity\""));
         }
-        let density = positive(density, "density")?;
-        let rays = rays.map(|rays| rays.within("rays", 16..=65_536)).transpose()?;
         let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
-        let outcome = run_job(py, job, &self.origins, |job| {
-            let bake = scene.bake().method(method).density(density).job(job);
-            match rays {
-                Some(rays) => bake.rays(rays).run(),
-                None => bake.run(),
-            }
-        })?;
+        let outcome =
+            run_job(py, job, &self.origins, |job| settings.builder(scene).method(method).job(job).run())?;
         warn(py, outcome.warnings.iter().map(ToString::to_string))?;
         Ok(PyLightMaps(outcome))
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
+    #[pyo3(signature = (part, checkpoint, *, density=25.0, rays=None, direct_only=false, light_input=None, threads=None, resume=false,
+        progress=None))]
+    fn bake_part(
+        &self,
+        py: Python<'_>,
+        part: &str,
+        checkpoint: PathBuf,
+        density: f64,
+        rays: Option<Whole>,
+        direct_only: bool,
+        light_input: Option<PathBuf>,
+        threads: Option<Whole>,
+        resume: bool,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let part = BakePart { part: parsed(part, "part")?, direct_only };
+        let settings = BakeArguments::try_new(density, rays)?;
+        let checkpoint = Some(checkpoint);
+        let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
+        let light = run_job(py, job, &self.origins, |job| {
+            settings.builder(scene).light_input(light_input).job(job).run_part(part)
+        })?;
+        warn(py, light.warnings.iter().map(ToString::to_string))
     }
 }

@@ -89,6 +89,10 @@ pub(crate) fn py_error(py: Python<'_>, error: Error, origins: &LineOrigins) -> P
         | Error::NoiseLevel { .. }
         | Error::NoiseOf { .. }
         | Error::NoModel { .. }
+        | Error::Parts { .. }
+        | Error::OrderedParts
+        | Error::Indivisible { .. }
+        | Error::PartGoal
         | Error::Film(_)
         | Error::Tessellation(_)
         | Error::Accuracy { .. } => PyValueError::new_err(message),
@@ -136,6 +140,11 @@ fn advice(error: &Error) -> Option<&'static str> {
         Error::NoStoredLight { .. } => "choose integrator=\"radiosity\"",
         Error::NoiseOf { .. } => "choose integrator=\"path\"",
         Error::Branching { .. } => "choose integrator=\"path\" or \"distributed\"",
+        Error::OrderedParts => {
+            "learn a guide first, with guide_output, and render parts with guide_input; leave out noise"
+        }
+        Error::Parts { .. } => "choose fewer parts or more samples",
+        Error::PartGoal => "set particles",
         Error::SampleRange { .. } => "set samples to the end of the range or more",
         Error::NoReceiver { .. } => "give shapes the name of a receiver, or add walls with room=(x, y, z)",
         Error::Cells { .. } => "choose fewer cells or longer texels",

@@ -12,7 +12,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments::{Whole, by_name, positive, seconds};
+use crate::arguments::{Whole, by_name, parsed, positive, seconds};
 use crate::error::{LineOrigins, py_error, warn};
 use crate::job::{JobArguments, run_job};
 use crate::scene::PyScene;
@@ -147,7 +147,7 @@ impl PyIllumination {
 impl PyScene {
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     #[pyo3(signature = (*, method="trace", particles=None, time_limit=None, error=None, tolerance=0.01, room=None, cells=None, texel=None,
-        far_field=false, seed=None, max_depth=None, threads=None, checkpoint=None, resume=false, progress=None))]
+        far_field=false, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
     fn illuminate(
         &self,
         py: Python<'_>,
@@ -162,6 +162,7 @@ impl PyScene {
         far_field: bool,
         seed: Option<Whole>,
         max_depth: Option<Whole>,
+        part: Option<String>,
         threads: Option<Whole>,
         checkpoint: Option<PathBuf>,
         resume: bool,
@@ -196,6 +197,7 @@ impl PyScene {
                 time: time_limit.map(|time| seconds(time, "time_limit")).transpose()?,
                 error: error.map(|error| positive(error, "error")).transpose()?,
             },
+            part: part.map(|part| parsed(&part, "part")).transpose()?,
             tolerance: positive(tolerance, "tolerance")?,
             far_field,
             seed: seed.map_or(default.seed, |seed| seed.0),

@@ -334,12 +334,3 @@ impl PyImage {
 pub(crate) fn read_image(py: Python<'_>, path: PathBuf) -> PyResult<PyImage> {
     PyImage::read(py, &path)
 }
-
-/// Joins the parts of a picture.
-#[pyfunction]
-pub(crate) fn merge(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<PyImage> {
-    if paths.is_empty() {
-        return Err(PyValueError::new_err("there are no parts to join; name at least one checkpoint"));
-    }
-    py.detach(|| glanz::merge(&paths)).map(PyImage::of_picture).map_err(|error| plain(py, error))
-}

@@ -10,6 +10,7 @@ mod geometry;
 mod illuminate;
 mod image;
 mod job;
+mod merge;
 mod render;
 mod sampling;
 mod scene;
@@ -30,7 +31,9 @@ mod _glanz {
     #[pymodule_export]
     use crate::illuminate::PyIllumination;
     #[pymodule_export]
-    use crate::image::{PyImage, merge, read_image};
+    use crate::image::{PyImage, read_image};
+    #[pymodule_export]
+    use crate::merge::{merge, merge_checkpoints};
     #[pymodule_export]
     use crate::sampling::sampling;
     #[pymodule_export]

@@ -1,13 +1,11 @@
 //! Rendering from Python.
 
-use std::ops::Range;
 use std::path::PathBuf;
 
-use glanz::job::JobPart;
 use glanz::sampling::SamplerKind;
 use glanz::sampling::exact::MAX_TERMS;
 use glanz::transport::{Aov, AovSet, BRANCHING_LIMIT, INTEGRATORS};
-use glanz::{EdgeLines, LoadedScene, MAX_LINE_WIDTH, RenderOptions};
+use glanz::{EdgeLines, MAX_LINE_WIDTH, RenderOptions};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -69,7 +67,7 @@ struct SampleArguments {
 
 impl SampleArguments {
     /// Fills the options with these numbers.
-    fn fill(self, options: &mut RenderOptions, scene: &LoadedScene) -> PyResult<()> {
+    fn fill(self, options: &mut RenderOptions) -> PyResult<()> {
         options.size = self.size.map(|size| pair(size, "size", 1..=MAX_SIDE)).transpose()?;
         options.seed = self.seed.map(|seed| seed.0);
         options.samples = self.samples.map(|samples| samples.within("samples", 1..=MAX_TERMS)).transpose()?;
@@ -88,23 +86,10 @@ impl SampleArguments {
                     "part: a noise level or a time limit cannot be divided into parts",
                 ));
             }
-            let planned = options.samples.unwrap_or(scene.description().sampler.samples_per_pixel);
-            options.sample_range = Some(share(&part, options.sample_range.clone().unwrap_or(0..planned))?);
+            options.part = Some(parsed(&part, "part")?);
         }
         Ok(())
     }
-}
-
-/// The samples of a part.
-fn share(part: &str, whole: Range<u32>) -> PyResult<Range<u32>> {
-    let Range { start, end } = parsed::<JobPart>(part, "part")?.share(whole.start.into()..whole.end.into());
-    if start == end {
-        return Err(PyValueError::new_err(format!(
-            "part {part} of samples {whole:?} is empty; choose fewer parts"
-        )));
-    }
-    // A share lies within the whole.
-    Ok(start as u32..end as u32)
 }
 
 #[pymethods]
@@ -162,7 +147,7 @@ impl PyScene {
             ..RenderOptions::default()
         };
         let scene = self.scene();
-        SampleArguments { size, seed, samples, sample_range, part, branching }.fill(&mut options, &scene)?;
+        SampleArguments { size, seed, samples, sample_range, part, branching }.fill(&mut options)?;
         let job = JobArguments { threads, checkpoint, resume, progress };
         let picture = run_job(py, job, &self.origins, |job| scene.render().options(options).job(job).run())?;
         warn(py, picture.warnings().iter().map(ToString::to_string))?;

@@ -189,3 +189,27 @@ def test_first_picture_after_the_import_is_quick() -> None:
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     print(f"from import to first picture: {float(run.stdout):.2f} s")
     assert float(run.stdout) < 10
+
+
+def test_parts_of_light_and_bakes_join_to_the_whole(tmp_path: Path) -> None:
+    parts = [f"{number}/3" for number in (1, 2, 3)]
+    paths = [tmp_path / f"{number}.part" for number in (1, 2, 3)]
+    traced, whole = SCENE.illuminate(particles=4000), tmp_path / "whole"
+    for part, path in zip(parts, paths):
+        SCENE.illuminate(particles=4000, part=part, checkpoint=path)
+    with pytest.raises(glanz.GlanzError, match="part 2/3"):
+        glanz.merge_checkpoints([paths[0], paths[2]], whole)
+    with pytest.raises(glanz.GlanzError, match="illuminate"):
+        glanz.merge(paths)
+    glanz.merge_checkpoints(paths, whole)
+    joined = SCENE.illuminate(particles=4000, checkpoint=whole, resume=True)
+    for name, lux in traced.receivers.items():
+        assert np.array_equal(joined[name].lux, lux.lux)
+    baked, light = SCENE.bake(density=2, rays=16), tmp_path / "light"
+    for number, part in enumerate(parts):
+        SCENE.bake_part(part, tmp_path / f"{number}.light", density=2, rays=16)
+    glanz.merge_checkpoints([tmp_path / f"{number}.light" for number in range(3)], light)
+    for page, other in zip(baked.irradiance, SCENE.bake(density=2, rays=16, checkpoint=light, resume=True).irradiance):
+        assert np.array_equal(page, other)
+    with pytest.raises(ValueError, match="one computation"):
+        SCENE.illuminate(method="integrate", particles=4000, part="1/3")

@@ -56,7 +56,11 @@ pub(crate) fn verdict() -> Result<Verdict, String> {
     // Outside the package's folder, so that the installed package is tested.
     let tests = |arguments: &[&str]| {
         let mut command = Command::new(&interpreter);
-        command.args(arguments).current_dir(&folder).env("GLANZ_PROGRAM", glanz_program()).env("MPLBACKEND", "Agg");
+        command
+            .args(arguments)
+            .current_dir(&folder)
+            .env("GLANZ_PROGRAM", glanz_program())
+            .env("MPLBACKEND", "Agg");
         command
     };
     let list = package.join("tests").display().to_string();

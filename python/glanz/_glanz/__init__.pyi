@@ -307,6 +307,7 @@ class Scene:
         far_field: bool = False,
         seed: int | None = None,
         max_depth: int | None = None,
+        part: str | None = None,
         threads: int | None = None,
         checkpoint: _Path | None = None,
         resume: bool = False,
@@ -333,6 +334,8 @@ class Scene:
             Another seed gives another, independent result.
         max_depth
             Largest number of scattering events of a particle (1000).
+        part
+            ``"K/N"``: part K, from 1, of N of the particles, into the checkpoint; `merge_checkpoints` joins the parts.
         threads, checkpoint, resume, progress
             As for `render`.
 
@@ -372,6 +375,40 @@ class Scene:
         As `render`.
         """
 
+    def bake_part(
+        self,
+        part: str,
+        checkpoint: _Path,
+        *,
+        density: float = 25.0,
+        rays: int | None = None,
+        direct_only: bool = False,
+        light_input: _Path | None = None,
+        threads: int | None = None,
+        resume: bool = False,
+        progress: _Progress = None,
+    ) -> None:
+        """Computes a part of a bake by ``gather``. `merge_checkpoints` joins all parts into a checkpoint, from which ``bake(checkpoint=...,
+        resume=True)`` makes the light maps of one bake.
+
+        Parameters
+        ----------
+        part
+            ``"K/N"``: part K, from 1, of N.
+        checkpoint
+            File for the light of the part.
+        direct_only
+            Whether the part ends with the direct light, which every part computes otherwise.
+        light_input
+            Checkpoint of joined parts with ``direct_only``, from which the part begins.
+        density, rays, threads, resume, progress
+            As for `bake`.
+
+        Raises
+        ------
+        As `render`.
+        """
+
 def load(path: str, arguments: dict[str, object]) -> Scene: ...
 def loads(
     text: str, name: str, folder: str | None, origins: list[tuple[int, str]], arguments: dict[str, object]
@@ -387,15 +424,33 @@ def read_image(path: _Path) -> Image:
         If it is not a picture.
     """
 
-def merge(paths: Sequence[_Path]) -> Image:
-    """Joins checkpoints of disjoint samples into one picture, with the bits of one render of all samples.
+def merge(paths: Sequence[_Path], *, partial: bool = False, threads: int | None = None, progress: _Progress = None) -> Image:
+    """Joins checkpoints of disjoint samples into one picture, with the bits of one render of all samples. Files are read once; they take the
+    memory of one of them.
+
+    Parameters
+    ----------
+    paths
+        Checkpoints of renders with ``part`` or ``sample_range``.
+    partial
+        Whether parts that are missing or damaged are left out, with a warning, instead of being errors.
+    threads, progress
+        As for `Scene.render`.
 
     Raises
     ------
     GlanzError
-        For parts of different pictures or with common samples.
+        For parts of different pictures or with common samples, and for missing or damaged ones.
     OSError
         If a file cannot be read.
+    """
+
+def merge_checkpoints(
+    paths: Sequence[_Path], checkpoint: _Path, *, partial: bool = False, threads: int | None = None, progress: _Progress = None
+) -> None:
+    """Joins checkpoints of parts of a picture, a calculation of illuminance or a bake into the file ``checkpoint``, from which the job is resumed.
+
+    Parameters and exceptions are those of `merge`.
     """
 
 def compare(picture: Image | ArrayLike | _Path, reference: Image | ArrayLike | _Path) -> Comparison:
