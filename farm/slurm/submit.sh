@@ -7,7 +7,7 @@
 #
 # WORK is a folder that all nodes share: it gets the checkpoints of the parts and their output. OPTIONS are those of the
 # command of glanz, such as --spp 4096. The variable GLANZ names the program; sbatch takes its own settings from variables,
-# such as SBATCH_PARTITION, SBATCH_TIMELIMIT, SBATCH_CPUS_PER_TASK. Prints the number of the array and that of the join.
+# such as SBATCH_PARTITION, SBATCH_TIMELIMIT, SBATCH_CPUS_PER_TASK. Prints the numbers of the jobs.
 #
 # A task writes its state every 30 seconds, and when Slurm announces its end (the time limit, or preemption) a minute
 # before. It goes on from there when it starts again: after an announced end, after it was killed (three times), or when
@@ -52,8 +52,21 @@ requeue() {
     sleep 60
 }
 
+# Of a bake, all parts need all direct light, which is divided before.
+direct() {
+    number=$SLURM_ARRAY_TASK_ID
+    run bake "$scene" "$@" --part "$number/$parts" --direct-only --checkpoint "$work/direct-$number.glanz" --resume
+}
+
+join_direct() {
+    checkpoints=()
+    for number in $(seq "$parts"); do checkpoints+=("$work/direct-$number.glanz"); done
+    run merge "${checkpoints[@]}" --checkpoint "$work/direct.glanz"
+}
+
 part() {
     number=$SLURM_ARRAY_TASK_ID
+    [ "$mode" != bake ] || set -- "$@" --light-in "$work/direct.glanz"
     run "$command" "$scene" "$@" --part "$number/$parts" --checkpoint "$work/part-$number.glanz" --resume
 }
 
@@ -68,20 +81,32 @@ join() {
     fi
 }
 
+# Submits an action after the one before, and adds its number to those of the jobs.
+queue() {
+    action=$1
+    shift
+    settings=(--job-name="glanz-$mode-$action" --requeue --open-mode=append --signal=B:TERM@60 --output="$work/$action.log")
+    [[ $action == join* ]] || settings+=(--array="1-$parts" --output="$work/$action-%a.log")
+    [ ${#jobs[@]} = 0 ] || settings+=(--dependency="afterok:${jobs[-1]}" --kill-on-invalid-dep=yes)
+    jobs+=("$(sbatch --parsable "${settings[@]}" "$0" "$action" "$mode" "$scene" "$output" "$parts" "$work" "$@")")
+}
+
 submit() {
     mkdir -p "$work"
-    array=$(sbatch --parsable --array="1-$parts" --requeue --open-mode=append --signal=B:TERM@60 --job-name="glanz-$mode" \
-        --output="$work/part-%a.log" "$0" part "$mode" "$scene" "$output" "$parts" "$work" "$@")
-    last=$(sbatch --parsable --dependency="afterok:$array" --kill-on-invalid-dep=yes --requeue --open-mode=append \
-        --signal=B:TERM@60 --job-name="glanz-$mode-join" --output="$work/join.log" \
-        "$0" join "$mode" "$scene" "$output" "$parts" "$work" "$@")
-    echo "$array $last"
+    jobs=()
+    if [ "$mode" = bake ]; then
+        queue direct "$@"
+        queue join_direct "$@"
+    fi
+    queue part "$@"
+    queue join "$@"
+    echo "${jobs[*]}"
 }
 
 glanz=${GLANZ:-glanz}
 action=submit
 case ${1:-} in
-    part | join) action=$1; shift ;;
+    part | join | direct | join_direct) action=$1; shift ;;
 esac
 [ $# -ge 5 ] || usage
 mode=$1 scene=$2 output=$3 parts=$4 work=$5
