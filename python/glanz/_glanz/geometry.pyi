@@ -147,7 +147,7 @@ class Surface:
         ----------
         tolerance
             Error to reach, square metres. One that cannot be reached is no exception: see `Area.error`. Areas of trimmed surfaces
-            have an error of about a thousandth whatever the tolerance.
+            have an error of up to a hundredth whatever the tolerance.
 
         Raises
         ------
