@@ -95,7 +95,7 @@ class LuxMap:
     ----------
     name : the receiver.
     size : its width and height, m.
-    lux : illuminance of the cells, lx, float64, rows along v, columns along u.
+    lux : illuminance of the cells, lx, float64, rows along v, columns along u, or against u where the back of a surface is measured.
     standard_errors : of `lux`, lx; estimated bounds of an integration.
     areas : of the cells, m2; 0 where a cell is cut away.
     positions : centres of the cells, m, N x 3, in the order of ``lux.ravel()``.

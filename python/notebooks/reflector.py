@@ -105,7 +105,9 @@ figure, axes = plt.subplots(1, 4, figsize=(16, 3.8), layout="constrained")
 largest = max(before.maximum, after.maximum)
 shown = None
 for axis, lux_map, title in zip(axes, (before, after), ("Flat mirror", "Found mirror"), strict=False):
-    quarter = lux_map.lux
+    # Columns run towards -x on the back of the wall: the cells are sorted by their centres.
+    x, _, z = lux_map.positions.T
+    quarter = lux_map.lux.ravel()[np.lexsort((x, z))].reshape(lux_map.lux.shape)
     whole = np.block([[quarter[::-1, ::-1], quarter[::-1]], [quarter[:, ::-1], quarter]])
     shown = axis.imshow(whole, origin="lower", extent=(-WALL, WALL, -WALL, WALL), vmin=0, vmax=largest, cmap="inferno")
     axis.set(title=f"{title}: mean {lux_map.mean:.0f} lx, U0 {lux_map.u0:.2f}", xlabel="x (m)", ylabel="z (m)")
