@@ -125,7 +125,7 @@ pub fn resume(
 ///
 /// A part has its share of the direct light, the light between surfaces, and its share of the gathered light. It computes the direct light
 /// that `state` lacks, that of other parts included: if that takes long, parts that end with the direct light come first, and `state` is
-/// joined from them.
+/// joined from them. The state of the finished part is returned as it is.
 ///
 /// # Errors
 /// Those of [`bake`], and [`BakeError::State`] for the state of other elements or another part, and [`BakeError::Indivisible`] for [`BakeMethod::Radiosity`].
@@ -140,18 +140,16 @@ pub fn bake_part(
     if settings.method != BakeMethod::Gather {
         return Err(BakeError::Indivisible);
     }
-    let (begun, number) = (BakeParts::of(part, false), part.part.number());
-    let is_other = |parts: &BakeParts| {
-        let of_part =
-            |parts: &BakeParts| (parts.count, parts.direct_only, parts.finished.keys().eq([&number]));
-        of_part(parts) != of_part(&begun)
-    };
-    if state.parts.as_ref().is_some_and(is_other) {
+    if state.parts.as_ref().is_some_and(|parts| !parts.is_only(part)) {
         return Err(BakeError::State);
+    }
+    // It no longer has the direct light of other parts, which would be computed again.
+    if state.parts == Some(BakeParts::of(part, true)) {
+        return Ok(state);
     }
     let charts = checked_charts(elements, settings)?;
     let mut progress = BakeProgress::new(sink, cancel, if part.direct_only { 1 } else { 3 });
-    let mut state = BakeState { parts: Some(begun), ..state };
+    let mut state = BakeState { parts: Some(BakeParts::of(part, false)), ..state };
     let own = part.direct_only.then_some(part.part);
     direct::add_runs(elements, &charts, settings, own, &mut state, &mut progress)?;
     if !part.direct_only {

@@ -42,13 +42,21 @@ pub struct BakeParts {
 }
 
 impl BakeParts {
-    /// A part.
-    pub(super) fn of(BakePart { part, direct_only }: BakePart, is_finished: bool) -> Self {
+    /// A part alone.
+    #[must_use]
+    pub fn of(BakePart { part, direct_only }: BakePart, is_finished: bool) -> Self {
         let finished = BTreeMap::from([(part.number(), is_finished)]);
         Self { count: part.count(), direct_only, finished }
     }
 
-    /// The parts that are missing, or not finished: `false` and `true`.
+    /// Whether these are `part` alone, finished or not.
+    #[must_use]
+    pub fn is_only(&self, BakePart { part, direct_only }: BakePart) -> bool {
+        (self.count, self.direct_only) == (part.count(), direct_only)
+            && self.finished.keys().eq([&part.number()])
+    }
+
+    /// Parts that are missing or not finished, each with whether it has begun.
     pub fn missing(&self) -> impl Iterator<Item = (JobPart, bool)> {
         let open = |number| match self.finished.get(&number) {
             Some(true) => None,

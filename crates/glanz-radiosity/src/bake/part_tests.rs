@@ -99,6 +99,10 @@ fn interrupted_part_resumes_to_the_same_bits_and_is_not_finished() {
         let again = bake_part(state, &elements, &COARSE, own, &mut Silent, &CancelFlag::default());
         assert_eq!(again.unwrap(), whole);
     }
+    // A finished part is not computed again.
+    let mut sink = PointCounter::default();
+    let again = bake_part(whole.clone(), &elements, &COARSE, own, &mut sink, &CancelFlag::default()).unwrap();
+    assert!(again == whole && sink.first_phase.is_none());
 }
 
 #[test]

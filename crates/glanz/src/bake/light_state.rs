@@ -88,23 +88,16 @@ fn start(
     let BakeStart::State(state) = start_of(identity, elements, job)? else {
         return Err(no_part(checkpoint.as_deref()).into());
     };
-    let own = [(&part.part.number(), part.part.count(), part.direct_only)];
-    let of = |parts: &BakeParts| {
-        parts.finished.keys().map(|number| (*number, parts.count, parts.direct_only)).collect::<Vec<_>>()
-    };
-    let is_own = |parts: &BakeParts| of(parts) == own.map(|(number, count, direct)| (*number, count, direct));
-    match (&state.parts, checkpoint) {
-        (Some(parts), Some(path)) if !is_own(parts) => Err(FileFault::Identity(IdentityMismatch {
-            foreign: LightIdentity::FOREIGN,
-            what: "the part",
-            found: named(parts),
-            wanted: named(&BakeParts {
-                finished: [(part.part.number(), false)].into(),
-                count: part.part.count(),
-                direct_only: part.direct_only,
-            }),
-        })
-        .of(&path)),
+    match checkpoint {
+        Some(path) if !state.parts.as_ref().is_some_and(|parts| parts.is_only(part)) => {
+            Err(FileFault::Identity(IdentityMismatch {
+                foreign: LightIdentity::FOREIGN,
+                what: "the part",
+                found: state.parts.as_ref().map_or_else(|| "all of it".to_owned(), named),
+                wanted: named(&BakeParts::of(part, false)),
+            })
+            .of(&path))
+        }
         _ => Ok(state),
     }
 }
@@ -157,7 +150,8 @@ pub(crate) fn join(
 }
 
 fn missing_part((part, has_begun): (glanz_job::JobPart, bool)) -> MissingPart {
-    MissingPart { part, missing: "a share of the light".to_owned(), is_whole: !has_begun }
+    let missing = if has_begun { "some texels" } else { "all its texels" }.to_owned();
+    MissingPart { part, missing, is_whole: !has_begun }
 }
 
 /// Refuses a part of another bake, or of another division of it.
@@ -189,9 +183,8 @@ fn conflict_of(conflict: BakeConflict, path: &Path, taken: &[(PathBuf, BakeParts
     };
     match conflict {
         BakeConflict::Part(number) => {
-            let (other, count) =
-                (taken.iter().find(|(_, parts)| parts.finished.contains_key(&number)), first);
-            let count = count.map_or(0, |(_, parts)| parts.count);
+            let other = taken.iter().find(|(_, parts)| parts.finished.contains_key(&number));
+            let count = other.map_or(0, |(_, parts)| parts.count);
             JoinError::Overlap { parts: with(other), common: format!("part {number}/{count}") }
         }
         BakeConflict::Light(what) => JoinError::Contradiction { parts: with(first), what },
