@@ -102,16 +102,18 @@ impl Tally {
     /// Whether it counts the light of these receivers and directions.
     #[must_use]
     pub fn fits(&self, receivers: &Receivers, far_field: Option<FarFieldGrid>) -> bool {
-        self.has_shape_of(&Self::new(receivers, far_field))
+        self.shape() == (receivers.as_slice().len(), receivers.cell_count(), far_field)
     }
 
     /// Whether two tallies have the same numbers of receivers and cells, and the same directions.
     #[must_use]
     pub fn has_shape_of(&self, other: &Self) -> bool {
-        let shape = |tally: &Self| {
-            (tally.receivers.len(), tally.cells.len(), tally.far_field.as_ref().map(|sums| sums.grid))
-        };
-        shape(self) == shape(other)
+        self.shape() == other.shape()
+    }
+
+    /// Numbers of receivers and cells, and the directions.
+    fn shape(&self) -> (usize, usize, Option<FarFieldGrid>) {
+        (self.receivers.len(), self.cells.len(), self.far_field.as_ref().map(|sums| sums.grid))
     }
 
     /// Adds a tally of other particles for the same receivers; the sums have the bits of one tally of all particles.

@@ -15,6 +15,9 @@ use crate::tally::{Tally, ThreadTally};
 /// Particles that a thread traces together.
 const BLOCK: u64 = 1 << 10;
 
+/// Largest number of particles, far from an overflow of the counter that threads share.
+const MAX_PARTICLES: u64 = 1 << 63;
+
 /// Wall time of a round, after which progress is reported and cancelling takes effect.
 const ROUND_SECONDS: f64 = 0.5;
 
@@ -51,7 +54,7 @@ impl TraceSettings {
     /// Numbers of the particles that may be traced.
     #[must_use]
     pub fn range(&self) -> Range<u64> {
-        let all = 0..self.goal.particles.unwrap_or(u64::MAX);
+        let all = 0..self.goal.particles.unwrap_or(u64::MAX).min(MAX_PARTICLES);
         self.part.map_or(all.clone(), |part| part.share(all))
     }
 }

@@ -69,5 +69,5 @@ pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;
 pub use content_hash::ContentHash;
 pub use identity::{IdentityMismatch, JobIdentity, current_version};
-pub use part::{JobPart, JobPartError};
+pub use part::{JobPart, JobPartError, MAX_PARTS};
 pub use progress::{JobProgress, ProgressSink, Silent, WorkCount, grouped};

@@ -5,7 +5,10 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 
-/// Part K of N of a job, of samples, particles or charts: written `K/N`, with K from 1 to N.
+/// Largest number of parts of a job: lists of missing parts stay small.
+pub const MAX_PARTS: u32 = 1 << 20;
+
+/// Part K of N of a job, of samples, particles or texels: written `K/N`, with K from 1 to N.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct JobPart {
     number: u32,
@@ -13,10 +16,10 @@ pub struct JobPart {
 }
 
 impl JobPart {
-    /// Part `number` of `count`; `None` unless `number` is from 1 to `count`.
+    /// Part `number` of `count`; `None` unless `number` is from 1 to `count`, and `count` at most [`MAX_PARTS`].
     #[must_use]
     pub fn try_new(number: u32, count: u32) -> Option<Self> {
-        (1..=count).contains(&number).then_some(Self { number, count })
+        (count <= MAX_PARTS && (1..=count).contains(&number)).then_some(Self { number, count })
     }
 
     /// Its number, from 1.
@@ -53,7 +56,7 @@ pub struct JobPartError;
 
 impl fmt::Display for JobPartError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a part is written K/N with K from 1 to N, such as 3/16")
+        f.write_str("a part is written K/N with K from 1 to N and N up to 1 048 576, such as 3/16")
     }
 }
 
@@ -91,7 +94,7 @@ mod tests {
     fn parts_are_read_and_written_with_numbers_from_one() {
         assert_eq!("3/16".parse::<JobPart>().unwrap().to_string(), "3/16");
         assert_eq!(JobPart::try_new(1, 1).unwrap().share(2..9), 2..9);
-        for text in ["", "3", "0/4", "5/4", "-1/4", "1/0", "1/2/3", " 1/2", "1/4294967296"] {
+        for text in ["", "3", "0/4", "5/4", "-1/4", "1/0", "1/2/3", " 1/2", "1/1048577", "1/4294967296"] {
             assert_eq!(text.parse::<JobPart>(), Err(JobPartError), "{text}");
         }
     }

@@ -17,7 +17,8 @@ impl SamplePlan {
     /// The plan of `parts` parts of `samples`; `None` without parts, or for more parts than samples.
     #[must_use]
     pub fn try_new(samples: Range<u32>, parts: u32) -> Option<Self> {
-        (parts > 0 && parts as usize <= samples.len()).then_some(Self { samples, parts })
+        (JobPart::try_new(1, parts).is_some() && parts as usize <= samples.len())
+            .then_some(Self { samples, parts })
     }
 
     /// All samples.

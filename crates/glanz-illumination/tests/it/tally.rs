@@ -110,11 +110,21 @@ fn tallies_are_read_as_they_were_written() {
         assert!((0..encoder.0.len()).step_by(7).all(|length| read(&encoder.0[..length]).is_none()));
         // Ranges that overlap.
         let mut bytes = encoder.0;
-        bytes[8..16].copy_from_slice(&4_000_u64.to_le_bytes());
+        bytes[16..24].copy_from_slice(&4_000_u64.to_le_bytes());
         assert!(read(&bytes).is_none());
         let other = FarFieldGrid::try_new(8, 17);
         assert!(tally.fits(&receivers, grid) && !tally.fits(&receivers, other));
         assert!(!tally.fits(&Receivers::default(), grid));
+    }
+}
+
+#[test]
+fn numbers_of_particles_do_not_overflow() {
+    let goal = TraceGoal { particles: Some(u64::MAX), ..TraceGoal::default() };
+    for part in [None, JobPart::try_new(1 << 20, 1 << 20)] {
+        let settings = TraceSettings { seed: 1, max_events: 9, threads: 1, goal, part };
+        // Threads add blocks to the numbers before they compare them with the end.
+        assert!(settings.range().end <= u64::MAX / 2 + 1 && !settings.range().is_empty());
     }
 }
 

@@ -93,11 +93,11 @@ impl TallyPlan {
     #[expect(clippy::option_option, reason = "malformed, or without a plan")]
     fn decode(decoder: &mut Decoder<'_>) -> Option<Option<Self>> {
         let (particles, count, number) = (decoder.u64()?, decoder.u32()?, decoder.u32()?);
-        let part = JobPart::try_new(number, count);
         match (count, number) {
             (0, 0) => Some(None),
-            (_, 1..) if part.is_none() => None,
-            _ => Some(Some(Self { particles, count, part })),
+            // Joined parts have a count only.
+            _ if JobPart::try_new(number.max(1), count).is_none() => None,
+            _ => Some(Some(Self { particles, count, part: JobPart::try_new(number, count) })),
         }
     }
 }
@@ -184,4 +184,26 @@ pub(super) fn identity(
     max_depth: u32,
 ) -> TallyIdentity {
     TallyIdentity { version: current_version(), scene, receivers, far_field, seed, max_depth }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plans_with_impossible_parts_are_refused() {
+        let read = |count: u32, number: u32| {
+            let mut encoder = Encoder::default();
+            encoder.u64(1000);
+            encoder.u32(count);
+            encoder.u32(number);
+            TallyPlan::decode(&mut Decoder(&encoder.0))
+        };
+        assert_eq!(read(0, 0), Some(None));
+        assert_eq!(read(3, 0), Some(Some(TallyPlan { particles: 1000, count: 3, part: None })));
+        assert_eq!(read(3, 2).flatten().and_then(|plan| plan.part), JobPart::try_new(2, 3));
+        for (count, number) in [(0, 1), (3, 4), (u32::MAX, 0), (u32::MAX, 1)] {
+            assert_eq!(read(count, number), None, "{number}/{count}");
+        }
+    }
 }
