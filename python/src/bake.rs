@@ -181,7 +181,7 @@ impl PyScene {
         let checkpoint = Some(checkpoint);
         let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
         let light = run_job(py, job, &self.origins, |job| {
-            settings.builder(scene).light_input(light_input).job(job).run_part(part)
+            settings.builder(scene).job(job).run_part(part, light_input.as_deref())
         })?;
         warn(py, light.warnings.iter().map(ToString::to_string))
     }

@@ -81,7 +81,7 @@ fn run_part(
     let baked = run_job(scene, &arguments.job, cancel, messages, |scene, job| {
         let bake = scene.bake().density(arguments.texels_per_metre).rays(arguments.rays).method(method);
         let part = BakePart { part, direct_only: arguments.direct_only };
-        bake.light_input(arguments.light_in.clone()).job(job).run_part(part)
+        bake.job(job).run_part(part, arguments.light_in.as_deref())
     });
     let light = match baked {
         Ok(light) => light,

@@ -39,7 +39,7 @@ const PREVIEW_MAX_DIFFERENCE: f32 = 0.05;
 const NEAR_DISTANCE: f64 = 2.0;
 
 /// Runs of texels that are computed between two reports of progress.
-const RUNS_AT_ONCE: usize = 64;
+const RUNS_AT_ONCE: usize = 16;
 
 /// Key of the sample points; the same for all texels, so that adjacent texels and charts agree.
 const KEY: u64 = 0x6c61_6d70;
@@ -117,8 +117,9 @@ pub(super) fn add_runs(
         let fraction = (done * RUNS_AT_ONCE) as f64 / missing.len() as f64;
         progress.report(fraction, || state.clone())?;
         let run = |&number: &u32| {
-            let run = DirectRun::new(texels_of_run(number as usize, texels).map(of_texel));
-            (number, Arc::new(run))
+            let light: Vec<_> =
+                texels_of_run(number as usize, texels).into_par_iter().map(of_texel).collect();
+            (number, Arc::new(DirectRun::new(light)))
         };
         state.direct.par_extend(group.par_iter().map(run));
     }

@@ -103,6 +103,11 @@ pub(super) fn maps(charts: &[Chart], runs: &DirectRuns) -> Vec<DirectMap> {
     charts.iter().map(map).collect()
 }
 
+/// Length of the bytes of [`write_runs`].
+pub(super) fn length(runs: &DirectRuns) -> usize {
+    4 + runs.values().map(|run| 6 + run.texels() + 12 * run.light.len()).sum::<usize>()
+}
+
 /// Appends runs: 4 bytes with their number, for each 4 and 2 bytes with its number and that of its texels, for each texel a byte with the
 /// number of its points, then the light of all points.
 pub(super) fn write_runs(bytes: &mut Vec<u8>, runs: &DirectRuns) {

@@ -219,7 +219,7 @@ impl<'a> FinalGather<'a> {
         let mut rows: Vec<ElementRow> = Vec::with_capacity(list.len());
         let mut links = 0;
         for group in list.chunks(ELEMENTS_AT_ONCE) {
-            // States contain nothing of this phase.
+            // Rows are not part of a state: an interruption repeats this phase.
             progress.report(rows.len() as f64 / list.len() as f64, || self.state())?;
             let found: Vec<ElementRow> = group.par_iter().map(|element| self.row(element)).collect();
             links += found.iter().map(|row| row.links.len()).sum::<usize>();

@@ -19,7 +19,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
 use glanz_sampling::hash::combine;
 
-use super::direct_light::{DirectRuns, read_runs, write_runs};
+use super::direct_light::{self, DirectRuns, read_runs, write_runs};
 use super::gather::GatheredLight;
 use super::part::BakeParts;
 use super::receiver::BakeReceiver;
@@ -33,8 +33,14 @@ const KEYS: [u64; 2] = [0x7370_6f74, 0x706c_6163];
 const HAS_DIRECT: u8 = 4;
 const HAS_PARTS: u8 = 8;
 
-/// Bytes of a point of the final gather.
+/// Bytes of light, of a part, of a point of the final gather, and most bytes of an element of the solver.
+const LIGHT: usize = 12;
+const PART: usize = 5;
 const POINT: usize = 37;
+const MAX_ELEMENT: usize = 69;
+
+/// More than all bytes of fixed length, and those that follow a state in a file.
+const HEAD: usize = 64;
 
 /// State of an unfinished bake. It is valid for the same scene, elements and settings only, whose identity has to be stored with it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,9 +78,26 @@ impl BakeState {
         self.indirect.is_none() && self.gathered.is_empty() && self.solution.is_none()
     }
 
-    /// Bytes of the state; equal states have equal bytes.
-    #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
+    /// Bytes of the state.
+    #[cfg(test)]
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        self.write(&mut bytes);
+        assert!(bytes.len() <= self.max_length());
+        bytes
+    }
+
+    /// Largest length of the bytes of the state, with a little space.
+    fn max_length(&self) -> usize {
+        let elements = self.indirect.as_ref().map_or(0, |light| light.len() * LIGHT)
+            + self.solution.as_ref().map_or(0, |solution| solution.len() * MAX_ELEMENT);
+        let parts = self.parts.as_ref().map_or(0, |parts| parts.finished.len() * PART);
+        HEAD + elements + parts + direct_light::length(&self.direct) + self.gathered.len() * POINT
+    }
+
+    /// Appends the bytes of the state; equal states have equal bytes.
+    pub fn write(&self, bytes: &mut Vec<u8>) {
+        bytes.reserve(self.max_length());
         let kind = match (&self.indirect, &self.solution) {
             (Some(_), _) => 1,
             (None, Some(_)) if self.coarse_error.is_some() => 3,
@@ -82,32 +105,31 @@ impl BakeState {
             (None, None) => 0,
         };
         let direct = if self.direct.is_empty() { 0 } else { HAS_DIRECT };
-        let mut bytes = vec![kind | direct | if self.parts.is_some() { HAS_PARTS } else { 0 }];
+        bytes.push(kind | direct | if self.parts.is_some() { HAS_PARTS } else { 0 });
         if let Some(indirect) = &self.indirect {
             bytes.extend((indirect.len() as u32).to_le_bytes());
-            indirect.iter().for_each(|&light| write_light(&mut bytes, light));
+            indirect.iter().for_each(|&light| write_light(bytes, light));
         } else if let Some(solution) = &self.solution {
             self.coarse_error.iter().for_each(|error| bytes.extend(error.to_le_bytes()));
             bytes.extend((solution.len() as u32).to_le_bytes());
-            solution.iter().for_each(|(patch, light)| write_element(&mut bytes, patch, *light));
+            solution.iter().for_each(|(patch, light)| write_element(bytes, patch, *light));
         }
-        self.parts.iter().for_each(|parts| parts.write(&mut bytes));
+        self.parts.iter().for_each(|parts| parts.write(bytes));
         if !self.direct.is_empty() {
-            write_runs(&mut bytes, &self.direct);
+            write_runs(bytes, &self.direct);
         }
         let mut places: Vec<(&u128, &GatheredLight)> = self.gathered.iter().collect();
         places.sort_unstable_by_key(|(key, _)| **key);
         bytes.extend((places.len() as u64).to_le_bytes());
         for (key, found) in places {
             bytes.extend(key.to_le_bytes());
-            write_light(&mut bytes, found.light);
+            write_light(bytes, found.light);
             bytes.extend(found.distance.to_le_bytes());
             bytes.push(u8::from(found.sees_light));
         }
-        bytes
     }
 
-    /// Reads the bytes of [`BakeState::to_bytes`]; `None` if they are no state. Uses at most a few times the memory of `bytes`.
+    /// Reads the bytes of [`BakeState::write`]; `None` if they are no state. Uses at most a few times the memory of `bytes`.
     #[must_use]
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = bytes;

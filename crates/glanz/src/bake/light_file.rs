@@ -7,7 +7,7 @@
 //! | 8 | length of the file |
 //! | 1 + n, 16 | version of Glanz, fingerprint of the scene |
 //! | 8, 4, 4 | texels per metre, rays, shadow rays |
-//! | 1 | 0: not finished, as [`BakeState`] writes it; 1: light maps, as [`stored`] does; plus 2 times the number of the method |
+//! | 1 | 0: not finished, as [`BakeState::write`] writes it; 1: light maps, as [`stored`] does; plus 2 times the number of the method |
 //! | 0 or 8 | exponent of the method's interpolation, if it has one |
 //! | | that state or those light maps |
 //! | 4 | CRC-32 (IEEE) of all before |
@@ -25,7 +25,7 @@ use crate::file;
 
 /// Envelope of the file.
 const ENVELOPE: FileEnvelope =
-    FileEnvelope { magic: b"GLANZLGT", version: 1, content: "the light", kind: "baked light of Glanz" };
+    FileEnvelope { magic: b"GLANZLGT", version: 2, content: "the light", kind: "baked light of Glanz" };
 
 /// Identity of baked light: everything that it depends on.
 #[derive(Clone, Debug, PartialEq)]
@@ -191,15 +191,20 @@ fn decode(content: &[u8]) -> Option<(LightIdentity, LightContent)> {
 
 /// Writes the state of an unfinished bake to the file `path`.
 pub(super) fn write_state(path: &Path, identity: &LightIdentity, state: &BakeState) -> Result<(), Error> {
-    write(path, identity, 0, &state.to_bytes())
+    write(path, identity, 0, |bytes| state.write(bytes))
 }
 
 /// Writes all light maps to the file `path`.
 pub(super) fn write_maps(path: &Path, identity: &LightIdentity, maps: &[LightMap]) -> Result<(), Error> {
-    write(path, identity, 1, &stored::to_bytes(maps))
+    write(path, identity, 1, |bytes| bytes.extend(stored::to_bytes(maps)))
 }
 
-fn write(path: &Path, identity: &LightIdentity, kind: u8, content: &[u8]) -> Result<(), Error> {
+fn write(
+    path: &Path,
+    identity: &LightIdentity,
+    kind: u8,
+    content: impl FnOnce(&mut Vec<u8>),
+) -> Result<(), Error> {
     let LightIdentity { version, scene, mut settings } = identity.clone();
     let bytes = ENVELOPE.seal(|e| {
         e.text(&version);
@@ -211,7 +216,7 @@ fn write(path: &Path, identity: &LightIdentity, kind: u8, content: &[u8]) -> Res
         if let Some(exponent) = exponent(&mut settings.method) {
             e.f64(*exponent);
         }
-        e.0.extend_from_slice(content);
+        content(&mut e.0);
     });
     file::write(path, &bytes)
 }

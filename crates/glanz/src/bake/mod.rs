@@ -10,7 +10,7 @@ mod model_camera;
 mod model_files;
 mod outcome;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use glanz_radiosity::bake::{
@@ -48,13 +48,12 @@ const SIDE_OF_SCENE: f64 = 1.0 / 24.0;
 pub struct BakeBuilder<'a> {
     scene: LoadedScene,
     settings: BakeSettings,
-    light_input: Option<PathBuf>,
     job: JobOptions<'a>,
 }
 
 impl<'a> BakeBuilder<'a> {
     pub(crate) fn new(scene: LoadedScene) -> Self {
-        Self { scene, settings: BakeSettings::default(), light_input: None, job: JobOptions::default() }
+        Self { scene, settings: BakeSettings::default(), job: JobOptions::default() }
     }
 
     /// Smallest density of the light maps, texels per metre; 25 unless set.
@@ -75,12 +74,6 @@ impl<'a> BakeBuilder<'a> {
         self
     }
 
-    /// Begins a part with the light of this file, of joined parts that end with the direct light.
-    pub fn light_input(mut self, path: impl Into<Option<PathBuf>>) -> Self {
-        self.light_input = path.into();
-        self
-    }
-
     /// Replaces the options that every job takes.
     pub fn job(mut self, options: JobOptions<'a>) -> Self {
         self.job = options;
@@ -95,7 +88,7 @@ impl<'a> BakeBuilder<'a> {
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
     /// [`Error::Elements`] and [`Error::Bake`] for more elements or texels than can be stored.
     pub fn run(self) -> Result<BakeOutcome, Error> {
-        let Self { scene, settings, job, .. } = self;
+        let Self { scene, settings, job } = self;
         scene.check_scene("bake")?;
         let mut job = job.start();
         job.check_checkpoint()?;
@@ -138,12 +131,13 @@ impl<'a> BakeBuilder<'a> {
 impl BakeBuilder<'_> {
     /// Bakes a part, into the checkpoint; [`merge`](crate::merge) joins all parts.
     ///
-    /// A part without [`BakeBuilder::light_input`] computes the direct light of all parts.
+    /// It begins with the light of the file `light_input`, of joined parts that end with the direct light; without, it computes the direct
+    /// light of all parts.
     ///
     /// # Errors
     /// Those of [`BakeBuilder::run`]; [`Error::Indivisible`] for [`BakeMethod::Radiosity`], [`Error::Join`] for finished light as its beginning.
-    pub fn run_part(self, part: BakePart) -> Result<LightState, Error> {
-        let Self { scene, settings, light_input, job } = self;
+    pub fn run_part(self, part: BakePart, light_input: Option<&Path>) -> Result<LightState, Error> {
+        let Self { scene, settings, job } = self;
         scene.check_scene("bake")?;
         if settings.method != BakeMethod::Gather {
             return Err(Error::Indivisible { what: "the hierarchical solver" });
@@ -154,7 +148,7 @@ impl BakeBuilder<'_> {
         let scene = resolved(scene, &mut job)?;
         job.in_pool(|job| {
             let elements = started_elements(&scene, &settings, job)?;
-            light_state::computed(identity, &elements, &settings, part, light_input.as_deref(), job)
+            light_state::computed(identity, &elements, &settings, part, light_input, job)
         })
     }
 }
