@@ -42,8 +42,8 @@ Examples:
   glanz merge 1.light 2.light --checkpoint whole.light
   glanz bake room.pbrt -o room.glb --checkpoint whole.light --resume
 
-  Each of these parts computes all direct light by itself, 4 to 35 % of the work of one machine: of
-  many parts, or with many texels, the direct light is better divided, too, before:
+  Each of these parts computes all direct light by itself. With many parts or many texels, divide
+  the direct light first:
   glanz bake room.pbrt --part 1/2 --direct-only --checkpoint d1.light
   glanz merge d1.light d2.light --checkpoint direct.light
   glanz bake room.pbrt --part 1/2 --light-in direct.light --checkpoint 1.light";

@@ -132,7 +132,7 @@ impl CheckpointArguments {
 /// The part of a job that is split over several runs or machines.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct PartArguments {
-    /// Compute part K of N only, with K from 1, into the checkpoint, which needs no -o; `glanz merge` joins the parts
+    /// Compute part K of N only, with K from 1, into the checkpoint, without -o; `glanz merge` joins the parts
     #[arg(long, value_name = "K/N", value_parser = clap::value_parser!(JobPart), requires = "checkpoint")]
     pub(crate) part: Option<JobPart>,
 }

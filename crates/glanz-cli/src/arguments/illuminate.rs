@@ -75,7 +75,7 @@ pub(crate) struct IlluminateArguments {
     #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with_all = ["checkpoint", "part"])]
     pub(crate) compare: Option<PathBuf>,
     /// Candela distribution of all light that leaves the scene, .ldt or .ies; -z is gamma 0 (repeat for several); every --part of the
-    /// calculation needs this option, too, but writes no file
+    /// calculation needs this option, too, and writes no file without -o
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "compare")]
     pub(crate) far_field: Vec<PathBuf>,
     /// Seed of the particles; another seed gives another, independent result

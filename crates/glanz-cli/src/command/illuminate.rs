@@ -21,6 +21,7 @@ use crate::scene_file;
 struct IlluminateReport<'a> {
     scenes: Vec<String>,
     outputs: Vec<String>,
+    checkpoint: Option<String>,
     designs: Vec<&'a LuxReport>,
     peak_memory_bytes: Option<u64>,
     warnings: Vec<String>,
@@ -81,6 +82,7 @@ pub(crate) fn run(
         report::print(&IlluminateReport {
             scenes: paths.iter().map(|path| path.display().to_string()).collect(),
             outputs: written,
+            checkpoint: arguments.job.checkpoint.checkpoint.as_ref().map(|path| path.display().to_string()),
             designs: outcomes.iter().map(|outcome| &outcome.report).collect(),
             peak_memory_bytes: report::peak_memory_bytes(),
             warnings,
@@ -126,7 +128,9 @@ fn print_summary(outcomes: &[IlluminateOutcome]) -> Result<(), CommandError> {
 fn part_note(checkpoint: &Path, outcomes: &[IlluminateOutcome]) -> String {
     let tallies = outcomes.iter().filter_map(|outcome| outcome.tally.as_ref());
     let particles: u64 = tallies.map(|tally| tally.particles().total()).sum();
-    format!("wrote {}: {}", checkpoint.display(), report::plural(particles, "particle", "particles"))
+    let is_interrupted = outcomes.iter().any(|outcome| outcome.end == JobEnd::Interrupted);
+    let start = if is_interrupted { "interrupted; " } else { "" };
+    format!("{start}wrote {}: {}", checkpoint.display(), report::plural(particles, "particle", "particles"))
 }
 
 /// Writes all files; returns them. A part without a folder has none.

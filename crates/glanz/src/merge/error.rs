@@ -71,7 +71,7 @@ pub enum JoinError {
         common: String,
     },
     /// Parts of one job with different results for the same.
-    #[error("{} and {} contradict each other in the {what}; one of them is damaged", .parts[0].display(), .parts[1].display())]
+    #[error("{} and {} contradict each other in the {what}; they were computed by different programs", .parts[0].display(), .parts[1].display())]
     Contradiction {
         /// The parts; the first may be joined with others already.
         parts: [PathBuf; 2],

@@ -29,7 +29,10 @@ fn merged_parts_give_the_model_of_one_bake() {
     let parts = |folder: &Folder, count: u32, options: &str, name: &str| {
         let names: Vec<String> = (1..=count).rev().map(|number| format!("{name}-{number}-{count}")).collect();
         for (number, file) in (1..=count).rev().zip(&names) {
-            folder.succeed(&format!("{LINE} --part {number}/{count} {options} --checkpoint {file}"));
+            let threads = 1 + number % 2;
+            folder.succeed(&format!(
+                "{LINE} --part {number}/{count} {options} --checkpoint {file} --threads {threads}"
+            ));
         }
         folder.succeed(&format!("merge {} --checkpoint {name}-{count} --json", names.join(" "))).json()
     };
@@ -42,12 +45,22 @@ fn merged_parts_give_the_model_of_one_bake() {
         assert_eq!(direct["points"], 0);
         parts(&folder, count, &format!("--light-in direct-{count}"), "later");
         assert_eq!(folder.bytes(&format!("all-{count}")), folder.bytes(&format!("later-{count}")));
+        folder.write("merged", folder.bytes(&format!("all-{count}")));
         folder.succeed(&format!("{LINE} -o joined.glb --checkpoint all-{count} --resume"));
         for (joined, one) in [("joined.glb", "one.glb"), ("joined.exr", "one.exr")] {
             assert_eq!(folder.bytes(joined), folder.bytes(one), "{count}");
         }
         assert_eq!(folder.bytes(&format!("all-{count}")), folder.bytes("one.light"));
     }
+    // A tree of merges.
+    folder.succeed("merge all-1-5 all-4-5 --checkpoint group-1 --partial");
+    folder.succeed("merge all-2-5 all-3-5 all-5-5 --checkpoint group-2 --partial");
+    folder.succeed("merge group-1 group-2 --checkpoint tree");
+    assert_eq!(folder.bytes("tree"), folder.bytes("merged"));
+    // A part that is finished stays as it is.
+    let before = folder.bytes("all-2-5");
+    folder.succeed(&format!("{LINE} --part 2/5 --checkpoint all-2-5 --resume"));
+    assert_eq!(folder.bytes("all-2-5"), before);
     // Light that is finished shows as ever, and is no part.
     folder.succeed("render room.pbrt --integrator radiosity --light-in all-3 --size 8x8 --spp 1 -o m.exr -q");
     folder.run("merge all-1-3 one.light --checkpoint w").refused(1, &["one.light is no part"]);
@@ -79,6 +92,11 @@ fn parts_of_a_bake_that_are_missing_doubled_or_foreign_are_named() {
     folder.run(line).refused(2, &["--checkpoint"]);
     folder.run(&format!("{line} --checkpoint new -o m.glb")).refused(2, &["--output"]);
     folder.run("bake room.pbrt --direct-only -o m.glb").refused(2, &["--part"]);
+    let mut flipped = folder.bytes("2.light");
+    let middle = flipped.len() / 2;
+    flipped[middle] ^= 1;
+    folder.write("bad.light", &flipped);
+    folder.run("merge 1.light bad.light 3.light --checkpoint w").refused(1, &["bad.light", "damaged"]);
     assert!(!folder.has("w") && !folder.has("new"));
     // What is there is completed.
     folder.succeed("merge 1.light 3.light --checkpoint w --partial -q");

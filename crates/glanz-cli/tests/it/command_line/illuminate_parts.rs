@@ -42,6 +42,11 @@ fn merged_parts_give_the_files_of_one_run() {
         assert_eq!(merged.json()["particles"], 20_001);
         assert_eq!(merged.json()["particle_ranges"], "0..20001");
     }
+    // A tree of merges.
+    folder.succeed("merge 1-7.lux 4-7.lux 7-7.lux --checkpoint group-1.lux --partial");
+    folder.succeed("merge 2-7.lux 3-7.lux 5-7.lux 6-7.lux --checkpoint group-2.lux --partial");
+    folder.succeed("merge group-1.lux group-2.lux --checkpoint tree.lux");
+    assert_eq!(folder.bytes("tree.lux"), folder.bytes("whole-7.lux"));
     folder.succeed(&format!("{LINE} -o one --threads 1"));
     let far = folder.bytes("far.ldt");
     assert!(folder.bytes("whole-1.lux") != folder.bytes("whole-3.lux"), "the parts are stored");
@@ -114,7 +119,8 @@ fn parts_that_are_missing_doubled_foreign_or_damaged_are_named() {
 fn part_is_resumed_as_itself_only_and_has_a_number_of_particles() {
     let folder = Folder::new();
     folder.write("lamp.pbrt", LAMP);
-    folder.succeed(&format!("{LINE} --part 2/3 --checkpoint 2.lux"));
+    let part = folder.succeed(&format!("{LINE} --part 2/3 --checkpoint 2.lux --json")).json();
+    assert_eq!(part["checkpoint"], "2.lux");
     let before = folder.bytes("2.lux");
     folder.succeed(&format!("{LINE} --part 2/3 --checkpoint 2.lux --resume"));
     assert_eq!(folder.bytes("2.lux"), before);
