@@ -28,7 +28,7 @@ pub struct CheckpointHead {
     /// Length up to the sums.
     pub(super) before_sums: u64,
     pub(super) length: u64,
-    /// Checksum of the bytes up to the sums.
+    /// Its checksum, from which that of the whole file continues.
     pub(super) crc: u32,
 }
 
@@ -64,7 +64,7 @@ impl CheckpointHead {
         if expected != Some(length) || !d.0.is_empty() {
             return Err(CheckpointError::Content("its size"));
         }
-        Ok(Self { identity, film, before_sums, length, crc: crc32fast::hash(&bytes) })
+        Ok(Self { identity, film, before_sums, length, crc: found })
     }
 
     /// Length of the whole file, bytes.
@@ -79,8 +79,8 @@ impl CheckpointHead {
         self.before_sums
     }
 
-    /// The bytes of a file up to its sums.
-    pub(super) fn encode(identity: &PictureIdentity, film: &Film) -> Vec<u8> {
+    /// The bytes of a file up to its sums, and the checksum of all of them before it.
+    pub(super) fn encode(identity: &PictureIdentity, film: &Film) -> (Vec<u8>, u32) {
         let mut head = Encoder::default();
         encode_identity(&mut head, identity);
         encode_state(&mut head, film);
@@ -90,7 +90,7 @@ impl CheckpointHead {
         e.0.extend(head.0);
         let crc = crc32fast::hash(&e.0);
         e.u32(crc);
-        e.0
+        (e.0, crc)
     }
 }
 

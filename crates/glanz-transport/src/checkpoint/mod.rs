@@ -15,7 +15,7 @@
 //! | 1 | 1 with lines over the picture: their red, green and blue (`f32`), the covered share of each pixel of the crop window in 255ths (1 each), row by row |
 //! | 4 | CRC-32 (IEEE) of all preceding bytes |
 //! | 8 each | the sums of all pixels, tile after tile, and of the light splatted to them, row by row, see [`Film`] |
-//! | 4 | CRC-32 (IEEE) of all preceding bytes |
+//! | 4 | CRC-32 (IEEE) of all preceding bytes but the first checksum: behind its own checksum, the head would not count |
 //!
 //! Numbers are little-endian; text is a length byte and UTF-8.
 
@@ -95,9 +95,9 @@ impl Checkpoint {
     /// # Errors
     /// Those of `out`.
     pub fn write(identity: &PictureIdentity, film: &Film, out: &mut dyn Write) -> io::Result<()> {
-        let head = CheckpointHead::encode(identity, film);
+        let (head, crc) = CheckpointHead::encode(identity, film);
         out.write_all(&head)?;
-        sums::write(film.words(), crc32fast::Hasher::new_with_initial(crc32fast::hash(&head)), out)
+        sums::write(film.words(), crc32fast::Hasher::new_with_initial(crc), out)
     }
 
     /// Reads the output of [`Checkpoint::write`].
@@ -132,7 +132,7 @@ impl Checkpoint {
 mod tests {
     use super::*;
     use crate::aov::AovSet;
-    use crate::codec::{CRC_LENGTH, PREFIX_LENGTH, resealed};
+    use crate::codec::{CRC_LENGTH, PREFIX_LENGTH};
     use crate::edges::EdgeLayer;
     use crate::film::FilmFormat;
     use crate::integrator::IntegratorSettings;
@@ -261,11 +261,14 @@ mod tests {
         bytes[12..20].copy_from_slice(&length.to_le_bytes());
         let head = u64::from_le_bytes(bytes[PREFIX_LENGTH..HEAD].try_into().unwrap());
         let end = HEAD.saturating_add(head as usize);
+        let mut covered = bytes.clone();
         if bytes.len() >= end.saturating_add(CRC_LENGTH) {
             let crc = crc32fast::hash(&bytes[..end]);
+            covered.drain(end..end + CRC_LENGTH);
             bytes[end..end + CRC_LENGTH].copy_from_slice(&crc.to_le_bytes());
         }
-        resealed(bytes)
+        bytes.extend(crc32fast::hash(&covered).to_le_bytes());
+        bytes
     }
 
     #[test]

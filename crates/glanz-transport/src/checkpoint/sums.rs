@@ -10,7 +10,7 @@ use crate::codec::{CRC_LENGTH, EnvelopeError};
 /// Number of words in a block: 1 MiB.
 pub(super) const BLOCK: usize = 1 << 17;
 
-/// Writes `words`, and the checksum of the file. `crc`: that of what precedes them.
+/// Writes `words`, and the checksum of the file. `crc`: that of the head.
 pub(super) fn write(words: &[u64], mut crc: Hasher, out: &mut dyn Write) -> io::Result<()> {
     let mut block = vec![0; 8 * BLOCK.min(words.len())];
     for words in words.chunks(BLOCK) {

@@ -210,6 +210,16 @@ fn damaged_parts_leave_no_trace_in_the_film() {
 }
 
 #[test]
+fn sums_of_a_part_that_was_saved_anew_are_refused() {
+    let files: Vec<_> = parts(&runs()[4], 2).iter().map(Checkpoint::to_bytes).collect();
+    let sums = CheckpointHead::read(files[0].as_slice()).unwrap().before_sums() as usize;
+    // The head of one state, the sums and the end of another.
+    let mixed = [&files[0][..sums], &files[1][sums..]].concat();
+    assert!(Checkpoint::from_bytes(&mixed).is_err());
+    assert_eq!(joined(&[mixed], true).1.len(), 1);
+}
+
+#[test]
 fn parts_that_do_not_belong_together_are_refused() {
     for run in runs() {
         let whole = Checkpoint { identity: identity(&run), film: part(&run, 0..16) };
