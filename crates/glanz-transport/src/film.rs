@@ -204,9 +204,9 @@ impl Film {
         self.passes.training.as_deref()
     }
 
-    /// Adds a plan of which the film has a part of the samples.
-    pub fn add_plan(&mut self, plan: SamplePlan) {
-        self.plans.add(plan);
+    /// Adds plans of which the film has a part of the samples.
+    pub fn add_plans(&mut self, plans: impl IntoIterator<Item = SamplePlan>) {
+        self.plans.add(plans);
         self.plans.drop_finished(&self.samples);
     }
 

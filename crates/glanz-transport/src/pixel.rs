@@ -175,7 +175,7 @@ fn visit_narrow(sums: &mut [NarrowSum; 3], words: &mut impl WordAccess) {
 }
 
 impl PixelSums {
-    /// Visits all sums in the order of the words; counting, reading and writing all use this function.
+    /// Visits all sums in the order of the words; merging, reading and writing all use this function.
     fn visit(&mut self, layout: &PixelLayout, words: &mut impl WordAccess) {
         visit_wide(&mut self.radiance, words);
         if layout.signed {

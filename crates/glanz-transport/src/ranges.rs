@@ -103,12 +103,20 @@ impl<T: Copy + Ord + Into<u64>> NumberRanges<T> {
         self.0.is_empty()
     }
 
+    /// Whether the set has all of `wanted`.
+    #[must_use]
+    pub fn covers(&self, wanted: &Range<T>) -> bool {
+        let at = self.0.partition_point(|range| range.end < wanted.end);
+        wanted.is_empty() || self.0.get(at).is_some_and(|range| range.start <= wanted.start)
+    }
+
     /// The parts of `wanted` that are not in the set, ascending.
     #[must_use]
     pub fn missing(&self, wanted: Range<T>) -> Vec<Range<T>> {
         let mut gaps = Vec::new();
         let mut from = wanted.start;
-        for done in &self.0 {
+        let first = self.0.partition_point(|range| range.end <= wanted.start);
+        for done in self.0.iter().skip(first).take_while(|range| range.start < wanted.end) {
             let gap = from..done.start.min(wanted.end);
             if !gap.is_empty() {
                 gaps.push(gap);
@@ -185,6 +193,7 @@ mod tests {
             prop_assert!(set.as_slice().windows(2).all(|w| w[0].end < w[1].start));
             let wanted = wanted.0..wanted.0 + wanted.1;
             let missing: Vec<u32> = set.missing(wanted.clone()).into_iter().flatten().collect();
+            prop_assert_eq!(set.covers(&wanted), missing.is_empty());
             let expected: Vec<u32> = wanted.filter(|&i| !model[i as usize]).collect();
             prop_assert_eq!(missing, expected);
         }

@@ -40,7 +40,7 @@ pub(crate) struct SplatLayout {
 impl SplatLayout {
     /// Number of 64 bit words of one pixel.
     pub(crate) fn words(self) -> usize {
-        if self.squares { 15 } else { 6 }
+        self.merges().into_iter().map(WordMerge::words).sum()
     }
 
     /// How the sums of two pixels are merged, in the order of their words.

@@ -73,6 +73,14 @@ impl CheckpointHead {
         self.length
     }
 
+    /// Checks that a file of `found` bytes is the whole file.
+    ///
+    /// # Errors
+    /// [`CheckpointError::Envelope`] for another length.
+    pub fn check_length(&self, found: u64) -> Result<(), CheckpointError> {
+        if found == self.length { Ok(()) } else { Err(damaged(self.length, found)) }
+    }
+
     /// Position of the first sum in the file, bytes.
     #[must_use]
     pub fn before_sums(&self) -> u64 {
@@ -130,7 +138,7 @@ fn decode(d: &mut Decoder<'_>) -> Result<(PictureIdentity, Film), CheckpointErro
     let ends = decode_tile_ends(d, &identity.film).ok_or(CheckpointError::Content("its tiles"))?;
     let edges = decode_edges(d, &identity.film).ok_or(CheckpointError::Content("its edges"))?;
     let mut film = Film::try_from_state(identity.film, samples, Rejects { dropped, cut })?;
-    plans.into_iter().for_each(|plan| film.add_plan(plan));
+    film.add_plans(plans);
     let film = film.with_tile_ends(ends).ok_or(CheckpointError::Content("its tiles"))?;
     Ok((identity, film.with_passes(passes).with_edges(edges)?))
 }

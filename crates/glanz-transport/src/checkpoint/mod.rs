@@ -179,7 +179,7 @@ mod tests {
         film.finish_pass(7..9, Rejects::default()).unwrap();
         let coverage = (0..60).map(|pixel| pixel * 4).collect();
         let mut film = film.with_edges(Some(EdgeLayer { crop, color: [0.1, 0.2, 0.3], coverage })).unwrap();
-        film.add_plan(SamplePlan::try_new(4..9, 2).unwrap());
+        film.add_plans(SamplePlan::try_new(4..9, 2));
         let identity = PictureIdentity {
             scene: 0x0123_4567_89ab_cdef_0011_2233_4455_6677,
             film: format,

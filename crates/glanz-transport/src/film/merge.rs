@@ -59,7 +59,7 @@ impl Film {
         }
         self.samples.insert_all(&other.samples)?;
         self.rejects.merge(other.rejects);
-        other.plans.as_slice().iter().for_each(|plan| self.add_plan(plan.clone()));
+        self.add_plans(other.plans.as_slice().iter().cloned());
         Ok(())
     }
 

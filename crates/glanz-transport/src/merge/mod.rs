@@ -109,7 +109,7 @@ impl MergeChecks {
         }
         self.taken.insert_all(taken).map_err(|error| MergeError::Film { part, error: error.into() })?;
         self.parts.push((part, taken.clone()));
-        film.plans().as_slice().iter().for_each(|plan| self.plans.add(plan.clone()));
+        self.plans.add(film.plans().as_slice().iter().cloned());
         // Parts may have different plans if the sampler does not use the plan.
         let planned = &mut first.identity.samples_per_pixel;
         *planned = identity.samples_per_pixel.max(*planned);

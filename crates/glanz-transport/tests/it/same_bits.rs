@@ -117,7 +117,7 @@ fn parts(run: &Run, count: u32) -> Vec<Checkpoint> {
     let numbers = (1..=count).rev().map(|number| JobPart::try_new(number, count).unwrap());
     let parts = numbers.map(|number| {
         let mut film = fresh(run);
-        film.add_plan(plan.clone());
+        film.add_plans([plan.clone()]);
         let range = plan.share(number);
         (film, _) = resume(run, film, |s| s.samples = range, &mut Silent, &CancelFlag::default());
         Checkpoint { identity: identity(run), film }

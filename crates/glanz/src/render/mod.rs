@@ -58,7 +58,7 @@ pub struct RenderOptions {
     /// Renders only these samples of every pixel, as a part of a picture that [`merge`](crate::merge) joins.
     pub sample_range: Option<Range<u32>>,
     /// Renders only this part of the samples, or of [`RenderOptions::sample_range`], as a part of a picture that [`merge`](crate::merge) joins. It keeps its
-    /// noise. An error for an integrator that learns without [`RenderOptions::guide_input`], and with a noise level.
+    /// noise. An error for an integrator that learns without [`RenderOptions::guide_input`], with a noise level, and with a time limit.
     pub part: Option<JobPart>,
     /// Renders as many samples as fit into this wall time of the render loop, at least one, instead of a fixed number.
     pub time_limit: Option<Duration>,
@@ -197,7 +197,7 @@ impl<'a> RenderBuilder<'a> {
 fn starting_film(plan: &RenderPlan, job: &mut RunningJob<'_>) -> Result<Film, Error> {
     let Some(path) = job.resumed() else {
         let mut film = Film::try_new(plan.identity.film)?;
-        plan.part_of.iter().for_each(|plan| film.add_plan(plan.clone()));
+        film.add_plans(plan.part_of.clone());
         return Ok(film);
     };
     let file = File::open(&path).map_err(Error::of_file(&path))?;
@@ -205,7 +205,7 @@ fn starting_film(plan: &RenderPlan, job: &mut RunningJob<'_>) -> Result<Film, Er
     checkpoint.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
     let state = &ResumedState::Samples(checkpoint.film.samples().clone());
     job.emit(JobEvent::Resumed { path: &path, state });
-    plan.part_of.iter().for_each(|plan| checkpoint.film.add_plan(plan.clone()));
+    checkpoint.film.add_plans(plan.part_of.clone());
     Ok(checkpoint.film)
 }
 
