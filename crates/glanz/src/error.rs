@@ -109,8 +109,10 @@ pub enum Error {
         /// The computation.
         what: &'static str,
     },
-    /// A part of a calculation that does not end after a number of particles.
-    #[error("a part is a share of a number of particles, which has to be given, without a time or an error")]
+    /// A part of a job that does not end after a number of samples or particles.
+    #[error(
+        "a part is a share of a number of samples or particles, which has to be given, without a time or an error"
+    )]
     PartGoal,
     /// A film of the requested size cannot be created.
     #[error("the picture cannot be rendered: {0}")]

@@ -86,6 +86,9 @@ pub enum JoinError {
         /// The reason.
         error: FilmError,
     },
+    /// The film of all parts cannot be created.
+    #[error("the parts cannot be joined: {0}")]
+    Whole(FilmError),
     /// Parts that are not among those given.
     #[error(transparent)]
     Missing(MissingParts),
@@ -105,7 +108,7 @@ impl fmt::Display for MissingParts {
         }
         match self.0.len().saturating_sub(NAMED) {
             0 => Ok(()),
-            others => write!(f, "; so are {others} more"),
+            others => write!(f, "; and {others} more parts"),
         }
     }
 }
@@ -126,7 +129,7 @@ impl fmt::Display for MissingPart {
         let Self { part, missing, is_whole } = self;
         match is_whole {
             true => write!(f, "part {part} ({missing}) is missing"),
-            false => write!(f, "of part {part}, {missing} are missing"),
+            false => write!(f, "part {part} lacks {missing}"),
         }
     }
 }
@@ -143,10 +146,10 @@ mod tests {
             is_whole,
         };
         let two = MissingParts(vec![part(3, true), part(5, false)]);
-        let text = "part 3/20 (samples 2..3) is missing; of part 5/20, samples 4..5 are missing";
+        let text = "part 3/20 (samples 2..3) is missing; part 5/20 lacks samples 4..5";
         assert_eq!(two.to_string(), text);
         let text = MissingParts((1..=20).map(|number| part(number, true)).collect()).to_string();
         assert!(text.contains("part 8/20") && !text.contains("part 9/20"), "{text}");
-        assert!(text.ends_with("is missing; so are 12 more"), "{text}");
+        assert!(text.ends_with("is missing; and 12 more parts"), "{text}");
     }
 }

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use glanz_job::{Interrupted, JobProgress, WorkCount};
-use glanz_transport::codec::EnvelopeError;
 use glanz_transport::{
     Checkpoint, CheckpointError, CheckpointHead, FilmJoin, MergeChecks, MergeError, MissingSamples,
 };
@@ -34,6 +33,7 @@ pub(super) fn join(
     let mut parts: Vec<FilmPart> = Vec::new();
     let mut checks = MergeChecks::default();
     for file in files {
+        job.options.cancel.check()?;
         let Some(mut part) = readable(FilmPart::read(file), options, job)? else { continue };
         let admitted = checks.admit(parts.len(), &mut part.head);
         parts.push(part);
@@ -69,15 +69,9 @@ impl FilmPart {
         let path = file.path.clone();
         let (mut reader, found) = file.reader()?;
         let head = CheckpointHead::read(&mut reader).map_err(Error::of_file(&path))?;
-        let expected = head.length();
-        match found {
-            Some(found) if found != expected => {
-                Err(FileFault::Envelope(EnvelopeError::Length { content: "the checkpoint", expected, found })
-                    .of(&path))
-            }
-            Some(_) => Ok(Self { path, head, pipe: None }),
-            None => Ok(Self { path, head, pipe: Some(reader) }),
-        }
+        found.map_or(Ok(()), |found| head.check_length(found)).map_err(Error::of_file(&path))?;
+        let pipe = found.is_none().then_some(reader);
+        Ok(Self { path, head, pipe })
     }
 
     /// Adds its sums.
@@ -163,7 +157,7 @@ fn with_paths(error: MergeError, files: &[FilmPart]) -> Error {
             parts: [path(first), path(second)],
             common: format!("samples {} to {}", samples.start, samples.end - 1),
         },
-        MergeError::Film { part: 0, error } => return Error::Film(error),
+        MergeError::Film { part: 0, error } => JoinError::Whole(error),
         MergeError::Film { part, error } => JoinError::Film { parts: [path(0), path(part)], error },
         _ => JoinError::Empty,
     };

@@ -97,6 +97,7 @@ pub fn merge<P: AsRef<Path>>(
     let mut job = job.start();
     let mut parts = Vec::new();
     for path in paths {
+        job.options.cancel.check()?;
         parts.extend(readable(PartFile::open(path.as_ref()), options, &mut job)?);
     }
     let kind = common_kind(&parts)?;

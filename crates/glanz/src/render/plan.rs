@@ -286,7 +286,11 @@ impl RenderOptions {
         identity: &PictureIdentity,
     ) -> Result<(Range<u32>, Option<SamplePlan>), Error> {
         let Some(part) = self.part else { return Ok((samples, None)) };
-        if identity.film.is_ordered() && part.count() > 1 {
+        if self.time_limit.is_some() {
+            return Err(Error::PartGoal);
+        }
+        // With a noise level, even the only part would not take all samples.
+        if self.noise.is_some() || identity.film.is_ordered() && part.count() > 1 {
             return Err(Error::OrderedParts);
         }
         match SamplePlan::try_new(samples.clone(), part.count()) {
@@ -344,6 +348,9 @@ mod tests {
             assert!(matches!(part("1/2", options), Err(Error::OrderedParts)));
         }
         assert_eq!(part("1/1", learning()).unwrap().samples, 0..7);
+        assert!(matches!(part("1/1", by_noise(0.1)), Err(Error::OrderedParts)));
+        let timed = RenderOptions { time_limit: Some(Duration::from_secs(1)), ..by_count() };
+        assert!(matches!(part("1/2", timed), Err(Error::PartGoal)));
     }
 
     #[test]

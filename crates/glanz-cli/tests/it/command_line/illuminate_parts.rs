@@ -128,7 +128,7 @@ fn part_is_resumed_as_itself_only_and_has_a_number_of_particles() {
         .run(&format!("{LINE} --part 1/3 --checkpoint 2.lux --resume"))
         .refused(1, &["2.lux", "the part is 2/3, not 1/3"]);
     let line = "illuminate lamp.pbrt --part 1/3 --checkpoint new.lux";
-    folder.run(line).refused(2, &["number of particles", "--rays N"]);
+    folder.run(line).refused(2, &["number of samples or particles", "--rays N"]);
     folder.run(&format!("{line} --rays 9 --time 5")).refused(2, &["--time"]);
     folder.run(&format!("{line} --rays 9 --error 0.1")).refused(2, &["--error"]);
     folder.run(&format!("{line} --rays 9 --compare lamp.pbrt -o d")).refused(2, &["--compare"]);
