@@ -100,8 +100,8 @@ const ORDERED_HELP: &str =
 
 fn join_advice(error: &JoinError) -> Option<&'static str> {
     match error {
-        JoinError::Identity { kind: PartKind::Picture, .. } => {
-            Some("parts must be rendered from the same scene with the same settings")
+        JoinError::Identity { .. } => {
+            Some("parts must be computed from the same scene with the same settings")
         }
         JoinError::Film { error: FilmError::Layout(_), .. } => {
             Some("render every part with the same --edges, or without")

@@ -9,7 +9,7 @@
 //! A cancelled job that has a partial result returns it with [`JobEnd::Interrupted`]; one that has none returns an error whose variant
 //! `Interrupted` holds [`Interrupted`]. A saved state belongs to a [`JobIdentity`]: resuming under another one is refused by an
 //! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] represents the scene in it, and
-//! [`write_atomically`] replaces the file of a state as a whole.
+//! [`write_atomically`] replaces the file of a state as a whole. A [`JobPart`] is one of several parts of a job that are computed separately.
 //!
 //! ```
 //! use std::time::{Duration, Instant};

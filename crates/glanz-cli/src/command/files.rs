@@ -40,6 +40,11 @@ impl FileEntry {
 /// A scene file that cannot be read, or a closed stream.
 pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let SceneFileList { files, diagnostics } = list(&arguments.scene, messages)?;
+    // A line that names another file would send the wrong ones.
+    if let Some(file) = files.iter().find(|file| file.path.to_str().is_none_or(|path| path.contains('\n'))) {
+        let path = file.path.display();
+        return Err(CommandError::new(format!("{path}: paths of a list are UTF-8 text without line ends")));
+    }
     if arguments.json {
         report::print(&files.iter().map(FileEntry::of).collect::<Vec<_>>())?;
     } else {

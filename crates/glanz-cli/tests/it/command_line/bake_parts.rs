@@ -63,6 +63,13 @@ fn merged_parts_give_the_model_of_one_bake() {
     assert_eq!(folder.bytes("all-2-5"), before);
     // Light that is finished shows as ever, and is no part.
     folder.succeed("render room.pbrt --integrator radiosity --light-in all-3 --size 8x8 --spp 1 -o m.exr -q");
+    let line = "render room.pbrt --integrator radiosity --light-in all-3 --size 8x8 --spp 4 -q";
+    folder.succeed(&format!("{line} -o whole.exr"));
+    (1..=3).for_each(|k| {
+        folder.succeed(&format!("{line} --part {k}/3 --checkpoint {k}.glanz"));
+    });
+    folder.succeed("merge 3.glanz 1.glanz 2.glanz -o parts.exr -q");
+    assert_eq!(folder.bytes("parts.exr"), folder.bytes("whole.exr"));
     folder.run("merge all-1-3 one.light --checkpoint w").refused(1, &["one.light is no part"]);
 }
 

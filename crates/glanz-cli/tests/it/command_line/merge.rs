@@ -110,6 +110,19 @@ fn missing_parts_are_named_or_rendered_later() {
 }
 
 #[test]
+fn merges_of_merges_are_one_run() {
+    let folder = Folder::with_scene();
+    folder.succeed(&format!("render small.pbrt {SMALL} -o whole.exr -q"));
+    let parts = folder.render_parts(SMALL, 4);
+    for (group, parts) in ["a", "b"].into_iter().zip(parts.chunks(2)) {
+        folder.succeed(&format!("merge {} --checkpoint {group}.glanz --partial -q", parts.join(" ")));
+    }
+    folder.run("merge a.glanz -o tree.exr").refused(1, &["part 3/4 (samples 4..6) is missing; part 4/4"]);
+    folder.succeed("merge b.glanz a.glanz -o tree.exr -q");
+    assert_eq!(folder.bytes("tree.exr"), folder.bytes("whole.exr"));
+}
+
+#[test]
 fn damaged_parts_are_named_or_left_out() {
     let folder = Folder::with_scene();
     let parts = folder.render_parts(SMALL, 3);
