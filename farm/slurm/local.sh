@@ -37,6 +37,8 @@ stop() {
     for name in $daemons; do
         [ -f "$folder/$name.pid" ] || continue
         pid=$(cat "$folder/$name.pid")
+        # The file may be older than the system.
+        [ "$(cat "/proc/$pid/comm" 2>/dev/null)" = "$name" ] || continue
         kill "$pid" 2>/dev/null || true
         wait_for sh -c "! kill -0 $pid" || kill -KILL "$pid" 2>/dev/null || true
         rm -f "$folder/$name.pid"
