@@ -25,7 +25,7 @@ Usage: cargo xtask COMMAND
 
   test [STEP...]       the checks of a change: format, layers, references, words, clippy, docs, tests, web, browser
   nightly [PART...]    all long checks: heavy, browser, benches, publish, farm, python, and the parts below
-  farm [JOB...]        jobs in parts by Open Job Description and on a local cluster of Slurm, against single runs; installs both; the variable GLANZ may name the program
+  farm [JOB...]        jobs in parts by Open Job Description and Slurm, against single runs; GLANZ may name the program
   setup                installs the tools of the checks; `test` does so, too
   layers               dependencies between crates, against the layers of docs/ARCHITECTURE.md
   references           every @key cited in the sources against docs/references.bib

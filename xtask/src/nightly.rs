@@ -332,7 +332,7 @@ mod tests {
         let workflow = std::fs::read_to_string(workflow).unwrap();
         let list = workflow.lines().find_map(|line| line.trim().strip_prefix("part: [")?.strip_suffix(']'));
         let listed: BTreeSet<&str> = list.unwrap().split(", ").collect();
-        let others = ["heavy", "browser", "benches", "publish", "farm"];
+        let others = ["heavy", "browser", "benches", "publish", "farm", "python"];
         let parts: BTreeSet<&str> = PARTS.iter().map(|part| part.name).chain(others).collect();
         assert_eq!(listed, parts);
     }

@@ -1,10 +1,9 @@
 //! The Python package: built into a fresh virtual environment, and its tests.
 
-use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use crate::setup::{find_program, in_target};
+use crate::setup::{self, find_program, in_target};
 use crate::suite::{Verdict, succeed};
 use crate::workspace;
 
@@ -47,7 +46,7 @@ pub(crate) fn verdict() -> Result<Verdict, String> {
         times.push(format!("{name} {:.0} s", begun.elapsed().as_secs_f64()));
         Ok::<_, String>(())
     };
-    step("program", &mut workspace::cargo(["build", "--release", "--package", "glanz-cli"]))?;
+    step("program", &mut setup::glanz_build())?;
     step("venv", Command::new(python).args(["-m", "venv", "--clear"]).arg(&folder))?;
     let interpreter = program("python");
     let mut pip = Command::new(&interpreter);
@@ -59,7 +58,7 @@ pub(crate) fn verdict() -> Result<Verdict, String> {
         command
             .args(arguments)
             .current_dir(&folder)
-            .env("GLANZ_PROGRAM", glanz_program())
+            .env("GLANZ_PROGRAM", setup::glanz_program())
             .env("MPLBACKEND", "Agg");
         command
     };
@@ -69,10 +68,4 @@ pub(crate) fn verdict() -> Result<Verdict, String> {
     types.arg("--pythonpath").arg(&interpreter).current_dir(&package);
     step("pyright", &mut types)?;
     Ok(Verdict::Passed(times.join(", ")))
-}
-
-/// The program of the command line, with which the tests compare bits.
-fn glanz_program() -> std::path::PathBuf {
-    let name = format!("glanz{}", std::env::consts::EXE_SUFFIX);
-    in_target(&Path::new("release").join(name).display().to_string())
 }

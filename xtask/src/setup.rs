@@ -154,7 +154,10 @@ impl Tool {
             }
             Self::NodePackages => web::packages_are_installed(),
             Self::Chromium => chromium::find().is_some(),
-            Self::Slurm => ["slurmctld", "slurmd", "munged"].iter().all(|name| find_program(name).is_some()),
+            // Debian has them where only the superuser's search path leads.
+            Self::Slurm => ["slurmctld", "slurmd", "munged"]
+                .iter()
+                .all(|name| find_program(name).is_some() || Path::new("/usr/sbin").join(name).is_file()),
             Self::OpenJobDescription => openjd().is_some(),
         }
     }
@@ -265,6 +268,16 @@ pub(crate) fn find_program(name: &str) -> Option<PathBuf> {
     files.into_iter().find(|file| file.is_file())
 }
 
+/// The program of the command line, when [`glanz_build`] has run.
+pub(crate) fn glanz_program() -> PathBuf {
+    in_target(&format!("release/glanz{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// The command that builds it.
+pub(crate) fn glanz_build() -> Command {
+    workspace::cargo(["build", "--release", "--package", "glanz-cli"])
+}
+
 /// Folder of the Python environment with `openjd`, below that of build outputs.
 const OPENJD_FOLDER: &str = "openjd-venv";
 
@@ -280,7 +293,7 @@ fn node_version() -> Option<u32> {
     String::from_utf8_lossy(&output.stdout).trim().strip_prefix('v')?.split('.').next()?.parse().ok()
 }
 
-fn is_root() -> bool {
+pub(crate) fn is_root() -> bool {
     let id = Command::new("id").arg("-u").output();
     id.is_ok_and(|output| output.stdout.trim_ascii() == b"0")
 }
