@@ -74,9 +74,22 @@ impl Verbosity {
 /// The exit code, after help, version or the fault has been printed.
 pub fn parse<P: Parser>() -> Result<P, ExitCode> {
     P::try_parse().map_err(|error| {
+        if error.use_stderr() {
+            fail_of_usage(&error.to_string());
+        }
         let _ = error.print();
         ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(WRONG_USAGE))
     })
+}
+
+/// Reports wrong usage to a render farm: the first line of the error. Nothing has been parsed.
+fn fail_of_usage(error: &str) {
+    let words: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    if words.join("=").contains("=--progress=openjd") {
+        let messages = Messages::new(false).with_format(ProgressFormat::OpenJobDescription);
+        let line = error.lines().next().unwrap_or_default();
+        openjd::fail(messages, line.strip_prefix("error: ").unwrap_or(line));
+    }
 }
 
 /// The exit code of a command; prints the message of a failure.
@@ -87,10 +100,7 @@ pub fn exit_code(messages: Messages, outcome: Result<CommandOutcome, CommandErro
             openjd::progress(messages, 1.0);
             ExitCode::SUCCESS
         }
-        Ok(CommandOutcome::Refused) => {
-            openjd::fail(messages, "the tested condition does not hold");
-            ExitCode::FAILURE
-        }
+        Ok(CommandOutcome::Refused) => ExitCode::FAILURE,
         Ok(CommandOutcome::Interrupted) => {
             openjd::fail(messages, "interrupted by a signal");
             ExitCode::from(interrupt::EXIT_CODE)

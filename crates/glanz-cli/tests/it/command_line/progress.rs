@@ -51,6 +51,7 @@ fn failure_is_the_sentence_of_the_error() {
         ("render none.pbrt -o a.png", 1),
         ("render bad.pbrt -o a.png -q", 1),
         ("render small.pbrt -o a.tiff", 2),
+        ("render small.pbrt -o a.png --sppp 3", 2),
         ("bake small.pbrt -o a.obj", 2),
         ("merge none.glanz -o a.png", 1),
     ] {
