@@ -20,7 +20,7 @@ pub struct SceneFile {
     pub path: PathBuf,
     /// What it holds.
     pub kind: FileKind,
-    /// Whether it is there.
+    /// Whether it is there and, if it names others, can be read.
     pub exists: bool,
 }
 
@@ -68,7 +68,7 @@ impl FileKind {
         }
     }
 
-    /// Whether such a file may name others, or has to be read to find those that another names.
+    /// Whether such a file names others, or is needed to find them.
     pub(crate) fn names_files(self) -> bool {
         matches!(self, Self::Scene | Self::Model | Self::Buffer | Self::Materials | Self::Luminaire)
     }

@@ -9,6 +9,7 @@ use glanz_scene::Diagnostics;
 
 use crate::file_list::{FileKind, SceneFile, SceneFileList};
 use crate::registry::{Options, failure};
+use crate::source::MISSING_FILE;
 
 /// Finder and reader of files, with the hash of their contents.
 #[derive(Clone, Debug, Default)]
@@ -74,7 +75,7 @@ impl FileFinder {
         options: &Options,
     ) -> Result<Self, Diagnostics> {
         let folder = options.folder.as_deref().or_else(|| path.and_then(Path::parent));
-        let unreadable = |error| failure(name, "missing-file", format!("the folder cannot be read: {error}"));
+        let unreadable = |error| failure(name, MISSING_FILE, format!("the folder cannot be read: {error}"));
         let mut finder = match folder {
             Some(folder) if options.confined => Self::confined_to(folder).map_err(unreadable)?,
             folder => Self::new(folder),
@@ -166,11 +167,11 @@ impl FileFinder {
         let found = self.locate(name, asking);
         match &found {
             Ok(path) => self.add(path.clone(), kind, true),
-            Err(FindError::Missing) => {
+            Err(FindError::Missing) if !name.is_empty() => {
                 let folder = self.folders.first().map_or_else(PathBuf::new, PathBuf::clone);
                 self.add(folder.join(name), kind, false);
             }
-            Err(FindError::Outside) => {}
+            Err(FindError::Missing | FindError::Outside) => {}
         }
         found
     }
@@ -200,7 +201,9 @@ impl FileFinder {
         if !std::fs::metadata(path)?.is_file() {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
         }
-        let bytes = std::fs::read(path)?;
+        let bytes = std::fs::read(path).inspect_err(|_| {
+            self.files.entry(path.to_owned()).and_modify(|file| file.exists = false);
+        })?;
         self.hash.add_file(&bytes);
         Ok(bytes)
     }

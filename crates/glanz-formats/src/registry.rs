@@ -8,7 +8,7 @@ use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
 use crate::file_list::SceneFileList;
-use crate::source::Sources;
+use crate::source::{MISSING_FILE, Sources};
 use crate::{gltf, iges, image, model, obj, pbrt, rib, stl};
 
 /// Settings of the readers.
@@ -207,7 +207,7 @@ fn read(path: &Path, options: &Options) -> Result<(String, Arc<[u8]>), Diagnosti
     let folder = options.folder.as_deref().or_else(|| path.parent());
     let shown = folder.filter(|_| options.confined).and_then(|folder| path.strip_prefix(folder).ok());
     let name = shown.unwrap_or(path).display().to_string();
-    let unreadable = |what: String| failure(&name, "missing-file", what);
+    let unreadable = |what: String| failure(&name, MISSING_FILE, what);
     match std::fs::metadata(path) {
         Ok(metadata) if !metadata.is_file() => {
             return Err(unreadable("this is not a regular file".to_owned()));

@@ -169,7 +169,7 @@ pub(crate) struct Reporter {
     pub(crate) diagnostics: Diagnostics,
     /// Whether a substitute is an error.
     pub(crate) strict: bool,
-    /// Whether files are only listed: it matters to nobody here which are not available.
+    /// Whether files are only listed; messages about those that are not available are left out.
     pub(crate) lists: bool,
 }
 

@@ -21,7 +21,7 @@ pub(crate) struct InfoArguments {
     #[arg(long, value_name = "SVG", value_hint = ValueHint::FilePath)]
     pub(crate) plot: Option<PathBuf>,
     /// List every file that the scene needs, one path per line; files that are missing are named by warnings, and the exit status is 1
-    #[arg(long, conflicts_with_all = ["plot", "verbose"])]
+    #[arg(long, conflicts_with_all = ["plot", "verbose", "strict"])]
     pub(crate) files: bool,
     /// Of a CAD file, list every repair and everything that is left out, with entity numbers
     #[arg(short, long)]

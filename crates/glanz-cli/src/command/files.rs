@@ -1,10 +1,11 @@
 //! `glanz info --files`: the files that a scene needs.
 
+use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 
 use glanz::Error;
 use glanz::formats::photometry;
-use glanz::formats::{Diagnostics, FileKind, Options, SceneFile, SceneFileList};
+use glanz::formats::{Diagnostics, FileKind, Options, SceneFile, SceneFileList, Severity};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
@@ -12,7 +13,6 @@ use serde::Serialize;
 use crate::arguments::InfoArguments;
 use crate::command::luminaire;
 use crate::command_error::command_error;
-use crate::notes::note_diagnostics;
 use crate::report;
 
 /// A file in the output of `--json`.
@@ -29,7 +29,8 @@ struct FileEntry {
 impl FileEntry {
     fn of(file: &SceneFile) -> Self {
         let path = std::path::absolute(&file.path).map_or_else(|_| file.path.clone(), |path| tidy(&path));
-        let bytes = std::fs::metadata(&file.path).ok().map(|metadata| metadata.len());
+        let metadata = file.exists.then(|| std::fs::metadata(&file.path).ok()).flatten();
+        let bytes = metadata.map(|metadata| metadata.len());
         Self { path, kind: file.kind.name(), bytes, exists: file.exists }
     }
 }
@@ -39,7 +40,9 @@ impl FileEntry {
 /// # Errors
 /// A scene file that cannot be read, or a closed stream.
 pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let SceneFileList { files, diagnostics } = list(&arguments.scene, messages)?;
+    let SceneFileList { mut files, diagnostics } = list(&arguments.scene, messages)?;
+    let mut known = BTreeSet::new();
+    files.retain(|file| known.insert(tidy(&file.path)));
     // A line that names another file would send the wrong ones.
     if let Some(file) = files.iter().find(|file| file.path.to_str().is_none_or(|path| path.contains('\n'))) {
         let path = file.path.display();
@@ -51,13 +54,18 @@ pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
         let lines = files.iter().map(|file| format!("{}\n", tidy(&file.path).display()));
         report::print_text(&lines.collect::<String>())?;
     }
-    if diagnostics.has_errors() {
-        note_diagnostics(&diagnostics, messages);
+    // Warnings are about pictures that are only listed.
+    for error in diagnostics.iter().filter(|diagnostic| diagnostic.severity == Severity::Error) {
+        messages.diagnostic(error.severity, &error.to_string());
     }
     let mut missing = files.iter().filter(|file| !file.exists).peekable();
     let is_complete = !diagnostics.has_errors() && missing.peek().is_none();
     missing.for_each(|file| {
-        messages.warning(&format!("{}: the {} is missing", tidy(&file.path).display(), file.kind.name()));
+        messages.warning(&format!(
+            "{}: the {} is missing or cannot be read",
+            tidy(&file.path).display(),
+            file.kind.name()
+        ));
     });
     Ok(if is_complete { CommandOutcome::Done } else { CommandOutcome::Refused })
 }

@@ -17,6 +17,7 @@ use glanz_shading::model::PrincipledMaterial;
 use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read, read_materials};
 use crate::file_list::FileKind;
 use crate::model::{ModelReader, PictureContent, repetition};
+use crate::source::MISSING_FILE;
 
 /// A material of the description, with the emission and the opacity of its surfaces.
 type StyledMaterial = (usize, Option<EmissionDescription>, Option<AlphaDescription>);
@@ -147,10 +148,10 @@ impl MaterialLowering<'_> {
 
     fn report_missing(&mut self, (problem, is_outside): (String, bool)) {
         if is_outside {
-            self.reader.error("missing-file", None, problem);
+            self.reader.error(MISSING_FILE, None, problem);
         } else {
             let message = format!("{problem}; grey stands in for its materials");
-            self.reader.stand_in("missing-file", None, message);
+            self.reader.stand_in(MISSING_FILE, None, message);
         }
     }
 

@@ -17,7 +17,11 @@ Texture "wood" "spectrum" "imagemap" "string filename" "wood.png"
 Texture "bump" "float" "imagemap" "string filename" "bump.png"
 Material "diffuse" "texture reflectance" "wood" "string normalmap" "normals.png" "texture displacement" "bump"
 Shape "plymesh" "string filename" "mesh.ply" "texture alpha" "bump"
-Material "conductor" "spectrum eta" "silver.spd" "spectrum k" "silver.spd"
+Material "conductor" "spectrum eta" "silver.spd" "spectrum k" "silver-k.spd"
+MakeNamedMaterial "gold" "string type" "conductor" "spectrum eta" "gold.spd" "spectrum k" "gold-k.spd"
+NamedMaterial "gold"
+Texture "paint" "spectrum" "constant" "spectrum value" "paint.spd"
+Material "diffuse" "texture reflectance" "paint"
 Shape "obj" "string filename" "thing.obj"
 Shape "stl" "string filename" "thing.stl"
 Shape "step" "string filename" "discs.step"
@@ -27,7 +31,7 @@ Shape "patchmesh" "string filename" "patch.txt"
 "#;
 
 const LIGHTS: &str = r#"
-LightSource "infinite" "string filename" "sky.png"
+LightSource "infinite" "spectrum L" "sky.spd" "string filename" "sky.png"
 LightSource "projection" "string filename" "slide.png"
 LightSource "goniometric" "string filename" "goniometer.png"
 LightSource "photometric" "string filename" "lamp.ies"
@@ -60,7 +64,7 @@ const PATCH: [[f64; 3]; 16] = {
 };
 
 /// The files of the scene with their kinds, and the scene itself.
-const FILES: [(&str, &str); 25] = [
+const FILES: [(&str, &str); 30] = [
     ("scene/everything.pbrt", "scene"),
     ("scene/parts/light.pbrt", "scene"),
     ("scene/parts/ground.pbrt", "scene"),
@@ -70,6 +74,10 @@ const FILES: [(&str, &str); 25] = [
     ("scene/assets/normals.png", "picture"),
     ("scene/assets/mesh.ply", "mesh"),
     ("scene/assets/silver.spd", "spectrum"),
+    ("scene/assets/silver-k.spd", "spectrum"),
+    ("scene/assets/gold.spd", "spectrum"),
+    ("scene/assets/gold-k.spd", "spectrum"),
+    ("scene/assets/paint.spd", "spectrum"),
     ("scene/assets/thing.obj", "mesh"),
     ("scene/assets/thing.stl", "mesh"),
     ("scene/assets/discs.step", "cad"),
@@ -78,6 +86,7 @@ const FILES: [(&str, &str); 25] = [
     ("scene/assets/paint work.png", "picture"),
     ("scene/assets/patch.rib", "mesh"),
     ("scene/assets/patch.txt", "mesh"),
+    ("scene/assets/sky.spd", "spectrum"),
     ("scene/assets/sky.png", "picture"),
     ("scene/assets/slide.png", "picture"),
     ("scene/assets/goniometer.png", "picture"),
@@ -145,7 +154,9 @@ fn listed(folder: &Folder, scene: &str) -> BTreeMap<String, (String, bool)> {
         let path = PathBuf::from(file["path"].as_str().unwrap());
         assert!(path.is_absolute());
         let exists = file["exists"] == true;
-        assert_eq!(file["bytes"].as_u64(), std::fs::metadata(&path).ok().map(|metadata| metadata.len()));
+        let bytes =
+            std::fs::metadata(&path).ok().filter(std::fs::Metadata::is_file).map(|metadata| metadata.len());
+        assert_eq!(file["bytes"].as_u64(), bytes);
         let name = path.strip_prefix(&root).unwrap().to_str().unwrap().to_owned();
         (name, (file["kind"].as_str().unwrap().to_owned(), exists))
     });
@@ -203,7 +214,7 @@ fn files_that_are_missing_are_listed_with_those_behind_them() {
         let ran = folder.run("info --files scene/everything.pbrt");
         assert_eq!(ran.code, Some(1), "{name}");
         assert!(
-            ran.stderr.contains(&format!("warning: scene/{place}: the {kind} is missing")),
+            ran.stderr.contains(&format!("warning: scene/{place}: the {kind} is missing or cannot be read")),
             "{}",
             ran.stderr
         );
@@ -211,6 +222,7 @@ fn files_that_are_missing_are_listed_with_those_behind_them() {
     }
     folder.write("cut.pbrt", "WorldBegin\nShape \"plymesh\" \"string filename\" \"no.ply\"\nShape \"sphere");
     let ran = folder.run("info --files cut.pbrt");
+    assert!(!ran.stderr.contains("only listed"), "{}", ran.stderr);
     assert_eq!((ran.code, ran.stdout.as_str()), (Some(1), "cut.pbrt\nno.ply\n"), "{}", ran.stderr);
     assert!(ran.stderr.contains("cut.pbrt:3:"), "{}", ran.stderr);
 }
@@ -239,4 +251,46 @@ fn models_have_their_buffers_materials_and_pictures() {
     for model in ["scene/model.obj", "scene/assets/thing.gltf"] {
         copied(&folder, model).succeed(&format!("info {model} --strict"));
     }
+}
+
+#[test]
+fn other_spellings_of_a_path_are_one_file_and_folders_are_none() {
+    let folder = Folder::new();
+    std::fs::create_dir_all(folder.path("parts")).unwrap();
+    folder.write("a.spd", "400 0.2\n700 0.3\n");
+    folder.write(
+        "a.pbrt",
+        "WorldBegin\nMaterial \"conductor\" \"spectrum eta\" \"a.spd\" \"spectrum k\" \"parts/../a.spd\"\n\
+         Shape \"plymesh\" \"string filename\" \"parts\"\n",
+    );
+    let entry = |kind: &str, exists| (kind.to_owned(), exists);
+    let expected = [
+        ("a.pbrt", entry("scene", true)),
+        ("a.spd", entry("spectrum", true)),
+        ("parts", entry("mesh", false)),
+    ];
+    let expected = expected.map(|(name, entry)| (name.to_owned(), entry));
+    assert_eq!(listed(&folder, "a.pbrt"), BTreeMap::from(expected));
+    let ran = folder.run("info --files a.pbrt");
+    assert_eq!(ran.stdout, "a.pbrt\na.spd\nparts\n");
+    folder.run("info --files a.pbrt --strict").refused(2, &["--files", "--strict"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_file_that_names_others_and_cannot_be_read_is_not_there() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = Folder::new();
+    folder.write("a.pbrt", "WorldBegin\nInclude \"b.pbrt\"\n");
+    folder.write("b.pbrt", "Shape \"plymesh\" \"string filename\" \"c.ply\"\n");
+    let closed = std::fs::Permissions::from_mode(0o000);
+    std::fs::set_permissions(folder.path("b.pbrt"), closed).unwrap();
+    if std::fs::read(folder.path("b.pbrt")).is_ok() {
+        // The superuser reads everything.
+        return;
+    }
+    let ran = folder.run("info --files a.pbrt");
+    assert_eq!((ran.code, ran.stdout.as_str()), (Some(1), "a.pbrt\nb.pbrt\n"));
+    assert!(ran.stderr.contains("b.pbrt: the scene is missing or cannot be read"), "{}", ran.stderr);
 }

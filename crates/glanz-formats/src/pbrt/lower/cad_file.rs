@@ -9,7 +9,7 @@ use crate::cad::{CadModel, CadSettings, CadWarning, TOO_MANY_COLORS};
 use crate::file_list::FileKind;
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
-use crate::source::{ParseResult, Span};
+use crate::source::{MISSING_FILE, ParseResult, Span};
 
 /// The name of all parts that a table of materials does not name.
 const OTHERS: &str = "*";
@@ -59,7 +59,7 @@ impl Lowering {
     fn cad_file(&mut self, subject: &str, p: &Parameter, name: &str) -> ParseResult<PathBuf> {
         let missing = |this: &mut Self, problem: &dyn std::fmt::Display| {
             let message = format!("{subject}: {problem}");
-            this.reporter.error(&p.value_place, "missing-file", message)
+            this.reporter.error(&p.value_place, MISSING_FILE, message)
         };
         let path = match self.find(name, FileKind::Cad) {
             Ok(path) => path,

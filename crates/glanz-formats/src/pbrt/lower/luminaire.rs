@@ -14,7 +14,7 @@ use crate::file_list::FileKind;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::photometry::tm25::{MAGIC, RayReader};
 use crate::photometry::{self, Photometry, PhotometryError, PhotometryFile};
-use crate::source::ParseResult;
+use crate::source::{MISSING_FILE, ParseResult};
 
 impl Lowering {
     /// Lowers a light with an IES or EULUMDAT file.
@@ -33,7 +33,7 @@ impl Lowering {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("light \"photometric\": {problem}");
-                return Err(self.reporter.error(&p.value_place, "missing-file", message));
+                return Err(self.reporter.error(&p.value_place, MISSING_FILE, message));
             }
         };
         if bytes.starts_with(MAGIC) {

@@ -11,7 +11,7 @@ use crate::gltf;
 use crate::model::{ModelReader, light_count};
 use crate::obj::{self, ObjMesh, ObjSurface};
 use crate::pbrt::parameters::ParameterList;
-use crate::source::{ParseResult, Span};
+use crate::source::{MISSING_FILE, ParseResult, Span};
 use crate::stl;
 
 impl Lowering {
@@ -29,7 +29,7 @@ impl Lowering {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("{}: {problem}", list.subject);
-                return Err(self.reporter.error(&p.value_place, "missing-file", message));
+                return Err(self.reporter.error(&p.value_place, MISSING_FILE, message));
             }
         };
         let shown = path.display();
@@ -84,7 +84,7 @@ impl Lowering {
                 });
                 let (bytes, path) = read.map_err(|problem| {
                     let message = format!("{subject}: {problem}");
-                    self.reporter.error(&p.value_place, "missing-file", message)
+                    self.reporter.error(&p.value_place, MISSING_FILE, message)
                 })?;
                 let file = self.gltf_group(&path, &bytes, &subject, &p.value_place)?;
                 self.gltf_files.insert(path, file);

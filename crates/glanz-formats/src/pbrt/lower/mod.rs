@@ -50,7 +50,7 @@ use crate::model::PictureBudget;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::{ParseResult, Reporter, Span};
+use crate::source::{MISSING_FILE, ParseResult, Reporter, Span};
 
 pub(crate) use cad_file::CadFile;
 pub(crate) use film::finish_film;
@@ -213,9 +213,9 @@ impl Lowering {
         if problem.refused {
             let help = Some(FindError::Outside.help().to_owned());
             let reporter = &mut self.reporter;
-            return Err(reporter.error_with_help(place, "missing-file", problem.message.clone(), help));
+            return Err(reporter.error_with_help(place, MISSING_FILE, problem.message.clone(), help));
         }
-        self.stand_in(place, "missing-file", message);
+        self.stand_in(place, MISSING_FILE, message);
         Ok(())
     }
 

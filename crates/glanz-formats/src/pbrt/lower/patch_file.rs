@@ -5,7 +5,7 @@ use glanz_scene::description::GeometryDescription;
 use super::Lowering;
 use crate::file_list::FileKind;
 use crate::pbrt::parameters::{Parameter, ParameterList};
-use crate::source::ParseResult;
+use crate::source::{MISSING_FILE, ParseResult};
 use crate::{newell, rib};
 
 impl Lowering {
@@ -23,7 +23,7 @@ impl Lowering {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("{}: {problem}", list.subject);
-                return Err(self.reporter.error(&p.value_place, "missing-file", message));
+                return Err(self.reporter.error(&p.value_place, MISSING_FILE, message));
             }
         };
         let source = format!("{}: {}", list.subject, path.display());

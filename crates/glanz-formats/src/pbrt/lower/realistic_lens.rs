@@ -6,7 +6,7 @@ use super::Lowering;
 use crate::file_list::FileKind;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
-use crate::source::ParseResult;
+use crate::source::{MISSING_FILE, ParseResult};
 
 /// Metres per unit of lens files.
 const MILLIMETRE: f64 = 1e-3;
@@ -19,7 +19,7 @@ impl Lowering {
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
         };
         let numbers =
-            self.read_file(&name, FileKind::Lens).map_err(|problem| (problem.to_string(), "missing-file"));
+            self.read_file(&name, FileKind::Lens).map_err(|problem| (problem.to_string(), MISSING_FILE));
         let numbers = numbers.and_then(|(path, bytes)| {
             self.floats_of_file(&path, bytes).map_err(|problem| (problem, "lens-file"))
         });

@@ -13,7 +13,7 @@ use crate::model::face_count;
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::ply;
-use crate::source::{ParseResult, Span};
+use crate::source::{MISSING_FILE, ParseResult, Span};
 
 /// Names of the shapes, for suggestions.
 const SHAPES: &[&str] = &[
@@ -327,7 +327,7 @@ impl Lowering {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("shape \"plymesh\": {problem}");
-                return Err(self.reporter.error(&p.value_place, "missing-file", message));
+                return Err(self.reporter.error(&p.value_place, MISSING_FILE, message));
             }
         };
         match ply::read(&bytes) {

@@ -13,7 +13,7 @@ use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::lexer::Lexer;
 use crate::pbrt::parameters::{Parameter, ParameterList, ParameterType, Values, shortened};
-use crate::source::ParseResult;
+use crate::source::{MISSING_FILE, ParseResult};
 
 /// A grey spectrum, which needs no conversion.
 pub(super) fn grey(value: f32) -> SpectralDistribution {
@@ -139,10 +139,12 @@ impl Lowering {
         }
         let (path, bytes) = match self.read_file(name, FileKind::Spectrum) {
             Ok(read) => read,
+            // So that the files of further parameters are listed, too.
+            Err(_) if self.finder.lists => return Ok(grey(1.0)),
             Err(problem) => {
                 let message = format!("{subject}: parameter {:?}: spectrum {problem}", p.name);
                 let place = &p.value_place;
-                return Err(self.reporter.error_with_help(place, "missing-file", message, suggestion(name)));
+                return Err(self.reporter.error_with_help(place, MISSING_FILE, message, suggestion(name)));
             }
         };
         match self.floats_of_file(&path, bytes) {

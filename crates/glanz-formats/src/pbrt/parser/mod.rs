@@ -12,7 +12,7 @@ use crate::pbrt::lexer::{LexError, Lexer, Token};
 use crate::pbrt::lower::{Lowering, finish_film};
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::pbrt::state::{GraphicsState, StateStack};
-use crate::source::{ParseResult, ReportedError, Span};
+use crate::source::{MISSING_FILE, ParseResult, ReportedError, Span};
 
 /// All directives of versions 1 to 4.
 const DIRECTIVES: &[&str] = &[
@@ -220,7 +220,7 @@ impl Parser {
                 let (folder, name_place) = self.name(word, &place)?;
                 self.lowering.finder.add_folder(&folder).map_err(|fault| {
                     let message = format!("SearchPath: folder {:?} {}", shortened(&folder), fault.what());
-                    self.lowering.reporter.error(&name_place, "missing-file", message)
+                    self.lowering.reporter.error(&name_place, MISSING_FILE, message)
                 })
             }
             "ReverseOrientation" => {

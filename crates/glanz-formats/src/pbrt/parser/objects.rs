@@ -11,7 +11,7 @@ use crate::file_list::FileKind;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::lower::EntityState;
 use crate::pbrt::parameters::shortened;
-use crate::source::{ParseResult, Span};
+use crate::source::{MISSING_FILE, ParseResult, Span};
 
 /// Largest depth of nested includes.
 pub(crate) const MAX_INCLUDE_DEPTH: usize = 32;
@@ -84,7 +84,7 @@ impl Parser {
             Err(fault) => {
                 let message = format!("{word}: file {:?} {}", shortened(&name), fault.what());
                 let help = Some(fault.help().to_owned());
-                return Err(r.error_with_help(&name_place, "missing-file", message, help));
+                return Err(r.error_with_help(&name_place, MISSING_FILE, message, help));
             }
         };
         let real = |p: &Path| std::fs::canonicalize(p).ok();
@@ -97,7 +97,7 @@ impl Parser {
             Ok(bytes) => bytes.into(),
             Err(error) => {
                 let message = format!("{word}: file {:?} cannot be read: {error}", shortened(&name));
-                return Err(r.error(&name_place, "missing-file", message));
+                return Err(r.error(&name_place, MISSING_FILE, message));
             }
         };
         let import = (word == "Import").then(|| (self.state.now.clone(), self.state.levels.len()));
