@@ -1,9 +1,12 @@
 """Exact light for exact surfaces: a renderer and light simulator for trimmed NURBS, Bézier patches and quadrics.
 
 `load` reads a scene or model, `loads` a text, `glanz.scene` builds scenes in Python. A `Scene` has three jobs: `Scene.render` gives an
-`Image`, `Scene.illuminate` lux maps, `Scene.bake` light maps. Lengths are metres; light is linear red, green and blue.
+`Image`, `Scene.illuminate` lux maps, `Scene.bake` light maps. `glanz.geometry` has surfaces alone, `glanz.sampling` adaptive densities.
+Lengths are metres; light is linear red, green and blue.
 """
 
+from . import geometry as geometry
+from . import sampling as sampling
 from . import scene as scene
 from ._errors import Diagnostic as Diagnostic
 from ._errors import GlanzError as GlanzError
@@ -44,10 +47,12 @@ __all__ = [
     "SceneError",
     "__version__",
     "compare",
+    "geometry",
     "load",
     "loads",
     "merge",
     "merge_checkpoints",
     "read_image",
+    "sampling",
     "scene",
 ]

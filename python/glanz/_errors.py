@@ -36,10 +36,7 @@ class Diagnostic:
 
 
 class GlanzError(RuntimeError):
-    """Failure of a job or of a file's content; base class of `SceneError`.
-
-    A picture that was rendered but whose checkpoint or guide was not written is the attribute ``image`` of the exception.
-    """
+    """Failure of a job or of a file's content; base class of `SceneError`."""
 
 
 class SceneError(GlanzError):

@@ -36,7 +36,7 @@ class RenderStatistics:
     @property
     def rays_per_second(self) -> float:
         """Rays per second of wall time."""
-        return self.rays / self.seconds if self.rays else 0.0
+        return self.rays / self.seconds if self.seconds else 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +150,8 @@ class LightChart:
     ----------
     shape : number of the shape in the order of the scene.
     back : whether it is the side opposite to the normal; ``hidden``: whether that is the inside of a closed solid.
-    page, corner : page of the atlas and column and row of the lower left corner there; None if no light arrives.
+    page, corner : page of the atlas, and column and row of the first texel there, so that the chart is
+        ``page[row:row + H, column:column + W]``; None if no light arrives.
     irradiance, radiance : H x W x 3, float32, irradiance in units of radiance; empty if no light arrives.
     """
 

@@ -2,22 +2,23 @@
 
 use std::path::PathBuf;
 
+use glanz::file::FileUses;
 use glanz::formats::image::Format;
 use glanz::light::{Spectrum, Wavelengths};
 use glanz::radiosity::bake::{BakeMethod, BakePart};
 use glanz::radiosity::reconstruct::Interpolation;
-use glanz::{BakeBuilder, BakeOutcome, LoadedScene, ModelSettings};
+use glanz::{BakeBuilder, BakeOutcome, JobOptions, LoadedScene, ModelSettings};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arguments::{Whole, by_name, parsed, positive, tone as tone_of};
 use crate::error::{LineOrigins, py_error, warn};
-use crate::image::image_array;
+use crate::image_array::image_array;
 use crate::job::{JobArguments, run_job};
 use crate::scene::PyScene;
 
-/// Light on the surfaces of a scene.
+/// Light on the surfaces of a scene, as baked.
 #[pyclass(name = "LightMaps", module = "glanz", frozen)]
 pub(crate) struct PyLightMaps(BakeOutcome);
 
@@ -30,18 +31,21 @@ fn light_array<'py>(py: Python<'py>, light: &[Spectrum], size: [u32; 2]) -> PyRe
 
 #[pymethods]
 impl PyLightMaps {
+    /// Irradiance of the texels of each page, S x S x 3, in units of radiance.
     #[getter]
     fn irradiance<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let atlas = &self.0.atlas;
         atlas.pages.iter().map(|page| light_array(py, &page.irradiance, [atlas.side; 2])).collect()
     }
 
+    /// Radiance that leaves the texels of each page, S x S x 3.
     #[getter]
     fn radiance<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let atlas = &self.0.atlas;
         atlas.pages.iter().map(|page| light_array(py, &page.radiance, [atlas.side; 2])).collect()
     }
 
+    /// Light of the parts of surfaces, the two sides of each adjacent.
     #[getter]
     fn charts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let class = py.import("glanz._results")?.getattr("LightChart")?;
@@ -60,21 +64,36 @@ impl PyLightMaps {
         charts.collect()
     }
 
+    /// Number of elements that exchanged light.
     #[getter]
     fn elements(&self) -> usize {
         self.0.elements
     }
 
+    /// Wall time.
     #[getter]
     fn seconds(&self) -> f64 {
         self.0.elapsed.as_secs_f64()
     }
 
+    /// Warnings of the bake.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.0.warnings.iter().map(ToString::to_string).collect()
     }
 
+    /// Writes a model (.glb) that shows the light, and the irradiance beside it; returns the paths.
+    ///
+    /// Parameters
+    /// ----------
+    /// path
+    ///     The model.
+    /// tolerance
+    ///     Largest distance of triangles from the surface, m; by default 0.001, or less in a small scene.
+    /// exposure, tone
+    ///     As for `Image.save`.
+    /// lightmap
+    ///     Format of the irradiance: ``exr`` or ``png``.
     #[pyo3(signature = (path, *, tolerance=None, exposure=0.0, tone="linear", lightmap="exr"))]
     fn save(
         &self,
@@ -127,6 +146,7 @@ impl BakeArguments {
 
 #[pymethods]
 impl PyScene {
+    /// Computes light maps by radiosity: all materials count as diffuse.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     #[pyo3(signature = (*, density=25.0, rays=None, method="gather", interpolation=None, threads=None, checkpoint=None, resume=false,
         progress=None))]
@@ -153,13 +173,15 @@ impl PyScene {
         if method == BakeMethod::Gather && interpolation.is_some() {
             return Err(PyValueError::new_err("interpolation: only for method=\"radiosity\""));
         }
-        let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
-        let outcome =
-            run_job(py, job, &self.origins, |job| settings.builder(scene).method(method).job(job).run())?;
+        let job = JobArguments { threads, checkpoint, resume, progress };
+        let run = |job: JobOptions<'_>| settings.builder(self.scene()).method(method).job(job).run();
+        let outcome = run_job(py, job, &self.origins, run)?;
         warn(py, outcome.warnings.iter().map(ToString::to_string))?;
         Ok(PyLightMaps(outcome))
     }
 
+    /// Computes a part of a bake by ``gather``. `merge_checkpoints` joins all parts into a checkpoint, from which ``bake(checkpoint=...,
+    /// resume=True)`` makes the light maps of one bake.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     #[pyo3(signature = (part, checkpoint, *, density=25.0, rays=None, direct_only=false, light_input=None, threads=None, resume=false,
         progress=None))]
@@ -176,12 +198,19 @@ impl PyScene {
         resume: bool,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<()> {
+        if direct_only && light_input.is_some() {
+            return Err(PyValueError::new_err("direct_only and light_input exclude each other"));
+        }
         let part = BakePart { part: parsed(part, "part")?, direct_only };
         let settings = BakeArguments::try_new(density, rays)?;
-        let checkpoint = Some(checkpoint);
-        let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
+        let mut files = FileUses::default();
+        files
+            .add_inputs(self.paths().iter().chain(&light_input))
+            .and_then(|()| files.add_checkpoint(&checkpoint, resume))
+            .map_err(|error| py_error(py, error, &self.origins))?;
+        let job = JobArguments { threads, checkpoint: Some(checkpoint), resume, progress };
         let light = run_job(py, job, &self.origins, |job| {
-            settings.builder(scene).job(job).run_part(part, light_input.as_deref())
+            settings.builder(self.scene()).job(job).run_part(part, light_input.as_deref())
         })?;
         warn(py, light.warnings.iter().map(ToString::to_string))
     }

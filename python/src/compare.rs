@@ -8,7 +8,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 
-use crate::image::{PyImage, image_array};
+use crate::image::PyImage;
+use crate::image_array::image_array;
 
 /// A picture as an image: an image, an array, or the path of a file.
 fn image<'py>(picture: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyImage>> {
@@ -22,7 +23,18 @@ fn image<'py>(picture: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyImage>> {
     Bound::new(py, image?)
 }
 
-/// Measures the differences of a picture from a reference.
+/// Measures the differences of a picture from a reference, as ``glanz compare`` does.
+///
+/// Parameters
+/// ----------
+/// picture, reference
+///     Images, arrays (see `Image`) or paths of picture files, of the same size. If one is a PNG file or has bytes, FLIP compares both as
+///     displayed, otherwise as light at all relevant exposures.
+///
+/// Raises
+/// ------
+/// ValueError
+///     For pictures of different sizes, or without a pixel that is finite in both.
 #[pyfunction]
 pub(crate) fn compare<'py>(
     picture: &Bound<'py, PyAny>,

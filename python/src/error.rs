@@ -57,10 +57,15 @@ pub(crate) fn diagnostics<'py>(
     list.iter().map(of).collect()
 }
 
-/// Issues Python warnings.
+/// Issues Python warnings at the line that calls.
 pub(crate) fn warn(py: Python<'_>, texts: impl IntoIterator<Item = String>) -> PyResult<()> {
+    warn_at(py, 1, texts)
+}
+
+/// Issues Python warnings at the line of a caller, 1 for the next one.
+pub(crate) fn warn_at(py: Python<'_>, caller: u32, texts: impl IntoIterator<Item = String>) -> PyResult<()> {
     let (warn, category) = (py.import("warnings")?.getattr("warn")?, class(py, "GlanzWarning")?);
-    texts.into_iter().try_for_each(|text| warn.call1((text, &category)).map(drop))
+    texts.into_iter().try_for_each(|text| warn.call1((text, &category, caller)).map(drop))
 }
 
 /// The error as that of Python.
@@ -111,7 +116,8 @@ pub(crate) fn os_error(path: &Path, error: &io::Error) -> PyErr {
         Some(number) => {
             let text = error.to_string();
             let text = text.split(" (os error").next().unwrap_or_default().to_owned();
-            PyOSError::new_err((number, text, path.as_os_str().to_owned()))
+            // On Windows, where the number is not an errno, Python takes the fourth argument; elsewhere it ignores it.
+            PyOSError::new_err((number, text, path.as_os_str().to_owned(), number))
         }
         None => PyOSError::new_err(format!("{}: {error}", path.display())),
     }

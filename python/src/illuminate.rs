@@ -6,7 +6,7 @@ use glanz::illumination::{GridResolution, LuxMap, TraceGoal};
 use glanz::job::JobEnd;
 use glanz::math::DVec3;
 use glanz::scene::description::MAX_RECEIVER_CELLS;
-use glanz::{IlluminateMethod, IlluminateOptions, IlluminateOutcome};
+use glanz::{IlluminateMethod, IlluminateOptions, IlluminateOutcome, JobOptions};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -66,11 +66,13 @@ fn by_receiver(py: Python<'_>, maps: &[LuxMap]) -> PyResult<Py<PyDict>> {
 
 #[pymethods]
 impl PyIllumination {
+    /// The maps by receiver; names that occur several times get a number: ``desk``, ``desk 2``.
     #[getter]
     fn receivers(&self, py: Python<'_>) -> Py<PyDict> {
         self.receivers.clone_ref(py)
     }
 
+    /// The maps by integration if the method was ``both``.
     #[getter]
     fn integrated(&self, py: Python<'_>) -> Py<PyDict> {
         self.integrated.clone_ref(py)
@@ -80,6 +82,19 @@ impl PyIllumination {
         self.receivers.bind(py).as_any().get_item(name)
     }
 
+    fn __contains__(&self, py: Python<'_>, name: &Bound<'_, PyAny>) -> PyResult<bool> {
+        self.receivers.bind(py).contains(name)
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.receivers.bind(py).call_method0("__iter__")
+    }
+
+    fn __len__(&self, py: Python<'_>) -> usize {
+        self.receivers.bind(py).len()
+    }
+
+    /// Emitted light and where it ended; None for an integration.
     #[getter]
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(balance) = self.outcome.report.balance else { return Ok(None) };
@@ -93,6 +108,7 @@ impl PyIllumination {
         py.import("glanz._results")?.getattr("FluxBalance")?.call((), Some(&values)).map(Some)
     }
 
+    /// Facts about the calculation: particles, time, errors.
     #[getter]
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
@@ -100,16 +116,19 @@ impl PyIllumination {
         Ok(dict)
     }
 
+    /// Warnings of the calculation.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.outcome.warnings.iter().map(ToString::to_string).collect()
     }
 
+    /// Whether the goal was reached, rather than the time limit.
     #[getter]
     fn complete(&self) -> bool {
         self.outcome.end == JobEnd::Complete
     }
 
+    /// The table of the results.
     fn summary(&self) -> String {
         self.outcome.report.text()
     }
@@ -119,16 +138,19 @@ impl PyIllumination {
         format!("<pre>{text}</pre>")
     }
 
+    /// Writes the reports, and for each receiver table (CSV), numbers (EXR), false colours (PNG) and isolux lines (SVG); returns the paths.
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
         let saved = py.detach(|| self.outcome.save(&folder));
         saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
     }
 
+    /// Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``.
     fn save_far_field(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let saved = py.detach(|| self.outcome.save_far_field(&path));
         saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
     }
 
+    /// One row for each cell of all receivers, see `LuxMap.to_pandas`.
     fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         let module = slf.py().import("glanz._results")?;
         module.call_method1("illumination_frame", (slf.get().receivers(slf.py()),))
@@ -145,6 +167,7 @@ impl PyIllumination {
 
 #[pymethods]
 impl PyScene {
+    /// Computes the illuminance on receivers: shapes with the name of a receiver, and the walls of ``room``.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     #[pyo3(signature = (*, method="trace", particles=None, time_limit=None, error=None, tolerance=0.01, room=None, cells=None, texel=None,
         far_field=false, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
@@ -183,6 +206,11 @@ impl PyScene {
         if particles.is_some_and(|particles| particles.0 == 0) {
             return Err(PyValueError::new_err("particles is 0; it must be at least 1"));
         }
+        if part.is_some() && checkpoint.is_none() {
+            return Err(PyValueError::new_err(
+                "part needs a checkpoint, from which merge_checkpoints joins the parts",
+            ));
+        }
         let room = room.map(|sides| {
             sides.iter().try_for_each(|side| positive(*side, "a side of room").map(drop))?;
             Ok::<_, PyErr>(DVec3::from_array(sides))
@@ -203,9 +231,9 @@ impl PyScene {
             seed: seed.map_or(default.seed, |seed| seed.0),
             max_depth: depth.unwrap_or(default.max_depth),
         };
-        let (scene, job) = (self.scene(), JobArguments { threads, checkpoint, resume, progress });
-        let outcome =
-            run_job(py, job, &self.origins, |job| scene.illuminate().options(options).job(job).run())?;
+        let job = JobArguments { threads, checkpoint, resume, progress };
+        let run = |job: JobOptions<'_>| self.scene().illuminate().options(options).job(job).run();
+        let outcome = run_job(py, job, &self.origins, run)?;
         warn(py, outcome.warnings.iter().map(ToString::to_string))?;
         let receivers = by_receiver(py, &outcome.report.maps)?;
         let integrated = by_receiver(py, &outcome.integrated)?;

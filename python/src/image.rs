@@ -7,16 +7,29 @@ use glanz::formats::image::{self, Encoding, Format};
 use glanz::job::JobEnd;
 use glanz::light::{Channel, Pixels, Tone};
 use glanz::{Error, Picture, picture_format};
-use numpy::{IntoPyArray, PyArray3, PyArrayMethods, PyReadonlyArray3, PyUntypedArray, PyUntypedArrayMethods};
-use pyo3::exceptions::PyValueError;
+use numpy::{PyReadonlyArray3, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::{IntoPyDict, PyBytes, PyDict};
 
 use crate::arguments::tone as tone_of;
 use crate::error::{LineOrigins, failure, os_error, py_error};
+use crate::image_array::{array_name, array_place, image_array, interleaved, three_bands, triples};
 
-/// A picture: rendered, joined, read from a file or made of an array.
+/// A picture: rendered, joined from parts, read from a file, or made of an array.
+///
+/// Parameters
+/// ----------
+/// array
+///     H x W x 3 or H x W: linear light of any type of float, or sRGB bytes (uint8).
+///
+/// Raises
+/// ------
+/// ValueError
+///     If the array has another shape or no pixels.
+/// TypeError
+///     If its elements are neither floats nor uint8.
 #[pyclass(name = "Image", module = "glanz", frozen)]
 pub(crate) struct PyImage {
     source: ImageSource,
@@ -28,39 +41,6 @@ pub(crate) struct PyImage {
 enum ImageSource {
     Picture(Box<Picture>),
     Pixels { pixels: Pixels, is_display: bool },
-}
-
-/// Values of a picture, row by row, with `bands` values per pixel, as an array of height x width x bands, or height x width for one band.
-pub(crate) fn image_array<'py>(
-    py: Python<'py>,
-    values: Vec<f32>,
-    [width, height]: [u32; 2],
-    bands: usize,
-) -> PyResult<Bound<'py, PyAny>> {
-    let (height, width) = (height as usize, width as usize);
-    let flat = values.into_pyarray(py);
-    Ok(match bands {
-        1 => flat.reshape([height, width])?.into_any(),
-        _ => flat.reshape([height, width, bands])?.into_any(),
-    })
-}
-
-/// The values of several planes, pixel by pixel.
-fn interleaved(planes: &[&[f32]]) -> Vec<f32> {
-    let len = planes.first().map_or(0, |plane| plane.len());
-    let mut values = Vec::with_capacity(len * planes.len());
-    for pixel in 0..len {
-        values.extend(planes.iter().filter_map(|plane| plane.get(pixel)));
-    }
-    values
-}
-
-/// Name of the array to which a channel belongs: that of the channel without its component.
-fn array_name(channel: &str) -> &str {
-    match channel {
-        "u" | "v" => "uv",
-        name => name.rsplit_once('.').map_or(name, |(array, _)| array),
-    }
 }
 
 impl PyImage {
@@ -83,7 +63,13 @@ impl PyImage {
                 format!("the array has the shape {shape:?}; it must be height x width x 3 or height x width");
             return Err(PyValueError::new_err(message));
         };
-        let is_display = array.getattr("dtype")?.getattr("kind")?.extract::<String>()? == "u";
+        let dtype = array.getattr("dtype")?;
+        let is_display = dtype.getattr("name")?.extract::<String>()? == "uint8";
+        if !is_display && dtype.getattr("kind")?.extract::<String>()? != "f" {
+            return Err(PyTypeError::new_err(format!(
+                "the array has elements of type {dtype}; it must have floats, which are linear light, or uint8, which is sRGB"
+            )));
+        }
         let grey = shape.len() == 2;
         let size = [width, height].map(|side| u32::try_from(side).unwrap_or(0));
         let pixels = if is_display {
@@ -119,7 +105,9 @@ impl PyImage {
         work: impl FnOnce(&Pixels) -> PyResult<T>,
     ) -> PyResult<T> {
         match &self.source {
-            ImageSource::Picture(picture) => work(&picture.pixels().map_err(|error| plain(py, error))?),
+            ImageSource::Picture(picture) => {
+                work(&py.detach(|| picture.pixels()).map_err(|error| plain(py, error))?)
+            }
             ImageSource::Pixels { pixels, .. } => work(pixels),
         }
     }
@@ -147,7 +135,9 @@ impl PyImage {
         match &self.source {
             ImageSource::Picture(picture) => picture.save_with(path, tone),
             ImageSource::Pixels { pixels, .. } => {
-                let bytes = image::write(pixels, picture_format(path)?, tone, &BTreeMap::new())?;
+                let bytes = image::write(pixels, picture_format(path)?, tone, &BTreeMap::new());
+                let bytes =
+                    bytes.map_err(|error| Error::File { path: path.to_owned(), fault: error.into() })?;
                 glanz::file::write(path, &bytes)
             }
         }
@@ -159,25 +149,6 @@ fn plain(py: Python<'_>, error: Error) -> PyErr {
     py_error(py, error, &LineOrigins::default())
 }
 
-/// The array as height x width x 3 of a type, contiguous.
-fn three_bands<'py, T: numpy::Element>(
-    array: &Bound<'py, PyAny>,
-    kind: &str,
-    grey: bool,
-) -> PyResult<PyReadonlyArray3<'py, T>> {
-    let numpy = array.py().import("numpy")?;
-    let array = match grey {
-        true => numpy.call_method1("stack", (vec![array; 3], -1))?,
-        false => array.clone(),
-    };
-    let array = numpy.call_method1("ascontiguousarray", (array, kind))?;
-    Ok(array.cast::<PyArray3<T>>()?.readonly())
-}
-
-fn triples<T: Copy>(values: &[T]) -> Vec<[T; 3]> {
-    values.as_chunks().0.to_vec()
-}
-
 #[pymethods]
 impl PyImage {
     #[new]
@@ -185,6 +156,8 @@ impl PyImage {
         Self::of_array(array)
     }
 
+    /// Linear red, green and blue, H x W x 3, from the top left. Always the same array, which may be changed; `save` writes the picture as it
+    /// was: make an ``Image`` of a changed array to save it.
     #[getter]
     fn array<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let array = self.array.get_or_try_init(py, || {
@@ -205,13 +178,21 @@ impl PyImage {
         copy: Option<bool>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let array = self.array(py)?;
-        let array = match dtype {
-            Some(dtype) => array.call_method1("astype", (dtype,))?,
-            None => array,
+        let Some(dtype) = dtype else {
+            return if copy == Some(true) { array.call_method0("copy") } else { Ok(array) };
         };
-        if copy == Some(true) { array.call_method0("copy") } else { Ok(array) }
+        let options = [("copy", copy == Some(true))].into_py_dict(py)?;
+        let converted = array.call_method("astype", (dtype,), Some(&options))?;
+        if copy == Some(false) && !converted.is(&array) {
+            return Err(PyValueError::new_err(
+                "the picture has elements of float32: another type needs a copy",
+            ));
+        }
+        Ok(converted)
     }
 
+    /// Further channels by name: ``Albedo``, ``P`` (position, m), ``N`` and ``Ns`` (geometric and shading normal) and ``Variance`` are
+    /// H x W x 3, ``uv`` is H x W x 2, ``Z`` (distance, m) and ``id`` (number of the shape, -1 for none) are H x W.
     #[getter]
     fn aovs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let aovs = self.aovs.get_or_try_init(py, || {
@@ -219,7 +200,8 @@ impl PyImage {
             let (width, height) = self.size();
             self.with_pixels(py, |pixels| {
                 let is_more = |channel: &&Channel| !["R", "G", "B", "Y"].contains(&channel.name.as_str());
-                let channels: Vec<&Channel> = pixels.channels().iter().filter(is_more).collect();
+                let mut channels: Vec<&Channel> = pixels.channels().iter().filter(is_more).collect();
+                channels.sort_by(|a, b| array_place(&a.name).cmp(&array_place(&b.name)));
                 for group in channels.chunk_by(|a, b| array_name(&a.name) == array_name(&b.name)) {
                     let planes: Vec<&[f32]> = group.iter().map(|channel| channel.values.as_slice()).collect();
                     let array = image_array(py, interleaved(&planes), [width, height], planes.len())?;
@@ -232,44 +214,52 @@ impl PyImage {
         Ok(aovs.bind(py).clone())
     }
 
+    /// Standard error of each value of `array`, if rendered with ``variance=True``.
     #[getter]
     fn standard_error<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let variance = self.aovs(py)?.get_item("Variance")?;
         variance.map(|variance| py.import("numpy")?.call_method1("sqrt", (variance,))).transpose()
     }
 
+    /// Pixels per row.
     #[getter]
     fn width(&self) -> u32 {
         self.size().0
     }
 
+    /// Number of rows.
     #[getter]
     fn height(&self) -> u32 {
         self.size().1
     }
 
+    /// Samples per pixel; None if not rendered.
     #[getter]
     fn samples(&self) -> Option<u64> {
         self.picture().map(|picture| picture.film().samples().total())
     }
 
+    /// The samples as ranges, ends excluded.
     #[getter]
     fn sample_ranges(&self) -> Vec<(u32, u32)> {
         let ranges = self.picture().map(|picture| picture.film().samples().as_slice()).unwrap_or_default();
         ranges.iter().map(|range| (range.start, range.end)).collect()
     }
 
+    /// Whether noise was removed.
     #[getter]
     fn denoised(&self) -> bool {
         self.picture().is_some_and(Picture::is_denoised)
     }
 
+    /// Warnings of the render.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         let warnings = self.picture().map(Picture::warnings).unwrap_or_default();
         warnings.iter().map(ToString::to_string).collect()
     }
 
+    /// Statistics of the render; None if not rendered, zeros if joined from parts.
     #[getter]
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(picture) = self.picture() else { return Ok(None) };
@@ -292,29 +282,49 @@ impl PyImage {
         py.import("glanz._results")?.getattr("RenderStatistics")?.call((), Some(&values)).map(Some)
     }
 
+    /// Writes the picture; the extension selects the format: .exr (all channels), .png, .hdr or .pfm.
+    ///
+    /// Parameters
+    /// ----------
+    /// path
+    ///     The file, which is replaced as a whole.
+    /// exposure
+    ///     Stops by which PNG pictures are brightened.
+    /// tone
+    ///     Tone curve of PNG pictures: ``linear``, ``reinhard`` or ``filmic``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For another extension or curve.
+    /// OSError
+    ///     If the file cannot be written.
     #[pyo3(signature = (path, *, exposure=0.0, tone="linear"))]
     fn save(&self, py: Python<'_>, path: PathBuf, exposure: f32, tone: &str) -> PyResult<()> {
         let tone = tone_of(exposure, tone)?;
         py.detach(|| self.write(&path, &tone)).map_err(|error| plain(py, error))
     }
 
+    /// Writes the samples, to be resumed by `Scene.render` or joined by `merge`.
     fn save_checkpoint(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let picture = self.rendered()?;
         py.detach(|| picture.save_checkpoint(&path)).map_err(|error| plain(py, error))
     }
 
+    /// Writes the guide that the integrator ``guided`` has learnt, for ``guide_input``.
     fn save_guide(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let picture = self.rendered()?;
         py.detach(|| picture.save_guide(&path)).map_err(|error| plain(py, error))
     }
 
+    /// The picture as the bytes of a PNG file.
     #[pyo3(signature = (*, exposure=0.0, tone="linear"))]
     fn to_png<'py>(&self, py: Python<'py>, exposure: f32, tone: &str) -> PyResult<Bound<'py, PyBytes>> {
         let tone = tone_of(exposure, tone)?;
         let written = self.with_pixels(py, |pixels| {
             Ok(py.detach(|| image::write(pixels, Format::Png, &tone, &BTreeMap::new())))
         })?;
-        Ok(PyBytes::new(py, &written.map_err(|error| plain(py, error.into()))?))
+        Ok(PyBytes::new(py, &written.map_err(|error| failure(py, error.to_string()))?))
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
@@ -329,7 +339,14 @@ impl PyImage {
     }
 }
 
-/// Reads a picture file.
+/// Reads a picture: OpenEXR, PNG, Radiance HDR, PFM, JPEG, TGA, BMP, QOI or PNM.
+///
+/// Raises
+/// ------
+/// OSError
+///     If the file cannot be read.
+/// GlanzError
+///     If it is not a picture.
 #[pyfunction]
 pub(crate) fn read_image(py: Python<'_>, path: PathBuf) -> PyResult<PyImage> {
     PyImage::read(py, &path)

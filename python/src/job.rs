@@ -1,12 +1,14 @@
 //! Jobs that report to Python and end when Python is interrupted.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
 
 use glanz::job::{CancelFlag, JobProgress, ProgressSink};
 use glanz::{Error, JobEvent, JobOptions};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -21,6 +23,26 @@ const STACK: usize = 16 << 20;
 
 /// Largest number of threads.
 const MAX_THREADS: u32 = 65_535;
+
+/// Process that uses the engine: its threads do not exist in a process that is forked from it, where a job would wait for them forever.
+static PROCESS: OnceLock<u32> = OnceLock::new();
+
+/// Notes that this process uses the engine.
+///
+/// # Errors
+/// `GlanzError` if it was forked from one that does.
+pub(crate) fn check_process(py: Python<'_>) -> PyResult<()> {
+    let process = std::process::id();
+    if *PROCESS.get_or_init(|| process) == process {
+        return Ok(());
+    }
+    Err(failure(
+        py,
+        "this process was forked from one that has used Glanz, and has none of its threads; start processes by \
+         multiprocessing.get_context(\"spawn\")"
+            .to_owned(),
+    ))
+}
 
 /// Arguments of every job.
 pub(crate) struct JobArguments<'py> {
@@ -95,7 +117,11 @@ pub(crate) fn run_job<T: Send>(
     origins: &LineOrigins,
     run: impl FnOnce(JobOptions<'_>) -> Result<T, Error> + Send,
 ) -> PyResult<T> {
+    check_process(py)?;
     let JobArguments { threads, checkpoint, resume, progress } = arguments;
+    if resume && checkpoint.is_none() {
+        return Err(PyValueError::new_err("resume=True needs the checkpoint to resume from"));
+    }
     let threads = threads.map_or(Ok(0), |threads| threads.within("threads", 1..=MAX_THREADS))?;
     let reporter = ProgressReporter::new(py, progress)?;
     let cancel = CancelFlag::default();
@@ -155,7 +181,13 @@ fn wait(
     loop {
         let message;
         (receiver, message) = py.detach(move || {
-            let message = receiver.recv_timeout(SIGNAL_INTERVAL);
+            let mut message = receiver.recv_timeout(SIGNAL_INTERVAL);
+            // A function slower than the progress gets the newest one.
+            while let Ok(JobMessage::Progress(_)) = message
+                && let Ok(next) = receiver.try_recv()
+            {
+                message = Ok(next);
+            }
             (receiver, message)
         });
         let passed = match message {

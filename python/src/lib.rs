@@ -9,6 +9,7 @@ mod float_array;
 mod geometry;
 mod illuminate;
 mod image;
+mod image_array;
 mod job;
 mod merge;
 mod render;

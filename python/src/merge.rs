@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use glanz::file::FileUses;
 use glanz::{MergeOptions, MergeOutcome};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -11,7 +12,24 @@ use crate::error::{LineOrigins, failure, py_error, warn};
 use crate::image::PyImage;
 use crate::job::{JobArguments, run_job};
 
-/// Joins the parts of a picture.
+/// Joins checkpoints of disjoint samples into one picture, with the bits of one render of all samples. Files are read once; they take the
+/// memory of one of them.
+///
+/// Parameters
+/// ----------
+/// paths
+///     Checkpoints of renders with ``part`` or ``sample_range``.
+/// partial
+///     Whether parts that are missing or damaged are left out, with a warning, instead of being errors.
+/// threads, progress
+///     As for `Scene.render`.
+///
+/// Raises
+/// ------
+/// GlanzError
+///     For parts of different pictures or with common samples, and for missing or damaged ones.
+/// OSError
+///     If a file cannot be read.
 #[pyfunction]
 #[pyo3(signature = (paths, *, partial=false, threads=None, progress=None))]
 pub(crate) fn merge(
@@ -27,7 +45,9 @@ pub(crate) fn merge(
     }
 }
 
-/// Joins the parts of any job into a checkpoint.
+/// Joins checkpoints of parts of a picture, a calculation of illuminance or a bake into the file ``checkpoint``, from which the job is resumed.
+///
+/// Parameters and exceptions are those of `merge`. The whole and one part are in memory.
 #[pyfunction]
 #[pyo3(signature = (paths, checkpoint, *, partial=false, threads=None, progress=None))]
 pub(crate) fn merge_checkpoints(
@@ -38,9 +58,11 @@ pub(crate) fn merge_checkpoints(
     threads: Option<Whole>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<()> {
+    let failed = |error| py_error(py, error, &LineOrigins::default());
+    let mut files = FileUses::default();
+    files.add_inputs(&paths).and_then(|()| files.add_output(&checkpoint)).map_err(failed)?;
     let outcome = joined(py, &paths, MergeOptions { partial, picture: false }, threads, progress)?;
-    let saved = py.detach(|| outcome.save_checkpoint(&checkpoint));
-    saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
+    py.detach(|| outcome.save_checkpoint(&checkpoint)).map_err(failed)
 }
 
 fn joined(

@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
+use glanz::file::FileUses;
 use glanz::sampling::SamplerKind;
 use glanz::sampling::exact::MAX_TERMS;
 use glanz::transport::{Aov, AovSet, BRANCHING_LIMIT, INTEGRATORS};
-use glanz::{EdgeLines, MAX_LINE_WIDTH, RenderOptions};
+use glanz::{EdgeLines, JobOptions, MAX_LINE_WIDTH, RenderOptions};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arguments::{Whole, by_name, pair, parsed, positive, seconds};
-use crate::error::warn;
+use crate::error::{py_error, warn};
 use crate::image::PyImage;
 use crate::job::{JobArguments, run_job};
 use crate::scene::PyScene;
@@ -68,6 +69,15 @@ struct SampleArguments {
 impl SampleArguments {
     /// Fills the options with these numbers.
     fn fill(self, options: &mut RenderOptions) -> PyResult<()> {
+        let contradictions = [
+            (self.samples.is_some() && options.time_limit.is_some(), "samples and time_limit"),
+            (self.sample_range.is_some() && options.time_limit.is_some(), "sample_range and time_limit"),
+            (self.part.is_some() && options.time_limit.is_some(), "part and time_limit"),
+            (options.guide_input.is_some() && options.guide_output.is_some(), "guide_input and guide_output"),
+        ];
+        if let Some((_, names)) = contradictions.into_iter().find(|(is_given, _)| *is_given) {
+            return Err(PyValueError::new_err(format!("{names} exclude each other")));
+        }
         options.size = self.size.map(|size| pair(size, "size", 1..=MAX_SIDE)).transpose()?;
         options.seed = self.seed.map(|seed| seed.0);
         options.samples = self.samples.map(|samples| samples.within("samples", 1..=MAX_TERMS)).transpose()?;
@@ -81,11 +91,6 @@ impl SampleArguments {
         }
         options.sample_range = range.map(|[start, end]| start..end);
         if let Some(part) = self.part {
-            if options.noise.is_some() || options.time_limit.is_some() {
-                return Err(PyValueError::new_err(
-                    "part: a noise level or a time limit cannot be divided into parts",
-                ));
-            }
             options.part = Some(parsed(&part, "part")?);
         }
         Ok(())
@@ -94,6 +99,7 @@ impl SampleArguments {
 
 #[pymethods]
 impl PyScene {
+    /// Renders. The picture has the bits of ``glanz render`` with the same settings; they do not depend on threads or interruptions.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     #[pyo3(signature = (*, size=None, samples=None, integrator=None, sampler=None, seed=None, noise=None, sample_range=None, part=None,
         time_limit=None, light_sampling=None, spectral=false, branching=None, guide=None, guide_input=None, guide_output=None,
@@ -146,10 +152,17 @@ impl PyScene {
             denoise,
             ..RenderOptions::default()
         };
-        let scene = self.scene();
         SampleArguments { size, seed, samples, sample_range, part, branching }.fill(&mut options)?;
+        let mut files = FileUses::default();
+        files
+            .add_inputs(self.paths())
+            .and_then(|()| files.add_inputs(options.guide_input.iter().chain(&options.light_input)))
+            .and_then(|()| checkpoint.as_deref().map_or(Ok(()), |path| files.add_checkpoint(path, resume)))
+            .and_then(|()| options.guide_output.as_deref().map_or(Ok(()), |path| files.add_output(path)))
+            .map_err(|error| py_error(py, error, &self.origins))?;
         let job = JobArguments { threads, checkpoint, resume, progress };
-        let picture = run_job(py, job, &self.origins, |job| scene.render().options(options).job(job).run())?;
+        let run = |job: JobOptions<'_>| self.scene().render().options(options).job(job).run();
+        let picture = run_job(py, job, &self.origins, run)?;
         warn(py, picture.warnings().iter().map(ToString::to_string))?;
         Ok(PyImage::of_picture(picture))
     }

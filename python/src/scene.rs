@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use glanz::file::FileUses;
 use glanz::formats::Options;
 use glanz::scene::studio::{SrgbColor, StudioSettings, StudioView};
 use glanz::{Error, LoadedScene, MeshSettings, is_exact_path};
@@ -10,10 +11,13 @@ use pyo3::exceptions::{PyIsADirectoryError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::arguments::{Whole, by_name, parsed};
-use crate::error::{LineOrigins, diagnostics, os_error, py_error, warn};
-use crate::job::{JobArguments, run_job};
+use crate::error::{LineOrigins, diagnostics, os_error, py_error, warn, warn_at};
+use crate::job::{JobArguments, check_process, run_job};
 
-/// A scene or a model, from which jobs start.
+/// A scene or a model that was read by `load` or `loads`; its jobs do not change it.
+///
+/// Jobs release the interpreter lock. Ctrl-C and exceptions of the progress function end them after the step under way, and what is done is
+/// in the checkpoint, if there is one.
 #[pyclass(name = "Scene", module = "glanz", frozen)]
 pub(crate) struct PyScene {
     scene: LoadedScene,
@@ -66,7 +70,24 @@ fn opened(
     if arguments.section.is_some() && scene.studio_settings().is_none() {
         return Err(PyValueError::new_err(format!("section: {} is not a model", scene.name())));
     }
-    warn(py, scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()))?;
+    let given = [
+        ("view", arguments.view.is_some()),
+        ("up", arguments.up.is_some()),
+        ("background", arguments.background.is_some()),
+        ("ground", arguments.ground.is_some()),
+        ("material", arguments.material.is_some()),
+    ];
+    let names: Vec<&str> =
+        given.into_iter().filter_map(|(name, is_given)| is_given.then_some(name)).collect();
+    if !names.is_empty() && scene.studio_settings().is_none() {
+        let names = names.join(", ");
+        warn_at(
+            py,
+            2,
+            [format!("{names}: only for models; a scene has its own camera, light and materials")],
+        )?;
+    }
+    warn_at(py, 2, scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()))?;
     Ok(PyScene { scene, text, origins })
 }
 
@@ -82,6 +103,7 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf, arguments: &Bound<'_, PyAny>) 
         }
         Ok(_) => {}
     }
+    check_process(py)?;
     let read = py.detach(|| glanz::open_with(&path, &options));
     opened(py, read, None, LineOrigins::default(), &arguments)
 }
@@ -98,6 +120,7 @@ pub(crate) fn loads(
 ) -> PyResult<PyScene> {
     let arguments: ReadArguments = arguments.extract()?;
     let options = arguments.options(folder)?;
+    check_process(py)?;
     let read = py.detach(|| glanz::open_str(&name, &text, &options));
     opened(py, read, Some(text), LineOrigins { file: name, objects: origins }, &arguments)
 }
@@ -107,57 +130,77 @@ impl PyScene {
     pub(crate) fn scene(&self) -> LoadedScene {
         self.scene.clone()
     }
+
+    /// All files that were read.
+    pub(crate) fn paths(&self) -> &[PathBuf] {
+        self.scene.paths()
+    }
 }
 
 #[pymethods]
 impl PyScene {
+    /// Name of the file or text.
     #[getter]
     fn name(&self) -> &str {
         self.scene.name()
     }
 
+    /// The text of a scene that was read by `loads`.
     #[getter]
     fn text(&self) -> Option<&str> {
         self.text.as_deref()
     }
 
+    /// Paths of all files that were read.
     #[getter]
     fn files(&self) -> Vec<&Path> {
         self.scene.paths().iter().map(PathBuf::as_path).collect()
     }
 
+    /// Width and height of the film, pixels.
     #[getter]
     fn size(&self) -> (u32, u32) {
         self.scene.description().film.resolution.into()
     }
 
+    /// Samples per pixel.
     #[getter]
     fn samples(&self) -> u32 {
         self.scene.description().sampler.samples_per_pixel
     }
 
+    /// Whether camera and light are those of a studio, which `render` adds.
     #[getter]
     fn is_model(&self) -> bool {
         self.scene.studio_settings().is_some()
     }
 
+    /// Warnings of reading, with file, line and column.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()).collect()
     }
 
+    /// The same with their parts.
     #[getter]
     fn diagnostics<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         diagnostics(py, self.scene.diagnostics(), &self.origins)
     }
 
+    /// Smallest and largest coordinates of the surfaces, m, 2 x 3.
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let scene = self.scene();
-        let resolved = py.detach(|| scene.resolve().map(|(scene, _)| scene.bounds()));
+        check_process(py)?;
+        let resolved = py.detach(|| self.scene().resolve().map(|(scene, _)| scene.bounds()));
         let bounds = resolved.map_err(|error| py_error(py, error, &self.origins))?;
         [bounds.min.to_array(), bounds.max.to_array()].concat().into_pyarray(py).reshape([2, 3])
     }
 
+    /// Writes the surfaces as triangles (.glb, .obj, .ply), or exactly (.pbrt) for models and scenes that were read from a text.
+    /// Files that such a text names relative to a folder are not found from another one.
+    ///
+    /// Returns
+    /// -------
+    /// The paths of the files.
     #[pyo3(signature = (path, *, threads=None, progress=None))]
     fn save(
         &self,
@@ -167,6 +210,8 @@ impl PyScene {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<Vec<PathBuf>> {
         let failed = |error| py_error(py, error, &self.origins);
+        let mut files = FileUses::default();
+        files.add_inputs(self.scene.paths()).and_then(|()| files.add_output(&path)).map_err(failed)?;
         if is_exact_path(&path).map_err(failed)? {
             let written = py.detach(|| match &self.text {
                 Some(text) if !self.is_model() => glanz::file::write(&path, text.as_bytes()),

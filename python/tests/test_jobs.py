@@ -1,5 +1,6 @@
 """Rendering, illuminating and baking."""
 
+import dataclasses
 import os
 import signal
 import subprocess
@@ -7,6 +8,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,10 +60,16 @@ def test_picture_does_not_depend_on_threads_or_checkpoints(tmp_path: Path) -> No
 
 
 def test_saved_pictures_are_read_and_compared(tmp_path: Path) -> None:
-    image = SCENE.render(samples=2)
+    red = Sphere(material=Diffuse(reflectance=(0.8, 0.2, 0.1)))
+    image = dataclasses.replace(DESIGN, shapes=[red]).load().render(samples=2, aovs="all")
     image.save(tmp_path / "a.exr")
     back = glanz.read_image(tmp_path / "a.exr")
     assert np.array_equal(back.array, image.array) and back.samples is None
+    # Files sort channels by name: blue comes first there.
+    assert image.aovs["Albedo"][8, 12, 0] > image.aovs["Albedo"][8, 12, 2]
+    assert set(back.aovs) == set(image.aovs)
+    for name, channel in image.aovs.items():
+        np.testing.assert_array_equal(back.aovs[name], channel)
     same = glanz.compare(image, tmp_path / "a.exr")
     assert same.rmse == 0 and same.flip == 0
     shifted = glanz.compare(image.array + np.float32(0.25), image)
@@ -71,10 +79,65 @@ def test_saved_pictures_are_read_and_compared(tmp_path: Path) -> None:
     grey = glanz.Image(np.full((2, 3), 128, dtype=np.uint8))
     # 128 / 255 in sRGB.
     assert grey.array[0, 0] == pytest.approx(((128 / 255 + 0.055) / 1.055) ** 2.4, rel=1e-5)
+    for refused in (np.full((2, 3), 300, np.uint16), np.ones((2, 3), complex), np.ones((2, 3), int), np.array([["1", "2"]])):
+        with pytest.raises(TypeError, match="uint8"):
+            glanz.Image(refused)
     with pytest.raises(ValueError, match="extension"):
         image.save(tmp_path / "a.tiff")
     with pytest.raises(FileNotFoundError):
         image.save(tmp_path / "none" / "a.png")
+
+
+def test_image_is_an_array_without_copies_where_they_are_not_needed() -> None:
+    image = glanz.Image(np.ones((2, 3)))
+    assert image.__array__(copy=False) is image.array and image.__array__("float32", copy=False) is image.array
+    assert image.__array__(copy=True) is not image.array and image.__array__("float64").dtype == np.float64
+    with pytest.raises(ValueError, match="copy"):
+        image.__array__("float64", copy=False)
+
+
+def test_standard_error_is_the_spread_of_seeds() -> None:
+    images = [SCENE.render(samples=16, sampler="independent", seed=seed, variance=True) for seed in range(64)]
+    spread = np.var([image.array for image in images], axis=0, ddof=1).mean()
+    stated = np.mean([image.aovs["Variance"] for image in images])
+    print(f"variance of the seeds over that of the pictures: {spread / stated:.3f}")
+    # 64 seeds of 1152 values: the ratio of the sums is known to a few percent.
+    assert stated == pytest.approx(spread, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("job", "arguments"),
+    [
+        ("render", {"samples": 2, "time_limit": 1}),
+        ("render", {"sample_range": (0, 1), "time_limit": 1}),
+        ("render", {"part": "1/2", "time_limit": 1}),
+        ("render", {"guide_input": "a", "guide_output": "b", "integrator": "guided"}),
+        ("render", {"samples": 2, "resume": True}),
+        ("illuminate", {"particles": 10, "part": "1/2"}),
+        ("bake_part", {"part": "1/1", "checkpoint": "a", "direct_only": True, "light_input": "b"}),
+    ],
+)
+def test_arguments_that_contradict_one_another_are_refused(job: str, arguments: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="exclude|needs"):
+        getattr(SCENE, job)(**arguments)
+
+
+def test_outputs_replace_neither_inputs_nor_one_another(tmp_path: Path) -> None:
+    path = tmp_path / "part"
+    SCENE.render(samples=1, part="1/1", checkpoint=path)
+    with pytest.raises(ValueError, match="input"):
+        glanz.merge_checkpoints([path], path)
+    with pytest.raises(FileNotFoundError, match="folder"):
+        glanz.merge_checkpoints([path], tmp_path / "none" / "x")
+    both = tmp_path / "both"
+    with pytest.raises(ValueError, match="two outputs"):
+        SCENE.render(integrator="guided", checkpoint=both, guide_output=both)
+    with pytest.raises(ValueError, match="input"):
+        SCENE.bake_part("1/1", path, light_input=path, resume=True)
+    ball = tmp_path / "ball.ply"
+    SCENE.save(ball)
+    with pytest.raises(ValueError, match="input"):
+        glanz.load(ball).save(ball)
 
 
 def test_illuminance_under_a_point_light_follows_the_inverse_square() -> None:
@@ -96,6 +159,7 @@ def test_illuminance_under_a_point_light_follows_the_inverse_square() -> None:
 
 def test_lux_maps_are_saved(tmp_path: Path) -> None:
     result = SCENE.illuminate(particles=1000)
+    assert list(result) == ["floor"] and "floor" in result and "wall" not in result and len(result) == 1
     names = {path.name for path in result.save(tmp_path / "lux")}
     assert {"report.json", "floor.csv", "floor.exr"} <= names
     assert result["floor"].lux.shape == (3, 4)
@@ -106,6 +170,11 @@ def test_bake_gives_pages_charts_and_a_model(tmp_path: Path) -> None:
     assert maps.irradiance[0].ndim == 3 and maps.radiance[0].max() > 0
     lit = [chart for chart in maps.charts if chart.page is not None]
     assert lit and lit[0].irradiance.shape[2] == 3
+    for chart in lit:
+        assert chart.page is not None and chart.corner is not None
+        (column, row), (height, width) = chart.corner, chart.irradiance.shape[:2]
+        place = maps.irradiance[chart.page][row : row + height, column : column + width]
+        np.testing.assert_array_equal(place, chart.irradiance)
     assert [path.name for path in maps.save(tmp_path / "room.glb")] == ["room.glb", "room.exr"]
 
 
@@ -125,6 +194,13 @@ def test_progress_reaches_its_function_and_its_exceptions_end_the_job(tmp_path: 
         SCENE.render(samples=10**8, progress=stop, checkpoint=checkpoint)
     done = glanz.merge([checkpoint])
     assert done.samples is not None and 0 < done.samples < 10**8
+
+
+def test_slow_progress_functions_do_not_delay_the_end() -> None:
+    begun = time.monotonic()
+    SCENE.render(time_limit=3, progress=lambda _: time.sleep(1.5))
+    # Six messages or more, each for 1.5 s, would take nine seconds; one under way at the end and the last one take three.
+    assert time.monotonic() - begun < 7.5
 
 
 def test_other_threads_run_during_a_render() -> None:
@@ -173,11 +249,14 @@ def test_bar_is_shown_with_and_without_tqdm(capsys: pytest.CaptureFixture[str], 
 
 def test_area_light_emits_the_flux_that_it_states() -> None:
     lamp = Disk(light=AreaLight(lumens=700), transform=Transform.translate(0, 0, 1))
-    scene = SceneDescription(shapes=[lamp, Plane(receiver="floor")]).load
-    with pytest.raises(glanz.GlanzError):
-        scene().illuminate(particles=100)
     boxed = SceneDescription(shapes=[lamp]).load().illuminate(particles=1000, room=(1, 1, 1))
     assert boxed.balance is not None and boxed.balance.emitted == pytest.approx(700, rel=1e-6)
+
+
+def test_unbounded_plane_is_no_receiver() -> None:
+    scene = SceneDescription(lights=[PointLight(from_=(0, 0, 1))], shapes=[Plane(receiver="floor")]).load()
+    with pytest.raises(glanz.GlanzError, match="no end"):
+        scene.illuminate(particles=100)
 
 
 def test_first_picture_after_the_import_is_quick() -> None:
@@ -189,6 +268,17 @@ def test_first_picture_after_the_import_is_quick() -> None:
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     print(f"from import to first picture: {float(run.stdout):.2f} s")
     assert float(run.stdout) < 10
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_job_in_a_forked_process_fails_rather_than_waits() -> None:
+    code = (
+        "import os, glanz\nscene = glanz.loads('WorldBegin LightSource \"infinite\" Shape \"sphere\"')\nscene.render(size=(8, 8), samples=1)\n"
+        "child = os.fork()\nif child:\n    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7\nelse:\n"
+        "    try:\n        scene.render(size=(8, 8), samples=1)\n    except glanz.GlanzError as error:\n        os._exit(7 if 'forked' in str(error) else 1)\n"
+        "    os._exit(2)\n"
+    )
+    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True, timeout=60)
 
 
 def test_parts_of_light_and_bakes_join_to_the_whole(tmp_path: Path) -> None:
@@ -209,7 +299,9 @@ def test_parts_of_light_and_bakes_join_to_the_whole(tmp_path: Path) -> None:
     for number, part in enumerate(parts):
         SCENE.bake_part(part, tmp_path / f"{number}.light", density=2, rays=16)
     glanz.merge_checkpoints([tmp_path / f"{number}.light" for number in range(3)], light)
-    for page, other in zip(baked.irradiance, SCENE.bake(density=2, rays=16, checkpoint=light, resume=True).irradiance):
+    again = SCENE.bake(density=2, rays=16, checkpoint=light, resume=True)
+    assert baked.irradiance
+    for page, other in zip(baked.irradiance + baked.radiance, again.irradiance + again.radiance, strict=True):
         assert np.array_equal(page, other)
     with pytest.raises(ValueError, match="one computation"):
-        SCENE.illuminate(method="integrate", particles=4000, part="1/3")
+        SCENE.illuminate(method="integrate", particles=4000, part="1/3", checkpoint=tmp_path / "none")

@@ -1,7 +1,8 @@
 """The native module. Everything of it is in `glanz`."""
 
 import os
-from collections.abc import Callable, Sequence
+import pathlib
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -28,6 +29,8 @@ class Image:
     ------
     ValueError
         If the array has another shape or no pixels.
+    TypeError
+        If its elements are neither floats nor uint8.
     """
 
     def __init__(self, array: ArrayLike) -> None: ...
@@ -62,7 +65,7 @@ class Image:
         """Warnings of the render."""
     @property
     def statistics(self) -> RenderStatistics | None:
-        """Statistics of the render; None if not rendered."""
+        """Statistics of the render; None if not rendered, zeros if joined from parts."""
     def save(self, path: _Path, *, exposure: float = 0.0, tone: str = "linear") -> None:
         """Writes the picture; the extension selects the format: .exr (all channels), .png, .hdr or .pfm.
 
@@ -101,6 +104,9 @@ class Illumination:
     def integrated(self) -> dict[str, LuxMap]:
         """The maps by integration if the method was ``both``."""
     def __getitem__(self, name: str) -> LuxMap: ...
+    def __contains__(self, name: object) -> bool: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
     @property
     def balance(self) -> FluxBalance | None:
         """Emitted light and where it ended; None for an integration."""
@@ -115,7 +121,7 @@ class Illumination:
         """Whether the goal was reached, rather than the time limit."""
     def summary(self) -> str:
         """The table of the results."""
-    def save(self, folder: _Path) -> list[Any]:
+    def save(self, folder: _Path) -> list[pathlib.Path]:
         """Writes the reports, and for each receiver table (CSV), numbers (EXR), false colours (PNG) and isolux lines (SVG); returns the paths."""
     def save_far_field(self, path: _Path) -> None:
         """Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``."""
@@ -152,7 +158,7 @@ class LightMaps:
         exposure: float = 0.0,
         tone: str = "linear",
         lightmap: str = "exr",
-    ) -> list[Any]:
+    ) -> list[pathlib.Path]:
         """Writes a model (.glb) that shows the light, and the irradiance beside it; returns the paths.
 
         Parameters
@@ -181,7 +187,7 @@ class Scene:
     def text(self) -> str | None:
         """The text of a scene that was read by `loads`."""
     @property
-    def files(self) -> list[Any]:
+    def files(self) -> list[pathlib.Path]:
         """Paths of all files that were read."""
     @property
     def size(self) -> tuple[int, int]:
@@ -200,8 +206,9 @@ class Scene:
         """The same with their parts."""
     def bounds(self) -> NDArray[np.float64]:
         """Smallest and largest coordinates of the surfaces, m, 2 x 3."""
-    def save(self, path: _Path, *, threads: int | None = None, progress: _Progress = None) -> list[Any]:
+    def save(self, path: _Path, *, threads: int | None = None, progress: _Progress = None) -> list[pathlib.Path]:
         """Writes the surfaces as triangles (.glb, .obj, .ply), or exactly (.pbrt) for models and scenes that were read from a text.
+        Files that such a text names relative to a folder are not found from another one.
 
         Returns
         -------
@@ -254,7 +261,7 @@ class Scene:
         sample_range
             Only the samples from the first up to, but not including, the second number; `merge` joins such parts.
         part
-            ``"K/N"``: part K, from 1, of N of the samples; `merge` joins the parts.
+            ``"K/N"``: part K, from 1, of N of the samples; `merge` joins the parts. ``denoise`` has no effect on it.
         time_limit
             Seconds, instead of a number of samples.
         light_sampling
@@ -289,7 +296,8 @@ class Scene:
         ValueError, TypeError
             For arguments without meaning, or that contradict one another.
         OSError
-            For files that cannot be read or written; FileExistsError for a checkpoint that is not to be resumed.
+            For files that cannot be read or written; FileExistsError for a checkpoint that is not to be resumed. A picture whose
+            checkpoint or guide could not be written is the attribute ``image`` of the exception.
         GlanzError
             For everything else that fails.
         """
@@ -450,7 +458,7 @@ def merge_checkpoints(
 ) -> None:
     """Joins checkpoints of parts of a picture, a calculation of illuminance or a bake into the file ``checkpoint``, from which the job is resumed.
 
-    Parameters and exceptions are those of `merge`.
+    Parameters and exceptions are those of `merge`. The whole and one part are in memory.
     """
 
 def compare(picture: Image | ArrayLike | _Path, reference: Image | ArrayLike | _Path) -> Comparison:
