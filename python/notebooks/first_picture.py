@@ -89,7 +89,7 @@ axes[0].set(title="32 samples per pixel", xticks=[], yticks=[])
 brightest = float(np.quantile(maps[0].lux, 0.98))
 shown = axes[1].imshow(maps[0].lux, origin="lower", extent=(-3, 3, -3, 3), vmax=brightest, cmap="inferno")
 axes[1].set(title="Floor, lamp at 3 m", xlabel="x (m)", ylabel="y (m)")
-figure.colorbar(shown, label="illuminance (lx)")  # pyright: ignore[reportUnknownMemberType]
+figure.colorbar(shown, label="illuminance (lx)", extend="max")  # pyright: ignore[reportUnknownMemberType]
 
 # %% [markdown]
 # ## Files

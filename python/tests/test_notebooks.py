@@ -1,4 +1,4 @@
-"""The notebooks of this part of the package run from beginning to end."""
+"""The notebooks run from beginning to end."""
 
 import runpy
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 NOTEBOOKS = Path(__file__).resolve().parents[1] / "notebooks"
 
 
-@pytest.mark.parametrize("name", ["first_picture", "reflector"])
+@pytest.mark.parametrize("name", ["densities", "first_picture", "nurbs", "reflector"])
 def test_notebook_runs(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "Agg")
     names = runpy.run_path(str(NOTEBOOKS / f"{name}.py"))

@@ -50,7 +50,7 @@ pub(crate) fn verdict() -> Result<Verdict, String> {
     step("venv", Command::new(python).args(["-m", "venv", "--clear"]).arg(&folder))?;
     let interpreter = program("python");
     let mut pip = Command::new(&interpreter);
-    pip.args(["-m", "pip", "install", "--quiet"]).arg(format!("{}[test]", package.display()));
+    pip.args(["-m", "pip", "install", "--quiet"]).arg(format!("{}[test,peers]", package.display()));
     step("pip install", &mut pip)?;
     // Outside the package's folder, so that the installed package is tested.
     let tests = |arguments: &[&str]| {
