@@ -13,7 +13,9 @@ from glanz.scene import (
     CheckerboardTexture,
     Diffuse,
     Disk,
+    FbmTexture,
     Film,
+    GridMedium,
     Group,
     HomogeneousMedium,
     Instance,
@@ -103,6 +105,31 @@ def test_scene_in_code_has_the_meaning_of_its_text(tmp_path: Path) -> None:
     ours, file = design.load().render(samples=4), glanz.load(path).render(samples=4)
     assert ours.array.mean() > 0
     assert np.array_equal(ours.array, file.array)
+
+
+def test_textures_and_media_are_in_the_world_whatever_uses_them() -> None:
+    cloud = GridMedium(density=np.ones(8), nx=2, ny=2, nz=2, p0=(0, 0, 0), p1=(1, 1, 1))
+    holes = FbmTexture()
+    ball = Sphere(alpha=holes, transform=Transform.translate(1, 2, 3))
+    design = small(ball, Sphere(alpha=holes))
+    text = dataclasses.replace(design, camera=PerspectiveCamera(eye=(0, -5, 0), medium=cloud)).to_pbrt()
+    assert text.index("MakeNamedMedium") < text.index("LookAt")
+    assert text.count("Texture ") == 1 and text.index("Texture ") < text.index("ConcatTransform")
+
+
+def test_several_trims_of_loops_are_one() -> None:
+    def loop(low: float, high: float) -> TrimLoops:
+        corners = [(low, low), (high, low), (high, high), (low, high), (low, low)]
+        return TrimLoops([[TrimCurve([0, 0, 1, 2, 3, 4, 4], corners)]])
+
+    text = small(Disk(trims=[loop(0.1, 0.4), loop(0.6, 0.9), TrimEllipse(0.5, 0.5, 0.01, 0.01)])).to_pbrt()
+    assert text.count('trimloops"') == 1 and '"integer trimloops" [ 1 1 ]' in text
+    assert not glanz.loads(text).diagnostics
+
+
+def test_whole_numbers_have_32_bits() -> None:
+    with pytest.raises(ValueError, match="32 bits"):
+        small(Sphere(solid=10**300)).to_pbrt()
 
 
 def test_numbers_keep_all_their_digits() -> None:

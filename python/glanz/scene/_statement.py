@@ -81,6 +81,8 @@ def numbers(values: ArrayLike, integer: bool = False) -> str:
         return repr(array.tolist())[1:-1].replace(",", "")
     if (array != np.rint(array)).any():
         raise ValueError("a number is not whole")
+    if (np.abs(array) >= 2**31).any():
+        raise ValueError("a whole number does not fit into 32 bits")
     return " ".join(map(str, array.astype(np.int64).tolist()))
 
 

@@ -15,7 +15,7 @@ from .light import LightSource
 from .material import Material, Mix
 from .medium import Medium
 from .shape import Group, Instance, Shape
-from .trim import trim_parameters
+from .trim import Trim, TrimLoops, trim_parameters
 from .view import Camera, Film, Filter, Integrator, PerspectiveCamera, Sampler
 
 
@@ -41,7 +41,7 @@ class SceneDescription:
         Raises
         ------
         TypeError, ValueError
-            For values that the language cannot express; a note names the object.
+            For values that the language cannot express; the message names the object.
         """
         return _written(self)[0]
 
@@ -112,15 +112,16 @@ def _write_view(writer: Writer, scene: SceneDescription) -> None:
     name = _name("camera", camera)
     writer.origin(name)
     with _place(name):
+        if camera.medium is not None:
+            # Before the camera's transformation: a grid is in the frame of its directive.
+            medium = _medium(writer, camera.medium)
+            writer.lines.append(f"MediumInterface {medium}")
         if camera.transform is not None:
             writer.lines.append(camera.transform.statement("Transform"))
         else:
             if camera.MIRROR:
                 writer.lines.append("Scale -1 1 1")
             writer.lines.append(f"LookAt {numbers([camera.eye, camera.target, camera.up])}")
-        if camera.medium is not None:
-            medium = _medium(writer, camera.medium)
-            writer.lines.append(f"MediumInterface {medium}")
         writer.lines.append(_statement(writer, "Camera", camera.KIND, camera))
     filters = [] if scene.filter is None else [("filter", "PixelFilter", scene.filter.kind, scene.filter)]
     for path, directive, kind, value in (
@@ -214,12 +215,18 @@ def _write_shape(writer: Writer, name: str, path: str, shape: Shape) -> None:
         writer.origin(_name(f"{path}.light", shape.light))
         writer.lines.append(_statement(writer, "AreaLightSource", shape.light.KIND, shape.light))
     writer.origin(name)
+    # Before the shape's transformation: a texture is in the frame of its directive.
+    line = _statement(writer, "Shape", shape.KIND, shape)
     if shape.transform is not None:
         writer.lines.append(shape.transform.statement())
     if shape.reverse_orientation:
         writer.lines.append("ReverseOrientation")
-    line = _statement(writer, "Shape", shape.KIND, shape)
-    further = [shape.derived(), *map(trim_parameters, shape.trims)]
+    # The language has one set of loops per shape.
+    loops = [loop for trim in shape.trims if isinstance(trim, TrimLoops) for loop in trim.loops]
+    trims: list[Trim] = [trim for trim in shape.trims if not isinstance(trim, TrimLoops)]
+    if loops:
+        trims.append(TrimLoops(loops))
+    further = [shape.derived(), *map(trim_parameters, trims)]
     for parameters in further:
         for own, (kind, value) in parameters.items():
             line += parameter(writer, kind, own, value, "spectrum")

@@ -1,7 +1,8 @@
 """Lights.
 
-Parameters have the names, units and defaults of the scene language (docs/scene-format.md); None stands for the default. Of ``power``, ``lumens``,
-``candela``, ``illuminance`` and ``nits`` a light has at most one, which replaces the magnitude of its colour.
+Parameters have the names, units and defaults of the scene language (docs/scene-format.md); None stands for the default. Of ``power`` (W),
+``lumens`` (lm), ``candela`` (cd), ``illuminance`` (W/m2, not lux, on a surface that faces the light) and ``nits`` (cd/m2) a light has at most
+one, which replaces the magnitude of its colour.
 """
 
 from __future__ import annotations

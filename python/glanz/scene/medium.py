@@ -30,7 +30,7 @@ class HomogeneousMedium(Medium):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GridMedium(Medium):
-    """Times a ``density`` at the middles of nx x ny x nz cells, x fastest, of the box from ``p0`` to ``p1``."""
+    """Times a ``density`` at the middles of nx x ny x nz cells, x fastest, of the box from ``p0`` to ``p1``, m, in the world."""
 
     KIND = "uniformgrid"
     density: Floats

@@ -1,6 +1,7 @@
 """Camera, film, filter, sampler and integrator.
 
-Parameters have the names and defaults of the scene language (docs/scene-format.md); None stands for the default.
+Parameters have the names and, but for the size of the film (640 x 480) and the number of samples (16 with every sampler), the defaults of the
+scene language (docs/scene-format.md); None stands for the default.
 """
 
 from __future__ import annotations
