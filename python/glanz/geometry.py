@@ -1,7 +1,8 @@
 """Surfaces alone: NURBS, Bézier patches and quadrics, evaluated, measured and intersected with rays, on numpy arrays.
 
 Lengths are metres and angles radians. Arrays of float64 in C order are read without copies; whatever else numpy converts to real
-numbers is converted. Long calls use all processors, let other Python threads run, and end with Ctrl-C.
+numbers is converted. Long calls let other Python threads run; those on many points or rays
+use all processors and end with Ctrl-C.
 
 >>> import numpy as np
 >>> from glanz.geometry import Sphere

@@ -38,6 +38,11 @@ impl Whole {
     }
 }
 
+/// An error of an argument.
+pub(crate) fn value_error(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
 /// Two whole numbers as an argument `name`, each in `range`.
 pub(crate) fn pair(numbers: [Whole; 2], name: &str, range: RangeInclusive<u32>) -> PyResult<[u32; 2]> {
     let [first, second] = numbers;

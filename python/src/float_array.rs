@@ -6,6 +6,9 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyEllipsis, PyTuple};
 use rayon::prelude::*;
 
+/// Rows of cheap values after which signals are handled.
+pub(crate) const ROWS_AT_ONCE: usize = 1 << 17;
+
 /// Numbers that one thread computes at once; fewer are computed without other threads.
 const PARALLEL_ROWS: usize = 256;
 
@@ -29,7 +32,10 @@ impl<'py> FloatArray<'py> {
         ];
         let found = numpy.call_method1("asarray", (object,))?;
         let numbers =
-            found.call_method("astype", ("float64",), Some(&options.into_py_dict(py)?)).map_err(|_| {
+            found.call_method("astype", ("float64",), Some(&options.into_py_dict(py)?)).map_err(|error| {
+                if !error.is_instance_of::<PyTypeError>(py) {
+                    return error;
+                }
                 let kind = found.getattr("dtype").map(|kind| kind.to_string()).unwrap_or_default();
                 PyTypeError::new_err(format!("{name} is an array of {kind}; it must be one of real numbers"))
             })?;

@@ -231,13 +231,34 @@ def test_trims_keep_the_inside_of_counter_clockwise_loops_and_cut_out_clockwise_
     hits = plate.intersect(origins, np.broadcast_to([0, 0, -1.0], (5000, 3)))
     np.testing.assert_array_equal(hits.hit, inside)
     area = plate.area()
-    assert abs(area.value - (0.64 - 0.04 * math.pi)) < area.error
+    assert abs(area.value - (0.64 - 0.04 * math.pi)) < 1e-9 and area.error < 1e-9
     with pytest.raises(ValueError, match="trimmed"):
         plate.transposed()
     polylines = [[square[:3], square[[2, 3, 0]]]]
     assert g.Nurbs(points, None, knots, knots, trims=polylines).contains(0.5, 0.5)
     with pytest.raises(ValueError, match="ends at"):
         g.Nurbs(points, None, knots, knots, trims=[[square[:3], square[[3, 0]]]])
+
+
+def test_areas_of_small_triangles_of_a_square_are_found() -> None:
+    knots = [0.0, 0, 1, 1]
+    for w in (0.1, 0.01, 0.001, 1e-6):
+        triangle = [[0.537, 0.537], [0.537 + w, 0.537], [0.537, 0.537 + w]]
+        plate = g.Nurbs([[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]]], None, knots, knots, trims=[triangle])
+        area = plate.area()
+        assert abs(area.value - w * w / 2) < 1e-9 * w and area.error < 1e-9 * w, (w, area)
+
+
+@pytest.mark.parametrize("plane", [g.Plane(), g.Plane((0, 4), (-math.inf, 1)), g.Plane((-1, 3), (0, 2))])
+def test_parameters_of_hits_on_planes_are_those_of_their_points(plane: g.Plane) -> None:
+    xy = np.random.default_rng(1).uniform(0.1, 0.9, (50, 2))
+    origins = np.column_stack([xy, np.ones(50)])
+    hits = plane.intersect(origins, np.broadcast_to([0, 0, -1.0], (50, 3)))
+    u, v = hits.uv.T
+    assert plane.contains(u, v).all()
+    np.testing.assert_allclose(plane.evaluate(u, v), origins - [0, 0, 1], atol=1e-14)
+    np.testing.assert_array_equal(plane.normals(u, v), hits.normal)
+    np.testing.assert_allclose(plane.curvature(u, v).gaussian, 0)
 
 
 def test_results_do_not_depend_on_the_order_of_rays() -> None:

@@ -126,6 +126,32 @@ def test_sobol_points_are_stratified_and_depend_on_their_numbers_alone() -> None
     assert (s.sobol(1024, 6, seed=4) != points).any()
 
 
+def test_an_integrand_may_use_its_density_and_records_nothing_if_it_raises() -> None:
+    density = s.AdaptiveDensity(1)
+    density.integrate(lambda x: density.pdf(x), 5000)
+    assert density.recorded == 5000
+    with pytest.raises(ZeroDivisionError):
+        density.integrate(lambda x: x[:, 0] if len(x) == 4096 else 1 // 0 * x, 5000)
+    assert density.recorded == 5000
+
+
+def test_samples_without_density_or_function_are_not_accepted() -> None:
+    density = s.AdaptiveDensity(1, "spline1", 2)
+    drawn = density.sample(s.sobol(16, 1))
+    assert drawn.functions is not None and density.record(drawn, np.ones(16)) == 16
+    for pdf, functions in [(-drawn.pdf, drawn.functions), (0 * drawn.pdf, drawn.functions), (drawn.pdf, drawn.functions + 1000)]:
+        assert density.record(s.DensitySamples(drawn.points, pdf, functions), np.ones(16)) == 0
+    for value in (math.nan, -3.7, 1.9):
+        with pytest.raises(ValueError, match="functions contain"):
+            density.record(s.DensitySamples(drawn.points, drawn.pdf, [value] * 16), np.ones(16))
+
+
+def test_progress_of_stratified_samples_ends_at_its_total() -> None:
+    calls: list[tuple[int, int]] = []
+    s.integrate(lambda x: x[:, 0], 4, [(0, 17)], pattern="stratified", progress=lambda a, b: calls.append((a, b)))
+    assert calls[-1] == (81, 81)
+
+
 def test_exceptions_of_the_integrand_go_through() -> None:
     def interrupted(x: Floats) -> Floats:
         raise KeyboardInterrupt
@@ -141,6 +167,15 @@ def test_exceptions_of_the_integrand_go_through() -> None:
     [
         (lambda: s.AdaptiveDensity(0), "dimension is 0"),
         (lambda: s.AdaptiveDensity(5), "dimension is 5"),
+        (lambda: s.AdaptiveDensity(-1), "whole number"),
+        (lambda: s.AdaptiveDensity(1, max_level=-1), "whole number"),
+        (lambda: s.AdaptiveDensity(1, levels=-1), "whole number"),
+        (lambda: s.AdaptiveDensity(2, levels=[0, -1]), "whole number"),
+        (lambda: s.AdaptiveDensity(1).integrate(lambda x: x[:, 0], -5), "whole number"),
+        (lambda: s.AdaptiveDensity(1).integrate(lambda x: x[:, 0], seed=-1), "whole number"),
+        (lambda: s.integrate(lambda x: x[:, 0], 1, [(0, -1)]), "whole number"),
+        (lambda: s.sobol(-1), "whole number"),
+        (lambda: s.sobol(1, first=2**32), "first is 4294967296"),
         (lambda: s.AdaptiveDensity(1, "cosine"), "basis"),  # pyright: ignore[reportArgumentType]
         (lambda: s.AdaptiveDensity(2, ["haar"]), "basis has 1 entries"),
         (lambda: s.AdaptiveDensity(1, levels=9), "level is 9"),

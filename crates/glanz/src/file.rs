@@ -144,7 +144,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     write_with(path, |out| out.write_all(bytes))
 }
 
-/// As [`write`], of bytes that `content` writes, in blocks.
+/// As [`write()`], of bytes that `content` writes, in blocks.
 ///
 /// # Errors
 /// [`Error::File`].

@@ -129,10 +129,10 @@ class Surface:
         Raises
         ------
         ValueError
-            For the order, and if u and v do not broadcast.
+            For an order out of its range, and if u and v do not broadcast.
         """
     def normals(self, u: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
-        """Unit normals; ... x 3. Those of splines and patches point along dS/du x dS/dv, those of quadrics and tori as their classes say.
+        """Unit normals; ... x 3. They point along dS/du x dS/dv.
 
         Where the derivatives vanish, as at the pole of a sphere, they are limits; nan where there is none.
         """
@@ -146,13 +146,12 @@ class Surface:
         Parameters
         ----------
         tolerance
-            Error to reach, square metres. One that cannot be reached is no exception: see `Area.error`. Areas of trimmed surfaces
-            have an error of up to a hundredth whatever the tolerance.
+            Error to reach, square metres. One that cannot be reached is no exception: see `Area.error`.
 
         Raises
         ------
         ValueError
-            If the tolerance is not positive, and for an infinite plane.
+            If the tolerance is not positive and finite, and for an infinite plane.
         """
     def closest_point(self, points: ArrayLike, tolerance: float | None = None) -> ClosestPoints:
         """The points of the whole surface, trims aside, nearest to `points`.
@@ -328,7 +327,7 @@ class BezierTriangle(Surface):
 
 @final
 class Sphere(Surface):
-    """The part of a sphere about the origin with z in a range (None for all) and azimuth up to phi_max.
+    """The part of a sphere about the origin with z in a range (None for all) and azimuth up to phi_max, as of all classes 2 pi by default.
 
     u is the azimuth and v the polar angle from the smallest z to the largest, as fractions of their ranges. The normal points outward.
     """
@@ -383,7 +382,9 @@ class Disk(Surface):
 
 @final
 class Plane(Surface):
-    """The plane z = 0, or a rectangle of it; u and v are x and y as fractions of their ranges."""
+    """The plane z = 0, or a rectangle of it; u and v are x and y as fractions of their ranges (default: infinite), or in metres along an
+    axis without end. The normal is +z.
+    """
 
     def __new__(cls, x: tuple[float, float] = ..., y: tuple[float, float] = ...) -> Plane: ...
 

@@ -36,8 +36,8 @@ class DensitySamples:
     def pdf(self) -> NDArray[np.float64]:
         """Densities at the points; N."""
     @property
-    def functions(self) -> NDArray[np.int64]:
-        """Numbers of the basis functions from which they were drawn; N."""
+    def functions(self) -> NDArray[np.int64] | None:
+        """Numbers of the basis functions from which they were drawn; N. None if unknown."""
     def __len__(self) -> int: ...
 
 @final
@@ -139,12 +139,12 @@ class AdaptiveDensity:
     def record(self, samples: DensitySamples, values: ArrayLike) -> int:
         """Records values of the integrand at samples of this density; returns the number of those that are accepted.
 
-        Values that are not finite are not. With the method "all", samples may come from any density and need no functions.
+        Values that are not finite, and samples whose density is not positive or whose function does not exist, are not. With the method "all", samples may come from any density and need no functions.
 
         Raises
         ------
         ValueError
-            For shapes, points outside of the unit cube, and samples without functions.
+            For shapes, points outside of the unit cube, samples without functions, and functions that are not whole numbers from 0.
         """
     def integrate(
         self,
@@ -157,7 +157,8 @@ class AdaptiveDensity:
     ) -> Integral:
         """The integral of a function by samples of this density, which are recorded for `fit`.
 
-        The function is called with up to 4096 points at once. Values that are not finite count as 0.
+        The function is called with up to 4096 points at once. Values that are not finite count as 0. If the function raises, nothing is
+        recorded; changes that it makes to this density are lost.
 
         Raises
         ------

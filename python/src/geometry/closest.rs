@@ -7,7 +7,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::definition::SurfaceState;
-use super::surface::value_error;
+use crate::arguments::value_error;
 use crate::float_array::{FloatArray, along_last, rows};
 
 /// Queries after which signals are handled.
@@ -93,7 +93,9 @@ pub(super) fn closest_points(
             queries[index]
         )));
     }
-    let tolerance = tolerance.unwrap_or_else(|| TOLERANCE * surface.bounds().diagonal().length());
+    let tolerance = tolerance.unwrap_or_else(|| {
+        (TOLERANCE * surface.bounds().diagonal().length()).clamp(f64::MIN_POSITIVE, f64::MAX)
+    });
     let search = |query: DVec3| {
         let missing = SurfaceError::NotFinite { parameter: "nearest point", value: f64::NAN };
         surface.closest_point(query, tolerance)?.ok_or(missing)

@@ -1,13 +1,13 @@
 //! The surface behind a Python object.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, RwLock};
 
 use glanz::geometry::bezier::{TensorPatch, TrianglePatch, TriangleQuad};
 use glanz::geometry::freeform::{Freeform, SurfacePatch};
 use glanz::geometry::rational::ParameterMap;
 use glanz::geometry::spline::{AreaEstimate, ClosestPoint, KnotVector, NurbsSurface, SurfaceCurvature};
 use glanz::geometry::trim::TrimRegion;
-use glanz::geometry::{Bounds3, DVec2, DVec3, Hit, RaySurface, Surface, SurfaceError};
+use glanz::geometry::{Bounds3, DVec2, DVec3, Hit, RaySurface, Surface, SurfaceError, SurfacePoint};
 
 /// A surface as it was given.
 pub(crate) enum Definition {
@@ -16,7 +16,7 @@ pub(crate) enum Definition {
     /// A triangular patch.
     Triangle(TrianglePatch),
     /// A surface given by an equation.
-    Equation(Surface),
+    Equation(Box<Surface>),
 }
 
 /// A part of a surface as a spline surface, for measures.
@@ -43,13 +43,15 @@ impl PartParameters {
 /// A surface, and what is built from it on first use.
 pub(crate) struct SurfaceState {
     pub(crate) definition: Definition,
+    /// Held for reading by searches, and alone by those that compare the surface's number of undecided searches.
+    pub(super) searches: RwLock<()>,
     rays: OnceLock<Result<Surface, SurfaceError>>,
     parts: OnceLock<Result<Vec<SplinePart>, SurfaceError>>,
 }
 
 impl From<Definition> for SurfaceState {
     fn from(definition: Definition) -> Self {
-        Self { definition, rays: OnceLock::new(), parts: OnceLock::new() }
+        Self { definition, searches: RwLock::new(()), rays: OnceLock::new(), parts: OnceLock::new() }
     }
 }
 
@@ -65,7 +67,7 @@ impl SurfaceState {
                 let patch = |TriangleQuad { patch, corners }| SurfacePatch::over_quad(patch, corners);
                 Ok(Freeform::try_new(self.quads(patch)?)?.into())
             }
-            Definition::Equation(surface) => Ok(surface.clone()),
+            Definition::Equation(surface) => Ok(Surface::clone(surface)),
         };
         self.rays.get_or_init(build).as_ref().map_err(Clone::clone)
     }
@@ -83,7 +85,11 @@ impl SurfaceState {
     pub(crate) fn domain(&self) -> [[f64; 2]; 2] {
         match &self.definition {
             Definition::Nurbs(spline, _) => [spline.knots_u().domain(), spline.knots_v().domain()],
-            _ => [[0.0, 1.0]; 2],
+            Definition::Equation(surface) => match &**surface {
+                Surface::Plane(plane) => plane.domain(),
+                _ => [[0.0, 1.0]; 2],
+            },
+            Definition::Triangle(_) => [[0.0, 1.0]; 2],
         }
     }
 
@@ -98,7 +104,7 @@ impl SurfaceState {
     }
 
     /// The highest order of derivatives.
-    pub(crate) fn max_order(&self) -> usize {
+    pub(crate) fn max_order(&self) -> u32 {
         match &self.definition {
             Definition::Equation(_) => 1,
             _ => 16,
@@ -125,7 +131,7 @@ impl SurfaceState {
             Definition::Nurbs(spline, _) => spline.derivatives(uv.x, uv.y, order),
             Definition::Triangle(patch) => patch.derivatives(uv.x, uv.y, order),
             Definition::Equation(surface) => {
-                let Some(point) = surface.untrimmed_at(0, uv) else { return };
+                let Some(point) = equation_point(surface, uv) else { return };
                 write(0, 0, point.position);
                 if order > 0 {
                     write(1, 0, point.dpdu);
@@ -150,7 +156,7 @@ impl SurfaceState {
         match &self.definition {
             Definition::Nurbs(spline, _) => spline.normal(uv.x, uv.y),
             Definition::Triangle(patch) => patch.normal(uv.x, uv.y),
-            Definition::Equation(surface) => Some(surface.untrimmed_at(0, uv)?.normal),
+            Definition::Equation(surface) => Some(equation_point(surface, uv)?.normal),
         }
     }
 
@@ -166,7 +172,7 @@ impl SurfaceState {
                 SurfaceCurvature::from_derivatives(&patch.derivatives(uv.x, uv.y, 2))
             }
             Definition::Equation(surface) => {
-                let point = surface.untrimmed_at(0, uv)?;
+                let point = equation_point(surface, uv)?;
                 let turn = surface.normal_derivatives(&Hit::new(0.0, uv.x, uv.y, 0), &point);
                 SurfaceCurvature::from_normal_derivatives([point.dpdu, point.dpdv], turn)
             }
@@ -188,22 +194,15 @@ impl SurfaceState {
 
     /// The area of the kept part, m^2, with its error; `tolerance`: its largest error, as far as it can be reached.
     pub(crate) fn area(&self, tolerance: f64) -> Result<AreaEstimate, SurfaceError> {
-        // Relative, of a trimmed surface: several times that of a large patch with a hole, 3e-3.
-        const TRIMMED_ERROR: f64 = 1e-2;
         match &self.definition {
             Definition::Nurbs(spline, None) => spline.area(tolerance),
-            Definition::Nurbs(_, Some(_)) => {
-                let value = match self.for_rays()? {
-                    Surface::Freeform(freeform) => freeform.area(),
-                    _ => f64::NAN,
-                };
-                Ok(AreaEstimate { value, error: TRIMMED_ERROR * value })
-            }
+            Definition::Nurbs(spline, Some(region)) => spline.kept_area(region, tolerance),
             _ => {
                 let parts = self.parts()?;
+                let share = (tolerance / parts.len() as f64).max(f64::MIN_POSITIVE);
                 let mut sum = AreaEstimate { value: 0.0, error: 0.0 };
                 for part in parts {
-                    let area = part.spline.area(tolerance / parts.len() as f64)?;
+                    let area = part.spline.area(share)?;
                     sum.value += area.value;
                     sum.error += area.error;
                 }
@@ -263,6 +262,14 @@ impl SurfaceState {
             Definition::Triangle(patch) => patch.to_quads().into_iter().map(part).collect(),
             _ => Ok(Vec::new()),
         }
+    }
+}
+
+/// The point of a surface given by an equation.
+fn equation_point(surface: &Surface, uv: DVec2) -> Option<SurfacePoint> {
+    match surface {
+        Surface::Plane(plane) => Some(plane.point_at(uv)),
+        _ => surface.untrimmed_at(0, uv),
     }
 }
 

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::definition::SurfaceState;
 use super::hits::{AllHits, RayHits};
-use super::surface::value_error;
+use crate::arguments::value_error;
 use crate::float_array::{FloatArray, array, zeros};
 
 /// Rays that one thread searches at once.
@@ -131,17 +131,17 @@ pub(super) fn intersect<'py>(
     let before = undecided(surface);
     let mut open = zeros::<bool>(py, &[count])?;
     if all_roots {
-        let rows = all_hits(py, surface, &rays)?;
+        let rows = all_hits(py, state, surface, &rays)?;
         rays.check()?;
         if undecided(surface) > before {
-            open = undecided_rays(py, surface, &rays, true)?;
+            open = undecided_rays(py, state, surface, &rays, true)?;
         }
         return Ok(root_arrays(py, count, &rows, open)?.into_bound(py).into_any());
     }
-    let hits = closest_hits(py, surface, &rays, open.clone())?;
+    let hits = closest_hits(py, state, surface, &rays, open.clone())?;
     rays.check()?;
     if undecided(surface) > before {
-        open = undecided_rays(py, surface, &rays, false)?;
+        open = undecided_rays(py, state, surface, &rays, false)?;
     }
     Ok(Bound::new(py, RayHits { undecided: open.unbind(), ..hits })?.into_any())
 }
@@ -149,6 +149,7 @@ pub(super) fn intersect<'py>(
 /// The closest hit of each ray.
 fn closest_hits(
     py: Python<'_>,
+    state: &SurfaceState,
     surface: &Surface,
     rays: &RayArrays<'_>,
     undecided: Bound<'_, PyArrayDyn<bool>>,
@@ -165,6 +166,7 @@ fn closest_hits(
     for (part, (((hit, distance), uv), normal)) in parts.enumerate() {
         py.check_signals()?;
         py.detach(|| {
+            let _shared = state.searches.read();
             let blocks = hit.par_chunks_mut(BLOCK).zip(distance.par_chunks_mut(BLOCK));
             let blocks = blocks.zip(uv.par_chunks_mut(2 * BLOCK)).zip(normal.par_chunks_mut(3 * BLOCK));
             blocks.enumerate().for_each_init(
@@ -219,12 +221,18 @@ impl BatchScratch {
 }
 
 /// All hits of each ray, in the order of rays.
-fn all_hits(py: Python<'_>, surface: &Surface, rays: &RayArrays<'_>) -> PyResult<Vec<RootRow>> {
+fn all_hits(
+    py: Python<'_>,
+    state: &SurfaceState,
+    surface: &Surface,
+    rays: &RayArrays<'_>,
+) -> PyResult<Vec<RootRow>> {
     let mut rows = Vec::new();
     for start in (0..rays.count()).step_by(RAYS_AT_ONCE) {
         py.check_signals()?;
         let end = rays.count().min(start + RAYS_AT_ONCE);
         let parts = py.detach(|| {
+            let _shared = state.searches.read();
             let firsts: Vec<usize> = (start..end).step_by(ROOTS_BLOCK).collect();
             let block = |first: &usize| {
                 let (mut rows, mut hits) = (Vec::new(), Vec::new());
@@ -279,9 +287,11 @@ fn root_arrays<'py>(
     Py::new(py, all)
 }
 
-/// The rays whose searches give up, found one by one: there are hardly ever any.
+/// The rays whose searches give up; there are hardly ever any. In blocks that have some, rays are searched one by one, while no other
+/// thread searches the surface.
 fn undecided_rays<'py>(
     py: Python<'py>,
+    state: &SurfaceState,
     surface: &Surface,
     rays: &RayArrays<'_>,
     all: bool,
@@ -291,16 +301,25 @@ fn undecided_rays<'py>(
     for (block, places) in places.as_slice_mut()?.chunks_mut(BLOCK).enumerate() {
         py.check_signals()?;
         py.detach(|| {
-            let mut hits = Vec::new();
-            for (i, place) in places.iter_mut().enumerate() {
+            let search = |hits: &mut Vec<Hit>, i: usize| {
                 let BoundedRay { ray, t_max } = rays.ray(block * BLOCK + i);
-                let before = undecided(surface);
                 if all {
                     hits.clear();
-                    surface.all_hits(&ray, t_max, &mut hits);
+                    surface.all_hits(&ray, t_max, hits);
                 } else {
                     let _ = surface.intersect(&ray, t_max);
                 }
+            };
+            let _alone = state.searches.write();
+            let before = undecided(surface);
+            (0..places.len()).into_par_iter().for_each_init(Vec::new, search);
+            if undecided(surface) == before {
+                return;
+            }
+            let mut hits = Vec::new();
+            for (i, place) in places.iter_mut().enumerate() {
+                let before = undecided(surface);
+                search(&mut hits, i);
                 *place = undecided(surface) > before;
             }
         });

@@ -7,8 +7,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::definition::Definition;
-use super::surface::{SurfaceObject, value_error};
+use super::surface::SurfaceObject;
 use super::trims;
+use crate::arguments::value_error;
 use crate::float_array::{FloatArray, array};
 
 /// A NURBS surface; see `glanz.geometry.Nurbs`.

@@ -10,7 +10,8 @@ use glanz::geometry::{DVec3, Surface};
 use pyo3::prelude::*;
 
 use super::definition::Definition;
-use super::surface::{SurfaceObject, value_error};
+use super::surface::SurfaceObject;
+use crate::arguments::value_error;
 
 /// A class per surface: its name, its constructor's arguments with their defaults, and the surface that they define.
 macro_rules! equations {
@@ -26,7 +27,7 @@ macro_rules! equations {
                 #[pyo3(signature = ($($argument $(= $default)?),*))]
                 fn new($($argument: $kind),*) -> PyResult<PyClassInitializer<Self>> {
                     let surface: Surface = $surface.map_err(value_error)?.into();
-                    let base = SurfaceObject::from(Definition::Equation(surface));
+                    let base = SurfaceObject::from(Definition::Equation(Box::new(surface)));
                     Ok(PyClassInitializer::from(base).add_subclass(Self))
                 }
             }

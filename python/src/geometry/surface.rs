@@ -4,16 +4,13 @@ use std::sync::Arc;
 
 use glanz::geometry::DVec2;
 use numpy::PyArrayDyn;
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::closest::{AreaObject, ClosestPoints, CurvatureArrays};
 use super::definition::{Definition, SurfaceState};
 use super::{closest, intersect};
-use crate::float_array::{FloatArray, rows};
-
-/// Rows of cheap values after which signals are handled.
-const ROWS_AT_ONCE: usize = 1 << 17;
+use crate::arguments::{Whole, positive, value_error};
+use crate::float_array::{FloatArray, ROWS_AT_ONCE, rows};
 
 /// A surface; see `glanz.geometry.Surface`.
 #[pyclass(name = "Surface", module = "glanz.geometry", subclass, frozen)]
@@ -23,11 +20,6 @@ impl From<Definition> for SurfaceObject {
     fn from(definition: Definition) -> Self {
         Self(Arc::new(definition.into()))
     }
-}
-
-/// An error of an argument.
-pub(super) fn value_error(error: impl std::fmt::Display) -> PyErr {
-    PyValueError::new_err(error.to_string())
 }
 
 /// Values at the parameters u, v, broadcast against each other: rows of shape `width`.
@@ -51,17 +43,15 @@ impl SurfaceObject {
         at_parameters([u, v], &[3], |uv, values| self.0.derivatives(uv, 0, values))
     }
 
-    #[pyo3(signature = (u, v, order = 1))]
+    #[pyo3(signature = (u, v, order = Whole(1)))]
     fn derivatives<'py>(
         &self,
         u: &Bound<'py, PyAny>,
         v: &Bound<'py, PyAny>,
-        order: usize,
+        order: Whole,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let max = self.0.max_order();
-        if order > max {
-            return Err(PyValueError::new_err(format!("order is {order}; it must lie between 0 and {max}")));
-        }
+        let order = order.within("order", 0..=max)? as usize;
         let width = [order + 1, order + 1, 3];
         at_parameters([u, v], &width, |uv, values| self.0.derivatives(uv, order, values))
     }
@@ -96,11 +86,12 @@ impl SurfaceObject {
             let inside = inside && (!triangle || uv.element_sum() <= 1.0);
             values.fill(f64::from(u8::from(inside && self.0.keeps(uv))));
         })?;
-        kept.get_item((pyo3::types::PyEllipsis::get(kept.py()), 0))?.call_method1("__gt__", (0.5,))
+        kept.get_item((pyo3::types::PyEllipsis::get(kept.py()), 0))?.call_method1("astype", ("bool",))
     }
 
     #[pyo3(signature = (tolerance = 1e-9))]
     fn area(&self, py: Python<'_>, tolerance: f64) -> PyResult<AreaObject> {
+        let tolerance = positive(tolerance, "tolerance")?;
         Ok(AreaObject::from(py.detach(|| self.0.area(tolerance)).map_err(value_error)?))
     }
 

@@ -7,7 +7,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::definition::Definition;
-use super::surface::{SurfaceObject, value_error};
+use super::surface::SurfaceObject;
+use crate::arguments::value_error;
 use crate::float_array::{FloatArray, array};
 
 /// A triangular Bézier patch; see `glanz.geometry.BezierTriangle`.

@@ -7,7 +7,7 @@ use glanz::geometry::{DVec2, DVec3};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
-use super::surface::value_error;
+use crate::arguments::value_error;
 use crate::float_array::FloatArray;
 
 /// Degree, control points, weights and knots of a curve.

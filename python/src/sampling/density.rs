@@ -10,11 +10,9 @@ use pyo3::prelude::*;
 
 use super::integrate::{IntegralEstimate, record_pass};
 use super::options;
-use super::options::{PerAxis, analyses, check_size, method, pattern, value_error};
-use crate::float_array::{FloatArray, along_last, array, rows};
-
-/// Points after which signals are handled.
-const POINTS_AT_ONCE: usize = 1 << 17;
+use super::options::{MAX_LEVEL, PerAxis, analyses, check_size, method, pattern};
+use crate::arguments::{Whole, value_error};
+use crate::float_array::{FloatArray, ROWS_AT_ONCE, along_last, array, rows};
 
 /// Points drawn from a density; see `glanz.sampling.DensitySamples`.
 #[pyclass(name = "DensitySamples", module = "glanz.sampling", frozen, get_all)]
@@ -28,8 +26,16 @@ pub(crate) struct DensitySamples {
 impl DensitySamples {
     #[new]
     #[pyo3(signature = (points, pdf, functions = None))]
-    fn new(points: Py<PyAny>, pdf: Py<PyAny>, functions: Option<Py<PyAny>>, py: Python<'_>) -> Self {
-        Self { points, pdf, functions: functions.unwrap_or_else(|| py.None()) }
+    fn new(
+        points: &Bound<'_, PyAny>,
+        pdf: &Bound<'_, PyAny>,
+        functions: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let numpy = points.py().import("numpy")?;
+        let array =
+            |values: &Bound<'_, PyAny>| Ok::<_, PyErr>(numpy.call_method1("asarray", (values,))?.unbind());
+        let functions = functions.map_or_else(|| Ok(points.py().None()), array)?;
+        Ok(Self { points: array(points)?, pdf: array(pdf)?, functions })
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
@@ -80,20 +86,20 @@ pub(crate) struct DensityObject {
 /// The constant density.
 fn constant<const D: usize>(
     basis: &PerAxis<String>,
-    levels: &PerAxis<usize>,
+    levels: &PerAxis<Whole>,
     max_level: usize,
     fitting: &str,
 ) -> PyResult<AnyDensity>
 where
     AnyDensity: From<AdaptiveDensity<D>>,
 {
-    let (scales, levels) = (analyses::<D>(basis, max_level)?, levels.of_axes("levels")?);
+    let (scales, levels) = (analyses::<D>(basis, max_level)?, levels.levels()?);
     check_size(&scales, levels)?;
     Ok(AdaptiveDensity::try_new(Arc::new(scales), levels, method(fitting)?).map_err(value_error)?.into())
 }
 
 /// The error of a dimension without densities.
-pub(super) fn no_dimension(dimension: usize) -> PyErr {
+pub(super) fn no_dimension(dimension: u64) -> PyErr {
     PyValueError::new_err(format!("dimension is {dimension}; it must lie between 1 and 4"))
 }
 
@@ -113,7 +119,7 @@ fn draw<const D: usize>(
     if let Some(value) = numbers.as_flattened().iter().find(|x| !(0.0..1.0).contains(*x)) {
         return Err(PyValueError::new_err(format!("xi contains {value}; all numbers must lie in [0, 1)")));
     }
-    let all = rows(py, &[numbers.len()], &[D + 2], POINTS_AT_ONCE, |i, values| {
+    let all = rows(py, &[numbers.len()], &[D + 2], ROWS_AT_ONCE, |i, values| {
         let DensitySample { point, pdf, function } = density.sample(&numbers[i]);
         values[..D].copy_from_slice(&point);
         values[D..].copy_from_slice(&[pdf, function as f64]);
@@ -147,6 +153,12 @@ fn record<const D: usize>(
     if let Some(value) = at.as_flattened().iter().find(|x| !(0.0..=1.0).contains(*x)) {
         return Err(PyValueError::new_err(format!("points contain {value}; coordinates must lie in [0, 1]")));
     }
+    let invalid = |n: &&f64| !(**n >= 0.0 && n.fract() == 0.0);
+    if let Some(value) = functions.unwrap_or_default().iter().find(invalid) {
+        return Err(PyValueError::new_err(format!(
+            "functions contain {value}; they must be whole numbers from 0"
+        )));
+    }
     let accepted = (0..count).filter(|&i| {
         let function = functions.map_or(0.0, |functions| functions[i]) as usize;
         density.record(&DensitySample { point: at[i], pdf: pdf[i], function }, values[i])
@@ -157,22 +169,23 @@ fn record<const D: usize>(
 #[pymethods]
 impl DensityObject {
     #[new]
-    #[pyo3(signature = (dimension, basis = None, levels = None, *, max_level = 8, method = "own"))]
+    #[pyo3(signature = (dimension, basis = None, levels = None, *, max_level = Whole(8), method = "own"))]
     fn new(
-        dimension: usize,
+        dimension: Whole,
         basis: Option<PerAxis<String>>,
-        levels: Option<PerAxis<usize>>,
-        max_level: usize,
+        levels: Option<PerAxis<Whole>>,
+        max_level: Whole,
         method: &str,
     ) -> PyResult<Self> {
+        let max_level = max_level.within("max_level", 0..=MAX_LEVEL)? as usize;
         let basis = basis.unwrap_or_else(|| PerAxis::One(String::from("spline1")));
-        let levels = levels.unwrap_or(PerAxis::One(0));
-        let density = match dimension {
+        let levels = levels.unwrap_or(PerAxis::One(Whole(0)));
+        let density = match dimension.0 {
             1 => constant::<1>(&basis, &levels, max_level, method)?,
             2 => constant::<2>(&basis, &levels, max_level, method)?,
             3 => constant::<3>(&basis, &levels, max_level, method)?,
             4 => constant::<4>(&basis, &levels, max_level, method)?,
-            _ => return Err(no_dimension(dimension)),
+            other => return Err(no_dimension(other)),
         };
         Ok(Self { density, max_level })
     }
@@ -215,7 +228,7 @@ impl DensityObject {
         let (py, x) = (x.py(), FloatArray::new("x", x)?);
         with_density!(&self.density, density => {
             let x = points(&x)?;
-            let all = rows(py, &[x.len()], &[1], POINTS_AT_ONCE, |i, values| {
+            let all = rows(py, &[x.len()], &[1], ROWS_AT_ONCE, |i, values| {
                 let unknown = x[i].iter().any(|x| x.is_nan());
                 values.fill(if unknown { f64::NAN } else { density.pdf(&x[i]) });
             })?;
@@ -228,17 +241,26 @@ impl DensityObject {
         with_density!(&mut self.density, density => record(density, samples, values, py))
     }
 
-    #[pyo3(signature = (integrand, samples = 4096, *, repetitions = 1, pattern = "independent", seed = 1))]
+    #[pyo3(signature = (integrand, samples = Whole(4096), *, repetitions = Whole(1), pattern = "independent", seed = Whole(1)))]
     fn integrate(
-        &mut self,
+        slf: &Bound<'_, Self>,
         integrand: &Bound<'_, PyAny>,
-        samples: u32,
-        repetitions: u32,
+        samples: Whole,
+        repetitions: Whole,
         pattern: &str,
-        seed: u64,
+        seed: Whole,
     ) -> PyResult<IntegralEstimate> {
-        let plan = IntegrationPlan { samples, repetitions, sampling: self::pattern(pattern)?, seed };
-        with_density!(&mut self.density, density => record_pass(density, integrand, &plan))
+        let plan = IntegrationPlan {
+            samples: samples.within("samples", 1..=u32::MAX)?,
+            repetitions: repetitions.within("repetitions", 1..=u32::MAX)?,
+            sampling: self::pattern(pattern)?,
+            seed: seed.0,
+        };
+        // A copy, so that the integrand may use the density, and an exception leaves no samples.
+        let mut density = slf.try_borrow()?.density.clone();
+        let found = with_density!(&mut density, density => record_pass(density, integrand, &plan))?;
+        slf.try_borrow_mut()?.density = density;
+        Ok(found)
     }
 
     #[pyo3(signature = (floor = 0.1, weighting = "samples"))]
@@ -256,9 +278,9 @@ impl DensityObject {
         })
     }
 
-    fn refine(&mut self, py: Python<'_>, levels: PerAxis<usize>) -> PyResult<()> {
+    fn refine(&mut self, py: Python<'_>, levels: PerAxis<Whole>) -> PyResult<()> {
         with_density!(&mut self.density, density => {
-            let levels = levels.of_axes("levels")?;
+            let levels = levels.levels()?;
             check_size(density.scales(), levels)?;
             py.detach(|| density.refine(levels)).map_err(value_error)
         })

@@ -8,15 +8,15 @@ use glanz::sampling::integrate::{
     AdaptivePlan, Estimate, IntegrationPass, IntegrationPlan, integrate_adaptively_by_blocks,
     integrate_by_blocks,
 };
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use super::density::{AnyDensity, DensityObject, no_dimension};
-use super::options::{PerAxis, analyses, check_size, floor, method, pattern, value_error, weighting};
+use super::options::{MAX_LEVEL, PerAxis, analyses, check_size, floor, method, pattern, weighting};
+use crate::arguments::{Whole, value_error};
 use crate::float_array::{FloatArray, array};
 
 /// The levels and the number of samples of one pass.
-type PassTuple = (PerAxis<usize>, u32);
+type PassTuple = (PerAxis<Whole>, Whole);
 
 /// An integral; see `glanz.sampling.Integral`.
 #[pyclass(name = "Integral", module = "glanz.sampling", frozen, get_all)]
@@ -127,16 +127,18 @@ where
     let py = integrand.function.py();
     let scales = Arc::new(analyses::<D>(arguments.basis, arguments.max_level)?);
     let mut passes = Vec::with_capacity(arguments.passes.len());
+    let sampling = pattern(arguments.pattern)?;
     for (levels, samples) in arguments.passes {
-        let levels = levels.of_axes("levels")?;
+        let (levels, samples) = (levels.levels()?, samples.within("samples", 1..=u32::MAX)?);
         check_size(&scales, levels)?;
-        passes.push(IntegrationPass { levels, samples: *samples });
-        integrand.total += u64::from(*samples) * u64::from(arguments.repetitions);
+        passes.push(IntegrationPass { levels, samples });
+        let points = u64::from(sampling.count(samples, D)) * u64::from(arguments.repetitions);
+        integrand.total = integrand.total.saturating_add(points);
     }
     let plan = AdaptivePlan {
         passes,
         repetitions: arguments.repetitions,
-        sampling: pattern(arguments.pattern)?,
+        sampling,
         seed: arguments.seed,
         floor: floor(arguments.floor)?,
         method: method(arguments.method)?,
@@ -155,19 +157,19 @@ where
 
 #[pyfunction]
 #[pyo3(signature = (
-    integrand, dimension, passes, *, basis = None, max_level = 8, repetitions = 1, pattern = "independent", seed = 1,
+    integrand, dimension, passes, *, basis = None, max_level = Whole(8), repetitions = Whole(1), pattern = "independent", seed = Whole(1),
     floor = 0.1, method = "own", weighting = "samples", progress = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are the keywords of the Python function")]
 pub(crate) fn integrate(
     integrand: &Bound<'_, PyAny>,
-    dimension: usize,
+    dimension: Whole,
     passes: Vec<PassTuple>,
     basis: Option<PerAxis<String>>,
-    max_level: usize,
-    repetitions: u32,
+    max_level: Whole,
+    repetitions: Whole,
     pattern: &str,
-    seed: u64,
+    seed: Whole,
     floor: f64,
     method: &str,
     weighting: &str,
@@ -177,21 +179,21 @@ pub(crate) fn integrate(
     let arguments = IntegrationArguments {
         basis: &basis,
         passes: &passes,
-        max_level,
-        repetitions,
+        max_level: max_level.within("max_level", 0..=MAX_LEVEL)? as usize,
+        repetitions: repetitions.within("repetitions", 1..=u32::MAX)?,
         pattern,
-        seed,
+        seed: seed.0,
         floor,
         method,
         weighting,
     };
     let integrand = Integrand { function: integrand, progress, done: 0, total: 0 };
-    match dimension {
+    match dimension.0 {
         1 => integrate_in::<1>(integrand, &arguments),
         2 => integrate_in::<2>(integrand, &arguments),
         3 => integrate_in::<3>(integrand, &arguments),
         4 => integrate_in::<4>(integrand, &arguments),
-        _ => Err(no_dimension(dimension)),
+        other => Err(no_dimension(other)),
     }
 }
 
@@ -201,9 +203,6 @@ pub(super) fn record_pass<const D: usize>(
     function: &Bound<'_, PyAny>,
     plan: &IntegrationPlan,
 ) -> PyResult<IntegralEstimate> {
-    if plan.samples == 0 {
-        return Err(PyValueError::new_err("samples is 0; at least 1 is needed"));
-    }
     let mut integrand = Integrand { function, progress: None, done: 0, total: u64::from(plan.samples) };
     let drawn = density.density().clone();
     let estimate = integrate_by_blocks(&drawn, plan, |samples, values| {

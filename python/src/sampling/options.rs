@@ -1,22 +1,53 @@
 //! Names and numbers that choose bases, levels and methods.
 
-use glanz::sampling::DensityError;
 use glanz::sampling::density::{
     CoefficientFloor, FittingMethod, MissingCoefficient, TensorMultiResolution, Weighting,
 };
 use glanz::sampling::integrate::SamplingPattern;
 use glanz::sampling::multiresolution::MultiResolution;
+use pyo3::Borrowed;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use pyo3::types::PyString;
+
+use crate::arguments::{Whole, by_name, value_error};
 
 /// Largest number of basis functions: their sums take about a gigabyte.
 const MAX_FUNCTIONS: usize = 1 << 24;
 
+/// Finest level of any basis.
+pub(super) const MAX_LEVEL: u32 = 16;
+
 /// One value for all axes, or one per axis.
-#[derive(FromPyObject)]
 pub(super) enum PerAxis<T> {
     One(T),
     Each(Vec<T>),
+}
+
+impl<'py, T: for<'a> FromPyObject<'a, 'py, Error = PyErr>> FromPyObject<'_, 'py> for PerAxis<T> {
+    type Error = PyErr;
+
+    fn extract(object: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
+        match object.extract::<T>() {
+            Ok(one) => Ok(Self::One(one)),
+            Err(error) if object.cast::<PyString>().is_ok() || object.try_iter().is_err() => Err(error),
+            Err(_) => object.extract().map(Self::Each),
+        }
+    }
+}
+
+impl PerAxis<Whole> {
+    /// The levels of `D` axes.
+    ///
+    /// # Errors
+    /// `ValueError` for another number of them, and for levels that no basis has.
+    pub(super) fn levels<const D: usize>(&self) -> PyResult<[usize; D]> {
+        let mut levels = [0; D];
+        for (level, given) in levels.iter_mut().zip(self.of_axes::<D>("levels")?) {
+            *level = given.within("level", 0..=MAX_LEVEL)? as usize;
+        }
+        Ok(levels)
+    }
 }
 
 impl<T: Clone> PerAxis<T> {
@@ -35,25 +66,12 @@ impl<T: Clone> PerAxis<T> {
     }
 }
 
-/// An error of an argument.
-pub(super) fn value_error(error: DensityError) -> PyErr {
-    PyValueError::new_err(error.to_string())
-}
-
-fn choose<T: Copy>(argument: &str, name: &str, all: &[(&str, T)]) -> PyResult<T> {
-    all.iter().find(|(known, _)| *known == name).map(|(_, value)| *value).ok_or_else(|| {
-        let names: Vec<&str> = all.iter().map(|(known, _)| *known).collect();
-        PyValueError::new_err(format!("{argument} is {name:?}; it must be one of {}", names.join(", ")))
-    })
-}
-
 /// The analysis of one axis.
 fn analysis(name: &str, max_level: usize) -> PyResult<MultiResolution> {
     let degrees = [None, Some(0), Some(1), Some(2), Some(3), Some(4), Some(5), Some(6), Some(7)];
     let names =
         ["haar", "spline0", "spline1", "spline2", "spline3", "spline4", "spline5", "spline6", "spline7"];
-    let all: Vec<_> = names.into_iter().zip(degrees).collect();
-    match choose("basis", name, &all)? {
+    match by_name(name, "basis", degrees.into_iter().zip(names))? {
         None => MultiResolution::haar(max_level),
         Some(degree) => MultiResolution::bspline(degree, max_level),
     }
@@ -99,26 +117,26 @@ pub(super) fn check_size<const D: usize>(
 /// The method of fitting.
 pub(super) fn method(name: &str) -> PyResult<FittingMethod> {
     let all = [
-        ("own", FittingMethod::OwnSamples(MissingCoefficient::Neighbours)),
-        ("own-constant", FittingMethod::OwnSamples(MissingCoefficient::Constant)),
-        ("all", FittingMethod::AllSamples),
+        (FittingMethod::OwnSamples(MissingCoefficient::Neighbours), "own"),
+        (FittingMethod::OwnSamples(MissingCoefficient::Constant), "own-constant"),
+        (FittingMethod::AllSamples, "all"),
     ];
-    choose("method", name, &all)
+    by_name(name, "method", all)
 }
 
 /// The pattern of samples.
 pub(super) fn pattern(name: &str) -> PyResult<SamplingPattern> {
     let all = [
-        ("independent", SamplingPattern::Independent),
-        ("stratified", SamplingPattern::Stratified),
-        ("sobol", SamplingPattern::Sobol),
+        (SamplingPattern::Independent, "independent"),
+        (SamplingPattern::Stratified, "stratified"),
+        (SamplingPattern::Sobol, "sobol"),
     ];
-    choose("pattern", name, &all)
+    by_name(name, "pattern", all)
 }
 
 /// The weighting of passes.
 pub(super) fn weighting(name: &str) -> PyResult<Weighting> {
-    choose("weighting", name, &[("samples", Weighting::Samples), ("variance", Weighting::InverseVariance)])
+    by_name(name, "weighting", [(Weighting::Samples, "samples"), (Weighting::InverseVariance, "variance")])
 }
 
 /// The lower bound on coefficients: a constant density of this value.

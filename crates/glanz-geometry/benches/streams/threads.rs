@@ -13,7 +13,8 @@ use super::{BATCH, Failure, Model, TIMES, median};
 /// Number of rays if none is asked for.
 const RAYS: usize = 1_000_000;
 
-/// Writes the rate of random lines through the surface `name`, `count` of them: of the hits alone, and with the surface at the hits.
+/// Writes the rate of random lines, of the hits alone and with the surface at the hits. `words`: name of a model (bicubic) and number of
+/// rays (a million).
 pub(super) fn rates(words: &[String], out: &mut impl Write) -> Result<(), Failure> {
     let name = words.first().map_or("bicubic", String::as_str);
     let count = words.get(1).map_or(Ok(RAYS), |count| count.parse())?;

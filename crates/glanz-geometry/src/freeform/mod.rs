@@ -156,7 +156,8 @@ impl Freeform {
         region_and_uv.map_or(Some(HitBorder::Away), |(region, uv)| region.locate(uv).border())
     }
 
-    /// Area, m^2, with a relative error of about 1e-6, or 1e-3 if trimmed.
+    /// Area, m^2, with a relative error of about 1e-6. If trimmed, parts smaller than a 32nd of a leaf are found or missed by chance; see
+    /// [`NurbsSurface::kept_area`](crate::spline::NurbsSurface::kept_area).
     #[must_use]
     pub fn area(&self) -> f64 {
         self.areas().total()

@@ -115,6 +115,20 @@ impl RaySurface for Plane {
 }
 
 impl Plane {
+    /// The point with the given parameters, also of an infinite plane; those outside the plane are moved to its border.
+    #[must_use]
+    pub fn point_at(&self, uv: DVec2) -> SurfacePoint {
+        let (start, length) = self.scale();
+        self.at((start + uv * length).max(self.min).min(self.max), uv)
+    }
+
+    /// Ranges of the parameters.
+    #[must_use]
+    pub fn domain(&self) -> [[f64; 2]; 2] {
+        let axis = |min: f64, max: f64| if (max - min).is_finite() { [0.0, 1.0] } else { [min, max] };
+        [axis(self.min.x, self.max.x), axis(self.min.y, self.max.y)]
+    }
+
     /// The point with the given parameters; `None` if the plane is infinite.
     pub(crate) fn at_parameters(&self, uv: DVec2) -> Option<SurfacePoint> {
         let p = (self.min + uv * (self.max - self.min)).min(self.max);

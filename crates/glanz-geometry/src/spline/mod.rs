@@ -3,7 +3,7 @@
 //! A [`KnotVector`] divides the parameter interval into pieces; [`basis`] holds the functions that weight control points.
 //! [`NurbsCurve`] and [`NurbsSurface`] have homogeneous control points (w x, w y, w z, w) with w > 0. Surfaces are evaluated
 //! with all derivatives (`surface`), refined, cut and raised in degree (`surface_edit`), interpolated through points
-//! (`interpolate`), measured (`measure`, `closest`), and split into Bézier patches for rays (`extract`). [`polygon`] edits rows of any
+//! (`interpolate`), measured (`measure`, `kept_area`, `closest`), and split into Bézier patches for rays (`extract`). [`polygon`] edits rows of any
 //! control points.
 //!
 //! ```
@@ -32,6 +32,7 @@ pub mod curve;
 pub mod extract;
 mod homogeneous;
 pub mod interpolate;
+mod kept_area;
 pub mod knots;
 pub mod measure;
 pub mod polygon;

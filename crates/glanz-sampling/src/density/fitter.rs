@@ -101,7 +101,8 @@ impl<const D: usize> DensityFitter<D> {
     pub fn record(&mut self, sample: &DensitySample<D>, value: f64) -> bool {
         let value = value.abs();
         let ratio = value / sample.pdf;
-        if !ratio.is_finite() || sample.function >= self.counts.len() {
+        let is_valid = sample.pdf > 0.0 && ratio.is_finite() && sample.function < self.counts.len();
+        if !is_valid {
             return false;
         }
         self.samples += 1;

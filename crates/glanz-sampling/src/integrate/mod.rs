@@ -20,4 +20,4 @@ pub use adaptive::{
 };
 pub use estimate::Estimate;
 pub use sample_points::SamplingPattern;
-pub use single_density::{BLOCK, IntegrationPlan, integrate, integrate_by_blocks};
+pub use single_density::{IntegrationPlan, integrate, integrate_by_blocks};

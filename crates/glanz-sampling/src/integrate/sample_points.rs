@@ -17,6 +17,14 @@ pub enum SamplingPattern {
     Sobol,
 }
 
+impl SamplingPattern {
+    /// Number of points for at least `samples` of them in `dimensions` dimensions.
+    #[must_use]
+    pub fn count(self, samples: u32, dimensions: usize) -> u32 {
+        SamplePoints::new(self, 0, 0, samples, dimensions).count()
+    }
+}
+
 /// The points of one repetition, which depend only on seed, index and dimension.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SamplePoints {

@@ -6,7 +6,7 @@ use crate::integrate::estimate::{Estimate, RunningMoments};
 use crate::integrate::sample_points::{SamplePoints, SamplingPattern};
 
 /// Largest number of samples at which [`integrate_by_blocks`] evaluates an integrand at once.
-pub const BLOCK: usize = 4096;
+pub(super) const BLOCK: usize = 4096;
 
 /// Numbers of samples and their pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,7 +39,7 @@ pub fn integrate<const D: usize>(
     })
 }
 
-/// As [`integrate`], for an integrand that is evaluated at up to [`BLOCK`] samples at once: `f` writes the value at each sample of the
+/// As [`integrate`], for an integrand that is evaluated at up to 4096 samples at once: `f` writes the value at each sample of the
 /// first list to the second. The same bits as [`integrate`] for the same values.
 ///
 /// # Errors

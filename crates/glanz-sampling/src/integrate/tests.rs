@@ -3,6 +3,8 @@
 use std::f64::consts::{FRAC_2_PI, PI};
 use std::sync::Arc;
 
+use super::sample_points::SamplePoints;
+use super::single_density::BLOCK;
 use super::*;
 use crate::basis::{FunctionBasis, TensorBasis};
 use crate::density::{
@@ -255,14 +257,22 @@ fn blocks_hold_all_samples_in_order_and_an_error_ends_the_integration() {
     let density = Density::<1>::constant().unwrap();
     for sampling in [SamplingPattern::Independent, SamplingPattern::Stratified, SamplingPattern::Sobol] {
         let plan = plan(BLOCK as u32 + 5, 2, sampling);
-        let mut sizes = Vec::new();
+        let (mut sizes, mut seen) = (Vec::new(), Vec::new());
         let by_blocks = integrate_by_blocks(&density, &plan, |samples, values| {
             sizes.push(samples.len());
+            seen.extend(samples.iter().map(|sample| sample.point[0]));
             values.iter_mut().zip(samples).for_each(|(value, sample)| *value = sine(sample.point[0]));
             Ok::<(), DensityError>(())
         });
-        assert_eq!(by_blocks, integrate(&density, &plan, |x| sine(x[0])));
         assert_eq!(sizes, [BLOCK, 5, BLOCK, 5]);
+        let mut expected = Vec::new();
+        for repetition in 0..plan.repetitions {
+            let points = SamplePoints::new(sampling, plan.seed, repetition, plan.samples, 1);
+            expected.extend((0..points.count()).map(|index| density.sample(&points.point(index)).point[0]));
+        }
+        assert_eq!(seen, expected);
+        let mean = expected.iter().map(|x| sine(*x)).sum::<f64>() / expected.len() as f64;
+        assert!((by_blocks.unwrap().mean - mean).abs() < 1e-12);
     }
     let mut calls = 0;
     let ended = integrate_by_blocks(&density, &plan(3 * BLOCK as u32, 1, SamplingPattern::Sobol), |_, _| {

@@ -1,7 +1,10 @@
 //! Spheres, tori and interpolated points.
 
+use glanz_math::DVec2;
+
 use super::*;
 use crate::spline::SurfaceCurvature;
+use crate::trim::{TrimCurve, TrimRegion};
 
 #[test]
 fn curvature_by_derivatives_of_the_normal_is_that_of_a_torus() {
@@ -51,6 +54,48 @@ fn area_of_a_sphere_octant_is_half_of_pi() {
     let parted = octant().insert_knot(ParameterDirection::U, 0.21, 2).unwrap();
     assert!((parted.area(1e-10).unwrap().value - FRAC_PI_2).abs() < 1e-10);
     assert!(octant().area(0.0).is_err() && octant().area(f64::NAN).is_err());
+}
+
+#[test]
+fn kept_areas_are_those_of_loops_of_any_size() {
+    let corners = [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+    let knots = [vec![0.0, 0.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+    let square = NurbsSurface::try_from_points([1, 1], knots, &corners, None).unwrap();
+    let polygon = |corners: &[(f64, f64)]| {
+        let corners: Vec<_> = corners.iter().map(|&(x, y)| DVec2::new(x, y)).collect();
+        vec![TrimCurve::try_polygon(&corners).unwrap()]
+    };
+    let check = |loops: Vec<Vec<TrimCurve>>, expected: f64| {
+        let region = TrimRegion::try_from_curves(loops).unwrap();
+        let area = square.kept_area(&region, 1e-9).unwrap();
+        assert!((area.value - expected).abs() <= area.error.max(1e-12), "{area:?}, {expected}");
+        assert!(area.error <= 1e-9, "{area:?}");
+    };
+    for w in [0.4, 0.1, 0.01, 0.001, 1e-6] {
+        check(vec![polygon(&[(0.537, 0.537), (0.537 + w, 0.537), (0.537, 0.537 + w)])], 0.5 * w * w);
+    }
+    let circle = |x, y, r| vec![TrimCurve::try_circle(DVec2::new(x, y), r).unwrap()];
+    let hole = |x, y, r| vec![TrimCurve::try_circle(DVec2::new(x, y), r).unwrap().reversed()];
+    check(vec![hole(0.3, 0.3, 0.2), hole(0.7, 0.7, 0.001)], 1.0 - PI * 0.040_001);
+    // Parts beyond the domain do not count, nested loops count once, and the right half of this loop runs clockwise.
+    check(vec![circle(0.0, 0.5, 0.25)], 0.5 * PI * 0.0625);
+    check(vec![circle(0.5, 0.5, 0.25), circle(0.5, 0.5, 0.125)], PI * 0.0625);
+    check(
+        vec![polygon(&[(0.2, 0.2), (0.6, 0.6), (0.6, 0.2), (0.2, 0.6)]), circle(0.4, 0.4, 0.35)],
+        PI * 0.1225 - 0.04,
+    );
+}
+
+#[test]
+fn kept_area_of_a_band_of_a_sphere_is_that_of_archimedes() {
+    let sphere = octant();
+    let height = |v: f64| sphere.point(0.5, v).z;
+    let band = TrimCurve::try_rectangle(DVec2::new(0.0, 0.25), DVec2::new(1.0, 0.625)).unwrap();
+    let region = TrimRegion::try_from_curves(vec![vec![band]]).unwrap();
+    let area = sphere.kept_area(&region, 1e-10).unwrap();
+    let expected = FRAC_PI_2 * (height(0.625) - height(0.25)).abs();
+    assert!((area.value - expected).abs() < 1e-10 && area.error < 1e-10, "{area:?}, {expected}");
+    assert!(sphere.kept_area(&region, f64::MIN_POSITIVE).is_ok() && sphere.kept_area(&region, -1.0).is_err());
 }
 
 #[test]
