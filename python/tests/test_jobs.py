@@ -289,7 +289,7 @@ def test_parts_of_light_and_bakes_join_to_the_whole(tmp_path: Path) -> None:
         SCENE.illuminate(particles=4000, part=part, checkpoint=path)
     with pytest.raises(glanz.GlanzError, match="part 2/3"):
         glanz.merge_checkpoints([paths[0], paths[2]], whole)
-    with pytest.raises(glanz.GlanzError, match="illuminate"):
+    with pytest.raises(glanz.GlanzError, match="illuminance"):
         glanz.merge(paths)
     glanz.merge_checkpoints(paths, whole)
     joined = SCENE.illuminate(particles=4000, checkpoint=whole, resume=True)
