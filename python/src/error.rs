@@ -85,22 +85,8 @@ pub(crate) fn py_error(py: Python<'_>, error: Error, origins: &LineOrigins) -> P
                 Err(other) => other,
             }
         }
-        Error::NoGuide { .. }
-        | Error::NoStoredLight { .. }
-        | Error::LightSampling { .. }
-        | Error::Branching { .. }
-        | Error::SampleRange { .. }
-        | Error::SampleOrder { .. }
-        | Error::NoiseLevel { .. }
-        | Error::NoiseOf { .. }
-        | Error::NoModel { .. }
-        | Error::Parts { .. }
-        | Error::OrderedParts
-        | Error::Indivisible { .. }
-        | Error::PartGoal
-        | Error::Film(_)
-        | Error::Tessellation(_)
-        | Error::Accuracy { .. } => PyValueError::new_err(message),
+        Error::Film(_) | Error::Tessellation(_) => PyValueError::new_err(message),
+        error if error.is_of_options() => PyValueError::new_err(message),
         _ => failure(py, message),
     }
 }

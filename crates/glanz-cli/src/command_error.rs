@@ -17,36 +17,12 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
             let first = diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
             return CommandError::reported(first.map_or_else(String::new, Diagnostic::sentence));
         }
-        let failure = if is_usage(&error) { CommandError::usage } else { CommandError::new };
+        let failure = if error.is_of_options() { CommandError::usage } else { CommandError::new };
         let failure = failure(error.to_string());
         match advice(&error) {
             Some(help) => failure.with_help(help),
             None => failure,
         }
-    }
-}
-
-/// Whether the command line is invalid.
-fn is_usage(error: &Error) -> bool {
-    match error {
-        Error::NoGuide { .. }
-        | Error::NoStoredLight { .. }
-        | Error::LightSampling { .. }
-        | Error::Branching { .. }
-        | Error::SampleRange { .. }
-        | Error::SampleOrder { .. }
-        | Error::OrderedParts
-        | Error::Indivisible { .. }
-        | Error::PartGoal
-        | Error::Parts { .. }
-        | Error::NoiseLevel { .. }
-        | Error::NoiseOf { .. }
-        | Error::NoModel { .. }
-        | Error::Accuracy { .. } => true,
-        Error::File { fault, .. } => {
-            matches!(fault, FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput)
-        }
-        _ => false,
     }
 }
 

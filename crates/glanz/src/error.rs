@@ -347,6 +347,31 @@ impl FileFault {
 }
 
 impl Error {
+    /// Whether options exclude each other, do not fit the scene, or name files that cannot serve for it.
+    #[must_use]
+    pub fn is_of_options(&self) -> bool {
+        match self {
+            Self::NoGuide { .. }
+            | Self::NoStoredLight { .. }
+            | Self::LightSampling { .. }
+            | Self::Branching { .. }
+            | Self::SampleRange { .. }
+            | Self::SampleOrder { .. }
+            | Self::OrderedParts
+            | Self::Indivisible { .. }
+            | Self::PartGoal
+            | Self::Parts { .. }
+            | Self::NoiseLevel { .. }
+            | Self::NoiseOf { .. }
+            | Self::NoModel { .. }
+            | Self::Accuracy { .. } => true,
+            Self::File { fault, .. } => {
+                matches!(fault, FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput)
+            }
+            _ => false,
+        }
+    }
+
     /// An error of the file `path`.
     pub(crate) fn of_file<F: Into<FileFault>>(path: &Path) -> impl FnOnce(F) -> Self + '_ {
         move |fault| fault.into().of(path)

@@ -83,14 +83,7 @@ fn run_part(
         let part = BakePart { part, direct_only: arguments.direct_only };
         bake.job(job).run_part(part, arguments.light_in.as_deref())
     });
-    let light = match baked {
-        Ok(light) => light,
-        Err(Error::Interrupted(_)) => {
-            messages.note(&interrupted(arguments));
-            return Ok(CommandOutcome::Interrupted);
-        }
-        Err(error) => return Err(command_error(messages)(error)),
-    };
+    let Some(light) = finished(baked, arguments, messages)? else { return Ok(CommandOutcome::Interrupted) };
     warnings.extend(light.warnings.iter().map(ToString::to_string));
     let [direct_texels, points] = light.amounts();
     let checkpoint = arguments.job.checkpoint.checkpoint.as_ref().map(|path| path.display().to_string());
@@ -117,6 +110,22 @@ fn run_part(
     Ok(CommandOutcome::Done)
 }
 
+/// The light, or `None` and a note if the bake was interrupted.
+fn finished<T>(
+    baked: Result<T, Error>,
+    arguments: &BakeArguments,
+    messages: Messages,
+) -> Result<Option<T>, CommandError> {
+    match baked {
+        Ok(light) => Ok(Some(light)),
+        Err(Error::Interrupted(_)) => {
+            messages.note(&interrupted(arguments));
+            Ok(None)
+        }
+        Err(error) => Err(command_error(messages)(error)),
+    }
+}
+
 /// Bakes everything and writes the model.
 fn run_whole(
     arguments: &BakeArguments,
@@ -133,14 +142,7 @@ fn run_whole(
         let bake = scene.bake().density(arguments.texels_per_metre).rays(arguments.rays);
         bake.method(method).job(job).run()
     });
-    let outcome = match baked {
-        Ok(outcome) => outcome,
-        Err(Error::Interrupted(_)) => {
-            messages.note(&interrupted(arguments));
-            return Ok(CommandOutcome::Interrupted);
-        }
-        Err(error) => return Err(command_error(messages)(error)),
-    };
+    let Some(outcome) = finished(baked, arguments, messages)? else { return Ok(CommandOutcome::Interrupted) };
     warnings.extend(outcome.warnings.iter().map(ToString::to_string));
     let model = arguments.model();
     let mut pages = (1..outcome.atlas.pages.len()).map(|page| page_path(output, page, model.irradiance));
