@@ -11,12 +11,14 @@ from typing import Any
 import numpy as np
 
 import glanz
+from glanz import sampling
 from glanz.scene import BezierPatch, Box, Diffuse, Disk, Film, Nurbs, PerspectiveCamera, PointLight, SceneDescription, Sphere, TriangleMesh
 
 #: Number of calls; GLANZ_FUZZ_CALLS sets another.
 CALLS = int(os.environ.get("GLANZ_FUZZ_CALLS", "100000"))
 
-DOCUMENTED = (glanz.GlanzError, ValueError, TypeError, OSError)
+#: MemoryError for more numbers than fit; ZeroDivisionError is that of an integrand.
+DOCUMENTED = (glanz.GlanzError, ValueError, TypeError, OSError, MemoryError, ZeroDivisionError)
 
 SCENE = SceneDescription(
     film=Film(xresolution=2, yresolution=2),
@@ -83,6 +85,76 @@ def shape(random_: random.Random) -> Any:
     return random_.choice(kinds)()
 
 
+#: Numbers of samples and seeds.
+COUNTS: list[Any] = [1, 2, 7, 64, 0, -1, 2**32, 2**64, None, 1.5, "x"]
+
+#: Integrands, some of which are none.
+INTEGRANDS: list[Callable[[Any], Any] | int | None] = [
+    lambda x: x[:, 0],
+    lambda x: 0 * x[:, 0] + math.nan,
+    lambda x: -x[:, 0],
+    lambda x: x,
+    lambda x: 1,
+    lambda x: 1 // 0,
+    lambda x: "x",
+    lambda x: np.full(len(x), 1e300),
+    None,
+    1,
+]  # fmt: skip
+
+
+def density_call(random_: random.Random) -> Callable[[], object]:
+    """A random call of the adaptive densities."""
+    choice: Any = random_.choice
+
+    module: Any = sampling
+
+    def count() -> Any:
+        return choice(COUNTS)
+
+    def levels() -> Any:
+        return choice([0, 1, 2, [1, 0], (2, 2, 2), -1, 17, 2**40, None, "x", [0.5], []])
+
+    def points() -> Any:
+        return choice([np.linspace(0, 0.9, 6).reshape(-1, choice([1, 2, 3, 6])), value_of(random_)])
+
+    def pdf() -> Any:
+        return choice([np.ones(6), np.zeros(3), np.full(2, math.nan), -np.ones(1), value_of(random_)])
+
+    if random_.random() < 0.1:
+        return lambda: module.sobol(count(), choice([1, 2, 5, 64, 65, 0, "x"]), count(), count())
+    if random_.random() < 0.2:
+        passes: Any = choice([[(levels(), count())], [(0, 16), (levels(), 16)], [], None, [1], [(0,)]])
+        return lambda: module.integrate(choice(INTEGRANDS), choice([1, 2, 3, 4, 5]), passes, basis=choice(["haar", "spline1", "x"]))
+
+    def work() -> object:
+        basis = choice([None, "haar", "spline1", "spline7", ["haar", "spline2"], "x", 1])
+        density = module.AdaptiveDensity(
+            choice([1, 1, 2, 2, 3, 4, 0, None]), basis, choice([None, levels()]), max_level=choice([0, 2, 4, 99]), method=choice(["own", "own-constant", "all"])
+        )
+        uses: list[Callable[[], Any]] = [
+            lambda: density.integrate(choice(INTEGRANDS), count(), repetitions=choice([1, 2, 0]), pattern=choice(["independent", "stratified", "sobol", "x"])),
+            lambda: density.fit(choice([0, 0.1, 1, -1, math.nan, 1e300]), choice(["samples", "variance", "x"])),
+            lambda: density.refine(levels()),
+            lambda: density.sample(points()),
+            lambda: density.pdf(points()),
+            lambda: density.record(module.DensitySamples(points(), pdf(), choice([None, np.arange(6), pdf()])), pdf()),
+            lambda: density.record(density.sample(np.full((6, density.dimension), 0.5)), pdf()),
+            density.copy,
+            lambda: repr(density) + str(density.coefficients),
+        ]
+        first, second, third = random_.choices(uses, k=3)
+        for use in (first, second):
+            # What comes after an exception must work, too.
+            try:
+                use()
+            except DOCUMENTED:
+                pass
+        return third()
+
+    return work
+
+
 def call(random_: random.Random) -> Callable[[], object]:
     """One random call, with its arguments."""
 
@@ -102,6 +174,8 @@ def call(random_: random.Random) -> Callable[[], object]:
         arguments: dict[str, Any] = {"density": 1, "rays": 16, "threads": 1}
         arguments |= chosen(random_, BAKE)
         return lambda: SCENE.bake(**arguments)
+    if kind < 0.15:
+        return density_call(random_)
     a, b, c, d = value(), value(), value(), value()
     if kind < 0.3:
         return lambda: SceneDescription(shapes=[shape(random_)], camera=PerspectiveCamera(eye=a, fov=b)).load().bounds()

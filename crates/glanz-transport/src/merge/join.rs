@@ -1,7 +1,7 @@
 //! The film of many files, each read once, in blocks.
 
 use std::io::Read;
-use std::sync::mpsc;
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 
 use glanz_job::Interrupted;
@@ -17,11 +17,13 @@ const BLOCK: usize = 1 << 20;
 /// Number of blocks that are read before the first of them is added.
 const READ_AHEAD: usize = 2;
 
-/// A film that is summed up from the files of its parts. Takes the memory of one film and a few blocks.
+/// A film that is summed up from the files of its parts. Takes the memory of one film and a few blocks, or of two films if parts are held.
 #[derive(Debug)]
 pub struct FilmJoin {
     identity: PictureIdentity,
     film: Film,
+    /// Memory of blocks for the next ones: on many systems, new memory costs more time than reading into it.
+    spare: Mutex<Vec<Vec<u8>>>,
 }
 
 impl FilmJoin {
@@ -32,7 +34,8 @@ impl FilmJoin {
     pub fn try_new(checks: MergeChecks) -> Result<Self, MergeError> {
         let FirstPart { number: part, identity, edges } = checks.first.ok_or(MergeError::Empty)?;
         let film = Film::try_new(identity.film).and_then(|film| film.with_edges(edges));
-        Ok(Self { identity, film: film.map_err(|error| MergeError::Film { part, error })? })
+        let film = film.map_err(|error| MergeError::Film { part, error })?;
+        Ok(Self { identity, film, spare: Mutex::default() })
     }
 
     /// Adds a part: the sums of `input`, from the first byte behind `head` on. `hold`: whether they are held in memory until the checksum of the part has
@@ -47,15 +50,16 @@ impl FilmJoin {
         hold: bool,
         mut on_block: impl FnMut(u64) -> Result<(), Interrupted>,
     ) -> Result<(), CheckpointError> {
-        let blocks = self.film.blocks(BLOCK);
+        let Self { film, spare, .. } = self;
+        let spare = &*spare;
+        let blocks = film.blocks(BLOCK);
         let sizes: Vec<usize> = blocks.iter().map(ExactSizeIterator::len).collect();
         let mut held = Vec::new();
         thread::scope(|scope| {
             let (sender, receiver) = mpsc::sync_channel(READ_AHEAD);
-            let (emptied, empty) = mpsc::channel();
             let reading = SumReader::new(head, input);
             thread::Builder::new()
-                .spawn_scoped(scope, move || read_blocks(reading, &sizes, &sender, &empty))
+                .spawn_scoped(scope, move || read_blocks(reading, &sizes, &sender, spare))
                 .map_err(|error| CheckpointError::Read(error.kind()))?;
             for block in &blocks {
                 let Ok(bytes) = receiver.recv() else { break };
@@ -64,9 +68,8 @@ impl FilmJoin {
                 if hold {
                     held.push(bytes);
                 } else {
-                    self.add_block(block.start, &bytes);
-                    // The reader may have ended.
-                    let _ = emptied.send(bytes);
+                    add_block(film, block.start, &bytes);
+                    put(spare, bytes);
                 }
             }
             // After the last block comes the result of the checksum.
@@ -76,13 +79,10 @@ impl FilmJoin {
             }
         })?;
         for (block, bytes) in blocks.iter().zip(held) {
-            self.add_block(block.start, &bytes);
+            add_block(film, block.start, &bytes);
+            put(spare, bytes);
         }
-        Ok(self.film.take_samples(&head.film)?)
-    }
-
-    fn add_block(&mut self, first: usize, bytes: &[u8]) {
-        self.film.add_sums(first, bytes.as_chunks::<8>().0, |word| u64::from_le_bytes(*word));
+        Ok(film.take_samples(&head.film)?)
     }
 
     /// The film of all parts that were added.
@@ -92,15 +92,23 @@ impl FilmJoin {
     }
 }
 
+fn add_block(film: &mut Film, first: usize, bytes: &[u8]) {
+    film.add_sums(first, bytes.as_chunks::<8>().0, |word| u64::from_le_bytes(*word));
+}
+
+fn put(spare: &Mutex<Vec<Vec<u8>>>, block: Vec<u8>) {
+    spare.lock().unwrap_or_else(PoisonError::into_inner).push(block);
+}
+
 /// Sends blocks of these numbers of words, and an error if there is one, until nobody receives them any more.
 fn read_blocks(
     mut sums: SumReader<impl Read>,
     sizes: &[usize],
     sender: &mpsc::SyncSender<Result<Vec<u8>, CheckpointError>>,
-    empty: &mpsc::Receiver<Vec<u8>>,
+    spare: &Mutex<Vec<Vec<u8>>>,
 ) {
     for &words in sizes {
-        let mut block = empty.try_recv().unwrap_or_default();
+        let mut block = spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         let read = sums.read_words(words, &mut block);
         let failed = read.is_err();
         if sender.send(read.map(|()| block)).is_err() || failed {
