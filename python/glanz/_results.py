@@ -99,10 +99,11 @@ class LuxMap:
     standard_errors : of `lux`, lx; estimated bounds of an integration.
     areas : of the cells, m2; 0 where a cell is cut away.
     positions : centres of the cells, m, N x 3, in the order of ``lux.ravel()``.
-    minimum, mean, maximum : illuminance over the area, lx.
+    minimum, mean, maximum : illuminance over the area, lx; by particles, estimates without a bias by noise.
     u0, u1 : uniformities, minimum over mean and minimum over maximum.
+    minimum_interval, mean_interval, maximum_interval, u0_interval, u1_interval : lower and upper limit, 95 % by particles, estimated bounds by
+        integration.
     area : of the receiver, m2; ``flux``: on it, lm.
-    maximum_error : standard error of the brightest cell, lx.
     """
 
     name: str
@@ -112,13 +113,17 @@ class LuxMap:
     areas: NDArray[np.float64]
     positions: NDArray[np.float64]
     minimum: float
+    minimum_interval: tuple[float, float]
     mean: float
+    mean_interval: tuple[float, float]
     maximum: float
+    maximum_interval: tuple[float, float]
     u0: float
+    u0_interval: tuple[float, float]
     u1: float
+    u1_interval: tuple[float, float]
     area: float
     flux: float
-    maximum_error: float
 
     def to_pandas(self) -> Any:
         """One row for each cell: receiver, row, column, x, y, z (m), area (m2), lux and standard_error (lx).

@@ -39,13 +39,17 @@ fn lux_map<'py>(py: Python<'py>, map: &LuxMap) -> PyResult<Bound<'py, PyAny>> {
     values.set_item("areas", grid(&map.areas)?)?;
     values.set_item("positions", positions.into_pyarray(py).reshape([map.positions.len(), 3])?)?;
     values.set_item("minimum", summary.minimum)?;
+    values.set_item("minimum_interval", <(f64, f64)>::from(summary.minimum_interval))?;
     values.set_item("mean", summary.mean)?;
+    values.set_item("mean_interval", <(f64, f64)>::from(summary.mean_interval))?;
     values.set_item("maximum", summary.maximum)?;
+    values.set_item("maximum_interval", <(f64, f64)>::from(summary.maximum_interval))?;
     values.set_item("u0", summary.u0)?;
+    values.set_item("u0_interval", <(f64, f64)>::from(summary.u0_interval))?;
     values.set_item("u1", summary.u1)?;
+    values.set_item("u1_interval", <(f64, f64)>::from(summary.u1_interval))?;
     values.set_item("area", summary.area)?;
     values.set_item("flux", summary.flux)?;
-    values.set_item("maximum_error", summary.maximum_error)?;
     py.import("glanz._results")?.getattr("LuxMap")?.call((), Some(&values))
 }
 

@@ -13,6 +13,7 @@ pub mod far_field;
 pub mod integrate;
 pub mod lux_map;
 pub mod receiver;
+mod replicates;
 pub mod report;
 pub mod room;
 mod state;
@@ -21,8 +22,9 @@ pub mod trace;
 
 pub use balance::FluxBalance;
 pub use far_field::{FarField, FarFieldGrid};
-pub use lux_map::{LuxMap, LuxSummary};
+pub use lux_map::{LuxMap, LuxStatistics, LuxSummary};
 pub use receiver::{GridResolution, Receiver, ReceiverError, ReceiverRequest, Receivers};
+pub use replicates::ReplicateEstimate;
 pub use room::add_walls;
 pub use tally::Tally;
 pub use trace::{ThreadsError, TraceGoal, TraceOutcome, TraceSettings, trace};

@@ -2,9 +2,11 @@
 
 use glanz_math::DVec3;
 
+use crate::replicates::ReplicateEstimate;
+
 /// Illuminance in the cells of a receiver, row by row: cell (i, j) has number `j * cells[0] + i`.
 ///
-/// All lists have one value per cell. A cell without area, where trimming leaves nothing of it, has area 0, and its
+/// All lists have one value per cell. A cell without area, where trimming leaves nothing of it or other things cover it, has area 0, and its
 /// illuminance is undefined.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LuxMap {
@@ -16,63 +18,120 @@ pub struct LuxMap {
     pub size: [f64; 2],
     /// Middles of the cells in the world, metres.
     pub positions: Vec<DVec3>,
-    /// Areas, m^2.
+    /// Areas, m^2, without what other things cover.
     pub areas: Vec<f64>,
     /// Mean illuminances, lx.
     pub lux: Vec<f64>,
     /// Standard errors of `lux`, lx; for integrated illuminance, estimated bounds of the error.
     pub errors: Vec<f64>,
+    /// What replicates of particles tell beyond `errors`; `None` for integrated illuminance.
+    pub statistics: Option<LuxStatistics>,
 }
 
-/// Summary of a receiver. Minimum and maximum are those of means over cells. In JSON, the names of the fields
+/// Estimates over the cells of a receiver, from replicates of its particles, lx.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LuxStatistics {
+    /// Least illuminance of a cell.
+    pub minimum: ReplicateEstimate,
+    /// Mean over the area.
+    pub mean: ReplicateEstimate,
+    /// Largest illuminance of a cell.
+    pub maximum: ReplicateEstimate,
+}
+
+/// Summary of a receiver. Minimum and maximum are those of means over cells; by particles, they and the uniformities are estimates without a bias by
+/// noise. Intervals hold the expected value with a probability of 95 % by particles, and are estimated bounds by integration. In JSON, the names of the fields
 /// end with their units: `mean_lux`, `area_m2`, `flux_lm`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct LuxSummary {
     /// Least illuminance, lx.
     #[serde(rename = "minimum_lux")]
     pub minimum: f64,
+    /// Its interval, lx.
+    #[serde(rename = "minimum_interval_lux")]
+    pub minimum_interval: [f64; 2],
     /// Mean over the area, lx.
     #[serde(rename = "mean_lux")]
     pub mean: f64,
+    /// Its interval, lx.
+    #[serde(rename = "mean_interval_lux")]
+    pub mean_interval: [f64; 2],
     /// Largest illuminance, lx.
     #[serde(rename = "maximum_lux")]
     pub maximum: f64,
+    /// Its interval, lx.
+    #[serde(rename = "maximum_interval_lux")]
+    pub maximum_interval: [f64; 2],
     /// Uniformity U0: least over mean.
     pub u0: f64,
+    /// Its interval.
+    pub u0_interval: [f64; 2],
     /// Uniformity U1: least over largest.
     pub u1: f64,
+    /// Its interval.
+    pub u1_interval: [f64; 2],
     /// Area, m^2.
     #[serde(rename = "area_m2")]
     pub area: f64,
     /// Incident flux, lm.
     #[serde(rename = "flux_lm")]
     pub flux: f64,
-    /// Standard error of `maximum`, lx.
-    #[serde(rename = "maximum_error_lux")]
-    pub maximum_error: f64,
 }
 
 impl LuxMap {
     /// Summary of the map; all 0 for a receiver without area. The uniformities of a dark receiver are 0.
     #[must_use]
     pub fn summary(&self) -> LuxSummary {
-        let mut summary = LuxSummary { minimum: f64::INFINITY, ..LuxSummary::default() };
-        let rows = self.areas.iter().zip(&self.lux).zip(&self.errors);
-        for ((&area, &lux), &error) in rows.filter(|((area, _), _)| **area > 0.0) {
-            summary.area += area;
-            summary.flux += area * lux;
-            summary.minimum = summary.minimum.min(lux);
-            if lux >= summary.maximum {
-                (summary.maximum, summary.maximum_error) = (lux, error);
-            }
-        }
-        if summary.area == 0.0 {
+        let area = self.areas.iter().sum();
+        if area <= 0.0 {
             return LuxSummary::default();
         }
-        summary.mean = summary.flux / summary.area;
-        let over = |whole: f64| if whole > 0.0 { summary.minimum / whole } else { 0.0 };
-        (summary.u0, summary.u1) = (over(summary.mean), over(summary.maximum));
-        summary
+        let LuxStatistics { minimum, mean, maximum } = self.statistics.unwrap_or_else(|| self.bounds(area));
+        let over = |least: f64, whole: f64| if whole > 0.0 { (least / whole).clamp(0.0, 1.0) } else { 0.0 };
+        let uniformity = |whole: ReplicateEstimate| {
+            let [low, high] = minimum.interval;
+            // Both at their worst at the same time.
+            let most =
+                if high > 0.0 && whole.interval[0] <= 0.0 { 1.0 } else { over(high, whole.interval[0]) };
+            (over(minimum.value, whole.value), [over(low, whole.interval[1]), most])
+        };
+        let ((u0, u0_interval), (u1, u1_interval)) = (uniformity(mean), uniformity(maximum));
+        LuxSummary {
+            minimum: minimum.value,
+            minimum_interval: minimum.interval.map(|lux| lux.max(0.0)),
+            mean: mean.value,
+            mean_interval: mean.interval.map(|lux| lux.max(0.0)),
+            maximum: maximum.value,
+            maximum_interval: maximum.interval.map(|lux| lux.max(0.0)),
+            u0,
+            u0_interval,
+            u1,
+            u1_interval,
+            area,
+            flux: area * mean.value,
+        }
+    }
+
+    /// Extremes and mean with the bounds that follow from those of the cells.
+    fn bounds(&self, area: f64) -> LuxStatistics {
+        let cells = || {
+            let rows = self.areas.iter().zip(&self.lux).zip(&self.errors);
+            rows.filter(|((area, _), _)| **area > 0.0).map(|((&area, &lux), &error)| (area, lux, error))
+        };
+        let mean = |value: fn(f64, f64) -> f64| {
+            cells().map(|(area, lux, error)| area * value(lux, error)).sum::<f64>() / area
+        };
+        let least = |value: fn(f64, f64) -> f64| {
+            cells().map(|(_, lux, error)| value(lux, error)).fold(f64::INFINITY, f64::min)
+        };
+        let largest =
+            |value: fn(f64, f64) -> f64| cells().map(|(_, lux, error)| value(lux, error)).fold(0.0, f64::max);
+        let estimate = |over: &dyn Fn(fn(f64, f64) -> f64) -> f64| {
+            let interval = [over(|lux, error| lux - error), over(|lux, error| lux + error)];
+            let value = over(|lux, _| lux);
+            ReplicateEstimate { value, error: 0.5 * (interval[1] - interval[0]), interval }
+        };
+        LuxStatistics { minimum: estimate(&least), mean: estimate(&mean), maximum: estimate(&largest) }
     }
 }
 
@@ -80,36 +139,54 @@ impl LuxMap {
 mod tests {
     use super::*;
 
-    #[test]
-    fn means_are_over_the_area() {
-        let map = LuxMap {
+    fn map(areas: [f64; 4], lux: [f64; 4], errors: [f64; 4]) -> LuxMap {
+        LuxMap {
             name: "desk".into(),
             cells: [2, 2],
             size: [2.0, 2.0],
             positions: vec![DVec3::ZERO; 4],
-            areas: vec![1.0, 3.0, 0.0, 1.0],
-            lux: vec![100.0, 300.0, 1e9, 50.0],
-            errors: vec![1.0, 2.0, 3.0, 4.0],
-        };
+            areas: areas.to_vec(),
+            lux: lux.to_vec(),
+            errors: errors.to_vec(),
+            statistics: None,
+        }
+    }
+
+    #[test]
+    fn means_are_over_the_area_and_bounds_follow_from_those_of_cells() {
+        let map = map([1.0, 3.0, 0.0, 1.0], [100.0, 300.0, 1e9, 50.0], [1.0, 2.0, 3.0, 4.0]);
         let summary = map.summary();
         // (100 + 900 + 50) / 5; the cell without area does not count.
         assert_eq!((summary.mean, summary.area, summary.flux), (210.0, 5.0, 1050.0));
-        assert_eq!((summary.minimum, summary.maximum, summary.maximum_error), (50.0, 300.0, 2.0));
+        assert_eq!((summary.minimum, summary.maximum), (50.0, 300.0));
+        assert_eq!((summary.minimum_interval, summary.maximum_interval), ([46.0, 54.0], [298.0, 302.0]));
+        // (1 + 6 + 4) / 5 = 2.2.
+        assert!((summary.mean_interval[0] - 207.8).abs() < 1e-12);
         assert_eq!((summary.u0, summary.u1), (50.0 / 210.0, 50.0 / 300.0));
+        assert_eq!(summary.u1_interval, [46.0 / 302.0, 54.0 / 298.0]);
+    }
+
+    #[test]
+    fn estimates_by_replicates_replace_extremes_of_noisy_cells() {
+        let estimate =
+            |value: f64| ReplicateEstimate { value, error: 1.0, interval: [value - 2.0, value + 2.0] };
+        let statistics =
+            LuxStatistics { minimum: estimate(60.0), mean: estimate(100.0), maximum: estimate(1.0) };
+        let noisy =
+            LuxMap { statistics: Some(statistics), ..map([1.0; 4], [40.0, 100.0, 120.0, 140.0], [1.0; 4]) };
+        let summary = noisy.summary();
+        assert_eq!(
+            (summary.minimum, summary.u0, summary.u0_interval),
+            (60.0, 0.6, [58.0 / 102.0, 62.0 / 98.0])
+        );
+        // A uniformity is never above 1, even where the largest is as good as unknown.
+        assert_eq!((summary.u1, summary.u1_interval), (1.0, [1.0, 1.0]));
     }
 
     #[test]
     fn uniformities_of_a_dark_receiver_are_zero() {
-        let map = LuxMap {
-            name: String::new(),
-            cells: [1, 1],
-            size: [1.0, 1.0],
-            positions: vec![DVec3::ZERO],
-            areas: vec![2.0],
-            lux: vec![0.0],
-            errors: vec![0.0],
-        };
-        assert_eq!(map.summary(), LuxSummary { area: 2.0, ..LuxSummary::default() });
-        assert_eq!(LuxMap { areas: vec![0.0], ..map }.summary(), LuxSummary::default());
+        let dark = map([2.0, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]);
+        assert_eq!(dark.summary(), LuxSummary { area: 2.0, ..LuxSummary::default() });
+        assert_eq!(map([0.0; 4], [1.0; 4], [0.0; 4]).summary(), LuxSummary::default());
     }
 }

@@ -4,57 +4,19 @@ use std::ops::Range;
 
 use glanz_light::units::photometric;
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_sampling::exact::{SquareSum, WideSum};
+use glanz_sampling::exact::WideSum;
 use glanz_transport::{Arrival, ParticleFate, ParticlePath, ParticleRanges};
 
 use crate::balance::FluxBalance;
 use crate::far_field::{FarField, FarFieldGrid};
-use crate::lux_map::LuxMap;
-use crate::receiver::{ReceiverHit, Receivers};
+use crate::lux_map::{LuxMap, LuxStatistics};
+use crate::receiver::{Receiver, ReceiverHit, Receivers};
+use crate::replicates::{REPLICATES, ReplicateCounts, ReplicateEstimate};
 
-/// Sum and sum of squares of the contributions of single particles, lm.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct TallySums {
-    pub(crate) sum: WideSum,
-    pub(crate) squares: SquareSum,
-}
-
-impl TallySums {
-    /// The sums of a single contribution.
-    fn of(lumens: f64) -> Self {
-        // The value is rounded once for both sums: the square is that of the rounded value.
-        let lumens = lumens as f32;
-        Self { sum: WideSum::of(f64::from(lumens)), squares: SquareSum::of_square(lumens) }
-    }
-
-    #[inline]
-    fn merge(&mut self, other: &Self) {
-        self.sum.merge(other.sum);
-        self.squares.merge(other.squares);
-    }
-
-    /// Mean over `particles` particles, most of which may contribute nothing, and its standard error.
-    pub(crate) fn mean(&self, particles: u64) -> (f64, f64) {
-        if particles == 0 {
-            return (0.0, 0.0);
-        }
-        let n = particles as f64;
-        let mean = self.sum.to_f64() / n;
-        let variance = (self.squares.to_f64() / n - mean * mean).max(0.0);
-        (mean, (variance / (n - 1.0).max(1.0)).sqrt())
-    }
-}
-
-/// Sums of the flux that particles carried to the receivers of a scene, and the balance of the rest.
-///
-/// Sums are exact: they depend on the traced particles, not on order or threads. The contributions of a particle that hits a cell several
-/// times count as one.
+/// Exact sums of the flux of one replicate's particles.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Tally {
-    pub(crate) particles: ParticleRanges,
-    pub(crate) cells: Vec<TallySums>,
-    /// Sums over all cells of each receiver.
-    pub(crate) receivers: Vec<TallySums>,
+pub(crate) struct FluxSums {
+    pub(crate) cells: Vec<WideSum>,
     /// Light on the excluded sides of the receivers.
     pub(crate) other_sides: Vec<WideSum>,
     pub(crate) emitted: WideSum,
@@ -62,35 +24,60 @@ pub struct Tally {
     pub(crate) absorbed_elsewhere: WideSum,
     pub(crate) escaped: WideSum,
     pub(crate) given_up: WideSum,
-    pub(crate) far_field: Option<FarFieldSums>,
+    /// Escaped light by direction; empty if it is not counted.
+    pub(crate) bins: Vec<WideSum>,
 }
 
-/// Escaped light by direction.
+impl FluxSums {
+    fn new(cells: usize, receivers: usize, bins: usize) -> Self {
+        let zero = WideSum::default();
+        Self {
+            cells: vec![zero; cells],
+            other_sides: vec![zero; receivers],
+            emitted: zero,
+            absorbed_by_receivers: zero,
+            absorbed_elsewhere: zero,
+            escaped: zero,
+            given_up: zero,
+            bins: vec![zero; bins],
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        let lists = [
+            (&mut self.cells, &other.cells),
+            (&mut self.other_sides, &other.other_sides),
+            (&mut self.bins, &other.bins),
+        ];
+        for (mine, theirs) in lists {
+            mine.iter_mut().zip(theirs).for_each(|(a, b)| a.merge(*b));
+        }
+        self.emitted.merge(other.emitted);
+        self.absorbed_by_receivers.merge(other.absorbed_by_receivers);
+        self.absorbed_elsewhere.merge(other.absorbed_elsewhere);
+        self.escaped.merge(other.escaped);
+        self.given_up.merge(other.given_up);
+    }
+}
+
+/// Sums of the flux that particles carried to the receivers of a scene, and the balance of the rest.
+///
+/// Sums are exact: they depend on the traced particles, not on order or threads. Each of 16 replicates of the particles has its own.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct FarFieldSums {
-    pub(crate) grid: FarFieldGrid,
-    pub(crate) bins: Vec<TallySums>,
+pub struct Tally {
+    pub(crate) particles: ParticleRanges,
+    pub(crate) far_field: Option<FarFieldGrid>,
+    /// As many as [`REPLICATES`], of the same shape.
+    pub(crate) replicates: Vec<FluxSums>,
 }
 
 impl Tally {
     /// A tally without particles. `far_field`: the grid by which escaped light is counted by direction, if requested.
     #[must_use]
     pub fn new(receivers: &Receivers, far_field: Option<FarFieldGrid>) -> Self {
-        let zero = WideSum::default();
-        let count = receivers.as_slice().len();
-        Self {
-            particles: ParticleRanges::default(),
-            cells: vec![TallySums::default(); receivers.cell_count()],
-            receivers: vec![TallySums::default(); count],
-            other_sides: vec![zero; count],
-            emitted: zero,
-            absorbed_by_receivers: zero,
-            absorbed_elsewhere: zero,
-            escaped: zero,
-            given_up: zero,
-            far_field: far_field
-                .map(|grid| FarFieldSums { bins: vec![TallySums::default(); grid.bins()], grid }),
-        }
+        let bins = far_field.map_or(0, |grid| grid.bins());
+        let sums = FluxSums::new(receivers.cell_count(), receivers.as_slice().len(), bins);
+        Self { particles: ParticleRanges::default(), far_field, replicates: vec![sums; REPLICATES] }
     }
 
     /// The traced particles.
@@ -113,7 +100,9 @@ impl Tally {
 
     /// Numbers of receivers and cells, and the directions.
     fn shape(&self) -> (usize, usize, Option<FarFieldGrid>) {
-        (self.receivers.len(), self.cells.len(), self.far_field.as_ref().map(|sums| sums.grid))
+        let [receivers, cells] =
+            self.replicates.first().map_or([0; 2], |sums| [sums.other_sides.len(), sums.cells.len()]);
+        (receivers, cells, self.far_field)
     }
 
     /// Adds a tally of other particles for the same receivers; the sums have the bits of one tally of all particles.
@@ -125,84 +114,102 @@ impl Tally {
             return Err(shared);
         }
         other.particles.as_slice().iter().try_for_each(|range| self.particles.try_insert(range.clone()))?;
-        self.add_sums(other);
+        self.replicates.iter_mut().zip(&other.replicates).for_each(|(mine, theirs)| mine.merge(theirs));
         Ok(())
     }
 
-    /// Adds the sums of a tally for the same receivers.
-    pub(crate) fn add_sums(&mut self, other: &Self) {
-        let pairs = [(&mut self.cells, &other.cells), (&mut self.receivers, &other.receivers)];
-        for (mine, theirs) in pairs {
-            mine.iter_mut().zip(theirs).for_each(|(a, b)| a.merge(b));
-        }
-        self.other_sides.iter_mut().zip(&other.other_sides).for_each(|(a, b)| a.merge(*b));
-        self.emitted.merge(other.emitted);
-        self.absorbed_by_receivers.merge(other.absorbed_by_receivers);
-        self.absorbed_elsewhere.merge(other.absorbed_elsewhere);
-        self.escaped.merge(other.escaped);
-        self.given_up.merge(other.given_up);
-        if let (Some(mine), Some(theirs)) = (&mut self.far_field, &other.far_field) {
-            mine.bins.iter_mut().zip(&theirs.bins).for_each(|(a, b)| a.merge(b));
+    /// Adds the sums of a replicate for the same receivers; the particles are to be inserted.
+    pub(crate) fn add_sums(&mut self, replicate: usize, sums: &FluxSums) {
+        if let Some(mine) = self.replicates.get_mut(replicate) {
+            mine.merge(sums);
         }
     }
 
     /// Mean emitted flux and where it ended, lm.
     #[must_use]
     pub fn balance(&self) -> FluxBalance {
-        let mean = |sum| self.mean(sum);
         FluxBalance {
-            emitted: mean(self.emitted),
-            absorbed_by_receivers: mean(self.absorbed_by_receivers),
-            absorbed_elsewhere: mean(self.absorbed_elsewhere),
-            escaped: mean(self.escaped),
-            given_up: mean(self.given_up),
+            emitted: self.mean(|sums| sums.emitted),
+            absorbed_by_receivers: self.mean(|sums| sums.absorbed_by_receivers),
+            absorbed_elsewhere: self.mean(|sums| sums.absorbed_elsewhere),
+            escaped: self.mean(|sums| sums.escaped),
+            given_up: self.mean(|sums| sums.given_up),
         }
     }
 
-    /// Flux that a receiver receives, and its standard error, lm.
+    /// Flux that a receiver of `receivers` receives, lm.
     #[must_use]
-    pub fn received(&self, receiver: usize) -> (f64, f64) {
-        self.receivers.get(receiver).map_or((0.0, 0.0), |sums| sums.mean(self.particles.total()))
+    pub fn received(&self, receivers: &Receivers, receiver: usize) -> ReplicateEstimate {
+        let cells = receivers.cells_of(receiver);
+        let counts = ReplicateCounts::of(&self.particles);
+        let sum = |replicate: usize| {
+            let mut sum = WideSum::default();
+            self.replicates[replicate]
+                .cells
+                .get(cells.clone())
+                .unwrap_or_default()
+                .iter()
+                .for_each(|cell| sum.merge(*cell));
+            sum.to_f64()
+        };
+        counts.estimate(&counts.means(sum))
     }
 
     /// Flux on the side of a receiver that is not counted, lm.
     #[must_use]
     pub fn on_other_side(&self, receiver: usize) -> f64 {
-        let sum = self.other_sides.get(receiver).copied().unwrap_or_default();
-        self.mean(sum)
+        self.mean(|sums| sums.other_sides.get(receiver).copied().unwrap_or_default())
     }
 
     /// Mean over all particles.
-    fn mean(&self, sum: WideSum) -> f64 {
-        if self.particles.is_empty() { 0.0 } else { sum.to_f64() / self.particles.total() as f64 }
+    fn mean(&self, sum: impl Fn(&FluxSums) -> WideSum) -> f64 {
+        let mut all = WideSum::default();
+        self.replicates.iter().for_each(|sums| all.merge(sum(sums)));
+        if self.particles.is_empty() { 0.0 } else { all.to_f64() / self.particles.total() as f64 }
     }
 
-    /// Illuminance on every receiver.
+    /// The cells of a receiver, by their numbers in it: means of the replicates, lx, and their statistics. Cells without area are black.
+    pub(crate) fn lux_of<'a>(
+        &'a self,
+        receivers: &'a Receivers,
+        number: usize,
+    ) -> impl Iterator<Item = CellLux> + 'a {
+        let counts = ReplicateCounts::of(&self.particles);
+        // A cell without particles has the error of one with a single one.
+        let one = self.balance().emitted / self.particles.total().max(1) as f64;
+        let areas = receivers.as_slice().get(number).map_or(&[][..], Receiver::areas);
+        receivers.cells_of(number).zip(areas).map(move |(cell, &area)| {
+            if area <= 0.0 {
+                return CellLux::default();
+            }
+            let sum = |replicate: usize| self.replicates[replicate].cells[cell].to_f64() / area;
+            let means = counts.means(sum);
+            let ReplicateEstimate { value: lux, error, .. } = counts.estimate(&means);
+            CellLux { area, means, lux, error: if lux > 0.0 { error } else { one / area } }
+        })
+    }
+
+    /// Illuminance on every receiver, with standard errors from the spread of the replicates.
     ///
-    /// Errors are the standard errors of the same number of independent particles. The particles come from a sequence that distributes them better, so
-    /// that the actual errors are smaller. The error of a cell without particles is that of a cell with a single one.
+    /// The error of a cell without particles is that of a cell with a single one.
     #[must_use]
     pub fn lux_maps(&self, receivers: &Receivers) -> Vec<LuxMap> {
-        let particles = self.particles.total();
-        let one = self.balance().emitted / particles.max(1) as f64;
-        let map = |(number, receiver): (usize, &crate::receiver::Receiver)| {
-            let sums = self.cells.get(receivers.cells_of(number)).unwrap_or_default();
-            let value = |(sums, &area): (&TallySums, &f64)| {
-                if area <= 0.0 {
-                    return (0.0, 0.0);
-                }
-                let (lumens, error) = sums.mean(particles);
-                (lumens / area, if lumens > 0.0 { error } else { one } / area)
-            };
-            let (lux, errors) = sums.iter().zip(receiver.areas()).map(value).unzip();
+        let counts = ReplicateCounts::of(&self.particles);
+        let map = |(number, receiver): (usize, &Receiver)| {
+            let cells: Vec<CellLux> = self.lux_of(receivers, number).collect();
+            let lit = || cells.iter().filter(|cell| cell.area > 0.0).map(|cell| &cell.means);
+            let area: f64 = receiver.areas().iter().sum();
+            let mean = self.received(receivers, number).scaled(1.0 / area);
+            let extremes = counts.smallest(lit()).zip(counts.largest(lit()));
             LuxMap {
                 name: receiver.name().to_owned(),
                 cells: receiver.cells(),
                 size: receiver.size().to_array(),
                 positions: receiver.positions().to_vec(),
                 areas: receiver.areas().to_vec(),
-                lux,
-                errors,
+                lux: cells.iter().map(|cell| cell.lux).collect(),
+                errors: cells.iter().map(|cell| cell.error).collect(),
+                statistics: extremes.map(|(minimum, maximum)| LuxStatistics { minimum, mean, maximum }),
             }
         };
         receivers.as_slice().iter().enumerate().map(map).collect()
@@ -211,137 +218,95 @@ impl Tally {
     /// Intensities of the escaped light, if it was counted by direction.
     #[must_use]
     pub fn far_field(&self) -> Option<FarField> {
-        let (far_field, particles) = (self.far_field.as_ref()?, self.particles.total());
-        let value = |(bin, sums): (usize, &TallySums)| {
-            let (lumens, error) = sums.mean(particles);
-            let solid_angle = far_field.grid.solid_angle(bin);
-            (lumens / solid_angle, error / solid_angle)
+        let (grid, counts) = (self.far_field?, ReplicateCounts::of(&self.particles));
+        let value = |bin: usize| {
+            let sum = |replicate: usize| self.replicates[replicate].bins[bin].to_f64();
+            let ReplicateEstimate { value, error, .. } = counts.estimate(&counts.means(sum));
+            let solid_angle = grid.solid_angle(bin);
+            (value / solid_angle, error / solid_angle)
         };
-        let (candela, errors) = far_field.bins.iter().enumerate().map(value).unzip();
-        Some(FarField { grid: far_field.grid, candela, errors })
+        let (candela, errors) = (0..grid.bins()).map(value).unzip();
+        Some(FarField { grid, candela, errors })
     }
 }
 
-/// Light that a particle carried to a cell.
-#[derive(Clone, Copy, Debug)]
-struct Contribution {
-    /// Number among the particles on their way.
-    particle: u32,
-    receiver: u32,
-    cell: usize,
-    lumens: f64,
+/// Illuminance of a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct CellLux {
+    /// Its area, m^2; 0 where nothing is left of the surface.
+    pub(crate) area: f64,
+    /// Means of the replicates, lx.
+    means: [f64; REPLICATES],
+    /// Mean of all particles, lx, and its standard error.
+    pub(crate) lux: f64,
+    pub(crate) error: f64,
 }
 
-/// The sums of one contribution. Many particles bring the same light, so that the sums of the last one are kept.
-#[derive(Default)]
-struct TallyTerm {
-    lumens: f64,
-    sums: TallySums,
-}
-
-impl TallyTerm {
-    /// The sums of contributions that count as one.
-    #[inline]
-    fn of(&mut self, same: &[Contribution]) -> &TallySums {
-        let lumens = match same {
-            [one] => one.lumens,
-            _ => same.iter().map(|one| one.lumens).sum(),
-        };
-        if lumens != self.lumens {
-            *self = Self { lumens, sums: TallySums::of(lumens) };
-        }
-        &self.sums
-    }
-}
-
-/// Adds particles, several of which are on their way, to the sums of a tally.
+/// Adds particles, several of which are on their way, to the sums of a replicate.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
+    far_field: Option<FarFieldGrid>,
     wavelengths: Wavelengths,
-    tally: Tally,
-    /// Contributions of the particles on their way, in the order of the arrivals.
-    contributions: Vec<Contribution>,
+    sums: FluxSums,
 }
 
 impl<'a> ThreadTally<'a> {
     pub(crate) fn new(receivers: &'a Receivers, far_field: Option<FarFieldGrid>) -> Self {
-        let (wavelengths, tally) = (Wavelengths::default(), Tally::new(receivers, far_field));
-        Self { receivers, wavelengths, tally, contributions: Vec::new() }
+        let bins = far_field.map_or(0, |grid| grid.bins());
+        let sums = FluxSums::new(receivers.cell_count(), receivers.as_slice().len(), bins);
+        Self { receivers, far_field, wavelengths: Wavelengths::default(), sums }
     }
 
-    /// The sums; the tally does not know of which particles.
-    pub(crate) fn into_tally(self) -> Tally {
-        self.tally
+    /// The sums so far; they begin anew.
+    pub(crate) fn take(&mut self) -> FluxSums {
+        let Self { sums: FluxSums { cells, other_sides, bins, .. }, .. } = self;
+        let empty = FluxSums::new(cells.len(), other_sides.len(), bins.len());
+        std::mem::replace(&mut self.sums, empty)
     }
 
     fn lumens(&self, flux: Spectrum) -> f64 {
         photometric(flux, &self.wavelengths)
     }
 
-    /// Adds the hit of a particle, by its number among those on their way, on a surface.
-    pub(crate) fn arrival(&mut self, particle: usize, arrival: &Arrival) {
+    /// Adds the hit of a particle on a surface.
+    pub(crate) fn arrival(&mut self, arrival: &Arrival) {
         let arrived = self.lumens(arrival.arrived);
         let absorbed = arrived - self.lumens(arrival.left);
+        let sums = &mut self.sums;
         let Some(ReceiverHit { receiver, cell, counts }) = self.receivers.met(&arrival.at) else {
-            self.tally.absorbed_elsewhere.add(absorbed);
+            sums.absorbed_elsewhere.add(absorbed);
             return;
         };
-        self.tally.absorbed_by_receivers.add(absorbed);
-        if counts {
-            let (particle, receiver) = (particle as u32, receiver as u32);
-            self.contributions.push(Contribution { particle, receiver, cell, lumens: arrived });
-        } else if let Some(sum) = self.tally.other_sides.get_mut(receiver) {
+        sums.absorbed_by_receivers.add(absorbed);
+        let sum = if counts { sums.cells.get_mut(cell) } else { sums.other_sides.get_mut(receiver) };
+        if let Some(sum) = sum {
             sum.add(arrived);
         }
     }
 
-    /// Ends all particles on their way, given by their paths; `None` for those that were not emitted.
-    pub(crate) fn end(&mut self, paths: impl Iterator<Item = Option<ParticlePath>>) {
-        paths.flatten().for_each(|path| self.add_path(&path));
-        self.settle();
-    }
-
     /// Adds the flux of a path to the balance.
-    fn add_path(&mut self, path: &ParticlePath) {
+    pub(crate) fn end(&mut self, path: &ParticlePath) {
         let emitted = self.lumens(path.emitted);
-        self.tally.emitted.add(emitted);
+        self.sums.emitted.add(emitted);
         if !path.faded.is_black() {
             let faded = self.lumens(path.faded);
-            self.tally.given_up.add(faded);
+            self.sums.given_up.add(faded);
         }
         match path.end {
             ParticleFate::Absorbed => {}
             ParticleFate::Escaped { ray, power } => {
                 let lumens = self.lumens(power);
-                self.tally.escaped.add(lumens);
-                if let Some(far_field) = &mut self.tally.far_field
-                    && let Some(sums) = far_field.bins.get_mut(far_field.grid.bin(ray.direction))
+                self.sums.escaped.add(lumens);
+                if let Some(grid) = self.far_field
+                    && let Some(sum) = self.sums.bins.get_mut(grid.bin(ray.direction))
                 {
-                    sums.merge(&TallySums::of(lumens));
+                    sum.add(lumens);
                 }
             }
             ParticleFate::GivenUp(power) => {
                 let lumens = self.lumens(power);
-                self.tally.given_up.add(lumens);
+                self.sums.given_up.add(lumens);
             }
         }
-    }
-
-    /// Adds the contributions of all particles, cell by cell and receiver by receiver: those of one particle to the same cell, or receiver,
-    /// count as one.
-    fn settle(&mut self) {
-        let Self { tally, contributions, .. } = self;
-        // Stable, so that the sums do not depend on the other particles. Particles that arrived once are sorted already.
-        contributions.sort_by_key(|one| (one.particle, one.cell));
-        // Short loops, so that the processor waits for the memory of several cells at a time.
-        let mut term = TallyTerm::default();
-        for same in contributions.chunk_by(|a, b| a.particle == b.particle && a.cell == b.cell) {
-            tally.cells[same[0].cell].merge(term.of(same));
-        }
-        // Cells of one receiver are consecutive.
-        for same in contributions.chunk_by(|a, b| a.particle == b.particle && a.receiver == b.receiver) {
-            tally.receivers[same[0].receiver as usize].merge(term.of(same));
-        }
-        contributions.clear();
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobPart, JobProgress, ProgressSink, WorkCount};
@@ -10,7 +11,8 @@ use glanz_scene::Scene;
 use glanz_transport::{Counters, ParticleTracer};
 
 use crate::receiver::Receivers;
-use crate::tally::{Tally, ThreadTally};
+use crate::replicates::{REPLICATES, first_in_replicate};
+use crate::tally::{CellLux, Tally, ThreadTally};
 
 /// Particles that a thread traces together.
 const BLOCK: u64 = 1 << 10;
@@ -31,7 +33,8 @@ pub struct TraceGoal {
     pub particles: Option<u64>,
     /// Wall time of this run.
     pub time: Option<Duration>,
-    /// Largest relative standard error of the brightest cell and of the mean of every receiver that light comes to.
+    /// Largest relative standard error of the brightest cell, of the darkest cell and of the mean of every receiver that light comes to; that of the darkest
+    /// cell is relative to a tenth of the mean at least.
     pub error: Option<f64>,
 }
 
@@ -200,63 +203,76 @@ fn round(
     tally: &mut Tally,
     range: Range<u64>,
 ) -> Counters {
-    let far_field = tally.far_field.as_ref().map(|sums| sums.grid);
-    let next = AtomicU64::new(range.start);
+    let far_field = tally.far_field;
+    let numbers =
+        |replicate| first_in_replicate(replicate, range.start)..first_in_replicate(replicate, range.end);
+    // Blocks of one replicate after the other, so that a thread seldom changes it. Replicates differ by one particle at most.
+    let blocks = (range.end - range.start).div_ceil(REPLICATES as u64).div_ceil(BLOCK);
+    let next = AtomicU64::new(0);
+    let sums = Mutex::new(&mut *tally);
+    let add = |replicate: usize, thread: &mut ThreadTally<'_>| {
+        sums.lock().unwrap_or_else(PoisonError::into_inner).add_sums(replicate, &thread.take());
+    };
     let works = rayon::broadcast(|_| {
-        let mut tally = ThreadTally::new(receivers, far_field);
+        let mut thread = ThreadTally::new(receivers, far_field);
         let mut tracer = ParticleTracer::new(scene, settings.max_events);
         let mut counters = Counters::default();
+        let mut current = None;
         loop {
-            let from = next.fetch_add(BLOCK, Ordering::Relaxed);
-            if from >= range.end {
-                return (tally.into_tally(), counters);
+            let block = next.fetch_add(1, Ordering::Relaxed);
+            let replicate = (block / blocks) as usize;
+            if let Some(last) = current.filter(|last| *last != replicate) {
+                add(last, &mut thread);
             }
-            let mut rest = from..(from + BLOCK).min(range.end);
+            if replicate >= REPLICATES {
+                return counters;
+            }
+            current = Some(replicate);
+            let all = numbers(replicate);
+            let from = all.start + block % blocks * BLOCK;
+            let mut rest = from..(from + BLOCK).min(all.end);
             while !rest.is_empty() {
                 // Up to the end of a sequence.
                 let count = (rest.end - rest.start).min((1 << 32) - (rest.start & 0xffff_ffff)) as u32;
-                let first = particle_sampler(settings.seed, rest.start);
-                tracer
-                    .trace(first, count, &mut counters, |particle, arrival| tally.arrival(particle, arrival));
-                tally.end(tracer.paths());
+                let first = particle_sampler(settings.seed, replicate, rest.start);
+                tracer.trace(first, count, &mut counters, |_, arrival| thread.arrival(arrival));
+                tracer.paths().flatten().for_each(|path| thread.end(&path));
                 rest.start += u64::from(count);
             }
         }
     });
-    // Sums are exact: their order does not matter. The range was missing, so that it is inserted.
+    // The range was missing, so that it is inserted.
+    tally.particles.try_insert(range).unwrap_or_default();
     let mut counters = Counters::default();
-    if tally.particles.try_insert(range).is_ok() {
-        for (brought, work) in works {
-            tally.add_sums(&brought);
-            counters.merge(work);
-        }
-    }
+    works.into_iter().for_each(|work| counters.merge(work));
     counters
 }
 
-/// The sampler of a particle: one sequence for every 2^32 particles.
-fn particle_sampler(seed: u64, number: u64) -> PixelSampler {
-    PixelSampler::new(SamplerKind::Sobol, 1, seed, [(number >> 32) as u32, 0], number as u32)
+/// The sampler of a particle by its number in the sequence of its replicate: a scramble for every 2^32 particles of each.
+fn particle_sampler(seed: u64, replicate: usize, number: u64) -> PixelSampler {
+    let scramble = [(number >> 32) as u32, replicate as u32];
+    PixelSampler::new(SamplerKind::Sobol, 1, seed, scramble, number as u32)
 }
 
-/// The largest relative standard error of the brightest cell and of the mean of any receiver that light comes to; infinity if it
-/// comes to none.
+/// The largest relative standard error of the brightest cell, of the darkest cell and of the mean of any receiver that light comes to; infinity if it
+/// comes to none. That of the darkest cell is relative to a tenth of the mean at least: a cell in full shadow would never be known.
 fn worst_error(tally: &Tally, receivers: &Receivers) -> f64 {
-    let (mut worst, particles) = (None, tally.particles.total());
+    let mut worst = None;
     for (number, receiver) in receivers.as_slice().iter().enumerate() {
-        let (mean, error) = tally.received(number);
-        if mean <= 0.0 {
+        let flux = tally.received(receivers, number);
+        if flux.value <= 0.0 {
             continue;
         }
-        let sums = tally.cells.get(receivers.cells_of(number)).unwrap_or_default();
-        let cells = sums.iter().zip(receiver.areas()).filter(|(_, area)| **area > 0.0);
-        let lux = |(sums, &area): (&crate::tally::TallySums, &f64)| {
-            let (lumens, error) = sums.mean(particles);
-            (lumens / area, error / lumens)
-        };
-        let brightest = cells.map(lux).max_by(|a, b| a.0.total_cmp(&b.0));
-        let peak = brightest.map_or(0.0, |(_, relative)| relative);
-        worst = Some(f64::max(worst.unwrap_or(0.0), peak.max(error / mean)));
+        let mean = flux.value / receiver.areas().iter().sum::<f64>();
+        let (mut brightest, mut darkest) = (None::<CellLux>, None::<CellLux>);
+        for cell in tally.lux_of(receivers, number).filter(|cell| cell.area > 0.0) {
+            brightest = Some(brightest.filter(|other| other.lux >= cell.lux).unwrap_or(cell));
+            darkest = Some(darkest.filter(|other| other.lux <= cell.lux).unwrap_or(cell));
+        }
+        let relative =
+            |cell: Option<CellLux>, least: f64| cell.map_or(0.0, |cell| cell.error / cell.lux.max(least));
+        let cells = relative(brightest, 0.0).max(relative(darkest, 0.1 * mean));
+        worst = Some(f64::max(worst.unwrap_or(0.0), cells.max(flux.error / flux.value)));
     }
     worst.unwrap_or(f64::INFINITY)
 }

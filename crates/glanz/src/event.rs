@@ -3,7 +3,7 @@
 use std::fmt;
 use std::path::Path;
 
-use glanz_report::number::{plural, significant};
+use glanz_report::number::{grouped, plural, significant};
 use glanz_scene::Diagnostic;
 use glanz_transport::SampleRanges;
 
@@ -98,6 +98,15 @@ pub enum Warning {
     },
     /// Parts of a job that are not among those that were joined.
     PartsMissing(MissingParts),
+    /// Cells of a receiver that other things cover, which do not count.
+    CoveredCells {
+        /// Name of the receiver.
+        receiver: String,
+        /// Number of cells of which nothing is left, and of those of which a part is.
+        covered: [u64; 2],
+        /// Number of all cells.
+        cells: u64,
+    },
     /// A receiver that receives light only on the side that is not counted.
     DarkSide {
         /// Name of the receiver.
@@ -184,6 +193,13 @@ impl fmt::Display for Warning {
             ),
             Self::PartLeftOut { reason } => write!(f, "{reason}; this part is left out"),
             Self::PartsMissing(parts) => parts.fmt(f),
+            Self::CoveredCells { receiver, covered: [whole, part], cells } => write!(
+                f,
+                "other things stand on \"{receiver}\" or reach through it: {} of {} are covered, which do not count, {} in part",
+                grouped(*whole),
+                plural(*cells, "cell", "cells"),
+                grouped(*part)
+            ),
             Self::DarkSide { receiver, other_side } => write!(
                 f,
                 "the side of \"{receiver}\" that counts receives no light, the other side {other_side:.4} lm: \

@@ -22,8 +22,9 @@ floats, one pixel per cell), NAME.png (false colours) and NAME.svg (isolux lines
 receivers report.html, report.json and summary.txt: smallest, mean and largest illuminance, the
 uniformities U0 (smallest over mean) and U1 (smallest over largest), and the flux balance.
 
-Without --rays, --time and --error, tracing ends when the standard error of the brightest cell
-and of the mean of every receiver is 1 per cent.
+Without --rays, --time and --error, tracing ends when the standard error of the brightest cell,
+of the darkest cell and of the mean of every receiver is 1 per cent; that of the darkest cell is
+relative to a tenth of the mean at least, since a cell in full shadow would never be known.
 
 \"trace\" traces particles and includes all light. \"integrate\" integrates over the images of the
 lights in the mirrors, without noise: direct light, and light after one reflection. \"both\" also
@@ -65,7 +66,7 @@ pub(crate) struct IlluminateArguments {
     /// Stop after this time, seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds, conflicts_with = "part")]
     time: Option<Duration>,
-    /// Stop at this relative standard error of the brightest cell and of the mean of every receiver
+    /// Stop at this relative standard error of the brightest and darkest cell and of the mean of every receiver
     #[arg(long, value_name = "E", value_parser = positive, conflicts_with = "part")]
     error: Option<f64>,
     /// Relative error of "integrate" in every cell

@@ -1,5 +1,6 @@
 //! Receivers: grids of cells on surfaces.
 
+mod coverage;
 mod faces;
 mod flat;
 mod parameters;
@@ -9,6 +10,7 @@ use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverSide};
 use glanz_scene::{HitLocation, PlacedSurface, Scene};
 
+use coverage::covered_shares;
 use faces::FaceCells;
 use flat::FlatGrid;
 use parameters::ParameterGrid;
@@ -118,6 +120,8 @@ pub struct Receiver {
     size: DVec2,
     layout: ReceiverLayout,
     areas: Vec<f64>,
+    /// Covered shares of the cells.
+    covered: Vec<f64>,
     positions: Vec<DVec3>,
 }
 
@@ -150,7 +154,14 @@ impl Receiver {
             return Err(ReceiverError::NoArea(name));
         }
         let (shape, surface, face) = (request.shape, found.number, found.face);
-        Ok(Self { name, shape, surface, face, back, cells, size, layout, areas, positions })
+        let covered = vec![0.0; areas.len()];
+        Ok(Self { name, shape, surface, face, back, cells, size, layout, areas, covered, positions })
+    }
+
+    /// Excludes what other things cover.
+    fn exclude_covered(&mut self, scene: &Scene, placed: &[PlacedSurface<'_>]) {
+        self.covered = covered_shares(scene, placed, self);
+        self.areas.iter_mut().zip(&self.covered).for_each(|(area, covered)| *area *= 1.0 - covered);
     }
 
     /// Its name.
@@ -189,10 +200,16 @@ impl Receiver {
         self.size
     }
 
-    /// Areas of the cells, m^2, row by row; 0 where there is nothing of the surface.
+    /// Areas of the cells, m^2, row by row, without what other things cover; 0 where there is nothing of the surface.
     #[must_use]
     pub fn areas(&self) -> &[f64] {
         &self.areas
+    }
+
+    /// Share of each cell that things cover which stand on the receiver or reach through it, [0, 1].
+    #[must_use]
+    pub fn covered(&self) -> &[f64] {
+        &self.covered
     }
 
     /// Middles of the cells in the world, metres.
@@ -291,6 +308,7 @@ impl Receivers {
     /// Creates the requested grids on the shapes of `scene`.
     ///
     /// A box or a polyhedron becomes one receiver per facet, with numbered names; the names of several shapes of one name are numbered, too.
+    /// What is inside of other things, such as furniture that stands on a floor, is no part of the cells.
     ///
     /// # Errors
     /// [`ReceiverError`] for the first shape that cannot be divided.
@@ -308,7 +326,9 @@ impl Receivers {
                 let facet = (found.len() > 1).then_some(facet);
                 for &back in sides(request.side) {
                     let name = full_name(request, number, facet, back);
-                    receivers.push(Receiver::try_new(request, name, shape, back)?);
+                    let mut receiver = Receiver::try_new(request, name, shape, back)?;
+                    receiver.exclude_covered(scene, &placed);
+                    receivers.push(receiver);
                 }
             }
         }

@@ -137,6 +137,7 @@ mod tests {
             areas: vec![1.0; 2],
             lux: lux.to_vec(),
             errors: vec![0.0; 2],
+            statistics: None,
         }
     }
 

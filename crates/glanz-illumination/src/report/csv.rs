@@ -53,6 +53,7 @@ mod tests {
             areas: vec![0.5, 0.0],
             lux: vec![500.0, 7.0],
             errors: vec![0.125, 7.0],
+            statistics: None,
         };
         assert_eq!(
             csv(&map),

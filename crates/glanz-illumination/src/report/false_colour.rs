@@ -150,7 +150,8 @@ mod tests {
     fn map(cells: [u32; 2], size: [f64; 2], lux: Vec<f64>) -> LuxMap {
         let count = lux.len();
         let (positions, areas) = (vec![DVec3::ZERO; count], vec![1.0; count]);
-        LuxMap { name: "desk".into(), cells, size, positions, areas, errors: vec![0.5; count], lux }
+        let errors = vec![0.5; count];
+        LuxMap { name: "desk".into(), cells, size, positions, areas, lux, errors, statistics: None }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use glanz_report::svg::escaped;
 
-use super::text::{closing, facts, flux, receivers};
+use super::text::{closing, facts, flux, intervals, receivers};
 use super::{LuxComparison, LuxReport, PolarPlot, isolux, lux_scale};
 
 /// Colours of the light or dark theme, whichever the reader prefers; on paper always dark on white.
@@ -28,12 +28,12 @@ svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
 ";
 
 impl LuxReport {
-    /// The report as one page: the table of the receivers, a drawing of each, where the light went, candela
+    /// The report as one page: the tables of the receivers, a drawing of each, where the light went, candela
     /// distributions, and the facts of the calculation. It needs no other file, no script and no network, follows the reader's
     /// choice of light or dark, and can be printed. Each receiver has its own scale of colours.
     #[must_use]
     pub fn html(&self) -> String {
-        let mut body = receivers(&self.maps).html();
+        let mut body = receivers(&self.maps).html() + &intervals(&self.maps).html();
         if !self.maps.is_empty() {
             body += "<h2>Receivers</h2>\n";
             body += &figures(self.maps.iter().map(|map| isolux(map, &lux_scale(&[map]))));
@@ -128,6 +128,7 @@ mod tests {
             areas: vec![0.5; 4],
             lux: vec![100.0, 200.0, 300.0, 400.0],
             errors: vec![1.0; 4],
+            statistics: None,
         };
         LuxReport {
             title: title.into(),
@@ -173,7 +174,7 @@ mod tests {
     #[test]
     fn a_page_shows_every_map_and_table() {
         let html = report("office", [2, 2]).html();
-        assert_eq!((html.matches("<svg ").count(), html.matches("<table>").count()), (2, 3));
+        assert_eq!((html.matches("<svg ").count(), html.matches("<table>").count()), (2, 4));
         assert!(html.contains("<td class=\"number\">250.0</td>"));
     }
 

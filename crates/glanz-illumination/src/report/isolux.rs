@@ -43,10 +43,11 @@ fn caption(map: &LuxMap, scale: &ColourScale) -> Vec<String> {
             significant(summary.maximum)
         ),
         format!(
-            "U0 = {}, U1 = {}; standard error of the maximum {} lx.",
+            "U0 = {} ({} to {}), U1 = {}.",
             significant(summary.u0),
-            significant(summary.u1),
-            significant(summary.maximum_error)
+            significant(summary.u0_interval[0]),
+            significant(summary.u0_interval[1]),
+            significant(summary.u1)
         ),
         format!("{width} m x {height} m, {} x {} cells.", map.cells[0], map.cells[1]),
     ];
@@ -74,6 +75,7 @@ mod tests {
             areas: vec![size[0] * size[1] / count as f64; count],
             lux: (0..count).map(value).collect(),
             errors: vec![0.0; count],
+            statistics: None,
         }
     }
 

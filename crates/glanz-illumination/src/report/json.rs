@@ -62,6 +62,7 @@ mod tests {
             areas: vec![0.5; 2],
             lux: vec![100.0, 300.0],
             errors: vec![1.0, 2.0],
+            statistics: None,
         };
         let report = LuxReport {
             title: "office".into(),
@@ -73,9 +74,13 @@ mod tests {
         let expected = serde_json::json!({
             "title": "office",
             "receivers": [{
-                "name": "a \"desk\"", "cells": [2, 1], "size_m": [2.0, 0.5], "minimum_lux": 100.0, "mean_lux": 200.0,
-                "maximum_lux": 300.0, "u0": 0.5, "u1": 100.0 / 300.0, "area_m2": 1.0, "flux_lm": 200.0,
-                "maximum_error_lux": 2.0,
+                "name": "a \"desk\"", "cells": [2, 1], "size_m": [2.0, 0.5],
+                "minimum_lux": 100.0, "minimum_interval_lux": [99.0, 101.0],
+                "mean_lux": 200.0, "mean_interval_lux": [198.5, 201.5],
+                "maximum_lux": 300.0, "maximum_interval_lux": [298.0, 302.0],
+                "u0": 0.5, "u0_interval": [99.0 / 201.5, 101.0 / 198.5],
+                "u1": 100.0 / 300.0, "u1_interval": [99.0 / 302.0, 101.0 / 298.0],
+                "area_m2": 1.0, "flux_lm": 200.0,
             }],
             "flux_balance": {
                 "emitted_lm": 400.0, "absorbed_by_receivers_lm": 0.0, "absorbed_elsewhere_lm": 0.0,

@@ -20,6 +20,7 @@
 //!     areas: vec![1.0; 2],
 //!     lux: vec![lux; 2],
 //!     errors: vec![0.0; 2],
+//!     statistics: None,
 //! };
 //! assert_eq!(csv(&desk).lines().count(), 3);
 //! assert!(isolux(&desk, &lux_scale(&[&desk])).starts_with("<svg"));

@@ -4,7 +4,7 @@ use glanz_report::number::significant;
 use glanz_report::{Table, TableCell};
 
 use super::{LuxComparison, LuxReport};
-use crate::{FluxBalance, LuxMap};
+use crate::{FluxBalance, LuxMap, LuxSummary};
 
 /// `words` with control characters replaced, so that they cannot control a terminal.
 pub(super) fn printable(words: &str) -> String {
@@ -12,10 +12,12 @@ pub(super) fn printable(words: &str) -> String {
 }
 
 impl LuxReport {
-    /// The summary for a terminal: the title, a line for each receiver, the balance of the flux, and the facts.
+    /// The summary for a terminal: the title, a line for each receiver, their intervals, the balance of the flux, and the facts.
     #[must_use]
     pub fn text(&self) -> String {
-        let mut text = format!("{}\n\n{}", printable(&self.title), receivers(&self.maps).plain());
+        let [receivers, intervals] =
+            [receivers(&self.maps), intervals(&self.maps)].map(|table| table.plain());
+        let mut text = format!("{}\n\n{receivers}\n{intervals}", printable(&self.title));
         if let Some(balance) = &self.balance {
             text += &format!("\n{}{}\n", flux(balance).plain(), closing(balance));
         }
@@ -42,7 +44,6 @@ pub(super) fn receivers(maps: &[LuxMap]) -> Table {
         ("minimum_lux", "min, lx"),
         ("mean_lux", "mean, lx"),
         ("maximum_lux", "max, lx"),
-        ("maximum_error_lux", "s.e. of max, lx"),
         ("u0", "U0"),
         ("u1", "U1"),
         ("area_m2", "area, m2"),
@@ -50,20 +51,37 @@ pub(super) fn receivers(maps: &[LuxMap]) -> Table {
     ];
     let mut table = Table::new("receivers", "Illuminance on the receivers", &columns);
     for map in maps {
+        let LuxSummary { minimum, mean, maximum, u0, u1, area, flux, .. } = map.summary();
+        let numbers = [minimum, mean, maximum, u0, u1, area, flux].map(TableCell::Number);
+        table.push(std::iter::once(TableCell::Text(printable(&map.name))).chain(numbers));
+    }
+    table
+}
+
+/// The intervals of these figures.
+pub(super) fn intervals(maps: &[LuxMap]) -> Table {
+    let columns = [
+        ("receiver", "within"),
+        ("minimum_lux", "min, lx"),
+        ("mean_lux", "mean, lx"),
+        ("maximum_lux", "max, lx"),
+        ("u0", "U0"),
+        ("u1", "U1"),
+    ];
+    let caption = "Intervals: 95 % by particles, estimated bounds by integration";
+    let mut table = Table::new("intervals", caption, &columns);
+    for map in maps {
         let summary = map.summary();
-        let numbers = [
-            summary.minimum,
-            summary.mean,
-            summary.maximum,
-            summary.maximum_error,
-            summary.u0,
-            summary.u1,
-            summary.area,
-            summary.flux,
+        let intervals = [
+            summary.minimum_interval,
+            summary.mean_interval,
+            summary.maximum_interval,
+            summary.u0_interval,
+            summary.u1_interval,
         ];
-        table.push(
-            std::iter::once(TableCell::Text(printable(&map.name))).chain(numbers.map(TableCell::Number)),
-        );
+        let text =
+            |[low, high]: [f64; 2]| TableCell::Text(format!("{} to {}", significant(low), significant(high)));
+        table.push(std::iter::once(TableCell::Text(printable(&map.name))).chain(intervals.map(text)));
     }
     table
 }
@@ -112,6 +130,7 @@ mod tests {
             areas: vec![2.0; 2],
             lux: lux.to_vec(),
             errors: vec![0.5; 2],
+            statistics: None,
         };
         let balance = FluxBalance {
             emitted: 1000.0,
@@ -128,9 +147,13 @@ mod tests {
         };
         // 1 of 1000 lm is missing.
         let expected = "office\n\n\
-            receiver      min, lx  mean, lx  max, lx  s.e. of max, lx      U0      U1  area, m2  flux, lm\n\
-            desk            100.0     200.0    300.0           0.5000  0.5000  0.3333     4.000     800.0\n\
-            the \u{fffd}[2Jwall        0         0        0           0.5000       0       0     4.000         0\n\
+            receiver      min, lx  mean, lx  max, lx      U0      U1  area, m2  flux, lm\n\
+            desk            100.0     200.0    300.0  0.5000  0.3333     4.000     800.0\n\
+            the \u{fffd}[2Jwall        0         0        0       0       0     4.000         0\n\
+            \n\
+            within        min, lx         mean, lx        max, lx         U0                U1\n\
+            desk          99.50 to 100.5  199.5 to 200.5  299.5 to 300.5  0.4963 to 0.5038  0.3311 to 0.3356\n\
+            the \u{fffd}[2Jwall  0 to 0.5000     0 to 0.5000     0 to 0.5000     0 to 1.000        0 to 1.000\n\
             \n\
             light                  flux, lm  share\n\
             emitted                    1000  100.00 %\n\

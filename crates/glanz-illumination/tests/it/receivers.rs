@@ -189,3 +189,67 @@ fn shapes_without_end_or_parameters_are_refused() {
     assert_eq!(refused(0), ReceiverError::NoParameters("sea".into()));
     assert_eq!(refused(1), ReceiverError::NoArea("sea".into()));
 }
+
+/// A floor of 4 m x 4 m in 8 x 8 cells under a thing of `material` from `low` to `high`.
+fn floor_under(material: MaterialKind, low: [f64; 3], high: [f64; 3]) -> Vec<f64> {
+    let scene = SceneBuilder::new()
+        .shape(rectangle(4.0, 4.0), diffuse(0.0))
+        .shape(ShapeDescription::cuboid(low, high), material)
+        .resolve()
+        .unwrap()
+        .0;
+    let receivers =
+        Receivers::try_new(&scene, &[request("floor", 0, GridResolution::Cells([8, 8]))]).unwrap();
+    let floor = &receivers.as_slice()[0];
+    let left: f64 = floor.areas().iter().sum();
+    let covered: f64 = floor.covered().iter().map(|share| 0.25 * share).sum();
+    assert!((left + covered - 16.0).abs() < 1e-9);
+    floor.covered().to_vec()
+}
+
+#[test]
+fn things_that_stand_on_a_receiver_cover_its_cells() {
+    let wood = || diffuse(0.5);
+    // On the floor, through it, and less than a thousandth of a cell above: four cells.
+    for bottom in [0.0, -0.1, 2e-4] {
+        let shares = floor_under(wood(), [0.0, 0.0, bottom], [1.0, 1.0, 0.5]);
+        assert_eq!(shares.iter().filter(|share| **share == 1.0).count(), 4);
+        assert_eq!(shares.iter().sum::<f64>(), 4.0);
+    }
+    // Half a cell further: one cell, halves of four, quarters of four.
+    let shares = floor_under(wood(), [0.25, 0.25, 0.0], [1.25, 1.25, 0.5]);
+    let count = |wanted: f64| shares.iter().filter(|share| (**share - wanted).abs() < 0.01).count();
+    assert_eq!([count(1.0), count(0.5), count(0.25), count(0.0)], [1, 4, 4, 55]);
+}
+
+#[test]
+fn tables_glass_and_rooms_do_not_cover_a_receiver() {
+    let open = [0.0; 64];
+    // A table's top, glass on the floor, and a box that is the room.
+    assert_eq!(floor_under(diffuse(0.5), [0.0, 0.0, 0.7], [1.0, 1.0, 0.75]), open);
+    assert_eq!(floor_under(MaterialKind::dielectric(1.5, 1.0, 1.0), [0.0, 0.0, 0.0], [1.0, 1.0, 0.5]), open);
+    assert_eq!(floor_under(diffuse(0.5), [-3.0, -3.0, -0.001], [3.0, 3.0, 3.0]), open);
+}
+
+#[test]
+fn covered_cells_do_not_count_as_dark() {
+    let scene = SceneBuilder::new()
+        .shape(rectangle(4.0, 4.0), diffuse(0.0))
+        .shape(ShapeDescription::cuboid([0.1, 0.1, 0.0], [0.9, 0.9, 0.01]), diffuse(0.0))
+        .light(point_light(DVec3::Z * 3.0, 100.0))
+        .resolve()
+        .unwrap()
+        .0;
+    let (maps, _) = maps(&scene, &[request("floor", 0, GridResolution::Cells([8, 8]))], 1 << 19);
+    // I h / d^3, smallest in the corners; the plate of 1 cm hides less than 1 % of any other cell.
+    let lux = |p: DVec2| 300.0 / (9.0 + p.length_squared()).powf(1.5);
+    let expected = cell_means(&maps[0], lux);
+    let least = expected.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((maps[0].summary().minimum / least - 1.0).abs() < 0.03, "{} {least}", maps[0].summary().minimum);
+    for (cell, expected) in expected.iter().enumerate().filter(|(cell, _)| maps[0].areas[*cell] > 0.0) {
+        // The plate covers 64 % of each of four cells: the rest is known to 2 %.
+        let (lux, error) = (maps[0].lux[cell], maps[0].errors[cell]);
+        assert!((lux - expected).abs() < 4.0 * error + 0.03 * expected, "{cell}: {lux} {error} {expected}");
+        assert!(error < 0.04 * expected);
+    }
+}

@@ -128,26 +128,75 @@ fn numbers_of_particles_do_not_overflow() {
     }
 }
 
+/// Root mean squares over all cells and seeds: stated errors, and true ones against `expected`.
+fn stated_and_true(
+    scene: &Scene,
+    receivers: &Receivers,
+    particles: u64,
+    expected: impl Fn(&LuxMap) -> Vec<f64>,
+) -> [f64; 2] {
+    let mut squares = [0.0; 2];
+    for seed in 0..8 {
+        let goal = TraceGoal { particles: Some(particles), ..TraceGoal::default() };
+        let settings = TraceSettings { seed, max_events: 1000, threads: 0, goal, part: None };
+        let tally = Tally::new(receivers, None);
+        let outcome = trace(scene, receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap();
+        for map in outcome.tally.lux_maps(receivers) {
+            for ((lux, error), expected) in map.lux.iter().zip(&map.errors).zip(expected(&map)) {
+                squares[0] += (error / expected).powi(2);
+                squares[1] += (lux / expected - 1.0).powi(2);
+            }
+        }
+    }
+    squares.map(f64::sqrt)
+}
+
 #[test]
-fn errors_are_those_of_repeated_runs() {
-    // Independent seeds: the spread of the mean of the brightest cell over 32 runs is what a run says, or less, since particles
-    // come from a sequence; not less than a third.
-    let scene = scene();
-    let receivers = receivers(&scene);
-    let of = |seed| {
-        let goal = TraceGoal { particles: Some(4096), ..TraceGoal::default() };
-        let settings = TraceSettings { seed, max_events: 100, threads: 1, goal, part: None };
-        let tally = Tally::new(&receivers, None);
-        let outcome = trace(&scene, &receivers, &settings, tally, &mut Silent, &CancelFlag::default());
-        let map = outcome.unwrap().tally.lux_maps(&receivers).swap_remove(0);
-        (map.lux[27], map.errors[27])
+fn stated_errors_are_the_true_ones() {
+    // Direct light of a point, which the sequence integrates much better than chance: I h / d^3.
+    let (height, candela) = (2.0, 100.0);
+    let floor = SceneBuilder::new().shape(rectangle(6.0, 4.0), diffuse(0.0));
+    let point = resolved(floor.light(point_light(DVec3::Z * height, candela as f32)));
+    let receivers =
+        Receivers::try_new(&point, &[request("floor", 0, GridResolution::Cells([12, 8]))]).unwrap();
+    let direct = |map: &LuxMap| {
+        cell_means(map, |p| candela * height / (height * height + p.length_squared()).powf(1.5))
     };
-    let runs: Vec<(f64, f64)> = (0..32).map(of).collect();
-    let mean = runs.iter().map(|run| run.0).sum::<f64>() / 32.0;
-    let spread = (runs.iter().map(|run| (run.0 - mean).powi(2)).sum::<f64>() / 31.0).sqrt();
-    let said = runs.iter().map(|run| run.1).sum::<f64>() / 32.0;
-    // The standard deviation of 32 values is known to 13 %.
-    assert!(spread < 1.4 * said && spread > 0.3 * said, "{spread} {said}");
+    // Light that is reflected many times in a sphere: I / (R^2 (1 - rho)) everywhere.
+    let sphere = SceneBuilder::new()
+        .shape(ShapeDescription::sphere(0.5).reversed(), diffuse(0.9))
+        .light(point_light(DVec3::ZERO, 50.0));
+    let sphere = resolved(sphere);
+    let inside = Receivers::try_new(&sphere, &[request("sphere", 0, GridResolution::Cells([8, 6]))]).unwrap();
+    let cases = [
+        ("point", stated_and_true(&point, &receivers, 1 << 15, direct)),
+        ("sphere", stated_and_true(&sphere, &inside, 1 << 13, |map| vec![2000.0; map.lux.len()])),
+    ];
+    for (name, [stated, truth]) in cases {
+        let ratio = stated / truth;
+        println!("{name}: stated {stated:.5}, true {truth:.5}, ratio {ratio:.3}");
+        assert!((0.8..1.25).contains(&ratio), "{name}: {ratio}");
+    }
+}
+
+#[test]
+fn uniformity_of_an_even_sphere_is_one() {
+    // With so few particles that the darkest cell has less than nine tenths of the mean by chance.
+    let sphere = SceneBuilder::new()
+        .shape(ShapeDescription::sphere(0.5).reversed(), diffuse(0.9))
+        .light(point_light(DVec3::ZERO, 50.0));
+    let sphere = resolved(sphere);
+    let receivers =
+        Receivers::try_new(&sphere, &[request("sphere", 0, GridResolution::Cells([16, 12]))]).unwrap();
+    let goal = TraceGoal { particles: Some(1 << 13), ..TraceGoal::default() };
+    let map = traced(&sphere, &receivers, goal).tally.lux_maps(&receivers).swap_remove(0);
+    let least = map.lux.iter().copied().fold(f64::INFINITY, f64::min);
+    let summary = map.summary();
+    assert!(least / summary.mean < 0.9, "{least}");
+    assert!(summary.u0 > 0.95 && summary.u1 > 0.93, "{} {}", summary.u0, summary.u1);
+    assert!(summary.u0_interval[0] < 1.0 && summary.u0_interval[1] == 1.0);
+    let [low, high] = summary.mean_interval;
+    assert!(low <= 2000.0 && 2000.0 <= high && high - low < 60.0, "{low} {high}");
 }
 
 #[test]
@@ -158,8 +207,12 @@ fn runs_end_at_the_error_asked_for() {
     let outcome = traced(&scene, &receivers, goal);
     assert_eq!(outcome.end, JobEnd::Complete);
     for map in outcome.tally.lux_maps(&receivers) {
-        let summary = map.summary();
-        assert!(summary.maximum_error <= 0.02 * summary.maximum);
+        let at = |lux: f64| map.lux.iter().position(|cell| *cell == lux).unwrap();
+        let [darkest, brightest] =
+            [f64::min, f64::max].map(|extreme| at(map.lux.iter().copied().reduce(extreme).unwrap()));
+        let mean = map.summary().mean;
+        assert!(map.errors[brightest] <= 0.02 * map.lux[brightest]);
+        assert!(map.errors[darkest] <= 0.02 * map.lux[darkest].max(0.1 * mean));
     }
     assert!(outcome.particles < 10_000_000);
     let cancelled = CancelFlag::default();
@@ -180,7 +233,7 @@ fn light_on_the_excluded_side_is_summed_separately() {
         .0;
     let receivers = Receivers::try_new(&scene, &[request("floor", 0, GridResolution::Longer(4))]).unwrap();
     let tally = sent(&scene, &receivers, Tally::new(&receivers, None), 4096, 1);
-    assert_eq!(tally.received(0), (0.0, 0.0));
+    assert_eq!((tally.received(&receivers, 0).value, tally.received(&receivers, 0).error), (0.0, 0.0));
     // A face of a cube around the point, half as wide as that of the cube of edge 2: its solid angle is
     // 4 asin((1/2)^2 / (1 + (1/2)^2)).
     let expected = 4.0 * (0.2_f64).asin();

@@ -27,8 +27,11 @@ const PORTION: usize = 64;
 /// Differences counted by the table, in combined standard errors.
 const LEVELS: [f64; 3] = [2.0, 3.0, 4.0];
 
-/// Share of normally distributed numbers beyond these differences, per cent.
-const NORMAL: [f64; 3] = [4.550, 0.2700, 0.006_334];
+/// Share of numbers of Student's distribution with 15 degrees of freedom, that of errors from 16 replicates, beyond these differences, per cent.
+const STUDENT: [f64; 3] = [6.395, 0.8973, 0.1159];
+
+/// Density of this distribution at 0.
+const STUDENT_PEAK: f64 = 0.392_35;
 
 /// Width of the bins of the plot, standard errors.
 const BIN: f64 = 0.25;
@@ -129,7 +132,7 @@ impl IntegrationComparison {
             ("largest_errors", "largest"),
         ];
         let caption = "Differences of the cells, particles minus integration, in combined standard errors; the last row is \
-         the expectation for independent particles.";
+         the expectation for errors from 16 replicates.";
         let mut table = Table::new("against", caption, &columns);
         let all = self.all();
         let named = self.walls.iter().map(|(name, differences)| (name.as_str(), differences.as_slice()));
@@ -147,9 +150,9 @@ impl IntegrationComparison {
                 largest.into(),
             ]);
         }
-        let [two, three, four] = NORMAL;
+        let [two, three, four] = STUDENT;
         table.push([
-            "normal distribution".into(),
+            "Student's distribution".into(),
             None::<u64>.into(),
             1.0.into(),
             two.into(),
@@ -181,15 +184,16 @@ impl IntegrationComparison {
             let [low, high] = [bin, bin + 1].map(|b| f64::from(b) * BIN);
             [middle(bin), all.iter().filter(|d| (low..high).contains(*d)).count() as f64]
         });
-        let scale = all.len() as f64 * BIN / std::f64::consts::TAU.sqrt();
-        let normal = (-bins..bins).map(|bin| [middle(bin), scale * (-0.5 * middle(bin).powi(2)).exp()]);
+        let scale = all.len() as f64 * BIN * STUDENT_PEAK;
+        let expected =
+            (-bins..bins).map(|bin| [middle(bin), scale * (1.0 + middle(bin).powi(2) / 15.0).powi(-8)]);
         Plot {
             title: "Particles minus integration".to_owned(),
             x: Axis::linear("difference of a cell, combined standard errors"),
             y: Axis::linear(format!("cells per {BIN} standard errors")),
             series: vec![
                 Series { name: "measured".to_owned(), points: measured.collect() },
-                Series { name: "normal distribution".to_owned(), points: normal.collect() },
+                Series { name: "Student's distribution".to_owned(), points: expected.collect() },
             ],
             reference_lines: Vec::new(),
         }

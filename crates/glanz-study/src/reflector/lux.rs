@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use glanz_illumination::report::{false_colour, isolux, lux_scale};
 use glanz_illumination::{
-    FluxBalance, GridResolution, LuxMap, ReceiverRequest, Receivers, Tally, TraceGoal, TraceSettings,
-    add_walls, trace,
+    FluxBalance, GridResolution, LuxMap, ReceiverRequest, Receivers, ReplicateEstimate, Tally, TraceGoal,
+    TraceSettings, add_walls, trace,
 };
 use glanz_job::{JobProgress, ProgressSink};
 use glanz_light::{Pixels, PixelsError};
@@ -34,8 +34,8 @@ const GOAL: f64 = 0.01;
 pub(super) struct LuxMeasurement {
     pub(super) particles: u64,
     pub(super) maps: Vec<LuxMap>,
-    /// Flux on each wall, lm, with its standard error.
-    received: Vec<(f64, f64)>,
+    /// Flux on each wall, lm.
+    received: Vec<ReplicateEstimate>,
     balance: FluxBalance,
     /// Processor time of all threads.
     time: Duration,
@@ -91,7 +91,7 @@ pub(super) fn measure(
     Ok(LuxMeasurement {
         particles: tally.particles().total(),
         maps: tally.lux_maps(receivers),
-        received: (0..receivers.as_slice().len()).map(|number| tally.received(number)).collect(),
+        received: (0..receivers.as_slice().len()).map(|number| tally.received(receivers, number)).collect(),
         balance: tally.balance(),
         time,
         threads,
@@ -120,19 +120,20 @@ impl LuxMeasurement {
             100.0 * GOAL
         );
         let mut table = Table::new("summary", caption, &columns);
-        for (map, (flux, flux_error)) in self.maps.iter().zip(&self.received) {
+        for (map, flux) in self.maps.iter().zip(&self.received) {
             let summary = map.summary();
-            let relative = summary.maximum_error / summary.maximum;
+            let maximum_error = map.statistics.map_or(f64::NAN, |statistics| statistics.maximum.error);
+            let relative = maximum_error / summary.maximum;
             let time = self.time.as_secs_f64() * (relative / GOAL).powi(2);
             table.push([
                 map.name.as_str().into(),
                 summary.minimum.into(),
                 summary.mean.into(),
                 summary.maximum.into(),
-                summary.maximum_error.into(),
+                maximum_error.into(),
                 summary.u0.into(),
-                (*flux).into(),
-                (*flux_error).into(),
+                flux.value.into(),
+                flux.error.into(),
                 time.into(),
             ]);
         }
@@ -198,6 +199,7 @@ impl LuxMeasurement {
                 name: format!("{}, the mirror's light", map.name),
                 lux: by_mirror.to_vec(),
                 errors: vec![mirror.noise; by_mirror.len()],
+                statistics: None,
                 ..map.clone()
             };
             let what =
@@ -228,7 +230,7 @@ mod tests {
         // The mirror keeps 1 - 0.9 of what meets it, which is less than a tenth of all.
         let kept = lux.balance.absorbed_elsewhere;
         assert!(kept > 0.0 && kept < 0.1 * 100.0, "{kept}");
-        let on_walls: f64 = lux.received.iter().map(|(lumens, _)| lumens).sum();
+        let on_walls: f64 = lux.received.iter().map(|lumens| lumens.value).sum();
         assert!((on_walls + kept - lux.balance.emitted).abs() < 1e-6 * lux.balance.emitted);
     }
 }

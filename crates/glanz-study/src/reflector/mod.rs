@@ -194,7 +194,7 @@ mod tests {
         let walls = ["fan_floor", "fan_ceiling", "fan_x0", "fan_x10", "fan_y0", "fan_y10"];
         assert_eq!(walls.iter().map(|name| rows(name).unwrap()).sum::<usize>(), 144);
         assert_eq!(rows("lux"), Some(6 * 4));
-        // Walls, all of them, and the normal distribution.
+        // Walls, all of them, and Student's distribution.
         assert_eq!(rows("against"), Some(6 + 2));
         // Exact, flat, smooth; quadric, patches, flat, smooth for each of three.
         assert_eq!((rows("facets"), rows("closed_forms"), rows("speed")), (Some(3), Some(12), Some(0)));

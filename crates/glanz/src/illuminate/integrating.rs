@@ -39,6 +39,12 @@ fn scatters(material: &Material) -> bool {
     }
 }
 
+/// Means over the parts of the cells that nothing covers: covered ones are dark.
+fn uncovered(receiver: &Receiver, means: &[CellMean], value: impl Fn(&CellMean) -> f64) -> Vec<f64> {
+    let open = |covered: &f64| if *covered < 1.0 { 1.0 / (1.0 - covered) } else { 0.0 };
+    means.iter().zip(receiver.covered()).map(|(mean, covered)| value(mean) * open(covered)).collect()
+}
+
 /// Maps of all receivers, and facts for the report.
 pub(super) fn integrated(
     design: &Design,
@@ -98,8 +104,9 @@ pub(super) fn integrated(
             size: receiver.size().to_array(),
             positions: receiver.positions().to_vec(),
             areas: receiver.areas().to_vec(),
-            lux: own.iter().map(|mean| mean.mean).collect(),
-            errors: own.iter().map(|mean| mean.error).collect(),
+            lux: uncovered(receiver, own, |mean| mean.mean),
+            errors: uncovered(receiver, own, |mean| mean.error),
+            statistics: None,
         });
     }
     let mut how = vec![

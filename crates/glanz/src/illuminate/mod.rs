@@ -40,7 +40,7 @@ pub use outcome::IlluminateOutcome;
 pub use tally_join::JoinedTally;
 pub(crate) use tally_join::join;
 
-/// Largest number of cells of all receivers: the sums of each take 40 bytes per thread.
+/// Largest number of cells of all receivers: the sums of each take 256 bytes, and 16 per thread.
 const CELLS_LIMIT: usize = 1 << 24;
 
 /// Default relative standard error at which a run ends.
@@ -145,7 +145,8 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    /// Ends at this relative standard error of the brightest cell and of the mean of every receiver, at least 1e-6.
+    /// Ends at this relative standard error of the brightest and of the darkest cell and of the mean of every receiver, at least 1e-6; see
+    /// [`TraceGoal::error`].
     pub fn relative_error(mut self, error: f64) -> Self {
         self.options.goal.error = Some(error);
         self
@@ -233,6 +234,7 @@ impl Design {
         }
         let receivers = Receivers::try_new(&scene, &requests)
             .map_err(|error| Error::Receiver { scene: name.clone(), error })?;
+        warn_of_covered_cells(&receivers, job);
         if receivers.cell_count() > CELLS_LIMIT {
             return Err(Error::Cells { scene: name, cells: receivers.cell_count(), limit: CELLS_LIMIT });
         }
@@ -286,7 +288,7 @@ impl Design {
     fn warn_of_dark_sides(&self, tally: &Tally, job: &mut RunningJob<'_>) {
         for (number, receiver) in self.receivers.as_slice().iter().enumerate() {
             let other_side = tally.on_other_side(number);
-            if tally.received(number).0 == 0.0 && other_side > 0.0 {
+            if tally.received(&self.receivers, number).value == 0.0 && other_side > 0.0 {
                 job.warn(Warning::DarkSide { receiver: receiver.name().to_owned(), other_side });
             }
         }
@@ -295,6 +297,19 @@ impl Design {
     /// Directions of a far field: planes every 15, gamma every 5 degrees, as luminaires are usually measured.
     fn far_field_grid(&self) -> Option<FarFieldGrid> {
         if self.options.far_field { FarFieldGrid::try_new(24, 36) } else { None }
+    }
+}
+
+/// Warns of cells that do not count, or do only in part.
+fn warn_of_covered_cells(receivers: &Receivers, job: &mut RunningJob<'_>) {
+    for receiver in receivers.as_slice() {
+        let count =
+            |test: fn(f64) -> bool| receiver.covered().iter().filter(|share| test(**share)).count() as u64;
+        let covered = [count(|share| share == 1.0), count(|share| share > 0.0 && share < 1.0)];
+        if covered != [0, 0] {
+            let (receiver, cells) = (receiver.name().to_owned(), receiver.len() as u64);
+            job.warn(Warning::CoveredCells { receiver, covered, cells });
+        }
     }
 }
 

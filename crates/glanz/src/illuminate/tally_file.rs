@@ -24,7 +24,7 @@ use crate::file;
 /// Envelope of the file.
 const ENVELOPE: FileEnvelope = FileEnvelope {
     magic: b"GLANZLUX",
-    version: 2,
+    version: 3,
     content: "the checkpoint",
     kind: "a checkpoint of illuminance",
 };

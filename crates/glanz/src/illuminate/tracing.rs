@@ -80,7 +80,7 @@ fn facts(outcome: &TraceOutcome, seed: u64) -> Vec<(String, String)> {
     }
     if outcome.error.is_finite() {
         let percent = format!("{:.3} %", 100.0 * outcome.error);
-        facts.push(("largest relative standard error of peaks and means", percent));
+        facts.push(("largest relative standard error of brightest cells, darkest cells and means", percent));
     }
     facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
