@@ -3,6 +3,7 @@
 //! Particles come from Owen-scrambled Sobol' sequences, whose points are not independent: the usual standard error, from the squares of their
 //! contributions, is that of independent points and up to 17 times too large. Therefore particle n belongs to replicate n mod 16, and each replicate
 //! has a sequence with a scramble of its own. Replicates are independent, so that the spread of their means is the error of the mean of all (@cranley1976).
+//! The price: sixteen short sequences integrate smooth light less well than one long one. For the direct light of a point, errors are twice as large.
 
 use glanz_transport::ParticleRanges;
 
