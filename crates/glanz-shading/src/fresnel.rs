@@ -2,7 +2,7 @@
 
 use glanz_math::DVec3;
 
-/// Reflected and transmitted fraction of light at a smooth boundary between dielectrics.
+/// Reflected and transmitted fraction of light at a smooth boundary between dielectrics, or at a pane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DielectricSplit {
     /// Fraction of the flux that is reflected, [0, 1]; the rest is transmitted.
@@ -22,6 +22,27 @@ pub struct DielectricSplit {
 /// @born1999 section 1.5.2; the critical angle is document 000 section 1.7.4.
 #[must_use]
 pub fn dielectric(cos_incident: f64, eta: f64) -> DielectricSplit {
+    unpolarised(cos_incident, eta, |r| r)
+}
+
+/// The same for a pane between two parallel boundaries, with the light that its faces reflect to each other, for unpolarised light.
+///
+/// `eta`: refractive index of the pane over that of the medium on both of its sides. The refracted ray is that inside.
+///
+/// Each face keeps the polarisations perpendicular and parallel to the plane of incidence, so that reflections are summed for each of them
+/// and averaged then. With the mean reflectance of a face in their place, a pane of index 1.5 would transmit 4 % less at 80 degrees. Interference is
+/// neglected: real panes are thicker than light is coherent.
+///
+/// # Source
+/// @born1999 section 1.5.2 for each face.
+#[must_use]
+pub fn pane(cos_incident: f64, eta: f64) -> DielectricSplit {
+    // r + t^2 r + t^2 r^3 + ... with t = 1 - r.
+    unpolarised(cos_incident, eta, |r| 2.0 * r / (1.0 + r))
+}
+
+/// The mean over both polarisations of the fraction that `reflectance` makes of the reflectance of a boundary.
+fn unpolarised(cos_incident: f64, eta: f64, reflectance: impl Fn(f64) -> f64) -> DielectricSplit {
     let cos_i = cos_incident.clamp(0.0, 1.0);
     if eta == 1.0 {
         return DielectricSplit { reflectance: 0.0, cos_transmitted: cos_i, total: false };
@@ -36,8 +57,8 @@ pub fn dielectric(cos_incident: f64, eta: f64) -> DielectricSplit {
     // r_s = (cos_i - eta cos_t) / (cos_i + eta cos_t), r_p = (eta cos_i - cos_t) / (eta cos_i + cos_t)
     let r_s = (cos_i - scaled) / (cos_i + scaled);
     let r_p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    let reflectance = (0.5 * (r_s * r_s + r_p * r_p)).min(1.0);
-    DielectricSplit { reflectance, cos_transmitted: cos_t, total: false }
+    let mean = 0.5 * (reflectance(r_s * r_s) + reflectance(r_p * r_p));
+    DielectricSplit { reflectance: mean.min(1.0), cos_transmitted: cos_t, total: false }
 }
 
 /// Reflectance of a smooth conductor for unpolarised light.
@@ -112,6 +133,57 @@ mod tests {
         let theta = n.atan();
         let expected = 0.5 * (2.0 * theta).cos().powi(2);
         assert!((dielectric(theta.cos(), n).reflectance - expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn pane_reflects_what_bounces_between_its_faces_add_up_to() {
+        for n in [1.33_f64, 1.5, 1.8, 2.4] {
+            for degrees in [0.01, 30.0, 45.0, n.atan().to_degrees(), 60.0, 70.0, 80.0, 89.0] {
+                let angle = f64::to_radians(degrees);
+                let inner = (angle.sin() / n).asin();
+                // Fresnel's equations by angles, perpendicular and parallel to the plane of incidence.
+                let perpendicular = ((angle - inner).sin() / (angle + inner).sin()).powi(2);
+                let parallel = ((angle - inner).tan() / (angle + inner).tan()).powi(2);
+                // Light of each polarisation between the faces, followed until nothing is left of it.
+                let [mut reflected, mut transmitted] = [0.0; 2];
+                for r in [perpendicular, parallel] {
+                    reflected += 0.5 * r;
+                    let mut inside = 0.5 * (1.0 - r);
+                    while inside > 1e-18 {
+                        transmitted += inside * (1.0 - r);
+                        reflected += inside * r * (1.0 - r);
+                        inside *= r * r;
+                    }
+                }
+                let found = pane(angle.cos(), n);
+                let error =
+                    (found.reflectance - reflected).abs().max((1.0 - found.reflectance - transmitted).abs());
+                assert!(error < 1e-9, "{n} {degrees}: {found:?}, not {reflected} and {transmitted}");
+                assert!((found.cos_transmitted - inner.cos()).abs() < 1e-12 && !found.total);
+            }
+        }
+    }
+
+    #[test]
+    fn pane_at_brewster_angle_transmits_one_polarisation_wholly() {
+        // The other is reflected by the fraction r = ((n^2 - 1) / (n^2 + 1))^2 at each face.
+        for n in [1.33_f64, 1.5, 2.4] {
+            let r = ((n * n - 1.0) / (n * n + 1.0)).powi(2);
+            let expected = 0.5 * (2.0 * r / (1.0 + r));
+            assert!((pane(n.atan().cos(), n).reflectance - expected).abs() < 1e-14, "{n}");
+        }
+    }
+
+    #[test]
+    fn pane_is_dark_along_its_surface_and_unseen_in_its_own_medium() {
+        assert_eq!(pane(0.0, 1.5).reflectance, 1.0);
+        assert_eq!(pane(0.3, 1.0).reflectance, 0.0);
+        // A gap of air in glass beyond the critical angle.
+        assert!(pane(0.6, 1.0 / 1.5).total && pane(0.6, 1.0 / 1.5).reflectance == 1.0);
+        for n in [1.2, 1.5, 4.0_f64] {
+            let r = ((n - 1.0) / (n + 1.0)).powi(2);
+            assert!((pane(1.0, n).reflectance - 2.0 * r / (1.0 + r)).abs() < 1e-15, "{n}");
+        }
     }
 
     #[test]

@@ -73,7 +73,7 @@ class Dielectric(RoughMaterial):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ThinDielectric(Material):
-    """A thin pane."""
+    """A thin pane of index ``eta`` (1.5), with factors on the light that it reflects and transmits."""
 
     KIND = "thindielectric"
     eta: Value | None = None

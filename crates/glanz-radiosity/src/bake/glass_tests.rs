@@ -11,18 +11,24 @@ use super::*;
 use crate::elements::ElementSettings;
 use crate::scenes::parallelogram;
 
-/// Fraction of light that one face of glass of index 1.5 transmits, by Fresnel's equations.
-fn through_a_face(cos: f64) -> f64 {
+/// Fractions of light of both polarisations that one face of glass of index 1.5 reflects, by Fresnel's equations.
+fn reflected_by_a_face(cos: f64) -> [f64; 2] {
     let inner = (1.0 - (1.0 - cos * cos) / 2.25).sqrt();
     let s = (cos - 1.5 * inner) / (cos + 1.5 * inner);
     let p = (1.5 * cos - inner) / (1.5 * cos + inner);
-    1.0 - 0.5 * (s * s + p * p)
+    [s * s, p * p]
+}
+
+/// Fraction of unpolarised light that a face transmits.
+fn through_a_face(cos: f64) -> f64 {
+    let [s, p] = reflected_by_a_face(cos);
+    1.0 - 0.5 * (s + p)
 }
 
 /// The same for a thin sheet, with the light reflected between its faces.
 fn through_a_sheet(cos: f64) -> f64 {
-    let r = 1.0 - through_a_face(cos);
-    1.0 - 2.0 * r / (1.0 + r)
+    let [s, p] = reflected_by_a_face(cos).map(|r| (1.0 - r) / (1.0 + r));
+    0.5 * (s + p)
 }
 
 const TINT: [f32; 3] = [0.9, 0.5, 0.2];

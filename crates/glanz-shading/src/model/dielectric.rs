@@ -201,14 +201,8 @@ impl Dielectric {
     }
 
     fn split(&self, cos: f64, eta: f64) -> DielectricSplit {
-        if !self.thin {
-            return fresnel::dielectric(cos, eta);
-        }
-        // Interreflection between the faces: r + t^2 r + t^2 r^3 + ... = 2 r / (1 + r). A sheet has the same
-        // medium on both sides: its far side is never the thinner one.
-        let face = fresnel::dielectric(cos, self.eta);
-        let r = face.reflectance;
-        DielectricSplit { reflectance: 2.0 * r / (1.0 + r), ..face }
+        // A sheet has the same medium on both sides: its far side is never the thinner one.
+        if self.thin { fresnel::pane(cos, self.eta) } else { fresnel::dielectric(cos, eta) }
     }
 }
 
@@ -480,21 +474,55 @@ mod tests {
 
     #[test]
     fn coloured_glass_keeps_its_expectation() {
-        let model = Dielectric {
-            reflectance: Spectrum::from_rgb([0.5, 0.2, 0.1]),
-            transmittance: Spectrum::from_rgb([0.1, 0.9, 0.4]),
-            ..glass(false)
-        };
         let wo = DVec3::new(0.96, 0.0, 0.28);
-        let n = 10_000;
-        let sum: Spectrum = (0..n)
-            .filter_map(|i| model.draw(wo, (f64::from(i) + 0.5) / f64::from(n), TransportMode::Importance))
-            .map(|s| s.weight)
-            .sum();
-        let expected = model.albedo(wo);
-        // The midpoint rule in xi errs by one sample at the border of the lobes.
-        let error = (sum * (1.0 / n as f32) - expected).map(f32::abs).max_component();
-        assert!(error < 2e-4, "{error}");
+        for thin in [false, true] {
+            let model = Dielectric {
+                reflectance: Spectrum::from_rgb([0.5, 0.2, 0.1]),
+                transmittance: Spectrum::from_rgb([0.1, 0.9, 0.4]),
+                ..glass(thin)
+            };
+            let n = 10_000;
+            let sum: Spectrum = (0..n)
+                .filter_map(|i| {
+                    model.draw(wo, (f64::from(i) + 0.5) / f64::from(n), TransportMode::Importance)
+                })
+                .map(|s| s.weight)
+                .sum();
+            let expected = model.albedo(wo);
+            // The midpoint rule in xi errs by one sample at the border of the lobes.
+            let error = (sum * (1.0 / n as f32) - expected).map(f32::abs).max_component();
+            assert!(error < 2e-4, "{thin}: {error}");
+        }
+    }
+
+    #[test]
+    fn sheet_transmits_the_mean_of_both_polarisations() {
+        // (1 - r) / (1 + r) with r of each, by Fresnel's equations: values of n = 1.5 at 60, 70 and 80 degrees, and of n = 2.4 at 60.
+        for (n, degrees, transmitted) in
+            [(1.5, 60.0, 0.848_128), (1.5, 70.0, 0.728_712), (1.5, 80.0, 0.458_473), (2.4, 60.0, 0.697_291)]
+        {
+            let sheet = Dielectric::new(n, Spectrum::ONE, Spectrum::ONE).as_sheet();
+            let angle = f64::to_radians(degrees);
+            for z in [angle.cos(), -angle.cos()] {
+                let wo = DVec3::new(angle.sin(), 0.0, z);
+                for mode in [TransportMode::Radiance, TransportMode::Importance] {
+                    let [reflection, transmission] = sheet.branches(wo, mode).map(Option::unwrap);
+                    let weights =
+                        [reflection.weight, transmission.weight].map(|w| f64::from(w.max_component()));
+                    let [r, t] = weights;
+                    assert!(
+                        (t - transmitted).abs() < 1e-6 && (r + t - 1.0).abs() < 2e-7,
+                        "{n} {degrees}: {r} {t}"
+                    );
+                    // Samples: transmission from the reflected fraction on, each of weight 1.
+                    for (xi, passes) in [(r - 1e-6, false), (r + 1e-6, true)] {
+                        let sample = sheet.draw(wo, xi, mode).unwrap();
+                        assert_eq!(sample.lobe.transmission, passes);
+                        assert!((sample.weight - Spectrum::ONE).map(f32::abs).max_component() < 1e-6);
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -325,6 +325,35 @@ fn glass_slab_transmits_as_fresnel_says() {
 }
 
 #[test]
+fn thin_pane_transmits_the_mean_of_both_polarisations() {
+    // A shining disk behind a pane under 80 degrees, beside the mirrored ray: (1 - r) / (1 + r) with r of each polarisation, by Fresnel's
+    // equations.
+    let (n, angle) = (1.5_f64, f64::to_radians(80.0));
+    let inner = (angle.sin() / n).asin();
+    let through = |r: f64| (1.0 - r) / (1.0 + r);
+    let perpendicular = through(((angle - inner).sin() / (angle + inner).sin()).powi(2));
+    let parallel = through(((angle - inner).tan() / (angle + inner).tan()).powi(2));
+    let expected = 2.0 * 0.5 * (perpendicular + parallel);
+    let across = DVec3::new(0.0, angle.cos(), angle.sin());
+    let scene = one_pixel(DVec3::new(0.0, 0.0, -4.0), DVec3::ZERO)
+        .shape(
+            rectangle(-DVec3::X - 0.8 * across, DVec3::X * 2.0, across * 2.0),
+            MaterialKind::thin_dielectric(1.5, 1.0, 1.0),
+        )
+        .shape(
+            ShapeDescription::disk(0.5).rotated(DVec3::X, PI).translated([0.0, 0.0, 2.0]).emitting([2.0; 3]),
+            diffuse(0.0),
+        );
+    let whitted = Run { sampler: SamplerKind::Center, ..Run::new("whitted", 2, 1) };
+    whitted.picture(&scene).assert_exact(expected, "whitted");
+    for run in Run::all_random(3, 16_384) {
+        run.picture(&scene).assert_average([expected; 3], 0.02, &run.name());
+    }
+    let spectral = Run { spectral: true, ..Run::new("path", 3, 16_384) };
+    spectral.picture(&scene).assert_average([expected; 3], 0.02, "spectral");
+}
+
+#[test]
 fn glass_cannot_be_seen_in_a_constant_sky() {
     let scene = looking(DVec3::new(0.0, 0.0, -3.0), DVec3::ZERO, [8, 8], 0.9)
         .shape(ShapeDescription::sphere(1.0), glass())
