@@ -1,8 +1,8 @@
 """Lights.
 
 Parameters have the names, units and defaults of the scene language (docs/scene-format.md); None stands for the default. Of ``power`` (W),
-``lumens`` (lm), ``candela`` (cd), ``illuminance`` (W/m2, not lux, on a surface that faces the light) and ``nits`` (cd/m2) a light has at most
-one, which replaces the magnitude of its colour.
+``lumens`` (lm), ``candela`` (cd), ``illuminance`` (lx, on a surface that faces the light) and ``nits`` (cd/m2) a light has at most
+one, which replaces the magnitude of its colour; 683 lm are 1 W of its luminance.
 """
 
 from __future__ import annotations
@@ -26,7 +26,10 @@ class LightSource:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PointLight(LightSource):
-    """A point at ``from_``, m, of the intensity ``I``, W/sr."""
+    """A point at ``from_``, m, of the intensity ``I``, W/sr.
+
+    ``power``: W; ``lumens``: lm; ``candela``: cd, in every direction; ``range``: m, distance at which its light has decreased to 0.
+    """
 
     KIND = "point"
     from_: Point = (0.0, 0.0, 0.0)
@@ -39,7 +42,10 @@ class PointLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SpotLight(LightSource):
-    """A cone of light from ``from_`` to ``to``, m. ``coneangle`` and ``conedeltaangle``: degrees."""
+    """A cone of light from ``from_`` to ``to``, m, of the intensity ``I``, W/sr, along its axis.
+
+    ``coneangle``, ``conedeltaangle``: degrees; ``power``: W; ``lumens``: lm; ``candela``: cd, along the axis.
+    """
 
     KIND = "spot"
     from_: Point = (0.0, 0.0, 0.0)
@@ -54,7 +60,11 @@ class SpotLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DistantLight(LightSource):
-    """Parallel light in the direction from ``from_`` to ``to``; ``angle``: degrees, diameter of the disk on the sky that emits it."""
+    """Parallel light in the direction from ``from_`` to ``to``, m.
+
+    ``L``: irradiance of a surface that faces it, W/m2, or ``illuminance``: the same in lx; ``angle``: degrees, diameter of the disk on the sky
+    that emits it.
+    """
 
     KIND = "distant"
     from_: Point = (0.0, 0.0, 0.0)
@@ -66,7 +76,11 @@ class DistantLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InfiniteLight(LightSource):
-    """Light from all directions, constant or from a picture. ``portal``: four corners of a rectangle that it comes through."""
+    """Light from all directions, constant or from a picture.
+
+    ``L``: radiance, W/(m2 sr), a factor on the picture; ``illuminance``: lx, of a surface that faces z and sees half of all directions;
+    ``portal``: m, four corners of a rectangle that it comes through.
+    """
 
     KIND = "infinite"
     L: Light | None = None
@@ -77,7 +91,7 @@ class InfiniteLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ProjectionLight(LightSource):
-    """A projector of a picture. ``fov``: degrees of its shorter side."""
+    """A projector of a picture, times the intensity ``I``, W/sr. ``fov``: degrees of its shorter side; ``power``: W."""
 
     KIND = "projection"
     filename: Path
@@ -88,7 +102,7 @@ class ProjectionLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GoniometricLight(LightSource):
-    """A point with a picture of its intensity over all directions."""
+    """A point with a picture of its intensity over all directions, times ``I``, W/sr. ``power``: W."""
 
     KIND = "goniometric"
     filename: Path | None = None
@@ -98,7 +112,11 @@ class GoniometricLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SkyLight(LightSource):
-    """The clear sky and its sun: of a place and time, or of the ``direction`` to the sun. z is up, x east and y north."""
+    """The clear sky and its sun: of a place and time, or of the ``direction`` to the sun. z is up, x east and y north.
+
+    ``latitude``, ``longitude``: degrees, north and east positive; ``time``: as in 2026-06-21T12:00:00+02:00; ``turbidity``: 1 to 10;
+    ``albedo``: reflectance of the ground, 0 to 1.
+    """
 
     KIND = "sky"
     latitude: Float | None = None
@@ -112,7 +130,10 @@ class SkyLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PhotometricLight(LightSource):
-    """A luminaire from an IES or EULUMDAT file, or a ray file."""
+    """A luminaire from an IES or EULUMDAT file, or a ray file.
+
+    ``from_``: m, its photometric centre; ``lumens``: lm, in place of the file's flux; ``tilt``: degrees.
+    """
 
     KIND = "photometric"
     filename: Path
@@ -126,7 +147,11 @@ class PhotometricLight(LightSource):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AreaLight:
-    """Light that a shape emits from the side of its normal, or from both. ``nits``: luminance, cd/m2."""
+    """Light that a shape emits from the side of its normal, or from both.
+
+    ``L``: radiance, W/(m2 sr); ``nits``: luminance, cd/m2; ``power``: W, ``lumens``: lm, both of the whole shape; ``candela``: cd, along the normal
+    of a flat shape or of a whole sphere.
+    """
 
     KIND: ClassVar[str] = "diffuse"
     NAMES: ClassVar[Mapping[str, str]] = {}

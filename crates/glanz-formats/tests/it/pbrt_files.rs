@@ -271,9 +271,9 @@ fn colour_of_a_light_multiplies_its_picture_and_illuminance_counts_the_upper_hal
     assert!(matches!(light.emission, SpectralDistribution::Rgb([2.0, 1.0, 3.0])), "{:?}", light.emission);
     let scene = format!("{scene} \"float scale\" 10 \"float illuminance\" 5");
     let light = &lights_with_picture("lux", &scene, [512, 256]).lights[0];
-    // An even upper half of radiance L gives pi L; `scale` is a factor on top.
+    // An even upper half of radiance L gives 683 pi L lx; `scale` is a factor on top.
     let lit = SpectralDistribution::Rgb([2.0, 2.0, 12.0]).luminance();
-    let expected = 10.0 * 5.0 / (std::f32::consts::PI * lit);
+    let expected = 10.0 * 5.0 / (683.0 * std::f32::consts::PI * lit);
     assert!((light.scale / expected - 1.0).abs() < 1e-3, "{} {expected}", light.scale);
 }
 

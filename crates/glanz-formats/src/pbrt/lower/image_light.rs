@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use glanz_light::units::LUMINOUS_EFFICACY;
 use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{LightKind, SphereMapping};
@@ -88,7 +89,7 @@ impl Lowering {
         }
     }
 
-    /// Scales a picture's light to the `illuminance` of version 4, on a surface that faces its z axis.
+    /// Scales a picture's light to the `illuminance` of version 4, lx, on a surface that faces its z axis.
     fn illuminance_of_picture(
         &mut self,
         list: &mut ParameterList,
@@ -97,7 +98,8 @@ impl Lowering {
         mapping: SphereMapping,
     ) -> ParseResult<()> {
         self.picture_target(list, "illuminance", light, image, |pixels| {
-            SphereImage::new(pixels, mapping).map_or([0.0; 3], |image| image.irradiance())
+            let irradiance = SphereImage::new(pixels, mapping).map_or([0.0; 3], |image| image.irradiance());
+            irradiance.map(|x| LUMINOUS_EFFICACY * x)
         })
     }
 

@@ -163,15 +163,14 @@ impl Lowering {
         }
     }
 
-    /// Scales a light to the `illuminance` of version 4 on a surface that faces it; `per_radiance` is the illuminance of a light
-    /// of radiance 1.
+    /// Scales a light to the `illuminance` of version 4, lx, on a surface that faces it; `irradiance`: that of a light of radiance 1.
     pub(super) fn illuminance(
         &mut self,
         list: &mut ParameterList,
         light: &mut EmissionParameters,
-        per_radiance: f64,
+        irradiance: f64,
     ) -> ParseResult<()> {
-        self.target(list, "illuminance", light, per_radiance)
+        self.target(list, "illuminance", light, LUMINOUS_EFFICACY * irradiance)
     }
 
     pub(super) fn target(

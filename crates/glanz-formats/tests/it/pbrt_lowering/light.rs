@@ -48,8 +48,10 @@ fn power_and_illuminance_set_the_emission() {
     };
     close(light("\"point\" \"rgb I\" [2 2 2] \"float power\" 100"), 100.0 / (4.0 * PI));
     close(light("\"point\" \"blackbody I\" 4000 \"float power\" 100 \"float scale\" 2"), 200.0 / (4.0 * PI));
-    close(light("\"distant\" \"float illuminance\" 30"), 30.0);
-    close(light("\"infinite\" \"float illuminance\" 30"), 30.0 / PI);
+    // Lux, 683 of which are a watt per square metre.
+    close(light("\"distant\" \"float illuminance\" 20490"), 30.0);
+    close(light("\"distant\" \"float illuminance\" 20490 \"float angle\" 5"), 30.0);
+    close(light("\"infinite\" \"float illuminance\" 20490"), 30.0 / PI);
     // Cone of 60 degrees without a soft border: 2 pi (1 - 1/2) sr.
     let spot = light("\"spot\" \"float coneangle\" 60 \"float conedeltaangle\" 0 \"float power\" 10");
     close(spot, 10.0 / PI);
