@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glanz::illumination::{GridResolution, LuxMap, TraceGoal};
 use glanz::job::JobEnd;
 use glanz::math::DVec3;
+use glanz::report::{Fact, FactValue};
 use glanz::scene::description::MAX_RECEIVER_CELLS;
 use glanz::{IlluminateMethod, IlluminateOptions, IlluminateOutcome, JobOptions};
 use numpy::{IntoPyArray, PyArrayMethods};
@@ -112,11 +113,21 @@ impl PyIllumination {
         py.import("glanz._results")?.getattr("FluxBalance")?.call((), Some(&values)).map(Some)
     }
 
-    /// Facts about the calculation: particles, time, errors.
+    /// Facts about the calculation as in report.json, with the unit at the end of a name: ``particles``, ``seconds``, ``relative_error``.
     #[getter]
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let dict = PyDict::new(py);
-        self.outcome.report.how.iter().try_for_each(|(name, value)| dict.set_item(name, value))?;
+        for Fact { key, value, .. } in self.outcome.report.facts.iter() {
+            match value {
+                FactValue::Text(text) => dict.set_item(key, text)?,
+                FactValue::Flag(flag) => dict.set_item(key, flag)?,
+                FactValue::Count(number) | FactValue::Whole(number) => dict.set_item(key, number)?,
+                FactValue::Number(number) | FactValue::Fraction(number) | FactValue::Seconds(number) => {
+                    dict.set_item(key, number)?;
+                }
+                FactValue::Lengths([x, y, z]) => dict.set_item(key, (x, y, z))?,
+            }
+        }
         Ok(dict)
     }
 
@@ -196,11 +207,8 @@ impl PyScene {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<PyIllumination> {
         let default = IlluminateOptions::default();
-        let methods = [
-            (IlluminateMethod::Trace, "trace"),
-            (IlluminateMethod::Integrate, "integrate"),
-            (IlluminateMethod::Both, "both"),
-        ];
+        let methods = [IlluminateMethod::Trace, IlluminateMethod::Integrate, IlluminateMethod::Both];
+        let methods = methods.map(|method| (method, method.name()));
         let resolution = match (cells, texel) {
             (Some(_), Some(_)) => return Err(PyValueError::new_err("cells and texel exclude each other")),
             (Some(cells), None) => GridResolution::Longer(cells.within("cells", 1..=MAX_RECEIVER_CELLS)?),

@@ -1,6 +1,7 @@
 """Rendering, illuminating and baking."""
 
 import dataclasses
+import json
 import os
 import signal
 import subprocess
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 import glanz
-from glanz.scene import AreaLight, Diffuse, Disk, Film, PerspectiveCamera, Plane, PointLight, SceneDescription, Sphere, Transform
+from glanz.scene import AreaLight, Diffuse, Disk, DistantLight, Film, PerspectiveCamera, Plane, PointLight, SceneDescription, Sphere, Transform
 
 DESIGN = SceneDescription(
     camera=PerspectiveCamera(eye=(0, -5, 1), target=(0, 0, 0), up=(0, 0, 1), fov=40),
@@ -162,7 +163,25 @@ def test_lux_maps_are_saved(tmp_path: Path) -> None:
     assert list(result) == ["floor"] and "floor" in result and "wall" not in result and len(result) == 1
     names = {path.name for path in result.save(tmp_path / "lux")}
     assert {"report.json", "floor.csv", "floor.exr"} <= names
+    facts = json.loads((tmp_path / "lux" / "report.json").read_text())["facts"]
+    assert facts == {key: list(value) if isinstance(value, tuple) else value for key, value in result.facts.items()}
     assert result["floor"].lux.shape == (3, 4)
+
+
+def test_facts_of_a_calculation_have_their_types() -> None:
+    facts = SCENE.illuminate(particles=1000, seed=2**63 + 1, room=(20, 20, 5.5), threads=1).facts
+    assert facts["glanz_version"] == glanz.__version__ and facts["method"] == "trace"
+    assert facts["particles"] == 1000 and facts["seed"] == 2**63 + 1 and facts["threads"] == 1
+    assert facts["room_m"] == (20.0, 20.0, 5.5) and facts["complete"] is True and facts["far_field"] is False
+    assert isinstance(facts["particles"], int) and isinstance(facts["seconds"], float) and facts["seconds"] > 0
+    assert str(facts["end_utc"]).endswith("Z")
+
+
+def test_illuminance_of_a_light_is_in_lux() -> None:
+    floor = Plane(x=[-0.5, 0.5], y=[-0.5, 0.5], material=Diffuse(reflectance=0), receiver="floor", cells=[1, 1])
+    sun = DistantLight(from_=(0, 0, 1), to=(0, 0, 0), illuminance=10_000)
+    lux = SceneDescription(lights=[sun], shapes=[floor]).load().illuminate(method="integrate")["floor"].lux
+    assert lux[0, 0] == pytest.approx(10_000, rel=1e-5)
 
 
 def test_bake_gives_pages_charts_and_a_model(tmp_path: Path) -> None:

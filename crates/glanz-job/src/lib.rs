@@ -9,7 +9,8 @@
 //! A cancelled job that has a partial result returns it with [`JobEnd::Interrupted`]; one that has none returns an error whose variant
 //! `Interrupted` holds [`Interrupted`]. A saved state belongs to a [`JobIdentity`]: resuming under another one is refused by an
 //! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] represents the scene in it, and
-//! [`write_atomically`] replaces the file of a state as a whole. A [`JobPart`] is one of several parts of a job that are computed separately.
+//! [`write_atomically`] replaces the file of a state as a whole. A [`JobPart`] is one of several parts of a job that are computed separately. Reports name the
+//! program by [`current_version`] and the machine by [`processor_name`].
 //!
 //! ```
 //! use std::time::{Duration, Instant};
@@ -62,6 +63,7 @@ mod checkpoint;
 mod content_hash;
 mod identity;
 mod part;
+mod processor;
 mod progress;
 
 pub use atomic::{WriteError, write_atomically, write_atomically_with};
@@ -70,4 +72,5 @@ pub use checkpoint::CheckpointTimer;
 pub use content_hash::ContentHash;
 pub use identity::{IdentityMismatch, JobIdentity, current_version};
 pub use part::{JobPart, JobPartError, MAX_PARTS};
+pub use processor::processor_name;
 pub use progress::{JobProgress, ProgressSink, Silent, WorkCount, grouped};

@@ -4,6 +4,7 @@
 //! bytes.
 //!
 //! - [`Table`] holds rows under named columns: Markdown, CSV, HTML, lines of a terminal, and by `serde` JSON;
+//! - a [`FactList`] holds facts about a computation: words for people, typed values for programs;
 //! - [`Plot`] draws series over linear or logarithmic axes, [`HeatMap`] numbers over the cells of a rectangle with
 //!   contours ([`ContourGrid`]) at round [`levels()`], both as SVG, for which [`Svg`] is the writer;
 //! - [`ColourScale`] assigns colours of a [`Palette`] to numbers;
@@ -31,6 +32,7 @@ mod cell_field;
 mod colour_scale;
 mod contact_sheet;
 mod contour;
+mod fact;
 mod heat_map;
 mod lettering;
 mod levels;
@@ -45,6 +47,7 @@ pub use cell_field::CellField;
 pub use colour_scale::ColourScale;
 pub use contact_sheet::{SheetPanel, contact_sheet};
 pub use contour::{Contour, ContourGrid};
+pub use fact::{Fact, FactList, FactValue};
 pub use heat_map::HeatMap;
 pub use levels::levels;
 pub use palette::{Palette, contrasting, hexadecimal};

@@ -47,6 +47,14 @@ impl RunningJob<'_> {
         self.warnings.push(warning);
     }
 
+    /// The number of threads.
+    pub(crate) fn threads(&self) -> usize {
+        match self.options.threads {
+            0 => rayon::current_num_threads(),
+            threads => threads,
+        }
+    }
+
     /// Runs `work` with the requested number of threads.
     pub(crate) fn in_pool<T: Send>(
         &mut self,

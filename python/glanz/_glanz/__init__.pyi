@@ -111,8 +111,8 @@ class Illumination:
     def balance(self) -> FluxBalance | None:
         """Emitted light and where it ended; None for an integration."""
     @property
-    def facts(self) -> dict[str, str]:
-        """Facts about the calculation: particles, time, errors."""
+    def facts(self) -> dict[str, str | bool | int | float | tuple[float, float, float]]:
+        """Facts about the calculation as in report.json, with the unit at the end of a name: ``particles``, ``seconds``, ``relative_error``."""
     @property
     def warnings(self) -> list[str]:
         """Warnings of the calculation."""

@@ -20,7 +20,11 @@ walls of a box from the origin to (X, Y, Z), which absorb all light. The command
 every receiver NAME.csv (position, area, lux, standard error per cell), NAME.exr (the same as
 floats, one pixel per cell), NAME.png (false colours) and NAME.svg (isolux lines), and for all
 receivers report.html, report.json and summary.txt: smallest, mean and largest illuminance, the
-uniformities U0 (smallest over mean) and U1 (smallest over largest), and the flux balance.
+uniformities U0 (smallest over mean) and U1 (smallest over largest), and the flux balance. They
+state the version of Glanz, the scene and its content hash, the settings, times, rates, the
+processor and the date: in report.json and with --json as numbers, texts and flags under keys
+that end with their unit. If the variable SOURCE_DATE_EPOCH is set (seconds since 1970), it is
+the date, and times, rates and the machine are left out: equal calculations have equal reports.
 
 Without --rays, --time and --error, tracing ends when the standard error of the brightest cell,
 of the darkest cell and of the mean of every receiver is 1 per cent; that of the darkest cell is

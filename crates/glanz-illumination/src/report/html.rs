@@ -2,7 +2,7 @@
 
 use glanz_report::svg::escaped;
 
-use super::text::{closing, facts, flux, intervals, receivers};
+use super::text::{calculation, closing, flux, intervals, receivers};
 use super::{LuxComparison, LuxReport, PolarPlot, isolux, lux_scale};
 
 /// Colours of the light or dark theme, whichever the reader prefers; on paper always dark on white.
@@ -44,8 +44,8 @@ impl LuxReport {
             body += &format!("<p>{}</p>\n", escaped(&closing(balance)));
         }
         body += &polars("Candela distributions", self);
-        if !self.how.is_empty() {
-            body += &format!("<h2>Calculation</h2>\n{}", facts(&self.how).html());
+        if !self.facts.is_empty() {
+            body += &format!("<h2>Calculation</h2>\n{}", calculation(&self.facts).html());
         }
         page(&self.title, &body)
     }
@@ -82,8 +82,9 @@ impl LuxComparison<'_> {
                 );
             }
             body += &polars(&format!("Candela distributions of {letter}"), report);
-            if !report.how.is_empty() {
-                body += &format!("<h2>Calculation of {letter}</h2>\n{}", facts(&report.how).html());
+            if !report.facts.is_empty() {
+                let table = calculation(&report.facts).html();
+                body += &format!("<h2>Calculation of {letter}</h2>\n{table}");
             }
         }
         page(&format!("{} / {}", self.a.title, self.b.title), &body)
@@ -116,6 +117,7 @@ mod tests {
     use super::*;
     use crate::{FluxBalance, LuxMap};
     use glanz_math::DVec3;
+    use glanz_report::FactList;
 
     const NASTY: &str = "<script>alert('1')</script> & \"co\"";
 
@@ -130,11 +132,13 @@ mod tests {
             errors: vec![1.0; 4],
             statistics: None,
         };
+        let mut facts = FactList::default();
+        facts.push(NASTY, "nasty", NASTY);
         LuxReport {
             title: title.into(),
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 500.0, escaped: 500.0, ..FluxBalance::default() }),
-            how: vec![(NASTY.into(), NASTY.into())],
+            facts,
             polars: vec![PolarPlot::sample(NASTY, None, |_, _| 1.0)],
         }
     }

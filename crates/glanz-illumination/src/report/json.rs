@@ -1,7 +1,7 @@
 //! A report as JSON.
 
 use serde::Serialize;
-use serde::ser::{SerializeMap, SerializeStruct, Serializer};
+use serde::ser::{SerializeStruct, Serializer};
 
 use super::LuxReport;
 use crate::{LuxMap, LuxSummary};
@@ -22,18 +22,6 @@ impl<'a> ReceiverSummary<'a> {
     }
 }
 
-struct Facts<'a>(&'a [(String, String)]);
-
-impl Serialize for Facts<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (name, fact) in self.0 {
-            map.serialize_entry(name, fact)?;
-        }
-        map.end()
-    }
-}
-
 impl Serialize for LuxReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut fields = serializer.serialize_struct("Report", 4)?;
@@ -41,7 +29,7 @@ impl Serialize for LuxReport {
         fields
             .serialize_field("receivers", &self.maps.iter().map(ReceiverSummary::of).collect::<Vec<_>>())?;
         fields.serialize_field("flux_balance", &self.balance)?;
-        fields.serialize_field("how", &Facts(&self.how))?;
+        fields.serialize_field("facts", &self.facts)?;
         fields.end()
     }
 }
@@ -51,6 +39,7 @@ mod tests {
     use super::*;
     use crate::FluxBalance;
     use glanz_math::DVec3;
+    use glanz_report::{FactList, FactValue};
 
     #[test]
     fn keys_end_with_their_units() {
@@ -64,11 +53,14 @@ mod tests {
             errors: vec![1.0, 2.0],
             statistics: None,
         };
+        let mut facts = FactList::default();
+        facts.push("method", "method", "trace");
+        facts.push("time", "seconds", FactValue::Seconds(1.5));
         let report = LuxReport {
             title: "office".into(),
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 400.0, escaped: 400.0, ..FluxBalance::default() }),
-            how: vec![("method".into(), "trace".into())],
+            facts,
             polars: Vec::new(),
         };
         let expected = serde_json::json!({
@@ -86,7 +78,7 @@ mod tests {
                 "emitted_lm": 400.0, "absorbed_by_receivers_lm": 0.0, "absorbed_elsewhere_lm": 0.0,
                 "escaped_lm": 400.0, "given_up_lm": 0.0, "closes_to": 0.0,
             },
-            "how": { "method": "trace" },
+            "facts": { "method": "trace", "seconds": 1.5 },
         });
         assert_eq!(serde_json::to_value(&report).unwrap(), expected);
         assert_eq!(

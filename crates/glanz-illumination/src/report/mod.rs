@@ -39,6 +39,8 @@ mod polar;
 mod scale;
 mod text;
 
+use glanz_report::FactList;
+
 use crate::{FluxBalance, LuxMap};
 
 pub use compare::{LuxComparison, ReceiverPair};
@@ -51,8 +53,8 @@ pub use scale::lux_scale;
 /// The results of a calculation of illuminance.
 ///
 /// Its fields in JSON: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
-/// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `how`, an object of
-/// the facts. Numbers that are not finite, which JSON cannot represent, become null.
+/// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `facts`, an object of
+/// the facts by their keys. Numbers that are not finite, which JSON cannot represent, become null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LuxReport {
     /// The name of the design.
@@ -61,8 +63,8 @@ pub struct LuxReport {
     pub maps: Vec<LuxMap>,
     /// Balance of the flux; `None` for an integration of illuminance, which does not determine it.
     pub balance: Option<FluxBalance>,
-    /// Facts about the calculation, each with its name: method, particles, seed, time.
-    pub how: Vec<(String, String)>,
+    /// Facts about the calculation: program, scene, settings, particles, time.
+    pub facts: FactList,
     /// Candela distributions of the whole optic or of its lamps.
     pub polars: Vec<PolarPlot>,
 }

@@ -1,7 +1,7 @@
 //! Reports as tables, for terminals and pages.
 
 use glanz_report::number::significant;
-use glanz_report::{Table, TableCell};
+use glanz_report::{FactList, Table, TableCell};
 
 use super::{LuxComparison, LuxReport};
 use crate::{FluxBalance, LuxMap, LuxSummary};
@@ -21,8 +21,8 @@ impl LuxReport {
         if let Some(balance) = &self.balance {
             text += &format!("\n{}{}\n", flux(balance).plain(), closing(balance));
         }
-        if !self.how.is_empty() {
-            text += &format!("\n{}", facts(&self.how).plain());
+        if !self.facts.is_empty() {
+            text += &format!("\n{}", calculation(&self.facts).plain());
         }
         text
     }
@@ -107,10 +107,11 @@ pub(super) fn closing(balance: &FluxBalance) -> String {
 }
 
 /// Table of the facts of the calculation.
-pub(super) fn facts(how: &[(String, String)]) -> Table {
-    let mut table = Table::new("how", "How it was calculated", &[("fact", "calculation"), ("value", "")]);
-    for (name, fact) in how {
-        table.push([TableCell::Text(printable(name)), TableCell::Text(printable(fact))]);
+pub(super) fn calculation(facts: &FactList) -> Table {
+    let columns = [("fact", "calculation"), ("value", "")];
+    let mut table = Table::new("calculation", "How it was calculated", &columns);
+    for fact in facts.iter() {
+        table.push([fact.name.into(), TableCell::Text(printable(&fact.value.shown()))]);
     }
     table
 }
@@ -119,6 +120,7 @@ pub(super) fn facts(how: &[(String, String)]) -> Table {
 mod tests {
     use super::*;
     use glanz_math::DVec3;
+    use glanz_report::FactValue;
 
     #[test]
     fn columns_are_aligned_and_names_cannot_control_the_terminal() {
@@ -138,11 +140,15 @@ mod tests {
             escaped: 199.0,
             ..FluxBalance::default()
         };
+        let mut facts = FactList::default();
+        facts.push("method", "method", "\u{1b}trace");
+        facts.push("seed", "seed", FactValue::Whole(7));
+        facts.push("particles", "particles", 2_000_000_u64);
         let report = LuxReport {
             title: "office".into(),
             maps: vec![map("desk", [100.0, 300.0]), map("the \u{1b}[2Jwall", [0.0, 0.0])],
             balance: Some(balance),
-            how: vec![("method".into(), "trace".into()), ("seed".into(), "7".into())],
+            facts,
             polars: Vec::new(),
         };
         // 1 of 1000 lm is missing.
@@ -164,8 +170,9 @@ mod tests {
             The balance closes to 0.001000 of what was emitted.\n\
             \n\
             calculation\n\
-            method       trace\n\
-            seed         7\n";
+            method       \u{fffd}trace\n\
+            seed         7\n\
+            particles    2 000 000\n";
         assert_eq!(report.text(), expected);
     }
 }

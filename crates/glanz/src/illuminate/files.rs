@@ -27,7 +27,8 @@ impl IlluminateOutcome {
     /// Writes reports and maps into a folder, which is created if necessary; returns the files.
     ///
     /// The reports are `report.html`, `report.json` and `summary.txt`; each receiver has a table (CSV), its numbers as a picture (EXR),
-    /// false colours (PNG) and isolux lines (SVG).
+    /// false colours (PNG) and isolux lines (SVG). The maps of equal calculations have the same bytes. Reports also have times, rates, the machine and the
+    /// date ([`LuxReport::facts`]); if the variable `SOURCE_DATE_EPOCH` was set (seconds since 1970) when the calculation ended, they have that date only.
     ///
     /// # Errors
     /// [`Error::File`].

@@ -6,12 +6,12 @@ use glanz_illumination::integrate::{CellMean, Reflections, Tolerance};
 use glanz_illumination::{LuxMap, Receiver};
 use glanz_job::{JobProgress, WorkCount};
 use glanz_math::DVec2;
-use glanz_report::number::plural;
 use glanz_scene::PlacedSurface;
 use glanz_shading::Material;
 use rayon::prelude::*;
 
-use super::{Design, pace};
+use super::Design;
+use super::facts::CalculationFacts;
 use crate::error::Error;
 use crate::event::Warning;
 use crate::running_job::RunningJob;
@@ -25,9 +25,6 @@ const PROBES: usize = 64;
 
 /// Largest number of points in a cell: at an edge of the image of a lamp, errors beyond the tolerance are reported.
 const POINTS: usize = 300;
-
-/// Names and values for the report.
-type ReportFacts = Vec<(String, String)>;
 
 /// Whether a material scatters light in other directions than those of mirrors and clear glass.
 fn scatters(material: &Material) -> bool {
@@ -45,11 +42,12 @@ fn uncovered(receiver: &Receiver, means: &[CellMean], value: impl Fn(&CellMean) 
     means.iter().zip(receiver.covered()).map(|(mean, covered)| value(mean) * open(covered)).collect()
 }
 
-/// Maps of all receivers, and facts for the report.
+/// Maps of all receivers.
 pub(super) fn integrated(
     design: &Design,
     job: &mut RunningJob<'_>,
-) -> Result<(Vec<LuxMap>, ReportFacts), Error> {
+    facts: &mut CalculationFacts,
+) -> Result<Vec<LuxMap>, Error> {
     let Design { scene, receivers, options, .. } = design;
     let scattering = scene.materials().iter().filter(|material| scatters(material)).count() as u64;
     let start = Instant::now();
@@ -109,17 +107,11 @@ pub(super) fn integrated(
             statistics: None,
         });
     }
-    let mut how = vec![
-        (
-            "integration".to_owned(),
-            "direct light and light after one mirror; errors are estimated bounds".to_owned(),
-        ),
-        ("cells".to_owned(), pace(cells.len() as u64, start.elapsed().as_secs_f64(), "cells")),
-    ];
-    if scattering > 0 {
-        let materials =
-            plural(scattering, "material scatters, unless it is", "materials scatter, unless they are");
-        how.push(("left out by integration".to_owned(), format!("what {materials} black")));
-    }
-    Ok((maps, how))
+    let light = "direct light and light after one mirror; errors are estimated bounds";
+    facts.result.push("integrated light", "integrated_light", light);
+    facts.result.push("integrated cells", "integrated_cells", cells.len() as u64);
+    let name = "materials that scatter, left out by integration unless black";
+    facts.result.push(name, "scattering_materials", scattering);
+    facts.push_rate("cells per second", "cells_per_second", cells.len() as u64, start.elapsed());
+    Ok(maps)
 }

@@ -1,5 +1,6 @@
 //! Illuminance on the receivers of a scene: lux maps and their files.
 
+mod facts;
 #[cfg(feature = "formats")]
 mod far_field_file;
 #[cfg(feature = "formats")]
@@ -13,14 +14,14 @@ mod tally_join;
 mod tracing;
 
 use std::path::Path;
+use std::time::Instant;
 
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
     FarFieldGrid, GridResolution, ReceiverRequest, Receivers, Tally, TraceGoal, add_walls,
 };
-use glanz_job::{ContentHash, JobPart};
+use glanz_job::{ContentHash, JobEnd, JobPart};
 use glanz_math::DVec3;
-use glanz_report::number::{duration, grouped, significant};
 use glanz_scene::Scene;
 
 use crate::error::Error;
@@ -28,7 +29,8 @@ use crate::event::{JobEvent, Warning};
 use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::RunningJob;
-use outcome::agreement;
+use facts::CalculationFacts;
+use outcome::compare_methods;
 
 #[cfg(feature = "formats")]
 pub use far_field_file::check_far_field_path;
@@ -59,6 +61,18 @@ pub enum IlluminateMethod {
     Integrate,
     /// Both methods, with their difference.
     Both,
+}
+
+impl IlluminateMethod {
+    /// Name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Trace => "trace",
+            Self::Integrate => "integrate",
+            Self::Both => "both",
+        }
+    }
 }
 
 /// Builder of a calculation of illuminance.
@@ -204,10 +218,12 @@ impl<'a> IlluminateBuilder<'a> {
 
 /// A scene with receivers.
 struct Design {
-    title: String,
+    name: String,
     scene: Scene,
     receivers: Receivers,
-    /// Content hashes of both.
+    /// Content hash of the files of the scene.
+    content_hash: u128,
+    /// Content hashes of the scene with its room, and of the receivers.
     hashes: [u128; 2],
     options: IlluminateOptions,
 }
@@ -248,40 +264,52 @@ impl Design {
             hash.add_file(text.as_bytes());
             hash.value()
         });
-        let stem = Path::new(&name).file_stem();
-        let title = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        Ok(Self { title, scene, receivers, hashes, options })
+        Ok(Self { name, scene, receivers, content_hash, hashes, options })
     }
 
     /// Computes the light.
     fn illuminate(&self, job: &mut RunningJob<'_>) -> Result<IlluminateOutcome, Error> {
-        let method = self.options.method;
+        let start = Instant::now();
+        let mut facts = CalculationFacts::of_settings(&self.name, self.content_hash, &self.options);
+        let stem = Path::new(&self.name).file_stem();
+        let title = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         let mut outcome = IlluminateOutcome {
-            report: LuxReport { title: self.title.clone(), ..LuxReport::default() },
+            report: LuxReport { title, ..LuxReport::default() },
             ..IlluminateOutcome::default()
         };
+        let method = self.options.method;
         if method != IlluminateMethod::Trace {
-            let (maps, how) = job.in_pool(|job| integrating::integrated(self, job))?;
-            outcome.integrated = maps;
-            outcome.report.how.extend(how);
+            outcome.integrated = job.in_pool(|job| integrating::integrated(self, job, &mut facts))?;
         }
         if method == IlluminateMethod::Integrate {
             outcome.report.maps = std::mem::take(&mut outcome.integrated);
-            return Ok(outcome);
+        } else {
+            self.count_particles(&mut outcome, job, &mut facts)?;
         }
-        let tracing::Traced { tally, end, how } = tracing::traced(self, job)?;
+        facts.result.push("complete", "complete", outcome.end == JobEnd::Complete);
+        outcome.report.facts = facts.finish(start.elapsed(), job.threads());
+        Ok(outcome)
+    }
+
+    /// Adds the light of particles to `outcome`.
+    fn count_particles(
+        &self,
+        outcome: &mut IlluminateOutcome,
+        job: &mut RunningJob<'_>,
+        facts: &mut CalculationFacts,
+    ) -> Result<(), Error> {
+        let (tally, end) = tracing::traced(self, job, facts)?;
         let report = &mut outcome.report;
-        report.how.extend(how);
         report.maps = tally.lux_maps(&self.receivers);
         report.balance = Some(tally.balance());
         self.warn_of_dark_sides(&tally, job);
         if !outcome.integrated.is_empty() {
-            report.how.push(("agreement".to_owned(), agreement(&report.maps, &outcome.integrated)));
+            compare_methods(&report.maps, &outcome.integrated, &mut facts.result);
         }
         outcome.end = end;
         outcome.set_far_field(tally.far_field());
         outcome.tally = Some(tally);
-        Ok(outcome)
+        Ok(())
     }
 
     /// Warns of receivers without light, which may face the wrong way.
@@ -311,14 +339,4 @@ fn warn_of_covered_cells(receivers: &Receivers, job: &mut RunningJob<'_>) {
             job.warn(Warning::CoveredCells { receiver, covered, cells });
         }
     }
-}
-
-/// Text of a rate of work.
-fn pace(count: u64, seconds: f64, what: &str) -> String {
-    format!(
-        "{} {what} in {}, {} per second",
-        grouped(count),
-        duration(seconds),
-        significant(count as f64 / seconds)
-    )
 }

@@ -3,11 +3,11 @@
 use glanz_illumination::report::{LuxReport, PolarPlot};
 use glanz_illumination::{FarField, LuxMap, Tally};
 use glanz_job::JobEnd;
-use glanz_report::number::{grouped, plural};
+use glanz_report::{FactList, FactValue};
 
 use crate::event::Warning;
 
-/// Combined standard errors beyond which two methods differ.
+/// Combined standard errors beyond which two methods differ; the name of a fact has this number, too.
 const APART: f64 = 4.0;
 
 /// Illuminance on the receivers of a scene.
@@ -60,8 +60,8 @@ fn polar(title: &str, far: &FarField) -> PolarPlot {
     PolarPlot::sample(format!("{title}: light that leaves the scene"), None, candela)
 }
 
-/// Differences between maps of the same cells, in combined standard errors.
-pub(super) fn agreement(traced: &[LuxMap], integrated: &[LuxMap]) -> String {
+/// Adds the differences between maps of the same cells, in combined standard errors, to the facts.
+pub(super) fn compare_methods(traced: &[LuxMap], integrated: &[LuxMap], facts: &mut FactList) {
     let (mut cells, mut apart, mut worst) = (0_u64, 0_u64, 0.0_f64);
     let (mut flux, mut other) = (0.0, 0.0);
     for (a, b) in traced.iter().zip(integrated) {
@@ -75,10 +75,9 @@ pub(super) fn agreement(traced: &[LuxMap], integrated: &[LuxMap]) -> String {
             other += b.lux[cell] * b.areas[cell];
         }
     }
-    let percent = 100.0 * (flux / other - 1.0);
-    format!(
-        "{} of {} more than {APART} combined standard errors apart, {worst:.1} at most; flux by trace {percent:+.3} %",
-        grouped(apart),
-        plural(cells, "cell", "cells")
-    )
+    facts.push("compared cells", "compared_cells", cells);
+    facts.push("cells more than 4 combined standard errors apart", "cells_apart", apart);
+    facts.push("largest difference, combined standard errors", "largest_difference_standard_errors", worst);
+    let name = "flux by trace, more than by integration";
+    facts.push(name, "relative_flux_difference", FactValue::Fraction(flux / other - 1.0));
 }

@@ -4,25 +4,22 @@ use std::path::Path;
 
 use glanz_illumination::{Tally, TraceOutcome, TraceSettings, trace};
 use glanz_job::JobEnd;
-use glanz_report::number::grouped;
+use glanz_report::FactValue;
 
+use super::Design;
+use super::facts::CalculationFacts;
 use super::tally_file::{self, TallyFile, TallyPlan};
-use super::{Design, pace};
 use crate::error::Error;
 use crate::event::{JobEvent, ResumedState};
 use crate::file;
 use crate::running_job::{JobSink, RunningJob};
 
-/// Result of the particles.
-pub(super) struct Traced {
-    pub(super) tally: Tally,
-    pub(super) end: JobEnd,
-    /// Facts for the report.
-    pub(super) how: Vec<(String, String)>,
-}
-
-/// Traces particles until the goal is reached, from the checkpoint if it is resumed.
-pub(super) fn traced(design: &Design, job: &mut RunningJob<'_>) -> Result<Traced, Error> {
+/// Traces particles until the goal is reached, from the checkpoint if it is resumed; returns their sums and the reason for the end.
+pub(super) fn traced(
+    design: &Design,
+    job: &mut RunningJob<'_>,
+    facts: &mut CalculationFacts,
+) -> Result<(Tally, JobEnd), Error> {
     let options = &design.options;
     let far_field = design.far_field_grid();
     let identity = tally_file::identity(design.hashes, far_field.is_some(), options.seed, options.max_depth);
@@ -62,25 +59,23 @@ pub(super) fn traced(design: &Design, job: &mut RunningJob<'_>) -> Result<Traced
     if let Some(path) = &path {
         tally_file::write(path, &identity, plan, &outcome.tally)?;
     }
-    let how = facts(&outcome, options.seed);
-    Ok(Traced { tally: outcome.tally, end: outcome.end, how })
+    add_facts(&outcome, facts);
+    Ok((outcome.tally, outcome.end))
 }
 
-fn facts(outcome: &TraceOutcome, seed: u64) -> Vec<(String, String)> {
-    let seconds = outcome.elapsed.as_secs_f64();
-    let mut facts = vec![
-        ("method", "trace: particles from the lights, all orders of reflection".to_owned()),
-        ("particles", pace(outcome.particles, seconds, "particles")),
-        ("rays", pace(outcome.counters.rays(), seconds, "rays")),
-        ("seed", seed.to_string()),
-    ];
+fn add_facts(outcome: &TraceOutcome, facts: &mut CalculationFacts) {
     let all = outcome.tally.particles().total();
-    if outcome.particles < all {
-        facts.push(("particles in all", grouped(all)));
-    }
+    facts.result.push("traced light", "traced_light", "all orders of reflection");
+    facts.result.push("particles", "particles", all);
     if outcome.error.is_finite() {
-        let percent = format!("{:.3} %", 100.0 * outcome.error);
-        facts.push(("largest relative standard error of brightest cells, darkest cells and means", percent));
+        let name = "largest relative standard error of brightest cells, darkest cells and means";
+        facts.result.push(name, "relative_error", FactValue::Fraction(outcome.error));
     }
-    facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    if outcome.particles < all {
+        facts.run.push("particles of this run", "run_particles", outcome.particles);
+    }
+    facts.push_rate("particles per second", "particles_per_second", outcome.particles, outcome.elapsed);
+    let rays = outcome.counters.rays();
+    facts.run.push("rays", "rays", rays);
+    facts.push_rate("rays per second", "rays_per_second", rays, outcome.elapsed);
 }

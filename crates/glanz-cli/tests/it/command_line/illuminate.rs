@@ -67,6 +67,53 @@ fn room_is_lit_as_a_point_lights_it_and_all_is_written() {
 }
 
 #[test]
+fn reports_state_program_scene_settings_date_and_machine_in_their_types() {
+    let folder = Folder::new();
+    folder.write("lamp.pbrt", LAMP);
+    let line = "illuminate lamp.pbrt --room 2 2 2.25 --cells 2 --method both --rays 5000 --error 1e-6 --tolerance 0.05 \
+        --seed 7 --max-depth 9 --threads 2 -o lux --json";
+    let facts = folder.succeed(line).json()["designs"][0]["facts"].take();
+    let written: serde_json::Value = serde_json::from_slice(&folder.bytes("lux/report.json")).unwrap();
+    assert_eq!(written["facts"], facts);
+    let settings = serde_json::json!({
+        "glanz_version": env!("CARGO_PKG_VERSION"), "scene": "lamp.pbrt", "method": "both", "cells_along_longer_side": 2,
+        "room_m": [2.0, 2.0, 2.25], "relative_tolerance": 0.05, "goal_particles": 5000, "goal_relative_error": 1e-6,
+        "seed": 7, "max_depth": 9, "far_field": false, "particles": 5000, "integrated_cells": 24, "scattering_materials": 1,
+        "threads": 2, "complete": true,
+    });
+    for (key, value) in settings.as_object().unwrap() {
+        assert_eq!(facts[key], *value, "{key}");
+    }
+    for key in ["seconds", "particles_per_second", "rays_per_second", "cells_per_second", "relative_error"] {
+        assert!(facts[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    assert!(facts["rays"].as_u64().unwrap() >= 5000);
+    let hash = facts["scene_content_hash"].as_str().unwrap();
+    assert!(hash.len() == 32 && hash.bytes().all(|digit| digit.is_ascii_hexdigit()), "{hash}");
+    // Dates of ISO 8601 sort as texts.
+    let date = facts["end_utc"].as_str().unwrap();
+    assert!(date.len() == 20 && date > "2020-01-01T00:00:00Z" && date < "3000", "{date}");
+    if std::fs::read_to_string("/proc/cpuinfo").is_ok_and(|text| text.contains("model name")) {
+        assert!(facts["processor"].as_str().is_some_and(|name| !name.is_empty()));
+    }
+    // People read the same.
+    for name in ["lux/summary.txt", "lux/report.html"] {
+        let report = text(&folder, name);
+        for words in ["Glanz version", "lamp.pbrt", hash, "2 x 2 x 2.25 m", "5.000 %", "5 000", date] {
+            assert!(report.contains(words), "{words} is not in {name}");
+        }
+    }
+    folder.succeed("illuminate lamp.pbrt --room 2 2 2 --texel 0.5 --rays 100 --time 60 -o lux -q");
+    let written: serde_json::Value = serde_json::from_slice(&folder.bytes("lux/report.json")).unwrap();
+    let facts = &written["facts"];
+    assert_eq!(
+        [&facts["cell_m"], &facts["goal_seconds"], &facts["scene_content_hash"]],
+        [&serde_json::json!(0.5), &serde_json::json!(60.0), &serde_json::json!(hash)]
+    );
+    assert!(facts.get("relative_tolerance").is_none() && facts.get("cells_along_longer_side").is_none());
+}
+
+#[test]
 fn methods_agree_and_designs_are_compared() {
     let folder = Folder::new();
     let lamp = r#"
@@ -85,8 +132,9 @@ Material "mirror" "rgb Kr" [.8 .8 .8]
     folder.write("two.pbrt", mirror(".4"));
     let both = "illuminate one.pbrt --room 2 2 2 --cells 2 -q";
     let report = folder.succeed(&format!("{both} --rays 300000 -o both --method both --json")).json();
-    let agreement = report["designs"][0]["how"]["agreement"].as_str().unwrap().to_owned();
-    assert!(agreement.starts_with("0 of 24 cells"), "{agreement}");
+    let facts = &report["designs"][0]["facts"];
+    assert_eq!([&facts["compared_cells"], &facts["cells_apart"]], [24, 0], "{facts}");
+    assert!(facts["relative_flux_difference"].as_f64().unwrap().abs() < 0.01, "{facts}");
     assert!(folder.has("both/floor.csv") && folder.has("both/floor-integrated.csv"));
 
     let ran = folder
@@ -118,10 +166,9 @@ fn integration_names_materials_that_scatter() {
         folder.write("ball.pbrt", parts(material));
         let line = "illuminate ball.pbrt --room 2 2 2 --cells 1 -q -o ball --method integrate --json";
         let report = folder.succeed(line).json();
-        let left_out = &report["designs"][0]["how"]["left out by integration"];
+        let left_out = &report["designs"][0]["facts"]["scattering_materials"];
         // The walls of the room are one more.
-        let count = if scatters { "what 2 materials" } else { "what 1 material " };
-        assert!(left_out.as_str().unwrap().starts_with(count), "{material}: {left_out}");
+        assert_eq!(*left_out, if scatters { 2 } else { 1 }, "{material}");
     }
 }
 
