@@ -10,6 +10,9 @@ use glanz_sampling::warp;
 use super::flat_image::CELL_WEIGHTS;
 use crate::description::SphereMapping;
 
+/// Rows from which on a sum over pixels stands for an integral over the interpolated picture: its error decreases with the square of their number.
+const FINE_ROWS: usize = 256;
+
 /// A picture over all directions around a point.
 ///
 /// Pixels that are negative or not finite count as black.
@@ -149,7 +152,9 @@ impl SphereImage {
     /// Irradiance on a surface that faces z, by a picture of radiance.
     #[must_use]
     pub fn irradiance(&self) -> [f64; 3] {
-        self.integral(|direction| direction.z.max(0.0))
+        let fine = (self.height < FINE_ROWS)
+            .then(|| Self::of(self.mapping, FINE_ROWS, |direction| self.lookup(direction)));
+        fine.as_ref().unwrap_or(self).integral(|direction| direction.z.max(0.0))
     }
 
     /// Integral over solid angle of the picture times a weight by unit direction.
@@ -284,6 +289,18 @@ mod tests {
                 // Sums over 4096 pixels by their middles.
                 assert!((found - expected).abs() <= 2e-3 * expected, "{mapping:?}: {found} {expected}");
             }
+        }
+    }
+
+    #[test]
+    fn irradiance_of_a_small_picture_is_that_of_its_interpolation() {
+        // Two rows: light (1, 2, 3) down to 45 degrees from the pole, then less and less of it to 135. pi times the integral of sin 2t by the
+        // polar angle t is pi / 2 to 45 degrees, and with the factor 3/2 - 2t / pi it is pi / 4 + 1/2 from there to the horizon.
+        let pixels = Pixels::try_from_rgb(1, 2, &[[1.0, 2.0, 3.0], [0.0; 3]]).unwrap();
+        let image = SphereImage::new(&pixels, SphereMapping::LatitudeLongitude).unwrap();
+        for (found, times) in image.irradiance().into_iter().zip([1.0, 2.0, 3.0]) {
+            let expected = times * (0.75 * PI + 0.5);
+            assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
         }
     }
 

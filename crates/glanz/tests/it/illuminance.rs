@@ -71,17 +71,19 @@ fn portal_lets_its_part_of_the_illuminance_pass() {
 
 #[test]
 fn picture_of_ten_thousand_lux_gives_them_to_a_surface_that_faces_its_z_axis() {
-    // An upper half of a colour that fades to the right, over a lower half that no floor sees; the last row of the file is the top one. The sum over
-    // pixels errs by the inverse square of the number of rows.
-    let (columns, rows) = (128_u16, 64_u16);
-    let mut file = format!("PF\n{columns} {rows}\n-1\n").into_bytes();
-    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
-        let upper = [1.0_f32, 2.0, 4.0].map(|x| x * f32::from(columns - column));
-        let pixel = if 2 * row < rows { [99.0; 3] } else { upper };
-        file.extend(pixel.iter().flat_map(|x| x.to_le_bytes()));
+    // A small picture, and a large one: an upper half of a colour that fades to the right, over a lower half that a floor sees at the horizon alone. The
+    // last row of the file is the top one.
+    for [columns, rows] in [[8, 4], [512_u16, 256]] {
+        let mut file = format!("PF\n{columns} {rows}\n-1\n").into_bytes();
+        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+            let upper = [1.0_f32, 2.0, 4.0].map(|x| x * f32::from(columns - column));
+            let pixel = if 2 * row < rows { [9.0; 3] } else { upper };
+            file.extend(pixel.iter().flat_map(|x| x.to_le_bytes()));
+        }
+        std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("sky-{rows}.pfm")), file).unwrap();
+        let name = format!("\"string filename\" \"sky-{rows}.pfm\"");
+        let sky = format!("\"infinite\" {name} \"rgb L\" [1 3 2] \"float illuminance\" 10000");
+        assert_lux(&sky, 10_000.0);
+        assert_lux(&format!("{sky} \"float scale\" .5"), 5000.0);
     }
-    std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join("sky.pfm"), file).unwrap();
-    let sky = "\"infinite\" \"string filename\" \"sky.pfm\" \"rgb L\" [1 3 2] \"float illuminance\" 10000";
-    assert_lux(sky, 10_000.0);
-    assert_lux(&format!("{sky} \"float scale\" .5"), 5000.0);
 }
