@@ -56,6 +56,35 @@ pub enum AngularSystem {
     C,
 }
 
+impl AngularSystem {
+    /// Unit direction in the luminaire's frame of an azimuth and a polar angle, degrees; for type C these are C and gamma, for the others see
+    /// [`IntensityDistribution`].
+    #[must_use]
+    pub fn direction(self, azimuth: f64, polar: f64) -> DVec3 {
+        let (pole, zero, ninety) = self.axes();
+        let ((sin, cos), (sin_a, cos_a)) = (polar.to_radians().sin_cos(), azimuth.to_radians().sin_cos());
+        pole * cos + (zero * cos_a + ninety * sin_a) * sin
+    }
+
+    /// The inverse of [`AngularSystem::direction`] for a direction of any length: the azimuth is from -180 to 180, and 0 at the poles.
+    #[must_use]
+    pub fn angles(self, direction: DVec3) -> [f64; 2] {
+        let (pole, zero, ninety) = self.axes();
+        let (x, y) = (direction.dot(zero), direction.dot(ninety));
+        [y.atan2(x), x.hypot(y).atan2(direction.dot(pole))].map(f64::to_degrees)
+    }
+
+    /// The axis and the directions of azimuth 0 and 90 at polar angle 90.
+    fn axes(self) -> (DVec3, DVec3, DVec3) {
+        match self {
+            // Horizontal angles count counterclockwise seen from above for type C, clockwise for A and B.
+            Self::C => (DVec3::NEG_Z, DVec3::X, DVec3::Y),
+            Self::A => (DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y),
+            Self::B => (DVec3::Y, DVec3::NEG_Z, DVec3::X),
+        }
+    }
+}
+
 /// Symmetry by which the measured planes give the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
@@ -174,21 +203,17 @@ impl IntensityDistribution {
     /// Candela in a direction of any length in the luminaire's frame; 0 for the zero vector and NaN.
     #[must_use]
     pub fn intensity(&self, direction: DVec3) -> f64 {
-        let (pole, zero, ninety) = self.axes();
-        let (x, y) = (direction.dot(zero), direction.dot(ninety));
-        let polar = x.hypot(y).atan2(direction.dot(pole)).to_degrees();
+        let [azimuth, polar] = self.system.angles(direction);
         if !(polar.is_finite() && direction.length_squared() > 0.0) {
             return 0.0;
         }
-        self.at(y.atan2(x).to_degrees(), polar)
+        self.at(azimuth, polar)
     }
 
     /// Unit direction at angles in degrees.
     #[must_use]
     pub fn direction(&self, azimuth: f64, polar: f64) -> DVec3 {
-        let (pole, zero, ninety) = self.axes();
-        let ((sin, cos), (sin_a, cos_a)) = (polar.to_radians().sin_cos(), azimuth.to_radians().sin_cos());
-        pole * cos + (zero * cos_a + ninety * sin_a) * sin
+        self.system.direction(azimuth, polar)
     }
 
     /// Lumens: the integral of the interpolated intensity over all directions, exact up to rounding.
@@ -215,16 +240,6 @@ impl IntensityDistribution {
         }
         let valid = |value: &f64| value.is_finite() && *value >= 0.0;
         scaled.candela.iter().all(valid).then_some(scaled)
-    }
-
-    /// The axis and the directions of azimuth 0 and 90 at polar angle 90.
-    fn axes(&self) -> (DVec3, DVec3, DVec3) {
-        match self.system {
-            // Horizontal angles count counterclockwise seen from above for type C, clockwise for A and B.
-            AngularSystem::C => (DVec3::NEG_Z, DVec3::X, DVec3::Y),
-            AngularSystem::A => (DVec3::NEG_Z, DVec3::X, DVec3::NEG_Y),
-            AngularSystem::B => (DVec3::Y, DVec3::NEG_Z, DVec3::X),
-        }
     }
 
     /// The azimuth plus the multiple of 360 that puts it within the planes, if one does.
@@ -282,8 +297,10 @@ fn interval(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
     }
 }
 
-/// Integral of v sin t over the zone [a, b], in radians, with v linear from `at_a` to `at_b`.
-pub(super) fn zonal_integral(a: f64, b: f64, at_a: f64, at_b: f64) -> f64 {
+/// Integral of v sin t over the zone of polar angles t in [a, b], radians, with v linear from `at_a` to `at_b`; exact up to rounding, also in
+/// narrow zones.
+#[must_use]
+pub fn zonal_integral(a: f64, b: f64, at_a: f64, at_b: f64) -> f64 {
     let half = 0.5 * (b - a);
     let middle = 0.5 * (a + b);
     // cos a - cos b and (sin b - sin a) / (b - a), without cancellation for angles close together.

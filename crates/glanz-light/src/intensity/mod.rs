@@ -25,9 +25,11 @@
 //! # Ok::<(), glanz_light::intensity::IntensityError>(())
 //! ```
 
+mod beam;
 mod distribution;
 mod opening;
 mod sample;
 
-pub use distribution::{AngularSystem, IntensityDistribution, IntensityError, Symmetry};
+pub use beam::Beam;
+pub use distribution::{AngularSystem, IntensityDistribution, IntensityError, Symmetry, zonal_integral};
 pub use opening::{LuminousOpening, OpeningShape};
