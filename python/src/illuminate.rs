@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use glanz::illumination::{GridResolution, LuxMap, TraceGoal};
+use glanz::illumination::{AngleStep, FarFieldResolution, GridResolution, LuxMap, TraceGoal};
 use glanz::job::JobEnd;
 use glanz::math::DVec3;
 use glanz::report::{Fact, FactValue};
@@ -13,7 +13,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arguments::{Whole, by_name, parsed, positive, seconds};
+use crate::arguments::{Whole, by_name, parsed, positive, seconds, value_error};
 use crate::error::{LineOrigins, py_error, warn};
 use crate::job::{JobArguments, run_job};
 use crate::scene::PyScene;
@@ -24,6 +24,26 @@ pub(crate) struct PyIllumination {
     outcome: IlluminateOutcome,
     receivers: Py<PyDict>,
     integrated: Py<PyDict>,
+}
+
+/// Steps of gamma and of C, degrees.
+#[derive(FromPyObject)]
+enum AngleSteps {
+    Both(f64),
+    Each([f64; 2]),
+}
+
+impl AngleSteps {
+    fn resolution(&self) -> PyResult<FarFieldResolution> {
+        let [gamma, plane] = match *self {
+            Self::Both(step) => [step, step],
+            Self::Each(steps) => steps,
+        };
+        let step = |degrees| {
+            AngleStep::try_new(degrees).map_err(|error| value_error(format!("resolution: {error}")))
+        };
+        Ok(FarFieldResolution::Steps { gamma: step(gamma)?, plane: step(plane)? })
+    }
 }
 
 /// A map as `glanz.LuxMap`.
@@ -159,7 +179,8 @@ impl PyIllumination {
         saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
     }
 
-    /// Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``.
+    /// Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``. Interpolated between its angles,
+    /// it has the flux of that light; `summary` has its peak, angles and errors.
     fn save_far_field(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let saved = py.detach(|| self.outcome.save_far_field(&path));
         saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
@@ -185,7 +206,7 @@ impl PyScene {
     /// Computes the illuminance on receivers: shapes with the name of a receiver, and the walls of ``room``.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     #[pyo3(signature = (*, method="trace", particles=None, time_limit=None, error=None, tolerance=0.01, room=None, cells=None, texel=None,
-        far_field=false, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
+        far_field=false, resolution=None, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
     fn illuminate(
         &self,
         py: Python<'_>,
@@ -198,6 +219,7 @@ impl PyScene {
         cells: Option<Whole>,
         texel: Option<f64>,
         far_field: bool,
+        resolution: Option<AngleSteps>,
         seed: Option<Whole>,
         max_depth: Option<Whole>,
         part: Option<String>,
@@ -209,7 +231,7 @@ impl PyScene {
         let default = IlluminateOptions::default();
         let methods = [IlluminateMethod::Trace, IlluminateMethod::Integrate, IlluminateMethod::Both];
         let methods = methods.map(|method| (method, method.name()));
-        let resolution = match (cells, texel) {
+        let cell_size = match (cells, texel) {
             (Some(_), Some(_)) => return Err(PyValueError::new_err("cells and texel exclude each other")),
             (Some(cells), None) => GridResolution::Longer(cells.within("cells", 1..=MAX_RECEIVER_CELLS)?),
             (None, Some(texel)) => GridResolution::Texel(positive(texel, "texel")?),
@@ -227,10 +249,14 @@ impl PyScene {
             sides.iter().try_for_each(|side| positive(*side, "a side of room").map(drop))?;
             Ok::<_, PyErr>(DVec3::from_array(sides))
         });
+        if resolution.is_some() && !far_field {
+            return Err(PyValueError::new_err("resolution needs far_field=True"));
+        }
+        let steps = resolution.map(|steps| steps.resolution()).transpose()?;
         let depth = max_depth.map(|depth| depth.within("max_depth", 1..=u32::MAX)).transpose()?;
         let options = IlluminateOptions {
             room: room.transpose()?,
-            resolution,
+            resolution: cell_size,
             method: by_name(method, "method", methods)?,
             goal: TraceGoal {
                 particles: particles.map(|particles| particles.0),
@@ -239,7 +265,7 @@ impl PyScene {
             },
             part: part.map(|part| parsed(&part, "part")).transpose()?,
             tolerance: positive(tolerance, "tolerance")?,
-            far_field,
+            far_field: far_field.then(|| steps.unwrap_or_default()),
             seed: seed.map_or(default.seed, |seed| seed.0),
             max_depth: depth.unwrap_or(default.max_depth),
         };

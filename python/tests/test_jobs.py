@@ -272,6 +272,18 @@ def test_area_light_emits_the_flux_that_it_states() -> None:
     assert boxed.balance is not None and boxed.balance.emitted == pytest.approx(700, rel=1e-6)
 
 
+def test_far_field_has_the_resolution_asked_for(tmp_path: Path) -> None:
+    scene = SceneDescription(lights=[PointLight(I=1)]).load()
+    for resolution, counts in [(10, "36 planes with 19 gamma angles"), ((5, 90), "4 planes with 37 gamma angles"), (None, "24 planes with 37 gamma angles")]:
+        lamp = scene.illuminate(particles=20_000, far_field=True, resolution=resolution)
+        assert counts in lamp.summary()
+        lamp.save_far_field(tmp_path / "lamp.ldt")
+        assert (tmp_path / "lamp.ldt").stat().st_size > 1000
+    for arguments in ({"resolution": 5}, {"resolution": 0.01, "far_field": True}, {"resolution": (1, 91), "far_field": True}):
+        with pytest.raises(ValueError, match="resolution"):
+            scene.illuminate(particles=10, **arguments)  # type: ignore[arg-type]
+
+
 def test_unbounded_plane_is_no_receiver() -> None:
     scene = SceneDescription(lights=[PointLight(from_=(0, 0, 1))], shapes=[Plane(receiver="floor")]).load()
     with pytest.raises(glanz.GlanzError, match="no end"):

@@ -5,7 +5,8 @@
 //! - [`trace()`] traces particles from the lights and sums their flux in a [`Tally`];
 //! - [`integrate::Reflections`] integrates over emitters and their images in mirrors, deterministically;
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
-//! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction;
+//! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
+//!   ([`adapted_grid`] chooses the angles);
 //! - [`report`] turns them into tables, pictures, contours and pages.
 
 pub mod balance;
@@ -21,10 +22,10 @@ pub mod tally;
 pub mod trace;
 
 pub use balance::FluxBalance;
-pub use far_field::{FarField, FarFieldGrid};
+pub use far_field::{AngleStep, AngleStepError, FarField, FarFieldGrid, FarFieldResolution, FarFieldSummary};
 pub use lux_map::{LuxMap, LuxStatistics, LuxSummary};
 pub use receiver::{GridResolution, Receiver, ReceiverError, ReceiverRequest, Receivers};
 pub use replicates::ReplicateEstimate;
 pub use room::add_walls;
 pub use tally::Tally;
-pub use trace::{ThreadsError, TraceGoal, TraceOutcome, TraceSettings, trace};
+pub use trace::{ThreadsError, TraceGoal, TraceOutcome, TraceSettings, adapted_grid, trace};

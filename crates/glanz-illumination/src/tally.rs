@@ -63,7 +63,7 @@ impl FluxSums {
 /// Sums of the flux that particles carried to the receivers of a scene, and the balance of the rest.
 ///
 /// Sums are exact: they depend on the traced particles, not on order or threads. Each of 16 replicates of the particles has its own.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Tally {
     pub(crate) particles: ParticleRanges,
     pub(crate) far_field: Option<FarFieldGrid>,
@@ -75,7 +75,7 @@ impl Tally {
     /// A tally without particles. `far_field`: the grid by which escaped light is counted by direction, if requested.
     #[must_use]
     pub fn new(receivers: &Receivers, far_field: Option<FarFieldGrid>) -> Self {
-        let bins = far_field.map_or(0, |grid| grid.bins());
+        let bins = far_field.as_ref().map_or(0, FarFieldGrid::bins);
         let sums = FluxSums::new(receivers.cell_count(), receivers.as_slice().len(), bins);
         Self { particles: ParticleRanges::default(), far_field, replicates: vec![sums; REPLICATES] }
     }
@@ -86,10 +86,11 @@ impl Tally {
         &self.particles
     }
 
-    /// Whether it counts the light of these receivers and directions.
+    /// Whether it counts the light of these receivers, and escaped light by direction if `far_field`.
     #[must_use]
-    pub fn fits(&self, receivers: &Receivers, far_field: Option<FarFieldGrid>) -> bool {
-        self.shape() == (receivers.as_slice().len(), receivers.cell_count(), far_field)
+    pub fn fits(&self, receivers: &Receivers, far_field: bool) -> bool {
+        let (count, cells, grid) = self.shape();
+        (count, cells, grid.is_some()) == (receivers.as_slice().len(), receivers.cell_count(), far_field)
     }
 
     /// Whether two tallies have the same numbers of receivers and cells, and the same directions.
@@ -99,10 +100,10 @@ impl Tally {
     }
 
     /// Numbers of receivers and cells, and the directions.
-    fn shape(&self) -> (usize, usize, Option<FarFieldGrid>) {
+    fn shape(&self) -> (usize, usize, Option<&FarFieldGrid>) {
         let [receivers, cells] =
             self.replicates.first().map_or([0; 2], |sums| [sums.other_sides.len(), sums.cells.len()]);
-        (receivers, cells, self.far_field)
+        (receivers, cells, self.far_field.as_ref())
     }
 
     /// Adds a tally of other particles for the same receivers; the sums have the bits of one tally of all particles.
@@ -218,15 +219,16 @@ impl Tally {
     /// Intensities of the escaped light, if it was counted by direction.
     #[must_use]
     pub fn far_field(&self) -> Option<FarField> {
-        let (grid, counts) = (self.far_field?, ReplicateCounts::of(&self.particles));
+        let (grid, counts) = (self.far_field.as_ref()?, ReplicateCounts::of(&self.particles));
+        let one = self.balance().emitted / self.particles.total().max(1) as f64;
         let value = |bin: usize| {
             let sum = |replicate: usize| self.replicates[replicate].bins[bin].to_f64();
             let ReplicateEstimate { value, error, .. } = counts.estimate(&counts.means(sum));
             let solid_angle = grid.solid_angle(bin);
-            (value / solid_angle, error / solid_angle)
+            (value / solid_angle, if value > 0.0 { error } else { one } / solid_angle)
         };
-        let (candela, errors) = (0..grid.bins()).map(value).unzip();
-        Some(FarField { grid, candela, errors })
+        let (means, errors): (Vec<f64>, _) = (0..grid.bins()).map(value).unzip();
+        Some(FarField { grid: grid.clone(), candela: grid.centred(&means), errors })
     }
 }
 
@@ -245,14 +247,14 @@ pub(crate) struct CellLux {
 /// Adds particles, several of which are on their way, to the sums of a replicate.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
-    far_field: Option<FarFieldGrid>,
+    far_field: Option<&'a FarFieldGrid>,
     wavelengths: Wavelengths,
     sums: FluxSums,
 }
 
 impl<'a> ThreadTally<'a> {
-    pub(crate) fn new(receivers: &'a Receivers, far_field: Option<FarFieldGrid>) -> Self {
-        let bins = far_field.map_or(0, |grid| grid.bins());
+    pub(crate) fn new(receivers: &'a Receivers, far_field: Option<&'a FarFieldGrid>) -> Self {
+        let bins = far_field.map_or(0, FarFieldGrid::bins);
         let sums = FluxSums::new(receivers.cell_count(), receivers.as_slice().len(), bins);
         Self { receivers, far_field, wavelengths: Wavelengths::default(), sums }
     }
@@ -297,10 +299,11 @@ impl<'a> ThreadTally<'a> {
             ParticleFate::Escaped { ray, power } => {
                 let lumens = self.lumens(power);
                 self.sums.escaped.add(lumens);
-                if let Some(grid) = self.far_field
-                    && let Some(sum) = self.sums.bins.get_mut(grid.bin(ray.direction))
-                {
-                    sum.add(lumens);
+                let weights = self.far_field.iter().flat_map(|grid| grid.weights(ray.direction));
+                for (bin, weight) in weights.filter(|(_, weight)| *weight > 0.0) {
+                    if let Some(sum) = self.sums.bins.get_mut(bin) {
+                        sum.add(lumens * weight);
+                    }
                 }
             }
             ParticleFate::GivenUp(power) => {

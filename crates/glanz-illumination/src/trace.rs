@@ -6,10 +6,14 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobPart, JobProgress, ProgressSink, WorkCount};
+use glanz_light::Wavelengths;
+use glanz_light::units::photometric;
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
-use glanz_transport::{Counters, ParticleTracer};
+use glanz_transport::{Counters, ParticleFate, ParticlePath, ParticleTracer};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use crate::far_field::{EscapedLight, FarFieldGrid};
 use crate::receiver::Receivers;
 use crate::replicates::{REPLICATES, first_in_replicate};
 use crate::tally::{CellLux, Tally, ThreadTally};
@@ -19,6 +23,9 @@ const BLOCK: u64 = 1 << 10;
 
 /// Largest number of particles, far from an overflow of the counter that threads share.
 const MAX_PARTICLES: u64 = 1 << 63;
+
+/// Blocks of particles that show which directions need a fine grid.
+const PILOT_BLOCKS: u64 = 1 << 8;
 
 /// Wall time of a round, after which progress is reported and cancelling takes effect.
 const ROUND_SECONDS: f64 = 0.5;
@@ -203,7 +210,7 @@ fn round(
     tally: &mut Tally,
     range: Range<u64>,
 ) -> Counters {
-    let far_field = tally.far_field;
+    let far_field = tally.far_field.clone();
     let numbers =
         |replicate| first_in_replicate(replicate, range.start)..first_in_replicate(replicate, range.end);
     // Blocks of one replicate after the other, so that a thread seldom changes it. Replicates differ by one particle at most.
@@ -214,7 +221,7 @@ fn round(
         sums.lock().unwrap_or_else(PoisonError::into_inner).add_sums(replicate, &thread.take());
     };
     let works = rayon::broadcast(|_| {
-        let mut thread = ThreadTally::new(receivers, far_field);
+        let mut thread = ThreadTally::new(receivers, far_field.as_ref());
         let mut tracer = ParticleTracer::new(scene, settings.max_events);
         let mut counters = Counters::default();
         let mut current = None;
@@ -246,6 +253,40 @@ fn round(
     let mut counters = Counters::default();
     works.into_iter().for_each(|work| counters.merge(work));
     counters
+}
+
+/// A grid of directions that is fine where the intensity of light that leaves the scene bends.
+///
+/// Particles that [`trace`] does not trace show where that is. The grid depends on the scene, the seed and the largest number of scattering
+/// events alone, so that tallies of all parts of a calculation have the same. `None` if it was cancelled. Between its angles, linear interpolation misses
+/// smooth intensities by about one per cent of the peak; edges of beams are as sharp as a sixtieth of their light allows.
+///
+/// # Errors
+/// [`ThreadsError`].
+pub fn adapted_grid(
+    scene: &Scene,
+    settings: &TraceSettings,
+    cancel: &CancelFlag,
+) -> Result<Option<FarFieldGrid>, ThreadsError> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
+    let (wavelengths, new) = (Wavelengths::default(), || ParticleTracer::new(scene, settings.max_events));
+    let block = |tracer: &mut ParticleTracer<'_>, number: u64| -> Vec<EscapedLight> {
+        if cancel.is_cancelled() {
+            return Vec::new();
+        }
+        let first = particle_sampler(settings.seed, REPLICATES, number * BLOCK);
+        tracer.trace(first, BLOCK as u32, &mut Counters::default(), |_, _| {});
+        let escaped = |path: ParticlePath| match path.end {
+            ParticleFate::Escaped { ray, power } => {
+                Some(EscapedLight::new(ray.direction, photometric(power, &wavelengths)))
+            }
+            ParticleFate::Absorbed | ParticleFate::GivenUp(_) => None,
+        };
+        tracer.paths().flatten().filter_map(escaped).collect()
+    };
+    // In the order of their numbers, whatever thread traced them.
+    let blocks = pool.install(|| (0..PILOT_BLOCKS).into_par_iter().map_init(new, block).collect::<Vec<_>>());
+    Ok((!cancel.is_cancelled()).then(|| FarFieldGrid::adapted(&blocks.concat())))
 }
 
 /// The sampler of a particle by its number in the sequence of its replicate: a scramble for every 2^32 particles of each.

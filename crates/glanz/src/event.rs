@@ -107,6 +107,18 @@ pub enum Warning {
         /// Number of all cells.
         cells: u64,
     },
+    /// A beam that is too narrow for the angles by which light that leaves the scene is counted.
+    CoarseFarField {
+        /// Angle within which its intensity is at least half of the peak, degrees.
+        beam: f64,
+        /// Step of the angles there, degrees.
+        step: f64,
+    },
+    /// Large errors of the light that leaves the scene by direction.
+    NoisyFarField {
+        /// Largest relative standard error of intensities of at least a tenth of the peak.
+        error: f64,
+    },
     /// A receiver that receives light only on the side that is not counted.
     DarkSide {
         /// Name of the receiver.
@@ -199,6 +211,19 @@ impl fmt::Display for Warning {
                 grouped(*whole),
                 plural(*cells, "cell", "cells"),
                 grouped(*part)
+            ),
+            Self::CoarseFarField { beam, step } => write!(
+                f,
+                "the beam of the light that leaves the scene is {} degrees wide, and the angles of its intensities are {} \
+                 degrees apart, too far to show its peak and its width: smaller steps do, and so does the default",
+                significant(*beam),
+                significant(*step)
+            ),
+            Self::NoisyFarField { error } => write!(
+                f,
+                "intensities of the light that leaves the scene, of at least a tenth of the peak, have standard errors of up to {:.0} %; more \
+                 particles or larger steps are needed",
+                100.0 * error
             ),
             Self::DarkSide { receiver, other_side } => write!(
                 f,

@@ -124,7 +124,8 @@ class Illumination:
     def save(self, folder: _Path) -> list[pathlib.Path]:
         """Writes the reports, and for each receiver table (CSV), numbers (EXR), false colours (PNG) and isolux lines (SVG); returns the paths."""
     def save_far_field(self, path: _Path) -> None:
-        """Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``."""
+        """Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``. Interpolated between its angles,
+        it has the flux of that light; `summary` has its peak, angles and errors."""
     def to_pandas(self) -> Any:
         """One row for each cell of all receivers, see `LuxMap.to_pandas`."""
     def _repr_html_(self) -> str: ...
@@ -313,6 +314,7 @@ class Scene:
         cells: int | None = None,
         texel: float | None = None,
         far_field: bool = False,
+        resolution: float | tuple[float, float] | None = None,
         seed: int | None = None,
         max_depth: int | None = None,
         part: str | None = None,
@@ -338,6 +340,8 @@ class Scene:
             Cells along the longer side (64) of receivers without their own, or the length of a cell, m.
         far_field
             Whether the directions of light that leaves the scene are counted.
+        resolution
+            Steps of gamma and of C for this, or one number for both, degrees; without it they are small where the intensity changes.
         seed
             Another seed gives another, independent result.
         max_depth

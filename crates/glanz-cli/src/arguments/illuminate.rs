@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum, ValueHint};
-use glanz::illumination::{GridResolution, TraceGoal};
+use glanz::illumination::{AngleStep, FarFieldResolution, GridResolution, TraceGoal};
 use glanz::scene::description::MAX_RECEIVER_CELLS;
 use glanz::{IlluminateMethod, IlluminateOptions};
 use glanz_terminal::values::{positive, seconds};
@@ -34,11 +34,17 @@ relative to a tenth of the mean at least, since a cell in full shadow would neve
 lights in the mirrors, without noise: direct light, and light after one reflection. \"both\" also
 compares the two.
 
+Photometric files are interpolated linearly between their angles. --far-field counts the light
+for this: a file has the flux that left the scene, and its angles are dense where the intensity
+bends with direction, for which particles of their own are traced first. report.html and
+summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
+
 Examples:
   glanz illuminate office.pbrt -o office
   glanz illuminate reflector.pbrt --room 10 10 10 -o lux --method both --time 60
   glanz illuminate old.pbrt --compare new.pbrt -o designs --texel 0.1
   glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --far-field lamp.ies
+  glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --resolution 2.5x15
 
   A third of the particles on each of three machines, with the bits of all particles on one:
   glanz illuminate office.pbrt --rays 900000000 --part 1/3 --checkpoint 1.lux
@@ -80,9 +86,13 @@ pub(crate) struct IlluminateArguments {
     #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with_all = ["checkpoint", "part"])]
     pub(crate) compare: Option<PathBuf>,
     /// Candela distribution of all light that leaves the scene, .ldt or .ies; -z is gamma 0 (repeat for several); every --part of the
-    /// calculation needs this option, too, and writes no file without -o
+    /// calculation needs this option and --resolution, too, and writes no file without -o
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "compare")]
     pub(crate) far_field: Vec<PathBuf>,
+    /// Steps of gamma and of C of --far-field, such as 2.5x15, or one number for both, degrees [default: small steps where the intensity
+    /// bends]
+    #[arg(long, value_name = "GAMMAxC", value_parser = steps, requires = "far_field")]
+    resolution: Option<FarFieldResolution>,
     /// Seed of the particles; another seed gives another, independent result
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
@@ -105,11 +115,23 @@ impl IlluminateArguments {
             goal: TraceGoal { particles: self.rays, time: self.time, error: self.error },
             part: self.part.part,
             tolerance: self.tolerance,
-            far_field: !self.far_field.is_empty(),
+            far_field: (!self.far_field.is_empty()).then(|| self.resolution.unwrap_or_default()),
             seed: self.seed,
             max_depth: self.max_depth,
         }
     }
+}
+
+/// Steps of gamma and of C, degrees.
+fn steps(text: &str) -> Result<FarFieldResolution, String> {
+    let (gamma, plane) = text.split_once(['x', 'X']).unwrap_or((text, text));
+    let step = |text: &str| {
+        let degrees = text
+            .parse()
+            .map_err(|_| "it must be one or two numbers of degrees, such as 2.5x15".to_owned())?;
+        AngleStep::try_new(degrees).map_err(|error| error.to_string())
+    };
+    Ok(FarFieldResolution::Steps { gamma: step(gamma)?, plane: step(plane)? })
 }
 
 /// Methods of computing the light.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glanz::file::FileUses;
-use glanz::formats::photometry::{self, IntensityDistribution, Photometry, PhotometryFormat};
+use glanz::formats::photometry::{self, AngularSystem, IntensityDistribution, Photometry, PhotometryFormat};
 use glanz::illumination::report::PolarPlot;
 use glanz::report::number::significant;
 use glanz_terminal::messages::{CommandError, Messages};
@@ -14,7 +14,7 @@ use crate::arguments::InfoArguments;
 use crate::command_error::command_error;
 use crate::report;
 
-/// Step of the angles at which the edge of a beam is searched, degrees.
+/// Step of the angles at which the brightest direction of a plane is searched, degrees.
 const BEAM_STEP: f64 = 0.1;
 
 /// The output of `--json`.
@@ -29,6 +29,8 @@ struct LuminaireReport {
     /// From the header: the flux of the luminaire in EULUMDAT, of its lamps in LM-63.
     header_flux_lm: Option<f64>,
     peak_cd: f64,
+    /// C and gamma of the largest intensity; null if all is dark.
+    peak_direction_degrees: Option<[f64; 2]>,
     /// Full angles within which the intensity is more than half, and a tenth, of the largest of the plane; planes C0 and C90.
     beam_angle_degrees: [Option<f64>; 2],
     field_angle_degrees: [Option<f64>; 2],
@@ -78,13 +80,8 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), C
 fn polar(photometry: &Photometry, path: &Path) -> PolarPlot {
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     // Plotted by C and gamma, independent of the system of its angles.
-    let candela = |c: f64, gamma: f64| photometry.intensity(by_c(c, gamma));
-    PolarPlot::sample(name, None, candela)
-}
-
-fn by_c(c: f64, gamma: f64) -> glanz::math::DVec3 {
-    let ((sin_c, cos_c), (sin, cos)) = (c.to_radians().sin_cos(), gamma.to_radians().sin_cos());
-    glanz::math::DVec3::new(sin * cos_c, sin * sin_c, -cos)
+    let candela = |c: f64, gamma: f64| photometry.intensity(AngularSystem::C.direction(c, gamma));
+    PolarPlot::sample(name, 0.0, photometry.distribution.polars(), candela)
 }
 
 fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<String>) -> LuminaireReport {
@@ -101,6 +98,11 @@ fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<S
         flux_lm: photometry.flux(),
         header_flux_lm: photometry.header_flux(),
         peak_cd: distribution.peak(),
+        peak_direction_degrees: distribution.beam().map(|beam| {
+            let [azimuth, polar] = beam.peak_angles;
+            let [c, gamma] = AngularSystem::C.angles(distribution.direction(azimuth, polar));
+            [c.rem_euclid(360.0), gamma]
+        }),
         beam_angle_degrees: angles(0.5),
         field_angle_degrees: angles(0.1),
         watts: photometry.input_watts,
@@ -117,14 +119,14 @@ fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<S
 /// The angle around the brightest direction of the plane of C `c` and its opposite, within which the intensity is at least
 /// `share` of the peak; `None` in a dark plane.
 fn full_angle(distribution: &IntensityDistribution, c: f64, share: f64) -> Option<f64> {
-    let at = |gamma: f64| distribution.intensity(by_c(c, gamma));
+    let at = |gamma: f64| distribution.intensity(AngularSystem::C.direction(c, gamma));
     let steps = (180.0 / BEAM_STEP) as i32;
-    let angle = |step: i32| f64::from(step) * BEAM_STEP;
-    let (top, peak) =
-        (-steps..=steps).map(|step| (step, at(angle(step)))).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let reach = |sign: i32| (1..=2 * steps).take_while(|i| at(angle(top + sign * i)) >= share * peak).count();
-    let full = (reach(1) + reach(-1)) as f64 * BEAM_STEP;
-    (peak > 0.0).then_some(full.min(360.0))
+    let even = (-steps..=steps).map(|step| f64::from(step) * BEAM_STEP);
+    // A narrow beam has its peak at one of the angles of the file.
+    let own = distribution.polars().iter().flat_map(|polar| [-polar, *polar]);
+    let (top, peak) = even.chain(own).map(|gamma| (gamma, at(gamma))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let [start, side] = [top, top + 90.0].map(|gamma| AngularSystem::C.direction(c, gamma));
+    (peak > 0.0).then(|| distribution.full_angle(start, side, share * peak))
 }
 
 fn text(report: &LuminaireReport) -> String {
@@ -145,9 +147,12 @@ fn text(report: &LuminaireReport) -> String {
         }
         None => line("header", "no flux"),
     }
-    line("peak", &format!("{} cd", significant(report.peak_cd)));
+    let at = |[c, gamma]: [f64; 2]| format!(" at C {}, gamma {}", significant(c), significant(gamma));
+    let direction = report.peak_direction_degrees.map_or_else(String::new, at);
+    line("peak", &format!("{} cd{direction}", significant(report.peak_cd)));
     let angles = |[c0, c90]: [Option<f64>; 2]| {
-        let angle = |a: Option<f64>| a.map_or("-".to_owned(), |a| format!("{a:.0}"));
+        let digits = |a: f64| if a < 10.0 { significant(a) } else { format!("{a:.0}") };
+        let angle = |a: Option<f64>| a.map_or("-".to_owned(), digits);
         format!("{} degrees in C0-C180, {} in C90-C270", angle(c0), angle(c90))
     };
     line("beam, 50 %", &angles(report.beam_angle_degrees));

@@ -2,7 +2,7 @@
 
 use glanz_report::svg::escaped;
 
-use super::text::{calculation, closing, flux, intervals, receivers};
+use super::text::{calculation, closing, far_field, flux, intervals, receivers};
 use super::{LuxComparison, LuxReport, PolarPlot, isolux, lux_scale};
 
 /// Colours of the light or dark theme, whichever the reader prefers; on paper always dark on white.
@@ -104,7 +104,9 @@ fn polars(heading: &str, report: &LuxReport) -> String {
     if report.polars.is_empty() {
         return String::new();
     }
-    format!("<h2>{heading}</h2>\n{}", figures(report.polars.iter().map(PolarPlot::svg)))
+    let figures = figures(report.polars.iter().map(PolarPlot::svg));
+    let table = report.far_field.as_ref().map_or_else(String::new, |far| far_field(far).html());
+    format!("<h2>{heading}</h2>\n{figures}{table}")
 }
 
 fn figures(drawings: impl Iterator<Item = String>) -> String {
@@ -138,8 +140,9 @@ mod tests {
             title: title.into(),
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 500.0, escaped: 500.0, ..FluxBalance::default() }),
+            far_field: None,
             facts,
-            polars: vec![PolarPlot::sample(NASTY, None, |_, _| 1.0)],
+            polars: vec![PolarPlot::sample(NASTY, 0.0, &[], |_, _| 1.0)],
         }
     }
 

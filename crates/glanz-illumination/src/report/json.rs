@@ -24,11 +24,12 @@ impl<'a> ReceiverSummary<'a> {
 
 impl Serialize for LuxReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("Report", 4)?;
+        let mut fields = serializer.serialize_struct("Report", 5)?;
         fields.serialize_field("title", &self.title)?;
         fields
             .serialize_field("receivers", &self.maps.iter().map(ReceiverSummary::of).collect::<Vec<_>>())?;
         fields.serialize_field("flux_balance", &self.balance)?;
+        fields.serialize_field("far_field", &self.far_field)?;
         fields.serialize_field("facts", &self.facts)?;
         fields.end()
     }
@@ -37,7 +38,7 @@ impl Serialize for LuxReport {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FluxBalance;
+    use crate::{FarFieldSummary, FluxBalance};
     use glanz_math::DVec3;
     use glanz_report::{FactList, FactValue};
 
@@ -60,6 +61,20 @@ mod tests {
             title: "office".into(),
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 400.0, escaped: 400.0, ..FluxBalance::default() }),
+            far_field: Some(FarFieldSummary {
+                flux: 400.0,
+                peak: 900.0,
+                peak_error: 9.0,
+                peak_shortfall: 7.0,
+                peak_direction: [30.0, 10.0],
+                middle: [31.0, 11.0],
+                beam_angles: [20.0, 21.0],
+                field_angles: [40.0, 42.0],
+                largest_relative_error: 0.05,
+                planes: 24,
+                gammas: 37,
+                steps: [5.0, 3.0],
+            }),
             facts,
             polars: Vec::new(),
         };
@@ -78,12 +93,15 @@ mod tests {
                 "emitted_lm": 400.0, "absorbed_by_receivers_lm": 0.0, "absorbed_elsewhere_lm": 0.0,
                 "escaped_lm": 400.0, "given_up_lm": 0.0, "closes_to": 0.0,
             },
+            "far_field": {
+                "flux_lm": 400.0, "peak_cd": 900.0, "peak_error_cd": 9.0, "peak_shortfall_cd": 7.0, "peak_direction_degrees": [30.0, 10.0],
+                "middle_degrees": [31.0, 11.0], "beam_angles_degrees": [20.0, 21.0], "field_angles_degrees": [40.0, 42.0],
+                "largest_relative_error": 0.05, "planes": 24, "gammas": 37, "steps_degrees": [5.0, 3.0],
+            },
             "facts": { "method": "trace", "seconds": 1.5 },
         });
         assert_eq!(serde_json::to_value(&report).unwrap(), expected);
-        assert_eq!(
-            serde_json::to_value(LuxReport::default()).unwrap()["flux_balance"],
-            serde_json::Value::Null
-        );
+        let empty = serde_json::to_value(LuxReport::default()).unwrap();
+        assert!(empty["flux_balance"].is_null() && empty["far_field"].is_null());
     }
 }

@@ -41,7 +41,7 @@ mod text;
 
 use glanz_report::FactList;
 
-use crate::{FluxBalance, LuxMap};
+use crate::{FarFieldSummary, FluxBalance, LuxMap};
 
 pub use compare::{LuxComparison, ReceiverPair};
 pub use csv::csv;
@@ -53,8 +53,9 @@ pub use scale::lux_scale;
 /// The results of a calculation of illuminance.
 ///
 /// Its fields in JSON: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
-/// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `facts`, an object of
-/// the facts by their keys. Numbers that are not finite, which JSON cannot represent, become null.
+/// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `far_field` with
+/// the fields of [`FarFieldSummary`] or null; `facts`, an object of the facts by their
+/// keys. Numbers that are not finite, which JSON cannot represent, become null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LuxReport {
     /// The name of the design.
@@ -63,6 +64,8 @@ pub struct LuxReport {
     pub maps: Vec<LuxMap>,
     /// Balance of the flux; `None` for an integration of illuminance, which does not determine it.
     pub balance: Option<FluxBalance>,
+    /// Figures of the light that left the scene, if it was counted by direction.
+    pub far_field: Option<FarFieldSummary>,
     /// Facts about the calculation: program, scene, settings, particles, time.
     pub facts: FactList,
     /// Candela distributions of the whole optic or of its lamps.

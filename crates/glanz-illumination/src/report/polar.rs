@@ -4,7 +4,7 @@ use glanz_report::Svg;
 use glanz_report::number::{significant, tick_label, ticks};
 use glanz_report::svg::{escaped, shortened};
 
-/// Degrees of gamma between points of a curve.
+/// Largest angle of gamma, degrees, between points of a curve.
 const STEP: f64 = 0.5;
 
 /// The upper half is drawn if an intensity above the horizontal exceeds this fraction of the largest.
@@ -16,37 +16,46 @@ const WIDTH: f64 = 540.0;
 const RADIUS: f64 = 200.0;
 const TOP: f64 = 56.0;
 
-/// The planes and how they are drawn: first and opposite half plane in degrees of C, name, colour of @okabe2008, dashes.
-const PLANES: [([f64; 2], &str, &str, &str); 2] = [
-    ([0.0, 180.0], "C0 - C180", "#d55e00", ""),
-    ([90.0, 270.0], "C90 - C270", "#0072b2", " stroke-dasharray=\"7 4\""),
-];
+/// How the two planes are drawn: degrees of C from the first one, colour of @okabe2008, dashes.
+const PLANES: [(f64, &str, &str); 2] = [(0.0, "#d55e00", ""), (90.0, "#0072b2", " stroke-dasharray=\"7 4\"")];
 
-/// A polar plot of a candela distribution: the planes C0-C180 and C90-C270 over gamma, 0 degrees down, C0 and C90 to
+/// A polar plot of a candela distribution: a plane of C and the one across it over gamma, 0 degrees down, the first half of each plane to
 /// the right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PolarPlot {
     title: String,
-    /// For each plane, cd at gamma from 0 to 180 degrees in its first and its opposite half.
+    /// For each plane, C of its first and its opposite half, degrees.
+    halves: [[f64; 2]; 2],
+    /// Degrees, ascending from 0 to 180.
+    gammas: Vec<f64>,
+    /// For each plane, cd by gamma in its first and its opposite half.
     planes: [[Vec<f64>; 2]; 2],
-    flux: Option<f64>,
 }
 
 impl PolarPlot {
-    /// Samples a distribution at every half degree of the four half planes.
+    /// Samples a distribution in the half planes of C `plane`, `plane` + 180, `plane` + 90 and `plane` + 270 degrees, at every half degree of
+    /// gamma and at `gammas`, degrees, where it may bend in between; those outside [0, 180] are left out.
     ///
-    /// `candela`: luminous intensity in cd at C in {0, 90, 180, 270} and gamma in [0, 180], both in degrees; negative values
-    /// and those that are not finite count as 0. With a `flux` above zero, in lm, the plot is in cd/klm.
+    /// `candela`: luminous intensity in cd at C in [0, 360) and gamma in [0, 180], both in degrees; negative values and those that are not finite
+    /// count as 0.
     #[must_use]
-    pub fn sample(title: impl Into<String>, flux: Option<f64>, candela: impl Fn(f64, f64) -> f64) -> Self {
-        let flux = flux.filter(|lumens| lumens.is_finite() && *lumens > 0.0);
-        let factor = flux.map_or(1.0, |lumens| 1000.0 / lumens);
-        let half = |c: f64| -> Vec<f64> {
-            let of = |step: u32| candela(c, STEP * f64::from(step)) * factor;
-            let count = (180.0 / STEP) as u32;
-            (0..=count).map(of).map(|v| if v > 0.0 && v.is_finite() { v } else { 0.0 }).collect()
-        };
-        Self { title: title.into(), planes: PLANES.map(|(halves, ..)| halves.map(half)), flux }
+    pub fn sample(
+        title: impl Into<String>,
+        plane: f64,
+        gammas: &[f64],
+        candela: impl Fn(f64, f64) -> f64,
+    ) -> Self {
+        let even = (0..=(180.0 / STEP) as u32).map(|step| STEP * f64::from(step));
+        let own = gammas.iter().copied().filter(|gamma| (0.0..=180.0).contains(gamma));
+        let mut gammas: Vec<f64> = even.chain(own).collect();
+        gammas.sort_by(f64::total_cmp);
+        gammas.dedup();
+        let halves =
+            PLANES.map(|(turn, ..)| [0.0, 180.0].map(|half| (plane + turn + half).rem_euclid(360.0)));
+        let bright = |value: f64| if value > 0.0 && value.is_finite() { value } else { 0.0 };
+        let half = |c: f64| gammas.iter().map(|&gamma| bright(candela(c, gamma))).collect();
+        let planes = halves.map(|halves| halves.map(half));
+        Self { title: title.into(), halves, gammas, planes }
     }
 
     /// The title.
@@ -60,45 +69,60 @@ impl PolarPlot {
     pub fn svg(&self) -> String {
         let all = || self.planes.iter().flatten();
         let peak = all().flatten().copied().fold(0.0, f64::max);
-        let level = (90.0 / STEP) as usize;
-        let upward = all().flat_map(|half| half.iter().skip(level + 1)).copied().fold(0.0, f64::max);
+        let below = self.gammas.partition_point(|&gamma| gamma <= 90.0);
+        let upward = all().flat_map(|half| half.iter().skip(below)).copied().fold(0.0, f64::max);
         let is_full = upward > UPWARD * peak;
         let centre = TOP + if is_full { RADIUS + 30.0 } else { 26.0 };
         let (rings, outermost) = rings(peak);
         let bottom = centre + RADIUS + 34.0;
-        let unit = if self.flux.is_some() { "cd/klm" } else { "cd" };
         let mut svg = Svg::new([WIDTH, bottom + 62.0], &self.title);
         svg.text([12.0, 26.0], "start", "font-size=\"16\"", &shortened(&self.title, 52));
-        svg.text([12.0, 46.0], "start", "", unit);
+        svg.text([12.0, 46.0], "start", "", "cd");
         spokes(&mut svg, centre, is_full);
         let pixels = RADIUS / outermost;
         ring_lines(&mut svg, centre, is_full, &rings, pixels);
-        for ([first, opposite], (_, name, colour, dashes)) in self.planes.iter().zip(PLANES) {
-            let place = |(step, value): (usize, &f64), side: f64| {
-                let gamma = (STEP * step as f64).to_radians();
-                [MIDDLE + side * value * pixels * gamma.sin(), centre + value * pixels * gamma.cos()]
+        for (([first, opposite], name), (_, colour, dashes)) in
+            self.planes.iter().zip(self.plane_names()).zip(PLANES)
+        {
+            let place = |(gamma, value): (&f64, &f64), side: f64| {
+                let (sin, cos) = gamma.to_radians().sin_cos();
+                [MIDDLE + side * value * pixels * sin, centre + value * pixels * cos]
             };
-            let shown = if is_full { first.len() } else { level + 1 };
-            let right = first.iter().enumerate().take(shown).map(|at| place(at, 1.0));
-            let left = opposite.iter().enumerate().take(shown).skip(1).map(|at| place(at, -1.0));
+            let shown = if is_full { first.len() } else { below };
+            let right = self.gammas.iter().zip(first).take(shown).map(|at| place(at, 1.0));
+            let left = self.gammas.iter().zip(opposite).take(shown).skip(1).map(|at| place(at, -1.0));
             let points: Vec<[f64; 2]> = left.rev().chain(right).collect();
-            svg.element(format_args!("<g><title>{}</title>", escaped(name)));
+            svg.element(format_args!("<g><title>{}</title>", escaped(&name)));
             svg.line(&points, colour, &format!("stroke-width=\"2.2\" stroke-linejoin=\"round\"{dashes}"));
             svg.element(format_args!("</g>"));
         }
         ring_labels(&mut svg, centre, &rings, pixels);
-        self.legend(&mut svg, bottom, peak, unit);
+        self.legend(&mut svg, bottom, peak);
         svg.finish()
     }
 
-    fn legend(&self, svg: &mut Svg, bottom: f64, peak: f64, unit: &str) {
-        for ((_, name, colour, dashes), left) in PLANES.into_iter().zip([12.0, 180.0]) {
+    /// Names of the half planes, to a tenth of a degree.
+    fn names(&self) -> [[String; 2]; 2] {
+        self.halves
+            .map(|halves| halves.map(|c| format!("C{}", ((10.0 * c).round() / 10.0).rem_euclid(360.0))))
+    }
+
+    /// Names of the planes.
+    fn plane_names(&self) -> [String; 2] {
+        self.names().map(|names| names.join(" - "))
+    }
+
+    fn legend(&self, svg: &mut Svg, bottom: f64, peak: f64) {
+        for (((_, colour, dashes), name), left) in
+            PLANES.into_iter().zip(self.plane_names()).zip([12.0, 180.0])
+        {
             svg.line(&[[left, bottom + 12.0], [left + 36.0, bottom + 12.0]], colour, dashes);
-            svg.text([left + 44.0, bottom + 16.5], "start", "", name);
+            svg.text([left + 44.0, bottom + 16.5], "start", "", &name);
         }
-        let flux = self.flux.map_or_else(String::new, |lumens| format!(", of {} lm", significant(lumens)));
-        let largest = format!("Largest in these planes: {} {unit}{flux}.", significant(peak));
-        let words = [largest.as_str(), "0 degrees is down; C0 and C90 are at the right."];
+        let [[first, _], [across, _]] = self.names();
+        let largest = format!("Largest in these planes: {} cd.", significant(peak));
+        let right = format!("0 degrees is down; {first} and {across} are at the right.");
+        let words = [&largest, &right];
         for (row, words) in words.into_iter().enumerate() {
             svg.text([12.0, bottom + 38.0 + 16.0 * row as f64], "start", "font-size=\"12\"", words);
         }
@@ -180,7 +204,7 @@ mod tests {
 
     #[test]
     fn a_lambertian_lamp_is_a_circle_below_the_middle() {
-        let polar = PolarPlot::sample("disk", None, |_, gamma| 500.0 * gamma.to_radians().cos().max(0.0));
+        let polar = PolarPlot::sample("disk", 0.0, &[], |_, gamma| 500.0 * gamma.to_radians().cos().max(0.0));
         let svg = polar.svg();
         // The outermost ring of 500 cd has 200 pixels: r = 200 cos gamma is the circle of radius 100 around (270, 182).
         for curve in curves(&svg) {
@@ -196,17 +220,30 @@ mod tests {
     }
 
     #[test]
-    fn c0_is_on_the_right_and_intensities_are_per_kilolumen() {
-        // 100 cd in the half plane C0 only, also upwards; 4000 lm.
-        let polar = PolarPlot::sample("<b>", Some(4000.0), |c, _| if c == 0.0 { 100.0 } else { 0.0 });
+    fn first_half_of_a_plane_is_on_the_right() {
+        // 100 cd in one half plane only, also upwards.
+        let polar = PolarPlot::sample("<b>", 300.0, &[], |c, _| if c == 300.0 { 100.0 } else { 0.0 });
         let svg = polar.svg();
-        assert!(svg.contains("cd/klm") && svg.contains("&lt;b&gt;") && svg.contains(">180\u{b0}</text>"));
+        assert!(svg.contains("&lt;b&gt;") && svg.contains(">180\u{b0}</text>"));
+        for words in [">C300 - C120<", ">C30 - C210<", "C300 and C30 are at the right"] {
+            assert!(svg.contains(words), "{words}");
+        }
         let [across, along] = &curves(&svg)[..] else { panic!("two curves") };
-        // 25 cd/klm on the ring of 25: 200 pixels around (270, 286), all to the right.
+        // 100 cd on the ring of 100: 200 pixels around (270, 286), all to the right.
         assert_eq!(across.iter().map(|[x, _]| *x).fold(0.0, f64::max), 470.0);
         assert_eq!(across.iter().map(|[x, _]| *x).fold(1e9, f64::min), 270.0);
         assert!(along.iter().all(|p| *p == [270.0, 286.0]));
-        assert!(!PolarPlot::sample("dark", Some(0.0), |_, _| f64::NAN).svg().contains("NaN"));
+        assert!(!PolarPlot::sample("dark", 0.0, &[], |_, _| f64::NAN).svg().contains("NaN"));
+    }
+
+    #[test]
+    fn curves_reach_the_peak_of_a_needle() {
+        // Within a tenth of a degree, between the even angles.
+        let needle = |_: f64, gamma: f64| if (10.2..10.3).contains(&gamma) { 50.0 } else { 0.0 };
+        let found = |gammas: &[f64]| {
+            PolarPlot::sample("needle", 0.0, gammas, needle).svg().contains("planes: 50.00 cd")
+        };
+        assert!(found(&[10.25, 200.0, f64::NAN]) && !found(&[]));
     }
 
     #[test]

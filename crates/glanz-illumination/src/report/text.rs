@@ -4,7 +4,7 @@ use glanz_report::number::significant;
 use glanz_report::{FactList, Table, TableCell};
 
 use super::{LuxComparison, LuxReport};
-use crate::{FluxBalance, LuxMap, LuxSummary};
+use crate::{FarFieldSummary, FluxBalance, LuxMap, LuxSummary};
 
 /// `words` with control characters replaced, so that they cannot control a terminal.
 pub(super) fn printable(words: &str) -> String {
@@ -12,7 +12,8 @@ pub(super) fn printable(words: &str) -> String {
 }
 
 impl LuxReport {
-    /// The summary for a terminal: the title, a line for each receiver, their intervals, the balance of the flux, and the facts.
+    /// The summary for a terminal: the title, a line for each receiver, their intervals, the balance of the flux, the light that
+    /// left the scene, and the facts.
     #[must_use]
     pub fn text(&self) -> String {
         let [receivers, intervals] =
@@ -20,6 +21,9 @@ impl LuxReport {
         let mut text = format!("{}\n\n{receivers}\n{intervals}", printable(&self.title));
         if let Some(balance) = &self.balance {
             text += &format!("\n{}{}\n", flux(balance).plain(), closing(balance));
+        }
+        if let Some(far) = &self.far_field {
+            text += &format!("\n{}", far_field(far).plain());
         }
         if !self.facts.is_empty() {
             text += &format!("\n{}", calculation(&self.facts).plain());
@@ -106,6 +110,32 @@ pub(super) fn closing(balance: &FluxBalance) -> String {
     format!("The balance closes to {} of what was emitted.", significant(balance.closes_to()))
 }
 
+/// Table of the light that left the scene.
+pub(super) fn far_field(far: &FarFieldSummary) -> Table {
+    let columns = [("quantity", "light that leaves the scene"), ("value", "")];
+    let mut table = Table::new("far_field", "Light that leaves the scene", &columns);
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let direction = |[c, gamma]: [f64; 2]| format!("C {}, gamma {}", significant(c), significant(gamma));
+    let angles = |[along, across]: [f64; 2]| {
+        format!("{} in the plane of the middle, {} across it", significant(along), significant(across))
+    };
+    for (quantity, value) in [
+        ("flux, lm", significant(far.flux)),
+        ("peak, cd", significant(far.peak)),
+        ("standard error of the peak", percent(far.peak_error / far.peak)),
+        ("peak may be larger by", percent(far.peak_shortfall / far.peak)),
+        ("largest standard error from a tenth of the peak", percent(far.largest_relative_error)),
+        ("direction of the peak, degrees", direction(far.peak_direction)),
+        ("middle of the beam, degrees", direction(far.middle)),
+        ("beam angle (half of the peak), degrees", angles(far.beam_angles)),
+        ("field angle (a tenth), degrees", angles(far.field_angles)),
+        ("angles", format!("{} planes with {} gamma angles each", far.planes, far.gammas)),
+    ] {
+        table.push([quantity.into(), TableCell::Text(value)]);
+    }
+    table
+}
+
 /// Table of the facts of the calculation.
 pub(super) fn calculation(facts: &FactList) -> Table {
     let columns = [("fact", "calculation"), ("value", "")];
@@ -148,6 +178,7 @@ mod tests {
             title: "office".into(),
             maps: vec![map("desk", [100.0, 300.0]), map("the \u{1b}[2Jwall", [0.0, 0.0])],
             balance: Some(balance),
+            far_field: None,
             facts,
             polars: Vec::new(),
         };

@@ -4,5 +4,6 @@
 
 mod closed_forms;
 mod common;
+mod far_field;
 mod receivers;
 mod tally;

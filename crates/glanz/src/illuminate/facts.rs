@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use chrono::DateTime;
-use glanz_illumination::GridResolution;
+use glanz_illumination::{FarFieldResolution, GridResolution};
 use glanz_job::{current_version, processor_name};
 use glanz_report::{FactList, FactValue};
 
@@ -64,7 +64,11 @@ impl CalculationFacts {
             }
             facts.push("seed", "seed", FactValue::Whole(options.seed));
             facts.push("largest depth", "max_depth", u64::from(options.max_depth));
-            facts.push("far field counted", "far_field", options.far_field);
+            facts.push("far field counted", "far_field", options.far_field.is_some());
+            if let Some(FarFieldResolution::Steps { gamma, plane }) = options.far_field {
+                facts.push("step of gamma, degrees", "far_field_gamma_degrees", gamma.degrees());
+                facts.push("step from plane to plane, degrees", "far_field_plane_degrees", plane.degrees());
+            }
         }
         Self { result: facts, run: FactList::default() }
     }

@@ -18,7 +18,7 @@ use std::time::Instant;
 
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
-    FarFieldGrid, GridResolution, ReceiverRequest, Receivers, Tally, TraceGoal, add_walls,
+    FarFieldResolution, GridResolution, ReceiverRequest, Receivers, Tally, TraceGoal, add_walls,
 };
 use glanz_job::{ContentHash, JobEnd, JobPart};
 use glanz_math::DVec3;
@@ -99,8 +99,8 @@ pub struct IlluminateOptions {
     pub part: Option<JobPart>,
     /// Relative error of the integration in every cell.
     pub tolerance: f64,
-    /// Whether to count the directions of light that leaves the scene, see [`IlluminateOutcome::save_far_field`].
-    pub far_field: bool,
+    /// Angles by which the light that leaves the scene is counted, see [`IlluminateOutcome::save_far_field`]; `None`: it is not.
+    pub far_field: Option<FarFieldResolution>,
     /// Seed of the particles; another seed gives another, independent result.
     pub seed: u64,
     /// Largest number of scattering events of a particle.
@@ -117,7 +117,7 @@ impl Default for IlluminateOptions {
             goal: TraceGoal::default(),
             part: None,
             tolerance: 0.01,
-            far_field: false,
+            far_field: None,
             seed: 0,
             max_depth: 1000,
         }
@@ -245,7 +245,7 @@ impl Design {
             job.warn(Warning::MediaLeftOut { what: "the calculation of illuminance".to_owned() });
         }
         let requests = ReceiverRequest::of_scene(&scene, options.resolution);
-        if requests.is_empty() && !options.far_field {
+        if requests.is_empty() && options.far_field.is_none() {
             return Err(Error::NoReceiver { scene: name });
         }
         let receivers = Receivers::try_new(&scene, &requests)
@@ -307,7 +307,7 @@ impl Design {
             compare_methods(&report.maps, &outcome.integrated, &mut facts.result);
         }
         outcome.end = end;
-        outcome.set_far_field(tally.far_field());
+        outcome.set_far_field(tally.far_field(), job);
         outcome.tally = Some(tally);
         Ok(())
     }
@@ -320,11 +320,6 @@ impl Design {
                 job.warn(Warning::DarkSide { receiver: receiver.name().to_owned(), other_side });
             }
         }
-    }
-
-    /// Directions of a far field: planes every 15, gamma every 5 degrees, as luminaires are usually measured.
-    fn far_field_grid(&self) -> Option<FarFieldGrid> {
-        if self.options.far_field { FarFieldGrid::try_new(24, 36) } else { None }
     }
 }
 

@@ -1,11 +1,12 @@
 //! Result of a calculation of illuminance.
 
 use glanz_illumination::report::{LuxReport, PolarPlot};
-use glanz_illumination::{FarField, LuxMap, Tally};
+use glanz_illumination::{FarField, FarFieldSummary, LuxMap, Tally};
 use glanz_job::JobEnd;
 use glanz_report::{FactList, FactValue};
 
 use crate::event::Warning;
+use crate::running_job::RunningJob;
 
 /// Combined standard errors beyond which two methods differ; the name of a fact has this number, too.
 const APART: f64 = 4.0;
@@ -40,24 +41,27 @@ impl IlluminateOutcome {
         self.far_field.as_ref()
     }
 
-    pub(super) fn set_far_field(&mut self, far_field: Option<FarField>) {
-        if let Some(far) = &far_field {
-            self.report.polars.push(polar(&self.report.title, far));
+    /// Adds the far field to the report, with warnings about it.
+    pub(super) fn set_far_field(&mut self, far_field: Option<FarField>, job: &mut RunningJob<'_>) {
+        if let Some((far, summary)) = far_field.as_ref().and_then(|far| Some((far, far.summary()?))) {
+            self.report.polars.extend(polar(&self.report.title, far, &summary));
+            if let Some([beam, step]) = summary.coarse() {
+                job.warn(Warning::CoarseFarField { beam, step });
+            } else if summary.is_noisy() {
+                job.warn(Warning::NoisyFarField { error: summary.largest_relative_error });
+            }
+            self.report.far_field = Some(summary);
         }
         self.far_field = far_field;
     }
 }
 
-/// The distribution as a polar plot.
-fn polar(title: &str, far: &FarField) -> PolarPlot {
-    let (planes, gammas) = (far.grid.planes().len(), far.grid.gammas().len());
-    let candela = |c: f64, gamma: f64| {
-        let plane = (c / 360.0 * planes as f64).round() as usize;
-        let place = gamma / 180.0 * (gammas - 1) as f64;
-        let (low, share) = (place.floor() as usize, place.fract());
-        far.at(plane, low) * (1.0 - share) + far.at(plane, (low + 1).min(gammas - 1)) * share
-    };
-    PolarPlot::sample(format!("{title}: light that leaves the scene"), None, candela)
+/// The distribution as a polar plot, in the plane of its beam and across it.
+fn polar(title: &str, far: &FarField, summary: &FarFieldSummary) -> Option<PolarPlot> {
+    let (distribution, [plane, gamma]) = (far.distribution().ok()?, summary.middle);
+    let gammas: Vec<f64> = far.grid.gammas().iter().copied().chain([gamma]).collect();
+    let title = format!("{title}: light that leaves the scene");
+    Some(PolarPlot::sample(title, plane, &gammas, |c, gamma| distribution.at(c, gamma)))
 }
 
 /// Adds the differences between maps of the same cells, in combined standard errors, to the facts.

@@ -5,7 +5,8 @@
 //! | 8 | `GLANZLUX` |
 //! | 4 | version of the format |
 //! | 8 | length of the file |
-//! | 1 + n, 16, 16, 1 | version of Glanz, content hashes of the scene and of the receivers, whether directions are counted |
+//! | 1 + n, 16, 16 | version of Glanz, content hashes of the scene and of the receivers |
+//! | 1, 8, 8 | of directions: 0 if they are not counted, 1 for adaptive angles, 2 for the equal steps of gamma and of planes that follow, degrees; otherwise 0, 0 |
 //! | 8, 4 | seed, largest depth |
 //! | 8, 4, 4 | of a part: particles of the whole, number of parts, number of the part, 0 for joined parts; otherwise 0, 0, 0 |
 //! | | particles and sums, as [`Tally::encode`] writes them |
@@ -13,7 +14,7 @@
 
 use std::path::Path;
 
-use glanz_illumination::Tally;
+use glanz_illumination::{AngleStep, FarFieldResolution, Tally};
 use glanz_job::{IdentityMismatch, JobIdentity, JobPart, current_version};
 use glanz_report::number::grouped;
 use glanz_transport::codec::{Decoder, Encoder, FileEnvelope};
@@ -38,8 +39,8 @@ pub(super) struct TallyIdentity {
     pub(super) scene: u128,
     /// Content hash of the names and cells of the receivers.
     pub(super) receivers: u128,
-    /// Whether light that leaves the scene is counted by direction.
-    pub(super) far_field: bool,
+    /// Angles by which light that leaves the scene is counted.
+    pub(super) far_field: Option<FarFieldResolution>,
     pub(super) seed: u64,
     pub(super) max_depth: u32,
 }
@@ -48,12 +49,20 @@ impl JobIdentity for TallyIdentity {
     const FOREIGN: &'static str = "it holds another calculation";
 
     fn fields(&self) -> Vec<(&'static str, String)> {
-        let far_field = if self.far_field { "counted" } else { "not counted" };
+        let far_field = match self.far_field {
+            None => "not counted".to_owned(),
+            Some(FarFieldResolution::Adaptive) => "counted".to_owned(),
+            Some(FarFieldResolution::Steps { gamma, plane }) => format!(
+                "counted in steps of {} degrees of gamma and {} of C",
+                gamma.degrees(),
+                plane.degrees()
+            ),
+        };
         vec![
             ("the Glanz version", self.version.clone()),
             ("the scene (content hash)", format!("{:032x}", self.scene)),
             ("the list of receivers with their cells (content hash)", format!("{:032x}", self.receivers)),
-            ("the far field", far_field.to_owned()),
+            ("the far field", far_field),
             ("the seed", self.seed.to_string()),
             ("the depth", self.max_depth.to_string()),
         ]
@@ -154,7 +163,7 @@ pub(super) fn write(
         encoder.text(&identity.version);
         encoder.u128(identity.scene);
         encoder.u128(identity.receivers);
-        encoder.u8(u8::from(identity.far_field));
+        encode_resolution(identity.far_field, encoder);
         encoder.u64(identity.seed);
         encoder.u32(identity.max_depth);
         TallyPlan::encode(plan, encoder);
@@ -168,7 +177,7 @@ fn decode(decoder: &mut Decoder<'_>) -> Option<TallyFile> {
         version: decoder.text()?.to_owned(),
         scene: decoder.u128()?,
         receivers: decoder.u128()?,
-        far_field: decoder.u8()? != 0,
+        far_field: decode_resolution(decoder)?,
         seed: decoder.u64()?,
         max_depth: decoder.u32()?,
     };
@@ -176,10 +185,32 @@ fn decode(decoder: &mut Decoder<'_>) -> Option<TallyFile> {
     decoder.0.is_empty().then_some(TallyFile { identity, plan, tally })
 }
 
+fn encode_resolution(resolution: Option<FarFieldResolution>, encoder: &mut Encoder) {
+    let (kind, steps) = match resolution {
+        None => (0, [0.0; 2]),
+        Some(FarFieldResolution::Adaptive) => (1, [0.0; 2]),
+        Some(FarFieldResolution::Steps { gamma, plane }) => (2, [gamma.degrees(), plane.degrees()]),
+    };
+    encoder.u8(kind);
+    steps.into_iter().for_each(|degrees| encoder.u64(degrees.to_bits()));
+}
+
+#[expect(clippy::option_option, reason = "malformed, or without directions")]
+fn decode_resolution(decoder: &mut Decoder<'_>) -> Option<Option<FarFieldResolution>> {
+    let kind = decoder.u8()?;
+    let steps = [f64::from_bits(decoder.u64()?), f64::from_bits(decoder.u64()?)];
+    match (kind, steps.map(AngleStep::try_new)) {
+        (0, _) if steps == [0.0; 2] => Some(None),
+        (1, _) if steps == [0.0; 2] => Some(Some(FarFieldResolution::Adaptive)),
+        (2, [Ok(gamma), Ok(plane)]) => Some(Some(FarFieldResolution::Steps { gamma, plane })),
+        _ => None,
+    }
+}
+
 /// The identity of a calculation by this program.
 pub(super) fn identity(
     [scene, receivers]: [u128; 2],
-    far_field: bool,
+    far_field: Option<FarFieldResolution>,
     seed: u64,
     max_depth: u32,
 ) -> TallyIdentity {
@@ -189,6 +220,26 @@ pub(super) fn identity(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn resolutions_are_read_as_they_were_written() {
+        let steps = |gamma, plane| {
+            let [gamma, plane] = [gamma, plane].map(|degrees| AngleStep::try_new(degrees).unwrap());
+            Some(FarFieldResolution::Steps { gamma, plane })
+        };
+        for resolution in [None, Some(FarFieldResolution::Adaptive), steps(0.5, 15.0)] {
+            let mut encoder = Encoder::default();
+            encode_resolution(resolution, &mut encoder);
+            assert_eq!(decode_resolution(&mut Decoder(&encoder.0)), Some(resolution));
+            // Neither another kind nor steps that are none.
+            let changed = |at: usize, byte: u8| {
+                let mut bytes = encoder.0.clone();
+                bytes[at] = byte;
+                decode_resolution(&mut Decoder(&bytes))
+            };
+            assert_eq!((changed(0, 3), changed(16, 0x7f)), (None, None));
+        }
+    }
 
     #[test]
     fn plans_with_impossible_parts_are_refused() {

@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use glanz_illumination::{Tally, TraceOutcome, TraceSettings, trace};
+use glanz_illumination::{
+    FarFieldGrid, FarFieldResolution, Tally, TraceOutcome, TraceSettings, adapted_grid, trace,
+};
 use glanz_job::JobEnd;
 use glanz_report::FactValue;
 
@@ -21,9 +23,15 @@ pub(super) fn traced(
     facts: &mut CalculationFacts,
 ) -> Result<(Tally, JobEnd), Error> {
     let options = &design.options;
-    let far_field = design.far_field_grid();
-    let identity = tally_file::identity(design.hashes, far_field.is_some(), options.seed, options.max_depth);
+    let identity = tally_file::identity(design.hashes, options.far_field, options.seed, options.max_depth);
     let (scene, receivers) = (&design.scene, &design.receivers);
+    let settings = TraceSettings {
+        seed: options.seed,
+        max_events: options.max_depth,
+        threads: job.options.threads,
+        goal: options.goal,
+        part: options.part,
+    };
     let mut plan = options.part.zip(options.goal.particles).map(|(part, particles)| TallyPlan {
         particles,
         count: part.count(),
@@ -33,7 +41,7 @@ pub(super) fn traced(
         Some(path) => {
             let file = TallyFile::from_bytes(&path, &file::read(&path)?)?;
             file.check(&identity, plan).map_err(Error::of_file(&path))?;
-            if !file.tally.fits(receivers, far_field) {
+            if !file.tally.fits(receivers, options.far_field.is_some()) {
                 return Err(TallyFile::senseless(&path));
             }
             // What is resumed as a whole is no part any longer.
@@ -42,14 +50,7 @@ pub(super) fn traced(
             job.emit(JobEvent::Resumed { path: &path, state });
             file.tally
         }
-        None => Tally::new(receivers, far_field),
-    };
-    let settings = TraceSettings {
-        seed: options.seed,
-        max_events: options.max_depth,
-        threads: job.options.threads,
-        goal: options.goal,
-        part: options.part,
+        None => Tally::new(receivers, far_field_grid(design, &settings, job)?),
     };
     let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
     let write = |path: &Path, tally: &Tally| tally_file::write(path, &identity, plan, tally);
@@ -61,6 +62,25 @@ pub(super) fn traced(
     }
     add_facts(&outcome, facts);
     Ok((outcome.tally, outcome.end))
+}
+
+/// The directions of a far field, if it is counted.
+fn far_field_grid(
+    design: &Design,
+    settings: &TraceSettings,
+    job: &RunningJob<'_>,
+) -> Result<Option<FarFieldGrid>, Error> {
+    match design.options.far_field {
+        None => Ok(None),
+        Some(FarFieldResolution::Steps { gamma, plane }) => Ok(FarFieldGrid::with_steps(gamma, plane)),
+        Some(FarFieldResolution::Adaptive) => {
+            let cancel = &job.options.cancel;
+            let grid =
+                adapted_grid(&design.scene, settings, cancel).map_err(|error| Error::Threads(error.0))?;
+            cancel.check()?;
+            Ok(grid)
+        }
+    }
 }
 
 fn add_facts(outcome: &TraceOutcome, facts: &mut CalculationFacts) {

@@ -224,6 +224,35 @@ fn light_on_the_other_side_causes_a_warning() {
 }
 
 #[test]
+fn narrow_beams_are_shown_by_default_and_reported_with_large_steps() {
+    let folder = Folder::new();
+    // A beam of 2 degrees.
+    let spot = r#"
+WorldBegin
+LightSource "spot" "point3 to" [0 0 -1] "float coneangle" 1 "float conedeltaangle" 0
+"#;
+    folder.write("spot.pbrt", spot);
+    let spot = folder.succeed("illuminate spot.pbrt --rays 500000 -o lux --far-field spot.ies");
+    assert!(!spot.stderr.contains("too far"), "{}", spot.stderr);
+    let told = folder.succeed("info spot.ies --json").json();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    assert!((number(&told["beam_angle_degrees"][1]) - 2.0).abs() < 0.08, "{told}");
+    assert!(number(&told["peak_direction_degrees"][1]) < 1.05, "{told}");
+    let spot =
+        folder.succeed("illuminate spot.pbrt --rays 500000 -o lux --far-field spot.ies --resolution 5x15");
+    assert!(spot.stderr.contains("5.000 degrees apart, too far"), "{}", spot.stderr);
+    let told = folder.succeed("info spot.ies --json").json();
+    assert_eq!((&told["planes"], &told["gammas"]), (&25.into(), &37.into()));
+    folder
+        .run("illuminate spot.pbrt -o lux --far-field spot.ies --resolution 0.05")
+        .refused(2, &["--resolution", "0.1 to 90"]);
+    folder
+        .run("illuminate spot.pbrt -o lux --far-field spot.ies --resolution 5xC")
+        .refused(2, &["--resolution", "2.5x15"]);
+    folder.run("illuminate spot.pbrt -o lux --resolution 1").refused(2, &["--far-field"]);
+}
+
+#[test]
 fn far_field_of_a_lamp_is_written_as_photometric_files() {
     let folder = Folder::new();
     let lamp = r#"
@@ -241,8 +270,27 @@ Shape "disk" "float radius" .1
         let found = told["flux_lm"].as_f64().unwrap();
         assert!((found / flux - 1.0).abs() < 0.01, "{name}: {found}, not {flux}");
         let peak = told["peak_cd"].as_f64().unwrap();
-        assert!((peak / (flux / std::f64::consts::PI) - 1.0).abs() < 0.15, "{name}: {peak}");
+        assert!((peak / (flux / std::f64::consts::PI) - 1.0).abs() < 0.08, "{name}: {peak}");
+        // The file has the figures of the report.
+        let report: serde_json::Value = serde_json::from_str(&text(&folder, "lux/report.json")).unwrap();
+        let far = &report["far_field"];
+        for (of_file, of_report) in [
+            (found, &far["flux_lm"]),
+            (found, &report["flux_balance"]["escaped_lm"]),
+            (peak, &far["peak_cd"]),
+        ] {
+            assert!(
+                (of_file / of_report.as_f64().unwrap() - 1.0).abs() < 1e-6,
+                "{name}: {of_file}, {of_report}"
+            );
+        }
+        for (key, number) in [("beam_angle_degrees", 120.0), ("field_angle_degrees", 168.5)] {
+            let angle = told[key][0].as_f64().unwrap();
+            assert!((angle - number).abs() < 4.0, "{name}: {key} {angle}");
+        }
     }
+    let summary = text(&folder, "lux/summary.txt");
+    assert!(summary.contains("light that leaves the scene") && summary.contains("beam angle"), "{summary}");
     assert!(text(&folder, "lux/report.html").contains("C90"));
     let told = folder.succeed("info lamp.ldt --plot lamp.svg").stdout;
     assert!(told.contains("EULUMDAT") && told.contains("120 degrees in C0-C180"), "{told}");

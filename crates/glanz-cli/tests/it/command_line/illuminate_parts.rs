@@ -115,9 +115,12 @@ fn parts_that_are_missing_doubled_foreign_or_damaged_are_named() {
     folder
         .run("merge 1-3.lux 2-4.lux --checkpoint w.lux")
         .refused(1, &["the number of parts is 3 in 1-3.lux"]);
-    for (option, words) in
-        [("--seed 5", "the seed"), ("--max-depth 3", "the depth"), ("--room 2 2 2", "the scene")]
-    {
+    for (option, words) in [
+        ("--seed 5", "the seed"),
+        ("--max-depth 3", "the depth"),
+        ("--room 2 2 2", "the scene"),
+        ("--resolution 9", "the far field"),
+    ] {
         folder.succeed(&format!("{LINE} {option} --part 2/3 --checkpoint other.lux"));
         folder
             .run("merge 1-3.lux other.lux --checkpoint w.lux")
