@@ -80,11 +80,15 @@ impl SurfaceIndex {
         })
     }
 
-    /// Numbers of the chart and of the texel nearest to a point.
+    /// Numbers of the chart and of the texel nearest to a point; `None` also beneath a thin wall, where no texel has light of its own.
     pub(super) fn texel(&self, charts: &[Chart], place: &ParametricPoint) -> Option<(usize, usize)> {
         let (number, texel) = self.on_chart(|number| charts.get(number), place)?;
+        let chart = charts.get(number)?;
+        if !chart.walls.is_empty() && chart.is_behind_wall(chart.to_sheet(texel)) {
+            return None;
+        }
         // Coordinates are not negative; to round them is a library call without SSE4.1.
-        let (texel, width) = (texel + 0.5, charts.get(number)?.size[0]);
+        let (texel, width) = (texel + 0.5, chart.size[0]);
         Some((number, texel.y as usize * width as usize + texel.x as usize))
     }
 

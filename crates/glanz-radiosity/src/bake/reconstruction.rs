@@ -7,6 +7,7 @@ use glanz_math::{DVec2, DVec3};
 use glanz_scene::{ParametricPoint, PlacedSurface};
 use rayon::prelude::*;
 
+use super::direct;
 use super::lookup::SurfaceIndex;
 use super::solution::Solution;
 use crate::charts::Chart;
@@ -98,6 +99,11 @@ impl<'a> Reconstruction<'a> {
             let sheet = chart.to_sheet(DVec2::new((texel % width) as f64, (texel / width) as f64));
             let value = match &interpolant {
                 Some(interpolant) => interpolant.value(domain.point(sheet)),
+                // The middle of a texel may lie beneath a wall.
+                None if chart.is_behind_wall(sheet) => {
+                    let places = direct::texel_points(self.elements, chart, texel);
+                    places.first().and_then(|place| self.constant_at(place)).unwrap_or(DVec3::ZERO)
+                }
                 None => self.constant(chart, sheet).unwrap_or(DVec3::ZERO),
             };
             spectrum(value.max(DVec3::ZERO))
@@ -169,8 +175,12 @@ impl<'a> Reconstruction<'a> {
     /// The light of the element at a point of the sheet.
     fn constant(&self, chart: &Chart, sheet: DVec2) -> Option<DVec3> {
         let (face, uv) = chart.parameters(sheet)?;
-        let place = ParametricPoint { surface: chart.surface, face, back: chart.back, uv };
-        self.value(self.index.element(self.elements, &place)?)
+        self.constant_at(&ParametricPoint { surface: chart.surface, face, back: chart.back, uv })
+    }
+
+    /// The light of the element at a point.
+    fn constant_at(&self, place: &ParametricPoint) -> Option<DVec3> {
+        self.value(self.index.element(self.elements, place)?)
     }
 
     /// A grid over the sheet, with cells of the median size of the elements; cells without light take that of neighbouring cells.

@@ -23,6 +23,8 @@ mod wall;
 pub use flat_sheet::{FlatSheet, FlatTriangle};
 pub use pack::{AtlasSlot, Packing, pack};
 pub(crate) use parts::clip_left_of;
+pub use wall::ChartWall;
+pub(crate) use wall::{flat_faces, wall_lines};
 
 /// Side of the largest blocks of texels between whose corners light is interpolated; a power of two.
 pub(crate) const BLOCK_SIDE: u32 = 8;
@@ -71,9 +73,9 @@ pub struct Chart {
     pub sheet: Arc<Sheet>,
     /// Lower left and upper right corner of the rectangle on the sheet.
     pub window: [DVec2; 2],
-    /// Thin walls on the sheet as line segments; the chart shows the part on the left of each. The charts on both sides of a wall overlap by
-    /// some texels, except behind the wall.
-    pub walls: Vec<[DVec2; 2]>,
+    /// Thin walls on the sheet; the chart shows the part on the left of each. The charts on both sides of a wall overlap by some texels,
+    /// except behind the wall.
+    pub walls: Vec<ChartWall>,
     /// Texels along both axes, at least 2 each.
     pub size: [u32; 2],
     /// Whether there are fewer texels per metre than requested.
@@ -130,9 +132,9 @@ impl Chart {
     #[must_use]
     pub fn to_texel(&self, face: u32, uv: DVec2) -> Option<DVec2> {
         let point = self.sheet_point(face, uv)?;
-        let is_beyond = |[from, to]: &[DVec2; 2]| {
-            let way = *to - *from;
-            way.perp_dot(point - *from) < -1e-12 * way.length()
+        let is_beyond = |wall: &ChartWall| {
+            let [from, to] = wall.ends;
+            (to - from).perp_dot(point - from) < -1e-12 * from.distance(to)
         };
         if self.walls.iter().any(is_beyond) {
             return None;
@@ -147,7 +149,9 @@ impl Chart {
     /// The part of a polygon of the sheet that the chart shows. The polygon must be convex if a wall crosses it.
     #[must_use]
     pub fn clip(&self, polygon: &[DVec2]) -> Vec<DVec2> {
-        self.walls.iter().fold(polygon.to_vec(), |left, &[from, to]| clip_left_of(&left, from, to))
+        let clip =
+            |left: Vec<DVec2>, &ChartWall { ends: [from, to], .. }: &ChartWall| clip_left_of(&left, from, to);
+        self.walls.iter().fold(polygon.to_vec(), clip)
     }
 
     /// Numbers of the faces of the sheet.
@@ -187,13 +191,13 @@ impl Chart {
         self.last_texel() / (self.window[1] - self.window[0])
     }
 
-    /// Whether a wall separates a point of the sheet from the part that the chart shows.
+    /// Whether a point of the sheet lies beneath a wall, or a wall separates it from the part that the chart shows.
     pub(crate) fn is_behind_wall(&self, point: DVec2) -> bool {
         let scale = self.texels_per_unit();
-        self.walls.iter().any(|&[from, to]| {
+        self.walls.iter().any(|&ChartWall { ends: [from, to], half_thickness }| {
             let (way, there) = (scale * (to - from), scale * (point - from));
-            // Points right beneath a wall are visible from either side.
-            way.perp_dot(there) <= INSET * way.length()
+            // Visibility on the common edge of two surfaces is undefined.
+            way.perp_dot(there) <= (half_thickness + INSET) * way.length()
                 && (0.0..=way.length_squared()).contains(&way.dot(there))
         })
     }
@@ -242,10 +246,22 @@ const NEARBY: [[f64; 2]; 20] = [
 /// 0 (up to 4096 texels along a side).
 #[must_use]
 pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
+    let faces = flat_faces(surfaces);
+    let divided: Vec<Vec<Chart>> = undivided_charts(surfaces, density)
+        .into_par_iter()
+        .map(|chart| {
+            let walls = wall::thin_walls(&surfaces[chart.surface as usize], &chart, &faces);
+            parts::divide_at_walls(chart, &walls)
+        })
+        .collect();
+    divided.into_iter().flatten().collect()
+}
+
+/// As [`charts`], not divided at thin walls.
+pub(crate) fn undivided_charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
     let mut charts = Vec::new();
-    let faces = wall::flat_faces(surfaces);
     for (number, surface) in (0..).zip(surfaces).filter(|(_, surface)| !surface.is_passable()) {
-        let (mut flat, mut whole) = (Vec::new(), Vec::new());
+        let mut flat = Vec::new();
         for face in 0..surface.faces() {
             match surface.face_domain(face) {
                 FaceDomain::Polygon(_) => flat.push(face),
@@ -253,7 +269,7 @@ pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
                     if let Some((window, stretch)) = stretch(surface, face) {
                         let sheet = Arc::new(Sheet::Square(face));
                         let shape = surface.shape(face);
-                        add_both_sides(&mut whole, [number, shape], &sheet, window, stretch * density);
+                        add_both_sides(&mut charts, [number, shape], &sheet, window, stretch * density);
                     }
                 }
             }
@@ -262,21 +278,13 @@ pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
             let (shape, size, shrink) = (surface.shape(group.faces()[0]), group.size(), group.shrink());
             let sheet = Arc::new(Sheet::Flat(group));
             add_both_sides(
-                &mut whole,
+                &mut charts,
                 [number, shape],
                 &sheet,
                 [DVec2::ZERO, size],
                 DVec2::splat(density / shrink),
             );
         }
-        let divided: Vec<Vec<Chart>> = whole
-            .into_par_iter()
-            .map(|chart| {
-                let walls = wall::thin_walls(surface, &chart, &faces);
-                parts::divide_at_walls(chart, &walls)
-            })
-            .collect();
-        charts.extend(divided.into_iter().flatten());
     }
     charts
 }

@@ -2,13 +2,13 @@
 
 use glanz_math::DVec2;
 
-use super::{BLOCK_SIDE, Chart};
+use super::{BLOCK_SIDE, Chart, ChartWall};
 
 /// Smallest length of a wall within a part that divides it, texels.
 const MIN_WALL_LENGTH: f64 = 2.0;
 
 /// Smallest extent of a part on each side of a wall, texels.
-const MIN_DEPTH: f64 = 1.0;
+pub(super) const MIN_DEPTH: f64 = 1.0;
 
 /// Largest number of parts of a chart; light leaks through shorter walls than those that make them.
 const MAX_PARTS: usize = 64;
@@ -17,14 +17,14 @@ const MAX_PARTS: usize = 64;
 #[derive(Clone, Debug)]
 struct ChartPart {
     corners: Vec<DVec2>,
-    walls: Vec<[DVec2; 2]>,
+    walls: Vec<ChartWall>,
 }
 
-/// Divides a chart along the lines of walls, given in its texels.
+/// Divides a chart along walls, given in its texels.
 ///
 /// The texels of the parts are those of the chart, and their borders are borders of its blocks, so that parts agree on the light where
 /// there is no wall.
-pub(super) fn divide_at_walls(chart: Chart, walls: &[[DVec2; 2]]) -> Vec<Chart> {
+pub(super) fn divide_at_walls(chart: Chart, walls: &[ChartWall]) -> Vec<Chart> {
     let last = chart.last_texel();
     let corners = vec![DVec2::ZERO, DVec2::new(last.x, 0.0), last, DVec2::new(0.0, last.y)];
     let mut parts = vec![ChartPart { corners, walls: Vec::new() }];
@@ -47,7 +47,8 @@ pub(super) fn divide_at_walls(chart: Chart, walls: &[[DVec2; 2]]) -> Vec<Chart> 
 
 impl ChartPart {
     /// The parts on both sides of a wall; `None` if the wall does not stand on this part, or only on its border.
-    fn halves(&self, [from, to]: [DVec2; 2]) -> Option<[Self; 2]> {
+    fn halves(&self, wall: ChartWall) -> Option<[Self; 2]> {
+        let [from, to] = wall.ends;
         let direction = (to - from).try_normalize()?;
         let off = |corner: &DVec2| direction.perp_dot(*corner - from);
         let deepest = |side: f64| self.corners.iter().map(|corner| side * off(corner)).fold(0.0, f64::max);
@@ -60,7 +61,7 @@ impl ChartPart {
             left.iter().filter(|corner| off(corner).abs() < 1e-9).map(|corner| direction.dot(*corner - from));
         let (low, high) = on_line.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
         let inside = high.min(from.distance(to)) - low.max(0.0);
-        let with = |corners: Vec<DVec2>, wall: [DVec2; 2]| {
+        let with = |corners: Vec<DVec2>, wall: ChartWall| {
             let walls = self.walls.iter().copied().chain([wall]).collect();
             Self { corners, walls }
         };
@@ -70,7 +71,8 @@ impl ChartPart {
         let beyond = high - low;
         let from = if low > -MIN_DEPTH { from - beyond * direction } else { from };
         let to = if high < length + MIN_DEPTH { to + beyond * direction } else { to };
-        (inside >= MIN_WALL_LENGTH).then(|| [with(left, [from, to]), with(right, [to, from])])
+        let wall = ChartWall { ends: [from, to], ..wall };
+        (inside >= MIN_WALL_LENGTH).then(|| [with(left, wall), with(right, wall.reversed())])
     }
 
     fn chart(&self, whole: &Chart) -> Chart {
@@ -84,7 +86,9 @@ impl ChartPart {
         let high = (((high + 1.0).ceil() / block).ceil() * block).min(whole.last_texel());
         let window = [whole.to_sheet(low), whole.to_sheet(high)];
         let size = (high - low + 1.0).to_array().map(|n| n as u32);
-        let walls = self.walls.iter().map(|wall| wall.map(|end| whole.to_sheet(end))).collect();
+        let on_sheet =
+            |wall: &ChartWall| ChartWall { ends: wall.ends.map(|end| whole.to_sheet(end)), ..*wall };
+        let walls = self.walls.iter().map(on_sheet).collect();
         Chart { window, size, walls, ..whole.clone() }
     }
 }

@@ -181,7 +181,8 @@ fn thin_walls_divide_the_charts_that_they_stand_on() {
             .filter_map(|chart| Some((chart, chart.to_texel(0, uv)?)))
             .collect();
         let [(chart, texel)] = own[..] else { panic!("{uv}: {}", own.len()) };
-        let here = place_of(chart, &surfaces[0], texel).unwrap();
+        // None beneath a wall.
+        let Some(here) = place_of(chart, &surfaces[0], texel) else { continue };
         for corner in [DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE] {
             if let Some(there) = place_of(chart, &surfaces[0], texel.floor() + corner) {
                 assert!(!separated(here, there), "{here} {there}");

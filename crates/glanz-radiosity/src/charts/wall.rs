@@ -3,20 +3,30 @@
 //! A texel at a wall thinner than texels extends to its other side, and bilinear filtering mixes the light of both. Charts are
 //! therefore divided along the middles of such walls (`parts`), which hide the borders of the parts.
 
+use std::cmp::Ordering;
+
 use glanz_geometry::Surface;
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::PlacedSurface;
 
+use super::parts::MIN_DEPTH;
 use super::{Chart, Sheet};
 
 /// Height above a chart at which walls are detected, texels: faces that end below or begin above it are ignored.
 const HEIGHT: f64 = 0.02;
 
-/// Largest thickness of a wall that divides a chart, texels: thicker walls cover whole texels.
-const MAX_THICKNESS: f64 = 2.0;
+/// Largest thickness of a wall that divides a chart, texels. Thicker walls cover at least two texels between those that reach their sides,
+/// so that filled texels do not mix the light of both.
+const MAX_THICKNESS: f64 = 4.0;
 
-/// Smallest length of a wall that divides a chart, texels.
+/// The same for two faces that do not belong to one solid: farther ones may be the walls of a narrow space.
+const MAX_SHEET_DISTANCE: f64 = 1.0;
+
+/// Smallest length of a wall that divides a chart, texels, unless it reaches from border to border.
 const MIN_LENGTH: f64 = 8.0;
+
+/// Smallest length of the longer side of a chart on which walls are detected, texels.
+const MIN_SIDE: u32 = 3;
 
 /// Largest sine of the angle between sides of a wall that count as parallel.
 const PARALLEL: f64 = 0.02;
@@ -30,20 +40,37 @@ const MAX_LINES: usize = 1024;
 /// Largest distance of a flat face from its plane, relative to its size.
 const FLATNESS: f64 = 1e-7;
 
+/// A thin wall that stands on a chart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChartWall {
+    /// Ends of its center line; the chart shows the part on the left of the line.
+    pub ends: [DVec2; 2],
+    /// Distance from the center line up to which no light is beneath it, texels.
+    pub half_thickness: f64,
+}
+
+impl ChartWall {
+    /// The wall seen from its other side.
+    pub(super) fn reversed(self) -> Self {
+        let [from, to] = self.ends;
+        Self { ends: [to, from], ..self }
+    }
+}
+
 /// A flat face in space.
 #[derive(Clone, Debug)]
-pub(super) struct WallFace {
+pub(crate) struct WallFace {
     corners: Vec<DVec3>,
     bounds: Bounds3,
-    /// Whether it belongs to a closed solid.
-    is_closed: bool,
+    /// The closed solid that it belongs to, by the number of its surface.
+    solid: Option<usize>,
 }
 
 /// The intersection of a face with a chart, in texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct WallLine {
     ends: [DVec2; 2],
-    is_closed: bool,
+    solid: Option<usize>,
 }
 
 /// The plane of a flat chart in space.
@@ -61,10 +88,12 @@ struct ChartPlane {
 }
 
 /// All flat faces of surfaces that are not trimmed.
-pub(super) fn flat_faces(surfaces: &[PlacedSurface<'_>]) -> Vec<WallFace> {
+pub(crate) fn flat_faces(surfaces: &[PlacedSurface<'_>]) -> Vec<WallFace> {
     let mut faces = Vec::new();
-    for surface in surfaces.iter().filter(|surface| !surface.is_passable() && !surface.is_trimmed()) {
+    let shown = |surface: &PlacedSurface<'_>| !surface.is_passable() && !surface.is_trimmed();
+    for (number, surface) in surfaces.iter().enumerate().filter(|(_, surface)| shown(surface)) {
         let is_closed = matches!(surface.surface(), Surface::Cuboid(_) | Surface::Polyhedron(_));
+        let solid = is_closed.then_some(number);
         for face in 0..surface.faces() {
             let parameters = surface.face_domain(face).corners();
             let position = |uv| surface.at(face, uv, false).map(|at| at.at.point.position);
@@ -92,7 +121,7 @@ pub(super) fn flat_faces(surfaces: &[PlacedSurface<'_>]) -> Vec<WallFace> {
                 faces.push(WallFace {
                     bounds: Bounds3::from_points(corners.iter().copied()),
                     corners,
-                    is_closed,
+                    solid,
                 });
             }
         }
@@ -105,9 +134,40 @@ fn is_near(a: DVec3, b: DVec3, corners: &[DVec3]) -> bool {
     a.distance(b) <= FLATNESS * size
 }
 
-/// Center lines of the thin walls on a chart, in its texels, by decreasing length; none on a chart that is not flat.
-pub(super) fn thin_walls(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[WallFace]) -> Vec<[DVec2; 2]> {
-    if f64::from(chart.size[0].max(chart.size[1])) < MIN_LENGTH {
+/// The thin walls on a chart, in its texels, by decreasing length; none on a chart that is not flat.
+pub(super) fn thin_walls(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[WallFace]) -> Vec<ChartWall> {
+    let lines = merged_lines(surface, chart, faces);
+    let mut walls: Vec<ChartWall> = Vec::new();
+    for (i, line) in lines.iter().enumerate() {
+        match opposite(&lines, i) {
+            // Each pair is added once.
+            Some((other, wall)) if i < other || opposite(&lines, other).is_none_or(|(back, _)| back != i) => {
+                walls.push(wall);
+            }
+            None if line.solid.is_none() => {
+                walls.push(ChartWall { ends: line.ends, half_thickness: MERGE_DISTANCE })
+            }
+            _ => {}
+        }
+    }
+    let is_at_border = |end: &DVec2| {
+        let inside = end.min(chart.last_texel() - *end).min_element();
+        inside <= MIN_DEPTH
+    };
+    walls.retain(|wall| length(wall.ends) >= MIN_LENGTH || wall.ends.iter().all(is_at_border));
+    walls.sort_by(|a, b| by_length(a.ends, b.ends));
+    walls
+}
+
+/// Lines on the sheet of a chart along which flat faces stand on it, by decreasing length; none on a chart that is not flat.
+pub(crate) fn wall_lines(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[WallFace]) -> Vec<[DVec2; 2]> {
+    let lines = merged_lines(surface, chart, faces);
+    lines.into_iter().map(|line| line.ends.map(|end| chart.to_sheet(end))).collect()
+}
+
+/// Lines along which faces stand on a chart, in its texels, by decreasing length.
+fn merged_lines(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[WallFace]) -> Vec<WallLine> {
+    if chart.size[0].max(chart.size[1]) <= MIN_SIDE {
         return Vec::new();
     }
     let Some(plane) = ChartPlane::new(surface, chart) else { return Vec::new() };
@@ -115,23 +175,7 @@ pub(super) fn thin_walls(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[Wa
     let mut lines: Vec<WallLine> = near.filter_map(|face| plane.line(face)).collect();
     sort(&mut lines);
     lines.truncate(MAX_LINES);
-    let lines = merge_lines(lines);
-    let mut middles: Vec<WallLine> = Vec::new();
-    for (i, line) in lines.iter().enumerate() {
-        match opposite(&lines, i) {
-            // Each pair is added once.
-            Some((other, middle))
-                if i < other || opposite(&lines, other).is_none_or(|(back, _)| back != i) =>
-            {
-                middles.push(WallLine { ends: middle, ..*line });
-            }
-            None if !line.is_closed => middles.push(*line),
-            _ => {}
-        }
-    }
-    middles.retain(|line| line.length() >= MIN_LENGTH);
-    sort(&mut middles);
-    middles.into_iter().map(|line| line.ends).collect()
+    merge_lines(lines)
 }
 
 fn meets(a: &Bounds3, b: &Bounds3) -> bool {
@@ -140,9 +184,17 @@ fn meets(a: &Bounds3, b: &Bounds3) -> bool {
 
 /// Sorts by decreasing length.
 fn sort(lines: &mut [WallLine]) {
-    let key =
-        |line: &WallLine| [-line.length(), line.ends[0].x, line.ends[0].y, line.ends[1].x, line.ends[1].y];
-    lines.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+    lines.sort_by(|a, b| by_length(a.ends, b.ends));
+}
+
+/// Order by decreasing length, equal lengths by position.
+fn by_length(a: [DVec2; 2], b: [DVec2; 2]) -> Ordering {
+    let key = |ends: [DVec2; 2]| [-length(ends), ends[0].x, ends[0].y, ends[1].x, ends[1].y];
+    key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal)
+}
+
+fn length([from, to]: [DVec2; 2]) -> f64 {
+    from.distance(to)
 }
 
 /// Merges lines that continue one another.
@@ -159,8 +211,8 @@ fn merge_lines(lines: Vec<WallLine>) -> Vec<WallLine> {
     left
 }
 
-/// The nearest parallel line beside at least half of the shorter of the two, and the center line between both.
-fn opposite(lines: &[WallLine], number: usize) -> Option<(usize, [DVec2; 2])> {
+/// The nearest parallel line beside at least half of the shorter of the two, and the wall between both.
+fn opposite(lines: &[WallLine], number: usize) -> Option<(usize, ChartWall)> {
     let line = lines[number];
     let (from, direction) = (line.ends[0], line.direction());
     let beside = |(i, other): (usize, &WallLine)| {
@@ -170,18 +222,24 @@ fn opposite(lines: &[WallLine], number: usize) -> Option<(usize, [DVec2; 2])> {
         let offset = direction.perp_dot(other.ends[0].midpoint(other.ends[1]) - from);
         let ends = other.ends.map(|end| direction.dot(end - from));
         let (low, high) = (ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(line.length()));
-        let is_beside = offset.abs() > MERGE_DISTANCE && offset.abs() <= MAX_THICKNESS;
+        let is_solid = line.solid.is_some() && line.solid == other.solid;
+        let is_beside = offset.abs() > MERGE_DISTANCE
+            && offset.abs() <= if is_solid { MAX_THICKNESS } else { MAX_SHEET_DISTANCE };
         (is_beside && high - low >= 0.5 * line.length().min(other.length())).then_some((i, offset, low, high))
     };
     let nearest =
         lines.iter().enumerate().filter_map(beside).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let (i, offset, low, high) = nearest;
-    Some((i, [low, high].map(|along| from + along * direction + 0.5 * offset * direction.perp())))
+    let ends = [low, high].map(|along| from + along * direction + 0.5 * offset * direction.perp());
+    // The lines may be slightly inclined.
+    let farthest = lines[i].ends.iter().map(|end| direction.perp_dot(*end - from).abs()).fold(0.0, f64::max);
+    let half_thickness = (farthest - 0.5 * offset.abs()).max(MERGE_DISTANCE);
+    Some((i, ChartWall { ends, half_thickness }))
 }
 
 impl WallLine {
     fn length(&self) -> f64 {
-        self.ends[0].distance(self.ends[1])
+        length(self.ends)
     }
 
     fn direction(&self) -> DVec2 {
@@ -202,9 +260,12 @@ impl WallLine {
     fn merged(&self, other: &Self) -> Self {
         let long = if self.length() >= other.length() { self } else { other };
         let (from, direction) = (long.ends[0], long.direction());
-        let along = || self.ends.iter().chain(&other.ends).map(|&end| direction.dot(end - from));
-        let ends = [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
-        Self { ends: ends.map(|t| from + t * direction), is_closed: self.is_closed && other.is_closed }
+        let along = [self, other].map(|line| line.ends.map(|end| direction.dot(end - from)));
+        let [a, b] = along.map(|[a, b]| [a.min(b), a.max(b)]);
+        let ends = [a[0].min(b[0]), a[1].max(b[1])].map(|t| from + t * direction);
+        // Side by side, they are both sides of a solid that is thin enough for one line.
+        let is_continued = a[1].min(b[1]) - a[0].max(b[0]) <= MERGE_DISTANCE;
+        Self { ends, solid: self.solid.filter(|_| is_continued && self.solid == other.solid) }
     }
 }
 
@@ -277,6 +338,6 @@ impl ChartPlane {
         }
         let highest = face.corners.iter().map(|&corner| height(corner)).fold(f64::NEG_INFINITY, f64::max);
         let ends = <[DVec2; 2]>::try_from(ends).ok().filter(|_| highest > 0.5)?;
-        Some(WallLine { ends, is_closed: face.is_closed })
+        Some(WallLine { ends, solid: face.solid })
     }
 }
