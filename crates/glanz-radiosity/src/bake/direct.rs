@@ -14,7 +14,8 @@ use rayon::prelude::*;
 
 use super::direct_light::{self, DirectMap, DirectRun, RUN, texels_of_run};
 use super::part::has_piece;
-use super::progress::BakeProgress;
+use super::phase_times::PhaseTimes;
+use super::progress::{BakeProgress, PhaseWork};
 use super::receiver::BakeReceiver;
 use super::visibility::{MAX_PASSED, Visibility};
 use super::{BakeError, BakeMethod, BakeSettings, BakeState};
@@ -33,6 +34,9 @@ const MAX_DIFFERENCE: f32 = 0.01;
 /// The same two for `--method radiosity`: 4 times as fast, with an error that is small compared with that of indirect light.
 const PREVIEW_FIRST_SAMPLES: u32 = 16;
 const PREVIEW_MAX_DIFFERENCE: f32 = 0.05;
+
+/// Consecutive samples that belong to the same half of all samples.
+const HALVES: usize = 4;
 
 /// Distance of a light, relative to its size, up to which rays over the hemisphere sample it too. Beyond, their weight is
 /// below (area / (pi distance^2))^2 < 2e-3.
@@ -72,19 +76,21 @@ pub(super) fn light_on_charts(
     elements: &Elements<'_>,
     charts: &[Chart],
     settings: &BakeSettings,
+    times: Option<&PhaseTimes>,
     state: &mut BakeState,
     progress: &mut BakeProgress<'_>,
 ) -> Result<Vec<DirectMap>, BakeError> {
-    add_runs(elements, charts, settings, None, state, progress)?;
+    add_runs(elements, charts, settings, None, times, state, progress)?;
     Ok(direct_light::maps(charts, &state.direct))
 }
 
-/// Adds the direct light that the state lacks, of a part or of all texels.
+/// Adds the direct light that the state lacks, of a part or of all texels. `times`: those of the phases that follow.
 pub(super) fn add_runs(
     elements: &Elements<'_>,
     charts: &[Chart],
     settings: &BakeSettings,
     part: Option<JobPart>,
+    times: Option<&PhaseTimes>,
     state: &mut BakeState,
     progress: &mut BakeProgress<'_>,
 ) -> Result<(), BakeError> {
@@ -104,7 +110,18 @@ pub(super) fn add_runs(
     }
     let is_missing =
         |number: &u32| has_piece(part, *number as usize, count) && !state.direct.contains_key(number);
-    let missing: Vec<u32> = (0..count as u32).filter(is_missing).collect();
+    let mut missing: Vec<u32> = (0..count as u32).filter(is_missing).collect();
+    // Spread over all charts, so that the first runs tell how long all take, and how many are lit.
+    missing.sort_unstable_by_key(|number| number.reverse_bits());
+    let mut lit = vec![false; charts.len()];
+    let mut mark_lit = |number: u32, run: &DirectRun| {
+        for (texel, number) in texels_of_run(number as usize, texels).enumerate() {
+            if run.at(texel).iter().any(|light| !light.is_black()) {
+                lit[ends.partition_point(|end| *end <= number)] = true;
+            }
+        }
+        lit.iter().zip(charts).filter(|(lit, _)| **lit).map(|(_, chart)| chart.texels()).sum::<usize>()
+    };
     let of_texel = |texel: usize| {
         let chart = ends.partition_point(|end| *end <= texel);
         let own = &charts[chart];
@@ -115,13 +132,18 @@ pub(super) fn add_runs(
     };
     for (done, group) in missing.chunks(RUNS_AT_ONCE).enumerate() {
         let fraction = (done * RUNS_AT_ONCE) as f64 / missing.len() as f64;
-        progress.report(fraction, || state.clone())?;
+        progress.report(PhaseWork::fraction(fraction), || state.clone())?;
         let run = |&number: &u32| {
             let light: Vec<_> =
                 texels_of_run(number as usize, texels).into_par_iter().map(of_texel).collect();
             (number, Arc::new(DirectRun::new(light)))
         };
-        state.direct.par_extend(group.par_iter().map(run));
+        let found: Vec<(u32, Arc<DirectRun>)> = group.par_iter().map(run).collect();
+        let lit_texels = found.iter().map(|(number, run)| mark_lit(*number, run)).max().unwrap_or(0);
+        if let Some(times) = times {
+            times.expect(lit_texels as f64, progress);
+        }
+        state.direct.extend(found);
     }
     Ok(())
 }
@@ -237,6 +259,9 @@ impl<'a> DirectLighting<'a> {
     }
 
     /// Adds the means of the samples by `sample` to `sums`. `once`: whether one sample per receiver is exact.
+    ///
+    /// Receivers take turns after blocks of samples: those of a block are spread over the whole light, single ones of equal distance in the
+    /// sequence over a part of it.
     fn add_estimate(
         &self,
         receivers: &[BakeReceiver],
@@ -248,15 +273,19 @@ impl<'a> DirectLighting<'a> {
         let before = luminance(sums.iter().copied().sum::<Spectrum>()) / count as f32;
         let most = if once { count } else { self.points.len() };
         let mut found = vec![Spectrum::BLACK; count];
-        // Sums over the even and over the odd samples of the receivers.
+        let mut shares = vec![0_u32; count];
+        // Sums over the samples of both halves of the blocks.
         let mut halves = [0.0_f32; 2];
         let mut used = 0;
         let mut next = if once { count } else { (self.first as usize).min(most) };
+        let block = (next / count).max(1);
         while used < next {
             for (i, &point) in self.points.iter().enumerate().take(next).skip(used) {
-                if let Some(light) = sample(&receivers[i % count], point) {
-                    found[i % count] += light;
-                    halves[(i / count) % 2] += luminance(light);
+                let number = i / block % count;
+                shares[number] += 1;
+                if let Some(light) = sample(&receivers[number], point) {
+                    found[number] += light;
+                    halves[(i / HALVES) % 2] += luminance(light);
                 }
             }
             used = next;
@@ -266,10 +295,8 @@ impl<'a> DirectLighting<'a> {
                 next = (2 * used).min(most);
             }
         }
-        // Number of samples of each receiver.
-        let shares = |receiver: usize| (used + count - 1 - receiver) / count;
-        for (receiver, (sum, found)) in sums.iter_mut().zip(found).enumerate() {
-            *sum += found * (1.0 / shares(receiver).max(1) as f32);
+        for ((sum, found), share) in sums.iter_mut().zip(found).zip(shares) {
+            *sum += found * (1.0 / share.max(1) as f32);
         }
     }
 

@@ -43,7 +43,7 @@ impl DirectRun {
     }
 
     /// Irradiance at the points of a texel; empty where there is no surface.
-    fn at(&self, texel: usize) -> &[Spectrum] {
+    pub(super) fn at(&self, texel: usize) -> &[Spectrum] {
         let start =
             texel.checked_sub(1).and_then(|before| self.ends.get(before)).map_or(0, |end| *end as usize);
         self.ends.get(texel).and_then(|end| self.light.get(start..*end as usize)).unwrap_or_default()

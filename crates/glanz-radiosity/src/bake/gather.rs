@@ -1,9 +1,12 @@
 //! Indirect light, gathered by rays over the hemisphere.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Instant;
 
 use glanz_light::Spectrum;
-use glanz_math::DVec3;
+use glanz_math::{DVec2, DVec3};
+use glanz_sampling::hash::combine;
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::warp;
 use glanz_scene::ParametricPoint;
@@ -12,14 +15,14 @@ use rayon::prelude::*;
 use super::closed::dark_insides;
 use super::direct_light::DirectMap;
 use super::lookup::SurfaceIndex;
-use super::progress::BakeProgress;
+use super::progress::{BakeProgress, PhaseWork};
 use super::receiver::BakeReceiver;
 use super::settings::MAX_LINK_BYTES;
 use super::state::{BakeState, GatherCache};
 use super::visibility::Visibility;
 use super::{BakeError, BakeMethod, BakeSettings};
 use crate::charts::Chart;
-use crate::elements::{Element, Elements};
+use crate::elements::{Element, Elements, ParameterPatch};
 
 mod path;
 
@@ -27,6 +30,9 @@ use path::PathLight;
 
 /// Paths that are traced together: enough for batches of rays, few enough for caches.
 const PATHS_AT_ONCE: usize = 1024;
+
+/// Trials that estimate the times of elements and points, for each thread.
+const TRIALS_PER_THREAD: usize = 16;
 
 /// Elements whose rays are traced between two reports of progress.
 const ELEMENTS_AT_ONCE: usize = 256;
@@ -37,6 +43,12 @@ const RAYS_PER_SMALL_ELEMENT: usize = 128;
 
 /// Largest number of links between elements: an element has at most one for each of its rays.
 const MAX_LINKS: usize = MAX_LINK_BYTES / size_of::<ElementLink>();
+
+/// Largest number of elements of a final gather that are divided further: their rays make no more links than allowed.
+pub(super) const MAX_FINE_ELEMENTS: usize = MAX_LINKS / RAYS_PER_ELEMENT;
+
+/// Largest number of links in a state, so that checkpoints are written in seconds.
+const MAX_SAVED_LINKS: usize = 1 << 23;
 
 /// Largest number of elements of the hierarchical solver: their rays make no more links than allowed.
 pub(super) const MAX_SMALL_ELEMENTS: usize = MAX_LINKS / RAYS_PER_SMALL_ELEMENT;
@@ -50,6 +62,9 @@ const MAX_ROUNDS: u32 = 1000;
 
 /// Key of the sampled directions; the same for all texels, so that adjacent texels and charts agree.
 const KEY: u64 = 0x6761_7468;
+
+/// Key of the points of elements from which rays start.
+const POINT_KEY: u64 = 0x706f_696e;
 
 /// Everything that is needed to gather indirect light.
 pub(super) struct FinalGather<'a> {
@@ -70,6 +85,8 @@ pub(super) struct FinalGather<'a> {
     is_dark: Vec<bool>,
     /// Light that was gathered before.
     cache: GatherCache,
+    /// Rays of the first elements.
+    rows: Vec<Arc<ElementRow>>,
     /// Whether the indirect light of the elements is known.
     is_solved: bool,
     /// The state without the light of elements and of gathered points.
@@ -97,10 +114,6 @@ impl<'a> FinalGather<'a> {
     ) -> Self {
         let rays = settings.rays;
         let sobol = ScrambledSobol::new(KEY);
-        let direction = |i: u32| {
-            let [x, y] = sobol.pair(i.reverse_bits(), 0).map(unit);
-            warp::cosine_hemisphere(glanz_math::DVec2::new(x, y))
-        };
         let of_chart = |(chart, direct): (&Chart, &DirectMap)| {
             let light = |texel| (!direct.at(texel).is_empty()).then(|| direct.mean(texel));
             let size = chart.size.map(|n| n as usize);
@@ -112,7 +125,7 @@ impl<'a> FinalGather<'a> {
             index,
             visibility: Visibility::new(settings.method, elements.scene),
             direct: charts.par_iter().zip(direct).map(of_chart).collect(),
-            directions: (0..rays.max(INSIDE_RAYS as u32)).map(direction).collect(),
+            directions: (0..rays.max(INSIDE_RAYS as u32)).map(|i| direction(&sobol, i)).collect(),
             indirect: vec![Spectrum::BLACK; elements.list.len()],
             rays_per_element: match settings.method {
                 BakeMethod::Gather => RAYS_PER_ELEMENT,
@@ -121,6 +134,7 @@ impl<'a> FinalGather<'a> {
             is_lit: direct.iter().map(DirectMap::is_lit).collect(),
             is_dark: dark_insides(elements, charts, direct),
             cache: GatherCache::default(),
+            rows: Vec::new(),
             is_solved: false,
             before: BakeState::default(),
         }
@@ -138,17 +152,17 @@ impl<'a> FinalGather<'a> {
         FinalGather { elements, index, indirect: vec![Spectrum::BLACK; elements.list.len()], ..self }
     }
 
-    /// Keeps direct light and parts for the states to resume from.
+    /// Keeps what other phases computed for the states to resume from.
     pub(super) fn keep(&mut self, state: &BakeState) {
-        let (parts, direct) = (state.parts.clone(), state.direct.clone());
-        self.before = BakeState { parts, direct, ..BakeState::default() };
+        let BakeState { parts, direct, solution, coarse_error, .. } = state.clone();
+        self.before = BakeState { parts, direct, solution, coarse_error, ..BakeState::default() };
     }
 
     /// Resumes from a state; `false` if it belongs to other elements.
     pub(super) fn resume(&mut self, state: BakeState) -> bool {
         self.keep(&state);
-        let BakeState { indirect, gathered, solution, .. } = state;
-        if solution.is_some() {
+        let BakeState { rows, indirect, gathered, solution, .. } = state;
+        if solution.is_some() || !self.resume_rows(rows.unwrap_or_default()) {
             return false;
         }
         self.cache = GatherCache::new(gathered);
@@ -160,6 +174,15 @@ impl<'a> FinalGather<'a> {
         true
     }
 
+    /// Resumes with the rays of the first elements; `false` if they belong to other elements.
+    pub(super) fn resume_rows(&mut self, rows: Vec<Arc<ElementRow>>) -> bool {
+        let count = self.elements.list.len();
+        let is_known = |&(other, _): &ElementLink| (other as usize) < count;
+        let fits = rows.len() <= count && rows.iter().flat_map(|row| &row.links).all(is_known);
+        self.rows = rows;
+        fits
+    }
+
     /// Resumes with the indirect irradiance of each element.
     pub(super) fn resume_indirect(&mut self, indirect: Vec<Spectrum>) {
         self.indirect = indirect;
@@ -168,11 +191,18 @@ impl<'a> FinalGather<'a> {
 
     /// State to resume from.
     pub(super) fn state(&self) -> BakeState {
-        BakeState {
-            indirect: self.is_solved.then(|| self.indirect.clone()),
-            gathered: self.cache.to_map(),
-            ..self.before.clone()
-        }
+        let indirect = self.is_solved.then(|| self.indirect.clone());
+        BakeState { indirect, gathered: self.cache.to_map(), ..self.before.clone() }
+    }
+
+    /// State to resume from while light between elements is computed, with as many of their rays as fit.
+    fn state_with_rows(&self, rows: &[Arc<ElementRow>]) -> BakeState {
+        let mut links = 0;
+        let fits = |row: &&Arc<ElementRow>| {
+            links += row.links.len();
+            links <= MAX_SAVED_LINKS
+        };
+        BakeState { rows: Some(rows.iter().take_while(fits).cloned().collect()), ..self.state() }
     }
 
     /// Whether the indirect light of the elements is known.
@@ -187,7 +217,7 @@ impl<'a> FinalGather<'a> {
     pub(super) fn solve(&mut self, progress: &mut BakeProgress<'_>) -> Result<(), BakeError> {
         let rows = self.rows(MAX_LINKS, progress)?;
         for _ in 0..MAX_ROUNDS {
-            progress.report(1.0, || self.state())?;
+            progress.report(PhaseWork::fraction(1.0), || self.state_with_rows(&rows))?;
             let (mut change, mut most) = (0.0_f32, 0.0_f32);
             for (i, row) in rows.iter().enumerate() {
                 let mut light = row.direct;
@@ -206,7 +236,7 @@ impl<'a> FinalGather<'a> {
         Ok(())
     }
 
-    /// Traces the rays of all elements.
+    /// Traces the rays of all elements, from those that are known.
     ///
     /// # Errors
     /// [`BakeError::Memory`] if they make more than `max_links` links.
@@ -214,15 +244,17 @@ impl<'a> FinalGather<'a> {
         &self,
         max_links: usize,
         progress: &mut BakeProgress<'_>,
-    ) -> Result<Vec<ElementRow>, BakeError> {
+    ) -> Result<Vec<Arc<ElementRow>>, BakeError> {
         let list = &self.elements.list;
-        let mut rows: Vec<ElementRow> = Vec::with_capacity(list.len());
-        let mut links = 0;
-        for group in list.chunks(ELEMENTS_AT_ONCE) {
-            // Rows are not part of a state: an interruption repeats this phase.
-            progress.report(rows.len() as f64 / list.len() as f64, || self.state())?;
-            let found: Vec<ElementRow> = group.par_iter().map(|element| self.row(element)).collect();
-            links += found.iter().map(|row| row.links.len()).sum::<usize>();
+        let count = |rows: &[Arc<ElementRow>]| rows.iter().map(|row| row.links.len()).sum::<usize>();
+        let mut rows = self.rows.clone();
+        let mut links = count(&rows);
+        for group in list.get(rows.len()..).unwrap_or_default().chunks(ELEMENTS_AT_ONCE) {
+            let [resumed, done, all] = [self.rows.len(), rows.len(), list.len()].map(|count| count as f64);
+            progress.report(PhaseWork { resumed, done, all }, || self.state_with_rows(&rows))?;
+            let own = |(number, element): (usize, &Element)| Arc::new(self.row(rows.len() + number, element));
+            let found: Vec<Arc<ElementRow>> = group.par_iter().enumerate().map(own).collect();
+            links += count(&found);
             if links > max_links {
                 return Err(BakeError::Memory(list.len()));
             }
@@ -247,13 +279,24 @@ impl<'a> FinalGather<'a> {
         }
     }
 
-    /// Irradiance of an element as a function of that of the others.
-    fn row(&self, element: &Element) -> ElementRow {
+    /// Irradiance of an element as a function of that of the others. Every element, by its number, has directions of its own, so that their
+    /// errors have no common part, which would not be averaged in reflections.
+    fn row(&self, number: usize, element: &Element) -> ElementRow {
         let mut row = ElementRow { direct: Spectrum::BLACK, links: Vec::new() };
         let mut links: BTreeMap<u32, Spectrum> = BTreeMap::new();
-        let open = self.open_receivers(element);
-        let weight = 1.0 / self.rays_per_element as f32;
-        for light in self.trace_paths(open.iter().cycle().take(self.rays_per_element).zip(0..)) {
+        let open = self.open_receivers(number, element);
+        let all: f64 = open.iter().map(|(_, area)| area).sum();
+        let key = combine(KEY, number as u64);
+        let sobol = ScrambledSobol::new(key);
+        // Directions of a block are spread over the hemisphere, single ones of equal distance in the sequence over a part of it.
+        let rays = self.rays_per_element;
+        let start = |i: usize| open.get(i * open.len() / rays).map(|start| (i, start));
+        let starts: Vec<_> = (0..rays).filter_map(start).collect();
+        let paths = starts.iter().map(|&(i, (receiver, _))| {
+            (receiver, direction(&sobol, i as u32), (key as u32 as usize).wrapping_add(i))
+        });
+        for (light, (_, (_, area))) in self.trace_paths(paths).iter().zip(&starts) {
+            let weight = (area / all * open.len() as f64 / rays as f64) as f32;
             row.direct += light.emitted * weight;
             row.direct += light.direct * weight;
             if let Some((other, share)) = light.element {
@@ -264,20 +307,51 @@ impl<'a> FinalGather<'a> {
         row
     }
 
-    /// Points of an element from which rays start: its quadrature points that are not inside a solid.
-    fn open_receivers(&self, element: &Element) -> Vec<BakeReceiver> {
+    /// Points of an element from which rays start, one in each of 16 equal parts, without those inside solids; each with an area that it
+    /// stands for, in any unit. `number`: selects the points.
+    fn open_receivers(&self, number: usize, element: &Element) -> Vec<(BakeReceiver, f64)> {
         let patch = &element.patch;
         if self.is_dark_at(&element_center(element)) {
             return Vec::new();
         }
-        let points = patch.domain.quadrature_points().into_iter().map(|uv| ParametricPoint {
-            surface: patch.surface,
-            face: patch.face,
-            back: patch.back,
-            uv,
+        let sobol = ScrambledSobol::new(combine(POINT_KEY, number as u64));
+        let quarters = patch.domain.quarters();
+        let parts = quarters.iter().flat_map(ParameterPatch::quarters).zip(0_u32..);
+        let receivers = parts.filter_map(|(part, i)| {
+            let uv = part.at(DVec2::from(sobol.pair(i.reverse_bits(), 0).map(unit)));
+            let place = ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv };
+            let area = self
+                .elements
+                .surfaces
+                .get(patch.surface as usize)?
+                .at(place.face, uv, place.back)?
+                .area_element;
+            Some((BakeReceiver::new(self.elements, &place)?, area)).filter(|_| area > 0.0)
         });
-        let receivers = points.filter_map(|point| BakeReceiver::new(self.elements, &point));
-        receivers.filter(|receiver| self.sees(receiver, |place| !self.is_dark_at(place))).collect()
+        receivers.filter(|(receiver, _)| self.sees(receiver, |place| !self.is_dark_at(place))).collect()
+    }
+
+    /// Times, seconds, that an element and a point take of all threads together, from a few trials.
+    pub(super) fn trial_times(&self) -> [f64; 2] {
+        let list = &self.elements.list;
+        let count = (TRIALS_PER_THREAD * rayon::current_num_threads()).min(list.len()).max(1);
+        let spaced = || (0..count).filter_map(|i| Some((i, list.get(i * list.len() / count)?)));
+        let seconds = |start: Instant| start.elapsed().as_secs_f64() / count as f64;
+        let places = spaced().map(|(_, element)| element_center(element));
+        let receivers: Vec<BakeReceiver> =
+            places.filter_map(|place| BakeReceiver::new(self.elements, &place)).collect();
+        let start = Instant::now();
+        spaced().collect::<Vec<_>>().into_par_iter().for_each(|(i, element)| drop(self.row(i, element)));
+        let of_element = seconds(start);
+        let start = Instant::now();
+        let together = receivers.par_chunks(self.receivers_at_once());
+        together.for_each(|group| drop(self.gather_hemispheres(&group.iter().collect::<Vec<_>>())));
+        [of_element, seconds(start)]
+    }
+
+    /// Number of points whose light a resumed state had.
+    pub(super) fn points(&self) -> usize {
+        self.cache.resumed()
     }
 
     /// Number of receivers for which it is best to gather light together.
@@ -292,7 +366,8 @@ impl<'a> FinalGather<'a> {
 
     fn gather_hemispheres(&self, receivers: &[&BakeReceiver]) -> Vec<GatheredLight> {
         // Rays in the same direction are neighbours.
-        let starts = (0..self.directions.len()).flat_map(|i| receivers.iter().map(move |&at| (at, i)));
+        let numbered = self.directions.iter().zip(0..);
+        let starts = numbered.flat_map(|(&way, i)| receivers.iter().map(move |&at| (at, way, i)));
         let lights = self.trace_paths(starts);
         let of_receiver = |number| lights.iter().skip(number).step_by(receivers.len());
         (0..receivers.len()).map(|number| self.hemisphere_light(of_receiver(number))).collect()
@@ -324,8 +399,8 @@ impl<'a> FinalGather<'a> {
     }
 
     /// Whether a part of an element is outside of all solids.
-    pub(super) fn is_open(&self, element: &Element) -> bool {
-        !self.open_receivers(element).is_empty()
+    pub(super) fn is_open(&self, number: usize, element: &Element) -> bool {
+        !self.open_receivers(number, element).is_empty()
     }
 
     /// Indirect irradiance of each element, see [`FinalGather::solve`].
@@ -368,6 +443,12 @@ impl<'a> FinalGather<'a> {
     }
 }
 
+/// Direction `i` of a sequence around z, distributed by the cosine.
+fn direction(sobol: &ScrambledSobol, i: u32) -> DVec3 {
+    let [x, y] = sobol.pair(i.reverse_bits(), 0).map(unit);
+    warp::cosine_hemisphere(DVec2::new(x, y))
+}
+
 /// The point in the middle of an element's parameters.
 fn element_center(element: &Element) -> ParametricPoint {
     let patch = &element.patch;
@@ -378,8 +459,8 @@ fn element_center(element: &Element) -> ParametricPoint {
 type ElementLink = (u32, Spectrum);
 
 /// Indirect irradiance of an element: a constant and a linear function of that of others.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(super) struct ElementRow {
-    direct: Spectrum,
+    pub(super) direct: Spectrum,
     pub(super) links: Vec<ElementLink>,
 }

@@ -12,18 +12,12 @@ use super::direct::{self, luminance};
 use super::direct_light::DirectMap;
 use super::gather::{FinalGather, GatheredLight};
 use super::part::has_piece;
-use super::progress::BakeProgress;
+use super::progress::{BakeProgress, PhaseWork};
 use super::receiver::BakeReceiver;
 use crate::charts::BLOCK_SIDE;
 
 /// Largest side of a block relative to the mean distance of its surroundings, which bounds the change of light within it (@ward1988).
 const MAX_SIDE_RATIO: f64 = 0.25;
-
-/// Largest difference of the light at the corners of a block, relative to its sum.
-const MAX_DIFFERENCE: f32 = 0.05;
-
-/// The same for the ends of a line along a border, which another chart may continue.
-const MAX_DIFFERENCE_ON_BORDER: f32 = 0.01;
 
 /// Texels for which light is gathered between two reports of progress.
 const TEXELS_AT_ONCE: usize = 4096;
@@ -40,11 +34,6 @@ impl TexelBlock {
     fn corners(&self) -> [[u32; 2]; 4] {
         let ([a, b], [c, d]) = (self.low, self.high);
         [[a, b], [c, b], [a, d], [c, d]]
-    }
-
-    /// Number of its texels, without those of its last row and column.
-    fn texels(&self) -> usize {
-        ((self.high[0] - self.low[0]) * (self.high[1] - self.low[1])) as usize
     }
 
     fn side(&self) -> u32 {
@@ -98,15 +87,45 @@ struct TexelFiller<'a> {
     direct: &'a [DirectMap],
     known: GatheredCorners,
     found: Vec<Vec<Option<Spectrum>>>,
-    /// Number of texels in all blocks, and in finished ones.
-    all: usize,
-    done: usize,
+    /// Points that the state had.
+    resumed: usize,
+}
+
+/// How blocks or lines are divided.
+#[derive(Clone, Copy)]
+struct Division {
+    /// Largest difference of the light at the corners of a block, relative to its sum.
+    max_difference: f32,
+    /// Parts of a block, and the points that its division adds, on average: adjacent blocks share some.
+    parts: f64,
+    new_points: f64,
+    /// Usual share of the blocks that are divided.
+    share: f64,
+}
+
+const BLOCKS: Division = Division { max_difference: 0.002, parts: 4.0, new_points: 3.5, share: 0.6 };
+
+/// Lines along borders, which another chart may continue.
+const LINES: Division = Division { max_difference: 0.01, parts: 2.0, new_points: 1.0, share: 0.7 };
+
+impl Division {
+    /// Estimate of the number of points that divisions of blocks with this side add.
+    fn points(&self, blocks: usize, mut side: u32) -> f64 {
+        let (mut blocks, mut points) = (blocks as f64, 0.0);
+        while side > 1 {
+            blocks *= self.share;
+            points += blocks * self.new_points;
+            blocks *= self.parts;
+            side /= 2;
+        }
+        points
+    }
 }
 
 impl<'a> TexelFiller<'a> {
     fn new(gather: &'a FinalGather<'a>, direct: &'a [DirectMap]) -> Self {
         let found = gather.charts.iter().map(|chart| vec![None; chart.texels()]).collect();
-        Self { gather, direct, known: GatheredCorners::new(), found, all: 1, done: 0 }
+        Self { gather, direct, known: GatheredCorners::new(), found, resumed: gather.points() }
     }
 
     /// Fills the blocks and lines of a part, or all of them.
@@ -119,43 +138,50 @@ impl<'a> TexelFiller<'a> {
         };
         let charts = || 0..gather.charts.len();
         let blocks = of_part(charts().flat_map(|chart| largest_blocks(gather, chart)).collect());
-        self.all = blocks.iter().map(TexelBlock::texels).sum::<usize>().max(1);
-        self.fill(blocks, MAX_DIFFERENCE, progress)?;
         let lines = of_part(charts().flat_map(|chart| border_lines(gather, chart)).collect());
-        self.fill(lines, MAX_DIFFERENCE_ON_BORDER, progress)
+        self.fill(blocks, BLOCKS, LINES.points(lines.len(), BLOCK_SIDE), progress)?;
+        self.fill(lines, LINES, 0.0, progress)
     }
 
-    /// Fills blocks, divided until the light of their corners differs by at most `max_difference` and no surface is near for their size.
+    /// Fills blocks, divided until the light of their corners differs little and no surface is near for their size. `later`: estimate of the
+    /// number of points that follow.
     fn fill(
         &mut self,
         mut blocks: Vec<TexelBlock>,
-        max_difference: f32,
+        mut division: Division,
+        later: f64,
         progress: &mut BakeProgress<'_>,
     ) -> Result<(), BakeError> {
         let (gather, direct) = (self.gather, self.direct);
+        let mut side = BLOCK_SIDE;
         while !blocks.is_empty() {
             let mut wanted: Vec<(usize, usize)> = blocks.iter().flat_map(|b| corners(gather, b)).collect();
             wanted.sort_unstable();
             wanted.dedup();
             wanted.retain(|key| !self.known.contains_key(key));
+            let all = (self.known.len() + wanted.len()) as f64 + division.points(blocks.len(), side) + later;
             for group in wanted.chunks(TEXELS_AT_ONCE) {
-                progress.report(self.done as f64 / self.all as f64, || gather.state())?;
+                let [resumed, done] = [self.resumed, self.known.len()].map(|count| count as f64);
+                progress.report(PhaseWork { resumed: resumed.min(done), done, all }, || gather.state())?;
                 let together = group.par_chunks(gather.receivers_at_once());
                 let light: Vec<_> = together.map(|keys| gather_at_texels(gather, direct, keys)).collect();
                 self.known.extend(group.iter().copied().zip(light.into_iter().flatten()));
             }
-            let mut rest = Vec::new();
+            let (mut rest, count) = (Vec::new(), blocks.len());
+            let mut divided = 0;
             for block in blocks {
                 let keys = corners(gather, &block);
                 let corners = keys.map(|key| self.known.get(&key).copied().flatten());
                 let is_fine = block.side() <= 1 || !gather.is_lit(block.chart) && is_dark(&corners);
-                if is_fine || is_smooth(gather, &block, &corners, max_difference) {
+                if is_fine || is_smooth(gather, &block, &corners, division.max_difference) {
                     interpolate(gather, &block, &corners, &mut self.found[block.chart]);
-                    self.done += block.texels();
                 } else {
+                    divided += 1;
                     rest.extend(block.parts());
                 }
             }
+            division.share = divided as f64 / count as f64;
+            side /= 2;
             blocks = rest;
         }
         Ok(())

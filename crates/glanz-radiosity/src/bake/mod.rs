@@ -18,9 +18,12 @@ use crate::reconstruct::{Interpolation, ReconstructError};
 
 mod atlas;
 mod closed;
+#[cfg(test)]
+mod closed_form_tests;
 mod direct;
 mod direct_light;
 mod fill;
+mod fine_elements;
 mod gather;
 #[cfg(test)]
 mod glass_tests;
@@ -31,6 +34,7 @@ mod maps;
 mod part;
 #[cfg(test)]
 mod part_tests;
+mod phase_times;
 mod progress;
 mod receiver;
 mod reconstruction;
@@ -46,13 +50,14 @@ mod visibility;
 
 pub use atlas::{Atlas, AtlasPage, BORDER};
 use direct_light::DirectMap;
-use gather::{FinalGather, MAX_SMALL_ELEMENTS};
+use gather::{FinalGather, MAX_FINE_ELEMENTS, MAX_SMALL_ELEMENTS};
 pub use light_map::LightMap;
 use light_map::light_maps;
 use lookup::SurfaceIndex;
 pub use maps::LightMaps;
 pub use part::{BakeConflict, BakePart, BakeParts};
-use progress::BakeProgress;
+use phase_times::PhaseTimes;
+use progress::{BakeProgress, PhaseWork};
 use receiver::BakeReceiver;
 use reconstruction::Reconstruction;
 pub use settings::{BakeError, BakeMethod, BakeSettings, CoarseElements};
@@ -150,11 +155,15 @@ pub fn bake_part(
     let charts = checked_charts(elements, settings)?;
     let mut progress = BakeProgress::new(sink, cancel, if part.direct_only { 1 } else { 3 });
     let mut state = BakeState { parts: Some(BakeParts::of(part, false)), ..state };
-    let own = part.direct_only.then_some(part.part);
-    direct::add_runs(elements, &charts, settings, own, &mut state, &mut progress)?;
-    if !part.direct_only {
-        let direct = direct_light::maps(&charts, &state.direct);
+    if part.direct_only {
+        direct::add_runs(elements, &charts, settings, Some(part.part), None, &mut state, &mut progress)?;
+    } else {
+        let elements = &fine_elements::divided(elements, MAX_FINE_ELEMENTS);
         let index = SurfaceIndex::new(elements, &charts);
+        let share = 1.0 / f64::from(part.part.count());
+        let times = PhaseTimes::new(elements, &index, &charts, settings, share);
+        direct::add_runs(elements, &charts, settings, None, Some(&times), &mut state, &mut progress)?;
+        let direct = direct_light::maps(&charts, &state.direct);
         let gather = solved_gather(state, elements, &index, &charts, &direct, settings, &mut progress)?;
         indirect::gather_part(&gather, &direct, part.part, &mut progress)?;
         state = gather.state();
@@ -186,8 +195,10 @@ fn bake_by_gather(
     settings: &BakeSettings,
     progress: &mut BakeProgress<'_>,
 ) -> Result<BakedLight, BakeError> {
-    let direct = direct::light_on_charts(elements, charts, settings, &mut state, progress)?;
+    let elements = &fine_elements::divided(elements, MAX_FINE_ELEMENTS);
     let index = SurfaceIndex::new(elements, charts);
+    let times = PhaseTimes::new(elements, &index, charts, settings, 1.0);
+    let direct = direct::light_on_charts(elements, charts, settings, Some(&times), &mut state, progress)?;
     let gather = solved_gather(state, elements, &index, charts, &direct, settings, progress)?;
     let indirect = indirect::light_on_charts(&gather, &direct, progress)?;
     Ok(BakedLight { maps: light_maps(&gather, &direct, indirect), coarse_elements: None })
@@ -225,8 +236,9 @@ fn bake_by_radiosity(
     reconstruction: Interpolation,
     progress: &mut BakeProgress<'_>,
 ) -> Result<BakedLight, BakeError> {
-    let direct = direct::light_on_charts(elements, charts, settings, &mut state, progress)?;
     let index = SurfaceIndex::new(elements, charts);
+    let times = PhaseTimes::new(elements, &index, charts, settings, 1.0);
+    let direct = direct::light_on_charts(elements, charts, settings, Some(&times), &mut state, progress)?;
     let mut gather = FinalGather::new(elements, &index, charts, &direct, settings);
     gather.keep(&state);
     let (refined, coarse_error) = match &state.solution {
@@ -235,31 +247,40 @@ fn bake_by_radiosity(
         }
         None if state.is_empty() => {
             progress.begin(2, "elements");
-            solution::refined(&gather, elements, settings, MAX_SMALL_ELEMENTS, progress)?
+            let (refined, coarse_error) =
+                solution::refined(&gather, elements, settings, MAX_SMALL_ELEMENTS, progress)?;
+            let patches = refined.list.iter().map(|element| (element.patch, None)).collect();
+            state = BakeState { solution: Some(patches), coarse_error, rows: Some(Vec::new()), ..state };
+            (refined, coarse_error)
         }
         None => return Err(BakeError::State),
     };
     let index = SurfaceIndex::new(&refined, charts);
     let mut gather = gather.with_elements(&refined, &index);
-    let state = match &state.solution {
-        Some(solution) => {
-            gather.resume_indirect(solution.iter().map(|(_, light)| light.unwrap_or_default()).collect());
-            state
+    match state.rows.take() {
+        Some(rows) => {
+            progress.begin(3, "light between surfaces");
+            gather.keep(&state);
+            if !gather.resume_rows(rows) {
+                return Err(BakeError::State);
+            }
+            gather.solve(progress)?;
+            let light = refined.list.par_iter().zip(gather.indirect()).enumerate();
+            let light = light.map(|(i, (e, light))| (e.patch, gather.is_open(i, e).then_some(*light)));
+            state.solution = Some(light.collect());
         }
         None => {
-            progress.begin(3, "light between surfaces");
-            gather.solve(progress)?;
-            let light = refined.list.par_iter().zip(gather.indirect());
-            let light = light.map(|(e, light)| (e.patch, gather.is_open(e).then_some(*light)));
-            BakeState { solution: Some(light.collect()), coarse_error, ..state }
+            let light = state.solution.iter().flatten().map(|(_, light)| light.unwrap_or_default());
+            gather.resume_indirect(light.collect());
         }
-    };
+    }
     progress.begin(4, "light on texels");
     let solution = state.solution.as_ref().ok_or(BakeError::State)?;
     let reconstruction = Reconstruction::new(&refined, solution, &index, reconstruction);
     let mut indirect = Vec::with_capacity(charts.len());
     for numbers in (0..charts.len()).collect::<Vec<_>>().chunks(CHARTS_AT_ONCE) {
-        progress.report(indirect.len() as f64 / charts.len() as f64, || state.clone())?;
+        progress
+            .report(PhaseWork::fraction(indirect.len() as f64 / charts.len() as f64), || state.clone())?;
         let texels = |&number: &usize| {
             let light = gather.is_lit(number).then(|| reconstruction.texels(&charts[number])).transpose()?;
             Ok(without_hidden_texels(&gather, &direct, number, light))

@@ -125,6 +125,7 @@ impl BakeState {
             (mine @ None, theirs) => *mine = theirs,
             _ => {}
         }
+        self.rows = None;
         for (key, light) in other.gathered {
             if *self.gathered.entry(key).or_insert(light) != light {
                 return Err(BakeConflict::Light("gathered light"));

@@ -190,6 +190,27 @@ fn gathered_light_is_not_gathered_again() {
 }
 
 #[test]
+fn traced_rays_of_elements_are_not_traced_again() {
+    let scene = room();
+    let fine = BakeSettings { density: 16.0, ..BY_RADIOSITY };
+    for (settings, phase, side) in [(COARSE, 2, 0.1), (fine, 3, 0.5)] {
+        let elements = Elements::new(&scene, &ElementSettings { side }).unwrap();
+        let cancel = CancelFlag::default();
+        let mut stopper =
+            SweepStopper { phase, reports: 0, cancel: cancel.clone(), last: BakeState::default() };
+        let ended = resume(BakeState::default(), &elements, &settings, &mut stopper, &cancel);
+        assert_eq!(ended.err(), Some(BakeError::Interrupted(Interrupted)));
+        let traced = stopper.last.rows.as_ref().map_or(0, Vec::len);
+        assert!(traced >= 256, "{traced}");
+        let read = BakeState::from_bytes(&stopper.last.to_bytes()).unwrap();
+        assert_eq!(read, stopper.last);
+        let mut recorder = StateRecorder::default();
+        resume(read, &elements, &settings, &mut recorder, &CancelFlag::default()).unwrap();
+        assert!(recorder.phases.iter().all(|&number| number >= phase));
+    }
+}
+
+#[test]
 fn state_of_other_elements_is_refused() {
     let scene = room();
     let elements = elements(&scene);
@@ -283,7 +304,7 @@ fn elements_that_memory_makes_larger_are_reported_even_after_an_interruption() {
     let mut progress = BakeProgress::new(&mut sink, &cancel, 4);
     let mut state = BakeState::default();
     let direct =
-        direct::light_on_charts(&elements, &charts, &BY_RADIOSITY, &mut state, &mut progress).unwrap();
+        direct::light_on_charts(&elements, &charts, &BY_RADIOSITY, None, &mut state, &mut progress).unwrap();
     let index = SurfaceIndex::new(&elements, &charts);
     let gather = FinalGather::new(&elements, &index, &charts, &direct, &BY_RADIOSITY);
     for (limit, is_coarse) in [(100, true), (MAX_SMALL_ELEMENTS, false)] {
@@ -308,9 +329,14 @@ struct SweepStopper {
     phase: u32,
     reports: usize,
     cancel: CancelFlag,
+    last: BakeState,
 }
 
 impl ProgressSink<BakeState> for SweepStopper {
+    fn on_checkpoint(&mut self, state: &BakeState) {
+        self.last = state.clone();
+    }
+
     fn on_progress(&mut self, progress: &JobProgress<'_>) {
         self.reports += usize::from(progress.step[0] == self.phase);
         if self.reports == 2 {
@@ -326,7 +352,8 @@ fn sweeps_over_elements_can_be_cancelled() {
     let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
     assert!(elements.list.len() < 256);
     let cancel = CancelFlag::default();
-    let mut stopper = SweepStopper { phase: 2, reports: 0, cancel: cancel.clone() };
+    let mut stopper =
+        SweepStopper { phase: 2, reports: 0, cancel: cancel.clone(), last: BakeState::default() };
     let ended = resume(BakeState::default(), &elements, &COARSE, &mut stopper, &cancel);
     assert_eq!(ended.err(), Some(BakeError::Interrupted(Interrupted)));
     assert_eq!(stopper.reports, 2);

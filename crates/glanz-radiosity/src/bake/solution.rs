@@ -6,7 +6,7 @@ use glanz_scene::{Light, ParametricPoint};
 use rayon::prelude::*;
 
 use super::gather::FinalGather;
-use super::progress::BakeProgress;
+use super::progress::{BakeProgress, PhaseWork};
 use super::{BakeError, BakeSettings};
 use crate::elements::{Element, ElementSettings, Elements, ParameterPatch, Patch};
 use crate::solve::{HierarchicalSettings, hierarchical_with_exitance};
@@ -93,7 +93,7 @@ pub(super) fn refined<'a>(
     let exitance = |element: &Element| exitance(gather, settings.density, element);
     let solved =
         hierarchical_with_exitance(start(elements, settings)?, &exitance, &solver, progress, cancel)?;
-    progress.report(1.0, || gather.state())?;
+    progress.report(PhaseWork::fraction(1.0), || gather.state())?;
     let patches = solved.elements.list.par_iter().map(|element| element.patch);
     let refined = of_patches(elements, patches).ok_or(BakeError::State)?;
     // The bake was not cancelled: a solver that is not finished has too many elements or links.

@@ -2,25 +2,26 @@
 //!
 //! | bytes | content |
 //! |---|---|
-//! | 1 | 1 if the light of the given elements is known, 2 or 3 if that of the elements of the hierarchical solver is, 0 otherwise; plus 4 with direct light, plus 8 with parts |
+//! | 1 | 1 if the light of the given elements is known, 2 or 3 if the elements of the hierarchical solver are, 0 otherwise; plus 4 with direct light, plus 8 with parts, plus 16 while rays of elements are traced |
 //! | 8 | if 3: largest error of a link of the solver, which is above its bound for lack of memory |
 //! | 4; 12 each | if 1: elements; indirect irradiance of each |
 //! | 4; 41, 57, 53 or 69 each | if 2 or 3: elements; surface, face, bits 1 for the back, 2 for a triangle and 4 for light, then four parameters of a rectangle or six of a triangle, and indirect irradiance if there is light |
 //! | | if 8: parts, as `BakeParts::write` writes them |
 //! | | if 4: direct light, as `write_runs` does |
+//! | 4; 12, 4 and 16 each | if 16: elements whose rays are traced; for each the light that does not depend on others, the number of its links, and for each the number of the other element and its factor |
 //! | 8; 37 each | points of the final gather: key, irradiance, distance, whether light is visible |
 //!
 //! Numbers are little-endian, light is red, green and blue.
 
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
 use glanz_sampling::hash::combine;
 
 use super::direct_light::{self, DirectRuns, read_runs, write_runs};
-use super::gather::GatheredLight;
+use super::gather::{ElementRow, GatheredLight};
 use super::part::BakeParts;
 use super::receiver::BakeReceiver;
 use super::solution::Solution;
@@ -32,9 +33,11 @@ const KEYS: [u64; 2] = [0x7370_6f74, 0x706c_6163];
 /// Bits of the kind of a state.
 const HAS_DIRECT: u8 = 4;
 const HAS_PARTS: u8 = 8;
+const HAS_ROWS: u8 = 16;
 
-/// Bytes of light, of a part, of a point of the final gather, and most bytes of an element of the solver.
+/// Bytes of light, of a link of an element, of a part, of a point of the final gather, and most bytes of an element of the solver.
 const LIGHT: usize = 12;
+const LINK: usize = 16;
 const PART: usize = 5;
 const POINT: usize = 37;
 const MAX_ELEMENT: usize = 69;
@@ -49,11 +52,13 @@ pub struct BakeState {
     pub parts: Option<BakeParts>,
     /// Direct light, as far as it is known.
     pub(super) direct: DirectRuns,
+    /// Rays of the first elements, while those of all are traced.
+    pub(super) rows: Option<Vec<Arc<ElementRow>>>,
     /// Indirect irradiance of each element, once it is known.
     pub(super) indirect: Option<Vec<Spectrum>>,
     /// Gathered light by the fingerprint of the receiver.
     pub(super) gathered: HashMap<u128, GatheredLight>,
-    /// Elements of the hierarchical solver with their light, once it is known.
+    /// Elements of the hierarchical solver, once they are known; with their light unless `rows` is known.
     pub(super) solution: Option<Solution>,
     /// Largest error of a link of that solver, if it is above the bound for lack of memory.
     pub(super) coarse_error: Option<f64>,
@@ -75,7 +80,7 @@ impl BakeState {
     /// Whether it contains no results but direct light.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.indirect.is_none() && self.gathered.is_empty() && self.solution.is_none()
+        self.rows.is_none() && self.indirect.is_none() && self.gathered.is_empty() && self.solution.is_none()
     }
 
     /// Bytes of the state.
@@ -92,7 +97,8 @@ impl BakeState {
         let elements = self.indirect.as_ref().map_or(0, |light| light.len() * LIGHT)
             + self.solution.as_ref().map_or(0, |solution| solution.len() * MAX_ELEMENT);
         let parts = self.parts.as_ref().map_or(0, |parts| parts.finished.len() * PART);
-        HEAD + elements + parts + direct_light::length(&self.direct) + self.gathered.len() * POINT
+        let rows = self.rows.iter().flatten().map(|row| LINK * (1 + row.links.len())).sum::<usize>();
+        HEAD + elements + parts + rows + direct_light::length(&self.direct) + self.gathered.len() * POINT
     }
 
     /// Appends the bytes of the state; equal states have equal bytes.
@@ -105,7 +111,8 @@ impl BakeState {
             (None, None) => 0,
         };
         let direct = if self.direct.is_empty() { 0 } else { HAS_DIRECT };
-        bytes.push(kind | direct | if self.parts.is_some() { HAS_PARTS } else { 0 });
+        let parts = if self.parts.is_some() { HAS_PARTS } else { 0 };
+        bytes.push(kind | direct | parts | if self.rows.is_some() { HAS_ROWS } else { 0 });
         if let Some(indirect) = &self.indirect {
             bytes.extend((indirect.len() as u32).to_le_bytes());
             indirect.iter().for_each(|&light| write_light(bytes, light));
@@ -118,6 +125,7 @@ impl BakeState {
         if !self.direct.is_empty() {
             write_runs(bytes, &self.direct);
         }
+        self.rows.iter().for_each(|rows| write_rows(bytes, rows));
         let mut places: Vec<(&u128, &GatheredLight)> = self.gathered.iter().collect();
         places.sort_unstable_by_key(|(key, _)| **key);
         bytes.extend((places.len() as u64).to_le_bytes());
@@ -134,7 +142,7 @@ impl BakeState {
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let mut rest = bytes;
         let (mut indirect, mut solution, mut coarse_error) = (None, None, None);
-        let [kind @ 0..16] = read_bytes(&mut rest)? else { return None };
+        let [kind @ 0..32] = read_bytes(&mut rest)? else { return None };
         match kind % HAS_DIRECT {
             0 => {}
             1 => {
@@ -151,6 +159,7 @@ impl BakeState {
         }
         let parts = if kind & HAS_PARTS == 0 { None } else { Some(BakeParts::read(&mut rest)?) };
         let direct = if kind & HAS_DIRECT == 0 { DirectRuns::new() } else { read_runs(&mut rest)? };
+        let rows = if kind & HAS_ROWS == 0 { None } else { Some(read_rows(&mut rest)?) };
         let count = u64::from_le_bytes(read_bytes(&mut rest)?);
         if count.checked_mul(POINT as u64) != Some(rest.len() as u64) {
             return None;
@@ -166,13 +175,36 @@ impl BakeState {
             }
             gathered.insert(key, GatheredLight { light, distance, sees_light });
         }
-        Some(Self { parts, direct, indirect, gathered, solution, coarse_error })
+        Some(Self { parts, direct, rows, indirect, gathered, solution, coarse_error })
     }
 }
 
 /// Appends a spectrum as three `f32`.
 pub(super) fn write_light(bytes: &mut Vec<u8>, light: Spectrum) {
     light.to_rgb(&Wavelengths::default()).iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+}
+
+fn write_rows(bytes: &mut Vec<u8>, rows: &[Arc<ElementRow>]) {
+    bytes.extend((rows.len() as u32).to_le_bytes());
+    for row in rows {
+        write_light(bytes, row.direct);
+        bytes.extend((row.links.len() as u32).to_le_bytes());
+        for &(other, factor) in &row.links {
+            bytes.extend(other.to_le_bytes());
+            write_light(bytes, factor);
+        }
+    }
+}
+
+fn read_rows(bytes: &mut &[u8]) -> Option<Vec<Arc<ElementRow>>> {
+    let count = u32::from_le_bytes(read_bytes(bytes)?);
+    let row = |_| {
+        let (direct, count) = (read_light(bytes)?, u32::from_le_bytes(read_bytes(bytes)?));
+        let mut link = || Some((u32::from_le_bytes(read_bytes(bytes)?), read_light(bytes)?));
+        let links = (0..count).map(|_| link()).collect::<Option<Vec<_>>>()?;
+        Some(Arc::new(ElementRow { direct, links }))
+    };
+    (0..count).map(row).collect()
 }
 
 /// Appends the patch of an element with its light.
@@ -229,6 +261,11 @@ pub(super) struct GatherCache {
 impl GatherCache {
     pub(super) fn new(before: HashMap<u128, GatheredLight>) -> Self {
         Self { before, since: Mutex::default() }
+    }
+
+    /// Number of points of the earlier bake.
+    pub(super) fn resumed(&self) -> usize {
+        self.before.len()
     }
 
     /// Light at receivers: that of the earlier bake, or that which `gather` returns for those that it lacks.

@@ -175,7 +175,7 @@ fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
                 let light = maps.irradiance(&place).unwrap().luminance(&Wavelengths::default());
                 let beyond = (p.x - (x + (end - x) * p.y / 2.0)) / (1.0 + (0.5 * (end - x)).powi(2)).sqrt();
                 if beyond > 0.01 {
-                    assert!(light == 0.0, "{p} {light}");
+                    assert!(light < 1e-7, "{x} {end} {:?} {p} {light}", settings.method);
                     dark += 1;
                 } else if beyond < 0.0 {
                     assert!(light > 0.005, "{p} {light}");
@@ -184,6 +184,72 @@ fn no_light_comes_beneath_a_thin_wall_on_a_floor_in_one_piece() {
             }
         }
         assert!(dark > 700 && lit > 700, "{dark} {lit}");
+    }
+}
+
+/// A room of 1.2 m x 0.6 m x 0.6 m in six pieces with a lamp in its left half, and a wall from x = 0.63 in the middle.
+fn room_with_wall(thickness: f64, is_solid: bool) -> Scene {
+    let size = DVec3::new(1.2, 0.6, 0.6);
+    let mut shapes: Vec<_> = walls(size).into_iter().map(|wall| (wall, 0.7, 0.0)).collect();
+    let (from, v, w) = (DVec3::X * 0.63, DVec3::Y * size.y, DVec3::Z * size.z);
+    if is_solid {
+        shapes.push((ShapeDescription::cuboid(from, from + DVec3::X * thickness + v + w), 0.7, 0.0));
+    } else {
+        shapes.push((parallelogram(from, w, v), 0.7, 0.0));
+        shapes.push((parallelogram(from + DVec3::X * thickness, v, w), 0.7, 0.0));
+    }
+    shapes.push((parallelogram(DVec3::new(0.2, 0.2, 0.55), DVec3::Y * 0.2, DVec3::X * 0.2), 0.0, 1.0));
+    scene(shapes)
+}
+
+/// Largest irradiance that is shown behind the wall of a room, relative to the mean in front of it, in 2601 points of each piece of the room.
+fn leak(scene: &Scene, settings: &BakeSettings, thickness: f64) -> f64 {
+    let elements = divided(scene, 0.3, settings);
+    let light = bake(&elements, settings, &mut Silent, &CancelFlag::default()).unwrap();
+    let maps = LightMaps::new(&elements, light.maps);
+    let (mut dark, mut lit, mut count) = (0.0_f64, 0.0, 0.0);
+    for (surface, i) in (0..6).flat_map(|surface| (0..51 * 51).map(move |i| (surface, i))) {
+        let uv = DVec2::new(f64::from(i % 51), f64::from(i / 51)) / 50.0;
+        let place = ParametricPoint { surface: surface as u32, face: 0, uv, back: false };
+        let p = elements.surfaces[surface].at(0, uv, false).unwrap().at.point.position;
+        let light = f64::from(maps.irradiance(&place).unwrap().luminance(&Wavelengths::default()));
+        if p.x > 0.63 + thickness {
+            dark = dark.max(light);
+        } else if p.x < 0.63 {
+            (lit, count) = (lit + light, count + 1.0);
+        }
+    }
+    // Points right behind the wall, too.
+    for (surface, i) in [2, 3, 4, 5].into_iter().flat_map(|surface| (0..200).map(move |i| (surface, i))) {
+        let (x, along) = ((0.63 + thickness + 1e-5) / 1.2, (f64::from(i) + 0.5) / 200.0);
+        for uv in [DVec2::new(x, along), DVec2::new(along, x)] {
+            let p = elements.surfaces[surface].at(0, uv, false).unwrap().at.point.position;
+            if p.x > 0.63 + thickness {
+                let place = ParametricPoint { surface: surface as u32, face: 0, uv, back: false };
+                dark =
+                    dark.max(f64::from(maps.irradiance(&place).unwrap().luminance(&Wavelengths::default())));
+            }
+        }
+    }
+    dark / (lit / count)
+}
+
+fn assert_no_leak(density: f64, thickness: f64, is_solid: bool) {
+    let scene = room_with_wall(thickness, is_solid);
+    for settings in METHODS {
+        let settings = BakeSettings { density, rays: 32, shadow_rays: 16, ..settings };
+        let leak = leak(&scene, &settings, thickness);
+        assert!(leak == 0.0, "{density} {thickness} {is_solid} {:?}: {leak}", settings.method);
+    }
+}
+
+#[test]
+fn no_light_leaks_beneath_walls_of_any_thickness_at_any_density() {
+    let walls = [(0.01, false), (0.01, true), (0.05, false), (0.05, true)];
+    for (density, &(thickness, is_solid)) in
+        [4.0, 16.0, 64.0].into_iter().flat_map(|density| walls.iter().map(move |wall| (density, wall)))
+    {
+        assert_no_leak(density, thickness, is_solid);
     }
 }
 
@@ -351,7 +417,8 @@ fn too_many_links_between_elements_are_refused() {
     let (mut sink, cancel) = (Silent, CancelFlag::default());
     let mut progress = BakeProgress::new(&mut sink, &cancel, 3);
     let mut state = BakeState::default();
-    let direct = direct::light_on_charts(&elements, &charts, &COARSE, &mut state, &mut progress).unwrap();
+    let direct =
+        direct::light_on_charts(&elements, &charts, &COARSE, None, &mut state, &mut progress).unwrap();
     let index = SurfaceIndex::new(&elements, &charts);
     let gather = FinalGather::new(&elements, &index, &charts, &direct, &COARSE);
     let rows = gather.rows(usize::MAX, &mut progress).unwrap();
@@ -365,6 +432,15 @@ fn too_many_links_between_elements_are_refused() {
 /// Tests of the nightly run.
 mod heavy {
     use super::*;
+
+    #[test]
+    fn no_light_leaks_beneath_walls_of_several_texels() {
+        for (density, is_solid) in
+            [120.0, 250.0, 400.0].into_iter().flat_map(|density| [(density, false), (density, true)])
+        {
+            assert_no_leak(density, 0.01, is_solid);
+        }
+    }
 
     #[test]
     fn parts_of_a_chart_agree_where_the_wall_has_ended() {

@@ -89,6 +89,18 @@ impl ParameterPatch {
         }
     }
 
+    /// A point that is uniform if `share` is uniform over the unit square.
+    #[must_use]
+    pub fn at(&self, share: DVec2) -> DVec2 {
+        match *self {
+            Self::Rectangle { min, max } => min + share * (max - min),
+            Self::Triangle([a, b, c]) => {
+                let share = if share.x + share.y > 1.0 { 1.0 - share } else { share };
+                a + share.x * (b - a) + share.y * (c - a)
+            }
+        }
+    }
+
     /// Its area in the parameters.
     #[must_use]
     pub fn size(&self) -> f64 {

@@ -14,6 +14,9 @@ use super::{FinalGather, KEY};
 /// Largest number of bounces between surfaces that are near each other.
 const MAX_BOUNCES: u32 = 8;
 
+/// Squared distance of the middle of an element, in areas of the element, below which it is too coarse.
+const NEAR_AREAS: f64 = 2.0;
+
 /// Light gathered along the path of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PathLight {
@@ -37,17 +40,17 @@ pub(super) struct RayEnd {
 }
 
 impl FinalGather<'_> {
-    /// Light along paths from receivers, each with its number. The number selects the direction of the ray.
+    /// Light along paths from receivers, each with a direction around z and a number that selects the directions of further rays.
     ///
     /// All paths advance from surface to surface together, so that their rays are traced as batches.
     pub(super) fn trace_paths<'a>(
         &self,
-        starts: impl Iterator<Item = (&'a BakeReceiver, usize)>,
+        starts: impl Iterator<Item = (&'a BakeReceiver, DVec3, usize)>,
     ) -> Vec<PathLight> {
         let mut traced = GatherBatch { gather: self, lights: Vec::new() };
         let mut paths: Vec<GatherPath> = Vec::new();
-        for (receiver, number) in starts {
-            let path = GatherPath::new(self, receiver, number as u32, traced.lights.len());
+        for (receiver, direction, number) in starts {
+            let path = GatherPath::new(receiver, direction, number as u32, traced.lights.len());
             paths.extend(path);
             traced.lights.push(PathLight::default());
         }
@@ -158,9 +161,8 @@ struct GatherPath {
 
 impl GatherPath {
     /// A path that starts at a receiver; `None` if no light arrives from there.
-    fn new(gather: &FinalGather<'_>, receiver: &BakeReceiver, number: u32, slot: usize) -> Option<Self> {
-        let directions = &gather.directions;
-        let ray = GatherRay::new(receiver, number, directions[number as usize % directions.len()])?;
+    fn new(receiver: &BakeReceiver, direction: DVec3, number: u32, slot: usize) -> Option<Self> {
+        let ray = GatherRay::new(receiver, number, direction)?;
         let (from, throughput) = (receiver.at.point.position, Spectrum::ONE);
         Some(Self { has_ended: false, slot, number, ray, from, bounces: 0, throughput })
     }
@@ -201,9 +203,11 @@ impl GatherPath {
         light.direct += self.throughput * texel.and_then(|texel| gather.direct_on(texel)).unwrap_or_default();
         let Some(number) = gather.index.element(gather.elements, &place) else { return false };
         self.bounces += 1;
-        let area = gather.elements.list.get(number as usize).map_or(0.0, |element| element.area);
-        let distance_squared = at.point.position.distance_squared(self.from);
-        if distance_squared >= area || self.bounces > MAX_BOUNCES || self.throughput.is_black() {
+        // The same for all points of an element: of one that is seen from its edge, the far part alone is no sample.
+        let is_far = gather.elements.list.get(number as usize).is_none_or(|element| {
+            element.center.position.distance_squared(self.from) >= NEAR_AREAS * element.area
+        });
+        if is_far || self.bounces > MAX_BOUNCES || self.throughput.is_black() {
             light.element = Some((number, self.throughput));
             return false;
         }
@@ -263,14 +267,15 @@ mod tests {
         let mut progress = BakeProgress::new(&mut sink, &cancel, 3);
         let mut state = BakeState::default();
         let direct =
-            direct::light_on_charts(&elements, &charts, &settings, &mut state, &mut progress).unwrap();
+            direct::light_on_charts(&elements, &charts, &settings, None, &mut state, &mut progress).unwrap();
         let index = SurfaceIndex::new(&elements, &charts);
         let gather = FinalGather::new(&elements, &index, &charts, &direct, &settings);
         let places = elements.list.iter().map(super::super::element_center);
         let receivers: Vec<BakeReceiver> =
             places.filter_map(|place| BakeReceiver::new(&elements, &place)).collect();
-        let starts: Vec<(&BakeReceiver, usize)> =
-            (0..64).flat_map(|i| receivers.iter().map(move |at| (at, i))).collect();
+        let directions = gather.directions.iter().copied().zip(0..64);
+        let starts: Vec<(&BakeReceiver, DVec3, usize)> =
+            directions.flat_map(|(way, i)| receivers.iter().map(move |at| (at, way, i))).collect();
         let together = gather.trace_paths(starts.iter().copied());
         let alone: Vec<PathLight> =
             starts.iter().flat_map(|&start| gather.trace_paths(std::iter::once(start))).collect();

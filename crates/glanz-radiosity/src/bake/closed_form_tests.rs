@@ -1,0 +1,267 @@
+//! Light maps compared with closed forms, and with equations that are solved in another way.
+
+use std::f64::consts::{PI, TAU};
+
+use glanz_job::Silent;
+use glanz_light::Wavelengths;
+use glanz_math::{DVec2, DVec3, Frame};
+use glanz_sampling::warp;
+use glanz_scene::description::{GeometryDescription, LightKind, NurbsDescription, ShapeDescription};
+use glanz_scene::{Interaction, ParametricPoint, Scene};
+
+use super::tests::{BY_RADIOSITY, texels};
+use super::*;
+use crate::elements::ElementSettings;
+use crate::scenes::{scene, scene_with, walls};
+
+const GATHER: BakeSettings =
+    BakeSettings { density: 16.0, rays: 256, shadow_rays: 64, method: BakeMethod::Gather };
+
+/// Both methods.
+const METHODS: [BakeSettings; 2] = [GATHER, BakeSettings { method: BY_RADIOSITY.method, ..GATHER }];
+
+fn baked(scene: &Scene, settings: &BakeSettings) -> Vec<LightMap> {
+    let elements = Elements::new(scene, &ElementSettings { side: 0.3 }).unwrap();
+    bake(&elements, settings, &mut Silent, &CancelFlag::default()).unwrap().maps
+}
+
+/// A sphere about the origin without its top, which is a share `1 - kept` of its area.
+fn bowl(radius: f64, kept: f64) -> ShapeDescription {
+    let z = [-radius, radius * (2.0 * kept - 1.0)];
+    ShapeDescription::from(GeometryDescription::Sphere { radius, z, phi_max: TAU })
+}
+
+/// Irradiance of texels on the sides that face the z axis, with their positions.
+fn inside<'a>(scene: &'a Scene, maps: &'a [LightMap]) -> Vec<(DVec3, f64)> {
+    let surfaces = scene.placed_surfaces();
+    let faces_axis = |chart: &Chart| {
+        let surface = &surfaces[chart.surface as usize];
+        let at = surface.at(chart.faces()[0], DVec2::splat(0.5), chart.back).unwrap().at;
+        at.wo.truncate().dot(at.point.position.truncate()) < 0.0
+    };
+    texels(scene, maps).filter(|(chart, ..)| faces_axis(chart)).map(|(_, p, light)| (p, light)).collect()
+}
+
+/// Mean and largest deviation of irradiance from its expected value, relative.
+fn deviations(found: impl IntoIterator<Item = (f64, f64)>) -> [f64; 2] {
+    let (mut sum, mut largest, mut count) = (0.0, 0.0_f64, 0.0);
+    for (light, expected) in found {
+        let deviation: f64 = light / expected - 1.0;
+        sum += deviation;
+        largest = largest.max(deviation.abs());
+        count += 1.0;
+    }
+    assert!(count > 100.0, "{count}");
+    [sum / count, largest]
+}
+
+#[test]
+fn light_from_the_middle_of_a_bowl_is_even() {
+    // Between any two points of a sphere the form factor is the same: E = E0 / (1 - rho f) for a share f of the sphere.
+    let (radius, reflectance) = (0.5, 0.8);
+    for (kept, settings) in [0.5, 0.9].into_iter().flat_map(|kept| METHODS.map(|settings| (kept, settings))) {
+        let light = LightKind::Point { from: DVec3::ZERO, range: None };
+        let scene = scene_with(vec![(bowl(radius, kept), reflectance as f32, 0.0)], vec![light]);
+        let maps = baked(&scene, &settings);
+        let expected = 1.0 / (radius * radius) / (1.0 - reflectance * kept);
+        let [mean, largest] =
+            deviations(inside(&scene, &maps).into_iter().map(|(_, light)| (light, expected)));
+        assert!(mean.abs() < 0.01 && largest < 0.05, "{kept} {:?}: {mean} {largest}", settings.method);
+    }
+}
+
+#[test]
+fn light_through_the_opening_of_a_bowl_is_scattered_evenly() {
+    let (radius, reflectance, kept) = (0.5, 0.8, 0.9);
+    let from = DVec3::new(0.0, 0.0, 3.0);
+    let scene = scene_with(
+        vec![(bowl(radius, kept), reflectance as f32, 0.0)],
+        vec![LightKind::Point { from, range: None }],
+    );
+    // The opening, a circle at z = 0.4 with radius 0.3, seen from above: all of its light lands on the bowl, below the rays through the rim.
+    let rim = DVec2::new(0.3, 0.4 - from.z).normalize();
+    let flux = TAU * (1.0 + rim.y);
+    let along = from.z * rim.y;
+    let lit_below = from.z + rim.y * (-along + (along * along - from.z * from.z + radius * radius).sqrt());
+    let expected = reflectance * flux / (4.0 * PI * radius * radius) / (1.0 - reflectance * kept);
+    for settings in METHODS {
+        let maps = baked(&scene, &settings);
+        let is_shaded = |p: &DVec3| p.z > lit_below + 0.1 && p.z < 0.38;
+        let shaded = inside(&scene, &maps).into_iter().filter(|(p, _)| is_shaded(p));
+        let [mean, largest] = deviations(shaded.map(|(_, light)| (light, expected)));
+        assert!(mean.abs() < 0.02 && largest < 0.08, "{:?}: {mean} {largest}", settings.method);
+    }
+}
+
+/// The vase of `scenes/rooms/vase.pbrt`, on the floor.
+fn vase() -> ShapeDescription {
+    let profile = [[0.1, 0.0], [0.2, 0.06], [0.29, 0.36], [0.05, 0.5], [0.09, 0.72], [0.15, 0.78]];
+    let corner = 0.5_f64.sqrt();
+    let circle = [
+        [1.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, 0.0],
+        [-1.0, -1.0],
+        [0.0, -1.0],
+        [1.0, -1.0],
+    ];
+    let points = (0..9).flat_map(|i| {
+        let ([x, y], weight) = (circle[i % 8], if i % 2 == 1 { corner } else { 1.0 });
+        profile.map(|[r, z]| [r * x * weight, r * y * weight, z * weight, weight])
+    });
+    ShapeDescription::from(GeometryDescription::Nurbs(NurbsDescription {
+        degree_u: 2,
+        degree_v: 3,
+        knots_u: vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
+        knots_v: vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0, 3.0],
+        points: points.collect(),
+        domain: None,
+    }))
+}
+
+/// Irradiance at a point of a scene with one point light of intensity 1, by paths over the hemisphere. `reflectance`: that of all surfaces.
+fn traced(scene: &Scene, light: DVec3, reflectance: f64, at: &Interaction, paths: u32) -> f64 {
+    let direct = |at: &Interaction| {
+        let to = light - at.point.position;
+        let cos = at.wo.dot(to.normalize());
+        let is_lit = cos > 0.0 && !scene.occluded(&at.spawn_to(light, None), 1.0);
+        if is_lit { cos / to.length_squared() } else { 0.0 }
+    };
+    // Other random numbers at every point.
+    let mut random =
+        at.point.position.to_array().map(f64::to_bits).into_iter().fold(0, glanz_sampling::hash::combine);
+    let mut sum = 0.0;
+    for _ in 0..paths {
+        let (mut at, mut throughput) = (*at, 1.0);
+        for _ in 0..64 {
+            let [x, y] = [0, 1].map(|_| {
+                random = random.wrapping_add(1);
+                (glanz_sampling::hash::combine(7, random) >> 11) as f64 * 2.0_f64.powi(-53)
+            });
+            let direction = Frame::from_z(at.wo).to_world(warp::cosine_hemisphere(DVec2::new(x, y)));
+            // A diffuse surface reflects to the side that is seen.
+            let Some(hit) = scene.intersect(&at.spawn(direction), f64::INFINITY) else { break };
+            at = hit;
+            at.wo = if at.point.normal.dot(at.wo) < 0.0 { -at.point.normal } else { at.point.normal };
+            throughput *= reflectance;
+            sum += throughput * direct(&at);
+        }
+    }
+    direct(at) + sum / f64::from(paths)
+}
+
+#[test]
+fn inside_of_a_vase_is_as_bright_as_paths_show() {
+    let (light, reflectance) = (DVec3::new(0.3, 0.1, 1.6), 0.6);
+    let mut shapes: Vec<_> = walls(DVec3::new(2.0, 2.0, 1.8))
+        .into_iter()
+        .map(|wall| (wall.translated(DVec3::new(-1.0, -1.0, 0.0)), reflectance as f32, 0.0))
+        .collect();
+    shapes.push((vase(), reflectance as f32, 0.0));
+    shapes.push((ShapeDescription::disk(0.1).translated(DVec3::Z * 0.002), reflectance as f32, 0.0));
+    let scene = scene_with(shapes, vec![LightKind::Point { from: light, range: None }]);
+    let elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
+    // Below the neck, except for the pieces on which the light shines through the opening.
+    let mut points = Vec::new();
+    for (face, uv) in (0..12).flat_map(|face| [(face, DVec2::new(0.3, 0.6)), (face, DVec2::new(0.7, 0.3))]) {
+        for back in [false, true] {
+            let at = elements.surfaces[6].at(face, uv, back).unwrap().at;
+            let is_inside = at.wo.truncate().dot(at.point.position.truncate()) < 0.0;
+            if is_inside && at.point.position.z < 0.5 {
+                let expected = traced(&scene, light, reflectance, &at, 4096);
+                if expected < 0.15 {
+                    points.push((ParametricPoint { surface: 6, face, back, uv }, expected));
+                }
+            }
+        }
+    }
+    let light = bake(&elements, &GATHER, &mut Silent, &CancelFlag::default()).unwrap();
+    let maps = LightMaps::new(&elements, light.maps);
+    let light = |place| f64::from(maps.irradiance(place).unwrap().luminance(&Wavelengths::default()));
+    let found: f64 = points.iter().map(|(place, _)| light(place)).sum();
+    let expected: f64 = points.iter().map(|(_, expected)| expected).sum();
+    let deviation = found / expected - 1.0;
+    assert!(points.len() > 10 && deviation.abs() < 0.14, "{deviation}");
+}
+
+/// Irradiance at the middles of equal pieces of a tube over a disk lamp of radiance 1, in the order of height. `length`: in diameters.
+///
+/// The form factor from a point of the wall to a disk at a distance of x diameters is F(x) = (x^2 + 1/2) / sqrt(x^2 + 1) - x; that to a
+/// piece of the wall is a difference of two of these.
+fn tube(length: f64, reflectance: f64, pieces: usize) -> Vec<f64> {
+    let to_disk = |x: f64| (x * x + 0.5) / (x * x + 1.0).sqrt() - x;
+    let step = length / pieces as f64;
+    let at = |i: usize| (i as f64 + 0.5) * step;
+    let factor = |i: usize, j: usize| {
+        let x = (at(i) - at(j)).abs();
+        if i == j {
+            2.0 * (0.5 - to_disk(0.5 * step))
+        } else {
+            to_disk(x - 0.5 * step) - to_disk(x + 0.5 * step)
+        }
+    };
+    let direct: Vec<f64> = (0..pieces).map(|i| PI * to_disk(at(i))).collect();
+    let mut light = direct.clone();
+    for _ in 0..100 {
+        let received = |i: usize| (0..pieces).map(|j| factor(i, j) * light[j]).sum::<f64>();
+        light = (0..pieces).map(|i| direct[i] + reflectance * received(i)).collect();
+    }
+    light
+}
+
+#[test]
+fn light_fades_along_a_tube() {
+    let (radius, height, reflectance) = (0.15, 0.6, 0.7);
+    let lamp = ShapeDescription::disk(radius);
+    let scene = scene(vec![
+        (ShapeDescription::cylinder(radius, [0.0, height]), reflectance as f32, 0.0),
+        (lamp, 0.0, 1.0),
+    ]);
+    let expected = tube(height / (2.0 * radius), reflectance, 200);
+    for settings in METHODS {
+        let maps = baked(&scene, &BakeSettings { density: 40.0, ..settings });
+        let of_wall = inside(&scene, &maps).into_iter().filter(|(p, _)| p.z > 0.03 && p.z < height - 0.01);
+        let found: Vec<_> =
+            of_wall.map(|(p, light)| (light, expected[(p.z / height * 200.0) as usize])).collect();
+        let [mean, largest] = deviations(found);
+        assert!(mean.abs() < 0.02 && largest < 0.12, "{:?}: {mean} {largest}", settings.method);
+    }
+}
+
+/// Mean irradiance of the fronts of rectangles.
+fn mean_irradiance(scene: &Scene, maps: &[LightMap]) -> f64 {
+    let surfaces = scene.placed_surfaces();
+    let (mut flux, mut all) = (0.0, 0.0);
+    for map in maps.iter().filter(|map| !map.chart.back) {
+        let [x, y, z] = surfaces[map.chart.surface as usize].bounds().diagonal().to_array();
+        let area = x * y + y * z + z * x;
+        // The outermost texels cover half of their squares, those of a corner a quarter.
+        let [width, height] = map.chart.size;
+        let share = |i: u32, n: u32| if i == 0 || i + 1 == n { 0.5 } else { 1.0 };
+        let weight = |i: u32| share(i % width, width) * share(i / width, height);
+        let light = |light: &Spectrum| f64::from(light.luminance(&Wavelengths::default()));
+        let sum: f64 = (0..).zip(&map.irradiance).map(|(i, found)| weight(i) * light(found)).sum();
+        flux += area * sum / (f64::from(width - 1) * f64::from(height - 1));
+        all += area;
+    }
+    flux / all
+}
+
+#[test]
+fn white_boxes_keep_their_light() {
+    let size = DVec3::new(2.0, 1.5, 1.2);
+    let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+    for (reflectance, settings) in
+        [0.5, 0.8, 0.9].into_iter().flat_map(|rho| METHODS.map(|settings| (rho, settings)))
+    {
+        let light = LightKind::Point { from: DVec3::new(0.7, 0.6, 0.8), range: None };
+        let shapes = walls(size).into_iter().map(|wall| (wall, reflectance as f32, 0.0));
+        let scene = scene_with(shapes.collect(), vec![light]);
+        let maps = baked(&scene, &settings);
+        let expected = 4.0 * PI / (area * (1.0 - reflectance));
+        let deviation = mean_irradiance(&scene, &maps) / expected - 1.0;
+        assert!(deviation.abs() < 0.005, "{reflectance} {:?}: {deviation}", settings.method);
+    }
+}
