@@ -18,7 +18,7 @@ pub struct JobProgress<'a> {
     pub fraction: f64,
     /// Time since the phase began.
     pub elapsed: Duration,
-    /// Estimated time until the phase ends; `None` if it is not known yet.
+    /// Estimated time until the phase ends, or all phases if the job can estimate those to come; `None` if it is not known yet.
     pub remaining: Option<Duration>,
 }
 

@@ -27,7 +27,7 @@
  * @typedef {{ first: number, count: number, kind: "line" | "circle" | "ellipse" | "spline", radii: number[], length: number,
  *   angle: number, shapes: number[] }} Edge
  * @typedef {{ toWorld: number[], first: number, count: number, firstLeaf: number }} EdgeCopy
- * @typedef {{ name: string, unit: string, block: string, width: number, height: number, largest: number }} LightMap
+ * @typedef {{ name: string, unit: string, block: string, width: number, height: number, sides: number, largest: number }} LightMap
  */
 
 /**

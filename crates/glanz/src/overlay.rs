@@ -72,14 +72,16 @@ impl LightOverlay {
                 light.check(content_hash)?;
                 let elements = divided(scene, light.density())?;
                 let maps = LightMaps::new(&elements, light.maps(&elements)?);
-                let label = MapLabel { name: "baked light", unit: "W/(m² sr)" };
-                let value = |surface, face, uv| radiance(scene, &placed, &maps, (surface, face, uv));
+                let label = MapLabel { name: "baked light", unit: "W/(m² sr)", two_sided: true };
+                let value = |surface, face, uv, back| {
+                    radiance(scene, &placed, &maps, &ParametricPoint { surface, face, uv, back })
+                };
                 Ok(model.with_map(label, scene, SIDE, value)?)
             }
             OverlaidLight::Lux(folder) => {
                 let maps = folder.place(scene)?;
-                let label = MapLabel { name: "illuminance", unit: "lx" };
-                let value = |surface, face, uv| maps.lux(&placed, surface, face, uv).map(|lux| [lux; 3]);
+                let label = MapLabel { name: "illuminance", unit: "lx", two_sided: false };
+                let value = |surface, face, uv, _| maps.lux(&placed, surface, face, uv).map(|lux| [lux; 3]);
                 Ok(model.with_map(label, scene, SIDE, value)?)
             }
         }
@@ -98,21 +100,17 @@ impl SceneOverlay for LightOverlay {
     }
 }
 
-/// Emitted and baked radiance at a point, on the brighter side: both sides of a surface are drawn alike.
+/// Emitted and baked radiance at a point.
 fn radiance(
     scene: &Scene,
     placed: &[PlacedSurface<'_>],
     maps: &LightMaps,
-    (surface, face, uv): (u32, u32, DVec2),
+    place: &ParametricPoint,
 ) -> Option<[f32; 3]> {
     let wavelengths = Wavelengths::default();
-    let of_side = |back| {
-        let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
-        let irradiance = maps.irradiance(&ParametricPoint { surface, face, back, uv })?;
-        let toward_viewer = if back { -DVec3::Z } else { DVec3::Z };
-        let albedo = at.bsdf(scene, &wavelengths)?.reflected(toward_viewer);
-        Some((albedo * irradiance * FRAC_1_PI + scene.emitted(&at, at.wo)).to_rgb(&wavelengths))
-    };
-    let sides = [false, true].into_iter().filter_map(of_side);
-    sides.max_by(|a, b| a.iter().sum::<f32>().total_cmp(&b.iter().sum()))
+    let at = placed.get(place.surface as usize)?.at(place.face, place.uv, place.back)?.at;
+    let irradiance = maps.irradiance(place)?;
+    let toward_viewer = if place.back { -DVec3::Z } else { DVec3::Z };
+    let albedo = at.bsdf(scene, &wavelengths)?.reflected(toward_viewer);
+    Some((albedo * irradiance * FRAC_1_PI + scene.emitted(&at, at.wo)).to_rgb(&wavelengths))
 }

@@ -174,5 +174,6 @@ pub(super) struct ModelMap {
     pub(super) block: String,
     pub(super) width: usize,
     pub(super) height: usize,
+    pub(super) sides: usize,
     pub(super) largest: f32,
 }

@@ -20,23 +20,49 @@ pub struct MapLabel<'a> {
     pub name: &'a str,
     /// Such as "lx".
     pub unit: &'a str,
+    /// Whether the two sides of surfaces have different values.
+    pub two_sided: bool,
 }
 
-/// Values of one patch, row by row along its x.
+/// Values of one side of a patch, row by row along its x.
+type SideValues = Vec<[f32; 3]>;
+
+/// Values of one patch: of its front, and of its back if the map has two sides.
 struct MapTile {
     object: usize,
     /// Number of the patch among those of its surface.
     patch: usize,
-    values: Vec<[f32; 3]>,
+    sides: Vec<SideValues>,
+}
+
+/// Places of the tiles of a map: those of the fronts from the first row on, then those of the backs.
+struct MapLayout {
+    columns: usize,
+    /// Rows of the tiles of one side.
+    rows: usize,
+    sides: usize,
+}
+
+impl MapLayout {
+    fn new(tiles: usize, sides: usize) -> Self {
+        let columns = ((tiles * sides) as f64).sqrt().ceil().max(1.0) as usize;
+        Self { columns, rows: tiles.div_ceil(columns).max(1), sides }
+    }
+
+    /// Column and row of a tile.
+    fn place(&self, slot: usize, side: usize) -> [usize; 2] {
+        [slot % self.columns, slot / self.columns + side * self.rows]
+    }
 }
 
 impl Model {
     /// The model with values on its surfaces.
     ///
-    /// `value`: the value at parameters of a face of a surface, by its number in [`Scene::placed_surfaces`]; parameters are those of
-    /// [`PlacedSurface::at`](glanz_scene::PlacedSurface::at); `None` where it is unknown. Surfaces without any known value get no
-    /// map, nor do those that are sent as triangles or polynomials. `side`: values along each side of a patch, at least 2; fewer if there
-    /// are very many patches. `scene`: that of the model.
+    /// `value`: the value at parameters of a face of a surface, by its number in [`Scene::placed_surfaces`], on its back or its front;
+    /// parameters are those of [`PlacedSurface::at`](glanz_scene::PlacedSurface::at); `None` where it is unknown, such as where the
+    /// surface is trimmed away: known values beside it are repeated there. Surfaces without any known value get no map, nor do those that
+    /// are sent as triangles or polynomials. `side`: values along each side of a patch, at least 2; fewer if there are very many patches.
+    /// `scene`: that of the model.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] patches for one map.
@@ -45,11 +71,12 @@ impl Model {
         label: MapLabel<'_>,
         scene: &Scene,
         side: usize,
-        value: impl Fn(u32, u32, DVec2) -> Option<[f32; 3]>,
+        value: impl Fn(u32, u32, DVec2, bool) -> Option<[f32; 3]>,
     ) -> Result<Self, ModelError> {
+        let backs = if label.two_sided { &[false, true][..] } else { &[false] };
         let placed = scene.placed_surfaces();
         let count = self.head.objects.iter().map(|object| self.patch_count(object.surface)).sum::<usize>();
-        let side = side_of(side, count)?;
+        let side = side_of(side, count, &MapLayout::new(count, backs.len()))?;
         let mut tiles = Vec::new();
         for (number, (surface, parts)) in (0..).zip(placed.iter().zip(&self.objects)) {
             // Only meshes have several parts.
@@ -58,12 +85,12 @@ impl Model {
             let patches = self.head.objects.get(object).map_or(0, |object| self.patch_count(object.surface));
             let visible = visible_patches(surface, scene.bounds()).unwrap_or_default();
             if patches == visible.len() {
-                let sampled = sampled(&visible, side, |face, uv| value(number, face, uv));
-                let own = |(patch, values)| MapTile { object, patch, values };
+                let sampled = sampled(&visible, side, backs, |face, uv, back| value(number, face, uv, back));
+                let own = |(patch, sides)| MapTile { object, patch, sides };
                 tiles.extend(sampled.into_iter().flatten().enumerate().map(own));
             }
         }
-        self.add_map(label, side, &tiles);
+        self.add_map(label, side, &MapLayout::new(tiles.len(), backs.len()), &tiles);
         Ok(self)
     }
 
@@ -74,10 +101,8 @@ impl Model {
         }
     }
 
-    fn add_map(&mut self, label: MapLabel<'_>, side: usize, tiles: &[MapTile]) {
-        let columns = (tiles.len() as f64).sqrt().ceil().max(1.0) as usize;
-        let rows = tiles.len().div_ceil(columns).max(1);
-        let (width, height) = (columns * side, rows * side);
+    fn add_map(&mut self, label: MapLabel<'_>, side: usize, layout: &MapLayout, tiles: &[MapTile]) {
+        let (width, height) = (layout.columns * side, layout.sides * layout.rows * side);
         let mut texels = vec![[0.0; 3]; width * height];
         let number = self.head.maps.len();
         let mut last = None;
@@ -86,15 +111,18 @@ impl Model {
                 self.own_patches(tile.object, number);
                 last = Some(tile.object);
             }
-            let corner = [slot % columns * side, slot / columns * side];
-            for (row, values) in tile.values.chunks(side).enumerate() {
-                let start = (corner[1] + row) * width + corner[0];
-                if let Some(texels) = texels.get_mut(start..start + values.len()) {
-                    texels.copy_from_slice(values);
+            for (number, values) in tile.sides.iter().enumerate() {
+                let [x, y] = layout.place(slot, number).map(|at| at * side);
+                for (row, values) in values.chunks(side).enumerate() {
+                    let start = (y + row) * width + x;
+                    if let Some(texels) = texels.get_mut(start..start + values.len()) {
+                        texels.copy_from_slice(values);
+                    }
                 }
             }
             // From the middle of the first texel to that of the last: filtering never reaches a neighbouring tile.
-            let shares = [(corner[0], width), (corner[1], height)];
+            let [x, y] = layout.place(slot, 0).map(|at| at * side);
+            let shares = [(x, width), (y, height)];
             let begins = shares.map(|(at, size)| (at as f64 + 0.5) / size as f64);
             let sizes = shares.map(|(_, size)| (side - 1) as f64 / size as f64);
             let words = begins.into_iter().chain(sizes).map(|share| (share as f32).to_bits());
@@ -109,6 +137,7 @@ impl Model {
             block: format!("map{number}"),
             width,
             height,
+            sides: layout.sides,
             largest,
         });
         self.blocks.maps.push(texels);
@@ -148,35 +177,56 @@ impl Model {
 }
 
 /// Values along the side of a patch, such that all patches fit into a map.
-fn side_of(side: usize, count: usize) -> Result<usize, ModelError> {
-    let columns = (count as f64).sqrt().ceil().max(1.0) as usize;
-    let most = LARGEST / columns;
+fn side_of(side: usize, count: usize, layout: &MapLayout) -> Result<usize, ModelError> {
+    let most = LARGEST / layout.columns.max(layout.sides * layout.rows);
     if most < 2 {
-        let most = ((LARGEST / 2) * (LARGEST / 2)) as u64;
+        let most = ((LARGEST / 2) * (LARGEST / 2) / layout.sides) as u64;
         return Err(ModelError::TooMany { what: "patches that show values", count: count as u64, most });
     }
     Ok(side.clamp(2, most))
 }
 
-/// The values of each patch; `None` if no value is known.
+/// The values of the sides of each patch; `None` if no value is known.
 fn sampled(
     patches: &[VisiblePatch],
     side: usize,
-    value: impl Fn(u32, DVec2) -> Option<[f32; 3]>,
-) -> Option<Vec<Vec<[f32; 3]>>> {
+    backs: &[bool],
+    value: impl Fn(u32, DVec2, bool) -> Option<[f32; 3]>,
+) -> Option<Vec<Vec<SideValues>>> {
     let mut known = false;
     let at = |k: usize| k as f64 / (side - 1) as f64;
     let mut values = Vec::with_capacity(patches.len());
     for patch in patches {
-        let grid = (0..side).flat_map(|row| (0..side).map(move |column| (at(column), at(row))));
-        let of_patch: Vec<[f32; 3]> = grid
-            .map(|(x, y)| {
-                let found = value(patch.face, patch.parameters.of_face(x, y));
-                known |= found.is_some();
-                found.unwrap_or([0.0; 3])
-            })
-            .collect();
-        values.push(of_patch);
+        let mut of_side = |&back: &bool| {
+            let grid = (0..side).flat_map(|row| (0..side).map(move |column| (at(column), at(row))));
+            let found: Vec<Option<[f32; 3]>> =
+                grid.map(|(x, y)| value(patch.face, patch.parameters.of_face(x, y), back)).collect();
+            known |= found.iter().any(Option::is_some);
+            filled(found, side)
+        };
+        values.push(backs.iter().map(&mut of_side).collect());
     }
     known.then_some(values)
+}
+
+/// Gives unknown values the mean of their known neighbours, repeatedly; 0 if nothing is known.
+fn filled(mut values: Vec<Option<[f32; 3]>>, side: usize) -> SideValues {
+    let mut missing: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_none()).collect();
+    while !missing.is_empty() && missing.len() < values.len() {
+        let mean = |&number: &usize| {
+            let (x, y) = (number % side, number / side);
+            let (columns, rows) =
+                (x.saturating_sub(1)..(x + 2).min(side), y.saturating_sub(1)..(y + 2).min(side));
+            let near = rows.flat_map(|row| columns.clone().map(move |column| row * side + column));
+            let known: Vec<[f32; 3]> = near.filter_map(|i| values.get(i).copied().flatten()).collect();
+            let sum = |k: usize| known.iter().map(|value| value[k]).sum::<f32>() / known.len() as f32;
+            (!known.is_empty()).then(|| (number, [0, 1, 2].map(sum)))
+        };
+        let found: Vec<(usize, [f32; 3])> = missing.iter().filter_map(mean).collect();
+        for &(number, value) in &found {
+            values[number] = Some(value);
+        }
+        missing.retain(|&number| values[number].is_none());
+    }
+    values.into_iter().map(Option::unwrap_or_default).collect()
 }

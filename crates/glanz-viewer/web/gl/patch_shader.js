@@ -311,7 +311,9 @@ ${mode === "material" ? MAP_PLACE : ""}
 
 const MAP_PLACE = `
   vec4 mapRectangle = patchWords(which.z, 3u);
-  mapPlace = mapRectangle.z > 0.0 ? mapRectangle.xy + w * mapRectangle.zw : vec2(-1.0);
+  // Parameters may lie past the sides of the patch, where the map has values of other patches.
+  mapPlace = mapRectangle.z > 0.0 ? mapRectangle.xy + clamp(w, 0.0, 1.0) * mapRectangle.zw : vec2(-1.0);
+  if (!point.front) mapPlace.y += mapScale.z;
 `;
 
 /** For shadow maps: the grid's own parameters are near enough. @param {boolean} trimmed */

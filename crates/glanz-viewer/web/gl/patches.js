@@ -345,11 +345,11 @@ export class Patches {
   }
 
   /** @param {Program} program @param {MapTexture} map */
-  bindMap(program, { texture, largest, falseColours }) {
+  bindMap(program, { texture, largest, falseColours, toBack }) {
     const { gl } = this;
     gl.activeTexture(gl.TEXTURE0 + UNITS.mapValues);
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.uniform2f(program.place("mapScale"), largest, falseColours ? 1 : 0);
+    gl.uniform3f(program.place("mapScale"), largest, falseColours ? 1 : 0, toBack);
   }
 
   delete() {

@@ -93,8 +93,8 @@ function materialRows(materials) {
 }
 
 /**
- * A map as a texture; `falseColours`: its values are numbers to be read, not light to be seen.
- * @typedef {{ texture: WebGLTexture, largest: number, falseColours: boolean }} MapTexture
+ * A map as a texture; `falseColours`: its values are numbers to be read, not light to be seen; `toBack`: offset of the values of the back along y.
+ * @typedef {{ texture: WebGLTexture, largest: number, falseColours: boolean, toBack: number }} MapTexture
  */
 
 /**
@@ -113,5 +113,5 @@ function mapTexture(gl, map, values) {
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
     gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
   for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
-  return { texture, largest: map.largest, falseColours: map.unit === "lx" };
+  return { texture, largest: map.largest, falseColours: map.unit === "lx", toBack: map.sides > 1 ? 0.5 : 0 };
 }

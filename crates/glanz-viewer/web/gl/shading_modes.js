@@ -156,7 +156,7 @@ vec4 shade(Point point, Facts facts) {
 /** Light maps and lux maps of the scene, as radiance or in false colours. */
 export const MAP_TEXT = `
 uniform sampler2D mapValues;
-uniform vec2 mapScale;    // largest value; 1 for false colours, 0 for light
+uniform vec3 mapScale;    // largest value; 1 for false colours, 0 for light; offset of the values of the back along y
 const vec3 VIRIDIS[9] = ${shaderArray(VIRIDIS)};
 vec2 mapPlace;
 vec3 mapColour(vec3 unmapped) {

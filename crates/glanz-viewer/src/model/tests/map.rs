@@ -39,12 +39,12 @@ fn values_are_shown_where_they_belong() {
     let (description, scene) = load(text);
     let model = Model::try_new("test", &description, &scene, &description.files).unwrap();
     // Linear in the parameters, so that interpolation is exact; nothing is known of the sphere.
-    let value = |surface: u32, face: u32, uv: DVec2| {
+    let value = |surface: u32, face: u32, uv: DVec2, _| {
         let kind = scene.placed_surfaces()[surface as usize].surface().kind();
         let numbers = [f64::from(surface) * 10.0 + f64::from(face), uv.x, 3.0 - uv.y];
         (kind != "sphere").then(|| numbers.map(|x| x as f32))
     };
-    let label = MapLabel { name: "numbers", unit: "1" };
+    let label = MapLabel { name: "numbers", unit: "1", two_sided: false };
     let file = File::read(&model.with_map(label, &scene, 5, value).unwrap().to_bytes().unwrap());
     let map = &file.head["maps"][0];
     assert_eq!((&map["name"], &map["unit"]), (&"numbers".into(), &"1".into()));
@@ -84,8 +84,8 @@ fn patches_on_a_map_keep_their_points() {
     let (description, scene) = load("WorldBegin\nShape \"sphere\"");
     let bare = Model::try_new("test", &description, &scene, &[]).unwrap();
     let before = File::read(&bare.to_bytes().unwrap());
-    let label = MapLabel { name: "", unit: "" };
-    let with = bare.with_map(label, &scene, 4, |_, _, _| Some([1.0; 3])).unwrap();
+    let label = MapLabel { name: "", unit: "", two_sided: false };
+    let with = bare.with_map(label, &scene, 4, |_, _, _, _| Some([1.0; 3])).unwrap();
     let after = File::read(&with.to_bytes().unwrap());
     assert_eq!(before.words("points"), after.words("points"));
     let of = &after.list("surfaces")[number(&after.list("objects")[0]["surface"])];
@@ -94,4 +94,39 @@ fn patches_on_a_map_keep_their_points() {
         assert_eq!(patch[..12], old[..12]);
         assert!(patch[14] > 0 && old[14] == 0);
     }
+}
+
+#[test]
+fn back_has_values_of_its_own_half_a_map_below_those_of_the_front() {
+    let (description, scene) = load("WorldBegin\nShape \"box\"");
+    let model = Model::try_new("test", &description, &scene, &[]).unwrap();
+    let value = |_, face: u32, _, back| Some([if back { -1.0 - face as f32 } else { face as f32 }; 3]);
+    let label = MapLabel { name: "", unit: "", two_sided: true };
+    let file = File::read(&model.with_map(label, &scene, 3, value).unwrap().to_bytes().unwrap());
+    assert_eq!(file.head["maps"][0]["sides"], 2);
+    let surface = &file.list("surfaces")[number(&file.list("objects")[0]["surface"])];
+    let mut seen = 0;
+    for words in file.words("patches").chunks(16).skip(number(&surface["first"])) {
+        let mut behind = words.to_vec();
+        behind[13] = (f32::from_bits(words[13]) + 0.5).to_bits();
+        for (x, y) in [(0.0, 0.0), (1.0, 0.4), (0.5, 1.0)] {
+            let face = f64::from(words[2]);
+            assert_eq!(shown(&file, words, x, y).map(|x| x.round()), [face; 3]);
+            assert_eq!(shown(&file, &behind, x, y).map(|x| x.round()), [-1.0 - face; 3]);
+        }
+        seen += 1;
+    }
+    assert_eq!(seen, 6);
+}
+
+#[test]
+fn values_at_a_trimmed_border_are_not_mixed_with_nothing() {
+    let (description, scene) = load("WorldBegin\nShape \"box\"");
+    let model = Model::try_new("test", &description, &scene, &[]).unwrap();
+    // As if a corner were trimmed away.
+    let value = |_, _, uv: DVec2, _| (uv.x + uv.y < 1.05).then_some([2.0; 3]);
+    let label = MapLabel { name: "", unit: "", two_sided: false };
+    let file = File::read(&model.with_map(label, &scene, 9, value).unwrap().to_bytes().unwrap());
+    let texels = file.floats("map0");
+    assert!(texels.iter().filter(|&&x| x == 2.0).count() >= 6 * 81 * 3, "{texels:?}");
 }
