@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glanz_illumination::add_walls;
 use glanz_light::Wavelengths;
-use glanz_math::{DVec2, DVec3};
+use glanz_math::DVec3;
 use glanz_radiosity::bake::LightMaps;
 use glanz_scene::{Description, ParametricPoint, PlacedSurface, Scene};
 use glanz_viewer::model::{MapLabel, Model};
