@@ -58,7 +58,7 @@ impl EscapedLight {
 }
 
 /// One of the two angles.
-struct Axis {
+struct AngleAxis {
     /// Number of largest steps, and their size, degrees.
     steps: u32,
     degrees: f64,
@@ -68,9 +68,9 @@ struct Axis {
     extent: fn(f64, f64) -> f64,
 }
 
-const C: Axis = Axis { steps: 24, degrees: 15.0, is_circle: true, extent: |a, b| b - a };
+const C: AngleAxis = AngleAxis { steps: 24, degrees: 15.0, is_circle: true, extent: |a, b| b - a };
 
-const GAMMA: Axis = Axis {
+const GAMMA: AngleAxis = AngleAxis {
     steps: 36,
     degrees: 5.0,
     is_circle: false,
@@ -96,7 +96,7 @@ impl FarFieldGrid {
     }
 }
 
-impl Axis {
+impl AngleAxis {
     /// Angles for light by its angle number `own`, degrees, with largest steps that are halved so many times at most.
     fn angles(&self, light: &[EscapedLight], own: usize, halvings: u32) -> Vec<f64> {
         let mut lines: BTreeSet<u32> = (0..=self.steps).map(|step| step * UNITS).collect();
