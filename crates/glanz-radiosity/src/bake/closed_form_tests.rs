@@ -12,7 +12,7 @@ use glanz_scene::{Interaction, ParametricPoint, Scene};
 use super::tests::{BY_RADIOSITY, texels};
 use super::*;
 use crate::elements::ElementSettings;
-use crate::scenes::{scene, scene_with, walls};
+use crate::scenes::{circle, scene, scene_with, walls};
 
 const GATHER: BakeSettings =
     BakeSettings { density: 16.0, rays: 256, shadow_rays: 64, method: BakeMethod::Gather };
@@ -96,19 +96,7 @@ fn light_through_the_opening_of_a_bowl_is_scattered_evenly() {
 /// The vase of `scenes/rooms/vase.pbrt`, on the floor.
 fn vase() -> ShapeDescription {
     let profile = [[0.1, 0.0], [0.2, 0.06], [0.29, 0.36], [0.05, 0.5], [0.09, 0.72], [0.15, 0.78]];
-    let corner = 0.5_f64.sqrt();
-    let circle = [
-        [1.0, 0.0],
-        [1.0, 1.0],
-        [0.0, 1.0],
-        [-1.0, 1.0],
-        [-1.0, 0.0],
-        [-1.0, -1.0],
-        [0.0, -1.0],
-        [1.0, -1.0],
-    ];
-    let points = (0..9).flat_map(|i| {
-        let ([x, y], weight) = (circle[i % 8], if i % 2 == 1 { corner } else { 1.0 });
+    let points = circle().into_iter().flat_map(|[x, y, weight]| {
         profile.map(|[r, z]| [r * x * weight, r * y * weight, z * weight, weight])
     });
     ShapeDescription::from(GeometryDescription::Nurbs(NurbsDescription {

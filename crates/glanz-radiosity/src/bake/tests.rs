@@ -1,3 +1,7 @@
+//! Bakes of rooms with known light, by all methods.
+//!
+//! One file in spite of its length: all tests share rooms, settings and their lookup of texels.
+
 use std::f64::consts::PI;
 
 use glanz_job::{Interrupted, Silent};

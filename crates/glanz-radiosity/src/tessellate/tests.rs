@@ -24,22 +24,7 @@ fn area(triangles: &Triangles) -> f64 {
 
 /// A shape of which a circle of radius 0.3 in the middle of its parameters is kept, or cut out.
 fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
-    let half = 0.5_f64.sqrt();
-    let circle = [
-        [1.0, 0.0],
-        [1.0, 1.0],
-        [0.0, 1.0],
-        [-1.0, 1.0],
-        [-1.0, 0.0],
-        [-1.0, -1.0],
-        [0.0, -1.0],
-        [1.0, -1.0],
-        [1.0, 0.0],
-    ];
-    let round = circle.iter().enumerate().map(|(i, [x, y])| {
-        let w = if i % 2 == 0 { 1.0 } else { half };
-        [w * (0.5 + 0.3 * x), w * (0.5 + 0.3 * y), w]
-    });
+    let round = scenes::circle().into_iter().map(|[x, y, w]| [w * (0.5 + 0.3 * x), w * (0.5 + 0.3 * y), w]);
     let mut round: Vec<[f64; 3]> = round.collect();
     let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
     let square = TrimCurveDescription {
