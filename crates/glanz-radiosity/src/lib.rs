@@ -2,6 +2,8 @@
 
 pub mod bake;
 pub mod charts;
+#[cfg(test)]
+mod circle;
 pub mod elements;
 pub mod form_factor;
 pub mod reconstruct;

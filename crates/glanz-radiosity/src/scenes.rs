@@ -25,23 +25,6 @@ pub(crate) fn parallelogram(corner: DVec3, u: DVec3, v: DVec3) -> ShapeDescripti
     ShapeDescription::parallelogram(corner, u, v)
 }
 
-/// Points and weights of the unit circle as four rational quadratic arcs, from +x counterclockwise; the last one is the first.
-pub(crate) fn circle() -> [[f64; 3]; 9] {
-    let half = 0.5_f64.sqrt();
-    let corner = |x: f64, y: f64| [x, y, half];
-    [
-        [1.0, 0.0, 1.0],
-        corner(1.0, 1.0),
-        [0.0, 1.0, 1.0],
-        corner(-1.0, 1.0),
-        [-1.0, 0.0, 1.0],
-        corner(-1.0, -1.0),
-        [0.0, -1.0, 1.0],
-        corner(1.0, -1.0),
-        [1.0, 0.0, 1.0],
-    ]
-}
-
 /// Six walls of the box from 0 to `size`, fronts inside: -x, +x, -y, +y, -z, +z.
 pub(crate) fn walls(size: DVec3) -> Vec<ShapeDescription> {
     let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];

@@ -11,8 +11,9 @@ use glanz_scene::{Interaction, ParametricPoint, Scene};
 
 use super::tests::{BY_RADIOSITY, texels};
 use super::*;
+use crate::circle::circle;
 use crate::elements::ElementSettings;
-use crate::scenes::{circle, scene, scene_with, walls};
+use crate::scenes::{scene, scene_with, walls};
 
 const GATHER: BakeSettings =
     BakeSettings { density: 16.0, rays: 256, shadow_rays: 64, method: BakeMethod::Gather };

@@ -5,6 +5,7 @@ use glanz_scene::{Scene, SceneBuilder};
 
 use super::*;
 use crate::charts::charts;
+use crate::circle::circle;
 use crate::scenes;
 
 fn all(scene: &Scene, tolerance: f64) -> Vec<Triangles> {
@@ -24,7 +25,7 @@ fn area(triangles: &Triangles) -> f64 {
 
 /// A shape of which a circle of radius 0.3 in the middle of its parameters is kept, or cut out.
 fn trimmed(shape: ShapeDescription, kept: bool) -> Scene {
-    let round = scenes::circle().into_iter().map(|[x, y, w]| [w * (0.5 + 0.3 * x), w * (0.5 + 0.3 * y), w]);
+    let round = circle().into_iter().map(|[x, y, w]| [w * (0.5 + 0.3 * x), w * (0.5 + 0.3 * y), w]);
     let mut round: Vec<[f64; 3]> = round.collect();
     let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]];
     let square = TrimCurveDescription {
