@@ -144,7 +144,7 @@ fn advice(error: &Error) -> Option<&'static str> {
         Error::Denoise(_) => {
             "pip install pyoidn, and set OIDN_DIR to its folder pyoidn/oidn, if the library is not found"
         }
-        Error::NoFarField => "pass far_field=True to illuminate",
+        Error::NoFarField => "pass far_field=True to illuminate, and another method than \"integrate\"",
         Error::File { fault, .. } => match fault {
             FileFault::NoFolder(_) => "create the folder first",
             FileFault::Exists => "pass resume=True to continue from it, or remove it",

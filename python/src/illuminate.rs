@@ -205,7 +205,7 @@ impl PyIllumination {
 impl PyScene {
     /// Computes the illuminance on receivers: shapes with the name of a receiver, and the walls of ``room``.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
-    #[pyo3(signature = (*, method="trace", particles=None, time_limit=None, error=None, tolerance=0.01, room=None, cells=None, texel=None,
+    #[pyo3(signature = (*, method="auto", particles=None, time_limit=None, error=None, tolerance=0.01, room=None, cells=None, texel=None,
         far_field=false, resolution=None, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
     fn illuminate(
         &self,
@@ -229,7 +229,12 @@ impl PyScene {
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<PyIllumination> {
         let default = IlluminateOptions::default();
-        let methods = [IlluminateMethod::Trace, IlluminateMethod::Integrate, IlluminateMethod::Both];
+        let methods = [
+            IlluminateMethod::Auto,
+            IlluminateMethod::Trace,
+            IlluminateMethod::Integrate,
+            IlluminateMethod::Both,
+        ];
         let methods = methods.map(|method| (method, method.name()));
         let cell_size = match (cells, texel) {
             (Some(_), Some(_)) => return Err(PyValueError::new_err("cells and texel exclude each other")),

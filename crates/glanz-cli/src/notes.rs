@@ -44,6 +44,7 @@ fn resumed(state: &ResumedState) -> String {
             format!("continuing with indirect light at {}", plural(*places as u64, "place", "places"))
         }
         ResumedState::AllLight => "all light is complete".to_owned(),
+        ResumedState::Paths(count) => format!("continuing after {} paths", grouped(*count)),
         ResumedState::Particles(count) => format!("continuing after {} particles", grouped(*count)),
         _ => "continuing".to_owned(),
     }

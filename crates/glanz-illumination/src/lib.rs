@@ -4,15 +4,20 @@
 //! - [`Receivers`] are grids of cells on surfaces of a scene; [`add_walls`] puts the scene into a room of them;
 //! - [`trace()`] traces particles from the lights and sums their flux in a [`Tally`];
 //! - [`integrate::Reflections`] integrates over emitters and their images in mirrors, deterministically;
+//! - [`combine()`] adds what reaches the receivers in other ways, by paths that start there and by particles, as a [`LightDivision`] says;
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
 //! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
 //!   ([`adapted_grid`] chooses the angles);
 //! - [`report`] turns them into tables, pictures, contours and pages.
 
 pub mod balance;
+pub mod combine;
+mod division;
 pub mod far_field;
+mod gather;
 pub mod integrate;
 pub mod lux_map;
+mod lux_parts;
 pub mod receiver;
 mod replicates;
 pub mod report;
@@ -22,8 +27,11 @@ pub mod tally;
 pub mod trace;
 
 pub use balance::FluxBalance;
+pub use combine::{CombinedLight, CombinedOutcome, combine};
+pub use division::LightDivision;
 pub use far_field::{AngleStep, AngleStepError, FarField, FarFieldGrid, FarFieldResolution, FarFieldSummary};
 pub use lux_map::{LuxMap, LuxStatistics, LuxSummary};
+pub use lux_parts::IntegratedLux;
 pub use receiver::{GridResolution, Receiver, ReceiverError, ReceiverRequest, Receivers};
 pub use replicates::ReplicateEstimate;
 pub use room::add_walls;

@@ -22,9 +22,9 @@ pub struct LuxMap {
     pub areas: Vec<f64>,
     /// Mean illuminances, lx.
     pub lux: Vec<f64>,
-    /// Standard errors of `lux`, lx; for integrated illuminance, estimated bounds of the error.
+    /// Standard errors of `lux`, lx, which include the bounds of what is integrated; for integrated illuminance alone, these bounds.
     pub errors: Vec<f64>,
-    /// What replicates of particles tell beyond `errors`; `None` for integrated illuminance.
+    /// Extremes and mean from replicates; `None` for integrated illuminance alone.
     pub statistics: Option<LuxStatistics>,
 }
 
@@ -87,7 +87,7 @@ impl LuxMap {
             return LuxSummary::default();
         }
         let LuxStatistics { minimum, mean, maximum } = self.statistics.unwrap_or_else(|| self.bounds(area));
-        let over = |least: f64, whole: f64| if whole > 0.0 { (least / whole).clamp(0.0, 1.0) } else { 0.0 };
+        let over = |least: f64, whole: f64| if whole > 0.0 { (least.max(0.0) / whole).min(1.0) } else { 0.0 };
         let uniformity = |whole: ReplicateEstimate| {
             let [low, high] = minimum.interval;
             // Both at their worst at the same time.

@@ -28,6 +28,9 @@ pub(crate) struct ReplicateCounts {
 }
 
 impl ReplicateCounts {
+    /// Of replicates with equal weights.
+    pub(crate) const EQUAL: Self = Self { counts: [1.0; REPLICATES], total: REPLICATES as f64 };
+
     pub(crate) fn of(particles: &ParticleRanges) -> Self {
         let count = |replicate: usize| {
             let length = |range: &std::ops::Range<u64>| {
@@ -77,21 +80,18 @@ impl ReplicateCounts {
     ///
     /// The smallest of the means would be too small: noise decides which it is. Therefore each half of the replicates gives the values of the quantity that is
     /// smallest in the other half, of which they are independent. What remains is that noise may choose another quantity than the smallest: then the value is
-    /// too large, by less than the noise. The interval reaches from the lower limit of the smallest mean, which is too small on average, to the
-    /// upper limit of the value, so that it holds the smallest expected value with a probability of 95 % at least.
+    /// too large, by less than the noise. The interval reaches from the least of all lower limits to the upper limit of the value, so that it holds the smallest expected value with a probability of 95 % at least.
     ///
     /// To choose for each replicate by all others has hardly less bias and a much larger variance: mostly they all choose the smallest mean.
     pub(crate) fn smallest<'a>(
         &self,
         quantities: impl Iterator<Item = &'a [f64; REPLICATES]>,
     ) -> Option<ReplicateEstimate> {
-        let mut least: Option<ReplicateEstimate> = None;
+        let mut lower: Option<f64> = None;
         let mut chosen = [(f64::INFINITY, [0.0; REPLICATES]); 2];
         for means in quantities {
-            let estimate = self.estimate(means);
-            if least.is_none_or(|least| estimate.value < least.value) {
-                least = Some(estimate);
-            }
+            let [low, _] = self.estimate(means).interval;
+            lower = Some(lower.map_or(low, |lower| lower.min(low)));
             for (first, chosen) in chosen.iter_mut().enumerate() {
                 let by_half = self.half_mean(means, first);
                 if by_half < chosen.0 {
@@ -99,10 +99,10 @@ impl ReplicateCounts {
                 }
             }
         }
-        let least = least?;
+        let lower = lower?;
         let values = std::array::from_fn(|replicate| chosen[1 - replicate % 2].1[replicate]);
         let mut estimate = self.estimate(&values);
-        estimate.interval[0] = estimate.interval[0].min(least.interval[0]);
+        estimate.interval[0] = estimate.interval[0].min(lower);
         Some(estimate)
     }
 
@@ -129,11 +129,16 @@ pub struct ReplicateEstimate {
 }
 
 impl ReplicateEstimate {
-    /// The same after a multiplication by a positive number.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
-        let Self { value, error, interval } = self;
-        Self { value: value * factor, error: error * factor, interval: interval.map(|limit| limit * factor) }
+    /// The same with another error of at most `bound`.
+    pub(crate) fn widened(self, bound: f64) -> Self {
+        let Self { value, error, interval: [low, high] } = self;
+        Self { value, error: with_bound(error, bound), interval: [low - bound, high + bound] }
     }
+}
+
+/// The standard error of a sum, a part of which has a known `bound` of its error: as if that were uniform between its limits (@jcgm100 section 4.3.7).
+pub(crate) fn with_bound(error: f64, bound: f64) -> f64 {
+    error.hypot(bound / 3.0_f64.sqrt())
 }
 
 #[cfg(test)]

@@ -8,9 +8,11 @@ use glanz_sampling::exact::WideSum;
 use glanz_transport::{Arrival, ParticleFate, ParticlePath, ParticleRanges};
 
 use crate::balance::FluxBalance;
+use crate::division::CellDivision;
 use crate::far_field::{FarField, FarFieldGrid};
-use crate::lux_map::{LuxMap, LuxStatistics};
-use crate::receiver::{Receiver, ReceiverHit, Receivers};
+use crate::lux_map::LuxMap;
+use crate::lux_parts::LuxParts;
+use crate::receiver::{ReceiverHit, Receivers};
 use crate::replicates::{REPLICATES, ReplicateCounts, ReplicateEstimate};
 
 /// Exact sums of the flux of one replicate's particles.
@@ -169,58 +171,35 @@ impl Tally {
         if self.particles.is_empty() { 0.0 } else { all.to_f64() / self.particles.total() as f64 }
     }
 
-    /// The cells of a receiver, by their numbers in it: means of the replicates, lx, and their statistics. Cells without area are black.
-    pub(crate) fn lux_of<'a>(
-        &'a self,
-        receivers: &'a Receivers,
-        number: usize,
-    ) -> impl Iterator<Item = CellLux> + 'a {
-        let counts = ReplicateCounts::of(&self.particles);
-        // A cell without particles has the error of one with a single one.
-        let one = self.balance().emitted / self.particles.total().max(1) as f64;
-        let areas = receivers.as_slice().get(number).map_or(&[][..], Receiver::areas);
-        receivers.cells_of(number).zip(areas).map(move |(cell, &area)| {
-            if area <= 0.0 {
-                return CellLux::default();
-            }
-            let sum = |replicate: usize| self.replicates[replicate].cells[cell].to_f64() / area;
-            let means = counts.means(sum);
-            let ReplicateEstimate { value: lux, error, .. } = counts.estimate(&means);
-            CellLux { area, means, lux, error: if lux > 0.0 { error } else { one / area } }
-        })
-    }
-
     /// Illuminance on every receiver, with standard errors from the spread of the replicates.
     ///
     /// The error of a cell without particles is that of a cell with a single one.
     #[must_use]
     pub fn lux_maps(&self, receivers: &Receivers) -> Vec<LuxMap> {
-        let counts = ReplicateCounts::of(&self.particles);
-        let map = |(number, receiver): (usize, &Receiver)| {
-            let cells: Vec<CellLux> = self.lux_of(receivers, number).collect();
-            let lit = || cells.iter().filter(|cell| cell.area > 0.0).map(|cell| &cell.means);
-            let area: f64 = receiver.areas().iter().sum();
-            let mean = self.received(receivers, number).scaled(1.0 / area);
-            let extremes = counts.smallest(lit()).zip(counts.largest(lit()));
-            LuxMap {
-                name: receiver.name().to_owned(),
-                cells: receiver.cells(),
-                size: receiver.size().to_array(),
-                positions: receiver.positions().to_vec(),
-                areas: receiver.areas().to_vec(),
-                lux: cells.iter().map(|cell| cell.lux).collect(),
-                errors: cells.iter().map(|cell| cell.error).collect(),
-                statistics: extremes.map(|(minimum, maximum)| LuxStatistics { minimum, mean, maximum }),
-            }
-        };
-        receivers.as_slice().iter().enumerate().map(map).collect()
+        LuxParts::of_particles(self, receivers).lux_maps()
+    }
+
+    /// Sum of the particles of a replicate in a cell, lm.
+    pub(crate) fn cell_sum(&self, replicate: usize, cell: usize) -> f64 {
+        let sums = self.replicates.get(replicate);
+        sums.and_then(|sums| sums.cells.get(cell)).map_or(0.0, |sum| sum.to_f64())
+    }
+
+    /// Whether any cell has light.
+    pub(crate) fn has_light_in_cells(&self) -> bool {
+        self.replicates.iter().flat_map(|sums| &sums.cells).any(|sum| *sum != WideSum::default())
+    }
+
+    /// Flux of a single particle among all, on average, lm.
+    pub(crate) fn flux_of_one(&self) -> f64 {
+        self.balance().emitted / self.particles.total().max(1) as f64
     }
 
     /// Intensities of the escaped light, if it was counted by direction.
     #[must_use]
     pub fn far_field(&self) -> Option<FarField> {
         let (grid, counts) = (self.far_field.as_ref()?, ReplicateCounts::of(&self.particles));
-        let one = self.balance().emitted / self.particles.total().max(1) as f64;
+        let one = self.flux_of_one();
         let value = |bin: usize| {
             let sum = |replicate: usize| self.replicates[replicate].bins[bin].to_f64();
             let ReplicateEstimate { value, error, .. } = counts.estimate(&counts.means(sum));
@@ -232,31 +211,25 @@ impl Tally {
     }
 }
 
-/// Illuminance of a cell.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct CellLux {
-    /// Its area, m^2; 0 where nothing is left of the surface.
-    pub(crate) area: f64,
-    /// Means of the replicates, lx.
-    means: [f64; REPLICATES],
-    /// Mean of all particles, lx, and its standard error.
-    pub(crate) lux: f64,
-    pub(crate) error: f64,
-}
-
 /// Adds particles, several of which are on their way, to the sums of a replicate.
 pub(crate) struct ThreadTally<'a> {
     receivers: &'a Receivers,
     far_field: Option<&'a FarFieldGrid>,
+    /// What other methods compute of the light in the cells.
+    division: Option<CellDivision<'a>>,
     wavelengths: Wavelengths,
     sums: FluxSums,
 }
 
 impl<'a> ThreadTally<'a> {
-    pub(crate) fn new(receivers: &'a Receivers, far_field: Option<&'a FarFieldGrid>) -> Self {
+    pub(crate) fn new(
+        receivers: &'a Receivers,
+        far_field: Option<&'a FarFieldGrid>,
+        division: Option<CellDivision<'a>>,
+    ) -> Self {
         let bins = far_field.map_or(0, FarFieldGrid::bins);
         let sums = FluxSums::new(receivers.cell_count(), receivers.as_slice().len(), bins);
-        Self { receivers, far_field, wavelengths: Wavelengths::default(), sums }
+        Self { receivers, far_field, division, wavelengths: Wavelengths::default(), sums }
     }
 
     /// The sums so far; they begin anew.
@@ -280,6 +253,9 @@ impl<'a> ThreadTally<'a> {
             return;
         };
         sums.absorbed_by_receivers.add(absorbed);
+        if counts && self.division.is_some_and(|division| !division.is_by_particles(arrival, cell)) {
+            return;
+        }
         let sum = if counts { sums.cells.get_mut(cell) } else { sums.other_sides.get_mut(receiver) };
         if let Some(sum) = sum {
             sum.add(arrived);

@@ -13,10 +13,12 @@ use glanz_scene::Scene;
 use glanz_transport::{Counters, ParticleFate, ParticlePath, ParticleTracer};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+use crate::division::CellDivision;
 use crate::far_field::{EscapedLight, FarFieldGrid};
+use crate::lux_parts::LuxParts;
 use crate::receiver::Receivers;
 use crate::replicates::{REPLICATES, first_in_replicate};
-use crate::tally::{CellLux, Tally, ThreadTally};
+use crate::tally::{Tally, ThreadTally};
 
 /// Particles that a thread traces together.
 const BLOCK: u64 = 1 << 10;
@@ -41,7 +43,8 @@ pub struct TraceGoal {
     /// Wall time of this run.
     pub time: Option<Duration>,
     /// Largest relative standard error of the brightest cell, of the darkest cell and of the mean of every receiver that light comes to; that of the darkest
-    /// cell is relative to a tenth of the mean at least.
+    /// cell is relative to a tenth of the mean at least. Without a receiver that light comes to, that of the peak of the far field. A run also
+    /// ends after four million particles without either.
     pub error: Option<f64>,
 }
 
@@ -114,7 +117,7 @@ pub fn trace(
     let mut counters = Counters::default();
     let mut timer = CheckpointTimer::new(sink.checkpoint_interval());
     let (end, error) = loop {
-        let error = worst_error(&tally, receivers);
+        let error = LuxParts::of_particles(&tally, receivers).worst_error();
         let elapsed = start.elapsed();
         let gaps = tally.particles.missing(range.clone());
         let work = TraceWork {
@@ -138,7 +141,8 @@ pub fn trace(
             }
         }
         let Some(gap) = gaps.first() else { break (JobEnd::Complete, error) };
-        if goal.error.is_some_and(|e| error <= e) {
+        let is_dark = error == f64::INFINITY && work.done >= DARK_PARTICLES;
+        if goal.error.is_some_and(|goal| error <= goal || is_dark) {
             break (JobEnd::Complete, error);
         }
         if cancel.is_cancelled() && work.done > 0 {
@@ -148,26 +152,29 @@ pub fn trace(
             break (JobEnd::TimeUp, error);
         }
         let next = gap.start..gap.end.min(gap.start.saturating_add(goal.round(&work)));
-        counters.merge(pool.install(|| round(scene, receivers, settings, &mut tally, next)));
+        counters.merge(pool.install(|| round(scene, receivers, settings, None, &mut tally, next)));
     };
     let particles = tally.particles.total() - first;
     Ok(TraceOutcome { tally, end, particles, counters, error, elapsed: start.elapsed() })
 }
 
+/// Particles after which a run ends that waits for a smaller error, if none of them reached a receiver.
+pub(crate) const DARK_PARTICLES: u64 = 1 << 22;
+
 /// Progress of a run.
-struct TraceWork {
+pub(crate) struct TraceWork {
     /// Particles so far, those of earlier runs included.
-    done: u64,
+    pub(crate) done: u64,
     /// Particles that are still missing.
-    left: u64,
+    pub(crate) left: u64,
     /// Wall time of the run.
-    elapsed: Duration,
+    pub(crate) elapsed: Duration,
     /// Particles per second; `None` before the first.
-    pace: Option<f64>,
+    pub(crate) pace: Option<f64>,
 }
 
 /// Particles per second; `None` before the first.
-fn pace(particles: u64, elapsed: Duration) -> Option<f64> {
+pub(crate) fn pace(particles: u64, elapsed: Duration) -> Option<f64> {
     (particles > 0).then(|| particles as f64 / elapsed.as_secs_f64().max(1e-9))
 }
 
@@ -185,7 +192,7 @@ impl TraceGoal {
     }
 
     /// Time until the end; `None` if it is unknown.
-    fn remaining(&self, work: &TraceWork, error: f64) -> Option<Duration> {
+    pub(crate) fn remaining(&self, work: &TraceWork, error: f64) -> Option<Duration> {
         let mut seconds = f64::INFINITY;
         let by_pace = |particles: f64| particles / work.pace.unwrap_or(f64::INFINITY);
         if self.particles.is_some() {
@@ -202,11 +209,12 @@ impl TraceGoal {
     }
 }
 
-/// Traces particles that `tally` lacks with all threads of the pool, and adds them to it.
-fn round(
+/// Traces particles that `tally` lacks with all threads of the pool, and adds them to it. `division`: if other methods compute a part of the light.
+pub(crate) fn round(
     scene: &Scene,
     receivers: &Receivers,
     settings: &TraceSettings,
+    division: Option<CellDivision<'_>>,
     tally: &mut Tally,
     range: Range<u64>,
 ) -> Counters {
@@ -221,7 +229,7 @@ fn round(
         sums.lock().unwrap_or_else(PoisonError::into_inner).add_sums(replicate, &thread.take());
     };
     let works = rayon::broadcast(|_| {
-        let mut thread = ThreadTally::new(receivers, far_field.as_ref());
+        let mut thread = ThreadTally::new(receivers, far_field.as_ref(), division);
         let mut tracer = ParticleTracer::new(scene, settings.max_events);
         let mut counters = Counters::default();
         let mut current = None;
@@ -293,27 +301,4 @@ pub fn adapted_grid(
 fn particle_sampler(seed: u64, replicate: usize, number: u64) -> PixelSampler {
     let scramble = [(number >> 32) as u32, replicate as u32];
     PixelSampler::new(SamplerKind::Sobol, 1, seed, scramble, number as u32)
-}
-
-/// The largest relative standard error of the brightest cell, of the darkest cell and of the mean of any receiver that light comes to; infinity if it
-/// comes to none. That of the darkest cell is relative to a tenth of the mean at least: a cell in full shadow would never be known.
-fn worst_error(tally: &Tally, receivers: &Receivers) -> f64 {
-    let mut worst = None;
-    for (number, receiver) in receivers.as_slice().iter().enumerate() {
-        let flux = tally.received(receivers, number);
-        if flux.value <= 0.0 {
-            continue;
-        }
-        let mean = flux.value / receiver.areas().iter().sum::<f64>();
-        let (mut brightest, mut darkest) = (None::<CellLux>, None::<CellLux>);
-        for cell in tally.lux_of(receivers, number).filter(|cell| cell.area > 0.0) {
-            brightest = Some(brightest.filter(|other| other.lux >= cell.lux).unwrap_or(cell));
-            darkest = Some(darkest.filter(|other| other.lux <= cell.lux).unwrap_or(cell));
-        }
-        let relative =
-            |cell: Option<CellLux>, least: f64| cell.map_or(0.0, |cell| cell.error / cell.lux.max(least));
-        let cells = relative(brightest, 0.0).max(relative(darkest, 0.1 * mean));
-        worst = Some(f64::max(worst.unwrap_or(0.0), cells.max(flux.error / flux.value)));
-    }
-    worst.unwrap_or(f64::INFINITY)
 }

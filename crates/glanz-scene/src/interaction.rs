@@ -3,7 +3,7 @@
 use glanz_geometry::ShadingPoint;
 use glanz_light::Wavelengths;
 use glanz_math::rounding::offset_origin;
-use glanz_math::{AreaPdf, DVec3, Frame, Ray};
+use glanz_math::{AreaPdf, DVec2, DVec3, Frame, Ray};
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_shading::{Bsdf, Material, TexturePoint};
 
@@ -49,6 +49,25 @@ pub struct Interaction {
 }
 
 impl Interaction {
+    /// A point that is known to lie on a surface, seen along its unit `normal`. `error`: absolute bound per axis on the distance from `position` to the
+    /// surface, metres. It has no material or light of its own.
+    #[must_use]
+    pub fn on_surface(position: DVec3, error: DVec3, normal: DVec3) -> Self {
+        let (uv, dpdu) = (DVec2::ZERO, DVec3::ZERO);
+        Self {
+            point: ShadingPoint { position, error, normal, shading_normal: normal, uv, dpdu },
+            t: 0.0,
+            wo: normal,
+            id: 0,
+            differential: None,
+            own: None,
+            area_pdf: None,
+            material: 0,
+            media: MediumInterface::NONE,
+            light: None,
+        }
+    }
+
     /// The point as the origin of light samples, which may come from both sides.
     #[inline]
     #[must_use]

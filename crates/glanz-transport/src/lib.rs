@@ -7,7 +7,7 @@
 //!   threads, passes, interruptions or machines;
 //! - [`render()`] exposes a film, and reports to a [`RenderSink`];
 //! - a [`PhotonMap`] holds light that arrives by mirror or glass, for pictures of caustics;
-//! - a [`ParticleTracer`] traces particles from lights, for illuminance;
+//! - a [`ParticleTracer`] traces particles from lights, an [`IrradianceTracer`] paths from points, for illuminance;
 //! - a [`Guide`] holds the densities of incident light that guided integrators sample;
 //! - an [`EdgeLayer`] holds lines along the edges of the scene, which lie over the picture;
 //! - a [`Checkpoint`] is a file of a film with its [`PictureIdentity`]; [`merge()`] joins several, a [`FilmJoin`] from their files.
@@ -47,11 +47,11 @@ pub use guide::{GridError, GridGuide, Guide, GuideFileError, GuideSize, Training
 pub use identity::PictureIdentity;
 pub use integrator::{
     BRANCHING_LIMIT, Context, ContextOptions, Counters, INTEGRATORS, Integrator, IntegratorEntry,
-    IntegratorError, IntegratorSettings, StoredLight,
+    IntegratorError, IntegratorSettings, IrradianceTracer, KnownLight, StoredLight,
 };
 pub use merge::{FilmJoin, MergeChecks, MergeError, merge};
 pub use noise::NoiseLevel;
-pub use particle::{Arrival, ParticleFate, ParticlePath, ParticleTracer};
+pub use particle::{Arrival, LightRoute, ParticleFate, ParticlePath, ParticleTracer};
 pub use photon::{PHOTON_LIMIT, PhotonMap, PhotonTracer};
 pub use pixel::{FirstHit, Rejects};
 pub use pixel_rect::PixelRect;

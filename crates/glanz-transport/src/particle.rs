@@ -6,10 +6,12 @@
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::PixelSampler;
-use glanz_scene::{BatchedPath, HitLocation, Interaction, LightId, LightRange, LightRay, Scene, SceneHit};
+use glanz_scene::{
+    BatchedPath, HitLocation, Interaction, LightId, LightRange, LightRay, ParametricPoint, Scene, SceneHit,
+};
 use glanz_shading::Bsdf;
 
-use crate::integrator::{Counters, INTERFACE_LIMIT, Vertex};
+use crate::integrator::{Counters, INTERFACE_LIMIT, ScatteredRay, Vertex};
 
 /// Fraction of its initial power below which a particle is subject to Russian roulette. Survivors have this fraction again, so that no time is spent on
 /// particles of little power.
@@ -32,6 +34,40 @@ pub struct Arrival {
     pub arrived: Spectrum,
     /// Flux of the continuing particle, W: all of it at interfaces; elsewhere its mean over many particles is the scattered flux.
     pub left: Spectrum,
+    /// The light that it comes from.
+    pub light: LightId,
+    /// Its way from there.
+    pub route: LightRoute,
+}
+
+/// The way of light from its source, by the scattering event that is nearest to the source. Interfaces do not count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightRoute {
+    /// Not scattered.
+    Direct,
+    /// Reflected once, by a delta lobe of a surface.
+    Mirrored {
+        /// Number of the surface.
+        surface: u32,
+        /// The face.
+        face: u32,
+    },
+    /// First scattered by a delta lobe, but not only [mirrored](LightRoute::Mirrored).
+    Specular,
+    /// First scattered by another lobe.
+    Scattered,
+}
+
+impl LightRoute {
+    /// The route after another scattering event. `is_delta`: whether its lobe is a delta lobe; `mirror`: the place, if it is a reflection.
+    fn after(self, is_delta: bool, mirror: Option<&ParametricPoint>) -> Self {
+        match (self, mirror) {
+            (Self::Scattered, _) => Self::Scattered,
+            (Self::Direct, _) if !is_delta => Self::Scattered,
+            (Self::Direct, Some(&ParametricPoint { surface, face, .. })) => Self::Mirrored { surface, face },
+            _ => Self::Specular,
+        }
+    }
 }
 
 /// Fate of a particle.
@@ -173,6 +209,8 @@ struct ParticleState {
     interfaces: u32,
     /// Number of surfaces that scattered or absorbed it.
     events: u32,
+    light: LightId,
+    route: LightRoute,
     status: ParticleStatus,
 }
 
@@ -193,6 +231,8 @@ impl ParticleState {
             distance: 0.0,
             interfaces: 0,
             events: 0,
+            light: selected.map_or(LightId(0), |(id, _)| id),
+            route: LightRoute::Direct,
             status: ParticleStatus::NotEmitted,
         };
         if let Some((LightRay { ray, power, range, .. }, probability)) = emission {
@@ -229,8 +269,13 @@ impl ParticleState {
         }
         self.events += 1;
         let at = traced.scene.hit_location(&self.ray, hit);
-        (traced.visit)(self.number as usize, &Arrival { at, arrived: self.power, left: Spectrum::BLACK });
+        (traced.visit)(self.number as usize, &self.arrival(at, Spectrum::BLACK));
         ParticleStatus::Absorbed
+    }
+
+    /// Its arrival at a location, from which `left` continues.
+    fn arrival(&self, at: HitLocation, left: Spectrum) -> Arrival {
+        Arrival { at, arrived: self.power, left, light: self.light, route: self.route }
     }
 
     /// Continues from the hit of the ray.
@@ -245,9 +290,8 @@ impl ParticleState {
         if self.events == 0 {
             self.fade(at.t);
         }
-        let arrived = self.power;
         let Some(bsdf) = at.bsdf(scene, traced.wavelengths) else {
-            (traced.visit)(number, &Arrival { at: location, arrived, left: arrived });
+            (traced.visit)(number, &self.arrival(location, self.power));
             self.interfaces += 1;
             if self.interfaces > INTERFACE_LIMIT {
                 return ParticleStatus::GivenUp;
@@ -261,10 +305,13 @@ impl ParticleState {
         }
         let scattered = self.scatter(traced, &at, bsdf);
         let left = scattered.map_or(Spectrum::BLACK, |(_, left)| left);
-        (traced.visit)(number, &Arrival { at: location, arrived, left });
-        let Some((direction, left)) = scattered.filter(|_| !left.is_black()) else {
+        (traced.visit)(number, &self.arrival(location, left));
+        let Some((ScatteredRay { direction, is_delta, .. }, left)) = scattered.filter(|_| !left.is_black())
+        else {
             return ParticleStatus::Absorbed;
         };
+        let reflects = at.point.normal.dot(direction) * at.point.normal.dot(at.wo) > 0.0;
+        self.route = self.route.after(is_delta, reflects.then_some(&location.place));
         self.power = left;
         self.ray = at.spawn(direction);
         ParticleStatus::Active
@@ -286,7 +333,7 @@ impl ParticleState {
         traced: &TracedParticles<'_, V>,
         at: &Interaction,
         bsdf: Bsdf,
-    ) -> Option<(DVec3, Spectrum)> {
+    ) -> Option<(ScatteredRay, Spectrum)> {
         let event = self.events;
         self.events += 1;
         if matches!(bsdf, Bsdf::Black) {
@@ -296,7 +343,8 @@ impl ParticleState {
         let [x, y, xi_lobe, xi_survival] = traced.sampler(self.number, dimension).next_group();
         let scattered = Vertex::new(at, bsdf).sample_flux(DVec2::new(x, y), xi_lobe)?;
         let threshold = ROULETTE_BELOW * self.emitted.max_component();
-        Some((scattered.direction, survivor(self.power * scattered.weight, threshold, xi_survival)))
+        let left = survivor(self.power * scattered.weight, threshold, xi_survival);
+        Some((scattered, left))
     }
 }
 

@@ -227,7 +227,7 @@ pub enum Error {
     Integrate(#[from] glanz_illumination::integrate::IntegrateError),
     /// Directions of light that were not counted.
     #[cfg(feature = "illumination")]
-    #[error("the directions of light that leaves the scene were not counted")]
+    #[error("the directions of light that leaves the scene are not counted; only traced particles have them")]
     NoFarField,
     /// A model that the page cannot show.
     #[cfg(feature = "viewer")]

@@ -215,7 +215,7 @@ impl fmt::Display for Warning {
             Self::CoarseFarField { beam, step } => write!(
                 f,
                 "the beam of the light that leaves the scene is {} degrees wide, and the angles of its intensities are {} \
-                 degrees apart, too far to show its peak and its width: smaller steps do, and so does the default",
+                 degrees apart, too far to show its peak and its width",
                 significant(*beam),
                 significant(*step)
             ),
@@ -289,6 +289,8 @@ pub enum ResumedState {
     AllLight,
     /// Number of particles.
     Particles(u64),
+    /// Number of paths from cells, and of particles.
+    Paths(u64),
 }
 
 #[cfg(test)]

@@ -56,8 +56,6 @@ mod overlay;
 mod render;
 mod running_job;
 #[cfg(any(feature = "radiosity", feature = "illumination"))]
-mod smoothness;
-
 #[cfg(feature = "radiosity")]
 pub use bake::{BakeBuilder, BakeOutcome, LightFile, LightState};
 #[cfg(all(feature = "radiosity", feature = "formats"))]

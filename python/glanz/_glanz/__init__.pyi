@@ -305,7 +305,7 @@ class Scene:
     def illuminate(
         self,
         *,
-        method: str = "trace",
+        method: str = "auto",
         particles: int | None = None,
         time_limit: float | None = None,
         error: float | None = None,
@@ -328,12 +328,13 @@ class Scene:
         Parameters
         ----------
         method
-            ``trace``: particles from the lights, all light; ``integrate``: deterministic, direct light and light after one reflection in a
-            mirror; ``both``.
+            ``auto``: direct light and light after one reflection in a mirror by integration, the rest by paths from the cells and by particles;
+            with ``particles``, ``part`` or ``far_field`` it is ``trace``: particles from the lights, all light; ``integrate``: deterministic, direct
+            light and light after one reflection in a mirror; ``both``: the two before, compared.
         particles, time_limit, error
             End of the tracing: number of particles, seconds, relative standard error; by default an error of 0.01.
         tolerance
-            Relative error of ``integrate`` in every cell.
+            Relative error of the integration in every cell.
         room
             Adds the walls of a box from the origin to this corner, m, which absorb all light.
         cells, texel

@@ -29,15 +29,19 @@ the date, and times, rates and the machine are left out: equal calculations have
 Without --rays, --time and --error, tracing ends when the standard error of the brightest cell,
 of the darkest cell and of the mean of every receiver is 1 per cent; that of the darkest cell is
 relative to a tenth of the mean at least, since a cell in full shadow would never be known.
+Without a receiver, the peak of --far-field counts.
 
-\"trace\" traces particles and includes all light. \"integrate\" integrates over the images of the
-lights in the mirrors, without noise: direct light, and light after one reflection. \"both\" also
-compares the two.
+\"auto\" integrates direct light and light after one reflection in a mirror, without noise,
+follows paths from the cells for the light between other surfaces, and particles from the lights
+for the rest, which mirrors and glass focus. It includes all light, usually in a small part of
+the time of \"trace\", which traces particles only. With --rays, --part, --far-field or the
+checkpoint of \"trace\" it is \"trace\". \"integrate\" integrates and leaves out the rest. \"both\" is
+\"integrate\" and \"trace\", compared.
 
 Photometric files are interpolated linearly between their angles. --far-field counts the light
 for this: a file has the flux that left the scene, and its angles are dense where the intensity
-bends with direction, for which particles of their own are traced first. report.html and
-summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
+bends with direction, for which 262 144 particles are traced first, beside those of --rays.
+report.html and summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
 
 Examples:
   glanz illuminate office.pbrt -o office
@@ -68,7 +72,7 @@ pub(crate) struct IlluminateArguments {
     #[arg(long, value_name = "M", conflicts_with = "cells", value_parser = positive)]
     texel: Option<f64>,
     /// Method of computing the light
-    #[arg(long, value_name = "NAME", value_enum, default_value_t = IlluminateMethodName::Trace)]
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = IlluminateMethodName::Auto)]
     method: IlluminateMethodName,
     /// Stop after this many particles
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
@@ -79,7 +83,7 @@ pub(crate) struct IlluminateArguments {
     /// Stop at this relative standard error of the brightest and darkest cell and of the mean of every receiver
     #[arg(long, value_name = "E", value_parser = positive, conflicts_with = "part")]
     error: Option<f64>,
-    /// Relative error of "integrate" in every cell
+    /// Relative error of the integration in every cell
     #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
     tolerance: f64,
     /// Second design for a comparison: the first is written to DIR/a, this one to DIR/b, the comparison to DIR
@@ -137,6 +141,8 @@ fn steps(text: &str) -> Result<FarFieldResolution, String> {
 /// Methods of computing the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum IlluminateMethodName {
+    // Each part of the light by the best of the methods.
+    Auto,
     // By particles.
     Trace,
     // By integration over mirrors.
@@ -148,6 +154,7 @@ enum IlluminateMethodName {
 impl From<IlluminateMethodName> for IlluminateMethod {
     fn from(name: IlluminateMethodName) -> Self {
         match name {
+            IlluminateMethodName::Auto => Self::Auto,
             IlluminateMethodName::Trace => Self::Trace,
             IlluminateMethodName::Integrate => Self::Integrate,
             IlluminateMethodName::Both => Self::Both,

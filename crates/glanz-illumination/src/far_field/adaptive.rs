@@ -37,8 +37,8 @@ const AT_POLE: f64 = 1.0 / 8.0;
 const LEAST_PARTICLES: usize = 32;
 
 /// Largest numbers of angles, which readers of EULUMDAT files accept, and of bins.
-const MOST_GAMMAS: usize = 361;
-const MOST_PLANES: usize = 720;
+const EULUMDAT_GAMMAS: usize = 361;
+const EULUMDAT_PLANES: usize = 720;
 const MOST_BINS: usize = 1 << 16;
 
 /// Light of a particle that left the scene.
@@ -53,7 +53,12 @@ impl EscapedLight {
     pub(crate) fn new(direction: DVec3, lumens: f64) -> Self {
         let angles = angles(direction);
         let axes = [&C, &GAMMA];
-        Self { units: [0, 1].map(|i| angles[i] / axes[i].degrees * f64::from(UNITS)), lumens }
+        // The end of an axis belongs to its last interval.
+        let units = [0, 1].map(|i| {
+            let end = f64::from(axes[i].steps * UNITS);
+            (angles[i] / axes[i].degrees * f64::from(UNITS)).min(end.next_down())
+        });
+        Self { units, lumens }
     }
 }
 
@@ -82,8 +87,8 @@ impl FarFieldGrid {
     /// The grid for light of which this is a sample.
     pub(crate) fn adapted(light: &[EscapedLight]) -> Self {
         let fits = |grid: &Self| {
-            grid.gammas().len() <= MOST_GAMMAS
-                && grid.planes().len() <= MOST_PLANES
+            grid.gammas().len() <= EULUMDAT_GAMMAS
+                && grid.planes().len() <= EULUMDAT_PLANES
                 && grid.bins() <= MOST_BINS
         };
         let adapted = |halvings: u32| {
@@ -143,7 +148,7 @@ impl AngleAxis {
         }
     }
 
-    /// Whether the intensity of an interval differs by more than `least`, and more than its noise, from the mean of its neighbours.
+    /// Whether the second difference of the intensities of an interval and its neighbours, at a pole the first, exceeds `least` and its noise.
     fn bends(&self, light: &LightSums, start: u32, width: u32, least: f64) -> bool {
         let (own, mut second, mut variance) = (self.mean(light, start, width), 0.0, 0.0);
         // An interval at a pole is its own neighbour, without a difference.
@@ -293,13 +298,21 @@ mod tests {
             let grid = FarFieldGrid::adapted(&light);
             assert!(
                 grid.bins() <= MOST_BINS
-                    && grid.gammas().len() <= MOST_GAMMAS
-                    && grid.planes().len() <= MOST_PLANES
+                    && grid.gammas().len() <= EULUMDAT_GAMMAS
+                    && grid.planes().len() <= EULUMDAT_PLANES
             );
             assert!(ratios(grid.gammas(), 180.0) <= 2.0 && ratios(grid.planes(), 360.0) <= 2.0);
-            assert!(grid.gammas().len() >= 50 && grid.planes().len() >= 24, "{grid:?}");
+            let across_zero =
+                [&grid.planes()[grid.planes().len() - 2..], &[360.0, 360.0 + grid.planes()[1]]].concat();
+            assert!(ratios(&across_zero, across_zero[3]) <= 2.0 && grid.gammas().len() >= 50, "{grid:?}");
         }
         assert_eq!(FarFieldGrid::adapted(&[]), FarFieldGrid::try_new(24, 36).unwrap());
+        // Exactly at the poles.
+        for pole in [DVec3::NEG_Z, DVec3::Z] {
+            let grid = FarFieldGrid::adapted(&vec![EscapedLight::new(pole, 1.0); 1000]);
+            let least = grid.gammas().windows(2).map(|pair| pair[1] - pair[0]).fold(180.0, f64::min);
+            assert!(least < 0.01, "{pole}: {least}");
+        }
     }
 
     #[test]

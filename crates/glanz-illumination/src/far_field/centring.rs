@@ -1,8 +1,8 @@
 //! Intensities at angles from means around them.
 //!
 //! The mean of an intensity with a hat as weight is the intensity in the middle of the hat's light, which is not at its peak where the steps on both
-//! sides differ, and near the poles, where directions become more with gamma. The slope to the neighbouring values moves it there, by a third of the way to
-//! one of them at most.
+//! sides differ, and near the poles, where directions become more with gamma. The slope to the neighbouring values moves it there, never
+//! beyond one of them.
 
 use super::grid::FarFieldGrid;
 
@@ -31,7 +31,9 @@ impl FarFieldGrid {
                 let own = at(plane, gamma);
                 let slope = limited([(own - before) / steps[0], (after - own) / steps[1]]);
                 if let Some(slot) = moved.get_mut(self.bin_of(plane, gamma)) {
-                    *slot = own - slope * offset;
+                    let centred = own - slope * offset;
+                    *slot =
+                        if slope == 0.0 { own } else { centred.clamp(before.min(after), before.max(after)) };
                 }
             }
             moved
@@ -66,8 +68,9 @@ fn limited([before, after]: [f64; 2]) -> f64 {
 fn middle(gamma: f64, steps: [f64; 2]) -> f64 {
     let (mut sum, mut moment) = (0.0, 0.0);
     for (x, weight) in NODES {
-        for distance in [-steps[0] * x, steps[1] * x] {
-            let weight = weight * (1.0 - x) * distance.abs() / x * (gamma + distance).to_radians().sin();
+        for (step, sign) in steps.into_iter().zip([-1.0, 1.0]) {
+            let distance = sign * step * x;
+            let weight = weight * (1.0 - x) * step * (gamma + distance).to_radians().sin();
             sum += weight;
             moment += weight * distance;
         }

@@ -15,7 +15,7 @@ pub struct AngleStep(f64);
 
 /// A step out of range.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{0} is no step of angles; it must be from 0.1 to 90 degrees")]
+#[error("step is {0} degrees; it must be from 0.1 to 90 degrees")]
 pub struct AngleStepError(pub f64);
 
 impl AngleStep {
@@ -59,6 +59,9 @@ impl FarFieldGrid {
     /// Equal steps. `None` unless there are 1 to 3600 planes and 1 to 1800 steps of gamma.
     #[must_use]
     pub fn try_new(planes: u32, gamma_steps: u32) -> Option<Self> {
+        if planes as usize > MOST_PLANES || gamma_steps as usize >= MOST_GAMMAS {
+            return None;
+        }
         let part = |whole: f64, number: u32, count: u32| whole * f64::from(number) / f64::from(count);
         let gammas = (0..=gamma_steps).map(|j| part(180.0, j, gamma_steps)).collect();
         Self::from_angles((0..planes).map(|i| part(360.0, i, planes)).collect(), gammas)

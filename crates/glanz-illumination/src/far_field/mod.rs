@@ -3,8 +3,8 @@
 //! Escaped light is counted for the interpolation that readers of photometric files make: between the angles of a [`FarFieldGrid`] the
 //! intensity is bilinear, I = sum of v_k h_k with a hat function h_k, 1 at its pair of angles and 0 at all others. A particle adds its flux
 //! to the bins of the four hats around its direction, in proportion to their values there; the flux counted in a bin divided by
-//! the integral of its hat is the mean intensity with the hat as weight, which is moved from the middle of the hat's light to its peak (`centring`). Since the hats add up to 1, the
-//! interpolated intensity has exactly the flux that was counted. It is never negative. Where the true intensity has a second
+//! the integral of its hat is the mean intensity with the hat as weight, which is moved from the middle of the hat's light to its peak (`centring`). All values are
+//! then scaled such that the interpolated intensity has exactly the flux that was counted. It is never negative. Where the true intensity has a second
 //! derivative I'' along an angle, values exceed it by I'' h^2 / 12 for steps h, by about half a per cent of the peak on an adapted grid; a peak narrower
 //! than the steps is flattened, which [`FarFieldSummary::peak_shortfall`] estimates.
 

@@ -4,10 +4,8 @@ use glanz_geometry::FaceDomain;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Transform};
 use glanz_scene::{PlacedPoint, PlacedSurface, Scene};
+use glanz_shading::Material;
 use glanz_shading::bsdf::{Lobe, TransportMode};
-
-/// Points along each side of a face at which its material is sampled if trimming cuts away the first.
-const SAMPLES_PER_SIDE: u32 = 32;
 
 /// A face, or a triangle of one whose parameters are a polygon, over the unit square.
 #[derive(Clone, Copy, Debug)]
@@ -37,36 +35,25 @@ impl<'a> Mirrors<'a> {
                 (placed, map)
             })
             .collect();
-        let mut mirrors = Self { scene, wavelengths: Wavelengths::default(), surfaces, faces: Vec::new() };
-        for (number, (placed, _)) in (0..).zip(&mirrors.surfaces) {
-            // All faces of a shape have the same material.
-            let mut shape = None;
-            for face in 0..placed.faces() {
-                let id = placed.shape(face);
-                let reflects = match shape {
-                    Some((known, reflects)) if known == id => reflects,
-                    _ => mirrors.reflects(placed, face),
-                };
-                shape = Some((id, reflects));
-                if reflects {
-                    mirrors.faces.extend(parts(number, face, &placed.face_domain(face)));
-                }
+        let mut faces = Vec::new();
+        for (number, (placed, _)) in (0..).zip(&surfaces) {
+            for face in (0..placed.faces()).filter(|&face| reflects(scene, placed, face)) {
+                faces.extend(parts(number, face, &placed.face_domain(face)));
             }
         }
-        mirrors
+        Self { scene, wavelengths: Wavelengths::default(), surfaces, faces }
     }
 
-    /// Whether a face reflects specularly.
-    fn reflects(&self, placed: &PlacedSurface<'_>, face: u32) -> bool {
-        let corners = placed.face_domain(face).corners();
-        let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
-        let grid = (0..SAMPLES_PER_SIDE * SAMPLES_PER_SIDE).map(|k| {
-            (DVec2::new(f64::from(k % SAMPLES_PER_SIDE), f64::from(k / SAMPLES_PER_SIDE)) + 0.5)
-                / f64::from(SAMPLES_PER_SIDE)
-        });
-        let mut places = [middle].into_iter().chain(grid).filter_map(|uv| placed.at(face, uv, false));
-        let bsdf = places.next().and_then(|place| place.at.bsdf(self.scene, &self.wavelengths));
-        bsdf.is_some_and(|bsdf| bsdf.is_delta())
+    /// No mirrors.
+    pub(super) fn none(&self) -> Self {
+        let Self { scene, wavelengths, .. } = *self;
+        Self { scene, wavelengths, surfaces: Vec::new(), faces: Vec::new() }
+    }
+
+    /// Whether a face is a mirror.
+    pub(super) fn contains(&self, surface: u32, face: u32) -> bool {
+        let placed = self.surfaces.get(surface as usize);
+        placed.is_some_and(|(placed, _)| face < placed.faces() && reflects(self.scene, placed, face))
     }
 
     pub(super) fn faces(&self) -> &[MirrorFace] {
@@ -123,6 +110,11 @@ impl MirrorFace {
             }
         }
     }
+}
+
+/// Whether a face reflects specularly, and in no other way.
+fn reflects(scene: &Scene, placed: &PlacedSurface<'_>, face: u32) -> bool {
+    scene.materials().get(placed.material(face) as usize).is_some_and(Material::is_specular)
 }
 
 fn parts(surface: u32, face: u32, domain: &FaceDomain) -> Vec<MirrorFace> {

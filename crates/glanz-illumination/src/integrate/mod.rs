@@ -27,6 +27,7 @@
 //! possible contribution. Light through glass is not included: glass casts shadows, and its reflections count. Point lights have no image
 //! ([`Reflections::unreflected`]).
 
+mod cells;
 mod contour;
 mod crossing;
 mod direct;
@@ -48,23 +49,29 @@ mod tests;
 
 use glanz_light::Wavelengths;
 use glanz_light::units::photometric;
-use glanz_math::DVec3;
 use glanz_math::rounding::{gamma, offset_origin};
-use glanz_scene::{Light, LightId, Scene};
+use glanz_math::{DVec2, DVec3};
+use glanz_scene::{Light, LightId, PlacedSurface, Scene};
 
+pub use self::cells::{CellTolerance, integrated_maps};
 pub use self::error::IntegrateError;
 pub use self::mean::CellMean;
 pub use self::region::Tolerance;
+
+use crate::receiver::{Receiver, Receivers};
 
 use self::contour::ReceivingPoint;
 use self::emitter_shape::EmitterShape;
 use self::image::Images;
 use self::mirror::Mirrors;
-use self::region::{RegionIntegral, integrate};
+use self::region::{RegionIntegral, integrate_counting};
 use self::tree::MirrorTree;
 
 /// Largest number of rectangles of mirrors for one point.
 const BUDGET: usize = 8192;
+/// Mean number of rectangles of mirrors per point from which on particles take less time than integration for errors of 1 %, and points that are tried.
+const MIRROR_EFFORT: usize = 64;
+const MIRROR_PROBES: usize = 64;
 /// Rounding errors in the coordinates of a point that was computed on a surface.
 const ROUNDINGS: u32 = 256;
 
@@ -74,6 +81,8 @@ pub struct Reflections<'a> {
     scene: &'a Scene,
     wavelengths: Wavelengths,
     emitters: Vec<EmitterShape>,
+    /// The lights that they are.
+    emitter_lights: Vec<LightId>,
     /// Lights without extent.
     points: Vec<(LightId, Light)>,
     mirrors: Mirrors<'a>,
@@ -105,43 +114,58 @@ impl<'a> Reflections<'a> {
     /// # Errors
     /// [`IntegrateError`] if the scene has no light, or a light that is not black has no form that can be integrated.
     pub fn new(scene: &'a Scene) -> Result<Self, IntegrateError> {
-        let placed = scene.placed_surfaces();
-        let (mut emitters, mut points) = (Vec::new(), Vec::new());
-        for (id, light) in (0..).map(LightId).zip(scene.lights()) {
-            match light {
-                Light::Area(area) if area.radiance().is_black() => {}
-                Light::Area(area) if !area.is_opaque() => {
-                    return Err(IntegrateError::Kind { light: id, kind: "diffuse with alpha" });
-                }
-                Light::Area(area) if area.has_picture() => {
-                    return Err(IntegrateError::Kind { light: id, kind: "diffuse with a picture" });
-                }
-                Light::Area(area) => {
-                    if let Some(placed) = placed.iter().find(|placed| placed.light() == Some(id)) {
-                        emitters.push(EmitterShape::try_new(id, area, placed)?);
-                    }
-                }
-                Light::Point(_)
-                | Light::Spot(_)
-                | Light::Projection(_)
-                | Light::Goniometric(_)
-                | Light::Distant(_) => points.push((id, light.clone())),
-                Light::Photometric(luminaire) if luminaire.is_point() => points.push((id, light.clone())),
-                other => return Err(IntegrateError::Kind { light: id, kind: other.kind() }),
-            }
+        let (reflections, refused) = Self::of_integrable(scene);
+        if let Some(error) = refused {
+            return Err(error);
         }
-        if emitters.is_empty() && points.is_empty() {
+        if reflections.emitters.is_empty() && reflections.points.is_empty() {
             return Err(IntegrateError::NoLight);
+        }
+        Ok(reflections)
+    }
+
+    /// As [`Reflections::new`], without the lights that cannot be integrated; the error of the first of these.
+    #[must_use]
+    pub fn of_integrable(scene: &'a Scene) -> (Self, Option<IntegrateError>) {
+        let placed = scene.placed_surfaces();
+        let (mut emitters, mut emitter_lights, mut points) = (Vec::new(), Vec::new(), Vec::new());
+        let mut refused = None;
+        for (id, light) in (0..).map(LightId).zip(scene.lights()) {
+            match integrable(id, light, &placed) {
+                Ok(Integrable::Nothing) => {}
+                Ok(Integrable::Point) => points.push((id, light.clone())),
+                Ok(Integrable::Emitter(shape)) => {
+                    emitters.push(shape);
+                    emitter_lights.push(id);
+                }
+                Err(error) => refused = refused.or(Some(error)),
+            }
         }
         let mirrors = Mirrors::of(scene);
         let tree = MirrorTree::over(&mirrors);
-        Ok(Self { scene, wavelengths: Wavelengths::default(), emitters, points, mirrors, tree })
+        let wavelengths = Wavelengths::default();
+        (Self { scene, wavelengths, emitters, emitter_lights, points, mirrors, tree }, refused)
+    }
+
+    /// Whether there are mirrors whose light is included.
+    #[must_use]
+    pub fn has_mirrors(&self) -> bool {
+        !self.mirrors.faces().is_empty()
+    }
+
+    /// Whether direct light of the light `id` is included.
+    pub(crate) fn integrates(&self, id: LightId) -> bool {
+        self.emitter_lights.binary_search(&id).is_ok() || self.points.iter().any(|(point, _)| *point == id)
+    }
+
+    /// Whether light of the light `id` after one reflection in a face is included.
+    pub(crate) fn integrates_mirrored(&self, id: LightId, surface: u32, face: u32) -> bool {
+        self.emitter_lights.binary_search(&id).is_ok() && self.mirrors.contains(surface, face)
     }
 
     /// Lights without extent, whose reflections in mirrors are left out; empty if there is no mirror.
     pub fn unreflected(&self) -> impl Iterator<Item = LightId> + '_ {
-        let has_mirror = !self.mirrors.faces().is_empty();
-        self.points.iter().map(|(id, _)| *id).filter(move |_| has_mirror)
+        self.points.iter().map(|(id, _)| *id).filter(|_| self.has_mirrors())
     }
 
     /// Illuminance at `point` (metres, on a surface or free) of a surface with the unit normal `normal`, to a `tolerance` of the sum of both parts.
@@ -150,17 +174,46 @@ impl<'a> Reflections<'a> {
     /// as seen from the point, or a third of a rectangle of the integration, may be missed.
     #[must_use]
     pub fn illuminance(&self, point: DVec3, normal: DVec3, tolerance: Tolerance) -> IlluminanceEstimate {
-        let receiver = ReceivingPoint { point, normal };
-        let bounds = self.scene.bounds();
-        let size = if bounds.is_finite() { bounds.min.abs().max(bounds.max.abs()) } else { DVec3::ZERO };
-        let origin = offset_origin(point, gamma(ROUNDINGS) * point.abs().max(size), normal, normal);
+        let (receiver, origin) = self.receiving(point, normal);
         let direct = self.direct(receiver, origin, tolerance);
-        let reflected = self.reflected(receiver, origin, direct, tolerance);
+        let (reflected, _) = self.reflected(receiver, origin, direct, tolerance, BUDGET);
         IlluminanceEstimate {
             direct: direct.value,
             reflected: reflected.value,
             error: direct.error + reflected.error,
         }
+    }
+
+    /// A point, and where shadow rays from there start.
+    fn receiving(&self, point: DVec3, normal: DVec3) -> (ReceivingPoint, DVec3) {
+        let origin = offset_origin(point, position_error(self.scene, point), normal, normal);
+        (ReceivingPoint { point, normal }, origin)
+    }
+
+    /// Leaves out the light of mirrors if that takes more than [`MIRROR_EFFORT`] rectangles per point in the middles of some cells: then particles take less
+    /// time for it.
+    #[must_use]
+    pub fn without_costly_mirrors(mut self, receivers: &Receivers, tolerance: Tolerance) -> Self {
+        let positions = receivers
+            .as_slice()
+            .iter()
+            .flat_map(|receiver| (0..receiver.len()).map(move |cell| (receiver, cell)));
+        let cells: Vec<_> = positions.filter(|(receiver, cell)| receiver.areas()[*cell] > 0.0).collect();
+        let probes = cells.iter().step_by(cells.len().div_ceil(MIRROR_PROBES).max(1));
+        let placed = self.scene.placed_surfaces();
+        let effort = |&(receiver, cell): &(&Receiver, usize)| {
+            let surface = placed.get(receiver.surface() as usize)?;
+            let at = receiver.place(surface, cell, DVec2::splat(0.5))?;
+            let (receiver, origin) = self.receiving(at.position, at.normal);
+            let direct = self.direct(receiver, origin, tolerance);
+            Some(self.reflected(receiver, origin, direct, tolerance, 4 * MIRROR_EFFORT).1)
+        };
+        let efforts: Vec<usize> = probes.filter_map(effort).collect();
+        if efforts.iter().sum::<usize>() > MIRROR_EFFORT * efforts.len() {
+            self.mirrors = self.mirrors.none();
+            self.tree = MirrorTree::over(&self.mirrors);
+        }
+        self
     }
 
     fn direct(&self, receiver: ReceivingPoint, origin: DVec3, tolerance: Tolerance) -> RegionIntegral {
@@ -181,13 +234,15 @@ impl<'a> Reflections<'a> {
         sum
     }
 
+    /// Light of the mirrors, and the number of rectangles of mirrors that it took.
     fn reflected(
         &self,
         receiver: ReceivingPoint,
         origin: DVec3,
         direct: RegionIntegral,
         tolerance: Tolerance,
-    ) -> RegionIntegral {
+        budget: usize,
+    ) -> (RegionIntegral, usize) {
         let (mut pairs, mut cells, mut undecided) = (Vec::new(), Vec::new(), 0.0);
         for (number, emitter) in (0_u32..).zip(&self.emitters) {
             let found = self.tree.showing(&self.mirrors, &receiver, emitter);
@@ -201,7 +256,7 @@ impl<'a> Reflections<'a> {
             }
         }
         if cells.is_empty() {
-            return RegionIntegral { value: 0.0, error: undecided };
+            return (RegionIntegral { value: 0.0, error: undecided }, 0);
         }
         let images = Images {
             scene: self.scene,
@@ -213,7 +268,47 @@ impl<'a> Reflections<'a> {
             pairs,
         };
         let known = RegionIntegral { value: direct.value, error: direct.error + undecided };
-        let sum = integrate(&images, cells, known, tolerance, BUDGET);
-        RegionIntegral { value: sum.value, error: sum.error + undecided }
+        let (sum, rectangles) = integrate_counting(&images, cells, known, tolerance, budget);
+        (RegionIntegral { value: sum.value, error: sum.error + undecided }, rectangles)
+    }
+}
+
+/// Bound per axis on the rounding errors of a point that was computed on a surface, metres.
+pub(crate) fn position_error(scene: &Scene, point: DVec3) -> DVec3 {
+    let bounds = scene.bounds();
+    let size = if bounds.is_finite() { bounds.min.abs().max(bounds.max.abs()) } else { DVec3::ZERO };
+    gamma(ROUNDINGS) * point.abs().max(size)
+}
+
+/// How a light is integrated.
+enum Integrable {
+    /// It is black, or has no surface.
+    Nothing,
+    /// As a light without extent.
+    Point,
+    Emitter(EmitterShape),
+}
+
+fn integrable(
+    id: LightId,
+    light: &Light,
+    placed: &[PlacedSurface<'_>],
+) -> Result<Integrable, IntegrateError> {
+    let refused = |kind| Err(IntegrateError::Kind { light: id, kind });
+    match light {
+        Light::Area(area) if area.radiance().is_black() => Ok(Integrable::Nothing),
+        Light::Area(area) if !area.is_opaque() => refused("diffuse with alpha"),
+        Light::Area(area) if area.has_picture() => refused("diffuse with a picture"),
+        Light::Area(area) => match placed.iter().find(|placed| placed.light() == Some(id)) {
+            Some(placed) => EmitterShape::try_new(id, area, placed).map(Integrable::Emitter),
+            None => Ok(Integrable::Nothing),
+        },
+        Light::Point(_)
+        | Light::Spot(_)
+        | Light::Projection(_)
+        | Light::Goniometric(_)
+        | Light::Distant(_) => Ok(Integrable::Point),
+        Light::Photometric(luminaire) if luminaire.is_point() => Ok(Integrable::Point),
+        other => refused(other.kind()),
     }
 }

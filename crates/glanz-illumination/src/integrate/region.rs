@@ -94,9 +94,7 @@ struct RegionCell {
 /// Largest number of divisions of a rectangle.
 const DEEPEST: u32 = 24;
 
-/// The integral over the rectangles `cells`, each with the number of its plane.
-///
-/// `known`: an integral computed elsewhere, which counts for the tolerance but is not in the result. Division creates about `budget` rectangles at most.
+/// As [`integrate_counting`], without the number.
 pub(super) fn integrate<R: Region>(
     region: &R,
     cells: impl IntoIterator<Item = (u32, IntegrationRect)>,
@@ -104,6 +102,19 @@ pub(super) fn integrate<R: Region>(
     tolerance: Tolerance,
     budget: usize,
 ) -> RegionIntegral {
+    integrate_counting(region, cells, known, tolerance, budget).0
+}
+
+/// The integral over the rectangles `cells`, each with the number of its plane, and the number of rectangles that it took.
+///
+/// `known`: an integral computed elsewhere, which counts for the tolerance but is not in the result. Division creates about `budget` rectangles at most.
+pub(super) fn integrate_counting<R: Region>(
+    region: &R,
+    cells: impl IntoIterator<Item = (u32, IntegrationRect)>,
+    known: RegionIntegral,
+    tolerance: Tolerance,
+    budget: usize,
+) -> (RegionIntegral, usize) {
     let measured = |part, rect: IntegrationRect, depth| {
         let sum = measure(region, part, &rect);
         QueueEntry { error: sum.error, part: RegionCell { part, rect, sum, depth } }
@@ -120,6 +131,7 @@ pub(super) fn integrate<R: Region>(
         })
     };
     let mut sum = total(&heap);
+    let whole = heap.len();
     let mut divided = 0;
     let is_done = |sum: &RegionIntegral| {
         let allowed = tolerance.absolute.max(tolerance.relative * (known.value + sum.value));
@@ -142,7 +154,7 @@ pub(super) fn integrate<R: Region>(
         sum.error -= worst.sum.error;
         divided += 4;
     }
-    total(&heap)
+    (total(&heap), whole + divided)
 }
 
 /// Fraction of a rectangle that may be on the wrong side of its border if the border has no function or has a corner: half of a square between samples.

@@ -59,6 +59,12 @@ impl LightDescription {
         Self::new(LightKind::Distant { from: from.into(), to: to.into() }, irradiance)
     }
 
+    /// An overcast sky that gives the open ground this `irradiance`, W/m^2, and ground of an albedo of 0.2.
+    #[must_use]
+    pub fn overcast_sky(irradiance: impl Into<SpectralDistribution>) -> Self {
+        Self::new(LightKind::OvercastSky { albedo: [0.2; 3] }, irradiance)
+    }
+
     /// A sky of the same `radiance`, W/(m^2 sr), in all directions.
     #[must_use]
     pub fn infinite(radiance: impl Into<SpectralDistribution>) -> Self {
@@ -146,6 +152,11 @@ pub enum LightKind {
     },
     /// A clear sky with z up, times the emission; its sun is a separate light.
     Sky(SkyDescription),
+    /// W/m^2 on the open ground, from an overcast sky with z up: that of the CIE, three times as bright in the zenith as at the horizon.
+    OvercastSky {
+        /// Albedo of the ground, linear Rec. 709, in [0, 1]; directions below the horizon show it.
+        albedo: [f32; 3],
+    },
     /// As [`LightKind::ImageInfinite`] or [`LightKind::Infinite`], through a rectangle only.
     PortalInfinite {
         /// Index into [`Description::images`](super::Description::images), and directions in light space; `None`: the same from everywhere.

@@ -344,6 +344,7 @@ impl Light {
                 Self::ImageInfinite(ImageInfiniteLight::resolve(&input, *image, *mapping)?)
             }
             LightKind::Sky(sky) => Self::ImageInfinite(sky::resolve(&input, sky)?),
+            LightKind::OvercastSky { albedo } => Self::ImageInfinite(sky::resolve_overcast(&input, *albedo)?),
             LightKind::PortalInfinite { image, portal } => {
                 Self::PortalInfinite(PortalInfiniteLight::resolve(&input, *image, *portal)?)
             }

@@ -1,6 +1,6 @@
-//! Light from a clear sky.
+//! Light from the sky.
 
-use std::f64::consts::FRAC_1_PI;
+use std::f64::consts::{FRAC_1_PI, PI};
 
 use glanz_light::{ClearSky, Wavelengths};
 
@@ -33,4 +33,28 @@ pub(super) fn resolve(
     let above = picture([0.0; 3]).irradiance();
     let ground = std::array::from_fn(|i| sky.albedo[i] * (above[i] as f32 + sun[i]) * FRAC_1_PI as f32);
     ImageInfiniteLight::try_new(input, picture(ground))
+}
+
+/// Pixels along each side of the picture of an overcast sky, whose brightness changes little from pixel to pixel.
+const OVERCAST_RESOLUTION: usize = 128;
+
+/// The overcast sky of ISO 15469:2004 and CIE S 011: luminance in proportion to 1 + 2 sin(elevation) (@moon1942), such that its irradiance on the open ground
+/// is 1 times the emission.
+pub(super) fn resolve_overcast(
+    input: &LightInput<'_>,
+    albedo: [f32; 3],
+) -> Result<ImageInfiniteLight, SceneErrorKind> {
+    if let Some(&outside) = albedo.iter().find(|x| !(0.0..=1.0).contains(*x)) {
+        return Err(range_error("overcast sky: albedo", outside, "from 0 to 1"));
+    }
+    let picture = |zenith: f64, ground: [f32; 3]| {
+        SphereImage::of(SphereMapping::EqualArea, OVERCAST_RESOLUTION, |direction| {
+            if direction.z < 0.0 { ground } else { [(zenith * (1.0 + 2.0 * direction.z) / 3.0) as f32; 3] }
+        })
+    };
+    // 7 pi / 9 of the zenith's radiance, but for the interpolation between pixels at the horizon.
+    let zenith = 9.0 / (7.0 * PI);
+    let [counted, ..] = picture(zenith, [0.0; 3]).irradiance();
+    let ground = albedo.map(|albedo| albedo * FRAC_1_PI as f32);
+    ImageInfiniteLight::try_new(input, picture(zenith / counted, ground))
 }

@@ -117,6 +117,7 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
         albedo: [0.3, 0.2, 0.1],
         is_ground_sunlit: true,
     });
+    let overcast = LightKind::OvercastSky { albedo: [0.3, 0.2, 0.1] };
     let turned = DMat4::from_translation(DVec3::new(0.5, 0.3, 0.8))
         * DMat4::from_rotation_x(0.4)
         * DMat4::from_rotation_z(1.0);
@@ -155,6 +156,7 @@ fn cases() -> Vec<(&'static str, Scene, bool)> {
         ("picture by latitude", pictured(of_sphere(SphereMapping::LatitudeLongitude), 24, 12), false),
         ("equal-area picture", pictured(of_sphere(SphereMapping::EqualArea), 16, 16), false),
         ("sky", scene(None, Some((sky, DMat4::IDENTITY))), false),
+        ("overcast sky", scene(None, Some((overcast, DMat4::IDENTITY))), false),
         ("portal", scene(None, Some((portal(None), DMat4::IDENTITY))), false),
         (
             "picture behind a portal",

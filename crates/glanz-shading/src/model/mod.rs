@@ -324,6 +324,19 @@ bsdfs! {
     Phong(PhongMaterial) => Phong(Phong),
 }
 
+impl Material {
+    /// Whether all of its BSDFs have delta lobes alone, whatever its textures: a perfect mirror, smooth metal, clear glass.
+    #[must_use]
+    pub fn is_specular(&self) -> bool {
+        match self {
+            Self::Mirror(_) => true,
+            Self::Conductor(metal) => metal.roughness.is_smooth(),
+            Self::Dielectric(glass) => glass.thin || glass.roughness.is_smooth(),
+            _ => false,
+        }
+    }
+}
+
 impl<P: ParameterForm> Material<P> {
     /// Whether rays pass as if there were no surface.
     #[must_use]

@@ -2,6 +2,7 @@
 
 use crate::microfacet::MicrofacetDistribution;
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
+use crate::texture::FloatInput;
 
 /// How a number for the roughness becomes the width alpha of the facets, see [`MicrofacetDistribution`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -74,6 +75,18 @@ impl<P: ParameterForm> Roughness<P> {
 }
 
 impl Roughness {
+    /// Whether a surface has no facets anywhere: its roughness is constant, and too small to matter.
+    #[must_use]
+    pub fn is_smooth(&self) -> bool {
+        match (&self.u, &self.v) {
+            (FloatInput::Constant(u), FloatInput::Constant(v)) => {
+                let [u, v] = [*u, *v].map(|x| self.scale.alpha(x));
+                MicrofacetDistribution::new(u, v).is_smooth()
+            }
+            _ => false,
+        }
+    }
+
     /// The facets at a point.
     pub(super) fn distribution(&self, at: &TextureEvaluator<'_>) -> MicrofacetDistribution {
         let alpha = |input| self.scale.alpha(at.float(input));

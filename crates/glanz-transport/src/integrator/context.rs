@@ -5,6 +5,7 @@ use glanz_math::{DVec2, Ray};
 use glanz_sampling::PixelSampler;
 use glanz_scene::{CameraRay, Interaction, LightId, ParametricPoint, RayDifferential, Scene};
 
+use super::irradiance::KnownLight;
 use super::vertex::Vertex;
 use crate::filter::Filter;
 use crate::guide::{PathRecords, Training};
@@ -53,6 +54,8 @@ pub struct Context<'a> {
     pub(crate) training: Option<&'a Training>,
     /// Photons of the sample.
     pub(crate) photons: Option<&'a PhotonMap>,
+    /// Light that paths leave out.
+    pub(super) known: Option<&'a KnownLight>,
     /// Memory that is reused by the next sample.
     pub(crate) records: PathRecords,
     /// Splats of the sample to other pixels.
@@ -145,7 +148,7 @@ impl<'a> Context<'a> {
         options: ContextOptions,
     ) -> Self {
         let (wavelengths, counters) = (options.wavelengths(sampler), Counters::default());
-        let (training, photons, first_hit) = (None, None, None);
+        let (training, photons, known, first_hit) = (None, None, None, None);
         let (records, splats) = (PathRecords::default(), Vec::new());
         Self {
             scene,
@@ -155,6 +158,7 @@ impl<'a> Context<'a> {
             counters,
             training,
             photons,
+            known,
             records,
             splats,
             options,
@@ -170,6 +174,11 @@ impl<'a> Context<'a> {
     /// For samples with photons.
     pub(crate) fn with_photons(self, photons: Option<&'a PhotonMap>) -> Self {
         Self { photons, ..self }
+    }
+
+    /// For paths that leave out light.
+    pub(super) fn with_known(self, known: Option<&'a KnownLight>) -> Self {
+        Self { known, ..self }
     }
 
     /// The same for another sample.

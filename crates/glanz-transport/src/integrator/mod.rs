@@ -17,6 +17,7 @@ mod context;
 mod distributed;
 mod grid_guided;
 mod guided;
+mod irradiance;
 mod light;
 mod mirrors;
 mod path;
@@ -31,13 +32,14 @@ mod whitted;
 pub use context::{Context, ContextOptions, Counters, FIRST_DIMENSION};
 pub use distributed::Distributed;
 pub use guided::Guided;
+pub use irradiance::{IrradianceTracer, KnownLight};
 pub use light::LightPaths;
 pub use mirrors::SMALLEST_WEIGHT;
 pub use path::Path;
 pub(crate) use path_tracer::{INTERFACE_LIMIT, ROULETTE_FROM};
 pub use sppm::Sppm;
 pub use stored::{Stored, StoredLight};
-pub(crate) use vertex::{Vertex, pass_interface, roulette};
+pub(crate) use vertex::{ScatteredRay, Vertex, pass_interface, roulette};
 pub use whitted::Whitted;
 
 /// Estimator of the radiance along camera rays.

@@ -3,7 +3,7 @@
 use glanz_geometry::BoundedRay;
 use glanz_light::Spectrum;
 use glanz_math::{DVec3, Ray};
-use glanz_scene::{LightSampleContext, MAX_LIGHT_GROUPS, MediumId, RayDifferential, SelectedLight};
+use glanz_scene::{LightId, LightSampleContext, MAX_LIGHT_GROUPS, MediumId, RayDifferential, SelectedLight};
 
 use super::Context;
 use super::path_tracer::DirectionSampler;
@@ -72,6 +72,16 @@ pub(super) struct PendingLight {
     /// The medium in which the shadow ray starts, and a number uniform in [0, 1) for its way through media.
     pub(super) medium: MediumId,
     pub(super) xi_medium: f64,
+}
+
+impl<P> PathState<P> {
+    /// Whether the path leaves out the light `id` that its ray hits.
+    pub(super) fn leaves_out(&self, context: &Context<'_>, id: LightId) -> bool {
+        // The first scattering event is that at the start of the path.
+        context
+            .known
+            .is_some_and(|known| known.includes(id, self.depth.saturating_sub(1), self.origin.is_none()))
+    }
 }
 
 impl<P: Copy> PathState<P> {

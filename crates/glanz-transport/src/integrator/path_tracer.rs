@@ -158,6 +158,11 @@ impl PathTracer {
         Self { max_depth, light_sampling, branching: branching.max(1) }
     }
 
+    /// With light sampling, without branching.
+    pub(super) fn with_depth(max_depth: u32) -> Self {
+        Self { max_depth, light_sampling: true, branching: 1 }
+    }
+
     /// Number of samples with which it is fastest.
     pub(super) fn batch(&self) -> usize {
         (BATCH / self.branching as usize).max(1)
@@ -176,12 +181,22 @@ impl PathTracer {
         let Some(scene) = contexts.first().map(|context| context.scene) else { return };
         let new = |(sample, context)| PathState::new(context, sample, self.branching);
         let mut paths: Vec<PathState<D::VertexData>> = (0..).zip(contexts.iter()).map(new).collect();
-        let mut samples = TracedSamples { tracer: *self, contexts, directions };
-        scene.trace_paths(&mut paths, &mut samples);
+        self.continue_paths(scene, contexts, directions, &mut paths);
         radiance.resize(contexts.len(), Spectrum::BLACK);
         for path in &paths {
             radiance[path.sample as usize] += path.light;
         }
+    }
+
+    /// Traces paths to their ends. `contexts`, `directions`: of each sample.
+    pub(super) fn continue_paths<'a, D: DirectionSampler>(
+        &self,
+        scene: &Scene,
+        contexts: &mut [Context<'a>],
+        directions: &mut [D],
+        paths: &mut Vec<PathState<D::VertexData>>,
+    ) {
+        scene.trace_paths(paths, &mut TracedSamples { tracer: *self, contexts, directions });
     }
 
     /// Continues a path from the hit of its ray: adds emitted light, samples a light and the next direction. Returns whether the path
@@ -250,7 +265,7 @@ impl PathTracer {
     }
 
     /// Samples a light and the next direction at a vertex. Returns whether the path continues.
-    fn scatter_at<D: DirectionSampler>(
+    pub(super) fn scatter_at<D: DirectionSampler>(
         &self,
         context: &mut Context<'_>,
         directions: &mut D,
@@ -273,6 +288,8 @@ impl PathTracer {
             let [x, y, xi_light, xi_medium] = sampler.next_group();
             light_groups = directions.light_groups(&place, context.scene, &from);
             let selected = context.scene.select_light_by_groups(&from, &light_groups, xi_light);
+            let is_known = |id| context.known.is_some_and(|known| known.includes(id, path.depth - 1, false));
+            let selected = selected.filter(|selected| !is_known(selected.id));
             path.pending.light = selected.and_then(|selected| {
                 direct_light(context, vertex, directions, &place, path, selected, [x, y, xi_medium])
             });
@@ -334,7 +351,8 @@ impl PathTracer {
         let weight = |id| self.weight(context, id, path, None, density(id));
         // Most rays miss the sun, whose probability costs as much as that of any light.
         let weighted = |(id, radiance): (LightId, Spectrum)| radiance * weight(id);
-        let lights = scene.infinite_lights().iter().map(|&id| (id, context.infinite_radiance(id, ray)));
+        let ids = scene.infinite_lights().iter().filter(|&&id| !path.leaves_out(context, id));
+        let lights = ids.map(|&id| (id, context.infinite_radiance(id, ray)));
         lights.filter(|(_, radiance)| !radiance.is_black()).map(weighted).sum()
     }
 
@@ -344,8 +362,8 @@ impl PathTracer {
             None => Spectrum::BLACK,
             Some(id) => {
                 let emitted = context.emitted(hit);
-                if emitted.is_black() {
-                    return emitted;
+                if emitted.is_black() || path.leaves_out(context, id) {
+                    return Spectrum::BLACK;
                 }
                 let density = |o: &PreviousVertex| o.area_light_pdf(context, id, hit);
                 emitted * self.weight(context, id, path, hit.area_pdf(), density)

@@ -26,7 +26,6 @@ use crate::event::{JobEvent, ResumedState, Warning};
 use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::{JobSink, RunningJob};
-use crate::smoothness::is_smooth;
 use light_file::{BakeStart, LightIdentity};
 
 pub use light_file::LightFile;
@@ -201,7 +200,7 @@ pub(crate) fn elements<'a>(
         Material::Diffuse { .. } | Material::Interface => true,
         // Elements of the solver let light pass clear glass.
         Material::Dielectric(glass) => {
-            settings.method != BakeMethod::Gather && (glass.thin || is_smooth(&glass.roughness))
+            settings.method != BakeMethod::Gather && (glass.thin || glass.roughness.is_smooth())
         }
         _ => false,
     };

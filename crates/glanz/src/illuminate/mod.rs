@@ -1,5 +1,7 @@
 //! Illuminance on the receivers of a scene: lux maps and their files.
 
+mod combined_file;
+mod combining;
 mod facts;
 #[cfg(feature = "formats")]
 mod far_field_file;
@@ -18,7 +20,8 @@ use std::time::Instant;
 
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
-    FarFieldResolution, GridResolution, ReceiverRequest, Receivers, Tally, TraceGoal, add_walls,
+    FarFieldResolution, GridResolution, LuxMap, ReceiverRequest, Receivers, TraceGoal, TraceSettings,
+    add_walls,
 };
 use glanz_job::{ContentHash, JobEnd, JobPart};
 use glanz_math::DVec3;
@@ -31,6 +34,7 @@ use crate::loaded_scene::LoadedScene;
 use crate::running_job::RunningJob;
 use facts::CalculationFacts;
 use outcome::compare_methods;
+use tally_file::TallyFile;
 
 #[cfg(feature = "formats")]
 pub use far_field_file::check_far_field_path;
@@ -54,12 +58,16 @@ const SMALLEST_ERROR: f64 = 1e-6;
 /// Method of computing the light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IlluminateMethod {
-    /// Particles from the lights: all light.
+    /// Each part of the light by the method that is best at it: integration of direct light and of light after reflection in one mirror, paths from the
+    /// cells for light between other surfaces, particles for caustics. A calculation with a number of particles, a part of one, and one that counts the light that
+    /// leaves the scene, is [`Trace`](IlluminateMethod::Trace).
     #[default]
+    Auto,
+    /// Particles from the lights: all light.
     Trace,
     /// Deterministic integration over the images of lights in mirrors: direct light and light after reflection in one mirror.
     Integrate,
-    /// Both methods, with their difference.
+    /// Integration and particles, with their difference.
     Both,
 }
 
@@ -68,6 +76,7 @@ impl IlluminateMethod {
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Auto => "auto",
             Self::Trace => "trace",
             Self::Integrate => "integrate",
             Self::Both => "both",
@@ -141,7 +150,7 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    /// Computes light by `method`; by particles unless set.
+    /// Computes light by `method`; by the best for each part of it unless set.
     pub fn method(mut self, method: IlluminateMethod) -> Self {
         self.options.method = method;
         self
@@ -186,7 +195,7 @@ impl<'a> IlluminateBuilder<'a> {
     ///
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
-    /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`] and [`Error::Integrate`];
+    /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`];
     /// [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
         let Self { scene, mut options, job } = self;
@@ -196,17 +205,23 @@ impl<'a> IlluminateBuilder<'a> {
             return Err(Error::Accuracy { error, smallest: SMALLEST_ERROR });
         }
         if options.part.is_some() {
-            if options.method != IlluminateMethod::Trace {
+            if !matches!(options.method, IlluminateMethod::Auto | IlluminateMethod::Trace) {
                 return Err(Error::Indivisible { what: "the integration over mirrors" });
             }
             if !matches!(options.goal, TraceGoal { particles: Some(_), time: None, error: None }) {
                 return Err(Error::PartGoal);
             }
         }
+        if options.far_field.is_some() && options.method == IlluminateMethod::Integrate {
+            return Err(Error::NoFarField);
+        }
         if options.goal == TraceGoal::default() {
             options.goal.error = Some(USUAL_ERROR);
         }
         job.check_checkpoint()?;
+        if options.method == IlluminateMethod::Auto && is_by_particles(&options, &job)? {
+            options.method = IlluminateMethod::Trace;
+        }
         let design = Design::new(scene, options, &mut job)?;
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
@@ -278,17 +293,40 @@ impl Design {
             ..IlluminateOutcome::default()
         };
         let method = self.options.method;
-        if method != IlluminateMethod::Trace {
+        if matches!(method, IlluminateMethod::Integrate | IlluminateMethod::Both) {
             outcome.integrated = job.in_pool(|job| integrating::integrated(self, job, &mut facts))?;
         }
-        if method == IlluminateMethod::Integrate {
-            outcome.report.maps = std::mem::take(&mut outcome.integrated);
-        } else {
-            self.count_particles(&mut outcome, job, &mut facts)?;
+        match method {
+            IlluminateMethod::Auto => self.combine(&mut outcome, job, &mut facts)?,
+            IlluminateMethod::Integrate => outcome.report.maps = std::mem::take(&mut outcome.integrated),
+            IlluminateMethod::Trace | IlluminateMethod::Both => {
+                self.count_particles(&mut outcome, job, &mut facts)?;
+            }
         }
         facts.result.push("complete", "complete", outcome.end == JobEnd::Complete);
         outcome.report.facts = facts.finish(start.elapsed(), job.threads());
         Ok(outcome)
+    }
+
+    /// Settings of particles and paths.
+    fn trace_settings(&self, job: &RunningJob<'_>) -> TraceSettings {
+        let IlluminateOptions { seed, max_depth, goal, part, .. } = self.options;
+        TraceSettings { seed, max_events: max_depth, threads: job.options.threads, goal, part }
+    }
+
+    /// Adds the light by all methods to `outcome`.
+    fn combine(
+        &self,
+        outcome: &mut IlluminateOutcome,
+        job: &mut RunningJob<'_>,
+        facts: &mut CalculationFacts,
+    ) -> Result<(), Error> {
+        let (light, end) = combining::combined(self, job, facts)?;
+        outcome.report.maps = light.lux_maps(&self.receivers);
+        outcome.report.balance = Some(light.balance());
+        outcome.end = end;
+        self.warn_of_dark_sides(&outcome.report.maps, |receiver| light.on_other_side(receiver), job);
+        Ok(())
     }
 
     /// Adds the light of particles to `outcome`.
@@ -302,7 +340,7 @@ impl Design {
         let report = &mut outcome.report;
         report.maps = tally.lux_maps(&self.receivers);
         report.balance = Some(tally.balance());
-        self.warn_of_dark_sides(&tally, job);
+        self.warn_of_dark_sides(&report.maps, |receiver| tally.on_other_side(receiver), job);
         if !outcome.integrated.is_empty() {
             compare_methods(&report.maps, &outcome.integrated, &mut facts.result);
         }
@@ -312,15 +350,30 @@ impl Design {
         Ok(())
     }
 
-    /// Warns of receivers without light, which may face the wrong way.
-    fn warn_of_dark_sides(&self, tally: &Tally, job: &mut RunningJob<'_>) {
-        for (number, receiver) in self.receivers.as_slice().iter().enumerate() {
-            let other_side = tally.on_other_side(number);
-            if tally.received(&self.receivers, number).value == 0.0 && other_side > 0.0 {
-                job.warn(Warning::DarkSide { receiver: receiver.name().to_owned(), other_side });
+    /// Warns of receivers without light, which may face the wrong way. `other_side`: flux on the side that is not counted, lm.
+    fn warn_of_dark_sides(
+        &self,
+        maps: &[LuxMap],
+        other_side: impl Fn(usize) -> f64,
+        job: &mut RunningJob<'_>,
+    ) {
+        for (number, map) in maps.iter().enumerate() {
+            let other_side = other_side(number);
+            if map.lux.iter().all(|&lux| lux == 0.0) && other_side > 0.0 {
+                job.warn(Warning::DarkSide { receiver: map.name.clone(), other_side });
             }
         }
     }
+}
+
+/// Whether a calculation without a method is one of particles: if it has a number of them, counts the light that leaves the scene, or is resumed from one of
+/// particles.
+fn is_by_particles(options: &IlluminateOptions, job: &RunningJob<'_>) -> Result<bool, Error> {
+    if options.goal.particles.is_some() || options.part.is_some() || options.far_field.is_some() {
+        return Ok(true);
+    }
+    let resumed = job.options.checkpoint.as_deref().filter(|path| job.options.resume && path.exists());
+    resumed.map_or(Ok(false), |path| Ok(TallyFile::is_begun_by(&crate::file::read(path)?)))
 }
 
 /// Warns of cells that do not count, or do only in part.

@@ -35,7 +35,7 @@ impl Default for IlluminateOutcome {
 }
 
 impl IlluminateOutcome {
-    /// Directions of light that left the scene, if they were counted.
+    /// Intensities of the light that left the scene by direction, if they were counted.
     #[must_use]
     pub fn far_field(&self) -> Option<&FarField> {
         self.far_field.as_ref()

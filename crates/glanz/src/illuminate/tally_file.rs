@@ -51,7 +51,7 @@ impl JobIdentity for TallyIdentity {
     fn fields(&self) -> Vec<(&'static str, String)> {
         let far_field = match self.far_field {
             None => "not counted".to_owned(),
-            Some(FarFieldResolution::Adaptive) => "counted".to_owned(),
+            Some(FarFieldResolution::Adaptive) => "counted on angles that adapt to the light".to_owned(),
             Some(FarFieldResolution::Steps { gamma, plane }) => format!(
                 "counted in steps of {} degrees of gamma and {} of C",
                 gamma.degrees(),
@@ -66,6 +66,28 @@ impl JobIdentity for TallyIdentity {
             ("the seed", self.seed.to_string()),
             ("the depth", self.max_depth.to_string()),
         ]
+    }
+}
+
+impl TallyIdentity {
+    pub(super) fn encode(&self, encoder: &mut Encoder) {
+        encoder.text(&self.version);
+        encoder.u128(self.scene);
+        encoder.u128(self.receivers);
+        encode_resolution(self.far_field, encoder);
+        encoder.u64(self.seed);
+        encoder.u32(self.max_depth);
+    }
+
+    pub(super) fn decode(decoder: &mut Decoder<'_>) -> Option<Self> {
+        Some(Self {
+            version: decoder.text()?.to_owned(),
+            scene: decoder.u128()?,
+            receivers: decoder.u128()?,
+            far_field: decode_resolution(decoder)?,
+            seed: decoder.u64()?,
+            max_depth: decoder.u32()?,
+        })
     }
 }
 
@@ -127,6 +149,11 @@ impl TallyFile {
         decode(&mut Decoder(content)).ok_or_else(|| Self::senseless(path))
     }
 
+    /// Whether the bytes of a file begin as those of a tally.
+    pub(super) fn is_begun_by(bytes: &[u8]) -> bool {
+        bytes.starts_with(ENVELOPE.magic)
+    }
+
     /// The error of a file with invalid content.
     pub(super) fn senseless(path: &Path) -> Error {
         FileFault::Content(ENVELOPE.content).of(path)
@@ -160,12 +187,7 @@ pub(super) fn write(
     tally: &Tally,
 ) -> Result<(), Error> {
     let bytes = ENVELOPE.seal(|encoder| {
-        encoder.text(&identity.version);
-        encoder.u128(identity.scene);
-        encoder.u128(identity.receivers);
-        encode_resolution(identity.far_field, encoder);
-        encoder.u64(identity.seed);
-        encoder.u32(identity.max_depth);
+        identity.encode(encoder);
         TallyPlan::encode(plan, encoder);
         tally.encode(encoder);
     });
@@ -173,14 +195,7 @@ pub(super) fn write(
 }
 
 fn decode(decoder: &mut Decoder<'_>) -> Option<TallyFile> {
-    let identity = TallyIdentity {
-        version: decoder.text()?.to_owned(),
-        scene: decoder.u128()?,
-        receivers: decoder.u128()?,
-        far_field: decode_resolution(decoder)?,
-        seed: decoder.u64()?,
-        max_depth: decoder.u32()?,
-    };
+    let identity = TallyIdentity::decode(decoder)?;
     let (plan, tally) = (TallyPlan::decode(decoder)?, Tally::decode(decoder)?);
     decoder.0.is_empty().then_some(TallyFile { identity, plan, tally })
 }

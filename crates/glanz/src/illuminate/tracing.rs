@@ -25,13 +25,7 @@ pub(super) fn traced(
     let options = &design.options;
     let identity = tally_file::identity(design.hashes, options.far_field, options.seed, options.max_depth);
     let (scene, receivers) = (&design.scene, &design.receivers);
-    let settings = TraceSettings {
-        seed: options.seed,
-        max_events: options.max_depth,
-        threads: job.options.threads,
-        goal: options.goal,
-        part: options.part,
-    };
+    let settings = design.trace_settings(job);
     let mut plan = options.part.zip(options.goal.particles).map(|(part, particles)| TallyPlan {
         particles,
         count: part.count(),

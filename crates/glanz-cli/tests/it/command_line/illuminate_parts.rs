@@ -131,7 +131,7 @@ fn parts_that_are_missing_doubled_foreign_or_damaged_are_named() {
     folder.succeed(&format!("{without} --part 2/3 --checkpoint other.lux"));
     folder
         .run("merge 1-3.lux other.lux --checkpoint w.lux")
-        .refused(1, &["the far field is counted in 1-3.lux"]);
+        .refused(1, &["the far field is counted on angles that adapt to the light in 1-3.lux"]);
     folder.succeed(&format!("{LINE} -o one --checkpoint one.lux"));
     folder.run("merge 1-3.lux one.lux --checkpoint w.lux").refused(1, &["one.lux is no part", "--part K/N"]);
     let mut flipped = folder.bytes("2-3.lux");

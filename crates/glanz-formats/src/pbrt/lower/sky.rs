@@ -1,9 +1,10 @@
-//! Daylight: a clear sky and its sun, by direction or by place and time.
+//! Daylight: a clear sky and its sun, by direction or by place and time, or an overcast sky.
 
 use std::fmt::Display;
 
 use chrono::DateTime;
 use glanz_light::sky::SUN_RADIUS;
+use glanz_light::units::LUMINOUS_EFFICACY;
 use glanz_light::{ClearSky, Wavelengths};
 use glanz_math::DVec3;
 use glanz_scene::description::{LightDescription, LightKind, SkyDescription};
@@ -16,6 +17,9 @@ use crate::source::{ParseResult, ReportedError, Span};
 const DEFAULT_TURBIDITY: f64 = 3.0;
 const DEFAULT_ALBEDO: f32 = 0.2;
 
+/// Of the open ground under an overcast sky, lx.
+const DEFAULT_ILLUMINANCE: f64 = 10_000.0;
+
 /// Largest number of skies: each is a picture.
 const MOST_SKIES: usize = 16;
 
@@ -23,6 +27,24 @@ impl Lowering {
     /// Adds a sky and its sun; in light space x is east, y north and z up.
     pub(super) fn sky(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<()> {
         let place = list.place;
+        self.skies += 1;
+        if self.skies > MOST_SKIES {
+            let message = format!("{}: there are more than {MOST_SKIES} skies", list.subject);
+            return Err(self.reporter.error(&place, "parameter-range", message));
+        }
+        let weather_place = list.value_place("weather");
+        match list.text("weather", &mut self.reporter)?.as_deref() {
+            None | Some("clear") => {}
+            Some("overcast") => return self.overcast_sky(list, context),
+            Some(other) => {
+                let other = shortened(other);
+                let message = format!(
+                    "{}: \"weather\" is \"{other}\"; it must be \"clear\" or \"overcast\"",
+                    list.subject
+                );
+                return Err(self.reporter.error(&weather_place, "parameter-range", message));
+            }
+        }
         let towards_sun = self.towards_sun(list)?;
         let turbidity = list.float_or("turbidity", DEFAULT_TURBIDITY, &mut self.reporter)?;
         let albedo = self.ground_albedo(list, context)?;
@@ -30,11 +52,6 @@ impl Lowering {
         let scale = self.not_negative(list, "scale")?.unwrap_or(1.0) as f32;
         let model = ClearSky::try_new(towards_sun, turbidity, albedo)
             .map_err(|problem| self.refuse_sky(&place, list, &problem))?;
-        self.skies += 1;
-        if self.skies > MOST_SKIES {
-            let message = format!("{}: there are more than {MOST_SKIES} skies", list.subject);
-            return Err(self.reporter.error(&place, "parameter-range", message));
-        }
         let sky = SkyDescription { towards_sun, turbidity, albedo, is_ground_sunlit: has_sun };
         let light = |kind, emission| LightDescription {
             kind,
@@ -48,6 +65,22 @@ impl Lowering {
             let disk = LightKind::Sun { from: towards_sun, to: DVec3::ZERO, angular_radius: SUN_RADIUS };
             self.description.lights.push(light(disk, model.sun_irradiance().clone()));
         }
+        Ok(())
+    }
+
+    /// Adds an overcast sky.
+    fn overcast_sky(&mut self, list: &mut ParameterList, context: &EntityState) -> ParseResult<()> {
+        let albedo = self.ground_albedo(list, context)?;
+        let scale = self.not_negative(list, "scale")?.unwrap_or(1.0) as f32;
+        let illuminance = self.not_negative(list, "illuminance")?.unwrap_or(DEFAULT_ILLUMINANCE);
+        let irradiance = (illuminance / LUMINOUS_EFFICACY) as f32;
+        self.description.lights.push(LightDescription {
+            kind: LightKind::OvercastSky { albedo },
+            emission: irradiance.into(),
+            scale,
+            to_world: context.ctm,
+            location: Some(list.place.location),
+        });
         Ok(())
     }
 

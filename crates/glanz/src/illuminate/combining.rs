@@ -1,0 +1,86 @@
+//! Illuminance by integration, paths from the cells, and particles, with checkpoints.
+
+use std::path::Path;
+
+use glanz_illumination::integrate::{CellTolerance, Reflections, Tolerance};
+use glanz_illumination::{CombinedLight, CombinedOutcome, LightDivision, combine};
+use glanz_job::JobEnd;
+use glanz_report::FactValue;
+
+use super::combined_file::{self, CombinedIdentity};
+use super::facts::CalculationFacts;
+use super::{Design, integrating, tally_file};
+use crate::error::Error;
+use crate::event::{JobEvent, ResumedState};
+use crate::file;
+use crate::running_job::{JobSink, RunningJob};
+
+/// Largest number of points in a cell for the integration: where edges of light need more, paths and particles compute it.
+const POINTS: usize = 60;
+
+/// The light on all receivers, from the checkpoint if it is resumed, and the reason for the end.
+pub(super) fn combined(
+    design: &Design,
+    job: &mut RunningJob<'_>,
+    facts: &mut CalculationFacts,
+) -> Result<(CombinedLight, JobEnd), Error> {
+    let (options, scene, receivers) = (&design.options, &design.scene, &design.receivers);
+    let (reflections, _) = Reflections::of_integrable(scene);
+    // A part of the error of the goal, which counts dark cells relative to a tenth of the mean.
+    let relative = options.goal.error.map_or(options.tolerance, |goal| 0.5 * goal);
+    let tolerance = Tolerance { relative, absolute: 0.0 };
+    let identity = CombinedIdentity {
+        particles: tally_file::identity(design.hashes, None, options.seed, options.max_depth),
+        tolerance: relative,
+    };
+    let reflections = reflections.without_costly_mirrors(receivers, tolerance);
+    let light = match job.resumed() {
+        Some(path) => {
+            let light = combined_file::read(&path, &file::read(&path)?, &identity)?;
+            if !light.fits(receivers) {
+                return Err(combined_file::senseless(&path));
+            }
+            let state = &ResumedState::Paths(light.paths() + light.particles());
+            job.emit(JobEvent::Resumed { path: &path, state });
+            light
+        }
+        None => {
+            let cells = job.in_pool(|job| {
+                integrating::cells(
+                    design,
+                    &reflections,
+                    CellTolerance { relative, dark: 0.1, points: POINTS },
+                    job,
+                )
+            })?;
+            CombinedLight::new(receivers, cells)
+        }
+    };
+    let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
+    let settings = design.trace_settings(job);
+    let write = |path: &Path, light: &CombinedLight| combined_file::write(path, &identity, light);
+    let mut sink = JobSink::new(job, path.clone(), write);
+    let division = LightDivision::new(scene, &reflections);
+    let outcome = combine(scene, receivers, &division, &settings, light, &mut sink, &cancel)
+        .map_err(|error| Error::Threads(error.0))?;
+    if let Some(path) = &path {
+        combined_file::write(path, &identity, &outcome.light)?;
+    }
+    add_facts(&outcome, facts);
+    Ok((outcome.light, outcome.end))
+}
+
+fn add_facts(outcome: &CombinedOutcome, facts: &mut CalculationFacts) {
+    let light =
+        "direct light and light of one mirror integrated, the rest by paths from the cells and by particles";
+    facts.result.push("light", "light", light);
+    facts.result.push("paths from the cells", "paths", outcome.light.paths());
+    facts.result.push("particles", "particles", outcome.light.particles());
+    if outcome.error.is_finite() {
+        let name = "largest relative error of brightest cells, darkest cells and means";
+        facts.result.push(name, "relative_error", FactValue::Fraction(outcome.error));
+    }
+    let rays = outcome.counters.rays();
+    facts.run.push("rays of paths and particles", "rays", rays);
+    facts.push_rate("rays per second", "rays_per_second", rays, outcome.elapsed);
+}
