@@ -7,12 +7,14 @@
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
 //! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
 //!   ([`adapted_grid`] chooses the angles);
+//! - [`planning`] holds the figures of planners after standards: glare, cylindrical illuminance, verdicts;
 //! - [`report`] turns them into tables, pictures, contours and pages.
 
 pub mod balance;
 pub mod far_field;
 pub mod integrate;
 pub mod lux_map;
+pub mod planning;
 pub mod receiver;
 mod replicates;
 pub mod report;
