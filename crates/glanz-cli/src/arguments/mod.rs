@@ -9,6 +9,7 @@ mod convert;
 mod illuminate;
 mod info;
 mod merge;
+mod plan;
 mod render;
 #[cfg(test)]
 mod tests;
@@ -21,6 +22,7 @@ pub(crate) use convert::ConvertArguments;
 pub(crate) use illuminate::IlluminateArguments;
 pub(crate) use info::InfoArguments;
 pub(crate) use merge::MergeArguments;
+pub(crate) use plan::PlanArguments;
 pub(crate) use render::{DemoArguments, RenderArguments, RenderCommandArguments};
 pub(crate) use view::ViewArguments;
 

@@ -56,6 +56,19 @@ pub(crate) fn is_named(path: &Path) -> bool {
     ["ies", "ldt"].iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
+/// Reads a photometric file and prints its warnings, which are returned, too.
+///
+/// # Errors
+/// A file that is refused, with line and column.
+pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<String>), CommandError> {
+    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
+    let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
+    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault)))?;
+    let warnings: Vec<String> = file.warnings.iter().map(at).collect();
+    warnings.iter().for_each(|warning| messages.warning(warning));
+    Ok((file.photometry, warnings))
+}
+
 /// Reads the file and prints its summary.
 ///
 /// # Errors
@@ -69,12 +82,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), C
         .as_deref()
         .map_or(Ok(()), |plot| files.add_output(plot))
         .map_err(command_error(messages))?;
-    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
-    let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
-    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault)))?;
-    let warnings: Vec<String> = file.warnings.iter().map(at).collect();
-    warnings.iter().for_each(|warning| messages.warning(warning));
-    let photometry = file.photometry;
+    let (photometry, warnings) = read(path, messages)?;
     if let Some(plot) = &arguments.plot {
         let svg = polar(&photometry, path).svg();
         glanz::file::write(plot, svg.as_bytes()).map_err(command_error(messages))?;

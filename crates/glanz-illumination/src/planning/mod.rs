@@ -8,14 +8,20 @@
 //! | maintenance factor | [`maintenance`] | CIE 97 |
 //! | requirements of tasks, verdicts | [`requirement`] | EN 12464-1 |
 //!
+//! A [`RoomPlan`] is a plain room with luminaires on a grid; a [`PlanningRequest`] says what is to be rated in a scene, and makes a
+//! [`PlanReport`] of it.
+//!
 //! The texts of these standards were not available when this was written. Formulas and limits are from open secondary literature, which
 //! each module names; whoever signs a plan compares them with the text. `docs/lighting.md` has examples calculated by hand.
 
 pub mod glare;
 pub mod luminaire;
 pub mod maintenance;
+pub mod plan_report;
 pub mod point_illuminance;
+pub mod request;
 pub mod requirement;
+pub mod room;
 pub mod ugr_table;
 
 #[cfg(test)]
@@ -23,7 +29,12 @@ pub(crate) mod test_luminaires;
 
 pub use glare::{GlareError, GlareObserver, GlareRating, GlareSource, unified_glare_rating};
 pub use luminaire::{PlacedLuminaire, projected_area};
-pub use maintenance::{MaintenanceError, MaintenanceFactors};
+pub use maintenance::{MaintenanceError, MaintenanceFactor};
+pub use plan_report::{CylindricalPoint, PlanReport};
 pub use point_illuminance::{PointGather, PointIlluminance, PointReceiver};
-pub use requirement::{LightingCriterion, LightingTask, Requirement, RequirementVerdict, VerdictOutcome};
+pub use request::{LitZone, PlanningError, PlanningRequest, PlanningSettings, ZoneKind};
+pub use requirement::{
+    LightingCriterion, LightingTask, OFFICE_TASKS, Requirement, RequirementVerdict, VerdictOutcome,
+};
+pub use room::{LuminaireKind, RoomPlan, RoomPlanError};
 pub use ugr_table::{LuminaireAxis, UgrTable};

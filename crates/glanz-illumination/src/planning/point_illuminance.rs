@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use glanz_job::{CancelFlag, Interrupted};
 use glanz_light::units::photometric;
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{DVec3, Ray};
+use glanz_math::{DVec2, DVec3, Frame, Ray};
 use glanz_sampling::{PixelSampler, SamplerKind, warp};
 use glanz_scene::description::IntegratorDescription;
 use glanz_scene::{CameraRay, Light, Scene};
@@ -59,6 +59,19 @@ impl PointReceiver {
             Self::Plane(normal) => towards.dot(normal).max(0.0),
             Self::Cylinder => sine / PI,
             Self::HalfCylinder(normal) => ((sine + towards.dot(normal)) / PI).max(0.0),
+        }
+    }
+}
+
+impl PointReceiver {
+    /// A unit direction by two numbers uniform in [0, 1), and the response over its density, sr.
+    fn sample(self, xi: DVec2) -> (DVec3, f64) {
+        match self {
+            Self::Plane(normal) => (Frame::from_z(normal).to_world(warp::cosine_hemisphere(xi)), PI),
+            Self::Cylinder | Self::HalfCylinder(_) => {
+                let towards = warp::uniform_sphere(xi);
+                (towards, 4.0 * PI * self.response(towards))
+            }
         }
     }
 }
@@ -168,8 +181,7 @@ impl<'a> PointGather<'a> {
         for index in 0..self.directions {
             let kind = SamplerKind::Sobol;
             let sampler = PixelSampler::new(kind, self.directions, self.seed, pixel, index);
-            let towards = warp::uniform_sphere(sampler.pixel_2d());
-            let weight = 4.0 * PI * receiver.response(towards);
+            let (towards, weight) = receiver.sample(sampler.pixel_2d());
             if weight > 0.0 {
                 let ray = Ray::new(point, towards);
                 let camera = CameraRay { ray, weight: 1.0, differential: None };
@@ -249,7 +261,8 @@ mod tests {
         for receiver in receivers {
             let found = gathered(&scene, 1 << 14, receiver).total();
             let off = (found.value - 100.0 * PI).abs();
-            assert!(off < 4.0 * found.error && found.error < 0.5, "{receiver:?}: {found:?}");
+            // On a plane no direction counts more than another: only rounding is left.
+            assert!(off < 4.0 * found.error + 1e-3 && found.error < 0.5, "{receiver:?}: {found:?}");
         }
     }
 

@@ -5,5 +5,6 @@
 mod closed_forms;
 mod common;
 mod far_field;
+mod planning;
 mod receivers;
 mod tally;

@@ -34,3 +34,52 @@ fn info_rates_the_glare_of_a_luminaire_in_standard_rooms() {
     folder.write("scene.pbrt", "WorldBegin\n");
     folder.run("info scene.pbrt --ugr").refused(2, &["--ugr", ".ldt"]);
 }
+
+#[test]
+fn room_is_planned_from_a_photometric_file_alone() {
+    let folder = Folder::new();
+    panel(&folder, "panel.ies", "0.6");
+    panel(&folder, "point.ies", "0");
+    let room = "illuminate --room 6 4 3 --grid 3x2 --rays 100000 --directions 256";
+    let line =
+        format!("{room} --luminaire panel.ies --task 34.2 --maintenance 0.9x1x0.95x0.94 -o lux --json");
+    let report = folder.succeed(&line).json();
+    let plan = &report["designs"][0]["plan"];
+    let facts = &plan["facts"];
+    assert_eq!(facts["maintenance_factor"], 0.9 * 0.95 * 0.94);
+    assert_eq!(facts["maintenance_parts"], "0.9 x 1 x 0.95 x 0.94");
+    assert_eq!((&facts["power_density_w_m2"], &facts["luminaires"]), (&7.5.into(), &6.into()));
+    assert_eq!(facts["maker"], "Maker");
+    // Work plane, ceiling, four walls and cylinders with mean and uniformity each, and UGR.
+    let verdicts = plan["verdicts"].as_array().unwrap();
+    assert_eq!(verdicts.len(), 15);
+    let task = &verdicts[0];
+    assert_eq!((&task["zone"], &task["criterion"]), (&"work plane".into(), &"mean_illuminance".into()));
+    assert_eq!(task["source"], "EN 12464-1:2021, 34.2");
+    let maps = report["designs"][0]["receivers"].as_array().unwrap();
+    let mean = maps.iter().find(|map| map["name"] == "work plane").unwrap()["mean_lux"].as_f64().unwrap();
+    assert!((task["value"].as_f64().unwrap() / (mean * 0.8037) - 1.0).abs() < 1e-9);
+    assert_eq!(task["outcome"], "not_met");
+    assert_eq!(
+        (plan["observers"].as_array().unwrap().len(), plan["cylindrical"].as_array().unwrap().len()),
+        (180, 45)
+    );
+    let page = String::from_utf8(folder.bytes("lux/report.html")).unwrap();
+    assert!(page.contains("Requirements") && page.contains("power per area"));
+
+    // Without an opening everything else is rated.
+    let told = folder.succeed(&format!("{room} --luminaire point.ies --task 34.2 -o point"));
+    assert!(told.stderr.contains("UGR is not rated") && told.stdout.contains("undecided"), "{}", told.stdout);
+    for (options, parts) in [
+        ("--luminaire panel.ies --height 3.5 -o x", &["height of the luminaires is 3.5 m", "3 m"][..]),
+        ("--luminaire panel.ies --reflectances 0.7 1.5 0.2 -o x", &["reflectance of the walls is 1.5"]),
+        ("--luminaire panel.ies --maintenance 0.9x1.2x1x1 -o x", &["LSF is 1.2"]),
+        ("--luminaire panel.ies --task 99 -o x", &["34.2 (writing"]),
+        ("--luminaire panel.ies scene.pbrt -o x", &["--luminaire"]),
+        ("--luminaire panel.ies --margin 2 -o x", &["smaller margin"]),
+    ] {
+        folder.run(&format!("{room} {options}")).refused(2, parts);
+    }
+    folder.run("illuminate --luminaire panel.ies --grid 3x2 -o x").refused(2, &["--room"]);
+    folder.run("illuminate -o x").refused(2, &["SCENE"]);
+}
