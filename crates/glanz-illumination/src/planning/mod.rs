@@ -6,6 +6,8 @@
 //! | table of UGR of a luminaire | [`ugr_table`] | CIE 117, CIE 190 |
 //! | cylindrical and semi-cylindrical illuminance, modelling | [`point_illuminance`] | EN 12665, EN 12464-1 |
 //! | maintenance factor | [`maintenance`] | CIE 97 |
+//! | luminance, illuminance and glare of roads | [`road`] | EN 13201-2, EN 13201-3 |
+//! | escape routes, open areas, disability glare | [`emergency`] | EN 1838 |
 //! | requirements of tasks, verdicts | [`requirement`] | EN 12464-1 |
 //!
 //! A [`RoomPlan`] is a plain room with luminaires on a grid; a [`PlanningRequest`] says what is to be rated in a scene, and makes a
@@ -14,6 +16,7 @@
 //! The texts of these standards were not available when this was written. Formulas and limits are from open secondary literature, which
 //! each module names; whoever signs a plan compares them with the text. `docs/lighting.md` has examples calculated by hand.
 
+pub mod emergency;
 pub mod glare;
 pub mod luminaire;
 pub mod maintenance;
@@ -21,6 +24,7 @@ pub mod plan_report;
 pub mod point_illuminance;
 pub mod request;
 pub mod requirement;
+pub mod road;
 pub mod room;
 pub mod ugr_table;
 
