@@ -20,7 +20,7 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_name = "H", value_parser = positive, requires = "luminaire")]
     pub(crate) height: Option<f64>,
     /// Turn of the luminaires about the vertical from x towards y, degrees: at 0 their C0 points along x
-    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = degrees, requires = "luminaire")]
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite, requires = "luminaire")]
     pub(crate) turn: f64,
     /// Reflectances of ceiling, walls and floor, from 0 to below 1 [default: 0.7 0.5 0.2]
     #[arg(long, num_args = 3, value_names = ["C", "W", "F"], requires = "luminaire")]
@@ -29,7 +29,7 @@ pub(crate) struct PlanArguments {
     #[arg(long, value_name = "H", default_value_t = 0.75, value_parser = positive, requires = "luminaire")]
     pub(crate) work_plane: f64,
     /// Band along the walls that is no part of the work plane, metres
-    #[arg(long, value_name = "M", default_value_t = 0.5, hide_short_help = true, requires = "luminaire")]
+    #[arg(long, value_name = "M", default_value_t = 0.5, hide_short_help = true, value_parser = finite, requires = "luminaire")]
     pub(crate) margin: f64,
     /// Number of directions from which light is gathered at each eye and cylinder; their errors fall with its square root
     #[arg(long, value_name = "N", default_value_t = PlanningSettings::default().directions, hide_short_help = true, value_parser = clap::value_parser!(u32).range(16..=1 << 20), requires = "luminaire")]
@@ -37,6 +37,9 @@ pub(crate) struct PlanArguments {
     /// Task whose requirements are judged, a row of EN 12464-1:2021: 34.1 to 34.5.1 (offices)
     #[arg(long, value_name = "ROW", value_parser = task, requires = "luminaire")]
     task: Option<LightingTask>,
+    /// The luminaires are emergency lighting, too: judge the floor as an open area, and disability glare, after EN 1838
+    #[arg(long, requires = "luminaire")]
+    pub(crate) emergency: bool,
     /// Maintenance factor, or its parts LLMFxLSFxLMFxRMF, such as 0.9x1x0.95x0.94
     #[arg(long, value_name = "MF", value_parser = maintenance, requires = "luminaire")]
     maintenance: Option<MaintenanceFactor>,
@@ -67,9 +70,10 @@ fn grid(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-fn degrees(text: &str) -> Result<f64, String> {
-    let degrees: Option<f64> = text.parse().ok();
-    degrees.filter(|degrees| degrees.is_finite()).ok_or_else(|| "it must be a number of degrees".to_owned())
+/// A number that is finite.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok();
+    number.filter(|number| number.is_finite()).ok_or_else(|| "it must be a finite number".to_owned())
 }
 
 fn task(text: &str) -> Result<LightingTask, String> {
@@ -79,7 +83,7 @@ fn task(text: &str) -> Result<LightingTask, String> {
     })
 }
 
-fn maintenance(text: &str) -> Result<MaintenanceFactor, String> {
+pub(crate) fn maintenance(text: &str) -> Result<MaintenanceFactor, String> {
     let parts: Option<Vec<f64>> = text.split(['x', 'X']).map(|part| part.parse().ok()).collect();
     let factor = match parts.as_deref() {
         Some(&[lamp_lumens, lamp_survival, luminaire, room_surfaces]) => {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glanz::file::FileUses;
 use glanz::formats::photometry::{self, AngularSystem, IntensityDistribution, Photometry, PhotometryFormat};
-use glanz::illumination::planning::{LuminaireAxis, UgrTable};
+use glanz::illumination::planning::{LuminaireAxis, LuminaireKind, UgrTable};
 use glanz::illumination::report::PolarPlot;
 use glanz::report::Table;
 use glanz::report::number::significant;
@@ -67,6 +67,22 @@ pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<S
     let warnings: Vec<String> = file.warnings.iter().map(at).collect();
     warnings.iter().for_each(|warning| messages.warning(warning));
     Ok((file.photometry, warnings))
+}
+
+/// The luminaire of a photometric file, for plans.
+///
+/// # Errors
+/// A file that is refused, with line and column.
+pub(crate) fn kind(path: &Path, messages: Messages) -> Result<LuminaireKind, CommandError> {
+    let (photometry, _) = read(path, messages)?;
+    let name = photometry.names.luminaire;
+    Ok(LuminaireKind {
+        name: if name.trim().is_empty() { path.display().to_string() } else { name },
+        maker: photometry.names.manufacturer,
+        distribution: Arc::new(photometry.distribution),
+        opening: photometry.opening,
+        watts: photometry.input_watts,
+    })
 }
 
 /// Reads the file and prints its summary.

@@ -12,6 +12,7 @@ pub(crate) mod luminaire;
 pub(crate) mod merge;
 pub(crate) mod plan;
 pub(crate) mod render;
+pub(crate) mod road;
 pub(crate) mod shell;
 pub(crate) mod turntable;
 pub(crate) mod view;

@@ -1,10 +1,9 @@
 //! A planned room of `glanz illuminate`.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use glanz::LoadedScene;
-use glanz::illumination::planning::{LuminaireKind, PlanningRequest, RoomPlan};
+use glanz::illumination::planning::{PlanningRequest, RoomPlan};
 use glanz::math::DVec3;
 use glanz_terminal::messages::{CommandError, Messages};
 
@@ -21,19 +20,10 @@ pub(crate) fn planned_room(
     file: &Path,
     messages: Messages,
 ) -> Result<(LoadedScene, PlanningRequest), CommandError> {
-    let (photometry, _) = luminaire::read(file, messages)?;
-    let named =
-        |name: &str| if name.trim().is_empty() { file.display().to_string() } else { name.to_owned() };
     let plan = RoomPlan {
         size,
         reflectances: arguments.reflectances(),
-        luminaire: LuminaireKind {
-            name: named(&photometry.names.luminaire),
-            maker: photometry.names.manufacturer.clone(),
-            distribution: Arc::new(photometry.distribution),
-            opening: photometry.opening,
-            watts: photometry.input_watts,
-        },
+        luminaire: luminaire::kind(file, messages)?,
         grid: arguments.grid.unwrap_or([1, 1]),
         height: arguments.height.unwrap_or(size.z),
         turn: arguments.turn.to_radians(),
@@ -41,5 +31,9 @@ pub(crate) fn planned_room(
         margin: arguments.margin,
     };
     let description = plan.description().map_err(|error| CommandError::usage(error.to_string()))?;
-    Ok((LoadedScene::from_description("room", description), plan.request()))
+    let mut request = plan.request();
+    if arguments.emergency {
+        request.open_area = plan.points_at(0.0);
+    }
+    Ok((LoadedScene::from_description("room", description), request))
 }

@@ -88,7 +88,8 @@ pub fn escape_verdicts(
 pub fn disability_glare_verdicts(luminaires: &[PlacedLuminaire], floor: f64) -> Vec<RequirementVerdict> {
     let mut verdicts: Vec<RequirementVerdict> = Vec::new();
     for luminaire in luminaires {
-        let height = luminaire.position.z - floor;
+        // In centimetres: luminaires flush with a ceiling are modelled just below it.
+        let height = (100.0 * (luminaire.position.z - floor)).round() / 100.0;
         let value = largest_in_zone(luminaire);
         let source = "EN 1838:2013, table 1".to_owned();
         let requirement =

@@ -1,15 +1,14 @@
 //! Ratings of a plan, for people and programs.
 
 use glanz_math::DVec3;
-use glanz_report::number::significant;
-use glanz_report::{FactList, FactValue, Table, TableCell};
+use glanz_report::{FactList, FactValue, Table};
 use serde::Serialize;
 use serde::ser::{SerializeStruct, Serializer};
 
 use super::glare::GlareRating;
 use super::maintenance::MaintenanceFactor;
 use super::point_illuminance::GOOD_MODELLING;
-use super::requirement::{LightingTask, RequirementVerdict};
+use super::requirement::{LightingTask, RequirementVerdict, installation_table, verdict_table};
 use crate::replicates::ReplicateEstimate;
 
 /// Maintained illuminance at a point in space.
@@ -103,38 +102,7 @@ impl PlanReport {
     /// Verdicts.
     #[must_use]
     pub fn verdict_table(&self) -> Table {
-        let columns = [
-            ("zone", "zone"),
-            ("criterion", "quantity"),
-            ("value", "value"),
-            ("interval", "within"),
-            ("limit", "limit"),
-            ("outcome", "verdict"),
-            ("source", "requirement"),
-        ];
-        let mut table = Table::new("verdicts", "Requirements", &columns);
-        for verdict in &self.verdicts {
-            let requirement = &verdict.requirement;
-            let (symbol, unit) = (requirement.criterion.symbol(), requirement.criterion.unit());
-            let name = if unit.is_empty() { symbol.to_owned() } else { format!("{symbol}, {unit}") };
-            let sign = if requirement.criterion.is_upper_limit() { "<=" } else { ">=" };
-            let [low, high] = verdict.interval.map(significant);
-            let (value, interval) = match verdict.value {
-                value if value.is_nan() => (TableCell::Missing, TableCell::Missing),
-                f64::NEG_INFINITY => (TableCell::from("no glare"), TableCell::Missing),
-                value => (TableCell::Text(significant(value)), TableCell::Text(format!("{low} to {high}"))),
-            };
-            table.push([
-                TableCell::Text(verdict.zone.clone()),
-                TableCell::Text(name),
-                value,
-                interval,
-                TableCell::Text(format!("{sign} {}", significant(requirement.limit))),
-                TableCell::Text(verdict.outcome.to_string()),
-                TableCell::Text(requirement.source.clone()),
-            ]);
-        }
-        table
+        verdict_table(&self.verdicts)
     }
 
     /// Figures of the installation.
@@ -210,11 +178,7 @@ impl PlanReport {
     /// The figures as a table.
     #[must_use]
     pub fn fact_table(&self) -> Table {
-        let mut table = Table::new("plan", "Installation", &[("fact", "installation"), ("value", "")]);
-        for fact in self.facts().iter() {
-            table.push([fact.name.into(), TableCell::Text(fact.value.shown())]);
-        }
-        table
+        installation_table(&self.facts())
     }
 }
 

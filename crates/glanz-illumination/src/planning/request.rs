@@ -6,6 +6,7 @@ use glanz_report::FactList;
 use glanz_scene::Scene;
 use rayon::prelude::*;
 
+use super::emergency::{EscapeZone, disability_glare_verdicts, escape_verdicts};
 use super::glare::{GlareError, GlareObserver, GlareRating};
 use super::luminaire::PlacedLuminaire;
 use super::maintenance::{MaintenanceError, MaintenanceFactor};
@@ -55,6 +56,8 @@ pub struct PlanningRequest {
     pub observers: Vec<GlareObserver>,
     /// Points of cylindrical illuminance, metres.
     pub points: Vec<DVec3>,
+    /// Points of the core of an open area for emergency lighting, metres; none: emergency lighting is not judged.
+    pub open_area: Vec<DVec3>,
     /// Electric power of all luminaires, watts; 0 if unknown.
     pub watts: f64,
     /// Floor area, m^2, to which the power refers.
@@ -169,6 +172,12 @@ impl PlanningRequest {
         };
         if let Some(task) = &settings.task {
             report.verdicts = self.verdicts(task, maps, &report);
+        }
+        if let Some(point) = self.open_area.first() {
+            let zone = EscapeZone::OpenArea;
+            let name = "open area, emergency";
+            report.verdicts.extend(escape_verdicts(name, zone, &self.luminaires, &self.open_area, factor));
+            report.verdicts.extend(disability_glare_verdicts(&self.luminaires, point.z));
         }
         Ok(report)
     }

@@ -2,6 +2,11 @@
 
 use std::fmt;
 
+use glanz_report::number::significant;
+use glanz_report::{FactList, Table, TableCell};
+
+use crate::report::printable;
+
 /// A quantity that a requirement limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -140,6 +145,56 @@ impl RequirementVerdict {
     }
 }
 
+/// Verdicts as a table.
+#[must_use]
+pub fn verdict_table(verdicts: &[RequirementVerdict]) -> Table {
+    let columns = [
+        ("zone", "zone"),
+        ("criterion", "quantity"),
+        ("value", "value"),
+        ("interval", "within"),
+        ("limit", "limit"),
+        ("outcome", "verdict"),
+        ("source", "requirement"),
+    ];
+    let mut table = Table::new("verdicts", "Requirements", &columns);
+    for verdict in verdicts {
+        let requirement = &verdict.requirement;
+        let (symbol, unit) = (requirement.criterion.symbol(), requirement.criterion.unit());
+        let name = if unit.is_empty() { symbol.to_owned() } else { format!("{symbol}, {unit}") };
+        let sign = if requirement.criterion.is_upper_limit() { "<=" } else { ">=" };
+        let [low, high] = verdict.interval.map(significant);
+        let (value, interval) = match verdict.value {
+            value if value.is_nan() => (TableCell::Missing, TableCell::Missing),
+            f64::NEG_INFINITY => (TableCell::from("no glare"), TableCell::Missing),
+            // Without an error there is no interval.
+            value if verdict.interval == [value; 2] => {
+                (TableCell::Text(significant(value)), TableCell::Missing)
+            }
+            value => (TableCell::Text(significant(value)), TableCell::Text(format!("{low} to {high}"))),
+        };
+        table.push([
+            TableCell::Text(printable(&verdict.zone)),
+            TableCell::Text(name),
+            value,
+            interval,
+            TableCell::Text(format!("{sign} {}", significant(requirement.limit))),
+            TableCell::Text(verdict.outcome.to_string()),
+            TableCell::Text(requirement.source.clone()),
+        ]);
+    }
+    table
+}
+
+/// Figures of an installation as a table.
+pub(super) fn installation_table(facts: &FactList) -> Table {
+    let mut table = Table::new("installation", "Installation", &[("fact", "installation"), ("value", "")]);
+    for fact in facts.iter() {
+        table.push([fact.name.into(), TableCell::Text(printable(&fact.value.shown()))]);
+    }
+    table
+}
+
 /// A task of EN 12464-1 with its requirements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightingTask {
@@ -257,6 +312,16 @@ mod tests {
             let verdict = RequirementVerdict::new("desk", requirement(criterion, limit), value, interval);
             assert_eq!(verdict.outcome, outcome, "{verdict:?}");
         }
+    }
+
+    #[test]
+    fn names_of_files_cannot_control_the_terminal() {
+        let limit = requirement(LightingCriterion::Intensity, 500.0);
+        let verdict = RequirementVerdict::new("\u{1b}[2Jlamp", limit, 400.0, [400.0; 2]);
+        let mut facts = FactList::default();
+        facts.push("luminaire", "luminaire", "\u{1b}[2Jlamp");
+        let text = verdict_table(&[verdict]).plain() + &installation_table(&facts).plain();
+        assert!(!text.contains('\u{1b}') && text.contains("Imax, cd") && text.contains("met"), "{text}");
     }
 
     #[test]

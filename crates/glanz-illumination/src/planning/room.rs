@@ -215,6 +215,7 @@ impl RoomPlan {
             luminaires: self.luminaires(),
             observers: observers.filter_map(Result::ok).collect(),
             points: eyes,
+            open_area: Vec::new(),
             watts: f64::from(self.grid[0] * self.grid[1]) * self.luminaire.watts,
             area: self.size.x * self.size.y,
             assumptions: self.assumptions(),
@@ -251,8 +252,9 @@ impl RoomPlan {
         self.size.truncate() - 2.0 * self.margin
     }
 
-    /// The points of a grid of EN 12464-1 at this height, metres.
-    fn points_at(&self, height: f64) -> Vec<DVec3> {
+    /// The points of a grid of EN 12464-1 at this height above the floor, metres, without the margin along the walls.
+    #[must_use]
+    pub fn points_at(&self, height: f64) -> Vec<DVec3> {
         let inner = self.inner();
         let [nx, ny] = inner.to_array().map(|side| points(side, inner.max_element()));
         let place = |number: u32, count: u32, side: f64| {

@@ -50,6 +50,7 @@ pub use false_colour::{false_colour, lux_pixels};
 pub use isolux::{isolux, isolux_at};
 pub use polar::PolarPlot;
 pub use scale::lux_scale;
+pub(crate) use text::printable;
 
 /// The results of a calculation of illuminance.
 ///

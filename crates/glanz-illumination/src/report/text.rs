@@ -7,7 +7,7 @@ use super::{LuxComparison, LuxReport};
 use crate::{FarFieldSummary, FluxBalance, LuxMap, LuxSummary};
 
 /// `words` with control characters replaced, so that they cannot control a terminal.
-pub(super) fn printable(words: &str) -> String {
+pub(crate) fn printable(words: &str) -> String {
     words.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
 }
 

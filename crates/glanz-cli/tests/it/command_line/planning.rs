@@ -83,3 +83,60 @@ fn room_is_planned_from_a_photometric_file_alone() {
     folder.run("illuminate --luminaire panel.ies --grid 3x2 -o x").refused(2, &["--room"]);
     folder.run("illuminate -o x").refused(2, &["SCENE"]);
 }
+
+#[test]
+fn road_is_rated_by_a_table_of_its_surface() {
+    let folder = Folder::new();
+    panel(&folder, "lantern.ies", "0.6");
+    folder.write("dull.txt", "tan 0 180\n0 700 700\n1 247.5 247.5\n2 62.6 62.6\n4 10 10\n12 0.4 0.4\n");
+    let road = "road lantern.ies --spacing 25 --height 8 --surface dull.txt --class M5 --maintenance 0.8";
+    let report = folder.succeed(&format!("{road} --json")).json();
+    let verdicts = report["verdicts"].as_array().unwrap();
+    let criteria: Vec<&str> = verdicts.iter().map(|verdict| verdict["criterion"].as_str().unwrap()).collect();
+    let expected = [
+        "mean_luminance",
+        "overall_uniformity",
+        "longitudinal_uniformity",
+        "threshold_increment",
+        "edge_illuminance_ratio",
+    ];
+    assert_eq!(criteria, expected);
+    assert_eq!(report["observers"].as_array().unwrap().len(), 2);
+    assert_eq!((&report["facts"]["stations"], &report["facts"]["class"]), (&10.into(), &"M5".into()));
+    // A diffuse surface of q = 0.07: the luminance is about 0.07 times the illuminance.
+    let luminance = report["observers"][0]["mean_luminance_cd_m2"].as_f64().unwrap();
+    let lux = report["facts"]["mean_lux"].as_f64().unwrap();
+    assert!((luminance / (0.07 * lux) - 1.0).abs() < 0.15, "{luminance} {lux}");
+    let shown = folder.succeed(road).stdout;
+    assert!(shown.contains("fTI, %") && shown.contains("EN 13201-2:2015, M5"), "{shown}");
+    let shown = folder.succeed("road lantern.ies --spacing 25 --height 8 --class P2").stdout;
+    assert!(shown.contains("Emin, lx") && !shown.contains("fTI"), "{shown}");
+
+    folder.write("bad.txt", "tan 0 180\n0 1 x\n");
+    folder
+        .run("road lantern.ies --spacing 25 --height 8 --surface bad.txt")
+        .refused(1, &["bad.txt:2:5", "\"x\""]);
+    folder.run("road lantern.ies --spacing 25 --height 8 --class M5").refused(2, &["class M5", "--surface"]);
+    folder.run("road lantern.ies --spacing 25 --height 1").refused(2, &["height of the luminaires"]);
+    folder.run("road lantern.ies --spacing 25 --height 8 --class Z9").refused(2, &["M1 to M6"]);
+    folder.run("road none.ies --spacing 25 --height 8").refused(1, &["none.ies"]);
+}
+
+#[test]
+fn floor_of_a_room_is_judged_as_an_open_area() {
+    let folder = Folder::new();
+    panel(&folder, "panel.ies", "0.6");
+    let room = "illuminate --room 4 4 3 --grid 1x1 --luminaire panel.ies --rays 20000 --directions 16 --emergency -o lux --json";
+    let report = folder.succeed(room).json();
+    let verdicts = report["designs"][0]["plan"]["verdicts"].as_array().unwrap();
+    let of =
+        |i: usize| (verdicts[i]["criterion"].as_str().unwrap(), verdicts[i]["outcome"].as_str().unwrap());
+    assert_eq!(verdicts.len(), 3);
+    assert_eq!(
+        (of(0), of(1), of(2)),
+        (("least_illuminance", "met"), ("diversity", "met"), ("intensity", "met"))
+    );
+    // 500 cd at 60 degrees, and 3 m up: the limit is 1600 cd.
+    assert_eq!(verdicts[2]["limit"], 1600.0);
+    assert!((verdicts[2]["value"].as_f64().unwrap() - 500.0).abs() < 1.0);
+}

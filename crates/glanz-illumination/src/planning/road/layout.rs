@@ -25,7 +25,7 @@ pub struct LuminaireRow {
     pub y: f64,
     /// A luminaire is at this place along the road, metres.
     pub start: f64,
-    /// Turn about the vertical from x towards y, radians: 0 if C90 points to the left, pi if it points to the right.
+    /// Turn about the vertical from x towards y, radians: 0 if the road is to the left of the row, pi if it is to the right.
     pub turn: f64,
 }
 
@@ -40,7 +40,9 @@ pub struct RoadLayout {
     pub spacing: f64,
     /// Height of the photometric centres, metres.
     pub height: f64,
-    /// Tilt that raises the side of C90, radians.
+    /// Turn of the luminaires about their own axis from C0 towards C90, radians; 0 if the side of the road is C90 in the file.
+    pub turn: f64,
+    /// Tilt that raises the side of the road, radians.
     pub tilt: f64,
     /// Number of lanes.
     pub lanes: u32,
@@ -82,15 +84,21 @@ impl RoadLayout {
     /// # Errors
     /// [`RoadError`] for the first that is out of range.
     pub fn check(&self) -> Result<(), RoadError> {
-        for (what, value, least, most) in [
+        let lengths = [
             ("the spacing of the luminaires, m,", self.spacing, 1.0, 500.0),
             // Below the eye there is no street lighting.
             ("the height of the luminaires, m,", self.height, 2.0, 100.0),
             ("the tilt of the luminaires, degrees,", self.tilt.to_degrees(), -90.0, 90.0),
+            ("the turn of the luminaires, degrees,", self.turn.to_degrees(), -360.0, 360.0),
             ("the number of lanes", f64::from(self.lanes), 1.0, 20.0),
             ("the width of a lane, m,", self.lane_width, 0.5, 20.0),
             ("the number of rows", self.rows.len() as f64, 1.0, 100.0),
-        ] {
+        ];
+        let places = self.rows.iter().flat_map(|row| {
+            [("the place of a row across the road, m,", row.y), ("its place along the road, m,", row.start)]
+        });
+        let places = places.map(|(what, value)| (what, value, -1000.0, 1000.0));
+        for (what, value, least, most) in lengths.into_iter().chain(places) {
             if !(least..=most).contains(&value) {
                 return Err(RoadError { what, value, least, most });
             }
@@ -111,7 +119,8 @@ impl RoadLayout {
         for row in &self.rows {
             let first = ((from - row.start) / self.spacing).ceil() as i64;
             let last = ((to - row.start) / self.spacing).floor() as i64;
-            let axes = DMat3::from_rotation_z(row.turn) * DMat3::from_rotation_x(self.tilt);
+            let own = DMat3::from_rotation_z(self.turn);
+            let axes = DMat3::from_rotation_z(row.turn) * DMat3::from_rotation_x(self.tilt) * own;
             placed.extend((first..=last).map(|number| PlacedLuminaire {
                 name: self.luminaire.name.clone(),
                 distribution: Arc::clone(&self.luminaire.distribution),

@@ -2,6 +2,7 @@
 
 use glanz_math::{DVec2, DVec3};
 use glanz_report::{FactList, Table, TableCell};
+use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::class::RoadClass;
 use super::layout::{RoadError, RoadLayout, illuminance_lines, middles};
@@ -9,7 +10,9 @@ use super::r_table::RoadSurface;
 use super::threshold_increment::{OBSERVER_AGE, ThresholdIncrement, threshold_increment, veiling_luminance};
 use crate::planning::luminaire::PlacedLuminaire;
 use crate::planning::maintenance::{MaintenanceError, MaintenanceFactor};
-use crate::planning::requirement::{LightingCriterion, Requirement, RequirementVerdict};
+use crate::planning::requirement::{
+    LightingCriterion, Requirement, RequirementVerdict, installation_table, verdict_table,
+};
 
 /// Height of the observer's eye, metres.
 const EYE: f64 = 1.5;
@@ -285,6 +288,19 @@ impl RoadReport {
         table
     }
 
+    /// The report for a terminal.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        if !self.verdicts.is_empty() {
+            text += &format!("{}\n", verdict_table(&self.verdicts).plain());
+        }
+        if !self.luminance.is_empty() {
+            text += &format!("{}\n", self.observer_table().plain());
+        }
+        text + &installation_table(&self.facts()).plain()
+    }
+
     /// Assumptions and figures of the carriageway.
     #[must_use]
     pub fn facts(&self) -> FactList {
@@ -294,6 +310,17 @@ impl RoadReport {
         facts.push("uniformity", "u0", ratio(self.least_illuminance, self.mean_illuminance));
         facts.push("edge illuminance ratio REI", "edge_illuminance_ratio", self.edge_ratio);
         facts
+    }
+}
+
+/// In JSON: `verdicts`, `observers` and `facts`.
+impl Serialize for RoadReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut fields = serializer.serialize_struct("Road", 3)?;
+        fields.serialize_field("verdicts", &self.verdicts)?;
+        fields.serialize_field("observers", &self.observer_table())?;
+        fields.serialize_field("facts", &self.facts())?;
+        fields.end()
     }
 }
 
@@ -334,6 +361,7 @@ mod tests {
             rows: LuminaireRow::of_arrangement(RowArrangement::SingleSided, 7.0, 30.0, 0.0),
             spacing: 30.0,
             height: 10.0,
+            turn: 0.0,
             tilt: 0.0,
             lanes: 2,
             lane_width: 3.5,
@@ -359,8 +387,8 @@ mod tests {
     #[test]
     fn illuminance_agrees_with_the_calculation_by_hand() {
         // docs/lighting.md, "Illuminance of a road": the point (1.5, 0.7) m has luminaires at 1.655, 28.509 and 31.508 m.
-        // 10^4 (102.74^-1.5 + 912.74^-1.5 + 1092.74^-1.5) = 9.6027 + 0.3626 + 0.2768.
-        let by_hand = 9.6027 + 0.3626 + 0.2768;
+        // 10^4 (102.74^-1.5 + 912.74^-1.5 + 1092.74^-1.5) = 9.6026 + 0.3626 + 0.2768.
+        let by_hand = 9.6026 + 0.3626 + 0.2768;
         assert!((lux(1.5, 0.7, 50.0) - by_hand).abs() < 2e-4, "{}", lux(1.5, 0.7, 50.0));
         let lines = [0.7, 2.1, 3.5, 4.9, 6.3];
         let points = field(&lines, 50.0);
@@ -478,6 +506,12 @@ mod tests {
             // Only the lanterns of the other side shine beyond an edge.
             assert!(report.edge_ratio < 0.7 && report.mean_illuminance > 3.0, "{report:?}");
         }
+        // Files whose C0 is the side of the road are turned.
+        road.turn = 0.5 * PI;
+        let turned = road.luminaires(0.0, 0.0);
+        assert!(turned[0].intensity_towards(DVec3::new(10.0, 1e-6, 0.0)) < 1e-3);
+        assert!((turned[0].intensity_towards(DVec3::new(-10.0, 1e-6, 0.0)) - 1000.0).abs() < 1e-3);
+        road.turn = 0.0;
         // A tilt raises the light of C90.
         let beam = IntensityDistribution::try_new(
             AngularSystem::C,
@@ -503,6 +537,9 @@ mod tests {
         assert!(refused(|road| road.spacing = 0.0).starts_with("the spacing of the luminaires, m, is 0;"));
         assert!(refused(|road| road.height = f64::NAN).starts_with("the height of the luminaires"));
         assert!(refused(|road| road.lanes = 0).starts_with("the number of lanes is 0;"));
+        assert!(
+            refused(|road| road.rows[0].y = f64::INFINITY).starts_with("the place of a row across the road")
+        );
         assert!(refused(|road| road.rows.clear()).starts_with("the number of rows is 0"));
         let error = road().rate(None, &MaintenanceFactor::default(), Some(RoadClass::M(2))).unwrap_err();
         assert!(error.to_string().starts_with("class M2 limits luminances"));
