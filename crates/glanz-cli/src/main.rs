@@ -39,6 +39,10 @@ fn main() -> ExitCode {
             let messages = illuminate.job.verbosity.messages();
             (messages, command::illuminate::run(&illuminate, messages))
         }
+        Command::Road(road) => {
+            let messages = Messages::new(false);
+            (messages, command::road::run(&road, messages))
+        }
         Command::Merge(merge) => {
             let messages = merge.verbosity.messages();
             (messages, command::merge::run(&merge, messages))

@@ -8,6 +8,7 @@
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
 //! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
 //!   ([`adapted_grid`] chooses the angles);
+//! - [`planning`] holds the figures of planners after standards: glare, cylindrical illuminance, verdicts;
 //! - [`report`] turns them into tables, pictures, contours and pages.
 
 pub mod balance;
@@ -18,6 +19,7 @@ mod gather;
 pub mod integrate;
 pub mod lux_map;
 mod lux_parts;
+pub mod planning;
 pub mod receiver;
 mod replicates;
 pub mod report;

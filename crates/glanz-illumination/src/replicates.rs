@@ -128,6 +128,12 @@ pub struct ReplicateEstimate {
     pub interval: [f64; 2],
 }
 
+/// Estimate from the means of replicates of equal size.
+pub(crate) fn of_replicates(means: &[f64; REPLICATES]) -> ReplicateEstimate {
+    let counts = ReplicateCounts { counts: [1.0; REPLICATES], total: REPLICATES as f64 };
+    counts.estimate(means)
+}
+
 impl ReplicateEstimate {
     /// The same with another error of at most `bound`.
     pub(crate) fn widened(self, bound: f64) -> Self {

@@ -17,8 +17,8 @@ pub fn add_walls(description: &mut Description, size: DVec3) {
     description.world.shapes.extend(walls(size).map(shape));
 }
 
-/// Name, corner and sides of each; their cross product points inwards.
-fn walls(size: DVec3) -> [(String, DVec3, DVec3, DVec3); 6] {
+/// Name, corner and sides of each wall of a box; their cross product points inwards.
+pub(crate) fn walls(size: DVec3) -> [(String, DVec3, DVec3, DVec3); 6] {
     let [x, y, z] = [DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z];
     let o = DVec3::ZERO;
     [

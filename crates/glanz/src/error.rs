@@ -225,6 +225,10 @@ pub enum Error {
     #[cfg(feature = "illumination")]
     #[error(transparent)]
     Integrate(#[from] glanz_illumination::integrate::IntegrateError),
+    /// Figures of planners that cannot be computed.
+    #[cfg(feature = "illumination")]
+    #[error(transparent)]
+    Planning(#[from] glanz_illumination::planning::PlanningError),
     /// Directions of light that were not counted.
     #[cfg(feature = "illumination")]
     #[error("the directions of light that leaves the scene are not counted; only traced particles have them")]

@@ -119,6 +119,11 @@ pub enum Warning {
         /// Largest relative standard error of intensities of at least a tenth of the peak.
         error: f64,
     },
+    /// Glare that is not rated.
+    GlareNotRated {
+        /// The reason.
+        reason: String,
+    },
     /// A receiver that receives light only on the side that is not counted.
     DarkSide {
         /// Name of the receiver.
@@ -225,6 +230,7 @@ impl fmt::Display for Warning {
                  particles or larger steps are needed",
                 100.0 * error
             ),
+            Self::GlareNotRated { reason } => write!(f, "UGR is not rated: {reason}"),
             Self::DarkSide { receiver, other_side } => write!(
                 f,
                 "the side of \"{receiver}\" that counts receives no light, the other side {other_side:.4} lm: \

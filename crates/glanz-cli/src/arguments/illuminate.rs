@@ -9,7 +9,8 @@ use glanz::scene::description::MAX_RECEIVER_CELLS;
 use glanz::{IlluminateMethod, IlluminateOptions};
 use glanz_terminal::values::{positive, seconds};
 
-use super::common::{JobArguments, PartArguments, RoomArgument, SceneArgument};
+use super::common::{JobArguments, PartArguments, RoomArgument};
+use super::plan::PlanArguments;
 
 /// Cells along a side of a receiver.
 const RECEIVER_CELLS: i64 = MAX_RECEIVER_CELLS as i64;
@@ -43,8 +44,15 @@ for this: a file has the flux that left the scene, and its angles are dense wher
 bends with direction, for which 262 144 particles are traced first, beside those of --rays.
 report.html and summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
 
+With --luminaire there is no scene: the box of --room has diffuse walls of --reflectances, luminaires
+of the file on a grid, and a work plane. The report has, besides, the unified glare rating of
+observers who sit on a grid and look along both axes, cylindrical illuminance and modelling,
+power per area, maintained illuminances, and with --task a verdict on each requirement, whose
+interval decides: met, not met, undecided (docs/lighting.md).
+
 Examples:
   glanz illuminate office.pbrt -o office
+  glanz illuminate --room 6 4 3 --luminaire panel.ldt --grid 3x2 --task 34.2 --maintenance 0.8 -o room
   glanz illuminate reflector.pbrt --room 10 10 10 -o lux --method both --time 60
   glanz illuminate old.pbrt --compare new.pbrt -o designs --texel 0.1
   glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --far-field lamp.ies
@@ -58,13 +66,14 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = HELP)]
 pub(crate) struct IlluminateArguments {
-    #[command(flatten)]
-    pub(crate) scene: SceneArgument,
+    /// Scene file in pbrt's language (v3 or v4)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath, required_unless_present = "luminaire")]
+    pub(crate) scene: Option<PathBuf>,
     /// Folder for the results; created if necessary
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath, required_unless_present = "part")]
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
-    room: RoomArgument,
+    pub(crate) room: RoomArgument,
     /// Number of cells along the longer side of receivers without a resolution of their own
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=RECEIVER_CELLS))]
     cells: u32,
@@ -99,10 +108,12 @@ pub(crate) struct IlluminateArguments {
     resolution: Option<FarFieldResolution>,
     /// Seed of the particles; another seed gives another, independent result
     #[arg(long, value_name = "N", default_value_t = 0)]
-    seed: u64,
+    pub(crate) seed: u64,
     /// Largest number of scattering events of a particle; its remaining flux is reported as given up
     #[arg(long, value_name = "N", default_value_t = 1000, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: u32,
+    #[command(flatten)]
+    pub(crate) plan: PlanArguments,
     #[command(flatten)]
     pub(crate) part: PartArguments,
     #[command(flatten)]
@@ -113,7 +124,8 @@ impl IlluminateArguments {
     /// The same for the engine.
     pub(crate) fn options(&self) -> IlluminateOptions {
         IlluminateOptions {
-            room: self.room.size(),
+            // A planned room is a scene of its own.
+            room: self.room.size().filter(|_| self.plan.luminaire.is_none()),
             resolution: self.texel.map_or(GridResolution::Longer(self.cells), GridResolution::Texel),
             method: self.method.into(),
             goal: TraceGoal { particles: self.rays, time: self.time, error: self.error },

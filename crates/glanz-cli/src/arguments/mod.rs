@@ -9,7 +9,9 @@ mod convert;
 mod illuminate;
 mod info;
 mod merge;
+mod plan;
 mod render;
+mod road;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -21,7 +23,9 @@ pub(crate) use convert::ConvertArguments;
 pub(crate) use illuminate::IlluminateArguments;
 pub(crate) use info::InfoArguments;
 pub(crate) use merge::MergeArguments;
+pub(crate) use plan::PlanArguments;
 pub(crate) use render::{DemoArguments, RenderArguments, RenderCommandArguments};
+pub(crate) use road::RoadArguments;
 pub(crate) use view::ViewArguments;
 
 /// Exact light for exact surfaces: renders pbrt scenes without tessellating curved surfaces.
@@ -56,6 +60,8 @@ pub(crate) enum Command {
     Bake(BakeArguments),
     /// Calculate illuminance in lux: on receivers of a scene or the walls of a room
     Illuminate(IlluminateArguments),
+    /// Rate the lighting of a road: luminance, glare, illuminance
+    Road(RoadArguments),
     /// Join parts that were computed separately: into a picture, or one checkpoint
     Merge(MergeArguments),
     /// Summarise a scene, or the luminaire of a photometric file

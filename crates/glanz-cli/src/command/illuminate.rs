@@ -11,6 +11,7 @@ use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::IlluminateArguments;
+use crate::command::plan::planned_room;
 use crate::command_error::command_error;
 use crate::job::run_job;
 use crate::report;
@@ -37,17 +38,28 @@ pub(crate) fn run(
 ) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
     let mut files = files(arguments).map_err(command_error(messages))?;
-    let mut paths = vec![arguments.scene.scene.as_path()];
+    let mut paths: Vec<&Path> = Vec::new();
+    paths.extend(arguments.scene.as_deref().or(arguments.plan.luminaire.as_deref()));
     paths.extend(arguments.compare.as_deref());
     let (mut outcomes, mut warnings) = (Vec::new(), Vec::new());
     for path in &paths {
-        let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
+        let (scene, request) = match (&arguments.plan.luminaire, arguments.room.size()) {
+            (Some(luminaire), Some(size)) => {
+                let (room, request) = planned_room(&arguments.plan, size, luminaire, messages)?;
+                (room, Some(request))
+            }
+            _ => (scene_file::open(path, arguments.job.strictness.strict, messages)?, None),
+        };
         files.add_inputs(scene.paths()).map_err(command_error(messages))?;
         let made = arguments.output.as_deref().map_or(Ok(()), glanz::file::make_folder);
         made.map_err(command_error(messages))?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
-            scene.illuminate().options(arguments.options()).job(job).run()
+            let mut builder = scene.illuminate().options(arguments.options()).job(job);
+            if let Some(request) = request {
+                builder = builder.plan(request, arguments.plan.settings(arguments.seed));
+            }
+            builder.run()
         });
         let outcome = match illuminated {
             Ok(outcome) => outcome,
@@ -95,7 +107,8 @@ pub(crate) fn run(
 /// The scenes, and the files that are written beside those in the folder of results; those that cannot be are refused.
 fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
-    files.add_inputs([&arguments.scene.scene].into_iter().chain(&arguments.compare))?;
+    let inputs = [&arguments.scene, &arguments.plan.luminaire, &arguments.compare];
+    files.add_inputs(inputs.into_iter().flatten())?;
     for path in &arguments.far_field {
         glanz::check_far_field_path(path)?;
         if arguments.output.is_some() {

@@ -65,6 +65,9 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
     if arguments.plot.is_some() {
         return Err(CommandError::usage("--plot draws the distribution of a photometric file: .ies or .ldt"));
     }
+    if arguments.ugr {
+        return Err(CommandError::usage("--ugr rates the luminaire of a photometric file: .ies or .ldt"));
+    }
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
     let name = scene.name().to_owned();
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();

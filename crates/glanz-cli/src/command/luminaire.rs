@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use glanz::file::FileUses;
 use glanz::formats::photometry::{self, AngularSystem, IntensityDistribution, Photometry, PhotometryFormat};
+use glanz::illumination::planning::{LuminaireAxis, LuminaireKind, UgrTable};
 use glanz::illumination::report::PolarPlot;
+use glanz::report::Table;
 use glanz::report::number::significant;
 use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
@@ -41,6 +44,9 @@ struct LuminaireReport {
     opening: String,
     opening_size_m: [f64; 3],
     plot: Option<String>,
+    /// UGR in standard rooms.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ugr: Option<Table>,
     warnings: Vec<String>,
 }
 
@@ -48,6 +54,35 @@ struct LuminaireReport {
 pub(crate) fn is_named(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     ["ies", "ldt"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// Reads a photometric file and prints its warnings, which are returned, too.
+///
+/// # Errors
+/// A file that is refused, with line and column.
+pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<String>), CommandError> {
+    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
+    let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
+    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault)))?;
+    let warnings: Vec<String> = file.warnings.iter().map(at).collect();
+    warnings.iter().for_each(|warning| messages.warning(warning));
+    Ok((file.photometry, warnings))
+}
+
+/// The luminaire of a photometric file, for plans.
+///
+/// # Errors
+/// A file that is refused, with line and column.
+pub(crate) fn kind(path: &Path, messages: Messages) -> Result<LuminaireKind, CommandError> {
+    let (photometry, _) = read(path, messages)?;
+    let name = photometry.names.luminaire;
+    Ok(LuminaireKind {
+        name: if name.trim().is_empty() { path.display().to_string() } else { name },
+        maker: photometry.names.manufacturer,
+        distribution: Arc::new(photometry.distribution),
+        opening: photometry.opening,
+        watts: photometry.input_watts,
+    })
 }
 
 /// Reads the file and prints its summary.
@@ -63,18 +98,28 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), C
         .as_deref()
         .map_or(Ok(()), |plot| files.add_output(plot))
         .map_err(command_error(messages))?;
-    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
-    let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
-    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault)))?;
-    let warnings: Vec<String> = file.warnings.iter().map(at).collect();
-    warnings.iter().for_each(|warning| messages.warning(warning));
-    let photometry = file.photometry;
+    let (photometry, warnings) = read(path, messages)?;
     if let Some(plot) = &arguments.plot {
         let svg = polar(&photometry, path).svg();
         glanz::file::write(plot, svg.as_bytes()).map_err(command_error(messages))?;
     }
-    let report = report_of(&photometry, arguments, warnings);
+    let ugr = arguments.ugr.then(|| ugr_table(&photometry, path)).transpose()?;
+    let report = LuminaireReport { ugr, ..report_of(&photometry, arguments, warnings) };
     if arguments.json { report::print(&report) } else { report::print_text(&text(&report)) }
+}
+
+/// The table of UGR; the axis of the luminaire is the length of its opening, as its format has it.
+///
+/// # Errors
+/// A luminaire without a luminous opening.
+fn ugr_table(photometry: &Photometry, path: &Path) -> Result<Table, CommandError> {
+    let axis = match photometry.format {
+        PhotometryFormat::Ies(_) => LuminaireAxis::X,
+        PhotometryFormat::Eulumdat => LuminaireAxis::Y,
+    };
+    let distribution = Arc::new(photometry.distribution.clone());
+    let table = UgrTable::try_new(&path.display().to_string(), &distribution, photometry.opening, axis);
+    table.map(|table| table.table()).map_err(|error| CommandError::new(format!("--ugr: {error}")))
 }
 
 fn polar(photometry: &Photometry, path: &Path) -> PolarPlot {
@@ -112,6 +157,7 @@ fn report_of(photometry: &Photometry, arguments: &InfoArguments, warnings: Vec<S
         opening: format!("{:?}", photometry.opening.shape),
         opening_size_m: photometry.opening.size,
         plot: arguments.plot.as_ref().map(|plot| plot.display().to_string()),
+        ugr: None,
         warnings,
     }
 }
@@ -167,6 +213,9 @@ fn text(report: &LuminaireReport) -> String {
     line("opening", &format!("{}, {x} x {y} x {z} m", report.opening));
     if let Some(plot) = &report.plot {
         line("plot", plot);
+    }
+    if let Some(ugr) = &report.ugr {
+        text += &format!("\n{}:\n{}", ugr.caption(), ugr.plain());
     }
     text
 }

@@ -33,7 +33,14 @@ impl LuxReport {
     /// choice of light or dark, and can be printed. Each receiver has its own scale of colours.
     #[must_use]
     pub fn html(&self) -> String {
-        let mut body = receivers(&self.maps).html() + &intervals(&self.maps).html();
+        let mut body = String::new();
+        if let Some(plan) = &self.plan {
+            if !plan.verdicts.is_empty() {
+                body += &plan.verdict_table().html();
+            }
+            body += &plan.fact_table().html();
+        }
+        body += &(receivers(&self.maps).html() + &intervals(&self.maps).html());
         if !self.maps.is_empty() {
             body += "<h2>Receivers</h2>\n";
             body += &figures(self.maps.iter().map(|map| isolux(map, &lux_scale(&[map]))));
@@ -141,6 +148,7 @@ mod tests {
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 500.0, escaped: 500.0, ..FluxBalance::default() }),
             far_field: None,
+            plan: None,
             facts,
             polars: vec![PolarPlot::sample(NASTY, 0.0, &[], |_, _| 1.0)],
         }

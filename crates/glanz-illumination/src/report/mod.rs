@@ -41,6 +41,7 @@ mod text;
 
 use glanz_report::FactList;
 
+use crate::planning::PlanReport;
 use crate::{FarFieldSummary, FluxBalance, LuxMap};
 
 pub use compare::{LuxComparison, ReceiverPair};
@@ -49,12 +50,13 @@ pub use false_colour::{false_colour, lux_pixels};
 pub use isolux::{isolux, isolux_at};
 pub use polar::PolarPlot;
 pub use scale::lux_scale;
+pub(crate) use text::printable;
 
 /// The results of a calculation of illuminance.
 ///
 /// Its fields in JSON: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
 /// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `far_field` with
-/// the fields of [`FarFieldSummary`] or null; `facts`, an object of the facts by their
+/// the fields of [`FarFieldSummary`] or null; `plan`, if there is one, see [`PlanReport`]; `facts`, an object of the facts by their
 /// keys. Numbers that are not finite, which JSON cannot represent, become null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LuxReport {
@@ -66,6 +68,8 @@ pub struct LuxReport {
     pub balance: Option<FluxBalance>,
     /// Figures of the light that left the scene, if it was counted by direction.
     pub far_field: Option<FarFieldSummary>,
+    /// Figures of the standards for a planned room; `None` if none was asked for.
+    pub plan: Option<PlanReport>,
     /// Facts about the calculation: program, scene, settings, particles, time.
     pub facts: FactList,
     /// Candela distributions of the whole optic or of its lamps.

@@ -7,7 +7,7 @@ use super::{LuxComparison, LuxReport};
 use crate::{FarFieldSummary, FluxBalance, LuxMap, LuxSummary};
 
 /// `words` with control characters replaced, so that they cannot control a terminal.
-pub(super) fn printable(words: &str) -> String {
+pub(crate) fn printable(words: &str) -> String {
     words.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
 }
 
@@ -18,7 +18,14 @@ impl LuxReport {
     pub fn text(&self) -> String {
         let [receivers, intervals] =
             [receivers(&self.maps), intervals(&self.maps)].map(|table| table.plain());
-        let mut text = format!("{}\n\n{receivers}\n{intervals}", printable(&self.title));
+        let mut text = format!("{}\n\n", printable(&self.title));
+        if let Some(plan) = &self.plan {
+            if !plan.verdicts.is_empty() {
+                text += &format!("{}\n", plan.verdict_table().plain());
+            }
+            text += &format!("{}\n", plan.fact_table().plain());
+        }
+        text += &format!("{receivers}\n{intervals}");
         if let Some(balance) = &self.balance {
             text += &format!("\n{}{}\n", flux(balance).plain(), closing(balance));
         }
@@ -179,6 +186,7 @@ mod tests {
             maps: vec![map("desk", [100.0, 300.0]), map("the \u{1b}[2Jwall", [0.0, 0.0])],
             balance: Some(balance),
             far_field: None,
+            plan: None,
             facts,
             polars: Vec::new(),
         };

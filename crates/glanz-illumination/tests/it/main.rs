@@ -6,5 +6,6 @@ mod closed_forms;
 mod combined;
 mod common;
 mod far_field;
+mod planning;
 mod receivers;
 mod tally;

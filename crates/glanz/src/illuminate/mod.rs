@@ -11,6 +11,7 @@ mod integrating;
 #[cfg(feature = "formats")]
 mod lux_folder;
 mod outcome;
+mod planning;
 mod tally_file;
 mod tally_join;
 mod tracing;
@@ -18,6 +19,7 @@ mod tracing;
 use std::path::Path;
 use std::time::Instant;
 
+use glanz_illumination::planning::{PlanningRequest, PlanningSettings};
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
     FarFieldResolution, GridResolution, LuxMap, ReceiverRequest, Receivers, TraceGoal, TraceSettings,
@@ -89,6 +91,7 @@ impl IlluminateMethod {
 pub struct IlluminateBuilder<'a> {
     scene: LoadedScene,
     options: IlluminateOptions,
+    plan: Option<(PlanningRequest, PlanningSettings)>,
     job: JobOptions<'a>,
 }
 
@@ -135,7 +138,13 @@ impl Default for IlluminateOptions {
 
 impl<'a> IlluminateBuilder<'a> {
     pub(crate) fn new(scene: LoadedScene) -> Self {
-        Self { scene, options: IlluminateOptions::default(), job: JobOptions::default() }
+        Self { scene, options: IlluminateOptions::default(), plan: None, job: JobOptions::default() }
+    }
+
+    /// Rates the lit scene by standards, too; the report has the figures ([`LuxReport::plan`]).
+    pub fn plan(mut self, request: PlanningRequest, settings: PlanningSettings) -> Self {
+        self.plan = Some((request, settings));
+        self
     }
 
     /// Replaces all options.
@@ -196,9 +205,9 @@ impl<'a> IlluminateBuilder<'a> {
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
     /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`];
-    /// [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
+    /// [`Error::Planning`] for figures of planners; [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
-        let Self { scene, mut options, job } = self;
+        let Self { scene, mut options, plan, job } = self;
         scene.check_scene("illuminate")?;
         let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
@@ -226,6 +235,11 @@ impl<'a> IlluminateBuilder<'a> {
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
         let mut outcome = design.illuminate(&mut job)?;
+        if let Some((request, settings)) = &plan
+            && options.part.is_none()
+        {
+            planning::rate(&design, request, settings, &mut outcome, &mut job)?;
+        }
         outcome.warnings = job.warnings;
         Ok(outcome)
     }

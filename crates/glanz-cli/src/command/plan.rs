@@ -1,0 +1,39 @@
+//! A planned room of `glanz illuminate`.
+
+use std::path::Path;
+
+use glanz::LoadedScene;
+use glanz::illumination::planning::{PlanningRequest, RoomPlan};
+use glanz::math::DVec3;
+use glanz_terminal::messages::{CommandError, Messages};
+
+use crate::arguments::PlanArguments;
+use crate::command::luminaire;
+
+/// The room as a scene, and what is to be rated in it.
+///
+/// # Errors
+/// A photometric file or a length that is refused.
+pub(crate) fn planned_room(
+    arguments: &PlanArguments,
+    size: DVec3,
+    file: &Path,
+    messages: Messages,
+) -> Result<(LoadedScene, PlanningRequest), CommandError> {
+    let plan = RoomPlan {
+        size,
+        reflectances: arguments.reflectances(),
+        luminaire: luminaire::kind(file, messages)?,
+        grid: arguments.grid.unwrap_or([1, 1]),
+        height: arguments.height.unwrap_or(size.z),
+        turn: arguments.turn.to_radians(),
+        work_plane: arguments.work_plane,
+        margin: arguments.margin,
+    };
+    let description = plan.description().map_err(|error| CommandError::usage(error.to_string()))?;
+    let mut request = plan.request();
+    if arguments.emergency {
+        request.open_area = plan.points_at(0.0);
+    }
+    Ok((LoadedScene::from_description("room", description), request))
+}

@@ -1,0 +1,232 @@
+//! Ratings of a plan, for people and programs.
+
+use glanz_math::DVec3;
+use glanz_report::{FactList, FactValue, Table};
+use serde::Serialize;
+use serde::ser::{SerializeStruct, Serializer};
+
+use super::glare::GlareRating;
+use super::maintenance::MaintenanceFactor;
+use super::point_illuminance::GOOD_MODELLING;
+use super::requirement::{LightingTask, RequirementVerdict, installation_table, verdict_table};
+use crate::replicates::ReplicateEstimate;
+
+/// Maintained illuminance at a point in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CylindricalPoint {
+    /// Metres.
+    pub position: DVec3,
+    /// Cylindrical illuminance, lx.
+    pub cylindrical: ReplicateEstimate,
+    /// Horizontal illuminance, lx.
+    pub horizontal: ReplicateEstimate,
+}
+
+impl CylindricalPoint {
+    /// Cylindrical over horizontal illuminance; `None` in the dark.
+    #[must_use]
+    pub fn modelling(&self) -> Option<f64> {
+        (self.horizontal.value > 0.0).then(|| self.cylindrical.value / self.horizontal.value)
+    }
+}
+
+/// The rating of a plan.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanReport {
+    /// What is assumed: the room, its surfaces, its luminaires.
+    pub assumptions: FactList,
+    /// The maintenance factor.
+    pub maintenance: MaintenanceFactor,
+    /// Its value.
+    pub maintenance_factor: f64,
+    /// The task, if there is one.
+    pub task: Option<LightingTask>,
+    /// Verdicts on its requirements.
+    pub verdicts: Vec<RequirementVerdict>,
+    /// Glare of the observers.
+    pub ratings: Vec<GlareRating>,
+    /// The reason why glare is not rated; `None` if it is.
+    pub glare_refusal: Option<String>,
+    /// Cylindrical illuminance.
+    pub cylindrical: Vec<CylindricalPoint>,
+    /// Number of luminaires.
+    pub luminaires: usize,
+    /// Their luminous flux when new, lm.
+    pub flux: f64,
+    /// Their electric power, watts; 0 if unknown.
+    pub watts: f64,
+    /// Floor area, m^2.
+    pub area: f64,
+    /// Maintained mean illuminance of the task area, lx.
+    pub task_illuminance: Option<f64>,
+}
+
+impl PlanReport {
+    /// The largest UGR with its interval; minus infinity without glare, not a number if glare is not rated.
+    #[must_use]
+    pub fn largest_ugr(&self) -> (f64, [f64; 2]) {
+        if self.glare_refusal.is_some() {
+            return (f64::NAN, [f64::NAN; 2]);
+        }
+        let largest = |value: &dyn Fn(&GlareRating) -> Option<f64>| {
+            self.ratings.iter().filter_map(value).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let end =
+            |end: usize| largest(&|rating: &GlareRating| rating.interval().map(|interval| interval[end]));
+        (largest(&GlareRating::ugr), [end(0), end(1)])
+    }
+
+    /// Mean cylindrical illuminance, lx, and its uniformity (least over mean) with its interval; `None` without points.
+    #[must_use]
+    pub fn mean_cylindrical(&self) -> Option<(ReplicateEstimate, [f64; 3])> {
+        let count = self.cylindrical.len() as f64;
+        let sum = |value: &dyn Fn(&ReplicateEstimate) -> f64| -> f64 {
+            self.cylindrical.iter().map(|point| value(&point.cylindrical)).sum()
+        };
+        let value = sum(&|lux| lux.value) / count;
+        // The points are independent.
+        let error = sum(&|lux| lux.error.powi(2)).sqrt() / count;
+        let margin = sum(&|lux| (0.5 * (lux.interval[1] - lux.interval[0])).powi(2)).sqrt() / count;
+        let interval = [value - margin, value + margin];
+        let least = |value: &dyn Fn(&ReplicateEstimate) -> f64| {
+            self.cylindrical.iter().map(|point| value(&point.cylindrical)).fold(f64::INFINITY, f64::min)
+        };
+        let uniformity = [
+            least(&|lux| lux.value) / value,
+            (least(&|lux| lux.interval[0]) / interval[1]).max(0.0),
+            (least(&|lux| lux.interval[1]) / interval[0]).min(1.0),
+        ];
+        (value > 0.0).then_some((ReplicateEstimate { value, error, interval }, uniformity))
+    }
+
+    /// Verdicts.
+    #[must_use]
+    pub fn verdict_table(&self) -> Table {
+        verdict_table(&self.verdicts)
+    }
+
+    /// Figures of the installation.
+    #[must_use]
+    pub fn facts(&self) -> FactList {
+        let mut facts = self.assumptions.clone();
+        facts.push("luminaires", "luminaires", self.luminaires as u64);
+        facts.push("flux of all luminaires when new, lm", "flux_lm", self.flux);
+        if let Some(task) = &self.task {
+            facts.push("task", "task", format!("EN 12464-1:2021, {}: {}", task.reference, task.name));
+            facts.push("required colour rendering Ra, not judged", "color_rendering", task.color_rendering);
+        }
+        facts.push("maintenance factor", "maintenance_factor", self.maintenance_factor);
+        if let MaintenanceFactor::Parts { lamp_lumens, lamp_survival, luminaire, room_surfaces } =
+            self.maintenance
+        {
+            let parts = [lamp_lumens, lamp_survival, luminaire, room_surfaces].map(|part| part.to_string());
+            facts.push("its parts LLMF x LSF x LMF x RMF", "maintenance_parts", parts.join(" x "));
+        }
+        if let Some(lux) = self.task_illuminance {
+            facts.push("maintained mean illuminance of the task area, lx", "task_mean_lux", lux);
+        }
+        if self.watts > 0.0 && self.area > 0.0 {
+            let density = self.watts / self.area;
+            facts.push("power, W", "power_w", self.watts);
+            facts.push("power per area, W/m2", "power_density_w_m2", density);
+            if let Some(lux) = self.task_illuminance.filter(|lux| *lux > 0.0) {
+                facts.push(
+                    "power per area and 100 lx, W/m2",
+                    "power_density_w_m2_100lx",
+                    100.0 * density / lux,
+                );
+            }
+        }
+        self.add_glare(&mut facts);
+        if let Some((mean, [u0, ..])) = self.mean_cylindrical() {
+            facts.push(
+                "points of cylindrical illuminance",
+                "cylindrical_points",
+                self.cylindrical.len() as u64,
+            );
+            facts.push("mean cylindrical illuminance, lx", "cylindrical_mean_lux", mean.value);
+            facts.push("its uniformity", "cylindrical_u0", u0);
+            let ratios = || self.cylindrical.iter().filter_map(CylindricalPoint::modelling);
+            let (least, most) = (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max));
+            facts.push("modelling: least cylindrical over horizontal", "modelling_minimum", least);
+            facts.push("modelling: largest", "modelling_maximum", most);
+            let [low, high] = GOOD_MODELLING;
+            facts.push(
+                "modelling, indicator of EN 12464-1",
+                "modelling_indicator",
+                format!("{low} to {high}"),
+            );
+        }
+        facts
+    }
+
+    fn add_glare(&self, facts: &mut FactList) {
+        if let Some(reason) = &self.glare_refusal {
+            facts.push("UGR", "ugr_refusal", reason.clone());
+            return;
+        }
+        let worst = self.ratings.iter().filter_map(|rating| Some((rating, rating.ugr()?)));
+        let Some((rating, ugr)) = worst.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        facts.push("observers", "observers", self.ratings.len() as u64);
+        facts.push("largest UGR", "ugr", ugr);
+        facts.push("its eye", "ugr_eye_m", FactValue::Text(shown_vector(rating.observer.eye())));
+        facts.push("its view", "ugr_view", FactValue::Text(shown_vector(rating.observer.view())));
+        facts.push("its background luminance, cd/m2", "ugr_background_cd_m2", rating.background.value);
+        facts.push("luminaires in its field of view", "ugr_luminaires", rating.sources as u64);
+    }
+
+    /// The figures as a table.
+    #[must_use]
+    pub fn fact_table(&self) -> Table {
+        installation_table(&self.facts())
+    }
+}
+
+fn shown_vector(vector: DVec3) -> String {
+    let [x, y, z] = vector.to_array().map(|part| format!("{:.3}", part + 0.0));
+    format!("({x}, {y}, {z})")
+}
+
+/// In JSON: `verdicts`, `facts`, and lists of the ratings of observers and of the points of cylindrical illuminance.
+impl Serialize for PlanReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct ObserverEntry {
+            eye_m: [f64; 3],
+            view: [f64; 3],
+            ugr: Option<f64>,
+            ugr_interval: Option<[f64; 2]>,
+            background_cd_m2: f64,
+            luminaires: usize,
+        }
+        #[derive(Serialize)]
+        struct PointEntry {
+            position_m: [f64; 3],
+            cylindrical_lux: f64,
+            cylindrical_error_lux: f64,
+            horizontal_lux: f64,
+            horizontal_error_lux: f64,
+        }
+        let observers = self.ratings.iter().map(|rating| ObserverEntry {
+            eye_m: rating.observer.eye().to_array(),
+            view: rating.observer.view().to_array(),
+            ugr: rating.ugr().filter(|ugr| ugr.is_finite()),
+            ugr_interval: rating.interval().filter(|ends| ends.iter().all(|end| end.is_finite())),
+            background_cd_m2: rating.background.value,
+            luminaires: rating.sources,
+        });
+        let points = self.cylindrical.iter().map(|point| PointEntry {
+            position_m: point.position.to_array(),
+            cylindrical_lux: point.cylindrical.value,
+            cylindrical_error_lux: point.cylindrical.error,
+            horizontal_lux: point.horizontal.value,
+            horizontal_error_lux: point.horizontal.error,
+        });
+        let mut fields = serializer.serialize_struct("Plan", 4)?;
+        fields.serialize_field("verdicts", &self.verdicts)?;
+        fields.serialize_field("facts", &self.facts())?;
+        fields.serialize_field("observers", &observers.collect::<Vec<_>>())?;
+        fields.serialize_field("cylindrical", &points.collect::<Vec<_>>())?;
+        fields.end()
+    }
+}

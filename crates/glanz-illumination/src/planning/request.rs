@@ -1,0 +1,257 @@
+//! What is to be rated in a lit scene, and its rating.
+
+use glanz_job::{CancelFlag, Interrupted};
+use glanz_math::DVec3;
+use glanz_report::FactList;
+use glanz_scene::Scene;
+use rayon::prelude::*;
+
+use super::emergency::{EscapeZone, disability_glare_verdicts, escape_verdicts};
+use super::glare::{GlareError, GlareObserver, GlareRating};
+use super::luminaire::PlacedLuminaire;
+use super::maintenance::{MaintenanceError, MaintenanceFactor};
+use super::plan_report::{CylindricalPoint, PlanReport};
+use super::point_illuminance::{PointGather, PointReceiver};
+use super::requirement::{
+    LightingCriterion, LightingTask, ROOM_UNIFORMITY, RequirementVerdict, surrounding_illuminance,
+};
+use crate::LuxMap;
+use crate::replicates::ReplicateEstimate;
+
+/// Least uniformity of the surrounding area in EN 12464-1.
+const SURROUNDING_UNIFORMITY: f64 = 0.40;
+
+/// A part of a scene with requirements of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZoneKind {
+    /// The task area.
+    Task,
+    /// The band around the task area.
+    Surrounding,
+    /// The area beyond: a third of the illuminance of the surrounding area.
+    Background,
+    /// A wall.
+    Wall,
+    /// The ceiling.
+    Ceiling,
+}
+
+/// A receiver as a zone.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LitZone {
+    /// Name of the receiver.
+    pub receiver: String,
+    /// Its kind.
+    pub kind: ZoneKind,
+}
+
+/// What is to be rated.
+#[derive(Clone, Debug, Default)]
+pub struct PlanningRequest {
+    /// Zones with requirements.
+    pub zones: Vec<LitZone>,
+    /// All luminaires.
+    pub luminaires: Vec<PlacedLuminaire>,
+    /// Observers whose glare is rated.
+    pub observers: Vec<GlareObserver>,
+    /// Points of cylindrical illuminance, metres.
+    pub points: Vec<DVec3>,
+    /// Points of the core of an open area for emergency lighting, metres; none: emergency lighting is not judged.
+    pub open_area: Vec<DVec3>,
+    /// Electric power of all luminaires, watts; 0 if unknown.
+    pub watts: f64,
+    /// Floor area, m^2, to which the power refers.
+    pub area: f64,
+    /// What is assumed, for the report.
+    pub assumptions: FactList,
+}
+
+/// Settings of a rating.
+#[derive(Clone, Debug)]
+pub struct PlanningSettings {
+    /// The task, which gives the limits; `None`: values without limits.
+    pub task: Option<LightingTask>,
+    /// The maintenance factor.
+    pub maintenance: MaintenanceFactor,
+    /// Number of directions from each eye and point; their error falls with its square root.
+    pub directions: u32,
+    /// Seed of the directions.
+    pub seed: u64,
+}
+
+impl Default for PlanningSettings {
+    /// A new installation without limits; 2048 directions, whose background luminances have errors of a per cent or two: some hundredths of UGR.
+    fn default() -> Self {
+        Self { task: None, maintenance: MaintenanceFactor::default(), directions: 2048, seed: 0 }
+    }
+}
+
+/// Errors of a rating.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanningError {
+    /// A maintenance factor out of range.
+    #[error(transparent)]
+    Maintenance(#[from] MaintenanceError),
+    /// The paths that gather light cannot be set up.
+    #[error(transparent)]
+    Paths(#[from] glanz_transport::IntegratorError),
+    /// The calculation was cancelled.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+}
+
+impl PlanningRequest {
+    /// Rates a scene by the illuminance of its receivers, `maps`, of the new installation.
+    ///
+    /// `on_progress` is called with the share that is done, in (0, 1]. UGR is that of the new installation, all illuminances are maintained ones.
+    ///
+    /// # Errors
+    /// [`PlanningError`].
+    pub fn rate(
+        &self,
+        scene: &Scene,
+        maps: &[LuxMap],
+        settings: &PlanningSettings,
+        on_progress: &mut dyn FnMut(f64),
+        cancel: &CancelFlag,
+    ) -> Result<PlanReport, PlanningError> {
+        let factor = settings.maintenance.value()?;
+        let gather = PointGather::try_new(scene, settings.directions, settings.seed)?;
+        let sources: Result<Vec<_>, GlareError> =
+            self.observers.iter().map(|observer| sources(observer, &self.luminaires)).collect();
+        let (sources, glare_refusal) = match sources {
+            Ok(sources) => (sources, None),
+            Err(error) => (Vec::new(), Some(error.to_string())),
+        };
+        let steps = self.points.len() + sources.len();
+        let mut done = 0;
+        let portion = 4 * rayon::current_num_threads();
+        let mut cylindrical = Vec::with_capacity(self.points.len());
+        let numbered: Vec<(u32, DVec3)> = (0..).step_by(2).zip(self.points.iter().copied()).collect();
+        for points in numbered.chunks(portion) {
+            let found: Result<Vec<_>, Interrupted> = points
+                .par_iter()
+                .map(|&(number, position)| cylinder(&gather, position, number, factor, cancel))
+                .collect();
+            cylindrical.extend(found?);
+            done += points.len();
+            on_progress(done as f64 / steps as f64);
+        }
+        let first = 2 * self.points.len() as u32;
+        let observers: Vec<_> = (first..).zip(self.observers.iter().zip(&sources)).collect();
+        let mut ratings = Vec::with_capacity(observers.len());
+        for observers in observers.chunks(portion) {
+            let found: Result<Vec<_>, Interrupted> = observers
+                .par_iter()
+                .map(|&(number, (observer, &(sources, glare)))| {
+                    let plane = PointReceiver::Plane(observer.horizontal_view());
+                    let light = gather.illuminance(observer.eye(), plane, number, cancel)?;
+                    let background = light.reflected.scaled(std::f64::consts::FRAC_1_PI);
+                    Ok(GlareRating { observer: *observer, background, sources, glare })
+                })
+                .collect();
+            ratings.extend(found?);
+            done += observers.len();
+            on_progress(done as f64 / steps as f64);
+        }
+        let mut report = PlanReport {
+            assumptions: self.assumptions.clone(),
+            maintenance: settings.maintenance,
+            maintenance_factor: factor,
+            task: settings.task,
+            verdicts: Vec::new(),
+            ratings,
+            glare_refusal,
+            cylindrical,
+            luminaires: self.luminaires.len(),
+            flux: self.luminaires.iter().map(PlacedLuminaire::flux).sum(),
+            watts: self.watts,
+            area: self.area,
+            task_illuminance: self.task_illuminance(maps, factor),
+        };
+        if let Some(task) = &settings.task {
+            report.verdicts = self.verdicts(task, maps, &report);
+        }
+        if let Some(point) = self.open_area.first() {
+            let zone = EscapeZone::OpenArea;
+            let name = "open area, emergency";
+            report.verdicts.extend(escape_verdicts(name, zone, &self.luminaires, &self.open_area, factor));
+            report.verdicts.extend(disability_glare_verdicts(&self.luminaires, point.z));
+        }
+        Ok(report)
+    }
+
+    /// Maintained mean illuminance of the first task area, lx.
+    fn task_illuminance(&self, maps: &[LuxMap], factor: f64) -> Option<f64> {
+        let zone = self.zones.iter().find(|zone| zone.kind == ZoneKind::Task)?;
+        let map = maps.iter().find(|map| map.name == zone.receiver)?;
+        Some(map.summary().mean * factor)
+    }
+
+    fn verdicts(&self, task: &LightingTask, maps: &[LuxMap], report: &PlanReport) -> Vec<RequirementVerdict> {
+        use LightingCriterion::{CylindricalIlluminance, GlareRating, MeanIlluminance, Uniformity};
+        let factor = report.maintenance_factor;
+        let mut verdicts = Vec::new();
+        for zone in &self.zones {
+            let Some(map) = maps.iter().find(|map| map.name == zone.receiver) else { continue };
+            let surrounding = surrounding_illuminance(task.illuminance);
+            let (illuminance, uniformity) = match zone.kind {
+                ZoneKind::Task => (task.illuminance, task.uniformity),
+                ZoneKind::Surrounding => (surrounding, SURROUNDING_UNIFORMITY),
+                ZoneKind::Background => (surrounding / 3.0, ROOM_UNIFORMITY),
+                ZoneKind::Wall => (task.walls, ROOM_UNIFORMITY),
+                ZoneKind::Ceiling => (task.ceiling, ROOM_UNIFORMITY),
+            };
+            let summary = map.summary();
+            let mean = (summary.mean * factor, summary.mean_interval.map(|lux| lux * factor));
+            for (criterion, limit, (value, interval)) in [
+                (MeanIlluminance, illuminance, mean),
+                (Uniformity, uniformity, (summary.u0, summary.u0_interval)),
+            ] {
+                let requirement = task.requirement(criterion, limit);
+                verdicts.push(RequirementVerdict::new(&zone.receiver, requirement, value, interval));
+            }
+        }
+        if !self.observers.is_empty() {
+            let (value, interval) = report.largest_ugr();
+            let requirement = task.requirement(GlareRating, task.glare_rating);
+            verdicts.push(RequirementVerdict::new("observers", requirement, value, interval));
+        }
+        if let Some((mean, [u0, low, high])) = report.mean_cylindrical() {
+            let zone = "cylinders";
+            let requirement = task.requirement(CylindricalIlluminance, task.cylindrical);
+            verdicts.push(RequirementVerdict::new(zone, requirement, mean.value, mean.interval));
+            let requirement = task.requirement(Uniformity, ROOM_UNIFORMITY);
+            verdicts.push(RequirementVerdict::new(zone, requirement, u0, [low, high]));
+        }
+        verdicts
+    }
+}
+
+/// Number of luminaires that an observer counts and the sum of their glare.
+fn sources(observer: &GlareObserver, luminaires: &[PlacedLuminaire]) -> Result<(usize, f64), GlareError> {
+    let (mut count, mut glare) = (0, 0.0);
+    for luminaire in luminaires {
+        if let Some(source) = observer.source(luminaire)? {
+            count += 1;
+            glare += source.glare();
+        }
+    }
+    Ok((count, glare))
+}
+
+/// Maintained cylindrical and horizontal illuminance at a point.
+fn cylinder(
+    gather: &PointGather<'_>,
+    position: DVec3,
+    number: u32,
+    factor: f64,
+    cancel: &CancelFlag,
+) -> Result<CylindricalPoint, Interrupted> {
+    let of = |receiver, number| -> Result<ReplicateEstimate, Interrupted> {
+        Ok(gather.illuminance(position, receiver, number, cancel)?.total().scaled(factor))
+    };
+    let horizontal = of(PointReceiver::Plane(DVec3::Z), number + 1)?;
+    Ok(CylindricalPoint { position, cylindrical: of(PointReceiver::Cylinder, number)?, horizontal })
+}
