@@ -4,6 +4,7 @@
 //! - [`Receivers`] are grids of cells on surfaces of a scene; [`add_walls`] puts the scene into a room of them;
 //! - [`trace()`] traces particles from the lights and sums their flux in a [`Tally`];
 //! - [`integrate::Reflections`] integrates over emitters and their images in mirrors, deterministically;
+//! - [`optimize::optimize()`] moves free numbers of a scene until the reflected light is as wanted;
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
 //! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
 //!   ([`adapted_grid`] chooses the angles);
@@ -13,6 +14,7 @@ pub mod balance;
 pub mod far_field;
 pub mod integrate;
 pub mod lux_map;
+pub mod optimize;
 pub mod receiver;
 mod replicates;
 pub mod report;
