@@ -5,6 +5,7 @@
 //! - [`trace()`] traces particles from the lights and sums their flux in a [`Tally`];
 //! - [`integrate::Reflections`] integrates over emitters and their images in mirrors, deterministically;
 //! - [`combine()`] adds what reaches the receivers in other ways, by paths that start there and by particles, as a [`LightDivision`] says;
+//! - [`optimize::optimize()`] moves free numbers of a scene until the reflected light is as wanted;
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
 //! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
 //!   ([`adapted_grid`] chooses the angles);
@@ -20,6 +21,7 @@ pub mod integrate;
 pub mod lux_map;
 mod lux_parts;
 pub mod planning;
+pub mod optimize;
 pub mod receiver;
 mod replicates;
 pub mod report;

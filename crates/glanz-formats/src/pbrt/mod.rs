@@ -1,7 +1,8 @@
 //! pbrt's scene language, versions 1 to 4.
 //!
 //! `lexer` reads words, `parameters` typed lists of them, `parser` the directives, and `state` holds the graphics state that they change;
-//! `lower` creates the description, by the rules of the `dialect`; `write` makes a text of a model again.
+//! `lower` creates the description, by the rules of the `dialect`; `write` makes a text of a model again,
+//! `rewrite` one of a scene with the results of an inverse design.
 //! `docs/scene-format.md` lists the supported features and the substitutes for others.
 //!
 //! # Source
@@ -13,6 +14,7 @@ mod lexer;
 mod lower;
 mod parameters;
 mod parser;
+mod rewrite;
 mod state;
 mod write;
 
@@ -29,6 +31,7 @@ use crate::source::Reporter;
 use lower::Lowering;
 use parser::Parser;
 
+pub use rewrite::{RewriteError, rewrite};
 pub use write::{PbrtWriteError, write};
 
 /// Reads a scene from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.

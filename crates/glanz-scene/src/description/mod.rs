@@ -6,6 +6,7 @@
 
 mod bounds;
 mod camera;
+mod design;
 mod edge;
 mod film;
 mod freeform;
@@ -29,6 +30,9 @@ use glanz_light::SpectralDistribution;
 pub use camera::{
     CameraDescription, CameraKind, FisheyeProjection, IrisDescription, LensDescription,
     LensInterfaceDescription, SphericalMapping, StopShape, look_at,
+};
+pub use design::{
+    DesignDescription, TargetDescription, TargetKind, VariableDescription, VariableNumbers, VariableQuantity,
 };
 pub use edge::{EdgeDescription, EdgeKind, EdgeTransition};
 pub use film::{FilmDescription, FilterDescription, FilterKind, SampleLimit, SensorDescription};
@@ -105,4 +109,6 @@ pub struct Description {
     pub section: Option<SectionDescription>,
     /// Shapes and instances of the world itself.
     pub world: GroupDescription,
+    /// The task of an inverse design.
+    pub design: DesignDescription,
 }

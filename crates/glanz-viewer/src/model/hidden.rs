@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use glanz_scene::Description;
-use glanz_scene::description::GroupDescription;
+use glanz_scene::description::{DesignDescription, GroupDescription};
 
 /// The scene without the leaves `hidden`, numbered as in [`Model`](super::Model).
 ///
@@ -41,6 +41,8 @@ pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description
         // The page has sections of its own.
         section: None,
         world,
+        // Its indices would be those of other shapes.
+        design: DesignDescription::default(),
     }
 }
 

@@ -23,6 +23,7 @@ impl Lowering {
         mut list: ParameterList,
         context: &EntityState,
     ) -> ParseResult<()> {
+        let free = self.free_position(&mut list, kind)?;
         let (kind, emission) = match kind {
             "sky" => {
                 self.sky(&mut list, context)?;
@@ -50,6 +51,7 @@ impl Lowering {
             }
             _ => context.ctm,
         };
+        self.description.design.variables.extend(free);
         self.description.lights.push(LightDescription {
             kind,
             scale: emission.scale(),

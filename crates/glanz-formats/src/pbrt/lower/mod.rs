@@ -3,6 +3,7 @@
 mod cad_file;
 mod camera;
 mod curve;
+mod design;
 mod disney;
 mod extension;
 mod file_shape;

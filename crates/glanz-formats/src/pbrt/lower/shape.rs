@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glanz_math::{DVec2, DVec3};
+use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
     AlphaDescription, EmissionDescription, FloatParameter, GeometryDescription, ShapeDescription,
 };
@@ -61,6 +61,7 @@ impl Lowering {
             return self.gltf_shape(list, context);
         }
         let place = list.place;
+        let design = self.design_of_shape(&mut list, context)?;
         let surfaces = match kind {
             "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
             "obj" | "stl" => self.mesh_file(kind, &mut list)?,
@@ -84,10 +85,12 @@ impl Lowering {
             object.lights = surfaces.iter().map(face_count).fold(object.lights, usize::saturating_add);
         }
         self.check_power(kind, emission.as_ref(), surfaces.len(), &place)?;
+        let offset = DMat4::from_translation(design.offset);
+        self.add_design(design, &surfaces)?;
         for geometry in surfaces {
             let shape = ShapeDescription {
                 geometry,
-                to_parent: context.ctm,
+                to_parent: context.ctm * offset,
                 reverse_orientation: context.reverse_orientation,
                 material,
                 media: context.media,

@@ -1,0 +1,645 @@
+//! Rays of a scene by their parameters on lights and mirrors, and the merits of their light with its derivatives.
+
+use glanz_geometry::FaceDomain;
+use glanz_light::Wavelengths;
+use glanz_light::units::photometric;
+use glanz_math::{DVec2, DVec3, Ray};
+use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
+use glanz_scene::description::{ReceiverSide, TargetDescription, TargetKind, VariableQuantity};
+use glanz_scene::{Description, Interaction, Light, LightId, PlacedSurface, Scene};
+use glanz_shading::bsdf::{Lobe, TransportMode};
+use rayon::prelude::*;
+
+use super::error::OptimizeError;
+use super::landing_grid::{LandingGrid, WantedLight};
+use super::merit::{Merit, MeritValue, ReceiverFrame, ReflectedRay, TargetMeasure};
+use super::reflection::{EmittingPoint, Reflection, ReflectionGradient};
+use super::surface_basis::{LocalFrame, PointFactors, SurfaceBasis};
+use crate::receiver::{GridResolution, ReceiverRequest, Receivers};
+
+/// Cells along the longer side of a target without cells of its own.
+const CELLS: u32 = 16;
+/// Rays that a thread adds at once; the order of the sums does not depend on the threads.
+const CHUNK: usize = 1024;
+/// Fraction of a distance within which a ray meets the point it was aimed at.
+const AIM: f64 = 1e-6;
+/// Largest relative difference between the area of a receiver and that of its rectangle.
+const FLATNESS: f64 = 1e-6;
+
+/// Rays of all lights over all mirrors: fixed parameters, which no displacement moves across a border.
+#[derive(Clone, Debug)]
+pub(super) struct RayModel {
+    rays: Vec<RaySample>,
+    terms: Vec<SensitivityTerm>,
+    /// Direction of each variable in the world.
+    directions: Vec<DVec3>,
+    /// Variables that move each light.
+    light_variables: Vec<Vec<usize>>,
+    merits: Vec<(Merit, f64)>,
+    /// For each ray and merit the reflectance where the light passes, else 0.
+    passed: Vec<f64>,
+}
+
+#[derive(Clone, Debug)]
+struct RaySample {
+    from: EmittingPoint,
+    light: usize,
+    mirror: usize,
+    frame: LocalFrame,
+    terms: std::ops::Range<usize>,
+    /// lm per unit of [`Reflection::flux`].
+    weight: f64,
+}
+
+/// How a variable moves a point of a mirror.
+#[derive(Clone, Copy, Debug)]
+struct SensitivityTerm {
+    variable: usize,
+    position: f64,
+    tangents: [f64; 2],
+}
+
+/// Where rays start.
+struct EmitterPart<'a> {
+    light: usize,
+    /// cd, or cd/m^2.
+    brightness: f64,
+    surface: EmittingSurface<'a>,
+}
+
+enum EmittingSurface<'a> {
+    Point(DVec3),
+    Area { placed: &'a PlacedSurface<'a>, face: u32, part: UnitPart, two_sided: bool },
+}
+
+/// Where rays are reflected.
+struct MirrorPart<'a> {
+    shape: usize,
+    surface: MirrorSurface<'a>,
+    part: UnitPart,
+}
+
+enum MirrorSurface<'a> {
+    Freeform(SurfaceBasis),
+    Fixed { placed: &'a PlacedSurface<'a>, face: u32 },
+}
+
+/// Parameters of a face by those of the unit square: themselves, or those of a triangle, to whose first corner a side of the square maps.
+#[derive(Clone, Copy)]
+enum UnitPart {
+    Square,
+    Triangle([DVec2; 3]),
+}
+
+impl UnitPart {
+    fn of(domain: &FaceDomain) -> Vec<Self> {
+        match domain {
+            FaceDomain::Square => vec![Self::Square],
+            FaceDomain::Polygon(corners) => {
+                let pairs = corners.windows(2).skip(1);
+                let part =
+                    |pair: &[DVec2]| Some(Self::Triangle([*corners.first()?, *pair.first()?, *pair.get(1)?]));
+                pairs.filter_map(part).collect()
+            }
+        }
+    }
+
+    /// Parameters, and their area per unit of the square.
+    fn at(&self, at: DVec2) -> (DVec2, f64) {
+        match *self {
+            Self::Square => (at, 1.0),
+            Self::Triangle([a, b, c]) => {
+                (a + at.x * (b - a).lerp(c - a, at.y), at.x * (b - a).perp_dot(c - a).abs())
+            }
+        }
+    }
+}
+
+/// What a model tells about a design.
+#[derive(Clone, Debug)]
+pub(super) struct DesignValue {
+    /// The weighted sum of the merits.
+    pub(super) merit: f64,
+    /// Its derivatives by the displacements, 1/m; empty if they were not asked for.
+    pub(super) gradient: Vec<f64>,
+    pub(super) measures: Vec<TargetMeasure>,
+}
+
+impl RayModel {
+    /// Rays of the scene, about `count`.
+    ///
+    /// # Errors
+    /// [`OptimizeError`] if lights, mirrors or targets are not of the supported kinds.
+    pub(super) fn new(description: &Description, count: usize, seed: u64) -> Result<Self, OptimizeError> {
+        let scene = resolved(description, &[])?;
+        let placed = scene.placed_surfaces();
+        let (emitters, emitted) = emitters(&scene, &placed)?;
+        let mirrors = mirrors(description, &scene, &placed);
+        let design = &description.design;
+        let merits = design.targets.iter().enumerate();
+        let merits = merits
+            .map(|(index, target)| Ok((merit(description, &scene, index, target, emitted)?, target.weight)));
+        let mut model = Self {
+            rays: Vec::new(),
+            terms: Vec::new(),
+            directions: directions(description),
+            light_variables: light_variables(description, &scene, &placed),
+            merits: merits.collect::<Result<_, OptimizeError>>()?,
+            passed: Vec::new(),
+        };
+        if model.merits.is_empty() {
+            return Err(OptimizeError::NoTarget);
+        }
+        let per_pair = count.div_ceil((emitters.len() * mirrors.len()).max(1)) as u32;
+        let mut key = seed;
+        for mirror in &mirrors {
+            let variables = MirrorVariables::of(description, mirror.shape);
+            for emitter in &emitters {
+                let points = ScrambledSobol::new(key);
+                key = key.wrapping_add(1);
+                for i in 0..per_pair {
+                    let [a, b, c, d] = points.point(i.reverse_bits()).map(unit);
+                    let share = 1.0 / f64::from(per_pair);
+                    model.add_ray(emitter, mirror, &variables, [DVec2::new(a, b), DVec2::new(c, d)], share);
+                }
+            }
+        }
+        model.aim(&scene, &[]);
+        if model.passed.iter().all(|passed| *passed == 0.0) {
+            return Err(OptimizeError::NoReflection("a mirror"));
+        }
+        for (merit, _) in &model.merits {
+            let Merit::Collimation { mirror, .. } = merit else { continue };
+            if !model.rays.iter().any(|ray| ray.mirror == *mirror) {
+                return Err(OptimizeError::NoReflection("the mirror with the target \"collimation\""));
+            }
+        }
+        Ok(model)
+    }
+
+    fn add_ray(
+        &mut self,
+        emitter: &EmitterPart<'_>,
+        mirror: &MirrorPart<'_>,
+        variables: &MirrorVariables,
+        [on_mirror, on_emitter]: [DVec2; 2],
+        share: f64,
+    ) {
+        let (uv, mut weight) = mirror.part.at(on_mirror);
+        weight *= share * emitter.brightness;
+        let from = match &emitter.surface {
+            EmittingSurface::Point(position) => {
+                EmittingPoint { position: *position, normal: None, two_sided: false }
+            }
+            EmittingSurface::Area { placed, face, part, two_sided } => {
+                let (uv, area) = part.at(on_emitter);
+                let Some(point) = placed.at(*face, uv, false) else { return };
+                weight *= area * point.area_element;
+                let (position, normal) = (point.at.point.position, Some(point.at.point.normal));
+                EmittingPoint { position, normal, two_sided: *two_sided }
+            }
+        };
+        let first = self.terms.len();
+        let frame = match &mirror.surface {
+            MirrorSurface::Freeform(basis) => {
+                let factors = basis.factors(uv);
+                let frame = basis.frame(&factors);
+                variables.add_terms(basis.indexed(factors), &mut self.terms);
+                frame
+            }
+            MirrorSurface::Fixed { placed, face } => {
+                let Some(point) = placed.at(*face, uv, false) else { return };
+                let (x, y) = point.at.point.normal.any_orthonormal_pair();
+                LocalFrame { position: point.at.point.position, tangents: [x * point.area_element, y] }
+            }
+        };
+        let whole = |&variable| SensitivityTerm { variable, position: 1.0, tangents: [0.0; 2] };
+        self.terms.extend(variables.offsets.iter().map(whole));
+        // There is no normal where parameters degenerate.
+        if frame.tangents[0].cross(frame.tangents[1]) == DVec3::ZERO {
+            self.terms.truncate(first);
+            return;
+        }
+        let terms = first..self.terms.len();
+        self.rays.push(RaySample { from, light: emitter.light, mirror: mirror.shape, frame, terms, weight });
+    }
+
+    /// Number of rays.
+    pub(super) fn len(&self) -> usize {
+        self.rays.len()
+    }
+
+    /// Finds anew, in the scene with these displacements, which rays pass and how much of them the mirrors reflect.
+    ///
+    /// # Errors
+    /// [`OptimizeError::Scene`] if the displaced description is not a scene.
+    pub(super) fn refresh(
+        &mut self,
+        description: &Description,
+        displacements: &[f64],
+    ) -> Result<(), OptimizeError> {
+        let scene = resolved(description, displacements)?;
+        self.aim(&scene, displacements);
+        Ok(())
+    }
+
+    fn aim(&mut self, scene: &Scene, displacements: &[f64]) {
+        let passed = self.rays.par_iter().flat_map_iter(|ray| {
+            let (from, frame) = self.displaced(ray, displacements);
+            let reflected = reflectance(scene, &from, &frame);
+            let reflection = Reflection::new(&from, &frame);
+            self.merits.iter().map(move |(merit, _)| {
+                let Some((reflectance, at)) = &reflected else { return 0.0 };
+                let ray = ray.reflected(&reflection, 1.0);
+                let arrival = merit.receiver().and_then(|receiver| receiver.arrival(&ray));
+                // Light that does not arrive yet may do so later.
+                let Some(arrival) = arrival else { return *reflectance };
+                let length = arrival * ray.direction.length();
+                let path = at.spawn(ray.direction.normalize_or_zero());
+                if scene.occluded(&path, length * (1.0 - AIM)) { 0.0 } else { *reflectance }
+            })
+        });
+        self.passed = passed.collect();
+    }
+
+    /// Both ends of a ray.
+    fn displaced(&self, ray: &RaySample, displacements: &[f64]) -> (EmittingPoint, LocalFrame) {
+        let (mut from, mut frame) = (ray.from, ray.frame);
+        let offset = |variable: usize| {
+            let displacement = displacements.get(variable).copied().unwrap_or_default();
+            displacement * self.directions.get(variable).copied().unwrap_or_default()
+        };
+        for term in self.terms.get(ray.terms.clone()).unwrap_or_default() {
+            frame.add(term.position, term.tangents, offset(term.variable));
+        }
+        for &variable in self.light_variables.get(ray.light).map(Vec::as_slice).unwrap_or_default() {
+            from.position += offset(variable);
+        }
+        (from, frame)
+    }
+
+    /// The merit at these displacements, with its gradient if that is asked for.
+    pub(super) fn value(&self, displacements: &[f64], with_gradient: bool) -> DesignValue {
+        let values = self.merit_values(displacements);
+        let merit = values.iter().zip(&self.merits).map(|(value, (_, weight))| weight * value.value).sum();
+        let gradient = if with_gradient { self.gradient(displacements, &values) } else { Vec::new() };
+        DesignValue { merit, gradient, measures: values.into_iter().map(|value| value.measure).collect() }
+    }
+
+    fn merit_values(&self, displacements: &[f64]) -> Vec<MeritValue> {
+        let sums = |rays: &[RaySample], passed: &[f64]| {
+            let mut sums: Vec<Vec<f64>> =
+                self.merits.iter().map(|(merit, _)| vec![0.0; merit.sums()]).collect();
+            for (ray, passed) in rays.iter().zip(passed.chunks(self.merits.len())) {
+                let (from, frame) = self.displaced(ray, displacements);
+                let reflection = Reflection::new(&from, &frame);
+                for (((merit, _), sums), passed) in self.merits.iter().zip(&mut sums).zip(passed) {
+                    if *passed > 0.0 {
+                        merit.deposit(&ray.reflected(&reflection, *passed), sums);
+                    }
+                }
+            }
+            sums
+        };
+        let chunks = self.rays.par_chunks(CHUNK).zip(self.passed.par_chunks(CHUNK * self.merits.len()));
+        let chunks: Vec<Vec<Vec<f64>>> = chunks.map(|(rays, passed)| sums(rays, passed)).collect();
+        let total = chunks.into_iter().reduce(|mut total, part| {
+            for (total, part) in total.iter_mut().zip(&part) {
+                total.iter_mut().zip(part).for_each(|(total, part)| *total += part);
+            }
+            total
+        });
+        let total = total.unwrap_or_default();
+        self.merits.iter().zip(&total).map(|((merit, _), sums)| merit.value(sums)).collect()
+    }
+
+    fn gradient(&self, displacements: &[f64], values: &[MeritValue]) -> Vec<f64> {
+        let part = |rays: &[RaySample], passed: &[f64]| {
+            let mut gradient = vec![0.0; self.directions.len()];
+            for (ray, passed) in rays.iter().zip(passed.chunks(self.merits.len())) {
+                let (from, frame) = self.displaced(ray, displacements);
+                let reflection = Reflection::new(&from, &frame);
+                let mut by = ReflectionGradient::default();
+                for (((merit, weight), value), passed) in self.merits.iter().zip(values).zip(passed) {
+                    if *passed > 0.0 {
+                        let reflected = ray.reflected(&reflection, *passed);
+                        let own = merit.ray_gradient(&reflected, passed * ray.weight, &value.slopes);
+                        by.origin += *weight * own.origin;
+                        by.direction += *weight * own.direction;
+                        by.flux += *weight * own.flux;
+                    }
+                }
+                self.add_gradient(ray, &reflection, (&from, &frame), &by, &mut gradient);
+            }
+            gradient
+        };
+        let chunks = self.rays.par_chunks(CHUNK).zip(self.passed.par_chunks(CHUNK * self.merits.len()));
+        let chunks: Vec<Vec<f64>> = chunks.map(|(rays, passed)| part(rays, passed)).collect();
+        let total = chunks.into_iter().reduce(|mut total, part| {
+            total.iter_mut().zip(&part).for_each(|(total, part)| *total += part);
+            total
+        });
+        total.unwrap_or_default()
+    }
+
+    fn add_gradient(
+        &self,
+        ray: &RaySample,
+        reflection: &Reflection,
+        (from, frame): (&EmittingPoint, &LocalFrame),
+        by: &ReflectionGradient,
+        gradient: &mut [f64],
+    ) {
+        let source = reflection.source_gradient(from, frame, by);
+        let mut add = |variable: usize, vector: DVec3| {
+            let direction = self.directions.get(variable).copied().unwrap_or_default();
+            if let Some(slot) = gradient.get_mut(variable) {
+                *slot += vector.dot(direction);
+            }
+        };
+        for term in self.terms.get(ray.terms.clone()).unwrap_or_default() {
+            let [du, dv] = source.mirror.tangents;
+            add(
+                term.variable,
+                term.position * source.mirror.position + term.tangents[0] * du + term.tangents[1] * dv,
+            );
+        }
+        for &variable in self.light_variables.get(ray.light).map(Vec::as_slice).unwrap_or_default() {
+            add(variable, source.light);
+        }
+    }
+}
+
+impl RaySample {
+    fn reflected(&self, reflection: &Reflection, passed: f64) -> ReflectedRay {
+        ReflectedRay {
+            origin: reflection.origin,
+            direction: reflection.direction,
+            flux: reflection.flux * self.weight * passed,
+            mirror: self.mirror,
+        }
+    }
+}
+
+/// The variables of one mirror.
+struct MirrorVariables {
+    /// For each control point its variables.
+    points: Vec<Vec<usize>>,
+    /// Those of the mirror as a whole.
+    offsets: Vec<usize>,
+}
+
+impl MirrorVariables {
+    fn of(description: &Description, mirror: usize) -> Self {
+        let mut variables = Self { points: Vec::new(), offsets: Vec::new() };
+        for (number, variable) in description.design.variables.iter().enumerate() {
+            match &variable.quantity {
+                VariableQuantity::ControlPoints { shape, points } if *shape == mirror => {
+                    for &point in points {
+                        if point >= variables.points.len() {
+                            variables.points.resize(point + 1, Vec::new());
+                        }
+                        variables.points[point].push(number);
+                    }
+                }
+                VariableQuantity::ShapeOffset { shape } if *shape == mirror => variables.offsets.push(number),
+                _ => {}
+            }
+        }
+        variables
+    }
+
+    /// Adds what the variables of the control points do, one term for each.
+    fn add_terms(&self, factors: impl Iterator<Item = PointFactors>, terms: &mut Vec<SensitivityTerm>) {
+        let first = terms.len();
+        for factor in factors {
+            for &variable in self.points.get(factor.point).map(Vec::as_slice).unwrap_or_default() {
+                let own = terms.get_mut(first..).unwrap_or_default();
+                match own.iter_mut().find(|term| term.variable == variable) {
+                    Some(term) => {
+                        term.position += factor.position;
+                        term.tangents[0] += factor.tangents[0];
+                        term.tangents[1] += factor.tangents[1];
+                    }
+                    None => terms.push(SensitivityTerm {
+                        variable,
+                        position: factor.position,
+                        tangents: factor.tangents,
+                    }),
+                }
+            }
+        }
+    }
+}
+
+fn resolved(description: &Description, displacements: &[f64]) -> Result<Scene, OptimizeError> {
+    let scene = Scene::resolve(description.displaced(displacements));
+    scene.map(|(scene, _)| scene).map_err(|error| OptimizeError::Scene {
+        displacements: displacements.to_vec(),
+        error: Box::new(error),
+    })
+}
+
+/// Number of the first shape of the world among those of the scene.
+fn first_of_world(description: &Description) -> usize {
+    let grouped: usize = description.groups.iter().map(|group| group.shapes.len()).sum();
+    grouped + usize::from(description.section.is_some())
+}
+
+/// Index of the shape of a surface in the world; `None` for one in a group.
+fn world_shape(description: &Description, placed: &PlacedSurface<'_>, face: u32) -> Option<usize> {
+    (placed.shape(face) as usize).checked_sub(first_of_world(description))
+}
+
+/// Direction of each variable in the world.
+fn directions(description: &Description) -> Vec<DVec3> {
+    let direction = |variable: &glanz_scene::description::VariableDescription| {
+        let frame = match variable.quantity {
+            VariableQuantity::ControlPoints { shape, .. }
+            | VariableQuantity::ShapeOffset { shape }
+            | VariableQuantity::Radius { shape } => {
+                description.world.shapes.get(shape).map(|shape| shape.to_parent)
+            }
+            VariableQuantity::LightPosition { light } => {
+                description.lights.get(light).map(|light| light.to_world)
+            }
+        };
+        frame.unwrap_or_default().transform_vector3(variable.direction)
+    };
+    description.design.variables.iter().map(direction).collect()
+}
+
+/// For each light of the scene the variables that move it.
+fn light_variables(
+    description: &Description,
+    scene: &Scene,
+    placed: &[PlacedSurface<'_>],
+) -> Vec<Vec<usize>> {
+    let mut variables = vec![Vec::new(); scene.lights().len()];
+    // Lights that are no shapes come after those that are.
+    let areas = scene.lights().iter().filter(|light| matches!(light, Light::Area(_))).count();
+    for (number, variable) in description.design.variables.iter().enumerate() {
+        let light = match variable.quantity {
+            VariableQuantity::LightPosition { light } => Some(areas + light),
+            VariableQuantity::ShapeOffset { shape } => {
+                let own = |surface: &&PlacedSurface<'_>| world_shape(description, surface, 0) == Some(shape);
+                placed.iter().find(own).and_then(PlacedSurface::light).map(|id| id.0 as usize)
+            }
+            _ => None,
+        };
+        if let Some(list) = light.and_then(|light| variables.get_mut(light)) {
+            list.push(number);
+        }
+    }
+    variables
+}
+
+/// The parts of all lights, and their flux, lm.
+fn emitters<'a>(
+    scene: &Scene,
+    placed: &'a [PlacedSurface<'a>],
+) -> Result<(Vec<EmitterPart<'a>>, f64), OptimizeError> {
+    let wavelengths = Wavelengths::default();
+    let (mut parts, mut emitted) = (Vec::new(), 0.0);
+    for (number, light) in scene.lights().iter().enumerate() {
+        let id = LightId(number as u32);
+        let refused = |kind| OptimizeError::Light { light: id, kind };
+        match light {
+            Light::Area(area) if area.radiance().is_black() => {}
+            Light::Area(area) if !area.is_opaque() => return Err(refused("diffuse with alpha")),
+            Light::Area(area) if area.has_picture() => return Err(refused("diffuse with a picture")),
+            Light::Area(area) => {
+                emitted += photometric(area.power(), &wavelengths);
+                let brightness = photometric(area.radiance(), &wavelengths);
+                for placed in placed.iter().filter(|placed| placed.light() == Some(id)) {
+                    for face in 0..placed.faces() {
+                        for part in UnitPart::of(&placed.face_domain(face)) {
+                            let two_sided = area.is_two_sided();
+                            let surface = EmittingSurface::Area { placed, face, part, two_sided };
+                            parts.push(EmitterPart { light: number, brightness, surface });
+                        }
+                    }
+                }
+            }
+            Light::Point(point) if point.range().is_none() => {
+                emitted += photometric(point.power(), &wavelengths);
+                let brightness = photometric(point.intensity(), &wavelengths);
+                let surface = EmittingSurface::Point(point.position());
+                parts.push(EmitterPart { light: number, brightness, surface });
+            }
+            other => return Err(refused(other.kind())),
+        }
+    }
+    if parts.is_empty() { Err(OptimizeError::NoLight) } else { Ok((parts, emitted)) }
+}
+
+/// The parts of all shapes of the world that reflect like mirrors.
+fn mirrors<'a>(
+    description: &Description,
+    scene: &Scene,
+    placed: &'a [PlacedSurface<'a>],
+) -> Vec<MirrorPart<'a>> {
+    let mut parts = Vec::new();
+    let mut freeform = None;
+    for surface in placed {
+        for face in 0..surface.faces() {
+            let Some(shape) = world_shape(description, surface, face) else { continue };
+            if freeform == Some(shape) || !is_mirror(scene, surface, face) {
+                continue;
+            }
+            let bases = description.world.shapes.get(shape).and_then(SurfaceBasis::of_shape);
+            match bases {
+                Some(bases) => {
+                    // All faces at once.
+                    freeform = Some(shape);
+                    let triangle = UnitPart::Triangle([DVec2::ZERO, DVec2::X, DVec2::Y]);
+                    parts.extend(bases.into_iter().map(|basis| MirrorPart {
+                        shape,
+                        part: if basis.is_triangle() { triangle } else { UnitPart::Square },
+                        surface: MirrorSurface::Freeform(basis),
+                    }));
+                }
+                None => parts.extend(UnitPart::of(&surface.face_domain(face)).into_iter().map(|part| {
+                    MirrorPart { shape, surface: MirrorSurface::Fixed { placed: surface, face }, part }
+                })),
+            }
+        }
+    }
+    parts
+}
+
+/// Whether a face reflects specularly, by its material in the middle of the face or, if that is trimmed away, at the first of some points.
+fn is_mirror(scene: &Scene, surface: &PlacedSurface<'_>, face: u32) -> bool {
+    let corners = surface.face_domain(face).corners();
+    let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
+    let grid = (0..1024_u32).map(|k| (DVec2::new(f64::from(k % 32), f64::from(k / 32)) + 0.5) / 32.0);
+    let mut points = [middle].into_iter().chain(grid).filter_map(|uv| surface.at(face, uv, false));
+    let bsdf = points.next().and_then(|point| point.at.bsdf(scene, &Wavelengths::default()));
+    bsdf.is_some_and(|bsdf| bsdf.is_delta())
+}
+
+/// The reflectance of the point that a ray is aimed at, with the point; `None` if it does not arrive there.
+fn reflectance(scene: &Scene, from: &EmittingPoint, mirror: &LocalFrame) -> Option<(f64, Interaction)> {
+    let towards = mirror.position - from.position;
+    let distance = towards.length();
+    let direction = towards / distance;
+    // The light does not shadow itself.
+    let ray = Ray::new(from.position + 1e-9 * towards, direction);
+    let hit = scene.intersect(&ray, distance * (1.0 + AIM))?;
+    if (hit.t - distance).abs() > AIM * distance {
+        return None;
+    }
+    let wavelengths = Wavelengths::default();
+    let bsdf = hit.bsdf(scene, &wavelengths)?;
+    let branches = bsdf.delta_branches(hit.frame().to_local(hit.wo), TransportMode::Importance);
+    let mirrored = branches.into_iter().flatten().find(|branch| branch.lobe == Lobe::SPECULAR_REFLECTION)?;
+    let reflectance = f64::from(mirrored.weight.luminance(&wavelengths));
+    Some((reflectance, hit))
+}
+
+fn merit(
+    description: &Description,
+    scene: &Scene,
+    index: usize,
+    target: &TargetDescription,
+    emitted: f64,
+) -> Result<Merit, OptimizeError> {
+    if let TargetKind::Collimation { direction } = target.kind {
+        return Ok(Merit::Collimation { mirror: target.shape, direction });
+    }
+    let shape = (first_of_world(description) + target.shape) as u32;
+    let declared = description.world.shapes.get(target.shape).and_then(|shape| shape.receiver.as_ref());
+    let side = declared.map_or(ReceiverSide::Front, |receiver| receiver.side);
+    let receiver = frame(scene, shape, side)?.ok_or(OptimizeError::NoRectangle { index })?;
+    let [across, up] = receiver.half_sides.map(DVec3::length);
+    let longer = across.max(up);
+    let usual = [across, up].map(|side| (f64::from(CELLS) * side / longer).round().max(1.0) as u32);
+    let cells = declared.and_then(|receiver| receiver.cells).unwrap_or(usual);
+    let grid =
+        |wanted: &WantedLight<'_>| Merit::Distribution { receiver, grid: LandingGrid::new(cells, wanted) };
+    Ok(match &target.kind {
+        TargetKind::Even { margin } => grid(&WantedLight::Even { margin: *margin }),
+        TargetKind::Values { cells, values } => grid(&WantedLight::Values { cells: *cells, values }),
+        TargetKind::Peak => grid(&WantedLight::Peak),
+        TargetKind::Flux | TargetKind::Collimation { .. } => Merit::Flux { receiver, emitted },
+    })
+}
+
+/// The rectangle of a receiver by the middles of four cells of its lux map; `None` if it has another form.
+fn frame(scene: &Scene, shape: u32, side: ReceiverSide) -> Result<Option<ReceiverFrame>, OptimizeError> {
+    let side = if side == ReceiverSide::Back { side } else { ReceiverSide::Front };
+    let request =
+        ReceiverRequest { name: String::new(), shape, side, fineness: GridResolution::Cells([2, 2]) };
+    let receivers = Receivers::try_new(scene, &[request])?;
+    let [receiver] = receivers.as_slice() else { return Ok(None) };
+    let &[a, b, c, d] = receiver.positions() else { return Ok(None) };
+    let center = 0.25 * (a + b + c + d);
+    let half_sides = [b - a, c - a];
+    let normal = half_sides[0].cross(half_sides[1]).normalize_or_zero();
+    let area = 4.0 * half_sides[0].cross(half_sides[1]).length();
+    let covered = receiver.areas().iter().zip(receiver.covered());
+    let known: f64 = covered.map(|(area, covered)| area / (1.0 - covered)).sum();
+    let is_rectangle = (area - known).abs() <= FLATNESS * area || !known.is_finite();
+    let is_flat = (d - b - half_sides[1]).length() <= FLATNESS * half_sides[1].length();
+    Ok((is_rectangle && is_flat).then_some(ReceiverFrame { center, half_sides, normal }))
+}
