@@ -205,7 +205,7 @@ impl PyIllumination {
 impl PyScene {
     /// Computes the illuminance on receivers: shapes with the name of a receiver, and the walls of ``room``.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
-    #[pyo3(signature = (*, method="auto", particles=None, time_limit=None, error=None, tolerance=0.01, room=None, cells=None, texel=None,
+    #[pyo3(signature = (*, method="auto", particles=None, time_limit=None, error=None, tolerance=0.01, daylight=false, room=None, cells=None, texel=None,
         far_field=false, resolution=None, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
     fn illuminate(
         &self,
@@ -215,6 +215,7 @@ impl PyScene {
         time_limit: Option<f64>,
         error: Option<f64>,
         tolerance: f64,
+        daylight: bool,
         room: Option<[f64; 3]>,
         cells: Option<Whole>,
         texel: Option<f64>,
@@ -270,6 +271,7 @@ impl PyScene {
             },
             part: part.map(|part| parsed(&part, "part")).transpose()?,
             tolerance: positive(tolerance, "tolerance")?,
+            daylight,
             far_field: far_field.then(|| steps.unwrap_or_default()),
             seed: seed.map_or(default.seed, |seed| seed.0),
             max_depth: depth.unwrap_or(default.max_depth),

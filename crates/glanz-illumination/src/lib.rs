@@ -6,6 +6,7 @@
 //! - [`integrate::Reflections`] integrates over emitters and their images in mirrors, deterministically;
 //! - [`combine()`] adds what reaches the receivers in other ways, by paths that start there and by particles, as a [`LightDivision`] says;
 //! - [`optimize::optimize()`] moves free numbers of a scene until the reflected light is as wanted;
+//! - [`under_overcast_sky`] replaces the light of a scene by daylight, for [`DaylightFactors`];
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
 //! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
 //!   ([`adapted_grid`] chooses the angles);
@@ -14,14 +15,15 @@
 
 pub mod balance;
 pub mod combine;
+pub mod daylight;
 mod division;
 pub mod far_field;
 mod gather;
 pub mod integrate;
 pub mod lux_map;
 mod lux_parts;
-pub mod planning;
 pub mod optimize;
+pub mod planning;
 pub mod receiver;
 mod replicates;
 pub mod report;
@@ -32,6 +34,7 @@ pub mod trace;
 
 pub use balance::FluxBalance;
 pub use combine::{CombinedLight, CombinedOutcome, combine};
+pub use daylight::{DaylightFactors, under_overcast_sky};
 pub use division::LightDivision;
 pub use far_field::{AngleStep, AngleStepError, FarField, FarFieldGrid, FarFieldResolution, FarFieldSummary};
 pub use lux_map::{LuxMap, LuxStatistics, LuxSummary};

@@ -135,6 +135,12 @@ pub(crate) fn of_replicates(means: &[f64; REPLICATES]) -> ReplicateEstimate {
 }
 
 impl ReplicateEstimate {
+    /// The same after a multiplication by a positive number.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        let Self { value, error, interval } = self;
+        Self { value: value * factor, error: error * factor, interval: interval.map(|limit| limit * factor) }
+    }
+
     /// The same with another error of at most `bound`.
     pub(crate) fn widened(self, bound: f64) -> Self {
         let Self { value, error, interval: [low, high] } = self;

@@ -310,6 +310,7 @@ class Scene:
         time_limit: float | None = None,
         error: float | None = None,
         tolerance: float = 0.01,
+        daylight: bool = False,
         room: tuple[float, float, float] | None = None,
         cells: int | None = None,
         texel: float | None = None,
@@ -335,6 +336,8 @@ class Scene:
             End of the tracing: number of particles, seconds, relative standard error; by default an error of 0.01.
         tolerance
             Relative error of the integration in every cell.
+        daylight
+            Replaces all light of the scene by an overcast sky that gives the open ground 10 000 lx; daylight factors are shares of that.
         room
             Adds the walls of a box from the origin to this corner, m, which absorb all light.
         cells, texel

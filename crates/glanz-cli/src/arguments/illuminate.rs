@@ -55,6 +55,7 @@ Examples:
   glanz illuminate --room 6 4 3 --luminaire panel.ldt --grid 3x2 --task 34.2 --maintenance 0.8 -o room
   glanz illuminate reflector.pbrt --room 10 10 10 -o lux --method both --time 60
   glanz illuminate old.pbrt --compare new.pbrt -o designs --texel 0.1
+  glanz illuminate office.pbrt -o daylight --daylight
   glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --far-field lamp.ies
   glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --resolution 2.5x15
 
@@ -95,6 +96,9 @@ pub(crate) struct IlluminateArguments {
     /// Relative error of the integration in every cell
     #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
     tolerance: f64,
+    /// Replace all light of the scene by an overcast sky (z is up), and report daylight factors
+    #[arg(long, conflicts_with = "luminaire")]
+    daylight: bool,
     /// Second design for a comparison: the first is written to DIR/a, this one to DIR/b, the comparison to DIR
     #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with_all = ["checkpoint", "part"])]
     pub(crate) compare: Option<PathBuf>,
@@ -131,6 +135,7 @@ impl IlluminateArguments {
             goal: TraceGoal { particles: self.rays, time: self.time, error: self.error },
             part: self.part.part,
             tolerance: self.tolerance,
+            daylight: self.daylight,
             far_field: (!self.far_field.is_empty()).then(|| self.resolution.unwrap_or_default()),
             seed: self.seed,
             max_depth: self.max_depth,

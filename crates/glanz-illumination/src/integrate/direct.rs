@@ -12,6 +12,8 @@ use super::region::{IntegrationRect, Region, RegionIntegral, Tolerance, integrat
 
 /// Shadow rays along each side of a part of an emitter.
 const RAYS_PER_SIDE: u32 = 8;
+/// Shadow rays to a part of an emitter.
+pub(super) const RAYS: usize = (RAYS_PER_SIDE * RAYS_PER_SIDE) as usize;
 /// Fraction of the distance to an emitter, at its end, in which shadow rays ignore surfaces, so that rounding does not make the emitter shadow itself.
 pub(super) const EMITTER_SHELL: f64 = 1e-9;
 /// Largest number of rectangles where something hides a part of an emitter.

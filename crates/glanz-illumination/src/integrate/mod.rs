@@ -69,8 +69,11 @@ use self::tree::MirrorTree;
 
 /// Largest number of rectangles of mirrors for one point.
 const BUDGET: usize = 8192;
-/// Mean number of rectangles of mirrors per point from which on particles take less time than integration for errors of 1 %, and points that are tried.
+/// Most work of an integration over cells that takes less time than random methods: shadow rays per point of all cells, rectangles of mirrors per point, and per point of all
+/// cells; and the number of points that are tried.
+const MOST_RAYS: usize = 3_000_000;
 const MIRROR_EFFORT: usize = 64;
+const MOST_RECTANGLES: usize = 50_000;
 const MIRROR_PROBES: usize = 64;
 /// Rounding errors in the coordinates of a point that was computed on a surface.
 const ROUNDINGS: u32 = 256;
@@ -190,15 +193,21 @@ impl<'a> Reflections<'a> {
         (ReceivingPoint { point, normal }, origin)
     }
 
-    /// Leaves out the light of mirrors if that takes more than [`MIRROR_EFFORT`] rectangles per point in the middles of some cells: then particles take less
-    /// time for it.
+    /// Leaves out lights, or the light of mirrors, whose integration over the cells of `receivers` takes more work than random methods need for errors of 1 %:
+    /// more than [`MOST_RAYS`] to the lights, [`MIRROR_EFFORT`] rectangles of mirrors per point in the middles of some cells, or [`MOST_RECTANGLES`] in all cells.
     #[must_use]
-    pub fn without_costly_mirrors(mut self, receivers: &Receivers, tolerance: Tolerance) -> Self {
-        let positions = receivers
-            .as_slice()
-            .iter()
-            .flat_map(|receiver| (0..receiver.len()).map(move |cell| (receiver, cell)));
-        let cells: Vec<_> = positions.filter(|(receiver, cell)| receiver.areas()[*cell] > 0.0).collect();
+    pub fn without_costly(mut self, receivers: &Receivers, tolerance: Tolerance) -> Self {
+        let all = receivers.as_slice().iter();
+        let cells: Vec<_> =
+            all.flat_map(|receiver| (0..receiver.len()).map(move |cell| (receiver, cell))).collect();
+        let cells: Vec<_> =
+            cells.into_iter().filter(|(receiver, cell)| receiver.areas()[*cell] > 0.0).collect();
+        if self.points.len() * cells.len() > MOST_RAYS {
+            self.points.clear();
+        }
+        if direct::RAYS * self.emitters.len() * cells.len() > MOST_RAYS {
+            (self.emitters, self.emitter_lights) = (Vec::new(), Vec::new());
+        }
         let probes = cells.iter().step_by(cells.len().div_ceil(MIRROR_PROBES).max(1));
         let placed = self.scene.placed_surfaces();
         let effort = |&(receiver, cell): &(&Receiver, usize)| {
@@ -209,7 +218,8 @@ impl<'a> Reflections<'a> {
             Some(self.reflected(receiver, origin, direct, tolerance, 4 * MIRROR_EFFORT).1)
         };
         let efforts: Vec<usize> = probes.filter_map(effort).collect();
-        if efforts.iter().sum::<usize>() > MIRROR_EFFORT * efforts.len() {
+        let effort = efforts.iter().sum::<usize>() / efforts.len().max(1);
+        if effort > MIRROR_EFFORT || effort * cells.len() > MOST_RECTANGLES {
             self.mirrors = self.mirrors.none();
             self.tree = MirrorTree::over(&self.mirrors);
         }

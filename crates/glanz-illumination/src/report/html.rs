@@ -2,6 +2,8 @@
 
 use glanz_report::svg::escaped;
 
+use crate::DaylightFactors;
+
 use super::text::{calculation, closing, far_field, flux, intervals, receivers};
 use super::{LuxComparison, LuxReport, PolarPlot, isolux, lux_scale};
 
@@ -39,6 +41,9 @@ impl LuxReport {
                 body += &plan.verdict_table().html();
             }
             body += &plan.fact_table().html();
+        }
+        if !self.daylight.is_empty() {
+            body += &DaylightFactors::table(&self.daylight).html();
         }
         body += &(receivers(&self.maps).html() + &intervals(&self.maps).html());
         if !self.maps.is_empty() {
@@ -148,6 +153,7 @@ mod tests {
             maps: vec![map],
             balance: Some(FluxBalance { emitted: 500.0, escaped: 500.0, ..FluxBalance::default() }),
             far_field: None,
+            daylight: vec![DaylightFactors { name: NASTY.into(), mean: 0.5, median: 0.5, minimum: 0.5 }],
             plan: None,
             facts,
             polars: vec![PolarPlot::sample(NASTY, 0.0, &[], |_, _| 1.0)],

@@ -24,12 +24,18 @@ impl<'a> ReceiverSummary<'a> {
 
 impl Serialize for LuxReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct("Report", 5 + usize::from(self.plan.is_some()))?;
+        let mut fields = serializer.serialize_struct(
+            "Report",
+            5 + usize::from(self.plan.is_some()) + usize::from(!self.daylight.is_empty()),
+        )?;
         fields.serialize_field("title", &self.title)?;
         fields
             .serialize_field("receivers", &self.maps.iter().map(ReceiverSummary::of).collect::<Vec<_>>())?;
         fields.serialize_field("flux_balance", &self.balance)?;
         fields.serialize_field("far_field", &self.far_field)?;
+        if !self.daylight.is_empty() {
+            fields.serialize_field("daylight_factors", &self.daylight)?;
+        }
         if let Some(plan) = &self.plan {
             fields.serialize_field("plan", plan)?;
         }
@@ -78,6 +84,7 @@ mod tests {
                 gammas: 37,
                 steps: [5.0, 3.0],
             }),
+            daylight: Vec::new(),
             plan: None,
             facts,
             polars: Vec::new(),

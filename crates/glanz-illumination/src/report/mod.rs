@@ -42,7 +42,7 @@ mod text;
 use glanz_report::FactList;
 
 use crate::planning::PlanReport;
-use crate::{FarFieldSummary, FluxBalance, LuxMap};
+use crate::{DaylightFactors, FarFieldSummary, FluxBalance, LuxMap};
 
 pub use compare::{LuxComparison, ReceiverPair};
 pub use csv::csv;
@@ -56,7 +56,7 @@ pub(crate) use text::printable;
 ///
 /// Its fields in JSON: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
 /// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `far_field` with
-/// the fields of [`FarFieldSummary`] or null; `plan`, if there is one, see [`PlanReport`]; `facts`, an object of the facts by their
+/// the fields of [`FarFieldSummary`] or null; `daylight_factors`, if there are any, each with the fields of [`DaylightFactors`]; `plan`, if there is one, see [`PlanReport`]; `facts`, an object of the facts by their
 /// keys. Numbers that are not finite, which JSON cannot represent, become null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LuxReport {
@@ -68,6 +68,8 @@ pub struct LuxReport {
     pub balance: Option<FluxBalance>,
     /// Figures of the light that left the scene, if it was counted by direction.
     pub far_field: Option<FarFieldSummary>,
+    /// Daylight factors of the receivers; empty if they were not asked for.
+    pub daylight: Vec<DaylightFactors>,
     /// Figures of the standards for a planned room; `None` if none was asked for.
     pub plan: Option<PlanReport>,
     /// Facts about the calculation: program, scene, settings, particles, time.

@@ -4,7 +4,7 @@ use glanz_report::number::significant;
 use glanz_report::{FactList, Table, TableCell};
 
 use super::{LuxComparison, LuxReport};
-use crate::{FarFieldSummary, FluxBalance, LuxMap, LuxSummary};
+use crate::{DaylightFactors, FarFieldSummary, FluxBalance, LuxMap, LuxSummary};
 
 /// `words` with control characters replaced, so that they cannot control a terminal.
 pub(crate) fn printable(words: &str) -> String {
@@ -24,6 +24,9 @@ impl LuxReport {
                 text += &format!("{}\n", plan.verdict_table().plain());
             }
             text += &format!("{}\n", plan.fact_table().plain());
+        }
+        if !self.daylight.is_empty() {
+            text += &format!("{}\n", DaylightFactors::table(&self.daylight).plain());
         }
         text += &format!("{receivers}\n{intervals}");
         if let Some(balance) = &self.balance {
@@ -79,7 +82,7 @@ pub(super) fn intervals(maps: &[LuxMap]) -> Table {
         ("u0", "U0"),
         ("u1", "U1"),
     ];
-    let caption = "Intervals: 95 % by particles, estimated bounds by integration";
+    let caption = "Intervals: 95 % by paths and particles, estimated bounds by integration";
     let mut table = Table::new("intervals", caption, &columns);
     for map in maps {
         let summary = map.summary();
@@ -186,6 +189,7 @@ mod tests {
             maps: vec![map("desk", [100.0, 300.0]), map("the \u{1b}[2Jwall", [0.0, 0.0])],
             balance: Some(balance),
             far_field: None,
+            daylight: Vec::new(),
             plan: None,
             facts,
             polars: Vec::new(),

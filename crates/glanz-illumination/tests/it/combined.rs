@@ -24,7 +24,7 @@ fn until(error: f64) -> TraceGoal {
 /// What is integrated.
 fn integrable<'a>(scene: &'a Scene, receivers: &Receivers) -> Reflections<'a> {
     let tolerance = Tolerance { relative: 0.01, absolute: 0.0 };
-    Reflections::of_integrable(scene).0.without_costly_mirrors(receivers, tolerance)
+    Reflections::of_integrable(scene).0.without_costly(receivers, tolerance)
 }
 
 fn begun(scene: &Scene, receivers: &Receivers) -> CombinedLight {

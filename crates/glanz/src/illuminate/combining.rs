@@ -33,7 +33,7 @@ pub(super) fn combined(
         particles: tally_file::identity(design.hashes, None, options.seed, options.max_depth),
         tolerance: relative,
     };
-    let reflections = reflections.without_costly_mirrors(receivers, tolerance);
+    let reflections = reflections.without_costly(receivers, tolerance);
     let light = match job.resumed() {
         Some(path) => {
             let light = combined_file::read(&path, &file::read(&path)?, &identity)?;

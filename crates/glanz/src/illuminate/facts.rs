@@ -4,6 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use chrono::DateTime;
+use glanz_illumination::daylight::OUTDOOR_LUX;
 use glanz_illumination::{FarFieldResolution, GridResolution};
 use glanz_job::{current_version, processor_name};
 use glanz_report::{FactList, FactValue};
@@ -37,6 +38,9 @@ impl CalculationFacts {
                 facts.push("cells along the longer side", "cells_along_longer_side", u64::from(cells));
             }
             GridResolution::Texel(length) => facts.push("length of cells, m", "cell_m", length),
+        }
+        if options.daylight {
+            facts.push("daylight: illuminance of the open ground, lx", "outdoor_lux", OUTDOOR_LUX);
         }
         if let Some(room) = options.room {
             facts.push("room", "room_m", FactValue::Lengths(room.to_array()));

@@ -22,8 +22,8 @@ use std::time::Instant;
 use glanz_illumination::planning::{PlanningRequest, PlanningSettings};
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
-    FarFieldResolution, GridResolution, LuxMap, ReceiverRequest, Receivers, TraceGoal, TraceSettings,
-    add_walls,
+    DaylightFactors, FarFieldResolution, GridResolution, LuxMap, ReceiverRequest, Receivers, TraceGoal,
+    TraceSettings, add_walls, under_overcast_sky,
 };
 use glanz_job::{ContentHash, JobEnd, JobPart};
 use glanz_math::DVec3;
@@ -111,6 +111,8 @@ pub struct IlluminateOptions {
     pub part: Option<JobPart>,
     /// Relative error of the integration in every cell.
     pub tolerance: f64,
+    /// Replaces all light of the scene by an overcast sky, and adds daylight factors to the report.
+    pub daylight: bool,
     /// Angles by which the light that leaves the scene is counted, see [`IlluminateOutcome::save_far_field`]; `None`: it is not.
     pub far_field: Option<FarFieldResolution>,
     /// Seed of the particles; another seed gives another, independent result.
@@ -129,6 +131,7 @@ impl Default for IlluminateOptions {
             goal: TraceGoal::default(),
             part: None,
             tolerance: 0.01,
+            daylight: false,
             far_field: None,
             seed: 0,
             max_depth: 1000,
@@ -268,6 +271,9 @@ impl Design {
         if let Some(size) = options.room {
             add_walls(&mut scene.description, size);
         }
+        if options.daylight {
+            under_overcast_sky(&mut scene.description);
+        }
         let (scene, warnings) = scene.resolve()?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
         if scene.has_media() {
@@ -288,11 +294,13 @@ impl Design {
         }
         let names: Vec<(&str, [u32; 2])> =
             receivers.as_slice().iter().map(|receiver| (receiver.name(), receiver.cells())).collect();
-        let hashes = [format!("{content_hash:032x} {:?}", options.room), format!("{names:?}")].map(|text| {
-            let mut hash = ContentHash::default();
-            hash.add_file(text.as_bytes());
-            hash.value()
-        });
+        let hashes =
+            [format!("{content_hash:032x} {:?} {}", options.room, options.daylight), format!("{names:?}")]
+                .map(|text| {
+                    let mut hash = ContentHash::default();
+                    hash.add_file(text.as_bytes());
+                    hash.value()
+                });
         Ok(Self { name, scene, receivers, content_hash, hashes, options })
     }
 
@@ -316,6 +324,9 @@ impl Design {
             IlluminateMethod::Trace | IlluminateMethod::Both => {
                 self.count_particles(&mut outcome, job, &mut facts)?;
             }
+        }
+        if self.options.daylight {
+            outcome.report.daylight = outcome.report.maps.iter().map(DaylightFactors::of).collect();
         }
         facts.result.push("complete", "complete", outcome.end == JobEnd::Complete);
         outcome.report.facts = facts.finish(start.elapsed(), job.threads());
