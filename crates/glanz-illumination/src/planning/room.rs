@@ -8,12 +8,12 @@ use glanz_report::number::significant;
 use glanz_report::{FactList, FactValue};
 use glanz_scene::Description;
 use glanz_scene::description::{
-    LightDescription, LightKind, MaterialKind, ReceiverDescription, ReceiverSide, ShapeDescription,
+    LightDescription, LightKind, MaterialKind, ReceiverDescription, ReceiverSide, ShapeDescription, ZoneKind,
 };
 
 use super::glare::{GlareObserver, SEATED_EYE};
 use super::luminaire::PlacedLuminaire;
-use super::request::{LitZone, PlanningRequest, ZoneKind};
+use super::request::{LitZone, PlanningRequest};
 use super::requirement::grid_spacing;
 use crate::room::walls;
 
@@ -197,21 +197,17 @@ impl RoomPlan {
     #[must_use]
     pub fn request(&self) -> PlanningRequest {
         let zone = |name: String| {
-            let kind = match name.as_str() {
-                "floor" => None,
-                "ceiling" => Some(ZoneKind::Ceiling),
-                _ => Some(ZoneKind::Wall),
-            };
-            kind.map(|kind| LitZone { receiver: name, kind })
+            let kind = zone_kind(&name)?;
+            Some(LitZone { receivers: vec![name.clone()], name, kind })
         };
-        let task = LitZone { receiver: WORK_PLANE.to_owned(), kind: ZoneKind::Task };
-        let surfaces = walls(self.size).into_iter().filter_map(|(name, ..)| zone(name));
+        let names = walls(self.size).map(|(name, ..)| name);
+        let zones = std::iter::once(WORK_PLANE.to_owned()).chain(names).filter_map(zone);
         let eyes = self.points_at(SEATED_EYE.min(self.height));
         let views = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y];
         let observers =
             eyes.iter().flat_map(|&eye| views.iter().map(move |&view| GlareObserver::try_new(eye, view)));
         PlanningRequest {
-            zones: std::iter::once(task).chain(surfaces).collect(),
+            zones: zones.collect(),
             luminaires: self.luminaires(),
             observers: observers.filter_map(Result::ok).collect(),
             points: eyes,
@@ -265,6 +261,16 @@ impl RoomPlan {
     }
 }
 
+/// The zone that a receiver of the room is.
+fn zone_kind(receiver: &str) -> Option<ZoneKind> {
+    match receiver {
+        WORK_PLANE => Some(ZoneKind::Task),
+        "ceiling" => Some(ZoneKind::Ceiling),
+        "floor" => None,
+        _ => Some(ZoneKind::Wall),
+    }
+}
+
 /// Number of points along a side, metres, of an area whose longer side is `longer`.
 fn points(side: f64, longer: f64) -> u32 {
     // A quotient that is whole but for rounding needs no further point.
@@ -273,8 +279,8 @@ fn points(side: f64, longer: f64) -> u32 {
 
 /// The shape as a receiver with these cells.
 fn received(shape: ShapeDescription, name: String, cells: [u32; 2]) -> ShapeDescription {
-    let side = ReceiverSide::Front;
-    let receiver = ReceiverDescription { name, cells: Some(cells), side, location: None };
+    let (side, zone) = (ReceiverSide::Front, zone_kind(&name));
+    let receiver = ReceiverDescription { name, cells: Some(cells), side, zone, location: None };
     ShapeDescription { receiver: Some(receiver), ..shape }
 }
 
