@@ -145,36 +145,19 @@ impl PlanningRequest {
         };
         let steps = self.points.len() + sources.len();
         let mut done = 0;
-        let portion = 4 * rayon::current_num_threads();
-        let mut cylindrical = Vec::with_capacity(self.points.len());
-        let numbered: Vec<(u32, DVec3)> = (0..).step_by(2).zip(self.points.iter().copied()).collect();
-        for points in numbered.chunks(portion) {
-            let found: Result<Vec<_>, Interrupted> = points
-                .par_iter()
-                .map(|&(number, position)| cylinder(&gather, position, number, factor, cancel))
-                .collect();
-            cylindrical.extend(found?);
-            done += points.len();
+        let mut add_done = |count: usize| {
+            done += count;
             on_progress(done as f64 / steps as f64);
-        }
+        };
+        let points: Vec<(u32, DVec3)> = (0..).step_by(2).zip(self.points.iter().copied()).collect();
+        let cylindrical = in_portions(&points, &mut add_done, |&(number, position)| {
+            cylinder(&gather, position, number, factor, cancel)
+        })?;
         let first = 2 * self.points.len() as u32;
         let observers: Vec<_> = (first..).zip(self.observers.iter().zip(&sources)).collect();
-        let mut ratings = Vec::with_capacity(observers.len());
-        for observers in observers.chunks(portion) {
-            let found: Result<Vec<_>, Interrupted> = observers
-                .par_iter()
-                .map(|&(number, (observer, &(sources, of_luminaires)))| {
-                    let plane = PointReceiver::Plane(observer.horizontal_view());
-                    let light = gather.illuminance(observer.eye(), plane, number, cancel)?;
-                    let background = light.reflected.scaled(std::f64::consts::FRAC_1_PI);
-                    let glare = gather.emitted_glare(observer, number, cancel)?.plus(of_luminaires);
-                    Ok(GlareRating { observer: *observer, background, sources, glare })
-                })
-                .collect();
-            ratings.extend(found?);
-            done += observers.len();
-            on_progress(done as f64 / steps as f64);
-        }
+        let ratings = in_portions(&observers, &mut add_done, |&(number, (observer, sources))| {
+            rating(&gather, observer, number, *sources, cancel)
+        })?;
         let mut report = PlanReport {
             assumptions: self.assumptions.clone(),
             maintenance: settings.maintenance,
@@ -305,6 +288,36 @@ fn sources(
         }
     }
     Ok((count, glare))
+}
+
+/// The results of `work` for all items, with all threads; `add_done` is called with numbers of items that are done.
+fn in_portions<T: Sync, R: Send>(
+    items: &[T],
+    add_done: &mut dyn FnMut(usize),
+    work: impl Fn(&T) -> Result<R, Interrupted> + Sync,
+) -> Result<Vec<R>, Interrupted> {
+    let mut results = Vec::with_capacity(items.len());
+    for portion in items.chunks(4 * rayon::current_num_threads()) {
+        let found: Result<Vec<R>, Interrupted> = portion.par_iter().map(&work).collect();
+        results.extend(found?);
+        add_done(portion.len());
+    }
+    Ok(results)
+}
+
+/// The rating of an observer who sees this number of luminaires with this sum of their glare.
+fn rating(
+    gather: &PointGather<'_>,
+    observer: &GlareObserver,
+    number: u32,
+    (sources, of_luminaires): (usize, f64),
+    cancel: &CancelFlag,
+) -> Result<GlareRating, Interrupted> {
+    let plane = PointReceiver::Plane(observer.horizontal_view());
+    let light = gather.illuminance(observer.eye(), plane, number, cancel)?;
+    let background = light.reflected.scaled(std::f64::consts::FRAC_1_PI);
+    let glare = gather.emitted_glare(observer, number, cancel)?.plus(of_luminaires);
+    Ok(GlareRating { observer: *observer, background, sources, glare })
 }
 
 /// Maintained cylindrical and horizontal illuminance at a point.
