@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use glanz::illumination::planning::glare::SEATED_EYE;
 use glanz::illumination::planning::{LightingTask, MaintenanceFactor, OFFICE_TASKS, PlanningSettings};
 use glanz_terminal::values::positive;
 
@@ -30,6 +31,9 @@ pub(crate) struct PlanArguments {
     /// Height of the work plane above the floor, metres
     #[arg(long, value_name = "H", default_value_t = 0.75, value_parser = positive, requires = "luminaire")]
     pub(crate) work_plane: f64,
+    /// Height of eyes and of cylinders above the floor, metres: 1.2 seated, 1.6 standing
+    #[arg(long, value_name = "H", default_value_t = SEATED_EYE, value_parser = positive, requires = "luminaire")]
+    pub(crate) eye: f64,
     /// Band along the walls that is no part of the work plane, metres
     #[arg(long, value_name = "M", default_value_t = 0.5, hide_short_help = true, value_parser = finite, requires = "luminaire")]
     pub(crate) margin: f64,

@@ -16,7 +16,7 @@
 //! ```
 //!
 //! of the angle s between the line of sight and the source and the angle t of its side from above, degrees. It differs from the
-//! entries of the table by up to 11 %, mostly by less than 4 %: at most 0.7, mostly 0.3 units of UGR for a single luminaire. As in the table,
+//! 606 entries of the table by 4.3 % on average and by up to 10.6 % (T / R = 3, H / R = 0): 0.3 and 0.7 units of UGR for a single luminaire. As in the table,
 //! luminaires with T > 3 R or H > 2 R do not count. Below the line of sight, where CIE 117 has no index, it is that of @iwata1997.
 //!
 //! CIE 117 and CIE 190 themselves were not available: formula, limits of the table and entries that the tests compare are from open secondary literature
