@@ -135,6 +135,11 @@ pub(crate) fn of_replicates(means: &[f64; REPLICATES]) -> ReplicateEstimate {
 }
 
 impl ReplicateEstimate {
+    /// The same with an exact number more.
+    pub(crate) fn plus(self, exact: f64) -> Self {
+        Self { value: self.value + exact, interval: self.interval.map(|limit| limit + exact), ..self }
+    }
+
     /// The same after a multiplication by a positive number.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let Self { value, error, interval } = self;

@@ -1,6 +1,6 @@
 //! Shapes on which incident light is measured.
 
-use crate::description::{Location, MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
+use crate::description::{Location, MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide, ZoneKind};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::scene::Scene;
 
@@ -11,6 +11,7 @@ pub struct NamedReceiver {
     shape: u32,
     cells: Option<[u32; 2]>,
     side: ReceiverSide,
+    zone: Option<ZoneKind>,
     location: Option<Location>,
 }
 
@@ -21,7 +22,7 @@ impl NamedReceiver {
         shape: u32,
         is_opaque: bool,
     ) -> Result<Self, SceneError> {
-        let ReceiverDescription { name, cells, side, location } = description;
+        let ReceiverDescription { name, cells, side, zone, location } = description;
         let error = |kind| SceneError { location, kind };
         if name.is_empty() {
             let (what, value, range) = ("receiver: name", "empty".to_owned(), "a text");
@@ -39,7 +40,7 @@ impl NamedReceiver {
             let (what, range) = ("receiver: number of cells", "1 to 4096 along each side");
             return Err(error(SceneErrorKind::Range { what, value, range }));
         }
-        Ok(Self { name, shape, cells, side, location })
+        Ok(Self { name, shape, cells, side, zone, location })
     }
 
     /// Its name, not empty; several receivers may have the same.
@@ -65,6 +66,12 @@ impl NamedReceiver {
     #[must_use]
     pub fn side(&self) -> ReceiverSide {
         self.side
+    }
+
+    /// The part of a planned room that it is, if it is one.
+    #[must_use]
+    pub fn zone(&self) -> Option<ZoneKind> {
+        self.zone
     }
 
     /// Its place in the input.

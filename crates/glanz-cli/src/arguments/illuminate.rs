@@ -48,7 +48,8 @@ With --luminaire there is no scene: the box of --room has diffuse walls of --ref
 of the file on a grid, and a work plane. The report has, besides, the unified glare rating of
 observers who sit on a grid and look along both axes, cylindrical illuminance and modelling,
 power per area, maintained illuminances, and with --task a verdict on each requirement, whose
-interval decides: met, not met, undecided (docs/lighting.md).
+interval decides: met, not met, undecided (docs/lighting.md). Zones and observers that a scene
+declares are rated in the same way (docs/scene-format.md).
 
 Examples:
   glanz illuminate office.pbrt -o office

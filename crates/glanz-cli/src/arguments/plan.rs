@@ -3,12 +3,15 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use glanz::illumination::planning::glare::SEATED_EYE;
 use glanz::illumination::planning::{LightingTask, MaintenanceFactor, OFFICE_TASKS, PlanningSettings};
 use glanz_terminal::values::positive;
 
 /// A room with luminaires from a photometric file, instead of a scene.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Options of a planned room, instead of a scene")]
+#[command(
+    next_help_heading = "Options of planned rooms: from --luminaire instead of a scene, or with zones and observers in the scene"
+)]
 pub(crate) struct PlanArguments {
     /// Photometric file of the luminaires, .ldt or .ies: a room of the size of --room with diffuse walls, luminaires on a grid and a work plane
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires_all = ["room", "grid"], conflicts_with_all = ["scene", "compare", "far_field", "part", "cells", "texel"])]
@@ -28,20 +31,23 @@ pub(crate) struct PlanArguments {
     /// Height of the work plane above the floor, metres
     #[arg(long, value_name = "H", default_value_t = 0.75, value_parser = positive, requires = "luminaire")]
     pub(crate) work_plane: f64,
+    /// Height of eyes and of cylinders above the floor, metres: 1.2 seated, 1.6 standing
+    #[arg(long, value_name = "H", default_value_t = SEATED_EYE, value_parser = positive, requires = "luminaire")]
+    pub(crate) eye: f64,
     /// Band along the walls that is no part of the work plane, metres
     #[arg(long, value_name = "M", default_value_t = 0.5, hide_short_help = true, value_parser = finite, requires = "luminaire")]
     pub(crate) margin: f64,
     /// Number of directions from which light is gathered at each eye and cylinder; their errors fall with its square root
-    #[arg(long, value_name = "N", default_value_t = PlanningSettings::default().directions, hide_short_help = true, value_parser = clap::value_parser!(u32).range(16..=1 << 20), requires = "luminaire")]
+    #[arg(long, value_name = "N", default_value_t = PlanningSettings::default().directions, hide_short_help = true, value_parser = clap::value_parser!(u32).range(16..=1 << 20))]
     directions: u32,
     /// Task whose requirements are judged, a row of EN 12464-1:2021: 34.1 to 34.5.1 (offices)
-    #[arg(long, value_name = "ROW", value_parser = task, requires = "luminaire")]
+    #[arg(long, value_name = "ROW", value_parser = task)]
     task: Option<LightingTask>,
     /// The luminaires are emergency lighting, too: judge the floor as an open area, and disability glare, after EN 1838
     #[arg(long, requires = "luminaire")]
     pub(crate) emergency: bool,
     /// Maintenance factor, or its parts LLMFxLSFxLMFxRMF, such as 0.9x1x0.95x0.94
-    #[arg(long, value_name = "MF", value_parser = maintenance, requires = "luminaire")]
+    #[arg(long, value_name = "MF", value_parser = maintenance)]
     maintenance: Option<MaintenanceFactor>,
 }
 

@@ -55,9 +55,10 @@ pub(crate) fn run(
         made.map_err(command_error(messages))?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
-            let mut builder = scene.illuminate().options(arguments.options()).job(job);
+            let settings = arguments.plan.settings(arguments.seed);
+            let mut builder = scene.illuminate().options(arguments.options()).planning(settings).job(job);
             if let Some(request) = request {
-                builder = builder.plan(request, arguments.plan.settings(arguments.seed));
+                builder = builder.plan(request);
             }
             builder.run()
         });

@@ -28,6 +28,7 @@ pub(crate) fn planned_room(
         height: arguments.height.unwrap_or(size.z),
         turn: arguments.turn.to_radians(),
         work_plane: arguments.work_plane,
+        eye: arguments.eye,
         margin: arguments.margin,
     };
     let description = plan.description().map_err(|error| CommandError::usage(error.to_string()))?;

@@ -89,6 +89,20 @@ fn every_error_has_a_position() {
             "WorldBegin\nObjectBegin \"a\"\nShape \"disk\" \"string receiver\" \"desk\"\nObjectEnd",
             "3:32: shape \"disk\": receiver \"desk\" is in an object, every copy of which would be the same receiver",
         ),
+        (
+            "WorldBegin\nShape \"disk\" \"string receiver\" \"desk\" \"string zone\" \"desk\"",
+            "2:53: shape \"disk\": zone \"desk\" is unknown",
+        ),
+        ("WorldBegin\nObserver \"eye\" \"point3 P\" [0 0 1]", "2:1: observer \"eye\" is unknown"),
+        ("WorldBegin\nObserver \"cylinder\"", "2:1: observer \"cylinder\" has no \"point3 P\""),
+        (
+            "WorldBegin\nObserver \"glare\" \"point3 P\" [0 0 1]",
+            "2:1: observer \"glare\" has no \"vector3 view\"",
+        ),
+        (
+            "WorldBegin\nObserver \"glare\" \"point3 P\" [0 0 1] \"vector3 view\" [0 0 2]",
+            "2:53: observer \"glare\": view [0, 0, 2] in the world is vertical",
+        ),
         ("Attribute \"sahpe\" \"float radius\" 1", "1:11: Attribute \"sahpe\" is unknown"),
         ("ColorSpace \"prophoto\"", "1:12: color space \"prophoto\" is unknown"),
         ("Include \"a.pbrt\"", "1:9: Include: file \"a.pbrt\" is not there"),

@@ -10,6 +10,8 @@
 //! | escape routes, open areas, disability glare | [`emergency`] | EN 1838 |
 //! | requirements of tasks, verdicts | [`requirement`] | EN 12464-1 |
 //!
+//! Surfaces that emit light glare by each of their parts.
+//!
 //! A [`RoomPlan`] is a plain room with luminaires on a grid; a [`PlanningRequest`] says what is to be rated in a scene, and makes a
 //! [`PlanReport`] of it.
 //!

@@ -23,11 +23,12 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Frame, Ray};
 use glanz_sampling::{PixelSampler, SamplerKind, warp};
 use glanz_scene::description::IntegratorDescription;
-use glanz_scene::{CameraRay, Light, Scene};
+use glanz_scene::{CameraRay, Light, LightId, PlacedSurface, Scene};
 use glanz_transport::integrator::{
     Context, ContextOptions, Integrator, IntegratorError, IntegratorSettings, Path,
 };
 
+use super::glare::GlareObserver;
 use crate::replicates::{REPLICATES, ReplicateEstimate, of_replicates};
 
 /// Values of [`PointReceiver::Cylinder`] over [`PointReceiver::Plane`] upwards that EN 12464-1 names as an indicator of good modelling under even lighting.
@@ -93,17 +94,37 @@ impl PointIlluminance {
     pub fn total(&self) -> ReplicateEstimate {
         let (a, b) = (self.emitted, self.reflected);
         // Both are of the same paths: intervals add up.
-        ReplicateEstimate {
-            value: self.direct + a.value + b.value,
-            error: a.error + b.error,
-            interval: [0, 1].map(|end| self.direct + a.interval[end] + b.interval[end]),
+        let interval = [0, 1].map(|end| a.interval[end] + b.interval[end]);
+        ReplicateEstimate { value: a.value + b.value, error: a.error + b.error, interval }.plus(self.direct)
+    }
+}
+
+/// A sphere around a luminous surface.
+struct Emitter {
+    light: LightId,
+    center: DVec3,
+    radius: f64,
+}
+
+impl Emitter {
+    /// Those of a scene; unbounded surfaces are none.
+    fn of_scene(scene: &Scene) -> Vec<Self> {
+        if !scene.lights().iter().any(|light| matches!(light, Light::Area(_))) {
+            return Vec::new();
         }
+        let emitter = |surface: &PlacedSurface<'_>| {
+            let (light, bounds) = (surface.light()?, surface.bounds());
+            let (center, radius) = (0.5 * (bounds.min + bounds.max), 0.5 * bounds.min.distance(bounds.max));
+            radius.is_finite().then_some(Self { light, center, radius })
+        };
+        scene.placed_surfaces().iter().filter_map(emitter).collect()
     }
 }
 
 /// Illuminance at points of a scene: direct light of points in closed form, all other light by paths in random directions.
 pub struct PointGather<'a> {
     scene: &'a Scene,
+    emitters: Vec<Emitter>,
     paths: Path,
     /// Number of directions in each of the replicates.
     directions: u32,
@@ -122,7 +143,8 @@ impl<'a> PointGather<'a> {
             ..IntegratorDescription::default()
         };
         let paths = Path::new(&IntegratorSettings::resolve(&description)?);
-        Ok(Self { scene, paths, directions: directions.div_ceil(REPLICATES as u32).max(1), seed })
+        let emitters = Emitter::of_scene(scene);
+        Ok(Self { scene, emitters, paths, directions: directions.div_ceil(REPLICATES as u32).max(1), seed })
     }
 
     /// The illuminance of a receiver at `point`, which differs in `number` from other points of the same seed.
@@ -149,6 +171,54 @@ impl<'a> PointGather<'a> {
         })
     }
 
+    /// Sum of L^2 omega / p^2 over the parts of luminous surfaces that an observer sees and whose position index counts, cd^2 / m^4 sr; 0 for scenes without them.
+    ///
+    /// It is the integral of L^2 / p^2 over directions, by rays into the cone around each surface, as many as directions of illuminances.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if `cancel` is raised.
+    pub fn emitted_glare(
+        &self,
+        observer: &GlareObserver,
+        number: u32,
+        cancel: &CancelFlag,
+    ) -> Result<ReplicateEstimate, Interrupted> {
+        let mut means = [0.0; REPLICATES];
+        for (replicate, mean) in (0..).zip(&mut means) {
+            cancel.check()?;
+            for emitter in &self.emitters {
+                *mean += self.glare_of_emitter(emitter, observer, [number, replicate]);
+            }
+        }
+        Ok(if self.emitters.is_empty() { ReplicateEstimate::default() } else { of_replicates(&means) })
+    }
+
+    /// The part of a luminous surface, by one replicate.
+    fn glare_of_emitter(&self, emitter: &Emitter, observer: &GlareObserver, pixel: [u32; 2]) -> f64 {
+        let offset = emitter.center - observer.eye();
+        let sine = emitter.radius / offset.length();
+        // Around an eye within the sphere it may be anywhere; what is behind the observer does not count.
+        let one_minus_cos = if sine < 1.0 { warp::one_minus_cos(sine * sine) } else { 1.0 };
+        let frame = Frame::from_z(if sine < 1.0 { offset.normalize() } else { observer.view() });
+        let mut sum = 0.0;
+        for index in 0..self.directions {
+            let sampler = PixelSampler::new(SamplerKind::Sobol, self.directions, self.seed, pixel, index);
+            let towards = frame.to_world(warp::uniform_cone(sampler.pixel_2d(), one_minus_cos));
+            let Some(position_index) = observer.position_index(towards) else { continue };
+            let hit = self.scene.intersect(&Ray::new(observer.eye(), towards), f64::INFINITY);
+            let Some(hit) = hit.filter(|hit| hit.light() == Some(emitter.light)) else { continue };
+            sum += (lumens(self.scene.emitted(&hit, hit.wo)) / position_index).powi(2);
+        }
+        2.0 * PI * one_minus_cos * sum / f64::from(self.directions)
+    }
+
+    /// Whether nothing is between `point` and the point at a distance in a unit direction.
+    #[must_use]
+    pub fn is_free(&self, point: DVec3, towards: DVec3, distance: f64) -> bool {
+        // A luminaire that is flush with a ceiling is not behind it.
+        !self.scene.occluded(&Ray::new(point, towards), distance * (1.0 - 1e-6))
+    }
+
     /// Direct light of points, lx.
     #[must_use]
     pub fn direct(&self, point: DVec3, receiver: PointReceiver) -> f64 {
@@ -166,8 +236,7 @@ impl<'a> PointGather<'a> {
                 }
             };
             let lux = lux * receiver.response(towards);
-            let is_lit = lux > 0.0 && !self.scene.occluded(&Ray::new(point, towards), distance);
-            is_lit.then_some(lux)
+            (lux > 0.0 && self.is_free(point, towards, distance)).then_some(lux)
         };
         self.scene.lights().iter().filter_map(light_of).sum()
     }
@@ -295,6 +364,47 @@ mod tests {
         let expected = PI * 50.0 * 4.0 / 8.0;
         assert!((found.emitted.value - expected).abs() < 4.0 * found.emitted.error, "{found:?}");
         assert!(found.emitted.error < 0.02 * expected && found.reflected.value == 0.0, "{found:?}");
+    }
+
+    #[test]
+    fn glare_of_a_luminous_surface_is_that_of_a_luminaire_of_its_luminance() {
+        // A square of 0.6 m, 2 m above the eye and 4 m ahead, of 1000 cd/m^2: as in the calculation by hand of a single luminaire.
+        let panel =
+            ShapeDescription::rectangle([-0.3, 0.3], [-0.3, 0.3]).reversed().translated([4.0, 0.0, 3.2]);
+        let panel = panel.emitting(1000.0 * CANDELA);
+        let (scene, _) = SceneBuilder::new().shape(panel, MaterialKind::diffuse(0.0)).resolve().unwrap();
+        let gather = PointGather::try_new(&scene, 1 << 11, 5).unwrap();
+        let observer = GlareObserver::try_new(DVec3::new(0.0, 0.0, 1.2), DVec3::X).unwrap();
+        let found = gather.emitted_glare(&observer, 0, &CancelFlag::default()).unwrap();
+        let expected = 1e6 * 0.008_049_8 / 2.860_2_f64.powi(2);
+        // The luminaire is small, but no point: its position index varies by 10 % over it.
+        assert!(
+            (found.value - expected).abs() < 4.0 * found.error + 0.01 * expected,
+            "{found:?}, {expected}"
+        );
+        assert!(found.error < 0.03 * expected, "{found:?}");
+        // A ceiling over the eye, within the sphere around it: the sum over small squares.
+        let ceiling =
+            ShapeDescription::rectangle([-3.0, 3.0], [-3.0, 3.0]).reversed().translated([0.0, 0.0, 3.2]);
+        let ceiling = ceiling.emitting(100.0 * CANDELA);
+        let (wide, _) = SceneBuilder::new().shape(ceiling, MaterialKind::diffuse(0.0)).resolve().unwrap();
+        let gather = PointGather::try_new(&wide, 1 << 15, 5).unwrap();
+        let found = gather.emitted_glare(&observer, 0, &CancelFlag::default()).unwrap();
+        let (mut sum, side) = (0.0, 0.01);
+        for (i, j) in (-300..300).flat_map(|i| (-300..300).map(move |j| (i, j))) {
+            let [x, y] = [i, j].map(|k| (f64::from(k) + 0.5) * side);
+            let offset = DVec3::new(x, y, 2.0);
+            let Some(p) = observer.position_index(offset) else { continue };
+            sum += 100.0 * 100.0 / (p * p) * 2.0 / offset.length().powi(3) * side * side;
+        }
+        assert!(
+            (found.value - sum).abs() < 4.0 * found.error && found.error < 0.02 * sum,
+            "{found:?}, {sum}"
+        );
+        let gather = PointGather::try_new(&scene, 1 << 11, 5).unwrap();
+        // Turned away it is dark.
+        let behind = GlareObserver::try_new(DVec3::new(0.0, 0.0, 1.2), DVec3::NEG_X).unwrap();
+        assert_eq!(gather.emitted_glare(&behind, 0, &CancelFlag::default()).unwrap().value, 0.0);
     }
 
     #[test]

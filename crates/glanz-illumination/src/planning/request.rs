@@ -4,7 +4,10 @@ use glanz_job::{CancelFlag, Interrupted};
 use glanz_math::DVec3;
 use glanz_report::FactList;
 use glanz_scene::Scene;
+use glanz_scene::description::ObserverDescription;
 use rayon::prelude::*;
+
+pub use glanz_scene::description::ZoneKind;
 
 use super::emergency::{EscapeZone, disability_glare_verdicts, escape_verdicts};
 use super::glare::{GlareError, GlareObserver, GlareRating};
@@ -15,32 +18,19 @@ use super::point_illuminance::{PointGather, PointReceiver};
 use super::requirement::{
     LightingCriterion, LightingTask, ROOM_UNIFORMITY, RequirementVerdict, surrounding_illuminance,
 };
-use crate::LuxMap;
 use crate::replicates::ReplicateEstimate;
+use crate::{LuxMap, LuxSummary, Receivers};
 
 /// Least uniformity of the surrounding area in EN 12464-1.
 const SURROUNDING_UNIFORMITY: f64 = 0.40;
 
-/// A part of a scene with requirements of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ZoneKind {
-    /// The task area.
-    Task,
-    /// The band around the task area.
-    Surrounding,
-    /// The area beyond: a third of the illuminance of the surrounding area.
-    Background,
-    /// A wall.
-    Wall,
-    /// The ceiling.
-    Ceiling,
-}
-
-/// A receiver as a zone.
+/// Receivers that are a zone together.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LitZone {
-    /// Name of the receiver.
-    pub receiver: String,
+    /// Its name in reports.
+    pub name: String,
+    /// Names of its receivers.
+    pub receivers: Vec<String>,
     /// Its kind.
     pub kind: ZoneKind,
 }
@@ -102,6 +92,35 @@ pub enum PlanningError {
 }
 
 impl PlanningRequest {
+    /// What a scene declares: receivers with a zone, of which those of one name are one zone; observers; its photometric lights.
+    #[must_use]
+    pub fn of_scene(
+        scene: &Scene,
+        receivers: &Receivers,
+        observers: &[ObserverDescription],
+        luminaires: Vec<PlacedLuminaire>,
+    ) -> Self {
+        let mut zones: Vec<LitZone> = Vec::new();
+        for declared in scene.receivers() {
+            let Some(kind) = declared.zone() else { continue };
+            let own = receivers.as_slice().iter().filter(|receiver| receiver.shape() == declared.shape());
+            let names: Vec<String> = own.map(|receiver| receiver.name().to_owned()).collect();
+            match zones.iter_mut().find(|zone| zone.name == declared.name() && zone.kind == kind) {
+                Some(zone) => zone.receivers.extend(names),
+                None => zones.push(LitZone { name: declared.name().to_owned(), receivers: names, kind }),
+            }
+        }
+        let eyes = observers.iter().filter_map(|at| GlareObserver::try_new(at.position, at.view?).ok());
+        let points = observers.iter().filter(|at| at.view.is_none()).map(|at| at.position);
+        Self { zones, luminaires, observers: eyes.collect(), points: points.collect(), ..Self::default() }
+    }
+
+    /// Whether there is nothing to be rated.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.zones.is_empty() && self.observers.is_empty() && self.points.is_empty()
+    }
+
     /// Rates a scene by the illuminance of its receivers, `maps`, of the new installation.
     ///
     /// `on_progress` is called with the share that is done, in (0, 1]. UGR is that of the new installation, all illuminances are maintained ones.
@@ -119,42 +138,26 @@ impl PlanningRequest {
         let factor = settings.maintenance.value()?;
         let gather = PointGather::try_new(scene, settings.directions, settings.seed)?;
         let sources: Result<Vec<_>, GlareError> =
-            self.observers.iter().map(|observer| sources(observer, &self.luminaires)).collect();
+            self.observers.iter().map(|observer| sources(&gather, observer, &self.luminaires)).collect();
         let (sources, glare_refusal) = match sources {
             Ok(sources) => (sources, None),
             Err(error) => (Vec::new(), Some(error.to_string())),
         };
         let steps = self.points.len() + sources.len();
         let mut done = 0;
-        let portion = 4 * rayon::current_num_threads();
-        let mut cylindrical = Vec::with_capacity(self.points.len());
-        let numbered: Vec<(u32, DVec3)> = (0..).step_by(2).zip(self.points.iter().copied()).collect();
-        for points in numbered.chunks(portion) {
-            let found: Result<Vec<_>, Interrupted> = points
-                .par_iter()
-                .map(|&(number, position)| cylinder(&gather, position, number, factor, cancel))
-                .collect();
-            cylindrical.extend(found?);
-            done += points.len();
+        let mut add_done = |count: usize| {
+            done += count;
             on_progress(done as f64 / steps as f64);
-        }
+        };
+        let points: Vec<(u32, DVec3)> = (0..).step_by(2).zip(self.points.iter().copied()).collect();
+        let cylindrical = in_portions(&points, &mut add_done, |&(number, position)| {
+            cylinder(&gather, position, number, factor, cancel)
+        })?;
         let first = 2 * self.points.len() as u32;
         let observers: Vec<_> = (first..).zip(self.observers.iter().zip(&sources)).collect();
-        let mut ratings = Vec::with_capacity(observers.len());
-        for observers in observers.chunks(portion) {
-            let found: Result<Vec<_>, Interrupted> = observers
-                .par_iter()
-                .map(|&(number, (observer, &(sources, glare)))| {
-                    let plane = PointReceiver::Plane(observer.horizontal_view());
-                    let light = gather.illuminance(observer.eye(), plane, number, cancel)?;
-                    let background = light.reflected.scaled(std::f64::consts::FRAC_1_PI);
-                    Ok(GlareRating { observer: *observer, background, sources, glare })
-                })
-                .collect();
-            ratings.extend(found?);
-            done += observers.len();
-            on_progress(done as f64 / steps as f64);
-        }
+        let ratings = in_portions(&observers, &mut add_done, |&(number, (observer, sources))| {
+            rating(&gather, observer, number, *sources, cancel)
+        })?;
         let mut report = PlanReport {
             assumptions: self.assumptions.clone(),
             maintenance: settings.maintenance,
@@ -185,8 +188,7 @@ impl PlanningRequest {
     /// Maintained mean illuminance of the first task area, lx.
     fn task_illuminance(&self, maps: &[LuxMap], factor: f64) -> Option<f64> {
         let zone = self.zones.iter().find(|zone| zone.kind == ZoneKind::Task)?;
-        let map = maps.iter().find(|map| map.name == zone.receiver)?;
-        Some(map.summary().mean * factor)
+        Some(ZoneSummary::new(zone, maps)?.mean.0 * factor)
     }
 
     fn verdicts(&self, task: &LightingTask, maps: &[LuxMap], report: &PlanReport) -> Vec<RequirementVerdict> {
@@ -194,7 +196,11 @@ impl PlanningRequest {
         let factor = report.maintenance_factor;
         let mut verdicts = Vec::new();
         for zone in &self.zones {
-            let Some(map) = maps.iter().find(|map| map.name == zone.receiver) else { continue };
+            let Some(ZoneSummary { mean: (mean, interval), uniformity: (u0, u0_interval) }) =
+                ZoneSummary::new(zone, maps)
+            else {
+                continue;
+            };
             let surrounding = surrounding_illuminance(task.illuminance);
             let (illuminance, uniformity) = match zone.kind {
                 ZoneKind::Task => (task.illuminance, task.uniformity),
@@ -203,14 +209,12 @@ impl PlanningRequest {
                 ZoneKind::Wall => (task.walls, ROOM_UNIFORMITY),
                 ZoneKind::Ceiling => (task.ceiling, ROOM_UNIFORMITY),
             };
-            let summary = map.summary();
-            let mean = (summary.mean * factor, summary.mean_interval.map(|lux| lux * factor));
-            for (criterion, limit, (value, interval)) in [
-                (MeanIlluminance, illuminance, mean),
-                (Uniformity, uniformity, (summary.u0, summary.u0_interval)),
+            for (criterion, limit, value, interval) in [
+                (MeanIlluminance, illuminance, mean * factor, interval.map(|lux| lux * factor)),
+                (Uniformity, uniformity, u0, u0_interval),
             ] {
                 let requirement = task.requirement(criterion, limit);
-                verdicts.push(RequirementVerdict::new(&zone.receiver, requirement, value, interval));
+                verdicts.push(RequirementVerdict::new(&zone.name, requirement, value, interval));
             }
         }
         if !self.observers.is_empty() {
@@ -229,16 +233,91 @@ impl PlanningRequest {
     }
 }
 
-/// Number of luminaires that an observer counts and the sum of their glare.
-fn sources(observer: &GlareObserver, luminaires: &[PlacedLuminaire]) -> Result<(usize, f64), GlareError> {
+/// Mean illuminance of a zone, lx, and its uniformity, with their intervals.
+struct ZoneSummary {
+    mean: (f64, [f64; 2]),
+    uniformity: (f64, [f64; 2]),
+}
+
+impl ZoneSummary {
+    /// `None` if none of its receivers has an area.
+    fn new(zone: &LitZone, maps: &[LuxMap]) -> Option<Self> {
+        let own = maps.iter().filter(|map| zone.receivers.contains(&map.name)).map(LuxMap::summary);
+        let parts: Vec<LuxSummary> = own.filter(|summary| summary.area > 0.0).collect();
+        if let [only] = parts.as_slice() {
+            let mean = (only.mean, only.mean_interval);
+            return Some(Self { mean, uniformity: (only.u0, only.u0_interval) });
+        }
+        let area: f64 = parts.iter().map(|part| part.area).sum();
+        let mean = |value: &dyn Fn(&LuxSummary) -> f64| {
+            parts.iter().map(|part| part.area * value(part)).sum::<f64>() / area
+        };
+        let least =
+            |value: &dyn Fn(&LuxSummary) -> f64| parts.iter().map(value).fold(f64::INFINITY, f64::min);
+        let over = |least: f64, whole: f64| if whole > 0.0 { (least / whole).clamp(0.0, 1.0) } else { 0.0 };
+        // Parts at their limits at the same time.
+        let ends = [0, 1].map(|end| mean(&|part| part.mean_interval[end]));
+        let minima = [0, 1].map(|end| least(&|part| part.minimum_interval[end]));
+        let value = mean(&|part| part.mean);
+        let uniformity = over(least(&|part| part.minimum), value);
+        (area > 0.0).then_some(Self {
+            mean: (value, ends),
+            uniformity: (uniformity, [over(minima[0], ends[1]), over(minima[1], ends[0])]),
+        })
+    }
+}
+
+/// Number of luminaires that an observer sees and counts, and the sum of their glare.
+fn sources(
+    gather: &PointGather<'_>,
+    observer: &GlareObserver,
+    luminaires: &[PlacedLuminaire],
+) -> Result<(usize, f64), GlareError> {
     let (mut count, mut glare) = (0, 0.0);
     for luminaire in luminaires {
+        let offset = luminaire.position - observer.eye();
+        let distance = offset.length();
+        if observer.position_index(offset).is_none()
+            || !gather.is_free(observer.eye(), offset / distance, distance)
+        {
+            continue;
+        }
         if let Some(source) = observer.source(luminaire)? {
             count += 1;
             glare += source.glare();
         }
     }
     Ok((count, glare))
+}
+
+/// The results of `work` for all items, with all threads; `add_done` is called with numbers of items that are done.
+fn in_portions<T: Sync, R: Send>(
+    items: &[T],
+    add_done: &mut dyn FnMut(usize),
+    work: impl Fn(&T) -> Result<R, Interrupted> + Sync,
+) -> Result<Vec<R>, Interrupted> {
+    let mut results = Vec::with_capacity(items.len());
+    for portion in items.chunks(4 * rayon::current_num_threads()) {
+        let found: Result<Vec<R>, Interrupted> = portion.par_iter().map(&work).collect();
+        results.extend(found?);
+        add_done(portion.len());
+    }
+    Ok(results)
+}
+
+/// The rating of an observer who sees this number of luminaires with this sum of their glare.
+fn rating(
+    gather: &PointGather<'_>,
+    observer: &GlareObserver,
+    number: u32,
+    (sources, of_luminaires): (usize, f64),
+    cancel: &CancelFlag,
+) -> Result<GlareRating, Interrupted> {
+    let plane = PointReceiver::Plane(observer.horizontal_view());
+    let light = gather.illuminance(observer.eye(), plane, number, cancel)?;
+    let background = light.reflected.scaled(std::f64::consts::FRAC_1_PI);
+    let glare = gather.emitted_glare(observer, number, cancel)?.plus(of_luminaires);
+    Ok(GlareRating { observer: *observer, background, sources, glare })
 }
 
 /// Maintained cylindrical and horizontal illuminance at a point.

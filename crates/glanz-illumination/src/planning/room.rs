@@ -8,12 +8,12 @@ use glanz_report::number::significant;
 use glanz_report::{FactList, FactValue};
 use glanz_scene::Description;
 use glanz_scene::description::{
-    LightDescription, LightKind, MaterialKind, ReceiverDescription, ReceiverSide, ShapeDescription,
+    LightDescription, LightKind, MaterialKind, ReceiverDescription, ReceiverSide, ShapeDescription, ZoneKind,
 };
 
-use super::glare::{GlareObserver, SEATED_EYE};
+use super::glare::GlareObserver;
 use super::luminaire::PlacedLuminaire;
-use super::request::{LitZone, PlanningRequest, ZoneKind};
+use super::request::{LitZone, PlanningRequest};
 use super::requirement::grid_spacing;
 use crate::room::walls;
 
@@ -58,6 +58,9 @@ pub struct RoomPlan {
     pub turn: f64,
     /// Height of the work plane above the floor, metres; above 0.
     pub work_plane: f64,
+    /// Height of eyes and of cylinders above the floor, metres: [`SEATED_EYE`](super::glare::SEATED_EYE) or
+    /// [`STANDING_EYE`](super::glare::STANDING_EYE); below the luminaires.
+    pub eye: f64,
     /// Distance of the work plane, and of the points of observers, from the walls, metres.
     pub margin: f64,
 }
@@ -116,6 +119,7 @@ impl RoomPlan {
         }
         length("the height of the luminaires", self.height, 0.0, z)?;
         length("the height of the work plane", self.work_plane, 0.0, self.height)?;
+        length("the height of the eyes", self.eye, 0.0, self.height)?;
         for (surface, value) in ["ceiling", "walls", "floor"].into_iter().zip(self.reflectances) {
             if !(0.0..1.0).contains(&value) {
                 return Err(RoomPlanError::Reflectance { surface, value });
@@ -193,25 +197,21 @@ impl RoomPlan {
         Ok(description)
     }
 
-    /// What is to be rated: the work plane is the task area; walls and ceiling; seated observers who look along both axes from the points of a grid.
+    /// What is to be rated: the work plane is the task area; walls and ceiling; observers who look along both axes from the points of a grid.
     #[must_use]
     pub fn request(&self) -> PlanningRequest {
         let zone = |name: String| {
-            let kind = match name.as_str() {
-                "floor" => None,
-                "ceiling" => Some(ZoneKind::Ceiling),
-                _ => Some(ZoneKind::Wall),
-            };
-            kind.map(|kind| LitZone { receiver: name, kind })
+            let kind = zone_kind(&name)?;
+            Some(LitZone { receivers: vec![name.clone()], name, kind })
         };
-        let task = LitZone { receiver: WORK_PLANE.to_owned(), kind: ZoneKind::Task };
-        let surfaces = walls(self.size).into_iter().filter_map(|(name, ..)| zone(name));
-        let eyes = self.points_at(SEATED_EYE.min(self.height));
+        let names = walls(self.size).map(|(name, ..)| name);
+        let zones = std::iter::once(WORK_PLANE.to_owned()).chain(names).filter_map(zone);
+        let eyes = self.points_at(self.eye);
         let views = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y];
         let observers =
             eyes.iter().flat_map(|&eye| views.iter().map(move |&view| GlareObserver::try_new(eye, view)));
         PlanningRequest {
-            zones: std::iter::once(task).chain(surfaces).collect(),
+            zones: zones.collect(),
             luminaires: self.luminaires(),
             observers: observers.filter_map(Result::ok).collect(),
             points: eyes,
@@ -243,7 +243,7 @@ impl RoomPlan {
         facts.push("C0 of the luminaires from x towards y, degrees", "turn_degrees", self.turn.to_degrees());
         facts.push("height of the work plane, m", "work_plane_m", self.work_plane);
         facts.push("distance from the walls that does not count, m", "margin_m", self.margin);
-        facts.push("height of eyes and of cylinders, m", "eye_m", SEATED_EYE.min(self.height));
+        facts.push("height of eyes and of cylinders, m", "eye_m", self.eye);
         facts
     }
 
@@ -265,6 +265,16 @@ impl RoomPlan {
     }
 }
 
+/// The zone that a receiver of the room is.
+fn zone_kind(receiver: &str) -> Option<ZoneKind> {
+    match receiver {
+        WORK_PLANE => Some(ZoneKind::Task),
+        "ceiling" => Some(ZoneKind::Ceiling),
+        "floor" => None,
+        _ => Some(ZoneKind::Wall),
+    }
+}
+
 /// Number of points along a side, metres, of an area whose longer side is `longer`.
 fn points(side: f64, longer: f64) -> u32 {
     // A quotient that is whole but for rounding needs no further point.
@@ -273,8 +283,8 @@ fn points(side: f64, longer: f64) -> u32 {
 
 /// The shape as a receiver with these cells.
 fn received(shape: ShapeDescription, name: String, cells: [u32; 2]) -> ShapeDescription {
-    let side = ReceiverSide::Front;
-    let receiver = ReceiverDescription { name, cells: Some(cells), side, location: None };
+    let (side, zone) = (ReceiverSide::Front, zone_kind(&name));
+    let receiver = ReceiverDescription { name, cells: Some(cells), side, zone, location: None };
     ShapeDescription { receiver: Some(receiver), ..shape }
 }
 
@@ -301,6 +311,7 @@ mod tests {
             height: 3.0,
             turn: 0.0,
             work_plane: 0.75,
+            eye: 1.2,
             margin: 0.5,
         }
     }
@@ -357,6 +368,7 @@ mod tests {
                 "the height of the luminaires is 3.1 m; it must be above 0 and at most 3 m",
             ),
             (text(|plan| plan.work_plane = 3.1), "the height of the work plane is 3.1 m"),
+            (text(|plan| plan.eye = 0.0), "the height of the eyes is 0 m"),
             (text(|plan| plan.reflectances[1] = 1.0), "the reflectance of the walls is 1;"),
             (text(|plan| plan.reflectances[2] = f64::NAN), "the reflectance of the floor is NaN;"),
             (text(|plan| plan.grid = [0, 2]), "a grid of 0 x 2 luminaires"),

@@ -170,6 +170,12 @@ impl Receiver {
         &self.name
     }
 
+    /// The number of its shape in the order of the scene file.
+    #[must_use]
+    pub fn shape(&self) -> u32 {
+        self.shape
+    }
+
     /// Its number among [`Scene::placed_surfaces`].
     #[must_use]
     pub fn surface(&self) -> u32 {

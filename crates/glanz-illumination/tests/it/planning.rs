@@ -39,6 +39,7 @@ fn plan() -> RoomPlan {
         height: 2.8,
         turn: 0.0,
         work_plane: 0.75,
+        eye: 1.2,
         margin: 0.5,
     }
 }

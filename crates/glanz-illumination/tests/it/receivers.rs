@@ -157,6 +157,7 @@ fn boxes_count_by_facets_and_names_that_repeat_are_numbered() {
 fn sides_of_a_border_count_by_themselves_and_stop_nothing() {
     // A point above the middle of a border: what goes down passes it and comes to the floor behind.
     let receiver = ReceiverDescription {
+        zone: None,
         name: "air".into(),
         cells: Some([1, 1]),
         side: ReceiverSide::Both,

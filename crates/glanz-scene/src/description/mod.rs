@@ -17,6 +17,7 @@ mod integrator;
 mod light;
 mod material;
 mod medium;
+mod observer;
 mod pass_lengths;
 mod photon;
 mod receiver;
@@ -49,9 +50,10 @@ pub use light::{
 };
 pub use material::{DescriptionForm, MaterialDescription, MaterialKind, SurfaceDetailDescription};
 pub use medium::{DensityDescription, MediumDescription, SurfaceMedia};
+pub use observer::ObserverDescription;
 pub use pass_lengths::{PassLengths, PassLengthsError};
 pub use photon::{PhotonSettings, PhotonSettingsError};
-pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
+pub use receiver::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide, ZoneKind};
 pub use section::SectionDescription;
 pub use shape::{AlphaDescription, ShapeDescription};
 pub use texture::{
@@ -101,6 +103,8 @@ pub struct Description {
     pub camera_medium: Option<usize>,
     /// Lights that are not surfaces.
     pub lights: Vec<LightDescription>,
+    /// Points at which the light of a planned room is rated; they have no effect on light and pictures.
+    pub observers: Vec<ObserverDescription>,
     /// Radiance, W/(m^2 sr), that the camera sees where its rays leave the scene; it lights nothing. `None`: that of the infinite lights.
     pub backdrop: Option<SpectralDistribution>,
     /// Groups that instances refer to by index; one may only refer to those before it.

@@ -14,8 +14,42 @@ pub struct ReceiverDescription {
     pub cells: Option<[u32; 2]>,
     /// The side on which light counts.
     pub side: ReceiverSide,
+    /// The part of a planned room that it is, if it is one.
+    pub zone: Option<ZoneKind>,
     /// Its place in the input.
     pub location: Option<Location>,
+}
+
+/// A part of a planned room, with requirements of its own (EN 12464-1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ZoneKind {
+    /// The task area.
+    Task,
+    /// The band around the task area.
+    Surrounding,
+    /// The area beyond that band.
+    Background,
+    /// A wall.
+    Wall,
+    /// The ceiling.
+    Ceiling,
+}
+
+impl ZoneKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] = [Self::Task, Self::Surrounding, Self::Background, Self::Wall, Self::Ceiling];
+
+    /// Name in scene files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Task => "task",
+            Self::Surrounding => "surrounding",
+            Self::Background => "background",
+            Self::Wall => "wall",
+            Self::Ceiling => "ceiling",
+        }
+    }
 }
 
 /// Sides of a surface.

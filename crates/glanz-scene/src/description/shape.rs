@@ -241,8 +241,13 @@ impl ShapeDescription {
     /// The shape as a receiver of that name, measured on its front.
     #[must_use]
     pub fn receiver(self, name: impl Into<String>) -> Self {
-        let receiver =
-            ReceiverDescription { name: name.into(), cells: None, side: ReceiverSide::Front, location: None };
+        let receiver = ReceiverDescription {
+            name: name.into(),
+            cells: None,
+            side: ReceiverSide::Front,
+            zone: None,
+            location: None,
+        };
         Self { receiver: Some(receiver), ..self }
     }
 }

@@ -49,7 +49,13 @@ pub(super) fn resolve_overcast(
     }
     let picture = |zenith: f64, ground: [f32; 3]| {
         SphereImage::of(SphereMapping::EqualArea, OVERCAST_RESOLUTION, |direction| {
-            if direction.z < 0.0 { ground } else { [(zenith * (1.0 + 2.0 * direction.z) / 3.0) as f32; 3] }
+            let sky = [(zenith * (1.0 + 2.0 * direction.z) / 3.0) as f32; 3];
+            // The middles of pixels lie on the horizon, too.
+            match direction.z {
+                z if z.abs() < 1e-9 => std::array::from_fn(|i| 0.5 * (sky[i] + ground[i])),
+                z if z > 0.0 => sky,
+                _ => ground,
+            }
         })
     };
     // 7 pi / 9 of the zenith's radiance, but for the interpolation between pixels at the horizon.

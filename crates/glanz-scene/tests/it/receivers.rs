@@ -7,7 +7,13 @@ use glanz_scene::{Scene, SceneBuilder, SceneErrorKind};
 const HERE: Location = Location { file: FileId(0), line: 4, column: 2 };
 
 fn receiver(name: &str, cells: Option<[u32; 2]>) -> ReceiverDescription {
-    ReceiverDescription { name: name.into(), cells, side: ReceiverSide::Both, location: Some(HERE) }
+    ReceiverDescription {
+        name: name.into(),
+        cells,
+        side: ReceiverSide::Both,
+        zone: None,
+        location: Some(HERE),
+    }
 }
 
 fn shape(shape: ShapeDescription, x: f64, receiver: Option<ReceiverDescription>) -> ShapeDescription {

@@ -24,6 +24,7 @@ pub fn without(description: &Description, hidden: &BTreeSet<u32>) -> Description
     };
     let world = pruning.pruned(&description.world, 0);
     Description {
+        observers: description.observers.clone(),
         files: description.files.clone(),
         camera: description.camera.clone(),
         film: description.film.clone(),

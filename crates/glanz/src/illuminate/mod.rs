@@ -19,7 +19,7 @@ mod tracing;
 use std::path::Path;
 use std::time::Instant;
 
-use glanz_illumination::planning::{PlanningRequest, PlanningSettings};
+use glanz_illumination::planning::{PlacedLuminaire, PlanningRequest, PlanningSettings};
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
     DaylightFactors, FarFieldResolution, GridResolution, LuxMap, ReceiverRequest, Receivers, TraceGoal,
@@ -28,6 +28,7 @@ use glanz_illumination::{
 use glanz_job::{ContentHash, JobEnd, JobPart};
 use glanz_math::DVec3;
 use glanz_scene::Scene;
+use glanz_scene::description::ObserverDescription;
 
 use crate::error::Error;
 use crate::event::{JobEvent, Warning};
@@ -91,7 +92,8 @@ impl IlluminateMethod {
 pub struct IlluminateBuilder<'a> {
     scene: LoadedScene,
     options: IlluminateOptions,
-    plan: Option<(PlanningRequest, PlanningSettings)>,
+    plan: Option<PlanningRequest>,
+    planning: PlanningSettings,
     job: JobOptions<'a>,
 }
 
@@ -141,12 +143,19 @@ impl Default for IlluminateOptions {
 
 impl<'a> IlluminateBuilder<'a> {
     pub(crate) fn new(scene: LoadedScene) -> Self {
-        Self { scene, options: IlluminateOptions::default(), plan: None, job: JobOptions::default() }
+        let (options, job) = (IlluminateOptions::default(), JobOptions::default());
+        Self { scene, options, plan: None, planning: PlanningSettings::default(), job }
     }
 
-    /// Rates the lit scene by standards, too; the report has the figures ([`LuxReport::plan`]).
-    pub fn plan(mut self, request: PlanningRequest, settings: PlanningSettings) -> Self {
-        self.plan = Some((request, settings));
+    /// Rates this by standards ([`LuxReport::plan`]); by default, zones and observers that the scene declares are rated.
+    pub fn plan(mut self, request: PlanningRequest) -> Self {
+        self.plan = Some(request);
+        self
+    }
+
+    /// Task, maintenance factor and accuracy of ratings.
+    pub fn planning(mut self, settings: PlanningSettings) -> Self {
+        self.planning = settings;
         self
     }
 
@@ -210,7 +219,7 @@ impl<'a> IlluminateBuilder<'a> {
     /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`];
     /// [`Error::Planning`] for figures of planners; [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
-        let Self { scene, mut options, plan, job } = self;
+        let Self { scene, mut options, plan, planning: settings, job } = self;
         scene.check_scene("illuminate")?;
         let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
@@ -238,10 +247,9 @@ impl<'a> IlluminateBuilder<'a> {
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
         let mut outcome = design.illuminate(&mut job)?;
-        if let Some((request, settings)) = &plan
-            && options.part.is_none()
-        {
-            planning::rate(&design, request, settings, &mut outcome, &mut job)?;
+        let request = plan.unwrap_or_else(|| design.declared_plan());
+        if !request.is_empty() && options.part.is_none() {
+            planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
         }
         outcome.warnings = job.warnings;
         Ok(outcome)
@@ -253,6 +261,9 @@ struct Design {
     name: String,
     scene: Scene,
     receivers: Receivers,
+    /// Observers that the scene declares, and its photometric lights.
+    observers: Vec<ObserverDescription>,
+    luminaires: Vec<PlacedLuminaire>,
     /// Content hash of the files of the scene.
     content_hash: u128,
     /// Content hashes of the scene with its room, and of the receivers.
@@ -274,6 +285,8 @@ impl Design {
         if options.daylight {
             under_overcast_sky(&mut scene.description);
         }
+        let observers = scene.description.observers.clone();
+        let luminaires = PlacedLuminaire::of_scene(&scene.description);
         let (scene, warnings) = scene.resolve()?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
         if scene.has_media() {
@@ -301,7 +314,12 @@ impl Design {
                     hash.add_file(text.as_bytes());
                     hash.value()
                 });
-        Ok(Self { name, scene, receivers, content_hash, hashes, options })
+        Ok(Self { name, scene, receivers, observers, luminaires, content_hash, hashes, options })
+    }
+
+    /// The zones and observers that the scene declares.
+    fn declared_plan(&self) -> PlanningRequest {
+        PlanningRequest::of_scene(&self.scene, &self.receivers, &self.observers, self.luminaires.clone())
     }
 
     /// Computes the light.

@@ -140,3 +140,64 @@ fn floor_of_a_room_is_judged_as_an_open_area() {
     assert_eq!(verdicts[2]["limit"], 1600.0);
     assert!((verdicts[2]["value"].as_f64().unwrap() - 500.0).abs() < 1.0);
 }
+
+#[test]
+fn zones_and_observers_of_a_scene_are_rated() {
+    let folder = Folder::new();
+    panel(&folder, "panel.ies", "0.6");
+    let scene = r#"
+WorldBegin
+AttributeBegin
+Translate 1.5 2 2.9
+LightSource "photometric" "string filename" "panel.ies" "string as" "area"
+AttributeEnd
+Material "diffuse" "float reflectance" .6
+AttributeBegin
+Translate 1.5 2 1.5
+Shape "box" "vector3 size" [ 3 4 3 ]
+AttributeEnd
+Material "interface"
+Shape "bilinearmesh" "point3 P" [ 1 1.5 .75  2 1.5 .75  1 2.5 .75  2 2.5 .75 ] "string receiver" "desk" "integer cells" [ 4 4 ] "string zone" "task"
+Shape "bilinearmesh" "point3 P" [ .5 1.5 .75  1 1.5 .75  .5 2.5 .75  1 2.5 .75 ] "string receiver" "around" "integer cells" [ 2 4 ] "string zone" "surrounding"
+Shape "bilinearmesh" "point3 P" [ 2 1.5 .75  2.5 1.5 .75  2 2.5 .75  2.5 2.5 .75 ] "string receiver" "around" "integer cells" [ 2 4 ] "string zone" "surrounding"
+Observer "glare" "point3 P" [ 1.5 .3 1.2 ] "vector3 view" [ 0 1 0 ]
+Observer "cylinder" "point3 P" [ 1.5 2 1.2  1 1 1.2 ]
+"#;
+    folder.write("room.pbrt", scene);
+    let line = "illuminate room.pbrt --rays 200000 --directions 1024 -o lux --json";
+    let plan =
+        |options: &str| folder.succeed(&format!("{line} {options}")).json()["designs"][0]["plan"].clone();
+    let found = plan("--task 34.1 --maintenance 0.5");
+    let verdicts = found["verdicts"].as_array().unwrap();
+    let zones: Vec<(&str, &str)> =
+        verdicts.iter().map(|v| (v["zone"].as_str().unwrap(), v["criterion"].as_str().unwrap())).collect();
+    // Both strips are one zone.
+    let expected = [
+        ("desk", "mean_illuminance"),
+        ("desk", "uniformity"),
+        ("around", "mean_illuminance"),
+        ("around", "uniformity"),
+        ("observers", "glare_rating"),
+        ("cylinders", "cylindrical_illuminance"),
+        ("cylinders", "uniformity"),
+    ];
+    assert_eq!(zones, expected);
+    assert_eq!((&verdicts[0]["limit"], &verdicts[2]["limit"]), (&300.0.into(), &200.0.into()));
+    assert_eq!(found["observers"][0]["luminaires"], 1);
+    assert!(found["observers"][0]["ugr"].as_f64().unwrap() > 5.0);
+    // Without options the figures are there, and no verdicts.
+    let plain = plan("");
+    assert_eq!(plain["verdicts"], serde_json::json!([]));
+    let lux = |plan: &serde_json::Value| plan["facts"]["task_mean_lux"].as_f64().unwrap();
+    assert!((lux(&found) / lux(&plain) - 0.5).abs() < 1e-9);
+    assert_eq!(plain["cylindrical"].as_array().unwrap().len(), 2);
+    // Behind a screen nothing glares; it reflects light to the eye.
+    folder.write("screen.pbrt", [scene, "Material \"diffuse\"\nTranslate 0 1.1 1.7\nShape \"bilinearmesh\" \"point3 P\" [ 0 0 0  3 0 0  0 0 1.3  3 0 1.3 ]\n"].concat());
+    let report = folder.succeed("illuminate screen.pbrt --rays 20000 --directions 256 -o lux --json").json();
+    let observer = &report["designs"][0]["plan"]["observers"][0];
+    assert_eq!((&observer["luminaires"], &observer["ugr"]), (&0.into(), &serde_json::Value::Null));
+    // As a point, the luminaire has no luminance.
+    folder.write("point.pbrt", scene.replace("\"string as\" \"area\"", ""));
+    let told = folder.succeed("illuminate point.pbrt --rays 20000 -o lux");
+    assert!(told.stderr.contains("luminaire 1 has no luminous area"), "{}", told.stderr);
+}

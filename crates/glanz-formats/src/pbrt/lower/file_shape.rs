@@ -20,7 +20,7 @@ impl Lowering {
             self.stand_in(&alpha_place, "stand-in-alpha", message);
         }
         let receiver = list.text_parameter("receiver", &mut self.reporter)?;
-        list.ignore(&["cells", "receiverside"]);
+        list.ignore(&["cells", "receiverside", "zone"]);
         if let Some((p, name)) = receiver.filter(|(_, name)| !name.is_empty()) {
             let message = format!("{} cannot be receiver {:?}", list.subject, shortened(&name));
             let help = Some("place another shape of the material \"interface\" in front".to_owned());

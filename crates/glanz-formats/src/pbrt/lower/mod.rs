@@ -23,6 +23,7 @@ mod mesh_file;
 mod mix;
 mod named;
 mod object;
+mod observer;
 mod patch_file;
 mod procedural_texture;
 mod realistic_lens;

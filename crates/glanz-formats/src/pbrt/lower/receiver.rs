@@ -1,19 +1,20 @@
 //! Shapes on which incident light is measured.
 
-use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide};
+use glanz_scene::description::{MAX_RECEIVER_CELLS, ReceiverDescription, ReceiverSide, ZoneKind};
 
 use super::Lowering;
 use crate::pbrt::parameters::{ParameterList, shortened};
 use crate::source::ParseResult;
 
 impl Lowering {
-    /// `receiver`, `cells` and `receiverside` of a shape; an empty name means no receiver.
+    /// `receiver`, `cells`, `receiverside` and `zone` of a shape; an empty name means no receiver.
     pub(super) fn receiver(&mut self, list: &mut ParameterList) -> ParseResult<Option<ReceiverDescription>> {
         let Some((p, name)) = list.text_parameter("receiver", &mut self.reporter)? else {
             return Ok(None);
         };
         let cells = self.cells(list)?;
         let side = self.side(list)?;
+        let zone = self.zone(list)?;
         if name.is_empty() {
             return Ok(None);
         }
@@ -26,7 +27,7 @@ impl Lowering {
             let help = Some("put the shape into the world, outside ObjectBegin and ObjectEnd".to_owned());
             return Err(self.reporter.error_with_help(&p.value_place, "receiver-in-object", message, help));
         }
-        Ok(Some(ReceiverDescription { name, cells, side, location: Some(p.value_place.location) }))
+        Ok(Some(ReceiverDescription { name, cells, side, zone, location: Some(p.value_place.location) }))
     }
 
     fn cells(&mut self, list: &mut ParameterList) -> ParseResult<Option<[u32; 2]>> {
@@ -42,6 +43,17 @@ impl Lowering {
                 Err(self.reporter.error(&p.value_place, "parameter-range", message))
             }
         }
+    }
+
+    fn zone(&mut self, list: &mut ParameterList) -> ParseResult<Option<ZoneKind>> {
+        let Some((p, zone)) = list.text_parameter("zone", &mut self.reporter)? else { return Ok(None) };
+        let found = ZoneKind::ALL.into_iter().find(|kind| kind.name() == zone);
+        if found.is_none() {
+            let message = format!("{}: zone {:?} is unknown", list.subject, shortened(&zone));
+            let help = Some(format!("zones are {}", ZoneKind::ALL.map(ZoneKind::name).join(", ")));
+            return Err(self.reporter.error_with_help(&p.value_place, "parameter-range", message, help));
+        }
+        Ok(found)
     }
 
     fn side(&mut self, list: &mut ParameterList) -> ParseResult<ReceiverSide> {

@@ -42,6 +42,7 @@ const DIRECTIVES: &[&str] = &[
     "ObjectBegin",
     "ObjectEnd",
     "ObjectInstance",
+    "Observer",
     "Option",
     "PixelFilter",
     "Renderer",
@@ -231,7 +232,7 @@ impl Parser {
             "MakeNamedMedium" => self.named_medium(place),
             "Volume" => self.volume(place),
             "Material" | "MakeNamedMaterial" | "NamedMaterial" | "Texture" | "Shape" | "AreaLightSource"
-            | "LightSource" | "ObjectInstance" => self.thing(word, place),
+            | "LightSource" | "ObjectInstance" | "Observer" => self.thing(word, place),
             _ => {
                 let message = format!("{:?} is no directive", shortened(word));
                 let help = nearest(word, DIRECTIVES.iter().copied()).map(|n| format!("did you mean {n}?"));
@@ -310,6 +311,7 @@ fn begins_world(directive: &str) -> bool {
             | "AreaLightSource"
             | "Material"
             | "NamedMaterial"
+            | "Observer"
             | "ReverseOrientation"
             | "Volume"
     )

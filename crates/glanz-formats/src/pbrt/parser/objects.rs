@@ -203,12 +203,14 @@ impl Parser {
         match word {
             "Shape" => list.inherit(&attributes.shape),
             "LightSource" | "AreaLightSource" => list.inherit(&attributes.light),
+            "Observer" => {}
             _ => list.inherit(&attributes.material),
         }
         let context = self.context();
         match word {
             "Shape" => self.lowering.shape(&name, list, &context),
             "LightSource" => self.lowering.light(&name, list, &context),
+            "Observer" => self.lowering.observer(&name, list, &context),
             "AreaLightSource" => {
                 self.state.now.emission = Some(self.lowering.area_light(&name, list, &context)?);
                 Ok(())
@@ -241,6 +243,7 @@ fn subject(directive: &str) -> &'static str {
         "Shape" => "shape",
         "LightSource" => "light",
         "AreaLightSource" => "area light",
+        "Observer" => "observer",
         "Material" | "MakeNamedMaterial" => "material",
         "Accelerator" => "accelerator",
         _ => "integrator",
