@@ -39,6 +39,10 @@ fn main() -> ExitCode {
             let messages = illuminate.job.verbosity.messages();
             (messages, command::illuminate::run(&illuminate, messages))
         }
+        Command::Optimize(optimize) => {
+            let messages = optimize.job.verbosity.messages();
+            (messages, command::optimize::run(&optimize, messages))
+        }
         Command::Merge(merge) => {
             let messages = merge.verbosity.messages();
             (messages, command::merge::run(&merge, messages))

@@ -289,6 +289,8 @@ pub enum ResumedState {
     AllLight,
     /// Number of particles.
     Particles(u64),
+    /// Number of steps of an inverse design.
+    Steps(u32),
 }
 
 #[cfg(test)]
