@@ -2,6 +2,7 @@
 
 use glanz::denoise::DenoiseError;
 use glanz::formats::{Diagnostic, Severity};
+use glanz::illumination::optimize::OptimizeError;
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::FilmError;
 use glanz::{Error, FileFault, JoinError, PartKind};
@@ -65,10 +66,30 @@ fn advice(error: &Error) -> Option<String> {
             "mark shapes with \"string receiver\" \"NAME\", or add the walls of a box with --room X Y Z"
         }
         Error::Cells { .. } => "choose fewer with --cells or longer ones with --texel",
+        Error::Optimize { error, .. } => return optimize_advice(error).map(str::to_owned),
         Error::Integrate(_) => "\"--method trace\" supports lights of every kind",
         _ => return None,
     };
     Some(text.to_owned())
+}
+
+fn optimize_advice(error: &OptimizeError) -> Option<&'static str> {
+    Some(match error {
+        OptimizeError::NoVariable => {
+            "name what may change: \"string free\" \"P\" in a shape of control points"
+        }
+        OptimizeError::NoTarget => {
+            "name what is wanted: \"string target\" \"even\" in a receiver, or \"collimation\" in a mirror"
+        }
+        OptimizeError::Light { .. } => "use surfaces of uniform radiance and point lights, without \"range\"",
+        OptimizeError::NoReflection(_) => {
+            "check that the lamps shine on a shape with the material \"mirror\" or a smooth \"conductor\""
+        }
+        OptimizeError::NoRectangle { .. } => {
+            "use a \"plane\" with x and y, or a flat rectangular \"bilinearmesh\""
+        }
+        _ => return None,
+    })
 }
 
 /// Advice on parts whose samples depend on one another.
@@ -107,6 +128,7 @@ fn file_advice(fault: &FileFault) -> Option<String> {
         FileFault::Exists => "continue from it with --resume, or remove it to start anew",
         FileFault::Extension("pictures") => "the extension selects the format: .exr, .png, .hdr or .pfm",
         FileFault::Extension("scenes") => "the extension selects the format: .pbrt, .glb, .obj or .ply",
+        FileFault::Extension("scene files") => "scene files are written as .pbrt",
         FileFault::Extension("models") => "models are written as .glb",
         FileFault::Extension("luminaires") => "candela distributions are written as .ldt or .ies",
         FileFault::Identity(_) => {

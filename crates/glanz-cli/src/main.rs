@@ -43,6 +43,10 @@ fn main() -> ExitCode {
             let messages = Messages::new(false);
             (messages, command::road::run(&road, messages))
         }
+        Command::Optimize(optimize) => {
+            let messages = optimize.job.verbosity.messages();
+            (messages, command::optimize::run(&optimize, messages))
+        }
         Command::Merge(merge) => {
             let messages = merge.verbosity.messages();
             (messages, command::merge::run(&merge, messages))

@@ -46,6 +46,9 @@ fn resumed(state: &ResumedState) -> String {
         ResumedState::AllLight => "all light is complete".to_owned(),
         ResumedState::Paths(count) => format!("continuing after {} paths", grouped(*count)),
         ResumedState::Particles(count) => format!("continuing after {} particles", grouped(*count)),
+        ResumedState::Steps(count) => {
+            format!("continuing after {}", plural((*count).into(), "step", "steps"))
+        }
         _ => "continuing".to_owned(),
     }
 }

@@ -229,6 +229,15 @@ pub enum Error {
     #[cfg(feature = "illumination")]
     #[error(transparent)]
     Planning(#[from] glanz_illumination::planning::PlanningError),
+    /// A scene without a task for an inverse design, or with one that is not supported.
+    #[cfg(feature = "illumination")]
+    #[error("{scene}: {error}")]
+    Optimize {
+        /// Name of the scene.
+        scene: String,
+        /// The fault.
+        error: Box<glanz_illumination::optimize::OptimizeError>,
+    },
     /// Directions of light that were not counted.
     #[cfg(feature = "illumination")]
     #[error("the directions of light that leaves the scene are not counted; only traced particles have them")]
@@ -287,6 +296,10 @@ pub enum FileFault {
     #[cfg(feature = "formats")]
     #[error(transparent)]
     SceneText(#[from] glanz_formats::pbrt::PbrtWriteError),
+    /// A scene file whose free numbers cannot be replaced.
+    #[cfg(feature = "formats")]
+    #[error(transparent)]
+    Rewrite(#[from] glanz_formats::pbrt::RewriteError),
     /// Another kind or version of file, or a damaged one.
     #[error(transparent)]
     Envelope(#[from] EnvelopeError),

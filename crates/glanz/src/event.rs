@@ -297,6 +297,8 @@ pub enum ResumedState {
     Particles(u64),
     /// Number of paths from cells, and of particles.
     Paths(u64),
+    /// Number of steps of an inverse design.
+    Steps(u32),
 }
 
 #[cfg(test)]

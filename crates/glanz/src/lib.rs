@@ -2,13 +2,14 @@
 //!
 //! # From a scene to a result
 //! [`open`] reads a scene file, [`open_str`] a text, [`LoadedScene::from_description`] takes a description built in code. The
-//! [`LoadedScene`] holds the warnings of reading and has three jobs, each a builder that ends with `run`:
+//! [`LoadedScene`] holds the warnings of reading and has four jobs, each a builder that ends with `run`:
 //!
 //! | job | result |
 //! |---|---|
 //! | [`LoadedScene::render`] | a [`Picture`]: pixels, picture files, a checkpoint |
 //! | [`LoadedScene::bake`] | a [`BakeOutcome`]: light maps, and a model that shows them |
 //! | [`LoadedScene::illuminate`] | an [`IlluminateOutcome`]: lux maps with errors, reports |
+//! | [`LoadedScene::optimize`] | an [`OptimizedScene`], whose light is as wanted |
 //!
 //! [`LoadedScene::tessellate`] makes a [`MeshOutcome`] of it: triangles, to be saved as glTF, OBJ or PLY. [`LoadedScene::save_exact`] writes a model as
 //! a scene file.
@@ -51,6 +52,8 @@ mod job_options;
 mod library_denoiser;
 mod loaded_scene;
 mod merge;
+#[cfg(feature = "illumination")]
+mod optimize;
 #[cfg(feature = "viewer")]
 mod overlay;
 mod render;
@@ -75,6 +78,8 @@ pub use job_options::JobOptions;
 pub use library_denoiser::LibraryDenoiser;
 pub use loaded_scene::LoadedScene;
 pub use merge::{JoinError, MergeOptions, MergeOutcome, MissingPart, MissingParts, PartKind, merge};
+#[cfg(feature = "illumination")]
+pub use optimize::{OptimizeBuilder, OptimizedScene};
 #[cfg(feature = "viewer")]
 pub use overlay::LightOverlay;
 #[cfg(feature = "formats")]

@@ -211,6 +211,18 @@ impl LoadedScene {
         crate::illuminate::IlluminateBuilder::new(self)
     }
 
+    /// Builder of an inverse design: its free numbers are moved until its light is as wanted.
+    #[cfg(feature = "illumination")]
+    pub fn optimize<'a>(self) -> crate::optimize::OptimizeBuilder<'a> {
+        crate::optimize::OptimizeBuilder::new(self)
+    }
+
+    /// The files that were read.
+    #[cfg(all(feature = "formats", feature = "illumination"))]
+    pub(crate) fn sources(&self) -> &glanz_formats::Sources {
+        &self.sources
+    }
+
     /// An error at a place of the scene.
     pub(crate) fn fault(&self, location: Option<Location>, message: String) -> Error {
         let mut diagnostics = Diagnostics::default();

@@ -9,6 +9,7 @@ mod convert;
 mod illuminate;
 mod info;
 mod merge;
+mod optimize;
 mod plan;
 mod render;
 mod road;
@@ -23,6 +24,7 @@ pub(crate) use convert::ConvertArguments;
 pub(crate) use illuminate::IlluminateArguments;
 pub(crate) use info::InfoArguments;
 pub(crate) use merge::MergeArguments;
+pub(crate) use optimize::OptimizeArguments;
 pub(crate) use plan::PlanArguments;
 pub(crate) use render::{DemoArguments, RenderArguments, RenderCommandArguments};
 pub(crate) use road::RoadArguments;
@@ -44,6 +46,7 @@ Examples:
   glanz render part.ply -o part.png            a model, with camera, ground and light of a studio
   glanz bake room.pbrt -o room.glb             the light on its surfaces, for other programs
   glanz illuminate room.pbrt -o lux            illuminance on its receivers
+  glanz optimize mirror.pbrt -o better.pbrt    a mirror bent until its light is as wanted
   glanz view room.pbrt                         an interactive view in the browser
   glanz convert part.step part.glb             triangles without gaps, to a tolerance
   glanz compare room.exr reference.exr         differences between two pictures
@@ -62,6 +65,8 @@ pub(crate) enum Command {
     Illuminate(IlluminateArguments),
     /// Rate the lighting of a road: luminance, glare, illuminance
     Road(RoadArguments),
+    /// Bend mirrors and move lamps until the light is as wanted: inverse design
+    Optimize(OptimizeArguments),
     /// Join parts that were computed separately: into a picture, or one checkpoint
     Merge(MergeArguments),
     /// Summarise a scene, or the luminaire of a photometric file

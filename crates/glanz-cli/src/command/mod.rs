@@ -10,6 +10,7 @@ pub(crate) mod illuminate;
 pub(crate) mod info;
 pub(crate) mod luminaire;
 pub(crate) mod merge;
+pub(crate) mod optimize;
 pub(crate) mod plan;
 pub(crate) mod render;
 pub(crate) mod road;

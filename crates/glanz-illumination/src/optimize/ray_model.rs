@@ -73,7 +73,7 @@ enum EmittingSurface<'a> {
 }
 
 /// Where rays are reflected.
-struct MirrorPart<'a> {
+struct ReflectingPart<'a> {
     shape: usize,
     surface: MirrorSurface<'a>,
     part: UnitPart,
@@ -180,7 +180,7 @@ impl RayModel {
     fn add_ray(
         &mut self,
         emitter: &EmitterPart<'_>,
-        mirror: &MirrorPart<'_>,
+        mirror: &ReflectingPart<'_>,
         variables: &MirrorVariables,
         [on_mirror, on_emitter]: [DVec2; 2],
         share: f64,
@@ -538,7 +538,7 @@ fn mirrors<'a>(
     description: &Description,
     scene: &Scene,
     placed: &'a [PlacedSurface<'a>],
-) -> Vec<MirrorPart<'a>> {
+) -> Vec<ReflectingPart<'a>> {
     let mut parts = Vec::new();
     let mut freeform = None;
     for surface in placed {
@@ -553,14 +553,14 @@ fn mirrors<'a>(
                     // All faces at once.
                     freeform = Some(shape);
                     let triangle = UnitPart::Triangle([DVec2::ZERO, DVec2::X, DVec2::Y]);
-                    parts.extend(bases.into_iter().map(|basis| MirrorPart {
+                    parts.extend(bases.into_iter().map(|basis| ReflectingPart {
                         shape,
                         part: if basis.is_triangle() { triangle } else { UnitPart::Square },
                         surface: MirrorSurface::Freeform(basis),
                     }));
                 }
                 None => parts.extend(UnitPart::of(&surface.face_domain(face)).into_iter().map(|part| {
-                    MirrorPart { shape, surface: MirrorSurface::Fixed { placed: surface, face }, part }
+                    ReflectingPart { shape, surface: MirrorSurface::Fixed { placed: surface, face }, part }
                 })),
             }
         }

@@ -10,6 +10,7 @@ mod illuminate;
 mod illuminate_parts;
 mod merge;
 mod model;
+mod optimize;
 mod planning;
 mod progress;
 mod render;
