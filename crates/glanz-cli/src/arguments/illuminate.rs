@@ -110,11 +110,12 @@ pub(crate) struct IlluminateArguments {
     #[arg(long, value_name = "N", default_value_t = 1000, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: u32,
     #[command(flatten)]
-    pub(crate) plan: PlanArguments,
-    #[command(flatten)]
     pub(crate) part: PartArguments,
     #[command(flatten)]
     pub(crate) job: JobArguments,
+    // Last: its heading would be that of all options after it.
+    #[command(flatten)]
+    pub(crate) plan: PlanArguments,
 }
 
 impl IlluminateArguments {
