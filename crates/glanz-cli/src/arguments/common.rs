@@ -187,7 +187,7 @@ enum ToneName {
 /// The walls of a room around the scene.
 #[derive(Debug, Args)]
 pub(crate) struct RoomArgument {
-    /// Add the walls of a box from the origin to (X, Y, Z), metres: six receivers that absorb all light, or with --luminaire those of the planned room
+    /// Add the walls of a box from the origin to (X, Y, Z), metres: six receivers that absorb all light
     #[arg(long, num_args = 3, value_names = ["X", "Y", "Z"], value_parser = positive)]
     room: Option<Vec<f64>>,
 }

@@ -40,7 +40,7 @@ for this: a file has the flux that left the scene, and its angles are dense wher
 bends with direction, for which particles of their own are traced first. report.html and
 summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
 
-With --luminaire there is no scene: the box of --room has diffuse walls of --reflectances, luminaires
+With --luminaire there is no scene: the box of --room then has diffuse walls of --reflectances, luminaires
 of the file on a grid, and a work plane. The report has, besides, the unified glare rating of
 observers who sit on a grid and look along both axes, cylindrical illuminance and modelling,
 power per area, maintained illuminances, and with --task a verdict on each requirement, whose
