@@ -44,7 +44,7 @@ for this: a file has the flux that left the scene, and its angles are dense wher
 bends with direction, for which 262 144 particles are traced first, beside those of --rays.
 report.html and summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
 
-With --luminaire there is no scene: the box of --room has diffuse walls of --reflectances, luminaires
+With --luminaire there is no scene: the box of --room then has diffuse walls of --reflectances, luminaires
 of the file on a grid, and a work plane. The report has, besides, the unified glare rating of
 observers who sit on a grid and look along both axes, cylindrical illuminance and modelling,
 power per area, maintained illuminances, and with --task a verdict on each requirement, whose
@@ -118,11 +118,12 @@ pub(crate) struct IlluminateArguments {
     #[arg(long, value_name = "N", default_value_t = 1000, hide_short_help = true, value_parser = clap::value_parser!(u32).range(1..))]
     max_depth: u32,
     #[command(flatten)]
-    pub(crate) plan: PlanArguments,
-    #[command(flatten)]
     pub(crate) part: PartArguments,
     #[command(flatten)]
     pub(crate) job: JobArguments,
+    // Last: its heading would be that of all options after it.
+    #[command(flatten)]
+    pub(crate) plan: PlanArguments,
 }
 
 impl IlluminateArguments {

@@ -230,3 +230,50 @@ impl Serialize for PlanReport {
         fields.end()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(cylindrical: Vec<CylindricalPoint>) -> PlanReport {
+        PlanReport {
+            assumptions: FactList::default(),
+            maintenance: MaintenanceFactor::default(),
+            maintenance_factor: 1.0,
+            task: None,
+            verdicts: Vec::new(),
+            ratings: Vec::new(),
+            glare_refusal: None,
+            cylindrical,
+            luminaires: 4,
+            flux: 8000.0,
+            watts: 60.0,
+            area: 20.0,
+            task_illuminance: Some(500.0),
+        }
+    }
+
+    #[test]
+    fn mean_and_uniformity_of_cylinders_have_intervals() {
+        let point = |value: f64, half: f64| CylindricalPoint {
+            position: DVec3::ZERO,
+            cylindrical: ReplicateEstimate { value, error: 1.0, interval: [value - half, value + half] },
+            horizontal: ReplicateEstimate { value: 2.0 * value, error: 0.0, interval: [2.0 * value; 2] },
+        };
+        let found = report(vec![point(100.0, 2.0), point(300.0, 10.0)]);
+        let (mean, uniformity) = found.mean_cylindrical().unwrap();
+        // Independent errors: half of sqrt(1 + 1), and of sqrt(4 + 100).
+        assert!((mean.value, mean.error) == (200.0, 0.5 * 2.0_f64.sqrt()));
+        assert!((mean.interval[1] - 205.099).abs() < 1e-3, "{mean:?}");
+        for (found, expected) in uniformity.into_iter().zip([0.5, 98.0 / 205.099, 102.0 / 194.901]) {
+            assert!((found - expected).abs() < 1e-4, "{uniformity:?}");
+        }
+        let facts = found.facts();
+        assert_eq!(facts.get("power_density_w_m2"), Some(&FactValue::Number(3.0)));
+        assert_eq!(facts.get("power_density_w_m2_100lx"), Some(&FactValue::Number(0.6)));
+        assert_eq!(facts.get("modelling_minimum"), Some(&FactValue::Number(0.5)));
+        assert_eq!(report(Vec::new()).mean_cylindrical(), None);
+        // Nobody sees a luminaire: no glare, whatever the limit.
+        assert_eq!(report(Vec::new()).largest_ugr().0, f64::NEG_INFINITY);
+    }
+}

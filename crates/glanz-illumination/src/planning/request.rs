@@ -334,3 +334,39 @@ fn cylinder(
     let horizontal = of(PointReceiver::Plane(DVec3::Z), number + 1)?;
     Ok(CylindricalPoint { position, cylindrical: of(PointReceiver::Cylinder, number)?, horizontal })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn receivers_of_a_zone_count_by_their_areas() {
+        let map = |name: &str, area: f64, lux: [f64; 2], error: f64| LuxMap {
+            name: name.into(),
+            cells: [2, 1],
+            size: [1.0, 1.0],
+            positions: vec![DVec3::ZERO; 2],
+            areas: vec![0.5 * area; 2],
+            lux: lux.to_vec(),
+            errors: vec![error; 2],
+            statistics: None,
+        };
+        let maps = [
+            map("a 1", 1.0, [80.0, 120.0], 1.0),
+            map("b", 9.0, [1.0; 2], 0.0),
+            map("a 2", 3.0, [250.0, 350.0], 2.0),
+        ];
+        let zone = |receivers: &[&str]| LitZone {
+            name: "a".into(),
+            receivers: receivers.iter().map(|name| (*name).to_owned()).collect(),
+            kind: ZoneKind::Surrounding,
+        };
+        let both = ZoneSummary::new(&zone(&["a 1", "a 2"]), &maps).unwrap();
+        // (1 * 100 + 3 * 300) / 4 = 250, with bounds of (1 + 3 * 2) / 4 = 1.75; the least is 80 in the first.
+        assert_eq!(both.mean, (250.0, [248.25, 251.75]));
+        assert_eq!(both.uniformity, (80.0 / 250.0, [79.0 / 251.75, 81.0 / 248.25]));
+        let one = ZoneSummary::new(&zone(&["a 2"]), &maps).unwrap();
+        assert_eq!((one.mean.0, one.uniformity.0), (300.0, 250.0 / 300.0));
+        assert!(ZoneSummary::new(&zone(&["c"]), &maps).is_none());
+    }
+}
