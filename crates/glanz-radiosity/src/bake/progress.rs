@@ -72,7 +72,7 @@ impl<'a> BakeProgress<'a> {
             cancel,
             timer,
             number: 1,
-            phase: "light from lighting",
+            phase: "direct light",
             start_time: Instant::now(),
             shown: 0.0,
             expected: vec![None; phases as usize],
