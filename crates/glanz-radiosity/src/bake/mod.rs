@@ -160,7 +160,7 @@ pub fn bake_part(
     if part.direct_only {
         direct::add_runs(elements, &charts, settings, Some(part.part), None, &mut state, &mut progress)?;
     } else {
-        let elements = &divided(elements, settings, &progress)?;
+        let elements = &divided(elements, settings, &state, &mut progress)?;
         let index = SurfaceIndex::new(elements, &charts);
         let share = 1.0 / f64::from(part.part.count());
         let times = PhaseTimes::new(elements, &index, &charts, settings, share);
@@ -197,7 +197,7 @@ fn bake_by_gather(
     settings: &BakeSettings,
     progress: &mut BakeProgress<'_>,
 ) -> Result<BakedLight, BakeError> {
-    let elements = &divided(elements, settings, progress)?;
+    let elements = &divided(elements, settings, &state, progress)?;
     let index = SurfaceIndex::new(elements, charts);
     let times = PhaseTimes::new(elements, &index, charts, settings, 1.0);
     let direct = direct::light_on_charts(elements, charts, settings, Some(&times), &mut state, progress)?;
@@ -210,9 +210,11 @@ fn bake_by_gather(
 fn divided<'a>(
     elements: &Elements<'a>,
     settings: &BakeSettings,
-    progress: &BakeProgress<'_>,
+    state: &BakeState,
+    progress: &mut BakeProgress<'_>,
 ) -> Result<Elements<'a>, BakeError> {
-    fine_elements::divided(elements, settings.density, MAX_FINE_ELEMENTS, || progress.cancel().check())
+    let check = || progress.check(|| state.clone());
+    fine_elements::divided(elements, settings.density, MAX_FINE_ELEMENTS, check)
 }
 
 /// A final gather with the light of the elements, at the beginning of its phase.
