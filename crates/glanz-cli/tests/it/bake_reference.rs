@@ -170,8 +170,9 @@ impl MapErrors {
         Self { relative, bias: light.iter().sum::<f64>() / all - 1.0 }
     }
 
+    /// Of a point in a nook, whose light is a hundredth of the usual one, errors above all of its light count as that.
     fn mean(&self) -> f64 {
-        self.relative.iter().map(|(error, _)| error).sum::<f64>() / self.relative.len() as f64
+        self.relative.iter().map(|(error, _)| error.min(1.0)).sum::<f64>() / self.relative.len() as f64
     }
 
     fn at(&self, share: f64) -> f64 {

@@ -6,12 +6,12 @@ use glanz_job::Silent;
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3, Frame};
 use glanz_sampling::warp;
-use glanz_scene::description::{GeometryDescription, LightKind, NurbsDescription, ShapeDescription};
+use glanz_scene::description::{GeometryDescription, LightKind, ShapeDescription};
 use glanz_scene::{Interaction, ParametricPoint, Scene};
 
 use super::tests::{BY_RADIOSITY, texels};
 use super::*;
-use crate::circle::circle;
+use crate::circle::vase;
 use crate::elements::ElementSettings;
 use crate::scenes::{scene, scene_with, walls};
 
@@ -94,30 +94,16 @@ fn light_through_the_opening_of_a_bowl_is_scattered_evenly() {
     }
 }
 
-/// The vase of `scenes/rooms/vase.pbrt`, on the floor.
-fn vase() -> ShapeDescription {
-    let profile = [[0.1, 0.0], [0.2, 0.06], [0.29, 0.36], [0.05, 0.5], [0.09, 0.72], [0.15, 0.78]];
-    let points = circle().into_iter().flat_map(|[x, y, weight]| {
-        profile.map(|[r, z]| [r * x * weight, r * y * weight, z * weight, weight])
-    });
-    ShapeDescription::from(GeometryDescription::Nurbs(NurbsDescription {
-        degree_u: 2,
-        degree_v: 3,
-        knots_u: vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0],
-        knots_v: vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0, 3.0],
-        points: points.collect(),
-        domain: None,
-    }))
+/// Direct irradiance at a point, of a point light of intensity 1.
+fn direct_light(scene: &Scene, light: DVec3, at: &Interaction) -> f64 {
+    let to = light - at.point.position;
+    let cos = at.wo.dot(to.normalize());
+    let is_lit = cos > 0.0 && !scene.occluded(&at.spawn_to(light, None), 1.0);
+    if is_lit { cos / to.length_squared() } else { 0.0 }
 }
 
 /// Irradiance at a point of a scene with one point light of intensity 1, by paths over the hemisphere. `reflectance`: that of all surfaces.
 fn traced(scene: &Scene, light: DVec3, reflectance: f64, at: &Interaction, paths: u32) -> f64 {
-    let direct = |at: &Interaction| {
-        let to = light - at.point.position;
-        let cos = at.wo.dot(to.normalize());
-        let is_lit = cos > 0.0 && !scene.occluded(&at.spawn_to(light, None), 1.0);
-        if is_lit { cos / to.length_squared() } else { 0.0 }
-    };
     // Other random numbers at every point.
     let mut random =
         at.point.position.to_array().map(f64::to_bits).into_iter().fold(0, glanz_sampling::hash::combine);
@@ -135,44 +121,121 @@ fn traced(scene: &Scene, light: DVec3, reflectance: f64, at: &Interaction, paths
             at = hit;
             at.wo = if at.point.normal.dot(at.wo) < 0.0 { -at.point.normal } else { at.point.normal };
             throughput *= reflectance;
-            sum += throughput * direct(&at);
+            sum += throughput * direct_light(scene, light, &at);
         }
     }
-    direct(at) + sum / f64::from(paths)
+    direct_light(scene, light, at) + sum / f64::from(paths)
+}
+
+/// The number of the vase among the surfaces of [`room_with_vase`].
+const VASE: u32 = 6;
+
+/// A vase with a bottom in a closed room, under a point light of intensity 1. `reflectance`: that of all surfaces.
+fn room_with_vase(light: DVec3, reflectance: f32) -> Scene {
+    let mut shapes: Vec<_> = walls(DVec3::new(2.0, 2.0, 1.8))
+        .into_iter()
+        .map(|wall| (wall.translated(DVec3::new(-1.0, -1.0, 0.0)), reflectance, 0.0))
+        .collect();
+    shapes.push((vase(), reflectance, 0.0));
+    shapes.push((ShapeDescription::disk(0.1).translated(DVec3::Z * 0.002), reflectance, 0.0));
+    scene_with(shapes, vec![LightKind::Point { from: light, range: None }])
 }
 
 #[test]
 fn inside_of_a_vase_is_as_bright_as_paths_show() {
     let (light, reflectance) = (DVec3::new(0.3, 0.1, 1.6), 0.6);
-    let mut shapes: Vec<_> = walls(DVec3::new(2.0, 2.0, 1.8))
-        .into_iter()
-        .map(|wall| (wall.translated(DVec3::new(-1.0, -1.0, 0.0)), reflectance as f32, 0.0))
-        .collect();
-    shapes.push((vase(), reflectance as f32, 0.0));
-    shapes.push((ShapeDescription::disk(0.1).translated(DVec3::Z * 0.002), reflectance as f32, 0.0));
-    let scene = scene_with(shapes, vec![LightKind::Point { from: light, range: None }]);
+    let scene = room_with_vase(light, reflectance as f32);
     let elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
-    // Below the neck, except for the pieces on which the light shines through the opening.
+    let vase = &elements.surfaces[VASE as usize];
+    // Points below the neck, without those near the edges of the light that falls through the opening: between texels these are blurred.
     let mut points = Vec::new();
     for (face, uv) in (0..12).flat_map(|face| [(face, DVec2::new(0.3, 0.6)), (face, DVec2::new(0.7, 0.3))]) {
         for back in [false, true] {
-            let at = elements.surfaces[6].at(face, uv, back).unwrap().at;
+            let at = vase.at(face, uv, back).unwrap().at;
             let is_inside = at.wo.truncate().dot(at.point.position.truncate()) < 0.0;
-            if is_inside && at.point.position.z < 0.5 {
-                let expected = traced(&scene, light, reflectance, &at, 4096);
-                if expected < 0.15 {
-                    points.push((ParametricPoint { surface: 6, face, back, uv }, expected));
-                }
+            let mut around =
+                (0..25).map(|i| uv + 0.125 * DVec2::new(f64::from(i % 5) - 2.0, f64::from(i / 5) - 2.0));
+            let is_shaded = |uv| direct_light(&scene, light, &vase.at(face, uv, back).unwrap().at) == 0.0;
+            if is_inside && at.point.position.z < 0.5 && around.all(is_shaded) {
+                let expected = traced(&scene, light, f64::from(reflectance as f32), &at, 4096);
+                points.push((ParametricPoint { surface: VASE, face, back, uv }, expected));
             }
         }
     }
+    assert!(points.len() > 10, "{}", points.len());
+    let expected: f64 = points.iter().map(|(_, expected)| expected).sum();
+    for settings in METHODS.map(|settings| BakeSettings { density: 32.0, ..settings }) {
+        let light = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap();
+        let maps = LightMaps::new(&elements, light.maps);
+        let light = |place| f64::from(maps.irradiance(place).unwrap().luminance(&Wavelengths::default()));
+        let found: f64 = points.iter().map(|(place, _)| light(place)).sum();
+        let deviation = found / expected - 1.0;
+        // The light that falls through the opening is as small as texels.
+        assert!(deviation.abs() < 0.05, "{:?}: {deviation}", settings.method);
+    }
+}
+
+#[test]
+fn patches_of_a_vase_agree_on_their_common_edges() {
+    let scene = room_with_vase(DVec3::new(0.3, 0.1, 1.6), 0.6);
+    let elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
     let light = bake(&elements, &GATHER, &mut Silent, &CancelFlag::default()).unwrap();
     let maps = LightMaps::new(&elements, light.maps);
-    let light = |place| f64::from(maps.irradiance(place).unwrap().luminance(&Wavelengths::default()));
-    let found: f64 = points.iter().map(|(place, _)| light(place)).sum();
-    let expected: f64 = points.iter().map(|(_, expected)| expected).sum();
-    let deviation = found / expected - 1.0;
-    assert!(points.len() > 10 && deviation.abs() < 0.14, "{deviation}");
+    let light = |face, uv, back| {
+        let place = ParametricPoint { surface: VASE, face, back, uv };
+        maps.irradiance(&place).unwrap().luminance(&Wavelengths::default())
+    };
+    // Patches lie one above the other, three in each quarter of a turn.
+    let (mut largest, mut apart, mut count) = (0.0_f32, 0, 0);
+    for (face, i) in (0..12).flat_map(|face| (0..40).map(move |i| (face, i))) {
+        let along = (f64::from(i) + 0.5) / 40.0;
+        for back in [false, true] {
+            let beside = [
+                light(face, DVec2::new(1.0, along), back),
+                light((face + 3) % 12, DVec2::new(0.0, along), back),
+            ];
+            let above = (face % 3 < 2).then(|| {
+                [light(face, DVec2::new(along, 1.0), back), light(face + 1, DVec2::new(along, 0.0), back)]
+            });
+            for [a, b] in std::iter::once(beside).chain(above) {
+                let difference = (a - b).abs() / a.max(b).max(0.05);
+                largest = largest.max(difference);
+                apart += i32::from(difference > 0.01);
+                count += 1;
+            }
+        }
+    }
+    // A single ray that hits the light on one side only is one to four percent of the light where it is dark.
+    assert!(count == 1600 && largest < 0.05 && apart < 80, "{largest} {apart}");
+}
+
+#[test]
+fn box_with_light_on_things_inside_is_as_bright_as_a_room_of_six_walls() {
+    // The lamp in the opening of a bowl shines into it: no light falls on the room directly.
+    let size = DVec3::new(1.6, 1.4, 1.2);
+    let things = || {
+        let lamp = ShapeDescription::disk(0.12).rotated(DVec3::X, PI).translated(DVec3::new(0.8, 0.7, 0.29));
+        let bowl = bowl(0.3, 0.5).translated(DVec3::new(0.8, 0.7, 0.3));
+        vec![(bowl, 0.7, 0.0), (lamp, 0.0, 20.0)]
+    };
+    let room = |walls: Vec<ShapeDescription>| {
+        scene(things().into_iter().chain(walls.into_iter().map(|wall| (wall, 0.7, 0.0))).collect())
+    };
+    let mean = |scene: &Scene, settings: &BakeSettings| {
+        let maps = baked(scene, settings);
+        let is_on_wall = |p: &DVec3| p.min(size - *p).min_element() < 1e-3;
+        let lights: Vec<f64> =
+            texels(scene, &maps).filter(|(_, p, _)| is_on_wall(p)).map(|(.., light)| light).collect();
+        assert!(lights.len() > 1000, "{}", lights.len());
+        lights.iter().sum::<f64>() / lights.len() as f64
+    };
+    let (hollow, open) = (room(vec![ShapeDescription::cuboid(DVec3::ZERO, size)]), room(walls(size)));
+    // The solver finds other elements for the walls.
+    for (settings, largest) in METHODS.into_iter().zip([0.03, 0.1]) {
+        let settings = BakeSettings { density: 10.0, rays: 128, ..settings };
+        let (found, expected) = (mean(&hollow, &settings), mean(&open, &settings));
+        assert!((found / expected - 1.0).abs() < largest, "{:?}: {found} {expected}", settings.method);
+    }
 }
 
 /// Irradiance at the middles of equal pieces of a tube over a disk lamp of radiance 1, in the order of height. `length`: in diameters.
@@ -236,6 +299,17 @@ fn mean_irradiance(scene: &Scene, maps: &[LightMap]) -> f64 {
         all += area;
     }
     flux / all
+}
+
+#[test]
+fn closed_room_that_absorbs_nothing_is_refused() {
+    let light = LightKind::Point { from: DVec3::splat(0.4), range: None };
+    let shapes = walls(DVec3::ONE).into_iter().map(|wall| (wall, 1.0, 0.0));
+    let scene = scene_with(shapes.collect(), vec![light]);
+    let elements = Elements::new(&scene, &ElementSettings { side: 0.5 }).unwrap();
+    let settings = BakeSettings { density: 4.0, rays: 16, shadow_rays: 4, ..GATHER };
+    let found = bake(&elements, &settings, &mut Silent, &CancelFlag::default());
+    assert_eq!(found.err(), Some(BakeError::NotConverged(1000)));
 }
 
 #[test]

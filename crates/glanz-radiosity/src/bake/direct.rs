@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glanz_job::JobPart;
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{Bounds3, DVec2, Frame};
+use glanz_math::{Bounds3, DVec2};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::{mis, warp};
 use glanz_scene::{Light, LightId, LightSampleContext, ParametricPoint, PlacedSurface, Scene, SelectedLight};
@@ -35,8 +35,8 @@ const MAX_DIFFERENCE: f32 = 0.01;
 const PREVIEW_FIRST_SAMPLES: u32 = 16;
 const PREVIEW_MAX_DIFFERENCE: f32 = 0.05;
 
-/// Consecutive samples that belong to the same half of all samples.
-const HALVES: usize = 4;
+/// Largest number of consecutive samples that belong to the same half of all samples.
+const MAX_SAMPLES_OF_HALF: usize = 4;
 
 /// Distance of a light, relative to its size, up to which rays over the hemisphere sample it too. Beyond, their weight is
 /// below (area / (pi distance^2))^2 < 2e-3.
@@ -113,15 +113,25 @@ pub(super) fn add_runs(
     let mut missing: Vec<u32> = (0..count as u32).filter(is_missing).collect();
     // Spread over all charts, so that the first runs tell how long all take, and how many are lit.
     missing.sort_unstable_by_key(|number| number.reverse_bits());
-    let mut lit = vec![false; charts.len()];
+    let (mut lit, mut lit_texels) = (vec![false; charts.len()], 0);
     let mut mark_lit = |number: u32, run: &DirectRun| {
         for (texel, number) in texels_of_run(number as usize, texels).enumerate() {
             if run.at(texel).iter().any(|light| !light.is_black()) {
-                lit[ends.partition_point(|end| *end <= number)] = true;
+                let chart = ends.partition_point(|end| *end <= number);
+                if !std::mem::replace(&mut lit[chart], true) {
+                    lit_texels += charts[chart].texels();
+                }
             }
         }
-        lit.iter().zip(charts).filter(|(lit, _)| **lit).map(|(_, chart)| chart.texels()).sum::<usize>()
+        lit_texels
     };
+    let mut expect = |runs: &mut dyn Iterator<Item = (u32, &DirectRun)>, progress: &mut BakeProgress<'_>| {
+        let lit_texels = runs.map(|(number, run)| mark_lit(number, run)).last();
+        if let Some((times, lit_texels)) = times.zip(lit_texels) {
+            times.expect(lit_texels as f64, progress);
+        }
+    };
+    expect(&mut state.direct.iter().map(|(number, run)| (*number, &**run)), progress);
     let of_texel = |texel: usize| {
         let chart = ends.partition_point(|end| *end <= texel);
         let own = &charts[chart];
@@ -139,10 +149,7 @@ pub(super) fn add_runs(
             (number, Arc::new(DirectRun::new(light)))
         };
         let found: Vec<(u32, Arc<DirectRun>)> = group.par_iter().map(run).collect();
-        let lit_texels = found.iter().map(|(number, run)| mark_lit(*number, run)).max().unwrap_or(0);
-        if let Some(times) = times {
-            times.expect(lit_texels as f64, progress);
-        }
+        expect(&mut found.iter().map(|(number, run)| (*number, &**run)), progress);
         state.direct.extend(found);
     }
     Ok(())
@@ -236,7 +243,7 @@ impl<'a> DirectLighting<'a> {
         density: impl Fn(LightId) -> Option<f64>,
     ) -> Option<Spectrum> {
         let local = warp::cosine_hemisphere(DVec2::new(x, y));
-        let direction = Frame::from_z(receiver.shading).to_world(local);
+        let direction = receiver.frame().to_world(local);
         if receiver.normal.dot(direction) <= 0.0 {
             return None;
         }
@@ -279,13 +286,15 @@ impl<'a> DirectLighting<'a> {
         let mut used = 0;
         let mut next = if once { count } else { (self.first as usize).min(most) };
         let block = (next / count).max(1);
+        // Every receiver has samples of both halves, of which the difference would otherwise be that of the receivers.
+        let half = (block / 2).clamp(1, MAX_SAMPLES_OF_HALF);
         while used < next {
             for (i, &point) in self.points.iter().enumerate().take(next).skip(used) {
                 let number = i / block % count;
                 shares[number] += 1;
                 if let Some(light) = sample(&receivers[number], point) {
                     found[number] += light;
-                    halves[(i / HALVES) % 2] += luminance(light);
+                    halves[(i / half) % 2] += luminance(light);
                 }
             }
             used = next;

@@ -1,12 +1,10 @@
 //! Indirect light, gathered by rays over the hemisphere.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3};
-use glanz_sampling::hash::combine;
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
 use glanz_sampling::warp;
 use glanz_scene::ParametricPoint;
@@ -22,20 +20,20 @@ use super::state::{BakeState, GatherCache};
 use super::visibility::Visibility;
 use super::{BakeError, BakeMethod, BakeSettings};
 use crate::charts::Chart;
-use crate::elements::{Element, Elements, ParameterPatch};
+use crate::elements::{Element, Elements};
 
 mod path;
+mod rows;
 
 use path::PathLight;
+use rows::ElementLink;
+pub(super) use rows::ElementRow;
 
 /// Paths that are traced together: enough for batches of rays, few enough for caches.
 const PATHS_AT_ONCE: usize = 1024;
 
 /// Trials that estimate the times of elements and points, for each thread.
 const TRIALS_PER_THREAD: usize = 16;
-
-/// Elements whose rays are traced between two reports of progress.
-const ELEMENTS_AT_ONCE: usize = 256;
 
 /// Rays from an element, and from one of the smaller elements of the hierarchical solver.
 const RAYS_PER_ELEMENT: usize = 256;
@@ -46,9 +44,6 @@ const MAX_LINKS: usize = MAX_LINK_BYTES / size_of::<ElementLink>();
 
 /// Largest number of elements of a final gather that are divided further: their rays make no more links than allowed.
 pub(super) const MAX_FINE_ELEMENTS: usize = MAX_LINKS / RAYS_PER_ELEMENT;
-
-/// Largest number of links in a state, so that checkpoints are written in seconds.
-const MAX_SAVED_LINKS: usize = 1 << 23;
 
 /// Largest number of elements of the hierarchical solver: their rays make no more links than allowed.
 pub(super) const MAX_SMALL_ELEMENTS: usize = MAX_LINKS / RAYS_PER_SMALL_ELEMENT;
@@ -62,9 +57,6 @@ const MAX_ROUNDS: u32 = 1000;
 
 /// Key of the sampled directions; the same for all texels, so that adjacent texels and charts agree.
 const KEY: u64 = 0x6761_7468;
-
-/// Key of the points of elements from which rays start.
-const POINT_KEY: u64 = 0x706f_696e;
 
 /// Everything that is needed to gather indirect light.
 pub(super) struct FinalGather<'a> {
@@ -195,16 +187,6 @@ impl<'a> FinalGather<'a> {
         BakeState { indirect, gathered: self.cache.to_map(), ..self.before.clone() }
     }
 
-    /// State to resume from while light between elements is computed, with as many of their rays as fit.
-    fn state_with_rows(&self, rows: &[Arc<ElementRow>]) -> BakeState {
-        let mut links = 0;
-        let fits = |row: &&Arc<ElementRow>| {
-            links += row.links.len();
-            links <= MAX_SAVED_LINKS
-        };
-        BakeState { rows: Some(rows.iter().take_while(fits).cloned().collect()), ..self.state() }
-    }
-
     /// Whether the indirect light of the elements is known.
     pub(super) fn is_solved(&self) -> bool {
         self.is_solved
@@ -213,9 +195,11 @@ impl<'a> FinalGather<'a> {
     /// Gathers light between elements until it no longer changes.
     ///
     /// # Errors
-    /// [`BakeError::Memory`] if the elements have too many links.
+    /// [`BakeError::Memory`] if the elements have too many links, [`BakeError::NotConverged`] if their light still changes after
+    /// [`MAX_ROUNDS`].
     pub(super) fn solve(&mut self, progress: &mut BakeProgress<'_>) -> Result<(), BakeError> {
         let rows = self.rows(MAX_LINKS, progress)?;
+        let mut has_converged = false;
         for _ in 0..MAX_ROUNDS {
             progress.report(PhaseWork::fraction(1.0), || self.state_with_rows(&rows))?;
             let (mut change, mut most) = (0.0_f32, 0.0_f32);
@@ -229,38 +213,17 @@ impl<'a> FinalGather<'a> {
                 self.indirect[i] = light;
             }
             if change <= CONVERGED * most {
+                has_converged = true;
                 break;
             }
         }
+        if !has_converged {
+            return Err(BakeError::NotConverged(MAX_ROUNDS));
+        }
+        // Those of a resumed state would take memory until the end.
+        self.rows = Vec::new();
         self.mark_lit_charts();
         Ok(())
-    }
-
-    /// Traces the rays of all elements, from those that are known.
-    ///
-    /// # Errors
-    /// [`BakeError::Memory`] if they make more than `max_links` links.
-    pub(super) fn rows(
-        &self,
-        max_links: usize,
-        progress: &mut BakeProgress<'_>,
-    ) -> Result<Vec<Arc<ElementRow>>, BakeError> {
-        let list = &self.elements.list;
-        let count = |rows: &[Arc<ElementRow>]| rows.iter().map(|row| row.links.len()).sum::<usize>();
-        let mut rows = self.rows.clone();
-        let mut links = count(&rows);
-        for group in list.get(rows.len()..).unwrap_or_default().chunks(ELEMENTS_AT_ONCE) {
-            let [resumed, done, all] = [self.rows.len(), rows.len(), list.len()].map(|count| count as f64);
-            progress.report(PhaseWork { resumed, done, all }, || self.state_with_rows(&rows))?;
-            let own = |(number, element): (usize, &Element)| Arc::new(self.row(rows.len() + number, element));
-            let found: Vec<Arc<ElementRow>> = group.par_iter().enumerate().map(own).collect();
-            links += count(&found);
-            if links > max_links {
-                return Err(BakeError::Memory(list.len()));
-            }
-            rows.extend(found);
-        }
-        Ok(rows)
     }
 
     /// Marks charts with lit elements, once the light of the elements is known.
@@ -277,58 +240,6 @@ impl<'a> FinalGather<'a> {
         if let Some((chart, _)) = self.index.texel(self.charts, &element_center(element)) {
             self.is_lit[chart] = !self.is_dark[chart];
         }
-    }
-
-    /// Irradiance of an element as a function of that of the others. Every element, by its number, has directions of its own, so that their
-    /// errors have no common part, which would not be averaged in reflections.
-    fn row(&self, number: usize, element: &Element) -> ElementRow {
-        let mut row = ElementRow { direct: Spectrum::BLACK, links: Vec::new() };
-        let mut links: BTreeMap<u32, Spectrum> = BTreeMap::new();
-        let open = self.open_receivers(number, element);
-        let all: f64 = open.iter().map(|(_, area)| area).sum();
-        let key = combine(KEY, number as u64);
-        let sobol = ScrambledSobol::new(key);
-        // Directions of a block are spread over the hemisphere, single ones of equal distance in the sequence over a part of it.
-        let rays = self.rays_per_element;
-        let start = |i: usize| open.get(i * open.len() / rays).map(|start| (i, start));
-        let starts: Vec<_> = (0..rays).filter_map(start).collect();
-        let paths = starts.iter().map(|&(i, (receiver, _))| {
-            (receiver, direction(&sobol, i as u32), (key as u32 as usize).wrapping_add(i))
-        });
-        for (light, (_, (_, area))) in self.trace_paths(paths).iter().zip(&starts) {
-            let weight = (area / all * open.len() as f64 / rays as f64) as f32;
-            row.direct += light.emitted * weight;
-            row.direct += light.direct * weight;
-            if let Some((other, share)) = light.element {
-                *links.entry(other).or_default() += share * weight;
-            }
-        }
-        row.links = links.into_iter().collect();
-        row
-    }
-
-    /// Points of an element from which rays start, one in each of 16 equal parts, without those inside solids; each with an area that it
-    /// stands for, in any unit. `number`: selects the points.
-    fn open_receivers(&self, number: usize, element: &Element) -> Vec<(BakeReceiver, f64)> {
-        let patch = &element.patch;
-        if self.is_dark_at(&element_center(element)) {
-            return Vec::new();
-        }
-        let sobol = ScrambledSobol::new(combine(POINT_KEY, number as u64));
-        let quarters = patch.domain.quarters();
-        let parts = quarters.iter().flat_map(ParameterPatch::quarters).zip(0_u32..);
-        let receivers = parts.filter_map(|(part, i)| {
-            let uv = part.at(DVec2::from(sobol.pair(i.reverse_bits(), 0).map(unit)));
-            let place = ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv };
-            let area = self
-                .elements
-                .surfaces
-                .get(patch.surface as usize)?
-                .at(place.face, uv, place.back)?
-                .area_element;
-            Some((BakeReceiver::new(self.elements, &place)?, area)).filter(|_| area > 0.0)
-        });
-        receivers.filter(|(receiver, _)| self.sees(receiver, |place| !self.is_dark_at(place))).collect()
     }
 
     /// Times, seconds, that an element and a point take of all threads together, from a few trials.
@@ -380,7 +291,7 @@ impl<'a> FinalGather<'a> {
         for path in paths {
             light += path.emitted * weight;
             match path.end {
-                None => sees_light = true,
+                None => sees_light |= path.leaves_scene,
                 Some(end) => {
                     nearness += 1.0 / end.distance;
                     sees_light |= end.is_lit;
@@ -410,7 +321,7 @@ impl<'a> FinalGather<'a> {
 
     /// Whether one of a few rays leaves the scene or hits a point that satisfies `condition`.
     fn sees(&self, receiver: &BakeReceiver, condition: impl Fn(&ParametricPoint) -> bool) -> bool {
-        (0..INSIDE_RAYS).any(|number| self.ray_end(receiver, number).is_none_or(|end| condition(&end)))
+        (0..INSIDE_RAYS).any(|number| self.ray_sees(receiver, number, &condition))
     }
 
     fn is_dark_at(&self, place: &ParametricPoint) -> bool {
@@ -453,14 +364,4 @@ fn direction(sobol: &ScrambledSobol, i: u32) -> DVec3 {
 fn element_center(element: &Element) -> ParametricPoint {
     let patch = &element.patch;
     ParametricPoint { surface: patch.surface, face: patch.face, back: patch.back, uv: patch.domain.center() }
-}
-
-/// Number of another element, and the factor on its indirect irradiance.
-type ElementLink = (u32, Spectrum);
-
-/// Indirect irradiance of an element: a constant and a linear function of that of others.
-#[derive(Debug, PartialEq)]
-pub(super) struct ElementRow {
-    pub(super) direct: Spectrum,
-    pub(super) links: Vec<ElementLink>,
 }

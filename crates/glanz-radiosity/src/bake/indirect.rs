@@ -81,7 +81,7 @@ pub(super) fn gather_part(
     TexelFiller::new(gather, direct).fill_part(Some(part), progress)
 }
 
-/// State of the computation.
+/// Indirect light of texels, as far as it is computed.
 struct TexelFiller<'a> {
     gather: &'a FinalGather<'a>,
     direct: &'a [DirectMap],

@@ -50,6 +50,7 @@ mod visibility;
 
 pub use atlas::{Atlas, AtlasPage, BORDER};
 use direct_light::DirectMap;
+pub use fill::filled;
 use gather::{FinalGather, MAX_FINE_ELEMENTS, MAX_SMALL_ELEMENTS};
 pub use light_map::LightMap;
 use light_map::light_maps;
@@ -69,7 +70,8 @@ const CHARTS_AT_ONCE: usize = 64;
 /// Result of a bake.
 #[derive(Clone, Debug)]
 pub struct BakedLight {
-    /// Light maps of all surfaces; those of the two sides of a chart are adjacent.
+    /// Light maps of all surfaces. Those of one [`Sheet`](crate::charts::Sheet) follow one another, of both sides; thin walls may divide
+    /// either side.
     pub maps: Vec<LightMap>,
     /// The elements of the hierarchical solver, if memory made them larger than its error bound requires.
     pub coarse_elements: Option<CoarseElements>,
@@ -116,7 +118,7 @@ pub fn resume(
     let charts = checked_charts(elements, settings)?;
     let phases = if settings.method == BakeMethod::Gather { 3 } else { 4 };
     let mut progress = BakeProgress::new(sink, cancel, phases);
-    // What parts were joined for it matters no longer.
+    // The parts that it was joined from no longer matter.
     let state = BakeState { parts: None, ..state };
     match settings.method {
         BakeMethod::Gather => bake_by_gather(state, elements, &charts, settings, &mut progress),
@@ -158,7 +160,7 @@ pub fn bake_part(
     if part.direct_only {
         direct::add_runs(elements, &charts, settings, Some(part.part), None, &mut state, &mut progress)?;
     } else {
-        let elements = &fine_elements::divided(elements, MAX_FINE_ELEMENTS);
+        let elements = &divided(elements, settings, &state, &mut progress)?;
         let index = SurfaceIndex::new(elements, &charts);
         let share = 1.0 / f64::from(part.part.count());
         let times = PhaseTimes::new(elements, &index, &charts, settings, share);
@@ -195,13 +197,24 @@ fn bake_by_gather(
     settings: &BakeSettings,
     progress: &mut BakeProgress<'_>,
 ) -> Result<BakedLight, BakeError> {
-    let elements = &fine_elements::divided(elements, MAX_FINE_ELEMENTS);
+    let elements = &divided(elements, settings, &state, progress)?;
     let index = SurfaceIndex::new(elements, charts);
     let times = PhaseTimes::new(elements, &index, charts, settings, 1.0);
     let direct = direct::light_on_charts(elements, charts, settings, Some(&times), &mut state, progress)?;
     let gather = solved_gather(state, elements, &index, charts, &direct, settings, progress)?;
     let indirect = indirect::light_on_charts(&gather, &direct, progress)?;
     Ok(BakedLight { maps: light_maps(&gather, &direct, indirect), coarse_elements: None })
+}
+
+/// The elements of a final gather, before its first phase.
+fn divided<'a>(
+    elements: &Elements<'a>,
+    settings: &BakeSettings,
+    state: &BakeState,
+    progress: &mut BakeProgress<'_>,
+) -> Result<Elements<'a>, BakeError> {
+    let check = || progress.check(|| state.clone());
+    fine_elements::divided(elements, settings.density, MAX_FINE_ELEMENTS, check)
 }
 
 /// A final gather with the light of the elements, at the beginning of its phase.
@@ -249,6 +262,9 @@ fn bake_by_radiosity(
             progress.begin(2, "elements");
             let (refined, coarse_error) =
                 solution::refined(&gather, elements, settings, MAX_SMALL_ELEMENTS, progress)?;
+            // The solver makes no elements smaller than texels allow, through the neck of a vase too large ones.
+            let check = || progress.report(PhaseWork::fraction(1.0), || gather.state());
+            let refined = fine_elements::with_divided_curves(&refined, MAX_SMALL_ELEMENTS, check)?;
             let patches = refined.list.iter().map(|element| (element.patch, None)).collect();
             state = BakeState { solution: Some(patches), coarse_error, rows: Some(Vec::new()), ..state };
             (refined, coarse_error)

@@ -92,11 +92,13 @@ impl BakeParts {
     }
 }
 
-/// What two states that are joined both have.
+/// Why two states cannot be joined: what both have, or how they differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BakeConflict {
     /// A part, by its number.
     Part(u32),
+    /// Parts of another division: another number of parts, or parts that end elsewhere.
+    Division,
     /// Light that differs, though scene and settings are the same.
     Light(&'static str),
 }
@@ -105,9 +107,12 @@ impl BakeState {
     /// Adds the light of other parts of the same bake. Light that both have is the same.
     ///
     /// # Errors
-    /// [`BakeConflict`] for a part that both have, and for light that differs.
+    /// [`BakeConflict`] for a part that both have, for parts of another division, and for light that differs.
     pub fn merge(&mut self, other: Self) -> Result<(), BakeConflict> {
         if let (Some(mine), Some(theirs)) = (&mut self.parts, other.parts) {
+            if (mine.count, mine.direct_only) != (theirs.count, theirs.direct_only) {
+                return Err(BakeConflict::Division);
+            }
             if let Some(&number) = theirs.finished.keys().find(|number| mine.finished.contains_key(number)) {
                 return Err(BakeConflict::Part(number));
             }

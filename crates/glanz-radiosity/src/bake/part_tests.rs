@@ -51,6 +51,21 @@ fn joined_parts_give_the_bits_of_one_bake() {
     }
 }
 
+#[test]
+fn parts_of_different_divisions_are_not_joined() {
+    let scene = room();
+    let elements = elements(&scene);
+    let state = |part| {
+        let start = BakeState::default();
+        bake_part(start, &elements, &COARSE, part, &mut Silent, &CancelFlag::default()).unwrap()
+    };
+    let first = state(part(1, 3, true));
+    for other in [part(2, 4, true), part(2, 3, false)] {
+        assert_eq!(first.clone().merge(state(other)), Err(BakeConflict::Division));
+    }
+    assert_eq!(first.clone().merge(state(part(2, 3, true))), Ok(()));
+}
+
 /// Stores the number of points of the last state, and the first phase with progress.
 #[derive(Default)]
 struct PointCounter {

@@ -72,7 +72,7 @@ impl<'a> BakeProgress<'a> {
             cancel,
             timer,
             number: 1,
-            phase: "light from lighting",
+            phase: "direct light",
             start_time: Instant::now(),
             shown: 0.0,
             expected: vec![None; phases as usize],
@@ -107,6 +107,14 @@ impl<'a> BakeProgress<'a> {
         state: impl FnOnce() -> BakeState,
     ) -> Result<(), Interrupted> {
         self.show(work);
+        self.check(state)
+    }
+
+    /// As [`BakeProgress::report`], for work before a phase, of which nothing is shown.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if the bake is cancelled.
+    pub(super) fn check(&mut self, state: impl FnOnce() -> BakeState) -> Result<(), Interrupted> {
         let outcome = self.cancel.check();
         if outcome.is_err() || self.timer.is_due() {
             self.sink.on_checkpoint(&state());

@@ -17,8 +17,8 @@ pub(super) const MAX_LINK_BYTES: usize = 2 << 30;
 pub struct BakeSettings {
     /// Smallest number of texels per metre, above 0.
     pub density: f64,
-    /// Number of rays of a final gather. With [`BakeMethod::Radiosity`] an element has 128 rays, which have this number of directions if it
-    /// is less.
+    /// Number of rays of a final gather from a point. The number of rays from an element does not depend on it: 256, with
+    /// [`BakeMethod::Radiosity`] 128.
     pub rays: u32,
     /// Largest number of shadow rays from a texel to a light.
     pub shadow_rays: u32,
@@ -117,6 +117,11 @@ pub enum BakeError {
         "the saved state belongs to other elements or another method; resume with the scene and the settings that it was saved with"
     )]
     State,
+    /// The light between surfaces still changes after this number of rounds.
+    #[error(
+        "light between surfaces still grows after {0} rounds: a closed room that absorbs nothing has no end of it; choose reflectances below 1"
+    )]
+    NotConverged(u32),
     /// A part of a bake with the hierarchical solver.
     #[error("the hierarchical solver is one computation, which has no parts")]
     Indivisible,

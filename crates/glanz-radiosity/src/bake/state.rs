@@ -151,7 +151,9 @@ impl BakeState {
             }
             solved => {
                 if solved == 3 {
-                    coarse_error = Some(f64::from_le_bytes(read_bytes(&mut rest)?));
+                    let error = f64::from_le_bytes(read_bytes(&mut rest)?);
+                    coarse_error = Some(error).filter(|error| error.is_finite());
+                    coarse_error?;
                 }
                 let count = u32::from_le_bytes(read_bytes(&mut rest)?);
                 solution = Some((0..count).map(|_| read_element(&mut rest)).collect::<Option<Vec<_>>>()?);

@@ -367,15 +367,6 @@ fn radiosity_agrees_with_the_gather_in_a_furnished_room() {
 }
 
 #[test]
-fn texels_without_light_take_that_of_their_neighbours() {
-    let light = |x: f32| Some(Spectrum::splat(x));
-    let texels = vec![light(1.0), None, None, light(3.0), None, None];
-    let filled: Vec<f32> = fill::filled(texels, [3, 2]).iter().map(|l| l.max_component()).collect();
-    assert_eq!(filled, [1.0, 2.0, 2.0, 3.0, 2.0, 2.0]);
-    assert_eq!(fill::filled(vec![None; 4], [2, 2]), vec![Spectrum::BLACK; 4]);
-}
-
-#[test]
 fn pages_repeat_the_borders_of_charts() {
     let scene = scene_with(
         vec![(parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y), 0.5, 0.0)],

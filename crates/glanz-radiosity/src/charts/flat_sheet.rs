@@ -9,6 +9,9 @@ use crate::rectangle_grid::RectangleGrid;
 /// Largest number of cells per side of the grid for lookup of triangles; 1 if each of these fills the bounds of the sheet.
 const COLUMNS: usize = 64;
 
+/// Largest negative barycentric coordinate of a point that still is in a triangle, so that rounding leaves no gap between two.
+const MAX_OUTSIDE: f64 = 1e-9;
+
 /// A triangle of a face, projected onto the plane of a sheet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatTriangle {
@@ -90,13 +93,13 @@ impl FlatSheet {
     /// The triangles that contain a point.
     pub(super) fn triangles_at(&self, point: DVec2) -> impl Iterator<Item = &FlatTriangle> {
         let near = self.grid.near(point).iter().filter_map(|&i| self.triangles.get(i as usize));
-        near.filter(move |triangle| weights(&triangle.corners, point).into_iter().all(|w| w >= -1e-9))
+        near.filter(move |triangle| weights(&triangle.corners, point).into_iter().all(|w| w >= -MAX_OUTSIDE))
     }
 
     pub(super) fn sheet_point(&self, face: u32, uv: DVec2) -> Option<DVec2> {
         let triangles = self.by_face.get(&face)?.iter().filter_map(|&i| self.triangles.get(i as usize));
         // All triangles of a facet have the same affine map.
-        let inside = |t: &&FlatTriangle| weights(&t.parameters, uv).into_iter().all(|w| w >= -1e-9);
+        let inside = |t: &&FlatTriangle| weights(&t.parameters, uv).into_iter().all(|w| w >= -MAX_OUTSIDE);
         let triangle = triangles.clone().find(inside).or(triangles.clone().next())?;
         Some(blend(weights(&triangle.parameters, uv), &triangle.corners))
     }

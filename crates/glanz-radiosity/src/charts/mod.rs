@@ -2,12 +2,14 @@
 //!
 //! A face over a square of parameters has a chart of its own; connected flat faces that lie nearly in one plane share a chart. Both
 //! sides of a surface have charts. The middles of the outermost texels of a chart lie on its border, so that charts with a common edge
-//! have texels at the same points there, and bilinear filtering never leaves a chart. Flat charts are divided where thin walls stand on
+//! have texels at the same points there, patches of a freeform surface too, and bilinear filtering never leaves a chart. Flat charts are divided where thin walls stand on
 //! them.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use glanz_geometry::FaceDomain;
+use glanz_geometry::freeform::Freeform;
+use glanz_geometry::{FaceDomain, Surface};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{ParametricPoint, PlacedSurface};
 use rayon::prelude::*;
@@ -35,6 +37,10 @@ const MAX_SIDE: f64 = 4096.0;
 /// Distance, texels, by which points on the border are moved inwards, and within which points at a thin wall count as behind it:
 /// visibility on the common edge of two surfaces is undefined.
 const INSET: f64 = 1e-3;
+
+/// Distance beyond a wall, in units of the sheet, and beyond the window, relative to it, up to which a point is still on a chart: rounding.
+const MAX_BEYOND_WALL: f64 = 1e-12;
+const MAX_BEYOND_WINDOW: f64 = 1e-9;
 
 /// Points per side at which the stretch of a face is evaluated; more for trimmed faces, to find what is left of them.
 const STRETCH_POINTS: u32 = 9;
@@ -134,14 +140,14 @@ impl Chart {
         let point = self.sheet_point(face, uv)?;
         let is_beyond = |wall: &ChartWall| {
             let [from, to] = wall.ends;
-            (to - from).perp_dot(point - from) < -1e-12 * from.distance(to)
+            (to - from).perp_dot(point - from) < -MAX_BEYOND_WALL * from.distance(to)
         };
         if self.walls.iter().any(is_beyond) {
             return None;
         }
         let [min, max] = self.window;
         let share = (point - min) / (max - min);
-        let slack = DVec2::splat(1e-9);
+        let slack = DVec2::splat(MAX_BEYOND_WINDOW);
         let inside = share.cmpge(-slack).all() && share.cmple(DVec2::ONE + slack).all();
         inside.then(|| self.texel_at(point))
     }
@@ -261,18 +267,20 @@ pub fn charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
 pub(crate) fn undivided_charts(surfaces: &[PlacedSurface<'_>], density: f64) -> Vec<Chart> {
     let mut charts = Vec::new();
     for (number, surface) in (0..).zip(surfaces).filter(|(_, surface)| !surface.is_passable()) {
-        let mut flat = Vec::new();
+        let (mut flat, mut square) = (Vec::new(), Vec::new());
         for face in 0..surface.faces() {
             match surface.face_domain(face) {
                 FaceDomain::Polygon(_) => flat.push(face),
-                FaceDomain::Square => {
-                    if let Some((window, stretch)) = stretch(surface, face) {
-                        let sheet = Arc::new(Sheet::Square(face));
-                        let shape = surface.shape(face);
-                        add_both_sides(&mut charts, [number, shape], &sheet, window, stretch * density);
-                    }
-                }
+                FaceDomain::Square => square.extend(ChartExtent::new(surface, face)),
             }
+        }
+        if let Surface::Freeform(freeform) = surface.surface() {
+            adapt_to_neighbours(freeform, &mut square);
+        }
+        for ChartExtent { face, window, stretch } in square {
+            let sheet = Arc::new(Sheet::Square(face));
+            let shape = surface.shape(face);
+            add_both_sides(&mut charts, [number, shape], &sheet, window, stretch * density);
         }
         for group in group::groups(surface, &flat) {
             let (shape, size, shrink) = (surface.shape(group.faces()[0]), group.size(), group.shrink());
@@ -297,7 +305,7 @@ fn add_both_sides(
     window: [DVec2; 2],
     density: DVec2,
 ) {
-    let wanted = (density * (window[1] - window[0]) * (1.0 - 1e-9)).ceil() + 1.0;
+    let wanted = (density * (window[1] - window[0]) * (1.0 - MAX_BEYOND_WINDOW)).ceil() + 1.0;
     let is_coarse = wanted.max_element() > MAX_SIDE;
     let size = wanted.clamp(DVec2::splat(2.0), DVec2::splat(MAX_SIDE)).to_array().map(|n| n as u32);
     for back in [false, true] {
@@ -306,26 +314,58 @@ fn add_both_sides(
     }
 }
 
-/// Bounds of a face's parameters after trimming, and the largest speeds of the position along both, metres; `None` if nothing is left.
-fn stretch(surface: &PlacedSurface<'_>, face: u32) -> Option<([DVec2; 2], DVec2)> {
-    let count = if surface.is_trimmed() { TRIMMED_POINTS } else { STRETCH_POINTS };
-    let step = 1.0 / f64::from(count - 1);
-    let at = |uv: DVec2| surface.at(face, uv, false).map(|at| at.at.point.position);
-    let (mut min, mut max, mut speed) = (DVec2::INFINITY, DVec2::NEG_INFINITY, DVec2::ZERO);
-    let h = 0.01 * step;
-    for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
-        let uv = DVec2::new(f64::from(i), f64::from(j)) * step;
-        let Some(here) = at(uv) else { continue };
-        (min, max) = (min.min(uv), max.max(uv));
-        let along = |axis: DVec2| {
-            let other = if uv.dot(axis) > 0.5 { uv - h * axis } else { uv + h * axis };
-            at(other).map_or(0.0, |there: DVec3| there.distance(here) / h)
+/// Extent of the chart of a face over a square of parameters.
+struct ChartExtent {
+    face: u32,
+    /// Bounds of its parameters after trimming.
+    window: [DVec2; 2],
+    /// Largest speeds of the position along both parameters, metres.
+    stretch: DVec2,
+}
+
+/// Gives patches that share a range of a parameter of their surface the same window and stretch along it, so that their charts have texels at
+/// the same points of common sides.
+fn adapt_to_neighbours(freeform: &Freeform, faces: &mut [ChartExtent]) {
+    for axis in [0, 1] {
+        let range = |extent: &ChartExtent| {
+            [0.0, 1.0].map(|end| freeform.parameters(extent.face, end, end).map(|uv| uv[axis].to_bits()))
         };
-        speed = speed.max(DVec2::new(along(DVec2::X), along(DVec2::Y)));
+        let mut shared: HashMap<[Option<u64>; 2], [f64; 3]> = HashMap::new();
+        for extent in faces.iter() {
+            let own = [extent.window[0][axis], extent.window[1][axis], extent.stretch[axis]];
+            let [low, high, stretch] = shared.entry(range(extent)).or_insert(own);
+            (*low, *high, *stretch) = (low.min(own[0]), high.max(own[1]), stretch.max(own[2]));
+        }
+        for extent in faces.iter_mut() {
+            let Some([low, high, stretch]) = shared.get(&range(extent)) else { continue };
+            (extent.window[0][axis], extent.window[1][axis], extent.stretch[axis]) = (*low, *high, *stretch);
+        }
     }
-    if !(max.cmpge(min).all() && speed.is_finite()) {
-        return None;
+}
+
+impl ChartExtent {
+    /// `None` if trimming leaves nothing of the face.
+    fn new(surface: &PlacedSurface<'_>, face: u32) -> Option<Self> {
+        let count = if surface.is_trimmed() { TRIMMED_POINTS } else { STRETCH_POINTS };
+        let step = 1.0 / f64::from(count - 1);
+        let at = |uv: DVec2| surface.at(face, uv, false).map(|at| at.at.point.position);
+        let (mut min, mut max, mut speed) = (DVec2::INFINITY, DVec2::NEG_INFINITY, DVec2::ZERO);
+        let h = 0.01 * step;
+        for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+            let uv = DVec2::new(f64::from(i), f64::from(j)) * step;
+            let Some(here) = at(uv) else { continue };
+            (min, max) = (min.min(uv), max.max(uv));
+            let along = |axis: DVec2| {
+                let other = if uv.dot(axis) > 0.5 { uv - h * axis } else { uv + h * axis };
+                at(other).map_or(0.0, |there: DVec3| there.distance(here) / h)
+            };
+            speed = speed.max(DVec2::new(along(DVec2::X), along(DVec2::Y)));
+        }
+        if !(max.cmpge(min).all() && speed.is_finite()) {
+            return None;
+        }
+        let margin = if surface.is_trimmed() { step } else { 0.0 };
+        let window = [(min - margin).max(DVec2::ZERO), (max + margin).min(DVec2::ONE)];
+        Some(Self { face, window, stretch: speed })
     }
-    let margin = if surface.is_trimmed() { step } else { 0.0 };
-    Some(([(min - margin).max(DVec2::ZERO), (max + margin).min(DVec2::ONE)], speed))
 }

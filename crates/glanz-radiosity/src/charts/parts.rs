@@ -10,6 +10,9 @@ const MIN_WALL_LENGTH: f64 = 2.0;
 /// Smallest extent of a part on each side of a wall, texels.
 pub(super) const MIN_DEPTH: f64 = 1.0;
 
+/// Largest distance of a corner that a wall cut off from the line of the wall, texels: rounding.
+const ON_LINE: f64 = 1e-9;
+
 /// Largest number of parts of a chart; light leaks through shorter walls than those that make them.
 const MAX_PARTS: usize = 64;
 
@@ -57,8 +60,10 @@ impl ChartPart {
         }
         let left = clip_left_of(&self.corners, from, to);
         // Where the line enters and leaves the part, along the wall.
-        let on_line =
-            left.iter().filter(|corner| off(corner).abs() < 1e-9).map(|corner| direction.dot(*corner - from));
+        let on_line = left
+            .iter()
+            .filter(|corner| off(corner).abs() < ON_LINE)
+            .map(|corner| direction.dot(*corner - from));
         let (low, high) = on_line.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
         let inside = high.min(from.distance(to)) - low.max(0.0);
         let with = |corners: Vec<DVec2>, wall: ChartWall| {

@@ -171,7 +171,10 @@ fn merged_lines(surface: &PlacedSurface<'_>, chart: &Chart, faces: &[WallFace]) 
         return Vec::new();
     }
     let Some(plane) = ChartPlane::new(surface, chart) else { return Vec::new() };
-    let near = faces.iter().filter(|face| meets(&face.bounds, &plane.bounds));
+    // Opposite sides of a solid are no wall on its own inside, however near.
+    let is_near =
+        |face: &&WallFace| face.solid != Some(chart.surface as usize) && meets(&face.bounds, &plane.bounds);
+    let near = faces.iter().filter(is_near);
     let mut lines: Vec<WallLine> = near.filter_map(|face| plane.line(face)).collect();
     sort(&mut lines);
     lines.truncate(MAX_LINES);
@@ -271,7 +274,13 @@ impl WallLine {
 
 impl ChartPlane {
     fn new(surface: &PlacedSurface<'_>, chart: &Chart) -> Option<Self> {
-        let at = |face, uv| surface.at(face, uv, chart.back).map(|at| at.at);
+        let to_world = surface.to_world();
+        // Position and normal on the side of the chart. Trimming leaves the plane as it is.
+        let at = |face, uv| {
+            let point = surface.surface().untrimmed_at(face, uv)?.transformed(&to_world);
+            let is_opposite = chart.back != surface.is_reversed(face);
+            Some((point.position, if is_opposite { -point.normal } else { point.normal }))
+        };
         // Points of the sheet with their positions in space.
         let mut points = Vec::new();
         match &*chart.sheet {
@@ -291,14 +300,14 @@ impl ChartPlane {
         let scale = chart.last_texel() / (chart.window[1] - chart.window[0]);
         let texel = |sheet: DVec2| (sheet - chart.window[0]) * scale;
         let [(a, p), (b, q), (c, r)] = [0, 1, 2]
-            .map(|i| points.get(i).map(|(s, at)| (texel(*s), at.point.position)))
+            .map(|i| points.get(i).map(|(s, (position, _))| (texel(*s), *position)))
             .into_iter()
             .collect::<Option<Vec<_>>>()?
             .try_into()
             .ok()?;
         let (u, v) = (q - p, r - p);
         let normal = u.cross(v).try_normalize()?;
-        let side = points[0].1.wo.dot(normal).signum();
+        let side = points[0].1.1.dot(normal).signum();
         // Dual basis of u and v: points of the plane are s u + t v.
         let square = u.cross(v).length_squared();
         let (s, t) = (v.cross(u.cross(v)) / square, u.cross(v).cross(u) / square);
@@ -309,13 +318,12 @@ impl ChartPlane {
             normal: side * normal,
             axes,
             first: a,
-            bounds: Bounds3::from_points(points.iter().map(|(_, at)| at.point.position)),
+            bounds: Bounds3::from_points(points.iter().map(|(_, (position, _))| *position)),
             texel: wide,
         };
-        let is_flat = points.iter().all(|(sheet, at)| {
-            let off = (at.point.position - p).dot(plane.normal).abs();
-            off <= 0.5 * HEIGHT * wide
-                && plane.texel(at.point.position).distance(texel(*sheet)) <= MERGE_DISTANCE
+        let is_flat = points.iter().all(|(sheet, (position, _))| {
+            let off = (*position - p).dot(plane.normal).abs();
+            off <= 0.5 * HEIGHT * wide && plane.texel(*position).distance(texel(*sheet)) <= MERGE_DISTANCE
         });
         plane.bounds = plane.bounds.expanded(wide);
         is_flat.then_some(plane)

@@ -19,6 +19,9 @@ const TRIM_GRID: u32 = 8;
 /// Largest distance of a point of a flat element from its plane or its straight side, relative to its size.
 const FLATNESS: f64 = 1e-9;
 
+/// Bound on the rounding of lengths, relative to them: sides that are longer by no more are not divided.
+const LENGTH_ROUNDING: f64 = 1e-9;
+
 /// Location of an element: parameters of one side of a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
@@ -211,7 +214,8 @@ fn divide_face(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<
         points.windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f64>()
     };
     // Clamped so that the product below cannot overflow; larger counts are refused there.
-    let count = |length: f64| (length / side * (1.0 - 1e-9)).ceil().clamp(1.0, MAX_ELEMENTS as f64) as u32;
+    let count =
+        |length: f64| (length / side * (1.0 - LENGTH_ROUNDING)).ceil().clamp(1.0, MAX_ELEMENTS as f64) as u32;
     match surface.face_domain(face) {
         FaceDomain::Square => {
             let lines = [0.0, 0.5, 1.0];
@@ -231,7 +235,7 @@ fn divide_face(surface: &PlacedSurface<'_>, face: u32, side: f64) -> Option<Vec<
             let most = parts.iter().map(longest).fold(0.0, f64::max);
             // Quarters have sides of half the length.
             let mut rest = most;
-            while rest > side * (1.0 + 1e-9) {
+            while rest > side * (1.0 + LENGTH_ROUNDING) {
                 if 4 * parts.len() > MAX_ELEMENTS {
                     return None;
                 }

@@ -11,6 +11,9 @@ use crate::charts::{Chart, clip_left_of, flat_faces, undivided_charts, wall_line
 /// Fraction of an element below which a piece that a wall cuts off is dropped.
 const SMALLEST_PIECE: f64 = 1e-9;
 
+/// Largest distance of the corner of a rectangle from that of its bounds, relative to its parameters.
+const ROUNDING: f64 = 1e-12;
+
 /// Smallest share of an element's width that a wall covers to cut it: light gets round shorter ones.
 const SMALLEST_SHARE: f64 = 0.5;
 
@@ -53,10 +56,7 @@ impl Elements<'_> {
         for element in std::mem::take(&mut self.list) {
             let patch = element.patch;
             let walls = by_side.get(&(patch.surface, patch.face, patch.back));
-            match walls
-                .filter(|_| element.polygon.is_some())
-                .and_then(|(chart, lines)| pieces(chart, lines, &patch))
-            {
+            match walls.and_then(|(chart, lines)| pieces(chart, lines, &patch)) {
                 Some(pieces) => {
                     let made =
                         pieces.into_iter().filter_map(|domain| self.element(Patch { domain, ..patch }));
@@ -111,6 +111,10 @@ fn pieces(chart: &Chart, lines: &[Segment], patch: &Patch) -> Option<Vec<Paramet
 /// than a tiny share of `area`.
 fn halves(polygon: &[DVec2], [from, to]: Segment, area: f64) -> Option<[Vec<DVec2>; 2]> {
     let way = to - from;
+    let is_left = |corner: &DVec2| way.perp_dot(*corner - from) >= 0.0;
+    if polygon.iter().all(is_left) || !polygon.iter().any(is_left) {
+        return None;
+    }
     let halves = [clip_left_of(polygon, from, to), clip_left_of(polygon, to, from)];
     if halves.iter().any(|half| twice_area(half) < SMALLEST_PIECE * area) {
         return None;
@@ -135,7 +139,7 @@ fn twice_area(polygon: &[DVec2]) -> f64 {
 fn rectangle(corners: &[DVec2]) -> Option<ParameterPatch> {
     let min = corners.iter().fold(DVec2::INFINITY, |min, corner| min.min(*corner));
     let max = corners.iter().fold(DVec2::NEG_INFINITY, |max, corner| max.max(*corner));
-    let near = 1e-12 * (1.0 + max.abs().max_element());
+    let near = ROUNDING * (1.0 + max.abs().max_element());
     let is_corner = |corner: &DVec2| {
         let [x, y] = [0, 1].map(|axis| (corner[axis] - min[axis]).min(max[axis] - corner[axis]));
         x <= near && y <= near

@@ -1,6 +1,8 @@
 //! Maps of values on surfaces: illuminance or baked light.
 
 use glanz_math::DVec2;
+use glanz_math::glam::Vec3;
+use glanz_radiosity::bake::filled;
 use glanz_scene::Scene;
 
 use super::error::ModelError;
@@ -199,34 +201,13 @@ fn sampled(
     for patch in patches {
         let mut of_side = |&back: &bool| {
             let grid = (0..side).flat_map(|row| (0..side).map(move |column| (at(column), at(row))));
-            let found: Vec<Option<[f32; 3]>> =
-                grid.map(|(x, y)| value(patch.face, patch.parameters.of_face(x, y), back)).collect();
+            let found: Vec<Option<Vec3>> = grid
+                .map(|(x, y)| value(patch.face, patch.parameters.of_face(x, y), back).map(Vec3::from))
+                .collect();
             known |= found.iter().any(Option::is_some);
-            filled(found, side)
+            filled(found, [side, side]).into_iter().map(|value| value.to_array()).collect()
         };
         values.push(backs.iter().map(&mut of_side).collect());
     }
     known.then_some(values)
-}
-
-/// Gives unknown values the mean of their known neighbours, repeatedly; 0 if nothing is known.
-fn filled(mut values: Vec<Option<[f32; 3]>>, side: usize) -> SideValues {
-    let mut missing: Vec<usize> = (0..values.len()).filter(|&i| values[i].is_none()).collect();
-    while !missing.is_empty() && missing.len() < values.len() {
-        let mean = |&number: &usize| {
-            let (x, y) = (number % side, number / side);
-            let (columns, rows) =
-                (x.saturating_sub(1)..(x + 2).min(side), y.saturating_sub(1)..(y + 2).min(side));
-            let near = rows.flat_map(|row| columns.clone().map(move |column| row * side + column));
-            let known: Vec<[f32; 3]> = near.filter_map(|i| values.get(i).copied().flatten()).collect();
-            let sum = |k: usize| known.iter().map(|value| value[k]).sum::<f32>() / known.len() as f32;
-            (!known.is_empty()).then(|| (number, [0, 1, 2].map(sum)))
-        };
-        let found: Vec<(usize, [f32; 3])> = missing.iter().filter_map(mean).collect();
-        for &(number, value) in &found {
-            values[number] = Some(value);
-        }
-        missing.retain(|&number| values[number].is_none());
-    }
-    values.into_iter().map(Option::unwrap_or_default).collect()
 }

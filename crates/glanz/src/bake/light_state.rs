@@ -187,6 +187,9 @@ fn conflict_of(conflict: BakeConflict, path: &Path, taken: &[(PathBuf, BakeParts
             let count = other.map_or(0, |(_, parts)| parts.count);
             JoinError::Overlap { parts: with(other), common: format!("part {number}/{count}") }
         }
+        BakeConflict::Division => {
+            JoinError::Contradiction { parts: with(first), what: "the division into parts" }
+        }
         BakeConflict::Light(what) => JoinError::Contradiction { parts: with(first), what },
     }
 }

@@ -1,6 +1,7 @@
 //! Models with light maps: the triangles of every chart, with their texture coordinates on the pages.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glanz_formats::glb::{GlbCamera, GlbModel, GlbNode, GlbPrimitive};
 use glanz_formats::image::{self, Format};
@@ -39,7 +40,13 @@ impl ModelBuilder<'_> {
         }
         let mut nodes: BTreeMap<(u32, u32), BTreeMap<Option<usize>, GlbPrimitive>> = BTreeMap::new();
         let mut known: BTreeMap<u32, [u32; 2]> = BTreeMap::new();
-        for (number, (map, slot)) in self.maps.iter().zip(&self.atlas.slots).enumerate() {
+        let shifts =
+            self.maps.chunk_by(|a, b| Arc::ptr_eq(&a.chart.sheet, &b.chart.sheet)).flat_map(|maps| {
+                let of_sides =
+                    moved_sides(maps).map(|moves| if moves { SHIFT * self.tolerance } else { 0.0 });
+                maps.iter().map(move |map| if map.chart.back { of_sides[1] } else { of_sides[0] })
+            });
+        for ((map, slot), shift) in self.maps.iter().zip(&self.atlas.slots).zip(shifts) {
             let chart = &map.chart;
             if map.is_hidden {
                 continue;
@@ -51,25 +58,13 @@ impl ModelBuilder<'_> {
             let part = nodes.entry((chart.surface, chart.shape)).or_default().entry(picture);
             let part = part.or_insert_with(|| GlbPrimitive { picture, ..GlbPrimitive::default() });
             let at = |texel: DVec2| slot.map_or(DVec2::ZERO, |slot| self.atlas.coordinates(&slot, texel));
-            self.add(part, &triangles, at, self.shift(number));
+            self.add(part, &triangles, at, shift);
         }
         let node = |((_, shape), parts): ((u32, u32), BTreeMap<Option<usize>, GlbPrimitive>)| GlbNode {
             name: self.names.get(shape as usize).cloned().unwrap_or_else(|| format!("shape {shape}")),
             parts: parts.into_values().collect(),
         };
         Ok(GlbModel { pictures, nodes: nodes.into_iter().map(node).collect(), camera: self.camera.clone() })
-    }
-
-    /// Distance by which a side is moved away from the other: programs that do not cull back faces would show coincident sides in
-    /// alternation.
-    fn shift(&self, number: usize) -> f64 {
-        let (Some(map), Some(other)) = (self.maps.get(number), self.maps.get(number ^ 1)) else { return 0.0 };
-        let moves = match (map.is_dark(), other.is_dark()) {
-            (true, false) => true,
-            (false, true) => false,
-            _ => map.chart.back,
-        };
-        if moves && !other.is_hidden { SHIFT * self.tolerance } else { 0.0 }
     }
 
     fn add(&self, part: &mut GlbPrimitive, triangles: &Triangles, at: impl Fn(DVec2) -> DVec2, shift: f64) {
@@ -91,9 +86,61 @@ impl ModelBuilder<'_> {
     }
 }
 
+/// Whether the front and the back of a sheet are moved away from each other: programs that do not cull back faces would show coincident sides
+/// in alternation. `maps`: those of the sheet.
+fn moved_sides(maps: &[LightMap]) -> [bool; 2] {
+    let all = |back: bool, condition: fn(&LightMap) -> bool| {
+        maps.iter().filter(|map| map.chart.back == back).all(condition)
+    };
+    [false, true].map(|back| {
+        let moves = match (all(back, LightMap::is_dark), all(!back, LightMap::is_dark)) {
+            (true, false) => true,
+            (false, true) => false,
+            _ => back,
+        };
+        moves && !all(!back, |map| map.is_hidden)
+    })
+}
+
 /// A page as a picture.
 pub(super) fn pixels(page: &[Spectrum], side: u32) -> Result<Pixels, PixelsError> {
     let wavelengths = Wavelengths::default();
     let rgb: Vec<[f32; 3]> = page.iter().map(|light| light.to_rgb(&wavelengths)).collect();
     Pixels::try_from_rgb(side, side, &rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_job::{CancelFlag, Silent};
+    use glanz_radiosity::bake::{BakeSettings, bake};
+    use glanz_radiosity::elements::{ElementSettings, Elements};
+    use glanz_scene::SceneBuilder;
+    use glanz_scene::description::{LightDescription, LightKind, MaterialKind, ShapeDescription};
+
+    use super::*;
+
+    #[test]
+    fn one_side_of_a_floor_that_a_wall_divides_is_moved() {
+        let grey = || MaterialKind::diffuse(0.5);
+        let sheet = ShapeDescription::parallelogram(DVec3::X, DVec3::Y * 2.0, DVec3::Z);
+        let scene = SceneBuilder::new()
+            .shape(ShapeDescription::parallelogram(DVec3::ZERO, DVec3::X * 2.0, DVec3::Y * 2.0), grey())
+            .shape(sheet, grey())
+            .light(LightDescription::new(
+                LightKind::Point { from: DVec3::new(0.5, 1.0, 1.5), range: None },
+                1.0,
+            ))
+            .resolve()
+            .unwrap()
+            .0;
+        let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
+        let settings = BakeSettings { density: 5.0, rays: 16, shadow_rays: 4, ..BakeSettings::default() };
+        let maps = bake(&elements, &settings, &mut Silent, &CancelFlag::default()).unwrap().maps;
+        let floor: Vec<LightMap> = maps.into_iter().filter(|map| map.chart.surface == 0).collect();
+        assert_eq!(floor.iter().map(|map| map.chart.back).collect::<Vec<_>>(), [false, false, true]);
+        // The lower side is dark.
+        assert_eq!(moved_sides(&floor), [false, true]);
+        let sheets = floor.chunk_by(|a, b| Arc::ptr_eq(&a.chart.sheet, &b.chart.sheet));
+        assert_eq!(sheets.count(), 1);
+    }
 }

@@ -13,7 +13,7 @@ pub struct BakeOutcome {
     pub(super) scene: Scene,
     #[cfg(feature = "formats")]
     pub(super) view: super::model_files::ModelView,
-    /// Light maps; the two sides of a chart are adjacent.
+    /// Light maps, in the order of [`BakedLight::maps`](glanz_radiosity::bake::BakedLight::maps).
     pub maps: Vec<LightMap>,
     /// Their layout on square pages.
     pub atlas: Atlas,

@@ -1,7 +1,7 @@
 //! Paths of rays that gather light.
 
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{DVec3, Frame, Ray};
+use glanz_math::{DVec3, Ray};
 use glanz_sampling::hash::permute;
 use glanz_scene::{BatchedPath, Interaction, Light, ParametricPoint, Scene, SceneHit};
 use glanz_shading::Bsdf;
@@ -22,8 +22,10 @@ const NEAR_AREAS: f64 = 2.0;
 pub(super) struct PathLight {
     /// pi times the radiance of lights on the ray that cannot be sampled.
     pub(super) emitted: Spectrum,
-    /// End of the ray; `None` if it leaves the scene.
+    /// End of the ray; `None` if it has none, or was not traced because no light arrives from below the surface.
     pub(super) end: Option<RayEnd>,
+    /// Whether the ray leaves the scene.
+    pub(super) leaves_scene: bool,
     /// Radiosity at the end by direct light.
     pub(super) direct: Spectrum,
     /// An element, and the factor on its indirect irradiance for the rest of the radiosity at the end.
@@ -58,15 +60,24 @@ impl FinalGather<'_> {
         traced.lights
     }
 
-    /// The end of a ray from a receiver in one of the directions; `None` if it leaves the scene.
-    pub(super) fn ray_end(&self, receiver: &BakeReceiver, number: usize) -> Option<ParametricPoint> {
-        let mut ray = GatherRay::new(receiver, number as u32, *self.directions.get(number)?)?;
+    /// Whether a ray from a receiver in one of the directions leaves the scene or ends at a point that satisfies `condition`; `false` for
+    /// directions below the surface.
+    pub(super) fn ray_sees(
+        &self,
+        receiver: &BakeReceiver,
+        number: usize,
+        condition: impl Fn(&ParametricPoint) -> bool,
+    ) -> bool {
+        let direction = self.directions.get(number);
+        let ray = direction.and_then(|&direction| GatherRay::new(receiver, number as u32, direction));
+        let Some(mut ray) = ray else { return false };
         loop {
-            let (at, place) = self.elements.scene.intersect_parametric(&ray.segment, f64::INFINITY)?;
+            let found = self.elements.scene.intersect_parametric(&ray.segment, f64::INFINITY);
+            let Some((at, place)) = found else { return true };
             match ray.meet(self, &at) {
                 SurfaceEvent::Pass => {}
-                SurfaceEvent::End(_) => return Some(place),
-                SurfaceEvent::Lost => return None,
+                SurfaceEvent::End(_) => return condition(&place),
+                SurfaceEvent::Lost => return false,
             }
         }
     }
@@ -100,7 +111,7 @@ impl GatherRay {
     /// A ray in a direction around z, turned to the receiver; `None` below the surface, though above the plane of the shading normal:
     /// no light arrives from there.
     fn new(receiver: &BakeReceiver, number: u32, direction: DVec3) -> Option<Self> {
-        let direction = Frame::from_z(receiver.shading).to_world(direction);
+        let direction = receiver.frame().to_world(direction);
         (receiver.normal.dot(direction) > 0.0).then(|| Self {
             segment: receiver.at.spawn(direction),
             number,
@@ -184,6 +195,7 @@ impl GatherPath {
             return true;
         }
         if self.bounces == 0 {
+            light.leaves_scene = hit.is_none();
             light.emitted = self.ray.emitted;
         } else {
             light.direct += self.throughput * self.ray.emitted;
@@ -249,12 +261,15 @@ fn is_unsampled_light(scene: &Scene, at: &Interaction) -> bool {
 mod tests {
     use glanz_job::{CancelFlag, Silent};
 
+    use glanz_math::DVec2;
+    use glanz_scene::description::{GeometryDescription, ShapeDescription};
+
     use super::super::super::{BakeMethod, BakeProgress, BakeSettings, BakeState, direct};
     use super::*;
     use crate::bake::lookup::SurfaceIndex;
     use crate::charts::charts;
     use crate::elements::{ElementSettings, Elements};
-    use crate::scenes::{scene, walls};
+    use crate::scenes::{parallelogram, scene, walls};
 
     #[test]
     fn paths_do_not_depend_on_those_traced_with_them() {
@@ -283,5 +298,47 @@ mod tests {
         // Some end at an element, others after bounces at none.
         let ends = together.iter().filter(|light| light.element.is_some()).count();
         assert!(ends > 100 && together.iter().any(|light| light.end.is_none()), "{ends}");
+    }
+
+    #[test]
+    fn directions_below_the_surface_do_not_leave_the_scene() {
+        // A triangle with inclined shading normals inside a box above a lit floor: no light is visible from it.
+        let corners = [DVec3::new(0.2, 0.2, 0.2), DVec3::new(0.8, 0.2, 0.2), DVec3::new(0.2, 0.8, 0.2)];
+        let inclined = GeometryDescription::Triangles {
+            positions: corners.to_vec(),
+            indices: vec![[0, 1, 2]],
+            normals: Some(vec![DVec3::new(2.0, 0.0, 1.0); 3]),
+            uvs: None,
+        };
+        let scene = scene(vec![
+            (parallelogram(DVec3::new(-1.0, -1.0, -0.5), DVec3::X * 3.0, DVec3::Y * 3.0), 0.5, 0.0),
+            (ShapeDescription::cuboid(DVec3::ZERO, DVec3::ONE), 0.5, 0.0),
+            (inclined.into(), 0.5, 0.0),
+            (parallelogram(DVec3::new(0.0, 0.0, 2.0), DVec3::Y, DVec3::X), 0.5, 1.0),
+        ]);
+        let settings = BakeSettings { density: 3.0, rays: 64, shadow_rays: 16, method: BakeMethod::Gather };
+        let elements = Elements::new(&scene, &ElementSettings { side: 1.0 }).unwrap();
+        let charts = charts(&elements.surfaces, settings.density);
+        let (mut sink, cancel) = (Silent, CancelFlag::default());
+        let mut progress = BakeProgress::new(&mut sink, &cancel, 3);
+        let mut state = BakeState::default();
+        let direct =
+            direct::light_on_charts(&elements, &charts, &settings, None, &mut state, &mut progress).unwrap();
+        let index = SurfaceIndex::new(&elements, &charts);
+        let gather = FinalGather::new(&elements, &index, &charts, &direct, &settings);
+        let receiver = |z: f64| {
+            let surface = elements
+                .surfaces
+                .iter()
+                .position(|surface| (surface.bounds().max.z - z).abs() < 1e-6)
+                .unwrap() as u32;
+            let place = ParametricPoint { surface, face: 0, back: false, uv: DVec2::splat(0.3) };
+            BakeReceiver::new(&elements, &place).unwrap()
+        };
+        let inside = receiver(0.2);
+        assert!(inside.normal.dot(inside.shading) < 0.5);
+        assert!(!gather.sees_light(&inside) && !gather.gather(&[inside])[0].sees_light);
+        let floor = receiver(-0.5);
+        assert!(gather.sees_light(&floor) && gather.gather(&[floor])[0].sees_light);
     }
 }
