@@ -229,6 +229,17 @@ impl RayModel {
         self.rays.len()
     }
 
+    /// Leaves the `count` finest levels of distributions out of the merits, as far as they are finer than those to begin with; returns the largest number.
+    pub(super) fn skip_levels(&mut self, count: usize) -> usize {
+        let mut largest = 0;
+        for grid in self.merits.iter_mut().filter_map(|(merit, _)| merit.grid_mut()) {
+            let refinements = grid.refinements();
+            grid.skip(count.min(refinements));
+            largest = largest.max(refinements);
+        }
+        largest
+    }
+
     /// Finds anew, in the scene with these displacements, which rays pass and how much of them the mirrors reflect.
     ///
     /// # Errors
