@@ -36,10 +36,12 @@ mod error;
 mod landing_grid;
 mod merit;
 mod ray_model;
+mod ray_sources;
 mod reflection;
 mod scaled_problem;
 mod search;
 mod surface_basis;
+mod targets;
 #[cfg(test)]
 mod tests;
 

@@ -150,7 +150,9 @@ pub fn optimize(
         if cancel.is_cancelled() {
             break;
         }
-        let is_settled = best.merit > (1.0 - IMPROVEMENT) * round.start_merit || best.merit <= IDEAL;
+        // A merit that is no number is not improved.
+        let is_improved = best.merit <= (1.0 - IMPROVEMENT) * round.start_merit;
+        let is_settled = !is_improved || best.merit <= IDEAL;
         let [skipped, rounds] = state.skipped_levels;
         let is_finest = skipped == 0;
         state = OptimizeState {

@@ -318,4 +318,8 @@ fn scenes_without_a_task_or_light_are_refused() {
     ));
     let error = changed(&|d| d.design.targets = vec![target(0, TargetKind::Peak)]);
     assert!(matches!(error, OptimizeError::NoRectangle { index: 0 }), "{error}");
+    // A lamp that shines away from the mirror.
+    let mut dark = flat_start(2, [4, 4]);
+    dark.world.shapes[2].reverse_orientation = true;
+    assert!(matches!(run(&dark, &settings), Err(OptimizeError::NoReflection(_))));
 }
