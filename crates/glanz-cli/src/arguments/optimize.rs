@@ -28,8 +28,8 @@ pub(crate) struct OptimizeArguments {
     /// Scene file for the result: .pbrt
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,
-    /// Number of rays: more are slower, and needed for more cells of a receiver or more free numbers
-    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..=1 << 26))]
+    /// Number of rays: more are slower, and needed for more cells of a receiver or more free numbers; at most 2^20
+    #[arg(long, value_name = "N", default_value_t = 65536, value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     rays: u32,
     /// Largest number of steps
     #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u32).range(1..))]

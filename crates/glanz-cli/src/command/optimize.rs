@@ -112,7 +112,7 @@ fn words(measure: &TargetMeasure) -> String {
             format!("{} % of the light of the lamps on the receiver", significant(100.0 * share))
         }
         TargetMeasure::Collimation { angle } => {
-            format!("rms angle of {} mrad to the wanted direction", significant(1000.0 * angle))
+            format!("rms angle of {} rad to the wanted direction", significant(angle))
         }
     }
 }

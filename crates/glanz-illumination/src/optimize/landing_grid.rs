@@ -20,6 +20,8 @@ pub(super) enum WantedLight<'a> {
 #[derive(Clone, Debug)]
 pub(super) struct LandingGrid {
     levels: Vec<GridLevel>,
+    /// Number of the finest levels that do not count.
+    skipped: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -33,6 +35,9 @@ struct GridLevel {
     /// Sum of their squares.
     norm: f64,
 }
+
+/// Most cells along a receiver to begin with. Finer cells from the beginning lead to caustics, which are local minima.
+const FIRST_CELLS: f64 = 12.0;
 
 /// Points along each side of a cell for the shares that are wanted.
 const POINTS: u32 = 8;
@@ -60,7 +65,7 @@ impl LandingGrid {
             }
             size = (2.0 * size).min(DVec2::splat(2.0));
         }
-        let mut grid = Self { levels };
+        let mut grid = Self { levels, skipped: 0 };
         let mut shares = vec![0.0; grid.len()];
         let mut total = 0.0;
         for (at, weight) in wanted.points(cells) {
@@ -78,6 +83,17 @@ impl LandingGrid {
             level.norm = level.wanted.iter().map(|share| share * share).sum();
         }
         grid
+    }
+
+    /// Number of levels whose cells are finer than those to begin with.
+    pub(super) fn refinements(&self) -> usize {
+        let is_fine = |level: &&GridLevel| 2.0 / level.size.min_element() > FIRST_CELLS;
+        self.levels.iter().filter(is_fine).count()
+    }
+
+    /// Leaves the `count` finest levels out of the difference, but the coarsest.
+    pub(super) fn skip(&mut self, count: usize) {
+        self.skipped = count.min(self.levels.len().saturating_sub(1));
     }
 
     /// Number of cells of all levels.
@@ -114,17 +130,18 @@ impl LandingGrid {
         by_flux: &mut f64,
     ) -> (f64, f64) {
         let (mut sum, mut finest) = (0.0, 0.0);
-        let mean = 1.0 / self.levels.len() as f64;
+        let mean = 1.0 / (self.levels.len() - self.skipped) as f64;
         for (number, level) in self.levels.iter().enumerate() {
+            let counts = if number < self.skipped { 0.0 } else { mean };
             let mut squares = 0.0;
             let cells = cells.iter().skip(level.first).zip(&level.wanted);
             for ((cell, wanted), slope) in cells.zip(by_cells.iter_mut().skip(level.first)) {
                 let difference = cell / flux - wanted;
                 squares += difference * difference;
-                *slope = 2.0 * mean * difference / (level.norm * flux);
+                *slope = 2.0 * counts * difference / (level.norm * flux);
                 *by_flux -= *slope * cell / flux;
             }
-            sum += mean * squares / level.norm;
+            sum += counts * squares / level.norm;
             if number == 0 {
                 finest = squares / level.norm;
             }
@@ -190,6 +207,26 @@ mod tests {
             slopes += slope;
         });
         assert!((shares - 4.0).abs() < 1e-14 && slopes.length() < 1e-13, "{shares} {slopes}");
+    }
+
+    #[test]
+    fn fine_cells_do_not_count_at_the_beginning() {
+        let mut grid = LandingGrid::new([40, 28], &WantedLight::Even { margin: 0.0 });
+        // 40, 20, then 10 cells.
+        assert_eq!(grid.refinements(), 2);
+        assert_eq!(LandingGrid::new([12, 1], &WantedLight::Peak).refinements(), 0);
+        let spot = LandingGrid::new([40, 28], &WantedLight::Peak);
+        let cells: Vec<f64> = spot.levels.iter().flat_map(|level| level.wanted.clone()).collect();
+        let mut difference = |skipped: usize| {
+            grid.skip(skipped);
+            let (mut slopes, mut by_flux) = (vec![0.0; cells.len()], 0.0);
+            let (sum, finest) = grid.difference(&cells, 1.0, &mut slopes, &mut by_flux);
+            (sum, finest, slopes.iter().position(|slope| *slope != 0.0))
+        };
+        let (all, finest, first) = difference(0);
+        let (coarse, same, second) = difference(2);
+        assert!(finest == same && coarse < all && first.unwrap() < second.unwrap());
+        assert!(second.unwrap() >= grid.levels[2].first);
     }
 
     #[test]

@@ -142,6 +142,14 @@ impl Merit {
         }
     }
 
+    /// The grid of a distribution.
+    pub(super) fn grid_mut(&mut self) -> Option<&mut LandingGrid> {
+        match self {
+            Self::Distribution { grid, .. } => Some(grid),
+            Self::Flux { .. } | Self::Collimation { .. } => None,
+        }
+    }
+
     /// Adds a ray.
     pub(super) fn deposit(&self, ray: &ReflectedRay, sums: &mut [f64]) {
         let Some((first, cells)) = sums.split_first_chunk_mut::<SUMS>() else { return };

@@ -20,7 +20,7 @@
 //! # Merits
 //! A merit is a function of sums over rays, 0 for the ideal (`merit`). For a distribution these are the shares of the light in cells, by quadratic B-splines of the size of a cell, at several sizes from the
 //! receiver's own cells to half of it: the sum of the squared differences from the wanted shares over the sum of the squares of these, and the mean over all sizes. The small cells alone have no gradient where light
-//! and wanted light do not overlap. Beyond the receiver the coordinates are logarithmic, so that light may begin anywhere on its plane. A merit by the squared deviations of the cells' illuminance from their mean alone
+//! and wanted light do not overlap; all of them at once lead to caustics, so that sizes below a twelfth of the receiver are added one after the other (`search`). Beyond the receiver the coordinates are logarithmic, so that light may begin anywhere on its plane. A merit by the squared deviations of the cells' illuminance from their mean alone
 //! has its minimum where all light has left the receiver.
 //!
 //! # Derivatives
@@ -36,10 +36,12 @@ mod error;
 mod landing_grid;
 mod merit;
 mod ray_model;
+mod ray_sources;
 mod reflection;
 mod scaled_problem;
 mod search;
 mod surface_basis;
+mod targets;
 #[cfg(test)]
 mod tests;
 

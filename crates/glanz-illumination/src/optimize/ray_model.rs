@@ -1,30 +1,28 @@
 //! Rays of a scene by their parameters on lights and mirrors, and the merits of their light with its derivatives.
 
-use glanz_geometry::FaceDomain;
 use glanz_light::Wavelengths;
-use glanz_light::units::photometric;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
-use glanz_scene::description::{ReceiverSide, TargetDescription, TargetKind, VariableQuantity};
-use glanz_scene::{Description, Interaction, Light, LightId, PlacedSurface, Scene};
+use glanz_scene::description::VariableQuantity;
+use glanz_scene::{Description, Interaction, Light, PlacedSurface, Scene};
 use glanz_shading::bsdf::{Lobe, TransportMode};
 use rayon::prelude::*;
 
 use super::error::OptimizeError;
-use super::landing_grid::{LandingGrid, WantedLight};
-use super::merit::{Merit, MeritValue, ReceiverFrame, ReflectedRay, TargetMeasure};
+use super::merit::{Merit, MeritValue, ReflectedRay, TargetMeasure};
+use super::ray_sources::{
+    EmitterPart, EmittingSurface, MirrorSurface, ReflectingPart, emitters, mirrors, world_shape,
+};
 use super::reflection::{EmittingPoint, Reflection, ReflectionGradient};
-use super::surface_basis::{LocalFrame, PointFactors, SurfaceBasis};
-use crate::receiver::{GridResolution, ReceiverRequest, Receivers};
+use super::surface_basis::{LocalFrame, PointFactors};
+use super::targets::merit;
 
-/// Cells along the longer side of a target without cells of its own.
-const CELLS: u32 = 16;
-/// Rays that a thread adds at once; the order of the sums does not depend on the threads.
+/// Largest number of chunks of rays, each of which has sums of its own.
+const CHUNKS: usize = 64;
+/// Least number of rays of a chunk.
 const CHUNK: usize = 1024;
 /// Fraction of a distance within which a ray meets the point it was aimed at.
 const AIM: f64 = 1e-6;
-/// Largest relative difference between the area of a receiver and that of its rectangle.
-const FLATNESS: f64 = 1e-6;
 
 /// Rays of all lights over all mirrors: fixed parameters, which no displacement moves across a border.
 #[derive(Clone, Debug)]
@@ -57,62 +55,6 @@ struct SensitivityTerm {
     variable: usize,
     position: f64,
     tangents: [f64; 2],
-}
-
-/// Where rays start.
-struct EmitterPart<'a> {
-    light: usize,
-    /// cd, or cd/m^2.
-    brightness: f64,
-    surface: EmittingSurface<'a>,
-}
-
-enum EmittingSurface<'a> {
-    Point(DVec3),
-    Area { placed: &'a PlacedSurface<'a>, face: u32, part: UnitPart, two_sided: bool },
-}
-
-/// Where rays are reflected.
-struct ReflectingPart<'a> {
-    shape: usize,
-    surface: MirrorSurface<'a>,
-    part: UnitPart,
-}
-
-enum MirrorSurface<'a> {
-    Freeform(SurfaceBasis),
-    Fixed { placed: &'a PlacedSurface<'a>, face: u32 },
-}
-
-/// Parameters of a face by those of the unit square: themselves, or those of a triangle, to whose first corner a side of the square maps.
-#[derive(Clone, Copy)]
-enum UnitPart {
-    Square,
-    Triangle([DVec2; 3]),
-}
-
-impl UnitPart {
-    fn of(domain: &FaceDomain) -> Vec<Self> {
-        match domain {
-            FaceDomain::Square => vec![Self::Square],
-            FaceDomain::Polygon(corners) => {
-                let pairs = corners.windows(2).skip(1);
-                let part =
-                    |pair: &[DVec2]| Some(Self::Triangle([*corners.first()?, *pair.first()?, *pair.get(1)?]));
-                pairs.filter_map(part).collect()
-            }
-        }
-    }
-
-    /// Parameters, and their area per unit of the square.
-    fn at(&self, at: DVec2) -> (DVec2, f64) {
-        match *self {
-            Self::Square => (at, 1.0),
-            Self::Triangle([a, b, c]) => {
-                (a + at.x * (b - a).lerp(c - a, at.y), at.x * (b - a).perp_dot(c - a).abs())
-            }
-        }
-    }
 }
 
 /// What a model tells about a design.
@@ -165,12 +107,12 @@ impl RayModel {
             }
         }
         model.aim(&scene, &[]);
-        if model.passed.iter().all(|passed| *passed == 0.0) {
+        if !model.has_light(None) {
             return Err(OptimizeError::NoReflection("a mirror"));
         }
         for (merit, _) in &model.merits {
             let Merit::Collimation { mirror, .. } = merit else { continue };
-            if !model.rays.iter().any(|ray| ray.mirror == *mirror) {
+            if !model.has_light(Some(*mirror)) {
                 return Err(OptimizeError::NoReflection("the mirror with the target \"collimation\""));
             }
         }
@@ -224,9 +166,36 @@ impl RayModel {
         self.rays.push(RaySample { from, light: emitter.light, mirror: mirror.shape, frame, terms, weight });
     }
 
+    /// Whether light is reflected, by the mirror of a shape or any.
+    fn has_light(&self, mirror: Option<usize>) -> bool {
+        let mut rays = self.rays.iter().zip(self.passed.chunks(self.merits.len()));
+        rays.any(|(ray, passed)| {
+            mirror.is_none_or(|mirror| mirror == ray.mirror)
+                && passed.iter().any(|passed| *passed > 0.0)
+                && Reflection::new(&ray.from, &ray.frame).flux * ray.weight > 0.0
+        })
+    }
+
+    /// Rays that a thread adds at once, with what of them passes; the order of the sums does not depend on the threads.
+    fn chunks(&self) -> impl IndexedParallelIterator<Item = (&[RaySample], &[f64])> {
+        let size = self.rays.len().div_ceil(CHUNKS).max(CHUNK);
+        self.rays.par_chunks(size).zip(self.passed.par_chunks(size * self.merits.len()))
+    }
+
     /// Number of rays.
     pub(super) fn len(&self) -> usize {
         self.rays.len()
+    }
+
+    /// Leaves the `count` finest levels of distributions out of the merits, as far as they are finer than those to begin with; returns the largest number.
+    pub(super) fn skip_levels(&mut self, count: usize) -> usize {
+        let mut largest = 0;
+        for grid in self.merits.iter_mut().filter_map(|(merit, _)| merit.grid_mut()) {
+            let refinements = grid.refinements();
+            grid.skip(count.min(refinements));
+            largest = largest.max(refinements);
+        }
+        largest
     }
 
     /// Finds anew, in the scene with these displacements, which rays pass and how much of them the mirrors reflect.
@@ -301,7 +270,7 @@ impl RayModel {
             }
             sums
         };
-        let chunks = self.rays.par_chunks(CHUNK).zip(self.passed.par_chunks(CHUNK * self.merits.len()));
+        let chunks = self.chunks();
         let chunks: Vec<Vec<Vec<f64>>> = chunks.map(|(rays, passed)| sums(rays, passed)).collect();
         let total = chunks.into_iter().reduce(|mut total, part| {
             for (total, part) in total.iter_mut().zip(&part) {
@@ -333,7 +302,7 @@ impl RayModel {
             }
             gradient
         };
-        let chunks = self.rays.par_chunks(CHUNK).zip(self.passed.par_chunks(CHUNK * self.merits.len()));
+        let chunks = self.chunks();
         let chunks: Vec<Vec<f64>> = chunks.map(|(rays, passed)| part(rays, passed)).collect();
         let total = chunks.into_iter().reduce(|mut total, part| {
             total.iter_mut().zip(&part).for_each(|(total, part)| *total += part);
@@ -440,17 +409,6 @@ fn resolved(description: &Description, displacements: &[f64]) -> Result<Scene, O
     })
 }
 
-/// Number of the first shape of the world among those of the scene.
-fn first_of_world(description: &Description) -> usize {
-    let grouped: usize = description.groups.iter().map(|group| group.shapes.len()).sum();
-    grouped + usize::from(description.section.is_some())
-}
-
-/// Index of the shape of a surface in the world; `None` for one in a group.
-fn world_shape(description: &Description, placed: &PlacedSurface<'_>, face: u32) -> Option<usize> {
-    (placed.shape(face) as usize).checked_sub(first_of_world(description))
-}
-
 /// Direction of each variable in the world.
 fn directions(description: &Description) -> Vec<DVec3> {
     let direction = |variable: &glanz_scene::description::VariableDescription| {
@@ -494,90 +452,6 @@ fn light_variables(
     variables
 }
 
-/// The parts of all lights, and their flux, lm.
-fn emitters<'a>(
-    scene: &Scene,
-    placed: &'a [PlacedSurface<'a>],
-) -> Result<(Vec<EmitterPart<'a>>, f64), OptimizeError> {
-    let wavelengths = Wavelengths::default();
-    let (mut parts, mut emitted) = (Vec::new(), 0.0);
-    for (number, light) in scene.lights().iter().enumerate() {
-        let id = LightId(number as u32);
-        let refused = |kind| OptimizeError::Light { light: id, kind };
-        match light {
-            Light::Area(area) if area.radiance().is_black() => {}
-            Light::Area(area) if !area.is_opaque() => return Err(refused("diffuse with alpha")),
-            Light::Area(area) if area.has_picture() => return Err(refused("diffuse with a picture")),
-            Light::Area(area) => {
-                emitted += photometric(area.power(), &wavelengths);
-                let brightness = photometric(area.radiance(), &wavelengths);
-                for placed in placed.iter().filter(|placed| placed.light() == Some(id)) {
-                    for face in 0..placed.faces() {
-                        for part in UnitPart::of(&placed.face_domain(face)) {
-                            let two_sided = area.is_two_sided();
-                            let surface = EmittingSurface::Area { placed, face, part, two_sided };
-                            parts.push(EmitterPart { light: number, brightness, surface });
-                        }
-                    }
-                }
-            }
-            Light::Point(point) if point.range().is_none() => {
-                emitted += photometric(point.power(), &wavelengths);
-                let brightness = photometric(point.intensity(), &wavelengths);
-                let surface = EmittingSurface::Point(point.position());
-                parts.push(EmitterPart { light: number, brightness, surface });
-            }
-            other => return Err(refused(other.kind())),
-        }
-    }
-    if parts.is_empty() { Err(OptimizeError::NoLight) } else { Ok((parts, emitted)) }
-}
-
-/// The parts of all shapes of the world that reflect like mirrors.
-fn mirrors<'a>(
-    description: &Description,
-    scene: &Scene,
-    placed: &'a [PlacedSurface<'a>],
-) -> Vec<ReflectingPart<'a>> {
-    let mut parts = Vec::new();
-    let mut freeform = None;
-    for surface in placed {
-        for face in 0..surface.faces() {
-            let Some(shape) = world_shape(description, surface, face) else { continue };
-            if freeform == Some(shape) || !is_mirror(scene, surface, face) {
-                continue;
-            }
-            let bases = description.world.shapes.get(shape).and_then(SurfaceBasis::of_shape);
-            match bases {
-                Some(bases) => {
-                    // All faces at once.
-                    freeform = Some(shape);
-                    let triangle = UnitPart::Triangle([DVec2::ZERO, DVec2::X, DVec2::Y]);
-                    parts.extend(bases.into_iter().map(|basis| ReflectingPart {
-                        shape,
-                        part: if basis.is_triangle() { triangle } else { UnitPart::Square },
-                        surface: MirrorSurface::Freeform(basis),
-                    }));
-                }
-                None => parts.extend(UnitPart::of(&surface.face_domain(face)).into_iter().map(|part| {
-                    ReflectingPart { shape, surface: MirrorSurface::Fixed { placed: surface, face }, part }
-                })),
-            }
-        }
-    }
-    parts
-}
-
-/// Whether a face reflects specularly, by its material in the middle of the face or, if that is trimmed away, at the first of some points.
-fn is_mirror(scene: &Scene, surface: &PlacedSurface<'_>, face: u32) -> bool {
-    let corners = surface.face_domain(face).corners();
-    let middle = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
-    let grid = (0..1024_u32).map(|k| (DVec2::new(f64::from(k % 32), f64::from(k / 32)) + 0.5) / 32.0);
-    let mut points = [middle].into_iter().chain(grid).filter_map(|uv| surface.at(face, uv, false));
-    let bsdf = points.next().and_then(|point| point.at.bsdf(scene, &Wavelengths::default()));
-    bsdf.is_some_and(|bsdf| bsdf.is_delta())
-}
-
 /// The reflectance of the point that a ray is aimed at, with the point; `None` if it does not arrive there.
 fn reflectance(scene: &Scene, from: &EmittingPoint, mirror: &LocalFrame) -> Option<(f64, Interaction)> {
     let towards = mirror.position - from.position;
@@ -595,51 +469,4 @@ fn reflectance(scene: &Scene, from: &EmittingPoint, mirror: &LocalFrame) -> Opti
     let mirrored = branches.into_iter().flatten().find(|branch| branch.lobe == Lobe::SPECULAR_REFLECTION)?;
     let reflectance = f64::from(mirrored.weight.luminance(&wavelengths));
     Some((reflectance, hit))
-}
-
-fn merit(
-    description: &Description,
-    scene: &Scene,
-    index: usize,
-    target: &TargetDescription,
-    emitted: f64,
-) -> Result<Merit, OptimizeError> {
-    if let TargetKind::Collimation { direction } = target.kind {
-        return Ok(Merit::Collimation { mirror: target.shape, direction });
-    }
-    let shape = (first_of_world(description) + target.shape) as u32;
-    let declared = description.world.shapes.get(target.shape).and_then(|shape| shape.receiver.as_ref());
-    let side = declared.map_or(ReceiverSide::Front, |receiver| receiver.side);
-    let receiver = frame(scene, shape, side)?.ok_or(OptimizeError::NoRectangle { index })?;
-    let [across, up] = receiver.half_sides.map(DVec3::length);
-    let longer = across.max(up);
-    let usual = [across, up].map(|side| (f64::from(CELLS) * side / longer).round().max(1.0) as u32);
-    let cells = declared.and_then(|receiver| receiver.cells).unwrap_or(usual);
-    let grid =
-        |wanted: &WantedLight<'_>| Merit::Distribution { receiver, grid: LandingGrid::new(cells, wanted) };
-    Ok(match &target.kind {
-        TargetKind::Even { margin } => grid(&WantedLight::Even { margin: *margin }),
-        TargetKind::Values { cells, values } => grid(&WantedLight::Values { cells: *cells, values }),
-        TargetKind::Peak => grid(&WantedLight::Peak),
-        TargetKind::Flux | TargetKind::Collimation { .. } => Merit::Flux { receiver, emitted },
-    })
-}
-
-/// The rectangle of a receiver by the middles of four cells of its lux map; `None` if it has another form.
-fn frame(scene: &Scene, shape: u32, side: ReceiverSide) -> Result<Option<ReceiverFrame>, OptimizeError> {
-    let side = if side == ReceiverSide::Back { side } else { ReceiverSide::Front };
-    let request =
-        ReceiverRequest { name: String::new(), shape, side, fineness: GridResolution::Cells([2, 2]) };
-    let receivers = Receivers::try_new(scene, &[request])?;
-    let [receiver] = receivers.as_slice() else { return Ok(None) };
-    let &[a, b, c, d] = receiver.positions() else { return Ok(None) };
-    let center = 0.25 * (a + b + c + d);
-    let half_sides = [b - a, c - a];
-    let normal = half_sides[0].cross(half_sides[1]).normalize_or_zero();
-    let area = 4.0 * half_sides[0].cross(half_sides[1]).length();
-    let covered = receiver.areas().iter().zip(receiver.covered());
-    let known: f64 = covered.map(|(area, covered)| area / (1.0 - covered)).sum();
-    let is_rectangle = (area - known).abs() <= FLATNESS * area || !known.is_finite();
-    let is_flat = (d - b - half_sides[1]).length() <= FLATNESS * half_sides[1].length();
-    Ok((is_rectangle && is_flat).then_some(ReceiverFrame { center, half_sides, normal }))
 }

@@ -20,6 +20,8 @@ use super::scaled_problem::{BestPoint, MeritFunction, ScaledProblem, VariableSca
 
 /// Steps of a round. After each round shadows and reflectances are computed anew, and the solver forgets its past.
 const ROUND: u32 = 60;
+/// Rounds after which the next finer level of distributions counts, too.
+const LEVEL_ROUNDS: u32 = 2;
 /// Steps of a round without derivatives, each of one or two evaluations.
 const SIMPLEX_ROUND: u32 = 400;
 /// Pairs of steps and changes of gradients from which the solver knows the curvature.
@@ -77,6 +79,8 @@ pub struct OptimizeState {
     pub iterations: u32,
     /// Evaluations of the merit before it.
     pub evaluations: u64,
+    /// Finest levels of distributions that do not count yet, and rounds since one was added.
+    pub skipped_levels: [u32; 2],
     /// Whether the search has ended.
     pub is_complete: bool,
 }
@@ -129,9 +133,13 @@ pub fn optimize(
         scales: scales(description),
         cancel,
         start: Instant::now(),
+        first_iteration: state.as_ref().map_or(0, |state| state.iterations),
+        skipped: 0,
     };
     let before = search.model.value(&vec![0.0; variables.len()], false);
-    let unmoved = || OptimizeState { displacements: vec![0.0; variables.len()], ..OptimizeState::default() };
+    let skipped_levels = [search.model.skip_levels(0) as u32, 0];
+    let displacements = vec![0.0; variables.len()];
+    let unmoved = || OptimizeState { displacements, skipped_levels, ..OptimizeState::default() };
     let mut state = state.unwrap_or_else(unmoved);
     let mut best = BestPoint { merit: f64::INFINITY, displacements: state.displacements.clone() };
     let (mut iterations, mut evaluations) = (state.iterations, state.evaluations);
@@ -142,18 +150,27 @@ pub fn optimize(
         if cancel.is_cancelled() {
             break;
         }
-        let is_settled = best.merit > (1.0 - IMPROVEMENT) * round.start_merit;
+        // A merit that is no number is not improved.
+        let is_improved = best.merit <= (1.0 - IMPROVEMENT) * round.start_merit;
+        let is_settled = !is_improved || best.merit <= IDEAL;
+        let [skipped, rounds] = state.skipped_levels;
+        let is_finest = skipped == 0;
         state = OptimizeState {
             displacements: best.displacements.clone(),
             iterations,
             evaluations,
-            is_complete: is_settled || best.merit <= IDEAL || iterations >= settings.iterations,
+            skipped_levels: match is_settled || rounds + 1 >= LEVEL_ROUNDS {
+                true if !is_finest => [skipped - 1, 0],
+                _ => [skipped, rounds.saturating_add(1)],
+            },
+            is_complete: is_settled && is_finest || iterations >= settings.iterations,
         };
         if timer.is_due() {
             sink.on_checkpoint(&state);
             timer.restart();
         }
     }
+    search.skipped = 0;
     let after = search.measured(&best.displacements)?;
     Ok(OptimizeOutcome {
         merit: [before.merit, after.merit],
@@ -176,6 +193,10 @@ struct Search<'a> {
     scales: Vec<VariableScale>,
     cancel: &'a CancelFlag,
     start: Instant,
+    /// Steps before this run.
+    first_iteration: u32,
+    /// Finest levels of distributions that do not count.
+    skipped: usize,
 }
 
 /// State of a solver with gradients `G`.
@@ -192,7 +213,10 @@ struct RoundOutcome {
 impl Search<'_> {
     /// The model with displacements that its rays do not know.
     fn rebuilt(&self, displacements: &[f64]) -> Result<RayModel, OptimizeError> {
-        RayModel::new(&self.description.displaced(displacements), self.settings.rays, self.settings.seed)
+        let displaced = self.description.displaced(displacements);
+        let mut model = RayModel::new(&displaced, self.settings.rays, self.settings.seed)?;
+        model.skip_levels(self.skipped);
+        Ok(model)
     }
 
     fn measured(&mut self, displacements: &[f64]) -> Result<super::ray_model::DesignValue, OptimizeError> {
@@ -200,6 +224,7 @@ impl Search<'_> {
             return Ok(self.rebuilt(displacements)?.value(&[], false));
         }
         self.model.refresh(self.description, displacements)?;
+        self.model.skip_levels(self.skipped);
         Ok(self.model.value(displacements, false))
     }
 
@@ -227,6 +252,7 @@ impl Search<'_> {
         state: &OptimizeState,
         sink: &mut (dyn ProgressSink<OptimizeState> + '_),
     ) -> Result<RoundOutcome, OptimizeError> {
+        self.skipped = state.skipped_levels[0] as usize;
         let start_merit = self.measured(&state.displacements)?.merit;
         let best = RefCell::new(BestPoint { merit: start_merit, displacements: state.displacements.clone() });
         let evaluations = Cell::new(state.evaluations);
@@ -268,12 +294,13 @@ impl Search<'_> {
 
     fn report(&self, sink: &mut (dyn ProgressSink<OptimizeState> + '_), iterations: u32, merit: f64) {
         let wanted = self.settings.iterations;
-        let fraction = f64::from(iterations) / f64::from(wanted);
+        // The time left follows from the steps of this run.
+        let share = |before: u32| f64::from(iterations - before) / f64::from(wanted.max(iterations) - before);
         let count =
             WorkCount { done: iterations.into(), wanted: Some(wanted.into()), unit: ["step", "steps"] };
         let phase = format!("optimisation, merit {merit:.3e}");
-        let progress = JobProgress::by_work(&phase, fraction.min(1.0), self.start.elapsed());
-        sink.on_progress(&progress.with_count(count));
+        let progress = JobProgress::by_work(&phase, share(self.first_iteration), self.start.elapsed());
+        sink.on_progress(&JobProgress { fraction: share(0), ..progress }.with_count(count));
     }
 }
 

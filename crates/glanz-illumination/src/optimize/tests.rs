@@ -238,7 +238,8 @@ impl ProgressSink<OptimizeState> for Recorder {
 
 #[test]
 fn interrupted_search_returns_its_best_and_resumes_to_the_same_bits() {
-    let description = flat_start(4, [6, 4]);
+    // Two levels of cells do not count in the first two rounds, then one.
+    let description = flat_start(4, [28, 20]);
     let settings = OptimizeSettings { rays: 1000, iterations: 130, seed: 5, ..OptimizeSettings::default() };
     let whole = run(&description, &settings).unwrap();
     let cancel = CancelFlag::default();
@@ -317,4 +318,8 @@ fn scenes_without_a_task_or_light_are_refused() {
     ));
     let error = changed(&|d| d.design.targets = vec![target(0, TargetKind::Peak)]);
     assert!(matches!(error, OptimizeError::NoRectangle { index: 0 }), "{error}");
+    // A lamp that shines away from the mirror.
+    let mut dark = flat_start(2, [4, 4]);
+    dark.world.shapes[2].reverse_orientation = true;
+    assert!(matches!(run(&dark, &settings), Err(OptimizeError::NoReflection(_))));
 }

@@ -5,7 +5,7 @@
 //! | 8, 4, 8 | `GLANZOPT`, version of the format, length of the file |
 //! | 1 + n, 16 | version of Glanz, content hash of the scene |
 //! | 8, 4, 8, 1 | number of rays, largest number of steps, seed, 1 for gradients by differences, else 0 |
-//! | 4, 8, 1 | steps and evaluations so far, whether the search has ended |
+//! | 4, 8, 4, 4, 1 | steps and evaluations so far, levels of distributions that do not count yet, rounds since one was added, whether the search has ended |
 //! | 8, 8 n | number of displacements, and these, metres |
 //! | 4 | CRC-32 (IEEE) of all before |
 
@@ -73,6 +73,7 @@ impl StateFile {
             encoder.u8((identity.settings.gradient == GradientMethod::Differences).into());
             encoder.u32(state.iterations);
             encoder.u64(state.evaluations);
+            state.skipped_levels.into_iter().for_each(|number| encoder.u32(number));
             encoder.u8(state.is_complete.into());
             encoder.u64(state.displacements.len() as u64);
             state.displacements.iter().for_each(|displacement| encoder.f64(*displacement));
@@ -104,7 +105,8 @@ fn decode(decoder: &mut Decoder<'_>, wanted: &StateIdentity) -> Option<(StateIde
         seed: decoder.u64()?,
         gradient: if decoder.u8()? == 0 { GradientMethod::Adjoint } else { GradientMethod::Differences },
     };
-    let (iterations, evaluations, is_complete) = (decoder.u32()?, decoder.u64()?, decoder.u8()? != 0);
+    let (iterations, evaluations) = (decoder.u32()?, decoder.u64()?);
+    let (skipped_levels, is_complete) = ([decoder.u32()?, decoder.u32()?], decoder.u8()? != 0);
     let variables = decoder.u64()?;
     let is_known = variables == wanted.variables;
     let mut displacements = Vec::new();
@@ -112,6 +114,6 @@ fn decode(decoder: &mut Decoder<'_>, wanted: &StateIdentity) -> Option<(StateIde
         displacements.push(displacement);
     }
     let is_whole = !is_known || displacements.len() as u64 == variables && decoder.0.is_empty();
-    let state = OptimizeState { displacements, iterations, evaluations, is_complete };
+    let state = OptimizeState { displacements, iterations, evaluations, skipped_levels, is_complete };
     is_whole.then_some((StateIdentity { version, scene, variables, settings }, state))
 }
