@@ -19,7 +19,7 @@ use crate::lux_parts::{ErrorSources, IntegratedLux, LuxParts};
 use crate::receiver::Receivers;
 use crate::replicates::REPLICATES;
 use crate::tally::Tally;
-use crate::trace::{ThreadsError, TraceSettings, TraceWork, pace, round};
+use crate::trace::{DARK_PARTICLES, ThreadsError, TraceSettings, TraceWork, pace, round};
 
 /// Particles that show where flux goes, and whether any light is left to particles.
 const PILOT: u64 = 1 << 16;
@@ -36,6 +36,8 @@ pub struct CombinedLight {
     integrated: Vec<IntegratedLux>,
     gathered: GatheredFlux,
     tally: Tally,
+    /// Whether any light may be left to particles.
+    needs_particles: bool,
 }
 
 /// Result of [`combine()`].
@@ -60,7 +62,7 @@ impl CombinedLight {
         let kept = |cell: IntegratedLux| if cell.converged { cell } else { IntegratedLux::default() };
         let integrated = integrated.into_iter().map(kept).collect();
         let gathered = GatheredFlux::new(receivers.cell_count());
-        Self { integrated, gathered, tally: Tally::new(receivers, None) }
+        Self { integrated, gathered, tally: Tally::new(receivers, None), needs_particles: false }
     }
 
     /// Whether it is light on these receivers.
@@ -87,6 +89,12 @@ impl CombinedLight {
         self.paths() + self.particles()
     }
 
+    /// Whether paths and particles have begun: before, a part of the light is missing.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.gathered.samples() > 0 && self.particles() >= PILOT
+    }
+
     /// Flux that the lights emit and where it ends, by the particles.
     #[must_use]
     pub fn balance(&self) -> FluxBalance {
@@ -111,7 +119,8 @@ impl CombinedLight {
             integrated: &self.integrated,
             gathered: Some(&self.gathered),
             tally: &self.tally,
-            is_unmet_uncertain: self.tally.has_light_in_cells(),
+            may_be_uncounted: self.tally.has_light_in_cells()
+                || self.needs_particles && self.particles() < DARK_PARTICLES,
             errors: ErrorSources::ALL,
         }
     }
@@ -124,6 +133,7 @@ impl CombinedLight {
             encoder.f64(cell.error);
             encoder.u8(u8::from(cell.converged));
         });
+        encoder.u8(u8::from(self.needs_particles));
         self.gathered.encode(encoder);
         self.tally.encode(encoder);
     }
@@ -137,12 +147,18 @@ impl CombinedLight {
         }
         let integrated = (0..count).map(|_| {
             let [lux, error] = [f64::from_bits(decoder.u64()?), f64::from_bits(decoder.u64()?)];
-            let converged = [false, true].get(usize::from(decoder.u8()?)).copied()?;
+            let converged = decode_flag(decoder)?;
             Some(IntegratedLux { lux, error, converged })
         });
         let integrated = integrated.collect::<Option<_>>()?;
-        Some(Self { integrated, gathered: GatheredFlux::decode(decoder)?, tally: Tally::decode(decoder)? })
+        let needs_particles = decode_flag(decoder)?;
+        let (gathered, tally) = (GatheredFlux::decode(decoder)?, Tally::decode(decoder)?);
+        Some(Self { integrated, gathered, tally, needs_particles })
     }
+}
+
+fn decode_flag(decoder: &mut Decoder<'_>) -> Option<bool> {
+    [false, true].get(usize::from(decoder.u8()?)).copied()
 }
 
 /// A method and what it has cost.
@@ -158,6 +174,12 @@ impl MethodCost {
         self.count += count;
     }
 
+    /// Number of paths or particles of a round of about this time: at most `most`, at least `least`.
+    fn round(&self, seconds: f64, most: u64, least: u64) -> u64 {
+        let by_time = seconds * self.count as f64 / self.seconds.max(1e-9);
+        (by_time as u64).min(most).max(least)
+    }
+
     /// Variance that an equal effort again would remove, for its time.
     fn gain(&self, error: f64) -> f64 {
         error * error / self.seconds.max(1e-6)
@@ -166,7 +188,8 @@ impl MethodCost {
 
 /// Traces paths from the cells and particles until the goal of `settings` is reached, and adds their light to `light`.
 ///
-/// [`TraceGoal::particles`](crate::TraceGoal::particles) counts both, of which there are at least those of a first round. A cancelled run returns its sums so far.
+/// [`TraceGoal::particles`](crate::TraceGoal::particles) counts both, of which there are at least those of a first round. A cancelled run returns its sums so far, see
+/// [`CombinedLight::is_whole`]. The first rounds have the same bits by any number of threads; which method later rounds take, and how many paths, depends on the clock.
 ///
 /// # Errors
 /// [`ThreadsError`] before the first path.
@@ -182,7 +205,11 @@ pub fn combine(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
     let start = Instant::now();
     let integrated = light.integrated.clone();
-    let division = CellDivision { division, integrated: &integrated };
+    light.needs_particles = division.needs_particles();
+    let all = receivers.as_slice().iter();
+    let cells = all.flat_map(|receiver| (0..receiver.len()).map(move |cell| (receiver, cell)));
+    let only_particles: Vec<bool> = cells.map(|(receiver, cell)| !receiver.has_places(cell)).collect();
+    let division = CellDivision { division, integrated: &integrated, only_particles: &only_particles };
     let paths = CellPaths::new(scene, receivers, division, settings.seed, settings.max_events);
     let goal = &settings.goal;
     let mut counters = Counters::default();
@@ -204,13 +231,12 @@ pub fn combine(
             sink.on_checkpoint(&light);
             timer.restart();
         }
-        let is_begun = light.gathered.samples() > 0 && light.particles() >= PILOT;
+        let is_begun = light.is_whole();
         // Without any light there is nothing to wait for.
+        let is_dark = error == f64::INFINITY && light.particles() >= DARK_PARTICLES;
         // Where the integration has most of the error, more paths do not help.
         let random = errors[0].hypot(errors[1]);
-        if is_begun
-            && goal.error.is_some_and(|goal| error <= goal || error == f64::INFINITY || random <= 0.25 * goal)
-        {
+        if is_begun && goal.error.is_some_and(|goal| error <= goal || is_dark || random <= 0.25 * goal) {
             break (JobEnd::Complete, error);
         }
         if is_begun && goal.particles.is_some_and(|all| done >= all) {
@@ -224,11 +250,15 @@ pub fn combine(
         }
         let [by_paths, by_particles] = [0, 1].map(|method| costs[method].gain(errors[method]));
         let (begin, before) = (Instant::now(), done);
-        let is_by_particles =
-            light.particles() < PILOT || light.gathered.samples() > 0 && by_particles > by_paths;
+        let both_unknown = by_paths == f64::INFINITY && by_particles == f64::INFINITY;
+        let is_cheaper = both_unknown && costs[1].seconds <= costs[0].seconds;
+        let is_by_particles = light.particles() < PILOT
+            || light.gathered.samples() > 0 && (by_particles > by_paths || is_cheaper);
+        let seconds = goal.time.map_or(ROUND_SECONDS, |limit| limit.saturating_sub(elapsed).as_secs_f64());
+        let seconds = seconds.min(ROUND_SECONDS);
         if is_by_particles {
             let traced = light.particles();
-            let length = costs[1].round(traced.max(PILOT), PILOT).min(PILOT.max(traced));
+            let length = costs[1].round(seconds, traced.max(PILOT), PILOT);
             let next = traced..traced + length;
             counters.merge(
                 pool.install(|| round(scene, receivers, settings, Some(division), &mut light.tally, next)),
@@ -236,11 +266,18 @@ pub fn combine(
         } else {
             let samples = light.gathered.samples();
             let per_sample = paths.len() as u64 * REPLICATES as u64;
-            let most = costs[0].round(u64::from(samples) * per_sample, per_sample) / per_sample.max(1);
+            let most =
+                costs[0].round(seconds, u64::from(samples) * per_sample, per_sample) / per_sample.max(1);
             let more = (most as u32).clamp(1, samples.max(FIRST_PATHS));
             let more = if samples == 0 { FIRST_PATHS } else { more };
-            let mut between = |_: f64| !cancel.is_cancelled();
-            match pool.install(|| light.gathered.add(&paths, more, &mut between)) {
+            let mut between = |share: f64| {
+                // The first round may take long.
+                if samples == 0 {
+                    sink.on_progress(&JobProgress::by_work("light between surfaces", share, begin.elapsed()));
+                }
+                !cancel.is_cancelled()
+            };
+            match light.gathered.add(&pool, &paths, more, &mut between) {
                 Some(rays) => counters.merge(rays),
                 None => break (JobEnd::Interrupted, error),
             }
@@ -248,14 +285,6 @@ pub fn combine(
         costs[usize::from(is_by_particles)].add(begin, light.count() - before);
     };
     Ok(CombinedOutcome { light, end, counters, error, elapsed: start.elapsed() })
-}
-
-impl MethodCost {
-    /// Number of paths or particles of the next round: at most `most`, at least `least`, of about the time of a round.
-    fn round(&self, most: u64, least: u64) -> u64 {
-        let by_time = ROUND_SECONDS * self.count as f64 / self.seconds.max(1e-9);
-        (by_time as u64).min(most).max(least)
-    }
 }
 
 /// The largest relative error, and those that would be left if the other method had none: of paths, and of particles.

@@ -21,6 +21,8 @@ pub struct LightDivision<'a> {
     known_to_particles: KnownLight,
     /// Lights that emit particles, but cannot be sampled from a point.
     only_particles: Vec<bool>,
+    /// Whether any light may be left to particles.
+    needs_particles: bool,
 }
 
 impl<'a> LightDivision<'a> {
@@ -34,7 +36,16 @@ impl<'a> LightDivision<'a> {
             specular: ids().map(|id| scene.is_selectable(id)).collect(),
         };
         let known_to_particles = KnownLight { direct: Vec::new(), specular: known.specular.clone() };
-        Self { reflections, known, known_to_particles, only_particles: ids().map(only_particles).collect() }
+        let only_particles: Vec<bool> = ids().map(only_particles).collect();
+        let focuses =
+            scene.materials().iter().any(|material| material.lobes().iter().any(|lobe| lobe.is_delta()));
+        let needs_particles = focuses || only_particles.contains(&true);
+        Self { reflections, known, known_to_particles, only_particles, needs_particles }
+    }
+
+    /// Whether any light may be left to particles.
+    pub(crate) fn needs_particles(&self) -> bool {
+        self.needs_particles
     }
 
     /// What paths from the points of a cell leave out. `is_integrated`: whether the integration converged there.
@@ -62,6 +73,8 @@ impl<'a> LightDivision<'a> {
 pub(crate) struct CellDivision<'a> {
     pub(crate) division: &'a LightDivision<'a>,
     pub(crate) integrated: &'a [IntegratedLux],
+    /// For each cell, whether particles compute all of its light: [`Receiver::has_places`](crate::Receiver::has_places).
+    pub(crate) only_particles: &'a [bool],
 }
 
 impl<'a> CellDivision<'a> {
@@ -76,6 +89,7 @@ impl<'a> CellDivision<'a> {
 
     /// See [`LightDivision::is_by_particles`].
     pub(crate) fn is_by_particles(&self, arrival: &Arrival, cell: usize) -> bool {
-        self.division.is_by_particles(arrival, self.is_integrated(cell))
+        self.only_particles.get(cell).is_some_and(|only| *only)
+            || self.division.is_by_particles(arrival, self.is_integrated(cell))
     }
 }

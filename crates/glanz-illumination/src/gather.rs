@@ -1,9 +1,11 @@
 //! Light on cells, gathered by paths that start there.
 
+use std::ops::Range;
+
 use glanz_light::units::photometric;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
-use glanz_sampling::hash::combine;
+use glanz_sampling::hash::{combine, unit_f64};
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::{Interaction, PlacedSurface, Scene};
 use glanz_transport::codec::{Decoder, Encoder};
@@ -18,6 +20,9 @@ use crate::replicates::REPLICATES;
 /// Distinguishes the numbers of paths from those of particles of the same seed.
 const KEY: u64 = 0x6761_7468;
 
+/// Points that are drawn in a flat cell until one is on the surface.
+const ATTEMPTS: u64 = 1 << 10;
+
 /// Paths that a thread traces together, at least as many as a cell has.
 const PATHS: usize = 1 << 11;
 
@@ -29,6 +34,8 @@ pub(crate) struct GatheredFlux {
     samples: u32,
     /// Sums over the paths of a cell's replicates, lm.
     sums: Vec<[f64; REPLICATES]>,
+    /// Largest illuminance by a single path, lx.
+    largest: f64,
 }
 
 /// The cells of receivers, and the division of their light.
@@ -55,7 +62,8 @@ impl<'a> CellPaths<'a> {
         for (number, receiver) in receivers.as_slice().iter().enumerate() {
             let Some(surface) = placed.get(receiver.surface() as usize) else { continue };
             let numbers = receivers.cells_of(number).enumerate();
-            let with_area = numbers.filter(|(cell, _)| receiver.areas()[*cell] > 0.0);
+            let with_area =
+                numbers.filter(|(cell, _)| receiver.areas()[*cell] > 0.0 && receiver.has_places(*cell));
             cells.extend(with_area.map(|(cell, among_all)| (receiver, surface.clone(), cell, among_all)));
         }
         Self { scene, division, cells, seed: combine(seed, KEY), max_events }
@@ -66,32 +74,58 @@ impl<'a> CellPaths<'a> {
         self.cells.len()
     }
 
-    /// A point of a cell where a path starts, and the area per unit of the cell's square; `None` where there is no surface.
+    /// A point of a cell where a path starts, and the area that it stands for; `None` where there is no surface.
+    ///
+    /// Of a flat cell that the surface fills in part, points are drawn until one is on it.
     fn start(
         &self,
-        (receiver, surface, cell, _): &(&Receiver, PlacedSurface<'_>, usize, usize),
-        at: DVec2,
+        (receiver, surface, cell, among_all): &(&Receiver, PlacedSurface<'_>, usize, usize),
+        sampler: &PixelSampler,
     ) -> Option<(Interaction, f64)> {
-        let point = receiver.place(surface, *cell, at)?;
+        let even = receiver.even_area(*cell);
+        let key = combine(self.seed, (*among_all as u64) << 32 | u64::from(sampler.sample_index()));
+        let drawn = |attempt: u64| [0, 1].map(|axis| unit_f64(combine(key, 2 * attempt + axis)));
+        let further = (0..even.map_or(0, |_| ATTEMPTS)).map(|attempt| DVec2::from_array(drawn(attempt)));
+        let places = std::iter::once(sampler.pixel_2d()).chain(further);
+        let point = places.into_iter().find_map(|at| receiver.place(surface, *cell, at))?;
         let error = position_error(self.scene, point.position);
-        Some((Interaction::on_surface(point.position, error, point.normal), point.area_element))
+        let area = even.unwrap_or(point.area_element);
+        Some((Interaction::on_surface(point.position, error, point.normal), area))
     }
 
-    /// Sums of the flux of paths `first` to `end` of all replicates of a cell, lm.
+    /// Sums of the flux of paths `first` to `end` of all replicates of cells, lm, and the largest illuminance by a single path, lx.
     fn trace(
         &self,
         tracer: &mut IrradianceTracer<'a>,
-        numbers: std::ops::Range<usize>,
+        numbers: Range<usize>,
         [first, end]: [u32; 2],
-    ) -> Vec<(usize, [f64; REPLICATES])> {
+    ) -> (Vec<(usize, [f64; REPLICATES])>, f64) {
         let cells = self.cells.get(numbers).unwrap_or_default();
+        let mut sums: Vec<_> = cells.iter().map(|cell| (cell.3, [0.0; REPLICATES])).collect();
+        let mut largest = 0.0_f64;
+        let together = (PATHS / REPLICATES).max(1) as u32;
+        for first in (first..end).step_by(together as usize) {
+            let end = end.min(first.saturating_add(together));
+            largest = largest.max(self.trace_together(tracer, cells, [first, end], &mut sums));
+        }
+        (sums, largest)
+    }
+
+    /// Adds paths to the sums of cells; returns the largest illuminance by one of them.
+    fn trace_together(
+        &self,
+        tracer: &mut IrradianceTracer<'a>,
+        cells: &[(&Receiver, PlacedSurface<'_>, usize, usize)],
+        [first, end]: [u32; 2],
+        sums: &mut [(usize, [f64; REPLICATES])],
+    ) -> f64 {
         let (mut starts, mut owners) = (Vec::new(), Vec::new());
         for (slot, cell) in cells.iter().enumerate() {
             for replicate in 0..REPLICATES {
                 for index in first..end {
                     let scramble = [cell.3 as u32, replicate as u32];
                     let sampler = PixelSampler::new(SamplerKind::Sobol, 1, self.seed, scramble, index);
-                    if let Some((at, area)) = self.start(cell, sampler.pixel_2d()) {
+                    if let Some((at, area)) = self.start(cell, &sampler) {
                         starts.push((at, sampler, self.division.known(cell.3)));
                         owners.push((slot, replicate, area));
                     }
@@ -100,18 +134,20 @@ impl<'a> CellPaths<'a> {
         }
         let (mut irradiance, wavelengths): (Vec<Spectrum>, _) = (Vec::new(), Wavelengths::default());
         tracer.trace(starts.into_iter(), &mut irradiance);
-        let mut sums: Vec<_> = cells.iter().map(|cell| (cell.3, [0.0; REPLICATES])).collect();
+        let mut largest = 0.0_f64;
         for ((slot, replicate, area), light) in owners.into_iter().zip(irradiance) {
-            sums[slot].1[replicate] += area * photometric(light, &wavelengths);
+            let lux = photometric(light, &wavelengths);
+            sums[slot].1[replicate] += area * lux;
+            largest = largest.max(lux);
         }
-        sums
+        largest
     }
 }
 
 impl GatheredFlux {
     /// Without paths.
     pub(crate) fn new(cells: usize) -> Self {
-        Self { samples: 0, sums: vec![[0.0; REPLICATES]; cells] }
+        Self { samples: 0, sums: vec![[0.0; REPLICATES]; cells], largest: 0.0 }
     }
 
     /// Paths of each replicate of each cell.
@@ -124,18 +160,24 @@ impl GatheredFlux {
         self.sums.len()
     }
 
+    /// Illuminance of a cell that one of its paths finds, at most, lx; 0 without paths.
+    pub(crate) fn illuminance_of_one(&self) -> f64 {
+        self.largest / (REPLICATES as f64 * f64::from(self.samples.max(1)))
+    }
+
     /// Mean flux by the paths of each replicate of a cell, lm.
     pub(crate) fn means(&self, cell: usize) -> [f64; REPLICATES] {
         let sums = self.sums.get(cell).copied().unwrap_or([0.0; REPLICATES]);
         sums.map(|sum| sum / f64::from(self.samples.max(1)))
     }
 
-    /// Traces `count` more paths for each replicate of each cell, with all threads of the pool. `between` is called now and then with the share of
+    /// Traces `count` more paths for each replicate of each cell, with all threads of `pool`. `between` is called now and then with the share of
     /// the cells that are done, [0, 1]; if it returns `false`, nothing changes. Returns the number of rays.
     ///
     /// Each sum is that of the cell's paths in their order: its bits do not depend on threads.
     pub(crate) fn add(
         &mut self,
+        pool: &rayon::ThreadPool,
         paths: &CellPaths<'_>,
         count: u32,
         mut between: impl FnMut(f64) -> bool,
@@ -144,18 +186,21 @@ impl GatheredFlux {
         let together = (PATHS / (REPLICATES * count.max(1) as usize)).max(1);
         let starts: Vec<usize> = (0..paths.len()).step_by(together).collect();
         let (mut found, mut counters) = (Vec::with_capacity(paths.len()), Counters::default());
-        let portion = 16 * rayon::current_num_threads();
+        let mut largest = self.largest;
+        let portion = 16 * pool.current_num_threads();
         for portion in starts.chunks(portion) {
             if !between(found.len() as f64 / paths.len() as f64) {
                 return None;
             }
             let trace = |&start: &usize| {
                 let mut tracer = IrradianceTracer::new(paths.scene, paths.max_events);
-                let sums = paths.trace(&mut tracer, start..(start + together).min(paths.len()), range);
-                (sums, tracer.counters)
+                let found = paths.trace(&mut tracer, start..(start + together).min(paths.len()), range);
+                (found, tracer.counters)
             };
-            for (sums, rays) in portion.par_iter().map(trace).collect::<Vec<_>>() {
+            let traced: Vec<_> = pool.install(|| portion.par_iter().map(trace).collect());
+            for ((sums, brightest), rays) in traced {
                 found.extend(sums);
+                largest = largest.max(brightest);
                 counters.merge(rays);
             }
         }
@@ -164,20 +209,22 @@ impl GatheredFlux {
                 all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
             }
         }
-        self.samples = range[1];
+        (self.samples, self.largest) = (range[1], largest);
         Some(counters)
     }
 
-    /// Appends the number of paths, the number of cells, and their sums.
+    /// Appends the number of paths, the largest illuminance by one, the number of cells, and their sums.
     pub(crate) fn encode(&self, encoder: &mut Encoder) {
         encoder.u32(self.samples);
+        encoder.f64(self.largest);
         encoder.u64(self.sums.len() as u64);
         self.sums.iter().flatten().for_each(|sum| encoder.u64(sum.to_bits()));
     }
 
     /// Reads the output of [`GatheredFlux::encode`]; `None` if malformed.
     pub(crate) fn decode(decoder: &mut Decoder<'_>) -> Option<Self> {
-        let (samples, count) = (decoder.u32()?, usize::try_from(decoder.u64()?).ok()?);
+        let (samples, largest) = (decoder.u32()?, f64::from_bits(decoder.u64()?));
+        let count = usize::try_from(decoder.u64()?).ok()?;
         if decoder.0.len() / (8 * REPLICATES) < count {
             return None;
         }
@@ -185,6 +232,6 @@ impl GatheredFlux {
         for sum in sums.iter_mut().flatten() {
             *sum = f64::from_bits(decoder.u64()?);
         }
-        Some(Self { samples, sums })
+        Some(Self { samples, sums, largest })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::gather::GatheredFlux;
 use crate::lux_map::{LuxMap, LuxStatistics};
-use crate::receiver::{Receiver, Receivers};
+use crate::receiver::{Receiver, Receivers, SMALLEST_SHARE};
 use crate::replicates::{REPLICATES, ReplicateCounts, ReplicateEstimate, with_bound};
 use crate::tally::Tally;
 
@@ -25,7 +25,7 @@ pub(crate) struct LuxParts<'a> {
     pub(crate) gathered: Option<&'a GatheredFlux>,
     pub(crate) tally: &'a Tally,
     /// Whether a cell without particles may have their light nevertheless.
-    pub(crate) is_unmet_uncertain: bool,
+    pub(crate) may_be_uncounted: bool,
     /// Methods whose errors count.
     pub(crate) errors: ErrorSources,
 }
@@ -55,12 +55,12 @@ struct CellLux {
     lux: f64,
     error: f64,
     bound: f64,
-    /// Upper limit of the light of particles of which none was counted, with the rest, lx; 0 elsewhere.
-    unmet_limit: f64,
+    /// Upper limit of the light of particles of which none was counted, lx; 0 elsewhere.
+    uncounted_limit: f64,
 }
 
 /// Upper 97.5 % limit of the expected number of particles of which none was counted.
-const UNMET: f64 = 3.7;
+const UNCOUNTED: f64 = 3.7;
 
 impl<'a> LuxParts<'a> {
     /// All light by particles.
@@ -70,7 +70,7 @@ impl<'a> LuxParts<'a> {
             integrated: &[],
             gathered: None,
             tally,
-            is_unmet_uncertain: true,
+            may_be_uncounted: true,
             errors: ErrorSources::ALL,
         }
     }
@@ -88,7 +88,8 @@ impl<'a> LuxParts<'a> {
     fn cells(&self, number: usize) -> impl Iterator<Item = CellLux> + '_ {
         let (counts, of_tally) = (self.counts(), ReplicateCounts::of(self.tally.particles()));
         let errors = self.errors;
-        let one = if self.is_unmet_uncertain && errors.particles { self.tally.flux_of_one() } else { 0.0 };
+        let flux_of_one =
+            if self.may_be_uncounted && errors.particles { self.tally.flux_of_one() } else { 0.0 };
         let kept = |varies: bool, means: [f64; REPLICATES]| {
             if varies { means } else { [means.iter().sum::<f64>() / REPLICATES as f64; REPLICATES] }
         };
@@ -98,9 +99,10 @@ impl<'a> LuxParts<'a> {
                 return CellLux::default();
             }
             let by_particles = of_tally.means(|replicate| self.tally.cell_sum(replicate, cell));
-            let is_unmet = by_particles == [0.0; REPLICATES];
+            let is_uncounted = by_particles == [0.0; REPLICATES];
             let by_particles = kept(errors.particles, by_particles);
             let gathered = self.gathered.map_or([0.0; REPLICATES], |gathered| gathered.means(cell));
+            let is_unlit = errors.paths && gathered == [0.0; REPLICATES];
             let gathered = kept(errors.paths, gathered);
             let IntegratedLux { lux: base, error: bound, .. } =
                 self.integrated.get(cell).copied().unwrap_or_default();
@@ -108,10 +110,19 @@ impl<'a> LuxParts<'a> {
             let ReplicateEstimate { value: lux, error, .. } = counts.estimate(&means);
             // Without replicates that differ there is no spread, nor infinity for a single one.
             let spread = if means == [means[0]; REPLICATES] { 0.0 } else { error };
-            let unmet = if is_unmet { one / area } else { 0.0 };
+            let uncounted = if is_uncounted { flux_of_one / area } else { 0.0 };
+            let unlit =
+                if is_unlit { self.gathered.map_or(0.0, GatheredFlux::illuminance_of_one) } else { 0.0 };
             let bound = if errors.integration { bound } else { 0.0 };
-            let unmet_limit = if unmet > 0.0 { lux + UNMET * unmet } else { 0.0 };
-            CellLux { area, means, lux, error: with_bound(spread + unmet, bound), bound, unmet_limit }
+            let uncounted_limit = UNCOUNTED * uncounted;
+            CellLux {
+                area,
+                means,
+                lux,
+                error: with_bound(spread + uncounted + unlit, bound),
+                bound,
+                uncounted_limit,
+            }
         })
     }
 
@@ -136,8 +147,12 @@ impl<'a> LuxParts<'a> {
             let bound = lit().fold(0.0, |largest: f64, cell| largest.max(cell.bound));
             let extremes = counts.smallest(means()).zip(counts.largest(means()));
             let extremes = extremes.map(|(mut minimum, maximum)| {
-                let limit = lit().map(|cell| cell.unmet_limit).fold(0.0, f64::max);
-                minimum.interval[1] = minimum.interval[1].max(limit);
+                // The least is at most that of the cell whose limit is lowest.
+                let limits = lit().map(|cell| cell.uncounted_limit).filter(|limit| *limit > 0.0);
+                let limit = limits.fold(f64::INFINITY, f64::min);
+                if limit.is_finite() {
+                    minimum.interval[1] += limit;
+                }
                 (minimum, maximum)
             });
             LuxMap {
@@ -159,12 +174,14 @@ impl<'a> LuxParts<'a> {
     }
 
     /// The largest relative error of the brightest cell, of the darkest cell and of the mean of any receiver that light comes to; infinity if it
-    /// comes to none and none leaves the scene. That of the darkest cell is relative to a tenth of the mean at least: a cell in full shadow would never be known.
+    /// comes to none and none leaves the scene. That of the darkest cell is relative to a tenth of the mean at least: a cell in full shadow would never be known. Slivers of cells
+    /// do not count.
     pub(crate) fn worst_error(&self) -> f64 {
         let mut worst = None;
         for number in 0..self.receivers.as_slice().len() {
             let cells: Vec<CellLux> = self.cells(number).filter(|cell| cell.area > 0.0).collect();
             let (mean, bound) = self.mean(&cells);
+            let largest = cells.iter().fold(0.0, |largest: f64, cell| largest.max(cell.area));
             if cells.is_empty() || mean.value.is_nan() || mean.value <= 0.0 {
                 continue;
             }
@@ -172,8 +189,9 @@ impl<'a> LuxParts<'a> {
             let relative = |cell: Option<&CellLux>, least: f64| {
                 cell.map_or(0.0, |cell| cell.error / cell.lux.max(least))
             };
-            let brightest = relative(cells.iter().max_by(by_lux), 0.0);
-            let darkest = relative(cells.iter().min_by(by_lux), 0.1 * mean.value);
+            let whole = || cells.iter().filter(|cell| cell.area >= SMALLEST_SHARE * largest);
+            let brightest = relative(whole().max_by(by_lux), 0.0);
+            let darkest = relative(whole().min_by(by_lux), 0.1 * mean.value);
             let of_receiver = brightest.max(darkest).max(with_bound(mean.error, bound) / mean.value);
             worst = Some(f64::max(worst.unwrap_or(0.0), of_receiver));
         }

@@ -43,7 +43,7 @@ pub struct TraceGoal {
     /// Wall time of this run.
     pub time: Option<Duration>,
     /// Largest relative standard error of the brightest cell, of the darkest cell and of the mean of every receiver that light comes to; that of the darkest
-    /// cell is relative to a tenth of the mean at least. Without a receiver that light comes to, that of the peak of the far field. A run also
+    /// cell is relative to a tenth of the mean at least, and cells of less than a twentieth of the largest do not count. Without a receiver that light comes to, that of the peak of the far field. A run also
     /// ends after four million particles without either.
     pub error: Option<f64>,
 }

@@ -161,6 +161,12 @@ impl Scene {
         &self.materials
     }
 
+    /// Whether a bump map or a picture of normals changes the shading normals of the material with this number.
+    #[must_use]
+    pub fn has_surface_detail(&self, material: u32) -> bool {
+        self.surface_details.get(material as usize).is_some_and(Option::is_some)
+    }
+
     pub(crate) fn material(&self, index: u32) -> &Material {
         &self.materials[index as usize]
     }

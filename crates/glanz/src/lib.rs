@@ -58,7 +58,6 @@ mod optimize;
 mod overlay;
 mod render;
 mod running_job;
-#[cfg(any(feature = "radiosity", feature = "illumination"))]
 #[cfg(feature = "radiosity")]
 pub use bake::{BakeBuilder, BakeOutcome, LightFile, LightState};
 #[cfg(all(feature = "radiosity", feature = "formats"))]

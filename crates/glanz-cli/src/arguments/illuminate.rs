@@ -94,7 +94,7 @@ pub(crate) struct IlluminateArguments {
     /// Stop at this relative standard error of the brightest and darkest cell and of the mean of every receiver
     #[arg(long, value_name = "E", value_parser = positive, conflicts_with = "part")]
     error: Option<f64>,
-    /// Relative error of the integration in every cell
+    /// Relative error of the integration in every cell; with "auto" and a goal for the error, half of that
     #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
     tolerance: f64,
     /// Replace all light of the scene by an overcast sky (z is up), and report daylight factors

@@ -7,7 +7,7 @@ use glanz_math::DVec2;
 use glanz_scene::{PlacedSurface, Scene};
 use rayon::prelude::*;
 
-use super::{CellMean, Reflections, Tolerance};
+use super::{CellMean, Reflections, Tolerance, direct};
 use crate::lux_map::LuxMap;
 use crate::lux_parts::IntegratedLux;
 use crate::receiver::{Receiver, Receivers};
@@ -15,15 +15,19 @@ use crate::receiver::{Receiver, Receivers};
 /// Number of cells per thread between two reports of progress.
 const PORTION: usize = 16;
 
-/// Number of cells that estimate the mean illuminance of the scene.
+/// Number of cells that estimate the mean illuminance of a receiver.
 const PROBES: usize = 64;
+
+/// Points of a cell at which shadows of lights without extent show between the nodes of the rules, and the steps of their additive sequence.
+const SHADOW_PROBES: u32 = 64;
+const SHADOW_STEP: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
 
 /// Accuracy of the illuminance of cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CellTolerance {
     /// Tolerance, relative to the cell.
     pub relative: f64,
-    /// Share of the mean of all cells below which the tolerance is relative to that share: where it is dark, small errors are tolerated.
+    /// Share of the mean of the receiver below which the tolerance is relative to that share: where it is dark, small errors are tolerated.
     pub dark: f64,
     /// Largest number of points in a cell, about; at an edge of the image of a lamp, errors beyond the tolerance are reported.
     pub points: usize,
@@ -43,8 +47,8 @@ impl Reflections<'_> {
     ) -> Result<Vec<IntegratedLux>, Interrupted> {
         let start = Instant::now();
         let cells = cells(self.scene, receivers);
-        let mean = |(receiver, surface, cell): &Cell<'_>, tolerance| {
-            if receiver.areas()[*cell] <= 0.0 {
+        let mean = |Cell { receiver, surface, cell, .. }: &Cell<'_>, tolerance| {
+            if receiver.areas()[*cell] <= 0.0 || !receiver.has_places(*cell) {
                 return CellMean::default();
             }
             let patch = |at: DVec2| {
@@ -53,17 +57,23 @@ impl Reflections<'_> {
             };
             self.cell_mean(patch, tolerance, accuracy.points)
         };
-        let probes: Vec<_> = cells.iter().step_by(cells.len().div_ceil(PROBES).max(1)).collect();
         let coarse = Tolerance { relative: 0.05, absolute: f64::MAX };
-        let bright: f64 =
-            probes.par_iter().map(|cell| mean(cell, coarse).mean).sum::<f64>() / probes.len().max(1) as f64;
+        let brightness = |number: usize| {
+            let own = cells.get(receivers.cells_of(number)).unwrap_or_default();
+            let probes: Vec<_> = own.iter().step_by(own.len().div_ceil(PROBES).max(1)).collect();
+            probes.par_iter().map(|cell| mean(cell, coarse).mean).sum::<f64>() / probes.len().max(1) as f64
+        };
+        let bright: Vec<f64> = (0..receivers.as_slice().len()).map(brightness).collect();
         let CellTolerance { relative, dark, .. } = accuracy;
-        let tolerance = Tolerance { relative, absolute: relative * dark * bright };
+        let integrated = |cell: &Cell<'_>| {
+            let tolerance = Tolerance { relative, absolute: relative * dark * bright[cell.number] };
+            let found = uncovered(cell, mean(cell, tolerance), tolerance);
+            IntegratedLux { converged: found.converged && self.is_evenly_lit(cell), ..found }
+        };
         let mut found: Vec<IntegratedLux> = Vec::with_capacity(cells.len());
         for portion in cells.chunks(PORTION * rayon::current_num_threads()) {
             cancel.check()?;
-            found
-                .par_extend(portion.par_iter().map(|cell| uncovered(cell, mean(cell, tolerance), tolerance)));
+            found.par_extend(portion.par_iter().map(integrated));
             let (done, all) = (found.len() as u64, cells.len() as u64);
             let count = WorkCount { done, wanted: Some(all), unit: ["cell", "cells"] };
             let progress = JobProgress::by_work("integration", done as f64 / all as f64, start.elapsed());
@@ -73,26 +83,54 @@ impl Reflections<'_> {
     }
 }
 
-/// A cell: its receiver, the surface of that, and its number.
-type Cell<'a> = (&'a Receiver, PlacedSurface<'a>, usize);
+impl Reflections<'_> {
+    /// Whether each light without extent reaches all points of a cell that face it, or none: shadows between the nodes of the rules would be missed.
+    fn is_evenly_lit(&self, Cell { receiver, surface, cell, .. }: &Cell<'_>) -> bool {
+        let places = (0..SHADOW_PROBES).map(|k| (f64::from(k) * SHADOW_STEP).fract());
+        let points: Vec<_> = places.filter_map(|at| receiver.place(surface, *cell, at)).collect();
+        self.points.iter().all(|(_, light)| {
+            let mut reached = points.iter().filter_map(|point| {
+                let arriving = light.incident(point.position)?;
+                let faces = point.normal.dot(arriving.towards) > 0.0 && !arriving.irradiance.is_black();
+                let (receiver, origin) = self.receiving(point.position, point.normal);
+                faces.then(|| direct::of_point(self.scene, receiver, origin, light, &self.wavelengths) > 0.0)
+            });
+            let first = reached.next();
+            reached.all(|reaches| Some(reaches) == first)
+        })
+    }
+}
+
+/// A cell of a receiver.
+struct Cell<'a> {
+    /// Number of the receiver.
+    number: usize,
+    receiver: &'a Receiver,
+    surface: PlacedSurface<'a>,
+    /// Its number in the receiver.
+    cell: usize,
+}
 
 fn cells<'a>(scene: &'a Scene, receivers: &'a Receivers) -> Vec<Cell<'a>> {
     let placed = scene.placed_surfaces();
     let mut cells = Vec::with_capacity(receivers.cell_count());
-    for receiver in receivers.as_slice() {
+    for (number, receiver) in receivers.as_slice().iter().enumerate() {
         if let Some(surface) = placed.get(receiver.surface() as usize) {
-            cells.extend((0..receiver.len()).map(|cell| (receiver, surface.clone(), cell)));
+            let numbers = 0..receiver.len();
+            cells.extend(numbers.map(|cell| Cell { number, receiver, surface: surface.clone(), cell }));
         }
     }
     cells
 }
 
 /// The mean over the part of a cell that nothing covers: covered parts are dark.
-fn uncovered((receiver, _, cell): &Cell<'_>, mean: CellMean, tolerance: Tolerance) -> IntegratedLux {
-    let covered = receiver.covered().get(*cell).copied().unwrap_or_default();
-    let open = if covered < 1.0 { 1.0 / (1.0 - covered) } else { 0.0 };
-    let converged = mean.error <= tolerance.absolute.max(tolerance.relative * mean.mean);
-    IntegratedLux { lux: mean.mean * open, error: mean.error * open, converged }
+fn uncovered(cell: &Cell<'_>, mean: CellMean, tolerance: Tolerance) -> IntegratedLux {
+    let covered = cell.receiver.covered().get(cell.cell).copied().unwrap_or_default();
+    let per_open_share = if covered < 1.0 { 1.0 / (1.0 - covered) } else { 0.0 };
+    let [lux, error] = [mean.mean, mean.error].map(|mean| mean * per_open_share);
+    // A cell none of whose points is on the surface is not known.
+    let converged = mean.area > 0.0 && error <= tolerance.absolute.max(tolerance.relative * lux);
+    IntegratedLux { lux, error, converged }
 }
 
 /// Lux maps of integrated light alone, from [`Reflections::cells`].

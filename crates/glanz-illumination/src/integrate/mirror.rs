@@ -1,6 +1,6 @@
 //! Faces that reflect specularly.
 
-use glanz_geometry::FaceDomain;
+use glanz_geometry::{FaceDomain, Surface};
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{DVec2, DVec3, Transform};
 use glanz_scene::{PlacedPoint, PlacedSurface, Scene};
@@ -42,6 +42,19 @@ impl<'a> Mirrors<'a> {
             }
         }
         Self { scene, wavelengths: Wavelengths::default(), surfaces, faces }
+    }
+
+    /// Whether all mirrors are flat.
+    pub(super) fn are_flat(&self) -> bool {
+        let is_flat = |face: &MirrorFace| {
+            let surface = self.surfaces.get(face.surface as usize).map(|(placed, _)| placed.surface());
+            match surface {
+                Some(Surface::Bilinear(patch)) => patch.is_flat(),
+                Some(surface) => matches!(surface, Surface::Plane(_) | Surface::Disk(_) | Surface::Triangle(_)),
+                None => false,
+            }
+        };
+        self.faces.iter().all(is_flat)
     }
 
     /// No mirrors.
@@ -114,7 +127,9 @@ impl MirrorFace {
 
 /// Whether a face reflects specularly, and in no other way.
 fn reflects(scene: &Scene, placed: &PlacedSurface<'_>, face: u32) -> bool {
-    scene.materials().get(placed.material(face) as usize).is_some_and(Material::is_specular)
+    let material = placed.material(face);
+    !scene.has_surface_detail(material)
+        && scene.materials().get(material as usize).is_some_and(Material::is_specular)
 }
 
 fn parts(surface: u32, face: u32, domain: &FaceDomain) -> Vec<MirrorFace> {

@@ -52,6 +52,7 @@ use glanz_light::units::photometric;
 use glanz_math::rounding::{gamma, offset_origin};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{Light, LightId, PlacedSurface, Scene};
+use rayon::prelude::*;
 
 pub use self::cells::{CellTolerance, integrated_maps};
 pub use self::error::IntegrateError;
@@ -73,7 +74,7 @@ const BUDGET: usize = 8192;
 /// cells; and the number of points that are tried.
 const MOST_RAYS: usize = 3_000_000;
 const MIRROR_EFFORT: usize = 64;
-const MOST_RECTANGLES: usize = 50_000;
+const MOST_RECTANGLES: usize = 5_000;
 const MIRROR_PROBES: usize = 64;
 /// Rounding errors in the coordinates of a point that was computed on a surface.
 const ROUNDINGS: u32 = 256;
@@ -194,7 +195,8 @@ impl<'a> Reflections<'a> {
     }
 
     /// Leaves out lights, or the light of mirrors, whose integration over the cells of `receivers` takes more work than random methods need for errors of 1 %:
-    /// more than [`MOST_RAYS`] to the lights, [`MIRROR_EFFORT`] rectangles of mirrors per point in the middles of some cells, or [`MOST_RECTANGLES`] in all cells.
+    /// curved mirrors, more than [`MOST_RAYS`] to the lights, [`MIRROR_EFFORT`] rectangles of mirrors per point in the middles of some cells, or [`MOST_RECTANGLES`] in all cells. By the
+    /// threads of the current pool.
     #[must_use]
     pub fn without_costly(mut self, receivers: &Receivers, tolerance: Tolerance) -> Self {
         let all = receivers.as_slice().iter();
@@ -208,6 +210,10 @@ impl<'a> Reflections<'a> {
         if direct::RAYS * self.emitters.len() * cells.len() > MOST_RAYS {
             (self.emitters, self.emitter_lights) = (Vec::new(), Vec::new());
         }
+        // The search for images in curved mirrors alone takes as long as particles.
+        if !self.mirrors.are_flat() {
+            return self.without_mirrors();
+        }
         let probes = cells.iter().step_by(cells.len().div_ceil(MIRROR_PROBES).max(1));
         let placed = self.scene.placed_surfaces();
         let effort = |&(receiver, cell): &(&Receiver, usize)| {
@@ -217,12 +223,20 @@ impl<'a> Reflections<'a> {
             let direct = self.direct(receiver, origin, tolerance);
             Some(self.reflected(receiver, origin, direct, tolerance, 4 * MIRROR_EFFORT).1)
         };
-        let efforts: Vec<usize> = probes.filter_map(effort).collect();
+        let efforts: Vec<usize> = probes.collect::<Vec<_>>().into_par_iter().filter_map(effort).collect();
         let effort = efforts.iter().sum::<usize>() / efforts.len().max(1);
         if effort > MIRROR_EFFORT || effort * cells.len() > MOST_RECTANGLES {
-            self.mirrors = self.mirrors.none();
-            self.tree = MirrorTree::over(&self.mirrors);
+            self.without_mirrors()
+        } else {
+            self
         }
+    }
+
+    /// Leaves out the light of mirrors.
+    #[must_use]
+    pub fn without_mirrors(mut self) -> Self {
+        self.mirrors = self.mirrors.none();
+        self.tree = MirrorTree::over(&self.mirrors);
         self
     }
 

@@ -15,6 +15,9 @@ use faces::FaceCells;
 use flat::FlatGrid;
 use parameters::ParameterGrid;
 
+/// Share of a cell that the surface fills, below which it is a sliver: points on it are not searched, and goals of errors do not count it.
+pub(crate) const SMALLEST_SHARE: f64 = 0.05;
+
 /// Largest number of triangles of a curved mesh, whose cells are its triangles.
 const FACES_LIMIT: usize = 1 << 22;
 
@@ -222,6 +225,26 @@ impl Receiver {
     #[must_use]
     pub fn positions(&self) -> &[DVec3] {
         &self.positions
+    }
+
+    /// Whether [`Receiver::place`] finds the points of a cell; if not, or only a few of them, particles alone measure its light.
+    #[must_use]
+    pub fn has_places(&self, cell: usize) -> bool {
+        match &self.layout {
+            ReceiverLayout::ParameterGrid(parameters) => parameters.has_places(),
+            ReceiverLayout::FlatGrid(flat) => {
+                let square = flat.size() / DVec2::from(self.cells.map(f64::from));
+                self.even_area(cell).is_some_and(|area| area >= SMALLEST_SHARE * square.element_product())
+            }
+            ReceiverLayout::FaceCells(_) => true,
+        }
+    }
+
+    /// Area of the surface per unit of the square of each of its cells where that is the same everywhere: on flat receivers.
+    pub(crate) fn even_area(&self, cell: usize) -> Option<f64> {
+        let covered = self.covered.get(cell).copied().unwrap_or_default();
+        let area = self.areas.get(cell).copied().unwrap_or_default();
+        (matches!(self.layout, ReceiverLayout::FlatGrid(_)) && covered < 1.0).then(|| area / (1.0 - covered))
     }
 
     /// The point of a cell by its own parameters in [0, 1]^2; `None` where there is no surface.

@@ -68,6 +68,13 @@ impl ParameterGrid {
         }
     }
 
+    /// Whether [`ParameterGrid::place`] finds all of the surface: not if patches share parameters, or are no rectangles in them.
+    pub(super) fn has_places(&self) -> bool {
+        let area = |[low, high]: &[DVec2; 2]| (*high - *low).element_product();
+        let whole = (self.max - self.min).element_product();
+        self.faces.as_ref().is_some_and(|faces| faces.iter().map(area).sum::<f64>() <= (1.0 + 1e-9) * whole)
+    }
+
     /// Grid coordinates of parameters, [0, 1]^2.
     pub(super) fn share(&self, uv: DVec2) -> DVec2 {
         ((uv - self.min) / (self.max - self.min)).clamp(DVec2::ZERO, DVec2::ONE)

@@ -39,7 +39,7 @@ impl KnownLight {
 
 /// Estimates irradiance at points by paths that start there, with directions in proportion to their cosines.
 ///
-/// At the point itself and at every surface one light is sampled, as by the integrator `path`.
+/// At the point itself and at every surface one light is sampled, as by the integrator `path`. Media are left out.
 pub struct IrradianceTracer<'a> {
     scene: &'a Scene,
     tracer: PathTracer,
@@ -84,7 +84,8 @@ impl<'a> IrradianceTracer<'a> {
         let mut directions: Vec<BsdfDirections> = contexts.iter().map(|_| BsdfDirections).collect();
         self.tracer.continue_paths(self.scene, &mut contexts, &mut directions, &mut paths);
         contexts.iter().for_each(|context| self.counters.merge(context.counters));
-        irradiance.extend(paths.iter().map(|path| path.light * PI));
+        let finite = |light: Spectrum| if light.is_finite() { light } else { Spectrum::BLACK };
+        irradiance.extend(paths.iter().map(|path| finite(path.light) * PI));
     }
 
     /// Adds the light that was sampled at the starts of the paths `waiting`.

@@ -134,7 +134,7 @@ impl<P: Copy> PathState<P> {
             context.counters.shadow += 1;
             let light = if occluded {
                 Spectrum::BLACK
-            } else if context.scene.has_media() {
+            } else if context.scene.has_media() && context.known.is_none() {
                 light * shadow_transmittance(context, &shadow, medium, xi_medium)
             } else {
                 light

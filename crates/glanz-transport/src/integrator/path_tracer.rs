@@ -209,7 +209,8 @@ impl PathTracer {
         hit: Option<&SceneHit>,
         branches: &mut Vec<PathState<D::VertexData>>,
     ) -> bool {
-        if path.medium != MediumId::VACUUM {
+        // Illuminance leaves media out.
+        if path.medium != MediumId::VACUUM && context.known.is_none() {
             let end = hit.map_or(f64::INFINITY, SceneHit::t);
             if let Some(continues) = self.pass_medium(context, directions, path, end, branches) {
                 return continues;

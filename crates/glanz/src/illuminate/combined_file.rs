@@ -28,21 +28,14 @@ const ENVELOPE: FileEnvelope = FileEnvelope {
     kind: "a checkpoint of illuminance",
 };
 
-/// Identity of light by several methods: that of its particles, and the relative error of the integration.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct CombinedIdentity {
-    pub(super) particles: TallyIdentity,
+/// Content of a file.
+#[derive(Clone, Debug)]
+pub(super) struct CombinedFile {
+    /// Identity of the particles.
+    pub(super) identity: TallyIdentity,
+    /// Relative error of the integration; which cells were integrated depends on it.
     pub(super) tolerance: f64,
-}
-
-impl JobIdentity for CombinedIdentity {
-    const FOREIGN: &'static str = TallyIdentity::FOREIGN;
-
-    fn fields(&self) -> Vec<(&'static str, String)> {
-        let mut fields = self.particles.fields();
-        fields.push(("the tolerance", self.tolerance.to_string()));
-        fields
-    }
+    pub(super) light: CombinedLight,
 }
 
 /// The error of a file with invalid content.
@@ -50,28 +43,33 @@ pub(super) fn senseless(path: &Path) -> Error {
     FileFault::Content(ENVELOPE.content).of(path)
 }
 
-/// The light in the bytes of the file `path`, which is to have this identity.
-pub(super) fn read(path: &Path, bytes: &[u8], identity: &CombinedIdentity) -> Result<CombinedLight, Error> {
-    let mut decoder = Decoder(ENVELOPE.open(bytes).map_err(Error::of_file(path))?);
-    let (found, light) = decode(&mut decoder).ok_or_else(|| senseless(path))?;
-    found.check(identity).map_err(Error::of_file(path))?;
-    Ok(light)
+impl CombinedFile {
+    /// Reads the bytes of the file `path`, which is to be of this calculation.
+    pub(super) fn from_bytes(path: &Path, bytes: &[u8], identity: &TallyIdentity) -> Result<Self, Error> {
+        let mut decoder = Decoder(ENVELOPE.open(bytes).map_err(Error::of_file(path))?);
+        let file = decode(&mut decoder).ok_or_else(|| senseless(path))?;
+        file.identity.check(identity).map_err(Error::of_file(path))?;
+        Ok(file)
+    }
 }
 
-fn decode(decoder: &mut Decoder<'_>) -> Option<(CombinedIdentity, CombinedLight)> {
-    let identity = CombinedIdentity {
-        particles: TallyIdentity::decode(decoder)?,
-        tolerance: f64::from_bits(decoder.u64()?),
-    };
+fn decode(decoder: &mut Decoder<'_>) -> Option<CombinedFile> {
+    let identity = TallyIdentity::decode(decoder)?;
+    let tolerance = Some(f64::from_bits(decoder.u64()?)).filter(|tolerance| *tolerance > 0.0)?;
     let light = CombinedLight::decode(decoder)?;
-    decoder.0.is_empty().then_some((identity, light))
+    decoder.0.is_empty().then_some(CombinedFile { identity, tolerance, light })
 }
 
-/// Writes `light` to the file `path`.
-pub(super) fn write(path: &Path, identity: &CombinedIdentity, light: &CombinedLight) -> Result<(), Error> {
+/// Writes `light` to the file `path`. `tolerance`: that of the integration.
+pub(super) fn write(
+    path: &Path,
+    identity: &TallyIdentity,
+    tolerance: f64,
+    light: &CombinedLight,
+) -> Result<(), Error> {
     let bytes = ENVELOPE.seal(|encoder| {
-        identity.particles.encode(encoder);
-        encoder.u64(identity.tolerance.to_bits());
+        identity.encode(encoder);
+        encoder.f64(tolerance);
         light.encode(encoder);
     });
     file::write(path, &bytes)

@@ -1,13 +1,14 @@
 //! Illuminance by integration, paths from the cells, and particles, with checkpoints.
 
 use std::path::Path;
+use std::time::Instant;
 
 use glanz_illumination::integrate::{CellTolerance, Reflections, Tolerance};
 use glanz_illumination::{CombinedLight, CombinedOutcome, LightDivision, combine};
 use glanz_job::JobEnd;
 use glanz_report::FactValue;
 
-use super::combined_file::{self, CombinedIdentity};
+use super::combined_file::{self, CombinedFile};
 use super::facts::CalculationFacts;
 use super::{Design, integrating, tally_file};
 use crate::error::Error;
@@ -16,7 +17,7 @@ use crate::file;
 use crate::running_job::{JobSink, RunningJob};
 
 /// Largest number of points in a cell for the integration: where edges of light need more, paths and particles compute it.
-const POINTS: usize = 60;
+const POINTS: usize = 65;
 
 /// The light on all receivers, from the checkpoint if it is resumed, and the reason for the end.
 pub(super) fn combined(
@@ -24,47 +25,52 @@ pub(super) fn combined(
     job: &mut RunningJob<'_>,
     facts: &mut CalculationFacts,
 ) -> Result<(CombinedLight, JobEnd), Error> {
+    let start = Instant::now();
     let (options, scene, receivers) = (&design.options, &design.scene, &design.receivers);
-    let (reflections, _) = Reflections::of_integrable(scene);
-    // A part of the error of the goal, which counts dark cells relative to a tenth of the mean.
-    let relative = options.goal.error.map_or(options.tolerance, |goal| 0.5 * goal);
-    let tolerance = Tolerance { relative, absolute: 0.0 };
-    let identity = CombinedIdentity {
-        particles: tally_file::identity(design.hashes, None, options.seed, options.max_depth),
-        tolerance: relative,
-    };
-    let reflections = reflections.without_costly(receivers, tolerance);
-    let light = match job.resumed() {
+    let identity = tally_file::identity(design.hashes, None, options.seed, options.max_depth);
+    let saved = match job.resumed() {
         Some(path) => {
-            let light = combined_file::read(&path, &file::read(&path)?, &identity)?;
-            if !light.fits(receivers) {
+            let saved = CombinedFile::from_bytes(&path, &file::read(&path)?, &identity)?;
+            if !saved.light.fits(receivers) {
                 return Err(combined_file::senseless(&path));
             }
-            let state = &ResumedState::Paths(light.paths() + light.particles());
+            let state = &ResumedState::Paths(saved.light.paths() + saved.light.particles());
             job.emit(JobEvent::Resumed { path: &path, state });
-            light
+            Some(saved)
         }
+        None => None,
+    };
+    let relative = saved.as_ref().map_or(options.integration_tolerance(), |saved| saved.tolerance);
+    let reflections = job.in_pool(|_| {
+        let (reflections, _) = Reflections::of_integrable(scene);
+        // Light by a mirror reaches two surfaces.
+        if options.max_depth < 2 {
+            return Ok(reflections.without_mirrors());
+        }
+        Ok(reflections.without_costly(receivers, Tolerance { relative, absolute: 0.0 }))
+    })?;
+    let light = match saved {
+        Some(saved) => saved.light,
         None => {
-            let cells = job.in_pool(|job| {
-                integrating::cells(
-                    design,
-                    &reflections,
-                    CellTolerance { relative, dark: 0.1, points: POINTS },
-                    job,
-                )
-            })?;
+            // Dark cells count relative to a tenth of the mean.
+            let accuracy = CellTolerance { relative, dark: 0.1, points: POINTS };
+            let cells = job.in_pool(|job| integrating::cells(design, &reflections, accuracy, job))?;
             CombinedLight::new(receivers, cells)
         }
     };
     let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
-    let settings = design.trace_settings(job);
-    let write = |path: &Path, light: &CombinedLight| combined_file::write(path, &identity, light);
+    let mut settings = design.trace_settings(job);
+    settings.goal.time = settings.goal.time.map(|limit| limit.saturating_sub(start.elapsed()));
+    let write = |path: &Path, light: &CombinedLight| combined_file::write(path, &identity, relative, light);
     let mut sink = JobSink::new(job, path.clone(), write);
     let division = LightDivision::new(scene, &reflections);
     let outcome = combine(scene, receivers, &division, &settings, light, &mut sink, &cancel)
         .map_err(|error| Error::Threads(error.0))?;
     if let Some(path) = &path {
-        combined_file::write(path, &identity, &outcome.light)?;
+        combined_file::write(path, &identity, relative, &outcome.light)?;
+    }
+    if !outcome.light.is_whole() {
+        outcome.end.check()?;
     }
     add_facts(&outcome, facts);
     Ok((outcome.light, outcome.end))

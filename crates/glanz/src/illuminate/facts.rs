@@ -49,7 +49,7 @@ impl CalculationFacts {
             facts.push(
                 "tolerance of the integration",
                 "relative_tolerance",
-                FactValue::Fraction(options.tolerance),
+                FactValue::Fraction(options.integration_tolerance()),
             );
         }
         if options.method != IlluminateMethod::Integrate {

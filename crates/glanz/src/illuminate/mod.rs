@@ -16,6 +16,7 @@ mod tally_file;
 mod tally_join;
 mod tracing;
 
+use std::io::Read;
 use std::path::Path;
 use std::time::Instant;
 
@@ -111,7 +112,7 @@ pub struct IlluminateOptions {
     /// Traces only this part of the particles of the goal, from which [`merge`](crate::merge) joins the whole. An error with another goal and
     /// another method.
     pub part: Option<JobPart>,
-    /// Relative error of the integration in every cell.
+    /// Relative error of the integration in every cell; by [`IlluminateMethod::Auto`], half of the error of the goal if it has one.
     pub tolerance: f64,
     /// Replaces all light of the scene by an overcast sky, and adds daylight factors to the report.
     pub daylight: bool,
@@ -138,6 +139,14 @@ impl Default for IlluminateOptions {
             seed: 0,
             max_depth: 1000,
         }
+    }
+}
+
+impl IlluminateOptions {
+    /// The relative error of the integration that applies.
+    fn integration_tolerance(&self) -> f64 {
+        let goal = self.goal.error.filter(|_| self.method == IlluminateMethod::Auto);
+        goal.map_or(self.tolerance, |goal| 0.5 * goal)
     }
 }
 
@@ -240,7 +249,7 @@ impl<'a> IlluminateBuilder<'a> {
             options.goal.error = Some(USUAL_ERROR);
         }
         job.check_checkpoint()?;
-        if options.method == IlluminateMethod::Auto && is_by_particles(&options, &job)? {
+        if options.method == IlluminateMethod::Auto && is_by_particles(&options, &job) {
             options.method = IlluminateMethod::Trace;
         }
         let design = Design::new(scene, options, &mut job)?;
@@ -411,12 +420,17 @@ impl Design {
 
 /// Whether a calculation without a method is one of particles: if it has a number of them, counts the light that leaves the scene, or is resumed from one of
 /// particles.
-fn is_by_particles(options: &IlluminateOptions, job: &RunningJob<'_>) -> Result<bool, Error> {
+fn is_by_particles(options: &IlluminateOptions, job: &RunningJob<'_>) -> bool {
     if options.goal.particles.is_some() || options.part.is_some() || options.far_field.is_some() {
-        return Ok(true);
+        return true;
     }
     let resumed = job.options.checkpoint.as_deref().filter(|path| job.options.resume && path.exists());
-    resumed.map_or(Ok(false), |path| Ok(TallyFile::is_begun_by(&crate::file::read(path)?)))
+    let begins_as_tally = |path: &Path| {
+        let mut start = [0; 8];
+        let read = std::fs::File::open(path).and_then(|mut file| file.read_exact(&mut start));
+        read.is_ok() && TallyFile::is_begun_by(&start)
+    };
+    resumed.is_some_and(begins_as_tally)
 }
 
 /// Warns of cells that do not count, or do only in part.
