@@ -57,6 +57,7 @@ fn advice(error: &Error) -> Option<String> {
         Error::PartGoal => "add --rays N, the number of the whole, and leave out --time and --error",
         Error::Indivisible { .. } => "leave out --part, or choose another --method",
         Error::NoFarField => "leave out --far-field, or choose another --method",
+        Error::DirectRating => "leave out --method",
         Error::Join(error) => return join_advice(error).map(str::to_owned),
         Error::Denoise(DenoiseError::NotFound { .. }) => {
             "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to the folder that contains its folder lib (of pyoidn: site-packages/pyoidn/oidn)"

@@ -87,15 +87,10 @@ impl LuxMap {
             return LuxSummary::default();
         }
         let LuxStatistics { minimum, mean, maximum } = self.statistics.unwrap_or_else(|| self.bounds(area));
-        let over = |least: f64, whole: f64| if whole > 0.0 { (least.max(0.0) / whole).min(1.0) } else { 0.0 };
-        let uniformity = |whole: ReplicateEstimate| {
-            let [low, high] = minimum.interval;
-            // Both at their worst at the same time.
-            let most =
-                if high > 0.0 && whole.interval[0] <= 0.0 { 1.0 } else { over(high, whole.interval[0]) };
-            (over(minimum.value, whole.value), [over(low, whole.interval[1]), most])
+        let over = |whole: ReplicateEstimate| {
+            uniformity((minimum.value, minimum.interval), (whole.value, whole.interval))
         };
-        let ((u0, u0_interval), (u1, u1_interval)) = (uniformity(mean), uniformity(maximum));
+        let ((u0, u0_interval), (u1, u1_interval)) = (over(mean), over(maximum));
         LuxSummary {
             minimum: minimum.value,
             minimum_interval: minimum.interval.map(|lux| lux.max(0.0)),
@@ -133,6 +128,17 @@ impl LuxMap {
         };
         LuxStatistics { minimum: estimate(&least), mean: estimate(&mean), maximum: estimate(&largest) }
     }
+}
+
+/// Least over mean or largest illuminance with its interval, from these with theirs, lx; 0 in the dark.
+pub(crate) fn uniformity(
+    (least, [low, high]): (f64, [f64; 2]),
+    (whole, [lower, upper]): (f64, [f64; 2]),
+) -> (f64, [f64; 2]) {
+    let over = |least: f64, whole: f64| if whole > 0.0 { (least.max(0.0) / whole).min(1.0) } else { 0.0 };
+    // Both at their worst at the same time.
+    let most = if high > 0.0 && lower <= 0.0 { 1.0 } else { over(high, lower) };
+    (over(least, whole), [over(low, upper), most])
 }
 
 #[cfg(test)]

@@ -242,6 +242,12 @@ pub enum Error {
     #[cfg(feature = "illumination")]
     #[error("the directions of light that leaves the scene are not counted; only traced particles have them")]
     NoFarField,
+    /// A rating by the direct light of an integration.
+    #[cfg(feature = "illumination")]
+    #[error(
+        "integration leaves out the light between surfaces, without which a rating by standards would be wrong; choose another method"
+    )]
+    DirectRating,
     /// A model that the page cannot show.
     #[cfg(feature = "viewer")]
     #[error(transparent)]

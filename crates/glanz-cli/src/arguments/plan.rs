@@ -46,7 +46,7 @@ pub(crate) struct PlanArguments {
     /// The luminaires are emergency lighting, too: judge the floor as an open area, and disability glare, after EN 1838
     #[arg(long, requires = "luminaire")]
     pub(crate) emergency: bool,
-    /// Maintenance factor, or its parts LLMFxLSFxLMFxRMF, such as 0.9x1x0.95x0.94
+    /// Maintenance factor, or its parts LLMFxLSFxLMFxRSMF, such as 0.9x1x0.95x0.94
     #[arg(long, value_name = "MF", value_parser = maintenance)]
     maintenance: Option<MaintenanceFactor>,
 }

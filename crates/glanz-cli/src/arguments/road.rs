@@ -59,7 +59,7 @@ pub(crate) struct RoadArguments {
     /// Lighting class whose requirements are judged: M1 to M6, C0 to C5, P1 to P6
     #[arg(long, value_name = "CLASS", value_parser = clap::value_parser!(RoadClass))]
     pub(crate) class: Option<RoadClass>,
-    /// Maintenance factor, or its parts LLMFxLSFxLMFxRMF
+    /// Maintenance factor, or its parts LLMFxLSFxLMFxRSMF
     #[arg(long, value_name = "MF", value_parser = maintenance)]
     maintenance: Option<MaintenanceFactor>,
     /// Print one JSON object

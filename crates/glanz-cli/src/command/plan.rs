@@ -34,7 +34,7 @@ pub(crate) fn planned_room(
     let description = plan.description().map_err(|error| CommandError::usage(error.to_string()))?;
     let mut request = plan.request();
     if arguments.emergency {
-        request.open_area = plan.points_at(0.0);
+        request.open_area = plan.open_area().map_err(|error| CommandError::usage(error.to_string()))?;
     }
     Ok((LoadedScene::from_description("room", description), request))
 }

@@ -1,25 +1,28 @@
-//! Emergency lighting: escape routes, open areas, disability glare.
+//! Emergency lighting: open areas and disability glare. Escape routes are not rated.
 //!
 //! Illuminances are horizontal, on the floor, and of the direct light of the luminaires alone, since reflections do not count.
 //!
 //! # Source
-//! EN 1838 (@en1838), which was not available: the limits are those of open summaries of the edition of 2013. Escape routes up to 2 m wide: at least 1 lx on the centre line; open areas: at least
-//! 0.5 lx on the floor without a border of 0.5 m; at most 40 times the least illuminance in both. On level routes, intensities at 60 to 90 degrees from straight down have limits by
+//! EN 1838 (@en1838), which was not available: the limits are those of open summaries of the edition of 2013. Open areas: at least 0.5 lx
+//! on the floor without a border of 0.5 m (4.3.1), and at most 40 times the least illuminance. On level routes, intensities at 60 to 90 degrees from straight down have limits by
 //! the height of the luminaires above the floor.
 
+use std::sync::Arc;
+
+use glanz_light::intensity::AngularSystem;
 use glanz_math::DVec3;
 
 use super::luminaire::PlacedLuminaire;
 use super::requirement::{LightingCriterion, Requirement, RequirementVerdict};
 
-/// Least illuminance of the centre line of an escape route, lx.
-const ROUTE_ILLUMINANCE: f64 = 1.0;
+/// Width of the border of open areas that does not count, metres.
+pub(super) const OPEN_AREA_BORDER: f64 = 0.5;
 
 /// Least illuminance of an open area, lx.
 const AREA_ILLUMINANCE: f64 = 0.5;
 
 /// Largest over least illuminance.
-const DIVERSITY: f64 = 40.0;
+const MAXIMUM_TO_MINIMUM: f64 = 40.0;
 
 /// Angles from straight down within which intensities are limited on level routes, degrees.
 const GLARE_ZONE: [f64; 2] = [60.0, 90.0];
@@ -27,15 +30,6 @@ const GLARE_ZONE: [f64; 2] = [60.0, 90.0];
 /// Upper ends of mounting heights, metres, with the largest intensity in candela on escape routes and in open areas; twice that for areas of high risk.
 const GLARE_LIMITS: [(f64, f64); 6] =
     [(2.5, 500.0), (3.0, 900.0), (3.5, 1600.0), (4.0, 2500.0), (4.5, 3500.0), (f64::INFINITY, 5000.0)];
-
-/// Parts of an escape plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EscapeZone {
-    /// Points of the centre line of an escape route.
-    Route,
-    /// Points of the core of an open area.
-    OpenArea,
-}
 
 /// Largest intensity, candela, in the zone of disability glare, of a luminaire at this height above the floor, metres.
 #[must_use]
@@ -54,11 +48,10 @@ pub fn direct_horizontal(luminaires: &[PlacedLuminaire], point: DVec3) -> f64 {
     lux.sum()
 }
 
-/// Verdicts on the illuminance at points of a zone; none without points. `maintenance`: the factor at the end of the rated duration.
+/// Verdicts on the illuminance at points of an open area; none without points. `maintenance`: the factor at the end of the rated duration.
 #[must_use]
-pub fn escape_verdicts(
+pub fn open_area_verdicts(
     name: &str,
-    zone: EscapeZone,
     luminaires: &[PlacedLuminaire],
     points: &[DVec3],
     maintenance: f64,
@@ -68,18 +61,14 @@ pub fn escape_verdicts(
     if points.is_empty() {
         return Vec::new();
     }
-    let (limit, source) = match zone {
-        EscapeZone::Route => (ROUTE_ILLUMINANCE, "EN 1838:2013, 4.2 escape route"),
-        EscapeZone::OpenArea => (AREA_ILLUMINANCE, "EN 1838:2013, 4.3 open area"),
-    };
     let verdict = |criterion, limit, value| {
-        let requirement = Requirement { criterion, limit, source: source.to_owned() };
+        let requirement = Requirement { criterion, limit, source: "EN 1838:2013, 4.3 open area".to_owned() };
         RequirementVerdict::new(name, requirement, value, [value; 2])
     };
-    let diversity = if least > 0.0 { most / least } else { f64::INFINITY };
+    let ratio = if least > 0.0 { most / least } else { f64::INFINITY };
     vec![
-        verdict(LightingCriterion::LeastIlluminance, limit, least),
-        verdict(LightingCriterion::Diversity, DIVERSITY, diversity),
+        verdict(LightingCriterion::LeastIlluminance, AREA_ILLUMINANCE, least),
+        verdict(LightingCriterion::MaximumToMinimum, MAXIMUM_TO_MINIMUM, ratio),
     ]
 }
 
@@ -87,7 +76,19 @@ pub fn escape_verdicts(
 #[must_use]
 pub fn disability_glare_verdicts(luminaires: &[PlacedLuminaire], floor: f64) -> Vec<RequirementVerdict> {
     let mut verdicts: Vec<RequirementVerdict> = Vec::new();
+    let mut seen: Vec<&PlacedLuminaire> = Vec::new();
     for luminaire in luminaires {
+        // Rooms have many luminaires that differ by their places alone.
+        let is_equal = |other: &&PlacedLuminaire| {
+            Arc::ptr_eq(&other.distribution, &luminaire.distribution)
+                && (other.factor, other.axes, other.position.z)
+                    == (luminaire.factor, luminaire.axes, luminaire.position.z)
+                && other.name == luminaire.name
+        };
+        if seen.iter().any(is_equal) {
+            continue;
+        }
+        seen.push(luminaire);
         // In centimetres: luminaires flush with a ceiling are modelled just below it.
         let height = (100.0 * (luminaire.position.z - floor)).round() / 100.0;
         let value = largest_in_zone(luminaire);
@@ -105,21 +106,24 @@ pub fn disability_glare_verdicts(luminaires: &[PlacedLuminaire], floor: f64) -> 
     verdicts
 }
 
-/// The largest intensity at whole degrees of the zone, and at the angles of the file between them, candela.
+/// The largest intensity in the zone at whole degrees and at the points of the distribution's own grid, between which it is interpolated, candela.
 fn largest_in_zone(luminaire: &PlacedLuminaire) -> f64 {
     let [low, high] = GLARE_ZONE;
-    let own = luminaire.distribution.polars().iter().copied().filter(|polar| (low..=high).contains(polar));
-    let polars: Vec<f64> = (low as u32..=high as u32).map(f64::from).chain(own).collect();
-    let mut most = 0.0_f64;
-    for gamma in polars {
-        for azimuth in 0..360 {
-            let (sin, cos) = gamma.to_radians().sin_cos();
-            let (side, ahead) = f64::from(azimuth).to_radians().sin_cos();
-            let towards = luminaire.position + DVec3::new(sin * ahead, sin * side, -cos);
-            most = most.max(luminaire.intensity_towards(towards));
-        }
-    }
-    most
+    let whole = (low as u32..=high as u32).flat_map(|gamma| (0..360).map(move |azimuth| (azimuth, gamma)));
+    let whole =
+        whole.map(|(azimuth, gamma)| AngularSystem::C.direction(f64::from(azimuth), f64::from(gamma)));
+    let PlacedLuminaire { distribution, axes, .. } = luminaire;
+    let (azimuths, polars) = (distribution.azimuths(), distribution.polars());
+    let own = azimuths.iter().flat_map(|&azimuth| polars.iter().map(move |&polar| (azimuth, polar)));
+    let own = own.map(|(azimuth, polar)| *axes * distribution.direction(azimuth, polar));
+    let in_zone = |towards: &DVec3| {
+        let gamma = towards.angle_between(DVec3::NEG_Z).to_degrees();
+        (low - 1e-6..=high + 1e-6).contains(&gamma)
+    };
+    let intensities = whole
+        .chain(own.filter(in_zone))
+        .map(|towards| luminaire.factor * distribution.intensity(axes.transpose() * towards));
+    intensities.fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -127,21 +131,22 @@ mod tests {
     use super::*;
     use crate::planning::requirement::VerdictOutcome;
     use crate::planning::test_luminaires::{downlight, of_gamma, uniform};
+    use glanz_light::intensity::{IntensityDistribution, Symmetry};
+    use glanz_math::DMat3;
 
     #[test]
-    fn centre_line_between_two_luminaires_agrees_with_the_calculation_by_hand() {
+    fn line_between_two_luminaires_agrees_with_the_calculation_by_hand() {
         // Two lamps of 20 cd, 3 m high and 8 m apart; middle: 2 * 20 * 3 / (16 + 9)^1.5 = 0.96 lx; below one: 20 / 9 + 20 * 3 / 73^1.5 = 2.3184 lx.
         let lamps = [0.0, 8.0].map(|x| downlight(uniform(20.0), DVec3::new(x, 0.0, 3.0)));
         let line: Vec<DVec3> = (0..=16).map(|i| DVec3::new(0.5 * f64::from(i), 0.0, 0.0)).collect();
-        let [least, diversity] =
-            escape_verdicts("corridor", EscapeZone::Route, &lamps, &line, 1.0).try_into().unwrap();
-        assert!((least.value - 0.96).abs() < 1e-12 && least.outcome == VerdictOutcome::NotMet);
-        assert!((diversity.value - 2.318_4 / 0.96).abs() < 1e-4, "{diversity:?}");
-        assert_eq!(diversity.outcome, VerdictOutcome::Met);
-        let area = escape_verdicts("hall", EscapeZone::OpenArea, &lamps, &line, 0.8);
+        let [least, ratio] = open_area_verdicts("hall", &lamps, &line, 0.5).try_into().unwrap();
+        assert!((least.value - 0.48).abs() < 1e-12 && least.outcome == VerdictOutcome::NotMet);
+        assert!((ratio.value - 2.318_4 / 0.96).abs() < 1e-4, "{ratio:?}");
+        assert_eq!(ratio.outcome, VerdictOutcome::Met);
+        let area = open_area_verdicts("hall", &lamps, &line, 0.8);
         assert!((area[0].value - 0.768).abs() < 1e-12 && area[0].outcome == VerdictOutcome::Met);
-        assert!(escape_verdicts("hall", EscapeZone::OpenArea, &lamps, &[], 1.0).is_empty());
-        let dark = escape_verdicts("hall", EscapeZone::OpenArea, &[], &line, 1.0);
+        assert!(open_area_verdicts("hall", &lamps, &[], 1.0).is_empty());
+        let dark = open_area_verdicts("hall", &[], &line, 1.0);
         assert!(dark.iter().all(|verdict| verdict.outcome == VerdictOutcome::NotMet));
     }
 
@@ -160,5 +165,18 @@ mod tests {
             verdicts.iter().map(|verdict| (verdict.requirement.limit, verdict.outcome)).collect();
         assert_eq!(outcomes, [(500.0, VerdictOutcome::NotMet), (900.0, VerdictOutcome::Met)]);
         assert!((verdicts[0].value - 700.0).abs() < 1e-6, "{verdicts:?}");
+        // A needle between whole degrees of C, also if the luminaire is turned.
+        let planes = [0.0, 10.2, 10.3, 10.4, 360.0];
+        let candela: Vec<f64> =
+            planes.iter().flat_map(|plane| [0.0, if *plane == 10.3 { 600.0 } else { 0.0 }, 0.0]).collect();
+        let gammas = vec![0.0, 62.5, 90.0];
+        let needle =
+            IntensityDistribution::try_new(AngularSystem::C, Symmetry::None, &planes, gammas, candela)
+                .unwrap();
+        let lamp = PlacedLuminaire {
+            axes: DMat3::from_rotation_z(0.123),
+            ..downlight(Arc::new(needle), DVec3::new(0.0, 0.0, 2.4))
+        };
+        assert!((disability_glare_verdicts(&[lamp], 0.0)[0].value - 600.0).abs() < 1e-6);
     }
 }

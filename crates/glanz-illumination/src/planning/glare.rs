@@ -26,6 +26,7 @@ use glanz_math::DVec3;
 
 use super::luminaire::PlacedLuminaire;
 use crate::replicates::ReplicateEstimate;
+use crate::report::printable;
 
 /// Height of the eye of a seated observer, metres.
 pub const SEATED_EYE: f64 = 1.2;
@@ -36,9 +37,9 @@ pub const STANDING_EYE: f64 = 1.6;
 /// Largest offsets to the side and upwards, over that along the line of sight, of luminaires that count.
 const TABLE_LIMITS: [f64; 2] = [3.0, 2.0];
 
-/// Sine of the smallest angle between the horizontal and the direction to a luminaire: below 5 degrees a flat opening is seen so obliquely
-/// that its mean luminance has no meaning.
-const SMALLEST_ELEVATION: f64 = 0.087_155_742_747_658_17;
+/// Smallest projected area of luminaires that count, over the largest: that of a flat opening 5 degrees from its plane. Where an opening is seen more obliquely, its mean
+/// luminance I / A has no meaning: frames hide it, and A is as small as the errors of its sizes.
+const SMALLEST_AREA: f64 = 0.087_155_742_747_658_17;
 
 /// An observer with a line of sight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,12 +141,15 @@ impl GlareObserver {
         let Some(position_index) = self.position_index(offset) else { return Ok(None) };
         let intensity = luminaire.intensity_towards(self.eye);
         let squared = offset.length_squared();
-        if intensity == 0.0 || offset.z.abs() < SMALLEST_ELEVATION * squared.sqrt() {
+        if intensity == 0.0 {
             return Ok(None);
         }
-        let area = luminaire.area_towards(self.eye);
-        if area <= 0.0 {
-            return Err(GlareError::NoArea(luminaire.name.clone()));
+        let (area, largest) = (luminaire.area_towards(self.eye), luminaire.largest_area());
+        if largest <= 0.0 {
+            return Err(GlareError::NoArea(printable(&luminaire.name)));
+        }
+        if area < SMALLEST_AREA * largest {
+            return Ok(None);
         }
         Ok(Some(GlareSource { luminance: intensity / area, solid_angle: area / squared, position_index }))
     }
@@ -192,7 +196,7 @@ impl GlareRating {
 mod tests {
     use super::*;
     use crate::planning::test_luminaires::{downlight, uniform};
-    use glanz_light::intensity::LuminousOpening;
+    use glanz_light::intensity::{LuminousOpening, OpeningShape};
 
     fn index(t: f64, h: f64) -> Option<f64> {
         let observer = GlareObserver::try_new(DVec3::ZERO, DVec3::Y).unwrap();
@@ -246,15 +250,26 @@ mod tests {
     }
 
     #[test]
-    fn luminaires_without_an_area_are_named_and_those_at_eye_level_do_not_count() {
+    fn luminaires_without_an_area_are_named_and_those_seen_edge_on_do_not_count() {
         let observer = GlareObserver::try_new(DVec3::ZERO, DVec3::Y).unwrap();
-        let level = downlight(uniform(1.0), DVec3::new(0.0, 4.0, 0.3));
-        assert_eq!(observer.source(&level), Ok(None));
+        // Openings that look down, at 0, 4.3 and 5.7 degrees above the eye.
+        for (height, counts) in [(0.0, false), (0.3, false), (0.4, true)] {
+            let level = downlight(uniform(1.0), DVec3::new(0.0, 4.0, height));
+            assert_eq!(observer.source(&level).unwrap().is_some(), counts, "{height}");
+        }
+        // A sphere counts at any height, also on the level of the eye.
+        let size = [0.2; 3];
+        let lamp = downlight(uniform(1.0), DVec3::new(0.0, 4.0, 0.0));
+        let opening = LuminousOpening { shape: OpeningShape::Ellipsoid, size };
+        let source = observer.source(&PlacedLuminaire { opening, ..lamp }).unwrap().unwrap();
+        assert!((source.luminance - 1.0 / (0.01 * std::f64::consts::PI)).abs() < 1e-9, "{source:?}");
         let point = PlacedLuminaire {
             opening: LuminousOpening::POINT,
             ..downlight(uniform(1.0), DVec3::new(0.0, 4.0, 2.0))
         };
         assert_eq!(observer.source(&point), Err(GlareError::NoArea("luminaire 1".to_owned())));
+        let hostile = PlacedLuminaire { name: "\u{1b}[2J".to_owned(), ..point.clone() };
+        assert!(!observer.source(&hostile).unwrap_err().to_string().contains('\u{1b}'));
         let dark = PlacedLuminaire { factor: 0.0, ..point };
         assert_eq!(observer.source(&dark), Ok(None));
         assert!(GlareObserver::try_new(DVec3::ZERO, 2.0 * DVec3::Z).is_err());

@@ -70,6 +70,13 @@ impl PlacedLuminaire {
         projected_area(&self.opening, self.axes.transpose() * (point - self.position))
     }
 
+    /// The largest area of the opening as seen along its axes, m^2; 0 for points and lines.
+    #[must_use]
+    pub fn largest_area(&self) -> f64 {
+        let along = [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| projected_area(&self.opening, axis));
+        along.into_iter().fold(0.0, f64::max)
+    }
+
     /// Luminous flux, lm.
     #[must_use]
     pub fn flux(&self) -> f64 {
@@ -170,6 +177,7 @@ mod tests {
         assert!((luminaire.axes * DVec3::X - DVec3::Y).length() < 1e-12);
         assert_eq!(luminaire.intensity_towards(DVec3::ZERO), 30.0);
         assert!((luminaire.area_towards(luminaire.position - DVec3::Z) - 0.08).abs() < 1e-12);
+        assert!((luminaire.largest_area() - 0.08).abs() < 1e-12);
         assert!((luminaire.flux() - 30.0 * 4.0 * PI).abs() < 1e-9);
     }
 }

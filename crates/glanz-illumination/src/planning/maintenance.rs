@@ -17,7 +17,7 @@ pub enum MaintenanceFactor {
         lamp_survival: f64,
         /// Luminaire maintenance factor (LMF): dirt on luminaires.
         luminaire: f64,
-        /// Room surface maintenance factor (RMF): dirt on walls, ceiling and floor.
+        /// Room surface maintenance factor (RSMF): dirt on walls, ceiling and floor.
         room_surfaces: f64,
     },
 }
@@ -52,7 +52,7 @@ impl MaintenanceFactor {
                     ("LLMF", lamp_lumens),
                     ("LSF", lamp_survival),
                     ("LMF", luminaire),
-                    ("RMF", room_surfaces),
+                    ("RSMF", room_surfaces),
                 ]
             }
         };

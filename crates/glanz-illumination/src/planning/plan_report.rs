@@ -9,6 +9,7 @@ use super::glare::GlareRating;
 use super::maintenance::MaintenanceFactor;
 use super::point_illuminance::GOOD_MODELLING;
 use super::requirement::{LightingTask, RequirementVerdict, installation_table, verdict_table};
+use crate::lux_map::uniformity;
 use crate::replicates::ReplicateEstimate;
 
 /// Maintained illuminance at a point in space.
@@ -76,7 +77,9 @@ impl PlanReport {
         (largest(&GlareRating::ugr), [end(0), end(1)])
     }
 
-    /// Mean cylindrical illuminance, lx, and its uniformity (least over mean) with its interval; `None` without points.
+    /// Mean cylindrical illuminance, lx, and its uniformity (least over mean, 0 in the dark) with its interval; `None` without points.
+    ///
+    /// The least of several estimates with errors is on average below the least of their true values.
     #[must_use]
     pub fn mean_cylindrical(&self) -> Option<(ReplicateEstimate, [f64; 3])> {
         let count = self.cylindrical.len() as f64;
@@ -91,12 +94,9 @@ impl PlanReport {
         let least = |value: &dyn Fn(&ReplicateEstimate) -> f64| {
             self.cylindrical.iter().map(|point| value(&point.cylindrical)).fold(f64::INFINITY, f64::min)
         };
-        let uniformity = [
-            least(&|lux| lux.value) / value,
-            (least(&|lux| lux.interval[0]) / interval[1]).max(0.0),
-            (least(&|lux| lux.interval[1]) / interval[0]).min(1.0),
-        ];
-        (value > 0.0).then_some((ReplicateEstimate { value, error, interval }, uniformity))
+        let ends = [0, 1].map(|end| least(&|lux| lux.interval[end]));
+        let (u0, [low, high]) = uniformity((least(&|lux| lux.value), ends), (value, interval));
+        (count > 0.0).then_some((ReplicateEstimate { value, error, interval }, [u0, low, high]))
     }
 
     /// Verdicts.
@@ -120,7 +120,7 @@ impl PlanReport {
             self.maintenance
         {
             let parts = [lamp_lumens, lamp_survival, luminaire, room_surfaces].map(|part| part.to_string());
-            facts.push("its parts LLMF x LSF x LMF x RMF", "maintenance_parts", parts.join(" x "));
+            facts.push("its parts LLMF x LSF x LMF x RSMF", "maintenance_parts", parts.join(" x "));
         }
         if let Some(lux) = self.task_illuminance {
             facts.push("maintained mean illuminance of the task area, lx", "task_mean_lux", lux);
@@ -147,9 +147,10 @@ impl PlanReport {
             facts.push("mean cylindrical illuminance, lx", "cylindrical_mean_lux", mean.value);
             facts.push("its uniformity", "cylindrical_u0", u0);
             let ratios = || self.cylindrical.iter().filter_map(CylindricalPoint::modelling);
-            let (least, most) = (ratios().fold(f64::INFINITY, f64::min), ratios().fold(0.0, f64::max));
-            facts.push("modelling: least cylindrical over horizontal", "modelling_minimum", least);
-            facts.push("modelling: largest", "modelling_maximum", most);
+            if let (Some(least), Some(most)) = (ratios().reduce(f64::min), ratios().reduce(f64::max)) {
+                facts.push("modelling: least cylindrical over horizontal", "modelling_minimum", least);
+                facts.push("modelling: largest", "modelling_maximum", most);
+            }
             let [low, high] = GOOD_MODELLING;
             facts.push(
                 "modelling, indicator of EN 12464-1",
@@ -273,6 +274,12 @@ mod tests {
         assert_eq!(facts.get("power_density_w_m2_100lx"), Some(&FactValue::Number(0.6)));
         assert_eq!(facts.get("modelling_minimum"), Some(&FactValue::Number(0.5)));
         assert_eq!(report(Vec::new()).mean_cylindrical(), None);
+        // Darkness is judged; where the mean may be 0, nothing is known of the uniformity but that it is at most 1.
+        let dark = report(vec![point(0.0, 0.0)]);
+        let (mean, uniformity) = dark.mean_cylindrical().unwrap();
+        assert_eq!((mean.value, uniformity), (0.0, [0.0; 3]));
+        assert_eq!(dark.facts().get("modelling_minimum"), None);
+        assert_eq!(report(vec![point(1.0, 2.0)]).mean_cylindrical().unwrap().1, [1.0, 0.0, 1.0]);
         // Nobody sees a luminaire: no glare, whatever the limit.
         assert_eq!(report(Vec::new()).largest_ugr().0, f64::NEG_INFINITY);
     }

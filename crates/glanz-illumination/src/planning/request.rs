@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 pub use glanz_scene::description::ZoneKind;
 
-use super::emergency::{EscapeZone, disability_glare_verdicts, escape_verdicts};
+use super::emergency::{disability_glare_verdicts, open_area_verdicts};
 use super::glare::{GlareError, GlareObserver, GlareRating};
 use super::luminaire::PlacedLuminaire;
 use super::maintenance::{MaintenanceError, MaintenanceFactor};
@@ -18,6 +18,7 @@ use super::point_illuminance::{PointGather, PointReceiver};
 use super::requirement::{
     LightingCriterion, LightingTask, ROOM_UNIFORMITY, RequirementVerdict, surrounding_illuminance,
 };
+use crate::lux_map::uniformity;
 use crate::replicates::ReplicateEstimate;
 use crate::{LuxMap, LuxSummary, Receivers};
 
@@ -159,7 +160,7 @@ impl PlanningRequest {
             rating(&gather, observer, number, *sources, cancel)
         })?;
         let mut report = PlanReport {
-            assumptions: self.assumptions.clone(),
+            assumptions: self.assumptions(maps),
             maintenance: settings.maintenance,
             maintenance_factor: factor,
             task: settings.task,
@@ -177,12 +178,26 @@ impl PlanningRequest {
             report.verdicts = self.verdicts(task, maps, &report);
         }
         if let Some(point) = self.open_area.first() {
-            let zone = EscapeZone::OpenArea;
             let name = "open area, emergency";
-            report.verdicts.extend(escape_verdicts(name, zone, &self.luminaires, &self.open_area, factor));
+            report.verdicts.extend(open_area_verdicts(name, &self.luminaires, &self.open_area, factor));
             report.verdicts.extend(disability_glare_verdicts(&self.luminaires, point.z));
         }
         Ok(report)
+    }
+
+    /// What is assumed, with the names of zones whose illuminance is unknown.
+    fn assumptions(&self, maps: &[LuxMap]) -> FactList {
+        let unknown = self.zones.iter().filter(|zone| ZoneSummary::new(zone, maps).is_none());
+        let names: Vec<&str> = unknown.map(|zone| zone.name.as_str()).collect();
+        let mut facts = self.assumptions.clone();
+        if !names.is_empty() {
+            facts.push(
+                "zones without an area that receives light, undecided",
+                "unlit_zones",
+                names.join(", "),
+            );
+        }
+        facts
     }
 
     /// Maintained mean illuminance of the first task area, lx.
@@ -196,11 +211,8 @@ impl PlanningRequest {
         let factor = report.maintenance_factor;
         let mut verdicts = Vec::new();
         for zone in &self.zones {
-            let Some(ZoneSummary { mean: (mean, interval), uniformity: (u0, u0_interval) }) =
-                ZoneSummary::new(zone, maps)
-            else {
-                continue;
-            };
+            let ZoneSummary { mean: (mean, interval), uniformity: (u0, u0_interval) } =
+                ZoneSummary::new(zone, maps).unwrap_or(ZoneSummary::UNKNOWN);
             let surrounding = surrounding_illuminance(task.illuminance);
             let (illuminance, uniformity) = match zone.kind {
                 ZoneKind::Task => (task.illuminance, task.uniformity),
@@ -240,6 +252,9 @@ struct ZoneSummary {
 }
 
 impl ZoneSummary {
+    /// That of a zone without a lit receiver, on which nothing can be decided.
+    const UNKNOWN: Self = Self { mean: (f64::NAN, [f64::NAN; 2]), uniformity: (f64::NAN, [f64::NAN; 2]) };
+
     /// `None` if none of its receivers has an area.
     fn new(zone: &LitZone, maps: &[LuxMap]) -> Option<Self> {
         let own = maps.iter().filter(|map| zone.receivers.contains(&map.name)).map(LuxMap::summary);
@@ -254,16 +269,12 @@ impl ZoneSummary {
         };
         let least =
             |value: &dyn Fn(&LuxSummary) -> f64| parts.iter().map(value).fold(f64::INFINITY, f64::min);
-        let over = |least: f64, whole: f64| if whole > 0.0 { (least / whole).clamp(0.0, 1.0) } else { 0.0 };
         // Parts at their limits at the same time.
         let ends = [0, 1].map(|end| mean(&|part| part.mean_interval[end]));
         let minima = [0, 1].map(|end| least(&|part| part.minimum_interval[end]));
         let value = mean(&|part| part.mean);
-        let uniformity = over(least(&|part| part.minimum), value);
-        (area > 0.0).then_some(Self {
-            mean: (value, ends),
-            uniformity: (uniformity, [over(minima[0], ends[1]), over(minima[1], ends[0])]),
-        })
+        let uniformity = uniformity((least(&|part| part.minimum), minima), (value, ends));
+        (area > 0.0).then_some(Self { mean: (value, ends), uniformity })
     }
 }
 
@@ -368,5 +379,22 @@ mod tests {
         let one = ZoneSummary::new(&zone(&["a 2"]), &maps).unwrap();
         assert_eq!((one.mean.0, one.uniformity.0), (300.0, 250.0 / 300.0));
         assert!(ZoneSummary::new(&zone(&["c"]), &maps).is_none());
+    }
+
+    #[test]
+    fn zones_whose_illuminance_is_unknown_are_undecided() {
+        let zone = LitZone { name: "desk".into(), receivers: vec!["desk".into()], kind: ZoneKind::Task };
+        let request = PlanningRequest { zones: vec![zone], ..PlanningRequest::default() };
+        let (scene, _) = glanz_scene::SceneBuilder::new()
+            .light(glanz_scene::description::LightDescription::infinite(1.0))
+            .resolve()
+            .unwrap();
+        let settings =
+            PlanningSettings { task: LightingTask::of_reference("34.2"), ..PlanningSettings::default() };
+        let report = request.rate(&scene, &[], &settings, &mut |_| (), &CancelFlag::default()).unwrap();
+        assert_eq!(report.verdicts.len(), 2);
+        let undecided = crate::planning::requirement::VerdictOutcome::Undecided;
+        assert!(report.verdicts.iter().all(|verdict| verdict.outcome == undecided && verdict.value.is_nan()));
+        assert_eq!(report.facts().get("unlit_zones"), Some(&"desk".to_owned().into()));
     }
 }

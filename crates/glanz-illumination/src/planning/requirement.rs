@@ -32,8 +32,10 @@ pub enum LightingCriterion {
     EdgeIlluminanceRatio,
     /// Least illuminance, lx.
     LeastIlluminance,
-    /// Largest over least illuminance.
-    Diversity,
+    /// Largest maintained mean illuminance, lx.
+    LargestMeanIlluminance,
+    /// Largest over least illuminance; infinite, which is null in JSON, if there is a dark point.
+    MaximumToMinimum,
     /// Largest luminous intensity in a range of directions, cd.
     Intensity,
 }
@@ -53,7 +55,8 @@ impl LightingCriterion {
             Self::ThresholdIncrement => "fTI",
             Self::EdgeIlluminanceRatio => "REI",
             Self::LeastIlluminance => "Emin",
-            Self::Diversity => "Emax / Emin",
+            Self::LargestMeanIlluminance => "Em, at most",
+            Self::MaximumToMinimum => "Emax / Emin",
             Self::Intensity => "Imax",
         }
     }
@@ -62,7 +65,10 @@ impl LightingCriterion {
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
-            Self::MeanIlluminance | Self::CylindricalIlluminance | Self::LeastIlluminance => "lx",
+            Self::MeanIlluminance
+            | Self::LargestMeanIlluminance
+            | Self::CylindricalIlluminance
+            | Self::LeastIlluminance => "lx",
             Self::MeanLuminance => "cd/m2",
             Self::ThresholdIncrement => "%",
             Self::Intensity => "cd",
@@ -73,7 +79,14 @@ impl LightingCriterion {
     /// Whether the limit is the largest allowed value; otherwise the smallest.
     #[must_use]
     pub fn is_upper_limit(self) -> bool {
-        matches!(self, Self::GlareRating | Self::ThresholdIncrement | Self::Diversity | Self::Intensity)
+        matches!(
+            self,
+            Self::GlareRating
+                | Self::ThresholdIncrement
+                | Self::LargestMeanIlluminance
+                | Self::MaximumToMinimum
+                | Self::Intensity
+        )
     }
 }
 
@@ -278,12 +291,16 @@ pub fn surrounding_illuminance(task: f64) -> f64 {
     steps.into_iter().find(|(of_task, _)| task >= *of_task).map_or(task, |(_, surrounding)| surrounding)
 }
 
-/// Largest distance of the points of a grid, metres, on an area of this longer length: p = 0.2 * 5^lg d, at most 10 m.
+/// Largest distance of the points of a grid, metres, on an area with these sides, metres: p = 0.2 * 5^lg d, at most 10 m, where d is the longer side, or the shorter one
+/// if the longer is at least twice as long.
 ///
 /// # Source
 /// EN 12464-1, clause on illuminance grids (@en12464), by open summaries.
 #[must_use]
-pub fn grid_spacing(length: f64) -> f64 {
+pub fn grid_spacing([a, b]: [f64; 2]) -> f64 {
+    let (shorter, longer) = (a.min(b), a.max(b));
+    // Twice but for rounding is twice.
+    let length = if longer >= (2.0 - 1e-9) * shorter { shorter } else { longer };
     (0.2 * 5.0_f64.powf(length.log10())).min(10.0)
 }
 
@@ -336,9 +353,16 @@ mod tests {
     fn surroundings_and_grids_follow_the_clauses() {
         let surrounding = [1000.0, 750.0, 500.0, 300.0, 200.0, 100.0].map(surrounding_illuminance);
         assert_eq!(surrounding, [500.0, 500.0, 300.0, 200.0, 150.0, 100.0]);
-        // The examples of the table in the standard: 0.4 m: 0.15 m, 1 m: 0.2 m, 10 m: 1 m, 100 m: 5 m.
-        for (length, spacing) in [(1.0, 0.2), (10.0, 1.0), (100.0, 5.0), (1e4, 10.0)] {
-            assert!((grid_spacing(length) - spacing).abs() < 1e-12, "{length}");
+        // By the formula, with d = 1, 10, 100 m and beyond the largest distance; a corridor counts by its width.
+        for (sides, spacing) in [
+            ([1.0, 1.0], 0.2),
+            ([10.0, 5.1], 1.0),
+            ([60.0, 100.0], 5.0),
+            ([1e4, 1e4], 10.0),
+            ([19.0, 1.0], 0.2),
+            ([10.0, 20.0], 1.0),
+        ] {
+            assert!((grid_spacing(sides) - spacing).abs() < 1e-12, "{sides:?}");
         }
     }
 }

@@ -11,6 +11,7 @@ use glanz_scene::description::{
     LightDescription, LightKind, MaterialKind, ReceiverDescription, ReceiverSide, ShapeDescription, ZoneKind,
 };
 
+use super::emergency::OPEN_AREA_BORDER;
 use super::glare::GlareObserver;
 use super::luminaire::PlacedLuminaire;
 use super::request::{LitZone, PlanningRequest};
@@ -100,6 +101,12 @@ pub enum RoomPlanError {
         /// Of the room, metres.
         size: DVec2,
     },
+    /// A room of this size, metres, that is too narrow for an open area.
+    #[error(
+        "a room of {} x {} m has no open area: EN 1838 leaves a border of {OPEN_AREA_BORDER} m out; rate emergency lighting of wider rooms only",
+        .0.x, .0.y
+    )]
+    OpenArea(DVec2),
 }
 
 impl RoomPlan {
@@ -121,7 +128,8 @@ impl RoomPlan {
         length("the height of the work plane", self.work_plane, 0.0, self.height)?;
         length("the height of the eyes", self.eye, 0.0, self.height)?;
         for (surface, value) in ["ceiling", "walls", "floor"].into_iter().zip(self.reflectances) {
-            if !(0.0..1.0).contains(&value) {
+            // As the material has it.
+            if !(0.0..1.0).contains(&(value as f32)) {
                 return Err(RoomPlanError::Reflectance { surface, value });
             }
         }
@@ -173,7 +181,7 @@ impl RoomPlan {
             };
             // The first direction of a receiver is level.
             let [level, other] = if v.z > 0.0 || u.x != 0.0 { [u, v] } else { [v, u] };
-            let cells = [level, other].map(|side| points(side.length(), level.length().max(other.length())));
+            let cells = points([level, other].map(|side| side.length()));
             let shape = ShapeDescription::parallelogram(corner, u, v);
             description.world.shapes.push(ShapeDescription { material, ..received(shape, name, cells) });
         }
@@ -182,7 +190,7 @@ impl RoomPlan {
         let inner = self.inner();
         let corner = DVec3::new(self.margin, self.margin, self.work_plane);
         let plane = ShapeDescription::parallelogram(corner, DVec3::X * inner.x, DVec3::Y * inner.y);
-        let cells = inner.to_array().map(|side| points(side, inner.max_element()));
+        let cells = points(inner.to_array());
         let plane = received(plane, WORK_PLANE.to_owned(), cells);
         description.world.shapes.push(ShapeDescription { material, ..plane });
         for luminaire in self.luminaires() {
@@ -206,7 +214,7 @@ impl RoomPlan {
         };
         let names = walls(self.size).map(|(name, ..)| name);
         let zones = std::iter::once(WORK_PLANE.to_owned()).chain(names).filter_map(zone);
-        let eyes = self.points_at(self.eye);
+        let eyes = self.points_at(self.eye, self.margin);
         let views = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y];
         let observers =
             eyes.iter().flat_map(|&eye| views.iter().map(move |&view| GlareObserver::try_new(eye, view)));
@@ -216,7 +224,7 @@ impl RoomPlan {
             observers: observers.filter_map(Result::ok).collect(),
             points: eyes,
             open_area: Vec::new(),
-            watts: f64::from(self.grid[0] * self.grid[1]) * self.luminaire.watts,
+            watts: f64::from(self.grid[0]) * f64::from(self.grid[1]) * self.luminaire.watts,
             area: self.size.x * self.size.y,
             assumptions: self.assumptions(),
         }
@@ -252,14 +260,24 @@ impl RoomPlan {
         self.size.truncate() - 2.0 * self.margin
     }
 
-    /// The points of a grid of EN 12464-1 at this height above the floor, metres, without the margin along the walls.
-    #[must_use]
-    pub fn points_at(&self, height: f64) -> Vec<DVec3> {
-        let inner = self.inner();
-        let [nx, ny] = inner.to_array().map(|side| points(side, inner.max_element()));
-        let place = |number: u32, count: u32, side: f64| {
-            self.margin + (f64::from(number) + 0.5) * side / f64::from(count)
-        };
+    /// Points of the open area of emergency lighting, metres: on the floor, without the border that EN 1838 leaves out.
+    ///
+    /// # Errors
+    /// [`RoomPlanError::OpenArea`] if the border is the whole room.
+    pub fn open_area(&self) -> Result<Vec<DVec3>, RoomPlanError> {
+        let size = self.size.truncate();
+        if size.min_element() <= 2.0 * OPEN_AREA_BORDER {
+            return Err(RoomPlanError::OpenArea(size));
+        }
+        Ok(self.points_at(0.0, OPEN_AREA_BORDER))
+    }
+
+    /// The points of a grid of EN 12464-1, middles of equal cells, at this height above the floor and without a margin along the walls, metres.
+    fn points_at(&self, height: f64, margin: f64) -> Vec<DVec3> {
+        let inner = self.size.truncate() - 2.0 * margin;
+        let [nx, ny] = points(inner.to_array());
+        let place =
+            |number: u32, count: u32, side: f64| margin + (f64::from(number) + 0.5) * side / f64::from(count);
         let cells = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
         cells.map(|(i, j)| DVec3::new(place(i, nx, inner.x), place(j, ny, inner.y), height)).collect()
     }
@@ -275,10 +293,11 @@ fn zone_kind(receiver: &str) -> Option<ZoneKind> {
     }
 }
 
-/// Number of points along a side, metres, of an area whose longer side is `longer`.
-fn points(side: f64, longer: f64) -> u32 {
+/// Numbers of points along both sides of an area, metres.
+fn points(sides: [f64; 2]) -> [u32; 2] {
+    let spacing = grid_spacing(sides);
     // A quotient that is whole but for rounding needs no further point.
-    ((side / grid_spacing(longer) - 1e-9).ceil() as u32).max(1)
+    sides.map(|side| ((side / spacing - 1e-9).ceil() as u32).max(1))
 }
 
 /// The shape as a receiver with these cells.
@@ -331,7 +350,7 @@ mod tests {
         let receivers = Receivers::try_new(&scene, &requests).unwrap();
         let cells: Vec<(&str, [u32; 2])> =
             receivers.as_slice().iter().map(|receiver| (receiver.name(), receiver.cells())).collect();
-        // p = 0.2 * 5^lg d: 0.700 m for 6 m, 0.527 m for 4 m, 0.616 m for 5 m.
+        // p = 0.2 * 5^lg d: 0.700 m for 6 m, 0.527 m for 4 m, 0.616 m for 5 m; walls of 6 m x 3 m count by their height: 0.431 m.
         assert_eq!(
             cells,
             [
@@ -339,8 +358,8 @@ mod tests {
                 ("ceiling", [9, 6]),
                 ("wall x=0", [8, 6]),
                 ("wall x=6", [8, 6]),
-                ("wall y=0", [9, 5]),
-                ("wall y=4", [9, 5]),
+                ("wall y=0", [14, 7]),
+                ("wall y=4", [14, 7]),
                 ("work plane", [9, 5]),
             ]
         );
@@ -352,6 +371,20 @@ mod tests {
         let request = plan.request();
         assert_eq!((request.points.len(), request.observers.len(), request.zones.len()), (45, 180, 6));
         assert_eq!((request.watts, request.area), (180.0, 24.0));
+    }
+
+    #[test]
+    fn corridors_have_points_by_their_width_and_open_areas_a_fixed_border() {
+        assert_eq!(points([19.0, 1.0]), [95, 5]);
+        let mut plan = plan();
+        plan.margin = 0.0;
+        let points = plan.open_area().unwrap();
+        // 5 m x 3 m at 0.616 m.
+        assert_eq!(points.len(), 9 * 5);
+        assert!((points[0] - DVec3::new(0.5 + 2.5 / 9.0, 0.8, 0.0)).length() < 1e-12, "{}", points[0]);
+        plan.size.y = 1.0;
+        let error = plan.open_area().unwrap_err().to_string();
+        assert!(error.starts_with("a room of 6 x 1 m has no open area"), "{error}");
     }
 
     #[test]
@@ -370,6 +403,10 @@ mod tests {
             (text(|plan| plan.work_plane = 3.1), "the height of the work plane is 3.1 m"),
             (text(|plan| plan.eye = 0.0), "the height of the eyes is 0 m"),
             (text(|plan| plan.reflectances[1] = 1.0), "the reflectance of the walls is 1;"),
+            (
+                text(|plan| plan.reflectances[0] = 1.0 - 1e-9),
+                "the reflectance of the ceiling is 0.999999999;",
+            ),
             (text(|plan| plan.reflectances[2] = f64::NAN), "the reflectance of the floor is NaN;"),
             (text(|plan| plan.grid = [0, 2]), "a grid of 0 x 2 luminaires"),
             (text(|plan| plan.grid = [1 << 16, 1 << 16]), "a grid of 65536 x 65536 luminaires"),

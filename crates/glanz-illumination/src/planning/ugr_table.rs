@@ -31,6 +31,9 @@ pub const TABLE_HEIGHT: f64 = 2.0;
 /// Spacing of the luminaires over their height above the eye.
 const SPACING: f64 = 0.25;
 
+/// Sine of the smallest angle between the horizontal and the direction to a luminaire that counts, 5 degrees, whatever its shape. No source of it was found.
+const SMALLEST_ELEVATION: f64 = 0.087_155_742_747_658_17;
+
 /// The rooms: X, and Y, in heights.
 pub const TABLE_ROOMS: [[f64; 2]; 19] = [
     [2.0, 2.0],
@@ -131,7 +134,8 @@ impl UgrTable {
             ("endwise_50_30_20", "50/30/20"),
             ("endwise_30_30_20", "30/30/20"),
         ];
-        let caption = "UGR in standard rooms, by reflectances of ceiling, walls and reference plane";
+        let caption =
+            "UGR in standard rooms, spacing 0.25 H, by reflectances of ceiling, walls and reference plane";
         let mut table = Table::new("ugr", caption, &columns);
         for ((room, crosswise), endwise) in TABLE_ROOMS.iter().zip(&self.crosswise).zip(&self.endwise) {
             let size = room.iter().map(|heights| TableCell::Precise(*heights));
@@ -156,6 +160,9 @@ fn row_of(
     for (i, j) in (0..counts[0]).flat_map(|i| (0..counts[1]).map(move |j| (i, j))) {
         let [x, y] = [i, j].map(|number| (f64::from(number) + 0.5) * spacing);
         let position = DVec3::new(x - 0.5 * size.x, y, TABLE_HEIGHT);
+        if position.z < SMALLEST_ELEVATION * position.length() {
+            continue;
+        }
         let placed = PlacedLuminaire { position, ..luminaire.clone() };
         glare += observer.source(&placed)?.map_or(0.0, |source| source.glare());
     }

@@ -226,7 +226,7 @@ impl<'a> IlluminateBuilder<'a> {
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
     /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`];
-    /// [`Error::Planning`] for figures of planners; [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
+    /// [`Error::Planning`] and [`Error::DirectRating`] for figures of planners; [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
         let Self { scene, mut options, plan, planning: settings, job } = self;
         scene.check_scene("illuminate")?;
@@ -253,10 +253,14 @@ impl<'a> IlluminateBuilder<'a> {
             options.method = IlluminateMethod::Trace;
         }
         let design = Design::new(scene, options, &mut job)?;
+        let is_judged = plan.is_some() || settings.task.is_some();
+        let request = plan.unwrap_or_else(|| design.declared_plan());
+        if is_judged && !request.is_empty() && options.method == IlluminateMethod::Integrate {
+            return Err(Error::DirectRating);
+        }
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
         let mut outcome = design.illuminate(&mut job)?;
-        let request = plan.unwrap_or_else(|| design.declared_plan());
         if !request.is_empty() && options.part.is_none() {
             planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
         }

@@ -41,6 +41,7 @@ pub(super) fn rate(
         }
         Err(PlanningError::Interrupted(_)) => {
             outcome.end = JobEnd::Interrupted;
+            outcome.report.facts.push("complete", "complete", false);
             Ok(())
         }
         Err(error) => Err(error.into()),

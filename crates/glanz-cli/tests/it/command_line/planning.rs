@@ -134,11 +134,17 @@ fn floor_of_a_room_is_judged_as_an_open_area() {
     assert_eq!(verdicts.len(), 3);
     assert_eq!(
         (of(0), of(1), of(2)),
-        (("least_illuminance", "met"), ("diversity", "met"), ("intensity", "met"))
+        (("least_illuminance", "met"), ("maximum_to_minimum", "met"), ("intensity", "met"))
     );
     // 500 cd at 60 degrees, and 3 m up: the limit is 1600 cd.
     assert_eq!(verdicts[2]["limit"], 1600.0);
     assert!((verdicts[2]["value"].as_f64().unwrap() - 500.0).abs() < 1.0);
+    // The border of the open area is that of the standard.
+    let narrow =
+        "illuminate --room 4 1 3 --grid 1x1 --luminaire panel.ies --margin 0.1 --emergency -o narrow";
+    folder.run(narrow).refused(2, &["a room of 4 x 1 m has no open area"]);
+    let direct = "illuminate --room 4 4 3 --grid 1x1 --luminaire panel.ies --method integrate -o direct";
+    folder.run(direct).refused(1, &["integration leaves out the light between surfaces"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ pub enum RoadClass {
     M(u8),
     /// C0 to C5, for conflict areas: mean illuminance and uniformity.
     C(u8),
-    /// P1 to P6, for pedestrians: mean and least illuminance.
+    /// P1 to P6, for pedestrians: mean and least illuminance, and the largest mean.
     P(u8),
 }
 
@@ -47,8 +47,8 @@ impl RoadClass {
     #[must_use]
     pub fn requirements(self) -> Vec<Requirement> {
         use LightingCriterion::{
-            EdgeIlluminanceRatio, LeastIlluminance, LongitudinalUniformity, MeanIlluminance, MeanLuminance,
-            OverallUniformity, ThresholdIncrement, Uniformity,
+            EdgeIlluminanceRatio, LargestMeanIlluminance, LeastIlluminance, LongitudinalUniformity,
+            MeanIlluminance, MeanLuminance, OverallUniformity, ThresholdIncrement, Uniformity,
         };
         let limits: Vec<(LightingCriterion, f64)> = match self {
             Self::M(n) => {
@@ -75,8 +75,12 @@ impl RoadClass {
             Self::P(n) => {
                 let lux = [15.0, 10.0, 7.5, 5.0, 3.0, 2.0];
                 let mean = lux.get(usize::from(n).saturating_sub(1)).copied().unwrap_or(2.0);
-                // A fifth of the mean in all classes.
-                vec![(MeanIlluminance, mean), (LeastIlluminance, 0.2 * mean)]
+                // A fifth of the mean in all classes. The note of the table: for uniformity, the mean is at most 1.5 times that of the class.
+                vec![
+                    (MeanIlluminance, mean),
+                    (LeastIlluminance, 0.2 * mean),
+                    (LargestMeanIlluminance, 1.5 * mean),
+                ]
             }
         };
         let source = format!("EN 13201-2:2015, {self}");
@@ -101,8 +105,8 @@ mod tests {
         assert_eq!(limits("m6"), [0.3, 0.35, 0.4, 20.0, 0.3]);
         assert_eq!(limits("C0"), [50.0, 0.4]);
         assert_eq!(limits("C5"), [7.5, 0.4]);
-        assert_eq!(limits("P1"), [15.0, 3.0]);
-        assert_eq!(limits("P6"), [2.0, 0.4]);
+        assert_eq!(limits("P1"), [15.0, 3.0, 22.5]);
+        assert_eq!(limits("P6"), [2.0, 0.4, 3.0]);
         for text in ["M0", "M7", "C6", "P0", "X1", "", "M", "M3.5", "µ1"] {
             assert!(text.parse::<RoadClass>().is_err(), "{text}");
         }

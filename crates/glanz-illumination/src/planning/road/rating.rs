@@ -251,7 +251,9 @@ impl RoadReport {
                 self.luminance.iter().map(|observer| observer.increment.percent).reduce(f64::max)
             }
             LightingCriterion::EdgeIlluminanceRatio => Some(self.edge_ratio),
-            LightingCriterion::MeanIlluminance => Some(self.mean_illuminance),
+            LightingCriterion::MeanIlluminance | LightingCriterion::LargestMeanIlluminance => {
+                Some(self.mean_illuminance)
+            }
             LightingCriterion::LeastIlluminance => Some(self.least_illuminance),
             LightingCriterion::Uniformity => Some(ratio(self.least_illuminance, self.mean_illuminance)),
             _ => None,
