@@ -38,7 +38,7 @@ pub(super) struct RayModel {
     passages: Vec<Passage>,
 }
 
-/// What becomes of a ray besides its geometry.
+/// Losses of a ray at its mirror and behind it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Passage {
     /// 0 if the light does not arrive on the mirror.
