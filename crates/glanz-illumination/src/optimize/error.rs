@@ -8,16 +8,16 @@ use crate::receiver::ReceiverError;
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptimizeError {
-    /// Nothing may change.
+    /// No variable.
     #[error("no number of this scene is free")]
     NoVariable,
-    /// Nothing is wanted.
+    /// No target.
     #[error("no shape of this scene has a target")]
     NoTarget,
-    /// Nothing gives light.
+    /// No light with flux.
     #[error("no light of this scene shines")]
     NoLight,
-    /// A light whose rays are not known.
+    /// A light of a kind that is not supported.
     #[error("light {} is \"{kind}\"", light.0)]
     Light {
         /// The light.
@@ -25,14 +25,22 @@ pub enum OptimizeError {
         /// Its kind.
         kind: &'static str,
     },
-    /// No light meets a mirror, or the one that is to collimate it.
-    #[error("no light of the lamps arrives on {0}")]
+    /// No light on a mirror, or on the one that is to collimate it.
+    #[error("no light of the scene arrives on {0}")]
     NoReflection(&'static str),
     /// A target on a receiver that is not a flat rectangle.
     #[error("the shape of target {} is no flat rectangle", index + 1)]
     NoRectangle {
         /// Index of the target in the description.
         index: usize,
+    },
+    /// A state of another search.
+    #[error("the state to continue from has {found} displacements, the scene has {expected} variables")]
+    State {
+        /// Number of displacements of the state.
+        found: usize,
+        /// Number of variables of the scene.
+        expected: usize,
     },
     /// A grid for the target that cannot be built.
     #[error(transparent)]

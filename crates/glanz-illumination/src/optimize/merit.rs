@@ -1,13 +1,19 @@
-//! Merits of reflected light: smooth functions of sums over rays, with the derivatives by each ray.
+//! Merits of reflected light: functions of sums over rays, with the derivatives by each ray. They are smooth but where a ray becomes parallel to the plane of a receiver: there
+//! its penalty jumps.
 
 use glanz_math::{DVec2, DVec3};
 
 use super::landing_grid::LandingGrid;
 use super::reflection::ReflectionGradient;
 
-/// Penalty of a ray that goes away from the receiver, in units of that of squared coordinates: above that of any ray that arrives within 1e4 times the size of
-/// the receiver.
-const ASTRAY: f64 = 100.0;
+/// Penalty of a ray that does not arrive on the plane of a receiver, on average over directions: above that of a ray that arrives within 1000 half sides of its middle.
+const MISS_PENALTY: f64 = 100.0;
+/// Largest penalty per flux, which a merit without any flux has.
+const LARGEST_PENALTY: f64 = MISS_PENALTY + 1.0;
+/// Square of the chord between opposite directions of unit length.
+const OPPOSITE_CHORD: f64 = 4.0;
+/// Distance from the border of a receiver, in compressed coordinates, at which a ray has half of the reward of one on it.
+const REWARD_WIDTH: f64 = 0.1;
 
 /// A flat rectangular receiver.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +42,7 @@ pub(super) struct ReflectedRay {
 pub(super) enum Merit {
     /// Squared differences of the distribution on a receiver from the wanted one.
     Distribution { receiver: ReceiverFrame, grid: LandingGrid },
-    /// Squared distances from the border of a receiver of the rays beside it.
+    /// Reward of the rays on a receiver and near it, and squared distances from its border of those beside it.
     Flux { receiver: ReceiverFrame, emitted: f64 },
     /// Squared angles to a direction of the light from one mirror.
     Collimation { mirror: usize, direction: DVec3 },
@@ -73,7 +79,7 @@ pub(super) struct MeritValue {
     pub(super) measure: TargetMeasure,
 }
 
-/// Numbers of sums before those of the grid: flux, penalties, flux on the receiver.
+/// Numbers of sums before those of the grid: flux (for [`Merit::Flux`] rewards), penalties, flux on the receiver.
 const SUMS: usize = 3;
 
 impl ReceiverFrame {
@@ -119,10 +125,17 @@ fn excess(x: f64, limit: f64) -> (f64, f64) {
 }
 
 /// The penalty of a ray that goes away from a receiver, and its derivative by the direction.
-fn astray(direction: DVec3, normal: DVec3) -> (f64, DVec3) {
+fn miss_penalty(direction: DVec3, normal: DVec3) -> (f64, DVec3) {
     let unit = direction.normalize_or_zero();
     let cosine = unit.dot(normal);
-    (ASTRAY + cosine, (normal - cosine * unit) / direction.length())
+    (MISS_PENALTY + cosine, (normal - cosine * unit) / direction.length())
+}
+
+/// The reward of a ray with a squared distance from a receiver, and its derivative by that.
+fn reward(squared: f64) -> (f64, f64) {
+    let width = REWARD_WIDTH * REWARD_WIDTH;
+    let reward = width / (width + squared);
+    (reward, -reward * reward / width)
 }
 
 impl Merit {
@@ -150,6 +163,21 @@ impl Merit {
         }
     }
 
+    /// Adds a ray that something blocks: light that is missing on the receiver.
+    pub(super) fn deposit_blocked(&self, flux: f64, sums: &mut [f64]) {
+        if let (Self::Distribution { .. }, Some(total)) = (self, sums.first_mut()) {
+            *total += flux;
+        }
+    }
+
+    /// The derivative of the merit by the flux of a blocked ray.
+    pub(super) fn blocked_slope(&self, slopes: &[f64]) -> f64 {
+        match self {
+            Self::Distribution { .. } => slopes.first().copied().unwrap_or_default(),
+            Self::Flux { .. } | Self::Collimation { .. } => 0.0,
+        }
+    }
+
     /// Adds a ray.
     pub(super) fn deposit(&self, ray: &ReflectedRay, sums: &mut [f64]) {
         let Some((first, cells)) = sums.split_first_chunk_mut::<SUMS>() else { return };
@@ -162,9 +190,12 @@ impl Merit {
                 }
             }
             Self::Distribution { receiver, .. } | Self::Flux { receiver, .. } => {
-                first[0] += ray.flux;
+                let is_distribution = matches!(self, Self::Distribution { .. });
+                if is_distribution {
+                    first[0] += ray.flux;
+                }
                 let Some((at, _)) = receiver.landing(ray) else {
-                    first[1] += ray.flux * astray(ray.direction, receiver.normal).0;
+                    first[1] += ray.flux * miss_penalty(ray.direction, receiver.normal).0;
                     return;
                 };
                 if at.abs().max_element() <= 1.0 {
@@ -172,7 +203,11 @@ impl Merit {
                 }
                 let [x, y] = at.to_array().map(|x| compressed(x).0);
                 let limit = self.limit();
-                first[1] += ray.flux * (excess(x, limit).0 + excess(y, limit).0);
+                let squared = excess(x, limit).0 + excess(y, limit).0;
+                first[1] += ray.flux * squared;
+                if !is_distribution {
+                    first[0] += ray.flux * reward(squared).0;
+                }
                 if let Self::Distribution { grid, .. } = self {
                     grid.cells_near(DVec2::new(x, y), |index, weight, _| {
                         if let Some(cell) = cells.get_mut(index) {
@@ -198,16 +233,24 @@ impl Merit {
             return MeritValue { value: 0.0, slopes, measure: TargetMeasure::Flux { share: 0.0 } };
         };
         let (value, measure) = match self {
+            // Without flux there is no mean: the worst value, without slopes.
+            Self::Collimation { .. } if flux.is_nan() || flux <= 0.0 => {
+                (OPPOSITE_CHORD, TargetMeasure::Collimation { angle: std::f64::consts::PI })
+            }
+            Self::Distribution { .. } if flux.is_nan() || flux <= 0.0 => {
+                (LARGEST_PENALTY, TargetMeasure::Distribution { deviation: 1.0, share: 0.0 })
+            }
             Self::Collimation { .. } => {
                 (*by_flux, *by_penalty) = (-penalty / (flux * flux), 1.0 / flux);
                 // Chord and angle differ by a 24th of its cube.
                 let chord = (penalty / flux).sqrt();
-                (penalty / flux, TargetMeasure::Collimation { angle: 2.0 * (0.5 * chord).asin() })
+                (penalty / flux, TargetMeasure::Collimation { angle: 2.0 * (0.5 * chord).min(1.0).asin() })
             }
             Self::Flux { emitted, .. } => {
-                // Light that no mirror meets counts as one unit away from the receiver.
-                (*by_flux, *by_penalty) = (-1.0 / emitted, 1.0 / emitted);
-                ((penalty - flux) / emitted + 1.0, TargetMeasure::Flux { share: inside / emitted })
+                // A light near a point of a mirror has more flux by few rays than it emits: the square has no reward for that.
+                let missing = 1.0 - flux / emitted;
+                (*by_flux, *by_penalty) = (-2.0 * missing / emitted, 1.0 / emitted);
+                (missing * missing + penalty / emitted, TargetMeasure::Flux { share: inside / emitted })
             }
             Self::Distribution { grid, .. } => {
                 let (difference, finest) = grid.difference(cells, flux, by_cells, by_flux);
@@ -238,16 +281,21 @@ impl Merit {
             }
             Self::Distribution { receiver, .. } | Self::Flux { receiver, .. } => {
                 let Some((at, t)) = receiver.landing(ray) else {
-                    let (penalty, by_direction) = astray(ray.direction, receiver.normal);
-                    gradient.flux = scale * (by_flux + by_penalty * penalty);
+                    let (penalty, by_direction) = miss_penalty(ray.direction, receiver.normal);
+                    let by_total = if matches!(self, Self::Distribution { .. }) { by_flux } else { 0.0 };
+                    gradient.flux = scale * (by_total + by_penalty * penalty);
                     gradient.direction = by_penalty * ray.flux * by_direction;
                     return gradient;
                 };
                 let [(x, dx), (y, dy)] = at.to_array().map(compressed);
                 let limit = self.limit();
                 let [(ex, dex), (ey, dey)] = [x, y].map(|x| excess(x, limit));
-                let mut by_share = by_flux + by_penalty * (ex + ey);
-                let mut by_place = by_penalty * DVec2::new(dex, dey);
+                let (reward, by_squared) = match self {
+                    Self::Flux { .. } => reward(ex + ey),
+                    Self::Distribution { .. } | Self::Collimation { .. } => (1.0, 0.0),
+                };
+                let mut by_share = by_flux * reward + by_penalty * (ex + ey);
+                let mut by_place = (by_penalty + by_flux * by_squared) * DVec2::new(dex, dey);
                 if let Self::Distribution { grid, .. } = self {
                     grid.cells_near(DVec2::new(x, y), |index, weight, derivative| {
                         let slope = by_cells.get(index).copied().unwrap_or_default();
@@ -331,6 +379,60 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn merits_without_flux_are_finite_and_have_no_slopes() {
+        for merit in merits() {
+            let dark = value(&merit, &[]);
+            let slopes: f64 = dark.slopes.iter().map(|slope| slope.abs()).sum();
+            let is_flux = matches!(merit, Merit::Flux { .. });
+            assert!(dark.value.is_finite() && (is_flux || slopes == 0.0), "{merit:?} {}", dark.value);
+            // Nothing is worse.
+            assert!(value(&merit, &rays()).value < dark.value || is_flux, "{}", dark.value);
+        }
+    }
+
+    #[test]
+    fn hits_have_more_reward_than_misses_and_no_flux_has_more_than_all() {
+        let [_, _, flux, _] = merits();
+        let ray = |x: f64, flux: f64| ReflectedRay {
+            origin: DVec3::ZERO,
+            direction: DVec3::new(x, 0.0, 2.0),
+            flux,
+            mirror: 0,
+        };
+        let merit = |x: f64, flux_of_ray: f64| value(&flux, &[ray(x, flux_of_ray)]).value;
+        // All 9 lm on the receiver: ideal. A third of it: (2/3)^2. Beyond the border by 10 % of the half side, ln 1.1 = 0.0953: 1 / (1 + 0.953^2) of the reward.
+        assert_eq!(merit(0.4, 9.0), 0.0);
+        assert!((merit(0.4, 3.0) - 4.0 / 9.0).abs() < 1e-15);
+        let (beyond, reward) = (1.1_f64.ln(), 1.0 / (1.0 + (1.1_f64.ln() / 0.1).powi(2)));
+        assert!((merit(0.55, 9.0) - ((1.0 - reward).powi(2) + beyond * beyond)).abs() < 1e-14);
+        // A sample with more flux than the lamp emits is no better than all of it.
+        assert!(merit(0.4, 900.0) > merit(0.4, 9.0));
+    }
+
+    #[test]
+    fn blocked_light_counts_in_the_total() {
+        let [even, _, flux, _] = merits();
+        let blocked = |merit: &Merit| {
+            let mut sums = vec![0.0; merit.sums()];
+            rays().iter().for_each(|ray| merit.deposit(ray, &mut sums));
+            merit.deposit_blocked(2.5, &mut sums);
+            merit.value(&sums)
+        };
+        let TargetMeasure::Distribution { share, .. } = blocked(&even).measure else { panic!() };
+        assert!((share - 2.1 / 10.0).abs() < 1e-15, "{share}");
+        assert_eq!(blocked(&flux).value, value(&flux, &rays()).value);
+        let slope = even.blocked_slope(&blocked(&even).slopes);
+        let at = |flux: f64| {
+            let mut sums = vec![0.0; even.sums()];
+            rays().iter().for_each(|ray| even.deposit(ray, &mut sums));
+            even.deposit_blocked(flux, &mut sums);
+            even.value(&sums).value
+        };
+        let difference = (at(2.5 + 1e-5) - at(2.5 - 1e-5)) / 2e-5;
+        assert!((slope - difference).abs() < 1e-7 * slope.abs(), "{slope} {difference}");
     }
 
     #[test]

@@ -3,18 +3,16 @@
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
-use glanz_scene::description::VariableQuantity;
-use glanz_scene::{Description, Interaction, Light, PlacedSurface, Scene};
+use glanz_scene::{Description, Interaction, Scene};
 use glanz_shading::bsdf::{Lobe, TransportMode};
 use rayon::prelude::*;
 
 use super::error::OptimizeError;
 use super::merit::{Merit, MeritValue, ReflectedRay, TargetMeasure};
-use super::ray_sources::{
-    EmitterPart, EmittingSurface, MirrorSurface, ReflectingPart, emitters, mirrors, world_shape,
-};
+use super::ray_sources::{EmitterPart, EmittingSurface, MirrorSurface, ReflectingPart, emitters, mirrors};
 use super::reflection::{EmittingPoint, Reflection, ReflectionGradient};
-use super::surface_basis::{LocalFrame, PointFactors};
+use super::sensitivity::{MirrorVariables, SensitivityTerm, directions, light_variables};
+use super::surface_basis::LocalFrame;
 use super::targets::merit;
 
 /// Largest number of chunks of rays, each of which has sums of its own.
@@ -23,6 +21,8 @@ const CHUNKS: usize = 64;
 const CHUNK: usize = 1024;
 /// Fraction of a distance within which a ray meets the point it was aimed at.
 const AIM: f64 = 1e-6;
+/// Fraction of the way to a mirror at which the test of a shadow begins, so that the surface of the light is not met again.
+const SHADOW_START: f64 = 1e-9;
 
 /// Rays of all lights over all mirrors: fixed parameters, which no displacement moves across a border.
 #[derive(Clone, Debug)]
@@ -34,8 +34,26 @@ pub(super) struct RayModel {
     /// Variables that move each light.
     light_variables: Vec<Vec<usize>>,
     merits: Vec<(Merit, f64)>,
-    /// For each ray and merit the reflectance where the light passes, else 0.
-    passed: Vec<f64>,
+    /// For each ray and merit.
+    passages: Vec<Passage>,
+}
+
+/// Losses of a ray at its mirror and behind it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Passage {
+    /// 0 if the light does not arrive on the mirror.
+    reflectance: f64,
+    /// Whether something is between the mirror and the receiver.
+    is_blocked: bool,
+}
+
+/// A ray with its displacements.
+struct DisplacedRay<'a> {
+    sample: &'a RaySample,
+    passages: &'a [Passage],
+    from: EmittingPoint,
+    frame: LocalFrame,
+    reflection: Reflection,
 }
 
 #[derive(Clone, Debug)]
@@ -49,15 +67,7 @@ struct RaySample {
     weight: f64,
 }
 
-/// How a variable moves a point of a mirror.
-#[derive(Clone, Copy, Debug)]
-struct SensitivityTerm {
-    variable: usize,
-    position: f64,
-    tangents: [f64; 2],
-}
-
-/// What a model tells about a design.
+/// Merit and measures of a design.
 #[derive(Clone, Debug)]
 pub(super) struct DesignValue {
     /// The weighted sum of the merits.
@@ -87,12 +97,13 @@ impl RayModel {
             directions: directions(description),
             light_variables: light_variables(description, &scene, &placed),
             merits: merits.collect::<Result<_, OptimizeError>>()?,
-            passed: Vec::new(),
+            passages: Vec::new(),
         };
         if model.merits.is_empty() {
             return Err(OptimizeError::NoTarget);
         }
-        let per_pair = count.div_ceil((emitters.len() * mirrors.len()).max(1)) as u32;
+        let per_pair = count.max(1).div_ceil((emitters.len() * mirrors.len()).max(1));
+        let per_pair = u32::try_from(per_pair).unwrap_or(u32::MAX);
         let mut key = seed;
         for mirror in &mirrors {
             let variables = MirrorVariables::of(description, mirror.shape);
@@ -168,18 +179,38 @@ impl RayModel {
 
     /// Whether light is reflected, by the mirror of a shape or any.
     fn has_light(&self, mirror: Option<usize>) -> bool {
-        let mut rays = self.rays.iter().zip(self.passed.chunks(self.merits.len()));
-        rays.any(|(ray, passed)| {
+        let mut rays = self.rays.iter().zip(self.passages.chunks(self.merits.len()));
+        rays.any(|(ray, passages)| {
             mirror.is_none_or(|mirror| mirror == ray.mirror)
-                && passed.iter().any(|passed| *passed > 0.0)
+                && passages.iter().any(|passage| passage.reflectance > 0.0)
                 && Reflection::new(&ray.from, &ray.frame).flux * ray.weight > 0.0
         })
     }
 
-    /// Rays that a thread adds at once, with what of them passes; the order of the sums does not depend on the threads.
-    fn chunks(&self) -> impl IndexedParallelIterator<Item = (&[RaySample], &[f64])> {
+    /// Sums over all rays, in chunks whose number does not depend on the threads; `add` adds a ray to `count` sums.
+    fn summed(
+        &self,
+        displacements: &[f64],
+        count: usize,
+        add: impl Fn(&DisplacedRay<'_>, &mut [f64]) + Sync,
+    ) -> Vec<f64> {
         let size = self.rays.len().div_ceil(CHUNKS).max(CHUNK);
-        self.rays.par_chunks(size).zip(self.passed.par_chunks(size * self.merits.len()))
+        let chunk = |(rays, passages): (&[RaySample], &[Passage])| {
+            let mut sums = vec![0.0; count];
+            for (sample, passages) in rays.iter().zip(passages.chunks(self.merits.len())) {
+                let (from, frame) = self.displaced(sample, displacements);
+                let reflection = Reflection::new(&from, &frame);
+                add(&DisplacedRay { sample, passages, from, frame, reflection }, &mut sums);
+            }
+            sums
+        };
+        let chunks = self.rays.par_chunks(size).zip(self.passages.par_chunks(size * self.merits.len()));
+        let chunks: Vec<Vec<f64>> = chunks.map(chunk).collect();
+        let total = chunks.into_iter().reduce(|mut total, part| {
+            total.iter_mut().zip(&part).for_each(|(total, part)| *total += part);
+            total
+        });
+        total.unwrap_or_else(|| vec![0.0; count])
     }
 
     /// Number of rays.
@@ -213,22 +244,24 @@ impl RayModel {
     }
 
     fn aim(&mut self, scene: &Scene, displacements: &[f64]) {
-        let passed = self.rays.par_iter().flat_map_iter(|ray| {
+        let passages = self.rays.par_iter().flat_map_iter(|ray| {
             let (from, frame) = self.displaced(ray, displacements);
             let reflected = reflectance(scene, &from, &frame);
             let reflection = Reflection::new(&from, &frame);
             self.merits.iter().map(move |(merit, _)| {
-                let Some((reflectance, at)) = &reflected else { return 0.0 };
+                let Some((reflectance, at)) = &reflected else { return Passage::default() };
                 let ray = ray.reflected(&reflection, 1.0);
                 let arrival = merit.receiver().and_then(|receiver| receiver.arrival(&ray));
                 // Light that does not arrive yet may do so later.
-                let Some(arrival) = arrival else { return *reflectance };
-                let length = arrival * ray.direction.length();
-                let path = at.spawn(ray.direction.normalize_or_zero());
-                if scene.occluded(&path, length * (1.0 - AIM)) { 0.0 } else { *reflectance }
+                let is_blocked = arrival.is_some_and(|arrival| {
+                    let length = arrival * ray.direction.length();
+                    let path = at.spawn(ray.direction.normalize_or_zero());
+                    scene.occluded(&path, length * (1.0 - AIM))
+                });
+                Passage { reflectance: *reflectance, is_blocked }
             })
         });
-        self.passed = passed.collect();
+        self.passages = passages.collect();
     }
 
     /// Both ends of a ray.
@@ -256,147 +289,81 @@ impl RayModel {
     }
 
     fn merit_values(&self, displacements: &[f64]) -> Vec<MeritValue> {
-        let sums = |rays: &[RaySample], passed: &[f64]| {
-            let mut sums: Vec<Vec<f64>> =
-                self.merits.iter().map(|(merit, _)| vec![0.0; merit.sums()]).collect();
-            for (ray, passed) in rays.iter().zip(passed.chunks(self.merits.len())) {
-                let (from, frame) = self.displaced(ray, displacements);
-                let reflection = Reflection::new(&from, &frame);
-                for (((merit, _), sums), passed) in self.merits.iter().zip(&mut sums).zip(passed) {
-                    if *passed > 0.0 {
-                        merit.deposit(&ray.reflected(&reflection, *passed), sums);
-                    }
+        let count = self.merits.iter().map(|(merit, _)| merit.sums()).sum();
+        let sums = self.summed(displacements, count, |ray, mut sums| {
+            for ((merit, _), passage) in self.merits.iter().zip(ray.passages) {
+                let Some((own, others)) = sums.split_at_mut_checked(merit.sums()) else { return };
+                sums = others;
+                let reflected = ray.reflected(passage);
+                match (passage.reflectance > 0.0, passage.is_blocked) {
+                    (false, _) => {}
+                    (true, true) => merit.deposit_blocked(reflected.flux, own),
+                    (true, false) => merit.deposit(&reflected, own),
                 }
             }
-            sums
-        };
-        let chunks = self.chunks();
-        let chunks: Vec<Vec<Vec<f64>>> = chunks.map(|(rays, passed)| sums(rays, passed)).collect();
-        let total = chunks.into_iter().reduce(|mut total, part| {
-            for (total, part) in total.iter_mut().zip(&part) {
-                total.iter_mut().zip(part).for_each(|(total, part)| *total += part);
-            }
-            total
         });
-        let total = total.unwrap_or_default();
-        self.merits.iter().zip(&total).map(|((merit, _), sums)| merit.value(sums)).collect()
+        let mut sums = sums.as_slice();
+        let mut values = Vec::with_capacity(self.merits.len());
+        for (merit, _) in &self.merits {
+            let (own, others) = sums.split_at_checked(merit.sums()).unwrap_or_default();
+            values.push(merit.value(own));
+            sums = others;
+        }
+        values
     }
 
     fn gradient(&self, displacements: &[f64], values: &[MeritValue]) -> Vec<f64> {
-        let part = |rays: &[RaySample], passed: &[f64]| {
-            let mut gradient = vec![0.0; self.directions.len()];
-            for (ray, passed) in rays.iter().zip(passed.chunks(self.merits.len())) {
-                let (from, frame) = self.displaced(ray, displacements);
-                let reflection = Reflection::new(&from, &frame);
-                let mut by = ReflectionGradient::default();
-                for (((merit, weight), value), passed) in self.merits.iter().zip(values).zip(passed) {
-                    if *passed > 0.0 {
-                        let reflected = ray.reflected(&reflection, *passed);
-                        let own = merit.ray_gradient(&reflected, passed * ray.weight, &value.slopes);
-                        by.origin += *weight * own.origin;
-                        by.direction += *weight * own.direction;
-                        by.flux += *weight * own.flux;
-                    }
+        self.summed(displacements, self.directions.len(), |ray, gradient| {
+            let mut by = ReflectionGradient::default();
+            for (((merit, weight), value), passage) in self.merits.iter().zip(values).zip(ray.passages) {
+                let scale = passage.reflectance * ray.sample.weight;
+                if passage.reflectance > 0.0 && passage.is_blocked {
+                    by.flux += *weight * scale * merit.blocked_slope(&value.slopes);
+                } else if passage.reflectance > 0.0 {
+                    let own = merit.ray_gradient(&ray.reflected(passage), scale, &value.slopes);
+                    by.origin += *weight * own.origin;
+                    by.direction += *weight * own.direction;
+                    by.flux += *weight * own.flux;
                 }
-                self.add_gradient(ray, &reflection, (&from, &frame), &by, &mut gradient);
             }
-            gradient
-        };
-        let chunks = self.chunks();
-        let chunks: Vec<Vec<f64>> = chunks.map(|(rays, passed)| part(rays, passed)).collect();
-        let total = chunks.into_iter().reduce(|mut total, part| {
-            total.iter_mut().zip(&part).for_each(|(total, part)| *total += part);
-            total
-        });
-        total.unwrap_or_default()
+            self.add_gradient(ray, &by, gradient);
+        })
     }
 
-    fn add_gradient(
-        &self,
-        ray: &RaySample,
-        reflection: &Reflection,
-        (from, frame): (&EmittingPoint, &LocalFrame),
-        by: &ReflectionGradient,
-        gradient: &mut [f64],
-    ) {
-        let source = reflection.source_gradient(from, frame, by);
+    fn add_gradient(&self, ray: &DisplacedRay<'_>, by: &ReflectionGradient, gradient: &mut [f64]) {
+        let source = ray.reflection.source_gradient(&ray.from, &ray.frame, by);
         let mut add = |variable: usize, vector: DVec3| {
             let direction = self.directions.get(variable).copied().unwrap_or_default();
             if let Some(slot) = gradient.get_mut(variable) {
                 *slot += vector.dot(direction);
             }
         };
-        for term in self.terms.get(ray.terms.clone()).unwrap_or_default() {
+        for term in self.terms.get(ray.sample.terms.clone()).unwrap_or_default() {
             let [du, dv] = source.mirror.tangents;
             add(
                 term.variable,
                 term.position * source.mirror.position + term.tangents[0] * du + term.tangents[1] * dv,
             );
         }
-        for &variable in self.light_variables.get(ray.light).map(Vec::as_slice).unwrap_or_default() {
+        for &variable in self.light_variables.get(ray.sample.light).map(Vec::as_slice).unwrap_or_default() {
             add(variable, source.light);
         }
     }
 }
 
+impl DisplacedRay<'_> {
+    fn reflected(&self, passage: &Passage) -> ReflectedRay {
+        self.sample.reflected(&self.reflection, passage.reflectance)
+    }
+}
+
 impl RaySample {
-    fn reflected(&self, reflection: &Reflection, passed: f64) -> ReflectedRay {
+    fn reflected(&self, reflection: &Reflection, reflectance: f64) -> ReflectedRay {
         ReflectedRay {
             origin: reflection.origin,
             direction: reflection.direction,
-            flux: reflection.flux * self.weight * passed,
+            flux: reflection.flux * self.weight * reflectance,
             mirror: self.mirror,
-        }
-    }
-}
-
-/// The variables of one mirror.
-struct MirrorVariables {
-    /// For each control point its variables.
-    points: Vec<Vec<usize>>,
-    /// Those of the mirror as a whole.
-    offsets: Vec<usize>,
-}
-
-impl MirrorVariables {
-    fn of(description: &Description, mirror: usize) -> Self {
-        let mut variables = Self { points: Vec::new(), offsets: Vec::new() };
-        for (number, variable) in description.design.variables.iter().enumerate() {
-            match &variable.quantity {
-                VariableQuantity::ControlPoints { shape, points } if *shape == mirror => {
-                    for &point in points {
-                        if point >= variables.points.len() {
-                            variables.points.resize(point + 1, Vec::new());
-                        }
-                        variables.points[point].push(number);
-                    }
-                }
-                VariableQuantity::ShapeOffset { shape } if *shape == mirror => variables.offsets.push(number),
-                _ => {}
-            }
-        }
-        variables
-    }
-
-    /// Adds what the variables of the control points do, one term for each.
-    fn add_terms(&self, factors: impl Iterator<Item = PointFactors>, terms: &mut Vec<SensitivityTerm>) {
-        let first = terms.len();
-        for factor in factors {
-            for &variable in self.points.get(factor.point).map(Vec::as_slice).unwrap_or_default() {
-                let own = terms.get_mut(first..).unwrap_or_default();
-                match own.iter_mut().find(|term| term.variable == variable) {
-                    Some(term) => {
-                        term.position += factor.position;
-                        term.tangents[0] += factor.tangents[0];
-                        term.tangents[1] += factor.tangents[1];
-                    }
-                    None => terms.push(SensitivityTerm {
-                        variable,
-                        position: factor.position,
-                        tangents: factor.tangents,
-                    }),
-                }
-            }
         }
     }
 }
@@ -409,56 +376,12 @@ fn resolved(description: &Description, displacements: &[f64]) -> Result<Scene, O
     })
 }
 
-/// Direction of each variable in the world.
-fn directions(description: &Description) -> Vec<DVec3> {
-    let direction = |variable: &glanz_scene::description::VariableDescription| {
-        let frame = match variable.quantity {
-            VariableQuantity::ControlPoints { shape, .. }
-            | VariableQuantity::ShapeOffset { shape }
-            | VariableQuantity::Radius { shape } => {
-                description.world.shapes.get(shape).map(|shape| shape.to_parent)
-            }
-            VariableQuantity::LightPosition { light } => {
-                description.lights.get(light).map(|light| light.to_world)
-            }
-        };
-        frame.unwrap_or_default().transform_vector3(variable.direction)
-    };
-    description.design.variables.iter().map(direction).collect()
-}
-
-/// For each light of the scene the variables that move it.
-fn light_variables(
-    description: &Description,
-    scene: &Scene,
-    placed: &[PlacedSurface<'_>],
-) -> Vec<Vec<usize>> {
-    let mut variables = vec![Vec::new(); scene.lights().len()];
-    // Lights that are no shapes come after those that are.
-    let areas = scene.lights().iter().filter(|light| matches!(light, Light::Area(_))).count();
-    for (number, variable) in description.design.variables.iter().enumerate() {
-        let light = match variable.quantity {
-            VariableQuantity::LightPosition { light } => Some(areas + light),
-            VariableQuantity::ShapeOffset { shape } => {
-                let own = |surface: &&PlacedSurface<'_>| world_shape(description, surface, 0) == Some(shape);
-                placed.iter().find(own).and_then(PlacedSurface::light).map(|id| id.0 as usize)
-            }
-            _ => None,
-        };
-        if let Some(list) = light.and_then(|light| variables.get_mut(light)) {
-            list.push(number);
-        }
-    }
-    variables
-}
-
 /// The reflectance of the point that a ray is aimed at, with the point; `None` if it does not arrive there.
 fn reflectance(scene: &Scene, from: &EmittingPoint, mirror: &LocalFrame) -> Option<(f64, Interaction)> {
     let towards = mirror.position - from.position;
     let distance = towards.length();
     let direction = towards / distance;
-    // The light does not shadow itself.
-    let ray = Ray::new(from.position + 1e-9 * towards, direction);
+    let ray = Ray::new(from.position + SHADOW_START * towards, direction);
     let hit = scene.intersect(&ray, distance * (1.0 + AIM))?;
     if (hit.t - distance).abs() > AIM * distance {
         return None;

@@ -103,12 +103,14 @@ pub(super) fn emitters<'a>(
                     }
                 }
             }
+            Light::Point(point) if point.power().is_black() => {}
             Light::Point(point) if point.range().is_none() => {
                 emitted += photometric(point.power(), &wavelengths);
                 let brightness = photometric(point.intensity(), &wavelengths);
                 let surface = EmittingSurface::Point(point.position());
                 parts.push(EmitterPart { light: number, brightness, surface });
             }
+            Light::Point(_) => return Err(refused("point with a range")),
             other => return Err(refused(other.kind())),
         }
     }

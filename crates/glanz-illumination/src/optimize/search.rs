@@ -53,7 +53,7 @@ pub enum GradientMethod {
 /// Settings of an inverse design.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OptimizeSettings {
-    /// Number of rays.
+    /// Number of rays, from 1.
     pub rays: usize,
     /// Largest number of steps.
     pub iterations: u32,
@@ -85,7 +85,7 @@ pub struct OptimizeState {
     pub is_complete: bool,
 }
 
-/// What was found.
+/// Result of an inverse design.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OptimizeOutcome {
     /// Displacements of the variables, metres.
@@ -113,7 +113,7 @@ pub struct OptimizeOutcome {
 /// A cancelled search returns the best displacements so far.
 ///
 /// # Errors
-/// [`OptimizeError`] if nothing is free or wanted, or something of the scene is not supported.
+/// [`OptimizeError`] if the scene has no variable, target or reflected light, or something that is not supported, or if `state` has another number of displacements.
 pub fn optimize(
     description: &Description,
     settings: &OptimizeSettings,
@@ -124,6 +124,12 @@ pub fn optimize(
     let variables = &description.design.variables;
     if variables.is_empty() {
         return Err(OptimizeError::NoVariable);
+    }
+    if let Some(state) = &state
+        && state.displacements.len() != variables.len()
+    {
+        let (found, expected) = (state.displacements.len(), variables.len());
+        return Err(OptimizeError::State { found, expected });
     }
     let mut search = Search {
         description,
@@ -147,6 +153,11 @@ pub fn optimize(
     while !state.is_complete && !cancel.is_cancelled() {
         let round = search.round(&state, sink)?;
         (iterations, evaluations, best) = (round.iterations, round.evaluations, round.best);
+        // The round did not see how its displacements move shadows.
+        best.merit = search.measured(&best.displacements)?.merit;
+        if best.merit.is_nan() || best.merit >= round.start_merit {
+            best = BestPoint { merit: round.start_merit, displacements: state.displacements.clone() };
+        }
         if cancel.is_cancelled() {
             break;
         }
@@ -171,7 +182,12 @@ pub fn optimize(
         }
     }
     search.skipped = 0;
-    let after = search.measured(&best.displacements)?;
+    let mut after = search.measured(&best.displacements)?;
+    // Rounds that left levels out may have gone astray.
+    if after.merit.is_nan() || after.merit > before.merit {
+        best.displacements.fill(0.0);
+        after = before.clone();
+    }
     Ok(OptimizeOutcome {
         merit: [before.merit, after.merit],
         measures: [before.measures, after.measures],
@@ -202,7 +218,7 @@ struct Search<'a> {
 /// State of a solver with gradients `G`.
 type SolverState<G> = IterState<Vec<f64>, G, (), (), (), f64>;
 
-/// What a round found.
+/// Result of a round.
 struct RoundOutcome {
     best: BestPoint,
     start_merit: f64,
@@ -362,15 +378,19 @@ fn own_bounds(geometry: GeometryDescription) -> Bounds3 {
     Description { world, ..Description::default() }.bounds()
 }
 
-/// Whether rays with fixed parameters follow all variables: light and mirrors are moved by vectors that do not depend on the displacements, receivers are not moved.
+/// Whether rays with fixed parameters follow all variables: point lights, control points of mirrors, and lamps and mirrors as a whole. One variable of another kind takes the derivatives
+/// from all.
 fn is_smooth(description: &Description) -> bool {
     let design = &description.design;
     let on_receiver = |shape: usize| {
         let is_here = |kind: &TargetKind| !matches!(kind, TargetKind::Collimation { .. });
         design.targets.iter().any(|target| target.shape == shape && is_here(&target.kind))
     };
+    let is_lamp =
+        |shape: usize| description.world.shapes.get(shape).is_some_and(|shape| shape.emission.is_some());
     design.variables.iter().all(|variable| match variable.quantity {
-        VariableQuantity::ControlPoints { .. } | VariableQuantity::LightPosition { .. } => true,
+        VariableQuantity::ControlPoints { shape, .. } => !on_receiver(shape) && !is_lamp(shape),
+        VariableQuantity::LightPosition { .. } => true,
         VariableQuantity::ShapeOffset { shape } => !on_receiver(shape),
         VariableQuantity::Radius { .. } => false,
     })

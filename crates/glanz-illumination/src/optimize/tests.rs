@@ -8,7 +8,7 @@ use glanz_scene::Description;
 use glanz_scene::SceneBuilder;
 use glanz_scene::description::{
     BezierPatchesDescription, DesignDescription, GeometryDescription, LightDescription, MaterialKind,
-    ShapeDescription, TargetDescription, TargetKind, VariableDescription, VariableQuantity,
+    ReceiverSide, ShapeDescription, TargetDescription, TargetKind, VariableDescription, VariableQuantity,
 };
 
 use super::ray_model::RayModel;
@@ -299,6 +299,142 @@ fn lamp_moves_to_the_focus_and_a_radius_is_found_without_derivatives() {
 }
 
 #[test]
+fn displacements_into_the_dark_are_given_up() {
+    // A ball around the focus of the paraboloid: where the light would be parallel, none leaves the lamp.
+    let builder = SceneBuilder::new()
+        .shape(patch(2, 0.1, paraboloid(0.1, 0.1)), mirror())
+        .shape(ShapeDescription::sphere(0.005).translated([0.0, 0.0, 0.1]), MaterialKind::diffuse(0.0))
+        .light(LightDescription::point([0.01, 0.0, 0.1], 1.0));
+    let design = DesignDescription {
+        variables: vec![variable(VariableQuantity::LightPosition { light: 0 }, DVec3::X)],
+        targets: vec![target(0, TargetKind::Collimation { direction: DVec3::Z })],
+    };
+    let description = described(builder, design);
+    let model = RayModel::new(&description, 500, 0).unwrap();
+    let mut dark = model.clone();
+    dark.refresh(&description, &[-0.01]).unwrap();
+    // With the shadows of the beginning, the focus is ideal; with its own, it is the worst.
+    assert!(model.value(&[-0.01], false).merit < 1e-12);
+    assert_eq!(dark.value(&[-0.01], true).merit, 4.0);
+    assert_eq!(dark.value(&[-0.01], true).gradient, [0.0]);
+    let settings = OptimizeSettings { rays: 500, iterations: 100, ..OptimizeSettings::default() };
+    let outcome = run(&description, &settings).unwrap();
+    assert_eq!(outcome.end, JobEnd::Complete);
+    assert!(outcome.merit[1] <= outcome.merit[0] && outcome.merit[1] > 0.0, "{outcome:?}");
+}
+
+#[test]
+fn all_patches_of_a_lamp_move_with_it() {
+    let corners = |x: f64| [[x, 0.0], [x, 0.02], [x + 0.02, 0.0], [x + 0.02, 0.02]];
+    let points = |x: f64| corners(x).map(|[x, y]| [x, y, 0.0, 1.0]).to_vec();
+    let patches =
+        BezierPatchesDescription { degree_u: 1, degree_v: 1, patches: vec![points(-0.03), points(0.01)] };
+    let lamp = ShapeDescription::from(GeometryDescription::BezierPatches(patches))
+        .emitting(1.0)
+        .translated([0.0, 0.0, -0.05]);
+    let builder = SceneBuilder::new()
+        .shape(patch(1, 0.1, |_, _| 0.0), mirror())
+        .shape(lamp, MaterialKind::diffuse(0.0));
+    let design = DesignDescription {
+        variables: vec![variable(VariableQuantity::ShapeOffset { shape: 1 }, DVec3::X)],
+        targets: vec![target(0, TargetKind::Collimation { direction: DVec3::NEG_Z })],
+    };
+    let description = described(builder, design);
+    let moved = RayModel::new(&description, 1000, 3).unwrap().value(&[0.01], false).merit;
+    let anew = RayModel::new(&description.displaced(&[0.01]), 1000, 3).unwrap().value(&[], false).merit;
+    assert!((moved / anew - 1.0).abs() < 1e-12, "{moved} {anew}");
+
+    // Its control points are not followed by rays with fixed flux.
+    let mut bent = description;
+    bent.design.variables = vec![control_point(1, 0)];
+    let settings = OptimizeSettings { rays: 200, iterations: 1, ..OptimizeSettings::default() };
+    assert!(!run(&bent, &settings).unwrap().by_gradient);
+    bent.design.variables = vec![control_point(0, 0)];
+    assert!(run(&bent, &settings).unwrap().by_gradient);
+}
+
+#[test]
+fn receivers_count_light_on_their_side_and_are_whole_rectangles() {
+    let design = || DesignDescription {
+        variables: vec![variable(VariableQuantity::LightPosition { light: 0 }, DVec3::Z)],
+        targets: vec![target(1, TargetKind::Flux)],
+    };
+    let model = |receiver: ShapeDescription, others: Vec<ShapeDescription>| {
+        let flat = ShapeDescription::rectangle([-1.0, 1.0], [-1.0, 1.0]);
+        let mut builder = SceneBuilder::new()
+            .shape(flat, mirror())
+            .shape(receiver.translated([0.0, 0.0, 1.0]), MaterialKind::diffuse(0.0))
+            .light(LightDescription::point([0.0, 0.0, 0.5], 1.0));
+        for other in others {
+            builder = builder.shape(other, MaterialKind::diffuse(0.0));
+        }
+        RayModel::new(&described(builder, design()), 4000, 0)
+    };
+    let share = |receiver: ShapeDescription| {
+        let TargetMeasure::Flux { share } =
+            model(receiver, Vec::new()).unwrap().value(&[], false).measures[0]
+        else {
+            panic!()
+        };
+        share
+    };
+    // The normal u x v of the patch is that of z, away from the light.
+    let mut back = ShapeDescription::from(patch(1, 0.5, |_, _| 0.0)).receiver("ceiling");
+    assert_eq!(share(back.clone()), 0.0);
+    back.receiver.as_mut().unwrap().side = ReceiverSide::Back;
+    let expected = (0.25_f64 / (0.25 + 2.25)).asin() / std::f64::consts::PI;
+    assert!((share(back.clone()) / expected - 1.0).abs() < 0.02);
+    back.reverse_orientation = true;
+    assert_eq!(share(back), 0.0);
+    assert!(share(ShapeDescription::from(patch(1, 0.5, |_, _| 0.0)).reversed()) > 0.9 * expected);
+
+    let skewed = ShapeDescription::parallelogram([-0.5, -0.5, 0.0], [1.0, 0.0, 0.0], [0.3, 1.0, 0.0]);
+    assert!(matches!(model(skewed, Vec::new()), Err(OptimizeError::NoRectangle { index: 0 })));
+    let curved = |x: f64, y: f64| [x + 0.3 * y, y];
+    let mut skewed = patch(2, 0.5, |_, _| 0.0);
+    for i in 0..9 {
+        let point = skewed.control_point_mut(i).unwrap();
+        [point[0], point[1]] = curved(point[0], point[1]);
+    }
+    assert!(matches!(model(skewed.into(), Vec::new()), Err(OptimizeError::NoRectangle { index: 0 })));
+    // A box covers a quarter.
+    let cover = || vec![ShapeDescription::cuboid([0.0, 0.0, 0.9], [0.6, 0.6, 1.1])];
+    let rectangle = ShapeDescription::rectangle([-0.5, 0.5], [-0.5, 0.5]).reversed();
+    assert!(model(rectangle, cover()).is_ok());
+    let disk = ShapeDescription::disk(0.5).reversed();
+    assert!(matches!(model(disk, cover()), Err(OptimizeError::NoRectangle { index: 0 })));
+}
+
+#[test]
+fn blocked_light_is_missing_in_the_share() {
+    // A plate just below the receiver hides its right half from the light of the mirror.
+    let scene = |plate: f64| {
+        let facing =
+            ShapeDescription::rectangle([-0.5, 0.5], [-0.5, 0.5]).translated([0.0, 0.0, 1.0]).reversed();
+        let plate = ShapeDescription::rectangle([0.0, 1.0], [-1.0, 1.0]).translated([plate, 0.0, 0.99]);
+        let mut receiver = facing;
+        receiver.receiver = None;
+        let builder = SceneBuilder::new()
+            .shape(ShapeDescription::rectangle([-1.0, 1.0], [-1.0, 1.0]), mirror())
+            .shape(receiver, MaterialKind::diffuse(0.0))
+            .shape(plate, MaterialKind::diffuse(0.0))
+            .light(LightDescription::point([0.0, 0.0, 0.5], 1.0));
+        let design = DesignDescription {
+            variables: vec![variable(VariableQuantity::LightPosition { light: 0 }, DVec3::Z)],
+            targets: vec![target(1, TargetKind::Even { margin: 0.0 })],
+        };
+        let model = RayModel::new(&described(builder, design), 1 << 14, 0).unwrap();
+        let value = model.value(&[], false);
+        let TargetMeasure::Distribution { share, .. } = value.measures[0] else { panic!() };
+        (share, value.merit)
+    };
+    let ((open, open_merit), (half, half_merit)) = (scene(5.0), scene(0.0));
+    // The line x = 0 divides the light into halves; the total stays.
+    assert!((half / open - 0.5).abs() < 0.01, "{half} {open}");
+    assert!(half_merit > open_merit, "{half_merit} {open_merit}");
+}
+
+#[test]
 fn scenes_without_a_task_or_light_are_refused() {
     let settings = OptimizeSettings { rays: 100, ..OptimizeSettings::default() };
     let changed = |change: &dyn Fn(&mut Description)| {
@@ -309,6 +445,10 @@ fn scenes_without_a_task_or_light_are_refused() {
     assert!(matches!(changed(&|d| d.design.variables.clear()), OptimizeError::NoVariable));
     assert!(matches!(changed(&|d| d.design.targets.clear()), OptimizeError::NoTarget));
     assert!(matches!(changed(&|d| d.lights.clear()), OptimizeError::NoLight));
+    assert!(matches!(
+        changed(&|d| d.lights = vec![LightDescription::point([0.0, 0.0, 0.1], 0.0)]),
+        OptimizeError::NoLight
+    ));
     let spot = LightDescription::spot([0.0, 0.0, 0.1], [0.0, 0.0, 0.0], [0.5, 0.4], 1.0);
     let error = changed(&|d| d.lights.push(spot.clone()));
     assert!(matches!(error, OptimizeError::Light { kind: "spot", .. }), "{error}");
@@ -318,6 +458,11 @@ fn scenes_without_a_task_or_light_are_refused() {
     ));
     let error = changed(&|d| d.design.targets = vec![target(0, TargetKind::Peak)]);
     assert!(matches!(error, OptimizeError::NoRectangle { index: 0 }), "{error}");
+    let state = OptimizeState { displacements: vec![0.0; 4], ..OptimizeState::default() };
+    let search = optimize(&bent_paraboloid().0, &settings, Some(state), &mut Silent, &CancelFlag::default());
+    assert!(matches!(search, Err(OptimizeError::State { found: 4, expected: 5 })));
+    // No ray is as good as one.
+    assert!(run(&bent_paraboloid().0, &OptimizeSettings { rays: 0, iterations: 1, ..settings }).is_ok());
     // A lamp that shines away from the mirror.
     let mut dark = flat_start(2, [4, 4]);
     dark.world.shapes[2].reverse_orientation = true;
