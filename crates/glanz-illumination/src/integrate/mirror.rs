@@ -49,8 +49,10 @@ impl<'a> Mirrors<'a> {
         let is_flat = |face: &MirrorFace| {
             let surface = self.surfaces.get(face.surface as usize).map(|(placed, _)| placed.surface());
             match surface {
-                Some(Surface::Bilinear(patch)) => patch.is_flat(),
-                Some(surface) => matches!(surface, Surface::Plane(_) | Surface::Disk(_) | Surface::Triangle(_)),
+                Some(Surface::Bilinear(patch)) => patch.is_parallelogram(),
+                Some(surface) => {
+                    matches!(surface, Surface::Plane(_) | Surface::Disk(_) | Surface::Triangle(_))
+                }
                 None => false,
             }
         };
