@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn a_page_shows_every_map_and_table() {
         let html = report("office", [2, 2]).html();
-        assert_eq!((html.matches("<svg ").count(), html.matches("<table>").count()), (2, 4));
+        assert_eq!((html.matches("<svg ").count(), html.matches("<table>").count()), (2, 5));
         assert!(html.contains("<td class=\"number\">250.0</td>"));
     }
 
