@@ -46,9 +46,10 @@ def office(program: str, asked: argparse.Namespace) -> Report:
     room.write(folder, luminaire)
     receivers, heights = list(room.RECEIVERS), list(room.RECEIVERS.values())
     report: Report = {"luminaire": asked.ies.name if asked.ies else "own", "lumens": luminaire.flux()}
+    goal = ["--error", asked.error] if asked.error else ["--rays", asked.rays]
     for scene, bounces in (("black", 0), ("office", asked.bounces)):
         to = folder / f"glanz-{scene}"
-        used = {"glanz": glanz.illuminate(program, folder / f"{scene}.pbrt", to, asked.rays, 0, asked.threads)}
+        used = {"glanz": glanz.illuminate(program, folder / f"{scene}.pbrt", to, goal, 0, asked.threads)}
         ours = glanz.read(to, receivers)
         tree = radiance.octree(folder, scene)
         parts = asked.parts if bounces else min(asked.parts, 20)
@@ -107,7 +108,7 @@ def by_particles(program: str, scene: pathlib.Path, hooded: bool, asked: argpars
     for seed in range(1, asked.rounds + 1):
         to = asked.work / f"{scene.stem}-{seed}"
         walls = ["--room", *[mirror.SIZE] * 3, "--cells", CELLS]
-        seconds = glanz.illuminate(program, scene, to, asked.rays, seed, asked.threads, *walls)
+        seconds = glanz.illuminate(program, scene, to, ["--rays", asked.rays], seed, asked.threads, *walls)
         ours.append(glanz.read(to, mirror.WALLS))
         found, count, used = peer.trace(asked.rays, seed)
         theirs.append(found)
@@ -173,6 +174,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--rays", type=int, default=20_000_000, help="particles of Glanz and of Mitsuba per run")
     parser.add_argument("--rounds", type=int, default=3, help="rounds of the reflector")
     parser.add_argument("--photons", type=int, default=2_000_000, help="direct photons of Radiance; 0: none")
+    parser.add_argument("--error", type=float, help="office by Glanz's default method until this error, instead of particles")
     parser.add_argument("--bounces", type=int, default=24, help="bounces of Radiance")
     parser.add_argument("--divisions", type=int, default=1, help="rays that Radiance continues with from every point")
     parser.add_argument("--threads", type=int, default=2)

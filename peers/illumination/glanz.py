@@ -30,9 +30,11 @@ def measured(command: list[object], **more: object) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def illuminate(program: str, scene: pathlib.Path, to: pathlib.Path, rays: int, seed: int, threads: int, *more: object) -> float:
-    """Writes the maps of a scene to a folder; returns processor seconds, including reading and writing."""
-    command = [program, "illuminate", scene, "-o", to, "--rays", rays, "--seed", seed, "--threads", threads, "--quiet", *more]
+def illuminate(program: str, scene: pathlib.Path, to: pathlib.Path, goal: list[object], seed: int, threads: int, *more: object) -> float:
+    """Writes the maps of a scene to a folder; returns processor seconds, including reading and writing.
+
+    `goal`: the option that ends the calculation, with its value."""
+    command = [program, "illuminate", scene, "-o", to, *goal, "--seed", seed, "--threads", threads, "--quiet", *more]
     return measured(command, env=os.environ | {"RAYON_NUM_THREADS": str(threads)})
 
 

@@ -17,7 +17,7 @@ pub(super) const RAYS: usize = (RAYS_PER_SIDE * RAYS_PER_SIDE) as usize;
 /// Fraction of the distance to an emitter, at its end, in which shadow rays ignore surfaces, so that rounding does not make the emitter shadow itself.
 pub(super) const EMITTER_SHELL: f64 = 1e-9;
 /// Largest number of rectangles where something hides a part of an emitter.
-const BUDGET: usize = 4096;
+pub(super) const BUDGET: usize = 4096;
 
 /// Visible part of an emitter as a flat shape.
 enum VisibleShape<'a> {
@@ -126,13 +126,15 @@ impl Region for EmitterRegion<'_> {
 
 /// Projected solid angle of the visible part of an emitter, sr.
 ///
-/// In closed form if all or none of the rays of a grid reach it; occluders smaller than an eighth of the emitter may be missed.
+/// In closed form if all or none of the rays of a grid reach it; occluders smaller than an eighth of the emitter may be missed. Otherwise it is divided into
+/// about `budget` rectangles at most.
 pub(super) fn of_emitter(
     scene: &Scene,
     receiver: ReceivingPoint,
     origin: DVec3,
     emitter: &EmitterShape,
     tolerance: Tolerance,
+    budget: usize,
 ) -> RegionIntegral {
     let Some(figure) = VisibleShape::of(emitter, receiver.point) else { return RegionIntegral::default() };
     let whole = match &figure {
@@ -163,7 +165,7 @@ pub(super) fn of_emitter(
         (true, true) => {
             let halves = IntegrationRect::UNIT.quarters();
             let cells = (0..region.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));
-            integrate(&region, cells, RegionIntegral::default(), tolerance, BUDGET)
+            integrate(&region, cells, RegionIntegral::default(), tolerance, budget)
         }
     }
 }

@@ -75,6 +75,7 @@ const BUDGET: usize = 8192;
 const MOST_RAYS: usize = 3_000_000;
 const MIRROR_EFFORT: usize = 64;
 const MOST_RECTANGLES: usize = 5_000;
+const SHADOW_RECTANGLES: usize = 4;
 const MIRROR_PROBES: usize = 64;
 /// Rounding errors in the coordinates of a point that was computed on a surface.
 const ROUNDINGS: u32 = 256;
@@ -91,6 +92,8 @@ pub struct Reflections<'a> {
     points: Vec<(LightId, Light)>,
     mirrors: Mirrors<'a>,
     tree: MirrorTree,
+    /// Largest number of rectangles of an emitter that something hides in part.
+    shadow_budget: usize,
 }
 
 /// Illuminance at a point.
@@ -148,7 +151,8 @@ impl<'a> Reflections<'a> {
         let mirrors = Mirrors::of(scene);
         let tree = MirrorTree::over(&mirrors);
         let wavelengths = Wavelengths::default();
-        (Self { scene, wavelengths, emitters, emitter_lights, points, mirrors, tree }, refused)
+        let shadow_budget = direct::BUDGET;
+        (Self { scene, wavelengths, emitters, emitter_lights, points, mirrors, tree, shadow_budget }, refused)
     }
 
     /// Whether there are mirrors whose light is included.
@@ -204,6 +208,8 @@ impl<'a> Reflections<'a> {
             all.flat_map(|receiver| (0..receiver.len()).map(move |cell| (receiver, cell))).collect();
         let cells: Vec<_> =
             cells.into_iter().filter(|(receiver, cell)| receiver.areas()[*cell] > 0.0).collect();
+        // Half shadows converge slowly.
+        self.shadow_budget = SHADOW_RECTANGLES;
         if self.points.len() * cells.len() > MOST_RAYS {
             self.points.clear();
         }
@@ -248,7 +254,7 @@ impl<'a> Reflections<'a> {
                 relative: 0.5 * tolerance.relative,
                 absolute: 0.5 * tolerance.absolute / (luminance * self.emitters.len() as f64),
             };
-            let seen = direct::of_emitter(self.scene, receiver, origin, emitter, share);
+            let seen = direct::of_emitter(self.scene, receiver, origin, emitter, share, self.shadow_budget);
             sum.value += luminance * seen.value;
             sum.error += luminance * seen.error;
         }
