@@ -2,6 +2,7 @@
 
 use glanz_math::DVec3;
 
+use crate::receiver::Receiver;
 use crate::replicates::ReplicateEstimate;
 
 /// Illuminance in the cells of a receiver, row by row: cell (i, j) has number `j * cells[0] + i`.
@@ -79,6 +80,21 @@ pub struct LuxSummary {
 }
 
 impl LuxMap {
+    /// The map of a receiver from illuminance and error of its cells, lx, without statistics.
+    pub(crate) fn of(receiver: &Receiver, cells: impl Iterator<Item = (f64, f64)>) -> Self {
+        let (lux, errors) = cells.unzip();
+        Self {
+            name: receiver.name().to_owned(),
+            cells: receiver.cells(),
+            size: receiver.size().to_array(),
+            positions: receiver.positions().to_vec(),
+            areas: receiver.areas().to_vec(),
+            lux,
+            errors,
+            statistics: None,
+        }
+    }
+
     /// Summary of the map; all 0 for a receiver without area. The uniformities of a dark receiver are 0.
     #[must_use]
     pub fn summary(&self) -> LuxSummary {

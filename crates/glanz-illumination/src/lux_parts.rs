@@ -155,20 +155,12 @@ impl<'a> LuxParts<'a> {
                 }
                 (minimum, maximum)
             });
-            LuxMap {
-                name: receiver.name().to_owned(),
-                cells: receiver.cells(),
-                size: receiver.size().to_array(),
-                positions: receiver.positions().to_vec(),
-                areas: receiver.areas().to_vec(),
-                lux: cells.iter().map(|cell| cell.lux).collect(),
-                errors: cells.iter().map(|cell| cell.error).collect(),
-                statistics: extremes.map(|(minimum, maximum)| LuxStatistics {
-                    minimum: minimum.widened(bound),
-                    mean: mean.widened(bound_of_mean),
-                    maximum: maximum.widened(bound),
-                }),
-            }
+            let statistics = extremes.map(|(minimum, maximum)| LuxStatistics {
+                minimum: minimum.widened(bound),
+                mean: mean.widened(bound_of_mean),
+                maximum: maximum.widened(bound),
+            });
+            LuxMap { statistics, ..LuxMap::of(receiver, cells.iter().map(|cell| (cell.lux, cell.error))) }
         };
         self.receivers.as_slice().iter().enumerate().map(map).collect()
     }

@@ -138,16 +138,7 @@ fn uncovered(cell: &Cell<'_>, mean: CellMean, tolerance: Tolerance) -> Integrate
 pub fn integrated_maps(receivers: &Receivers, cells: &[IntegratedLux]) -> Vec<LuxMap> {
     let map = |(number, receiver): (usize, &Receiver)| {
         let own = cells.get(receivers.cells_of(number)).unwrap_or_default();
-        LuxMap {
-            name: receiver.name().to_owned(),
-            cells: receiver.cells(),
-            size: receiver.size().to_array(),
-            positions: receiver.positions().to_vec(),
-            areas: receiver.areas().to_vec(),
-            lux: own.iter().map(|cell| cell.lux).collect(),
-            errors: own.iter().map(|cell| cell.error).collect(),
-            statistics: None,
-        }
+        LuxMap::of(receiver, own.iter().map(|cell| (cell.lux, cell.error)))
     };
     receivers.as_slice().iter().enumerate().map(map).collect()
 }

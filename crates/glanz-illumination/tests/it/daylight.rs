@@ -76,5 +76,5 @@ fn floor_below_an_opening_in_the_roof_sees_a_part_of_the_zenith() {
         };
         10_000.0 * parts.map(one).sum::<f64>() / f64::from(PARTS * PARTS)
     };
-    assert_map(&maps[0], &cell_means(&maps[0], lux), 0.03);
+    assert_map_within(&maps[0], &cell_means(&maps[0], lux), 0.03, ERRORS);
 }

@@ -3,9 +3,8 @@
 mod grid;
 mod segments;
 
-use glanz_geometry::ShadingPoint;
 use glanz_light::{Spectrum, Wavelengths};
-use glanz_math::{DVec2, DVec3, Ray};
+use glanz_math::{DVec3, Ray};
 use glanz_shading::HenyeyGreenstein;
 
 use crate::interaction::Interaction;
@@ -192,19 +191,7 @@ impl Interaction {
     /// parameter.
     #[must_use]
     pub fn in_medium(position: DVec3, t: f64, wo: DVec3) -> Self {
-        let (error, uv, dpdu) = (DVec3::ZERO, DVec2::ZERO, DVec3::ZERO);
-        Self {
-            point: ShadingPoint { position, error, normal: wo, shading_normal: wo, uv, dpdu },
-            t,
-            wo,
-            id: NO_SHAPE,
-            differential: None,
-            own: None,
-            area_pdf: None,
-            material: 0,
-            media: MediumInterface::NONE,
-            light: None,
-        }
+        Self { t, id: NO_SHAPE, ..Self::on_surface(position, DVec3::ZERO, wo) }
     }
 
     /// Whether it is a point of [`Interaction::in_medium`].
