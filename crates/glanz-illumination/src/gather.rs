@@ -1,9 +1,10 @@
 //! Light on cells, gathered by paths that start there.
 
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
+use glanz_light::Wavelengths;
 use glanz_light::units::photometric;
-use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_sampling::{PixelSampler, SamplerKind};
@@ -119,23 +120,20 @@ impl<'a> CellPaths<'a> {
         [first, end]: [u32; 2],
         sums: &mut [(usize, [f64; REPLICATES])],
     ) -> f64 {
-        let (mut starts, mut owners) = (Vec::new(), Vec::new());
-        for (slot, cell) in cells.iter().enumerate() {
-            for replicate in 0..REPLICATES {
-                for index in first..end {
-                    let scramble = [cell.3 as u32, replicate as u32];
-                    let sampler = PixelSampler::new(SamplerKind::Sobol, 1, self.seed, scramble, index);
-                    if let Some((at, area)) = self.start(cell, &sampler) {
-                        starts.push((at, sampler, self.division.known(cell.3)));
-                        owners.push((slot, replicate, area));
-                    }
-                }
-            }
-        }
-        let (mut irradiance, wavelengths): (Vec<Spectrum>, _) = (Vec::new(), Wavelengths::default());
-        tracer.trace(starts.into_iter(), &mut irradiance);
+        let mut owners = Vec::with_capacity(PATHS);
+        let slots = cells.iter().enumerate();
+        let replicates = slots.flat_map(|slot| (0..REPLICATES).map(move |replicate| (slot, replicate)));
+        let paths = replicates.flat_map(|slot| (first..end).map(move |index| (slot, index)));
+        let starts = paths.filter_map(|(((slot, cell), replicate), index)| {
+            let scramble = [cell.3 as u32, replicate as u32];
+            let sampler = PixelSampler::new(SamplerKind::Sobol, 1, self.seed, scramble, index);
+            let (at, area) = self.start(cell, &sampler)?;
+            owners.push((slot, replicate, area));
+            Some((at, sampler, self.division.known(cell.3)))
+        });
+        let (irradiance, wavelengths) = (tracer.trace(starts), Wavelengths::default());
         let mut largest = 0.0_f64;
-        for ((slot, replicate, area), light) in owners.into_iter().zip(irradiance) {
+        for ((slot, replicate, area), &light) in owners.into_iter().zip(irradiance) {
             let lux = photometric(light, &wavelengths);
             sums[slot].1[replicate] += area * lux;
             largest = largest.max(lux);
@@ -188,22 +186,27 @@ impl GatheredFlux {
         let (mut found, mut counters) = (Vec::with_capacity(paths.len()), Counters::default());
         let mut largest = self.largest;
         let portion = 16 * pool.current_num_threads();
+        // Tracers that wait for cells, with their memory.
+        let tracers = Mutex::new(Vec::new());
+        let waiting = || tracers.lock().unwrap_or_else(PoisonError::into_inner);
         for portion in starts.chunks(portion) {
             if !between(found.len() as f64 / paths.len() as f64) {
                 return None;
             }
             let trace = |&start: &usize| {
-                let mut tracer = IrradianceTracer::new(paths.scene, paths.max_events);
+                let idle = waiting().pop();
+                let mut tracer = idle.unwrap_or_else(|| IrradianceTracer::new(paths.scene, paths.max_events));
                 let found = paths.trace(&mut tracer, start..(start + together).min(paths.len()), range);
-                (found, tracer.counters)
+                waiting().push(tracer);
+                found
             };
             let traced: Vec<_> = pool.install(|| portion.par_iter().map(trace).collect());
-            for ((sums, brightest), rays) in traced {
+            for (sums, brightest) in traced {
                 found.extend(sums);
                 largest = largest.max(brightest);
-                counters.merge(rays);
             }
         }
+        waiting().iter().for_each(|tracer| counters.merge(tracer.counters));
         for (cell, sums) in found {
             if let Some(all) = self.sums.get_mut(cell) {
                 all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);

@@ -45,63 +45,75 @@ pub struct IrradianceTracer<'a> {
     tracer: PathTracer,
     /// Rays so far.
     pub counters: Counters,
+    // Memory of the last paths, for the next ones.
+    contexts: Vec<Context<'a>>,
+    paths: Vec<PathState<()>>,
+    shadows: Vec<BoundedRay>,
+    waiting: Vec<usize>,
+    occluded: Vec<bool>,
+    irradiance: Vec<Spectrum>,
 }
 
 impl<'a> IrradianceTracer<'a> {
     /// `max_events`: largest number of surfaces that light reaches on its way, the point included, as for [`ParticleTracer`](crate::ParticleTracer).
     #[must_use]
     pub fn new(scene: &'a Scene, max_events: u32) -> Self {
-        Self { scene, tracer: PathTracer::with_depth(max_events), counters: Counters::default() }
+        Self {
+            scene,
+            tracer: PathTracer::with_depth(max_events),
+            counters: Counters::default(),
+            contexts: Vec::new(),
+            paths: Vec::new(),
+            shadows: Vec::new(),
+            waiting: Vec::new(),
+            occluded: Vec::new(),
+            irradiance: Vec::new(),
+        }
     }
 
-    /// Appends an estimate of the irradiance, W/m^2, for every start to `irradiance`: a point, seen along the normal of the side that light arrives
-    /// at, the numbers of its path, and the light that is left out. A thousand starts are a good number; estimates do not depend on those beside them.
+    /// Estimates of the irradiance, W/m^2, one for every start: a point, seen along the normal of the side that light arrives at, the numbers of its
+    /// path, and the light that is left out. A thousand starts are a good number; estimates do not depend on those beside them.
     pub fn trace(
         &mut self,
         starts: impl Iterator<Item = (Interaction, PixelSampler, &'a KnownLight)>,
-        irradiance: &mut Vec<Spectrum>,
-    ) {
+    ) -> &[Spectrum] {
+        self.contexts.clear();
+        self.paths.clear();
+        self.shadows.clear();
+        self.waiting.clear();
         let options = ContextOptions::new(false);
-        let (points, mut contexts): (Vec<Interaction>, Vec<Context<'_>>) = starts
-            .map(|(at, sampler, known)| {
-                (at, Context::new(self.scene, None, sampler, options).with_known(Some(known)))
-            })
-            .unzip();
         // The radiance of a white surface is 1 / pi of the irradiance.
         let white = Bsdf::Lambert(Lambert { reflectance: Spectrum::one(&Wavelengths::default()) });
-        let (mut paths, mut shadows, mut waiting) = (Vec::new(), Vec::new(), Vec::new());
-        for (number, (at, context)) in (0..).zip(points.iter().zip(&mut contexts)) {
-            let mut path = PathState::new(context, number, 1);
-            let vertex = Vertex::new(at, white.clone());
-            path.is_active = self.tracer.scatter_at(context, &mut BsdfDirections, &mut path, &vertex);
+        for (number, (at, sampler, known)) in (0..).zip(starts) {
+            let mut context = Context::new(self.scene, None, sampler, options).with_known(Some(known));
+            let mut path = PathState::new(&context, number, 1);
+            let vertex = Vertex::new(&at, white.clone());
+            path.is_active = self.tracer.scatter_at(&mut context, &mut BsdfDirections, &mut path, &vertex);
             if let Some(light) = &path.pending.light {
-                shadows.push(light.shadow);
-                waiting.push(number as usize);
+                self.shadows.push(light.shadow);
+                self.waiting.push(number as usize);
             }
-            paths.push(path);
+            self.paths.push(path);
+            self.contexts.push(context);
         }
-        self.complete_starts(&mut paths, &mut contexts, &shadows, &waiting);
-        let mut directions: Vec<BsdfDirections> = contexts.iter().map(|_| BsdfDirections).collect();
-        self.tracer.continue_paths(self.scene, &mut contexts, &mut directions, &mut paths);
-        contexts.iter().for_each(|context| self.counters.merge(context.counters));
+        self.complete_starts();
+        let mut directions: Vec<BsdfDirections> = self.contexts.iter().map(|_| BsdfDirections).collect();
+        self.tracer.continue_paths(self.scene, &mut self.contexts, &mut directions, &mut self.paths);
+        self.contexts.iter().for_each(|context| self.counters.merge(context.counters));
         let finite = |light: Spectrum| if light.is_finite() { light } else { Spectrum::BLACK };
-        irradiance.extend(paths.iter().map(|path| finite(path.light) * PI));
+        self.irradiance.clear();
+        self.irradiance.extend(self.paths.iter().map(|path| finite(path.light) * PI));
+        &self.irradiance
     }
 
     /// Adds the light that was sampled at the starts of the paths `waiting`.
-    fn complete_starts(
-        &self,
-        paths: &mut [PathState<()>],
-        contexts: &mut [Context<'_>],
-        shadows: &[BoundedRay],
-        waiting: &[usize],
-    ) {
-        let mut occluded = Vec::new();
-        if !shadows.is_empty() {
-            self.scene.occluded_batch(shadows, &mut occluded);
+    fn complete_starts(&mut self) {
+        self.occluded.clear();
+        if !self.shadows.is_empty() {
+            self.scene.occluded_batch(&self.shadows, &mut self.occluded);
         }
-        for (&number, &occluded) in waiting.iter().zip(&occluded) {
-            paths[number].add_pending(&mut contexts[number], &mut BsdfDirections, occluded);
+        for (&number, &occluded) in self.waiting.iter().zip(&self.occluded) {
+            self.paths[number].add_pending(&mut self.contexts[number], &mut BsdfDirections, occluded);
         }
     }
 }
