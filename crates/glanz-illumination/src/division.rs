@@ -1,18 +1,33 @@
 //! Which method computes which part of the light.
 
-use glanz_scene::{LightId, Scene};
-use glanz_transport::{Arrival, KnownLight, LightRoute};
+use glanz_light::Wavelengths;
+use glanz_light::units::photometric;
+use glanz_sampling::{PixelSampler, SamplerKind};
+use glanz_scene::{Light, LightId, Scene};
+use glanz_transport::{Arrival, Counters, KnownLight, LightRoute, ParticleTracer};
 
 use crate::integrate::Reflections;
 use crate::lux_parts::IntegratedLux;
+
+/// Particles that show how far from the lights their light is scattered.
+const PROBES: u32 = 1 << 16;
+
+/// Distinguishes their numbers.
+const PROBE_SEED: u64 = 0x6e65_6172;
+
+/// Share of the scattered flux of a light at distances that are far.
+const FAR_FLUX: f64 = 0.25;
+
+/// Largest mean square that is left to paths, over that of light which is scattered at a far distance.
+const LARGEST_SQUARE: f64 = 10.0;
 
 /// The methods that compute the light of a scene on its receivers, each of which has its part:
 ///
 /// - integration ([`Reflections`]): light that arrives straight, or by one mirror, from lights whose form can be integrated, in cells where it converges;
 /// - paths from points ([`IrradianceTracer`](glanz_transport::IrradianceTracer)): other light that arrives straight, and all light whose
 ///   first scattering event, counted from the light, is not by a delta lobe;
-/// - particles ([`ParticleTracer`](glanz_transport::ParticleTracer)): what remains, which paths from points find by chance at best: caustics, and
-///   the light of sets of rays.
+/// - particles ([`ParticleTracer`]): what remains, which paths from points find by chance at best: caustics, the light of sets of rays,
+///   and that of points on surfaces close to them, where it has no limit.
 #[derive(Debug)]
 pub struct LightDivision<'a> {
     reflections: &'a Reflections<'a>,
@@ -34,12 +49,14 @@ impl<'a> LightDivision<'a> {
         let known = KnownLight {
             direct: ids().map(|id| reflections.integrates(id)).collect(),
             specular: ids().map(|id| scene.is_selectable(id)).collect(),
+            near: near_distances(scene),
         };
-        let known_to_particles = KnownLight { direct: Vec::new(), specular: known.specular.clone() };
+        let known_to_particles = KnownLight { direct: Vec::new(), ..known.clone() };
         let only_particles: Vec<bool> = ids().map(only_particles).collect();
         let focuses =
             scene.materials().iter().any(|material| material.lobes().iter().any(|lobe| lobe.is_delta()));
-        let needs_particles = focuses || only_particles.contains(&true);
+        let is_near = known.near.iter().any(|near| *near > 0.0);
+        let needs_particles = focuses || is_near || only_particles.contains(&true);
         Self { reflections, known, known_to_particles, only_particles, needs_particles }
     }
 
@@ -58,14 +75,76 @@ impl<'a> LightDivision<'a> {
         if self.only_particles.get(arrival.light.0 as usize).copied().unwrap_or(false) {
             return true;
         }
+        let number = arrival.light.0 as usize;
+        let known = self.known(is_integrated);
+        let is_near = known.near.get(number).is_some_and(|near| arrival.distance < *near);
         match arrival.route {
-            LightRoute::Direct | LightRoute::Scattered => false,
+            LightRoute::Direct => is_near && !known.direct.get(number).copied().unwrap_or(false),
+            LightRoute::Scattered => is_near,
             LightRoute::Mirrored { surface, face } => {
                 !is_integrated || !self.reflections.integrates_mirrored(arrival.light, surface, face)
             }
             LightRoute::Specular => true,
         }
     }
+}
+
+/// For each light, the distance, metres, within which surfaces are too bright to be found by paths often enough; 0 without such surfaces.
+///
+/// By particles: the contributions of paths have a mean square in proportion to the sum of flux over squared distance, without bound for points that
+/// touch a surface.
+fn near_distances(scene: &Scene) -> Vec<f64> {
+    let rays_miss = |light: &Light| {
+        matches!(
+            light,
+            Light::Point(_)
+                | Light::Spot(_)
+                | Light::Projection(_)
+                | Light::Goniometric(_)
+                | Light::Photometric(_)
+        )
+    };
+    let mut scattered: Vec<Vec<(f64, f64)>> = vec![Vec::new(); scene.lights().len()];
+    if !scene.lights().iter().any(rays_miss) {
+        return vec![0.0; scattered.len()];
+    }
+    let wavelengths = Wavelengths::default();
+    // What has been scattered arrives at a second surface.
+    let mut tracer = ParticleTracer::new(scene, 2);
+    let sampler = |first| PixelSampler::new(SamplerKind::Sobol, 1, PROBE_SEED, [0, 0], first);
+    for first in (0..PROBES).step_by(1 << 10) {
+        tracer.trace(sampler(first), 1 << 10, &mut Counters::default(), |_, arrival| {
+            let number = arrival.light.0 as usize;
+            if arrival.route == LightRoute::Scattered
+                && arrival.distance > 0.0
+                && scene.lights().get(number).is_some_and(rays_miss)
+                && let Some(of_light) = scattered.get_mut(number)
+            {
+                of_light.push((arrival.distance, photometric(arrival.arrived, &wavelengths)));
+            }
+        });
+    }
+    scattered.iter_mut().map(|of_light| near_distance(of_light)).collect()
+}
+
+/// That of one light, from distances and fluxes of particles: the smallest one beyond which the mean square is not much larger than that of light which
+/// is scattered at a single distance.
+fn near_distance(scattered: &mut [(f64, f64)]) -> f64 {
+    scattered.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let all: f64 = scattered.iter().map(|(_, flux)| flux).sum();
+    let mut farther = 0.0;
+    let is_far = |(_, flux): &&(f64, f64)| {
+        farther += flux;
+        farther < FAR_FLUX * all
+    };
+    let far = scattered.iter().take_while(is_far).count();
+    let Some(&(far, _)) = scattered.get(far) else { return 0.0 };
+    let mut square = 0.0;
+    let is_near = |(distance, flux): &&(f64, f64)| {
+        square += flux / all * (far / distance).powi(2);
+        square > LARGEST_SQUARE
+    };
+    scattered.iter().find(is_near).map_or(0.0, |(distance, _)| *distance)
 }
 
 /// A division of the light, and what is integrated in the cells.

@@ -38,6 +38,8 @@ pub struct Arrival {
     pub light: LightId,
     /// Its way from there.
     pub route: LightRoute,
+    /// Length of its way from there to the surface that scattered it first, or to this one, metres.
+    pub distance: f64,
 }
 
 /// The way of light from its source, by the scattering event that is nearest to the source. Interfaces do not count.
@@ -275,7 +277,8 @@ impl ParticleState {
 
     /// Its arrival at a location, from which `left` continues.
     fn arrival(&self, at: HitLocation, left: Spectrum) -> Arrival {
-        Arrival { at, arrived: self.power, left, light: self.light, route: self.route }
+        let Self { power: arrived, light, route, distance, .. } = *self;
+        Arrival { at, arrived, left, light, route, distance }
     }
 
     /// Continues from the hit of the ray.

@@ -31,6 +31,8 @@ pub struct CellTolerance {
     pub dark: f64,
     /// Largest number of points in a cell, about; at an edge of the image of a lamp, errors beyond the tolerance are reported.
     pub points: usize,
+    /// Time from which on no cell is begun: those that are left are as if they did not converge.
+    pub until: Option<Instant>,
 }
 
 impl Reflections<'_> {
@@ -73,6 +75,10 @@ impl Reflections<'_> {
         let mut found: Vec<IntegratedLux> = Vec::with_capacity(cells.len());
         for portion in cells.chunks(PORTION * rayon::current_num_threads()) {
             cancel.check()?;
+            if accuracy.until.is_some_and(|until| Instant::now() >= until) {
+                found.resize(cells.len(), IntegratedLux::default());
+                break;
+            }
             found.par_extend(portion.par_iter().map(integrated));
             let (done, all) = (found.len() as u64, cells.len() as u64);
             let count = WorkCount { done, wanted: Some(all), unit: ["cell", "cells"] };

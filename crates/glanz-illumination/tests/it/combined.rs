@@ -1,6 +1,7 @@
 //! Light by integration, paths and particles together.
 
 use std::f64::consts::PI;
+use std::time::Instant;
 
 use crate::common::*;
 use glanz_illumination::GridResolution::Cells;
@@ -37,7 +38,7 @@ fn begun_within(scene: &Scene, receivers: &Receivers, error: f64) -> CombinedLig
     let cells = reflections
         .cells::<()>(
             receivers,
-            CellTolerance { relative: 0.5 * error, dark: 0.1, points: 60 },
+            CellTolerance { relative: 0.5 * error, dark: 0.1, points: 60, until: None },
             &mut Silent,
             &CancelFlag::default(),
         )
@@ -245,6 +246,55 @@ fn first_rounds_have_the_same_bits_by_any_number_of_threads() {
         |threads| continued(&scene, &receivers, begun(&scene, &receivers), &settings(goal, 7, threads)).light;
     let (one, three) = (of(1), of(3));
     assert!(one.paths() > 0 && one == three);
+}
+
+#[test]
+fn cells_that_are_not_integrated_in_time_have_their_light_by_paths() {
+    // E = I cos^3 / h^2 under a lamp.
+    let scene = resolved(
+        SceneBuilder::new()
+            .shape(rectangle(2.0, 2.0), diffuse(0.0))
+            .light(point_light(DVec3::new(0.0, 0.0, 2.0), 100.0)),
+    );
+    let receivers = Receivers::try_new(&scene, &[request("floor", 0, Cells([20, 20]))]).unwrap();
+    let accuracy = CellTolerance { relative: 0.01, dark: 0.1, points: 60, until: Some(Instant::now()) };
+    let cells = integrable(&scene, &receivers)
+        .cells::<()>(&receivers, accuracy, &mut Silent, &CancelFlag::default())
+        .unwrap();
+    assert!(cells.len() == 400 && cells.iter().all(|cell| !cell.converged));
+    let light = CombinedLight::new(&receivers, cells);
+    let outcome = continued(&scene, &receivers, light, &settings(until(0.01), 1, 0));
+    let map = &outcome.light.lux_maps(&receivers)[0];
+    for (position, lux) in map.positions.iter().zip(&map.lux) {
+        let cosine = 2.0 / position.distance(DVec3::Z * 2.0);
+        let expected = 100.0 / 4.0 * cosine.powi(3);
+        // The cell's curvature is .1 %.
+        assert!((lux / expected - 1.0).abs() < 0.03, "{position}: {lux}, {expected}");
+    }
+}
+
+#[test]
+fn lamp_that_touches_a_ceiling_has_finite_errors() {
+    // A closed room of reflectance rho absorbs all flux: the sum of the fluxes on its walls is that of the lamp over 1 - rho.
+    let window = ShapeDescription::parallelogram([3.0, 0.0, 1.0], DVec3::Z, DVec3::Y * 2.0);
+    let lamp = point_light(DVec3::new(1.2, 0.9, 2.499), 100.0);
+    let scene = resolved(room(0.5).shape(window, diffuse(0.5)).light(lamp));
+    let walls: Vec<_> = (0..8).map(|wall| request(&wall.to_string(), wall, Cells([5, 4]))).collect();
+    let receivers = Receivers::try_new(&scene, &walls).unwrap();
+    let goal = TraceGoal { particles: Some(6_000_000), ..until(0.03) };
+    let outcome =
+        continued(&scene, &receivers, begun_within(&scene, &receivers, 0.03), &settings(goal, 3, 0));
+    assert!(
+        outcome.error <= 0.03,
+        "{}, {} paths, {} particles",
+        outcome.error,
+        outcome.light.paths(),
+        outcome.light.particles()
+    );
+    let maps = outcome.light.lux_maps(&receivers);
+    let flux: f64 = maps.iter().map(|map| map.summary().flux).sum();
+    let expected = 4.0 * PI * 100.0 / (1.0 - 0.5);
+    assert!((flux / expected - 1.0).abs() < 0.01, "{flux}, {expected}");
 }
 
 #[test]

@@ -379,3 +379,11 @@ pub struct LightSample {
     /// Density with which [`Scene::emit`] samples the point that `wi` leads to; `None` if that is not on a surface.
     pub area_pdf: Option<AreaPdf>,
 }
+
+impl LightSample {
+    /// Distance of the light, metres; infinite for a distant light.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.t_max * self.shadow.direction.length()
+    }
+}

@@ -22,6 +22,9 @@ pub struct KnownLight {
     pub direct: Vec<bool>,
     /// Lights whose light is known as far as the scattering event that is nearest to the light is by a delta lobe.
     pub specular: Vec<bool>,
+    /// For each light, the distance, metres, up to which its light on the surface that scatters it first is known; counted from the points of lights
+    /// that rays cannot hit.
+    pub near: Vec<f64>,
 }
 
 impl KnownLight {
@@ -34,6 +37,11 @@ impl KnownLight {
             (false, _) => return false,
         };
         list.get(id.0 as usize).copied().unwrap_or(false)
+    }
+
+    /// Whether the light of `id` is known on a surface at this distance, metres, that scatters it.
+    pub(super) fn includes_near(&self, id: LightId, distance: f64) -> bool {
+        self.near.get(id.0 as usize).is_some_and(|near| distance < *near)
     }
 }
 

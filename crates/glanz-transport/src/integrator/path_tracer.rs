@@ -411,6 +411,10 @@ fn direct_light<D: DirectionSampler>(
         mis::power(light * probability, directions.pdf(place, direction, bsdf_pdf))
     };
     let sample = scene.sample_light_compensated(id, vertex.at, DVec2::new(x, y));
+    let sample = match context.known {
+        Some(known) => sample.filter(|sample| !known.includes_near(id, sample.distance())),
+        None => sample,
+    };
     let Some((light, shadow)) = vertex.sampled_light(context, id, sample, weight) else {
         directions.record_light(place, &selected, 0.0);
         return None;

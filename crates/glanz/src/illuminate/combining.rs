@@ -52,8 +52,9 @@ pub(super) fn combined(
     let light = match saved {
         Some(saved) => saved.light,
         None => {
-            // Dark cells count relative to a tenth of the mean.
-            let accuracy = CellTolerance { relative, dark: 0.1, points: POINTS };
+            // Dark cells count relative to a tenth of the mean. Of a limited time, half is for the other methods.
+            let until = options.goal.time.and_then(|limit| start.checked_add(limit / 2));
+            let accuracy = CellTolerance { relative, dark: 0.1, points: POINTS, until };
             let cells = job.in_pool(|job| integrating::cells(design, &reflections, accuracy, job))?;
             CombinedLight::new(receivers, cells)
         }

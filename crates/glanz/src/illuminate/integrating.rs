@@ -42,7 +42,8 @@ pub(super) fn integrated(
     if unreflected > 0 {
         job.warn(Warning::Unreflected { lights: unreflected });
     }
-    let accuracy = CellTolerance { relative: design.options.tolerance, dark: 1.0, points: POINTS };
+    let relative = design.options.tolerance;
+    let accuracy = CellTolerance { relative, dark: 1.0, points: POINTS, until: None };
     let cells = cells(design, &reflections, accuracy, job)?;
     let light = "direct light and light after one mirror; errors are estimated bounds";
     facts.result.push("integrated light", "integrated_light", light);
