@@ -9,16 +9,17 @@ use glanz_transport::{Arrival, Counters, KnownLight, LightRoute, ParticleTracer}
 use crate::integrate::Reflections;
 use crate::lux_parts::IntegratedLux;
 
-/// Particles that show how far from the lights their light is scattered.
+/// Particles that show how far from the lights their light arrives, and how many of them are traced together.
 const PROBES: u32 = 1 << 16;
+const BLOCK: u32 = 1 << 10;
 
 /// Distinguishes their numbers.
 const PROBE_SEED: u64 = 0x6e65_6172;
 
-/// Share of the scattered flux of a light at distances that are far.
+/// Share of the flux of a light at distances that are far.
 const FAR_FLUX: f64 = 0.25;
 
-/// Largest mean square that is left to paths, over that of light which is scattered at a far distance.
+/// Largest mean square that is left to paths, over that of light which all arrives at a far distance.
 const LARGEST_SQUARE: f64 = 10.0;
 
 /// The methods that compute the light of a scene on its receivers, each of which has its part:
@@ -104,47 +105,50 @@ fn near_distances(scene: &Scene) -> Vec<f64> {
                 | Light::Photometric(_)
         )
     };
-    let mut scattered: Vec<Vec<(f64, f64)>> = vec![Vec::new(); scene.lights().len()];
+    let mut arrived: Vec<Vec<(f64, f64)>> = vec![Vec::new(); scene.lights().len()];
     if !scene.lights().iter().any(rays_miss) {
-        return vec![0.0; scattered.len()];
+        return vec![0.0; arrived.len()];
     }
     let wavelengths = Wavelengths::default();
-    // What has been scattered arrives at a second surface.
-    let mut tracer = ParticleTracer::new(scene, 2);
+    let mut tracer = ParticleTracer::new(scene, 1);
     let sampler = |first| PixelSampler::new(SamplerKind::Sobol, 1, PROBE_SEED, [0, 0], first);
-    for first in (0..PROBES).step_by(1 << 10) {
-        tracer.trace(sampler(first), 1 << 10, &mut Counters::default(), |_, arrival| {
-            let number = arrival.light.0 as usize;
-            if arrival.route == LightRoute::Scattered
-                && arrival.distance > 0.0
-                && scene.lights().get(number).is_some_and(rays_miss)
-                && let Some(of_light) = scattered.get_mut(number)
-            {
-                of_light.push((arrival.distance, photometric(arrival.arrived, &wavelengths)));
-            }
+    let mut last = [None; BLOCK as usize];
+    for first in (0..PROBES).step_by(BLOCK as usize) {
+        // Interfaces come before what scatters.
+        tracer.trace(sampler(first), BLOCK, &mut Counters::default(), |particle, arrival| {
+            let flux = photometric(arrival.arrived, &wavelengths);
+            last[particle] = Some((arrival.light, arrival.distance, flux)).filter(|_| arrival.distance > 0.0);
         });
+        for (light, distance, flux) in last.iter_mut().filter_map(Option::take) {
+            let number = light.0 as usize;
+            if scene.lights().get(number).is_some_and(rays_miss)
+                && let Some(of_light) = arrived.get_mut(number)
+            {
+                of_light.push((distance, flux));
+            }
+        }
     }
-    scattered.iter_mut().map(|of_light| near_distance(of_light)).collect()
+    arrived.iter_mut().map(|of_light| near_distance(of_light)).collect()
 }
 
 /// That of one light, from distances and fluxes of particles: the smallest one beyond which the mean square is not much larger than that of light which
-/// is scattered at a single distance.
-fn near_distance(scattered: &mut [(f64, f64)]) -> f64 {
-    scattered.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let all: f64 = scattered.iter().map(|(_, flux)| flux).sum();
+/// all arrives at one distance.
+fn near_distance(arrived: &mut [(f64, f64)]) -> f64 {
+    arrived.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let all: f64 = arrived.iter().map(|(_, flux)| flux).sum();
     let mut farther = 0.0;
     let is_far = |(_, flux): &&(f64, f64)| {
         farther += flux;
         farther < FAR_FLUX * all
     };
-    let far = scattered.iter().take_while(is_far).count();
-    let Some(&(far, _)) = scattered.get(far) else { return 0.0 };
+    let far = arrived.iter().take_while(is_far).count();
+    let Some(&(far, _)) = arrived.get(far) else { return 0.0 };
     let mut square = 0.0;
     let is_near = |(distance, flux): &&(f64, f64)| {
         square += flux / all * (far / distance).powi(2);
         square > LARGEST_SQUARE
     };
-    scattered.iter().find(is_near).map_or(0.0, |(distance, _)| *distance)
+    arrived.iter().find(is_near).map_or(0.0, |(distance, _)| *distance)
 }
 
 /// A division of the light, and what is integrated in the cells.

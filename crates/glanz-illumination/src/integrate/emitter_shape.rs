@@ -10,6 +10,9 @@ use glanz_scene::{LightId, PlacedSurface};
 use super::error::IntegrateError;
 use super::polygon::ConvexPolygon;
 
+/// Largest number of points along a polygon.
+const MOST_MIDDLES: usize = 64;
+
 /// A surface of uniform radiance.
 #[derive(Clone, Debug)]
 pub(super) struct EmitterShape {
@@ -69,6 +72,16 @@ impl EmitterShape {
             EmitterForm::Sphere { radius, .. } | EmitterForm::Disk { radius, .. } => *radius,
             EmitterForm::Polygon { polygon, .. } => polygon.inner_radius(),
         }
+    }
+
+    /// Points of it, so dense that it is nowhere brighter than near one of them: the middle, of a long polygon points along its length.
+    pub(super) fn middles(&self) -> Vec<DVec3> {
+        let EmitterForm::Polygon { polygon, .. } = &self.form else { return vec![self.center()] };
+        let offsets = polygon.corners().iter().map(|corner| *corner - self.center());
+        let longest = offsets.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+        let count = (self.outer_radius() / self.inner_radius()).clamp(1.0, MOST_MIDDLES as f64) as usize;
+        let share = |i: usize| (2 * i + 1) as f64 / count as f64 - 1.0;
+        (0..count).map(|i| self.center() + share(i) * longest.unwrap_or_default()).collect()
     }
 
     /// Whether no point of the ball is on an emitting side.

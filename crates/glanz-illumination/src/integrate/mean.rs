@@ -14,6 +14,9 @@ const THREE: [(f64, f64); 3] =
     [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 4.0 / 9.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 /// Number of points of both rules in a square.
 const POINTS: usize = TWO.len() * TWO.len() + THREE.len() * THREE.len();
+/// Largest number of squares around lights that are close to a cell, and the number of times that it is quartered for them.
+const MOST_SQUARES: usize = 2048;
+const MOST_QUARTERINGS: u32 = 24;
 /// Fraction of the tolerance for the illuminance at the points.
 const SHARE: f64 = 0.25;
 
@@ -44,8 +47,9 @@ impl Reflections<'_> {
     /// The mean of [`Reflections::illuminance`] over a part of a surface.
     ///
     /// `patch`: position in metres, unit normal and area per unit of the parameters (m^2) by parameters in the unit square; `None` where there is no
-    /// surface. `points`: approximate limit of the number of evaluated points. Squares are quartered where Gauss' rules of two and three points differ most,
-    /// until the difference is within `tolerance`; details smaller than the distance of these points (a fifth of the cell at first) may be missed.
+    /// surface. `points`: approximate limit of the number of evaluated points, in each square that is no larger than the distance of the nearest light. These are quartered
+    /// where Gauss' rules of two and three points differ most, until the difference is within `tolerance`; details smaller than the distance of these points (a fifth of the
+    /// square) may be missed.
     pub fn cell_mean(
         &self,
         patch: impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
@@ -54,9 +58,11 @@ impl Reflections<'_> {
     ) -> CellMean {
         let at_points =
             Tolerance { relative: SHARE * tolerance.relative, absolute: SHARE * tolerance.absolute };
-        let first = self.piece(&patch, IntegrationRect::UNIT, at_points);
-        let mut heap = BinaryHeap::from([first]);
-        let mut evaluated = POINTS;
+        let squares = self.around_lights(&patch);
+        let points = points.saturating_mul(squares.len());
+        let mut evaluated = squares.len() * POINTS;
+        let pieces = squares.into_iter().map(|rect| self.piece(&patch, rect, at_points));
+        let mut heap: BinaryHeap<_> = pieces.collect();
         loop {
             let result = total(&heap);
             let allowed = tolerance.absolute.max(tolerance.relative * result.mean);
@@ -67,6 +73,29 @@ impl Reflections<'_> {
             heap.extend(worst.part.rect.quarters().map(|rect| self.piece(&patch, rect, at_points)));
             evaluated += 4 * POINTS;
         }
+    }
+
+    /// A division of the cell into squares that are no larger than their distance from lights.
+    fn around_lights(&self, patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>) -> Vec<IntegrationRect> {
+        let mut waiting = vec![(IntegrationRect::UNIT, 0)];
+        let mut squares = Vec::new();
+        while let Some((rect, quarterings)) = waiting.pop() {
+            let place = |at: DVec2| patch(rect.min + rect.size() * at).map(|(position, ..)| position);
+            let corners = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(|at| place(DVec2::from(at)));
+            let length = |[a, b]: [Option<DVec3>; 2]| a.zip(b).map_or(0.0, |(a, b)| a.distance(b));
+            let size = length([corners[0], corners[1]]).max(length([corners[2], corners[3]]));
+            let middle = place(DVec2::splat(0.5)).or(corners.into_iter().flatten().next());
+            let is_close = |middle: DVec3| {
+                self.sources.iter().any(|source| source.distance_squared(middle) < size * size)
+            };
+            let is_limit = quarterings == MOST_QUARTERINGS || squares.len() + waiting.len() >= MOST_SQUARES;
+            if !is_limit && middle.is_some_and(is_close) {
+                waiting.extend(rect.quarters().map(|quarter| (quarter, quarterings + 1)));
+            } else {
+                squares.push(rect);
+            }
+        }
+        squares
     }
 
     fn piece(

@@ -90,10 +90,20 @@ pub struct Reflections<'a> {
     emitter_lights: Vec<LightId>,
     /// Lights without extent.
     points: Vec<(LightId, Light)>,
+    /// Places around which light is uneven: those of lights without extent, and of emitters.
+    sources: Vec<DVec3>,
     mirrors: Mirrors<'a>,
     tree: MirrorTree,
     /// Largest number of rectangles of an emitter that something hides in part.
     shadow_budget: usize,
+}
+
+/// The place of a light without extent; `None` if it is infinitely far away.
+fn place(light: &Light) -> Option<DVec3> {
+    let incident =
+        [DVec3::ZERO, DVec3::ONE].into_iter().find_map(|point| Some((point, light.incident(point)?)));
+    let (point, incident) = incident?;
+    incident.distance.is_finite().then(|| point + incident.distance * incident.towards)
 }
 
 /// Illuminance at a point.
@@ -152,7 +162,20 @@ impl<'a> Reflections<'a> {
         let tree = MirrorTree::over(&mirrors);
         let wavelengths = Wavelengths::default();
         let shadow_budget = direct::BUDGET;
-        (Self { scene, wavelengths, emitters, emitter_lights, points, mirrors, tree, shadow_budget }, refused)
+        let of_points = points.iter().filter_map(|(_, light)| place(light));
+        let sources = of_points.chain(emitters.iter().flat_map(EmitterShape::middles)).collect();
+        let reflections = Self {
+            scene,
+            wavelengths,
+            emitters,
+            emitter_lights,
+            points,
+            sources,
+            mirrors,
+            tree,
+            shadow_budget,
+        };
+        (reflections, refused)
     }
 
     /// Whether there are mirrors whose light is included.
@@ -307,7 +330,8 @@ impl<'a> Reflections<'a> {
 pub(crate) fn position_error(scene: &Scene, point: DVec3) -> DVec3 {
     let bounds = scene.bounds();
     let size = if bounds.is_finite() { bounds.min.abs().max(bounds.max.abs()) } else { DVec3::ZERO };
-    gamma(ROUNDINGS) * point.abs().max(size)
+    // A scene may be flat along an axis; the others have errors in its plane all the same.
+    gamma(ROUNDINGS) * DVec3::splat(point.abs().max(size).max_element())
 }
 
 /// How a light is integrated.

@@ -274,6 +274,38 @@ fn cells_that_are_not_integrated_in_time_have_their_light_by_paths() {
 }
 
 #[test]
+fn light_of_lamps_close_to_a_cell_is_integrated() {
+    // Millimetres below the middle of a ceiling of 3 x 2 m: nearly all flux that goes upwards arrives, of a point I times the solid angle of the ceiling.
+    let ceiling = || ShapeDescription::parallelogram(DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 2.0).reversed();
+    let below = |depth: f64| DMat4::from_translation(DVec3::new(1.37, 0.91, -depth));
+    let luminance = candela_per_area(1000.0);
+    let emitting = |shape: ShapeDescription, depth: f64| {
+        SceneBuilder::new().shape(shape.transformed(below(depth)).emitting(luminance.clone()), diffuse(0.0))
+    };
+    let disk = emitting(ShapeDescription::disk(0.005), 0.002);
+    let strip = emitting(rectangle(0.6, 0.005), 0.004);
+    let point = SceneBuilder::new().light(point_light(DVec3::new(1.37, 0.91, -0.001), 100.0));
+    let lamps = [
+        (point, 2.0 * PI * 100.0),
+        (disk, PI * 1000.0 * PI * 0.005 * 0.005),
+        (strip, PI * 1000.0 * 0.6 * 0.005),
+    ];
+    for (number, (lamp, flux)) in lamps.into_iter().enumerate() {
+        let scene = resolved(lamp.shape(ceiling(), diffuse(0.0)));
+        let shape = u32::from(number > 0);
+        let receivers = Receivers::try_new(&scene, &[request("ceiling", shape, Cells([6, 4]))]).unwrap();
+        let accuracy = CellTolerance { relative: 0.005, dark: 0.1, points: 60, until: None };
+        let cells = integrable(&scene, &receivers)
+            .cells::<()>(&receivers, accuracy, &mut Silent, &CancelFlag::default())
+            .unwrap();
+        let areas = receivers.as_slice()[0].areas();
+        let found: f64 = cells.iter().zip(areas).map(|(cell, area)| cell.lux * area).sum();
+        assert!((found / flux - 1.0).abs() < 0.01, "{number}: {found}, {flux}");
+        assert!(cells.iter().all(|cell| cell.converged), "{number}: {cells:?}");
+    }
+}
+
+#[test]
 fn lamp_that_touches_a_ceiling_has_finite_errors() {
     // A closed room of reflectance rho absorbs all flux: the sum of the fluxes on its walls is that of the lamp over 1 - rho.
     let window = ShapeDescription::parallelogram([3.0, 0.0, 1.0], DVec3::Z, DVec3::Y * 2.0);
