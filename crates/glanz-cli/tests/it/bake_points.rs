@@ -46,6 +46,8 @@ pub(crate) struct ReferencePoint {
     pub(crate) kind: &'static str,
     pub(crate) shape: u32,
     pub(crate) is_curved: bool,
+    /// Whether its light map has any light.
+    pub(crate) is_lit: bool,
     /// Luminance of the irradiance, in units of radiance, and its standard error.
     pub(crate) irradiance: f64,
     pub(crate) deviation: f64,
@@ -55,7 +57,7 @@ pub(crate) struct ReferencePoint {
 #[derive(Debug)]
 pub(crate) struct ReferencePoints {
     pub(crate) points: Vec<ReferencePoint>,
-    /// Points that no light reaches, because another object covers them or a solid surrounds them.
+    /// Points beside these of light maps with light that no light reaches: another object covers them.
     pub(crate) covered: u32,
 }
 
@@ -64,7 +66,11 @@ pub(crate) fn luminance(light: Spectrum) -> f64 {
 }
 
 /// Points uniform by area on all charts of `maps` that are not the dark inside of a solid: on curved and flat ones, on both sides of sheets.
-pub(crate) fn reference_points(scene: &Scene, maps: &[LightMap], settings: &PointSettings) -> ReferencePoints {
+pub(crate) fn reference_points(
+    scene: &Scene,
+    maps: &[LightMap],
+    settings: &PointSettings,
+) -> ReferencePoints {
     let surfaces = scene.placed_surfaces();
     let path = IntegratorSettings::resolve(&IntegratorDescription {
         name: "path".into(),
@@ -94,8 +100,12 @@ pub(crate) fn reference_points(scene: &Scene, maps: &[LightMap], settings: &Poin
             if points.len() == settings.count as usize {
                 break;
             }
-            // Texels beneath an object are filled from their neighbours.
-            if point.irradiance > 0.0 { points.push(point) } else { covered += 1 }
+            if point.irradiance > 0.0 {
+                points.push(point);
+            } else {
+                // Texels beneath an object are filled from their neighbours.
+                covered += u32::from(point.is_lit);
+            }
         }
     }
     ReferencePoints { points, covered }
@@ -115,7 +125,8 @@ struct Candidates<'a> {
 impl<'a> Candidates<'a> {
     fn new(surfaces: &'a [PlacedSurface<'a>], maps: &'a [LightMap], density: f64) -> Self {
         let shown = maps.iter().filter(|map| !map.is_hidden);
-        let maps: Vec<_> = shown.map(|map| (map, is_curved(map, &surfaces[map.chart.surface as usize]))).collect();
+        let maps: Vec<_> =
+            shown.map(|map| (map, is_curved(map, &surfaces[map.chart.surface as usize]))).collect();
         let mut sum = 0.0;
         let cells = maps.iter().map(|(map, _)| {
             let last = last_texel(map);
@@ -157,6 +168,7 @@ impl<'a> Candidates<'a> {
             kind: surface.surface().kind(),
             shape: map.chart.shape,
             is_curved,
+            is_lit: !map.is_dark(),
             irradiance: 0.0,
             deviation: 0.0,
         };
