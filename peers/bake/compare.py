@@ -8,7 +8,8 @@
 Both programs fill the same texels: Cycles bakes the model that `glanz bake` writes, with its texture coordinates, so that texels of both
 have the same places, and the light of both is looked up alike, bilinearly. Charts are a hundredth of a texel wider for Cycles, which would
 otherwise leave out texels whose middles are on the border. The reference is the irradiance on the exact surfaces, by paths (glanz.rs). Errors are
-relative to the irradiance there, or to 1 % of the mean irradiance of all points where that is larger; nothing is capped or left out.
+relative to the irradiance there, or to 1 % of the mean irradiance of all points where that is larger; nothing is capped or left out. Since
+a dark point that is shown bright has thousands of percent, there is also the mean of the errors relative to the larger of both values.
 Times are those of the processor: of the whole program `glanz bake`, of the bake alone of Cycles. First the unit of Cycles' bake is checked by
 the closed form of a floor beneath a square lamp."""
 
@@ -29,10 +30,13 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 RGB_TO_Y = numpy.array([0.2126390, 0.7151687, 0.0721923])
 
-# Errors above this are counted.
+# Errors above this are counted; smallest light that errors are relative to, in means of all points; and by how many texels charts are widened.
 LARGE = 0.08
 FLOOR = 0.01
 NUDGE = 0.01
+
+# From scenes to models with z up; models of scenes that are shown mirrored are mirrored, too.
+AXES = [numpy.array([[sign, 0, 0], [0, 0, 1], [0, -1, 0]], float) for sign in (1, -1)]
 
 
 def run(command, **options):
@@ -190,21 +194,22 @@ def summary(light, points):
     curved = numpy.array([point["curved"] for point in points])
     floor = FLOOR * true.mean()
     error = abs(light - true) / numpy.maximum(true, floor)
+    of_larger = abs(light - true) / numpy.maximum(numpy.maximum(true, light), floor)
     rows = {}
     for name, chosen in (("all", curved | True), ("flat", ~curved), ("curved", curved)):
         e = error[chosen]
-        rows[name] = {"points": int(chosen.sum()), "mean": e.mean(), "median": numpy.median(e),
+        rows[name] = {"points": int(chosen.sum()), "mean": e.mean(), "mean_of_larger": of_larger[chosen].mean(), "median": numpy.median(e),
                       "quantile_95": numpy.quantile(e, 0.95), "share_within": (e <= LARGE).mean(), "largest": e.max(),
                       "bias": light[chosen].sum() / true[chosen].sum() - 1,
                       "of_mean_light": abs(light - true)[chosen].mean() / true.mean()}
     worst = [{**{key: points[i][key] for key in ("kind", "shape", "position", "irradiance", "deviation")},
-              "light": light[i], "error": error[i]} for i in error.argsort()[::-1][:40]]
-    return {"of": rows, "worst": worst, "errors": error.tolist()}
+              "light": light[i], "error": error[i]} for i in error.argsort()[::-1][:12]]
+    return {"of": rows, "worst": worst}
 
 
 def show(name, found, seconds):
     for kind, row in found["of"].items():
-        print(f"{name:24} {kind:6} {row['points']:5d} points: mean {row['mean']:7.2%}, median {row['median']:6.2%}, 95 % within "
+        print(f"{name:24} {kind:6} {row['points']:5d} points: mean {row['mean']:7.2%}, of the larger {row['mean_of_larger']:6.2%}, median {row['median']:6.2%}, 95 % within "
               f"{row['quantile_95']:7.2%}, {row['share_within']:6.1%} within {LARGE:.0%}, largest {row['largest']:8.1%}, "
               f"all light {row['bias']:+.2%}; {seconds:.1f} s", flush=True)
 
@@ -239,8 +244,8 @@ def main():
     parser.add_argument("--scene", type=pathlib.Path, default=ROOT / "scenes/rooms/furnished.pbrt")
     parser.add_argument("--glanz", type=pathlib.Path, default=ROOT / "target/release/glanz")
     parser.add_argument("--points-program", type=pathlib.Path, default=ROOT / "target/release/examples/bake")
-    parser.add_argument("--density", type=float, default=25, help="texels per metre")
-    parser.add_argument("--rays", type=int, nargs="+", default=[512], help="of `glanz bake`; the points belong to the first")
+    parser.add_argument("--density", type=float, nargs="+", default=[25], help="texels per metre; those of Cycles are the first")
+    parser.add_argument("--rays", type=int, default=512, help="of `glanz bake`")
     parser.add_argument("--points", type=int, default=2000)
     parser.add_argument("--reference-error", type=float, default=0.004, help="standard error of a point")
     parser.add_argument("--reference-samples", type=int, default=1 << 18, help="largest number of paths of a point")
@@ -259,17 +264,19 @@ def main():
 def compare(asked, folder):
     results = {"settings": {key: str(value) for key, value in vars(asked).items()}}
     baked = {}
-    for rays in asked.rays:
-        model, told = folder / f"glanz-{rays}.glb", folder / f"glanz-{rays}.json"
+    for density in asked.density:
+        model = folder / f"glanz-{density:g}.glb"
+        told = model.with_suffix(".json")
         if not told.exists():
-            _, seconds = run([asked.glanz, "bake", asked.scene, "-o", model, "--texels-per-metre", asked.density, "--rays", rays,
-                              "--checkpoint", folder / f"glanz-{rays}.light", "--threads", asked.threads])
+            _, seconds = run([asked.glanz, "bake", asked.scene, "-o", model, "--texels-per-metre", density, "--rays", asked.rays,
+                              "--checkpoint", model.with_suffix(".light"), "--threads", asked.threads])
             told.write_text(json.dumps({"processor_seconds": seconds}))
-        baked[rays] = model, json.loads(told.read_text())["processor_seconds"]
+        baked[density] = model, json.loads(told.read_text())["processor_seconds"]
+    first, seconds_of_first = baked[asked.density[0]]
     file = folder / "points.json"
     if not file.exists():
-        told, seconds = run([asked.points_program, asked.scene, folder / f"glanz-{asked.rays[0]}.light", asked.density, asked.rays[0],
-                             asked.points, asked.reference_error, asked.reference_samples])
+        told, seconds = run([asked.points_program, asked.scene, first.with_suffix(".light"), asked.density[0], asked.rays, asked.points,
+                             asked.reference_error, asked.reference_samples])
         file.write_text(told)
         print(f"points: {seconds:.0f} s")
     found = json.loads(file.read_text())
@@ -278,19 +285,17 @@ def compare(asked, folder):
     print(f"{len(points)} points, {found['covered']} beside them covered; standard error of the reference {relative.mean():.2%} on average, "
           f"{numpy.quantile(relative, 0.95):.2%} for 95 %, at most {relative.max():.2%}")
     results["reference"] = {"covered": found["covered"], "mean": relative.mean(), "largest": relative.max()}
-    exact = numpy.array([p["glanz"] for p in points])
-    parts = read_model(baked[asked.rays[0]][0])
-    choices = [numpy.array([[sign, 0, 0], [0, 0, 1], [0, -1, 0]], float) for sign in (1, -1)]
-    axes, (coordinates, away) = min(((axes, places(parts, points, axes)) for axes in choices), key=lambda c: numpy.median(c[1][1]))
-    print(f"points are at most {away.max() * 1e3:.2f} mm from the triangles")
     results["glanz"] = {}
-    for rays, (model, seconds) in baked.items():
-        page = read_exr(model.with_suffix(".exr"))
-        results["glanz"][rays] = {**summary(looked_up(page, coordinates), points), "processor_seconds": seconds}
-        show(f"glanz, {rays} rays", results["glanz"][rays], seconds)
+    for density, (model, seconds) in reversed(baked.items()):
+        parts, page = read_model(model), read_exr(model.with_suffix(".exr"))
+        axes, (coordinates, away) = min(((a, places(parts, points, a)) for a in AXES), key=lambda c: numpy.median(c[1][1]))
+        print(f"points are at most {away.max() * 1e3:.2f} mm from the triangles")
+        results["glanz"][density] = {**summary(looked_up(page, coordinates), points), "processor_seconds": seconds}
+        show(f"glanz, {density:g} texels/m", results["glanz"][density], seconds)
+    exact = numpy.array([p["glanz"] for p in points])
     own = summary(exact, points)
     results["glanz_on_surface"] = own
-    show("glanz, exact surfaces", own, baked[asked.rays[0]][1])
+    show("glanz, exact surfaces", own, seconds_of_first)
     for worst in own["worst"]:
         at = ", ".join(f"{x:.3f}" for x in worst["position"])
         print(f"  {worst['error']:7.1%} {worst['kind']} {worst['shape']} ({at}): {worst['light']:.4f}, paths {worst['irradiance']:.4f} +- {worst['deviation']:.4f}")
@@ -307,8 +312,29 @@ def compare(asked, folder):
             numpy.save(folder / f"cycles-{samples}.npy", page)
             results["cycles"][samples] = {**summary(looked_up(page, coordinates), points), **told}
             show(f"cycles, {samples} samples", results["cycles"][samples], told["processor_seconds"])
+        if len(asked.cycles_samples) > 1:
+            results["equal"] = equal_error(own["of"]["all"], results["cycles"], seconds_of_first)
     if asked.out:
         asked.out.write_text(json.dumps(results, indent=1))
+
+
+def equal_error(of_glanz, cycles, seconds):
+    """Processor time of Cycles at the errors of Glanz: its own squared is that of noise, in inverse proportion to the samples, and what remains
+    with any number of them, both from the two largest numbers."""
+    (few, a), (many, b) = sorted(cycles.items())[-2:]
+    per_sample, found = b["processor_seconds"] / many, {}
+    for name in ("median", "of_mean_light"):
+        goal, x, y = (of[name] for of in (of_glanz, a["of"]["all"], b["of"]["all"]))
+        noise = max(x ** 2 - y ** 2, 0) / (1 / few - 1 / many)
+        rest = max(y ** 2 - noise / many, 0)
+        at_least = y ** 2 * many / goal ** 2 * per_sample
+        found[name] = {"goal": goal, "remaining": math.sqrt(rest), "seconds_if_nothing_remained": at_least}
+        if goal ** 2 > rest:
+            found[name]["seconds"] = noise / (goal ** 2 - rest) * per_sample
+        told = f"{found[name]['seconds']:.0f} s" if "seconds" in found[name] else "never"
+        print(f"Cycles at the error of Glanz ({name}, {goal:.2%} after {seconds:.0f} s): {told}, {math.sqrt(rest):.2%} remain with any number of "
+              f"samples; {at_least:.0f} s if nothing remained")
+    return found
 
 
 def read_exr(path):
