@@ -8,6 +8,7 @@
     reason = "a test may fail, and prints figures with `--nocapture`"
 )]
 
+mod bake_points;
 mod bake_reference;
 mod command_line;
 mod viewer;

@@ -1,0 +1,265 @@
+//! Points on the charts of light maps, with their irradiance by paths.
+
+use std::f64::consts::PI;
+
+use glanz::light::{Spectrum, Wavelengths};
+use glanz::math::{DVec2, DVec3, Frame};
+use glanz::radiosity::bake::LightMap;
+use glanz::sampling::{PixelSampler, SamplerKind, mis, warp};
+use glanz::scene::description::IntegratorDescription;
+use glanz::scene::{
+    CameraRay, LightId, LightSampleContext, ParametricPoint, PlacedPoint, PlacedSurface, Scene,
+};
+use glanz::transport::{Context, ContextOptions, Integrator, IntegratorSettings};
+
+/// Independent estimates of the irradiance at a point, the spread of which is its standard error.
+const REPLICATES: u32 = 16;
+
+/// Samples of each replicate before the first test of their spread.
+const FIRST_SAMPLES: u32 = 16;
+
+/// Largest sine of the angle between two normals of a flat chart.
+const FLATNESS: f64 = 1e-6;
+
+/// The points to find, and the accuracy of their irradiance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PointSettings {
+    /// Number of points that light reaches.
+    pub(crate) count: u32,
+    /// Standard error, relative to the irradiance, at which a point has paths enough.
+    pub(crate) error: f64,
+    /// Largest number of paths of a point.
+    pub(crate) samples: u32,
+    /// Texels per metre of the charts.
+    pub(crate) density: f64,
+}
+
+/// A random point of a chart.
+#[derive(Clone, Debug)]
+pub(crate) struct ReferencePoint {
+    pub(crate) place: ParametricPoint,
+    /// Metres.
+    pub(crate) position: DVec3,
+    /// Unit normal on the side of the chart.
+    pub(crate) normal: DVec3,
+    /// Kind of the surface, and the number of its shape in the scene.
+    pub(crate) kind: &'static str,
+    pub(crate) shape: u32,
+    pub(crate) is_curved: bool,
+    /// Whether its light map has any light.
+    pub(crate) is_lit: bool,
+    /// Luminance of the irradiance, in units of radiance, and its standard error.
+    pub(crate) irradiance: f64,
+    pub(crate) deviation: f64,
+}
+
+/// Points with a reference.
+#[derive(Debug)]
+pub(crate) struct ReferencePoints {
+    pub(crate) points: Vec<ReferencePoint>,
+    /// Points beside these of light maps with light that no light reaches: another object covers them.
+    pub(crate) covered: u32,
+}
+
+pub(crate) fn luminance(light: Spectrum) -> f64 {
+    f64::from(light.luminance(&Wavelengths::default()))
+}
+
+/// Points uniform by area on all charts of `maps` that are not the dark inside of a solid: on curved and flat ones, on both sides of sheets.
+pub(crate) fn reference_points(
+    scene: &Scene,
+    maps: &[LightMap],
+    settings: &PointSettings,
+) -> ReferencePoints {
+    let surfaces = scene.placed_surfaces();
+    let path = IntegratorSettings::resolve(&IntegratorDescription {
+        name: "path".into(),
+        max_depth: Some(64),
+        ..IntegratorDescription::default()
+    })
+    .unwrap()
+    .build();
+    let mut candidates = Candidates::new(&surfaces, maps, settings.density);
+    let (mut points, mut covered) = (Vec::new(), 0);
+    let threads = std::thread::available_parallelism().map_or(1, |count| count.get());
+    while points.len() < settings.count as usize {
+        // The same points with any number of threads.
+        let group: Vec<(u32, PlacedPoint, ReferencePoint)> = candidates.by_ref().take(64).collect();
+        let estimate = |(number, at, point): &(u32, PlacedPoint, ReferencePoint)| {
+            let [irradiance, deviation] = irradiance_by_paths(scene, path.as_ref(), at, settings, *number);
+            ReferencePoint { irradiance, deviation, ..point.clone() }
+        };
+        let found: Vec<ReferencePoint> = std::thread::scope(|scope| {
+            let parts = group.chunks(group.len().div_ceil(threads).max(1));
+            let parts: Vec<_> = parts
+                .map(|part| scope.spawn(move || part.iter().map(estimate).collect::<Vec<_>>()))
+                .collect();
+            parts.into_iter().flat_map(|part| part.join().unwrap()).collect()
+        });
+        for point in found {
+            if points.len() == settings.count as usize {
+                break;
+            }
+            if point.irradiance > 0.0 {
+                points.push(point);
+            } else {
+                // Texels beneath an object are filled from their neighbours.
+                covered += u32::from(point.is_lit);
+            }
+        }
+    }
+    ReferencePoints { points, covered }
+}
+
+/// Random points of charts, with their numbers.
+struct Candidates<'a> {
+    surfaces: &'a [PlacedSurface<'a>],
+    maps: Vec<(&'a LightMap, bool)>,
+    /// Sums of the numbers of cells between four texels of the charts.
+    cells: Vec<f64>,
+    largest_cell: f64,
+    random: PixelSampler,
+    found: u32,
+}
+
+impl<'a> Candidates<'a> {
+    fn new(surfaces: &'a [PlacedSurface<'a>], maps: &'a [LightMap], density: f64) -> Self {
+        let shown = maps.iter().filter(|map| !map.is_hidden);
+        let maps: Vec<_> =
+            shown.map(|map| (map, is_curved(map, &surfaces[map.chart.surface as usize]))).collect();
+        let mut sum = 0.0;
+        let cells = maps.iter().map(|(map, _)| {
+            let last = last_texel(map);
+            sum += last.x * last.y;
+            sum
+        });
+        let cells = cells.collect();
+        let random = PixelSampler::new(SamplerKind::Independent, 1, 3, [0, 0], 0);
+        Self { surfaces, maps, cells, largest_cell: 1.0 / (density * density), random, found: 0 }
+    }
+
+    /// A candidate, kept with the probability of its cell's area over the largest one.
+    fn candidate(&mut self) -> Option<(u32, PlacedPoint, ReferencePoint)> {
+        let pick = self.random.next_1d() * self.cells.last()?;
+        let (map, is_curved) = *self.maps.get(self.cells.partition_point(|sum| *sum <= pick))?;
+        let texel = self.random.next_2d() * last_texel(map);
+        let keep = self.random.next_1d();
+        let surface = &self.surfaces[map.chart.surface as usize];
+        let at = |texel: DVec2| {
+            let place = map.chart.surface_point(surface, texel)?;
+            Some((place, surface.at(place.face, place.uv, place.back)?))
+        };
+        let (place, placed) = at(texel)?;
+        // Charts on both sides of a thin wall overlap; a point belongs to one of them.
+        map.chart.to_texel(place.face, place.uv)?;
+        // Area of a cell, from neighbours a hundredth of one away.
+        let position = |texel| Some(at(texel)?.1.at.point.position);
+        let here = placed.at.point.position;
+        let step = |axis: DVec2| Some(100.0 * (position(texel + 0.01 * axis)? - here));
+        let area = step(DVec2::X)?.cross(step(DVec2::Y)?).length();
+        if keep * self.largest_cell > area {
+            return None;
+        }
+        self.found += 1;
+        let point = ReferencePoint {
+            place,
+            position: here,
+            normal: placed.at.wo,
+            kind: surface.surface().kind(),
+            shape: map.chart.shape,
+            is_curved,
+            is_lit: !map.is_dark(),
+            irradiance: 0.0,
+            deviation: 0.0,
+        };
+        Some((self.found, placed, point))
+    }
+}
+
+impl Iterator for Candidates<'_> {
+    type Item = (u32, PlacedPoint, ReferencePoint);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        std::iter::repeat_with(|| self.candidate()).flatten().next()
+    }
+}
+
+fn last_texel(map: &LightMap) -> DVec2 {
+    DVec2::new(f64::from(map.chart.size[0]) - 1.0, f64::from(map.chart.size[1]) - 1.0)
+}
+
+/// Whether normals of a chart differ.
+fn is_curved(map: &LightMap, surface: &PlacedSurface<'_>) -> bool {
+    let normals = (0..25).filter_map(|i| {
+        let share = DVec2::new(f64::from(i % 5), f64::from(i / 5)) / 4.0;
+        let place = map.chart.surface_point(surface, share * last_texel(map))?;
+        Some(surface.at(place.face, place.uv, place.back)?.at.wo)
+    });
+    let normals: Vec<DVec3> = normals.collect();
+    normals.iter().any(|normal| normal.cross(normals[0]).length() > FLATNESS)
+}
+
+/// Irradiance at a place with its standard error: by rays over the hemisphere, which paths continue, and by as many samples of each light,
+/// combined by the power heuristic.
+fn irradiance_by_paths(
+    scene: &Scene,
+    path: &dyn Integrator,
+    at: &PlacedPoint,
+    settings: &PointSettings,
+    number: u32,
+) -> [f64; 2] {
+    let most = (settings.samples / REPLICATES).max(1);
+    let (mut sums, mut samples) = ([0.0; REPLICATES as usize], 0);
+    loop {
+        let next = if samples == 0 { FIRST_SAMPLES.min(most) } else { (2 * samples).min(most) };
+        for (replicate, sum) in (0..).zip(&mut sums) {
+            for i in samples..next {
+                let sampler = PixelSampler::new(SamplerKind::Sobol, most, 7, [number, replicate], i);
+                *sum += sample(scene, path, at, sampler);
+            }
+        }
+        samples = next;
+        let n = f64::from(REPLICATES);
+        let means = sums.map(|sum| sum / f64::from(samples));
+        let mean = means.iter().sum::<f64>() / n;
+        let squares = means.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+        let deviation = (squares / (n * (n - 1.0))).sqrt();
+        if samples == most || deviation <= settings.error * mean {
+            return [mean, deviation];
+        }
+    }
+}
+
+/// One sample of the irradiance.
+fn sample(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, mut sampler: PixelSampler) -> f64 {
+    let at = &at.at;
+    let from = LightSampleContext { normal: Some(at.wo), ..at.light_sample_context() };
+    let local = warp::cosine_hemisphere(sampler.next_2d());
+    let cosine_pdf = |cos: f64| warp::cosine_hemisphere_pdf(cos).0;
+    let mut light = 0.0;
+    for id in (0..scene.lights().len() as u32).map(LightId) {
+        let Some(sample) = scene.sample_light(id, at, sampler.next_2d()) else { continue };
+        let cos = at.wo.dot(sample.wi);
+        if cos > 0.0 && !scene.occluded(&sample.shadow, sample.t_max) {
+            let weight = if sample.is_delta { 1.0 } else { mis::power(sample.pdf.0, cosine_pdf(cos)) };
+            light += weight * luminance(sample.radiance) * cos / sample.pdf.0;
+        }
+    }
+    let ray = at.spawn(Frame::from_z(at.wo).to_world(local));
+    // The path counts the light of the first hit whole.
+    let own = scene.intersect(&ray, f64::INFINITY).map_or_else(
+        || luminance(scene.environment_radiance(&ray, &Wavelengths::Rgb)),
+        |hit| {
+            let emitted = luminance(scene.emitted(&hit, hit.wo));
+            let pdf = hit.light().map_or(0.0, |id| scene.light_pdf(id, &from, &hit).0);
+            emitted * (1.0 - mis::power(cosine_pdf(local.z), pdf))
+        },
+    );
+    let mut context = Context::new(
+        scene,
+        Some(CameraRay { ray, weight: 1.0, differential: None }),
+        sampler,
+        ContextOptions::new(false),
+    );
+    light + PI * (luminance(path.radiance(&mut context)) - own)
+}
