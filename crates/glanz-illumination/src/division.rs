@@ -6,21 +6,27 @@ use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::{Light, LightId, Scene};
 use glanz_transport::{Arrival, Counters, KnownLight, LightRoute, ParticleTracer};
 
+use rayon::prelude::*;
+
 use crate::integrate::Reflections;
 use crate::lux_parts::IntegratedLux;
+use crate::receiver::Receivers;
 
 /// Particles that show how far from the lights their light arrives, and how many of them are traced together.
 const PROBES: u32 = 1 << 16;
 const BLOCK: u32 = 1 << 10;
 
-/// Distinguishes their numbers.
+/// Seed of these particles, beside those of calculations.
 const PROBE_SEED: u64 = 0x6e65_6172;
 
 /// Share of the flux of a light at distances that are far.
 const FAR_FLUX: f64 = 0.25;
 
+/// Relative distance beyond the last near surface: particles and paths that are at one distance up to rounding are on one side of the limit.
+const BEYOND: f64 = 1e-3;
+
 /// Largest mean square that is left to paths, over that of light which all arrives at a far distance.
-const LARGEST_SQUARE: f64 = 10.0;
+const LARGEST_SQUARE: f64 = 30.0;
 
 /// The methods that compute the light of a scene on its receivers, each of which has its part:
 ///
@@ -28,7 +34,7 @@ const LARGEST_SQUARE: f64 = 10.0;
 /// - paths from points ([`IrradianceTracer`](glanz_transport::IrradianceTracer)): other light that arrives straight, and all light whose
 ///   first scattering event, counted from the light, is not by a delta lobe;
 /// - particles ([`ParticleTracer`]): what remains, which paths from points find by chance at best: caustics, the light of sets of rays,
-///   and that of points on surfaces close to them, where it has no limit.
+///   and the light of points on surfaces close to them, where irradiance has no limit.
 #[derive(Debug)]
 pub struct LightDivision<'a> {
     reflections: &'a Reflections<'a>,
@@ -42,15 +48,15 @@ pub struct LightDivision<'a> {
 }
 
 impl<'a> LightDivision<'a> {
-    /// The division with what `reflections` integrates.
+    /// The division with what `reflections` integrates. By the threads of the current pool.
     #[must_use]
-    pub fn new(scene: &Scene, reflections: &'a Reflections<'a>) -> Self {
+    pub fn new(scene: &Scene, receivers: &Receivers, reflections: &'a Reflections<'a>) -> Self {
         let ids = || (0..).map(LightId).take(scene.lights().len());
         let only_particles = |id| !scene.is_selectable(id) && scene.emitter_probability(id) > 0.0;
         let known = KnownLight {
             direct: ids().map(|id| reflections.integrates(id)).collect(),
             specular: ids().map(|id| scene.is_selectable(id)).collect(),
-            near: near_distances(scene),
+            near: near_distances(scene, receivers),
         };
         let known_to_particles = KnownLight { direct: Vec::new(), ..known.clone() };
         let only_particles: Vec<bool> = ids().map(only_particles).collect();
@@ -93,42 +99,39 @@ impl<'a> LightDivision<'a> {
 /// For each light, the distance, metres, within which surfaces are too bright to be found by paths often enough; 0 without such surfaces.
 ///
 /// By particles: the contributions of paths have a mean square in proportion to the sum of flux over squared distance, without bound for points that
-/// touch a surface.
-fn near_distances(scene: &Scene) -> Vec<f64> {
-    let rays_miss = |light: &Light| {
-        matches!(
-            light,
-            Light::Point(_)
-                | Light::Spot(_)
-                | Light::Projection(_)
-                | Light::Goniometric(_)
-                | Light::Photometric(_)
-        )
-    };
-    let mut arrived: Vec<Vec<(f64, f64)>> = vec![Vec::new(); scene.lights().len()];
-    if !scene.lights().iter().any(rays_miss) {
-        return vec![0.0; arrived.len()];
+/// touch a surface. By the threads of the current pool.
+fn near_distances(scene: &Scene, receivers: &Receivers) -> Vec<f64> {
+    let lights = scene.lights();
+    let can_touch =
+        |light: &Light| !light.can_be_hit() && light.can_be_sampled() && !matches!(light, Light::Distant(_));
+    let can_touch: Vec<bool> = lights.iter().map(can_touch).collect();
+    if !can_touch.contains(&true) {
+        return vec![0.0; lights.len()];
     }
     let wavelengths = Wavelengths::default();
-    let mut tracer = ParticleTracer::new(scene, 1);
-    let sampler = |first| PixelSampler::new(SamplerKind::Sobol, 1, PROBE_SEED, [0, 0], first);
-    let mut last = [None; BLOCK as usize];
-    for first in (0..PROBES).step_by(BLOCK as usize) {
-        // Interfaces come before what scatters.
-        tracer.trace(sampler(first), BLOCK, &mut Counters::default(), |particle, arrival| {
-            let flux = photometric(arrival.arrived, &wavelengths);
-            last[particle] = Some((arrival.light, arrival.distance, flux)).filter(|_| arrival.distance > 0.0);
-        });
-        for (light, distance, flux) in last.iter_mut().filter_map(Option::take) {
-            let number = light.0 as usize;
-            if scene.lights().get(number).is_some_and(rays_miss)
-                && let Some(of_light) = arrived.get_mut(number)
-            {
-                of_light.push((distance, flux));
+    let arrivals = |block: u32| {
+        let mut last = vec![None; BLOCK as usize];
+        let sampler = PixelSampler::new(SamplerKind::Sobol, 1, PROBE_SEED, [0, 0], block * BLOCK);
+        let visit = |particle: usize, arrival: &Arrival| {
+            // Interfaces come first.
+            if arrival.route == LightRoute::Direct {
+                let counts =
+                    !arrival.left.is_black() || receivers.met(&arrival.at).is_some_and(|hit| hit.counts);
+                let flux = photometric(arrival.arrived, &wavelengths);
+                last[particle] = counts.then_some((arrival.light.0 as usize, arrival.distance, flux));
             }
+        };
+        ParticleTracer::new(scene, 1).trace(sampler, BLOCK, &mut Counters::default(), visit);
+        last
+    };
+    let blocks: Vec<_> = (0..PROBES / BLOCK).into_par_iter().map(arrivals).collect();
+    let mut by_light = vec![Vec::new(); lights.len()];
+    for (light, distance, flux) in blocks.into_iter().flatten().flatten() {
+        if distance > 0.0 && can_touch.get(light) == Some(&true) {
+            by_light[light].push((distance, flux));
         }
     }
-    arrived.iter_mut().map(|of_light| near_distance(of_light)).collect()
+    by_light.iter_mut().map(|arrived| near_distance(arrived)).collect()
 }
 
 /// That of one light, from distances and fluxes of particles: the smallest one beyond which the mean square is not much larger than that of light which
@@ -148,7 +151,7 @@ fn near_distance(arrived: &mut [(f64, f64)]) -> f64 {
         square += flux / all * (far / distance).powi(2);
         square > LARGEST_SQUARE
     };
-    arrived.iter().find(is_near).map_or(0.0, |(distance, _)| *distance)
+    arrived.iter().find(is_near).map_or(0.0, |(distance, _)| (1.0 + BEYOND) * distance)
 }
 
 /// A division of the light, and what is integrated in the cells.

@@ -29,7 +29,8 @@ pub struct CellTolerance {
     pub relative: f64,
     /// Share of the mean of the receiver below which the tolerance is relative to that share: where it is dark, small errors are tolerated.
     pub dark: f64,
-    /// Largest number of points in a cell, about; at an edge of the image of a lamp, errors beyond the tolerance are reported.
+    /// Largest number of points in a square of a cell, about, see [`Reflections::cell_mean`]; at an edge of the image of a lamp, errors beyond the tolerance are
+    /// reported.
     pub points: usize,
     /// Time from which on no cell is begun: those that are left are as if they did not converge.
     pub until: Option<Instant>,
@@ -49,8 +50,9 @@ impl Reflections<'_> {
     ) -> Result<Vec<IntegratedLux>, Interrupted> {
         let start = Instant::now();
         let cells = cells(self.scene, receivers);
+        let is_over = || cancel.is_cancelled() || accuracy.until.is_some_and(|until| Instant::now() >= until);
         let mean = |Cell { receiver, surface, cell, .. }: &Cell<'_>, tolerance| {
-            if receiver.areas()[*cell] <= 0.0 || !receiver.has_places(*cell) {
+            if receiver.areas()[*cell] <= 0.0 || !receiver.has_places(*cell) || is_over() {
                 return CellMean::default();
             }
             let patch = |at: DVec2| {
@@ -74,16 +76,12 @@ impl Reflections<'_> {
         };
         let mut found: Vec<IntegratedLux> = Vec::with_capacity(cells.len());
         for portion in cells.chunks(PORTION * rayon::current_num_threads()) {
-            cancel.check()?;
-            if accuracy.until.is_some_and(|until| Instant::now() >= until) {
-                found.resize(cells.len(), IntegratedLux::default());
-                break;
-            }
             found.par_extend(portion.par_iter().map(integrated));
             let (done, all) = (found.len() as u64, cells.len() as u64);
             let count = WorkCount { done, wanted: Some(all), unit: ["cell", "cells"] };
             let progress = JobProgress::by_work("integration", done as f64 / all as f64, start.elapsed());
             sink.on_progress(&progress.with_count(count));
+            cancel.check()?;
         }
         Ok(found)
     }

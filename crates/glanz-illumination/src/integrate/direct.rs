@@ -127,7 +127,7 @@ impl Region for EmitterRegion<'_> {
 /// Projected solid angle of the visible part of an emitter, sr.
 ///
 /// In closed form if all or none of the rays of a grid reach it; occluders smaller than an eighth of the emitter may be missed. Otherwise it is divided into
-/// about `budget` rectangles at most.
+/// about `budget` rectangles at most; with 0 it is not known.
 pub(super) fn of_emitter(
     scene: &Scene,
     receiver: ReceivingPoint,
@@ -148,6 +148,9 @@ pub(super) fn of_emitter(
     let (mut open, mut hidden) = (false, false);
     for part in 0..region.figure.parts() {
         for (i, j) in (0..RAYS_PER_SIDE).flat_map(|i| (0..RAYS_PER_SIDE).map(move |j| (i, j))) {
+            if open && hidden {
+                break;
+            }
             let at = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / f64::from(RAYS_PER_SIDE);
             let sample = region.sample(part, at);
             if sample.cos > 0.0 {
@@ -162,6 +165,7 @@ pub(super) fn of_emitter(
         (false, false) => RegionIntegral { value: whole, error: whole },
         (true, false) => RegionIntegral { value: whole, error: 1e-9 * whole },
         (false, true) => RegionIntegral::default(),
+        (true, true) if budget == 0 => RegionIntegral { value: 0.5 * whole, error: whole },
         (true, true) => {
             let halves = IntegrationRect::UNIT.quarters();
             let cells = (0..region.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));

@@ -74,14 +74,18 @@ impl EmitterShape {
         }
     }
 
-    /// Points of it, so dense that it is nowhere brighter than near one of them: the middle, of a long polygon points along its length.
-    pub(super) fn middles(&self) -> Vec<DVec3> {
-        let EmitterForm::Polygon { polygon, .. } = &self.form else { return vec![self.center()] };
-        let offsets = polygon.corners().iter().map(|corner| *corner - self.center());
+    /// Points along its length, as far apart as it is wide, but 64 at most.
+    pub(super) fn middles(&self) -> impl Iterator<Item = DVec3> {
+        let (corners, width) = match &self.form {
+            EmitterForm::Polygon { polygon, .. } => (polygon.corners(), self.inner_radius()),
+            _ => (&[][..], self.outer_radius()),
+        };
+        let center = self.center();
+        let offsets = corners.iter().map(|corner| *corner - center);
         let longest = offsets.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
-        let count = (self.outer_radius() / self.inner_radius()).clamp(1.0, MOST_MIDDLES as f64) as usize;
-        let share = |i: usize| (2 * i + 1) as f64 / count as f64 - 1.0;
-        (0..count).map(|i| self.center() + share(i) * longest.unwrap_or_default()).collect()
+        let count = (self.outer_radius() / width).clamp(1.0, MOST_MIDDLES as f64) as usize;
+        let share = move |i: usize| (2 * i + 1) as f64 / count as f64 - 1.0;
+        (0..count).map(move |i| center + share(i) * longest.unwrap_or_default())
     }
 
     /// Whether no point of the ball is on an emitting side.

@@ -4,9 +4,9 @@ use std::collections::BinaryHeap;
 
 use glanz_math::{DVec2, DVec3};
 
-use super::Reflections;
 use super::queue::QueueEntry;
 use super::region::{IntegrationRect, Tolerance};
+use super::{Reflections, light_position};
 
 /// Nodes and weights of Gauss' rules of two and three points in [0, 1].
 const TWO: [(f64, f64); 2] = [(0.211_324_865_405_187_1, 0.5), (0.788_675_134_594_812_9, 0.5)];
@@ -77,6 +77,7 @@ impl Reflections<'_> {
 
     /// A division of the cell into squares that are no larger than their distance from lights.
     fn around_lights(&self, patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>) -> Vec<IntegrationRect> {
+        let points: Vec<DVec3> = self.points.iter().filter_map(|(_, light)| light_position(light)).collect();
         let mut waiting = vec![(IntegrationRect::UNIT, 0)];
         let mut squares = Vec::new();
         while let Some((rect, quarterings)) = waiting.pop() {
@@ -86,7 +87,12 @@ impl Reflections<'_> {
             let size = length([corners[0], corners[1]]).max(length([corners[2], corners[3]]));
             let middle = place(DVec2::splat(0.5)).or(corners.into_iter().flatten().next());
             let is_close = |middle: DVec3| {
-                self.sources.iter().any(|source| source.distance_squared(middle) < size * size)
+                let is_near = |place: DVec3| place.distance_squared(middle) < size * size;
+                points.iter().any(|point| is_near(*point))
+                    || self.emitters.iter().any(|emitter| {
+                        let is_dark = || corners.iter().flatten().all(|at| emitter.is_dark_in(*at, 0.0));
+                        emitter.middles().any(is_near) && !is_dark()
+                    })
             };
             let is_limit = quarterings == MOST_QUARTERINGS || squares.len() + waiting.len() >= MOST_SQUARES;
             if !is_limit && middle.is_some_and(is_close) {

@@ -75,7 +75,6 @@ const BUDGET: usize = 8192;
 const MOST_RAYS: usize = 3_000_000;
 const MIRROR_EFFORT: usize = 64;
 const MOST_RECTANGLES: usize = 5_000;
-const SHADOW_RECTANGLES: usize = 4;
 const MIRROR_PROBES: usize = 64;
 /// Rounding errors in the coordinates of a point that was computed on a surface.
 const ROUNDINGS: u32 = 256;
@@ -90,20 +89,10 @@ pub struct Reflections<'a> {
     emitter_lights: Vec<LightId>,
     /// Lights without extent.
     points: Vec<(LightId, Light)>,
-    /// Places around which light is uneven: those of lights without extent, and of emitters.
-    sources: Vec<DVec3>,
     mirrors: Mirrors<'a>,
     tree: MirrorTree,
-    /// Largest number of rectangles of an emitter that something hides in part.
+    /// Largest number of rectangles of an emitter that something hides in part; with 0 its light is not known there.
     shadow_budget: usize,
-}
-
-/// The place of a light without extent; `None` if it is infinitely far away.
-fn place(light: &Light) -> Option<DVec3> {
-    let incident =
-        [DVec3::ZERO, DVec3::ONE].into_iter().find_map(|point| Some((point, light.incident(point)?)));
-    let (point, incident) = incident?;
-    incident.distance.is_finite().then(|| point + incident.distance * incident.towards)
 }
 
 /// Illuminance at a point.
@@ -162,19 +151,8 @@ impl<'a> Reflections<'a> {
         let tree = MirrorTree::over(&mirrors);
         let wavelengths = Wavelengths::default();
         let shadow_budget = direct::BUDGET;
-        let of_points = points.iter().filter_map(|(_, light)| place(light));
-        let sources = of_points.chain(emitters.iter().flat_map(EmitterShape::middles)).collect();
-        let reflections = Self {
-            scene,
-            wavelengths,
-            emitters,
-            emitter_lights,
-            points,
-            sources,
-            mirrors,
-            tree,
-            shadow_budget,
-        };
+        let reflections =
+            Self { scene, wavelengths, emitters, emitter_lights, points, mirrors, tree, shadow_budget };
         (reflections, refused)
     }
 
@@ -222,7 +200,7 @@ impl<'a> Reflections<'a> {
     }
 
     /// Leaves out lights, or the light of mirrors, whose integration over the cells of `receivers` takes more work than random methods need for errors of 1 %:
-    /// curved mirrors; more than three million shadow rays per point of all cells; 64 rectangles of mirrors per point in the middles of some cells, or 5000 in all
+    /// emitters where something hides a part of them; curved mirrors; more than three million shadow rays per point of all cells; 64 rectangles of mirrors per point in the middles of some cells, or 5000 in all
     /// cells. By the threads of the current pool.
     #[must_use]
     pub fn without_costly(mut self, receivers: &Receivers, tolerance: Tolerance) -> Self {
@@ -231,8 +209,8 @@ impl<'a> Reflections<'a> {
             all.flat_map(|receiver| (0..receiver.len()).map(move |cell| (receiver, cell))).collect();
         let cells: Vec<_> =
             cells.into_iter().filter(|(receiver, cell)| receiver.areas()[*cell] > 0.0).collect();
-        // Half shadows converge slowly.
-        self.shadow_budget = SHADOW_RECTANGLES;
+        // Half shadows converge slowly, and their borders are rays that touch surfaces, which cost most.
+        self.shadow_budget = 0;
         if self.points.len() * cells.len() > MOST_RAYS {
             self.points.clear();
         }
@@ -332,6 +310,14 @@ pub(crate) fn position_error(scene: &Scene, point: DVec3) -> DVec3 {
     let size = if bounds.is_finite() { bounds.min.abs().max(bounds.max.abs()) } else { DVec3::ZERO };
     // A scene may be flat along an axis; the others have errors in its plane all the same.
     gamma(ROUNDINGS) * DVec3::splat(point.abs().max(size).max_element())
+}
+
+/// Position of a light without extent; `None` if it is infinitely far away.
+fn light_position(light: &Light) -> Option<DVec3> {
+    let incident =
+        [DVec3::ZERO, DVec3::ONE].into_iter().find_map(|point| Some((point, light.incident(point)?)));
+    let (point, incident) = incident?;
+    incident.distance.is_finite().then(|| point + incident.distance * incident.towards)
 }
 
 /// How a light is integrated.

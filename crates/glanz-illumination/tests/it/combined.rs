@@ -53,7 +53,7 @@ fn continued(
     settings: &TraceSettings,
 ) -> CombinedOutcome {
     let reflections = integrable(scene, receivers);
-    let division = LightDivision::new(scene, &reflections);
+    let division = LightDivision::new(scene, receivers, &reflections);
     combine(scene, receivers, &division, settings, light, &mut Silent, &CancelFlag::default()).unwrap()
 }
 
@@ -217,7 +217,7 @@ fn interrupted_light_continues_from_its_bytes() {
     let scene = showroom();
     let receivers = Receivers::try_new(&scene, &[request("floor", 0, Cells([3, 2]))]).unwrap();
     let reflections = integrable(&scene, &receivers);
-    let division = LightDivision::new(&scene, &reflections);
+    let division = LightDivision::new(&scene, &receivers, &reflections);
     let cancel = CancelFlag::default();
     let mut sink = Interrupting { cancel: &cancel, saved: None };
     let goal = settings(until(1e-9), 2, 1);
@@ -303,6 +303,22 @@ fn light_of_lamps_close_to_a_cell_is_integrated() {
         assert!((found / flux - 1.0).abs() < 0.01, "{number}: {found}, {flux}");
         assert!(cells.iter().all(|cell| cell.converged), "{number}: {cells:?}");
     }
+}
+
+#[test]
+fn light_at_one_distance_from_a_lamp_is_counted_once() {
+    // A half sphere about the lamp, in a black sphere. Half of the light that it scatters leaves it at once: I 2 pi (1 + rho / 2 / (1 - rho / 2)).
+    let bowl = GeometryDescription::Sphere { radius: 0.1, z: [0.0, 0.1], phi_max: 2.0 * PI };
+    let scene = resolved(
+        SceneBuilder::new()
+            .shape(ShapeDescription::sphere(3.0).reversed(), diffuse(0.0))
+            .shape(bowl, diffuse(0.6))
+            .light(point_light(DVec3::ZERO, 100.0)),
+    );
+    let (maps, _) = calculated(&scene, &[request("sphere", 0, Cells([6, 4]))], 0.02);
+    let expected = 2.0 * PI * 100.0 * (1.0 + 0.3 / (1.0 - 0.3));
+    let flux = maps[0].summary().flux;
+    assert!((flux / expected - 1.0).abs() < 0.03, "{flux}, {expected}");
 }
 
 #[test]

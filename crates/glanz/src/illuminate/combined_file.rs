@@ -23,7 +23,7 @@ use crate::file;
 /// Envelope of the file.
 const ENVELOPE: FileEnvelope = FileEnvelope {
     magic: b"GLANZLXC",
-    version: 1,
+    version: 2,
     content: "the checkpoint",
     kind: "a checkpoint of illuminance",
 };
@@ -33,7 +33,7 @@ const ENVELOPE: FileEnvelope = FileEnvelope {
 pub(super) struct CombinedFile {
     /// Identity of the particles.
     pub(super) identity: TallyIdentity,
-    /// Relative error of the integration; which cells were integrated depends on it.
+    /// Relative error of the integration; which cells were integrated depends on it, and on the time.
     pub(super) tolerance: f64,
     pub(super) light: CombinedLight,
 }

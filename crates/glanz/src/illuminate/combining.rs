@@ -16,7 +16,7 @@ use crate::event::{JobEvent, ResumedState};
 use crate::file;
 use crate::running_job::{JobSink, RunningJob};
 
-/// Largest number of points in a cell for the integration: where edges of light need more, paths and particles compute it.
+/// Largest number of points in a square for the integration, see [`CellTolerance::points`]: where edges of light need more, paths and particles compute it.
 const POINTS: usize = 65;
 
 /// The light on all receivers, from the checkpoint if it is resumed, and the reason for the end.
@@ -59,12 +59,12 @@ pub(super) fn combined(
             CombinedLight::new(receivers, cells)
         }
     };
+    let division = job.in_pool(|_| Ok(LightDivision::new(scene, receivers, &reflections)))?;
     let (cancel, path) = (job.options.cancel.clone(), job.options.checkpoint.clone());
     let mut settings = design.trace_settings(job);
     settings.goal.time = settings.goal.time.map(|limit| limit.saturating_sub(start.elapsed()));
     let write = |path: &Path, light: &CombinedLight| combined_file::write(path, &identity, relative, light);
     let mut sink = JobSink::new(job, path.clone(), write);
-    let division = LightDivision::new(scene, &reflections);
     let outcome = combine(scene, receivers, &division, &settings, light, &mut sink, &cancel)
         .map_err(|error| Error::Threads(error.0))?;
     if let Some(path) = &path {
