@@ -8,12 +8,14 @@
 Both programs fill the same texels: Cycles bakes the model that `glanz bake` writes, with its texture coordinates, so that texels of both
 have the same places, and the light of both is looked up alike, bilinearly. Charts are a hundredth of a texel wider for Cycles, which would
 otherwise leave out texels whose middles are on the border. The reference is the irradiance on the exact surfaces, by paths (glanz.rs). Errors are
-relative to the irradiance there, or to 1 % of the mean irradiance of all points where that is larger; nothing is capped or left out. Since
+relative to the irradiance there, or to 1 % of the mean irradiance of all points where that is larger, as is the standard error of the
+reference; nothing is capped. Points without light in 4096 paths are left out, and counted where their light map has light. Since
 a dark point that is shown bright has thousands of percent, there is also the mean of the errors relative to the larger of both values.
 Times are those of the processor: of the whole program `glanz bake`, of the bake alone of Cycles. First the unit of Cycles' bake is checked by
 the closed form of a floor beneath a square lamp."""
 
 import argparse
+import hashlib
 import json
 import math
 import pathlib
@@ -47,11 +49,17 @@ def run(command, **options):
     return told, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def colours(scene):
-    """Colours of named materials of a scene and the files that it includes, and the cells of those that are checkerboards."""
+def scene_text(scene):
+    """Text of a scene and the files that it includes."""
     text = scene.read_text()
     for name in re.findall(r'Include "([^"]+)"', text):
         text += (scene.parent / name).read_text()
+    return text
+
+
+def colours(scene):
+    """Colours of named materials of a scene, and the cells of those that are checkerboards."""
+    text = scene_text(scene)
     three = r"\[ *([\d.]+) +([\d.]+) +([\d.]+) *\]"
     boards = {}
     for name, u, v, rest in re.findall(r'Texture "(\w+)" "spectrum" "checkerboard" "float uscale" (\d+) "float vscale" (\d+)([^T]+)', text):
@@ -118,6 +126,11 @@ def read_model(path):
 
 def mark_lamps(parts, lamps, axes):
     """Gives the triangles that lie on lamps their radiance. `axes`: from the scene to the model."""
+    if not lamps:
+        sys.exit("no surface of the scene emits light; Cycles gets the light of flat patches only")
+    curved = sum(not lamp["flat"] for lamp in lamps)
+    if curved:
+        sys.exit(f"{curved} of {len(lamps)} lamps are no flat patches; Cycles gets the light of flat patches only")
     for lamp in lamps:
         corners = numpy.array(lamp["corners"]) @ axes.T
         low, high = corners.min(axis=0) - 1e-3, corners.max(axis=0) + 1e-3
@@ -252,11 +265,13 @@ def main():
     parser.add_argument("--cycles-samples", type=int, nargs="*", default=[16, 64, 256, 1024])
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--folder", type=pathlib.Path, help="keep files there, and use the bakes and points that it has")
+    parser.add_argument("--folder", type=pathlib.Path, help="keep files there, in a folder for each scene and its settings, and use the bakes and points that it has; after a change of the programs, give another one")
     parser.add_argument("--out", type=pathlib.Path, help="JSON file of the results")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
-        folder = asked.folder or pathlib.Path(temporary)
+        settings = [scene_text(asked.scene), float(asked.density[0]), asked.rays, asked.points, asked.reference_error, asked.reference_samples]
+        key = hashlib.sha256(json.dumps(settings).encode()).hexdigest()[:16]
+        folder = (asked.folder or pathlib.Path(temporary)) / key
         folder.mkdir(parents=True, exist_ok=True)
         compare(asked, folder)
 
@@ -281,14 +296,22 @@ def compare(asked, folder):
         print(f"points: {seconds:.0f} s")
     found = json.loads(file.read_text())
     points = found["points"]
-    relative = numpy.array([p["deviation"] / p["irradiance"] for p in points])
-    print(f"{len(points)} points, {found['covered']} beside them covered; standard error of the reference {relative.mean():.2%} on average, "
-          f"{numpy.quantile(relative, 0.95):.2%} for 95 %, at most {relative.max():.2%}")
-    results["reference"] = {"covered": found["covered"], "mean": relative.mean(), "largest": relative.max()}
+    true, deviation = (numpy.array([p[name] for p in points]) for name in ("irradiance", "deviation"))
+    print(f"{len(points)} points, {found['covered']} beside them covered")
+    results["reference"] = {"covered": found["covered"]}
+    for name, light in (("the irradiance", true), (f"the irradiance or {FLOOR:.0%} of its mean", numpy.maximum(true, FLOOR * true.mean()))):
+        relative = deviation / light
+        print(f"standard error of the reference, relative to {name}: {relative.mean():.2%} on average, "
+              f"{numpy.quantile(relative, 0.95):.2%} for 95 %, at most {relative.max():.2%}")
+        results["reference"][f"relative to {name}"] = {"mean": relative.mean(), "quantile_95": numpy.quantile(relative, 0.95),
+                                                       "largest": relative.max()}
     results["glanz"] = {}
     for density, (model, seconds) in reversed(baked.items()):
         parts, page = read_model(model), read_exr(model.with_suffix(".exr"))
         axes, (coordinates, away) = min(((a, places(parts, points, a)) for a in AXES), key=lambda c: numpy.median(c[1][1]))
+        lost = int(numpy.isinf(away).sum())
+        if lost:
+            sys.exit(f"{lost} of {len(points)} points are on no triangle with a light map at {density:g} texels per metre")
         print(f"points are at most {away.max() * 1e3:.2f} mm from the triangles")
         results["glanz"][density] = {**summary(looked_up(page, coordinates), points), "processor_seconds": seconds}
         show(f"glanz, {density:g} texels/m", results["glanz"][density], seconds)
@@ -303,6 +326,8 @@ def compare(asked, folder):
         results["unit"] = check_unit(folder, asked)
         mark_lamps(parts, found["lamps"], axes)
         emitting = sum(int((part.radiance > 0).any(axis=1).sum()) for part in parts)
+        if not emitting:
+            sys.exit("no triangle of the model lies on a lamp")
         print(f"{emitting} triangles emit light")
         side = len(page)
         put(parts, colours(asked.scene), side, folder / "model.npz")

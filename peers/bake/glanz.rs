@@ -1,7 +1,7 @@
 //! Glanz's side of the comparison of light maps; `compare.py` runs it and describes the comparison: SCENE LIGHT DENSITY RAYS POINTS ERROR SAMPLES
 //!
 //! Prints one JSON object: random points of the surfaces of SCENE with their irradiance by paths (of a relative standard error of ERROR, or
-//! by SAMPLES paths), and the lamps, which must be flat patches. LIGHT: the finished checkpoint of a bake with DENSITY and RAYS.
+//! by SAMPLES paths), and the lamps, with whether each is a flat patch. LIGHT: the finished checkpoint of a bake with DENSITY and RAYS.
 
 #![allow(clippy::print_stdout, reason = "a program of a comparison talks to it")]
 
@@ -11,15 +11,15 @@ mod bake_points;
 
 use std::error::Error;
 
-use bake_points::{PointSettings, luminance, reference_points};
+use bake_points::{FLATNESS, PointSettings, luminance, reference_points};
 use glanz::light::Wavelengths;
-use glanz::math::DVec2;
+use glanz::math::{DVec2, DVec3};
 use glanz::radiosity::bake::LightMaps;
 use glanz::radiosity::elements::{ElementSettings, Elements};
 use glanz::scene::Scene;
 use serde_json::{Value, json};
 
-/// Corners and radiance of the flat patches that emit light.
+/// Corners and radiance of the surfaces that emit light, and whether they are flat patches.
 fn lamps(scene: &Scene) -> Vec<Value> {
     let surfaces = scene.placed_surfaces();
     let lamp = |surface: &glanz::scene::PlacedSurface<'_>| {
@@ -32,7 +32,15 @@ fn lamps(scene: &Scene) -> Vec<Value> {
             let radiance = scene.emitted(&at, at.wo).to_rgb(&Wavelengths::default());
             Some(json!({ "normal": at.wo.to_array(), "radiance": radiance }))
         });
-        Some(json!({ "corners": corners, "sides": sides }))
+        let normals = (0..25).filter_map(|i| {
+            let uv = DVec2::new(f64::from(i % 5), f64::from(i / 5)) / 4.0;
+            Some(surface.at(0, uv, false)?.at.wo)
+        });
+        let normals: Vec<DVec3> = normals.collect();
+        let is_flat = surface.faces() == 1
+            && normals.len() == 25
+            && normals.iter().all(|normal| normal.cross(normals[0]).length() <= FLATNESS);
+        Some(json!({ "corners": corners, "sides": sides, "flat": is_flat }))
     };
     surfaces.iter().filter_map(lamp).collect()
 }
@@ -47,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let baked = bake.checkpoint(std::path::PathBuf::from(light)).resume(true).run()?;
     let settings =
         PointSettings { count: count.parse()?, error: error.parse()?, samples: samples.parse()?, density };
-    let found = reference_points(baked.scene(), &baked.maps, &settings);
+    let found = reference_points(baked.scene(), &baked.maps, &settings)?;
     // Only the surfaces of the elements matter for the lookup.
     let elements = Elements::new(baked.scene(), &ElementSettings { side: 1.0 })?;
     let maps = LightMaps::new(&elements, baked.maps.clone());

@@ -18,8 +18,15 @@ const REPLICATES: u32 = 16;
 /// Samples of each replicate before the first test of their spread.
 const FIRST_SAMPLES: u32 = 16;
 
+/// Paths of a point none of which has found light, after which it counts as one that no light reaches: light that one path in a thousand
+/// finds is missed by all of them with a probability of 2 %.
+const DARK_SAMPLES: u32 = 4096;
+
+/// Largest number of random positions on charts per wanted point.
+const MAX_TRIES_PER_POINT: u64 = 1000;
+
 /// Largest sine of the angle between two normals of a flat chart.
-const FLATNESS: f64 = 1e-6;
+pub(crate) const FLATNESS: f64 = 1e-6;
 
 /// The points to find, and the accuracy of their irradiance.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +35,7 @@ pub(crate) struct PointSettings {
     pub(crate) count: u32,
     /// Standard error, relative to the irradiance, at which a point has paths enough.
     pub(crate) error: f64,
-    /// Largest number of paths of a point.
+    /// Largest number of paths of a point; with fewer than 4096, dimly lit points count as ones that no light reaches.
     pub(crate) samples: u32,
     /// Texels per metre of the charts.
     pub(crate) density: f64,
@@ -57,7 +64,7 @@ pub(crate) struct ReferencePoint {
 #[derive(Debug)]
 pub(crate) struct ReferencePoints {
     pub(crate) points: Vec<ReferencePoint>,
-    /// Points beside these of light maps with light that no light reaches: another object covers them.
+    /// Points beside these, of light maps with light, where none of 4096 paths finds light: another object covers them.
     pub(crate) covered: u32,
 }
 
@@ -66,11 +73,17 @@ pub(crate) fn luminance(light: Spectrum) -> f64 {
 }
 
 /// Points uniform by area on all charts of `maps` that are not the dark inside of a solid: on curved and flat ones, on both sides of sheets.
+/// Points that no light reaches are left out.
+///
+/// # Errors
+/// What is wrong: no light map has light, charts have fewer texels than `settings` say, or there are too few points that light reaches among 1000 random
+/// positions per wanted point.
 pub(crate) fn reference_points(
     scene: &Scene,
     maps: &[LightMap],
     settings: &PointSettings,
-) -> ReferencePoints {
+) -> Result<ReferencePoints, String> {
+    check(maps, settings)?;
     let surfaces = scene.placed_surfaces();
     let path = IntegratorSettings::resolve(&IntegratorDescription {
         name: "path".into(),
@@ -79,12 +92,20 @@ pub(crate) fn reference_points(
     })
     .unwrap()
     .build();
-    let mut candidates = Candidates::new(&surfaces, maps, settings.density);
+    let mut candidates = Candidates::new(&surfaces, maps, settings);
     let (mut points, mut covered) = (Vec::new(), 0);
     let threads = std::thread::available_parallelism().map_or(1, |count| count.get());
     while points.len() < settings.count as usize {
         // The same points with any number of threads.
         let group: Vec<(u32, PlacedPoint, ReferencePoint)> = candidates.by_ref().take(64).collect();
+        if group.is_empty() {
+            return Err(format!(
+                "light reaches {} of {} points after {} random positions on charts; ask for fewer points, or light more surfaces",
+                points.len(),
+                settings.count,
+                candidates.tries
+            ));
+        }
         let estimate = |(number, at, point): &(u32, PlacedPoint, ReferencePoint)| {
             let [irradiance, deviation] = irradiance_by_paths(scene, path.as_ref(), at, settings, *number);
             ReferencePoint { irradiance, deviation, ..point.clone() }
@@ -108,10 +129,27 @@ pub(crate) fn reference_points(
             }
         }
     }
-    ReferencePoints { points, covered }
+    Ok(ReferencePoints { points, covered })
 }
 
-/// Random points of charts, with their numbers.
+/// Tests whether points can be drawn on the charts of `maps`.
+fn check(maps: &[LightMap], settings: &PointSettings) -> Result<(), String> {
+    let shown = || maps.iter().filter(|map| !map.is_hidden);
+    if shown().all(LightMap::is_dark) {
+        return Err("no light map has light; the scene needs a light that reaches a surface".into());
+    }
+    // The largest area of a cell would not be known.
+    let coarse = shown().filter(|map| map.chart.is_coarse).count();
+    if coarse > 0 {
+        return Err(format!(
+            "{coarse} charts have fewer than {} texels per metre; lower the density",
+            settings.density
+        ));
+    }
+    Ok(())
+}
+
+/// Random points of charts, with their numbers; it ends after `max_tries` random positions.
 struct Candidates<'a> {
     surfaces: &'a [PlacedSurface<'a>],
     maps: Vec<(&'a LightMap, bool)>,
@@ -120,10 +158,12 @@ struct Candidates<'a> {
     largest_cell: f64,
     random: PixelSampler,
     found: u32,
+    tries: u64,
+    max_tries: u64,
 }
 
 impl<'a> Candidates<'a> {
-    fn new(surfaces: &'a [PlacedSurface<'a>], maps: &'a [LightMap], density: f64) -> Self {
+    fn new(surfaces: &'a [PlacedSurface<'a>], maps: &'a [LightMap], settings: &PointSettings) -> Self {
         let shown = maps.iter().filter(|map| !map.is_hidden);
         let maps: Vec<_> =
             shown.map(|map| (map, is_curved(map, &surfaces[map.chart.surface as usize]))).collect();
@@ -135,7 +175,16 @@ impl<'a> Candidates<'a> {
         });
         let cells = cells.collect();
         let random = PixelSampler::new(SamplerKind::Independent, 1, 3, [0, 0], 0);
-        Self { surfaces, maps, cells, largest_cell: 1.0 / (density * density), random, found: 0 }
+        Self {
+            surfaces,
+            maps,
+            cells,
+            largest_cell: settings.density.powi(-2),
+            random,
+            found: 0,
+            tries: 0,
+            max_tries: MAX_TRIES_PER_POINT * u64::from(settings.count),
+        }
     }
 
     /// A candidate, kept with the probability of its cell's area over the largest one.
@@ -180,7 +229,14 @@ impl Iterator for Candidates<'_> {
     type Item = (u32, PlacedPoint, ReferencePoint);
 
     fn next(&mut self) -> Option<Self::Item> {
-        std::iter::repeat_with(|| self.candidate()).flatten().next()
+        while self.tries < self.max_tries {
+            self.tries += 1;
+            let candidate = self.candidate();
+            if candidate.is_some() {
+                return candidate;
+            }
+        }
+        None
     }
 }
 
@@ -224,7 +280,12 @@ fn irradiance_by_paths(
         let mean = means.iter().sum::<f64>() / n;
         let squares = means.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
         let deviation = (squares / (n * (n - 1.0))).sqrt();
-        if samples == most || deviation <= settings.error * mean {
+        let is_accurate = if mean > 0.0 {
+            deviation <= settings.error * mean
+        } else {
+            REPLICATES * samples >= DARK_SAMPLES
+        };
+        if samples == most || is_accurate {
             return [mean, deviation];
         }
     }
@@ -246,9 +307,17 @@ fn sample(scene: &Scene, path: &dyn Integrator, at: &PlacedPoint, mut sampler: P
         }
     }
     let ray = at.spawn(Frame::from_z(at.wo).to_world(local));
-    // The path counts the light of the first hit whole.
+    // The path counts the light of the first hit whole; where it escapes, that of the backdrop, if the scene has one, instead of the infinite
+    // lights.
     let own = scene.intersect(&ray, f64::INFINITY).map_or_else(
-        || luminance(scene.environment_radiance(&ray, &Wavelengths::Rgb)),
+        || {
+            let weighted = |&id: &LightId| {
+                let pdf = scene.infinite_pdf(id, &from, ray.direction).0;
+                luminance(scene.infinite_radiance(id, &ray)) * mis::power(cosine_pdf(local.z), pdf)
+            };
+            let lights = scene.infinite_lights().iter().map(weighted).sum::<f64>();
+            luminance(scene.backdrop_radiance(&ray, &Wavelengths::Rgb)) - lights
+        },
         |hit| {
             let emitted = luminance(scene.emitted(&hit, hit.wo));
             let pdf = hit.light().map_or(0.0, |id| scene.light_pdf(id, &from, &hit).0);

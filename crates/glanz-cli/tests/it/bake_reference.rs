@@ -100,7 +100,7 @@ fn light_maps_agree_with_path_tracing() {
                 samples: number("GLANZ_BAKE_SAMPLES", 4096),
                 density: settings.density,
             };
-            let found = reference_points(&scene, &maps, &wanted);
+            let found = reference_points(&scene, &maps, &wanted).unwrap_or_else(|error| panic!("{error}"));
             println!("{} points beside these are covered", found.covered);
             // They must be few where little stands on other surfaces.
             assert!(scene_name != SUITE_SCENE || 20 * found.covered <= wanted.count, "{}", found.covered);
@@ -123,9 +123,11 @@ fn light_maps_agree_with_path_tracing() {
         for (error, name) in errors.relative.iter().rev().take(12) {
             println!("{:6.1} %  {name}", 100.0 * error);
         }
-        let [mean, almost_all] = if method == BakeMethod::Gather { [0.02, 0.06] } else { [0.03, 0.1] };
-        // In a furnished room, dark nooks decide both.
-        let is_near = scene_name != SUITE_SCENE || errors.mean() <= mean && errors.at(0.95) <= almost_all;
+        let [mean, almost_all, curved_share] =
+            if method == BakeMethod::Gather { [0.02, 0.06, 0.85] } else { [0.03, 0.1, 0.7] };
+        // In a furnished room, dark nooks decide these.
+        let is_near = scene_name != SUITE_SCENE
+            || errors.mean() <= mean && errors.at(0.95) <= almost_all && errors.curved_share >= curved_share;
         if !(is_near && errors.at(0.5) <= 0.03 && errors.bias.abs() <= 0.03) {
             too_far.push(method.name());
         }
