@@ -68,21 +68,39 @@ impl CellField {
 
     /// The field with two by two cells joined: means over their areas.
     pub(crate) fn halved(&self) -> Self {
-        let join = |edges: &[u32]| {
-            let mut joined: Vec<u32> = edges.iter().copied().step_by(2).collect();
-            if edges.len().is_multiple_of(2) {
+        self.joined([2; 2])
+    }
+
+    /// The field with as many equal numbers of cells joined, along each direction, as it takes to leave at most `most` columns and rows: means over their areas.
+    #[must_use]
+    pub fn blocks(&self, most: [usize; 2]) -> Self {
+        let [columns, rows] = most.map(|count| count.max(1));
+        self.joined([self.columns().div_ceil(columns).max(1), self.rows().div_ceil(rows).max(1)])
+    }
+
+    /// The field with these numbers of columns and rows joined; at the ends fewer. At least 1 each.
+    fn joined(&self, counts: [usize; 2]) -> Self {
+        let join = |edges: &[u32], count: usize| {
+            let mut joined: Vec<u32> = edges.iter().copied().step_by(count).collect();
+            if joined.last() != edges.last() {
                 joined.extend(edges.last());
             }
             joined
         };
-        let edges = [join(&self.edges[0]), join(&self.edges[1])];
+        let edges = [join(&self.edges[0], counts[0]), join(&self.edges[1], counts[1])];
         let (columns, rows) = (edges[0].len() - 1, edges[1].len() - 1);
         let mean = |column: usize, row: usize| {
-            let cells = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| [2 * column + dx, 2 * row + dy]);
-            let inside = cells.into_iter().filter(|[x, y]| *x < self.columns() && *y < self.rows());
-            let numbers = inside.filter_map(|[x, y]| self.values.get(y * self.columns() + x));
-            let (sum, area) = numbers.fold((0.0, 0.0), |(sum, all), (v, area)| (sum + v * area, all + area));
-            if area > 0.0 { (sum / area, area) } else { (0.0, 0.0) }
+            let within = |number: usize, axis: usize, end: usize| {
+                number * counts[axis]..((number + 1) * counts[axis]).min(end)
+            };
+            let (mut sum, mut all) = (0.0, 0.0);
+            for y in within(row, 1, self.rows()) {
+                for x in within(column, 0, self.columns()) {
+                    let (value, area) = self.values.get(y * self.columns() + x).copied().unwrap_or_default();
+                    (sum, all) = (sum + value * area, all + area);
+                }
+            }
+            if all > 0.0 { (sum / all, all) } else { (0.0, 0.0) }
         };
         let values = (0..rows).flat_map(|row| (0..columns).map(move |column| mean(column, row))).collect();
         Self { edges, size: self.size, values }
@@ -121,6 +139,18 @@ mod tests {
         assert_eq!(half.centres(0), [0.0, 1.0 / 3.0, 5.0 / 6.0, 1.0]);
         let row = [Some(3.0), Some(3.0), Some(9.0), Some(9.0)];
         assert_eq!(half.to_borders(), [row, row, row].concat());
+    }
+
+    #[test]
+    fn blocks_leave_at_most_so_many_columns_and_rows() {
+        let numbers: Vec<f64> = (0..35).map(f64::from).collect();
+        let field = CellField::new([7, 5], [7.0, 5.0], &[1.0; 35], &numbers);
+        let blocks = field.blocks([3, 5]);
+        // Three columns at a time, the last one alone; every row stays.
+        assert_eq!((blocks.columns(), blocks.rows()), (3, 5));
+        assert_eq!((blocks.at(0, 0), blocks.at(1, 2), blocks.at(2, 4)), (Some(1.0), Some(18.0), Some(34.0)));
+        assert_eq!(blocks.edges(0), [0, 3, 6, 7]);
+        assert_eq!((field.blocks([9, 9]), field.blocks([0, 0]).at(0, 0)), (field.clone(), Some(17.0)));
     }
 
     #[test]

@@ -29,6 +29,21 @@ pub fn significant(number: f64) -> String {
     }
 }
 
+/// A number that is not negative for a crowded table: whole from 10 on, two significant digits below.
+#[must_use]
+pub fn brief(number: f64) -> String {
+    let exponent = number.abs().log10().floor();
+    if number == 0.0 || !number.is_finite() {
+        number.to_string()
+    } else if (-3.0..1.0).contains(&exponent) {
+        format!("{number:.*}", (1.0 - exponent) as usize)
+    } else if exponent < 6.0 && exponent >= 1.0 {
+        format!("{number:.0}")
+    } else {
+        format!("{number:.1e}")
+    }
+}
+
 /// The shortest decimal number that reads back as the same, as a power of ten unless its size is 0 or in `plain`.
 #[must_use]
 pub fn exact(number: f64, plain: Range<f64>) -> String {
@@ -108,6 +123,15 @@ mod tests {
             [(0.0, "0"), (0.012_345, "0.01235"), (123_456.0, "123456"), (1.5e-7, "1.50e-7"), (3e9, "3.00e9")]
         {
             assert_eq!(significant(number), shown);
+        }
+    }
+
+    #[test]
+    fn crowded_numbers_are_short() {
+        for (number, shown) in
+            [(0.0, "0"), (499.6, "500"), (12.34, "12"), (9.87, "9.9"), (0.0123, "0.012"), (2e7, "2.0e7")]
+        {
+            assert_eq!(brief(number), shown);
         }
     }
 

@@ -8,6 +8,7 @@ use serde::ser::{SerializeStruct, Serializer};
 use super::glare::GlareRating;
 use super::maintenance::MaintenanceFactor;
 use super::point_illuminance::GOOD_MODELLING;
+use super::power::InstalledPower;
 use super::requirement::{LightingTask, RequirementVerdict, installation_table, verdict_table};
 use crate::lux_map::uniformity;
 use crate::replicates::ReplicateEstimate;
@@ -125,18 +126,8 @@ impl PlanReport {
         if let Some(lux) = self.task_illuminance {
             facts.push("maintained mean illuminance of the task area, lx", "task_mean_lux", lux);
         }
-        if self.watts > 0.0 && self.area > 0.0 {
-            let density = self.watts / self.area;
-            facts.push("power, W", "power_w", self.watts);
-            facts.push("power per area, W/m2", "power_density_w_m2", density);
-            if let Some(lux) = self.task_illuminance.filter(|lux| *lux > 0.0) {
-                facts.push(
-                    "power per area and 100 lx, W/m2",
-                    "power_density_w_m2_100lx",
-                    100.0 * density / lux,
-                );
-            }
-        }
+        let reference = self.task_illuminance.map(|lux| ("task area".to_owned(), lux));
+        InstalledPower { watts: self.watts, area: self.area, reference }.add_to(&mut facts);
         self.add_glare(&mut facts);
         if let Some((mean, [u0, ..])) = self.mean_cylindrical() {
             facts.push(

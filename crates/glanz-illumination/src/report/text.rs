@@ -191,6 +191,7 @@ mod tests {
             far_field: None,
             daylight: Vec::new(),
             plan: None,
+            layout: None,
             facts,
             polars: Vec::new(),
         };

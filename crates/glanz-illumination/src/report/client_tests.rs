@@ -1,0 +1,216 @@
+//! Tests of the pages that a client reads.
+
+use std::sync::Arc;
+
+use glanz_math::{DVec2, DVec3};
+use glanz_report::{FactList, FactValue};
+use glanz_scene::description::{LuminaireDescription, ZoneKind};
+
+use super::html::tests::unbalanced;
+use super::{LitQuantity, LuxReport};
+use crate::planning::test_luminaires::{downlight, lambertian};
+use crate::planning::{
+    LuminaireGroup, MaintenanceFactor, OtherLight, PlacedLuminaire, PlanReport, ReceiverPlace, RoomLayout,
+    RoomSurface, RoomSurfaceKind,
+};
+use crate::{DaylightFactors, LuxMap};
+
+fn rectangle([x, y]: [f64; 2], [w, d]: [f64; 2]) -> Vec<DVec2> {
+    [[x, y], [x + w, y], [x + w, y + d], [x, y + d]].map(DVec2::from).to_vec()
+}
+
+/// A map of 12 x 8 cells whose illuminance rises from 300 lx by `slope` lx per column.
+fn map(name: &str, size: [f64; 2], slope: f64) -> LuxMap {
+    LuxMap {
+        name: name.into(),
+        cells: [12, 8],
+        size,
+        positions: vec![DVec3::ZERO; 96],
+        areas: vec![size[0] * size[1] / 96.0; 96],
+        lux: (0..96).map(|i| 300.0 + slope * f64::from(i % 12)).collect(),
+        errors: vec![2.0; 96],
+        statistics: None,
+    }
+}
+
+fn place(name: &str, kind: Option<ZoneKind>, is_level: bool, height: f64) -> ReceiverPlace {
+    let outline = rectangle([0.5, 0.5], [5.0, 3.0]);
+    ReceiverPlace { name: name.into(), kind, is_level, corner: DVec2::new(0.5, 0.5), height, outline }
+}
+
+/// A room of 6 m x 4 m x 2.8 m with four luminaires of 36 W, named `name`, a desk and a wall.
+fn report(name: &str, desk: Option<ZoneKind>) -> LuxReport {
+    let description = LuminaireDescription {
+        name: name.into(),
+        maker: name.into(),
+        file: "panel.ies".into(),
+        color: "4000 K".into(),
+        watts: 36.0,
+        flux: 1000.0 * std::f64::consts::PI,
+        ..LuminaireDescription::default()
+    };
+    let description = Some(Arc::new(description));
+    let lamps: Vec<PlacedLuminaire> = [[1.5, 1.0], [4.5, 1.0], [1.5, 3.0], [4.5, 3.0]]
+        .map(|[x, y]| PlacedLuminaire {
+            description: description.clone(),
+            ..downlight(lambertian(1000.0), DVec3::new(x, y, 2.8))
+        })
+        .to_vec();
+    let surface = |surface, reflectance| RoomSurface {
+        surface,
+        area: 24.0,
+        reflectance,
+        reflectance_range: [reflectance; 2],
+    };
+    let layout = RoomLayout {
+        corners: [DVec3::ZERO, DVec3::new(6.0, 4.0, 2.8)],
+        walls: vec![rectangle([0.0, 0.0], [6.0, 4.0])],
+        furniture: vec![rectangle([1.0, 1.0], [1.6, 0.8])],
+        surfaces: vec![surface(RoomSurfaceKind::Floor, 0.2), surface(RoomSurfaceKind::Ceiling, 0.7)],
+        receivers: vec![place("desk", desk, true, 0.75), place("wall", None, false, 1.4)],
+        luminaires: LuminaireGroup::of(&lamps),
+        other_lights: vec![OtherLight {
+            kind: "point",
+            flux: Some(800.0),
+            position: Some([3.0, 2.0, 2.0]),
+            outline: Vec::new(),
+        }],
+    };
+    let mut facts = FactList::default();
+    facts.push("Glanz version", "glanz_version", "1.2.3");
+    facts.push("scene", "scene", name);
+    facts.push("method", "method", "auto");
+    facts.push("end, UTC", "end_utc", "2026-11-26T16:05:00Z");
+    LuxReport {
+        title: name.into(),
+        maps: vec![map("desk", [5.0, 3.0], 20.0), map("wall", [4.0, 2.8], 0.0)],
+        layout: Some(layout),
+        facts,
+        ..LuxReport::default()
+    }
+}
+
+fn plan(maintenance: MaintenanceFactor) -> PlanReport {
+    PlanReport {
+        assumptions: FactList::default(),
+        maintenance,
+        maintenance_factor: maintenance.value().unwrap(),
+        task: None,
+        verdicts: Vec::new(),
+        ratings: Vec::new(),
+        glare_refusal: None,
+        cylindrical: Vec::new(),
+        luminaires: 4,
+        flux: 12566.0,
+        watts: 144.0,
+        area: 24.0,
+        task_illuminance: None,
+    }
+}
+
+#[test]
+fn figures_agree_with_the_calculation_by_hand() {
+    let mut report = report("office", Some(ZoneKind::Task));
+    let parts = MaintenanceFactor::Parts {
+        lamp_lumens: 0.9,
+        lamp_survival: 1.0,
+        luminaire: 0.95,
+        room_surfaces: 0.94,
+    };
+    report.plan = Some(plan(parts));
+    let html = report.html();
+    // 4 x 36 W over 24 m2; the mean of 300, 320, ... 520 lx is 410 lx, times 0.8037 is 329.517: 6 / 3.29517 = 1.8208.
+    // Errors of 2 lx are bounds: 1.6 lx of the mean, 0.5 %.
+    for words in [
+        "6.00 m \u{d7} 4.00 m \u{d7} 2.80 m",
+        "<td>144.0 W</td>",
+        "<td>6.000 W/m\u{b2}</td>",
+        "per area and 100 lx (desk)</td><td>1.821 W/m\u{b2}</td>",
+        "0.8037 = 0.9 lamp flux \u{d7} 1 lamp survival \u{d7} 0.95 luminaires \u{d7} 0.94 room surfaces",
+        "Mean 329.5, least 241.1, largest 417.9 lx; U0 = 0.73.",
+        "reflectance, ceiling</td><td>0.70</td>",
+        "4, together 12566 lm when new",
+        // 1000 cd of 1000 pi lm.
+        "Largest in these planes: 1000 cd, 318.3 cd/klm.",
+        "<td>87.3 lm/W</td>",
+        "4000 K",
+        "2026-11-26 \u{b7} Glanz 1.2.3",
+        "desk: maintained illuminance, lx",
+    ] {
+        assert!(html.contains(words), "{words}\n{html}");
+    }
+    let json = serde_json::to_value(&report).unwrap();
+    let near =
+        |found: &serde_json::Value, expected: f64| (found.as_f64().unwrap() / expected - 1.0).abs() < 1e-9;
+    assert!(near(&json["shown"]["receivers"][0]["mean"], 410.0 * 0.8037), "{json}");
+    assert!(
+        near(&json["power"]["w_m2_100lx"], 600.0 / (410.0 * 0.8037)) && json["power"]["reference"] == "desk"
+    );
+    assert_eq!(
+        (&json["luminaires"][0]["count"], &json["luminaires"][0]["power_w"]),
+        (&4.into(), &36.0.into())
+    );
+    assert_eq!(json["room"]["size_m"], serde_json::json!([6.0, 4.0, 2.8]));
+}
+
+#[test]
+fn isolux_lines_and_values_are_labelled_in_the_coordinates_of_the_room() {
+    let html = report("office", None).html();
+    // From 300 to 520 lx: levels of 25; of 12 columns each has its own number.
+    for words in [">350</text>", ">400</text>", ">450</text>", ">320</text>", ">520</text>", ">x, m</text>"] {
+        assert!(html.contains(words), "{words}");
+    }
+    // The desk's axes begin at 0.5 m.
+    assert!(html.contains("desk: values, lx") && html.contains("Means over 12 x 8 areas"));
+    assert!(html.contains("Other surfaces: illuminance, lx") && html.contains("wall, 4.000 m"));
+    assert!(html.contains("new installation: no light loss") && html.contains("No task was chosen"));
+}
+
+#[test]
+fn pages_are_well_formed_whatever_the_names() {
+    let nasty = "</style><script>alert('1')</script> & \"co\" \u{5149}\u{1b}";
+    let html = report(nasty, None).html();
+    assert_eq!(unbalanced(&html), Vec::<String>::new());
+    assert!(!html.contains("<script") && !html.contains('\u{1b}') && html.contains('\u{5149}'));
+    assert_eq!(html.matches("</style>").count(), 1);
+    assert_eq!(html.matches("<section>").count(), html.matches("</section>").count());
+}
+
+#[test]
+fn designs_without_zones_show_the_brightest_receiver_too() {
+    let mut bright = report("hall", None);
+    bright.maps[1].lux = vec![5000.0; 96];
+    let html = bright.html();
+    assert!(html.contains("wall: illuminance, lx") && !html.contains("Other surfaces"));
+    let declared = LuxReport { maps: bright.maps, ..report("hall", Some(ZoneKind::Task)) }.html();
+    assert!(!declared.contains("wall: illuminance, lx") && declared.contains("Other surfaces"));
+    // Of the room nothing is known: neither plan nor power.
+    let bare = LuxReport { layout: None, ..report("hall", None) };
+    assert!(!bare.html().contains("Plan from above") && bare.installed_power().is_none());
+}
+
+#[test]
+fn daylight_is_shown_in_per_cent() {
+    let mut day = report("office", None);
+    day.daylight = day.maps.iter().map(DaylightFactors::of).collect();
+    // 410 lx of 10 000 lx.
+    let html = day.html();
+    assert_eq!(LitQuantity::of(&day).label(), "daylight factor, %");
+    assert!(
+        html.contains("Mean 4.100, least 3.000, largest 5.200 %")
+            && html.contains("desk: daylight factor, %")
+    );
+}
+
+#[test]
+fn interrupted_calculations_are_marked_and_refusals_named() {
+    let mut stopped = report("office", None);
+    stopped.facts.push("complete", "complete", FactValue::Flag(false));
+    let refusal = Some("luminaire 1 has no luminous area".to_owned());
+    stopped.plan = Some(PlanReport { glare_refusal: refusal, ..plan(MaintenanceFactor::default()) });
+    let html = stopped.html();
+    assert!(
+        html.contains("all figures are preliminary")
+            && html.contains("Glare (UGR) is not rated: luminaire 1 has")
+    );
+}
