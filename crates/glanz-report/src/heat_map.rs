@@ -209,8 +209,10 @@ pub(crate) fn draw_cells(
         frame.width / last(across),
         -frame.height / last(up)
     ));
-    for (colour, path) in paths {
-        svg.element(format_args!("<path fill=\"{}\" d=\"{path}\"/>", hexadecimal(step(scale, colour))));
+    for (number, path) in paths {
+        let colour = hexadecimal(step(scale, number));
+        // Without a thin stroke, the background is seen between adjacent cells.
+        svg.element(format_args!("<path fill=\"{colour}\" d=\"{path}\" stroke=\"{colour}\" stroke-width=\"0.5\" vector-effect=\"non-scaling-stroke\"/>"));
     }
     svg.element(format_args!("</g>"));
 }

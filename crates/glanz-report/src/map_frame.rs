@@ -30,6 +30,12 @@ impl MapAxis {
     pub const DIRECTIONS: [Self; 2] =
         [Self { title: "first direction, m", start: 0.0 }, Self { title: "second direction, m", start: 0.0 }];
 
+    /// The axes of a wall whose lower edge is at this height, metres.
+    #[must_use]
+    pub fn of_wall(lower_edge: f64) -> [Self; 2] {
+        [Self { title: "along the wall, m", start: 0.0 }, Self { title: "height, m", start: lower_edge }]
+    }
+
     /// The axes of a room from above, for a rectangle with this lower corner, metres.
     #[must_use]
     pub fn of_room([x, y]: [f64; 2]) -> [Self; 2] {

@@ -32,12 +32,15 @@ pub fn significant(number: f64) -> String {
 /// A number that is not negative for a crowded table: whole from 10 on, two significant digits below.
 #[must_use]
 pub fn brief(number: f64) -> String {
-    let exponent = number.abs().log10().floor();
+    let size = number.abs();
+    let digits = |number: f64| 1.0 - number.log10().floor();
     if number == 0.0 || !number.is_finite() {
         number.to_string()
-    } else if (-3.0..1.0).contains(&exponent) {
-        format!("{number:.*}", (1.0 - exponent) as usize)
-    } else if exponent < 6.0 && exponent >= 1.0 {
+    } else if (1e-3..9.95).contains(&size) {
+        // What is rounded up to the next power of ten has a digit less.
+        let rounded: f64 = format!("{size:.*}", digits(size) as usize).parse().unwrap_or(size);
+        format!("{number:.*}", digits(rounded) as usize)
+    } else if (9.95..1e6).contains(&size) {
         format!("{number:.0}")
     } else {
         format!("{number:.1e}")
@@ -128,9 +131,16 @@ mod tests {
 
     #[test]
     fn crowded_numbers_are_short() {
-        for (number, shown) in
-            [(0.0, "0"), (499.6, "500"), (12.34, "12"), (9.87, "9.9"), (0.0123, "0.012"), (2e7, "2.0e7")]
-        {
+        for (number, shown) in [
+            (0.0, "0"),
+            (499.6, "500"),
+            (12.34, "12"),
+            (9.87, "9.9"),
+            (9.96, "10"),
+            (0.0123, "0.012"),
+            (0.996, "1.0"),
+            (2e7, "2.0e7"),
+        ] {
             assert_eq!(brief(number), shown);
         }
     }

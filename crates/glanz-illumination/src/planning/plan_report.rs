@@ -161,7 +161,7 @@ impl PlanReport {
         let Some((rating, ugr)) = worst.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
         facts.push("observers", "observers", self.ratings.len() as u64);
         facts.push("largest UGR", "ugr", ugr);
-        facts.push("its eye", "ugr_eye_m", FactValue::Text(shown_vector(rating.observer.eye())));
+        facts.push("its eye, m", "ugr_eye_m", FactValue::Text(shown_vector(rating.observer.eye())));
         facts.push("its view", "ugr_view", FactValue::Text(shown_vector(rating.observer.view())));
         facts.push("its background luminance, cd/m2", "ugr_background_cd_m2", rating.background.value);
         facts.push("luminaires in its field of view", "ugr_luminaires", rating.sources as u64);

@@ -191,12 +191,18 @@ pub fn verdict_table(verdicts: &[RequirementVerdict]) -> Table {
             TableCell::Text(name),
             value,
             interval,
-            TableCell::Text(format!("{sign} {}", significant(requirement.limit))),
+            TableCell::Text(format!("{sign} {}", shown_limit(requirement.limit))),
             TableCell::Text(verdict.outcome.to_string()),
             TableCell::Text(requirement.source.clone()),
         ]);
     }
     table
+}
+
+/// A limit as standards write it, unless that is a fraction without end.
+fn shown_limit(limit: f64) -> String {
+    let exact = limit.to_string();
+    if exact.len() <= 6 { exact } else { significant(limit) }
 }
 
 /// Figures of an installation as a table.

@@ -14,7 +14,10 @@ use crate::LuxMap;
 use crate::planning::ReceiverPlace;
 
 /// Largest width and height of the drawing of an area, pixels: two of them, with their captions, fit a sheet of A4.
-const LARGEST: [f64; 2] = [490.0, 330.0];
+const LARGEST: [f64; 2] = [490.0, 300.0];
+
+/// Least number of parts along the longer side over which colours and isolux lines are interpolated.
+const PARTS: usize = 96;
 
 /// Largest width and height of a small picture, and the largest number of them.
 const SMALL: [f64; 2] = [300.0, 190.0];
@@ -28,7 +31,12 @@ pub(super) fn area_section(report: &LuxReport, quantity: &LitQuantity, map: &Lux
     let layout = report.layout.as_ref();
     let place = layout.and_then(|layout| layout.receiver(&map.name));
     let level = place.filter(|place| place.is_level);
-    let axes = level.map_or(MapAxis::DIRECTIONS, |place| MapAxis::of_room(place.corner.to_array()));
+    let floor = layout.map_or(0.0, |layout| layout.corners[0].z);
+    let axes = match place {
+        Some(place) if place.is_level => MapAxis::of_room(place.corner.to_array()),
+        Some(place) if place.is_upright => MapAxis::of_wall(place.height - 0.5 * map.size[1] - floor),
+        _ => MapAxis::DIRECTIONS,
+    };
     let outlines = level.map_or_else(Vec::new, |place| luminaire_outlines(report, place, map.size));
     let label = quantity.label();
     let summary = map.summary();
@@ -43,6 +51,10 @@ pub(super) fn area_section(report: &LuxReport, quantity: &LitQuantity, map: &Lux
         summary.u0,
         unit = quantity.unit,
     )];
+    let field = lux_field(map).refined(PARTS);
+    if field != lux_field(map) {
+        caption.push("Colours and lines are interpolated between the middles of the cells.".to_owned());
+    }
     if !outlines.is_empty() {
         caption.push("Thin outlines: luminaires above.".to_owned());
     }
@@ -54,15 +66,14 @@ pub(super) fn area_section(report: &LuxReport, quantity: &LitQuantity, map: &Lux
         levels: levels(summary.minimum, summary.maximum),
         outlines,
         caption,
-        ..HeatMap::new(&title, quantity.unit, lux_field(map), scale)
+        ..HeatMap::new(&title, quantity.unit, field, scale)
     };
-    let title = format!("{name}: values, {}", quantity.unit);
+    let title = format!("{name}: values of the {label}");
     let grid =
         ValueGrid { title: &title, field: lux_field(map), axes, largest: LARGEST, caption: Vec::new() };
     let [width, depth] = map.size.map(significant);
-    let height = level.zip(layout).map_or_else(String::new, |(place, layout)| {
-        format!(", {:.2} m above the lowest point of the room", place.height - layout.corners[0].z)
-    });
+    let height = level.map(|place| place.height - floor).filter(|height| *height > 0.005);
+    let height = height.map_or_else(String::new, |height| format!(", {height:.2} m above the floor"));
     let kind =
         place.and_then(|place| place.kind).map_or_else(String::new, |kind| format!(", {} area", kind.name()));
     let words =
@@ -118,6 +129,6 @@ pub(super) fn surface_section(quantity: &LitQuantity, maps: &[&LuxMap]) -> Strin
         body +=
             &format!("<p class=\"note\">{} more are in files of their own.</p>\n", maps.len() - MOST_SMALL);
     }
-    body += "<p class=\"note\">As seen from inside the room, up is up.</p>\n";
+    body += "<p class=\"note\">Flat surfaces are seen from the side that light falls on, walls with their upper edge above.</p>\n";
     section("Other surfaces", &body)
 }

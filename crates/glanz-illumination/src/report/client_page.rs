@@ -18,39 +18,50 @@ use crate::{DaylightFactors, LuxMap};
 /// Largest number of luminaires whose places are listed.
 const MOST_PLACES: usize = 120;
 
+/// Relative error below which a figure has none.
+const LEAST_ERROR: f64 = 0.005;
+
 /// Largest number of lights that are no luminaires in their list.
 const MOST_LIGHTS: usize = 24;
+
+/// Largest number of requirements that the summary names.
+const MOST_OPEN: usize = 8;
 
 /// Keys of the facts about glare and cylinders in the facts of a plan.
 const GLARE_KEYS: [&str; 5] = ["ugr", "observers", "cylindrical", "modelling", "unlit"];
 
-/// The sections of a report for a client, each of which begins a sheet of paper.
+/// The sections of a report for a client, most of which begin a sheet of paper.
 pub(super) fn client_sections(report: &LuxReport) -> String {
     let quantity = LitQuantity::of(report);
     let maps: Vec<LuxMap> = report.maps.iter().map(|map| quantity.map(map)).collect();
     let (featured, others) = featured(report, &maps);
     let mut sections = vec![summary_section(report, &quantity, &featured)];
     if let Some(layout) = &report.layout {
-        sections.push(plan_section(layout));
         if !layout.luminaires.is_empty() || !layout.other_lights.is_empty() {
             sections.push(luminaire_section(layout));
         }
+        sections.push(plan_section(layout));
     }
+    sections.extend(requirement_section(report));
+    sections.push(assumption_section(report, &quantity));
     sections.extend(featured.iter().map(|map| area_section(report, &quantity, map)));
     if !others.is_empty() {
         sections.push(surface_section(&quantity, &others));
     }
-    sections.extend(requirement_section(report));
-    sections.push(assumption_section(report, &quantity));
     sections.concat()
 }
 
-/// A section with its heading.
+/// A section with its heading, which begins a sheet.
 pub(super) fn section(heading: &str, body: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{body}</section>\n", escaped(heading))
 }
 
-/// The maps that have a sheet of their own, and all others: level areas that face up, declared zones first; in a design without zones the map with most light, too.
+/// A section with its heading, on the sheet of the one before if there is room.
+fn short_section(heading: &str, body: &str) -> String {
+    format!("<section class=\"short\">\n<h2>{}</h2>\n{body}</section>\n", escaped(heading))
+}
+
+/// The maps that have a sheet of their own, and all others: level areas that face up, declared zones first, then from the highest down; in a design without zones the map with most light, too.
 fn featured<'a>(report: &LuxReport, maps: &'a [LuxMap]) -> (Vec<&'a LuxMap>, Vec<&'a LuxMap>) {
     /// Largest number of sheets.
     const MOST: usize = 12;
@@ -58,7 +69,8 @@ fn featured<'a>(report: &LuxReport, maps: &'a [LuxMap]) -> (Vec<&'a LuxMap>, Vec
     let is_zone = |map: &LuxMap| place(map).is_some_and(|place| place.kind.is_some());
     let mut level: Vec<&LuxMap> =
         maps.iter().filter(|map| place(map).is_some_and(|place| place.is_level)).collect();
-    level.sort_by_key(|map| !is_zone(map));
+    let height = |map: &LuxMap| place(map).map_or(0.0, |place| place.height);
+    level.sort_by(|a, b| is_zone(b).cmp(&is_zone(a)).then(height(b).total_cmp(&height(a))));
     if !maps.iter().any(is_zone) {
         let brightest = maps.iter().max_by(|a, b| a.summary().flux.total_cmp(&b.summary().flux));
         level.extend(brightest.filter(|map| !level.iter().any(|other| std::ptr::eq(*other, *map))));
@@ -88,9 +100,10 @@ pub(super) fn origin(report: &LuxReport) -> String {
 }
 
 fn summary_section(report: &LuxReport, quantity: &LitQuantity, featured: &[&LuxMap]) -> String {
-    let mut body = format!("<p class=\"origin\">{}</p>\n", escaped(&origin(report)));
+    let mut body = format!("<p class=\"origin\">Lighting report \u{b7} {}</p>\n", escaped(&origin(report)));
     if report.facts.get("complete") == Some(&FactValue::Flag(false)) {
-        body += "<p class=\"warning\">The calculation was interrupted: all figures are preliminary.</p>\n";
+        body +=
+            "<p class=\"warning\">The calculation ended before its goal: all figures are preliminary.</p>\n";
     }
     body += &room_table(report, quantity).html();
     if !report.daylight.is_empty() {
@@ -98,7 +111,7 @@ fn summary_section(report: &LuxReport, quantity: &LitQuantity, featured: &[&LuxM
     }
     if !featured.is_empty() {
         body += &figure_table(&format!("Results: {}", quantity.label()), featured).html();
-        body += "<p class=\"note\">\u{b1}: half of the interval within which the figure of the calculation lies (95 %).</p>\n";
+        body += "<p class=\"note\">\u{b1}: half of the interval within which the figure of the calculation lies (95 %); left out below 0.5 %.</p>\n";
     }
     if let Some(plan) = &report.plan
         && !plan.verdicts.is_empty()
@@ -107,10 +120,24 @@ fn summary_section(report: &LuxReport, quantity: &LitQuantity, featured: &[&LuxM
             |outcome| plan.verdicts.iter().filter(|verdict| verdict.outcome == outcome).count() as u64;
         let [met, not_met, undecided] =
             [VerdictOutcome::Met, VerdictOutcome::NotMet, VerdictOutcome::Undecided].map(count);
+        let open = plan.verdicts.iter().filter(|verdict| verdict.outcome != VerdictOutcome::Met);
+        let names: Vec<String> = open
+            .take(MOST_OPEN)
+            .map(|verdict| {
+                let symbol = verdict.requirement.criterion.symbol();
+                format!("{} {symbol} ({})", printable(&verdict.zone), verdict.outcome)
+            })
+            .collect();
+        let names = if names.is_empty() {
+            String::new()
+        } else {
+            format!(" Not met or undecided: {}.", names.join(", "))
+        };
         let _ = writeln!(
             body,
-            "<p><strong>{}: {met} met, {not_met} not met, {undecided} undecided.</strong> Their list follows.</p>",
+            "<p><strong>{}: {met} met, {not_met} not met, {undecided} undecided.</strong>{} Their list follows.</p>",
             plural(plan.verdicts.len() as u64, "requirement", "requirements"),
+            escaped(&names),
         );
     }
     section("Summary", &body)
@@ -168,7 +195,7 @@ fn room_table(report: &LuxReport, quantity: &LitQuantity) -> Table {
             line("task", format!("EN 12464-1:2021, {}: {}", task.reference, task.name));
         }
     }
-    line("quantity of the figures", quantity.label());
+    line("figures are", quantity.label());
     table
 }
 
@@ -199,16 +226,18 @@ pub(super) fn figure_table(caption: &str, maps: &[&LuxMap]) -> Table {
 /// A value with half of its interval.
 fn with_error(value: f64, [low, high]: [f64; 2]) -> String {
     let half = (high - value).max(value - low);
-    // Without particles, the bounds are often far below what is shown.
-    if half < 0.005 * value.abs() || !half.is_finite() {
+    if half < LEAST_ERROR * value.abs() || !half.is_finite() {
         return significant(value);
     }
-    format!("{} \u{b1} {}", significant(value), brief(half))
+    // As many decimals as the error has.
+    let half = brief(half);
+    let decimals = half.split_once('.').filter(|_| !half.contains('e')).map_or(0, |(_, digits)| digits.len());
+    format!("{value:.decimals$} \u{b1} {half}")
 }
 
 fn uniformity_with_error(value: f64, [low, high]: [f64; 2]) -> String {
     let half = (high - value).max(value - low);
-    if half < 0.005 { format!("{value:.2}") } else { format!("{value:.2} \u{b1} {half:.2}") }
+    if half < LEAST_ERROR { format!("{value:.2}") } else { format!("{value:.2} \u{b1} {half:.2}") }
 }
 
 fn points(outline: &[DVec2]) -> Vec<[f64; 2]> {
@@ -238,8 +267,7 @@ fn plan_section(layout: &RoomLayout) -> String {
         })
         .collect();
     symbols.sort_by_key(|symbol| symbol.label.parse::<u32>().unwrap_or(u32::MAX));
-    let letters = ('A'..='Z').map(String::from).chain((27..).map(|number| format!("L{number}")));
-    for (label, light) in letters.zip(&layout.other_lights) {
+    for (label, light) in letters().zip(&layout.other_lights) {
         if let Some([x, y, _]) = light.position {
             symbols.push(PlanSymbol { label, centre: [x, y], outline: points(&light.outline) });
         }
@@ -257,6 +285,11 @@ fn plan_section(layout: &RoomLayout) -> String {
              other things, by their convex outlines.</p>\n";
     body += &place_table(layout);
     section("Plan", &body)
+}
+
+/// Labels of lights that are no luminaires: A to Z, then L27 and so on.
+fn letters() -> impl Iterator<Item = String> {
+    ('A'..='Z').map(String::from).chain((27_u32..).map(|number| format!("L{number}")))
 }
 
 /// The places of the luminaires.
@@ -309,12 +342,18 @@ fn luminaire_section(layout: &RoomLayout) -> String {
     let cards: String = layout.luminaires.iter().map(|group| luminaire_card(group, floor)).collect();
     let mut body = cards;
     if !layout.other_lights.is_empty() {
-        let columns = [("light", "light"), ("flux_lm", "flux, lm"), ("position_m", "x, y, z, m")];
+        let columns = [
+            ("label", "in the plan"),
+            ("light", "light"),
+            ("flux_lm", "flux, lm"),
+            ("position_m", "x, y, z, m"),
+        ];
         let mut table = Table::new("lights", "Lights without a photometric file", &columns);
-        for light in layout.other_lights.iter().take(MOST_LIGHTS) {
+        for (label, light) in letters().zip(&layout.other_lights).take(MOST_LIGHTS) {
             let position = light.position.map(|position| shown_point(position.into()));
             let position = position.map_or(TableCell::Missing, TableCell::Text);
-            table.push([light.kind.into(), light.flux.into(), position]);
+            let label = light.position.map_or(TableCell::Missing, |_| TableCell::Text(label));
+            table.push([label, light.kind.into(), light.flux.into(), position]);
         }
         body += &table.html();
         let more = layout.other_lights.len().saturating_sub(MOST_LIGHTS);
@@ -322,7 +361,8 @@ fn luminaire_section(layout: &RoomLayout) -> String {
             let _ = writeln!(body, "<p class=\"note\">{more} more are in report.json.</p>");
         }
     }
-    section("Luminaires", &body)
+    let heading = if layout.luminaires.is_empty() { "Lights" } else { "Luminaires" };
+    short_section(heading, &body)
 }
 
 /// The polar plot of a kind of luminaire beside what is known of it.
@@ -350,10 +390,9 @@ fn luminaire_card(group: &LuminaireGroup, floor: f64) -> String {
     let [low, high] = group.heights().map(|height| format!("{:.2}", height - floor));
     let heights = if low == high { format!("{low} m") } else { format!("{low} m to {high} m") };
     line("height of the middle of the light", &heights);
-    let [x, y, z] = description.opening.size;
-    if x.max(y).max(z) > 0.0 {
-        line("luminous opening", &format!("{x:.3} m \u{d7} {y:.3} m \u{d7} {z:.3} m"));
-    }
+    let lengths = description.opening.size.into_iter().filter(|length| *length > 0.0);
+    let lengths: Vec<String> = lengths.map(|length| format!("{length:.3} m")).collect();
+    line("luminous opening", &lengths.join(" \u{d7} "));
     line("photometric file", &description.file);
     let table = table.html();
     format!("<div class=\"card\">\n<figure>\n{}</figure>\n{table}</div>\n", group.polar.svg())
@@ -382,7 +421,7 @@ fn requirement_section(report: &LuxReport) -> Option<String> {
 fn assumption_section(report: &LuxReport, quantity: &LitQuantity) -> String {
     let items: String =
         assumptions(report, quantity).iter().map(|words| format!("<li>{}</li>\n", escaped(words))).collect();
-    section("Assumptions", &format!("<ul>\n{items}</ul>\n"))
+    short_section("Assumptions", &format!("<ul>\n{items}</ul>\n"))
 }
 
 /// What was assumed, in sentences.

@@ -35,7 +35,15 @@ fn map(name: &str, size: [f64; 2], slope: f64) -> LuxMap {
 
 fn place(name: &str, kind: Option<ZoneKind>, is_level: bool, height: f64) -> ReceiverPlace {
     let outline = rectangle([0.5, 0.5], [5.0, 3.0]);
-    ReceiverPlace { name: name.into(), kind, is_level, corner: DVec2::new(0.5, 0.5), height, outline }
+    ReceiverPlace {
+        name: name.into(),
+        kind,
+        is_level,
+        is_upright: !is_level,
+        corner: DVec2::new(0.5, 0.5),
+        height,
+        outline,
+    }
 }
 
 /// A room of 6 m x 4 m x 2.8 m with four luminaires of 36 W, named `name`, a desk and a wall.
@@ -161,7 +169,7 @@ fn isolux_lines_and_values_are_labelled_in_the_coordinates_of_the_room() {
         assert!(html.contains(words), "{words}");
     }
     // The desk's axes begin at 0.5 m.
-    assert!(html.contains("desk: values, lx") && html.contains("Means over 12 x 8 areas"));
+    assert!(html.contains("desk: values of the illuminance, lx") && html.contains("Means over 12 x 8 areas"));
     assert!(html.contains("Other surfaces: illuminance, lx") && html.contains("wall, 4.000 m"));
     assert!(html.contains("new installation: no light loss") && html.contains("No task was chosen"));
 }
@@ -173,7 +181,6 @@ fn pages_are_well_formed_whatever_the_names() {
     assert_eq!(unbalanced(&html), Vec::<String>::new());
     assert!(!html.contains("<script") && !html.contains('\u{1b}') && html.contains('\u{5149}'));
     assert_eq!(html.matches("</style>").count(), 1);
-    assert_eq!(html.matches("<section>").count(), html.matches("</section>").count());
 }
 
 #[test]
@@ -181,9 +188,9 @@ fn designs_without_zones_show_the_brightest_receiver_too() {
     let mut bright = report("hall", None);
     bright.maps[1].lux = vec![5000.0; 96];
     let html = bright.html();
-    assert!(html.contains("wall: illuminance, lx") && !html.contains("Other surfaces"));
+    assert!(html.contains("<h2>wall: illuminance</h2>") && !html.contains("Other surfaces"));
     let declared = LuxReport { maps: bright.maps, ..report("hall", Some(ZoneKind::Task)) }.html();
-    assert!(!declared.contains("wall: illuminance, lx") && declared.contains("Other surfaces"));
+    assert!(!declared.contains("<h2>wall: illuminance</h2>") && declared.contains("Other surfaces"));
     // Of the room nothing is known: neither plan nor power.
     let bare = LuxReport { layout: None, ..report("hall", None) };
     assert!(!bare.html().contains("Plan from above") && bare.installed_power().is_none());
@@ -210,7 +217,6 @@ fn interrupted_calculations_are_marked_and_refusals_named() {
     stopped.plan = Some(PlanReport { glare_refusal: refusal, ..plan(MaintenanceFactor::default()) });
     let html = stopped.html();
     assert!(
-        html.contains("all figures are preliminary")
-            && html.contains("Glare (UGR) is not rated: luminaire 1 has")
+        html.contains("ended before its goal") && html.contains("Glare (UGR) is not rated: luminaire 1 has")
     );
 }

@@ -36,7 +36,8 @@ svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
   th, td { padding: 2px 7px; } table { margin: 8px 0; } thead { display: table-header-group; }
   .wide { overflow: visible; } tr, figure, .card { break-inside: avoid; } caption { break-after: avoid; }
   .figures, .card { grid-template-columns: 1fr 1fr; gap: 14px; } .small { grid-template-columns: 1fr 1fr; gap: 12px; }
-  section { break-before: page; } section:first-of-type { break-before: auto; }
+  section { break-before: page; } section:first-of-type, section.short { break-before: auto; }
+  .short ul { break-inside: avoid; }
   section > figure { margin-bottom: 8px; }
   * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
 }
