@@ -107,7 +107,7 @@ impl FloorPlan<'_> {
         let scale = self.scale();
         let pixels = PIXELS / scale;
         let size = self.size().map(|length| length * pixels);
-        let width = (size[0] + 2.0 * MARGIN).max(420.0);
+        let width = (size[0] + 2.0 * MARGIN).max(460.0);
         let corner = [0.5 * (width - size[0]), MARGIN + 24.0];
         let frame = PlanFrame { low: self.corners[0], pixels, corner, size };
         let bottom = corner[1] + size[1];

@@ -1,4 +1,4 @@
-//! Tables, plots, contours and colour scales, as text, SVG and pixels.
+//! Tables, plots, contours, grids of values, floor plans and colour scales, as text, SVG and pixels.
 //!
 //! Everything here is a pure function from data to text or pixels; nothing writes a file. The same data give the same
 //! bytes.

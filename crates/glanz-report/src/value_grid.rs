@@ -9,10 +9,13 @@ use crate::svg::{Svg, shortened, wrapped};
 const MOST: [usize; 2] = [16, 12];
 
 /// Room around a number, letters.
-const BESIDE: f64 = 1.6;
+const BESIDE: f64 = 1.0;
 
 /// Height of a row of numbers, pixels.
 const ROW: f64 = 18.0;
+
+/// Upper bound of the mean width of a letter of the sentences, pixels.
+const SENTENCE_LETTER: f64 = 7.8;
 
 /// Room at the right, pixels.
 const RIGHT: f64 = 18.0;
@@ -38,13 +41,9 @@ impl ValueGrid<'_> {
     pub fn svg(&self) -> String {
         let size = self.field.size();
         let frame = MapFrame::new(size, self.largest);
-        let letters = self.field.shown().map(|(number, _)| brief(number).len()).max().unwrap_or(1).max(3);
-        let wide = LETTER[0] * (letters as f64 + BESIDE);
-        let fitting = [frame.width / wide, frame.height / ROW].map(|count| count as usize);
-        let most = if size[0] >= size[1] { MOST } else { [MOST[1], MOST[0]] };
-        let blocks = self.field.blocks([fitting[0].min(most[0]), fitting[1].min(most[1])]);
+        let blocks = self.blocks(&frame);
         let width = (LEFT + frame.width + RIGHT).max(360.0);
-        let letters = ((width - 24.0) / LETTER[0]) as usize;
+        let letters = ((width - 24.0) / SENTENCE_LETTER) as usize;
         let means = format!(
             "Means over {} x {} areas of about {:.2} m x {:.2} m.",
             blocks.columns(),
@@ -74,6 +73,21 @@ impl ValueGrid<'_> {
             svg.text([12.0, TOP + frame.height + BELOW + 8.0 + 17.0 * line as f64], "start", "", words);
         }
         svg.finish()
+    }
+}
+
+impl ValueGrid<'_> {
+    /// As many blocks as their numbers can be read in.
+    fn blocks(&self, frame: &MapFrame) -> CellField {
+        let [width, height] = self.field.size();
+        let most = if width >= height { MOST } else { [MOST[1], MOST[0]] };
+        let rows = most[1].min((frame.height / ROW) as usize);
+        let fits = |blocks: &CellField| {
+            let letters = blocks.shown().map(|(number, _)| brief(number).len()).max().unwrap_or(1);
+            LETTER[0] * (letters as f64 + BESIDE) * blocks.columns() as f64 <= frame.width
+        };
+        let fewer = (1..=most[0]).rev().map(|columns| self.field.blocks([columns, rows]));
+        fewer.into_iter().find(fits).unwrap_or_else(|| self.field.blocks([1, rows]))
     }
 }
 
@@ -119,15 +133,15 @@ mod tests {
         assert_eq!(values(&svg), ["0", "10", "20", "100", "110", "120"]);
         assert!(svg.contains("Means over 3 x 2 areas of about 2.00 m x 2.00 m.") && svg.contains(">x, m<"));
         // The axis starts at the corner of the room's own coordinates.
-        assert!(svg.contains(">7</text>") && !svg.contains(">0</text>"));
+        assert!(svg.contains(">7</text>") && svg.contains(">6</text>"));
     }
 
     #[test]
     fn many_cells_become_means_that_fit() {
         let svg = drawn([64, 48], [6.0, 4.0], |x, _| f64::from(x));
-        // 490 pixels hold 14 numbers of 3 letters: 5 cells each, the last four alone.
+        // 490 pixels hold 17 numbers of 3 letters with blanks: 16 of 4 cells each.
         let found = values(&svg);
-        assert_eq!((found.len() % 13, found.first(), found.get(12)), (0, Some(&"2.0"), Some(&"62")));
+        assert_eq!((found.len() % 16, found.first(), found.get(15)), (0, Some(&"1.5"), Some(&"62")));
         for (cells, size) in
             [([400, 4], [40.0, 0.4]), ([4, 400], [0.2, 20.0]), ([1, 1], [1.0, 1.0]), ([0, 0], [1.0; 2])]
         {

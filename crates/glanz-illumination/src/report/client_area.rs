@@ -14,7 +14,7 @@ use crate::LuxMap;
 use crate::planning::ReceiverPlace;
 
 /// Largest width and height of the drawing of an area, pixels: two of them, with their captions, fit a sheet of A4.
-const LARGEST: [f64; 2] = [490.0, 300.0];
+const LARGEST: [f64; 2] = [490.0, 320.0];
 
 /// Least number of parts along the longer side over which colours and isolux lines are interpolated.
 const PARTS: usize = 96;
@@ -65,7 +65,6 @@ pub(super) fn area_section(report: &LuxReport, quantity: &LitQuantity, map: &Lux
         largest: LARGEST,
         levels: levels(summary.minimum, summary.maximum),
         outlines,
-        caption,
         ..HeatMap::new(&title, quantity.unit, field, scale)
     };
     let title = format!("{name}: values of the {label}");
@@ -78,7 +77,9 @@ pub(super) fn area_section(report: &LuxReport, quantity: &LitQuantity, map: &Lux
         place.and_then(|place| place.kind).map_or_else(String::new, |kind| format!(", {} area", kind.name()));
     let words =
         format!("{width} m \u{d7} {depth} m{height}{kind}; {} \u{d7} {} cells.", map.cells[0], map.cells[1]);
-    let figures = [drawing.svg(), grid.svg()].map(|svg| format!("<figure>\n{svg}</figure>\n")).concat();
+    let caption = format!("<figcaption>{}</figcaption>\n", escaped(&caption.join(" ")));
+    let figures =
+        format!("<figure>\n{}{caption}</figure>\n<figure>\n{}</figure>\n", drawing.svg(), grid.svg());
     section(&format!("{name}: {}", quantity.name), &format!("<p>{}</p>\n{figures}", escaped(&words)))
 }
 

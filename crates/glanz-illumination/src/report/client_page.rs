@@ -2,27 +2,22 @@
 
 use std::fmt::Write;
 
-use glanz_math::DVec2;
 use glanz_report::number::{brief, plural, significant};
 use glanz_report::svg::escaped;
-use glanz_report::{FactValue, FloorPlan, PlanArea, PlanSymbol, Table, TableCell};
+use glanz_report::{FactValue, Table, TableCell};
 
 use super::LuxReport;
 use super::client_area::{area_section, surface_section};
-use super::lit_quantity::{LitQuantity, shown_point};
+use super::client_assumptions::assumption_section;
+use super::client_room::{luminaire_section, plan_section};
+use super::lit_quantity::LitQuantity;
 use super::text::printable;
+use crate::planning::MaintenanceFactor;
 use crate::planning::requirement::VerdictOutcome;
-use crate::planning::{LuminaireGroup, MaintenanceFactor, RoomLayout};
 use crate::{DaylightFactors, LuxMap};
-
-/// Largest number of luminaires whose places are listed.
-const MOST_PLACES: usize = 120;
 
 /// Relative error below which a figure has none.
 const LEAST_ERROR: f64 = 0.005;
-
-/// Largest number of lights that are no luminaires in their list.
-const MOST_LIGHTS: usize = 24;
 
 /// Largest number of requirements that the summary names.
 const MOST_OPEN: usize = 8;
@@ -57,7 +52,7 @@ pub(super) fn section(heading: &str, body: &str) -> String {
 }
 
 /// A section with its heading, on the sheet of the one before if there is room.
-fn short_section(heading: &str, body: &str) -> String {
+pub(super) fn short_section(heading: &str, body: &str) -> String {
     format!("<section class=\"short\">\n<h2>{}</h2>\n{body}</section>\n", escaped(heading))
 }
 
@@ -82,7 +77,7 @@ fn featured<'a>(report: &LuxReport, maps: &'a [LuxMap]) -> (Vec<&'a LuxMap>, Vec
 }
 
 /// A fact of the calculation as people read it.
-fn fact(report: &LuxReport, key: &str) -> Option<String> {
+pub(super) fn fact(report: &LuxReport, key: &str) -> Option<String> {
     report.facts.get(key).map(FactValue::shown)
 }
 
@@ -240,164 +235,6 @@ fn uniformity_with_error(value: f64, [low, high]: [f64; 2]) -> String {
     if half < LEAST_ERROR { format!("{value:.2}") } else { format!("{value:.2} \u{b1} {half:.2}") }
 }
 
-fn points(outline: &[DVec2]) -> Vec<[f64; 2]> {
-    outline.iter().map(|point| point.to_array()).collect()
-}
-
-fn plan_section(layout: &RoomLayout) -> String {
-    let outlines = |list: &[Vec<DVec2>]| list.iter().map(|outline| points(outline)).collect();
-    let [low, high] = layout.corners.map(|corner| corner.truncate().to_array());
-    let near = 1e-3 * layout.size().length();
-    // An area as large as the floor is the floor.
-    let is_own = |outline: &[DVec2]| {
-        let reach = |corner: DVec2| outline.iter().any(|point| point.distance(corner) <= near);
-        !layout.corners.iter().all(|corner| reach(corner.truncate()))
-    };
-    let level = layout.receivers.iter().filter(|place| place.is_level);
-    let areas: Vec<PlanArea> = level
-        .filter(|place| is_own(&place.outline))
-        .map(|place| PlanArea { name: printable(&place.name), corners: points(&place.outline) })
-        .collect();
-    let placed = layout.luminaires.iter().flat_map(|group| &group.places);
-    let mut symbols: Vec<PlanSymbol> = placed
-        .map(|place| PlanSymbol {
-            label: place.number.to_string(),
-            centre: place.position.truncate().to_array(),
-            outline: points(&place.outline),
-        })
-        .collect();
-    symbols.sort_by_key(|symbol| symbol.label.parse::<u32>().unwrap_or(u32::MAX));
-    for (label, light) in letters().zip(&layout.other_lights) {
-        if let Some([x, y, _]) = light.position {
-            symbols.push(PlanSymbol { label, centre: [x, y], outline: points(&light.outline) });
-        }
-    }
-    let plan = FloorPlan {
-        title: "Plan from above",
-        corners: [low, high],
-        walls: outlines(&layout.walls),
-        furniture: outlines(&layout.furniture),
-        areas,
-        symbols,
-    };
-    let mut body = format!("<figure>\n{}</figure>\n", plan.svg());
-    body += "<p class=\"note\">Yellow: luminaires with their numbers, by the size of their luminous opening. Dashed blue: areas of measurement. Grey: furniture and \
-             other things, by their convex outlines.</p>\n";
-    body += &place_table(layout);
-    section("Plan", &body)
-}
-
-/// Labels of lights that are no luminaires: A to Z, then L27 and so on.
-fn letters() -> impl Iterator<Item = String> {
-    ('A'..='Z').map(String::from).chain((27_u32..).map(|number| format!("L{number}")))
-}
-
-/// The places of the luminaires.
-fn place_table(layout: &RoomLayout) -> String {
-    let mut places: Vec<_> = layout
-        .luminaires
-        .iter()
-        .flat_map(|group| group.places.iter().map(move |place| (place, group)))
-        .collect();
-    if places.is_empty() {
-        return String::new();
-    }
-    places.sort_by_key(|(place, _)| place.number);
-    let columns = [
-        ("number", "no."),
-        ("x_m", "x, m"),
-        ("y_m", "y, m"),
-        ("z_m", "height, m"),
-        ("turn_degrees", "turn, \u{b0}"),
-        ("tilt_degrees", "tilt, \u{b0}"),
-        ("luminaire", "luminaire"),
-    ];
-    let mut table = Table::new("places", "Places of the luminaires (middle of the light)", &columns);
-    let floor = layout.corners[0].z;
-    for (place, group) in places.iter().take(MOST_PLACES) {
-        let [x, y, z] = place.position.to_array();
-        let metres = |length: f64| TableCell::Text(format!("{:.2}", length + 0.0));
-        let degrees = |angle: f64| TableCell::Text(format!("{:.0}", angle + 0.0));
-        table.push([
-            u64::from(place.number).into(),
-            metres(x),
-            metres(y),
-            metres(z - floor),
-            degrees(place.turn),
-            degrees(place.tilt),
-            TableCell::Text(printable(group.description.label())),
-        ]);
-    }
-    let more = places.len().saturating_sub(MOST_PLACES);
-    let note = if more > 0 {
-        format!("<p class=\"note\">{more} more are in report.json.</p>\n")
-    } else {
-        String::new()
-    };
-    table.html() + &note
-}
-
-fn luminaire_section(layout: &RoomLayout) -> String {
-    let floor = layout.corners[0].z;
-    let cards: String = layout.luminaires.iter().map(|group| luminaire_card(group, floor)).collect();
-    let mut body = cards;
-    if !layout.other_lights.is_empty() {
-        let columns = [
-            ("label", "in the plan"),
-            ("light", "light"),
-            ("flux_lm", "flux, lm"),
-            ("position_m", "x, y, z, m"),
-        ];
-        let mut table = Table::new("lights", "Lights without a photometric file", &columns);
-        for (label, light) in letters().zip(&layout.other_lights).take(MOST_LIGHTS) {
-            let position = light.position.map(|position| shown_point(position.into()));
-            let position = position.map_or(TableCell::Missing, TableCell::Text);
-            let label = light.position.map_or(TableCell::Missing, |_| TableCell::Text(label));
-            table.push([label, light.kind.into(), light.flux.into(), position]);
-        }
-        body += &table.html();
-        let more = layout.other_lights.len().saturating_sub(MOST_LIGHTS);
-        if more > 0 {
-            let _ = writeln!(body, "<p class=\"note\">{more} more are in report.json.</p>");
-        }
-    }
-    let heading = if layout.luminaires.is_empty() { "Lights" } else { "Luminaires" };
-    short_section(heading, &body)
-}
-
-/// The polar plot of a kind of luminaire beside what is known of it.
-fn luminaire_card(group: &LuminaireGroup, floor: f64) -> String {
-    let description = &group.description;
-    let mut table = Table::new("luminaire", description.label(), &[("fact", "luminaire"), ("value", "")]);
-    let mut line = |name: &str, value: &str| {
-        if !value.trim().is_empty() {
-            table.push([name.into(), TableCell::Text(printable(value))]);
-        }
-    };
-    line("pieces", &group.places.len().to_string());
-    line("maker", &description.maker);
-    line("catalogue number", &description.catalog_number);
-    line("lamps", &description.lamps);
-    line("luminous flux", &format!("{} lm", significant(group.flux)));
-    let watts = description.watts;
-    let power = if watts > 0.0 { format!("{} W", significant(watts)) } else { "not stated".to_owned() };
-    line("electric power", &power);
-    if let Some(efficacy) = group.efficacy() {
-        line("luminous efficacy", &format!("{efficacy:.1} lm/W"));
-    }
-    line("colour, colour temperature", &description.color);
-    line("colour rendering", &description.rendering);
-    let [low, high] = group.heights().map(|height| format!("{:.2}", height - floor));
-    let heights = if low == high { format!("{low} m") } else { format!("{low} m to {high} m") };
-    line("height of the middle of the light", &heights);
-    let lengths = description.opening.size.into_iter().filter(|length| *length > 0.0);
-    let lengths: Vec<String> = lengths.map(|length| format!("{length:.3} m")).collect();
-    line("luminous opening", &lengths.join(" \u{d7} "));
-    line("photometric file", &description.file);
-    let table = table.html();
-    format!("<div class=\"card\">\n<figure>\n{}</figure>\n{table}</div>\n", group.polar.svg())
-}
-
 /// Verdicts, glare and modelling; none if nothing of it was asked for.
 fn requirement_section(report: &LuxReport) -> Option<String> {
     let plan = report.plan.as_ref()?;
@@ -416,129 +253,4 @@ fn requirement_section(report: &LuxReport) -> Option<String> {
         body += &table.html();
     }
     (!body.is_empty()).then(|| section("Requirements", &body))
-}
-
-fn assumption_section(report: &LuxReport, quantity: &LitQuantity) -> String {
-    let items: String =
-        assumptions(report, quantity).iter().map(|words| format!("<li>{}</li>\n", escaped(words))).collect();
-    short_section("Assumptions", &format!("<ul>\n{items}</ul>\n"))
-}
-
-/// What was assumed, in sentences.
-fn assumptions(report: &LuxReport, quantity: &LitQuantity) -> Vec<String> {
-    let mut list: Vec<String> = Vec::new();
-    list.extend(light_method(report).map(str::to_owned));
-    if quantity.unit == "%" {
-        list.push(
-            "Daylight factors are shares of the illuminance of the open ground under the overcast sky of the CIE, which does not depend on the hour or the direction of the windows. \
-             Electric light is off."
-                .to_owned(),
-        );
-    } else if quantity.factor == 1.0 {
-        list.push(
-            "All figures are those of the new installation: no light loss by age and dirt is taken off."
-                .to_owned(),
-        );
-    } else {
-        list.push(format!(
-            "Illuminances are maintained ones: those of the new installation times the maintenance factor {}. UGR is that of the new installation.",
-            significant(quantity.factor)
-        ));
-    }
-    if let Some(layout) = &report.layout {
-        add_layout_assumptions(layout, &mut list);
-    }
-    let count = |map: &LuxMap| map.areas.iter().filter(|area| **area <= 0.0).count();
-    let covered: Vec<String> = report
-        .maps
-        .iter()
-        .filter(|map| count(map) > 0)
-        .map(|map| format!("{} ({} of {} cells)", printable(&map.name), count(map), map.areas.len()))
-        .collect();
-    if !covered.is_empty() {
-        list.push(format!(
-            "Parts of areas that things stand on or reach through, or that are cut away, do not count: {}.",
-            covered.join(", ")
-        ));
-    }
-    list.push("Least and largest values are those of means over the cells of an area; U0 is the least over the mean.".to_owned());
-    list.push(
-        "The errors (\u{b1}) are those of the calculation. Tolerances of luminaires, voltages, surfaces and dimensions come on top of them."
-            .to_owned(),
-    );
-    match &report.plan {
-        Some(plan) if plan.task.is_some() => list.push(
-            "The limits are those of open summaries of the standards named beside them. Whoever signs compares them with the text of the standard.".to_owned(),
-        ),
-        _ => list.push("No task was chosen, so that no requirements of a standard for work places are judged.".to_owned()),
-    }
-    if let Some(reason) = report.plan.as_ref().and_then(|plan| plan.glare_refusal.as_ref()) {
-        list.push(format!("Glare (UGR) is not rated: {}.", printable(reason)));
-    }
-    list
-}
-
-/// How the light was computed.
-fn light_method(report: &LuxReport) -> Option<&'static str> {
-    Some(match fact(report, "method")?.as_str() {
-        "auto" => {
-            "All light counts, with all reflections between surfaces: direct light and light by exact mirrors is integrated, light between other surfaces is followed by random paths, \
-             and light that mirrors and glass focus by particles."
-        }
-        "integrate" => {
-            "Only direct light and light after one reflection in a mirror counts; light that walls, ceiling and furniture reflect is left out."
-        }
-        _ => {
-            "All light counts, with all reflections between surfaces: it is followed from the lights by particles."
-        }
-    })
-}
-
-/// Sentences on surfaces and luminaires.
-fn add_layout_assumptions(layout: &RoomLayout, list: &mut Vec<String>) {
-    if !layout.surfaces.is_empty() {
-        let parts: Vec<String> = layout
-            .surfaces
-            .iter()
-            .map(|part| format!("{} {:.2}", part.surface.name(), part.reflectance))
-            .collect();
-        let black = layout.surfaces.iter().all(|part| part.reflectance == 0.0);
-        let note = if black {
-            " They absorb all light, so that all light on them comes from the lights, mirrors and other things."
-        } else {
-            ""
-        };
-        list.push(format!(
-            "Reflectances are those of the scene, means over the area: {}.{note}",
-            parts.join(", ")
-        ));
-    }
-    let [from_points, from_openings] =
-        [true, false].map(|is_point| layout.luminaires.iter().any(|group| group.is_point == is_point));
-    match (from_points, from_openings) {
-        (true, false) => list.push(
-            "The light of luminaires leaves their photometric centres, as their files measure it; close to large luminaires, the illuminance is less even in truth."
-                .to_owned(),
-        ),
-        (false, true) => list.push("The light of luminaires leaves their whole luminous opening, evenly.".to_owned()),
-        (true, true) => list.push(
-            "The light of some luminaires leaves their photometric centres, that of others their whole luminous opening, as the scene has it.".to_owned(),
-        ),
-        (false, false) => {}
-    }
-    for group in &layout.luminaires {
-        if let Some(share) = group.dimming() {
-            list.push(format!(
-                "{}: {:.1} % of the flux of its file, with all of its power.",
-                printable(group.description.label()),
-                100.0 * share
-            ));
-        }
-    }
-    if !layout.luminaires.is_empty() && layout.watts().is_none() {
-        list.push(
-            "The power of at least one luminaire is not stated, so that there are no figures of power."
-                .to_owned(),
-        );
-    }
 }

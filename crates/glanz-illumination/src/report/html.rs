@@ -33,7 +33,7 @@ svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
 @media print {
   body { margin: 0; max-width: none; padding: 0; font-size: 12px; line-height: 1.4; }
   h1 { font-size: 22px; margin: 0 0 4px; } h2 { font-size: 16px; margin-top: 14px; break-after: avoid; }
-  th, td { padding: 2px 7px; } table { margin: 8px 0; } thead { display: table-header-group; }
+  th, td { padding: 1px 7px; } table { margin: 8px 0; } thead { display: table-header-group; }
   .wide { overflow: visible; } tr, figure, .card { break-inside: avoid; } caption { break-after: avoid; }
   .figures, .card { grid-template-columns: 1fr 1fr; gap: 14px; } .small { grid-template-columns: 1fr 1fr; gap: 12px; }
   section { break-before: page; } section:first-of-type, section.short { break-before: auto; }

@@ -1,7 +1,5 @@
 //! The quantity that a report for clients shows.
 
-use glanz_math::DVec3;
-
 use crate::daylight::OUTDOOR_LUX;
 use crate::lux_map::LuxStatistics;
 use crate::{LuxMap, ReplicateEstimate};
@@ -53,10 +51,4 @@ impl LitQuantity {
         });
         LuxMap { lux: scaled(&map.lux), errors: scaled(&map.errors), statistics, ..map.clone() }
     }
-}
-
-/// The unit vector as people read it.
-pub(super) fn shown_point(point: DVec3) -> String {
-    let [x, y, z] = point.to_array().map(|part| format!("{:.2}", part + 0.0));
-    format!("{x}, {y}, {z}")
 }

@@ -30,7 +30,9 @@
 //! ```
 
 mod client_area;
+mod client_assumptions;
 mod client_page;
+mod client_room;
 #[cfg(test)]
 mod client_tests;
 mod compare;
