@@ -42,7 +42,7 @@ impl ValueGrid<'_> {
         let size = self.field.size();
         let frame = MapFrame::new(size, self.largest);
         let blocks = self.blocks(&frame);
-        let width = (LEFT + frame.width + RIGHT).max(360.0);
+        let width = (LEFT + frame.width + RIGHT).max(460.0);
         let letters = ((width - 24.0) / SENTENCE_LETTER) as usize;
         let means = format!(
             "Means over {} x {} areas of about {:.2} m x {:.2} m.",

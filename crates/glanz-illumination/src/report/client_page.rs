@@ -221,7 +221,7 @@ pub(super) fn figure_table(caption: &str, maps: &[&LuxMap]) -> Table {
 /// A value with half of its interval.
 fn with_error(value: f64, [low, high]: [f64; 2]) -> String {
     let half = (high - value).max(value - low);
-    if half < LEAST_ERROR * value.abs() || !half.is_finite() {
+    if half <= LEAST_ERROR * value.abs() || !half.is_finite() {
         return significant(value);
     }
     // As many decimals as the error has.
