@@ -6,6 +6,7 @@ use std::fmt::Write;
 use crate::cell_field::CellField;
 use crate::colour_scale::ColourScale;
 use crate::contour::{Contour, ContourGrid};
+use crate::label_boxes::{LabelBoxes, half_size};
 use crate::map_frame::{BELOW, LEFT, LETTER, MapAxis, MapFrame, TOP};
 use crate::palette::{contrasting, hexadecimal};
 use crate::svg::{Svg, shortened, wrapped};
@@ -120,7 +121,7 @@ impl<'a> HeatMap<'a> {
 
     /// Draws contours and their labels.
     fn draw_contours(&self, svg: &mut Svg, frame: &MapFrame, contours: &[Vec<Contour>]) {
-        let mut labels: Vec<ContourLabel> = Vec::new();
+        let (mut labels, mut taken): (Vec<ContourLabel>, _) = (Vec::new(), LabelBoxes::default());
         for ((level, label), contours) in self.levels.iter().zip(contours) {
             let ground = self.scale.colour(*level);
             let ink = contrasting(ground);
@@ -135,7 +136,7 @@ impl<'a> HeatMap<'a> {
                     }
                 }
                 svg.element(format_args!("<polyline points=\"{}\"/>", places.join(" ")));
-                labels.extend(ContourLabel::placed(contour, frame, label, ground, &labels));
+                labels.extend(ContourLabel::placed(contour, frame, label, ground, &mut taken));
             }
             svg.element(format_args!("</g>"));
         }
@@ -251,37 +252,32 @@ fn runs(field: &CellField, scale: &ColourScale) -> Vec<ColourRun> {
 struct ContourLabel<'a> {
     /// Its centre, pixels.
     centre: [f64; 2],
-    half: [f64; 2],
     words: &'a str,
     ground: [u8; 3],
 }
 
 impl<'a> ContourLabel<'a> {
-    /// A label on a contour that is long enough for it, inside the map and clear of `others`.
+    /// A label on a contour that is long enough for it, inside the map and clear of those before it.
     fn placed(
         contour: &Contour,
         frame: &MapFrame,
         words: &'a str,
         ground: [u8; 3],
-        others: &[Self],
+        taken: &mut LabelBoxes,
     ) -> Option<Self> {
-        let half = [0.5 * LETTER[0] * words.chars().count() as f64 + 2.0, 0.5 * LETTER[1] + 2.0];
+        let half = half_size(words, 2.0);
         let places: Vec<[f64; 2]> = contour.points.iter().map(|p| frame.pixel(*p)).collect();
         let length: f64 = places.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
         if length < 8.0 * half[0] {
             return None;
         }
-        let is_free = |place: &[f64; 2]| {
+        let mut is_free = |place: &[f64; 2]| {
             let [x, y] = *place;
             let inside = x - half[0] > LEFT
                 && x + half[0] < LEFT + frame.width
                 && y - half[1] > TOP
                 && y + half[1] < TOP + frame.height;
-            let clear = |other: &Self| {
-                (other.centre[0] - x).abs() >= other.half[0] + half[0]
-                    || (other.centre[1] - y).abs() >= other.half[1] + half[1]
-            };
-            inside && others.iter().all(clear)
+            inside && taken.add(*place, half)
         };
         // Points along the whole contour, those near its middle first.
         const TRIES: usize = 24;
@@ -290,7 +286,7 @@ impl<'a> ContourLabel<'a> {
             let middle = places.len() / 2;
             if i % 2 == 0 { middle.saturating_sub(off) } else { middle + off }
         });
-        let centre = tries.filter_map(|i| places.get(i).copied()).find(is_free)?;
-        Some(Self { centre, half, words, ground })
+        let centre = tries.filter_map(|i| places.get(i).copied()).find(|place| is_free(place))?;
+        Some(Self { centre, words, ground })
     }
 }

@@ -36,6 +36,7 @@ mod contour;
 mod fact;
 mod floor_plan;
 mod heat_map;
+mod label_boxes;
 mod lettering;
 mod levels;
 mod map_frame;
