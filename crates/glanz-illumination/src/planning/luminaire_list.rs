@@ -124,7 +124,9 @@ impl LuminaireGroup {
 impl LuminairePlace {
     fn of(luminaire: &PlacedLuminaire, number: u32) -> Self {
         let axes = luminaire.axes;
-        let turn = axes.x_axis.y.atan2(axes.x_axis.x).to_degrees().rem_euclid(360.0);
+        // The remainder of a tiny negative angle is rounded up to 360.
+        let turn = Some(axes.x_axis.y.atan2(axes.x_axis.x).to_degrees().rem_euclid(360.0));
+        let turn = turn.filter(|turn| *turn < 360.0).unwrap_or(0.0);
         let tilt = axes.z_axis.z.clamp(-1.0, 1.0).acos().to_degrees();
         let outline = outline(luminaire);
         Self { number, position: luminaire.position, turn, tilt, outline }
@@ -273,6 +275,9 @@ mod tests {
             let off = (*corner - DVec2::new(3.0, 2.0)).abs();
             assert!(off.distance(DVec2::new(0.15, 0.6)) < 1e-12, "{corner}");
         }
+        let mut straight = lamp.clone();
+        straight.axes = DMat3::from_rotation_z(-1e-17);
+        assert_eq!(LuminairePlace::of(&straight, 1).turn, 0.0);
         // A light from a point has the outline of its file.
         let description = LuminaireDescription { opening: lamp.opening, ..LuminaireDescription::default() };
         let point = PlacedLuminaire {

@@ -32,6 +32,7 @@ pub mod requirement;
 pub mod road;
 pub mod room;
 pub mod room_layout;
+mod room_shapes;
 pub mod ugr_table;
 
 #[cfg(test)]

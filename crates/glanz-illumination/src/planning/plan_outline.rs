@@ -4,11 +4,14 @@ use glanz_geometry::FaceDomain;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::PlacedSurface;
 
-/// Points along each side of a face whose outline is sampled.
-const POINTS: u32 = 17;
+use crate::receiver::{face_corners, signed_area};
 
-/// Largest number of faces that are sampled; a shape with more has the outline of its box.
-const MOST_FACES: usize = 1 << 14;
+/// Points along each side of a face whose outline is sampled, and of a trimmed one, of whose border at most half of a step is lost.
+const POINTS: u32 = 17;
+const TRIMMED_POINTS: u32 = 129;
+
+/// Largest number of points of all faces, apart from four for each.
+const MOST_POINTS: usize = 1 << 18;
 
 /// Thickness of a shape that counts as flat, as a share of its extent.
 const FLAT: f64 = 1e-6;
@@ -25,19 +28,18 @@ pub(crate) struct ShapeOutline {
 }
 
 impl ShapeOutline {
-    /// That of some faces of a surface; `None` if it is infinite.
+    /// That of some faces of a surface, of its box without faces; `None` if it is infinite.
     pub(crate) fn of(surface: &PlacedSurface<'_>, faces: &[u32]) -> Option<Self> {
         let bounds = surface.bounds();
         if bounds.is_empty() || !bounds.is_finite() {
             return None;
         }
-        let sampled: Vec<DVec3> = if faces.is_empty() || faces.len() > MOST_FACES {
+        let sampled: Vec<DVec3> = if faces.is_empty() {
             bounds.corners().to_vec()
         } else {
-            let points = faces.iter().flat_map(|&face| {
-                let at = move |uv: DVec2| surface.at(face, uv, false).map(|found| found.at.point.position);
-                parameters(surface.face_domain(face)).into_iter().filter_map(at)
-            });
+            let finest = if surface.is_trimmed() { TRIMMED_POINTS } else { POINTS };
+            let each = ((MOST_POINTS / faces.len()) as f64).sqrt() as u32;
+            let points = faces.iter().flat_map(|&face| face_points(surface, face, each.clamp(2, finest)));
             // Of trimmed surfaces, the box is that of what is left.
             points.map(|point| point.clamp(bounds.min, bounds.max)).collect()
         };
@@ -50,7 +52,7 @@ impl ShapeOutline {
 
     /// Its area from above, m^2.
     pub(crate) fn area(&self) -> f64 {
-        polygon_area(&self.outline)
+        signed_area(&self.outline).abs()
     }
 
     /// The longest distance of its outline from its first point, metres.
@@ -70,25 +72,18 @@ impl ShapeOutline {
     }
 }
 
-/// Points of a domain: its corners, and a grid of a square one, whose surface may be curved.
-fn parameters(domain: FaceDomain) -> Vec<DVec2> {
-    match domain {
-        FaceDomain::Polygon(corners) => corners,
-        FaceDomain::Square => {
-            let step = |i: u32| f64::from(i) / f64::from(POINTS - 1);
-            (0..POINTS).flat_map(|v| (0..POINTS).map(move |u| DVec2::new(step(u), step(v)))).collect()
-        }
-    }
-}
-
-/// Area of a convex outline, m^2.
-pub(crate) fn polygon_area(outline: &[DVec2]) -> f64 {
-    let Some(first) = outline.first() else { return 0.0 };
-    let triangles = outline.windows(2).map(|pair| match pair {
-        [a, b] => 0.5 * (*a - *first).perp_dot(*b - *first),
-        _ => 0.0,
+/// Points of a face, metres: its corners if it lies within them, else a grid of `side` times `side` points in its parameters.
+pub(crate) fn face_points(surface: &PlacedSurface<'_>, face: u32, side: u32) -> Vec<DVec3> {
+    let corners = face_corners(surface, face).or_else(|| match surface.face_domain(face) {
+        FaceDomain::Polygon(corners) => Some(corners),
+        FaceDomain::Square => None,
     });
-    triangles.sum::<f64>().abs()
+    let parameters = corners.unwrap_or_else(|| {
+        let step = |i: u32| f64::from(i) / f64::from(side.max(2) - 1);
+        (0..side).flat_map(|v| (0..side).map(move |u| DVec2::new(step(u), step(v)))).collect()
+    });
+    let at = |uv: DVec2| surface.at(face, uv, false).map(|found| found.at.point.position);
+    parameters.into_iter().filter_map(at).collect()
 }
 
 /// The convex hull of points, counterclockwise, without points on its sides; of points on a line, their ends.
@@ -97,14 +92,21 @@ pub(crate) fn polygon_area(outline: &[DVec2]) -> f64 {
 /// @andrew1979: two chains of points that are sorted along x.
 pub(crate) fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
     points.retain(|point| point.is_finite());
+    let Some(&first) = points.first() else { return points };
+    let [low, high] = points.iter().fold([first; 2], |[low, high], p| [low.min(*p), high.max(*p)]);
+    // Points of a side along an axis, which differ by rounding, have to be sorted along the side.
+    let near = 1e-9 * (high - low).max_element();
+    for point in &mut points {
+        *point = DVec2::select(point.cmple(low + near), low, *point);
+        *point = DVec2::select(point.cmpge(high - near), high, *point);
+    }
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     points.dedup();
     if points.len() < 3 {
         return points;
     }
     // Cross products of points on a line are not exactly 0.
-    let extent = points.iter().fold(0.0_f64, |most, point| most.max(point.distance(points[0])));
-    let least = 1e-12 * extent * extent;
+    let least = 1e-12 * (high - low).length_squared();
     let chain = |points: &mut dyn Iterator<Item = DVec2>| {
         let mut chain: Vec<DVec2> = Vec::new();
         for point in points {
@@ -147,10 +149,34 @@ mod tests {
         let square = [[0.0, 0.0], [2.0, 0.0], [1.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0], [2.0, 1.0]];
         let hull = convex_hull(square.map(DVec2::from).to_vec());
         assert_eq!(hull, [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]].map(DVec2::from));
-        assert_eq!(polygon_area(&hull), 4.0);
+        assert_eq!(signed_area(&hull), 4.0);
         let line = [[0.0, 0.0], [0.1, 0.3], [0.2, 0.6], [f64::NAN, 0.0]].map(DVec2::from);
         assert_eq!(convex_hull(line.to_vec()), [[0.0, 0.0], [0.2, 0.6]].map(DVec2::from));
-        assert_eq!((convex_hull(Vec::new()).len(), polygon_area(&[])), (0, 0.0));
+        assert_eq!((convex_hull(Vec::new()).len(), signed_area(&[])), (0, 0.0));
+    }
+
+    #[test]
+    fn turned_shapes_keep_their_length_and_area() {
+        // Sines of right angles are not exactly 0, so that sides along an axis are only nearly so.
+        for (turn, x, y) in [-90.0_f64, 180.0, 270.0, 450.0]
+            .into_iter()
+            .flat_map(|turn| [(0.1, 0.7), (-3.3, 1e3 / 7.0), (0.0, 1.0 / 3.0)].map(|(x, y)| (turn, x, y)))
+        {
+            let axes = glanz_math::DMat3::from_rotation_z(turn.to_radians());
+            let quad = |u: DVec3, v: DVec3| {
+                let [u, v] = [axes * u, axes * v].map(|side| side.to_array());
+                let shape = ShapeDescription::parallelogram((axes * DVec3::new(x, y, 0.3)).to_array(), u, v);
+                outlines(shape).pop().unwrap()
+            };
+            let floor = quad(DVec3::new(5.3, 0.0, 0.0), DVec3::new(0.0, 3.7, 0.0));
+            assert!((floor.area() / (5.3 * 3.7) - 1.0).abs() < 1e-8 && floor.is_level(), "{turn} {floor:?}");
+            let wall = quad(DVec3::new(0.0, 3.7, 0.0), DVec3::new(0.0, 0.0, 2.5));
+            assert!((wall.length() / 3.7 - 1.0).abs() < 1e-8 && wall.is_upright(), "{turn} {wall:?}");
+            assert_eq!(wall.outline.len(), 2);
+        }
+        // A column of points that differ by rounding, of which the first along x is in the middle.
+        let rounded = [[1e-17, 0.0], [0.0, 1.0], [2e-17, 2.0], [3.0, 0.0], [3.0, 2.0]];
+        assert_eq!(signed_area(&convex_hull(rounded.map(DVec2::from).to_vec())), 6.0);
     }
 
     #[test]

@@ -282,7 +282,18 @@ impl LightingTask {
     /// A requirement of the task.
     #[must_use]
     pub fn requirement(&self, criterion: LightingCriterion, limit: f64) -> Requirement {
-        Requirement { criterion, limit, source: format!("EN 12464-1:2021, {}", self.reference) }
+        Requirement { criterion, limit, source: self.clause() }
+    }
+
+    /// Standard and reference.
+    fn clause(&self) -> String {
+        format!("EN 12464-1:2021, {}", self.reference)
+    }
+
+    /// Standard, reference and name.
+    #[must_use]
+    pub fn label(&self) -> String {
+        format!("{}: {}", self.clause(), self.name)
     }
 }
 

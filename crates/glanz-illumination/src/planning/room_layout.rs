@@ -1,18 +1,19 @@
 //! The room of a design from above: outlines, surfaces, areas of measurement, luminaires.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use glanz_light::Wavelengths;
 use glanz_light::units::photometric;
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::description::ZoneKind;
-use glanz_scene::{Light, LightId, PlacedSurface, Scene};
+use glanz_scene::{Light, PlacedSurface, Scene};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::luminaire::PlacedLuminaire;
 use super::luminaire_list::{LuminaireGroup, OtherLight};
 use super::plan_outline::ShapeOutline;
-use crate::Receivers;
+use super::room_shapes::{RoomShape, border_distance, joint_outlines};
+use crate::{Receiver, Receivers};
 
 /// Height of a wall, as a share of that of the room.
 const WALL_HEIGHT: f64 = 0.9;
@@ -22,6 +23,9 @@ const LEAST_PART: f64 = 0.1;
 
 /// Distance within which heights are equal, as a share of the extent of the room.
 const NEAR: f64 = 1e-4;
+
+/// Largest distance of walls from the border, as a share of the smaller side of the room: walls are thick, and floors may reach below them.
+const BORDER: f64 = 0.05;
 
 /// Cosine from which on a receiver faces up.
 const UPWARDS: f64 = 0.999;
@@ -61,10 +65,10 @@ pub struct RoomSurface {
     /// Area, m^2.
     #[serde(rename = "area_m2")]
     pub area: f64,
-    /// Luminous reflectance at right angles, the mean over the area.
-    pub reflectance: f64,
+    /// Luminous reflectance at right angles, the mean over the area of the parts where it is known; `None` if it is known of none.
+    pub reflectance: Option<f64>,
     /// Least and largest reflectance of its parts.
-    pub reflectance_range: [f64; 2],
+    pub reflectance_range: Option<[f64; 2]>,
 }
 
 /// A receiver in the room.
@@ -76,10 +80,10 @@ pub struct ReceiverPlace {
     pub kind: Option<ZoneKind>,
     /// Whether it is flat, level and faces up.
     pub is_level: bool,
-    /// Whether it is flat and upright.
-    pub is_upright: bool,
-    /// Its lower left corner from above, if it is level: its first direction is x and its second one y; metres.
-    pub corner: DVec2,
+    /// Whether its cells are rows and columns; those of a curved mesh are its triangles.
+    pub is_grid: bool,
+    /// The lower left corner of its grid, metres, and the unit directions of rows and of columns, if it is flat and not trimmed.
+    pub frame: Option<[DVec3; 3]>,
     /// Height of its middle, metres.
     pub height: f64,
     /// Its outline from above, metres.
@@ -88,13 +92,13 @@ pub struct ReceiverPlace {
 
 /// A room from above.
 ///
-/// z is up. Walls are upright flat shapes nearly as high as the room, floor and ceiling the level ones at its lowest and its highest point; all other shapes are furniture, which
-/// is represented by convex outlines.
+/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, walls upright flat shapes nearly as high as the room at the border of floor, ceiling or the box around
+/// the room; all other shapes are furniture, which is represented by convex outlines. A scene without finite shapes has the box of its receivers, luminaires and lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoomLayout {
     /// Lowest and highest corner of the box around it, metres.
     pub corners: [DVec3; 2],
-    /// Outlines of floor and walls, metres; those of two points are lines.
+    /// Outlines of the whole floor and of walls, metres; those of two points are lines.
     pub walls: Vec<Vec<DVec2>>,
     /// Outlines of furniture, metres.
     pub furniture: Vec<Vec<DVec2>>,
@@ -108,28 +112,18 @@ pub struct RoomLayout {
     pub other_lights: Vec<OtherLight>,
 }
 
-/// A shape of the scene with its surface.
-struct RoomShape<'a> {
-    surface: &'a PlacedSurface<'a>,
-    faces: Vec<u32>,
-    outline: ShapeOutline,
-}
-
 impl RoomLayout {
-    /// The layout of a scene; `None` if it has no finite shape.
+    /// The layout of a scene; `None` if it has neither finite shapes nor things with a place.
     #[must_use]
     pub fn of(scene: &Scene, receivers: &Receivers, luminaires: &[PlacedLuminaire]) -> Option<Self> {
         let placed = scene.placed_surfaces();
-        let shapes = shapes(&placed);
+        let shapes = RoomShape::all(&placed);
         let mut bounds = Bounds3::EMPTY;
         for RoomShape { outline, .. } in &shapes {
             let [low, high] = outline.height;
             for point in &outline.outline {
                 bounds = bounds.including(point.extend(low)).including(point.extend(high));
             }
-        }
-        if bounds.is_empty() || !bounds.is_finite() {
-            return None;
         }
         let mut layout = Self {
             corners: [bounds.min, bounds.max],
@@ -140,8 +134,39 @@ impl RoomLayout {
             luminaires: LuminaireGroup::of(luminaires),
             other_lights: other_lights(scene, &placed),
         };
+        if bounds.is_empty() {
+            bounds = layout.things().fold(bounds, Bounds3::including);
+        }
+        if bounds.is_empty() || !bounds.is_finite() || (bounds.max - bounds.min).truncate() == DVec2::ZERO {
+            return None;
+        }
+        layout.corners = [bounds.min, bounds.max];
         layout.sort_shapes(scene, &shapes);
         Some(layout)
+    }
+
+    /// Points of receivers, luminaires and lights, metres.
+    fn things(&self) -> impl Iterator<Item = DVec3> {
+        let receivers = self
+            .receivers
+            .iter()
+            .flat_map(|place| place.outline.iter().map(|point| point.extend(place.height)));
+        let luminaires = self.luminaires.iter().flat_map(|group| &group.places).flat_map(|place| {
+            let opening = place.outline.iter().map(|point| point.extend(place.position.z));
+            opening.chain([place.position])
+        });
+        let lights = self.other_lights.iter().filter_map(|light| Some((light, DVec3::from(light.position?))));
+        let lights = lights.flat_map(|(light, middle)| {
+            light.outline.iter().map(move |point| point.extend(middle.z)).chain([middle])
+        });
+        receivers.chain(luminaires).chain(lights)
+    }
+
+    /// Lower left and upper right corner of all that a plan shows, metres.
+    #[must_use]
+    pub fn plan_corners(&self) -> [DVec2; 2] {
+        let [low, high] = self.corners.map(DVec3::truncate);
+        self.things().map(DVec3::truncate).fold([low, high], |[low, high], p| [low.min(p), high.max(p)])
     }
 
     /// Adds walls, furniture and surfaces.
@@ -159,25 +184,39 @@ impl RoomLayout {
         // A flat scene has neither walls nor a ceiling.
         let [floor, ceiling] =
             if size.z > near { [parts(low.z), parts(high.z)] } else { [parts(low.z), Vec::new()] };
+        let floor_outlines = joint_outlines(&floor);
+        let mut border = [floor_outlines.clone(), joint_outlines(&ceiling)].concat();
+        border.push(
+            [[low.x, low.y], [high.x, low.y], [high.x, high.y], [low.x, high.y]].map(DVec2::from).into(),
+        );
+        let shorter = size.truncate().min_element();
+        let is_at_border = |outline: &[DVec2]| {
+            let middle = outline.iter().sum::<DVec2>() / outline.len().max(1) as f64;
+            outline.iter().chain([&middle]).all(|point| border_distance(&border, *point) <= BORDER * shorter)
+        };
         let is_wall = |shape: &&RoomShape<'_>| {
             let [from, to] = shape.outline.height;
             shape.outline.is_upright()
                 && to - from >= WALL_HEIGHT * size.z
-                && shape.outline.length() >= LEAST_PART * size.truncate().min_element()
+                && shape.outline.length() >= LEAST_PART * shorter
+                && is_at_border(&shape.outline.outline)
         };
         let walls: Vec<&RoomShape<'_>> = shapes.iter().filter(is_wall).collect();
-        let is_in = |list: &[&RoomShape<'_>], shape: &RoomShape<'_>| {
-            list.iter().any(|other| std::ptr::eq(*other, shape))
-        };
+        let of_room: Vec<*const RoomShape<'_>> = [&floor, &ceiling, &walls]
+            .into_iter()
+            .flatten()
+            .map(|shape| std::ptr::from_ref(*shape))
+            .collect();
         let mut others: Vec<&RoomShape<'_>> = shapes
             .iter()
-            .filter(|shape| ![&floor, &ceiling, &walls].into_iter().any(|list| is_in(list, shape)))
+            .filter(|shape| !of_room.contains(&std::ptr::from_ref(*shape)))
             .filter(|shape| shape.surface.light().is_none() && shape.outline.outline.len() > 1)
             .collect();
         others.sort_by(|a, b| b.outline.length().total_cmp(&a.outline.length()));
         others.truncate(MOST_FURNITURE);
         self.furniture = others.iter().map(|shape| shape.outline.outline.clone()).collect();
-        self.walls = floor.iter().chain(&walls).map(|shape| shape.outline.outline.clone()).collect();
+        self.walls = floor_outlines;
+        self.walls.extend(walls.iter().map(|shape| shape.outline.outline.clone()));
         let middle = 0.5 * (low + high);
         let kinds = [RoomSurfaceKind::Floor, RoomSurfaceKind::Walls, RoomSurfaceKind::Ceiling];
         let summed = kinds.into_iter().zip([&floor, &walls, &ceiling]);
@@ -190,17 +229,21 @@ impl RoomLayout {
         self.corners[1] - self.corners[0]
     }
 
-    /// Floor area, m^2; that of the box from above if there is no floor.
+    /// Floor area, m^2; that of the box from above if there is no floor, 0 if there are no finite shapes at all.
     #[must_use]
     pub fn floor_area(&self) -> f64 {
         let floor = self.surfaces.iter().find(|part| part.surface == RoomSurfaceKind::Floor);
+        if floor.is_none() && self.walls.is_empty() && self.furniture.is_empty() {
+            return 0.0;
+        }
         floor.map_or_else(|| self.size().truncate().element_product(), |floor| floor.area)
     }
 
-    /// Electric power of all luminaires, watts; `None` if the power of one is unknown, or there is none.
+    /// Electric power of all luminaires, watts; `None` if the power of one is unknown, there is none, or there are lights of other kinds, whose power is unknown.
     #[must_use]
     pub fn watts(&self) -> Option<f64> {
-        let known = self.luminaires.iter().all(|group| group.description.watts > 0.0);
+        let known =
+            self.other_lights.is_empty() && self.luminaires.iter().all(|group| group.description.watts > 0.0);
         let watts = self.luminaires.iter().map(|group| group.places.len() as f64 * group.description.watts);
         (known && !self.luminaires.is_empty()).then(|| watts.sum())
     }
@@ -212,29 +255,6 @@ impl RoomLayout {
     }
 }
 
-/// All finite shapes that light does not pass, with the faces of each.
-fn shapes<'a>(placed: &'a [PlacedSurface<'a>]) -> Vec<RoomShape<'a>> {
-    let mut shapes = Vec::new();
-    for surface in placed.iter().filter(|surface| !surface.is_passable()) {
-        // Joined meshes are one surface, boxes one shape of several sides.
-        let mut by_shape: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
-        let is_box = surface.faces() > 1 && surface.faces() <= 64;
-        for face in 0..surface.faces() {
-            let side = if is_box { face } else { 0 };
-            by_shape.entry((surface.shape(face), side)).or_default().push(face);
-        }
-        if by_shape.is_empty() {
-            by_shape.insert((0, 0), Vec::new());
-        }
-        let outlined = by_shape.into_values().filter_map(|faces| {
-            let outline = ShapeOutline::of(surface, &faces)?;
-            Some(RoomShape { surface, faces, outline })
-        });
-        shapes.extend(outlined);
-    }
-    shapes
-}
-
 /// Area and reflectance of parts of a room; `None` without parts.
 fn room_surface(
     scene: &Scene,
@@ -242,49 +262,42 @@ fn room_surface(
     parts: &[&RoomShape<'_>],
     middle: DVec3,
 ) -> Option<RoomSurface> {
-    let (mut area, mut sum, mut range) = (0.0, 0.0, [f64::INFINITY, f64::NEG_INFINITY]);
+    let (mut area, mut known, mut sum) = (0.0, 0.0, 0.0);
+    let mut range: Option<[f64; 2]> = None;
     for part in parts {
-        let Some(own) = reflectance(scene, part, middle) else { continue };
-        let part_area: f64 = part.faces.iter().filter_map(|&face| part.surface.area(face..face + 1)).sum();
-        (area, sum) = (area + part_area, sum + part_area * own);
-        range = [range[0].min(own), range[1].max(own)];
+        let part_area = part.area();
+        area += part_area;
+        let Some(own) = part.reflectance(scene, middle) else { continue };
+        (known, sum) = (known + part_area, sum + part_area * own);
+        range = Some(range.map_or([own; 2], |[low, high]| [low.min(own), high.max(own)]));
     }
-    let reflectance = sum / area;
+    let reflectance = (known > 0.0).then(|| sum / known);
     (area > 0.0).then_some(RoomSurface { surface, area, reflectance, reflectance_range: range })
-}
-
-/// Luminous reflectance of a shape at right angles, on the side that faces `middle`; `None` if the point in its middle is not on it.
-fn reflectance(scene: &Scene, shape: &RoomShape<'_>, middle: DVec3) -> Option<f64> {
-    let face = *shape.faces.first()?;
-    let corners = shape.surface.face_domain(face).corners();
-    let uv = corners.iter().sum::<DVec2>() / corners.len().max(1) as f64;
-    let front = shape.surface.at(face, uv, false)?;
-    let is_behind = front.at.wo.dot(middle - front.at.point.position) < 0.0;
-    let at = if is_behind { shape.surface.at(face, uv, true)?.at } else { front.at };
-    let wavelengths = Wavelengths::default();
-    let bsdf = at.bsdf(scene, &wavelengths)?;
-    let wo = at.frame_of(&bsdf, at.point.shading_normal).to_local(at.wo);
-    Some(f64::from(bsdf.reflected(wo).luminance(&wavelengths)))
 }
 
 /// The receivers in the room.
 fn receiver_places(scene: &Scene, receivers: &Receivers, placed: &[PlacedSurface<'_>]) -> Vec<ReceiverPlace> {
-    let kind = |shape: u32| scene.receivers().iter().find(|declared| declared.shape() == shape)?.zone();
-    let place = |receiver: &crate::Receiver| {
+    let kinds: HashMap<u32, Option<ZoneKind>> =
+        scene.receivers().iter().rev().map(|declared| (declared.shape(), declared.zone())).collect();
+    let place = |receiver: &Receiver| {
         let surface = placed.get(receiver.surface() as usize)?;
-        let lit = receiver.areas().iter().position(|area| *area > 0.0)?;
-        let normal = receiver.place(surface, lit, DVec2::splat(0.5)).map(|point| point.normal);
-        let faces: Vec<u32> =
-            (0..surface.faces()).filter(|face| surface.shape(*face) == receiver.shape()).collect();
+        let faces: Vec<u32> = match receiver.face() {
+            Some(face) => vec![face],
+            None => (0..surface.faces()).filter(|face| surface.shape(*face) == receiver.shape()).collect(),
+        };
         let outline = ShapeOutline::of(surface, &faces)?;
-        let is_level = outline.is_level() && normal.is_some_and(|normal| normal.z > UPWARDS);
-        let corner = outline.outline.iter().copied().reduce(DVec2::min)?;
+        let frame = receiver.flat_frame();
+        // Seen from the counted side, columns go up from rows that go to the right.
+        let normal = frame.map(|[_, across, up]| across.cross(up)).or_else(|| {
+            let middle = |cell| receiver.place(surface, cell, DVec2::splat(0.5));
+            Some((0..receiver.len()).find_map(middle)?.normal)
+        });
         Some(ReceiverPlace {
             name: receiver.name().to_owned(),
-            kind: kind(receiver.shape()),
-            is_level,
-            is_upright: outline.is_upright(),
-            corner,
+            kind: kinds.get(&receiver.shape()).copied().flatten(),
+            is_level: outline.is_level() && normal.is_some_and(|normal| normal.z > UPWARDS),
+            is_grid: receiver.is_grid(),
+            frame,
             height: outline.middle.z,
             outline: outline.outline,
         })
@@ -295,6 +308,8 @@ fn receiver_places(scene: &Scene, receivers: &Receivers, placed: &[PlacedSurface
 /// All lights that are no luminaires of photometric files.
 fn other_lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> Vec<OtherLight> {
     let wavelengths = Wavelengths::default();
+    let emitting: HashMap<u32, &PlacedSurface<'_>> =
+        placed.iter().rev().filter_map(|surface| Some((surface.light()?.0, surface))).collect();
     let lumens = |power| Some(photometric(power, &wavelengths)).filter(|flux| *flux > 0.0);
     let at = |kind, flux, position: DVec3| OtherLight {
         kind,
@@ -310,7 +325,7 @@ fn other_lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> Vec<OtherLight> 
         Light::Goniometric(l) => Some(at("point with a picture", lumens(l.power()), l.position())),
         Light::Rays(l) => Some(at("ray file", lumens(l.power()), l.position())),
         Light::Area(l) => {
-            let surface = placed.iter().find(|surface| surface.light() == Some(LightId(number)))?;
+            let surface = emitting.get(&number)?;
             let outline = ShapeOutline::of(surface, &(0..surface.faces()).collect::<Vec<_>>())?;
             let flux = lumens(l.power());
             Some(OtherLight { outline: outline.outline, ..at("emitting surface", flux, outline.middle) })
@@ -394,7 +409,8 @@ mod tests {
             );
         let room = layout(builder, |_| ()).unwrap();
         assert_eq!(room.size().to_array(), [4.0, 3.0, 2.5]);
-        assert!(room.walls.len() == 4 && (room.floor_area() - 12.0).abs() < 1e-9);
+        // The two parts of the floor are one; two walls.
+        assert!(room.walls.len() == 3 && (room.floor_area() - 12.0).abs() < 1e-9);
         let of = |kind| *room.surfaces.iter().find(|part| part.surface == kind).unwrap();
         // (8 * 0.4 + 4 * 0.1) / 12 = 0.3; (10 * 0.2 + 10 * 0.5) / 20 = 0.35.
         for (kind, area, mean, range) in [
@@ -403,13 +419,17 @@ mod tests {
             (RoomSurfaceKind::Ceiling, 12.0, 0.8, [0.8, 0.8]),
         ] {
             let found = of(kind);
-            assert!((found.area - area).abs() < 1e-9 && (found.reflectance - mean).abs() < 1e-6, "{found:?}");
-            assert!((found.reflectance_range[0] - range[0]).abs() < 1e-6, "{found:?}");
+            assert!((found.area - area).abs() < 1e-9, "{found:?}");
+            assert!((found.reflectance.unwrap() - mean).abs() < 1e-6, "{found:?}");
+            assert!((found.reflectance_range.unwrap()[0] - range[0]).abs() < 1e-6, "{found:?}");
         }
         // The six sides of the table.
         assert_eq!(room.furniture.len(), 6);
         let desk = room.receiver("desk").unwrap();
-        assert!(desk.is_level && desk.kind.is_none() && desk.corner.distance(DVec2::new(0.5, 0.5)) < 1e-12);
+        assert!(desk.is_level && desk.kind.is_none() && desk.is_grid);
+        let [corner, across, up] = desk.frame.unwrap();
+        assert!(corner.distance(DVec3::new(0.5, 0.5, 0.8)) < 1e-12);
+        assert!(across.distance(DVec3::X) < 1e-12 && up.distance(DVec3::Y) < 1e-12);
         assert!((desk.height - 0.8).abs() < 1e-12);
         let [light] = room.other_lights.as_slice() else { panic!("one light") };
         // 4 pi sr of 683 lm/W.
@@ -424,7 +444,7 @@ mod tests {
         let level: Vec<&str> =
             room.receivers.iter().filter(|place| place.is_level).map(|place| place.name.as_str()).collect();
         assert_eq!((level, room.receivers.len(), room.walls.len()), (vec!["floor"], 6, 5));
-        assert!(room.surfaces.iter().all(|part| part.reflectance == 0.0) && room.furniture.is_empty());
+        assert!(room.surfaces.iter().all(|part| part.reflectance == Some(0.0)) && room.furniture.is_empty());
         let json = serde_json::to_value(&room).unwrap();
         assert_eq!(json["size_m"], serde_json::json!([5.0, 4.0, 3.0]));
         assert!((json["floor_area_m2"].as_f64().unwrap() - 20.0).abs() < 1e-9);
@@ -432,8 +452,58 @@ mod tests {
     }
 
     #[test]
-    fn a_scene_without_finite_shapes_is_no_room() {
-        let plane = lamp().shape(ShapeDescription::plane(), MaterialKind::diffuse(0.5));
-        assert_eq!(layout(plane, |_| ()), None);
+    fn a_scene_without_finite_shapes_has_the_box_of_its_things() {
+        let plane = || lamp().shape(ShapeDescription::plane(), MaterialKind::diffuse(0.5));
+        assert_eq!(layout(plane(), |_| ()), None);
+        let field = ShapeDescription::parallelogram([-3.0, 0.0, 0.1], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        let field = layout(plane().shape(field.receiver("field"), MaterialKind::Interface), |_| ()).unwrap();
+        assert_eq!(field.corners, [DVec3::new(-3.0, 0.0, 0.1), DVec3::new(1.0, 2.0, 2.0)]);
+        // There is no floor to which a power could refer.
+        assert!(field.walls.is_empty() && field.floor_area() == 0.0);
+    }
+
+    #[test]
+    fn plans_show_what_is_beyond_the_walls() {
+        let lamp = SceneBuilder::new().light(LightDescription::point([9.0, -1.0, 2.0], 1.0));
+        let room = layout(lamp, |description| add_walls(description, DVec3::new(5.0, 4.0, 3.0))).unwrap();
+        assert_eq!(room.size(), DVec3::new(5.0, 4.0, 3.0));
+        assert_eq!(room.plan_corners(), [DVec2::new(0.0, -1.0), DVec2::new(9.0, 4.0)]);
+    }
+
+    #[test]
+    fn turned_receivers_and_facets_have_their_own_frames() {
+        // A desk at 30 degrees; the six facets of a box.
+        let (sin, cos) = 30.0_f64.to_radians().sin_cos();
+        let desk = ShapeDescription::parallelogram(
+            [1.0, 1.0, 0.7],
+            [1.6 * cos, 1.6 * sin, 0.0],
+            [-0.8 * sin, 0.8 * cos, 0.0],
+        );
+        let cuboid = ShapeDescription::cuboid([3.0, 3.0, 0.0], [4.0, 5.0, 1.0]);
+        let builder = lamp()
+            .shape(desk.receiver("desk"), MaterialKind::diffuse(0.5))
+            .shape(cuboid.receiver("box"), MaterialKind::diffuse(0.5));
+        let room = layout(builder, |_| ()).unwrap();
+        let [corner, across, up] = room.receiver("desk").unwrap().frame.unwrap();
+        assert!(
+            corner.distance(DVec3::new(1.0, 1.0, 0.7)) < 1e-12 && room.receiver("desk").unwrap().is_level
+        );
+        assert!(across.distance(DVec3::new(cos, sin, 0.0)) < 1e-12, "{across}");
+        assert!(up.distance(DVec3::new(-sin, cos, 0.0)) < 1e-12, "{up}");
+        let facets = || room.receivers.iter().filter(|place| place.name.starts_with("box"));
+        let upright = facets().filter(|place| place.outline.len() == 2).count();
+        assert_eq!((facets().count(), upright, facets().filter(|place| place.is_level).count()), (6, 4, 1));
+        assert_eq!(facets().find(|place| place.is_level).unwrap().height, 1.0);
+    }
+
+    #[test]
+    fn high_cupboards_are_no_walls() {
+        // 2.4 m of 2.5 m high, in the middle of 5 m x 4 m.
+        let cupboard = ShapeDescription::cuboid([2.0, 1.5, 0.0], [3.0, 2.5, 2.4]);
+        let builder = lamp().shape(cupboard, MaterialKind::diffuse(0.9));
+        let room = layout(builder, |description| add_walls(description, DVec3::new(5.0, 4.0, 2.5))).unwrap();
+        let walls = room.surfaces.iter().find(|part| part.surface == RoomSurfaceKind::Walls).unwrap();
+        // 2 x (5 + 4) x 2.5 m2, black.
+        assert!((walls.area - 45.0).abs() < 1e-9 && walls.reflectance == Some(0.0), "{walls:?}");
     }
 }

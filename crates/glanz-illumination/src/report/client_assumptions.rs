@@ -1,10 +1,11 @@
 //! What a calculation assumes, in sentences for a client.
 
-use glanz_report::number::significant;
+use glanz_report::FactValue;
+use glanz_report::number::{plural, significant};
 use glanz_report::svg::escaped;
 
 use super::LuxReport;
-use super::client_page::{fact, short_section};
+use super::client_page::{fact, is_interrupted, short_section};
 use super::lit_quantity::LitQuantity;
 use super::text::printable;
 use crate::LuxMap;
@@ -21,6 +22,12 @@ pub(super) fn assumption_section(report: &LuxReport, quantity: &LitQuantity) -> 
 fn assumptions(report: &LuxReport, quantity: &LitQuantity) -> Vec<String> {
     let mut list: Vec<String> = Vec::new();
     list.extend(light_method(report).map(str::to_owned));
+    list.extend(depth_limit(report));
+    if report.facts.get("media").is_some() {
+        list.push(
+            "Fog and other media are left out: light passes them as if they were not there.".to_owned(),
+        );
+    }
     if quantity.unit == "%" {
         list.push(
             "Daylight factors are shares of the illuminance of the open ground under the overcast sky of the CIE, which does not depend on the hour or the direction of the windows. \
@@ -59,11 +66,17 @@ fn assumptions(report: &LuxReport, quantity: &LitQuantity) -> Vec<String> {
         "The errors (\u{b1}) are those of the calculation. Tolerances of luminaires, voltages, surfaces and dimensions come on top of them."
             .to_owned(),
     );
-    match &report.plan {
-        Some(plan) if plan.task.is_some() => list.push(
+    match (&report.plan, &report.planning.task) {
+        (Some(_), Some(_)) => list.push(
             "The limits are those of open summaries of the standards named beside them. Whoever signs compares them with the text of the standard.".to_owned(),
         ),
-        _ => list.push("No task was chosen, so that no requirements of a standard for work places are judged.".to_owned()),
+        (None, Some(_)) if is_interrupted(report) => {
+            list.push("The calculation was interrupted, so that no requirements are judged.".to_owned());
+        }
+        (None, Some(_)) => list.push(
+            "The scene declares no zones and no observers, so that no requirements are judged.".to_owned(),
+        ),
+        (_, None) => list.push("No task was chosen, so that no requirements of a standard for work places are judged.".to_owned()),
     }
     if let Some(reason) = report.plan.as_ref().and_then(|plan| plan.glare_refusal.as_ref()) {
         list.push(format!("Glare (UGR) is not rated: {}.", printable(reason)));
@@ -75,16 +88,26 @@ fn assumptions(report: &LuxReport, quantity: &LitQuantity) -> Vec<String> {
 fn light_method(report: &LuxReport) -> Option<&'static str> {
     Some(match fact(report, "method")?.as_str() {
         "auto" => {
-            "All light counts, with all reflections between surfaces: direct light and light by exact mirrors is integrated, light between other surfaces is followed by random paths, \
+            "All light counts, with the reflections between surfaces: direct light and light by exact mirrors is integrated, light between other surfaces is followed by random paths, \
              and light that mirrors and glass focus by particles."
         }
         "integrate" => {
             "Only direct light and light after one reflection in a mirror counts; light that walls, ceiling and furniture reflect is left out."
         }
         _ => {
-            "All light counts, with all reflections between surfaces: it is followed from the lights by particles."
+            "All light counts, with the reflections between surfaces: it is followed from the lights by particles."
         }
     })
+}
+
+/// A sentence on the largest number of reflections, if there is one below that by default.
+fn depth_limit(report: &LuxReport) -> Option<String> {
+    /// Largest number by default, beyond which hardly any light is left.
+    const USUAL_DEPTH: u64 = 1000;
+    let Some(FactValue::Count(depth)) = report.facts.get("max_depth") else { return None };
+    let times = plural(*depth, "reflection or passage", "reflections or passages");
+    (*depth < USUAL_DEPTH)
+        .then(|| format!("Light is followed through at most {times}; what comes after is left out."))
 }
 
 /// Sentences on surfaces and luminaires.
@@ -93,9 +116,12 @@ fn add_layout_assumptions(layout: &RoomLayout, list: &mut Vec<String>) {
         let parts: Vec<String> = layout
             .surfaces
             .iter()
-            .map(|part| format!("{} {:.2}", part.surface.name(), part.reflectance))
+            .map(|part| match part.reflectance {
+                Some(reflectance) => format!("{} {reflectance:.2}", part.surface.name()),
+                None => format!("{} unknown", part.surface.name()),
+            })
             .collect();
-        let black = layout.surfaces.iter().all(|part| part.reflectance == 0.0);
+        let black = layout.surfaces.iter().all(|part| part.reflectance == Some(0.0));
         let note = if black {
             " They absorb all light, so that all light on them comes from the lights, mirrors and other things."
         } else {
@@ -129,9 +155,11 @@ fn add_layout_assumptions(layout: &RoomLayout, list: &mut Vec<String>) {
         }
     }
     if !layout.luminaires.is_empty() && layout.watts().is_none() {
-        list.push(
-            "The power of at least one luminaire is not stated, so that there are no figures of power."
-                .to_owned(),
-        );
+        let reason = if layout.other_lights.is_empty() {
+            "The power of at least one luminaire is not stated"
+        } else {
+            "There are lights without a photometric file, whose power is unknown"
+        };
+        list.push(format!("{reason}, so that there are no figures of power."));
     }
 }

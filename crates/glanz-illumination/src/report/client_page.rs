@@ -7,7 +7,7 @@ use glanz_report::svg::escaped;
 use glanz_report::{FactValue, Table, TableCell};
 
 use super::LuxReport;
-use super::client_area::{area_section, surface_section};
+use super::client_area::{area_section, is_grid, surface_section};
 use super::client_assumptions::assumption_section;
 use super::client_room::{luminaire_section, plan_section};
 use super::lit_quantity::LitQuantity;
@@ -28,9 +28,8 @@ const GLARE_KEYS: [&str; 5] = ["ugr", "observers", "cylindrical", "modelling", "
 /// The sections of a report for a client, most of which begin a sheet of paper.
 pub(super) fn client_sections(report: &LuxReport) -> String {
     let quantity = LitQuantity::of(report);
-    let maps: Vec<LuxMap> = report.maps.iter().map(|map| quantity.map(map)).collect();
-    let (featured, others) = featured(report, &maps);
-    let mut sections = vec![summary_section(report, &quantity, &featured)];
+    let (areas, others) = area_maps(report);
+    let mut sections = vec![summary_section(report, &quantity, &areas)];
     if let Some(layout) = &report.layout {
         if !layout.luminaires.is_empty() || !layout.other_lights.is_empty() {
             sections.push(luminaire_section(layout));
@@ -39,9 +38,9 @@ pub(super) fn client_sections(report: &LuxReport) -> String {
     }
     sections.extend(requirement_section(report));
     sections.push(assumption_section(report, &quantity));
-    sections.extend(featured.iter().map(|map| area_section(report, &quantity, map)));
+    sections.extend(areas.iter().map(|map| area_section(report, &quantity, map)));
     if !others.is_empty() {
-        sections.push(surface_section(&quantity, &others));
+        sections.push(surface_section(report, &quantity, &others));
     }
     sections.concat()
 }
@@ -57,28 +56,44 @@ pub(super) fn short_section(heading: &str, body: &str) -> String {
 }
 
 /// The maps that have a sheet of their own, and all others: level areas that face up, declared zones first, then from the highest down; in a design without zones the map with most light, too.
-fn featured<'a>(report: &LuxReport, maps: &'a [LuxMap]) -> (Vec<&'a LuxMap>, Vec<&'a LuxMap>) {
+fn area_maps(report: &LuxReport) -> (Vec<&LuxMap>, Vec<&LuxMap>) {
     /// Largest number of sheets.
     const MOST: usize = 12;
     let place = |map: &LuxMap| report.layout.as_ref()?.receiver(&map.name);
     let is_zone = |map: &LuxMap| place(map).is_some_and(|place| place.kind.is_some());
-    let mut level: Vec<&LuxMap> =
-        maps.iter().filter(|map| place(map).is_some_and(|place| place.is_level)).collect();
+    let grids = || report.maps.iter().filter(|map| is_grid(report, map));
+    let mut areas: Vec<&LuxMap> =
+        grids().filter(|map| place(map).is_some_and(|place| place.is_level)).collect();
     let height = |map: &LuxMap| place(map).map_or(0.0, |place| place.height);
-    level.sort_by(|a, b| is_zone(b).cmp(&is_zone(a)).then(height(b).total_cmp(&height(a))));
-    if !maps.iter().any(is_zone) {
-        let brightest = maps.iter().max_by(|a, b| a.summary().flux.total_cmp(&b.summary().flux));
-        level.extend(brightest.filter(|map| !level.iter().any(|other| std::ptr::eq(*other, *map))));
+    areas.sort_by(|a, b| is_zone(b).cmp(&is_zone(a)).then(height(b).total_cmp(&height(a))));
+    let is_in = |list: &[&LuxMap], map: &LuxMap| list.iter().any(|other| std::ptr::eq(*other, map));
+    areas.truncate(MOST);
+    if !report.maps.iter().any(is_zone) {
+        let brightest = grids().max_by(|a, b| a.summary().flux.total_cmp(&b.summary().flux));
+        if let Some(map) = brightest.filter(|map| !is_in(&areas, map)) {
+            areas.truncate(MOST - 1);
+            areas.push(map);
+        }
     }
-    level.truncate(MOST);
-    let others = maps.iter().filter(|map| !level.iter().any(|other| std::ptr::eq(*other, *map)));
-    let others = others.collect();
-    (level, others)
+    let others = report.maps.iter().filter(|map| !is_in(&areas, map)).collect();
+    (areas, others)
 }
 
 /// A fact of the calculation as people read it.
 pub(super) fn fact(report: &LuxReport, key: &str) -> Option<String> {
     report.facts.get(key).map(FactValue::shown)
+}
+
+/// Whether a calculation was interrupted.
+pub(super) fn is_interrupted(report: &LuxReport) -> bool {
+    report.facts.get("interrupted") == Some(&FactValue::Flag(true))
+}
+
+/// Whether a calculation ended before its goal. One that has a time alone has no other goal.
+fn is_preliminary(report: &LuxReport) -> bool {
+    let has_goal =
+        ["goal_particles", "goal_relative_error"].iter().any(|key| report.facts.get(key).is_some());
+    report.facts.get("complete") == Some(&FactValue::Flag(false)) && (has_goal || is_interrupted(report))
 }
 
 /// The day of the calculation.
@@ -94,9 +109,9 @@ pub(super) fn origin(report: &LuxReport) -> String {
     printable(&parts.into_iter().flatten().collect::<Vec<_>>().join(" \u{b7} "))
 }
 
-fn summary_section(report: &LuxReport, quantity: &LitQuantity, featured: &[&LuxMap]) -> String {
+fn summary_section(report: &LuxReport, quantity: &LitQuantity, areas: &[&LuxMap]) -> String {
     let mut body = format!("<p class=\"origin\">Lighting report \u{b7} {}</p>\n", escaped(&origin(report)));
-    if report.facts.get("complete") == Some(&FactValue::Flag(false)) {
+    if is_preliminary(report) {
         body +=
             "<p class=\"warning\">The calculation ended before its goal: all figures are preliminary.</p>\n";
     }
@@ -104,9 +119,15 @@ fn summary_section(report: &LuxReport, quantity: &LitQuantity, featured: &[&LuxM
     if !report.daylight.is_empty() {
         body += &DaylightFactors::table(&report.daylight).html();
     }
-    if !featured.is_empty() {
-        body += &figure_table(&format!("Results: {}", quantity.label()), featured).html();
-        body += "<p class=\"note\">\u{b1}: half of the interval within which the figure of the calculation lies (95 %); left out below 0.5 %.</p>\n";
+    if !areas.is_empty() {
+        body += &figure_table(&format!("Results: {}", quantity.label()), quantity, areas).html();
+        let meaning = match fact(report, "method").as_deref() {
+            Some("integrate") => "estimated bound of the error of the integration",
+            _ => {
+                "half of the interval within which the figure of the calculation lies with a probability of 95 %"
+            }
+        };
+        body += &format!("<p class=\"note\">\u{b1}: {meaning}; left out below 0.5 %.</p>\n");
     }
     if let Some(plan) = &report.plan
         && !plan.verdicts.is_empty()
@@ -146,12 +167,16 @@ fn room_table(report: &LuxReport, quantity: &LitQuantity) -> Table {
     if let Some(layout) = &report.layout {
         let [x, y, z] = layout.size().to_array().map(|length| format!("{length:.2}"));
         line("size (x, y, height)", format!("{x} m \u{d7} {y} m \u{d7} {z} m"));
-        line("floor area", format!("{} m\u{b2}", significant(layout.floor_area())));
+        if layout.floor_area() > 0.0 {
+            line("floor area", format!("{} m\u{b2}", significant(layout.floor_area())));
+        }
         for part in &layout.surfaces {
-            let [low, high] = part.reflectance_range;
+            let (Some(mean), Some([low, high])) = (part.reflectance, part.reflectance_range) else {
+                continue;
+            };
             let range = if high - low > 0.005 { format!(" ({low:.2} to {high:.2})") } else { String::new() };
             let name = format!("reflectance, {}", part.surface.name());
-            line(&name, format!("{:.2}{range}", part.reflectance));
+            line(&name, format!("{mean:.2}{range}"));
         }
         let count: usize = layout.luminaires.iter().map(|group| group.places.len()).sum();
         if count > 0 {
@@ -178,24 +203,25 @@ fn room_table(report: &LuxReport, quantity: &LitQuantity) -> Table {
             line(&name, format!("{} W/m\u{b2}", significant(density)));
         }
     }
-    if let Some(plan) = &report.plan {
-        let parts = match plan.maintenance {
+    let settings = &report.planning;
+    if report.plan.is_some() || settings.maintenance != MaintenanceFactor::default() {
+        let parts = match settings.maintenance {
             MaintenanceFactor::Whole(_) => String::new(),
             MaintenanceFactor::Parts { lamp_lumens, lamp_survival, luminaire, room_surfaces } => format!(
                 " = {lamp_lumens} lamp flux \u{d7} {lamp_survival} lamp survival \u{d7} {luminaire} luminaires \u{d7} {room_surfaces} room surfaces"
             ),
         };
-        line("maintenance factor", format!("{}{parts}", significant(plan.maintenance_factor)));
-        if let Some(task) = &plan.task {
-            line("task", format!("EN 12464-1:2021, {}: {}", task.reference, task.name));
-        }
+        line("maintenance factor", format!("{}{parts}", significant(report.maintenance_factor())));
+    }
+    if let Some(task) = &settings.task {
+        line("task", task.label());
     }
     line("figures are", quantity.label());
     table
 }
 
 /// Mean, least, largest value and uniformity of maps, with their errors.
-pub(super) fn figure_table(caption: &str, maps: &[&LuxMap]) -> Table {
+pub(super) fn figure_table(caption: &str, quantity: &LitQuantity, maps: &[&LuxMap]) -> Table {
     let columns = [
         ("area", "area"),
         ("mean", "mean"),
@@ -205,7 +231,7 @@ pub(super) fn figure_table(caption: &str, maps: &[&LuxMap]) -> Table {
     ];
     let mut table = Table::new("figures", caption, &columns);
     for map in maps {
-        let summary = map.summary();
+        let summary = quantity.summary(map);
         let shown = |value: f64, interval: [f64; 2]| TableCell::Text(with_error(value, interval));
         table.push([
             TableCell::Text(printable(&map.name)),
@@ -226,7 +252,10 @@ fn with_error(value: f64, [low, high]: [f64; 2]) -> String {
     }
     // As many decimals as the error has.
     let half = brief(half);
-    let decimals = half.split_once('.').filter(|_| !half.contains('e')).map_or(0, |(_, digits)| digits.len());
+    if half.contains('e') {
+        return format!("{} \u{b1} {half}", significant(value));
+    }
+    let decimals = half.split_once('.').map_or(0, |(_, digits)| digits.len());
     format!("{value:.decimals$} \u{b1} {half}")
 }
 

@@ -1,17 +1,19 @@
 //! Plan and luminaires on the pages of a client.
 
-use std::fmt::Write;
-
-use glanz_math::{DVec2, DVec3};
+use glanz_math::DVec2;
 use glanz_report::number::significant;
 use glanz_report::{FloorPlan, PlanArea, PlanSymbol, Table, TableCell};
 
 use super::client_page::{section, short_section};
-use super::text::printable;
+use super::text::{printable, shown_vector};
 use crate::planning::{LuminaireGroup, RoomLayout};
 
 /// Largest number of luminaires whose places are listed.
 const MOST_PLACES: usize = 120;
+
+/// Largest number of kinds of luminaires with a card, and of symbols in the plan.
+const MOST_CARDS: usize = 24;
+const MOST_SYMBOLS: usize = 2000;
 
 /// Largest number of lights that are no luminaires in their list.
 const MOST_LIGHTS: usize = 24;
@@ -23,7 +25,7 @@ fn points(outline: &[DVec2]) -> Vec<[f64; 2]> {
 /// The plan, and the places of the luminaires.
 pub(super) fn plan_section(layout: &RoomLayout) -> String {
     let outlines = |list: &[Vec<DVec2>]| list.iter().map(|outline| points(outline)).collect();
-    let [low, high] = layout.corners.map(|corner| corner.truncate().to_array());
+    let corners = layout.plan_corners().map(|corner| corner.to_array());
     let near = 1e-3 * layout.size().length();
     // An area as large as the floor is the floor.
     let is_own = |outline: &[DVec2]| {
@@ -49,9 +51,11 @@ pub(super) fn plan_section(layout: &RoomLayout) -> String {
             symbols.push(PlanSymbol { label, centre: [x, y], outline: points(&light.outline) });
         }
     }
+    let left_out = symbols.len().saturating_sub(MOST_SYMBOLS);
+    symbols.truncate(MOST_SYMBOLS);
     let plan = FloorPlan {
         title: "Plan from above",
-        corners: [low, high],
+        corners,
         walls: outlines(&layout.walls),
         furniture: outlines(&layout.furniture),
         areas,
@@ -60,6 +64,7 @@ pub(super) fn plan_section(layout: &RoomLayout) -> String {
     let mut body = format!("<figure>\n{}</figure>\n", plan.svg());
     body += "<p class=\"note\">Yellow: luminaires with their numbers, by the size of their luminous opening. Dashed blue: areas of measurement. Grey: furniture and \
              other things, by their convex outlines.</p>\n";
+    body += &left_out_note(left_out);
     body += &place_table(layout);
     section("Plan", &body)
 }
@@ -94,7 +99,8 @@ fn place_table(layout: &RoomLayout) -> String {
     for (place, group) in places.iter().take(MOST_PLACES) {
         let [x, y, z] = place.position.to_array();
         let metres = |length: f64| TableCell::Text(format!("{:.2}", length + 0.0));
-        let degrees = |angle: f64| TableCell::Text(format!("{:.0}", angle + 0.0));
+        // 359.9 degrees are rounded to 0.
+        let degrees = |angle: f64| TableCell::Text(format!("{:.0}", angle.round().rem_euclid(360.0)));
         table.push([
             u64::from(place.number).into(),
             metres(x),
@@ -105,20 +111,23 @@ fn place_table(layout: &RoomLayout) -> String {
             TableCell::Text(printable(group.description.label())),
         ]);
     }
-    let more = places.len().saturating_sub(MOST_PLACES);
-    let note = if more > 0 {
-        format!("<p class=\"note\">{more} more are in report.json.</p>\n")
-    } else {
-        String::new()
-    };
-    table.html() + &note
+    table.html() + &left_out_note(places.len().saturating_sub(MOST_PLACES))
+}
+
+/// A sentence on what is left out, if there is anything.
+fn left_out_note(count: usize) -> String {
+    if count == 0 {
+        return String::new();
+    }
+    format!("<p class=\"note\">{count} more are in report.json.</p>\n")
 }
 
 /// The kinds of luminaires, and all other lights.
 pub(super) fn luminaire_section(layout: &RoomLayout) -> String {
     let floor = layout.corners[0].z;
-    let cards: String = layout.luminaires.iter().map(|group| luminaire_card(group, floor)).collect();
-    let mut body = cards;
+    let cards: String =
+        layout.luminaires.iter().take(MOST_CARDS).map(|group| luminaire_card(group, floor)).collect();
+    let mut body = cards + &left_out_note(layout.luminaires.len().saturating_sub(MOST_CARDS));
     if !layout.other_lights.is_empty() {
         let columns = [
             ("label", "in the plan"),
@@ -128,16 +137,13 @@ pub(super) fn luminaire_section(layout: &RoomLayout) -> String {
         ];
         let mut table = Table::new("lights", "Lights without a photometric file", &columns);
         for (label, light) in letters().zip(&layout.other_lights).take(MOST_LIGHTS) {
-            let position = light.position.map(|position| shown_point(position.into()));
+            let position = light.position.map(|position| shown_vector(position.into(), 2));
             let position = position.map_or(TableCell::Missing, TableCell::Text);
             let label = light.position.map_or(TableCell::Missing, |_| TableCell::Text(label));
             table.push([label, light.kind.into(), light.flux.into(), position]);
         }
         body += &table.html();
-        let more = layout.other_lights.len().saturating_sub(MOST_LIGHTS);
-        if more > 0 {
-            let _ = writeln!(body, "<p class=\"note\">{more} more are in report.json.</p>");
-        }
+        body += &left_out_note(layout.other_lights.len().saturating_sub(MOST_LIGHTS));
     }
     let heading = if layout.luminaires.is_empty() { "Lights" } else { "Luminaires" };
     short_section(heading, &body)
@@ -174,10 +180,4 @@ fn luminaire_card(group: &LuminaireGroup, floor: f64) -> String {
     line("photometric file", &description.file);
     let table = table.html();
     format!("<div class=\"card\">\n<figure>\n{}</figure>\n{table}</div>\n", group.polar.svg())
-}
-
-/// Coordinates as people read them.
-fn shown_point(point: DVec3) -> String {
-    let [x, y, z] = point.to_array().map(|part| format!("{:.2}", part + 0.0));
-    format!("{x}, {y}, {z}")
 }

@@ -10,8 +10,8 @@ use super::html::tests::unbalanced;
 use super::{LitQuantity, LuxReport};
 use crate::planning::test_luminaires::{downlight, lambertian};
 use crate::planning::{
-    LuminaireGroup, MaintenanceFactor, OtherLight, PlacedLuminaire, PlanReport, ReceiverPlace, RoomLayout,
-    RoomSurface, RoomSurfaceKind,
+    LightingTask, LuminaireGroup, MaintenanceFactor, OtherLight, PlacedLuminaire, PlanReport, ReceiverPlace,
+    RoomLayout, RoomSurface, RoomSurfaceKind,
 };
 use crate::{DaylightFactors, LuxMap};
 
@@ -39,8 +39,8 @@ fn place(name: &str, kind: Option<ZoneKind>, is_level: bool, height: f64) -> Rec
         name: name.into(),
         kind,
         is_level,
-        is_upright: !is_level,
-        corner: DVec2::new(0.5, 0.5),
+        is_grid: true,
+        frame: Some([DVec3::new(0.5, 0.5, height), DVec3::X, if is_level { DVec3::Y } else { DVec3::Z }]),
         height,
         outline,
     }
@@ -67,8 +67,8 @@ fn report(name: &str, desk: Option<ZoneKind>) -> LuxReport {
     let surface = |surface, reflectance| RoomSurface {
         surface,
         area: 24.0,
-        reflectance,
-        reflectance_range: [reflectance; 2],
+        reflectance: Some(reflectance),
+        reflectance_range: Some([reflectance; 2]),
     };
     let layout = RoomLayout {
         corners: [DVec3::ZERO, DVec3::new(6.0, 4.0, 2.8)],
@@ -77,12 +77,7 @@ fn report(name: &str, desk: Option<ZoneKind>) -> LuxReport {
         surfaces: vec![surface(RoomSurfaceKind::Floor, 0.2), surface(RoomSurfaceKind::Ceiling, 0.7)],
         receivers: vec![place("desk", desk, true, 0.75), place("wall", None, false, 1.4)],
         luminaires: LuminaireGroup::of(&lamps),
-        other_lights: vec![OtherLight {
-            kind: "point",
-            flux: Some(800.0),
-            position: Some([3.0, 2.0, 2.0]),
-            outline: Vec::new(),
-        }],
+        other_lights: Vec::new(),
     };
     let mut facts = FactList::default();
     facts.push("Glanz version", "glanz_version", "1.2.3");
@@ -125,6 +120,7 @@ fn figures_agree_with_the_calculation_by_hand() {
         luminaire: 0.95,
         room_surfaces: 0.94,
     };
+    report.planning.maintenance = parts;
     report.plan = Some(plan(parts));
     let html = report.html();
     // 4 x 36 W over 24 m2; the mean of 300, 320, ... 520 lx is 410 lx, times 0.8037 is 329.517: 6 / 3.29517 = 1.8208.
@@ -197,6 +193,103 @@ fn designs_without_zones_show_the_brightest_receiver_too() {
 }
 
 #[test]
+fn areas_that_are_turned_keep_their_luminaires_in_place() {
+    let mut turned = report("office", Some(ZoneKind::Task));
+    // Rows of 5 m along y, columns of 3 m along -x, from (5.5, 0.5): of the luminaires at x = 1.5 and 4.5, the latter two are above.
+    turned.layout.as_mut().unwrap().receivers[0].frame =
+        Some([DVec3::new(5.5, 0.5, 0.75), DVec3::Y, DVec3::NEG_X]);
+    let html = turned.html();
+    let sheet = html.split("<h2>").find(|part| part.starts_with("desk: illuminance")).unwrap();
+    assert!(sheet.contains("first direction, m") && !sheet.contains(">x, m<"));
+    assert_eq!(sheet.matches("stroke=\"#333333\"").count(), 2);
+}
+
+#[test]
+fn curved_meshes_have_no_pictures() {
+    let mut curved = report("office", None);
+    curved.layout.as_mut().unwrap().receivers[1].is_grid = false;
+    curved.maps[1].lux = vec![5000.0; 96];
+    let html = curved.html();
+    assert!(html.contains("Other surfaces") && !html.contains("wall, 4.000 m"));
+    assert!(html.contains("Pictures of 1 more are in files of their own."));
+}
+
+#[test]
+fn power_refers_to_the_task_of_the_plan_and_to_luminaires_alone() {
+    let mut planned = report("office", Some(ZoneKind::Task));
+    let rated = PlanReport { task_illuminance: Some(500.0), ..plan(MaintenanceFactor::default()) };
+    planned.plan = Some(rated);
+    // 144 W over 24 m2 at 500 lx; the appendix has the same.
+    let power = planned.installed_power().unwrap();
+    assert_eq!(power.reference, Some(("task area".to_owned(), 500.0)));
+    assert_eq!(power.density_per_100_lux(), Some(1.2));
+    planned.layout.as_mut().unwrap().other_lights.push(OtherLight {
+        kind: "point",
+        flux: Some(800.0),
+        position: Some([3.0, 2.0, 2.0]),
+        outline: Vec::new(),
+    });
+    assert_eq!(planned.installed_power(), None);
+    assert!(planned.html().contains("lights without a photometric file, whose power is unknown"));
+}
+
+#[test]
+fn maintenance_and_task_are_shown_without_a_rating() {
+    let mut asked = report("office", None);
+    asked.planning.maintenance = MaintenanceFactor::Whole(0.8);
+    asked.planning.task = LightingTask::of_reference("34.2");
+    let html = asked.html();
+    // 0.8 of the mean of 410 lx.
+    assert!(html.contains("Mean 328.0, ") && html.contains("maintained illuminance, lx"));
+    assert!(html.contains("EN 12464-1:2021, 34.2: ") && html.contains("declares no zones and no observers"));
+    asked.facts.push("interrupted", "interrupted", true);
+    assert!(asked.html().contains("The calculation was interrupted, so that no requirements are judged."));
+}
+
+#[test]
+fn errors_have_as_many_digits_as_their_values() {
+    let mut dim = report("office", None);
+    let map = &mut dim.maps[0];
+    (map.lux, map.errors) = (vec![0.05; 96], vec![4e-4; 96]);
+    // 0.8 % of 0.05; of 410 lx, 12.5 are more than 0.5 %.
+    assert!(dim.html().contains("<td>0.05000 \u{b1} 4.0e-4</td>"));
+    dim.maps[0].lux = vec![410.0; 96];
+    dim.maps[0].errors = vec![12.5; 96];
+    assert!(dim.html().contains("<td>410 \u{b1} 12</td>"));
+}
+
+#[test]
+fn limits_of_the_calculation_are_named() {
+    let mut shallow = report("office", None);
+    assert!(!shallow.html().contains("what comes after is left out"));
+    shallow.facts.push("depth", "max_depth", 2_u64);
+    shallow.facts.push("media", "media", "left out");
+    let html = shallow.html();
+    assert!(
+        html.contains("at most 2 reflections or passages;")
+            && html.contains("Fog and other media are left out")
+    );
+    assert!(html.contains("with a probability of 95 %"));
+    shallow.facts.push("method", "method", "integrate");
+    let html = shallow.html();
+    assert!(html.contains("estimated bound of the error") && !html.contains("probability of 95 %"));
+}
+
+#[test]
+fn many_kinds_of_luminaires_have_some_cards() {
+    let mut many = report("hall", None);
+    let layout = many.layout.as_mut().unwrap();
+    let dimmed = |i: u32| PlacedLuminaire {
+        factor: 1.0 / f64::from(i),
+        ..downlight(lambertian(1000.0), DVec3::new(1.0, 1.0, 2.8))
+    };
+    layout.luminaires = LuminaireGroup::of(&(1..=30).map(dimmed).collect::<Vec<_>>());
+    let html = many.html();
+    assert_eq!(html.matches("class=\"card\"").count(), 24);
+    assert!(html.contains("6 more are in report.json."));
+}
+
+#[test]
 fn daylight_is_shown_in_per_cent() {
     let mut day = report("office", None);
     day.daylight = day.maps.iter().map(DaylightFactors::of).collect();
@@ -213,6 +306,9 @@ fn daylight_is_shown_in_per_cent() {
 fn interrupted_calculations_are_marked_and_refusals_named() {
     let mut stopped = report("office", None);
     stopped.facts.push("complete", "complete", FactValue::Flag(false));
+    // A time alone is a goal that is always reached.
+    assert!(!stopped.html().contains("ended before its goal"));
+    stopped.facts.push("goal: relative error", "goal_relative_error", FactValue::Fraction(0.01));
     let refusal = Some("luminaire 1 has no luminous area".to_owned());
     stopped.plan = Some(PlanReport { glare_refusal: refusal, ..plan(MaintenanceFactor::default()) });
     let html = stopped.html();

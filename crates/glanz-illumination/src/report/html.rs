@@ -162,6 +162,7 @@ fn figures(drawings: impl Iterator<Item = String>) -> String {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::planning::PlanningSettings;
     use crate::{DaylightFactors, FluxBalance, LuxMap};
     use glanz_math::DVec3;
     use glanz_report::FactList;
@@ -188,6 +189,7 @@ pub(super) mod tests {
             far_field: None,
             daylight: vec![DaylightFactors { name: NASTY.into(), mean: 0.5, median: 0.5, minimum: 0.5 }],
             plan: None,
+            planning: PlanningSettings::default(),
             layout: None,
             facts,
             polars: vec![PolarPlot::sample(NASTY, 0.0, &[], |_, _| 1.0)],

@@ -45,7 +45,7 @@ impl ShownFigures {
     fn of(report: &LuxReport) -> Self {
         let quantity = LitQuantity::of(report);
         let summary = |map: &LuxMap| {
-            let LuxSummary { mean, minimum, maximum, u0, .. } = quantity.map(map).summary();
+            let LuxSummary { mean, minimum, maximum, u0, .. } = quantity.summary(map);
             ShownSummary { name: map.name.clone(), mean, minimum, maximum, u0 }
         };
         Self { quantity, receivers: report.maps.iter().map(summary).collect() }
@@ -55,7 +55,7 @@ impl ShownFigures {
 /// The entry of the power.
 #[derive(Serialize)]
 struct PowerEntry {
-    watts: f64,
+    power_w: f64,
     area_m2: f64,
     w_m2: Option<f64>,
     reference: Option<String>,
@@ -66,7 +66,7 @@ impl PowerEntry {
     fn of(power: InstalledPower) -> Self {
         let (w_m2, w_m2_100lx) = (power.density(), power.density_per_100_lux());
         let reference = power.reference.map(|(name, _)| name);
-        Self { watts: power.watts, area_m2: power.area, w_m2, reference, w_m2_100lx }
+        Self { power_w: power.watts, area_m2: power.area, w_m2, reference, w_m2_100lx }
     }
 }
 
@@ -88,8 +88,8 @@ impl Serialize for LuxReport {
             fields.serialize_entry("room", layout)?;
             fields.serialize_entry("luminaires", &layout.luminaires)?;
             fields.serialize_entry("other_lights", &layout.other_lights)?;
-            fields.serialize_entry("shown", &ShownFigures::of(self))?;
         }
+        fields.serialize_entry("shown", &ShownFigures::of(self))?;
         if let Some(power) = self.installed_power() {
             fields.serialize_entry("power", &PowerEntry::of(power))?;
         }
@@ -101,6 +101,7 @@ impl Serialize for LuxReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::planning::PlanningSettings;
     use crate::{FarFieldSummary, FluxBalance};
     use glanz_math::DVec3;
     use glanz_report::{FactList, FactValue};
@@ -140,6 +141,7 @@ mod tests {
             }),
             daylight: Vec::new(),
             plan: None,
+            planning: PlanningSettings::default(),
             layout: None,
             facts,
             polars: Vec::new(),
@@ -163,6 +165,10 @@ mod tests {
                 "flux_lm": 400.0, "peak_cd": 900.0, "peak_error_cd": 9.0, "peak_shortfall_cd": 7.0, "peak_direction_degrees": [30.0, 10.0],
                 "middle_degrees": [31.0, 11.0], "beam_angles_degrees": [20.0, 21.0], "field_angles_degrees": [40.0, 42.0],
                 "largest_relative_error": 0.05, "planes": 24, "gammas": 37, "steps_degrees": [5.0, 3.0],
+            },
+            "shown": {
+                "quantity": "illuminance", "unit": "lx", "per_calculated_lux": 1.0,
+                "receivers": [{ "name": "a \"desk\"", "mean": 200.0, "minimum": 100.0, "maximum": 300.0, "u0": 0.5 }],
             },
             "facts": { "method": "trace", "seconds": 1.5 },
         });

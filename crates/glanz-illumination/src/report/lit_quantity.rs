@@ -1,8 +1,9 @@
 //! The quantity that a report for clients shows.
 
+use glanz_report::CellField;
+
 use crate::daylight::OUTDOOR_LUX;
-use crate::lux_map::LuxStatistics;
-use crate::{LuxMap, ReplicateEstimate};
+use crate::{LuxMap, LuxSummary};
 
 use super::LuxReport;
 
@@ -23,7 +24,7 @@ impl LitQuantity {
     /// The quantity of a report: daylight factors, or maintained illuminance if there is a maintenance factor, or illuminance.
     #[must_use]
     pub fn of(report: &LuxReport) -> Self {
-        let maintenance = report.plan.as_ref().map_or(1.0, |plan| plan.maintenance_factor);
+        let maintenance = report.maintenance_factor();
         if !report.daylight.is_empty() {
             Self { name: "daylight factor", unit: "%", factor: 100.0 / OUTDOOR_LUX }
         } else if maintenance == 1.0 {
@@ -39,16 +40,15 @@ impl LitQuantity {
         format!("{}, {}", self.name, self.unit)
     }
 
-    /// The map in this quantity.
+    /// The summary of a map in this quantity.
     #[must_use]
-    pub fn map(&self, map: &LuxMap) -> LuxMap {
-        let scaled = |list: &[f64]| list.iter().map(|value| self.factor * value).collect();
-        let estimate = |estimate: ReplicateEstimate| estimate.scaled(self.factor);
-        let statistics = map.statistics.map(|LuxStatistics { minimum, mean, maximum }| LuxStatistics {
-            minimum: estimate(minimum),
-            mean: estimate(mean),
-            maximum: estimate(maximum),
-        });
-        LuxMap { lux: scaled(&map.lux), errors: scaled(&map.errors), statistics, ..map.clone() }
+    pub fn summary(&self, map: &LuxMap) -> LuxSummary {
+        map.summary().scaled(self.factor)
+    }
+
+    /// The cells of a map in this quantity.
+    pub(super) fn field(&self, map: &LuxMap) -> CellField {
+        let values: Vec<f64> = map.lux.iter().map(|lux| self.factor * lux).collect();
+        CellField::new(map.cells, map.size, &map.areas, &values)
     }
 }

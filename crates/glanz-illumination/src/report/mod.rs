@@ -48,7 +48,7 @@ mod text;
 
 use glanz_report::FactList;
 
-use crate::planning::{InstalledPower, PlanReport, RoomLayout};
+use crate::planning::{InstalledPower, PlanReport, PlanningSettings, RoomLayout};
 use crate::{DaylightFactors, FarFieldSummary, FluxBalance, LuxMap};
 use glanz_scene::description::ZoneKind;
 
@@ -59,14 +59,14 @@ pub use isolux::{isolux, isolux_at};
 pub use lit_quantity::LitQuantity;
 pub use polar::PolarPlot;
 pub use scale::lux_scale;
-pub(crate) use text::printable;
+pub(crate) use text::{printable, shown_vector};
 
 /// The results of a calculation of illuminance.
 ///
 /// Its fields in JSON: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
 /// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `far_field` with
 /// the fields of [`FarFieldSummary`] or null; `daylight_factors`, if there are any, each with the fields of [`DaylightFactors`]; `plan`, if there is one, see [`PlanReport`]; if the room is
-/// known, `room`, `luminaires` and `other_lights`, see [`RoomLayout`], and `power`, if it is stated, with `watts`, `area_m2`, `w_m2`, and `w_m2_100lx` of `reference`; `shown`, see
+/// known, `room`, `luminaires` and `other_lights`, see [`RoomLayout`], and `power`, if it is stated, with `power_w`, `area_m2`, `w_m2`, and `w_m2_100lx` of `reference`; `shown`, see
 /// [`LitQuantity`]; `facts`, an object of the facts by their keys. Receivers have the illuminance of the new installation, and under `shown` the figures that the pages for a client have. Numbers that are not finite, which JSON cannot represent, become null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LuxReport {
@@ -82,6 +82,8 @@ pub struct LuxReport {
     pub daylight: Vec<DaylightFactors>,
     /// Figures of the standards for a planned room; `None` if none was asked for.
     pub plan: Option<PlanReport>,
+    /// Task and maintenance factor that were asked for, whether or not anything was rated by them.
+    pub planning: PlanningSettings,
     /// The room with its luminaires; `None` if it is unknown.
     pub layout: Option<RoomLayout>,
     /// Facts about the calculation: program, scene, settings, particles, time.
@@ -91,8 +93,14 @@ pub struct LuxReport {
 }
 
 impl LuxReport {
-    /// Electric power of the installation, which refers to the maintained illuminance of the first task area, or else of the highest level receiver that faces up; `None` if
-    /// the room is unknown, or the power of one of its luminaires.
+    /// The maintenance factor; 1 for one out of range, by which nothing can be rated.
+    #[must_use]
+    pub fn maintenance_factor(&self) -> f64 {
+        self.planning.maintenance.value().unwrap_or(1.0)
+    }
+
+    /// Electric power of the installation, which refers to the maintained illuminance of the task area of the plan, or else of the first receiver of a task area or the highest level
+    /// one that faces up; `None` if the room is unknown, or the power of one of its lights.
     #[must_use]
     pub fn installed_power(&self) -> Option<InstalledPower> {
         let layout = self.layout.as_ref()?;
@@ -100,11 +108,13 @@ impl LuxReport {
         let level = || layout.receivers.iter().filter(|place| place.is_level);
         let task = level().find(|place| place.kind == Some(ZoneKind::Task));
         let place = task.or_else(|| level().max_by(|a, b| a.height.total_cmp(&b.height)));
-        let maintenance = self.plan.as_ref().map_or(1.0, |plan| plan.maintenance_factor);
-        let reference = place.and_then(|place| {
-            let map = self.maps.iter().find(|map| map.name == place.name)?;
-            Some((place.name.clone(), maintenance * map.summary().mean))
-        });
+        let of_place = || {
+            let name = &place?.name;
+            let map = self.maps.iter().find(|map| map.name == *name)?;
+            Some((map.name.clone(), self.maintenance_factor() * map.summary().mean))
+        };
+        let of_plan = self.plan.as_ref().and_then(|plan| plan.task_illuminance);
+        let reference = of_plan.map(|lux| ("task area".to_owned(), lux)).or_else(of_place);
         Some(InstalledPower { watts, area, reference })
     }
 }

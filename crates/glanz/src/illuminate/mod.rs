@@ -268,6 +268,7 @@ impl<'a> IlluminateBuilder<'a> {
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
         let mut outcome = design.illuminate(&mut job)?;
+        outcome.report.planning = settings.clone();
         if !request.is_empty() && options.part.is_none() {
             planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
         }
@@ -387,7 +388,13 @@ impl Design {
         if self.options.daylight {
             outcome.report.daylight = outcome.report.maps.iter().map(DaylightFactors::of).collect();
         }
+        if self.scene.has_media() {
+            facts.result.push("fog and other media", "media", "left out");
+        }
         facts.result.push("complete", "complete", outcome.end == JobEnd::Complete);
+        if outcome.end == JobEnd::Interrupted {
+            facts.result.push("interrupted", "interrupted", true);
+        }
         outcome.report.facts = facts.finish(start.elapsed(), job.threads());
         Ok(outcome)
     }
