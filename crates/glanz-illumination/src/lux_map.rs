@@ -79,6 +79,23 @@ pub struct LuxSummary {
     pub flux: f64,
 }
 
+impl LuxSummary {
+    /// The summary of a map with all illuminances times `factor`.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        let ends = |interval: [f64; 2]| interval.map(|lux| factor * lux);
+        Self {
+            minimum: factor * self.minimum,
+            minimum_interval: ends(self.minimum_interval),
+            mean: factor * self.mean,
+            mean_interval: ends(self.mean_interval),
+            maximum: factor * self.maximum,
+            maximum_interval: ends(self.maximum_interval),
+            flux: factor * self.flux,
+            ..self
+        }
+    }
+}
+
 impl LuxMap {
     /// The map of a receiver from illuminance and error of its cells, lx, without statistics.
     pub(crate) fn of(receiver: &Receiver, cells: impl Iterator<Item = (f64, f64)>) -> Self {

@@ -68,23 +68,82 @@ impl CellField {
 
     /// The field with two by two cells joined: means over their areas.
     pub(crate) fn halved(&self) -> Self {
-        let join = |edges: &[u32]| {
-            let mut joined: Vec<u32> = edges.iter().copied().step_by(2).collect();
-            if edges.len().is_multiple_of(2) {
-                joined.extend(edges.last());
+        let borders = |count: usize| (0..count).step_by(2).chain([count]).collect();
+        self.joined([borders(self.columns()), borders(self.rows())])
+    }
+
+    /// The field with cells joined to at most `most` columns and rows: means over their areas. All have equally many cells if at least half as many columns, or
+    /// rows, as allowed can have; otherwise they differ by one.
+    #[must_use]
+    pub fn blocks(&self, most: [usize; 2]) -> Self {
+        let borders = |count: usize, most: usize| {
+            if count == 0 {
+                return vec![0];
             }
-            joined
+            let most = most.clamp(1, count);
+            let even = (most.div_ceil(2)..=most).rev().find(|blocks| count.is_multiple_of(*blocks));
+            let blocks = even.unwrap_or(most);
+            (0..=blocks).map(|number| number * count / blocks).collect()
         };
-        let edges = [join(&self.edges[0]), join(&self.edges[1])];
-        let (columns, rows) = (edges[0].len() - 1, edges[1].len() - 1);
-        let mean = |column: usize, row: usize| {
-            let cells = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[dx, dy]| [2 * column + dx, 2 * row + dy]);
-            let inside = cells.into_iter().filter(|[x, y]| *x < self.columns() && *y < self.rows());
-            let numbers = inside.filter_map(|[x, y]| self.values.get(y * self.columns() + x));
-            let (sum, area) = numbers.fold((0.0, 0.0), |(sum, all), (v, area)| (sum + v * area, all + area));
-            if area > 0.0 { (sum / area, area) } else { (0.0, 0.0) }
+        self.joined([borders(self.columns(), most[0]), borders(self.rows(), most[1])])
+    }
+
+    /// The field with the cells between some of its borders joined; `borders`: their numbers, ascending, from the first to the last.
+    fn joined(&self, borders: [Vec<usize>; 2]) -> Self {
+        let edges = [0, 1].map(|axis: usize| {
+            borders[axis].iter().filter_map(|border| self.edges[axis].get(*border).copied()).collect()
+        });
+        let mean = |columns: &[usize], rows: &[usize]| {
+            let (mut sum, mut all) = (0.0, 0.0);
+            let [&[left, right], &[bottom, top]] = [columns, rows] else { return (0.0, 0.0) };
+            for (x, y) in (bottom..top).flat_map(|y| (left..right).map(move |x| (x, y))) {
+                let (value, area) = self.values.get(y * self.columns() + x).copied().unwrap_or_default();
+                (sum, all) = (sum + value * area, all + area);
+            }
+            if all > 0.0 { (sum / all, all) } else { (0.0, 0.0) }
         };
-        let values = (0..rows).flat_map(|row| (0..columns).map(move |column| mean(column, row))).collect();
+        let [across, up] = &borders;
+        let values = up.windows(2).flat_map(|rows| across.windows(2).map(move |columns| mean(columns, rows)));
+        Self { values: values.collect(), edges, size: self.size }
+    }
+
+    /// The field with each cell divided into equal ones until its longer direction has at least `least`, with values that are linear between the centres of the cells, in both
+    /// directions; beyond the outermost centres, and beside cells that show nothing, they are those of the nearest cell.
+    #[must_use]
+    pub fn refined(&self, least: usize) -> Self {
+        let longer = self.columns().max(self.rows());
+        let factor = least.div_ceil(longer.max(1)).max(1);
+        if factor == 1 {
+            return self.clone();
+        }
+        // The two cells whose centres are around the centre of a part, and the share of the second.
+        let around = |part: usize, count: usize| {
+            let at = (part as f64 + 0.5) / factor as f64 - 0.5;
+            let low = at.floor().clamp(0.0, count.saturating_sub(1) as f64);
+            let next = (low as usize + 1).min(count.saturating_sub(1));
+            (low as usize, next, (at - low).clamp(0.0, 1.0))
+        };
+        let parts = (factor * factor) as f64;
+        let value = |column: usize, row: usize| {
+            let own = self.values.get(row / factor * self.columns() + column / factor);
+            let Some(&(number, area)) = own.filter(|(_, area)| *area > 0.0) else { return (0.0, 0.0) };
+            let (x0, x1, u) = around(column, self.columns());
+            let (y0, y1, v) = around(row, self.rows());
+            let at = |x: usize, y: usize| self.at(x, y).unwrap_or(number);
+            let along = |y: usize| at(x0, y) * (1.0 - u) + at(x1, y) * u;
+            (along(y0) * (1.0 - v) + along(y1) * v, area / parts)
+        };
+        let (columns, rows) = (self.columns() * factor, self.rows() * factor);
+        let values = (0..rows).flat_map(|row| (0..columns).map(move |column| value(column, row))).collect();
+        let edges = [0, 1].map(|axis: usize| {
+            let divided = self.edges[axis].windows(2).flat_map(|pair| {
+                let (from, to) = (pair[0] as usize * factor, pair[1] as usize * factor);
+                let count = factor;
+                (0..count).map(move |part| (from + part * (to - from) / count) as u32)
+            });
+            let last = self.edges[axis].last().map(|edge| edge * factor as u32);
+            divided.chain(last).collect()
+        });
         Self { edges, size: self.size, values }
     }
 
@@ -121,6 +180,41 @@ mod tests {
         assert_eq!(half.centres(0), [0.0, 1.0 / 3.0, 5.0 / 6.0, 1.0]);
         let row = [Some(3.0), Some(3.0), Some(9.0), Some(9.0)];
         assert_eq!(half.to_borders(), [row, row, row].concat());
+    }
+
+    #[test]
+    fn blocks_leave_at_most_so_many_columns_and_rows() {
+        let numbers: Vec<f64> = (0..48).map(f64::from).collect();
+        let field = CellField::new([8, 6], [8.0, 6.0], &[1.0; 48], &numbers);
+        let blocks = field.blocks([5, 6]);
+        // Four columns of two cells; every row stays.
+        assert_eq!((blocks.edges(0), blocks.rows()), (&[0, 2, 4, 6, 8][..], 6));
+        assert_eq!((blocks.at(0, 0), blocks.at(3, 5)), (Some(0.5), Some(46.5)));
+        // Seven columns cannot be equal in two or three.
+        assert_eq!(
+            CellField::new([7, 1], [7.0, 1.0], &[1.0; 7], &[1.0; 7]).blocks([3, 1]).edges(0),
+            [0, 2, 4, 7]
+        );
+        assert_eq!((field.blocks([9, 9]), field.blocks([0, 0]).at(0, 0)), (field.clone(), Some(23.5)));
+    }
+
+    #[test]
+    fn refined_fields_are_linear_between_centres() {
+        let field = CellField::new([2, 2], [4.0, 2.0], &[2.0; 4], &[0.0, 8.0, 4.0, 12.0]);
+        let fine = field.refined(8);
+        assert_eq!((fine.columns(), fine.rows(), fine.edges(0)), (8, 8, &[0, 1, 2, 3, 4, 5, 6, 7, 8][..]));
+        // f = 4 x / 1 m + 4 y / 1 m from the first centre at (1, 0.5) m: parts of 0.5 m x 0.25 m, of which the third's centre is at (1.25, 0.625) m.
+        let expected = |x: f64, y: f64| 4.0 * (x - 1.0).clamp(0.0, 2.0) + 4.0 * (y - 0.5).clamp(0.0, 1.0);
+        for (row, column) in (0..8).flat_map(|row| (0..8).map(move |column| (row, column))) {
+            let (x, y) = (0.5 * column as f64 + 0.25, 0.25 * row as f64 + 0.125);
+            assert!((fine.at(column, row).unwrap() - expected(x, y)).abs() < 1e-12, "{column} {row}");
+        }
+        let area: f64 = fine.shown().map(|(_, area)| area).sum();
+        assert!((area - 8.0).abs() < 1e-12);
+        // Beside a hole the values stay those of the cell.
+        let holed = CellField::new([2, 1], [2.0, 1.0], &[1.0, 0.0], &[3.0, 9.0]).refined(4);
+        assert_eq!([0, 1, 2, 3].map(|column| holed.at(column, 0)), [Some(3.0), Some(3.0), None, None]);
+        assert_eq!(CellField::new([0, 0], [1.0; 2], &[], &[]).refined(8).columns(), 0);
     }
 
     #[test]

@@ -6,22 +6,17 @@ use std::fmt::Write;
 use crate::cell_field::CellField;
 use crate::colour_scale::ColourScale;
 use crate::contour::{Contour, ContourGrid};
-use crate::number::ticks;
+use crate::label_boxes::{LabelBoxes, half_size};
+use crate::map_frame::{BELOW, LEFT, LETTER, MapAxis, MapFrame, TOP};
 use crate::palette::{contrasting, hexadecimal};
 use crate::svg::{Svg, shortened, wrapped};
 
-/// Pixels along the longer side of the rectangle, and at least along the shorter one.
-const LONG: f64 = 560.0;
-const SHORT: f64 = 24.0;
-
-/// Room at the left for the axis, on top for the title, at the right for the scale; least height of the scale.
-const LEFT: f64 = 66.0;
-const TOP: f64 = 52.0;
+/// Room at the right for the scale, and its least height; pixels.
 const RIGHT: f64 = 118.0;
 const BAR_HEIGHT: f64 = 180.0;
 
 /// Number of colours that the scale is divided into.
-const COLOURS: u32 = 64;
+pub(crate) const COLOURS: u32 = 64;
 
 /// Largest numbers of rectangles of one colour and of segments of contours: each takes some 12 bytes, and a drawing stays
 /// well below a megabyte.
@@ -36,9 +31,6 @@ const RAGGED: usize = 5;
 const COARSE: usize = 16;
 const FINE: usize = 1024;
 
-/// Upper bounds of the width and height of a letter of labels in the fonts of [`Svg`], pixels.
-const LETTER: [f64; 2] = [7.2, 12.0];
-
 /// A drawing of numbers over the cells of a rectangle.
 ///
 /// The first direction of the rectangle goes to the right, the second one up. Contours are linear between the centres
@@ -51,33 +43,41 @@ pub struct HeatMap<'a> {
     pub title: &'a str,
     /// Unit of the numbers, above the scale of colours.
     pub unit: &'a str,
+    /// Name of the quantity with its unit, along the scale of colours if there is room; may be empty.
+    pub quantity: &'a str,
+    /// Axes of the rectangle.
+    pub axes: [MapAxis; 2],
+    /// Largest width and height of the rectangle, pixels.
+    pub largest: [f64; 2],
     /// The numbers.
     pub field: CellField,
     /// Their colours.
     pub scale: ColourScale,
     /// Levels of contours with their labels.
     pub levels: Vec<(f64, String)>,
+    /// Closed outlines over the map, in fractions of the sides.
+    pub outlines: Vec<Vec<[f64; 2]>>,
     /// Sentences below the drawing.
     pub caption: Vec<String>,
 }
 
-/// Size of the rectangle in the drawing, pixels.
-struct MapFrame {
-    width: f64,
-    height: f64,
-    /// Height of the rectangle and the scale of colours.
-    body: f64,
-}
+impl<'a> HeatMap<'a> {
+    /// A drawing of at most 560 pixels without contours and caption.
+    #[must_use]
+    pub fn new(title: &'a str, unit: &'a str, field: CellField, scale: ColourScale) -> Self {
+        let (axes, largest) = (MapAxis::DIRECTIONS, [560.0; 2]);
+        let (levels, outlines, caption) = Default::default();
+        Self { title, unit, quantity: "", axes, largest, field, scale, levels, outlines, caption }
+    }
 
-impl HeatMap<'_> {
     /// The text of an SVG file; the same drawing gives the same text.
     #[must_use]
     pub fn svg(&self) -> String {
         let size = self.field.size();
-        let long = LONG / size[0].max(size[1]);
-        let [wide, high] = size.map(|s| (s * long).max(SHORT));
-        let frame = MapFrame { width: wide, height: high, body: high.max(BAR_HEIGHT) };
-        let width = (LEFT + wide + RIGHT).max(460.0);
+        let frame = MapFrame::new(size, self.largest);
+        // Height of the rectangle and the scale of colours.
+        let body = frame.height.max(BAR_HEIGHT);
+        let width = (LEFT + frame.width + RIGHT).max(460.0);
         let letters = ((width - 24.0) / LETTER[0]) as usize;
         let (lines, factor) = self.contours();
         let mut caption = self.caption.clone();
@@ -85,15 +85,16 @@ impl HeatMap<'_> {
             caption.push(format!("Contours of means over {factor} x {factor} cells."));
         }
         let caption: Vec<&str> = caption.iter().flat_map(|words| wrapped(words, letters)).collect();
-        let height = TOP + frame.body + 50.0 + 17.0 * caption.len() as f64 + 6.0;
+        let height = TOP + body + BELOW + 17.0 * caption.len() as f64 + 6.0;
         let mut svg = Svg::new([width.round(), height.round()], self.title);
         svg.text([12.0, 26.0], "start", "font-size=\"16\"", &shortened(self.title, letters * 4 / 5));
-        self.draw_cells(&mut svg, &frame);
+        draw_cells(&mut svg, &frame, [LEFT, TOP], &self.field, &self.scale);
         self.draw_contours(&mut svg, &frame, &lines);
-        self.draw_axes(&mut svg, &frame);
-        self.draw_scale(&mut svg, &frame);
+        frame.draw_outlines(&mut svg, &self.outlines);
+        frame.draw_axes(&mut svg, size, self.axes);
+        self.draw_scale(&mut svg, LEFT + frame.width, body);
         for (row, words) in caption.iter().enumerate() {
-            svg.text([12.0, TOP + frame.body + 58.0 + 17.0 * row as f64], "start", "", words);
+            svg.text([12.0, TOP + body + BELOW + 8.0 + 17.0 * row as f64], "start", "", words);
         }
         svg.finish()
     }
@@ -118,46 +119,9 @@ impl HeatMap<'_> {
         }
     }
 
-    /// Draws the cells as one path for each colour.
-    fn draw_cells(&self, svg: &mut Svg, frame: &MapFrame) {
-        let mut field = self.field.clone();
-        let runs = loop {
-            let runs = runs(&field, &self.scale);
-            if runs.len() <= MOST_RUNS {
-                break runs;
-            }
-            field = field.halved();
-        };
-        let mut paths: BTreeMap<u32, String> = BTreeMap::new();
-        let (across, up) = (field.edges(0), field.edges(1));
-        let edge = |edges: &[u32], i: usize| edges.get(i).copied().unwrap_or(0);
-        for ColourRun { row, from, to, colour } in runs {
-            let (left, bottom) = (edge(across, from), edge(up, row));
-            let (wide, high) = (edge(across, to) - left, edge(up, row + 1) - bottom);
-            let path = paths.entry(colour).or_default();
-            let _ = write!(path, "M{left} {bottom}h{wide}v{high}h-{wide}z");
-        }
-        let last = |edges: &[u32]| f64::from(edges.last().copied().unwrap_or(0).max(1));
-        svg.element(format_args!(
-            "<g transform=\"translate({LEFT} {:.3}) scale({:.6} {:.6})\" shape-rendering=\"crispEdges\">",
-            TOP + frame.height,
-            frame.width / last(across),
-            -frame.height / last(up)
-        ));
-        for (colour, path) in paths {
-            svg.element(format_args!("<path fill=\"{}\" d=\"{path}\"/>", hexadecimal(self.step(colour))));
-        }
-        svg.element(format_args!("</g>"));
-    }
-
-    /// The colour of one of the steps of the scale.
-    fn step(&self, number: u32) -> [u8; 3] {
-        self.scale.colour_at((f64::from(number) + 0.5) / f64::from(COLOURS))
-    }
-
     /// Draws contours and their labels.
     fn draw_contours(&self, svg: &mut Svg, frame: &MapFrame, contours: &[Vec<Contour>]) {
-        let mut labels: Vec<ContourLabel> = Vec::new();
+        let (mut labels, mut taken): (Vec<ContourLabel>, _) = (Vec::new(), LabelBoxes::default());
         for ((level, label), contours) in self.levels.iter().zip(contours) {
             let ground = self.scale.colour(*level);
             let ink = contrasting(ground);
@@ -172,7 +136,7 @@ impl HeatMap<'_> {
                     }
                 }
                 svg.element(format_args!("<polyline points=\"{}\"/>", places.join(" ")));
-                labels.extend(ContourLabel::placed(contour, frame, label, ground, &labels));
+                labels.extend(ContourLabel::placed(contour, frame, label, ground, &mut taken));
             }
             svg.element(format_args!("</g>"));
         }
@@ -185,55 +149,78 @@ impl HeatMap<'_> {
         }
     }
 
-    fn draw_axes(&self, svg: &mut Svg, frame: &MapFrame) {
-        let [size_x, size_y] = self.field.size();
-        let (right, bottom) = (LEFT + frame.width, TOP + frame.height);
-        for (metres, label) in ticks(0.0, size_x, frame.width / 60.0) {
-            let x = LEFT + frame.width * metres / size_x;
-            svg.line(&[[x, bottom], [x, bottom + 5.0]], "black", "class=\"line\" stroke-width=\"1\"");
-            svg.text([x, bottom + 19.0], "middle", "", &label);
-        }
-        for (metres, label) in ticks(0.0, size_y, (frame.height / 40.0).min(10.0)) {
-            let y = bottom - frame.height * metres / size_y;
-            svg.line(&[[LEFT - 5.0, y], [LEFT, y]], "black", "class=\"line\" stroke-width=\"1\"");
-            svg.text([LEFT - 8.0, y + 4.5], "end", "", &label);
-        }
-        svg.frame([LEFT, TOP, frame.width, frame.height]);
-        svg.text([(0.5 * (LEFT + right)).max(86.0), bottom + 37.0], "middle", "", "first direction, m");
-        let middle = (0.5 * (TOP + bottom)).max(TOP + 75.0);
-        let turned = format!("transform=\"rotate(-90 16 {middle:.1})\"");
-        svg.text([16.0, middle], "middle", &turned, "second direction, m");
-    }
-
-    /// Draws the scale of colours with its unit above.
-    fn draw_scale(&self, svg: &mut Svg, frame: &MapFrame) {
-        let left = LEFT + frame.width + 22.0;
-        let each = frame.body / f64::from(COLOURS);
+    /// Draws the scale of colours beside a rectangle that ends at `right`, with its unit above.
+    fn draw_scale(&self, svg: &mut Svg, right: f64, body: f64) {
+        let left = right + 22.0;
+        let each = body / f64::from(COLOURS);
         svg.element(format_args!("<g shape-rendering=\"crispEdges\">"));
         for number in 0..COLOURS {
             svg.element(format_args!(
                 "<rect x=\"{left:.1}\" y=\"{:.2}\" width=\"18\" height=\"{:.2}\" fill=\"{}\"/>",
-                TOP + frame.body - each * f64::from(number + 1),
+                TOP + body - each * f64::from(number + 1),
                 each,
-                hexadecimal(self.step(number))
+                hexadecimal(step(&self.scale, number))
             ));
         }
         svg.element(format_args!("</g>"));
-        svg.frame([left, TOP, 18.0, frame.body]);
-        for (place, label) in self.scale.ticks(frame.body / 45.0) {
-            let y = TOP + frame.body * (1.0 - place);
+        svg.frame([left, TOP, 18.0, body]);
+        for (place, label) in self.scale.ticks(body / 45.0) {
+            let y = TOP + body * (1.0 - place);
             svg.line(&[[left + 18.0, y], [left + 23.0, y]], "black", "class=\"line\" stroke-width=\"1\"");
             svg.text([left + 27.0, y + 4.5], "start", "", &label);
         }
         svg.text([left, TOP - 8.0], "start", "", self.unit);
+        if !self.quantity.is_empty() && LETTER[0] * self.quantity.chars().count() as f64 <= body {
+            let (x, y) = (right + RIGHT - 6.0, TOP + 0.5 * body);
+            let turned = format!("transform=\"rotate(-90 {x:.1} {y:.1})\"");
+            svg.text([x, y], "middle", &turned, self.quantity);
+        }
     }
 }
 
-impl MapFrame {
-    /// Pixels of a point in fractions of the sides.
-    fn pixel(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [LEFT + self.width * x, TOP + self.height * (1.0 - y)]
+/// Draws the cells, whose rectangle has this left upper corner, as one path for each colour.
+pub(crate) fn draw_cells(
+    svg: &mut Svg,
+    frame: &MapFrame,
+    [left, top]: [f64; 2],
+    field: &CellField,
+    scale: &ColourScale,
+) {
+    let mut field = field.clone();
+    let runs = loop {
+        let runs = runs(&field, scale);
+        if runs.len() <= MOST_RUNS {
+            break runs;
+        }
+        field = field.halved();
+    };
+    let mut paths: BTreeMap<u32, String> = BTreeMap::new();
+    let (across, up) = (field.edges(0), field.edges(1));
+    let edge = |edges: &[u32], i: usize| edges.get(i).copied().unwrap_or(0);
+    for ColourRun { row, from, to, colour } in runs {
+        let (left, bottom) = (edge(across, from), edge(up, row));
+        let (wide, high) = (edge(across, to) - left, edge(up, row + 1) - bottom);
+        let path = paths.entry(colour).or_default();
+        let _ = write!(path, "M{left} {bottom}h{wide}v{high}h-{wide}z");
     }
+    let last = |edges: &[u32]| f64::from(edges.last().copied().unwrap_or(0).max(1));
+    svg.element(format_args!(
+        "<g transform=\"translate({left} {:.3}) scale({:.6} {:.6})\" shape-rendering=\"crispEdges\">",
+        top + frame.height,
+        frame.width / last(across),
+        -frame.height / last(up)
+    ));
+    for (number, path) in paths {
+        let colour = hexadecimal(step(scale, number));
+        // Without a thin stroke, the background is seen between adjacent cells.
+        svg.element(format_args!("<path fill=\"{colour}\" d=\"{path}\" stroke=\"{colour}\" stroke-width=\"0.5\" vector-effect=\"non-scaling-stroke\"/>"));
+    }
+    svg.element(format_args!("</g>"));
+}
+
+/// The colour of one of the steps of a scale.
+pub(crate) fn step(scale: &ColourScale, number: u32) -> [u8; 3] {
+    scale.colour_at((f64::from(number) + 0.5) / f64::from(COLOURS))
 }
 
 /// Adjacent cells of a row with one colour.
@@ -265,37 +252,32 @@ fn runs(field: &CellField, scale: &ColourScale) -> Vec<ColourRun> {
 struct ContourLabel<'a> {
     /// Its centre, pixels.
     centre: [f64; 2],
-    half: [f64; 2],
     words: &'a str,
     ground: [u8; 3],
 }
 
 impl<'a> ContourLabel<'a> {
-    /// A label on a contour that is long enough for it, inside the map and clear of `others`.
+    /// A label on a contour that is long enough for it, inside the map and clear of those before it.
     fn placed(
         contour: &Contour,
         frame: &MapFrame,
         words: &'a str,
         ground: [u8; 3],
-        others: &[Self],
+        taken: &mut LabelBoxes,
     ) -> Option<Self> {
-        let half = [0.5 * LETTER[0] * words.chars().count() as f64 + 2.0, 0.5 * LETTER[1] + 2.0];
+        let half = half_size(words, 2.0);
         let places: Vec<[f64; 2]> = contour.points.iter().map(|p| frame.pixel(*p)).collect();
         let length: f64 = places.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
         if length < 8.0 * half[0] {
             return None;
         }
-        let is_free = |place: &[f64; 2]| {
+        let mut is_free = |place: &[f64; 2]| {
             let [x, y] = *place;
             let inside = x - half[0] > LEFT
                 && x + half[0] < LEFT + frame.width
                 && y - half[1] > TOP
                 && y + half[1] < TOP + frame.height;
-            let clear = |other: &Self| {
-                (other.centre[0] - x).abs() >= other.half[0] + half[0]
-                    || (other.centre[1] - y).abs() >= other.half[1] + half[1]
-            };
-            inside && others.iter().all(clear)
+            inside && taken.add(*place, half)
         };
         // Points along the whole contour, those near its middle first.
         const TRIES: usize = 24;
@@ -304,7 +286,7 @@ impl<'a> ContourLabel<'a> {
             let middle = places.len() / 2;
             if i % 2 == 0 { middle.saturating_sub(off) } else { middle + off }
         });
-        let centre = tries.filter_map(|i| places.get(i).copied()).find(is_free)?;
-        Some(Self { centre, half, words, ground })
+        let centre = tries.filter_map(|i| places.get(i).copied()).find(|place| is_free(place))?;
+        Some(Self { centre, words, ground })
     }
 }

@@ -29,6 +29,24 @@ pub fn significant(number: f64) -> String {
     }
 }
 
+/// A number that is not negative for a crowded table: whole from 10 on, two significant digits below.
+#[must_use]
+pub fn brief(number: f64) -> String {
+    let size = number.abs();
+    let digits = |number: f64| 1.0 - number.log10().floor();
+    if number == 0.0 || !number.is_finite() {
+        number.to_string()
+    } else if (1e-3..9.95).contains(&size) {
+        // What is rounded up to the next power of ten has a digit less.
+        let rounded: f64 = format!("{size:.*}", digits(size) as usize).parse().unwrap_or(size);
+        format!("{number:.*}", digits(rounded) as usize)
+    } else if (9.95..1e6).contains(&size) {
+        format!("{number:.0}")
+    } else {
+        format!("{number:.1e}")
+    }
+}
+
 /// The shortest decimal number that reads back as the same, as a power of ten unless its size is 0 or in `plain`.
 #[must_use]
 pub fn exact(number: f64, plain: Range<f64>) -> String {
@@ -108,6 +126,22 @@ mod tests {
             [(0.0, "0"), (0.012_345, "0.01235"), (123_456.0, "123456"), (1.5e-7, "1.50e-7"), (3e9, "3.00e9")]
         {
             assert_eq!(significant(number), shown);
+        }
+    }
+
+    #[test]
+    fn crowded_numbers_are_short() {
+        for (number, shown) in [
+            (0.0, "0"),
+            (499.6, "500"),
+            (12.34, "12"),
+            (9.87, "9.9"),
+            (9.96, "10"),
+            (0.0123, "0.012"),
+            (0.996, "1.0"),
+            (2e7, "2.0e7"),
+        ] {
+            assert_eq!(brief(number), shown);
         }
     }
 

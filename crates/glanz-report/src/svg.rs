@@ -135,6 +135,33 @@ pub fn shortened(words: &str, width: usize) -> String {
     words.chars().take(width.saturating_sub(1)).chain(['\u{2026}']).collect()
 }
 
+/// The texts of a drawing that reach beyond its border, if letters are at most 0.6 times as wide as they are high.
+#[cfg(test)]
+pub(crate) fn misplaced_texts(svg: &str) -> Vec<String> {
+    let number = |tag: &str, name: &str| -> Option<f64> {
+        tag.split(&format!(" {name}=\"")).nth(1)?.split('"').next()?.parse().ok()
+    };
+    let (width, height) = (number(svg, "width").unwrap(), number(svg, "height").unwrap());
+    let is_outside = |line: &&str| {
+        let (tag, words) = line.split_once('>').unwrap();
+        let words = words.trim_end_matches("</text>").replace("&lt;", "<").replace("&amp;", "&");
+        let size = number(tag, "font-size").unwrap_or(13.0);
+        let length = 0.6 * size * words.chars().count() as f64;
+        let share =
+            if tag.contains("\"middle\"") { 0.5 } else { f64::from(u8::from(tag.contains("\"end\""))) };
+        let (x, y) = (number(tag, "x").unwrap(), number(tag, "y").unwrap());
+        let [from, to] = [-share * length, (1.0 - share) * length];
+        // Turned by -90 degrees, words run upwards.
+        let ends = if tag.contains("rotate(-90") {
+            [x - size, x, y - to, y - from]
+        } else {
+            [x + from, x + to, y - size, y]
+        };
+        ends[0] < 0.0 || ends[1] > width || ends[2] < 0.0 || ends[3] > height
+    };
+    svg.lines().filter(|line| line.starts_with("<text")).filter(is_outside).map(str::to_owned).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -193,7 +193,8 @@ impl Table {
         text
     }
 
-    /// The table in HTML with its caption, numbers of class `number`, in a `div` of class `wide`.
+    /// The table in HTML with its caption, numbers of class `number`, in a `div` of class `wide`. Without titles of columns, except that of the first, which the caption
+    /// stands for, there is no line of titles.
     #[must_use]
     pub fn html(&self) -> String {
         let class = |column: usize| if self.is_number(column) { " class=\"number\"" } else { "" };
@@ -205,9 +206,12 @@ impl Table {
             cells.map(|(i, cell)| format!("<td{}>{}</td>", class(i), escaped(&cell.shown()))).collect()
         };
         let rows: String = self.rows.iter().map(|cells| format!("<tr>{}</tr>\n", row(cells))).collect();
+        let has_titles =
+            self.columns.len() < 2 || self.columns.iter().skip(1).any(|column| !column.title.is_empty());
+        let head = if has_titles { format!("<thead><tr>{head}</tr></thead>\n") } else { String::new() };
         let caption = escaped(&self.caption);
         format!(
-            "<div class=\"wide\"><table>\n<caption>{caption}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
+            "<div class=\"wide\"><table>\n<caption>{caption}</caption>\n{head}<tbody>\n{rows}</tbody>\n\
              </table></div>\n"
         )
     }
@@ -272,6 +276,22 @@ mod tests {
             table().plain(),
             "who     time, ns          n\na, \"b\"      1235  1 000 000\nc|d       0.5000          -\n"
         );
+    }
+
+    #[test]
+    fn lists_of_facts_have_no_line_of_titles() {
+        let mut facts = Table::new("facts", "Facts & figures", &[("fact", "facts"), ("value", "")]);
+        facts.push(["<a>".into(), 1.0.into()]);
+        let html = facts.html();
+        assert!(
+            !html.contains("<thead>")
+                && html.contains("<caption>Facts &amp; figures</caption>")
+                && html.contains("&lt;a&gt;")
+        );
+        assert!(table().html().contains("<thead><tr><th scope=\"col\">who</th>"));
+        let mut list = Table::new("list", "", &[("name", "name")]);
+        list.push(["a".into()]);
+        assert!(list.html().contains("<thead>"));
     }
 
     #[test]

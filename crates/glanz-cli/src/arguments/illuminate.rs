@@ -21,7 +21,9 @@ walls of a box from the origin to (X, Y, Z), which absorb all light. The command
 every receiver NAME.csv (position, area, lux, standard error per cell), NAME.exr (the same as
 floats, one pixel per cell), NAME.png (false colours) and NAME.svg (isolux lines), and for all
 receivers report.html, report.json and summary.txt: smallest, mean and largest illuminance, the
-uniformities U0 (smallest over mean) and U1 (smallest over largest), and the flux balance. They
+uniformities U0 (smallest over mean) and U1 (smallest over largest), and the flux balance.
+report.html begins with what a client gets, on sheets of A4 when a browser prints it: room, plan,
+luminaires, isolux lines and values of each area, requirements, assumptions. The reports
 state the version of Glanz, the scene and its content hash, the settings, times, rates, the
 processor and the date: in report.json and with --json as numbers, texts and flags under keys
 that end with their unit. If the variable SOURCE_DATE_EPOCH is set (seconds since 1970), it is
@@ -74,6 +76,9 @@ pub(crate) struct IlluminateArguments {
     /// Folder for the results; created if necessary
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath, required_unless_present = "part")]
     pub(crate) output: Option<PathBuf>,
+    /// Title of the reports, such as the name of the project [default: the name of the scene]
+    #[arg(long, value_name = "TEXT", conflicts_with = "compare")]
+    pub(crate) title: Option<String>,
     #[command(flatten)]
     pub(crate) room: RoomArgument,
     /// Number of cells along the longer side of receivers without a resolution of their own

@@ -57,6 +57,9 @@ pub(crate) fn run(
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
             let settings = arguments.plan.settings(arguments.seed);
             let mut builder = scene.illuminate().options(arguments.options()).planning(settings).job(job);
+            if let Some(title) = &arguments.title {
+                builder = builder.title(title);
+            }
             if let Some(request) = request {
                 builder = builder.plan(request);
             }

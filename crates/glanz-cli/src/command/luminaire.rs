@@ -75,13 +75,9 @@ pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<S
 /// A file that is refused, with line and column.
 pub(crate) fn kind(path: &Path, messages: Messages) -> Result<LuminaireKind, CommandError> {
     let (photometry, _) = read(path, messages)?;
-    let name = photometry.names.luminaire;
     Ok(LuminaireKind {
-        name: if name.trim().is_empty() { path.display().to_string() } else { name },
-        maker: photometry.names.manufacturer,
+        description: Arc::new(photometry.description(path)),
         distribution: Arc::new(photometry.distribution),
-        opening: photometry.opening,
-        watts: photometry.input_watts,
     })
 }
 

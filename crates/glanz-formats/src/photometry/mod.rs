@@ -35,6 +35,7 @@
 //! # Source
 //! @lm63_2019, @lm63_2002, @stockmar1990, @cie121, @ashdown1998 for the editions before 2002.
 
+mod description;
 mod error;
 pub mod ies;
 pub mod ldt;

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use glanz_light::intensity::{IntensityDistribution, LuminousOpening, OpeningShape};
 use glanz_math::{DMat3, DVec3, Transform};
 use glanz_scene::Description;
-use glanz_scene::description::LightKind;
+use glanz_scene::description::{LightKind, LuminaireDescription};
 
 /// A luminaire at its place.
 #[derive(Clone, Debug)]
 pub struct PlacedLuminaire {
     /// Its name in messages.
     pub name: String,
+    /// What its file states, if it is known.
+    pub description: Option<Arc<LuminaireDescription>>,
     /// Candela by direction in the luminaire's frame.
     pub distribution: Arc<IntensityDistribution>,
     /// Factor on the candela.
@@ -48,6 +50,7 @@ impl PlacedLuminaire {
             let opening = opening.unwrap_or(LuminousOpening::POINT);
             Some(Self {
                 name: format!("luminaire {number}"),
+                description: light.luminaire.clone(),
                 distribution: Arc::clone(distribution),
                 factor: f64::from(light.scale),
                 opening: LuminousOpening { size: opening.size.map(|length| length * scale), ..opening },

@@ -21,13 +21,18 @@
 pub mod emergency;
 pub mod glare;
 pub mod luminaire;
+pub mod luminaire_list;
 pub mod maintenance;
+mod plan_outline;
 pub mod plan_report;
 pub mod point_illuminance;
+pub mod power;
 pub mod request;
 pub mod requirement;
 pub mod road;
 pub mod room;
+pub mod room_layout;
+mod room_shapes;
 pub mod ugr_table;
 
 #[cfg(test)]
@@ -35,12 +40,15 @@ pub(crate) mod test_luminaires;
 
 pub use glare::{GlareError, GlareObserver, GlareRating, GlareSource, unified_glare_rating};
 pub use luminaire::{PlacedLuminaire, projected_area};
+pub use luminaire_list::{LuminaireGroup, LuminairePlace, OtherLight};
 pub use maintenance::{MaintenanceError, MaintenanceFactor};
 pub use plan_report::{CylindricalPoint, PlanReport};
 pub use point_illuminance::{PointGather, PointIlluminance, PointReceiver};
+pub use power::InstalledPower;
 pub use request::{LitZone, PlanningError, PlanningRequest, PlanningSettings, ZoneKind};
 pub use requirement::{
     LightingCriterion, LightingTask, OFFICE_TASKS, Requirement, RequirementVerdict, VerdictOutcome,
 };
 pub use room::{LuminaireKind, RoomPlan, RoomPlanError};
+pub use room_layout::{ReceiverPlace, RoomLayout, RoomSurface, RoomSurfaceKind};
 pub use ugr_table::{LuminaireAxis, UgrTable};

@@ -8,9 +8,11 @@ use serde::ser::{SerializeStruct, Serializer};
 use super::glare::GlareRating;
 use super::maintenance::MaintenanceFactor;
 use super::point_illuminance::GOOD_MODELLING;
+use super::power::InstalledPower;
 use super::requirement::{LightingTask, RequirementVerdict, installation_table, verdict_table};
 use crate::lux_map::uniformity;
 use crate::replicates::ReplicateEstimate;
+use crate::report::shown_vector;
 
 /// Maintained illuminance at a point in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,7 +114,7 @@ impl PlanReport {
         facts.push("luminaires", "luminaires", self.luminaires as u64);
         facts.push("flux of all luminaires when new, lm", "flux_lm", self.flux);
         if let Some(task) = &self.task {
-            facts.push("task", "task", format!("EN 12464-1:2021, {}: {}", task.reference, task.name));
+            facts.push("task", "task", task.label());
             facts.push("required colour rendering Ra, not judged", "color_rendering", task.color_rendering);
         }
         facts.push("maintenance factor", "maintenance_factor", self.maintenance_factor);
@@ -125,18 +127,8 @@ impl PlanReport {
         if let Some(lux) = self.task_illuminance {
             facts.push("maintained mean illuminance of the task area, lx", "task_mean_lux", lux);
         }
-        if self.watts > 0.0 && self.area > 0.0 {
-            let density = self.watts / self.area;
-            facts.push("power, W", "power_w", self.watts);
-            facts.push("power per area, W/m2", "power_density_w_m2", density);
-            if let Some(lux) = self.task_illuminance.filter(|lux| *lux > 0.0) {
-                facts.push(
-                    "power per area and 100 lx, W/m2",
-                    "power_density_w_m2_100lx",
-                    100.0 * density / lux,
-                );
-            }
-        }
+        let reference = self.task_illuminance.map(|lux| ("task area".to_owned(), lux));
+        InstalledPower { watts: self.watts, area: self.area, reference }.add_to(&mut facts);
         self.add_glare(&mut facts);
         if let Some((mean, [u0, ..])) = self.mean_cylindrical() {
             facts.push(
@@ -168,10 +160,11 @@ impl PlanReport {
         }
         let worst = self.ratings.iter().filter_map(|rating| Some((rating, rating.ugr()?)));
         let Some((rating, ugr)) = worst.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };
+        let shown = |vector: DVec3| FactValue::Text(format!("({})", shown_vector(vector, 3)));
         facts.push("observers", "observers", self.ratings.len() as u64);
         facts.push("largest UGR", "ugr", ugr);
-        facts.push("its eye", "ugr_eye_m", FactValue::Text(shown_vector(rating.observer.eye())));
-        facts.push("its view", "ugr_view", FactValue::Text(shown_vector(rating.observer.view())));
+        facts.push("its eye, m", "ugr_eye_m", shown(rating.observer.eye()));
+        facts.push("its view", "ugr_view", shown(rating.observer.view()));
         facts.push("its background luminance, cd/m2", "ugr_background_cd_m2", rating.background.value);
         facts.push("luminaires in its field of view", "ugr_luminaires", rating.sources as u64);
     }
@@ -181,11 +174,6 @@ impl PlanReport {
     pub fn fact_table(&self) -> Table {
         installation_table(&self.facts())
     }
-}
-
-fn shown_vector(vector: DVec3) -> String {
-    let [x, y, z] = vector.to_array().map(|part| format!("{:.3}", part + 0.0));
-    format!("({x}, {y}, {z})")
 }
 
 /// In JSON: `verdicts`, `facts`, and lists of the ratings of observers and of the points of cylindrical illuminance.

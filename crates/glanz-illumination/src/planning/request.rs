@@ -58,7 +58,7 @@ pub struct PlanningRequest {
 }
 
 /// Settings of a rating.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PlanningSettings {
     /// The task, which gives the limits; `None`: values without limits.
     pub task: Option<LightingTask>,

@@ -191,12 +191,18 @@ pub fn verdict_table(verdicts: &[RequirementVerdict]) -> Table {
             TableCell::Text(name),
             value,
             interval,
-            TableCell::Text(format!("{sign} {}", significant(requirement.limit))),
+            TableCell::Text(format!("{sign} {}", shown_limit(requirement.limit))),
             TableCell::Text(verdict.outcome.to_string()),
             TableCell::Text(requirement.source.clone()),
         ]);
     }
     table
+}
+
+/// A limit as standards write it, unless that is a fraction without end.
+fn shown_limit(limit: f64) -> String {
+    let exact = limit.to_string();
+    if exact.len() <= 6 { exact } else { significant(limit) }
 }
 
 /// Figures of an installation as a table.
@@ -276,7 +282,18 @@ impl LightingTask {
     /// A requirement of the task.
     #[must_use]
     pub fn requirement(&self, criterion: LightingCriterion, limit: f64) -> Requirement {
-        Requirement { criterion, limit, source: format!("EN 12464-1:2021, {}", self.reference) }
+        Requirement { criterion, limit, source: self.clause() }
+    }
+
+    /// Standard and reference.
+    fn clause(&self) -> String {
+        format!("EN 12464-1:2021, {}", self.reference)
+    }
+
+    /// Standard, reference and name.
+    #[must_use]
+    pub fn label(&self) -> String {
+        format!("{}: {}", self.clause(), self.name)
     }
 }
 

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use glanz_light::intensity::{IntensityDistribution, LuminousOpening};
+use glanz_light::intensity::IntensityDistribution;
 use glanz_math::{DMat3, DMat4, DVec2, DVec3};
 use glanz_report::number::significant;
 use glanz_report::{FactList, FactValue};
 use glanz_scene::Description;
 use glanz_scene::description::{
-    LightDescription, LightKind, MaterialKind, ReceiverDescription, ReceiverSide, ShapeDescription, ZoneKind,
+    LightDescription, LightKind, LuminaireDescription, MaterialKind, ReceiverDescription, ReceiverSide,
+    ShapeDescription, ZoneKind,
 };
 
 use super::emergency::OPEN_AREA_BORDER;
@@ -30,16 +31,10 @@ const LUMINAIRES_LIMIT: u32 = 10_000;
 /// A kind of luminaire, from a photometric file.
 #[derive(Clone, Debug)]
 pub struct LuminaireKind {
-    /// Its name.
-    pub name: String,
-    /// Its maker; empty if unknown.
-    pub maker: String,
+    /// What the file states.
+    pub description: Arc<LuminaireDescription>,
     /// Candela by direction in the luminaire's frame.
     pub distribution: Arc<IntensityDistribution>,
-    /// The luminous opening.
-    pub opening: LuminousOpening,
-    /// Electric power, watts; 0 if unknown.
-    pub watts: f64,
 }
 
 /// A box-shaped room from the origin to its size, with a work plane and a grid of luminaires.
@@ -152,10 +147,11 @@ impl RoomPlan {
             |number: u32, count: u32, length: f64| (f64::from(number) + 0.5) * length / f64::from(count);
         let cells = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
         let placed = cells.map(|(i, j)| PlacedLuminaire {
-            name: self.luminaire.name.clone(),
+            name: self.luminaire.description.label().to_owned(),
+            description: Some(Arc::clone(&self.luminaire.description)),
             distribution: Arc::clone(&self.luminaire.distribution),
             factor: 1.0,
-            opening: self.luminaire.opening,
+            opening: self.luminaire.description.opening,
             position: DVec3::new(place(i, nx, self.size.x), place(j, ny, self.size.y), height),
             axes: DMat3::from_rotation_z(self.turn),
         });
@@ -200,7 +196,8 @@ impl RoomPlan {
                 from: DVec3::ZERO,
             };
             let to_world = DMat4::from_translation(luminaire.position) * DMat4::from_mat3(luminaire.axes);
-            description.lights.push(LightDescription { to_world, ..LightDescription::new(kind, 1.0) });
+            let light = LightDescription::new(kind, 1.0);
+            description.lights.push(LightDescription { to_world, luminaire: luminaire.description, ..light });
         }
         Ok(description)
     }
@@ -224,7 +221,7 @@ impl RoomPlan {
             observers: observers.filter_map(Result::ok).collect(),
             points: eyes,
             open_area: Vec::new(),
-            watts: f64::from(self.grid[0]) * f64::from(self.grid[1]) * self.luminaire.watts,
+            watts: f64::from(self.grid[0]) * f64::from(self.grid[1]) * self.luminaire.description.watts,
             area: self.size.x * self.size.y,
             assumptions: self.assumptions(),
         }
@@ -233,13 +230,13 @@ impl RoomPlan {
     /// The plan in words.
     fn assumptions(&self) -> FactList {
         let mut facts = FactList::default();
-        let LuminaireKind { name, maker, .. } = &self.luminaire;
+        let LuminaireDescription { maker, .. } = &*self.luminaire.description;
         let [nx, ny] = self.grid;
         facts.push("room", "room_m", FactValue::Lengths(self.size.to_array()));
         let [ceiling, walls, floor] = self.reflectances;
         let reflectances = format!("{ceiling} / {walls} / {floor}");
         facts.push("reflectances of ceiling / walls / floor", "reflectances", reflectances);
-        facts.push("luminaire", "luminaire", name.clone());
+        facts.push("luminaire", "luminaire", self.luminaire.description.label());
         if !maker.is_empty() {
             facts.push("its maker", "maker", maker.clone());
         }
@@ -312,7 +309,7 @@ mod tests {
     use super::*;
     use crate::planning::test_luminaires::uniform;
     use crate::{GridResolution, ReceiverRequest, Receivers};
-    use glanz_light::intensity::OpeningShape;
+    use glanz_light::intensity::{LuminousOpening, OpeningShape};
     use glanz_scene::Scene;
 
     pub(crate) fn plan() -> RoomPlan {
@@ -320,11 +317,13 @@ mod tests {
             size: DVec3::new(6.0, 4.0, 3.0),
             reflectances: [0.7, 0.5, 0.2],
             luminaire: LuminaireKind {
-                name: "panel".to_owned(),
-                maker: String::new(),
+                description: Arc::new(LuminaireDescription {
+                    name: "panel".to_owned(),
+                    opening: LuminousOpening { shape: OpeningShape::Rectangle, size: [0.6, 0.6, 0.0] },
+                    watts: 30.0,
+                    ..LuminaireDescription::default()
+                }),
                 distribution: uniform(100.0),
-                opening: LuminousOpening { shape: OpeningShape::Rectangle, size: [0.6, 0.6, 0.0] },
-                watts: 30.0,
             },
             grid: [3, 2],
             height: 3.0,

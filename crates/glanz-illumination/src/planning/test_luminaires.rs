@@ -30,6 +30,7 @@ pub(crate) fn lambertian(candela: f64) -> Arc<IntensityDistribution> {
 pub(crate) fn downlight(distribution: Arc<IntensityDistribution>, position: DVec3) -> PlacedLuminaire {
     PlacedLuminaire {
         name: "luminaire 1".to_owned(),
+        description: None,
         distribution,
         factor: 1.0,
         opening: LuminousOpening { shape: OpeningShape::Rectangle, size: [0.6, 0.6, 0.0] },

@@ -92,6 +92,7 @@ impl UgrTable {
     ) -> Result<Self, GlareError> {
         let luminaire = PlacedLuminaire {
             name: name.to_owned(),
+            description: None,
             distribution: Arc::clone(distribution),
             factor: 1.0,
             opening,

@@ -70,6 +70,11 @@ impl FlatGrid {
         self.size
     }
 
+    /// Its lower left corner, metres, and its directions across and up.
+    pub(super) fn frame(&self) -> [DVec3; 3] {
+        [self.origin, self.across, self.up]
+    }
+
     /// Grid coordinates of a point, [0, 1]^2.
     pub(super) fn share(&self, position: DVec3) -> DVec2 {
         let p = position - self.origin;
@@ -110,7 +115,7 @@ impl FlatGrid {
                 for i in range(low.x, high.x, nx) {
                     let cell = clipped(&clipped(&row, 0, f64::from(i), true), 0, f64::from(i + 1), false);
                     if let Some(slot) = areas.get_mut(j as usize * nx as usize + i as usize) {
-                        *slot += area(&cell).abs() * cell_area;
+                        *slot += signed_area(&cell).abs() * cell_area;
                     }
                 }
             }
@@ -136,15 +141,25 @@ impl FlatGrid {
 fn polygons(surface: &PlacedSurface<'_>, face: u32) -> Option<Vec<Vec<DVec3>>> {
     let at = |uv: DVec2| surface.at(face, uv, false).map(|at| at.at.point.position);
     let all = |corners: &[DVec2]| corners.iter().map(|&uv| at(uv)).collect::<Option<Vec<DVec3>>>();
-    match (surface.surface(), surface.face_domain(face)) {
-        (Surface::Trimmed(_), _) => None,
-        (_, FaceDomain::Polygon(corners)) => Some(vec![all(&corners)?]),
-        (Surface::Bilinear(_) | Surface::Plane(_) | Surface::Cuboid(_), FaceDomain::Square) => {
-            Some(vec![all(&[DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y])?])
-        }
-        (Surface::Disk(_), FaceDomain::Square) => {
+    if let Some(corners) = face_corners(surface, face) {
+        return Some(vec![all(&corners)?]);
+    }
+    match surface.surface() {
+        Surface::Disk(_) => {
             let rim = |i: u32, v: f64| DVec2::new(f64::from(i) / f64::from(RIM), v);
             (0..RIM).map(|i| all(&[rim(i, 0.0), rim(i + 1, 0.0), rim(i + 1, 1.0), rim(i, 1.0)])).collect()
+        }
+        _ => None,
+    }
+}
+
+/// Parameters of the corners of a face that lies within their convex hull: a triangle, a quadrilateral, a side of a box or of a polyhedron; `None` for others.
+pub(crate) fn face_corners(surface: &PlacedSurface<'_>, face: u32) -> Option<Vec<DVec2>> {
+    match (surface.surface(), surface.face_domain(face)) {
+        (Surface::Trimmed(_), _) => None,
+        (_, FaceDomain::Polygon(corners)) => Some(corners),
+        (Surface::Bilinear(_) | Surface::Plane(_) | Surface::Cuboid(_), FaceDomain::Square) => {
+            Some(vec![DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y])
         }
         _ => None,
     }
@@ -210,8 +225,8 @@ fn clipped(polygon: &[DVec2], axis: usize, bound: f64, above: bool) -> Vec<DVec2
     kept
 }
 
-/// Signed area of a polygon.
-fn area(polygon: &[DVec2]) -> f64 {
+/// Area of a polygon, negative if it is clockwise.
+pub(crate) fn signed_area(polygon: &[DVec2]) -> f64 {
     let pairs = polygon.iter().zip(polygon.iter().cycle().skip(1));
     0.5 * pairs.map(|(p, q)| p.perp_dot(*q)).sum::<f64>()
 }

@@ -13,6 +13,7 @@ use glanz_scene::{HitLocation, PlacedSurface, Scene};
 use coverage::covered_shares;
 use faces::FaceCells;
 use flat::FlatGrid;
+pub(crate) use flat::{face_corners, signed_area};
 use parameters::ParameterGrid;
 
 /// Share of a cell that the surface fills, below which it is a sliver: points on it are not searched, and goals of errors do not count it.
@@ -183,6 +184,24 @@ impl Receiver {
     #[must_use]
     pub fn surface(&self) -> u32 {
         self.surface
+    }
+
+    /// The face of its surface that it is, if it is one facet of several.
+    pub(crate) fn face(&self) -> Option<u32> {
+        self.face
+    }
+
+    /// Whether its cells are rows and columns; those of a curved mesh are its triangles.
+    pub(crate) fn is_grid(&self) -> bool {
+        !matches!(self.layout, ReceiverLayout::FaceCells(_))
+    }
+
+    /// The lower left corner of a flat receiver, metres, and its unit directions across and up; `None` if it is curved or trimmed.
+    pub(crate) fn flat_frame(&self) -> Option<[DVec3; 3]> {
+        match &self.layout {
+            ReceiverLayout::FlatGrid(flat) => Some(flat.frame()),
+            _ => None,
+        }
     }
 
     /// Cells along both directions.

@@ -112,8 +112,7 @@ impl<'a> ReceiverPair<'a> {
         )];
         let scale = ColourScale::of_differences(high.max(-low));
         let title = format!("B - A: {}", a.name);
-        let levels = Vec::new();
-        Some(HeatMap { title: &title, unit: "lx", field, scale, levels, caption }.svg())
+        Some(HeatMap { caption, ..HeatMap::new(&title, "lx", field, scale) }.svg())
     }
 }
 

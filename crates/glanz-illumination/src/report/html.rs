@@ -1,66 +1,99 @@
 //! Reports as self-contained pages of HTML.
 
-use glanz_report::svg::escaped;
+use glanz_report::svg::{escaped, shortened};
 
-use crate::DaylightFactors;
-
+use super::client_page::{client_sections, origin, section};
 use super::text::{calculation, closing, far_field, flux, intervals, receivers};
-use super::{LuxComparison, LuxReport, PolarPlot, isolux, lux_scale};
+use super::{LuxComparison, LuxReport, PolarPlot};
 
-/// Colours of the light or dark theme, whichever the reader prefers; on paper always dark on white.
+/// Colours of the light or dark theme, whichever the reader prefers; on paper always dark on white. Sections begin sheets of A4.
 const STYLE: &str = "\
 :root { color-scheme: light dark; --paper: #ffffff; --ink: #1a1a1a; --faint: #d0d0d0; }
 @media (prefers-color-scheme: dark) { :root { --paper: #16181c; --ink: #e6e6e6; --faint: #464a52; } }
 @media print { :root { color-scheme: light; --paper: #ffffff; --ink: #000000; --faint: #c0c0c0; } }
 body { background: var(--paper); color: var(--ink); font: 16px/1.5 'DejaVu Sans', Helvetica, Arial, sans-serif;
   margin: 2rem auto; max-width: 76rem; padding: 0 1rem; }
-h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
+h1 { font-size: 1.6rem; overflow-wrap: anywhere; } h2 { font-size: 1.2rem; margin-top: 2.2rem; overflow-wrap: anywhere; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 1rem 0; }
-caption { text-align: left; font-weight: bold; padding-bottom: 0.4rem; }
-th, td { border-bottom: 1px solid var(--faint); padding: 0.25rem 0.8rem; text-align: left; vertical-align: top; }
+caption { text-align: left; font-weight: bold; padding-bottom: 0.4rem; overflow-wrap: anywhere; }
+th, td { border-bottom: 1px solid var(--faint); padding: 0.25rem 0.8rem; text-align: left; vertical-align: top;
+  overflow-wrap: anywhere; }
 th.number, td.number { text-align: right; }
 td.number { white-space: nowrap; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 33rem), 1fr)); gap: 1.5rem; }
+.small { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 19rem), 1fr)); gap: 1rem; }
+.card { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 20rem), 1fr)); gap: 1.5rem; align-items: start; }
+.origin, .note, figcaption { font-size: 0.85em; overflow-wrap: anywhere; }
+.warning { border: 2px solid #c04000; padding: 0.5rem 0.8rem; font-weight: bold; }
 figure { margin: 0; max-width: 100%; break-inside: avoid; }
 figure svg { max-width: 100%; height: auto; }
 svg .paper { fill: var(--paper); } svg .ink { fill: var(--ink); }
 svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
-@media print { body { margin: 0; max-width: none; } tr, figure { break-inside: avoid; } h2 { break-after: avoid; } }
+@media print {
+  body { margin: 0; max-width: none; padding: 0; font-size: 12px; line-height: 1.4; }
+  h1 { font-size: 22px; margin: 0 0 4px; } h2 { font-size: 16px; margin-top: 14px; break-after: avoid; }
+  th, td { padding: 1px 7px; } table { margin: 8px 0; } thead { display: table-header-group; }
+  .wide { overflow: visible; } tr, figure, .card { break-inside: avoid; } caption { break-after: avoid; }
+  .figures, .card { grid-template-columns: 1fr 1fr; gap: 14px; } .small { grid-template-columns: 1fr 1fr; gap: 12px; }
+  section { break-before: page; } section:first-of-type, section.short { break-before: auto; }
+  .short ul { break-inside: avoid; }
+  section > figure { margin-bottom: 8px; }
+  * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+}
 ";
 
 impl LuxReport {
-    /// The report as one page: the tables of the receivers, a drawing of each, where the light went, candela
-    /// distributions, and the facts of the calculation. It needs no other file, no script and no network, follows the reader's
-    /// choice of light or dark, and can be printed. Each receiver has its own scale of colours.
+    /// The report as one page. It begins with what a client gets, on sheets of A4 in print: room and results, plan, luminaires, isolux lines and values of each area, other surfaces,
+    /// requirements, assumptions; then the appendix on the calculation: intervals, where the light went, the light that left the scene, and all facts.
+    ///
+    /// It needs no other file, no script and no network, and follows the reader's choice of light or dark; on paper it is dark on white.
     #[must_use]
     pub fn html(&self) -> String {
+        let body = client_sections(self) + &section("Appendix: calculation", &self.appendix());
+        page(&self.title, &sheet_style(&self.title, &origin(self)), &body)
+    }
+
+    /// What matters for the calculation alone.
+    fn appendix(&self) -> String {
         let mut body = String::new();
         if let Some(plan) = &self.plan {
-            if !plan.verdicts.is_empty() {
-                body += &plan.verdict_table().html();
-            }
             body += &plan.fact_table().html();
         }
-        if !self.daylight.is_empty() {
-            body += &DaylightFactors::table(&self.daylight).html();
-        }
+        body += "<p class=\"note\">The tables below have the illuminance of the new installation.</p>\n";
         body += &(receivers(&self.maps).html() + &intervals(&self.maps).html());
-        if !self.maps.is_empty() {
-            body += "<h2>Receivers</h2>\n";
-            body += &figures(self.maps.iter().map(|map| isolux(map, &lux_scale(&[map]))));
-        }
         if let Some(balance) = &self.balance {
-            body += "<h2>Flux balance</h2>\n";
             body += &flux(balance).html();
             body += &format!("<p>{}</p>\n", escaped(&closing(balance)));
         }
         body += &polars("Candela distributions", self);
         if !self.facts.is_empty() {
-            body += &format!("<h2>Calculation</h2>\n{}", calculation(&self.facts).html());
+            body += &calculation(&self.facts).html();
         }
-        page(&self.title, &body)
+        body
     }
+}
+
+/// The size of sheets, with head and foot: title, origin and number of each sheet. Browsers that do not know margin boxes print without them.
+fn sheet_style(title: &str, origin: &str) -> String {
+    const FONT: &str = "font: 9px 'DejaVu Sans', Helvetica, Arial, sans-serif; color: #404040;";
+    format!(
+        "@page {{ size: A4; margin: 17mm 15mm 16mm;\n  @top-left {{ content: \"{}\"; {FONT} }}\n  @bottom-left {{ content: \"{}\"; {FONT} }}\n  \
+         @bottom-right {{ content: \"Page \" counter(page) \" of \" counter(pages); {FONT} }} }}\n",
+        quoted(&shortened(title, 90)),
+        quoted(&shortened(origin, 110)),
+    )
+}
+
+/// Words for a string of CSS inside HTML: characters that could end either are written by their numbers.
+fn quoted(words: &str) -> String {
+    let letter = |letter: char| match letter {
+        ' ' => letter.to_string(),
+        _ if letter.is_alphanumeric() => letter.to_string(),
+        _ if letter.is_control() => "\u{fffd}".to_owned(),
+        _ => format!("\\{:x} ", u32::from(letter)),
+    };
+    words.chars().map(letter).collect()
 }
 
 impl LuxComparison<'_> {
@@ -99,16 +132,16 @@ impl LuxComparison<'_> {
                 body += &format!("<h2>Calculation of {letter}</h2>\n{table}");
             }
         }
-        page(&format!("{} / {}", self.a.title, self.b.title), &body)
+        page(&format!("{} / {}", self.a.title, self.b.title), "", &body)
     }
 }
 
-fn page(title: &str, body: &str) -> String {
+fn page(title: &str, style: &str, body: &str) -> String {
     let title = escaped(title);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}</body>\n</html>\n"
+         <title>{title}</title>\n<style>\n{STYLE}{style}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}</body>\n</html>\n"
     )
 }
 
@@ -127,9 +160,10 @@ fn figures(drawings: impl Iterator<Item = String>) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use crate::{FluxBalance, LuxMap};
+    use crate::planning::PlanningSettings;
+    use crate::{DaylightFactors, FluxBalance, LuxMap};
     use glanz_math::DVec3;
     use glanz_report::FactList;
 
@@ -155,13 +189,15 @@ mod tests {
             far_field: None,
             daylight: vec![DaylightFactors { name: NASTY.into(), mean: 0.5, median: 0.5, minimum: 0.5 }],
             plan: None,
+            planning: PlanningSettings::default(),
+            layout: None,
             facts,
             polars: vec![PolarPlot::sample(NASTY, 0.0, &[], |_, _| 1.0)],
         }
     }
 
     /// Names of elements without a closing or an opening tag.
-    fn unbalanced(html: &str) -> Vec<String> {
+    pub(in crate::report) fn unbalanced(html: &str) -> Vec<String> {
         let mut open = Vec::new();
         for tag in html.split('<').skip(1) {
             let (inner, _) = tag.split_once('>').unwrap();
@@ -195,7 +231,8 @@ mod tests {
     #[test]
     fn a_page_shows_every_map_and_table() {
         let html = report("office", [2, 2]).html();
-        assert_eq!((html.matches("<svg ").count(), html.matches("<table>").count()), (2, 5));
+        // Isolux lines, values, and a polar plot; room, daylight, results, receivers, intervals, flux and facts.
+        assert_eq!((html.matches("<svg ").count(), html.matches("<table>").count()), (3, 7));
         assert!(html.contains("<td class=\"number\">250.0</td>"));
     }
 

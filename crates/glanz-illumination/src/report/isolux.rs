@@ -20,15 +20,8 @@ pub fn isolux(map: &LuxMap, scale: &ColourScale) -> String {
 /// The drawing of [`isolux`] with contours at given levels, lx, with their labels.
 #[must_use]
 pub fn isolux_at(map: &LuxMap, scale: &ColourScale, levels: &[(f64, String)]) -> String {
-    HeatMap {
-        title: &map.name,
-        unit: "lx",
-        field: lux_field(map),
-        scale: *scale,
-        levels: levels.to_vec(),
-        caption: caption(map, scale),
-    }
-    .svg()
+    let drawing = HeatMap::new(&map.name, "lx", lux_field(map), *scale);
+    HeatMap { levels: levels.to_vec(), caption: caption(map, scale), ..drawing }.svg()
 }
 
 /// Sentences below the map: its summary and the range of its colours.

@@ -1,9 +1,10 @@
 //! A report as JSON.
 
 use serde::Serialize;
-use serde::ser::{SerializeStruct, Serializer};
+use serde::ser::{SerializeMap, Serializer};
 
-use super::LuxReport;
+use super::{LitQuantity, LuxReport};
+use crate::planning::InstalledPower;
 use crate::{LuxMap, LuxSummary};
 
 /// The entry of one receiver.
@@ -22,24 +23,77 @@ impl<'a> ReceiverSummary<'a> {
     }
 }
 
+/// The figures of the pages for a client.
+#[derive(Serialize)]
+struct ShownFigures {
+    #[serde(flatten)]
+    quantity: LitQuantity,
+    /// For each receiver mean, least and largest value in the unit of the quantity.
+    receivers: Vec<ShownSummary>,
+}
+
+#[derive(Serialize)]
+struct ShownSummary {
+    name: String,
+    mean: f64,
+    minimum: f64,
+    maximum: f64,
+    u0: f64,
+}
+
+impl ShownFigures {
+    fn of(report: &LuxReport) -> Self {
+        let quantity = LitQuantity::of(report);
+        let summary = |map: &LuxMap| {
+            let LuxSummary { mean, minimum, maximum, u0, .. } = quantity.summary(map);
+            ShownSummary { name: map.name.clone(), mean, minimum, maximum, u0 }
+        };
+        Self { quantity, receivers: report.maps.iter().map(summary).collect() }
+    }
+}
+
+/// The entry of the power.
+#[derive(Serialize)]
+struct PowerEntry {
+    power_w: f64,
+    area_m2: f64,
+    w_m2: Option<f64>,
+    reference: Option<String>,
+    w_m2_100lx: Option<f64>,
+}
+
+impl PowerEntry {
+    fn of(power: InstalledPower) -> Self {
+        let (w_m2, w_m2_100lx) = (power.density(), power.density_per_100_lux());
+        let reference = power.reference.map(|(name, _)| name);
+        Self { power_w: power.watts, area_m2: power.area, w_m2, reference, w_m2_100lx }
+    }
+}
+
 impl Serialize for LuxReport {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut fields = serializer.serialize_struct(
-            "Report",
-            5 + usize::from(self.plan.is_some()) + usize::from(!self.daylight.is_empty()),
-        )?;
-        fields.serialize_field("title", &self.title)?;
+        let mut fields = serializer.serialize_map(None)?;
+        fields.serialize_entry("title", &self.title)?;
         fields
-            .serialize_field("receivers", &self.maps.iter().map(ReceiverSummary::of).collect::<Vec<_>>())?;
-        fields.serialize_field("flux_balance", &self.balance)?;
-        fields.serialize_field("far_field", &self.far_field)?;
+            .serialize_entry("receivers", &self.maps.iter().map(ReceiverSummary::of).collect::<Vec<_>>())?;
+        fields.serialize_entry("flux_balance", &self.balance)?;
+        fields.serialize_entry("far_field", &self.far_field)?;
         if !self.daylight.is_empty() {
-            fields.serialize_field("daylight_factors", &self.daylight)?;
+            fields.serialize_entry("daylight_factors", &self.daylight)?;
         }
         if let Some(plan) = &self.plan {
-            fields.serialize_field("plan", plan)?;
+            fields.serialize_entry("plan", plan)?;
         }
-        fields.serialize_field("facts", &self.facts)?;
+        if let Some(layout) = &self.layout {
+            fields.serialize_entry("room", layout)?;
+            fields.serialize_entry("luminaires", &layout.luminaires)?;
+            fields.serialize_entry("other_lights", &layout.other_lights)?;
+        }
+        fields.serialize_entry("shown", &ShownFigures::of(self))?;
+        if let Some(power) = self.installed_power() {
+            fields.serialize_entry("power", &PowerEntry::of(power))?;
+        }
+        fields.serialize_entry("facts", &self.facts)?;
         fields.end()
     }
 }
@@ -47,6 +101,7 @@ impl Serialize for LuxReport {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::planning::PlanningSettings;
     use crate::{FarFieldSummary, FluxBalance};
     use glanz_math::DVec3;
     use glanz_report::{FactList, FactValue};
@@ -86,6 +141,8 @@ mod tests {
             }),
             daylight: Vec::new(),
             plan: None,
+            planning: PlanningSettings::default(),
+            layout: None,
             facts,
             polars: Vec::new(),
         };
@@ -108,6 +165,10 @@ mod tests {
                 "flux_lm": 400.0, "peak_cd": 900.0, "peak_error_cd": 9.0, "peak_shortfall_cd": 7.0, "peak_direction_degrees": [30.0, 10.0],
                 "middle_degrees": [31.0, 11.0], "beam_angles_degrees": [20.0, 21.0], "field_angles_degrees": [40.0, 42.0],
                 "largest_relative_error": 0.05, "planes": 24, "gammas": 37, "steps_degrees": [5.0, 3.0],
+            },
+            "shown": {
+                "quantity": "illuminance", "unit": "lx", "per_calculated_lux": 1.0,
+                "receivers": [{ "name": "a \"desk\"", "mean": 200.0, "minimum": 100.0, "maximum": 300.0, "u0": 0.5 }],
             },
             "facts": { "method": "trace", "seconds": 1.5 },
         });

@@ -3,7 +3,7 @@
 //! The functions convert data to text, bytes or pixels and write no files. For one receiver there are [`csv`], the pixels
 //! of [`false_colour()`] and [`lux_pixels`], and the drawing [`isolux()`]. A [`LuxReport`] of a whole calculation becomes
 //! a table for a terminal, a page of HTML, or JSON by `serde`; a [`LuxComparison`] compares two designs.
-//! [`PolarPlot`] draws the candela distribution of a luminaire.
+//! The page of HTML begins with the sheets that a client gets: room, plan, luminaires, areas, requirements, assumptions. [`PolarPlot`] draws the candela distribution of a luminaire.
 //!
 //! ```
 //! use glanz_illumination::LuxMap;
@@ -29,35 +29,45 @@
 //! assert!(report.html().contains("<h1>Office</h1>"));
 //! ```
 
+mod client_area;
+mod client_assumptions;
+mod client_page;
+mod client_room;
+#[cfg(test)]
+mod client_tests;
 mod compare;
 mod csv;
 mod false_colour;
 mod html;
 mod isolux;
 mod json;
+mod lit_quantity;
 mod polar;
 mod scale;
 mod text;
 
 use glanz_report::FactList;
 
-use crate::planning::PlanReport;
+use crate::planning::{InstalledPower, PlanReport, PlanningSettings, RoomLayout};
 use crate::{DaylightFactors, FarFieldSummary, FluxBalance, LuxMap};
+use glanz_scene::description::ZoneKind;
 
 pub use compare::{LuxComparison, ReceiverPair};
 pub use csv::csv;
 pub use false_colour::{false_colour, lux_pixels};
 pub use isolux::{isolux, isolux_at};
+pub use lit_quantity::LitQuantity;
 pub use polar::PolarPlot;
 pub use scale::lux_scale;
-pub(crate) use text::printable;
+pub(crate) use text::{printable, shown_vector};
 
 /// The results of a calculation of illuminance.
 ///
 /// Its fields in JSON: `title`; `receivers`, each with `name`, `cells`, `size_m` and the fields of
 /// [`LuxSummary`](crate::LuxSummary); `flux_balance` with the fields of [`FluxBalance`] or null; `far_field` with
-/// the fields of [`FarFieldSummary`] or null; `daylight_factors`, if there are any, each with the fields of [`DaylightFactors`]; `plan`, if there is one, see [`PlanReport`]; `facts`, an object of the facts by their
-/// keys. Numbers that are not finite, which JSON cannot represent, become null.
+/// the fields of [`FarFieldSummary`] or null; `daylight_factors`, if there are any, each with the fields of [`DaylightFactors`]; `plan`, if there is one, see [`PlanReport`]; if the room is
+/// known, `room`, `luminaires` and `other_lights`, see [`RoomLayout`], and `power`, if it is stated, with `power_w`, `area_m2`, `w_m2`, and `w_m2_100lx` of `reference`; `shown`, see
+/// [`LitQuantity`]; `facts`, an object of the facts by their keys. Receivers have the illuminance of the new installation, and under `shown` the figures that the pages for a client have. Numbers that are not finite, which JSON cannot represent, become null.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LuxReport {
     /// The name of the design.
@@ -72,8 +82,39 @@ pub struct LuxReport {
     pub daylight: Vec<DaylightFactors>,
     /// Figures of the standards for a planned room; `None` if none was asked for.
     pub plan: Option<PlanReport>,
+    /// Task and maintenance factor that were asked for, whether or not anything was rated by them.
+    pub planning: PlanningSettings,
+    /// The room with its luminaires; `None` if it is unknown.
+    pub layout: Option<RoomLayout>,
     /// Facts about the calculation: program, scene, settings, particles, time.
     pub facts: FactList,
     /// Candela distributions of the whole optic or of its lamps.
     pub polars: Vec<PolarPlot>,
+}
+
+impl LuxReport {
+    /// The maintenance factor; 1 for one out of range, by which nothing can be rated.
+    #[must_use]
+    pub fn maintenance_factor(&self) -> f64 {
+        self.planning.maintenance.value().unwrap_or(1.0)
+    }
+
+    /// Electric power of the installation, which refers to the maintained illuminance of the task area of the plan, or else of the first receiver of a task area or the highest level
+    /// one that faces up; `None` if the room is unknown, or the power of one of its lights.
+    #[must_use]
+    pub fn installed_power(&self) -> Option<InstalledPower> {
+        let layout = self.layout.as_ref()?;
+        let (watts, area) = (layout.watts()?, layout.floor_area());
+        let level = || layout.receivers.iter().filter(|place| place.is_level);
+        let task = level().find(|place| place.kind == Some(ZoneKind::Task));
+        let place = task.or_else(|| level().max_by(|a, b| a.height.total_cmp(&b.height)));
+        let of_place = || {
+            let name = &place?.name;
+            let map = self.maps.iter().find(|map| map.name == *name)?;
+            Some((map.name.clone(), self.maintenance_factor() * map.summary().mean))
+        };
+        let of_plan = self.plan.as_ref().and_then(|plan| plan.task_illuminance);
+        let reference = of_plan.map(|lux| ("task area".to_owned(), lux)).or_else(of_place);
+        Some(InstalledPower { watts, area, reference })
+    }
 }

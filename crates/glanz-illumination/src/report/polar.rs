@@ -1,7 +1,7 @@
 //! Polar plots of luminous intensity, as the lighting industry draws them.
 
 use glanz_report::Svg;
-use glanz_report::number::{significant, tick_label, ticks};
+use glanz_report::number::{brief, significant, tick_label, ticks};
 use glanz_report::svg::{escaped, shortened};
 
 /// Largest angle of gamma, degrees, between points of a curve.
@@ -30,6 +30,8 @@ pub struct PolarPlot {
     gammas: Vec<f64>,
     /// For each plane, cd by gamma in its first and its opposite half.
     planes: [[Vec<f64>; 2]; 2],
+    /// Luminous flux, lm, if the rings are to be cd/klm, too.
+    flux: Option<f64>,
 }
 
 impl PolarPlot {
@@ -55,7 +57,19 @@ impl PolarPlot {
         let bright = |value: f64| if value > 0.0 && value.is_finite() { value } else { 0.0 };
         let half = |c: f64| gammas.iter().map(|&gamma| bright(candela(c, gamma))).collect();
         let planes = halves.map(|halves| halves.map(half));
-        Self { title: title.into(), halves, gammas, planes }
+        Self { title: title.into(), halves, gammas, planes, flux: None }
+    }
+
+    /// The plot with rings in cd/klm, and with their cd at the right, for a luminous flux in lm; a flux that is not positive and finite changes nothing.
+    #[must_use]
+    pub fn with_flux(self, flux: f64) -> Self {
+        Self { flux: Some(flux).filter(|flux| *flux > 0.0 && flux.is_finite()), ..self }
+    }
+
+    /// Largest intensity in the two planes, cd.
+    #[must_use]
+    pub fn peak(&self) -> f64 {
+        self.planes.iter().flatten().flatten().copied().fold(0.0, f64::max)
     }
 
     /// The title.
@@ -68,16 +82,18 @@ impl PolarPlot {
     #[must_use]
     pub fn svg(&self) -> String {
         let all = || self.planes.iter().flatten();
-        let peak = all().flatten().copied().fold(0.0, f64::max);
+        let peak = self.peak();
         let below = self.gammas.partition_point(|&gamma| gamma <= 90.0);
         let upward = all().flat_map(|half| half.iter().skip(below)).copied().fold(0.0, f64::max);
         let is_full = upward > UPWARD * peak;
         let centre = TOP + if is_full { RADIUS + 30.0 } else { 26.0 };
-        let (rings, outermost) = rings(peak);
+        let factor = self.flux.map_or(1.0, |flux| 1000.0 / flux);
+        let (rings, outermost) = rings(factor * peak);
         let bottom = centre + RADIUS + 34.0;
         let mut svg = Svg::new([WIDTH, bottom + 62.0], &self.title);
         svg.text([12.0, 26.0], "start", "font-size=\"16\"", &shortened(&self.title, 52));
-        svg.text([12.0, 46.0], "start", "", "cd");
+        let unit = if self.flux.is_some() { "cd/klm at the left, cd at the right" } else { "cd" };
+        svg.text([12.0, 46.0], "start", "", unit);
         spokes(&mut svg, centre, is_full);
         let pixels = RADIUS / outermost;
         ring_lines(&mut svg, centre, is_full, &rings, pixels);
@@ -86,7 +102,8 @@ impl PolarPlot {
         {
             let place = |(gamma, value): (&f64, &f64), side: f64| {
                 let (sin, cos) = gamma.to_radians().sin_cos();
-                [MIDDLE + side * value * pixels * sin, centre + value * pixels * cos]
+                let radius = factor * value * pixels;
+                [MIDDLE + side * radius * sin, centre + radius * cos]
             };
             let shown = if is_full { first.len() } else { below };
             let right = self.gammas.iter().zip(first).take(shown).map(|at| place(at, 1.0));
@@ -96,7 +113,12 @@ impl PolarPlot {
             svg.line(&points, colour, &format!("stroke-width=\"2.2\" stroke-linejoin=\"round\"{dashes}"));
             svg.element(format_args!("</g>"));
         }
-        ring_labels(&mut svg, centre, &rings, pixels);
+        ring_labels(&mut svg, centre, &rings, -pixels);
+        if self.flux.is_some() {
+            let candela: Vec<(f64, String)> =
+                rings.iter().map(|(value, _)| (*value, brief(value / factor))).collect();
+            ring_labels(&mut svg, centre, &candela, pixels);
+        }
         self.legend(&mut svg, bottom, peak);
         svg.finish()
     }
@@ -120,7 +142,9 @@ impl PolarPlot {
             svg.text([left + 44.0, bottom + 16.5], "start", "", &name);
         }
         let [[first, _], [across, _]] = self.names();
-        let largest = format!("Largest in these planes: {} cd.", significant(peak));
+        let per_flux = self.flux.map(|flux| format!(", {} cd/klm", significant(1000.0 * peak / flux)));
+        let largest =
+            format!("Largest in these planes: {} cd{}.", significant(peak), per_flux.unwrap_or_default());
         let right = format!("0 degrees is down; {first} and {across} are at the right.");
         let words = [&largest, &right];
         for (row, words) in words.into_iter().enumerate() {
@@ -176,11 +200,11 @@ fn ring_lines(svg: &mut Svg, centre: f64, is_full: bool, rings: &[(f64, String)]
     }
 }
 
-/// Writes the values of the rings at the left, between two spokes.
+/// Writes the values of the rings at the right, or, with negative `pixels` per value, at the left, between two spokes.
 fn ring_labels(svg: &mut Svg, centre: f64, rings: &[(f64, String)], pixels: f64) {
     for (value, label) in rings {
         let (sin, cos) = 67.5_f64.to_radians().sin_cos();
-        let place = [MIDDLE - value * pixels * sin, centre + value * pixels * cos + 4.0];
+        let place = [MIDDLE + value * pixels * sin, centre + value * pixels.abs() * cos + 4.0];
         let halo = "font-size=\"11\" class=\"halo\" fill=\"none\" stroke=\"white\" stroke-width=\"3\"";
         svg.text(place, "middle", halo, label);
         svg.text(place, "middle", "font-size=\"11\"", label);
@@ -244,6 +268,22 @@ mod tests {
             PolarPlot::sample("needle", 0.0, gammas, needle).svg().contains("planes: 50.00 cd")
         };
         assert!(found(&[10.25, 200.0, f64::NAN]) && !found(&[]));
+    }
+
+    #[test]
+    fn rings_in_candela_per_kilolumen_have_their_candela_at_the_right() {
+        // 600 cd of 2000 lm: 300 cd/klm.
+        let polar = PolarPlot::sample("lamp", 0.0, &[], |_, _| 600.0).with_flux(2000.0);
+        let svg = polar.svg();
+        for words in
+            [">cd/klm at the left, cd at the right<", ">300<", ">600<", "planes: 600.0 cd, 300.0 cd/klm."]
+        {
+            assert!(svg.contains(words), "{words}: {svg}");
+        }
+        // All curves are the outermost ring.
+        let on_ring = |[x, y]: &[f64; 2]| ((x - 270.0).hypot(y - 286.0) - 200.0).abs() < 0.08;
+        assert!(curves(&svg).iter().flatten().all(on_ring));
+        assert!(polar.with_flux(0.0).svg().contains(">cd<"));
     }
 
     #[test]

@@ -8,6 +8,11 @@ use crate::LuxMap;
 #[must_use]
 pub fn lux_scale(maps: &[&LuxMap]) -> ColourScale {
     let fields: Vec<CellField> = maps.iter().map(|map| lux_field(map)).collect();
+    field_scale(&fields)
+}
+
+/// The scale for the numbers of all of `fields`.
+pub(super) fn field_scale(fields: &[CellField]) -> ColourScale {
     ColourScale::of(fields.iter().flat_map(CellField::shown))
 }
 

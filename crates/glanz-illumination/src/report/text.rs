@@ -1,5 +1,6 @@
 //! Reports as tables, for terminals and pages.
 
+use glanz_math::DVec3;
 use glanz_report::number::significant;
 use glanz_report::{FactList, Table, TableCell};
 
@@ -9,6 +10,11 @@ use crate::{DaylightFactors, FarFieldSummary, FluxBalance, LuxMap, LuxSummary};
 /// `words` with control characters replaced, so that they cannot control a terminal.
 pub(crate) fn printable(words: &str) -> String {
     words.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
+}
+
+/// Coordinates with this number of decimals.
+pub(crate) fn shown_vector(vector: DVec3, decimals: usize) -> String {
+    vector.to_array().map(|part| format!("{:.decimals$}", part + 0.0)).join(", ")
 }
 
 impl LuxReport {
@@ -159,7 +165,6 @@ pub(super) fn calculation(facts: &FactList) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glanz_math::DVec3;
     use glanz_report::FactValue;
 
     #[test]
@@ -191,6 +196,8 @@ mod tests {
             far_field: None,
             daylight: Vec::new(),
             plan: None,
+            planning: crate::planning::PlanningSettings::default(),
+            layout: None,
             facts,
             polars: Vec::new(),
         };

@@ -10,6 +10,7 @@ use glanz_light::intensity::{AngularSystem, IntensityDistribution, LuminousOpeni
 use glanz_math::DVec3;
 use glanz_radiosity::form_factor::polygon::{from_point, in_front};
 use glanz_scene::Scene;
+use glanz_scene::description::LuminaireDescription;
 
 use crate::common::traced;
 
@@ -22,11 +23,13 @@ fn panel() -> LuminaireKind {
     let distribution =
         IntensityDistribution::try_new(AngularSystem::C, Symmetry::Axial, &[0.0], gammas, candela).unwrap();
     LuminaireKind {
-        name: "panel".to_owned(),
-        maker: String::new(),
+        description: Arc::new(LuminaireDescription {
+            name: "panel".to_owned(),
+            opening: LuminousOpening { shape: OpeningShape::Rectangle, size: [0.6, 0.6, 0.0] },
+            watts: 25.0,
+            ..LuminaireDescription::default()
+        }),
         distribution: Arc::new(distribution),
-        opening: LuminousOpening { shape: OpeningShape::Rectangle, size: [0.6, 0.6, 0.0] },
-        watts: 25.0,
     }
 }
 
@@ -220,7 +223,8 @@ fn rating_of_a_room_agrees_with_radiosity_by_elements() {
 #[test]
 fn glare_of_luminaires_without_an_opening_is_refused_and_undecided() {
     let mut plan = plan();
-    plan.luminaire.opening = LuminousOpening::POINT;
+    plan.luminaire.description =
+        Arc::new(LuminaireDescription { name: "panel".to_owned(), ..LuminaireDescription::default() });
     let (scene, _) = Scene::resolve(plan.description().unwrap()).unwrap();
     let mut request = plan.request();
     request.points.clear();

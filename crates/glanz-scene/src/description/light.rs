@@ -6,7 +6,7 @@ use glanz_light::SpectralDistribution;
 use glanz_light::intensity::{IntensityDistribution, LuminousOpening};
 use glanz_math::{DMat4, DVec3};
 
-use super::Location;
+use super::{Location, LuminaireDescription};
 
 /// A light that is not a surface.
 #[derive(Clone, Debug)]
@@ -19,6 +19,8 @@ pub struct LightDescription {
     pub scale: f32,
     /// Transformation from light to world space.
     pub to_world: DMat4,
+    /// The luminaire, if its file describes one.
+    pub luminaire: Option<Arc<LuminaireDescription>>,
     /// Its place in the input.
     pub location: Option<Location>,
 }
@@ -27,7 +29,8 @@ impl LightDescription {
     /// A light in world space.
     #[must_use]
     pub fn new(kind: LightKind, emission: impl Into<SpectralDistribution>) -> Self {
-        Self { kind, emission: emission.into(), scale: 1.0, to_world: DMat4::IDENTITY, location: None }
+        let (to_world, luminaire, location) = (DMat4::IDENTITY, None, None);
+        Self { kind, emission: emission.into(), scale: 1.0, to_world, luminaire, location }
     }
 
     /// A point that emits `intensity`, W/sr, in all directions.

@@ -15,6 +15,7 @@ mod group;
 mod guide;
 mod integrator;
 mod light;
+mod luminaire;
 mod material;
 mod medium;
 mod observer;
@@ -48,6 +49,7 @@ pub use light::{
     EmissionDescription, EmissionPower, LightDescription, LightKind, SkyDescription, SourceRay,
     SphereMapping, SpotFalloff,
 };
+pub use luminaire::LuminaireDescription;
 pub use material::{DescriptionForm, MaterialDescription, MaterialKind, SurfaceDetailDescription};
 pub use medium::{DensityDescription, MediumDescription, SurfaceMedia};
 pub use observer::ObserverDescription;

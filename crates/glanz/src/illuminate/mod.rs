@@ -20,7 +20,7 @@ use std::io::Read;
 use std::path::Path;
 use std::time::Instant;
 
-use glanz_illumination::planning::{PlacedLuminaire, PlanningRequest, PlanningSettings};
+use glanz_illumination::planning::{PlacedLuminaire, PlanningRequest, PlanningSettings, RoomLayout};
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
     DaylightFactors, FarFieldResolution, GridResolution, LuxMap, ReceiverRequest, Receivers, TraceGoal,
@@ -92,6 +92,7 @@ impl IlluminateMethod {
 #[must_use = "nothing is calculated before `run`"]
 pub struct IlluminateBuilder<'a> {
     scene: LoadedScene,
+    title: Option<String>,
     options: IlluminateOptions,
     plan: Option<PlanningRequest>,
     planning: PlanningSettings,
@@ -153,7 +154,13 @@ impl IlluminateOptions {
 impl<'a> IlluminateBuilder<'a> {
     pub(crate) fn new(scene: LoadedScene) -> Self {
         let (options, job) = (IlluminateOptions::default(), JobOptions::default());
-        Self { scene, options, plan: None, planning: PlanningSettings::default(), job }
+        Self { scene, title: None, options, plan: None, planning: PlanningSettings::default(), job }
+    }
+
+    /// Title of the reports, such as the name of the project; the name of the scene's file without extension unless set.
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = Some(title.into());
+        self
     }
 
     /// Rates this by standards ([`LuxReport::plan`]); by default, zones and observers that the scene declares are rated.
@@ -228,7 +235,7 @@ impl<'a> IlluminateBuilder<'a> {
     /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`];
     /// [`Error::Planning`] and [`Error::DirectRating`] for figures of planners; [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
-        let Self { scene, mut options, plan, planning: settings, job } = self;
+        let Self { scene, title, mut options, plan, planning: settings, job } = self;
         scene.check_scene("illuminate")?;
         let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
@@ -252,7 +259,7 @@ impl<'a> IlluminateBuilder<'a> {
         if options.method == IlluminateMethod::Auto && is_by_particles(&options, &job) {
             options.method = IlluminateMethod::Trace;
         }
-        let design = Design::new(scene, options, &mut job)?;
+        let design = Design { title, ..Design::new(scene, options, &mut job)? };
         let is_judged = plan.is_some() || settings.task.is_some();
         let request = plan.unwrap_or_else(|| design.declared_plan());
         if is_judged && !request.is_empty() && options.method == IlluminateMethod::Integrate {
@@ -261,6 +268,7 @@ impl<'a> IlluminateBuilder<'a> {
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
         let mut outcome = design.illuminate(&mut job)?;
+        outcome.report.planning = settings.clone();
         if !request.is_empty() && options.part.is_none() {
             planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
         }
@@ -272,11 +280,15 @@ impl<'a> IlluminateBuilder<'a> {
 /// A scene with receivers.
 struct Design {
     name: String,
+    /// Title of the reports, if it is not that of the scene.
+    title: Option<String>,
     scene: Scene,
     receivers: Receivers,
     /// Observers that the scene declares, and its photometric lights.
     observers: Vec<ObserverDescription>,
     luminaires: Vec<PlacedLuminaire>,
+    /// The room from above.
+    layout: Option<RoomLayout>,
     /// Content hash of the files of the scene.
     content_hash: u128,
     /// Content hashes of the scene with its room, and of the receivers.
@@ -327,12 +339,28 @@ impl Design {
                     hash.add_file(text.as_bytes());
                     hash.value()
                 });
-        Ok(Self { name, scene, receivers, observers, luminaires, content_hash, hashes, options })
+        let layout = RoomLayout::of(&scene, &receivers, &luminaires);
+        let title = None;
+        Ok(Self {
+            name,
+            title,
+            scene,
+            receivers,
+            observers,
+            luminaires,
+            layout,
+            content_hash,
+            hashes,
+            options,
+        })
     }
 
     /// The zones and observers that the scene declares.
     fn declared_plan(&self) -> PlanningRequest {
-        PlanningRequest::of_scene(&self.scene, &self.receivers, &self.observers, self.luminaires.clone())
+        let luminaires = self.luminaires.clone();
+        let declared = PlanningRequest::of_scene(&self.scene, &self.receivers, &self.observers, luminaires);
+        let Some(layout) = &self.layout else { return declared };
+        PlanningRequest { watts: layout.watts().unwrap_or(0.0), area: layout.floor_area(), ..declared }
     }
 
     /// Computes the light.
@@ -340,9 +368,10 @@ impl Design {
         let start = Instant::now();
         let mut facts = CalculationFacts::of_settings(&self.name, self.content_hash, &self.options);
         let stem = Path::new(&self.name).file_stem();
-        let title = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let title = self.title.clone().or_else(|| Some(stem?.to_string_lossy().into_owned()));
+        let title = title.unwrap_or_default();
         let mut outcome = IlluminateOutcome {
-            report: LuxReport { title, ..LuxReport::default() },
+            report: LuxReport { title, layout: self.layout.clone(), ..LuxReport::default() },
             ..IlluminateOutcome::default()
         };
         let method = self.options.method;
@@ -359,7 +388,13 @@ impl Design {
         if self.options.daylight {
             outcome.report.daylight = outcome.report.maps.iter().map(DaylightFactors::of).collect();
         }
+        if self.scene.has_media() {
+            facts.result.push("fog and other media", "media", "left out");
+        }
         facts.result.push("complete", "complete", outcome.end == JobEnd::Complete);
+        if outcome.end == JobEnd::Interrupted {
+            facts.result.push("interrupted", "interrupted", true);
+        }
         outcome.report.facts = facts.finish(start.elapsed(), job.threads());
         Ok(outcome)
     }

@@ -41,7 +41,9 @@ pub(super) fn rate(
         }
         Err(PlanningError::Interrupted(_)) => {
             outcome.end = JobEnd::Interrupted;
-            outcome.report.facts.push("complete", "complete", false);
+            for (key, flag) in [("complete", false), ("interrupted", true)] {
+                outcome.report.facts.push(key, key, flag);
+            }
             Ok(())
         }
         Err(error) => Err(error.into()),

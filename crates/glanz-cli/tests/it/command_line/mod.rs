@@ -16,6 +16,6 @@ mod progress;
 mod render;
 mod same_bits;
 mod small_scene;
-mod support;
+pub(crate) mod support;
 mod tools;
 mod view;

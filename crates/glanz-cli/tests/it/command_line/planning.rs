@@ -65,7 +65,7 @@ fn room_is_planned_from_a_photometric_file_alone() {
         (180, 45)
     );
     let page = String::from_utf8(folder.bytes("lux/report.html")).unwrap();
-    assert!(page.contains("Requirements") && page.contains("power per area"));
+    assert!(page.contains("Requirements") && page.contains("power per area and 100 lx (task area)"));
 
     // Without an opening everything else is rated.
     let told = folder.succeed(&format!("{room} --luminaire point.ies --task 34.2 -o point"));

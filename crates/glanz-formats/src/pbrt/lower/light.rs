@@ -24,6 +24,7 @@ impl Lowering {
         context: &EntityState,
     ) -> ParseResult<()> {
         let free = self.free_position(&mut list, kind)?;
+        let mut luminaire = None;
         let (kind, emission) = match kind {
             "sky" => {
                 self.sky(&mut list, context)?;
@@ -32,7 +33,7 @@ impl Lowering {
             }
             "point" => self.point(&mut list, context)?,
             "spot" => self.spot(&mut list, context)?,
-            "photometric" => self.photometric(&mut list, context)?,
+            "photometric" => self.photometric(&mut list, context, &mut luminaire)?,
             "distant" => self.distant(&mut list, context)?,
             "infinite" | "exinfinite" => self.infinite(&mut list, context)?,
             "projection" => self.projection(&mut list, context)?,
@@ -57,6 +58,7 @@ impl Lowering {
             scale: emission.scale(),
             emission: emission.spectrum,
             to_world,
+            luminaire,
             location: Some(list.place.location),
         });
         list.finish(&mut self.reporter);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glanz_light::intensity::{LuminousOpening, OpeningShape};
 use glanz_math::DVec3;
-use glanz_scene::description::{LightKind, SourceRay};
+use glanz_scene::description::{LightKind, LuminaireDescription, SourceRay};
 
 use super::light::LightParts;
 use super::spectrum::{EmissionParameters, grey};
@@ -17,11 +17,12 @@ use crate::photometry::{self, Photometry, PhotometryError, PhotometryFile};
 use crate::source::{MISSING_FILE, ParseResult};
 
 impl Lowering {
-    /// Lowers a light with an IES or EULUMDAT file.
+    /// Lowers a light with an IES or EULUMDAT file, which describes its `luminaire`, or with rays.
     pub(super) fn photometric(
         &mut self,
         list: &mut ParameterList,
         context: &EntityState,
+        luminaire: &mut Option<Arc<LuminaireDescription>>,
     ) -> ParseResult<LightParts> {
         let Some((p, name)) = list.text_parameter("filename", &mut self.reporter)? else {
             let message = "light \"photometric\" has no \"string filename\"";
@@ -42,6 +43,7 @@ impl Lowering {
         }
         let mut photometry = self.photometry(&p, &path, &bytes)?;
         self.choose_lamps(list, &mut photometry)?;
+        *luminaire = Some(Arc::new(photometry.description(&path)));
         self.tilt(list, &mut photometry)?;
         self.scale_to_lumens(list, &mut photometry)?;
         if photometry.flux() <= 0.0 {

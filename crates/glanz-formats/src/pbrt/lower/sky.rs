@@ -58,6 +58,7 @@ impl Lowering {
             emission,
             scale,
             to_world: context.ctm,
+            luminaire: None,
             location: Some(place.location),
         };
         self.description.lights.push(light(LightKind::Sky(sky), 1.0.into()));
@@ -79,6 +80,7 @@ impl Lowering {
             emission: irradiance.into(),
             scale,
             to_world: context.ctm,
+            luminaire: None,
             location: Some(list.place.location),
         });
         Ok(())

@@ -122,10 +122,11 @@ impl RoadLayout {
             let own = DMat3::from_rotation_z(self.turn);
             let axes = DMat3::from_rotation_z(row.turn) * DMat3::from_rotation_x(self.tilt) * own;
             placed.extend((first..=last).map(|number| PlacedLuminaire {
-                name: self.luminaire.name.clone(),
+                name: self.luminaire.description.label().to_owned(),
+                description: Some(Arc::clone(&self.luminaire.description)),
                 distribution: Arc::clone(&self.luminaire.distribution),
                 factor: 1.0,
-                opening: self.luminaire.opening,
+                opening: self.luminaire.description.opening,
                 position: DVec3::new(row.start + number as f64 * self.spacing, row.y, self.height),
                 axes,
             }));

@@ -208,9 +208,10 @@ impl RoadLayout {
     /// The road in words.
     fn assumptions(&self, surface: Option<&RoadSurface>, factor: f64, class: Option<RoadClass>) -> FactList {
         let mut facts = FactList::default();
-        facts.push("luminaire", "luminaire", self.luminaire.name.clone());
-        if !self.luminaire.maker.is_empty() {
-            facts.push("its maker", "maker", self.luminaire.maker.clone());
+        let luminaire = &self.luminaire.description;
+        facts.push("luminaire", "luminaire", luminaire.label());
+        if !luminaire.maker.is_empty() {
+            facts.push("its maker", "maker", luminaire.maker.clone());
         }
         facts.push("flux of one luminaire, lm", "luminaire_flux_lm", self.luminaire.distribution.flux());
         facts.push("lanes", "lanes", u64::from(self.lanes));
@@ -220,8 +221,8 @@ impl RoadLayout {
         facts.push("height, m", "height_m", self.height);
         facts.push("tilt, degrees", "tilt_degrees", self.tilt.to_degrees());
         facts.push("points along the field", "stations", self.stations().len() as u64);
-        if self.luminaire.watts > 0.0 {
-            let density = self.luminaire.watts * self.rows.len() as f64 / (self.spacing * self.width());
+        if luminaire.watts > 0.0 {
+            let density = luminaire.watts * self.rows.len() as f64 / (self.spacing * self.width());
             facts.push("power per area of the carriageway, W/m2", "power_density_w_m2", density);
         }
         if let Some(surface) = surface {
@@ -346,7 +347,8 @@ mod tests {
     use crate::planning::requirement::VerdictOutcome;
     use crate::planning::room::LuminaireKind;
     use crate::planning::test_luminaires::uniform;
-    use glanz_light::intensity::{AngularSystem, IntensityDistribution, LuminousOpening, Symmetry};
+    use glanz_light::intensity::{AngularSystem, IntensityDistribution, Symmetry};
+    use glanz_scene::description::LuminaireDescription;
     use std::f64::consts::PI;
     use std::sync::Arc;
 
@@ -354,11 +356,12 @@ mod tests {
     fn road() -> RoadLayout {
         RoadLayout {
             luminaire: LuminaireKind {
-                name: "lantern".to_owned(),
-                maker: String::new(),
+                description: Arc::new(LuminaireDescription {
+                    name: "lantern".to_owned(),
+                    watts: 42.0,
+                    ..LuminaireDescription::default()
+                }),
                 distribution: uniform(1000.0),
-                opening: LuminousOpening::POINT,
-                watts: 42.0,
             },
             rows: LuminaireRow::of_arrangement(RowArrangement::SingleSided, 7.0, 30.0, 0.0),
             spacing: 30.0,

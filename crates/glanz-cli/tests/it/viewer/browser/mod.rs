@@ -4,6 +4,7 @@ mod cad;
 mod devtools;
 mod page;
 mod pixels;
+mod printed_report;
 mod process;
 mod surfaces;
 mod user;

@@ -1,5 +1,6 @@
 //! A page in the browser: evaluation of expressions, input events, screenshots and console messages.
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use data_encoding::BASE64;
@@ -19,6 +20,23 @@ pub(crate) struct Page {
 impl Page {
     /// Opens an address in a window of this size in pixels, and waits until the page has drawn its first picture.
     pub(crate) fn open(address: &str, size: [u32; 2]) -> Self {
+        let mut page = Self::navigate(address, size);
+        page.until("the page's scripts run", "typeof window.glanz === 'object'");
+        page.evaluate("window.glanz.ready.then(() => true)");
+        page
+    }
+
+    /// Opens a file without scripts in a window of this size in pixels.
+    pub(crate) fn document(path: &Path, size: [u32; 2]) -> Self {
+        let mut page = Self::navigate(&format!("file://{}", path.display()), size);
+        page.until(
+            "the document is there",
+            "document.readyState === 'complete' && location.protocol === 'file:'",
+        );
+        page
+    }
+
+    fn navigate(address: &str, size: [u32; 2]) -> Self {
         let mut browser = Browser::start();
         let target = browser.devtools.call(None, "Target.createTarget", json!({ "url": "about:blank" }));
         let attach = json!({ "targetId": target["targetId"], "flatten": true });
@@ -35,8 +53,6 @@ impl Page {
         let still = json!({ "features": [{ "name": "prefers-reduced-motion", "value": "reduce" }] });
         page.call("Emulation.setEmulatedMedia", still);
         page.call("Page.navigate", json!({ "url": address }));
-        page.until("the page's scripts run", "typeof window.glanz === 'object'");
-        page.evaluate("window.glanz.ready.then(() => true)");
         page
     }
 
@@ -219,7 +235,7 @@ impl Page {
         faults
     }
 
-    fn call(&mut self, method: &str, parameters: Value) -> Value {
+    pub(super) fn call(&mut self, method: &str, parameters: Value) -> Value {
         let session = self.session.clone();
         self.browser.devtools.call(Some(&session), method, parameters)
     }

@@ -1,0 +1,509 @@
+//! The room of a design from above: outlines, surfaces, areas of measurement, luminaires.
+
+use std::collections::HashMap;
+
+use glanz_light::Wavelengths;
+use glanz_light::units::photometric;
+use glanz_math::{Bounds3, DVec2, DVec3};
+use glanz_scene::description::ZoneKind;
+use glanz_scene::{Light, PlacedSurface, Scene};
+use serde::ser::{Serialize, SerializeStruct, Serializer};
+
+use super::luminaire::PlacedLuminaire;
+use super::luminaire_list::{LuminaireGroup, OtherLight};
+use super::plan_outline::ShapeOutline;
+use super::room_shapes::{RoomShape, border_distance, joint_outlines};
+use crate::{Receiver, Receivers};
+
+/// Height of a wall, as a share of that of the room.
+const WALL_HEIGHT: f64 = 0.9;
+
+/// Least area of a part of the floor or the ceiling, as a share of its largest part; least length of a wall, as a share of that of the room.
+const LEAST_PART: f64 = 0.1;
+
+/// Distance within which heights are equal, as a share of the extent of the room.
+const NEAR: f64 = 1e-4;
+
+/// Largest distance of walls from the border, as a share of the smaller side of the room: walls are thick, and floors may reach below them.
+const BORDER: f64 = 0.05;
+
+/// Cosine from which on a receiver faces up.
+const UPWARDS: f64 = 0.999;
+
+/// Largest number of outlines of furniture; the smallest are left out.
+const MOST_FURNITURE: usize = 400;
+
+/// A part of the border of a room.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RoomSurfaceKind {
+    /// The floor.
+    Floor,
+    /// All walls.
+    Walls,
+    /// The ceiling.
+    Ceiling,
+}
+
+impl RoomSurfaceKind {
+    /// Name in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Floor => "floor",
+            Self::Walls => "walls",
+            Self::Ceiling => "ceiling",
+        }
+    }
+}
+
+/// Floor, walls, or ceiling.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct RoomSurface {
+    /// Which of them.
+    pub surface: RoomSurfaceKind,
+    /// Area, m^2.
+    #[serde(rename = "area_m2")]
+    pub area: f64,
+    /// Luminous reflectance at right angles, the mean over the area of the parts where it is known; `None` if it is known of none.
+    pub reflectance: Option<f64>,
+    /// Least and largest reflectance of its parts.
+    pub reflectance_range: Option<[f64; 2]>,
+}
+
+/// A receiver in the room.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReceiverPlace {
+    /// Its name, that of its map.
+    pub name: String,
+    /// The part of a planned room that it is, if it is declared.
+    pub kind: Option<ZoneKind>,
+    /// Whether it is flat, level and faces up.
+    pub is_level: bool,
+    /// Whether its cells are rows and columns; those of a curved mesh are its triangles.
+    pub is_grid: bool,
+    /// The lower left corner of its grid, metres, and the unit directions of rows and of columns, if it is flat and not trimmed.
+    pub frame: Option<[DVec3; 3]>,
+    /// Height of its middle, metres.
+    pub height: f64,
+    /// Its outline from above, metres.
+    pub outline: Vec<DVec2>,
+}
+
+/// A room from above.
+///
+/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, walls upright flat shapes nearly as high as the room at the border of floor, ceiling or the box around
+/// the room; all other shapes are furniture, which is represented by convex outlines. A scene without finite shapes has the box of its receivers, luminaires and lights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RoomLayout {
+    /// Lowest and highest corner of the box around it, metres.
+    pub corners: [DVec3; 2],
+    /// Outlines of the whole floor and of walls, metres; those of two points are lines.
+    pub walls: Vec<Vec<DVec2>>,
+    /// Outlines of furniture, metres.
+    pub furniture: Vec<Vec<DVec2>>,
+    /// Floor, walls, and ceiling, as far as there are any.
+    pub surfaces: Vec<RoomSurface>,
+    /// Receivers in the order of their maps.
+    pub receivers: Vec<ReceiverPlace>,
+    /// Luminaires of photometric files by kind.
+    pub luminaires: Vec<LuminaireGroup>,
+    /// All other lights.
+    pub other_lights: Vec<OtherLight>,
+}
+
+impl RoomLayout {
+    /// The layout of a scene; `None` if it has neither finite shapes nor things with a place.
+    #[must_use]
+    pub fn of(scene: &Scene, receivers: &Receivers, luminaires: &[PlacedLuminaire]) -> Option<Self> {
+        let placed = scene.placed_surfaces();
+        let shapes = RoomShape::all(&placed);
+        let mut bounds = Bounds3::EMPTY;
+        for RoomShape { outline, .. } in &shapes {
+            let [low, high] = outline.height;
+            for point in &outline.outline {
+                bounds = bounds.including(point.extend(low)).including(point.extend(high));
+            }
+        }
+        let mut layout = Self {
+            corners: [bounds.min, bounds.max],
+            walls: Vec::new(),
+            furniture: Vec::new(),
+            surfaces: Vec::new(),
+            receivers: receiver_places(scene, receivers, &placed),
+            luminaires: LuminaireGroup::of(luminaires),
+            other_lights: other_lights(scene, &placed),
+        };
+        if bounds.is_empty() {
+            bounds = layout.things().fold(bounds, Bounds3::including);
+        }
+        if bounds.is_empty() || !bounds.is_finite() || (bounds.max - bounds.min).truncate() == DVec2::ZERO {
+            return None;
+        }
+        layout.corners = [bounds.min, bounds.max];
+        layout.sort_shapes(scene, &shapes);
+        Some(layout)
+    }
+
+    /// Points of receivers, luminaires and lights, metres.
+    fn things(&self) -> impl Iterator<Item = DVec3> {
+        let receivers = self
+            .receivers
+            .iter()
+            .flat_map(|place| place.outline.iter().map(|point| point.extend(place.height)));
+        let luminaires = self.luminaires.iter().flat_map(|group| &group.places).flat_map(|place| {
+            let opening = place.outline.iter().map(|point| point.extend(place.position.z));
+            opening.chain([place.position])
+        });
+        let lights = self.other_lights.iter().filter_map(|light| Some((light, DVec3::from(light.position?))));
+        let lights = lights.flat_map(|(light, middle)| {
+            light.outline.iter().map(move |point| point.extend(middle.z)).chain([middle])
+        });
+        receivers.chain(luminaires).chain(lights)
+    }
+
+    /// Lower left and upper right corner of all that a plan shows, metres.
+    #[must_use]
+    pub fn plan_corners(&self) -> [DVec2; 2] {
+        let [low, high] = self.corners.map(DVec3::truncate);
+        self.things().map(DVec3::truncate).fold([low, high], |[low, high], p| [low.min(p), high.max(p)])
+    }
+
+    /// Adds walls, furniture and surfaces.
+    fn sort_shapes(&mut self, scene: &Scene, shapes: &[RoomShape<'_>]) {
+        let [low, high] = self.corners;
+        let (size, near) = (high - low, NEAR * (high - low).length());
+        let parts = |height: f64| -> Vec<&RoomShape<'_>> {
+            let is_part = |shape: &&RoomShape<'_>| {
+                shape.outline.is_level() && (shape.outline.height[0] - height).abs() <= near
+            };
+            let all: Vec<&RoomShape<'_>> = shapes.iter().filter(is_part).collect();
+            let largest = all.iter().map(|shape| shape.outline.area()).fold(0.0, f64::max);
+            all.into_iter().filter(|shape| shape.outline.area() > LEAST_PART * largest).collect()
+        };
+        // A flat scene has neither walls nor a ceiling.
+        let [floor, ceiling] =
+            if size.z > near { [parts(low.z), parts(high.z)] } else { [parts(low.z), Vec::new()] };
+        let floor_outlines = joint_outlines(&floor);
+        let mut border = [floor_outlines.clone(), joint_outlines(&ceiling)].concat();
+        border.push(
+            [[low.x, low.y], [high.x, low.y], [high.x, high.y], [low.x, high.y]].map(DVec2::from).into(),
+        );
+        let shorter = size.truncate().min_element();
+        let is_at_border = |outline: &[DVec2]| {
+            let middle = outline.iter().sum::<DVec2>() / outline.len().max(1) as f64;
+            outline.iter().chain([&middle]).all(|point| border_distance(&border, *point) <= BORDER * shorter)
+        };
+        let is_wall = |shape: &&RoomShape<'_>| {
+            let [from, to] = shape.outline.height;
+            shape.outline.is_upright()
+                && to - from >= WALL_HEIGHT * size.z
+                && shape.outline.length() >= LEAST_PART * shorter
+                && is_at_border(&shape.outline.outline)
+        };
+        let walls: Vec<&RoomShape<'_>> = shapes.iter().filter(is_wall).collect();
+        let of_room: Vec<*const RoomShape<'_>> = [&floor, &ceiling, &walls]
+            .into_iter()
+            .flatten()
+            .map(|shape| std::ptr::from_ref(*shape))
+            .collect();
+        let mut others: Vec<&RoomShape<'_>> = shapes
+            .iter()
+            .filter(|shape| !of_room.contains(&std::ptr::from_ref(*shape)))
+            .filter(|shape| shape.surface.light().is_none() && shape.outline.outline.len() > 1)
+            .collect();
+        others.sort_by(|a, b| b.outline.length().total_cmp(&a.outline.length()));
+        others.truncate(MOST_FURNITURE);
+        self.furniture = others.iter().map(|shape| shape.outline.outline.clone()).collect();
+        self.walls = floor_outlines;
+        self.walls.extend(walls.iter().map(|shape| shape.outline.outline.clone()));
+        let middle = 0.5 * (low + high);
+        let kinds = [RoomSurfaceKind::Floor, RoomSurfaceKind::Walls, RoomSurfaceKind::Ceiling];
+        let summed = kinds.into_iter().zip([&floor, &walls, &ceiling]);
+        self.surfaces = summed.filter_map(|(kind, list)| room_surface(scene, kind, list, middle)).collect();
+    }
+
+    /// Size along x, y and z, metres.
+    #[must_use]
+    pub fn size(&self) -> DVec3 {
+        self.corners[1] - self.corners[0]
+    }
+
+    /// Floor area, m^2; that of the box from above if there is no floor, 0 if there are no finite shapes at all.
+    #[must_use]
+    pub fn floor_area(&self) -> f64 {
+        let floor = self.surfaces.iter().find(|part| part.surface == RoomSurfaceKind::Floor);
+        if floor.is_none() && self.walls.is_empty() && self.furniture.is_empty() {
+            return 0.0;
+        }
+        floor.map_or_else(|| self.size().truncate().element_product(), |floor| floor.area)
+    }
+
+    /// Electric power of all luminaires, watts; `None` if the power of one is unknown, there is none, or there are lights of other kinds, whose power is unknown.
+    #[must_use]
+    pub fn watts(&self) -> Option<f64> {
+        let known =
+            self.other_lights.is_empty() && self.luminaires.iter().all(|group| group.description.watts > 0.0);
+        let watts = self.luminaires.iter().map(|group| group.places.len() as f64 * group.description.watts);
+        (known && !self.luminaires.is_empty()).then(|| watts.sum())
+    }
+
+    /// The place of the receiver with this name.
+    #[must_use]
+    pub fn receiver(&self, name: &str) -> Option<&ReceiverPlace> {
+        self.receivers.iter().find(|place| place.name == name)
+    }
+}
+
+/// Area and reflectance of parts of a room; `None` without parts.
+fn room_surface(
+    scene: &Scene,
+    surface: RoomSurfaceKind,
+    parts: &[&RoomShape<'_>],
+    middle: DVec3,
+) -> Option<RoomSurface> {
+    let (mut area, mut known, mut sum) = (0.0, 0.0, 0.0);
+    let mut range: Option<[f64; 2]> = None;
+    for part in parts {
+        let part_area = part.area();
+        area += part_area;
+        let Some(own) = part.reflectance(scene, middle) else { continue };
+        (known, sum) = (known + part_area, sum + part_area * own);
+        range = Some(range.map_or([own; 2], |[low, high]| [low.min(own), high.max(own)]));
+    }
+    let reflectance = (known > 0.0).then(|| sum / known);
+    (area > 0.0).then_some(RoomSurface { surface, area, reflectance, reflectance_range: range })
+}
+
+/// The receivers in the room.
+fn receiver_places(scene: &Scene, receivers: &Receivers, placed: &[PlacedSurface<'_>]) -> Vec<ReceiverPlace> {
+    let kinds: HashMap<u32, Option<ZoneKind>> =
+        scene.receivers().iter().rev().map(|declared| (declared.shape(), declared.zone())).collect();
+    let place = |receiver: &Receiver| {
+        let surface = placed.get(receiver.surface() as usize)?;
+        let faces: Vec<u32> = match receiver.face() {
+            Some(face) => vec![face],
+            None => (0..surface.faces()).filter(|face| surface.shape(*face) == receiver.shape()).collect(),
+        };
+        let outline = ShapeOutline::of(surface, &faces)?;
+        let frame = receiver.flat_frame();
+        // Seen from the counted side, columns go up from rows that go to the right.
+        let normal = frame.map(|[_, across, up]| across.cross(up)).or_else(|| {
+            let middle = |cell| receiver.place(surface, cell, DVec2::splat(0.5));
+            Some((0..receiver.len()).find_map(middle)?.normal)
+        });
+        Some(ReceiverPlace {
+            name: receiver.name().to_owned(),
+            kind: kinds.get(&receiver.shape()).copied().flatten(),
+            is_level: outline.is_level() && normal.is_some_and(|normal| normal.z > UPWARDS),
+            is_grid: receiver.is_grid(),
+            frame,
+            height: outline.middle.z,
+            outline: outline.outline,
+        })
+    };
+    receivers.as_slice().iter().filter_map(place).collect()
+}
+
+/// All lights that are no luminaires of photometric files.
+fn other_lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> Vec<OtherLight> {
+    let wavelengths = Wavelengths::default();
+    let emitting: HashMap<u32, &PlacedSurface<'_>> =
+        placed.iter().rev().filter_map(|surface| Some((surface.light()?.0, surface))).collect();
+    let lumens = |power| Some(photometric(power, &wavelengths)).filter(|flux| *flux > 0.0);
+    let at = |kind, flux, position: DVec3| OtherLight {
+        kind,
+        flux,
+        position: Some(position.to_array()),
+        outline: Vec::new(),
+    };
+    let light = |(number, light): (u32, &Light)| match light {
+        Light::Photometric(_) => None,
+        Light::Point(l) => Some(at("point", lumens(l.power()), l.position())),
+        Light::Spot(l) => Some(at("spot light", lumens(l.power()), l.position())),
+        Light::Projection(l) => Some(at("projector", lumens(l.power()), l.position())),
+        Light::Goniometric(l) => Some(at("point with a picture", lumens(l.power()), l.position())),
+        Light::Rays(l) => Some(at("ray file", lumens(l.power()), l.position())),
+        Light::Area(l) => {
+            let surface = emitting.get(&number)?;
+            let outline = ShapeOutline::of(surface, &(0..surface.faces()).collect::<Vec<_>>())?;
+            let flux = lumens(l.power());
+            Some(OtherLight { outline: outline.outline, ..at("emitting surface", flux, outline.middle) })
+        }
+        Light::Distant(_) | Light::Sun(_) => {
+            Some(OtherLight { kind: "sun", flux: None, position: None, outline: Vec::new() })
+        }
+        _ => Some(OtherLight { kind: "sky", flux: None, position: None, outline: Vec::new() }),
+    };
+    (0..).zip(scene.lights()).filter_map(light).collect()
+}
+
+/// In JSON: size and corner of the room, its floor area, its surfaces, outlines, and the level receivers. Luminaires and lights have entries of their own.
+impl Serialize for RoomLayout {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(serde::Serialize)]
+        struct AreaEntry<'a> {
+            receiver: &'a str,
+            zone: Option<&'static str>,
+            height_m: f64,
+            outline_m: Vec<[f64; 2]>,
+        }
+        let flat = |outline: &Vec<DVec2>| outline.iter().map(|point| point.to_array()).collect::<Vec<_>>();
+        let areas = self.receivers.iter().filter(|place| place.is_level).map(|place| AreaEntry {
+            receiver: &place.name,
+            zone: place.kind.map(ZoneKind::name),
+            height_m: place.height,
+            outline_m: flat(&place.outline),
+        });
+        let mut fields = serializer.serialize_struct("Room", 7)?;
+        fields.serialize_field("size_m", &self.size().to_array())?;
+        fields.serialize_field("corner_m", &self.corners[0].to_array())?;
+        fields.serialize_field("floor_area_m2", &self.floor_area())?;
+        fields.serialize_field("surfaces", &self.surfaces)?;
+        fields.serialize_field("walls_m", &self.walls.iter().map(flat).collect::<Vec<_>>())?;
+        fields.serialize_field("furniture_m", &self.furniture.iter().map(flat).collect::<Vec<_>>())?;
+        fields.serialize_field("areas", &areas.collect::<Vec<_>>())?;
+        fields.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{GridResolution, ReceiverRequest, add_walls};
+    use glanz_scene::description::{LightDescription, MaterialKind, ShapeDescription};
+    use glanz_scene::{Scene, SceneBuilder};
+
+    fn layout(
+        builder: SceneBuilder,
+        change: impl FnOnce(&mut glanz_scene::Description),
+    ) -> Option<RoomLayout> {
+        let mut description = builder.describe().unwrap();
+        change(&mut description);
+        let luminaires = PlacedLuminaire::of_scene(&description);
+        let (scene, _) = Scene::resolve(description).unwrap();
+        let requests = ReceiverRequest::of_scene(&scene, GridResolution::Longer(4));
+        let receivers = Receivers::try_new(&scene, &requests).unwrap();
+        RoomLayout::of(&scene, &receivers, &luminaires)
+    }
+
+    fn lamp() -> SceneBuilder {
+        SceneBuilder::new().light(LightDescription::point([1.0, 1.0, 2.0], 1.0))
+    }
+
+    #[test]
+    fn rooms_have_walls_furniture_and_the_mean_reflectance_of_their_surfaces() {
+        let grey = |reflectance: f32| MaterialKind::diffuse(reflectance);
+        let quad = |corner: [f64; 3], u: [f64; 3], v: [f64; 3]| ShapeDescription::parallelogram(corner, u, v);
+        let builder = lamp()
+            // 4 m x 3 m x 2.5 m; a third of the floor is darker, and one wall, whose normal points out.
+            .shape(quad([0.0; 3], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0]), grey(0.4))
+            .shape(quad([0.0, 2.0, 0.0], [4.0, 0.0, 0.0], [0.0, 1.0, 0.0]), grey(0.1))
+            .shape(quad([0.0, 0.0, 2.5], [0.0, 3.0, 0.0], [4.0, 0.0, 0.0]), grey(0.8))
+            .shape(quad([0.0; 3], [0.0, 0.0, 2.5], [4.0, 0.0, 0.0]), grey(0.2))
+            .shape(quad([0.0, 3.0, 0.0], [4.0, 0.0, 0.0], [0.0, 0.0, 2.5]), grey(0.5))
+            .shape(ShapeDescription::cuboid([1.0, 1.0, 0.7], [2.0, 1.5, 0.75]), grey(0.3))
+            .shape(
+                quad([0.5, 0.5, 0.8], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0]).receiver("desk"),
+                MaterialKind::Interface,
+            );
+        let room = layout(builder, |_| ()).unwrap();
+        assert_eq!(room.size().to_array(), [4.0, 3.0, 2.5]);
+        // The two parts of the floor are one; two walls.
+        assert!(room.walls.len() == 3 && (room.floor_area() - 12.0).abs() < 1e-9);
+        let of = |kind| *room.surfaces.iter().find(|part| part.surface == kind).unwrap();
+        // (8 * 0.4 + 4 * 0.1) / 12 = 0.3; (10 * 0.2 + 10 * 0.5) / 20 = 0.35.
+        for (kind, area, mean, range) in [
+            (RoomSurfaceKind::Floor, 12.0, 0.3, [0.1, 0.4]),
+            (RoomSurfaceKind::Walls, 20.0, 0.35, [0.2, 0.5]),
+            (RoomSurfaceKind::Ceiling, 12.0, 0.8, [0.8, 0.8]),
+        ] {
+            let found = of(kind);
+            assert!((found.area - area).abs() < 1e-9, "{found:?}");
+            assert!((found.reflectance.unwrap() - mean).abs() < 1e-6, "{found:?}");
+            assert!((found.reflectance_range.unwrap()[0] - range[0]).abs() < 1e-6, "{found:?}");
+        }
+        // The six sides of the table.
+        assert_eq!(room.furniture.len(), 6);
+        let desk = room.receiver("desk").unwrap();
+        assert!(desk.is_level && desk.kind.is_none() && desk.is_grid);
+        let [corner, across, up] = desk.frame.unwrap();
+        assert!(corner.distance(DVec3::new(0.5, 0.5, 0.8)) < 1e-12);
+        assert!(across.distance(DVec3::X) < 1e-12 && up.distance(DVec3::Y) < 1e-12);
+        assert!((desk.height - 0.8).abs() < 1e-12);
+        let [light] = room.other_lights.as_slice() else { panic!("one light") };
+        // 4 pi sr of 683 lm/W.
+        assert_eq!(light.position, Some([1.0, 1.0, 2.0]));
+        assert!((light.flux.unwrap() / (683.0 * 4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-5);
+        assert_eq!(room.watts(), None);
+    }
+
+    #[test]
+    fn rooms_of_receivers_face_up_and_down() {
+        let room = layout(lamp(), |description| add_walls(description, DVec3::new(5.0, 4.0, 3.0))).unwrap();
+        let level: Vec<&str> =
+            room.receivers.iter().filter(|place| place.is_level).map(|place| place.name.as_str()).collect();
+        assert_eq!((level, room.receivers.len(), room.walls.len()), (vec!["floor"], 6, 5));
+        assert!(room.surfaces.iter().all(|part| part.reflectance == Some(0.0)) && room.furniture.is_empty());
+        let json = serde_json::to_value(&room).unwrap();
+        assert_eq!(json["size_m"], serde_json::json!([5.0, 4.0, 3.0]));
+        assert!((json["floor_area_m2"].as_f64().unwrap() - 20.0).abs() < 1e-9);
+        assert_eq!(json["areas"][0]["receiver"], "floor");
+    }
+
+    #[test]
+    fn a_scene_without_finite_shapes_has_the_box_of_its_things() {
+        let plane = || lamp().shape(ShapeDescription::plane(), MaterialKind::diffuse(0.5));
+        assert_eq!(layout(plane(), |_| ()), None);
+        let field = ShapeDescription::parallelogram([-3.0, 0.0, 0.1], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        let field = layout(plane().shape(field.receiver("field"), MaterialKind::Interface), |_| ()).unwrap();
+        assert_eq!(field.corners, [DVec3::new(-3.0, 0.0, 0.1), DVec3::new(1.0, 2.0, 2.0)]);
+        // There is no floor to which a power could refer.
+        assert!(field.walls.is_empty() && field.floor_area() == 0.0);
+    }
+
+    #[test]
+    fn plans_show_what_is_beyond_the_walls() {
+        let lamp = SceneBuilder::new().light(LightDescription::point([9.0, -1.0, 2.0], 1.0));
+        let room = layout(lamp, |description| add_walls(description, DVec3::new(5.0, 4.0, 3.0))).unwrap();
+        assert_eq!(room.size(), DVec3::new(5.0, 4.0, 3.0));
+        assert_eq!(room.plan_corners(), [DVec2::new(0.0, -1.0), DVec2::new(9.0, 4.0)]);
+    }
+
+    #[test]
+    fn turned_receivers_and_facets_have_their_own_frames() {
+        // A desk at 30 degrees; the six facets of a box.
+        let (sin, cos) = 30.0_f64.to_radians().sin_cos();
+        let desk = ShapeDescription::parallelogram(
+            [1.0, 1.0, 0.7],
+            [1.6 * cos, 1.6 * sin, 0.0],
+            [-0.8 * sin, 0.8 * cos, 0.0],
+        );
+        let cuboid = ShapeDescription::cuboid([3.0, 3.0, 0.0], [4.0, 5.0, 1.0]);
+        let builder = lamp()
+            .shape(desk.receiver("desk"), MaterialKind::diffuse(0.5))
+            .shape(cuboid.receiver("box"), MaterialKind::diffuse(0.5));
+        let room = layout(builder, |_| ()).unwrap();
+        let [corner, across, up] = room.receiver("desk").unwrap().frame.unwrap();
+        assert!(
+            corner.distance(DVec3::new(1.0, 1.0, 0.7)) < 1e-12 && room.receiver("desk").unwrap().is_level
+        );
+        assert!(across.distance(DVec3::new(cos, sin, 0.0)) < 1e-12, "{across}");
+        assert!(up.distance(DVec3::new(-sin, cos, 0.0)) < 1e-12, "{up}");
+        let facets = || room.receivers.iter().filter(|place| place.name.starts_with("box"));
+        let upright = facets().filter(|place| place.outline.len() == 2).count();
+        assert_eq!((facets().count(), upright, facets().filter(|place| place.is_level).count()), (6, 4, 1));
+        assert_eq!(facets().find(|place| place.is_level).unwrap().height, 1.0);
+    }
+
+    #[test]
+    fn high_cupboards_are_no_walls() {
+        // 2.4 m of 2.5 m high, in the middle of 5 m x 4 m.
+        let cupboard = ShapeDescription::cuboid([2.0, 1.5, 0.0], [3.0, 2.5, 2.4]);
+        let builder = lamp().shape(cupboard, MaterialKind::diffuse(0.9));
+        let room = layout(builder, |description| add_walls(description, DVec3::new(5.0, 4.0, 2.5))).unwrap();
+        let walls = room.surfaces.iter().find(|part| part.surface == RoomSurfaceKind::Walls).unwrap();
+        // 2 x (5 + 4) x 2.5 m2, black.
+        assert!((walls.area - 45.0).abs() < 1e-9 && walls.reflectance == Some(0.0), "{walls:?}");
+    }
+}

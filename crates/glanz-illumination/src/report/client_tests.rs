@@ -1,0 +1,318 @@
+//! Tests of the pages that a client reads.
+
+use std::sync::Arc;
+
+use glanz_math::{DVec2, DVec3};
+use glanz_report::{FactList, FactValue};
+use glanz_scene::description::{LuminaireDescription, ZoneKind};
+
+use super::html::tests::unbalanced;
+use super::{LitQuantity, LuxReport};
+use crate::planning::test_luminaires::{downlight, lambertian};
+use crate::planning::{
+    LightingTask, LuminaireGroup, MaintenanceFactor, OtherLight, PlacedLuminaire, PlanReport, ReceiverPlace,
+    RoomLayout, RoomSurface, RoomSurfaceKind,
+};
+use crate::{DaylightFactors, LuxMap};
+
+fn rectangle([x, y]: [f64; 2], [w, d]: [f64; 2]) -> Vec<DVec2> {
+    [[x, y], [x + w, y], [x + w, y + d], [x, y + d]].map(DVec2::from).to_vec()
+}
+
+/// A map of 12 x 8 cells whose illuminance rises from 300 lx by `slope` lx per column.
+fn map(name: &str, size: [f64; 2], slope: f64) -> LuxMap {
+    LuxMap {
+        name: name.into(),
+        cells: [12, 8],
+        size,
+        positions: vec![DVec3::ZERO; 96],
+        areas: vec![size[0] * size[1] / 96.0; 96],
+        lux: (0..96).map(|i| 300.0 + slope * f64::from(i % 12)).collect(),
+        errors: vec![2.0; 96],
+        statistics: None,
+    }
+}
+
+fn place(name: &str, kind: Option<ZoneKind>, is_level: bool, height: f64) -> ReceiverPlace {
+    let outline = rectangle([0.5, 0.5], [5.0, 3.0]);
+    ReceiverPlace {
+        name: name.into(),
+        kind,
+        is_level,
+        is_grid: true,
+        frame: Some([DVec3::new(0.5, 0.5, height), DVec3::X, if is_level { DVec3::Y } else { DVec3::Z }]),
+        height,
+        outline,
+    }
+}
+
+/// A room of 6 m x 4 m x 2.8 m with four luminaires of 36 W, named `name`, a desk and a wall.
+fn report(name: &str, desk: Option<ZoneKind>) -> LuxReport {
+    let description = LuminaireDescription {
+        name: name.into(),
+        maker: name.into(),
+        file: "panel.ies".into(),
+        color: "4000 K".into(),
+        watts: 36.0,
+        flux: 1000.0 * std::f64::consts::PI,
+        ..LuminaireDescription::default()
+    };
+    let description = Some(Arc::new(description));
+    let lamps: Vec<PlacedLuminaire> = [[1.5, 1.0], [4.5, 1.0], [1.5, 3.0], [4.5, 3.0]]
+        .map(|[x, y]| PlacedLuminaire {
+            description: description.clone(),
+            ..downlight(lambertian(1000.0), DVec3::new(x, y, 2.8))
+        })
+        .to_vec();
+    let surface = |surface, reflectance| RoomSurface {
+        surface,
+        area: 24.0,
+        reflectance: Some(reflectance),
+        reflectance_range: Some([reflectance; 2]),
+    };
+    let layout = RoomLayout {
+        corners: [DVec3::ZERO, DVec3::new(6.0, 4.0, 2.8)],
+        walls: vec![rectangle([0.0, 0.0], [6.0, 4.0])],
+        furniture: vec![rectangle([1.0, 1.0], [1.6, 0.8])],
+        surfaces: vec![surface(RoomSurfaceKind::Floor, 0.2), surface(RoomSurfaceKind::Ceiling, 0.7)],
+        receivers: vec![place("desk", desk, true, 0.75), place("wall", None, false, 1.4)],
+        luminaires: LuminaireGroup::of(&lamps),
+        other_lights: Vec::new(),
+    };
+    let mut facts = FactList::default();
+    facts.push("Glanz version", "glanz_version", "1.2.3");
+    facts.push("scene", "scene", name);
+    facts.push("method", "method", "auto");
+    facts.push("end, UTC", "end_utc", "2026-11-26T16:05:00Z");
+    LuxReport {
+        title: name.into(),
+        maps: vec![map("desk", [5.0, 3.0], 20.0), map("wall", [4.0, 2.8], 0.0)],
+        layout: Some(layout),
+        facts,
+        ..LuxReport::default()
+    }
+}
+
+fn plan(maintenance: MaintenanceFactor) -> PlanReport {
+    PlanReport {
+        assumptions: FactList::default(),
+        maintenance,
+        maintenance_factor: maintenance.value().unwrap(),
+        task: None,
+        verdicts: Vec::new(),
+        ratings: Vec::new(),
+        glare_refusal: None,
+        cylindrical: Vec::new(),
+        luminaires: 4,
+        flux: 12566.0,
+        watts: 144.0,
+        area: 24.0,
+        task_illuminance: None,
+    }
+}
+
+#[test]
+fn figures_agree_with_the_calculation_by_hand() {
+    let mut report = report("office", Some(ZoneKind::Task));
+    let parts = MaintenanceFactor::Parts {
+        lamp_lumens: 0.9,
+        lamp_survival: 1.0,
+        luminaire: 0.95,
+        room_surfaces: 0.94,
+    };
+    report.planning.maintenance = parts;
+    report.plan = Some(plan(parts));
+    let html = report.html();
+    // 4 x 36 W over 24 m2; the mean of 300, 320, ... 520 lx is 410 lx, times 0.8037 is 329.517: 6 / 3.29517 = 1.8208.
+    // Errors of 2 lx are bounds: 1.6 lx of the mean, 0.5 %.
+    for words in [
+        "6.00 m \u{d7} 4.00 m \u{d7} 2.80 m",
+        "<td>144.0 W</td>",
+        "<td>6.000 W/m\u{b2}</td>",
+        "per area and 100 lx (desk)</td><td>1.821 W/m\u{b2}</td>",
+        "0.8037 = 0.9 lamp flux \u{d7} 1 lamp survival \u{d7} 0.95 luminaires \u{d7} 0.94 room surfaces",
+        "Mean 329.5, least 241.1, largest 417.9 lx; U0 = 0.73.",
+        "reflectance, ceiling</td><td>0.70</td>",
+        "4, together 12566 lm when new",
+        // 1000 cd of 1000 pi lm.
+        "Largest in these planes: 1000 cd, 318.3 cd/klm.",
+        "<td>87.3 lm/W</td>",
+        "4000 K",
+        "2026-11-26 \u{b7} Glanz 1.2.3",
+        "desk: maintained illuminance, lx",
+    ] {
+        assert!(html.contains(words), "{words}\n{html}");
+    }
+    let json = serde_json::to_value(&report).unwrap();
+    let near =
+        |found: &serde_json::Value, expected: f64| (found.as_f64().unwrap() / expected - 1.0).abs() < 1e-9;
+    assert!(near(&json["shown"]["receivers"][0]["mean"], 410.0 * 0.8037), "{json}");
+    assert!(
+        near(&json["power"]["w_m2_100lx"], 600.0 / (410.0 * 0.8037)) && json["power"]["reference"] == "desk"
+    );
+    assert_eq!(
+        (&json["luminaires"][0]["count"], &json["luminaires"][0]["power_w"]),
+        (&4.into(), &36.0.into())
+    );
+    assert_eq!(json["room"]["size_m"], serde_json::json!([6.0, 4.0, 2.8]));
+}
+
+#[test]
+fn isolux_lines_and_values_are_labelled_in_the_coordinates_of_the_room() {
+    let html = report("office", None).html();
+    // From 300 to 520 lx: levels of 25; of 12 columns each has its own number.
+    for words in [">350</text>", ">400</text>", ">450</text>", ">320</text>", ">520</text>", ">x, m</text>"] {
+        assert!(html.contains(words), "{words}");
+    }
+    // The desk's axes begin at 0.5 m.
+    assert!(html.contains("desk: values of the illuminance, lx") && html.contains("Means over 12 x 8 areas"));
+    assert!(html.contains("Other surfaces: illuminance, lx") && html.contains("wall, 4.000 m"));
+    assert!(html.contains("new installation: no light loss") && html.contains("No task was chosen"));
+}
+
+#[test]
+fn pages_are_well_formed_whatever_the_names() {
+    let nasty = "</style><script>alert('1')</script> & \"co\" \u{5149}\u{1b}";
+    let html = report(nasty, None).html();
+    assert_eq!(unbalanced(&html), Vec::<String>::new());
+    assert!(!html.contains("<script") && !html.contains('\u{1b}') && html.contains('\u{5149}'));
+    assert_eq!(html.matches("</style>").count(), 1);
+}
+
+#[test]
+fn designs_without_zones_show_the_brightest_receiver_too() {
+    let mut bright = report("hall", None);
+    bright.maps[1].lux = vec![5000.0; 96];
+    let html = bright.html();
+    assert!(html.contains("<h2>wall: illuminance</h2>") && !html.contains("Other surfaces"));
+    let declared = LuxReport { maps: bright.maps, ..report("hall", Some(ZoneKind::Task)) }.html();
+    assert!(!declared.contains("<h2>wall: illuminance</h2>") && declared.contains("Other surfaces"));
+    // Of the room nothing is known: neither plan nor power.
+    let bare = LuxReport { layout: None, ..report("hall", None) };
+    assert!(!bare.html().contains("Plan from above") && bare.installed_power().is_none());
+}
+
+#[test]
+fn areas_that_are_turned_keep_their_luminaires_in_place() {
+    let mut turned = report("office", Some(ZoneKind::Task));
+    // Rows of 5 m along y, columns of 3 m along -x, from (5.5, 0.5): of the luminaires at x = 1.5 and 4.5, the latter two are above.
+    turned.layout.as_mut().unwrap().receivers[0].frame =
+        Some([DVec3::new(5.5, 0.5, 0.75), DVec3::Y, DVec3::NEG_X]);
+    let html = turned.html();
+    let sheet = html.split("<h2>").find(|part| part.starts_with("desk: illuminance")).unwrap();
+    assert!(sheet.contains("first direction, m") && !sheet.contains(">x, m<"));
+    assert_eq!(sheet.matches("stroke=\"#333333\"").count(), 2);
+}
+
+#[test]
+fn curved_meshes_have_no_pictures() {
+    let mut curved = report("office", None);
+    curved.layout.as_mut().unwrap().receivers[1].is_grid = false;
+    curved.maps[1].lux = vec![5000.0; 96];
+    let html = curved.html();
+    assert!(html.contains("Other surfaces") && !html.contains("wall, 4.000 m"));
+    assert!(html.contains("Pictures of 1 more are in files of their own."));
+}
+
+#[test]
+fn power_refers_to_the_task_of_the_plan_and_to_luminaires_alone() {
+    let mut planned = report("office", Some(ZoneKind::Task));
+    let rated = PlanReport { task_illuminance: Some(500.0), ..plan(MaintenanceFactor::default()) };
+    planned.plan = Some(rated);
+    // 144 W over 24 m2 at 500 lx; the appendix has the same.
+    let power = planned.installed_power().unwrap();
+    assert_eq!(power.reference, Some(("task area".to_owned(), 500.0)));
+    assert_eq!(power.density_per_100_lux(), Some(1.2));
+    planned.layout.as_mut().unwrap().other_lights.push(OtherLight {
+        kind: "point",
+        flux: Some(800.0),
+        position: Some([3.0, 2.0, 2.0]),
+        outline: Vec::new(),
+    });
+    assert_eq!(planned.installed_power(), None);
+    assert!(planned.html().contains("lights without a photometric file, whose power is unknown"));
+}
+
+#[test]
+fn maintenance_and_task_are_shown_without_a_rating() {
+    let mut asked = report("office", None);
+    asked.planning.maintenance = MaintenanceFactor::Whole(0.8);
+    asked.planning.task = LightingTask::of_reference("34.2");
+    let html = asked.html();
+    // 0.8 of the mean of 410 lx.
+    assert!(html.contains("Mean 328.0, ") && html.contains("maintained illuminance, lx"));
+    assert!(html.contains("EN 12464-1:2021, 34.2: ") && html.contains("declares no zones and no observers"));
+    asked.facts.push("interrupted", "interrupted", true);
+    assert!(asked.html().contains("The calculation was interrupted, so that no requirements are judged."));
+}
+
+#[test]
+fn errors_have_as_many_digits_as_their_values() {
+    let mut dim = report("office", None);
+    let map = &mut dim.maps[0];
+    (map.lux, map.errors) = (vec![0.05; 96], vec![4e-4; 96]);
+    // 0.8 % of 0.05; of 410 lx, 12.5 are more than 0.5 %.
+    assert!(dim.html().contains("<td>0.05000 \u{b1} 4.0e-4</td>"));
+    dim.maps[0].lux = vec![410.0; 96];
+    dim.maps[0].errors = vec![12.5; 96];
+    assert!(dim.html().contains("<td>410 \u{b1} 12</td>"));
+}
+
+#[test]
+fn limits_of_the_calculation_are_named() {
+    let mut shallow = report("office", None);
+    assert!(!shallow.html().contains("what comes after is left out"));
+    shallow.facts.push("depth", "max_depth", 2_u64);
+    shallow.facts.push("media", "media", "left out");
+    let html = shallow.html();
+    assert!(
+        html.contains("at most 2 reflections or passages;")
+            && html.contains("Fog and other media are left out")
+    );
+    assert!(html.contains("with a probability of 95 %"));
+    shallow.facts.push("method", "method", "integrate");
+    let html = shallow.html();
+    assert!(html.contains("estimated bound of the error") && !html.contains("probability of 95 %"));
+}
+
+#[test]
+fn many_kinds_of_luminaires_have_some_cards() {
+    let mut many = report("hall", None);
+    let layout = many.layout.as_mut().unwrap();
+    let dimmed = |i: u32| PlacedLuminaire {
+        factor: 1.0 / f64::from(i),
+        ..downlight(lambertian(1000.0), DVec3::new(1.0, 1.0, 2.8))
+    };
+    layout.luminaires = LuminaireGroup::of(&(1..=30).map(dimmed).collect::<Vec<_>>());
+    let html = many.html();
+    assert_eq!(html.matches("class=\"card\"").count(), 24);
+    assert!(html.contains("6 more are in report.json."));
+}
+
+#[test]
+fn daylight_is_shown_in_per_cent() {
+    let mut day = report("office", None);
+    day.daylight = day.maps.iter().map(DaylightFactors::of).collect();
+    // 410 lx of 10 000 lx.
+    let html = day.html();
+    assert_eq!(LitQuantity::of(&day).label(), "daylight factor, %");
+    assert!(
+        html.contains("Mean 4.100, least 3.000, largest 5.200 %")
+            && html.contains("desk: daylight factor, %")
+    );
+}
+
+#[test]
+fn interrupted_calculations_are_marked_and_refusals_named() {
+    let mut stopped = report("office", None);
+    stopped.facts.push("complete", "complete", FactValue::Flag(false));
+    // A time alone is a goal that is always reached.
+    assert!(!stopped.html().contains("ended before its goal"));
+    stopped.facts.push("goal: relative error", "goal_relative_error", FactValue::Fraction(0.01));
+    let refusal = Some("luminaire 1 has no luminous area".to_owned());
+    stopped.plan = Some(PlanReport { glare_refusal: refusal, ..plan(MaintenanceFactor::default()) });
+    let html = stopped.html();
+    assert!(
+        html.contains("ended before its goal") && html.contains("Glare (UGR) is not rated: luminaire 1 has")
+    );
+}
