@@ -2,12 +2,13 @@
 
 use std::f32::consts::FRAC_1_PI;
 use std::path::Path;
+use std::sync::Arc;
 
 use glanz_illumination::add_walls;
 use glanz_light::Wavelengths;
 use glanz_math::DVec3;
 use glanz_radiosity::bake::LightMaps;
-use glanz_scene::{Description, ParametricPoint, PlacedSurface, Scene};
+use glanz_scene::{Description, HitLocation, ParametricPoint, PlacedSurface, Scene};
 use glanz_viewer::model::{MapLabel, Model};
 use glanz_viewer::server::SceneOverlay;
 
@@ -79,10 +80,14 @@ impl LightOverlay {
                 Ok(model.with_map(label, scene, SIDE, value)?)
             }
             OverlaidLight::Lux(folder) => {
-                let maps = folder.place(scene)?;
-                let label = MapLabel { name: "illuminance", unit: "lx", two_sided: false };
-                let value = |surface, face, uv, _| maps.lux(&placed, surface, face, uv).map(|lux| [lux; 3]);
-                Ok(model.with_map(label, scene, SIDE, value)?)
+                let maps = Arc::new(folder.place(scene)?);
+                let label = MapLabel { name: "illuminance", unit: "lx", two_sided: maps.is_two_sided() };
+                let value = |surface: u32, face, uv, back| {
+                    let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
+                    let at = HitLocation::new(&at, ParametricPoint { surface, face, uv, back });
+                    maps.smooth(&at).map(|lux| [lux; 3])
+                };
+                Ok(model.with_map(label, scene, SIDE, value)?.with_lux(maps))
             }
         }
     }

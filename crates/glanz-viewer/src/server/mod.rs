@@ -9,7 +9,6 @@ mod access;
 mod access_key;
 mod address;
 mod headers;
-mod leaf_ranges;
 mod message;
 mod models;
 mod overlay;

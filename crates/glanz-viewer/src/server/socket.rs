@@ -174,7 +174,7 @@ impl PageConnection {
                 }
                 self.reply(ServerMessage::Stopped { id }).await
             }
-            PageRequest::Pick { id, origin, direction, hidden, section } => {
+            PageRequest::Pick { id, origin, direction, filter } => {
                 let Some(ray) = ray(origin, direction) else {
                     let message = "the ray has no direction".to_owned();
                     return self.reply(ServerMessage::Failed { id, message }).await;
@@ -182,7 +182,7 @@ impl PageConnection {
                 let viewer_scene = self.session.published().viewer_scene;
                 self.spawn_query(id, move || {
                     let ViewerScene { scene, model, .. } = &*viewer_scene;
-                    let hit = query::pick(scene, model, &ray, &hidden, section);
+                    let hit = query::pick(scene, model, &ray, &filter);
                     ServerMessage::Hit { id, hit: hit.map(Box::new) }
                 })
                 .await

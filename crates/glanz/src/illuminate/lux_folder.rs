@@ -1,19 +1,20 @@
 //! Lux maps read from a folder, and their lookup in the scene.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Encoding};
-use glanz_illumination::{GridResolution, ReceiverRequest, Receivers};
-use glanz_math::DVec2;
-use glanz_scene::{HitLocation, ParametricPoint, PlacedSurface, Scene};
+use glanz_illumination::{GridResolution, ReceiverHit, ReceiverRequest, Receivers};
+use glanz_scene::{HitLocation, ParametricPoint, Scene};
+use glanz_viewer::model::{LuxCell, LuxLookup, LuxReading};
 use serde::Deserialize;
 
 use super::files::{FileNames, REPORT};
 use crate::error::{Error, FileFault};
 use crate::file;
 
-/// The channel of a lux map's picture.
-const CHANNEL: &str = "lux";
+/// The channels of a lux map's picture.
+const CHANNELS: [&str; 3] = ["lux", "error", "area"];
 
 /// Lux maps with the report that lists them.
 #[derive(Debug)]
@@ -25,8 +26,7 @@ pub struct LuxFolder {
 #[derive(Debug)]
 struct StoredMap {
     receiver: StoredReceiver,
-    /// Illuminance per cell, in the order of the receiver, lx.
-    lux: Vec<f32>,
+    cells: Vec<LuxCell>,
 }
 
 /// A receiver in the report.
@@ -35,11 +35,20 @@ struct StoredReceiver {
     name: String,
     cells: [u32; 2],
     size_m: [f64; 2],
+    minimum_lux: f64,
+    mean_lux: f64,
+    maximum_lux: f64,
 }
 
 #[derive(Debug, Deserialize)]
 struct StoredReport {
     receivers: Vec<StoredReceiver>,
+}
+
+/// Whether lux maps were written into this folder.
+#[must_use]
+pub fn is_lux_folder(folder: &Path) -> bool {
+    folder.join(REPORT).is_file()
 }
 
 impl LuxFolder {
@@ -58,14 +67,17 @@ impl LuxFolder {
             let path = folder.join(format!("{}.exr", names.of_map(&receiver.name, "")));
             let picture = image::read(&file::read(&path)?, Some(&path), Encoding::Linear);
             let pixels = picture.map_err(Error::of_file(&path))?.pixels;
-            let Some(rows) =
-                pixels.channel(CHANNEL).filter(|_| [pixels.width(), pixels.height()] == receiver.cells)
+            let is_map = [pixels.width(), pixels.height()] == receiver.cells;
+            let [Some(lux), Some(errors), Some(areas)] =
+                CHANNELS.map(|name| pixels.channel(name).filter(|_| is_map))
             else {
                 return Err(FileFault::OtherLuxMap.of(&path));
             };
+            let cell = |((&lux, &error), &area)| LuxCell { lux, error, area };
+            let rows: Vec<LuxCell> = lux.iter().zip(errors).zip(areas).map(cell).collect();
             // The first row of a picture is the top one.
-            let lux = rows.chunks(receiver.cells[0].max(1) as usize).rev().flatten().copied().collect();
-            maps.push(StoredMap { receiver, lux });
+            let cells = rows.chunks(receiver.cells[0].max(1) as usize).rev().flatten().copied().collect();
+            maps.push(StoredMap { receiver, cells });
         }
         Ok(Self { folder: folder.to_owned(), maps })
     }
@@ -84,7 +96,11 @@ impl LuxFolder {
                 .then_some(receivers)
         });
         let receivers = laid.ok_or_else(|| FileFault::OtherReceivers.of(&self.folder))?;
-        Ok(PlacedLux { receivers, lux: self.maps.iter().flat_map(|map| &map.lux).copied().collect() })
+        let cells = self.maps.iter().flat_map(|map| &map.cells).copied().collect();
+        let summaries = self.maps.iter().map(|StoredMap { receiver, .. }| {
+            [receiver.minimum_lux, receiver.mean_lux, receiver.maximum_lux]
+        });
+        Ok(PlacedLux { summaries: summaries.collect(), receivers, cells })
     }
 
     /// Possible divisions of receivers without a resolution of their own.
@@ -105,20 +121,66 @@ impl LuxFolder {
 #[derive(Debug)]
 pub struct PlacedLux {
     receivers: Receivers,
-    /// Illuminance per cell of all receivers, lx.
-    lux: Vec<f32>,
+    /// The cells of all receivers.
+    cells: Vec<LuxCell>,
+    /// Minimum, mean and maximum of each receiver, as the report states them, lx.
+    summaries: Vec<[f64; 3]>,
 }
 
 impl PlacedLux {
-    /// Illuminance at a point on the counted side, lx.
+    /// Whether a surface counts light on both of its sides, as two receivers.
     #[must_use]
-    pub fn lux(&self, placed: &[PlacedSurface<'_>], surface: u32, face: u32, uv: DVec2) -> Option<f32> {
-        let of_side = |back| {
-            let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
-            let met =
-                self.receivers.met(&HitLocation::new(&at, ParametricPoint { surface, face, back, uv }))?;
-            self.lux.get(met.cell).copied().filter(|_| met.counts)
-        };
-        [false, true].into_iter().find_map(of_side)
+    pub fn is_two_sided(&self) -> bool {
+        let backs: HashSet<u32> =
+            self.receivers.as_slice().iter().filter(|r| r.is_back()).map(|r| r.surface()).collect();
+        self.receivers.as_slice().iter().any(|r| !r.is_back() && backs.contains(&r.surface()))
+    }
+
+    /// Illuminance at a point, interpolated between the middles of the cells, lx: on the side of the point, or on the other one if light counts there only.
+    #[must_use]
+    pub fn smooth(&self, at: &HitLocation) -> Option<f32> {
+        let (at, met) = self.met(at)?;
+        let own = self.cells.get(met.cell)?;
+        let first = self.receivers.cells_of(met.receiver).start;
+        let around = self.receivers.as_slice().get(met.receiver)?.interpolation(&at)?;
+        let known = around.iter().filter_map(|(cell, weight)| {
+            self.cells
+                .get(first + cell)
+                .filter(|cell| cell.area > 0.0)
+                .map(|cell| (f64::from(cell.lux), weight))
+        });
+        let (sum, weights) =
+            known.fold((0.0, 0.0), |(sum, all), (lux, weight)| (sum + lux * weight, all + weight));
+        (own.area > 0.0 && weights > 0.0).then(|| (sum / weights) as f32)
+    }
+
+    /// The cell at a point and the point on its side, which is the side of the point, or the other one if light counts there only.
+    fn met(&self, at: &HitLocation) -> Option<(HitLocation, ReceiverHit)> {
+        let other = HitLocation { place: ParametricPoint { back: !at.place.back, ..at.place }, ..*at };
+        [*at, other].into_iter().find_map(|at| Some((at, self.receivers.met(&at).filter(|met| met.counts)?)))
+    }
+}
+
+impl LuxLookup for PlacedLux {
+    fn reading(&self, at: &HitLocation) -> Option<LuxReading> {
+        let (_, met) = self.met(at)?;
+        let receiver = self.receivers.as_slice().get(met.receiver)?;
+        let cell = self.cells.get(met.cell).filter(|cell| cell.area > 0.0)?;
+        let [minimum, mean, maximum] = *self.summaries.get(met.receiver)?;
+        let number = (met.cell - self.receivers.cells_of(met.receiver).start) as u32;
+        let columns = receiver.cells()[0].max(1);
+        Some(LuxReading {
+            receiver: receiver.name().to_owned(),
+            cell: [number % columns, number / columns],
+            lux: cell.lux.into(),
+            relative_error: (cell.lux > 0.0).then(|| f64::from(cell.error) / f64::from(cell.lux)),
+            minimum,
+            mean,
+            maximum,
+        })
+    }
+
+    fn cells(&self) -> Vec<LuxCell> {
+        self.cells.clone()
     }
 }

@@ -45,7 +45,7 @@ pub use far_field_file::check_far_field_path;
 #[cfg(feature = "formats")]
 pub use files::save_comparison;
 #[cfg(feature = "formats")]
-pub use lux_folder::{LuxFolder, PlacedLux};
+pub use lux_folder::{LuxFolder, PlacedLux, is_lux_folder};
 pub use outcome::IlluminateOutcome;
 pub use tally_join::JoinedTally;
 pub(crate) use tally_join::join;

@@ -4,3 +4,4 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot set up its scene has failed")]
 
 mod illuminance;
+mod lux_folder;
