@@ -107,6 +107,8 @@ pub(crate) struct SceneMessage {
     /// State of the denoiser, if pages offer one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) denoiser: Option<DenoiserMessage>,
+    /// Whether the page shows it beside the other one of two designs.
+    pub(crate) compared: bool,
     /// Messages about a file that cannot be read.
     pub(crate) error: Option<String>,
 }

@@ -104,7 +104,12 @@ impl TestServer {
 
     /// A page that has received its scene; `None` if it is not admitted.
     pub(crate) fn try_connect_page(&self) -> Option<TestPage> {
-        let request = format!("ws://{}/ws", self.host).into_client_request().unwrap();
+        self.try_connect_page_to("ws")
+    }
+
+    /// The same for one of two designs.
+    pub(crate) fn try_connect_page_to(&self, path: &str) -> Option<TestPage> {
+        let request = format!("ws://{}/{path}", self.host).into_client_request().unwrap();
         let (socket, _) = tungstenite::client(request, self.connect()).ok()?;
         let mut page = TestPage { socket, scene: Value::Null };
         page.scene = page.receive_text("scene");

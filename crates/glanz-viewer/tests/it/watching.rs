@@ -2,9 +2,10 @@
 
 use std::fs;
 
-use glanz_viewer::server::ServerSettings;
+use glanz_formats::Options;
+use glanz_viewer::server::{ComparedDesign, ServerSettings, ViewerScene};
 
-use super::client::{BALL, TestServer};
+use super::client::{BALL, ReceivedMessage, TestPage, TestServer};
 
 #[test]
 fn pages_receive_changed_scenes_and_their_errors() {
@@ -29,4 +30,40 @@ fn pages_receive_changed_scenes_and_their_errors() {
     assert_eq!(server.connect_page().scene["model"], told["model"]);
     fs::write(server.scene(), BALL).unwrap();
     assert!(page.receive_text("scene")["error"].is_null());
+}
+
+#[test]
+fn each_of_two_designs_has_its_own_pages() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("second.pbrt");
+    fs::write(&path, BALL.replace("Shape \"sphere\"\n", "Shape \"sphere\" \"float radius\" 2\n")).unwrap();
+    let viewer_scene = ViewerScene::read(&path, &Options::default(), None).unwrap();
+    let compared = ComparedDesign { path: path.clone(), viewer_scene: viewer_scene.into(), overlay: None };
+    let settings = ServerSettings { watch: true, compared: Some(compared), ..ServerSettings::default() };
+    let server = TestServer::open_with(BALL, settings);
+    let [mut first, mut second] = ["ws", "ws?design=b"].map(|path| server.try_connect_page_to(path).unwrap());
+    let named = |page: &TestPage| (page.scene["name"].clone(), page.scene["compared"].clone());
+    assert_eq!(named(&first), ("scene.pbrt".into(), true.into()));
+    assert_eq!(named(&second), ("second.pbrt".into(), true.into()));
+    let pick = r#"{"type":"pick","id":1,"origin":[0,-4,0],"direction":[0,1,0]}"#;
+    for (page, distance) in [(&mut first, 3.0), (&mut second, 2.0)] {
+        page.send(pick);
+        assert_eq!(page.receive_text("hit")["hit"]["distance"], distance);
+    }
+    // A change of one design is no matter of the other.
+    fs::write(&path, BALL.replace("Shape \"sphere\"\n", "Shape \"sphere\" \"float radius\" 3.5\n")).unwrap();
+    assert_eq!(second.receive_text("scene")["name"], "second.pbrt");
+    for (page, distance) in [(&mut first, 3.0), (&mut second, 0.5)] {
+        page.send(pick);
+        let message = page.receive();
+        let ReceivedMessage::Text(message) = message else { panic!("{message:?}") };
+        assert_eq!(message["hit"]["distance"], distance, "{message}");
+    }
+}
+
+#[test]
+fn a_second_design_that_is_not_there_is_refused() {
+    let server = TestServer::open(BALL);
+    assert!(server.try_connect_page_to("ws?design=b").is_none());
+    assert_eq!(server.connect_page().scene["compared"], false);
 }
