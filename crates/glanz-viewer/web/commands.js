@@ -5,6 +5,7 @@
  */
 
 import { leafBounds } from "./leaf_bounds.js";
+import { LUX_SCALES } from "./lux_scale.js";
 import { nextShading, shareThrough } from "./settings.js";
 import { announce, element } from "./ui/dom.js";
 import { download, showProblem, upload } from "./ui/files.js";
@@ -157,6 +158,10 @@ function toolCommands(page) {
   };
   /** @param {Shading[]} order */
   const next = (order) => () => (settings.shading = nextShading(settings.shading, order));
+  const nextScale = () => {
+    settings.luxScale = LUX_SCALES[(LUX_SCALES.indexOf(settings.luxScale) + 1) % LUX_SCALES.length];
+    announce(`Scale: ${settings.luxScale}`);
+  };
   return [
     {
       name: "section",
@@ -172,6 +177,20 @@ function toolCommands(page) {
       run: setting(next(["material", "gaussian", "mean", "maximum"])),
     },
     { name: "edges", keys: ["e"], label: "Edges", run: setting(() => (settings.edges = !settings.edges)) },
+    { name: "maps", keys: ["l"], label: "Light on surfaces", run: setting(() => (settings.maps = !settings.maps)) },
+    {
+      name: "luxScale",
+      keys: ["g"],
+      label: "Scale of illuminance: linear, logarithmic, percentiles",
+      run: setting(nextScale),
+    },
+    { name: "isolux", keys: ["t"], label: "Isolux lines", run: setting(() => (settings.isolux = !settings.isolux)) },
+    {
+      name: "seeThrough",
+      keys: ["w"],
+      label: "Walls seen through from outside",
+      run: setting(() => (settings.seeThrough = !settings.seeThrough)),
+    },
     { name: "net", keys: ["n"], label: "Control net", run: setting(() => (settings.net = !settings.net)) },
     { name: "measure", keys: ["m"], label: "MeasureTool between two points", run: () => toggleMeasure(page) },
     { name: "savePng", keys: ["p"], label: "Save the view as PNG", run: () => savePng(page) },
@@ -217,9 +236,25 @@ function savePng(page) {
   // The browser clears the canvas once it was shown: only right after drawing there is something to read.
   page.draw(true);
   const name = fileName(page, page.isDenoised ? "denoised.png" : "png");
-  page.canvas.toBlob((blob) => {
+  const canvas = page.second ? sideBySide(page.canvas, page.second.canvas) : page.canvas;
+  canvas.toBlob((blob) => {
     if (blob) download(blob, name);
   }, "image/png");
+}
+
+/**
+ * A picture of two.
+ * @param {HTMLCanvasElement} left
+ * @param {HTMLCanvasElement} right
+ */
+function sideBySide(left, right) {
+  const both = document.createElement("canvas");
+  both.width = left.width + right.width;
+  both.height = Math.max(left.height, right.height);
+  const context = both.getContext("2d");
+  context?.drawImage(left, 0, 0);
+  context?.drawImage(right, left.width, 0);
+  return both;
 }
 
 /** @param {Page} page */

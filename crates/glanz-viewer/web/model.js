@@ -17,7 +17,7 @@
  * @typedef {PatchSurface | MeshSurface | AlgebraicSurface} Surface
  * @typedef {{ cells: [number, number], firstCell: number, min: [number, number], max: [number, number] }} Region
  * @typedef {{ surface: number, toWorld: number[], material: number, leaf: number, kind: string, reversed: boolean,
- *   light: boolean, shared: boolean, map: number | null }} SceneObject
+ *   light: boolean, shared: boolean, map: number | null, outside: "front" | "back" | null }} SceneObject
  * @typedef {{ name: string, kind: string, base: Vector, metallic: number, roughness: number, opacity: number,
  *   specular: Vector, exponent: number | null, emission: Vector }} Material
  * @typedef {{ kind: "point" | "spot" | "distant" | "area" | "infinite", position: Vector, direction: Vector,
@@ -44,6 +44,7 @@
  * @property {Float32Array} normals 3 each
  * @property {Uint32Array} indices 3 each triangle
  * @property {Float32Array} edgePoints 3 each
+ * @property {Float32Array} luxCells 2 each
  */
 
 /**
@@ -86,6 +87,7 @@ const WORDS = {
   normals: 3,
   indices: 3,
   edgePoints: 3,
+  luxCells: 2,
 };
 
 /**
@@ -114,6 +116,7 @@ export function decodeModel(bytes) {
     normals: floats("normals"),
     indices: integers("indices"),
     edgePoints: floats("edgePoints"),
+    luxCells: floats("luxCells"),
   };
   /** @type {LightMap[]} */
   const maps = head.maps ?? [];

@@ -62,6 +62,7 @@ void main() {
   point.front = dot(n, triangle) >= 0.0;
   point.normal = point.front ? n : -n;
   if ((facts.bits & REVERSED) != 0u) point.front = !point.front;
+  if (isLeftOut(facts, point.front)) discard;
   point.normalX = dFdx(point.normal);
   point.normalY = dFdy(point.normal);
   point.principal = vec2(0.0);
