@@ -209,6 +209,7 @@ fn picks_have_the_illuminance_of_their_cell_and_meet_receivers_of_air_where_maps
 fn walls_seen_from_outside_are_passed_if_they_are_seen_through() {
     let (scene, model) = modelled(
         "WorldBegin
+        LightSource \"point\" \"point3 from\" [2 1.5 1]
         Shape \"bilinearmesh\" \"point3 P\" [0 0 0  4 0 0  0 3 0  4 3 0]
         Shape \"bilinearmesh\" \"point3 P\" [0 0 2.5  4 0 2.5  0 3 2.5  4 3 2.5]",
     );
