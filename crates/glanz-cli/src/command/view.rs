@@ -1,5 +1,6 @@
 //! `glanz view`: the page that shows a scene.
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -61,8 +62,8 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     if !viewer_scene.is_model() {
         arguments.model.studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
     }
-    let name = scene.display().to_string();
-    let listener = Box::new(move |update: &SceneUpdate| note_update(&name, update, messages));
+    let listener =
+        Box::new(move |path: &Path, update: &SceneUpdate| note_update(&path.display(), update, messages));
     let server =
         Server::bind(&settings, scene, viewer_scene, listener).map_err(|error| server_failure(&error))?;
     report::print_text(&format!("{}\n", server.address()))?;
@@ -144,7 +145,7 @@ fn server_failure(error: &ServerError) -> CommandError {
 }
 
 /// Reports that the scene was read again after its files changed.
-fn note_update(name: &str, update: &SceneUpdate, messages: Messages) {
+fn note_update(name: &impl Display, update: &SceneUpdate, messages: Messages) {
     match update {
         SceneUpdate::Reloaded(viewer_scene) => {
             note_diagnostics(viewer_scene.warnings(), messages);

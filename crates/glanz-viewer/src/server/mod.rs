@@ -79,8 +79,8 @@ pub enum SceneUpdate {
     Refused(Diagnostics),
 }
 
-/// Callback for changes of the scene's files.
-pub type UpdateListener = Box<dyn Fn(&SceneUpdate) + Send + Sync>;
+/// Callback for changes of the files of a scene, which is at this path.
+pub type UpdateListener = Box<dyn Fn(&Path, &SceneUpdate) + Send + Sync>;
 
 /// A server with an open port.
 pub struct Server {
@@ -91,7 +91,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Opens a port for pages that show `viewer_scene`, the scene of the file `scene`. `listener` is called when the file has been read again.
+    /// Opens a port for pages that show `viewer_scene`, the scene of the file `scene`. `listener` is called when the file of a design has been read again.
     ///
     /// # Errors
     /// [`ServerError`].
@@ -219,15 +219,20 @@ async fn model(State(app): State<Arc<AppState>>, UrlPath(key): UrlPath<String>) 
     }
 }
 
-/// The query with which a page asks for the second design.
-const SECOND: &str = "design=b";
+/// Name of a design in the query of a page; without one it is the first.
+const DESIGN_QUERY: &str = "design=";
 
 async fn socket(
     State(app): State<Arc<AppState>>,
     RawQuery(query): RawQuery,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    let design = usize::from(query.as_deref() == Some(SECOND));
+    let mut pairs = query.iter().flat_map(|query| query.split('&'));
+    let design = match pairs.find_map(|pair| pair.strip_prefix(DESIGN_QUERY)) {
+        None | Some("a") => 0,
+        Some("b") => 1,
+        Some(_) => return (StatusCode::NOT_FOUND, "?design= must be a or b").into_response(),
+    };
     let Some(published) = app.published(design) else {
         return (StatusCode::NOT_FOUND, "there is one design only").into_response();
     };

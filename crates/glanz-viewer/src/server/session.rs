@@ -41,6 +41,12 @@ impl Session {
         self.state().published.clone()
     }
 
+    /// The result of a function of the model that the page shows, and whether the page has opened its file itself.
+    pub(crate) fn with_published<T>(&self, function: impl FnOnce(&PublishedModel, bool) -> T) -> T {
+        let state = self.state();
+        function(&state.published, state.is_own)
+    }
+
     /// Switches the page to an uploaded scene and queues `message`, which announces it.
     pub(crate) fn show_own(&self, published: PublishedModel, message: SceneMessage) {
         let mut state = self.state();

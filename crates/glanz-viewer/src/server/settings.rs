@@ -53,7 +53,7 @@ pub const DEFAULT_PORT: u16 = 7870;
 /// Resource limits of clients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest number of connected pages.
+    /// Largest number of connected pages; one that shows two designs is one page.
     pub sessions: usize,
     /// Largest number of other connections; further ones wait.
     pub connections: usize,

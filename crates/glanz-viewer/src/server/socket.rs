@@ -83,8 +83,10 @@ impl PageConnection {
         let limits = self.app.limits;
         let mut ping = interval(limits.ping_interval);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let published = self.session.published();
-        self.reply(ServerMessage::Scene(self.app.scene_message(&self.session.key, &published))).await?;
+        let message = self
+            .session
+            .with_published(|published, is_own| self.app.scene_message(&self.session.key, published, is_own));
+        self.reply(ServerMessage::Scene(message)).await?;
         loop {
             tokio::select! {
                 biased;

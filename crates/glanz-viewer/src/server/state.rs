@@ -73,6 +73,8 @@ impl AppState {
             Ok(ServedDesign { path: path.to_owned(), overlay: overlay.clone(), published })
         });
         let designs = designs.collect::<Result<Vec<ServedDesign>, getrandom::Error>>()?;
+        // A page has a session for each design.
+        let sessions = limits.sessions.saturating_mul(designs.len());
         Ok(Self {
             access,
             limits,
@@ -85,7 +87,7 @@ impl AppState {
                 .clone()
                 .map(|denoiser| denoiser.map(|denoiser| Arc::new(SharedDenoiser::new(denoiser)))),
             models,
-            sessions: Arc::new(Sessions::new(limits.sessions)),
+            sessions: Arc::new(Sessions::new(sessions)),
             uploads: Semaphore::new(limits.uploads),
             closing: CancelFlag::default(),
             listener,
@@ -97,20 +99,20 @@ impl AppState {
         self.designs.get(design).map(ServedDesign::published)
     }
 
-    /// Whether pages show this model beside another one.
-    fn is_compared(&self, published: &PublishedModel) -> bool {
-        self.designs.len() > 1 && self.designs.iter().any(|design| design.published().key == published.key)
-    }
-
-    /// The scene message for the page of that session.
-    pub(crate) fn scene_message(&self, session: &AccessKey, published: &PublishedModel) -> SceneMessage {
+    /// The scene message for the page of that session. `is_own`: whether the page has opened the file itself.
+    pub(crate) fn scene_message(
+        &self,
+        session: &AccessKey,
+        published: &PublishedModel,
+        is_own: bool,
+    ) -> SceneMessage {
         SceneMessage {
             model: Some(published.path()),
             name: published.viewer_scene.name.clone(),
             session: session.to_string(),
             integrator: self.integrator,
             denoiser: self.denoiser_message(),
-            compared: self.is_compared(published),
+            compared: !is_own && self.designs.len() > 1,
             error: None,
         }
     }
@@ -130,8 +132,9 @@ impl AppState {
         match (&published, &update) {
             (Some(published), _) => {
                 *design.published.lock().unwrap_or_else(PoisonError::into_inner) = published.clone();
-                self.sessions
-                    .broadcast(number, Some(published), |session| self.scene_message(session, published));
+                self.sessions.broadcast(number, Some(published), |session| {
+                    self.scene_message(session, published, false)
+                });
             }
             (None, SceneUpdate::Refused(diagnostics)) => {
                 let name = design.path.file_name();
@@ -149,7 +152,7 @@ impl AppState {
             // Without a key for the new model, pages keep the old one.
             (None, SceneUpdate::Reloaded(_)) => return,
         }
-        (self.listener)(&update);
+        (self.listener)(&design.path, &update);
     }
 
     /// True if the server is shutting down.

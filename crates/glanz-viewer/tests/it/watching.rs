@@ -1,9 +1,11 @@
 //! A scene that changes while it is shown.
 
 use std::fs;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 use glanz_formats::Options;
-use glanz_viewer::server::{ComparedDesign, ServerSettings, ViewerScene};
+use glanz_viewer::server::{ComparedDesign, Limits, SceneUpdate, ServerSettings, ViewerScene};
 
 use super::client::{BALL, ReceivedMessage, TestPage, TestServer};
 
@@ -39,12 +41,21 @@ fn each_of_two_designs_has_its_own_pages() {
     fs::write(&path, BALL.replace("Shape \"sphere\"\n", "Shape \"sphere\" \"float radius\" 2\n")).unwrap();
     let viewer_scene = ViewerScene::read(&path, &Options::default(), None).unwrap();
     let compared = ComparedDesign { path: path.clone(), viewer_scene: viewer_scene.into(), overlay: None };
-    let settings = ServerSettings { watch: true, compared: Some(compared), ..ServerSettings::default() };
-    let server = TestServer::open_with(BALL, settings);
+    // Pages of both designs count as one.
+    let limits = Limits { sessions: 2, ..Limits::default() };
+    let settings =
+        ServerSettings { watch: true, compared: Some(compared), limits, ..ServerSettings::default() };
+    let changed = Arc::new(Mutex::new(Vec::new()));
+    let list = Arc::clone(&changed);
+    let listener = Box::new(move |path: &Path, _: &SceneUpdate| list.lock().unwrap().push(path.to_owned()));
+    let server = TestServer::open_with_listener(BALL, settings, listener);
     let [mut first, mut second] = ["ws", "ws?design=b"].map(|path| server.try_connect_page_to(path).unwrap());
     let named = |page: &TestPage| (page.scene["name"].clone(), page.scene["compared"].clone());
     assert_eq!(named(&first), ("scene.pbrt".into(), true.into()));
     assert_eq!(named(&second), ("second.pbrt".into(), true.into()));
+    let third = server.try_connect_page_to("ws?design=a").unwrap();
+    assert_eq!(named(&third), named(&first));
+    assert!(server.try_connect_page_to("ws?design=c").is_none());
     let pick = r#"{"type":"pick","id":1,"origin":[0,-4,0],"direction":[0,1,0]}"#;
     for (page, distance) in [(&mut first, 3.0), (&mut second, 2.0)] {
         page.send(pick);
@@ -59,6 +70,11 @@ fn each_of_two_designs_has_its_own_pages() {
         let ReceivedMessage::Text(message) = message else { panic!("{message:?}") };
         assert_eq!(message["hit"]["distance"], distance, "{message}");
     }
+    // The listener comes after the pages.
+    while changed.lock().unwrap().is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert_eq!(*changed.lock().unwrap(), [path]);
 }
 
 #[test]
