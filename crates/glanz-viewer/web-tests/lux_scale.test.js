@@ -10,6 +10,8 @@ import {
   sortedCells,
   typedLevels,
 } from "../web/lux_scale.js";
+import { limitsText } from "../web/ui/legend.js";
+import { plain } from "../web/ui/units.js";
 
 /** 1 to 100 lx on equal areas, not in order. */
 const HUNDRED = sorted(Array.from({ length: 100 }, (_, i) => [((37 * i) % 100) + 1, 0.25]).flat());
@@ -40,7 +42,12 @@ test("two designs share one scale", () => {
 
 test("scales end where their kind says", () => {
   assert.deepEqual(luxScale(HUNDRED, "linear", 1), { low: 0, high: 100, logarithmic: false });
-  assert.deepEqual(luxScale(HUNDRED, "percentile", 5), { low: 5, high: 95, logarithmic: false });
+  assert.deepEqual(luxScale(HUNDRED, "percentile", 5), {
+    low: 5,
+    high: 95,
+    logarithmic: false,
+    percent: [5, 95],
+  });
   assert.deepEqual(luxScale(HUNDRED, "logarithmic", 1), { low: 1, high: 100, logarithmic: true });
   // Shadows do not take the colours of what is seen.
   assert.deepEqual(luxScale(sorted([0.001, 1, 0, 1, 500, 1]), "logarithmic", 1), {
@@ -57,6 +64,37 @@ test("scales of darkness and of even light have two ends", () => {
       assert.ok(low < high && high >= lux, `${kind} ${lux}: ${low} ${high}`);
     }
   }
+});
+
+test("percentiles that are one value leave a scale from 0 up to it", () => {
+  // 99.2 % of the area have 500 lx; the lamp's own cell is no part of the scale.
+  const cells = sorted([2, 0.4, 500, 99.2, 9000, 0.4]);
+  assert.deepEqual(luxScale(cells, "percentile", 1), { low: 0, high: 500, logarithmic: false, percent: [0, 99] });
+  assert.deepEqual(luxScale(cells, "percentile", 0), { low: 2, high: 9000, logarithmic: false, percent: [0, 100] });
+  // Hardly anything is lit.
+  assert.deepEqual(luxScale(sorted([0, 999, 80, 1]), "percentile", 1), { low: 0, high: 80, logarithmic: false });
+});
+
+test("light that is even but for the digits of numbers has no scale of these digits", () => {
+  const cells = sorted([Math.fround(500), 1, Math.fround(500 * (1 + 2 ** -23)), 1, Math.fround(500.01), 1]);
+  for (const kind of /** @type {const} */ (["linear", "logarithmic", "percentile"])) {
+    const scale = luxScale(cells, kind, 1);
+    assert.ok(scale.low <= 0.5 * scale.high, `${kind}: ${JSON.stringify(scale)}`);
+    for (const lux of [0, 250, 500, 501]) assert.ok(Number.isFinite(positionOn(scale, lux)), `${kind} ${lux}`);
+    const levels = roundLevels(scale).map((level) => plain(level));
+    assert.equal(new Set(levels).size, levels.length);
+    assert.ok(levels.length > 2);
+  }
+  // The ends are written with the digits that tell them apart.
+  assert.equal(limitsText({ low: 500, high: 500.3, logarithmic: false }), "500 to 500.3");
+  assert.equal(
+    limitsText({ low: 0, high: 1234.5, logarithmic: false, percent: [0, 99] }),
+    "up to 99 % of the area, 0 to 1230",
+  );
+  assert.equal(
+    limitsText({ low: 20, high: 500, logarithmic: false, percent: [2.5, 97.5] }),
+    "2.5 % to 97.5 % of the area, 20 to 500",
+  );
 });
 
 test("colours are at equal steps or at equal factors", () => {
@@ -93,6 +131,7 @@ test("levels are round, within the scale, and as many as can be told apart", () 
 test("typed levels are taken in any order, and what is no illuminance is named", () => {
   assert.deepEqual(typedLevels(" 500, 300;300 0.5 "), { levels: [0.5, 300, 500], error: "" });
   assert.deepEqual(typedLevels(""), { levels: [], error: "" });
-  for (const text of ["300 lx", "-5", "0", "1e999", "NaN"]) assert.match(typedLevels(text).error, /is no illuminance/);
+  for (const text of ["300 lx", "-5", "0", "1e999", "NaN", "1,5", "1e39", "1e-46"])
+    assert.match(typedLevels(text).error, /is no illuminance/);
   assert.match(typedLevels("1 ".repeat(17)).error, /17 levels are too many/);
 });

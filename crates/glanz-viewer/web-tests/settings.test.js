@@ -18,9 +18,9 @@ const BOX = [
   [3, 8, 4],
 ];
 
-/** Scenes without edges of their own: seen from inside, and a room seen from outside. */
-const PLAIN = { hasEdges: false, isOutside: false, isCompared: false };
-const OUTSIDE = { ...PLAIN, isOutside: true };
+/** Scenes without edges of their own: one of parts, and a lit room. */
+const PLAIN = { hasEdges: false, hasMaps: false, hasWalls: false, isCompared: false };
+const ROOM = { ...PLAIN, hasMaps: true, hasWalls: true };
 
 test("a key turns its own shading on whichever other is shown, and off again", () => {
   /** @type {import("../web/settings.js").Shading[]} */
@@ -45,13 +45,13 @@ test("untouched settings are rendered, and everything that rendering does not sh
     { seeThrough: true },
   ];
   for (const reason of reasons)
-    assert.ok(realTimeOnly({ ...defaultSettings(), ...reason }, OUTSIDE), JSON.stringify(reason));
+    assert.ok(realTimeOnly({ ...defaultSettings(), ...reason }, ROOM), JSON.stringify(reason));
 });
 
-test("walls that are seen through exclude rendering where they are seen from outside, and so do two designs", () => {
-  const settings = { ...defaultSettings(), seeThrough: true };
+test("what a scene does not have excludes no rendering, two designs do", () => {
+  const settings = { ...defaultSettings(), seeThrough: true, maps: true };
   assert.equal(realTimeOnly(settings, PLAIN), null);
-  assert.equal(realTimeOnly(defaultSettings(), OUTSIDE), null);
+  assert.equal(realTimeOnly(defaultSettings(), ROOM), null);
   assert.equal(realTimeOnly(defaultSettings(), { ...PLAIN, isCompared: true }), "two designs");
 });
 
@@ -59,6 +59,7 @@ test("settings of lux maps are kept, and what is none of them is left out", () =
   const settings = { ...defaultSettings(), luxScale: /** @type {const} */ ("percentile"), luxTail: 2.5, isolux: true };
   const kept = luxSettings(luxSettingsText({ ...settings, isoluxLevels: "300 500" }));
   assert.deepEqual(kept, { luxScale: "percentile", luxTail: 2.5, isolux: true, isoluxLevels: "300 500" });
+  for (const luxTail of [null, true, "5", [1], -1, 11]) assert.deepEqual(luxSettings(JSON.stringify({ luxTail })), {});
   for (const text of [null, "", "[", "null", "7"]) assert.deepEqual(luxSettings(text), {});
   const damaged = JSON.stringify({ luxScale: "cubic", luxTail: 60, isolux: 1, isoluxLevels: "many", shading: "zebra" });
   assert.deepEqual(luxSettings(damaged), {});

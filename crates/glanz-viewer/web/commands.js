@@ -158,6 +158,10 @@ function toolCommands(page) {
   };
   /** @param {Shading[]} order */
   const next = (order) => () => (settings.shading = nextShading(settings.shading, order));
+  /** A command for scenes that have something. @param {() => boolean} has @param {string} what @param {() => void} run */
+  const only = (has, what, run) => () => (has() ? run() : announce(`The scene has no ${what}`));
+  const hasMaps = () => page.hasMaps;
+  const hasLux = () => page.hasLux;
   const nextScale = () => {
     settings.luxScale = LUX_SCALES[(LUX_SCALES.indexOf(settings.luxScale) + 1) % LUX_SCALES.length];
     announce(`Scale: ${settings.luxScale}`);
@@ -177,19 +181,41 @@ function toolCommands(page) {
       run: setting(next(["material", "gaussian", "mean", "maximum"])),
     },
     { name: "edges", keys: ["e"], label: "Edges", run: setting(() => (settings.edges = !settings.edges)) },
-    { name: "maps", keys: ["l"], label: "Light on surfaces", run: setting(() => (settings.maps = !settings.maps)) },
+    {
+      name: "maps",
+      keys: ["l"],
+      label: "Light on surfaces",
+      run: only(
+        hasMaps,
+        "light on surfaces",
+        setting(() => (settings.maps = !settings.maps)),
+      ),
+    },
     {
       name: "luxScale",
       keys: ["g"],
       label: "Scale of illuminance: linear, logarithmic, percentiles",
-      run: setting(nextScale),
+      run: only(hasLux, "illuminances", setting(nextScale)),
     },
-    { name: "isolux", keys: ["t"], label: "Isolux lines", run: setting(() => (settings.isolux = !settings.isolux)) },
+    {
+      name: "isolux",
+      keys: ["t"],
+      label: "Isolux lines",
+      run: only(
+        hasLux,
+        "illuminances",
+        setting(() => (settings.isolux = !settings.isolux)),
+      ),
+    },
     {
       name: "seeThrough",
       keys: ["w"],
       label: "Walls seen through from outside",
-      run: setting(() => (settings.seeThrough = !settings.seeThrough)),
+      run: only(
+        () => page.hasWalls,
+        "outer walls",
+        setting(() => (settings.seeThrough = !settings.seeThrough)),
+      ),
     },
     { name: "net", keys: ["n"], label: "Control net", run: setting(() => (settings.net = !settings.net)) },
     { name: "measure", keys: ["m"], label: "MeasureTool between two points", run: () => toggleMeasure(page) },

@@ -6,7 +6,10 @@
 
 /** @typedef {"linear" | "logarithmic" | "percentile"} LuxScaleKind */
 
-/** Colours go from `low` to `high`, lx; with `logarithmic` by equal factors. @typedef {{ low: number, high: number, logarithmic: boolean }} LuxScale */
+/**
+ * Colours go from `low` to `high`, lx; with `logarithmic` by equal factors. `percent`: of the area that has at most `low` and at most `high`; 0 if `low` is 0 lx.
+ * @typedef {{ low: number, high: number, logarithmic: boolean, percent?: [number, number] }} LuxScale
+ */
 
 /** Kinds of scales, in the order in which a key goes through them. @type {LuxScaleKind[]} */
 export const LUX_SCALES = ["linear", "logarithmic", "percentile"];
@@ -14,9 +17,12 @@ export const LUX_SCALES = ["linear", "logarithmic", "percentile"];
 /** Least value of a logarithmic scale as a share of the largest one, unless all cells have more. */
 const DEPTH = 1e-3;
 
+/** Share of the largest illuminance below which differences are none: light is even there but for the digits of the numbers. */
+const EVEN = 1e-4;
+
 /** Number of levels at equal steps that is aimed at, and the most at equal factors. */
-const WANTED = 7;
-const MOST = 10;
+const LINEAR_LEVELS = 7;
+const MOST_LOGARITHMIC_LEVELS = 10;
 
 /** Most isolux lines. */
 export const MOST_LEVELS = 16;
@@ -67,12 +73,13 @@ export function luxScale(cells, kind, tail) {
     const least = cells.find((value, i) => i % 2 === 0 && value > 0) ?? most;
     // Where all is alike, a scale of one value has no colours.
     const low = Math.max(least, DEPTH * most);
-    return { low: low < most ? low : 0.5 * most, high: most, logarithmic: true };
+    return { low: low < (1 - EVEN) * most ? low : 0.5 * most, high: most, logarithmic: true };
   }
   if (kind === "percentile") {
     const low = percentile(cells, tail / 100);
     const high = percentile(cells, 1 - tail / 100);
-    if (high > low) return { low, high, logarithmic: false };
+    if (low < (1 - EVEN) * high && low > 0) return { low, high, logarithmic: false, percent: [tail, 100 - tail] };
+    if (high > 0) return { low: 0, high, logarithmic: false, percent: [0, 100 - tail] };
   }
   return { low: 0, high: most, logarithmic: false };
 }
@@ -93,23 +100,23 @@ export function positionOn({ low, high, logarithmic }, lux) {
  */
 export function roundLevels({ low, high, logarithmic }) {
   // Steps would be smaller than the digits of the numbers.
-  if (!(high - low > 1e-6 * high)) return [];
+  if (!(high - low >= EVEN * high && high > 0)) return [];
   const within = (/** @type {number} */ level) => level > low && level < high;
   if (logarithmic && high >= 10 * low) {
     for (const digits of SERIES) {
       const levels = powers(low, high).flatMap((power) => digits.map((digit) => decimal(digit, power)));
       const shown = levels.filter(within);
-      if (shown.length <= MOST || digits === SERIES[SERIES.length - 1]) return shown;
+      if (shown.length <= MOST_LOGARITHMIC_LEVELS || digits === SERIES[SERIES.length - 1]) return shown;
     }
   }
-  const power = Math.floor(Math.log10((high - low) / WANTED));
+  const power = Math.floor(Math.log10((high - low) / LINEAR_LEVELS));
   const choices = [1, 2, 2.5, 5, 10].map((digit) => {
     const step = decimal(digit, power);
     const first = Math.floor(low / step);
     const count = Math.ceil(high / step) - first + 1;
     return Array.from({ length: count }, (_, i) => decimal((first + i) * digit, power)).filter(within);
   });
-  const off = (/** @type {number[]} */ levels) => Math.abs(levels.length - WANTED);
+  const off = (/** @type {number[]} */ levels) => Math.abs(levels.length - LINEAR_LEVELS);
   return choices.reduce((best, levels) => (off(levels) < off(best) ? levels : best));
 }
 
@@ -126,15 +133,16 @@ function decimal(digits, power) {
 
 /**
  * Levels as they are typed, ascending, or what is wrong with them. Nothing means round ones.
- * @param {string} text numbers with spaces, commas or semicolons between them
+ * @param {string} text numbers with spaces or semicolons between them, or commas before spaces: a comma within a number may be that of a decimal fraction
  * @returns {{ levels: number[], error: string }}
  */
 export function typedLevels(text) {
-  const words = text.split(/[\s,;]+/).filter((word) => word !== "");
+  const words = text.split(/(?:,(?=\s|$)|[\s;])+/).filter((word) => word !== "");
   const levels = words.map(Number);
-  const wrong = words.find((_, i) => !(levels[i] > 0 && levels[i] < Infinity));
+  // Shaders have single precision.
+  const wrong = words.find((_, i) => !(Math.fround(levels[i]) > 0 && Math.fround(levels[i]) < Infinity));
   if (wrong !== undefined)
-    return { levels: [], error: `"${wrong}" is no illuminance: type numbers above 0, such as 300 500` };
+    return { levels: [], error: `"${wrong}" is no illuminance: type numbers above 0, such as 0.5 300 500` };
   if (levels.length > MOST_LEVELS)
     return { levels: [], error: `${levels.length} levels are too many: type at most ${MOST_LEVELS}` };
   return { levels: [...new Set(levels)].sort((a, b) => a - b), error: "" };

@@ -64,6 +64,7 @@
  * @property {Edge[]} edges
  * @property {EdgeCopy[]} edgeCopies
  * @property {LightMap[]} maps
+ * @property {boolean} hasWalls whether objects have outer sides
  * @property {string[]} notes
  * @property {Blocks} blocks
  * @property {Float32Array[]} mapValues values of the maps, in the order of `maps`, three each
@@ -89,6 +90,18 @@ const WORDS = {
   edgePoints: 3,
   luxCells: 2,
 };
+
+/**
+ * The model that the server has at a path.
+ * @param {string} path
+ * @returns {Promise<Model>}
+ * @throws {Error} that says why there is none
+ */
+export async function fetchModel(path) {
+  const response = await fetch(path);
+  if (!response.ok) throw new Error(`The server answered with ${response.status} ${response.statusText}.`);
+  return decodeModel(await response.arrayBuffer());
+}
 
 /**
  * The model in these bytes.
@@ -122,7 +135,8 @@ export function decodeModel(bytes) {
   const maps = head.maps ?? [];
   const mapValues = maps.map((map) => new Float32Array(...block(map.block, 3)));
   const { notes = [], edges = [], edgeCopies = [] } = head;
-  const model = { ...head, maps, notes, edges, edgeCopies, blocks, mapValues };
+  const hasWalls = head.objects?.some((/** @type {SceneObject} */ { outside }) => Boolean(outside)) ?? false;
+  const model = { ...head, maps, notes, edges, edgeCopies, hasWalls, blocks, mapValues };
   checkReferences(model);
   return model;
 }

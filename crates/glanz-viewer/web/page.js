@@ -6,7 +6,7 @@
 
 import { edgeDimensions } from "./edge_picking.js";
 import { Renderer } from "./gl/renderer.js";
-import { decodeModel } from "./model.js";
+import { fetchModel } from "./model.js";
 import { AdaptiveResolution } from "./adaptive_resolution.js";
 import { Picker } from "./picker.js";
 import { SceneParts, ranges } from "./scene_parts.js";
@@ -21,7 +21,7 @@ import { PointerControls } from "./ui/pointer_controls.js";
 import { showLegend } from "./ui/legend.js";
 import { MeasureTool } from "./ui/measure_tool.js";
 import { PropertiesPanel, edgeRows } from "./ui/properties_panel.js";
-import { remember, remembered } from "./ui/remembered.js";
+import { store, stored } from "./ui/storage.js";
 import { StatusBar } from "./ui/status_bar.js";
 import { backgroundColour } from "./ui/theme.js";
 import { SettingsPanel } from "./ui/settings_panel.js";
@@ -52,7 +52,7 @@ export class Page {
     this.canvas = element("view", HTMLCanvasElement);
     this.renderer = new Renderer(this.canvas);
     this.renderer.onRestored = () => this.invalidate();
-    this.settings = { ...defaultSettings(), ...luxSettings(remembered(LUX_SETTINGS)) };
+    this.settings = { ...defaultSettings(), ...luxSettings(stored(LUX_SETTINGS)) };
     /** @type {Model | null} */
     this.model = null;
     this.scene = { model: "", name: "", session: "" };
@@ -85,8 +85,8 @@ export class Page {
     /** Whether the last picture was a rendered one without noise. */
     this.isDenoised = false;
     this.saveExr = element("save-exr", HTMLButtonElement);
-    /** Whether the model has walls that can be left out from outside. */
-    this.hasWalls = false;
+    /** Number of the last pick or selection: answers to those before come too late. */
+    this.selections = 0;
     /** Where the pointer rests. @type {{ x: number, y: number } | null} */
     this.hovering = null;
     this.isReady = () => {};
@@ -160,11 +160,11 @@ export class Page {
     const isSame = message.name === this.scene.name;
     this.scene = { model: message.model, name: message.name, session: this.scene.session };
     try {
-      const response = await fetch(message.model);
-      if (!response.ok) throw new Error(`The server answered with ${response.status} ${response.statusText}.`);
-      const bytes = await response.arrayBuffer();
-      if (this.scene.model === message.model) this.show(decodeModel(bytes), isSame);
+      const model = await fetchModel(message.model);
+      if (this.scene.model === message.model) this.show(model, isSame);
     } catch (error) {
+      // Another scene may have come meanwhile.
+      if (this.scene.model !== message.model) return;
       this.scene.model = "";
       showProblem(`${message.name} cannot be shown`, error instanceof Error ? error.message : String(error));
     }
@@ -191,7 +191,6 @@ export class Page {
   show(model, isSame) {
     this.renderer.setModel(model);
     this.model = model;
-    this.hasWalls = model.objects.some(({ outside }) => outside !== null);
     this.frame = null;
     this.isNew = !isSame;
     fixLengthUnit(model.lengthUnit);
@@ -283,21 +282,28 @@ export class Page {
     return (this.model?.edges.length ?? 0) > 0;
   }
 
-  get hasLux() {
-    return this.model?.maps.some(({ unit }) => unit === "lx") ?? false;
+  /** The models of one design or two. */
+  get models() {
+    return [this.model, this.second?.model ?? null].filter((model) => model !== null);
   }
 
-  /** Whether there are walls that may be seen from outside. */
-  get isOutside() {
-    const { camera, bounds } = this.viewpoint;
-    const isBeyond = camera.position.some((x, axis) => x < bounds[0][axis] || x > bounds[1][axis]);
-    return this.hasWalls && (isBeyond || camera.kind === "orthographic");
+  get hasMaps() {
+    return this.models.some(({ maps }) => maps.length > 0);
+  }
+
+  get hasLux() {
+    return this.models.some(({ maps }) => maps.some(({ unit }) => unit === "lx"));
+  }
+
+  /** Whether there are walls that can be left out from outside. */
+  get hasWalls() {
+    return this.models.some(({ hasWalls }) => hasWalls);
   }
 
   /** Reason why nothing is rendered, `null` if there is none. */
   get realTimeOnly() {
-    const { hasEdges, isOutside } = this;
-    return realTimeOnly(this.settings, { hasEdges, isOutside, isCompared: this.second !== null });
+    const { hasEdges, hasMaps, hasWalls } = this;
+    return realTimeOnly(this.settings, { hasEdges, hasMaps, hasWalls, isCompared: this.second !== null });
   }
 
   /** The settings that the rendered picture depends on, as a key. */
@@ -309,13 +315,14 @@ export class Page {
 
   settingsChanged() {
     const { extent } = this.viewpoint;
-    const hasMaps = (this.model?.maps.length ?? 0) > 0;
+    const { hasMaps, hasLux, hasWalls } = this;
     this.updateLux();
-    this.tools.describe(extent, this.section, { hasMaps, hasLux: this.hasLux, hasWalls: this.hasWalls });
+    this.tools.describe(extent, this.section, { hasMaps, hasLux, hasWalls });
     showLegend(this.settings, fullColour(this.settings, extent), this.lux);
     // Exposure works on the picture that is there.
     if (this.rendering === this.rendered) this.invalidate();
     else this.viewChanged();
+    this.updateHover();
   }
 
   /** Finds the scale of illuminances, which two designs share, and the levels of isolux lines. */
@@ -323,15 +330,16 @@ export class Page {
     const { luxScale: kind, luxTail, isolux, isoluxLevels } = this.settings;
     if (!this.hasLux) {
       this.lux = null;
+      this.luxCells = { models: [], cells: new Float32Array() };
       return;
     }
-    const models = [this.model, this.second?.model ?? null].filter((model) => model !== null);
+    const { models } = this;
     if (models.length !== this.luxCells.models.length || models.some((model, i) => model !== this.luxCells.models[i]))
       this.luxCells = { models, cells: sortedCells(models.map(({ blocks }) => blocks.luxCells)) };
     const scale = luxScale(this.luxCells.cells, kind, luxTail);
     const { levels } = typedLevels(isoluxLevels);
     this.lux = { scale, levels: !isolux ? [] : levels.length > 0 ? levels : roundLevels(scale) };
-    remember(LUX_SETTINGS, luxSettingsText(this.settings));
+    store(LUX_SETTINGS, luxSettingsText(this.settings));
   }
 
   /** The settings were changed by something else than their controls. */
@@ -343,6 +351,7 @@ export class Page {
   visibilityChanged() {
     this.tree.refresh();
     this.viewChanged();
+    this.updateHover();
   }
 
   /** Schedules a draw before the next frame. */
@@ -413,6 +422,7 @@ export class Page {
    * @param {Hit | null} hit where it was picked
    */
   select(item, hit) {
+    this.selections += 1;
     this.hit = hit;
     this.edge = null;
     this.parts?.select(item);
@@ -457,6 +467,7 @@ export class Page {
    * @param {number} y
    */
   async click(x, y) {
+    const number = ++this.selections;
     const edge = await this.picker.edge(x, y);
     const hit = edge ? edge.hit : await this.picker.surface(x, y);
     if (this.measure.active) {
@@ -465,6 +476,7 @@ export class Page {
       this.invalidate();
       return;
     }
+    if (number !== this.selections) return;
     if (edge) {
       this.selectEdge(edge.place);
       return;
@@ -472,6 +484,11 @@ export class Page {
     if (!hit) announce("No surface here");
     this.select(hit ? (this.parts?.shape(hit.leaf) ?? null) : null, hit);
     this.second?.addDifference(hit, x, y);
+  }
+
+  /** Shows again what is under the pointer, which rests, after what is shown there has changed. */
+  updateHover() {
+    if (this.hovering) this.hover(this.hovering);
   }
 
   /** @param {{ x: number, y: number } | null} place */

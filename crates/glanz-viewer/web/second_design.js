@@ -5,7 +5,7 @@
  */
 
 import { Renderer } from "./gl/renderer.js";
-import { decodeModel } from "./model.js";
+import { fetchModel } from "./model.js";
 import { Picker } from "./picker.js";
 import { SceneParts } from "./scene_parts.js";
 import { Session } from "./session.js";
@@ -84,16 +84,16 @@ export class SecondDesign {
     if (model === null || model === this.path) return;
     this.path = model;
     try {
-      const response = await fetch(model);
-      if (!response.ok) throw new Error(`The server answered with ${response.status} ${response.statusText}.`);
-      const bytes = await response.arrayBuffer();
+      const found = await fetchModel(model);
       if (this.path !== model || this.isClosed) return;
-      this.model = decodeModel(bytes);
+      this.model = found;
       this.parts = new SceneParts(this.model.tree);
       this.renderer.setModel(this.model);
       this.label.textContent = `B: ${name}`;
       this.page.settingsChanged();
     } catch (error) {
+      // Another scene may have come meanwhile, or the first page has gone on to a file of its own.
+      if (this.path !== model || this.isClosed) return;
       this.path = "";
       showProblem(`${name} cannot be shown`, error instanceof Error ? error.message : String(error));
     }
@@ -117,13 +117,16 @@ export class SecondDesign {
    * @param {number} y
    */
   async click(x, y) {
+    const number = ++this.page.selections;
     const [first, second] = await Promise.all([this.page.picker.surface(x, y), this.picker.surface(x, y)]);
     const { measure, properties } = this.page;
+    if (this.isClosed) return;
     if (measure.active) {
       if (second) measure.add({ point: second.point, normal: second.normal });
       this.page.invalidate();
       return;
     }
+    if (number !== this.page.selections) return;
     this.page.select(null, null);
     properties.show(second, second && (this.parts?.shape(second.leaf) ?? null));
     properties.addDifference(first?.lux ?? null, second?.lux ?? null);
@@ -136,8 +139,10 @@ export class SecondDesign {
    * @param {number} y
    */
   async addDifference(first, x, y) {
+    const number = this.page.selections;
     const second = await this.picker.surface(x, y);
-    if (first === this.page.hit) this.page.properties.addDifference(first?.lux ?? null, second?.lux ?? null);
+    if (number === this.page.selections && !this.isClosed)
+      this.page.properties.addDifference(first?.lux ?? null, second?.lux ?? null);
   }
 
   close() {

@@ -99,6 +99,8 @@ export class Session {
   }
 
   connect() {
+    // It may have been closed during the pause.
+    if (this.isClosed) return;
     const socket = new WebSocket(this.url);
     socket.binaryType = "arraybuffer";
     this.socket = socket;

@@ -68,7 +68,8 @@ export function luxSettings(text) {
   try {
     const kept = JSON.parse(text ?? "");
     if (LUX_SCALES.includes(kept.luxScale)) known.luxScale = kept.luxScale;
-    if (kept.luxTail >= 0 && kept.luxTail <= 10) known.luxTail = Number(kept.luxTail);
+    const { luxTail } = kept;
+    if (typeof luxTail === "number" && luxTail >= 0 && luxTail <= 10) known.luxTail = luxTail;
     if (typeof kept.isolux === "boolean") known.isolux = kept.isolux;
     if (typeof kept.isoluxLevels === "string" && typedLevels(kept.isoluxLevels).error === "")
       known.isoluxLevels = kept.isoluxLevels;
@@ -92,16 +93,16 @@ export function nextShading(shading, order) {
 /**
  * Reason why these settings exclude rendering, `null` if they do not.
  * @param {Settings} settings
- * @param {{ hasEdges: boolean, isOutside: boolean, isCompared: boolean }} scene whether it has edges of its own, which are drawn over the rendered image,
- *   too; whether it has walls that are seen from outside; whether it is shown beside another one
+ * @param {{ hasEdges: boolean, hasMaps: boolean, hasWalls: boolean, isCompared: boolean }} scene whether it has edges of its own, which are drawn over the
+ *   rendered image, too; whether it has light on surfaces, and outer walls; whether it is shown beside another one
  */
-export function realTimeOnly(settings, { hasEdges, isOutside, isCompared }) {
+export function realTimeOnly(settings, { hasEdges, hasMaps, hasWalls, isCompared }) {
   if (settings.integrator === "none") return "chosen";
   if (isCompared) return "two designs";
   if (settings.section) return "section plane";
   if (settings.shading !== "material") return "surface colours";
-  if (settings.maps) return "illuminance";
-  if (settings.seeThrough && isOutside) return "walls that are seen through";
+  if (settings.maps && hasMaps) return "light on surfaces";
+  if (settings.seeThrough && hasWalls) return "walls that are seen through";
   if (settings.net || settings.isocurves > 0 || (settings.edges && !hasEdges)) return "lines on surfaces";
   return null;
 }

@@ -62,7 +62,6 @@ void main() {
   point.front = dot(n, triangle) >= 0.0;
   point.normal = point.front ? n : -n;
   if ((facts.bits & REVERSED) != 0u) point.front = !point.front;
-  if (isLeftOut(facts, point.front)) discard;
   point.normalX = dFdx(point.normal);
   point.normalY = dFdy(point.normal);
   point.principal = vec2(0.0);
@@ -71,7 +70,8 @@ void main() {
   float over = dot(section.xyz, eyePoint) - section.w;
   float slope = length(vec2(dFdx(over), dFdy(over)));
   if (section.xyz != vec3(0.0)) point.coverage = clamp(0.5 - over / max(slope, 1e-20), 0.0, 1.0);
-  if (point.coverage <= 0.0) discard;
+  // After the derivatives, which are undefined beside fragments that are discarded.
+  if (point.coverage <= 0.0 || isLeftOut(facts, point.front)) discard;
 ${mode === "material" ? "  mapPlace = vec2(-1.0);" : ""}
   colour = shade(point, facts);
 }

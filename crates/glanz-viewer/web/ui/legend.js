@@ -38,14 +38,24 @@ const LETTER = 0.026;
 const GAP = 0.015;
 
 /**
+ * The ends of a scale, with as many digits as tell them apart, and the area that it shows.
+ * @param {import("../lux_scale.js").LuxScale} scale
+ */
+export function limitsText({ low, high, percent }) {
+  const texts = [3, 4, 5, 6].map((digits) => [low, high].map((lux) => plain(lux, digits)));
+  const limits = (texts.find(([first, last]) => first !== last) ?? texts[3]).join(" to ");
+  if (!percent) return limits;
+  const [first, last] = percent.map((x) => plain(x));
+  return `${percent[0] > 0 ? `${first} % to ${last} %` : `up to ${last} %`} of the area, ${limits}`;
+}
+
+/**
  * The scale of illuminances, with round numbers where their colours are, and the isolux lines.
  * @param {LuxDisplay} lux
  * @param {Settings} settings
  */
-function luxLegend({ scale: range, levels }, { luxScale, luxTail, isolux }) {
-  const [low, high] = [range.low, range.high].map((lux) => plain(lux, 3));
-  const limits = luxScale === "percentile" ? `${plain(luxTail)} % to ${plain(100 - luxTail)} % of the area, ` : "";
-  const title = create("div", `Illuminance, lx (${limits}${low} to ${high})`);
+function luxLegend({ scale: range, levels }, { isolux }) {
+  const title = create("div", `Illuminance, lx (${limitsText(range)})`);
   const bar = create("div", "", "scale");
   bar.style.backgroundImage = gradient(VIRIDIS);
   const labels = create("div", "", "levels");

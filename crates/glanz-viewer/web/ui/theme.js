@@ -5,7 +5,7 @@
  */
 
 import { element } from "./dom.js";
-import { remember, remembered } from "./remembered.js";
+import { store, stored } from "./storage.js";
 
 const STORED = "glanz-theme";
 
@@ -19,12 +19,12 @@ export function initThemes(changed) {
     document.documentElement.dataset["theme"] = control.value;
     changed();
   };
-  control.value = remembered(STORED) ?? "auto";
+  control.value = stored(STORED) ?? "auto";
   // A word that no option has leaves the control empty.
   if (!control.value) control.value = "auto";
   apply();
   control.addEventListener("change", () => {
-    remember(STORED, control.value);
+    store(STORED, control.value);
     apply();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
