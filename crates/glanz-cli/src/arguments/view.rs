@@ -57,7 +57,7 @@ pub(crate) struct ViewArguments {
     /// Show the light of this checkpoint of `glanz bake` on the surfaces
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "lux")]
     pub(crate) light: Option<PathBuf>,
-    /// Show the lux maps that `glanz illuminate` wrote into this folder; those of two designs if it wrote them, or if there are two folders
+    /// Show the lux maps that `glanz illuminate` wrote into this folder; give it twice, or the folder of a comparison, for two designs
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) lux: Vec<PathBuf>,
     /// Show this second design beside the first one

@@ -10,7 +10,7 @@ use glanz::viewer::server::{
     ComparedDesign, SceneOverlay, SceneUpdate, Server, ServerError, ServerSettings, ViewerScene,
 };
 use glanz::viewer::stream::ViewDenoiser;
-use glanz::{LibraryDenoiser, LightOverlay, is_lux_folder};
+use glanz::{LibraryDenoiser, LightOverlay, is_lux_folder, lux_folder_content_hash};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
 
@@ -78,11 +78,20 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
 
 /// The folders of lux maps of the design and of the second one: those that are named, or the two in a folder of a comparison.
 fn lux_folders(arguments: &ViewArguments) -> Result<(Option<PathBuf>, Option<PathBuf>), CommandError> {
+    let is_compared = arguments.compare.is_some();
     let (first, second) = match arguments.lux.as_slice() {
         [] => return Ok((None, None)),
-        [folder] if is_lux_folder(folder) => (folder.clone(), None),
         [folder] => match ["a", "b"].map(|name| folder.join(name)) {
-            [a, b] if is_lux_folder(&a) && is_lux_folder(&b) => (a, Some(b)),
+            // With two scenes, a report beside the two folders is one of an earlier calculation.
+            [a, b] if is_lux_folder(&a) && is_lux_folder(&b) && (is_compared || !is_lux_folder(folder)) => {
+                let hashes = [&a, &b].map(|folder| lux_folder_content_hash(folder));
+                if !is_compared && matches!(hashes, [Some(first), Some(second)] if first != second) {
+                    let error =
+                        CommandError::new(format!("{}: these are lux maps of two scenes", folder.display()));
+                    return Err(error.with_help("give the second scene with --compare"));
+                }
+                (a, Some(b))
+            }
             _ => (folder.clone(), None),
         },
         [first, second] => (first.clone(), Some(second.clone())),
@@ -91,7 +100,7 @@ fn lux_folders(arguments: &ViewArguments) -> Result<(Option<PathBuf>, Option<Pat
             return Err(error.with_help("two designs can be compared: give --lux twice at most"));
         }
     };
-    if arguments.compare.is_some() && second.is_none() {
+    if is_compared && second.is_none() {
         let error =
             CommandError::new(format!("{}: there are no lux maps of the second design", first.display()));
         return Err(error.with_help(
@@ -179,12 +188,15 @@ mod tests {
     #[test]
     fn folders_of_lux_maps_are_those_of_the_designs() {
         let folder = std::env::temp_dir().join(format!("glanz-lux-folders-{}", std::process::id()));
-        let write = |name: &str| {
+        let write = |name: &str, report: &str| {
             let folder = folder.join(name);
             std::fs::create_dir_all(&folder).unwrap();
-            std::fs::write(folder.join("report.json"), "{}").unwrap();
+            std::fs::write(folder.join("report.json"), report).unwrap();
         };
-        ["designs/a", "designs/b", "one"].into_iter().for_each(write);
+        ["designs/a", "designs/b", "one"].into_iter().for_each(|name| write(name, "{}"));
+        for (name, hash) in [("other/a", "0a"), ("other/b", "0b"), ("same/a", "0a"), ("same/b", "0a")] {
+            write(name, &format!(r#"{{"facts": {{"scene_content_hash": "{hash}"}}}}"#));
+        }
         let folders = |arguments: &str| {
             let words = arguments.split_whitespace().map(|word| match word.strip_prefix('/') {
                 Some(name) => folder.join(name).display().to_string(),
@@ -202,6 +214,14 @@ mod tests {
         assert_eq!(folders("--compare b.pbrt --lux /designs"), folders("--lux /designs"));
         assert!(folders("--compare b.pbrt --lux /one").unwrap_err().contains("no lux maps of the second"));
         assert!(folders("--lux 1 --lux 2 --lux 3").unwrap_err().contains("third folder"));
+        // Maps of two scenes are not shown on one.
+        assert_eq!(folders("--lux /same"), Ok((path("same/a"), path("same/b"))));
+        assert!(folders("--lux /other").unwrap_err().contains("of two scenes"));
+        assert_eq!(folders("--compare b.pbrt --lux /other"), Ok((path("other/a"), path("other/b"))));
+        // A report of an earlier calculation lies beside the folders of the comparison.
+        write("designs", "{}");
+        assert_eq!(folders("--lux /designs"), Ok((path("designs"), None)));
+        assert_eq!(folders("--compare b.pbrt --lux /designs"), Ok((path("designs/a"), path("designs/b"))));
         // The reader of the folder names what is missing.
         assert_eq!(folders("--lux /nowhere"), Ok((path("nowhere"), None)));
         std::fs::remove_dir_all(&folder).unwrap();

@@ -122,6 +122,13 @@ impl Model {
         })
     }
 
+    /// The model with one more note for the page.
+    #[must_use]
+    pub fn with_note(mut self, note: String) -> Self {
+        self.head.notes.push(note);
+        self
+    }
+
     /// The file that the page loads.
     ///
     /// # Errors

@@ -176,7 +176,7 @@ impl LuxLookup for TwoCells {
         (at.position.z.fract() == 0.0).then_some(reading)
     }
 
-    fn cells(&self) -> Vec<LuxCell> {
+    fn cells_on(&self, _: u32) -> Vec<LuxCell> {
         vec![LuxCell { lux: 40.0, error: 0.0, area: 1.0 }, LuxCell::default()]
     }
 }
@@ -193,7 +193,7 @@ fn picks_have_the_illuminance_of_their_cell_and_meet_receivers_of_air_where_maps
         Shape \"disk\"",
     );
     let label = MapLabel { name: "illuminance", unit: "lx", two_sided: false };
-    let model = model.with_map(label, &scene, 2, |_, _, _, _| Some([40.0; 3])).unwrap();
+    let model = model.with_map(label, &scene, 2, |_| true, |_, _, _, _| Some([40.0; 3])).unwrap();
     let model = model.with_lux(std::sync::Arc::new(TwoCells));
     let at = |x: f64, maps: bool| {
         let ray = Ray::new(DVec3::new(x, 0.2, 5.0), -DVec3::Z);

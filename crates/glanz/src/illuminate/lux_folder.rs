@@ -4,8 +4,9 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Encoding};
+use glanz_geometry::Surface;
 use glanz_illumination::{GridResolution, ReceiverHit, ReceiverRequest, Receivers};
-use glanz_scene::{HitLocation, ParametricPoint, Scene};
+use glanz_scene::{HitLocation, ParametricPoint, PlacedSurface, Scene};
 use glanz_viewer::model::{LuxCell, LuxLookup, LuxReading};
 use serde::Deserialize;
 
@@ -15,6 +16,9 @@ use crate::file;
 
 /// The channels of a lux map's picture.
 const CHANNELS: [&str; 3] = ["lux", "error", "area"];
+
+/// Fewest and most values along each side of a surface.
+const VALUES: [usize; 2] = [65, 1025];
 
 /// Lux maps with the report that lists them.
 #[derive(Debug)]
@@ -45,10 +49,29 @@ struct StoredReport {
     receivers: Vec<StoredReceiver>,
 }
 
+/// The part of the report that tells which scene it is of.
+#[derive(Debug, Deserialize)]
+struct ReportOrigin {
+    facts: ReportFacts,
+}
+
+#[derive(Debug, Deserialize)]
+struct ReportFacts {
+    /// Hexadecimal digits.
+    scene_content_hash: String,
+}
+
 /// Whether lux maps were written into this folder.
 #[must_use]
 pub fn is_lux_folder(folder: &Path) -> bool {
     folder.join(REPORT).is_file()
+}
+
+/// [Hash](glanz_job::ContentHash) of the files of the scene that the lux maps in this folder were computed for; `None` if the report does not tell it.
+#[must_use]
+pub fn lux_folder_content_hash(folder: &Path) -> Option<u128> {
+    let report: ReportOrigin = serde_json::from_slice(&file::read(&folder.join(REPORT)).ok()?).ok()?;
+    u128::from_str_radix(&report.facts.scene_content_hash, 16).ok()
 }
 
 impl LuxFolder {
@@ -80,6 +103,12 @@ impl LuxFolder {
             maps.push(StoredMap { receiver, cells });
         }
         Ok(Self { folder: folder.to_owned(), maps })
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.folder
     }
 
     /// The maps on the receivers of `scene`.
@@ -136,9 +165,30 @@ impl PlacedLux {
         self.receivers.as_slice().iter().any(|r| !r.is_back() && backs.contains(&r.surface()))
     }
 
+    /// Whether a surface has receivers, by its number in [`Scene::placed_surfaces`].
+    #[must_use]
+    pub fn is_on(&self, surface: u32) -> bool {
+        self.receivers.as_slice().iter().any(|receiver| receiver.surface() == surface)
+    }
+
+    /// Number of values along each side of a surface by which the page draws the maps, 65 to 1025: among them those in the middles and at the borders of up to 512
+    /// cells along the longer side of a receiver. `placed`: the surfaces of the scene.
+    #[must_use]
+    pub fn side(&self, placed: &[PlacedSurface<'_>]) -> usize {
+        let is_mesh = |surface: u32| {
+            placed.get(surface as usize).is_some_and(|placed| matches!(placed.surface(), Surface::Mesh(_)))
+        };
+        // The cells of a mesh, which may be its triangles, are not drawn.
+        let drawn = self.receivers.as_slice().iter().filter(|receiver| !is_mesh(receiver.surface()));
+        let cells = drawn.flat_map(|receiver| receiver.cells());
+        let halves = 2 * cells.max().unwrap_or(1).max(1) as usize;
+        let [fewest, most] = VALUES;
+        if halves >= most { most } else { halves * (fewest - 1).div_ceil(halves) + 1 }
+    }
+
     /// Illuminance at a point, interpolated between the middles of the cells, lx: on the side of the point, or on the other one if light counts there only.
     #[must_use]
-    pub fn smooth(&self, at: &HitLocation) -> Option<f32> {
+    pub fn interpolated(&self, at: &HitLocation) -> Option<f32> {
         let (at, met) = self.met(at)?;
         let own = self.cells.get(met.cell)?;
         let first = self.receivers.cells_of(met.receiver).start;
@@ -180,7 +230,11 @@ impl LuxLookup for PlacedLux {
         })
     }
 
-    fn cells(&self) -> Vec<LuxCell> {
-        self.cells.clone()
+    fn cells_on(&self, surface: u32) -> Vec<LuxCell> {
+        let numbers = 0..self.receivers.as_slice().len();
+        let found =
+            numbers.zip(self.receivers.as_slice()).filter(|(_, receiver)| receiver.surface() == surface);
+        let cells = found.flat_map(|(number, _)| self.cells.get(self.receivers.cells_of(number)));
+        cells.flatten().copied().collect()
     }
 }

@@ -31,11 +31,15 @@ impl ViewServer {
 
     /// The same with these environment variables.
     pub(crate) fn start_with(scene: &Path, variables: &[(&str, &Path)]) -> Self {
-        Self::start_by(scene, &[], variables)
+        Self::start_with_arguments(scene, &[], variables)
     }
 
     /// The same with more arguments.
-    pub(crate) fn start_by(scene: &Path, arguments: &[&OsStr], variables: &[(&str, &Path)]) -> Self {
+    pub(crate) fn start_with_arguments(
+        scene: &Path,
+        arguments: &[&OsStr],
+        variables: &[(&str, &Path)],
+    ) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_glanz"))
             .arg("view")
             .arg(scene)

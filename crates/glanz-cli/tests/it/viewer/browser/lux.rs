@@ -160,7 +160,7 @@ fn lux_maps_are_read_scaled_and_drawn_as_their_tables_say() {
     let scene = lit.write("room.pbrt", 10.0);
     let lux = lit.illuminate(&scene, &[]);
     let cells = table(&lux);
-    let served = ViewServer::start_by(&scene, &["--lux".as_ref(), lux.as_os_str()], &[]);
+    let served = ViewServer::start_with_arguments(&scene, &["--lux".as_ref(), lux.as_os_str()], &[]);
     let mut page = Page::open(&served.address(), SIZE);
     look(&mut page, FROM_ABOVE);
 
@@ -275,10 +275,14 @@ fn two_designs_have_one_camera_and_one_scale_and_show_their_difference() {
     let lux = lit.illuminate(&a, &["--compare".as_ref(), b.as_os_str()]);
     let [first, second] = ["a", "b"].map(|name| table(&lux.join(name)));
     let arguments: [&OsStr; 4] = ["--compare".as_ref(), b.as_os_str(), "--lux".as_ref(), lux.as_os_str()];
-    let served = ViewServer::start_by(&a, &arguments, &[]);
+    let served = ViewServer::start_with_arguments(&a, &arguments, &[]);
     let mut page = Page::open(&served.address(), SIZE);
     page.until("the second design is there", "window.glanz.state().second === 'b.pbrt'");
     look(&mut page, FROM_ABOVE);
+    let heights =
+        "['main', '#view', 'canvas.second'].map((name) => document.querySelector(name).clientHeight)";
+    let heights = page.evaluate(heights);
+    assert!(heights[0] == heights[1] && heights[0] == heights[2], "{heights}");
     // The brighter one decides the scale.
     let most = first.iter().fold(0.0, |most: f64, cell| most.max(cell.lux));
     assert_eq!(
