@@ -52,8 +52,8 @@ pub(super) enum OuterSide {
 }
 
 impl Model {
-    /// The model with its outer walls marked: a side of a surface from which rays along the normal leave the scene is an outer side if the other side is in a room,
-    /// where it sees a light, or, in scenes whose light has no place, a surface that faces it. Files of models rarely say which side is the room's.
+    /// The model with its outer walls marked: a side of a surface from which rays along the normal leave the scene is an outer side if the other side is in a room:
+    /// a receiver counts light there, or it sees a light, or, in scenes whose light has no place, a surface that faces it. Files of models rarely say which side is the room's.
     #[must_use]
     pub(crate) fn with_outer_sides(mut self, scene: &Scene) -> Self {
         if self.head.objects.len() > MOST_OBJECTS {
@@ -127,6 +127,9 @@ impl<'a> WallSearch<'a> {
         if surface.is_passable() || faces.is_empty() {
             return None;
         }
+        let receivers = self.measured.get(&surface.shape(faces.start)).map_or(&[][..], Vec::as_slice);
+        let [is_front, is_back] = [ReceiverSide::Front, ReceiverSide::Back]
+            .map(|side| receivers.iter().any(|&other| other == side || other == ReceiverSide::Both));
         let (mut area, mut front_area, mut back_area) = (0.0, 0.0, 0.0);
         for number in 0..self.points {
             let share = (number as f64 * INTERVAL_STEP).fract();
@@ -138,23 +141,21 @@ impl<'a> WallSearch<'a> {
             let weight = front.area_element * domain_area;
             area += weight;
             let [before, behind] = [&front.at, &back.at].map(|at| self.first_hit(at.spawn(at.wo)));
+            // Where light counts, there is no outside.
             match (before, behind) {
-                (Some(hit), None) if self.is_in_room(object, &front.at, &hit) => back_area += weight,
-                (None, Some(hit)) if self.is_in_room(object, &back.at, &hit) => front_area += weight,
+                (Some(hit), None) if !is_back && self.is_in_room(object, &front.at, &hit, is_front) => {
+                    back_area += weight
+                }
+                (None, Some(hit)) if !is_front && self.is_in_room(object, &back.at, &hit, is_back) => {
+                    front_area += weight
+                }
                 _ => {}
             }
         }
         if !(area > 0.0 && f64::max(front_area, back_area) >= LEAST_SHARE * area) {
             return None;
         }
-        let (side, measured) = if front_area > back_area {
-            (OuterSide::Front, ReceiverSide::Front)
-        } else {
-            (OuterSide::Back, ReceiverSide::Back)
-        };
-        let receivers = self.measured.get(&surface.shape(faces.start)).map_or(&[][..], Vec::as_slice);
-        let is_measured = receivers.iter().any(|&side| side == measured || side == ReceiverSide::Both);
-        (!is_measured).then_some(side)
+        Some(if front_area > back_area { OuterSide::Front } else { OuterSide::Back })
     }
 
     /// The first hit that is not on an interface.
@@ -170,17 +171,21 @@ impl<'a> WallSearch<'a> {
         None
     }
 
-    /// Whether the side of a point of an object that sees `hit` is in a room.
+    /// Whether the side of a point of an object that sees `hit` is in a room. `is_measured`: whether a receiver counts light there.
     fn is_in_room(
         &self,
         object: u32,
         at: &Interaction,
         (hit, place): &(Interaction, ParametricPoint),
+        is_measured: bool,
     ) -> bool {
         let is_near = hit.point.position.distance(at.point.position) <= LEAST_DISTANCE * self.diagonal;
         // A solid sees the backs of its own sides.
         if is_near || (place.back && self.model.object_of(place) == Some(object)) {
             return false;
+        }
+        if is_measured {
+            return true;
         }
         if self.lights.is_empty() {
             return !place.back;

@@ -147,6 +147,18 @@ fn the_side_that_a_receiver_measures_is_shown() {
 }
 
 #[test]
+fn receivers_are_in_rooms_where_no_lamp_is_in_sight() {
+    assert_sides(
+        r#"LightSource "point" "point3 from" [2 1.5 1.2]
+        NamedMaterial "-"
+        Shape "box" "point3 min" [1.9 1.4 1.1] "point3 max" [2.1 1.6 1.3]
+        Shape "bilinearmesh" "point3 P" [0 0 2.5  4 0 2.5  0 3 2.5  4 3 2.5]
+        NamedMaterial "b"
+        Shape "bilinearmesh" "string receiver" "floor" "point3 P" [0 0 0  4 0 0  0 3 0  4 3 0]"#,
+    );
+}
+
+#[test]
 fn walls_of_scenes_that_are_lit_from_afar_see_something_that_faces_them() {
     // The floor sees the back of the ceiling.
     assert_sides(
