@@ -39,7 +39,7 @@ pub use division::LightDivision;
 pub use far_field::{AngleStep, AngleStepError, FarField, FarFieldGrid, FarFieldResolution, FarFieldSummary};
 pub use lux_map::{LuxMap, LuxStatistics, LuxSummary};
 pub use lux_parts::IntegratedLux;
-pub use receiver::{GridResolution, Receiver, ReceiverError, ReceiverRequest, Receivers};
+pub use receiver::{GridResolution, Receiver, ReceiverError, ReceiverHit, ReceiverRequest, Receivers};
 pub use replicates::ReplicateEstimate;
 pub use room::add_walls;
 pub use tally::Tally;

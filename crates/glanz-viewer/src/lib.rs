@@ -2,6 +2,7 @@
 //!
 //! `docs/viewer.md` in the repository describes the parts and the messages between them.
 
+mod leaf_ranges;
 pub mod model;
 pub mod query;
 pub mod server;

@@ -105,3 +105,13 @@ test("lost connection rejects what waits, and is made anew after growing pauses 
   Socket.made[Socket.made.length - 1].close();
   assert.deepEqual(heard.at(-1), ["offline", 500]);
 });
+
+test("a session that is closed while it waits to connect again stays closed", (context) => {
+  const clock = timers(context);
+  const { session, socket } = connected();
+  socket.close();
+  const made = Socket.made.length;
+  session.close();
+  clock.tick(20000);
+  assert.equal(Socket.made.length, made);
+});

@@ -1,13 +1,26 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { defaultSettings, fullColour, nextShading, realTimeOnly, sectionPlane, shareThrough } from "../web/settings.js";
+import {
+  defaultSettings,
+  fullColour,
+  luxSettings,
+  luxSettingsText,
+  nextShading,
+  realTimeOnly,
+  sectionPlane,
+  shareThrough,
+} from "../web/settings.js";
 
 /** @type {import("../web/camera.js").Bounds} */
 const BOX = [
   [-1, 0, 2],
   [3, 8, 4],
 ];
+
+/** Scenes without edges of their own: one of parts, and a lit room. */
+const PLAIN = { hasEdges: false, hasMaps: false, hasWalls: false, isCompared: false };
+const ROOM = { ...PLAIN, hasMaps: true, hasWalls: true };
 
 test("a key turns its own shading on whichever other is shown, and off again", () => {
   /** @type {import("../web/settings.js").Shading[]} */
@@ -19,7 +32,7 @@ test("a key turns its own shading on whichever other is shown, and off again", (
 });
 
 test("untouched settings are rendered, and everything that rendering does not show is a reason not to", () => {
-  assert.equal(realTimeOnly(defaultSettings(), false), null);
+  assert.equal(realTimeOnly(defaultSettings(), PLAIN), null);
   /** @type {Partial<import("../web/settings.js").Settings>[]} */
   const reasons = [
     { integrator: "none" },
@@ -29,9 +42,27 @@ test("untouched settings are rendered, and everything that rendering does not sh
     { net: true },
     { edges: true },
     { isocurves: 1 },
+    { seeThrough: true },
   ];
   for (const reason of reasons)
-    assert.ok(realTimeOnly({ ...defaultSettings(), ...reason }, false), JSON.stringify(reason));
+    assert.ok(realTimeOnly({ ...defaultSettings(), ...reason }, ROOM), JSON.stringify(reason));
+});
+
+test("what a scene does not have excludes no rendering, two designs do", () => {
+  const settings = { ...defaultSettings(), seeThrough: true, maps: true };
+  assert.equal(realTimeOnly(settings, PLAIN), null);
+  assert.equal(realTimeOnly(defaultSettings(), ROOM), null);
+  assert.equal(realTimeOnly(defaultSettings(), { ...PLAIN, isCompared: true }), "two designs");
+});
+
+test("settings of lux maps are kept, and what is none of them is left out", () => {
+  const settings = { ...defaultSettings(), luxScale: /** @type {const} */ ("percentile"), luxTail: 2.5, isolux: true };
+  const kept = luxSettings(luxSettingsText({ ...settings, isoluxLevels: "300 500" }));
+  assert.deepEqual(kept, { luxScale: "percentile", luxTail: 2.5, isolux: true, isoluxLevels: "300 500" });
+  for (const luxTail of [null, true, "5", [1], -1, 11]) assert.deepEqual(luxSettings(JSON.stringify({ luxTail })), {});
+  for (const text of [null, "", "[", "null", "7"]) assert.deepEqual(luxSettings(text), {});
+  const damaged = JSON.stringify({ luxScale: "cubic", luxTail: 60, isolux: 1, isoluxLevels: "many", shading: "zebra" });
+  assert.deepEqual(luxSettings(damaged), {});
 });
 
 test("section plane goes from one end of the box to the other", () => {
@@ -71,6 +102,6 @@ test("full colour is a power of ten over the size of the scene", () => {
 
 test("edges of the scene are drawn over the rendered image, borders of patches are not", () => {
   const settings = { ...defaultSettings(), edges: true };
-  assert.equal(realTimeOnly(settings, true), null);
-  assert.equal(realTimeOnly(settings, false), "lines on surfaces");
+  assert.equal(realTimeOnly(settings, { ...PLAIN, hasEdges: true }), null);
+  assert.equal(realTimeOnly(settings, PLAIN), "lines on surfaces");
 });

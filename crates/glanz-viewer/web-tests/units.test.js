@@ -7,6 +7,8 @@ import {
   directionText,
   fixLengthUnit,
   lengthText,
+  luxText,
+  luxTexts,
   plain,
   pointText,
   timeText,
@@ -58,4 +60,21 @@ test("measures of a CAD file have its unit, if it is a known one", () => {
     assert.equal(volumeText(2e-9), "2 mm³");
     assert.equal(pointText([0.0254, 0, 0]), "0.0254, 0, 0 m");
   }
+});
+
+test("illuminances have their relative errors, and those of two designs their difference", () => {
+  /** @param {number} lux @param {number | null} relativeError */
+  const reading = (lux, relativeError) => ({
+    ...{ receiver: "floor", cell: /** @type {[number, number]} */ ([0, 0]), lux, relativeError },
+    ...{ minimum: 0, mean: 0, maximum: 0 },
+  });
+  assert.equal(luxText(reading(512.34, 0.0081)), "512.3 lx ± 0.81 %");
+  assert.equal(luxText(reading(512.34, 3.6e-7)), "512.3 lx ± < 0.01 %");
+  assert.equal(luxText(reading(0, null)), "0 lx");
+  const [first, second] = [reading(500, 0.01), reading(480, 0)];
+  assert.equal(luxTexts(first, second), "A 500 lx ± 1 %, B 480 lx, B − A −20 lx (−4 %)");
+  assert.equal(luxTexts(second, first), "A 480 lx, B 500 lx ± 1 %, B − A +20 lx (+4.2 %)");
+  assert.equal(luxTexts(reading(0, null), reading(3, null)), "A 0 lx, B 3 lx, B − A +3 lx");
+  assert.equal(luxTexts(null, second), "A –, B 480 lx");
+  assert.equal(luxTexts(null, null), "");
 });

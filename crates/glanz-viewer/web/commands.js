@@ -5,6 +5,7 @@
  */
 
 import { leafBounds } from "./leaf_bounds.js";
+import { LUX_SCALES } from "./lux_scale.js";
 import { nextShading, shareThrough } from "./settings.js";
 import { announce, element } from "./ui/dom.js";
 import { download, showProblem, upload } from "./ui/files.js";
@@ -157,6 +158,14 @@ function toolCommands(page) {
   };
   /** @param {Shading[]} order */
   const next = (order) => () => (settings.shading = nextShading(settings.shading, order));
+  /** A command for scenes that have something. @param {() => boolean} has @param {string} what @param {() => void} run */
+  const only = (has, what, run) => () => (has() ? run() : announce(`The scene has no ${what}`));
+  const hasMaps = () => page.hasMaps;
+  const hasLux = () => page.hasLux;
+  const nextScale = () => {
+    settings.luxScale = LUX_SCALES[(LUX_SCALES.indexOf(settings.luxScale) + 1) % LUX_SCALES.length];
+    announce(`Scale: ${settings.luxScale}`);
+  };
   return [
     {
       name: "section",
@@ -172,6 +181,42 @@ function toolCommands(page) {
       run: setting(next(["material", "gaussian", "mean", "maximum"])),
     },
     { name: "edges", keys: ["e"], label: "Edges", run: setting(() => (settings.edges = !settings.edges)) },
+    {
+      name: "maps",
+      keys: ["l"],
+      label: "Light on surfaces",
+      run: only(
+        hasMaps,
+        "light on surfaces",
+        setting(() => (settings.maps = !settings.maps)),
+      ),
+    },
+    {
+      name: "luxScale",
+      keys: ["g"],
+      label: "Scale of illuminance: linear, logarithmic, percentiles",
+      run: only(hasLux, "illuminances", setting(nextScale)),
+    },
+    {
+      name: "isolux",
+      keys: ["t"],
+      label: "Isolux lines",
+      run: only(
+        hasLux,
+        "illuminances",
+        setting(() => (settings.isolux = !settings.isolux)),
+      ),
+    },
+    {
+      name: "seeThrough",
+      keys: ["w"],
+      label: "Walls seen through from outside",
+      run: only(
+        () => page.hasWalls,
+        "outer walls",
+        setting(() => (settings.seeThrough = !settings.seeThrough)),
+      ),
+    },
     { name: "net", keys: ["n"], label: "Control net", run: setting(() => (settings.net = !settings.net)) },
     { name: "measure", keys: ["m"], label: "MeasureTool between two points", run: () => toggleMeasure(page) },
     { name: "savePng", keys: ["p"], label: "Save the view as PNG", run: () => savePng(page) },
@@ -217,9 +262,25 @@ function savePng(page) {
   // The browser clears the canvas once it was shown: only right after drawing there is something to read.
   page.draw(true);
   const name = fileName(page, page.isDenoised ? "denoised.png" : "png");
-  page.canvas.toBlob((blob) => {
+  const canvas = page.second ? sideBySide(page.canvas, page.second.canvas) : page.canvas;
+  canvas.toBlob((blob) => {
     if (blob) download(blob, name);
   }, "image/png");
+}
+
+/**
+ * A picture of two.
+ * @param {HTMLCanvasElement} left
+ * @param {HTMLCanvasElement} right
+ */
+function sideBySide(left, right) {
+  const both = document.createElement("canvas");
+  both.width = left.width + right.width;
+  both.height = Math.max(left.height, right.height);
+  const context = both.getContext("2d");
+  context?.drawImage(left, 0, 0);
+  context?.drawImage(right, left.width, 0);
+  return both;
 }
 
 /** @param {Page} page */

@@ -17,7 +17,7 @@
  * @typedef {PatchSurface | MeshSurface | AlgebraicSurface} Surface
  * @typedef {{ cells: [number, number], firstCell: number, min: [number, number], max: [number, number] }} Region
  * @typedef {{ surface: number, toWorld: number[], material: number, leaf: number, kind: string, reversed: boolean,
- *   light: boolean, shared: boolean, map: number | null }} SceneObject
+ *   light: boolean, shared: boolean, map: number | null, outside: "front" | "back" | null }} SceneObject
  * @typedef {{ name: string, kind: string, base: Vector, metallic: number, roughness: number, opacity: number,
  *   specular: Vector, exponent: number | null, emission: Vector }} Material
  * @typedef {{ kind: "point" | "spot" | "distant" | "area" | "infinite", position: Vector, direction: Vector,
@@ -44,6 +44,7 @@
  * @property {Float32Array} normals 3 each
  * @property {Uint32Array} indices 3 each triangle
  * @property {Float32Array} edgePoints 3 each
+ * @property {Float32Array} luxCells 2 each
  */
 
 /**
@@ -63,6 +64,7 @@
  * @property {Edge[]} edges
  * @property {EdgeCopy[]} edgeCopies
  * @property {LightMap[]} maps
+ * @property {boolean} hasWalls whether objects have outer sides
  * @property {string[]} notes
  * @property {Blocks} blocks
  * @property {Float32Array[]} mapValues values of the maps, in the order of `maps`, three each
@@ -86,7 +88,20 @@ const WORDS = {
   normals: 3,
   indices: 3,
   edgePoints: 3,
+  luxCells: 2,
 };
+
+/**
+ * The model that the server has at a path.
+ * @param {string} path
+ * @returns {Promise<Model>}
+ * @throws {Error} that says why there is none
+ */
+export async function fetchModel(path) {
+  const response = await fetch(path);
+  if (!response.ok) throw new Error(`The server answered with ${response.status} ${response.statusText}.`);
+  return decodeModel(await response.arrayBuffer());
+}
 
 /**
  * The model in these bytes.
@@ -114,12 +129,14 @@ export function decodeModel(bytes) {
     normals: floats("normals"),
     indices: integers("indices"),
     edgePoints: floats("edgePoints"),
+    luxCells: floats("luxCells"),
   };
   /** @type {LightMap[]} */
   const maps = head.maps ?? [];
   const mapValues = maps.map((map) => new Float32Array(...block(map.block, 3)));
   const { notes = [], edges = [], edgeCopies = [] } = head;
-  const model = { ...head, maps, notes, edges, edgeCopies, blocks, mapValues };
+  const hasWalls = head.objects?.some((/** @type {SceneObject} */ { outside }) => Boolean(outside)) ?? false;
+  const model = { ...head, maps, notes, edges, edgeCopies, hasWalls, blocks, mapValues };
   checkReferences(model);
   return model;
 }

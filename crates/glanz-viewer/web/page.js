@@ -6,12 +6,14 @@
 
 import { edgeDimensions } from "./edge_picking.js";
 import { Renderer } from "./gl/renderer.js";
-import { decodeModel } from "./model.js";
+import { fetchModel } from "./model.js";
 import { AdaptiveResolution } from "./adaptive_resolution.js";
 import { Picker } from "./picker.js";
 import { SceneParts, ranges } from "./scene_parts.js";
 import { Session } from "./session.js";
-import { defaultSettings, fullColour, realTimeOnly, sectionPlane } from "./settings.js";
+import { defaultSettings, fullColour, luxSettings, luxSettingsText, realTimeOnly, sectionPlane } from "./settings.js";
+import { luxScale, roundLevels, sortedCells, typedLevels } from "./lux_scale.js";
+import { SecondDesign } from "./second_design.js";
 import { RenderedImage } from "./rendered_image.js";
 import { announce, create, element } from "./ui/dom.js";
 import { showProblem } from "./ui/files.js";
@@ -19,11 +21,12 @@ import { PointerControls } from "./ui/pointer_controls.js";
 import { showLegend } from "./ui/legend.js";
 import { MeasureTool } from "./ui/measure_tool.js";
 import { PropertiesPanel, edgeRows } from "./ui/properties_panel.js";
+import { store, stored } from "./ui/storage.js";
 import { StatusBar } from "./ui/status_bar.js";
 import { backgroundColour } from "./ui/theme.js";
 import { SettingsPanel } from "./ui/settings_panel.js";
 import { SceneTree } from "./ui/scene_tree.js";
-import { fixLengthUnit, pointText } from "./ui/units.js";
+import { fixLengthUnit, luxText, luxTexts, pointText } from "./ui/units.js";
 import { Viewpoint } from "./viewpoint.js";
 
 /** @typedef {import("./linear.js").Vector} Vector */
@@ -31,6 +34,9 @@ import { Viewpoint } from "./viewpoint.js";
 /** @typedef {import("./scene_parts.js").Item} Item */
 /** @typedef {import("./session.js").Hit} Hit */
 /** @typedef {import("./session.js").SceneMessage} SceneMessage */
+
+/** Name under which the browser keeps the settings of lux maps. */
+const LUX_SETTINGS = "glanz-lux";
 
 /** Milliseconds between pictures while tiles come in over a scene that must be drawn below them. */
 const TILE_PAUSE = 250;
@@ -46,10 +52,16 @@ export class Page {
     this.canvas = element("view", HTMLCanvasElement);
     this.renderer = new Renderer(this.canvas);
     this.renderer.onRestored = () => this.invalidate();
-    this.settings = defaultSettings();
+    this.settings = { ...defaultSettings(), ...luxSettings(stored(LUX_SETTINGS)) };
     /** @type {Model | null} */
     this.model = null;
     this.scene = { model: "", name: "", session: "" };
+    /** The design that is shown beside this one. @type {SecondDesign | null} */
+    this.second = null;
+    /** The cells of both designs. @type {{ models: Model[], cells: Float32Array }} */
+    this.luxCells = { models: [], cells: new Float32Array() };
+    /** How illuminances are shown, `null` if there are none. @type {import("./gl/renderer.js").LuxDisplay | null} */
+    this.lux = null;
     /** @type {SceneParts | null} */
     this.parts = null;
     /** The last pick. @type {Hit | null} */
@@ -73,6 +85,10 @@ export class Page {
     /** Whether the last picture was a rendered one without noise. */
     this.isDenoised = false;
     this.saveExr = element("save-exr", HTMLButtonElement);
+    /** Number of the last pick or selection: answers to those before come too late. */
+    this.selections = 0;
+    /** Where the pointer rests. @type {{ x: number, y: number } | null} */
+    this.hovering = null;
     this.isReady = () => {};
     /** Once the first scene is drawn, with its shadows. @type {Promise<void>} */
     this.ready = new Promise((resolve) => (this.isReady = resolve));
@@ -134,6 +150,7 @@ export class Page {
     this.scene.session = message.session ?? "";
     if (this.model === null && message.integrator) this.settings.integrator = message.integrator;
     this.tools.allowDenoising(message.denoiser ?? null);
+    this.compare(message.compared === true);
     if (message.error !== null) showProblem(`${message.name} cannot be shown`, message.error);
     if (message.model === null || message.model === this.scene.model) {
       // After the connection was made anew, the picture has to be asked for again.
@@ -143,14 +160,28 @@ export class Page {
     const isSame = message.name === this.scene.name;
     this.scene = { model: message.model, name: message.name, session: this.scene.session };
     try {
-      const response = await fetch(message.model);
-      if (!response.ok) throw new Error(`The server answered with ${response.status} ${response.statusText}.`);
-      const bytes = await response.arrayBuffer();
-      if (this.scene.model === message.model) this.show(decodeModel(bytes), isSame);
+      const model = await fetchModel(message.model);
+      if (this.scene.model === message.model) this.show(model, isSame);
     } catch (error) {
+      // Another scene may have come meanwhile.
+      if (this.scene.model !== message.model) return;
       this.scene.model = "";
       showProblem(`${message.name} cannot be shown`, error instanceof Error ? error.message : String(error));
     }
+  }
+
+  /** Shows a second design beside this one, or none. @param {boolean} isCompared */
+  compare(isCompared) {
+    if (isCompared === (this.second !== null)) return;
+    this.second?.close();
+    this.second = null;
+    try {
+      if (isCompared) this.second = new SecondDesign(this);
+    } catch (error) {
+      showProblem("The second design cannot be shown", error instanceof Error ? error.message : String(error));
+    }
+    element("main", HTMLElement).classList.toggle("compared", this.second !== null);
+    this.resize();
   }
 
   /**
@@ -170,11 +201,14 @@ export class Page {
     if (!isSame) {
       this.settings.maps = model.maps.length > 0;
       this.settings.edges = model.edges.length > 0;
+      // Whoever looks into a room from outside wants to see what light there is in it.
+      this.settings.seeThrough = this.hasLux;
     }
     this.tools.write();
     this.measure.activate(false);
     this.select(parts.selected, null);
     element("name", HTMLElement).textContent = model.name;
+    element("first-design", HTMLElement).textContent = `A: ${model.name}`;
     document.title = `${model.name} – Glanz`;
     this.canvas.setAttribute("aria-label", `${model.name}, ${parts.count} shapes`);
     element("notes", HTMLElement).hidden = model.notes.length === 0;
@@ -195,6 +229,11 @@ export class Page {
     }
   }
 
+  /** Hidden leaves. @returns {Set<number>} */
+  get hidden() {
+    return this.parts?.hidden ?? new Set();
+  }
+
   /** The plane that cuts the scene, `null` if none does. */
   get section() {
     return sectionPlane(this.settings, this.viewpoint.bounds);
@@ -205,12 +244,12 @@ export class Page {
    * @returns {import("./gl/renderer.js").View}
    */
   view(share = 1) {
-    const { exposure, shading, stripes, isocurves, edges, net, maps } = this.settings;
+    const { exposure, shading, stripes, isocurves, edges, net, maps, seeThrough } = this.settings;
     return {
       camera: this.viewpoint.camera,
       width: Math.ceil(this.size.width * share),
       height: Math.ceil(this.size.height * share),
-      hidden: this.parts?.hidden ?? new Set(),
+      hidden: this.hidden,
       selected: this.parts?.selectedLeaf ?? null,
       curvature: fullColour(this.settings, this.viewpoint.extent),
       section: this.section,
@@ -219,7 +258,7 @@ export class Page {
       shadows: !this.isNew,
       edge: this.edge,
       background: backgroundColour(),
-      ...{ exposure, shading, stripes, isocurves, edges, net, maps },
+      ...{ exposure, shading, stripes, isocurves, edges, net, maps, seeThrough, lux: this.lux },
     };
   }
 
@@ -243,9 +282,28 @@ export class Page {
     return (this.model?.edges.length ?? 0) > 0;
   }
 
+  /** The models of one design or two. */
+  get models() {
+    return [this.model, this.second?.model ?? null].filter((model) => model !== null);
+  }
+
+  get hasMaps() {
+    return this.models.some(({ maps }) => maps.length > 0);
+  }
+
+  get hasLux() {
+    return this.models.some(({ maps }) => maps.some(({ unit }) => unit === "lx"));
+  }
+
+  /** Whether there are walls that can be left out from outside. */
+  get hasWalls() {
+    return this.models.some(({ hasWalls }) => hasWalls);
+  }
+
   /** Reason why nothing is rendered, `null` if there is none. */
   get realTimeOnly() {
-    return realTimeOnly(this.settings, this.hasEdges);
+    const { hasEdges, hasMaps, hasWalls } = this;
+    return realTimeOnly(this.settings, { hasEdges, hasMaps, hasWalls, isCompared: this.second !== null });
   }
 
   /** The settings that the rendered picture depends on, as a key. */
@@ -257,13 +315,31 @@ export class Page {
 
   settingsChanged() {
     const { extent } = this.viewpoint;
-    const maps = this.model?.maps ?? [];
-    this.tools.describe(extent, this.section, maps.length > 0);
-    const scalar = maps.filter(({ unit }) => unit === "lx");
-    showLegend(this.settings, fullColour(this.settings, extent), scalar);
+    const { hasMaps, hasLux, hasWalls } = this;
+    this.updateLux();
+    this.tools.describe(extent, this.section, { hasMaps, hasLux, hasWalls });
+    showLegend(this.settings, fullColour(this.settings, extent), this.lux);
     // Exposure works on the picture that is there.
     if (this.rendering === this.rendered) this.invalidate();
     else this.viewChanged();
+    this.updateHover();
+  }
+
+  /** Finds the scale of illuminances, which two designs share, and the levels of isolux lines. */
+  updateLux() {
+    const { luxScale: kind, luxTail, isolux, isoluxLevels } = this.settings;
+    if (!this.hasLux) {
+      this.lux = null;
+      this.luxCells = { models: [], cells: new Float32Array() };
+      return;
+    }
+    const { models } = this;
+    if (models.length !== this.luxCells.models.length || models.some((model, i) => model !== this.luxCells.models[i]))
+      this.luxCells = { models, cells: sortedCells(models.map(({ blocks }) => blocks.luxCells)) };
+    const scale = luxScale(this.luxCells.cells, kind, luxTail);
+    const { levels } = typedLevels(isoluxLevels);
+    this.lux = { scale, levels: !isolux ? [] : levels.length > 0 ? levels : roundLevels(scale) };
+    store(LUX_SETTINGS, luxSettingsText(this.settings));
   }
 
   /** The settings were changed by something else than their controls. */
@@ -275,6 +351,7 @@ export class Page {
   visibilityChanged() {
     this.tree.refresh();
     this.viewChanged();
+    this.updateHover();
   }
 
   /** Schedules a draw before the next frame. */
@@ -315,6 +392,7 @@ export class Page {
     const isRendered = picture !== null && !glance && !picture.empty && isDrawn;
     if (isRendered) this.renderer.drawRenderedImage(picture, view);
     this.isDenoised = isRendered && status?.denoised != null;
+    this.second?.draw(view, whole);
     this.measure.draw(view.camera, this.viewpoint.size);
     if (picture?.covered || (this.frame?.pending === 0 && !isNew)) this.isReady();
   }
@@ -344,6 +422,7 @@ export class Page {
    * @param {Hit | null} hit where it was picked
    */
   select(item, hit) {
+    this.selections += 1;
     this.hit = hit;
     this.edge = null;
     this.parts?.select(item);
@@ -388,6 +467,7 @@ export class Page {
    * @param {number} y
    */
   async click(x, y) {
+    const number = ++this.selections;
     const edge = await this.picker.edge(x, y);
     const hit = edge ? edge.hit : await this.picker.surface(x, y);
     if (this.measure.active) {
@@ -396,17 +476,32 @@ export class Page {
       this.invalidate();
       return;
     }
+    if (number !== this.selections) return;
     if (edge) {
       this.selectEdge(edge.place);
       return;
     }
     if (!hit) announce("No surface here");
     this.select(hit ? (this.parts?.shape(hit.leaf) ?? null) : null, hit);
+    this.second?.addDifference(hit, x, y);
+  }
+
+  /** Shows again what is under the pointer, which rests, after what is shown there has changed. */
+  updateHover() {
+    if (this.hovering) this.hover(this.hovering);
   }
 
   /** @param {{ x: number, y: number } | null} place */
   async hover(place) {
-    const hit = place && this.model ? await this.picker.surface(place.x, place.y) : null;
-    this.status.point(hit?.point ?? null);
+    this.hovering = place;
+    const pickers = [this.picker, ...(this.second ? [this.second.picker] : [])];
+    const hits =
+      place && this.model ? await Promise.all(pickers.map((picker) => picker.surface(place.x, place.y))) : [];
+    // The pointer may be elsewhere by now.
+    if (this.hovering !== place) return;
+    const readings = hits.map((hit) => hit?.lux ?? null);
+    const [only = null] = readings;
+    const text = this.second ? luxTexts(only, readings[1] ?? null) : only ? luxText(only) : "";
+    this.status.point(hits[0]?.point ?? hits[1]?.point ?? null, this.settings.maps ? text : "");
   }
 }

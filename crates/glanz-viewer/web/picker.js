@@ -17,16 +17,11 @@ import { ranges } from "./scene_parts.js";
 const MOST_EDGES = 4;
 
 export class Picker {
-  /** @param {Pick<import("./page.js").Page, "model" | "parts" | "section" | "session" | "settings" | "viewpoint">} page */
+  /** @param {Pick<import("./page.js").Page, "hidden" | "model" | "section" | "session" | "settings" | "viewpoint">} page */
   constructor(page) {
     this.page = page;
     /** The last request for measures. */
     this.measuring = 0;
-  }
-
-  /** @returns {Set<number>} leaves */
-  get hidden() {
-    return this.page.parts?.hidden ?? new Set();
   }
 
   /**
@@ -36,12 +31,13 @@ export class Picker {
    * @returns {Promise<Hit | null>}
    */
   async surface(x, y) {
-    const { session, section: plane, viewpoint } = this.page;
+    const { session, section: plane, settings, viewpoint } = this.page;
+    const { seeThrough, maps } = settings;
     const { origin, direction } = rayThrough(viewpoint.camera, viewpoint.size, x, y);
     const section = plane && [...plane.normal, plane.offset];
-    const hidden = ranges(this.hidden);
+    const hidden = ranges(this.page.hidden);
     try {
-      return (await session.request({ type: "pick", origin, direction, hidden, section })).hit;
+      return (await session.request({ type: "pick", origin, direction, hidden, section, seeThrough, maps })).hit;
     } catch {
       return null;
     }
@@ -57,7 +53,7 @@ export class Picker {
     const { model, section, settings, viewpoint } = this.page;
     if (!model || !settings.edges) return null;
     const { camera, size } = viewpoint;
-    const places = edgesNear(model, camera, size, { x, y }, this.hidden, section);
+    const places = edgesNear(model, camera, size, { x, y }, this.page.hidden, section);
     for (const place of places.slice(0, MOST_EDGES)) {
       const hit = await this.surface(place.x, place.y);
       if (isInSight(camera, size, place, hit?.point ?? null)) return { place, hit };

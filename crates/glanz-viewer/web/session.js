@@ -11,14 +11,16 @@
  * @typedef {{ minimum: number, maximum: number, gaussian: number, mean: number, radius: number | null }} Curvature
  * @typedef {{ radius: number | null, majorRadius: number | null, minorRadius: number | null, halfAngle: number | null }} Dimensions
  * @typedef {{ faces: number, area: number | null, volume: number | null }} Measures
+ * Illuminances, lx. @typedef {{ receiver: string, cell: [number, number], lux: number, relativeError: number | null, minimum: number, mean: number,
+ *   maximum: number }} LuxReading
  * @typedef {{ leaf: number, object: number, kind: string, name: string, material: string, degree: [number, number] | null,
  *   area: number | null, dimensions: Dimensions | null, entity: string | null, uv: [number, number], face: number, point: Vector, normal: Vector, distance: number,
- *   curvature: Curvature | null }} Hit
+ *   lux: LuxReading | null, curvature: Curvature | null }} Hit
  */
 
 /**
- * `denoiser`: missing if the server offers none; `error`: why it cannot be used.
- * @typedef {{ type: "scene", model: string | null, name: string, error: string | null, session?: string, integrator?: "path" | "guided",
+ * `compared`: whether the page shows it beside the other one of two designs. `denoiser`: missing if the server offers none; `error`: why it cannot be used.
+ * @typedef {{ type: "scene", model: string | null, name: string, error: string | null, compared?: boolean, session?: string, integrator?: "path" | "guided",
  *   denoiser?: { error: string | null } }} SceneMessage
  */
 /** @typedef {{ type: "progress", id: number, samples: number, noise: number | null, seconds: number, done: boolean }} Progress */
@@ -84,6 +86,7 @@ export class Session {
     this.listener = listener;
     /** @type {WebSocket | null} */
     this.socket = null;
+    this.isClosed = false;
     this.lastId = 0;
     this.pause = FIRST_PAUSE;
     /** @type {Map<number, PendingRequest>} */
@@ -96,6 +99,8 @@ export class Session {
   }
 
   connect() {
+    // It may have been closed during the pause.
+    if (this.isClosed) return;
     const socket = new WebSocket(this.url);
     socket.binaryType = "arraybuffer";
     this.socket = socket;
@@ -109,10 +114,17 @@ export class Session {
         reject(new Error("the connection to the server was lost"));
       }
       this.waiting.clear();
+      if (this.isClosed) return;
       this.listener.offline(this.pause);
       setTimeout(() => this.connect(), this.pause);
       this.pause = Math.min(2 * this.pause, LONGEST_PAUSE);
     };
+  }
+
+  /** Ends the connection for good. */
+  close() {
+    this.isClosed = true;
+    this.socket?.close();
   }
 
   /** A number for a request that no other has. */

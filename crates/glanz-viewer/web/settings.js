@@ -5,6 +5,7 @@
  */
 
 import { add, dot, scale } from "./linear.js";
+import { LUX_SCALES, typedLevels } from "./lux_scale.js";
 
 /** @typedef {import("./linear.js").Vector} Vector */
 /** @typedef {import("./camera.js").Bounds} Bounds */
@@ -12,9 +13,11 @@ import { add, dot, scale } from "./linear.js";
 
 /**
  * `exposure`: stops. `stripes`: of the zebra. `curvature`: power of ten of what gets full colour, as a multiple of one over the scene's size. `isocurves`: per
- * patch. `sectionShare`: place of the plane between the ends of the scene's bounds. `pickedNormal`: of the point that a plane was put through.
+ * patch. `luxTail`: percent of the area that a scale by percentiles leaves out at each end. `isoluxLevels`: text, lx; empty for round ones. `seeThrough`:
+ * whether outer walls are left out where they are seen from outside. `sectionShare`: place of the plane between the ends of the scene's bounds. `pickedNormal`: of the point that a plane was put through.
  * @typedef {{ exposure: number, integrator: "none" | "path" | "guided", denoise: boolean, shading: Shading, stripes: number, curvature: number,
- *   isocurves: number, edges: boolean, net: boolean, maps: boolean, section: boolean, sectionAxis: "x" | "y" | "z" | "picked",
+ *   isocurves: number, edges: boolean, net: boolean, maps: boolean,
+ *   luxScale: import("./lux_scale.js").LuxScaleKind, luxTail: number, isolux: boolean, isoluxLevels: string, seeThrough: boolean, section: boolean, sectionAxis: "x" | "y" | "z" | "picked",
  *   sectionShare: number, sectionFlip: boolean, pickedNormal: Vector | null }} Settings
  */
 
@@ -33,12 +36,47 @@ export function defaultSettings() {
     edges: false,
     net: false,
     maps: false,
+    luxScale: "linear",
+    luxTail: 1,
+    isolux: false,
+    isoluxLevels: "",
+    seeThrough: false,
     section: false,
     sectionAxis: "x",
     sectionShare: 0.5,
     sectionFlip: false,
     pickedNormal: null,
   };
+}
+
+/**
+ * The settings of lux maps as a text to be kept.
+ * @param {Settings} settings
+ */
+export function luxSettingsText({ luxScale, luxTail, isolux, isoluxLevels }) {
+  return JSON.stringify({ luxScale, luxTail, isolux, isoluxLevels });
+}
+
+/**
+ * The settings of lux maps from a text that was kept; what is none of these is left out.
+ * @param {string | null} text
+ * @returns {Partial<Settings>}
+ */
+export function luxSettings(text) {
+  /** @type {Partial<Settings>} */
+  const known = {};
+  try {
+    const kept = JSON.parse(text ?? "");
+    if (LUX_SCALES.includes(kept.luxScale)) known.luxScale = kept.luxScale;
+    const { luxTail } = kept;
+    if (typeof luxTail === "number" && luxTail >= 0 && luxTail <= 10) known.luxTail = luxTail;
+    if (typeof kept.isolux === "boolean") known.isolux = kept.isolux;
+    if (typeof kept.isoluxLevels === "string" && typedLevels(kept.isoluxLevels).error === "")
+      known.isoluxLevels = kept.isoluxLevels;
+  } catch {
+    // Nothing was kept, or by another version of the page.
+  }
+  return known;
 }
 
 /**
@@ -55,13 +93,16 @@ export function nextShading(shading, order) {
 /**
  * Reason why these settings exclude rendering, `null` if they do not.
  * @param {Settings} settings
- * @param {boolean} hasEdges whether the scene has edges of its own, which are drawn over the rendered image, too
+ * @param {{ hasEdges: boolean, hasMaps: boolean, hasWalls: boolean, isCompared: boolean }} scene whether it has edges of its own, which are drawn over the
+ *   rendered image, too; whether it has light on surfaces, and outer walls; whether it is shown beside another one
  */
-export function realTimeOnly(settings, hasEdges) {
+export function realTimeOnly(settings, { hasEdges, hasMaps, hasWalls, isCompared }) {
   if (settings.integrator === "none") return "chosen";
+  if (isCompared) return "two designs";
   if (settings.section) return "section plane";
   if (settings.shading !== "material") return "surface colours";
-  if (settings.maps) return "illuminance";
+  if (settings.maps && hasMaps) return "light on surfaces";
+  if (settings.seeThrough && hasWalls) return "walls that are seen through";
   if (settings.net || settings.isocurves > 0 || (settings.edges && !hasEdges)) return "lines on surfaces";
   return null;
 }

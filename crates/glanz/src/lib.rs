@@ -70,8 +70,10 @@ pub use event::{JobEvent, ResumedState, Warning};
 pub use illuminate::{
     IlluminateBuilder, IlluminateMethod, IlluminateOptions, IlluminateOutcome, JoinedTally,
 };
+#[cfg(feature = "viewer")]
+pub use illuminate::{LuxFolder, PlacedLux, is_lux_folder, lux_folder_content_hash};
 #[cfg(all(feature = "illumination", feature = "formats"))]
-pub use illuminate::{LuxFolder, PlacedLux, check_far_field_path, save_comparison};
+pub use illuminate::{check_far_field_path, save_comparison};
 pub use job_options::JobOptions;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub use library_denoiser::LibraryDenoiser;

@@ -2,21 +2,22 @@
 
 use std::f32::consts::FRAC_1_PI;
 use std::path::Path;
+use std::sync::Arc;
 
 use glanz_illumination::add_walls;
 use glanz_light::Wavelengths;
 use glanz_math::DVec3;
 use glanz_radiosity::bake::LightMaps;
-use glanz_scene::{Description, ParametricPoint, PlacedSurface, Scene};
-use glanz_viewer::model::{MapLabel, Model};
+use glanz_scene::{Description, HitLocation, ParametricPoint, PlacedSurface, Scene};
+use glanz_viewer::model::{LuxLookup, MapLabel, Model};
 use glanz_viewer::server::SceneOverlay;
 
 use crate::bake::{LightFile, divided};
 use crate::error::Error;
-use crate::illuminate::LuxFolder;
+use crate::illuminate::{LuxFolder, lux_folder_content_hash};
 
-/// Number of values along each side of a patch, about that of light maps on a patch of some metres.
-const SIDE: usize = 65;
+/// Number of values of baked light along each side of a patch, about that of light maps on a patch of some metres.
+const BAKED_VALUES: usize = 65;
 
 /// Additions of the page to a scene: walls of a room, and light on surfaces.
 #[derive(Debug, Default)]
@@ -76,13 +77,22 @@ impl LightOverlay {
                 let value = |surface, face, uv, back| {
                     radiance(scene, &placed, &maps, &ParametricPoint { surface, face, uv, back })
                 };
-                Ok(model.with_map(label, scene, SIDE, value)?)
+                Ok(model.with_map(label, scene, BAKED_VALUES, |_| true, value)?)
             }
             OverlaidLight::Lux(folder) => {
-                let maps = folder.place(scene)?;
-                let label = MapLabel { name: "illuminance", unit: "lx", two_sided: false };
-                let value = |surface, face, uv, _| maps.lux(&placed, surface, face, uv).map(|lux| [lux; 3]);
-                Ok(model.with_map(label, scene, SIDE, value)?)
+                let maps = Arc::new(folder.place(scene)?);
+                let label = MapLabel { name: "illuminance", unit: "lx", two_sided: maps.is_two_sided() };
+                let value = |surface: u32, face, uv, back| {
+                    let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
+                    let at = HitLocation::new(&at, ParametricPoint { surface, face, uv, back });
+                    maps.interpolated(&at).map(|lux| [lux; 3])
+                };
+                let model =
+                    model.with_map(label, scene, maps.side(&placed), |surface| maps.is_on(surface), value)?;
+                let model = model.with_lux(Arc::clone(&maps) as Arc<dyn LuxLookup>);
+                let is_other =
+                    lux_folder_content_hash(folder.path()).is_some_and(|hash| hash != content_hash);
+                Ok(if is_other { model.with_note(changed_scene(folder)) } else { model })
             }
         }
     }
@@ -98,6 +108,15 @@ impl SceneOverlay for LightOverlay {
     fn add_maps(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String> {
         self.add_light(scene, content_hash, model).map_err(|error| error.to_string())
     }
+}
+
+/// The note that the scene is not as it was when lux maps were computed.
+fn changed_scene(folder: &LuxFolder) -> String {
+    // The name alone: pages on other machines need not know where it is.
+    let name = folder.path().file_name().unwrap_or_default().to_string_lossy();
+    format!(
+        "the lux maps in {name} were computed for other content of the scene's files: run `glanz illuminate` again"
+    )
 }
 
 /// Emitted and baked radiance at a point.

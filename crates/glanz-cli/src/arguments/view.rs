@@ -26,6 +26,9 @@ Examples:
   glanz view room.pbrt --watch                      updated when the file is saved
   glanz view room.pbrt --light room.light           with light of glanz bake --checkpoint
   glanz view lamp.pbrt --lux lux --room 10 10 10    with the lux maps of glanz illuminate -o lux
+  glanz view old.pbrt --compare new.pbrt --lux designs   two designs side by side, with the lux
+                                                    maps of illuminate --compare -o designs
+  glanz view room.pbrt --lux day --lux night        two calculations of one scene side by side
   glanz view room.pbrt --host 0.0.0.0 --no-open     for other machines
   ssh -L 7870:localhost:7870 far glanz view room.pbrt --no-open";
 
@@ -54,9 +57,12 @@ pub(crate) struct ViewArguments {
     /// Show the light of this checkpoint of `glanz bake` on the surfaces
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "lux")]
     pub(crate) light: Option<PathBuf>,
-    /// Show the lux maps that `glanz illuminate` wrote into this folder
+    /// Show the lux maps that `glanz illuminate` wrote into this folder; give it twice, or the folder of a comparison, for two designs
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
-    pub(crate) lux: Option<PathBuf>,
+    pub(crate) lux: Vec<PathBuf>,
+    /// Show this second design beside the first one
+    #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with = "light")]
+    pub(crate) compare: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) room: RoomArgument,
     #[command(flatten)]

@@ -1,12 +1,16 @@
 //! `glanz view`: the page that shows a scene.
 
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glanz::denoise::DenoiseError;
 use glanz::formats::Options;
-use glanz::viewer::server::{SceneOverlay, SceneUpdate, Server, ServerError, ServerSettings, ViewerScene};
+use glanz::viewer::server::{
+    ComparedDesign, SceneOverlay, SceneUpdate, Server, ServerError, ServerSettings, ViewerScene,
+};
 use glanz::viewer::stream::ViewDenoiser;
-use glanz::{LibraryDenoiser, LightOverlay};
+use glanz::{LibraryDenoiser, LightOverlay, is_lux_folder, lux_folder_content_hash};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
 
@@ -24,10 +28,24 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     let cancel = interrupt::listen()?;
     let (strict, studio) = (arguments.strictness.strict, arguments.model.studio.settings());
     let options = Options { strict, studio, ..Options::default() };
-    let overlay = overlay(arguments).map_err(command_error(messages))?;
-    let overlay: Option<Arc<dyn SceneOverlay>> = match overlay.is_empty() {
-        true => None,
-        false => Some(Arc::new(overlay)),
+    let (lux, second_lux) = lux_folders(arguments)?;
+    let second = arguments.compare.as_ref().or_else(|| second_lux.as_ref().map(|_| &arguments.model.scene));
+    let overlay = overlay(arguments, lux.as_deref()).map_err(command_error(messages))?;
+    let read = |scene: &Path, overlay: &Option<Arc<dyn SceneOverlay>>| {
+        let viewer_scene = ViewerScene::read(scene, &options, overlay.as_deref())
+            .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))?;
+        note_diagnostics(viewer_scene.warnings(), messages);
+        Ok::<_, CommandError>(viewer_scene)
+    };
+    let scene = &arguments.model.scene;
+    let viewer_scene = read(scene, &overlay)?;
+    let compared = match second {
+        Some(path) => {
+            let overlay = self::overlay(arguments, second_lux.as_deref()).map_err(command_error(messages))?;
+            let viewer_scene = Arc::new(read(path, &overlay)?);
+            Some(ComparedDesign { path: path.clone(), viewer_scene, overlay })
+        }
+        None => None,
     };
     let settings = ServerSettings {
         host: arguments.host.clone(),
@@ -35,20 +53,17 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
         threads: arguments.threads.count(),
         integrator: arguments.integrator.into(),
         options: options.clone(),
-        overlay: overlay.clone(),
+        overlay,
+        compared,
         denoiser: Some(denoiser()),
         watch: arguments.watch,
         ..ServerSettings::default()
     };
-    let scene = &arguments.model.scene;
-    let viewer_scene = ViewerScene::read(scene, &options, overlay.as_deref())
-        .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))?;
-    note_diagnostics(viewer_scene.warnings(), messages);
     if !viewer_scene.is_model() {
         arguments.model.studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
     }
-    let name = scene.display().to_string();
-    let listener = Box::new(move |update: &SceneUpdate| note_update(&name, update, messages));
+    let listener =
+        Box::new(move |path: &Path, update: &SceneUpdate| note_update(&path.display(), update, messages));
     let server =
         Server::bind(&settings, scene, viewer_scene, listener).map_err(|error| server_failure(&error))?;
     report::print_text(&format!("{}\n", server.address()))?;
@@ -61,17 +76,55 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     Ok(CommandOutcome::Done)
 }
 
-/// The overlay of the arguments.
-fn overlay(arguments: &ViewArguments) -> Result<LightOverlay, glanz::Error> {
+/// The folders of lux maps of the design and of the second one: those that are named, or the two in a folder of a comparison.
+fn lux_folders(arguments: &ViewArguments) -> Result<(Option<PathBuf>, Option<PathBuf>), CommandError> {
+    let is_compared = arguments.compare.is_some();
+    let (first, second) = match arguments.lux.as_slice() {
+        [] => return Ok((None, None)),
+        [folder] => match ["a", "b"].map(|name| folder.join(name)) {
+            // With two scenes, a report beside the two folders is one of an earlier calculation.
+            [a, b] if is_lux_folder(&a) && is_lux_folder(&b) && (is_compared || !is_lux_folder(folder)) => {
+                let hashes = [&a, &b].map(|folder| lux_folder_content_hash(folder));
+                if !is_compared && matches!(hashes, [Some(first), Some(second)] if first != second) {
+                    let error =
+                        CommandError::new(format!("{}: these are lux maps of two scenes", folder.display()));
+                    return Err(error.with_help("give the second scene with --compare"));
+                }
+                (a, Some(b))
+            }
+            _ => (folder.clone(), None),
+        },
+        [first, second] => (first.clone(), Some(second.clone())),
+        [.., last] => {
+            let error = CommandError::new(format!("{}: the third folder of lux maps", last.display()));
+            return Err(error.with_help("two designs can be compared: give --lux twice at most"));
+        }
+    };
+    if is_compared && second.is_none() {
+        let error =
+            CommandError::new(format!("{}: there are no lux maps of the second design", first.display()));
+        return Err(error.with_help(
+            "give --lux twice, or the folder that `glanz illuminate A --compare B -o DIR` has written",
+        ));
+    }
+    Ok((Some(first), second))
+}
+
+/// The overlay of the arguments with the lux maps of a folder; `None` if it adds nothing.
+fn overlay(
+    arguments: &ViewArguments,
+    lux: Option<&Path>,
+) -> Result<Option<Arc<dyn SceneOverlay>>, glanz::Error> {
     let mut overlay = LightOverlay::default();
     if let Some(size) = arguments.room.size() {
         overlay = overlay.room(size);
     }
-    match (&arguments.light, &arguments.lux) {
-        (Some(path), _) => overlay.baked(path),
-        (None, Some(folder)) => overlay.lux(folder),
-        (None, None) => Ok(overlay),
-    }
+    overlay = match (&arguments.light, lux) {
+        (Some(path), _) => overlay.baked(path)?,
+        (None, Some(folder)) => overlay.lux(folder)?,
+        (None, None) => overlay,
+    };
+    Ok(if overlay.is_empty() { None } else { Some(Arc::new(overlay)) })
 }
 
 /// The denoiser, or the reason why there is none, as pages show it.
@@ -101,7 +154,7 @@ fn server_failure(error: &ServerError) -> CommandError {
 }
 
 /// Reports that the scene was read again after its files changed.
-fn note_update(name: &str, update: &SceneUpdate, messages: Messages) {
+fn note_update(name: &impl Display, update: &SceneUpdate, messages: Messages) {
     match update {
         SceneUpdate::Reloaded(viewer_scene) => {
             note_diagnostics(viewer_scene.warnings(), messages);
@@ -118,5 +171,59 @@ fn note_update(name: &str, update: &SceneUpdate, messages: Messages) {
 fn open_browser(address: &str, messages: Messages) {
     if let Err(error) = browser::open(address) {
         messages.warning(&format!("the browser cannot be opened: {error}; open the address yourself"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Debug, Parser)]
+    struct ViewCommand {
+        #[command(flatten)]
+        view: ViewArguments,
+    }
+
+    #[test]
+    fn folders_of_lux_maps_are_those_of_the_designs() {
+        let folder = std::env::temp_dir().join(format!("glanz-lux-folders-{}", std::process::id()));
+        let write = |name: &str, report: &str| {
+            let folder = folder.join(name);
+            std::fs::create_dir_all(&folder).unwrap();
+            std::fs::write(folder.join("report.json"), report).unwrap();
+        };
+        ["designs/a", "designs/b", "one"].into_iter().for_each(|name| write(name, "{}"));
+        for (name, hash) in [("other/a", "0a"), ("other/b", "0b"), ("same/a", "0a"), ("same/b", "0a")] {
+            write(name, &format!(r#"{{"facts": {{"scene_content_hash": "{hash}"}}}}"#));
+        }
+        let folders = |arguments: &str| {
+            let words = arguments.split_whitespace().map(|word| match word.strip_prefix('/') {
+                Some(name) => folder.join(name).display().to_string(),
+                None => word.to_owned(),
+            });
+            let command =
+                ViewCommand::parse_from(["view".to_owned(), "a.pbrt".to_owned()].into_iter().chain(words));
+            lux_folders(&command.view).map_err(|error| error.message)
+        };
+        let path = |name: &str| Some(folder.join(name));
+        assert_eq!(folders(""), Ok((None, None)));
+        assert_eq!(folders("--lux /one"), Ok((path("one"), None)));
+        assert_eq!(folders("--lux /designs"), Ok((path("designs/a"), path("designs/b"))));
+        assert_eq!(folders("--lux /one --lux /designs/b"), Ok((path("one"), path("designs/b"))));
+        assert_eq!(folders("--compare b.pbrt --lux /designs"), folders("--lux /designs"));
+        assert!(folders("--compare b.pbrt --lux /one").unwrap_err().contains("no lux maps of the second"));
+        assert!(folders("--lux 1 --lux 2 --lux 3").unwrap_err().contains("third folder"));
+        // Maps of two scenes are not shown on one.
+        assert_eq!(folders("--lux /same"), Ok((path("same/a"), path("same/b"))));
+        assert!(folders("--lux /other").unwrap_err().contains("of two scenes"));
+        assert_eq!(folders("--compare b.pbrt --lux /other"), Ok((path("other/a"), path("other/b"))));
+        // A report of an earlier calculation lies beside the folders of the comparison.
+        write("designs", "{}");
+        assert_eq!(folders("--lux /designs"), Ok((path("designs"), None)));
+        assert_eq!(folders("--compare b.pbrt --lux /designs"), Ok((path("designs/a"), path("designs/b"))));
+        // The reader of the folder names what is missing.
+        assert_eq!(folders("--lux /nowhere"), Ok((path("nowhere"), None)));
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

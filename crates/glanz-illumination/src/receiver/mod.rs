@@ -280,17 +280,49 @@ impl Receiver {
         Some(ReceiverPoint { normal, ..point })
     }
 
+    /// Whether light on the side opposite to the normal counts.
+    #[must_use]
+    pub fn is_back(&self) -> bool {
+        self.back
+    }
+
+    /// Grid coordinates of a point, [0, 1]^2; `None` if cells are faces.
+    #[inline]
+    fn share(&self, at: &HitLocation) -> Option<DVec2> {
+        match &self.layout {
+            ReceiverLayout::FlatGrid(flat) => Some(flat.share(at.position)),
+            ReceiverLayout::ParameterGrid(parameters) => Some(parameters.share(at.uv)),
+            ReceiverLayout::FaceCells(_) => None,
+        }
+    }
+
     /// The cell that a ray met.
     #[inline]
     fn locate(&self, at: &HitLocation) -> Option<usize> {
-        let share = match &self.layout {
-            ReceiverLayout::FlatGrid(flat) => flat.share(at.position),
-            ReceiverLayout::ParameterGrid(parameters) => parameters.share(at.uv),
-            ReceiverLayout::FaceCells(faces) => return faces.cell(at.place.face),
-        };
+        if let ReceiverLayout::FaceCells(faces) = &self.layout {
+            return faces.cell(at.place.face);
+        }
+        let share = self.share(at)?;
         let index = |share: f64, n: u32| ((share * f64::from(n)) as u32).min(n - 1) as usize;
         let [nx, ny] = self.cells;
         Some(index(share.y, ny) * nx as usize + index(share.x, nx))
+    }
+
+    /// Cells whose middles surround a point of the receiver, with the weights of bilinear interpolation between them, whose sum is 1. Values are constant
+    /// in the outer half of the cells at the border, and in cells that are faces.
+    #[must_use]
+    pub fn interpolation(&self, at: &HitLocation) -> Option<[(usize, f64); 4]> {
+        let Some(share) = self.share(at) else {
+            return self.locate(at).map(|cell| [(cell, 1.0), (cell, 0.0), (cell, 0.0), (cell, 0.0)]);
+        };
+        let along = |share: f64, n: u32| {
+            let x = (share * f64::from(n) - 0.5).clamp(0.0, f64::from(n - 1));
+            let first = x.floor();
+            [(first as usize, 1.0 - (x - first)), ((first as usize + 1).min(n as usize - 1), x - first)]
+        };
+        let [nx, ny] = self.cells;
+        let ([a, b], [c, d]) = (along(share.x, nx), along(share.y, ny));
+        Some([(a, c), (b, c), (a, d), (b, d)].map(|((i, s), (j, t))| (j * nx as usize + i, s * t)))
     }
 }
 

@@ -111,6 +111,35 @@ fn rays_meet_the_cells_that_places_lie_in() {
 }
 
 #[test]
+fn interpolation_between_middles_of_cells_is_exact_for_linear_values() {
+    for (number, (geometry, _)) in shapes().into_iter().enumerate() {
+        let cells = [6, 5];
+        let (scene, receivers) =
+            receivers(geometry, DMat4::from_rotation_x(0.4), GridResolution::Cells(cells));
+        let receiver = &receivers.as_slice()[0];
+        let placed = scene.placed_surfaces();
+        for (cell, share) in [(8, [0.5, 0.5]), (8, [0.8, 0.3]), (15, [0.1, 0.9]), (0, [0.2, 0.1])] {
+            let share = DVec2::from(share);
+            let Some(point) = receiver.place(&placed[0], cell, share) else { continue };
+            let ray = Ray::new(point.position + 0.01 * point.normal, -point.normal);
+            let (hit, found) = scene.intersect_parametric(&ray, 0.02).unwrap();
+            let around = receiver.interpolation(&HitLocation::new(&hit, found)).unwrap();
+            assert!((around.iter().map(|(_, weight)| weight).sum::<f64>() - 1.0).abs() < 1e-12);
+            // The column and the row themselves, as values of the cells.
+            let mean = |value: fn(usize) -> f64| {
+                around.iter().map(|&(cell, weight)| weight * value(cell)).sum::<f64>()
+            };
+            let at = DVec2::new(mean(|cell| (cell % 6) as f64), mean(|cell| (cell / 6) as f64));
+            let own = DVec2::new((cell % 6) as f64, (cell / 6) as f64);
+            // Constant in the outer half of cells at the border; cells that are triangles have their own value.
+            let is_faces = receiver.cells() != cells;
+            let expected = if is_faces { own } else { (own + share - 0.5).max(DVec2::ZERO) };
+            assert!(at.distance(expected) < 1e-6, "shape {number}, cell {cell}: {at}, not {expected}");
+        }
+    }
+}
+
+#[test]
 fn walls_are_seen_upright_from_the_side_that_counts() {
     // A wall in the plane y = 0 that faces +y: someone in front, looking along -y, has +x to the left.
     let (o, x, z) = (DVec3::ZERO, DVec3::X, DVec3::Z);

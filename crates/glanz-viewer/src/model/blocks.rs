@@ -24,6 +24,8 @@ pub(super) struct Blocks {
     pub(super) normals: Vec<[f32; 3]>,
     pub(super) indices: Vec<[u32; 3]>,
     pub(super) edge_points: Vec<[f32; 3]>,
+    /// Illuminance and area of each cell of the lux maps.
+    pub(super) lux_cells: Vec<[f32; 2]>,
     /// Values of each map, by rows.
     pub(super) maps: Vec<Vec<[f32; 3]>>,
 }
@@ -80,6 +82,7 @@ impl Blocks {
         layout.add("normals", &self.normals);
         layout.add("indices", &self.indices);
         layout.add("edgePoints", &self.edge_points);
+        layout.add("luxCells", &self.lux_cells);
         for (number, map) in self.maps.iter().enumerate() {
             layout.add(format!("map{number}"), map);
         }

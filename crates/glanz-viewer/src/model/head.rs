@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::outside::OuterSide;
+
 /// Content of the JSON text without the positions of the blocks.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -108,6 +110,7 @@ pub(super) struct ModelObject {
     pub(super) light: bool,
     pub(super) shared: bool,
     pub(super) map: Option<usize>,
+    pub(super) outside: Option<OuterSide>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -63,8 +63,8 @@ impl Model {
     /// `value`: the value at parameters of a face of a surface, by its number in [`Scene::placed_surfaces`], on its back or its front;
     /// parameters are those of [`PlacedSurface::at`](glanz_scene::PlacedSurface::at); `None` where it is unknown, such as where the
     /// surface is trimmed away: known values beside it are repeated there. Surfaces without any known value get no map, nor do those that
-    /// are sent as triangles or polynomials. `side`: values along each side of a patch, at least 2; fewer if there are very many patches.
-    /// `scene`: that of the model.
+    /// are sent as triangles or polynomials. `has_values`: whether a surface may have known values, by its number. `side`: values along each side of a patch,
+    /// at least 2; fewer if very many patches may have values. `scene`: that of the model.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] patches for one map.
@@ -73,18 +73,22 @@ impl Model {
         label: MapLabel<'_>,
         scene: &Scene,
         side: usize,
+        has_values: impl Fn(u32) -> bool,
         value: impl Fn(u32, u32, DVec2, bool) -> Option<[f32; 3]>,
     ) -> Result<Self, ModelError> {
         let backs = if label.two_sided { &[false, true][..] } else { &[false] };
         let placed = scene.placed_surfaces();
-        let count = self.head.objects.iter().map(|object| self.patch_count(object.surface)).sum::<usize>();
+        // Only meshes have several objects.
+        let objects = (0..).zip(placed.iter().zip(&self.objects)).filter_map(|(number, (surface, parts))| {
+            let [(_, object)] = parts.as_slice() else { return None };
+            let patches = self.patch_count(self.head.objects.get(*object as usize)?.surface);
+            has_values(number).then_some((number, surface, *object as usize, patches))
+        });
+        let objects: Vec<_> = objects.collect();
+        let count = objects.iter().map(|(.., patches)| patches).sum();
         let side = side_of(side, count, &MapLayout::new(count, backs.len()))?;
         let mut tiles = Vec::new();
-        for (number, (surface, parts)) in (0..).zip(placed.iter().zip(&self.objects)) {
-            // Only meshes have several parts.
-            let [(_, object)] = parts.as_slice() else { continue };
-            let object = *object as usize;
-            let patches = self.head.objects.get(object).map_or(0, |object| self.patch_count(object.surface));
+        for (number, surface, object, patches) in objects {
             let visible = visible_patches(surface, scene.bounds()).unwrap_or_default();
             if patches == visible.len() {
                 let sampled = sampled(&visible, side, backs, |face, uv, back| value(number, face, uv, back));

@@ -13,8 +13,10 @@ mod error;
 mod head;
 mod hidden;
 mod lights;
+mod lux;
 mod map;
 mod mesh;
+mod outside;
 mod patches;
 mod region;
 mod surfaces;
@@ -39,6 +41,7 @@ use self::edges::ModelEdges;
 pub use self::error::ModelError;
 use self::head::ModelHead;
 pub use self::hidden::without;
+pub use self::lux::{LuxCell, LuxLookup, LuxReading};
 pub use self::map::MapLabel;
 use self::surfaces::{BuiltSurface, Surfaces};
 use self::tree::{ModelTree, TreeLeaf};
@@ -55,6 +58,7 @@ pub struct Model {
     areas: Arc<Mutex<HashMap<u32, Option<f64>>>>,
     /// Of a CAD file.
     cad: Option<CadModelFacts>,
+    lux: Option<Arc<dyn LuxLookup>>,
 }
 
 impl Model {
@@ -114,7 +118,15 @@ impl Model {
             objects: objects.by_surface,
             areas: Arc::default(),
             cad: None,
+            lux: None,
         })
+    }
+
+    /// The model with one more note for the page.
+    #[must_use]
+    pub fn with_note(mut self, note: String) -> Self {
+        self.head.notes.push(note);
+        self
     }
 
     /// The file that the page loads.
@@ -231,6 +243,7 @@ impl Objects {
                 light: placed.light().is_some(),
                 shared: leaves.get(leaf as usize).is_some_and(|leaf| leaf.shared),
                 map: None,
+                outside: None,
             });
         }
         self.by_surface.push(own);

@@ -7,12 +7,13 @@ mod tests;
 use std::collections::BTreeSet;
 
 use glanz_geometry::Surface;
-use glanz_math::Ray;
-use glanz_scene::{Interaction, ParametricPoint, PlacedSurface, Scene};
-use serde::Serialize;
+use glanz_math::{DVec3, Ray};
+use glanz_scene::{HitLocation, Interaction, ParametricPoint, PlacedSurface, Scene};
+use serde::{Deserialize, Serialize};
 
 pub use self::curvature::Curvature;
-use crate::model::{Model, SurfaceDimensions};
+use crate::leaf_ranges::leaves;
+use crate::model::{LuxReading, Model, SurfaceDimensions};
 
 /// Largest number of hidden surfaces that a ray passes.
 const MOST_PASSED: usize = 1 << 12;
@@ -48,29 +49,49 @@ pub struct PickResult {
     pub normal: [f64; 3],
     /// From the origin of the ray, metres.
     pub distance: f64,
+    /// Illuminance there, if a receiver has a lux map.
+    pub lux: Option<LuxReading>,
     /// Positive where the surface is convex towards the origin of the ray, whatever its normal; `None` for meshes, and where the parameters degenerate.
     pub curvature: Option<Curvature>,
 }
 
-/// First visible hit of `ray` that is neither on a leaf of `hidden` nor cut away by `section`, which keeps a x + b y + c z <= d.
+/// What a view leaves out.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct PickFilter {
+    /// Hidden leaves of the tree.
+    #[serde(deserialize_with = "leaves")]
+    pub hidden: BTreeSet<u32>,
+    /// (a, b, c, d): only points with a x + b y + c z <= d are visible.
+    pub section: Option<[f64; 4]>,
+    /// Whether outer walls are left out where they are seen from outside.
+    pub see_through: bool,
+    /// Whether surfaces that light passes are visible if they have a lux map.
+    pub maps: bool,
+}
+
+impl PickFilter {
+    fn admits(&self, model: &Model, object: u32, place: &ParametricPoint, point: DVec3) -> bool {
+        let cut = self.section.is_some_and(|[a, b, c, d]| a * point.x + b * point.y + c * point.z > d);
+        let is_seen = model.is_seen(object) || (self.maps && model.has_lux(object));
+        let is_left_out = self.see_through && model.is_outside(object, place.back);
+        let is_hidden = model.leaf_of(object).is_none_or(|leaf| self.hidden.contains(&leaf));
+        is_seen && !cut && !is_left_out && !is_hidden
+    }
+}
+
+/// First hit of `ray` that is visible and that `filter` does not leave out.
 ///
-/// `model` is that of `scene`. `None` if nothing is hit, or only after more than 4096 hits on hidden surfaces.
+/// `model` is that of `scene`. `None` if nothing is hit, or only after more than 4096 hits on surfaces that are left out.
 #[must_use]
-pub fn pick(
-    scene: &Scene,
-    model: &Model,
-    ray: &Ray,
-    hidden: &BTreeSet<u32>,
-    section: Option<[f64; 4]>,
-) -> Option<PickResult> {
+pub fn pick(scene: &Scene, model: &Model, ray: &Ray, filter: &PickFilter) -> Option<PickResult> {
     let mut rest = *ray;
     for _ in 0..MOST_PASSED {
         let (at, place) = scene.intersect_parametric(&rest, f64::INFINITY)?;
         let object = model.object_of(&place)?;
         let leaf = model.leaf_of(object)?;
         let point = at.point.position;
-        let cut = section.is_some_and(|[a, b, c, d]| a * point.x + b * point.y + c * point.z > d);
-        if !cut && !hidden.contains(&leaf) && model.is_seen(object) {
+        if filter.admits(model, object, &place, point) {
             let distance = point.distance(ray.origin);
             return Some(pick_result(scene, model, &rest, (object, leaf), &at, &place, distance));
         }
@@ -106,6 +127,7 @@ fn pick_result(
         point: point.position.to_array(),
         normal: point.normal.to_array(),
         distance,
+        lux: model.lux_at(&HitLocation::new(at, *place)),
         curvature: surface.and_then(|surface| curvature(surface, ray, at, place)),
     }
 }

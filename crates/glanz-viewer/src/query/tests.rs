@@ -6,6 +6,7 @@ use glanz_formats::registry::{Options, load_str};
 use glanz_math::DVec3;
 
 use super::*;
+use crate::model::{LuxCell, LuxLookup, MapLabel};
 
 fn modelled(text: &str) -> (Scene, Model) {
     let description = load_str("test.pbrt", text, &Options::default()).unwrap().description;
@@ -16,7 +17,7 @@ fn modelled(text: &str) -> (Scene, Model) {
 
 fn pick_from(scene_and_model: &(Scene, Model), origin: [f64; 3], direction: [f64; 3]) -> Option<PickResult> {
     let (scene, model) = scene_and_model;
-    pick(scene, model, &Ray::new(origin.into(), direction.into()), &BTreeSet::new(), None)
+    pick(scene, model, &Ray::new(origin.into(), direction.into()), &PickFilter::default())
 }
 
 /// Smallest and largest curvature of a shape at the first place on the way.
@@ -103,8 +104,9 @@ fn hidden_and_cut_away_places_are_passed() {
     );
     let ray = Ray::new(DVec3::new(-9.0, 0.1, 0.2), DVec3::X);
     let x = |hidden: &[u32], section| {
-        let hidden = hidden.iter().copied().collect();
-        pick(&scene, &model, &ray, &hidden, section).map(|hit| (hit.leaf, hit.point[0], hit.distance))
+        let filter =
+            PickFilter { hidden: hidden.iter().copied().collect(), section, ..PickFilter::default() };
+        pick(&scene, &model, &ray, &filter).map(|hit| (hit.leaf, hit.point[0], hit.distance))
     };
     let half = (1.0 - 0.05_f64).sqrt();
     let at = |found: Option<(u32, f64, f64)>, leaf: u32, x: f64| {
@@ -160,6 +162,67 @@ fn surfaces_that_light_passes_cannot_be_picked() {
     let found = pick_from(&scene, [0.1, 0.2, 5.0], [0.0, 0.0, -1.0]).unwrap();
     assert_eq!((found.leaf, found.distance), (1, 5.0));
     assert!(!scene.1.is_seen(0) && scene.1.is_seen(1) && !scene.1.is_seen(2));
+}
+
+/// 40 lx at the left and 80 lx at the right of x = 0, on horizontal surfaces.
+#[derive(Debug)]
+struct TwoCells;
+
+impl LuxLookup for TwoCells {
+    fn reading(&self, at: &HitLocation) -> Option<LuxReading> {
+        let right = u32::from(at.position.x > 0.0);
+        let (receiver, lux) = ("plane".to_owned(), 40.0 * f64::from(1 + right));
+        let reading = LuxReading { receiver, cell: [right, 0], lux, ..LuxReading::default() };
+        (at.position.z.fract() == 0.0).then_some(reading)
+    }
+
+    fn cells_on(&self, _: u32) -> Vec<LuxCell> {
+        vec![LuxCell { lux: 40.0, error: 0.0, area: 1.0 }, LuxCell::default()]
+    }
+}
+
+#[test]
+fn picks_have_the_illuminance_of_their_cell_and_meet_receivers_of_air_where_maps_are_shown() {
+    let (scene, model) = modelled(
+        "WorldBegin
+        Material \"interface\"
+        Shape \"disk\" \"float height\" 1 \"string receiver\" \"air\"
+        Material \"diffuse\"
+        Shape \"disk\"
+        Translate 5 0 0.5
+        Shape \"disk\"",
+    );
+    let label = MapLabel { name: "illuminance", unit: "lx", two_sided: false };
+    let model = model.with_map(label, &scene, 2, |_| true, |_, _, _, _| Some([40.0; 3])).unwrap();
+    let model = model.with_lux(std::sync::Arc::new(TwoCells));
+    let at = |x: f64, maps: bool| {
+        let ray = Ray::new(DVec3::new(x, 0.2, 5.0), -DVec3::Z);
+        let hit = pick(&scene, &model, &ray, &PickFilter { maps, ..PickFilter::default() }).unwrap();
+        (hit.leaf, hit.lux.map(|reading| (reading.cell, reading.lux)))
+    };
+    assert_eq!(at(-0.1, false), (1, Some(([0, 0], 40.0))));
+    assert_eq!(at(0.1, true), (0, Some(([1, 0], 80.0))));
+    assert_eq!(at(5.0, true), (2, None));
+}
+
+#[test]
+fn walls_seen_from_outside_are_passed_if_they_are_seen_through() {
+    let (scene, model) = modelled(
+        "WorldBegin
+        LightSource \"point\" \"point3 from\" [2 1.5 1]
+        Shape \"bilinearmesh\" \"point3 P\" [0 0 0  4 0 0  0 3 0  4 3 0]
+        Shape \"bilinearmesh\" \"point3 P\" [0 0 2.5  4 0 2.5  0 3 2.5  4 3 2.5]",
+    );
+    let model = model.with_outer_sides(&scene);
+    let z = |from: f64, direction: DVec3, see_through: bool| {
+        let filter = PickFilter { see_through, ..PickFilter::default() };
+        let hit = pick(&scene, &model, &Ray::new(DVec3::new(1.0, 1.0, from), direction), &filter);
+        hit.map(|hit| hit.point[2])
+    };
+    // Through the ceiling, whose normal points up, onto the floor; from within, both are there.
+    assert_eq!((z(9.0, -DVec3::Z, false), z(9.0, -DVec3::Z, true)), (Some(2.5), Some(0.0)));
+    assert_eq!((z(1.0, DVec3::Z, true), z(1.0, -DVec3::Z, true)), (Some(2.5), Some(0.0)));
+    assert_eq!((z(-9.0, DVec3::Z, false), z(-9.0, DVec3::Z, true)), (Some(0.0), Some(2.5)));
 }
 
 /// The two discs of radius 20 mm and height 10 mm of `tests/discs.step`, the first at the origin, the second 60 mm along x.

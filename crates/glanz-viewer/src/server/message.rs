@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::leaf_ranges::leaves;
+use crate::leaf_ranges::leaves;
 use crate::model::PartMeasures;
-use crate::query::PickResult;
+use crate::query::{PickFilter, PickResult};
 use crate::stream::{IntegratorName, ViewCamera};
 
 /// Request of a page. The reply carries its `id`.
@@ -37,11 +37,8 @@ pub(crate) enum PageRequest {
         origin: [f64; 3],
         /// Of any length above 0.
         direction: [f64; 3],
-        #[serde(default, deserialize_with = "leaves")]
-        hidden: BTreeSet<u32>,
-        /// (a, b, c, d): only points with a x + b y + c z <= d are visible.
-        #[serde(default)]
-        section: Option<[f64; 4]>,
+        #[serde(flatten)]
+        filter: PickFilter,
     },
     /// Return area and volume of leaves.
     Measure {
@@ -110,6 +107,8 @@ pub(crate) struct SceneMessage {
     /// State of the denoiser, if pages offer one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) denoiser: Option<DenoiserMessage>,
+    /// Whether the page shows it beside the other one of two designs.
+    pub(crate) compared: bool,
     /// Messages about a file that cannot be read.
     pub(crate) error: Option<String>,
 }
@@ -165,7 +164,15 @@ mod tests {
         );
         let pick =
             r#"{"type":"pick","id":3,"origin":[0,0,0],"direction":[0,0,1],"hidden":[],"section":null}"#;
-        assert!(matches!(PageRequest::parse(pick), Ok(PageRequest::Pick { id: 3, section: None, .. })));
+        assert!(
+            matches!(PageRequest::parse(pick), Ok(PageRequest::Pick { id: 3, filter, .. }) if filter == PickFilter::default())
+        );
+        let through = r#"{"type":"pick","id":3,"origin":[0,0,0],"direction":[0,0,1],"hidden":[[1,2]],"seeThrough":true,"maps":true}"#;
+        let Ok(PageRequest::Pick { filter, .. }) = PageRequest::parse(through) else {
+            panic!("{:?}", PageRequest::parse(through));
+        };
+        let hidden = BTreeSet::from([1, 2]);
+        assert_eq!(filter, PickFilter { hidden, section: None, see_through: true, maps: true });
     }
 
     #[test]

@@ -9,7 +9,6 @@ mod access;
 mod access_key;
 mod address;
 mod headers;
-mod leaf_ranges;
 mod message;
 mod models;
 mod overlay;
@@ -23,13 +22,13 @@ mod viewer_scene;
 mod watch;
 
 use std::net::TcpListener;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{Path as UrlPath, Request, State};
+use axum::extract::{Path as UrlPath, RawQuery, Request, State};
 use axum::http::StatusCode;
 use axum::http::header::{CONTENT_TYPE, HeaderValue, SET_COOKIE};
 use axum::middleware::{Next, from_fn_with_state};
@@ -48,7 +47,7 @@ use self::access_key::AccessKey;
 use self::state::AppState;
 
 pub use self::overlay::SceneOverlay;
-pub use self::settings::{DEFAULT_PORT, Limits, ServerSettings};
+pub use self::settings::{ComparedDesign, DEFAULT_PORT, Limits, ServerSettings};
 pub use self::viewer_scene::ViewerScene;
 
 /// Errors of starting the server.
@@ -80,19 +79,19 @@ pub enum SceneUpdate {
     Refused(Diagnostics),
 }
 
-/// Callback for changes of the scene's files.
-pub type UpdateListener = Box<dyn Fn(&SceneUpdate) + Send + Sync>;
+/// Callback for changes of the files of a scene, which is at this path.
+pub type UpdateListener = Box<dyn Fn(&Path, &SceneUpdate) + Send + Sync>;
 
 /// A server with an open port.
 pub struct Server {
     listener: TcpListener,
     app: Arc<AppState>,
     address: String,
-    watched: Option<PathBuf>,
+    is_watched: bool,
 }
 
 impl Server {
-    /// Opens a port for pages that show `viewer_scene`, the scene of the file `scene`. `listener` is called when the file has been read again.
+    /// Opens a port for pages that show `viewer_scene`, the scene of the file `scene`. `listener` is called when the file of a design has been read again.
     ///
     /// # Errors
     /// [`ServerError`].
@@ -111,9 +110,8 @@ impl Server {
                 (AccessControl::with_token(host, port, key), format!("{base}?token={key}"))
             }
         };
-        let app = AppState::new(settings, access, viewer_scene, listener)?;
-        let watched = settings.watch.then(|| scene.to_owned());
-        Ok(Self { listener: socket, app: Arc::new(app), address, watched })
+        let app = AppState::new(settings, access, (scene, viewer_scene), listener)?;
+        Ok(Self { listener: socket, app: Arc::new(app), address, is_watched: settings.watch })
     }
 
     /// The address of the page, with its token if it needs one.
@@ -128,17 +126,19 @@ impl Server {
     /// [`ServerError::Start`].
     pub fn run(self, cancel: &CancelFlag) -> Result<(), ServerError> {
         let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
-        let Self { listener, app, watched, .. } = self;
+        let Self { listener, app, is_watched, .. } = self;
         runtime.block_on(async {
             listener.set_nonblocking(true)?;
             let listener = tokio::net::TcpListener::from_std(listener)?;
             let serving = tokio::spawn(accept(listener, Arc::clone(&app)));
-            let watching = watched.map(|scene| tokio::spawn(watch::watch(Arc::clone(&app), scene)));
+            let designs = if is_watched { 0..app.designs.len() } else { 0..0 };
+            let watching: Vec<_> =
+                designs.map(|design| tokio::spawn(watch::watch(Arc::clone(&app), design))).collect();
             while !cancel.is_cancelled() {
                 sleep(STOP_INTERVAL).await;
             }
             serving.abort();
-            watching.inspect(tokio::task::JoinHandle::abort);
+            watching.iter().for_each(tokio::task::JoinHandle::abort);
             app.close().await;
             Ok::<_, std::io::Error>(())
         })?;
@@ -219,8 +219,24 @@ async fn model(State(app): State<Arc<AppState>>, UrlPath(key): UrlPath<String>) 
     }
 }
 
-async fn socket(State(app): State<Arc<AppState>>, upgrade: WebSocketUpgrade) -> Response {
-    let Some(slot) = app.sessions.join(app.published()) else {
+/// Name of a design in the query of a page; without one it is the first.
+const DESIGN_QUERY: &str = "design=";
+
+async fn socket(
+    State(app): State<Arc<AppState>>,
+    RawQuery(query): RawQuery,
+    upgrade: WebSocketUpgrade,
+) -> Response {
+    let mut pairs = query.iter().flat_map(|query| query.split('&'));
+    let design = match pairs.find_map(|pair| pair.strip_prefix(DESIGN_QUERY)) {
+        None | Some("a") => 0,
+        Some("b") => 1,
+        Some(_) => return (StatusCode::NOT_FOUND, "?design= must be a or b").into_response(),
+    };
+    let Some(published) = app.published(design) else {
+        return (StatusCode::NOT_FOUND, "there is one design only").into_response();
+    };
+    let Some(slot) = app.sessions.join(design, published) else {
         return (StatusCode::SERVICE_UNAVAILABLE, "too many pages are open").into_response();
     };
     let bytes = app.limits.message_bytes;

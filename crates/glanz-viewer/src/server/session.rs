@@ -13,6 +13,8 @@ use super::models::PublishedModel;
 #[derive(Debug)]
 pub(crate) struct Session {
     pub(crate) key: AccessKey,
+    /// Number of the design that the page shows.
+    design: usize,
     state: Mutex<SessionState>,
     /// Signals a pending message or the end of the session.
     pub(crate) notify: Notify,
@@ -37,6 +39,12 @@ impl Session {
     /// The model that the page shows.
     pub(crate) fn published(&self) -> PublishedModel {
         self.state().published.clone()
+    }
+
+    /// The result of a function of the model that the page shows, and whether the page has opened its file itself.
+    pub(crate) fn with_published<T>(&self, function: impl FnOnce(&PublishedModel, bool) -> T) -> T {
+        let state = self.state();
+        function(&state.published, state.is_own)
     }
 
     /// Switches the page to an uploaded scene and queues `message`, which announces it.
@@ -83,11 +91,12 @@ impl Sessions {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A slot for one more page, which shows `published`; `None` if all are taken, or the system has no random numbers.
-    pub(crate) fn join(self: &Arc<Self>, published: PublishedModel) -> Option<SessionSlot> {
+    /// A slot for one more page, which shows `published`, the model of a design; `None` if all are taken, or the system has no random numbers.
+    pub(crate) fn join(self: &Arc<Self>, design: usize, published: PublishedModel) -> Option<SessionSlot> {
         let key = AccessKey::random().ok()?;
         let state = Mutex::new(SessionState { published, is_own: false, pending: None });
-        let session = Arc::new(Session { key, state, notify: Notify::new(), uploading: Default::default() });
+        let session =
+            Arc::new(Session { key, design, state, notify: Notify::new(), uploading: Default::default() });
         let mut open = self.open();
         if open.len() >= self.most {
             return None;
@@ -111,15 +120,16 @@ impl Sessions {
         self.open().values().for_each(|session| session.notify.notify_one());
     }
 
-    /// Sends a message to all pages that show the server's scene. `published`: its new model, if it could be read. `message`: by session.
+    /// Sends a message to all pages that show the file of a design. `published`: its new model, if it could be read. `message`: by session.
     pub(crate) fn broadcast(
         &self,
+        design: usize,
         published: Option<&PublishedModel>,
         message: impl Fn(&AccessKey) -> SceneMessage,
     ) {
         for session in self.open().values() {
             let mut state = session.state();
-            if state.is_own {
+            if state.is_own || session.design != design {
                 continue;
             }
             if let Some(published) = published {

@@ -1,11 +1,13 @@
 //! Settings of the server.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use glanz_formats::Options;
 
 use super::overlay::SceneOverlay;
+use super::viewer_scene::ViewerScene;
 use crate::stream::{IntegratorName, ViewDenoiser};
 
 /// Settings of the server.
@@ -24,6 +26,8 @@ pub struct ServerSettings {
     pub options: Options,
     /// Overlay applied to the scene whenever it is read; not to uploaded scenes.
     pub overlay: Option<Arc<dyn SceneOverlay>>,
+    /// A second design, which pages show beside the first one.
+    pub compared: Option<ComparedDesign>,
     /// Denoiser that pages offer, or the reason why it is missing, which they show; `None` if they offer none.
     pub denoiser: Option<Result<Arc<dyn ViewDenoiser>, String>>,
     /// Reads the scene again when one of its files changes.
@@ -32,13 +36,24 @@ pub struct ServerSettings {
     pub limits: Limits,
 }
 
+/// The second of two designs.
+#[derive(Clone, Debug)]
+pub struct ComparedDesign {
+    /// Its scene file.
+    pub path: PathBuf,
+    /// Its scene.
+    pub viewer_scene: Arc<ViewerScene>,
+    /// Overlay applied to its scene whenever it is read.
+    pub overlay: Option<Arc<dyn SceneOverlay>>,
+}
+
 /// The port that is tried first: one that no service has registered.
 pub const DEFAULT_PORT: u16 = 7870;
 
 /// Resource limits of clients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Largest number of connected pages.
+    /// Largest number of connected pages; one that shows two designs is one page.
     pub sessions: usize,
     /// Largest number of other connections; further ones wait.
     pub connections: usize,

@@ -83,8 +83,10 @@ impl PageConnection {
         let limits = self.app.limits;
         let mut ping = interval(limits.ping_interval);
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
-        let published = self.session.published();
-        self.reply(ServerMessage::Scene(self.app.scene_message(&self.session.key, &published))).await?;
+        let message = self
+            .session
+            .with_published(|published, is_own| self.app.scene_message(&self.session.key, published, is_own));
+        self.reply(ServerMessage::Scene(message)).await?;
         loop {
             tokio::select! {
                 biased;
@@ -174,7 +176,7 @@ impl PageConnection {
                 }
                 self.reply(ServerMessage::Stopped { id }).await
             }
-            PageRequest::Pick { id, origin, direction, hidden, section } => {
+            PageRequest::Pick { id, origin, direction, filter } => {
                 let Some(ray) = ray(origin, direction) else {
                     let message = "the ray has no direction".to_owned();
                     return self.reply(ServerMessage::Failed { id, message }).await;
@@ -182,7 +184,7 @@ impl PageConnection {
                 let viewer_scene = self.session.published().viewer_scene;
                 self.spawn_query(id, move || {
                     let ViewerScene { scene, model, .. } = &*viewer_scene;
-                    let hit = query::pick(scene, model, &ray, &hidden, section);
+                    let hit = query::pick(scene, model, &ray, &filter);
                     ServerMessage::Hit { id, hit: hit.map(Box::new) }
                 })
                 .await

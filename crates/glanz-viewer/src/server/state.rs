@@ -1,6 +1,6 @@
 //! State shared by all requests.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz_formats::Options;
@@ -23,7 +23,8 @@ pub(crate) struct AppState {
     pub(crate) access: AccessControl,
     pub(crate) limits: Limits,
     pub(crate) options: Options,
-    pub(crate) overlay: Option<Arc<dyn SceneOverlay>>,
+    /// One design, or two that are compared.
+    pub(crate) designs: Vec<ServedDesign>,
     pub(crate) integrator: IntegratorName,
     pub(crate) processors: Arc<Processors>,
     /// As in the settings.
@@ -31,30 +32,54 @@ pub(crate) struct AppState {
     pub(crate) models: ModelStore,
     pub(crate) sessions: Arc<Sessions>,
     pub(crate) uploads: Semaphore,
-    published: Mutex<PublishedModel>,
     closing: CancelFlag,
     listener: UpdateListener,
 }
 
+/// A scene file that pages show.
+pub(crate) struct ServedDesign {
+    pub(crate) path: PathBuf,
+    pub(crate) overlay: Option<Arc<dyn SceneOverlay>>,
+    published: Mutex<PublishedModel>,
+}
+
+impl ServedDesign {
+    /// The model of pages that have not opened a file of their own.
+    pub(crate) fn published(&self) -> PublishedModel {
+        self.published.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
 impl AppState {
-    /// The state of a server whose pages show `viewer_scene`.
+    /// The state of a server whose pages show `viewer_scene`, the scene of a file, and the compared design.
     ///
     /// # Errors
     /// If the system provides no random numbers.
     pub(crate) fn new(
         settings: &ServerSettings,
         access: AccessControl,
-        viewer_scene: ViewerScene,
+        (scene, viewer_scene): (&Path, ViewerScene),
         listener: UpdateListener,
     ) -> Result<Self, getrandom::Error> {
         let limits = settings.limits;
         let models = ModelStore::default();
-        let published = models.publish(Arc::new(viewer_scene))?;
+        let first = (scene, Arc::new(viewer_scene), &settings.overlay);
+        let second = settings
+            .compared
+            .as_ref()
+            .map(|design| (design.path.as_path(), Arc::clone(&design.viewer_scene), &design.overlay));
+        let designs = std::iter::once(first).chain(second).map(|(path, viewer_scene, overlay)| {
+            let published = Mutex::new(models.publish(viewer_scene)?);
+            Ok(ServedDesign { path: path.to_owned(), overlay: overlay.clone(), published })
+        });
+        let designs = designs.collect::<Result<Vec<ServedDesign>, getrandom::Error>>()?;
+        // A page has a session for each design.
+        let sessions = limits.sessions.saturating_mul(designs.len());
         Ok(Self {
             access,
             limits,
             options: settings.options.clone(),
-            overlay: settings.overlay.clone(),
+            designs,
             integrator: settings.integrator,
             processors: Arc::new(Processors::new(settings.threads)),
             denoiser: settings
@@ -62,27 +87,32 @@ impl AppState {
                 .clone()
                 .map(|denoiser| denoiser.map(|denoiser| Arc::new(SharedDenoiser::new(denoiser)))),
             models,
-            sessions: Arc::new(Sessions::new(limits.sessions)),
+            sessions: Arc::new(Sessions::new(sessions)),
             uploads: Semaphore::new(limits.uploads),
-            published: Mutex::new(published),
             closing: CancelFlag::default(),
             listener,
         })
     }
 
-    /// The model of pages that have not opened a file of their own.
-    pub(crate) fn published(&self) -> PublishedModel {
-        self.published.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    /// The model of pages of a design that have not opened a file of their own; `None` if there is no such design.
+    pub(crate) fn published(&self, design: usize) -> Option<PublishedModel> {
+        self.designs.get(design).map(ServedDesign::published)
     }
 
-    /// The scene message for the page of that session.
-    pub(crate) fn scene_message(&self, session: &AccessKey, published: &PublishedModel) -> SceneMessage {
+    /// The scene message for the page of that session. `is_own`: whether the page has opened the file itself.
+    pub(crate) fn scene_message(
+        &self,
+        session: &AccessKey,
+        published: &PublishedModel,
+        is_own: bool,
+    ) -> SceneMessage {
         SceneMessage {
             model: Some(published.path()),
             name: published.viewer_scene.name.clone(),
             session: session.to_string(),
             integrator: self.integrator,
             denoiser: self.denoiser_message(),
+            compared: !is_own && self.designs.len() > 1,
             error: None,
         }
     }
@@ -92,33 +122,37 @@ impl AppState {
         Some(DenoiserMessage { error: denoiser.as_ref().err().cloned() })
     }
 
-    /// Sends a change of the file `scene` to the pages and the listener.
-    pub(crate) fn publish(&self, scene: &Path, update: SceneUpdate) {
+    /// Sends a change of the file of a design to its pages and the listener.
+    pub(crate) fn publish(&self, number: usize, update: SceneUpdate) {
+        let Some(design) = self.designs.get(number) else { return };
         let published = match &update {
             SceneUpdate::Reloaded(viewer_scene) => self.models.publish(Arc::clone(viewer_scene)).ok(),
             SceneUpdate::Refused(_) => None,
         };
         match (&published, &update) {
             (Some(published), _) => {
-                *self.published.lock().unwrap_or_else(PoisonError::into_inner) = published.clone();
-                self.sessions.broadcast(Some(published), |session| self.scene_message(session, published));
+                *design.published.lock().unwrap_or_else(PoisonError::into_inner) = published.clone();
+                self.sessions.broadcast(number, Some(published), |session| {
+                    self.scene_message(session, published, false)
+                });
             }
             (None, SceneUpdate::Refused(diagnostics)) => {
-                let name =
-                    scene.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-                self.sessions.broadcast(None, |session| SceneMessage {
+                let name = design.path.file_name();
+                let name = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+                self.sessions.broadcast(number, None, |session| SceneMessage {
                     model: None,
                     name: name.clone(),
                     session: session.to_string(),
                     integrator: self.integrator,
                     denoiser: self.denoiser_message(),
+                    compared: self.designs.len() > 1,
                     error: Some(diagnostics.to_string()),
                 });
             }
             // Without a key for the new model, pages keep the old one.
             (None, SceneUpdate::Reloaded(_)) => return,
         }
-        (self.listener)(&update);
+        (self.listener)(&design.path, &update);
     }
 
     /// True if the server is shutting down.

@@ -65,8 +65,9 @@ impl ViewerScene {
         let broken = |error: crate::model::ModelError| refuse(None, error.to_string());
         let model = Model::try_new(&name, &description, &scene, &sources.names()).map_err(broken)?;
         let model = match loaded.cad {
+            // Parts have no walls.
             Some(report) => model.with_cad(report),
-            None => model,
+            None => model.with_outer_sides(&scene),
         };
         let model = match overlay {
             Some(overlay) => {

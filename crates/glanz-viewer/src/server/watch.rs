@@ -1,6 +1,6 @@
 //! Reloads a scene when one of its files changes.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
@@ -8,7 +8,7 @@ use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
 use super::SceneUpdate;
-use super::state::AppState;
+use super::state::{AppState, ServedDesign};
 use super::viewer_scene::{ViewerScene, refusal};
 
 /// Interval between snapshots of the files.
@@ -48,16 +48,17 @@ impl ChangeDebouncer {
     }
 }
 
-/// Polls the files of the scene until the task is aborted; reports to the pages when it was read again, or why it cannot be.
-pub(crate) async fn watch(app: Arc<AppState>, scene: PathBuf) {
-    let mut paths = app.published().viewer_scene.paths.clone();
+/// Polls the files of a design until the task is aborted; reports to the pages when it was read again, or why it cannot be.
+pub(crate) async fn watch(app: Arc<AppState>, number: usize) {
+    let Some(design) = app.designs.get(number) else { return };
+    let mut paths = design.published().viewer_scene.paths.clone();
     let mut debouncer = ChangeDebouncer::new(snapshot(&paths));
     loop {
         sleep(INTERVAL).await;
         if !debouncer.observe(snapshot(&paths)) {
             continue;
         }
-        let update = read(&app, &scene).await;
+        let update = read(&app, design).await;
         if let SceneUpdate::Reloaded(viewer_scene) = &update {
             let same = viewer_scene.paths() == paths;
             if !same {
@@ -65,16 +66,16 @@ pub(crate) async fn watch(app: Arc<AppState>, scene: PathBuf) {
                 debouncer = ChangeDebouncer::new(snapshot(&paths));
             }
         }
-        app.publish(&scene, update);
+        app.publish(number, update);
     }
 }
 
-async fn read(app: &AppState, scene: &Path) -> SceneUpdate {
-    let (path, options, overlay) = (scene.to_owned(), app.options.clone(), app.overlay.clone());
+async fn read(app: &AppState, design: &ServedDesign) -> SceneUpdate {
+    let (path, options, overlay) = (design.path.clone(), app.options.clone(), design.overlay.clone());
     match spawn_blocking(move || ViewerScene::read(&path, &options, overlay.as_deref())).await {
         Ok(Ok(viewer_scene)) => SceneUpdate::Reloaded(Arc::new(viewer_scene)),
         Ok(Err(diagnostics)) => SceneUpdate::Refused(diagnostics),
-        Err(error) => SceneUpdate::Refused(refusal(&scene.display().to_string(), error.to_string())),
+        Err(error) => SceneUpdate::Refused(refusal(&design.path.display().to_string(), error.to_string())),
     }
 }
 

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use glanz_formats::Options;
 use glanz_job::CancelFlag;
-use glanz_viewer::server::{Limits, Server, ServerSettings, ViewerScene};
+use glanz_viewer::server::{Limits, Server, ServerSettings, UpdateListener, ViewerScene};
 use serde_json::Value;
 use tempfile::TempDir;
 use tungstenite::client::IntoClientRequest;
@@ -41,13 +41,22 @@ pub(crate) struct TestServer {
 impl TestServer {
     /// Shows a scene with these settings.
     pub(crate) fn open_with(scene: &str, settings: ServerSettings) -> Self {
+        Self::open_with_listener(scene, settings, Box::new(|_, _| {}))
+    }
+
+    /// The same with a listener for changes.
+    pub(crate) fn open_with_listener(
+        scene: &str,
+        settings: ServerSettings,
+        listener: UpdateListener,
+    ) -> Self {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("scene.pbrt");
         fs::write(&path, scene).unwrap();
         let viewer_scene =
             ViewerScene::read(&path, &Options::default(), None).unwrap_or_else(|d| panic!("{d}"));
         let settings = ServerSettings { port: Some(0), threads: 2, ..settings };
-        let server = Server::bind(&settings, &path, viewer_scene, Box::new(|_| {})).unwrap();
+        let server = Server::bind(&settings, &path, viewer_scene, listener).unwrap();
         let address = server.address().to_owned();
         let host = address.strip_prefix("http://").and_then(|a| a.split('/').next()).unwrap().to_owned();
         let cancel = CancelFlag::default();
@@ -104,7 +113,12 @@ impl TestServer {
 
     /// A page that has received its scene; `None` if it is not admitted.
     pub(crate) fn try_connect_page(&self) -> Option<TestPage> {
-        let request = format!("ws://{}/ws", self.host).into_client_request().unwrap();
+        self.try_connect_page_to("ws")
+    }
+
+    /// The same for one of two designs.
+    pub(crate) fn try_connect_page_to(&self, path: &str) -> Option<TestPage> {
+        let request = format!("ws://{}/{path}", self.host).into_client_request().unwrap();
         let (socket, _) = tungstenite::client(request, self.connect()).ok()?;
         let mut page = TestPage { socket, scene: Value::Null };
         page.scene = page.receive_text("scene");

@@ -41,6 +41,7 @@ layout(std140) uniform Frame {
   vec4 shadowY;
   vec4 shadowZ;
   vec4 shadow;     // kind (0 none, 1 orthographic, 2 six faces), metres across or 0, depth z' = (z z + w) / (kind == 1 ? 1 : z)
+  vec4 walls;      // x: 1 if outer walls are left out where they are seen from outside
   Light lights[${MOST_LIGHTS}];
 };
 `;
@@ -49,7 +50,10 @@ layout(std140) uniform Frame {
 export const SEAM = 7;
 
 /** Floats before the lights. */
-export const FRAME_HEAD = 16 * 4;
+export const FRAME_HEAD = 17 * 4;
+
+/** Where the block says whether outer walls are left out. */
+export const WALLS = 16 * 4;
 
 /** Floats of one light. */
 export const FRAME_LIGHT = 16;

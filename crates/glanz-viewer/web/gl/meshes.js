@@ -70,7 +70,8 @@ void main() {
   float over = dot(section.xyz, eyePoint) - section.w;
   float slope = length(vec2(dFdx(over), dFdy(over)));
   if (section.xyz != vec3(0.0)) point.coverage = clamp(0.5 - over / max(slope, 1e-20), 0.0, 1.0);
-  if (point.coverage <= 0.0) discard;
+  // After the derivatives, which are undefined beside fragments that are discarded.
+  if (point.coverage <= 0.0 || isLeftOut(facts, point.front)) discard;
 ${mode === "material" ? "  mapPlace = vec2(-1.0);" : ""}
   colour = shade(point, facts);
 }

@@ -225,6 +225,7 @@ const LOCATE = `
   // The inverse transposed but for a positive factor, as meshes have it.
   n = normalize(n) * sign(determinant(turn)) * ((facts.bits & REVERSED) != 0u ? -1.0 : 1.0);
   point.front = dot(n, toEyeFrom(point.position)) >= 0.0;
+  if (isLeftOut(facts, point.front)) discard;
   point.normal = point.front ? n : -n;
   point.normalX = point.normalY = vec3(0.0);
   point.principal = vec2(0.0);
@@ -313,6 +314,7 @@ const MAP_PLACE = `
   vec4 mapRectangle = patchWords(which.z, 3u);
   // Parameters may lie past the sides of the patch, where the map has values of other patches.
   mapPlace = mapRectangle.z > 0.0 ? mapRectangle.xy + clamp(w, 0.0, 1.0) * mapRectangle.zw : vec2(-1.0);
+  mapChange = mat2(mapRectangle.zw * toParameters[0], mapRectangle.zw * toParameters[1]);
   if (!point.front) mapPlace.y += mapScale.z;
 `;
 

@@ -74,6 +74,8 @@ export class Patches {
     this.grids = new Grids(gl);
     this.patchBounds = boundPatches(model);
     this.subpatches = new Subpatches(model, this.patchBounds);
+    /** How illuminances are shown. @type {import("./renderer.js").LuxDisplay | null} */
+    this.lux = null;
     /** Classes of patches that share a program and textures. @type {{ shape: Shape, trimmed: boolean, map: number | null }[]} */
     this.classes = [];
     this.classOf = this.classify();
@@ -350,6 +352,13 @@ export class Patches {
     gl.activeTexture(gl.TEXTURE0 + UNITS.mapValues);
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.uniform3f(program.place("mapScale"), largest, falseColours ? 1 : 0, toBack);
+    if (!falseColours || !this.lux) return;
+    const { low, high, logarithmic } = this.lux.scale;
+    const [first, last] = logarithmic ? [Math.log(low), Math.log(high)] : [low, high];
+    gl.uniform3f(program.place("luxScale"), first, last, logarithmic ? 1 : 0);
+    const { levels } = this.lux;
+    gl.uniform1i(program.place("isoluxCount"), levels.length);
+    if (levels.length > 0) gl.uniform1fv(program.place("isoluxLevels"), levels);
   }
 
   delete() {

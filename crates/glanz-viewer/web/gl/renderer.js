@@ -16,12 +16,14 @@ import { RenderedImageTexture } from "./rendered_image_texture.js";
 /** @typedef {import("./patches.js").FrameStatistics} FrameStatistics */
 /** @typedef {import("./rendered_image_texture.js").RenderedImage} RenderedImage */
 
+/** How illuminances are shown; `levels`: of isolux lines, lx. @typedef {{ scale: import("../lux_scale.js").LuxScale, levels: number[] }} LuxDisplay */
+
 /**
  * The view to draw and its shading (docs/viewer.md). `shadows`: true if it is not given.
  * @typedef {{ camera: Camera, width: number, height: number, hidden: Set<number>, selected: number | null, exposure: number,
  *   shading: "material" | "zebra" | "gaussian" | "mean" | "maximum" | "normals", stripes: number, curvature: number,
  *   edges: boolean, isocurves: number, net: boolean, section: { normal: Vector, offset: number } | null, maps: boolean,
- *   seams: boolean, shadows?: boolean, edge: import("./edge_lines.js").PlacedEdge | null, background: Vector }} View
+ *   lux: LuxDisplay | null, seeThrough: boolean, seams: boolean, shadows?: boolean, edge: import("./edge_lines.js").PlacedEdge | null, background: Vector }} View
  */
 
 /** Resources that are recreated after the graphics context was lost. */
@@ -161,6 +163,12 @@ export class Renderer {
     const data = numbers.read();
     numbers.delete();
     return { width, height, data };
+  }
+
+  /** Frees the graphics card. */
+  delete() {
+    this.context.scene?.delete();
+    this.gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 
   /** Gives the canvas the view's size. @param {View} view */

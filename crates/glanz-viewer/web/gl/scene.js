@@ -8,7 +8,7 @@ import { dot } from "../linear.js";
 import { AlgebraicSurfaces } from "./algebraic.js";
 import { EdgeLines } from "./edge_lines.js";
 import { boxesOfSurfaces, isCut } from "./surface_boxes.js";
-import { FRAME_FLOATS, Frame, PLACE, SEAM } from "./frame.js";
+import { FRAME_FLOATS, Frame, PLACE, SEAM, WALLS } from "./frame.js";
 import { Lights } from "./lights.js";
 import { Meshes } from "./meshes.js";
 import { ControlNets } from "./control_nets.js";
@@ -57,12 +57,14 @@ export class Scene {
 
   /** Indices of the visible objects, split into opaque and transparent ones. @param {View} view */
   shownObjects(view) {
-    const { objects, materials } = this.model;
+    const { objects, materials, maps } = this.model;
     /** @type {{ opaque: number[], clear: number[] }} */
     const shown = { opaque: [], clear: [] };
     objects.forEach((object, i) => {
       if (view.hidden.has(object.leaf)) return;
-      const list = materials[object.material].opacity < 1 ? shown.clear : shown.opaque;
+      // Receivers that light passes show illuminances as if they were opaque.
+      const isLux = view.maps && object.map !== null && maps[object.map].unit === "lx";
+      const list = materials[object.material].opacity < 1 && !isLux ? shown.clear : shown.opaque;
       list.push(i);
     });
     return shown;
@@ -211,8 +213,9 @@ export class Scene {
   /** Makes the shadow map if it is not that of what is to be seen. @param {View} view @param {boolean} wait */
   updateShadows(view, wait) {
     const key = JSON.stringify([[...view.hidden].sort((a, b) => a - b), view.section]);
-    const { objects } = this.model;
-    const casters = this.shownObjects(view).opaque.filter((i) => !objects[i].light);
+    const { objects, materials } = this.model;
+    const isCaster = (/** @type {number} */ i) => !objects[i].light && materials[objects[i].material].opacity >= 1;
+    const casters = this.shownObjects(view).opaque.filter(isCaster);
     this.shadows.update(key, (frame) => {
       this.place(frame);
       this.cull(frame, casters);
@@ -242,6 +245,8 @@ export class Scene {
   writeShading(frame, view) {
     this.writeSection(frame, view);
     this.block.set([2 ** view.exposure, view.selected ?? -1], 10);
+    this.block[WALLS] = view.seeThrough ? 1 : 0;
+    this.patches.lux = view.lux;
     this.block.set([...frame.turn(this.model.up), view.stripes], 16);
     // Borders of patches and trimming curves, where the model does not tell which of them are edges.
     this.block.set(

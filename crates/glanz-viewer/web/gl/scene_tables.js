@@ -16,6 +16,8 @@ const REVERSED = 1;
 const REVOLUTION = 2;
 const MAPPED = 4;
 const SHARED = 8;
+const OUTSIDE_FRONT = 16;
+const OUTSIDE_BACK = 32;
 
 export class SceneTables {
   /**
@@ -71,6 +73,7 @@ function objectRows(model) {
     let bits = object.reversed ? REVERSED : 0;
     if (object.map !== null) bits |= MAPPED;
     if (object.shared) bits |= SHARED;
+    if (object.outside) bits |= object.outside === "front" ? OUTSIDE_FRONT : OUTSIDE_BACK;
     rows.set([object.material, 0, 0, 0, object.leaf, bits], i * 8);
     if (surface.kind !== "patches") return;
     if (surface.mapping === "revolution") rows[i * 8 + 5] |= REVOLUTION;
@@ -107,11 +110,18 @@ function mapTexture(gl, map, values) {
   const texture = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0 + SCRATCH_UNIT);
   gl.bindTexture(gl.TEXTURE_2D, texture);
-  // Shares of the largest value as half floats, because those can be filtered everywhere and would end at 65504.
-  const shares = values.map((x) => x / (map.largest || 1));
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, map.width, map.height, 0, gl.RGB, gl.FLOAT, shares);
+  const falseColours = map.unit === "lx";
+  if (falseColours) {
+    // All channels are equal.
+    const lux = Float32Array.from({ length: map.width * map.height }, (_, i) => values[3 * i]);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, map.width, map.height, 0, gl.RED, gl.FLOAT, lux);
+  } else {
+    // Shares of the largest value as half floats, because those can be filtered everywhere and would end at 65504.
+    const shares = values.map((x) => x / (map.largest || 1));
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, map.width, map.height, 0, gl.RGB, gl.FLOAT, shares);
+  }
   for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
-    gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+    gl.texParameteri(gl.TEXTURE_2D, filter, falseColours ? gl.NEAREST : gl.LINEAR);
   for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
-  return { texture, largest: map.largest, falseColours: map.unit === "lx", toBack: map.sides > 1 ? 0.5 : 0 };
+  return { texture, largest: map.largest, falseColours, toBack: map.sides > 1 ? 0.5 : 0 };
 }

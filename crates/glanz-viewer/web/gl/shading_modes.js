@@ -5,6 +5,7 @@
  */
 
 import { DIVERGING, shaderArray, VIRIDIS } from "../colours.js";
+import { MOST_LEVELS } from "../lux_scale.js";
 import { FRAME_TEXT } from "./frame.js";
 import { SHADING_TEXT, TONE_TEXT } from "./shading.js";
 
@@ -31,7 +32,7 @@ export const OBJECT_TEXT = `
 uniform usampler2D objectFacts;
 uniform sampler2D objectPlaces;
 struct Facts { uint material, firstCell; ivec2 cells; uint leaf, bits; };
-const uint REVERSED = 1u, REVOLUTION = 2u, MAPPED = 4u, SHARED = 8u;
+const uint REVERSED = 1u, REVOLUTION = 2u, MAPPED = 4u, SHARED = 8u, OUTSIDE_FRONT = 16u, OUTSIDE_BACK = 32u;
 Facts factsOf(uint number) {
   uint at = number * 2u;
   ivec2 place = ivec2(at & 2047u, at >> 11u);
@@ -42,6 +43,10 @@ Facts factsOf(uint number) {
 bool isCut(uint number) {
   uint at = number * 4u;
   return texelFetch(objectPlaces, ivec2(at & 2047u, at >> 11u), 0).w > 0.0;
+}
+// Whether it is an outer wall, seen from outside.
+bool isLeftOut(Facts facts, bool front) {
+  return walls.x > 0.0 && (facts.bits & (front ? OUTSIDE_FRONT : OUTSIDE_BACK)) != 0u;
 }
 mat4x3 placeOf(uint number) {
   uint at = number * 4u;
@@ -103,7 +108,14 @@ vec4 shade(Point point, Facts facts) {
   Material material = materialOf(facts.material);
   vec4 light = reflected(material, point.position, point.normal, toEyeFrom(point.position), point.front);
   vec3 colour = display(light.xyz, picture.z);
-  if (drawn.z > 0.0 && (facts.bits & MAPPED) != 0u) colour = mapColour(colour);
+  if (drawn.z > 0.0 && (facts.bits & MAPPED) != 0u && mapPlace.x >= 0.0) {
+    colour = mapColour();
+    if (mapScale.y > 0.0) {
+      // Surfaces that light passes show illuminances, too; the tint of what is selected would change what the colours say.
+      light.w = 1.0;
+      facts.leaf = ~0u;
+    }
+  }
   colour = marked(colour, point, facts);
   return vec4(colour, max(light.w, point.line) * point.coverage);
 }
@@ -153,19 +165,44 @@ vec4 shade(Point point, Facts facts) {
 }
 `;
 
-/** Light maps and lux maps of the scene, as radiance or in false colours. */
+/** Light maps and lux maps of the scene, as radiance or in false colours with isolux lines. */
 export const MAP_TEXT = `
 uniform sampler2D mapValues;
-uniform vec3 mapScale;    // largest value; 1 for false colours, 0 for light; offset of the values of the back along y
+uniform vec3 mapScale;    // factor of light; 1 for false colours, 0 for light; offset of the values of the back along y
+uniform vec3 luxScale;    // illuminances, or their logarithms, with the first and the last colour; 1 for logarithms
+uniform int isoluxCount;
+uniform float isoluxLevels[${MOST_LEVELS}];
 const vec3 VIRIDIS[9] = ${shaderArray(VIRIDIS)};
 vec2 mapPlace;
-vec3 mapColour(vec3 unmapped) {
-  if (mapPlace.x < 0.0) return unmapped;
-  vec3 share = texture(mapValues, mapPlace).xyz;
-  if (mapScale.y == 0.0) return display(share * mapScale.x, picture.z);
-  float x = clamp(share.x, 0.0, 1.0) * 8.0;
+mat2 mapChange;           // change of the place from pixel to pixel
+vec3 falseColour(float lux) {
+  float value = luxScale.z > 0.0 ? log(max(lux, 1e-30)) : lux;
+  float x = clamp((value - luxScale.x) / (luxScale.y - luxScale.x), 0.0, 1.0) * 8.0;
   int k = min(int(x), 7);
   return mix(VIRIDIS[k], VIRIDIS[k + 1], x - float(k)) / 255.0;
+}
+vec3 mapColour() {
+  if (mapScale.y == 0.0) return display(texture(mapValues, mapPlace).xyz * mapScale.x, picture.z);
+  // Not filtered by the texture unit: single floats cannot be filtered everywhere, and the gradient is needed.
+  ivec2 size = textureSize(mapValues, 0);
+  vec2 at = clamp(mapPlace * vec2(size) - 0.5, vec2(0.0), vec2(size - 1)), low = floor(at), part = at - low;
+  ivec2 first = ivec2(low), last = min(first + 1, size - 1);
+  float a = texelFetch(mapValues, first, 0).x, b = texelFetch(mapValues, ivec2(last.x, first.y), 0).x;
+  float c = texelFetch(mapValues, ivec2(first.x, last.y), 0).x, d = texelFetch(mapValues, last, 0).x;
+  float lux = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
+  vec3 colour = falseColour(lux);
+  // Illuminance from pixel to pixel: lines are as wide wherever they are.
+  float slope = length((vec2(mix(b - a, d - c, part.y), mix(c - a, d - b, part.x)) * vec2(size)) * mapChange);
+  float line = 0.0;
+  for (int k = 0; k < isoluxCount; k++) {
+    float level = isoluxLevels[k];
+    // Where all is alike there is no line, and where lines run together they are fainter.
+    if (!(slope > 1e-7 * level)) continue;
+    float gap = isoluxCount == 1 ? level : isoluxLevels[min(k + 1, isoluxCount - 1)] - isoluxLevels[min(k, isoluxCount - 2)];
+    line = max(line, clamp(1.25 - abs(lux - level) / slope, 0.0, 1.0) * clamp(0.5 * gap / slope - 0.5, 0.35, 1.0));
+  }
+  float brightness = dot(colour, vec3(0.299, 0.587, 0.114));
+  return mix(colour, vec3(brightness < 0.45 ? 1.0 : 0.0), 0.9 * line);
 }
 `;
 

@@ -11,6 +11,8 @@ import {
   curvatureText,
   directionText,
   lengthText,
+  luxDifferenceText,
+  luxText,
   plain,
   pointText,
   volumeText,
@@ -18,6 +20,7 @@ import {
 
 /** @typedef {import("../session.js").Hit} Hit */
 /** @typedef {import("../session.js").Dimensions} Dimensions */
+/** @typedef {import("../session.js").LuxReading} LuxReading */
 /** @typedef {import("../session.js").Measures} Measures */
 /** @typedef {import("../scene_parts.js").Item} Item */
 
@@ -39,6 +42,43 @@ function dimensionRows(dimensions) {
   return rows;
 }
 
+/** The term of an illuminance. */
+const ILLUMINANCE = "Illuminance";
+
+/**
+ * Illuminance of the cell at a picked point, and of its receiver.
+ * @param {LuxReading | null} reading
+ * @returns {Rows}
+ */
+function luxRows(reading) {
+  if (!reading) return [];
+  const { receiver, cell, minimum, mean, maximum } = reading;
+  return [
+    [ILLUMINANCE, luxText(reading)],
+    ["Receiver", receiver],
+    ["Cell (i, j)", cell.join(", ")],
+    ["Mean of the receiver", `${plain(mean, 4)} lx`],
+    ["Least, largest", `${plain(minimum, 4)} lx, ${plain(maximum, 4)} lx`],
+  ];
+}
+
+/**
+ * Illuminances of two designs at a place.
+ * @param {LuxReading | null} first
+ * @param {LuxReading | null} second
+ * @returns {Rows}
+ */
+function luxDifferenceRows(first, second) {
+  if (!first && !second) return [];
+  /** @type {Rows} */
+  const rows = [
+    ["Illuminance in A", first ? luxText(first) : "–"],
+    ["Illuminance in B", second ? luxText(second) : "–"],
+  ];
+  if (first && second) rows.push(["B − A", luxDifferenceText(first, second)]);
+  return rows;
+}
+
 /**
  * @param {Hit} hit
  * @param {Item | null} item the part that was hit
@@ -49,6 +89,7 @@ function hitRows(hit, item) {
   const rows = [["Name", hit.name || "–"]];
   if (hit.entity) rows.push(["Entity", hit.entity]);
   rows.push(["Kind", hit.kind], ["Material", hit.material || "–"]);
+  rows.push(...luxRows(hit.lux));
   if (item?.node.place) rows.push(["Defined at", item.node.place]);
   if (hit.degree) rows.push(["Degree", `${hit.degree[0]} × ${hit.degree[1]}`]);
   if (hit.area !== null) rows.push(["Area", areaText(hit.area)]);
@@ -144,6 +185,18 @@ export class PropertiesPanel {
   add(part, measures) {
     this.showRows([...this.rows, ...measureRows(part, measures)]);
     this.shown = { .../** @type {object} */ (this.shown), part: { name: part.label, ...measures } };
+  }
+
+  /**
+   * Adds illuminances of two designs to what is shown, after the one that is there.
+   * @param {LuxReading | null} first
+   * @param {LuxReading | null} second
+   */
+  addDifference(first, second) {
+    const rows = luxDifferenceRows(first, second);
+    const at = this.rows.findIndex(([term]) => term === ILLUMINANCE) + 1 || this.rows.length;
+    this.showRows([...this.rows.slice(0, at), ...rows, ...this.rows.slice(at)]);
+    this.shown = { .../** @type {object} */ (this.shown), ...Object.fromEntries(rows) };
   }
 
   /** @param {Rows} rows */

@@ -4,6 +4,7 @@
  * @module
  */
 
+import { typedLevels } from "../lux_scale.js";
 import { fullColour } from "../settings.js";
 import { element } from "./dom.js";
 import { lengthText, plain } from "./units.js";
@@ -44,6 +45,7 @@ export class SettingsPanel {
     for (const control of this.controls()) {
       if (control instanceof HTMLSelectElement) values[control.name] = control.value;
       else if (control.type === "checkbox") values[control.name] = control.checked;
+      else if (control.type === "text") values[control.name] = control.value;
       else if (control.type === "range") values[control.name] = control.valueAsNumber;
       else if (control.checked) values[control.name] = control.value;
     }
@@ -85,9 +87,9 @@ export class SettingsPanel {
    * Updates the values beside the sliders and hides the controls that do not apply to the scene.
    * @param {number} extent metres, of the scene
    * @param {Plane | null} section
-   * @param {boolean} hasMaps
+   * @param {{ hasMaps: boolean, hasLux: boolean, hasWalls: boolean }} scene
    */
-  describe(extent, section, hasMaps) {
+  describe(extent, section, { hasMaps, hasLux, hasWalls }) {
     const { exposure, stripes, isocurves, shading, sectionFlip } = this.settings;
     /** @param {string} id @param {string} text */
     const say = (id, text) => {
@@ -103,6 +105,15 @@ export class SettingsPanel {
     element("section-picked", HTMLOptionElement).disabled = this.settings.pickedNormal === null;
     element("stripes-row", HTMLElement).hidden = shading !== "zebra";
     element("curvature-row", HTMLElement).hidden = !CURVATURES.includes(shading);
-    element("maps-row", HTMLElement).hidden = !hasMaps;
+    const { luxScale, luxTail, isolux, isoluxLevels } = this.settings;
+    element("walls-row", HTMLElement).hidden = !hasWalls;
+    element("light", HTMLElement).hidden = !hasMaps;
+    for (const id of ["lux-scale-row", "isolux-row"]) element(id, HTMLElement).hidden = !hasLux;
+    element("lux-tail-row", HTMLElement).hidden = !hasLux || luxScale !== "percentile";
+    say("lux-tail", `${plain(luxTail)} % at each end`);
+    element("isolux-levels-row", HTMLElement).hidden = !hasLux || !isolux;
+    const { error } = typedLevels(isoluxLevels);
+    element("isolux-levels", HTMLInputElement).setAttribute("aria-invalid", String(error !== ""));
+    element("isolux-error", HTMLElement).textContent = error;
   }
 }

@@ -34,9 +34,12 @@ export class StatusBar {
     this.done = done;
   }
 
-  /** @param {Vector | null} point under the cursor */
-  point(point) {
-    this.cursor.textContent = point ? pointText(point) : "";
+  /**
+   * @param {Vector | null} point under the cursor
+   * @param {string} lux illuminance there
+   */
+  point(point, lux) {
+    this.cursor.textContent = [lux, point ? pointText(point) : ""].filter((text) => text !== "").join(" at ");
   }
 }
 

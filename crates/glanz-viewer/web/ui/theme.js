@@ -5,6 +5,7 @@
  */
 
 import { element } from "./dom.js";
+import { store, stored } from "./storage.js";
 
 const STORED = "glanz-theme";
 
@@ -18,32 +19,15 @@ export function initThemes(changed) {
     document.documentElement.dataset["theme"] = control.value;
     changed();
   };
-  control.value = remembered() ?? "auto";
+  control.value = stored(STORED) ?? "auto";
   // A word that no option has leaves the control empty.
   if (!control.value) control.value = "auto";
   apply();
   control.addEventListener("change", () => {
-    remember(control.value);
+    store(STORED, control.value);
     apply();
   });
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
-}
-
-/** @param {string} theme */
-function remember(theme) {
-  try {
-    localStorage.setItem(STORED, theme);
-  } catch {
-    // Browsers that keep nothing for this page start it with the system's colours again.
-  }
-}
-
-function remembered() {
-  try {
-    return localStorage.getItem(STORED);
-  } catch {
-    return null;
-  }
 }
 
 /**

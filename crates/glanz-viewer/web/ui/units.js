@@ -107,6 +107,44 @@ export function timeText(seconds) {
   return `${minutes} min ${Math.floor(seconds - 60 * minutes)} s`;
 }
 
+/** Relative errors below this one are not told apart. */
+const SMALL_ERROR = 1e-4;
+
+/**
+ * An illuminance with its standard error.
+ * @param {import("../session.js").LuxReading} reading
+ */
+export function luxText({ lux, relativeError }) {
+  const error = relativeError
+    ? ` ± ${relativeError < SMALL_ERROR ? `< ${percentText(SMALL_ERROR)}` : percentText(relativeError)}`
+    : "";
+  return `${plain(lux, 4)} lx${error}`;
+}
+
+/**
+ * The difference of an illuminance from another one.
+ * @param {import("../session.js").LuxReading} first
+ * @param {import("../session.js").LuxReading} second
+ */
+export function luxDifferenceText(first, second) {
+  const difference = second.lux - first.lux;
+  const sign = difference > 0 ? "+" : "";
+  const share = first.lux > 0 ? ` (${sign}${percentText(difference / first.lux)})` : "";
+  return `${sign}${plain(difference, 4)} lx${share}`;
+}
+
+/**
+ * Illuminances of two designs and their difference; empty if neither has any.
+ * @param {import("../session.js").LuxReading | null} first
+ * @param {import("../session.js").LuxReading | null} second
+ */
+export function luxTexts(first, second) {
+  if (!first && !second) return "";
+  const texts = [first, second].map((reading, i) => `${"AB"[i]} ${reading ? luxText(reading) : "–"}`);
+  if (first && second) texts.push(`B − A ${luxDifferenceText(first, second)}`);
+  return texts.join(", ");
+}
+
 /** @param {number} share */
 export function percentText(share) {
   return `${plain(100 * share, 2)} %`;

@@ -8,7 +8,7 @@ mod far_field_file;
 #[cfg(feature = "formats")]
 mod files;
 mod integrating;
-#[cfg(feature = "formats")]
+#[cfg(feature = "viewer")]
 mod lux_folder;
 mod outcome;
 mod planning;
@@ -44,8 +44,8 @@ use tally_file::TallyFile;
 pub use far_field_file::check_far_field_path;
 #[cfg(feature = "formats")]
 pub use files::save_comparison;
-#[cfg(feature = "formats")]
-pub use lux_folder::{LuxFolder, PlacedLux};
+#[cfg(feature = "viewer")]
+pub use lux_folder::{LuxFolder, PlacedLux, is_lux_folder, lux_folder_content_hash};
 pub use outcome::IlluminateOutcome;
 pub use tally_join::JoinedTally;
 pub(crate) use tally_join::join;

@@ -4,3 +4,5 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot set up its scene has failed")]
 
 mod illuminance;
+#[cfg(feature = "viewer")]
+mod lux_folder;

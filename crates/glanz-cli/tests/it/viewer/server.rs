@@ -1,5 +1,6 @@
 //! The process of `glanz view`, on a free port.
 
+use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -30,10 +31,20 @@ impl ViewServer {
 
     /// The same with these environment variables.
     pub(crate) fn start_with(scene: &Path, variables: &[(&str, &Path)]) -> Self {
+        Self::start_with_arguments(scene, &[], variables)
+    }
+
+    /// The same with more arguments.
+    pub(crate) fn start_with_arguments(
+        scene: &Path,
+        arguments: &[&OsStr],
+        variables: &[(&str, &Path)],
+    ) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_glanz"))
             .arg("view")
             .arg(scene)
             .args(["--no-open", "--port", "0"])
+            .args(arguments)
             .envs(variables.iter().copied())
             .stdin(Stdio::null())
             .stdout(Stdio::piped())

@@ -45,7 +45,7 @@ fn values_are_shown_where_they_belong() {
         (kind != "sphere").then(|| numbers.map(|x| x as f32))
     };
     let label = MapLabel { name: "numbers", unit: "1", two_sided: false };
-    let file = File::read(&model.with_map(label, &scene, 5, value).unwrap().to_bytes().unwrap());
+    let file = File::read(&model.with_map(label, &scene, 5, |_| true, value).unwrap().to_bytes().unwrap());
     let map = &file.head["maps"][0];
     assert_eq!((&map["name"], &map["unit"]), (&"numbers".into(), &"1".into()));
     let patches = file.words("patches");
@@ -85,7 +85,7 @@ fn patches_on_a_map_keep_their_points() {
     let bare = Model::try_new("test", &description, &scene, &[]).unwrap();
     let before = File::read(&bare.to_bytes().unwrap());
     let label = MapLabel { name: "", unit: "", two_sided: false };
-    let with = bare.with_map(label, &scene, 4, |_, _, _, _| Some([1.0; 3])).unwrap();
+    let with = bare.with_map(label, &scene, 4, |_| true, |_, _, _, _| Some([1.0; 3])).unwrap();
     let after = File::read(&with.to_bytes().unwrap());
     assert_eq!(before.words("points"), after.words("points"));
     let of = &after.list("surfaces")[number(&after.list("objects")[0]["surface"])];
@@ -102,7 +102,7 @@ fn back_has_values_of_its_own_half_a_map_below_those_of_the_front() {
     let model = Model::try_new("test", &description, &scene, &[]).unwrap();
     let value = |_, face: u32, _, back| Some([if back { -1.0 - face as f32 } else { face as f32 }; 3]);
     let label = MapLabel { name: "", unit: "", two_sided: true };
-    let file = File::read(&model.with_map(label, &scene, 3, value).unwrap().to_bytes().unwrap());
+    let file = File::read(&model.with_map(label, &scene, 3, |_| true, value).unwrap().to_bytes().unwrap());
     assert_eq!(file.head["maps"][0]["sides"], 2);
     let surface = &file.list("surfaces")[number(&file.list("objects")[0]["surface"])];
     let mut seen = 0;
@@ -126,7 +126,7 @@ fn values_at_a_trimmed_border_are_not_mixed_with_nothing() {
     // As if a corner were trimmed away.
     let value = |_, _, uv: DVec2, _| (uv.x + uv.y < 1.05).then_some([2.0; 3]);
     let label = MapLabel { name: "", unit: "", two_sided: false };
-    let file = File::read(&model.with_map(label, &scene, 9, value).unwrap().to_bytes().unwrap());
+    let file = File::read(&model.with_map(label, &scene, 9, |_| true, value).unwrap().to_bytes().unwrap());
     let texels = file.floats("map0");
     assert!(texels.iter().filter(|&&x| x == 2.0).count() >= 6 * 81 * 3, "{texels:?}");
 }

@@ -2,6 +2,7 @@
 
 mod leaves;
 mod map;
+mod outside;
 mod region;
 mod scene_parts;
 mod surfaces;

@@ -109,7 +109,7 @@ async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Resul
         .map_err(UploadError::Scene)?;
     let published =
         app.models.publish(Arc::new(viewer_scene)).map_err(|error| UploadError::busy(&error.to_string()))?;
-    let message = app.scene_message(&session.key, &published);
+    let message = app.scene_message(&session.key, &published, true);
     session.show_own(published, message.clone());
     Ok(ServerMessage::Scene(message).to_text())
 }

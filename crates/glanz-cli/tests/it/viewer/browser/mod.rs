@@ -2,6 +2,7 @@
 
 mod cad;
 mod devtools;
+mod lux;
 mod page;
 mod pixels;
 mod printed_report;

@@ -114,6 +114,11 @@ impl Page {
         self.call("Input.dispatchMouseEvent", event);
     }
 
+    /// Moves the pointer to a position in the window.
+    pub(crate) fn hover(&mut self, place: [f64; 2]) {
+        self.mouse("mouseMoved", place, 0);
+    }
+
     /// Turns the wheel at a position; `delta`: positive towards the user.
     pub(crate) fn wheel(&mut self, [x, y]: [f64; 2], delta: f64) {
         let event = json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": delta });
