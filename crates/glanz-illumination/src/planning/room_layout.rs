@@ -1,6 +1,6 @@
 //! The room of a design from above: outlines, surfaces, areas of measurement, luminaires.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glanz_light::Wavelengths;
 use glanz_light::units::photometric;
@@ -189,24 +189,10 @@ impl RoomLayout {
         border.push(
             [[low.x, low.y], [high.x, low.y], [high.x, high.y], [low.x, high.y]].map(DVec2::from).into(),
         );
-        let shorter = size.truncate().min_element();
-        let is_at_border = |outline: &[DVec2]| {
-            let middle = outline.iter().sum::<DVec2>() / outline.len().max(1) as f64;
-            outline.iter().chain([&middle]).all(|point| border_distance(&border, *point) <= BORDER * shorter)
-        };
-        let is_wall = |shape: &&RoomShape<'_>| {
-            let [from, to] = shape.outline.height;
-            shape.outline.is_upright()
-                && to - from >= WALL_HEIGHT * size.z
-                && shape.outline.length() >= LEAST_PART * shorter
-                && is_at_border(&shape.outline.outline)
-        };
-        let walls: Vec<&RoomShape<'_>> = shapes.iter().filter(is_wall).collect();
-        let of_room: Vec<*const RoomShape<'_>> = [&floor, &ceiling, &walls]
-            .into_iter()
-            .flatten()
-            .map(|shape| std::ptr::from_ref(*shape))
-            .collect();
+        let walls = walls(shapes, &border, size);
+        let of_room = [&floor, &ceiling, &walls].into_iter().flatten();
+        let of_room: HashSet<*const RoomShape<'_>> =
+            of_room.map(|shape| std::ptr::from_ref(*shape)).collect();
         let mut others: Vec<&RoomShape<'_>> = shapes
             .iter()
             .filter(|shape| !of_room.contains(&std::ptr::from_ref(*shape)))
@@ -253,6 +239,23 @@ impl RoomLayout {
     pub fn receiver(&self, name: &str) -> Option<&ReceiverPlace> {
         self.receivers.iter().find(|place| place.name == name)
     }
+}
+
+/// The upright shapes nearly as high as a room of this `size`, metres, along closed outlines.
+fn walls<'s, 'a>(shapes: &'s [RoomShape<'a>], border: &[Vec<DVec2>], size: DVec3) -> Vec<&'s RoomShape<'a>> {
+    let shorter = size.truncate().min_element();
+    let is_at_border = |outline: &[DVec2]| {
+        let middle = outline.iter().sum::<DVec2>() / outline.len().max(1) as f64;
+        outline.iter().chain([&middle]).all(|point| border_distance(border, *point) <= BORDER * shorter)
+    };
+    let is_wall = |shape: &&RoomShape<'_>| {
+        let [from, to] = shape.outline.height;
+        shape.outline.is_upright()
+            && to - from >= WALL_HEIGHT * size.z
+            && shape.outline.length() >= LEAST_PART * shorter
+            && is_at_border(&shape.outline.outline)
+    };
+    shapes.iter().filter(is_wall).collect()
 }
 
 /// Area and reflectance of parts of a room; `None` without parts.
