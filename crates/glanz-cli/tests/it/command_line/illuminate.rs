@@ -153,6 +153,7 @@ fn integration_names_materials_that_scatter() {
     };
     for (material, scatters) in [
         ("\"mirror\"", false),
+        ("\"mirror\" \"string finish\" \"gaussian\" \"float sigma\" .01", true),
         ("\"conductor\"", false),
         ("\"conductor\" \"float roughness\" .1", true),
         ("\"dielectric\"", false),
