@@ -71,7 +71,7 @@ pub use illuminate::{
     IlluminateBuilder, IlluminateMethod, IlluminateOptions, IlluminateOutcome, JoinedTally,
 };
 #[cfg(all(feature = "illumination", feature = "formats"))]
-pub use illuminate::{LuxFolder, PlacedLux, check_far_field_path, save_comparison};
+pub use illuminate::{LuxFolder, PlacedLux, check_far_field_path, check_ray_path, save_comparison};
 pub use job_options::JobOptions;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub use library_denoiser::LibraryDenoiser;
