@@ -57,6 +57,7 @@ fn advice(error: &Error) -> Option<String> {
         Error::PartGoal => "add --rays N, the number of the whole, and leave out --time and --error",
         Error::Indivisible { .. } => "leave out --part, or choose another --method",
         Error::NoFarField => "leave out --far-field, or choose another --method",
+        Error::RayGoal => "add --rays N, and leave out --time, --error, --part and --method",
         Error::DirectRating => "leave out --method",
         Error::Join(error) => return join_advice(error).map(str::to_owned),
         Error::Denoise(DenoiseError::NotFound { .. }) => {
@@ -131,6 +132,7 @@ fn file_advice(fault: &FileFault) -> Option<String> {
         FileFault::Extension("scenes") => "the extension selects the format: .pbrt, .glb, .obj or .ply",
         FileFault::Extension("scene files") => "scene files are written as .pbrt",
         FileFault::Extension("models") => "models are written as .glb",
+        FileFault::Extension("rays") => "rays are written as .tm25ray",
         FileFault::Extension("luminaires") => "candela distributions are written as .ldt or .ies",
         FileFault::Identity(_) => {
             "use the scene and the settings of the checkpoint, or another checkpoint file"

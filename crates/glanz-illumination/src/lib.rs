@@ -9,7 +9,7 @@
 //! - [`under_overcast_sky`] replaces the light of a scene by daylight, for [`DaylightFactors`];
 //! - a [`LuxMap`] holds the illuminance in the cells of a receiver, with errors;
 //! - a [`FluxBalance`] holds the emitted, absorbed and lost flux, a [`FarField`] the intensity of light that leaves the scene, by direction
-//!   ([`adapted_grid`] chooses the angles);
+//!   ([`adapted_grid`] chooses the angles), and [`escaped_rays`] passes on its rays;
 //! - [`planning`] holds the figures of planners after standards: glare, cylindrical illuminance, verdicts;
 //! - [`report`] turns them into tables, pictures, contours and pages.
 
@@ -17,6 +17,7 @@ pub mod balance;
 pub mod combine;
 pub mod daylight;
 mod division;
+mod escaped_rays;
 pub mod far_field;
 mod gather;
 pub mod integrate;
@@ -36,6 +37,7 @@ pub use balance::FluxBalance;
 pub use combine::{CombinedLight, CombinedOutcome, combine};
 pub use daylight::{DaylightFactors, under_overcast_sky};
 pub use division::LightDivision;
+pub use escaped_rays::{EscapedRay, escaped_rays};
 pub use far_field::{AngleStep, AngleStepError, FarField, FarFieldGrid, FarFieldResolution, FarFieldSummary};
 pub use lux_map::{LuxMap, LuxStatistics, LuxSummary};
 pub use lux_parts::IntegratedLux;

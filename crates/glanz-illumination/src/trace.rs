@@ -6,14 +6,13 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobPart, JobProgress, ProgressSink, WorkCount};
-use glanz_light::Wavelengths;
-use glanz_light::units::photometric;
 use glanz_sampling::{PixelSampler, SamplerKind};
 use glanz_scene::Scene;
-use glanz_transport::{Counters, ParticleFate, ParticlePath, ParticleTracer};
+use glanz_transport::{Counters, ParticleTracer};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::division::CellDivision;
+use crate::escaped_rays::block_of_escaped_light;
 use crate::far_field::{EscapedLight, FarFieldGrid};
 use crate::lux_parts::LuxParts;
 use crate::receiver::Receivers;
@@ -21,7 +20,7 @@ use crate::replicates::{REPLICATES, first_in_replicate};
 use crate::tally::{Tally, ThreadTally};
 
 /// Particles that a thread traces together.
-const BLOCK: u64 = 1 << 10;
+pub(crate) const BLOCK: u64 = 1 << 10;
 
 /// Largest number of particles, far from an overflow of the counter that threads share.
 const MAX_PARTICLES: u64 = 1 << 63;
@@ -277,20 +276,14 @@ pub fn adapted_grid(
     cancel: &CancelFlag,
 ) -> Result<Option<FarFieldGrid>, ThreadsError> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build()?;
-    let (wavelengths, new) = (Wavelengths::default(), || ParticleTracer::new(scene, settings.max_events));
+    let new = || ParticleTracer::new(scene, settings.max_events);
     let block = |tracer: &mut ParticleTracer<'_>, number: u64| -> Vec<EscapedLight> {
         if cancel.is_cancelled() {
             return Vec::new();
         }
-        let first = particle_sampler(settings.seed, REPLICATES, number * BLOCK);
-        tracer.trace(first, BLOCK as u32, &mut Counters::default(), |_, _| {});
-        let escaped = |path: ParticlePath| match path.end {
-            ParticleFate::Escaped { ray, power } => {
-                Some(EscapedLight::new(ray.direction, photometric(power, &wavelengths)))
-            }
-            ParticleFate::Absorbed | ParticleFate::GivenUp(_) => None,
-        };
-        tracer.paths().flatten().filter_map(escaped).collect()
+        let place = (settings.seed, REPLICATES, number * BLOCK);
+        let rays = block_of_escaped_light(tracer, place, BLOCK as u32);
+        rays.map(|ray| EscapedLight::new(ray.direction, ray.lumens)).collect()
     };
     // In the order of their numbers, whatever thread traced them.
     let blocks = pool.install(|| (0..PILOT_BLOCKS).into_par_iter().map_init(new, block).collect::<Vec<_>>());
@@ -298,7 +291,7 @@ pub fn adapted_grid(
 }
 
 /// The sampler of a particle by its number in the sequence of its replicate: a scramble for every 2^32 particles of each.
-fn particle_sampler(seed: u64, replicate: usize, number: u64) -> PixelSampler {
+pub(crate) fn particle_sampler(seed: u64, replicate: usize, number: u64) -> PixelSampler {
     let scramble = [(number >> 32) as u32, replicate as u32];
     PixelSampler::new(SamplerKind::Sobol, 1, seed, scramble, number as u32)
 }

@@ -66,7 +66,7 @@ mod part;
 mod processor;
 mod progress;
 
-pub use atomic::{WriteError, write_atomically, write_atomically_with};
+pub use atomic::{WriteError, write_atomically, write_atomically_with, write_file_atomically};
 pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;
 pub use content_hash::ContentHash;

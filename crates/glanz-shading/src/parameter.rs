@@ -44,6 +44,9 @@ pub enum MaterialError {
         /// The range in words.
         range: &'static str,
     },
+    /// A surface finish is given for a surface with facets.
+    #[error("a finish needs a smooth surface; leave out the roughness or the finish")]
+    RoughFinish,
 }
 
 /// Converts parameters of another form to [`ShadingForm`]. Materials call the checked conversions.

@@ -81,6 +81,7 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
         color: MetalColor::Reflectance(0.9.into()),
         roughness: rough(alpha),
         multiple_scattering: true,
+        finish: None,
     };
     let white_metal = ConductorMaterial { color: MetalColor::Reflectance(1.0.into()), ..metal(0.3) };
     let glass = |alpha| DielectricMaterial {

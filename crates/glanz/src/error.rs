@@ -242,6 +242,12 @@ pub enum Error {
     #[cfg(feature = "illumination")]
     #[error("the directions of light that leaves the scene are not counted; only traced particles have them")]
     NoFarField,
+    /// A ray file of a calculation that does not end after a number of particles, or traces none.
+    #[cfg(feature = "illumination")]
+    #[error(
+        "a ray file has the rays of a number of particles, which has to be given, without a time, an error or a part, and by a method that traces them"
+    )]
+    RayGoal,
     /// A rating by the direct light of an integration.
     #[cfg(feature = "illumination")]
     #[error(
@@ -391,6 +397,8 @@ impl Error {
             Self::File { fault, .. } => {
                 matches!(fault, FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput)
             }
+            #[cfg(feature = "illumination")]
+            Self::RayGoal => true,
             _ => false,
         }
     }

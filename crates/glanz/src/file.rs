@@ -152,7 +152,18 @@ pub fn write_with(
     path: &Path,
     content: impl FnOnce(&mut dyn io::Write) -> io::Result<()>,
 ) -> Result<(), Error> {
-    let written = glanz_job::write_atomically_with(path, content);
+    write_file_with(path, |file| content(file))
+}
+
+/// As [`write_with`], where `content` may return to earlier bytes.
+///
+/// # Errors
+/// [`Error::File`].
+pub(crate) fn write_file_with(
+    path: &Path,
+    content: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), Error> {
+    let written = glanz_job::write_file_atomically(path, content);
     written.map_err(|WriteError { path, source }| FileFault::Io(source).of(&path))
 }
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ._statement import Bool, Float, Floats, Path, Reflectance, Value
+from ._statement import Bool, Float, Floats, Path, Reflectance, String, Value
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,8 +32,20 @@ class Diffuse(Material):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Mirror(Material):
-    """A perfect mirror of the reflectance ``Kr``."""
+class FinishedMaterial(Material):
+    """A smooth material whose ``finish`` scatters light: "gaussian" (``sigma``, ``fraction``) or "abg" (``A``, ``B``, ``g``)."""
+
+    finish: String | None = None
+    sigma: Float | None = None
+    fraction: Float | None = None
+    A: Float | None = None
+    B: Float | None = None
+    g: Float | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Mirror(FinishedMaterial):
+    """A mirror of the reflectance ``Kr``, perfect without a ``finish``."""
 
     KIND = "mirror"
     Kr: Reflectance = 0.9
@@ -51,7 +63,7 @@ class RoughMaterial(Material):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Conductor(RoughMaterial):
+class Conductor(RoughMaterial, FinishedMaterial):
     """Metal, of index ``eta`` and absorption ``k``, or of a ``reflectance``. Copper by default."""
 
     KIND = "conductor"

@@ -45,6 +45,8 @@ Photometric files are interpolated linearly between their angles. --far-field co
 for this: a file has the flux that left the scene, and its angles are dense where the intensity
 bends with direction, for which 262 144 particles are traced first, beside those of --rays.
 report.html and summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
+--ray-file writes every ray of this light from the last surface that it left, for the near field: as
+the file of a photometric light, or for other programs. Interrupted, it keeps its old content.
 
 With --luminaire there is no scene: the box of --room then has diffuse walls of --reflectances, luminaires
 of the file on a grid, and a work plane. The report has, besides, the unified glare rating of
@@ -61,6 +63,7 @@ Examples:
   glanz illuminate office.pbrt -o daylight --daylight
   glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --far-field lamp.ies
   glanz illuminate lamp.pbrt -o lamp --far-field lamp.ldt --resolution 2.5x15
+  glanz illuminate lamp.pbrt -o lamp --ray-file lamp.tm25ray --rays 5000000
 
   A third of the particles on each of three machines, with the bits of all particles on one:
   glanz illuminate office.pbrt --rays 900000000 --part 1/3 --checkpoint 1.lux
@@ -116,6 +119,9 @@ pub(crate) struct IlluminateArguments {
     /// bends]
     #[arg(long, value_name = "GAMMAxC", value_parser = steps, requires = "far_field")]
     resolution: Option<FarFieldResolution>,
+    /// Rays of all light that leaves the scene, .tm25ray (IES TM-25), of the particles of --rays, which are traced once more for it
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, requires = "rays", conflicts_with_all = ["compare", "part", "time", "error"])]
+    pub(crate) ray_file: Option<PathBuf>,
     /// Seed of the particles; another seed gives another, independent result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,

@@ -63,6 +63,9 @@ pub(crate) fn run(
             if let Some(request) = request {
                 builder = builder.plan(request);
             }
+            if let Some(path) = &arguments.ray_file {
+                builder = builder.ray_file(path);
+            }
             builder.run()
         });
         let outcome = match illuminated {
@@ -94,6 +97,11 @@ pub(crate) fn run(
         ([], Some(checkpoint)) => messages.note(&part_note(checkpoint, &outcomes)),
         ([], None) => {}
     }
+    if let Some(path) =
+        arguments.ray_file.as_deref().filter(|_| outcomes.iter().all(|one| one.rays.is_none()))
+    {
+        messages.note(&format!("interrupted; {} was not written", path.display()));
+    }
     if arguments.job.verbosity.json {
         report::print(&IlluminateReport {
             scenes: paths.iter().map(|path| path.display().to_string()).collect(),
@@ -118,6 +126,10 @@ fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
         if arguments.output.is_some() {
             files.add_output(path)?;
         }
+    }
+    if let Some(path) = &arguments.ray_file {
+        glanz::check_ray_path(path)?;
+        files.add_output(path)?;
     }
     arguments.job.checkpoint.add_to(&mut files)?;
     Ok(files)
@@ -161,6 +173,8 @@ fn saved(arguments: &IlluminateArguments, outcomes: &[IlluminateOutcome]) -> Res
                 outcome.save_far_field(path)?;
                 written.push(path.clone());
             }
+            // The calculation has written it.
+            written.extend(arguments.ray_file.clone().filter(|_| outcome.rays.is_some()));
             Ok(written)
         }
         [] => Ok(Vec::new()),

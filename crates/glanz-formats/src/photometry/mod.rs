@@ -1,7 +1,7 @@
 //! Photometric files: the luminous intensity of luminaires by direction.
 //!
 //! [`ies`] reads IES LM-63 of all editions, [`ldt`] reads EULUMDAT; both return a [`Photometry`], and [`read`] recognises
-//! the format. [`tm25`] reads ray files. [`mod@write`] writes IES and EULUMDAT files of a distribution. Errors have line and column; harmless irregularities are
+//! the format. [`tm25`] reads and writes ray files. [`mod@write`] writes IES and EULUMDAT files of a distribution. Errors have line and column; harmless irregularities are
 //! warnings of the same form.
 //!
 //! # The luminaire's frame

@@ -9,7 +9,8 @@ use glanz_scene::Description;
 use glanz_scene::description::*;
 use glanz_scene::studio::UpAxis;
 use glanz_shading::model::{
-    ConductorMaterial, DielectricMaterial, MetalColor, PrincipledMaterial, Roughness, RoughnessScale,
+    ConductorMaterial, DielectricMaterial, FinishModel, MetalColor, MirrorMaterial, PrincipledMaterial,
+    Roughness, RoughnessScale, SurfaceFinish,
 };
 use proptest::prelude::*;
 
@@ -180,11 +181,24 @@ proptest! {
                 color: MetalColor::Reflectance([a, b, c].into()),
                 roughness: facets.clone(),
                 multiple_scattering: false,
+                finish: None,
             }),
             MaterialKind::Conductor(ConductorMaterial {
                 color: MetalColor::Index { eta: [a, b, c].into(), k: [d, e, f].into() },
                 roughness: facets.clone(),
                 multiple_scattering: true,
+                finish: None,
+            }),
+            MaterialKind::Mirror(MirrorMaterial {
+                reflectance: [a, b, c].into(),
+                finish: SurfaceFinish::try_new(FinishModel::Gaussian { sigma: 0.1 + f64::from(d) / 3.0, fraction: e.into() })
+                    .ok(),
+            }),
+            MaterialKind::Conductor(ConductorMaterial {
+                color: MetalColor::Reflectance(a.into()),
+                roughness: Roughness::smooth(),
+                multiple_scattering: true,
+                finish: SurfaceFinish::try_new(FinishModel::Abg { a: 0.01, b: 0.1 + f64::from(e) / 3.0, g: 3.0 * f64::from(f) }).ok(),
             }),
             MaterialKind::Dielectric(DielectricMaterial {
                 eta: (1.0 + a).into(),

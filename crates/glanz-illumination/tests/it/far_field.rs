@@ -4,10 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use crate::common::*;
 use glanz_illumination::*;
-use glanz_job::{CancelFlag, JobPart, Silent};
+use glanz_job::{CancelFlag, JobEnd, JobPart, Silent};
 use glanz_light::intensity::AngularSystem;
 use glanz_math::{DMat4, DVec3};
-use glanz_scene::description::{GeometryDescription, LightDescription, ShapeDescription};
+use glanz_scene::description::{
+    GeometryDescription, LightDescription, LightKind, ShapeDescription, SourceRay,
+};
 use glanz_scene::{Scene, SceneBuilder};
 
 fn settings(particles: u64, threads: usize) -> TraceSettings {
@@ -260,4 +262,73 @@ fn grids_do_not_depend_on_threads_parts_or_numbers_of_particles() {
     let cancelled = CancelFlag::default();
     cancelled.cancel();
     assert_eq!(adapted_grid(&scene, &part, &cancelled).unwrap(), None);
+}
+
+/// All rays that leave the scene.
+fn rays_of(scene: &Scene, settings: &TraceSettings, particles: u64) -> Vec<EscapedRay> {
+    let mut rays = Vec::new();
+    let visit = |ray: &EscapedRay| {
+        rays.push(*ray);
+        Ok::<(), ()>(())
+    };
+    let end = escaped_rays(scene, settings, particles, &mut Silent, &CancelFlag::default(), visit);
+    assert_eq!(end, Ok(JobEnd::Complete));
+    rays
+}
+
+#[test]
+fn escaped_rays_as_a_light_have_the_far_field_of_the_scene() {
+    let scene = REFLECTOR.scene();
+    let (particles, settings) = (100_001, settings(100_001, 2));
+    let rays = rays_of(&scene, &settings, particles);
+    // The same particles.
+    let receivers = Receivers::default();
+    let grid = adapted(&scene, &settings);
+    let tally = Tally::new(&receivers, Some(grid.clone()));
+    let outcome = trace(&scene, &receivers, &settings, tally, &mut Silent, &CancelFlag::default()).unwrap();
+    let (far, escaped) = (outcome.tally.far_field().unwrap(), outcome.tally.balance().escaped);
+    let flux: f64 = rays.iter().map(|ray| ray.lumens).sum();
+    assert!((flux / escaped - 1.0).abs() < 1e-9, "{flux} {escaped}");
+    // From the mirror, or from the emitter past it.
+    let on_mirror = |p: DVec3| (p.z + p.truncate().length_squared() / 0.04).abs() < 1e-6;
+    assert!(rays.iter().all(|ray| ray.direction.is_normalized() && on_mirror(ray.origin)));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert!(pool.install(|| rays_of(&scene, &settings, particles)) == rays);
+    let source: Vec<SourceRay> = rays
+        .iter()
+        .map(|ray| SourceRay {
+            origin: ray.origin.as_vec3().to_array(),
+            direction: ray.direction.as_vec3().to_array(),
+            lumens: ray.lumens as f32,
+        })
+        .collect();
+    let kind = LightKind::Rays { rays: source.into(), from: DVec3::ZERO };
+    let light = LightDescription { kind, ..LightDescription::point(DVec3::ZERO, 1.0) };
+    let again = far_field(&resolved(SceneBuilder::new().light(light)), 300_000, Some(grid));
+    assert!((again.flux() / far.flux() - 1.0).abs() < 1e-6, "{} {}", again.flux(), far.flux());
+    let peak = far.candela.iter().copied().fold(0.0, f64::max);
+    for (bin, (a, b)) in far.candela.iter().zip(&again.candela).enumerate() {
+        let error = far.errors[bin].hypot(again.errors[bin]);
+        assert!((a - b).abs() <= ERRORS * error + 1e-6 * peak, "{bin}: {a} and {b} +- {error}");
+    }
+}
+
+#[test]
+fn cancelled_rays_end_at_once() {
+    let cancel = CancelFlag::default();
+    let (scene, settings) = (spot(DVec3::NEG_Z, 10.0, 1.0), settings(u64::MAX >> 1, 1));
+    let mut count = 0;
+    let visit = |_: &EscapedRay| {
+        count += 1;
+        cancel.cancel();
+        Ok::<(), ()>(())
+    };
+    let end = escaped_rays(&scene, &settings, u64::MAX >> 1, &mut Silent, &cancel, visit);
+    assert_eq!(end, Ok(JobEnd::Interrupted));
+    assert!(count > 0);
+    // An error of the receiver ends it, too.
+    let full = |_: &EscapedRay| Err("full");
+    let settings = TraceSettings { seed: 2, ..settings };
+    let end = escaped_rays(&scene, &settings, 10, &mut Silent, &CancelFlag::default(), full);
+    assert_eq!(end, Err("full"));
 }

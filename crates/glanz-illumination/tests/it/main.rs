@@ -8,6 +8,7 @@ mod combined;
 mod common;
 mod daylight;
 mod far_field;
+mod finish;
 mod planning;
 mod receivers;
 mod tally;

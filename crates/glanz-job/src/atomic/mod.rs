@@ -49,10 +49,21 @@ pub fn write_atomically_with(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), WriteError> {
+    write_file_atomically(path, |file| content(file))
+}
+
+/// As [`write_atomically_with`], where `content` may return to earlier bytes; on a pipe seeking fails.
+///
+/// # Errors
+/// As [`write_atomically_with`].
+pub fn write_file_atomically(
+    path: &Path,
+    content: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), WriteError> {
     replace(path, content).map_err(|source| WriteError { path: path.to_owned(), source })
 }
 
-fn replace(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+fn replace(path: &Path, content: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     // A rename would replace the link, not the file that it names.
     let path = if path.is_symlink() { fs::canonicalize(path)? } else { path.to_owned() };
     let existing = match fs::metadata(&path) {

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use glanz_light::Spectrum;
 use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 
+use super::finish::SurfaceFinish;
 use super::mirror::mirror_image;
 use super::roughness::Roughness;
 use super::{Material, MaterialModel, TexturedModel};
@@ -14,11 +15,11 @@ use crate::microfacet::{MicrofacetDistribution, energy, half_vector};
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
 use crate::preview::PreviewSurface;
 
-/// A metal after Fresnel's equations, smooth or with facets.
+/// A metal after Fresnel's equations, smooth, with facets or with a surface finish.
 ///
 /// # Source
 /// @walter2007 with the masking of @heitz2014; light between facets after @kulla2017.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Conductor {
     metal: ConductorFresnel,
     distribution: MicrofacetDistribution,
@@ -26,6 +27,8 @@ pub struct Conductor {
     multiple: Spectrum,
     /// Reflectance by more than one facet over that by one, both without what others block.
     multiple_ratio: f64,
+    /// Finish of a smooth surface.
+    finish: Option<SurfaceFinish>,
 }
 
 /// Reflectance of a smooth metal.
@@ -90,7 +93,14 @@ impl Conductor {
             multiple = color * (FRAC_1_PI / (1.0 - mean)) as f32;
             multiple_ratio = f64::from(color.max_component() / single.max_component().max(f32::MIN_POSITIVE));
         }
-        Self { metal, distribution, multiple, multiple_ratio }
+        Self { metal, distribution, multiple, multiple_ratio, finish: None }
+    }
+
+    /// The same metal with a surface finish, which has no effect on facets. Light is scattered as by facets that mirror it: Fresnel's
+    /// equations count under half of the angle between its directions, so that the metal stays reciprocal.
+    #[must_use]
+    pub fn with_finish(self, finish: Option<SurfaceFinish>) -> Self {
+        Self { finish: finish.filter(|_| self.distribution.is_smooth()), ..self }
     }
 
     /// Fraction of the flux from `wo` (above) that facets send to other facets, if that light counts.
@@ -123,6 +133,9 @@ impl BsdfModel for Conductor {
             return Spectrum::BLACK;
         };
         let m = half_vector(wo, wi);
+        if let Some(finish) = &self.finish {
+            return self.metal.reflectance(wo.dot(m)) * finish.value(wo, wi) as f32;
+        }
         let single = self.metal.reflectance(wo.dot(m)) * self.distribution.reflection(wo, wi, m) as f32;
         single + self.multiple * (self.lost(wo) * self.lost(wi) * wi.z) as f32
     }
@@ -131,13 +144,19 @@ impl BsdfModel for Conductor {
         let Some([wo, wi]) = both_above(wo, wi).filter(|_| !self.is_delta()) else {
             return SolidAnglePdf(0.0);
         };
+        if let Some(finish) = &self.finish {
+            return SolidAnglePdf(finish.pdf(wo, wi));
+        }
         let multiple = self.multiple_probability(self.lost(wo));
         SolidAnglePdf(self.distribution.scattering_pdf(wo, wi, multiple))
     }
 
-    /// The mirrored direction, or one that a facet mirrors, or one of light between facets.
+    /// The mirrored direction, or one of light that a finish scatters, that a facet mirrors, or of light between facets.
     fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
         let [up, _] = upper_side(wo, wo)?;
+        if let Some(finish) = &self.finish {
+            return finish.sample(self, self.metal.reflectance(wo.z), wo, (xi, xi_lobe), mode);
+        }
         if self.is_delta() {
             return Some(mirror_image(wo, self.metal.reflectance(wo.z)));
         }
@@ -146,7 +165,14 @@ impl BsdfModel for Conductor {
     }
 
     fn is_delta(&self) -> bool {
-        self.distribution.is_smooth()
+        self.distribution.is_smooth() && self.finish.is_none()
+    }
+
+    fn delta_branches(&self, wo: DVec3, _: TransportMode) -> [Option<BsdfSample>; 2] {
+        let reflectance = self.metal.reflectance(wo.z);
+        let image = || (self.is_delta() && wo.z != 0.0).then(|| mirror_image(wo, reflectance));
+        let image = self.finish.as_ref().map_or_else(image, |finish| finish.mirror_image(reflectance, wo));
+        [image.filter(|image| !image.weight.is_black()), None]
     }
 
     fn is_anisotropic(&self) -> bool {
@@ -219,6 +245,8 @@ pub struct ConductorMaterial<P: ParameterForm = ShadingForm> {
     pub roughness: Roughness<P>,
     /// Whether light between facets counts.
     pub multiple_scattering: bool,
+    /// Finish of the surface, which must have no facets.
+    pub finish: Option<SurfaceFinish>,
 }
 
 impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
@@ -229,10 +257,15 @@ impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
     }
 
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<ConductorMaterial, MaterialError> {
+        let roughness = self.roughness.resolve("roughness", resolver)?;
+        if self.finish.is_some() && !roughness.is_smooth() {
+            return Err(MaterialError::RoughFinish);
+        }
         Ok(ConductorMaterial {
             color: self.color.resolve(["eta", "k"], resolver)?,
-            roughness: self.roughness.resolve("roughness", resolver)?,
+            roughness,
             multiple_scattering: self.multiple_scattering,
+            finish: self.finish.clone(),
         })
     }
 }
@@ -241,7 +274,9 @@ impl TexturedModel for ConductorMaterial {
     type Bsdf = Conductor;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Conductor {
-        Conductor::new(self.color.at(at), self.roughness.distribution(at), self.multiple_scattering)
+        let metal =
+            Conductor::new(self.color.at(at), self.roughness.distribution(at), self.multiple_scattering);
+        metal.with_finish(self.finish.clone())
     }
 }
 
@@ -253,6 +288,7 @@ impl<P: ParameterForm<Float: From<f32>>> Material<P> {
             color: MetalColor::Index { eta: eta.into(), k: k.into() },
             roughness: Roughness::smooth(),
             multiple_scattering: true,
+            finish: None,
         })
     }
 }

@@ -1,25 +1,55 @@
-//! Perfect reflection.
+//! Reflection in one direction, or with a surface finish around it.
 
 use glanz_light::Spectrum;
-use glanz_math::{DVec2, DVec3};
+use glanz_math::{DVec2, DVec3, SolidAnglePdf};
 
+use super::finish::SurfaceFinish;
 use super::{Material, MaterialModel, TexturedModel};
-use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode};
+use crate::bsdf::{BsdfModel, BsdfSample, Lobe, TransportMode, both_above};
 use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingForm, TextureEvaluator};
+use crate::preview::PreviewSurface;
 
 /// A mirror with the same reflectance at every angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Mirror {
     /// Fraction of light reflected, [0, 1].
     pub reflectance: Spectrum,
+    /// Finish of the surface; `None` if it is perfect.
+    pub finish: Option<SurfaceFinish>,
 }
 
 impl BsdfModel for Mirror {
-    const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION];
+    const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION, Lobe::GLOSSY];
 
-    /// The mirrored direction.
-    fn sample(&self, wo: DVec3, _: DVec2, _: f64, _: TransportMode) -> Option<BsdfSample> {
-        (wo.z != 0.0).then(|| mirror_image(wo, self.reflectance))
+    fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        match (&self.finish, both_above(wo, wi)) {
+            (Some(finish), Some([wo, wi])) => self.reflectance * finish.value(wo, wi) as f32,
+            _ => Spectrum::BLACK,
+        }
+    }
+
+    fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
+        SolidAnglePdf(match (&self.finish, both_above(wo, wi)) {
+            (Some(finish), Some([wo, wi])) => finish.pdf(wo, wi),
+            _ => 0.0,
+        })
+    }
+
+    /// The mirrored direction, or one of scattered light.
+    fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
+        match &self.finish {
+            Some(finish) => finish.sample(self, self.reflectance, wo, (xi, xi_lobe), mode),
+            None => (wo.z != 0.0).then(|| mirror_image(wo, self.reflectance)),
+        }
+    }
+
+    fn is_delta(&self) -> bool {
+        self.finish.is_none()
+    }
+
+    fn delta_branches(&self, wo: DVec3, _: TransportMode) -> [Option<BsdfSample>; 2] {
+        let image = || (wo.z != 0.0 && !self.is_black()).then(|| mirror_image(wo, self.reflectance));
+        [self.finish.as_ref().map_or_else(image, |finish| finish.mirror_image(self.reflectance, wo)), None]
     }
 
     fn albedo(&self, _: DVec3) -> Spectrum {
@@ -28,6 +58,10 @@ impl BsdfModel for Mirror {
 
     fn is_black(&self) -> bool {
         self.reflectance.is_black()
+    }
+
+    fn preview(&self) -> PreviewSurface {
+        PreviewSurface::metal(self.reflectance)
     }
 }
 
@@ -42,10 +76,12 @@ pub(super) fn mirror_image(wo: DVec3, weight: Spectrum) -> BsdfSample {
 }
 
 /// The material of [`Mirror`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MirrorMaterial<P: ParameterForm = ShadingForm> {
     /// Fraction of light reflected, [0, 1].
     pub reflectance: P::Spectrum,
+    /// Finish of the surface; `None` if it is perfect.
+    pub finish: Option<SurfaceFinish>,
 }
 
 impl<P: ParameterForm> MaterialModel<P> for MirrorMaterial<P> {
@@ -56,7 +92,10 @@ impl<P: ParameterForm> MaterialModel<P> for MirrorMaterial<P> {
     }
 
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<MirrorMaterial, MaterialError> {
-        Ok(MirrorMaterial { reflectance: resolver.fraction("reflectance", &self.reflectance)? })
+        Ok(MirrorMaterial {
+            reflectance: resolver.fraction("reflectance", &self.reflectance)?,
+            finish: self.finish.clone(),
+        })
     }
 }
 
@@ -64,7 +103,7 @@ impl TexturedModel for MirrorMaterial {
     type Bsdf = Mirror;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Mirror {
-        Mirror { reflectance: at.fraction(&self.reflectance) }
+        Mirror { reflectance: at.fraction(&self.reflectance), finish: self.finish.clone() }
     }
 }
 
@@ -72,6 +111,6 @@ impl<P: ParameterForm> Material<P> {
     /// A perfect mirror, with the fraction of light reflected, [0, 1].
     #[must_use]
     pub fn mirror(reflectance: impl Into<P::Spectrum>) -> Self {
-        Self::Mirror(MirrorMaterial { reflectance: reflectance.into() })
+        Self::Mirror(MirrorMaterial { reflectance: reflectance.into(), finish: None })
     }
 }

@@ -4,6 +4,7 @@ mod coated_diffuse;
 mod conductor;
 mod dielectric;
 mod diffuse_transmission;
+pub mod finish;
 mod lambert;
 mod mirror;
 mod mix;
@@ -25,6 +26,7 @@ pub use coated_diffuse::{CoatedDiffuse, CoatedDiffuseMaterial};
 pub use conductor::{Conductor, ConductorFresnel, ConductorMaterial, MetalColor};
 pub use dielectric::{Dielectric, DielectricMaterial};
 pub use diffuse_transmission::{DiffuseTransmission, DiffuseTransmissionMaterial};
+pub use finish::{FinishError, FinishModel, SurfaceFinish};
 pub use lambert::{DiffuseMaterial, Lambert};
 pub use mirror::{Mirror, MirrorMaterial};
 pub use mix::MixMaterial;
@@ -308,7 +310,7 @@ bsdfs! {
     Diffuse(DiffuseMaterial) => Lambert(Lambert),
     /// Rough diffuse reflection.
     OrenNayar(OrenNayarMaterial) => OrenNayar(OrenNayar),
-    /// Perfect mirror.
+    /// Mirror.
     Mirror(MirrorMaterial) => Mirror(Mirror),
     /// Metal.
     Conductor(ConductorMaterial) => Conductor(Conductor),
@@ -329,8 +331,8 @@ impl Material {
     #[must_use]
     pub fn is_specular(&self) -> bool {
         match self {
-            Self::Mirror(_) => true,
-            Self::Conductor(metal) => metal.roughness.is_smooth(),
+            Self::Mirror(mirror) => mirror.finish.is_none(),
+            Self::Conductor(metal) => metal.roughness.is_smooth() && metal.finish.is_none(),
             Self::Dielectric(glass) => glass.thin || glass.roughness.is_smooth(),
             _ => false,
         }

@@ -19,8 +19,8 @@ use glanz_shading::microfacet::coat::Coat;
 use glanz_shading::model::phong::PhongCoefficients;
 use glanz_shading::model::{
     CoatedDiffuse, CoatedDiffuseMaterial, Conductor, ConductorFresnel, ConductorMaterial, Dielectric,
-    DielectricMaterial, DiffuseTransmission, Lambert, MetalColor, Mirror, OrenNayar, Phong,
-    PrincipledMaterial, Roughness, RoughnessScale,
+    DielectricMaterial, DiffuseTransmission, FinishModel, Lambert, MetalColor, Mirror, OrenNayar, Phong,
+    PrincipledMaterial, Roughness, RoughnessScale, SurfaceFinish,
 };
 use glanz_shading::{
     Bsdf, BsdfModel, BsdfSample, Lobe, Material, SpectrumInput, TexturePoint, Textures, TransportMode,
@@ -51,6 +51,7 @@ const ESTIMATED: &[&str] = &[
     "dirty pane",
     "gold on black",
     "brushed coat",
+    "polished gold",
 ];
 
 /// A bound on the error of that estimate, for models whose samples have weights as uneven as Phong's.
@@ -198,6 +199,8 @@ fn surfaces_that_absorb_nothing_give_back_a_white_sky() {
         "dense white coat",
         "densest white coat",
         "white paint",
+        "even mirror",
+        "hazy mirror",
     ];
     for (name, bsdf) in bsdfs().into_iter().filter(|(name, _)| white.contains(name)) {
         for wo in views() {
@@ -339,7 +342,10 @@ fn delta_branches_have_the_light_of_the_samples_of_delta_lobes() {
                 let branches = bsdf.delta_branches(wo, mode);
                 let flux: Spectrum = branches.iter().flatten().map(|s| s.weight * s.eta_scale).sum();
                 let expected = mean_weight_of(&bsdf, wo, mode, |s| s.lobe.is_delta());
-                assert!(distance(flux, expected) < 1e-3, "{name}, {wo}: {flux:?} {expected:?}");
+                // Draws of a finish beyond the horizon are mirror images: their edge is a curved surface among the points.
+                let has_finish = matches!(bsdf, Bsdf::Mirror(_) | Bsdf::Conductor(_)) && !bsdf.is_delta();
+                let error = if has_finish { 2e-3 } else { 1e-3 };
+                assert!(distance(flux, expected) < error, "{name}, {wo}: {flux:?} {expected:?}");
                 assert!(!bsdf.is_delta() || distance(flux, bsdf.albedo(wo)) < 1e-6, "{name}, {wo}");
             }
         }

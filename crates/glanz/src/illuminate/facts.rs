@@ -103,6 +103,12 @@ impl CalculationFacts {
     }
 }
 
+/// The fixed date, or that of the clock, as of [`date`].
+#[cfg(feature = "formats")]
+pub(super) fn date_now() -> Option<String> {
+    date(std::env::var_os(FIXED_DATE), SystemTime::now())
+}
+
 /// The fixed date, or that of the clock, after ISO 8601: `2026-11-26T16:05:00Z`; `None` for one that is no number of seconds.
 fn date(fixed: Option<OsString>, clock: SystemTime) -> Option<String> {
     let seconds = match fixed.as_deref().map(OsStr::to_str) {

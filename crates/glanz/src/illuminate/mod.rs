@@ -12,12 +12,14 @@ mod integrating;
 mod lux_folder;
 mod outcome;
 mod planning;
+#[cfg(feature = "formats")]
+mod ray_file;
 mod tally_file;
 mod tally_join;
 mod tracing;
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use glanz_illumination::planning::{PlacedLuminaire, PlanningRequest, PlanningSettings, RoomLayout};
@@ -47,6 +49,8 @@ pub use files::save_comparison;
 #[cfg(feature = "viewer")]
 pub use lux_folder::{LuxFolder, PlacedLux, is_lux_folder, lux_folder_content_hash};
 pub use outcome::IlluminateOutcome;
+#[cfg(feature = "formats")]
+pub use ray_file::check_ray_path;
 pub use tally_join::JoinedTally;
 pub(crate) use tally_join::join;
 
@@ -96,6 +100,7 @@ pub struct IlluminateBuilder<'a> {
     options: IlluminateOptions,
     plan: Option<PlanningRequest>,
     planning: PlanningSettings,
+    ray_file: Option<PathBuf>,
     job: JobOptions<'a>,
 }
 
@@ -154,7 +159,15 @@ impl IlluminateOptions {
 impl<'a> IlluminateBuilder<'a> {
     pub(crate) fn new(scene: LoadedScene) -> Self {
         let (options, job) = (IlluminateOptions::default(), JobOptions::default());
-        Self { scene, title: None, options, plan: None, planning: PlanningSettings::default(), job }
+        Self {
+            scene,
+            title: None,
+            options,
+            plan: None,
+            planning: PlanningSettings::default(),
+            ray_file: None,
+            job,
+        }
     }
 
     /// Title of the reports, such as the name of the project; the name of the scene's file without extension unless set.
@@ -218,6 +231,15 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
+    /// Writes the rays of all particles that leave the scene to a ray file of IES TM-25, from their last surface or their light, in the frame of the scene.
+    ///
+    /// The particles are traced once more for it, so that it does not depend on a checkpoint. It is written if the calculation is completed, and as a whole.
+    #[cfg(feature = "formats")]
+    pub fn ray_file(mut self, path: impl Into<PathBuf>) -> Self {
+        self.ray_file = Some(path.into());
+        self
+    }
+
     /// Replaces the options that every job takes.
     pub fn job(mut self, options: JobOptions<'a>) -> Self {
         self.job = options;
@@ -232,20 +254,27 @@ impl<'a> IlluminateBuilder<'a> {
     ///
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
-    /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`];
+    /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`]; [`Error::RayGoal`] for a ray file without a number of particles;
     /// [`Error::Planning`] and [`Error::DirectRating`] for figures of planners; [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
-        let Self { scene, title, mut options, plan, planning: settings, job } = self;
+        let Self { scene, title, mut options, plan, planning: settings, ray_file, job } = self;
         scene.check_scene("illuminate")?;
         let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
             return Err(Error::Accuracy { error, smallest: SMALLEST_ERROR });
         }
+        let only_particles =
+            matches!(options.goal, TraceGoal { particles: Some(_), time: None, error: None });
+        if ray_file.is_some()
+            && (!only_particles || options.part.is_some() || options.method == IlluminateMethod::Integrate)
+        {
+            return Err(Error::RayGoal);
+        }
         if options.part.is_some() {
             if !matches!(options.method, IlluminateMethod::Auto | IlluminateMethod::Trace) {
                 return Err(Error::Indivisible { what: "the integration over mirrors" });
             }
-            if !matches!(options.goal, TraceGoal { particles: Some(_), time: None, error: None }) {
+            if !only_particles {
                 return Err(Error::PartGoal);
             }
         }
@@ -259,7 +288,8 @@ impl<'a> IlluminateBuilder<'a> {
         if options.method == IlluminateMethod::Auto && is_by_particles(&options, &job) {
             options.method = IlluminateMethod::Trace;
         }
-        let design = Design { title, ..Design::new(scene, options, &mut job)? };
+        let needs_receivers = options.far_field.is_none() && ray_file.is_none();
+        let design = Design { title, ..Design::new(scene, options, needs_receivers, &mut job)? };
         let is_judged = plan.is_some() || settings.task.is_some();
         let request = plan.unwrap_or_else(|| design.declared_plan());
         if is_judged && !request.is_empty() && options.method == IlluminateMethod::Integrate {
@@ -271,6 +301,12 @@ impl<'a> IlluminateBuilder<'a> {
         outcome.report.planning = settings.clone();
         if !request.is_empty() && options.part.is_none() {
             planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
+        }
+        #[cfg(feature = "formats")]
+        if let (Some(path), Some(particles), JobEnd::Complete) =
+            (&ray_file, options.goal.particles, outcome.end)
+        {
+            outcome.add_rays(job.in_pool(|job| ray_file::write(&design, particles, path, job))?);
         }
         outcome.warnings = job.warnings;
         Ok(outcome)
@@ -301,6 +337,7 @@ impl Design {
     fn new(
         mut scene: LoadedScene,
         options: IlluminateOptions,
+        needs_receivers: bool,
         job: &mut RunningJob<'_>,
     ) -> Result<Self, Error> {
         let (name, content_hash) = (scene.name().to_owned(), scene.content_hash());
@@ -318,7 +355,7 @@ impl Design {
             job.warn(Warning::MediaLeftOut { what: "the calculation of illuminance".to_owned() });
         }
         let requests = ReceiverRequest::of_scene(&scene, options.resolution);
-        if requests.is_empty() && options.far_field.is_none() {
+        if requests.is_empty() && needs_receivers {
             return Err(Error::NoReceiver { scene: name });
         }
         let receivers = Receivers::try_new(&scene, &requests)

@@ -24,13 +24,15 @@ pub struct IlluminateOutcome {
     pub end: JobEnd,
     /// Warnings, in order of occurrence.
     pub warnings: Vec<Warning>,
+    /// Number of rays in the ray file, if one was written.
+    pub rays: Option<u64>,
     pub(super) far_field: Option<FarField>,
 }
 
 impl Default for IlluminateOutcome {
     fn default() -> Self {
         let (report, integrated, tally, warnings, far_field) = Default::default();
-        Self { report, integrated, tally, end: JobEnd::Complete, warnings, far_field }
+        Self { report, integrated, tally, end: JobEnd::Complete, warnings, rays: None, far_field }
     }
 }
 
@@ -39,6 +41,19 @@ impl IlluminateOutcome {
     #[must_use]
     pub fn far_field(&self) -> Option<&FarField> {
         self.far_field.as_ref()
+    }
+
+    /// Adds the number and flux of the rays that were written; `None` if that was interrupted.
+    #[cfg(feature = "formats")]
+    pub(super) fn add_rays(&mut self, written: Option<(u64, f64)>) {
+        match written {
+            Some((count, lumens)) => {
+                self.rays = Some(count);
+                self.report.facts.push("rays in the ray file", "ray_file_rays", count);
+                self.report.facts.push("flux of the ray file, lm", "ray_file_lm", lumens);
+            }
+            None => self.end = JobEnd::Interrupted,
+        }
     }
 
     /// Adds the far field to the report, with warnings about it.

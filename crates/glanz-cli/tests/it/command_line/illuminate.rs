@@ -153,6 +153,7 @@ fn integration_names_materials_that_scatter() {
     };
     for (material, scatters) in [
         ("\"mirror\"", false),
+        ("\"mirror\" \"string finish\" \"gaussian\" \"float sigma\" .01", true),
         ("\"conductor\"", false),
         ("\"conductor\" \"float roughness\" .1", true),
         ("\"dielectric\"", false),
@@ -298,4 +299,55 @@ Shape "disk" "float radius" .1
     folder.write("bad.ldt", "maker\nx\n");
     folder.run("info bad.ldt").refused(1, &["bad.ldt:2:1"]);
     folder.run("info lamp.pbrt --plot lamp.svg").refused(2, &["--plot", ".ldt"]);
+}
+
+#[test]
+fn rays_that_leave_a_scene_are_a_light_of_another() {
+    let folder = Folder::new();
+    let lamp = r#"
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [100 100 100]
+  Translate 0 0 -.3
+  Shape "disk" "float radius" .05
+AttributeEnd
+Material "mirror" "string finish" "gaussian" "float sigma" .05
+Rotate 180 1 0 0
+Shape "paraboloid" "float radius" .6 "float zmax" .3
+"#;
+    folder.write("lamp.pbrt", lamp);
+    let steps = "--resolution 10x30 -q --json";
+    let line = "illuminate lamp.pbrt --rays 200000 -o lux --ray-file lamp.tm25ray --far-field lamp.ldt";
+    let report = folder.succeed(&format!("{line} {steps}")).json();
+    let (facts, field) = (&report["designs"][0]["facts"], &report["designs"][0]["far_field"]);
+    let number = |value: &serde_json::Value| value.as_f64().unwrap_or_else(|| panic!("{value}"));
+    let outputs = report["outputs"].as_array().unwrap();
+    assert!(outputs.iter().any(|output| output.as_str().is_some_and(|name| name.ends_with("lamp.tm25ray"))));
+    let bytes = folder.bytes("lamp.tm25ray");
+    let count = facts["ray_file_rays"].as_u64().unwrap();
+    assert_eq!(bytes.len() as u64, 36_288 + 28 * count);
+    let flux = number(&field["flux_lm"]);
+    assert!((number(&facts["ray_file_lm"]) / flux - 1.0).abs() < 1e-6, "{facts} {field}");
+    folder
+        .write("rays.pbrt", "WorldBegin\nLightSource \"photometric\" \"string filename\" \"lamp.tm25ray\"\n");
+    let again = format!("illuminate rays.pbrt --rays 400000 -o again --far-field again.ldt {steps}");
+    let again = folder.succeed(&again).json()["designs"][0]["far_field"].clone();
+    assert!((number(&again["flux_lm"]) / flux - 1.0).abs() < 1e-5, "{field} {again}");
+    assert!((number(&again["peak_cd"]) / number(&field["peak_cd"]) - 1.0).abs() < 0.03, "{field} {again}");
+
+    let start = "illuminate lamp.pbrt -o lux --ray-file";
+    folder.run(&format!("{start} lamp.tm25ray")).refused(2, &["--rays"]);
+    folder.run(&format!("{start} lamp.rays --rays 9")).refused(2, &["lamp.rays", ".tm25ray"]);
+    folder
+        .run(&format!("{start} lamp.tm25ray --rays 9 --method integrate"))
+        .refused(2, &["ray file", "--method"]);
+    folder
+        .run("illuminate lamp.pbrt --ray-file lamp.tm25ray --rays 9 --part 1/2 --checkpoint part")
+        .refused(2, &["--part"]);
+    folder
+        .write("own.pbrt", "WorldBegin\nLightSource \"photometric\" \"string filename\" \"lamp.tm25ray\"\n");
+    folder
+        .run("illuminate own.pbrt -o lux --ray-file lamp.tm25ray --rays 9")
+        .refused(2, &["lamp.tm25ray", "input"]);
+    assert_eq!(folder.bytes("lamp.tm25ray"), bytes);
 }

@@ -133,6 +133,7 @@ impl Lowering {
             color: MetalColor::Reflectance(self.spectrum_or(list, "Kr", 1.0, space)?),
             roughness: self.facet_roughness(list, 0.1)?,
             multiple_scattering: self.multiple_scattering(list)?,
+            finish: None,
         }))
     }
 

@@ -5,7 +5,10 @@ use glanz_scene::description::{
     DescriptionForm, FloatParameter, MaterialDescription, MaterialKind, SpectrumParameter,
     SurfaceDetailDescription,
 };
-use glanz_shading::model::{ConductorMaterial, DielectricMaterial, MetalColor, Roughness};
+use glanz_shading::model::{
+    ConductorMaterial, DielectricMaterial, FinishError, FinishModel, MetalColor, MirrorMaterial, Roughness,
+    SurfaceFinish,
+};
 
 use super::Lowering;
 use super::roughness::RoughnessNames;
@@ -88,7 +91,7 @@ impl Lowering {
             "mirror" => {
                 let reflectance = self.spectrum_or(l, "Kr", 0.9, space)?;
                 let reflectance = self.optional_spectrum(l, "reflectance", space)?.unwrap_or(reflectance);
-                MaterialKind::mirror(reflectance)
+                MaterialKind::Mirror(MirrorMaterial { reflectance, finish: self.finish(l)? })
             }
             "conductor" | "metal" => MaterialKind::Conductor(ConductorMaterial {
                 color: self.metal_color(l, ["eta", "k", "reflectance"], space)?,
@@ -97,6 +100,7 @@ impl Lowering {
                     _ => self.roughness(l, RoughnessNames::PLAIN, 0.0)?,
                 },
                 multiple_scattering: self.multiple_scattering(l)?,
+                finish: if kind == "conductor" { self.finish(l)? } else { None },
             }),
             "dielectric" | "glass" | "thindielectric" => self.dielectric(kind, l, space)?,
             "coateddiffuse" => self.coated_diffuse(l, space)?,
@@ -169,6 +173,43 @@ impl Lowering {
         Ok(MetalColor::Index {
             eta: eta.unwrap_or_else(|| copper("metal-Cu-eta")),
             k: k.unwrap_or_else(|| copper("metal-Cu-k")),
+        })
+    }
+
+    /// The surface finish of a smooth mirror, an extension.
+    fn finish(&mut self, list: &mut ParameterList) -> ParseResult<Option<SurfaceFinish>> {
+        let Some((parameter, kind)) = list.text_parameter("finish", &mut self.reporter)? else {
+            return Ok(None);
+        };
+        let places = ["sigma", "fraction", "A", "B", "g"].map(|name| (name, list.value_place(name)));
+        let mut number = |name: &'static str, default: Option<f64>| {
+            let found = list.float(name, &mut self.reporter)?.or(default);
+            found.ok_or_else(|| {
+                let message = format!("{}: finish {kind:?} has no \"float {name}\"", list.subject);
+                self.reporter.error(&parameter.value_place, "parameter-missing", message)
+            })
+        };
+        let model = match &kind[..] {
+            "gaussian" => FinishModel::Gaussian {
+                sigma: number("sigma", None)?,
+                fraction: number("fraction", Some(1.0))?,
+            },
+            "abg" => FinishModel::Abg { a: number("A", None)?, b: number("B", None)?, g: number("g", None)? },
+            other => {
+                let message = format!("{}: finish {:?} is unknown", list.subject, shortened(other));
+                let help = Some("use \"gaussian\" or \"abg\"".to_owned());
+                let place = &parameter.value_place;
+                return Err(self.reporter.error_with_help(place, "parameter-range", message, help));
+            }
+        };
+        SurfaceFinish::try_new(model).map(Some).map_err(|error| {
+            let wrong = match error {
+                FinishError::Range { parameter, .. } => parameter,
+                _ => "A",
+            };
+            let place = places.iter().find(|(name, _)| *name == wrong);
+            let place = place.map_or(parameter.value_place, |&(_, place)| place);
+            self.reporter.error(&place, "parameter-range", format!("{}: {error}", list.subject))
         })
     }
 

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use glanz_light::SpectralDistribution;
 use glanz_scene::description::{DescriptionForm, FloatParameter, MaterialKind, SpectrumParameter};
-use glanz_shading::model::{MetalColor, PrincipledMaterial, Roughness};
+use glanz_shading::model::{FinishModel, MetalColor, PrincipledMaterial, Roughness, SurfaceFinish};
 
 use super::PbrtWriteError;
 use super::parameters::{ParameterWriter, quoted};
@@ -32,11 +32,13 @@ pub(super) fn write(text: &mut String, number: usize, kind: &MaterialKind) -> Re
         MaterialKind::Mirror(material) => {
             list.text("type", "mirror");
             spectrum(&mut list, "reflectance", &material.reflectance)?;
+            finish(&mut list, material.finish.as_ref())?;
         }
         MaterialKind::Conductor(material) => {
             list.text("type", "conductor");
             metal(&mut list, ["eta", "k"], &material.color)?;
             facets(&mut list, &material.roughness, material.multiple_scattering)?;
+            finish(&mut list, material.finish.as_ref())?;
         }
         MaterialKind::Dielectric(material) => {
             list.text("type", if material.thin { "thindielectric" } else { "dielectric" });
@@ -114,6 +116,21 @@ fn metal(
         }
         MetalColor::Reflectance(reflectance) => spectrum(list, "reflectance", reflectance),
     }
+}
+
+/// The surface finish of a mirror.
+fn finish(list: &mut ParameterWriter<'_>, finish: Option<&SurfaceFinish>) -> Result<(), PbrtWriteError> {
+    let (kind, numbers): (_, &[_]) = match finish.map(SurfaceFinish::model) {
+        None => return Ok(()),
+        Some(FinishModel::Gaussian { sigma, fraction }) => {
+            ("gaussian", &[("sigma", sigma), ("fraction", fraction)])
+        }
+        Some(FinishModel::Abg { a, b, g }) => ("abg", &[("A", a), ("B", b), ("g", g)]),
+        Some(_) => return Err(PbrtWriteError::Unsupported("a surface finish")),
+    };
+    list.text("finish", kind);
+    numbers.iter().for_each(|&(name, value)| list.float(name, value));
+    Ok(())
 }
 
 /// The facets of a material of one surface.

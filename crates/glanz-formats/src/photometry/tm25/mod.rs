@@ -1,6 +1,6 @@
 //! Ray files of IES TM-25-13 (`.tm25ray`): light sources as rays, including the near field.
 //!
-//! [`RayReader`] reads the header first and then ray by ray, in memory that does not grow with their number. All numbers are
+//! [`RayReader`] reads the header first and then ray by ray, in memory that does not grow with their number; [`RayWriter`] writes in this way. All numbers are
 //! little-endian with 32 bits, except for the number of rays; text is UTF-32 and ends with a zero.
 //!
 //! | bytes | content |
@@ -26,12 +26,14 @@
 mod header;
 #[cfg(test)]
 mod tests;
+mod write;
 
 use std::io::{BufReader, Read};
 
 use glanz_math::DVec3;
 
 pub use header::{RayFileHeader, SourceDescriptions, SpectralData, SpectralTable};
+pub use write::RayWriter;
 
 /// Magic number of a ray file.
 pub const MAGIC: &[u8] = b"TM25";

@@ -175,3 +175,57 @@ fn reading_damaged_files_ends_within_the_data() {
     }
     assert!(whole > 50 && refused > 200, "{whole} {refused}");
 }
+
+#[test]
+fn written_rays_are_read_back_in_single_precision() {
+    let descriptions = SourceDescriptions {
+        name: "Lamp \u{3b3}".to_owned(),
+        // More than fits.
+        information: "x".repeat(1500),
+        ..SourceDescriptions::default()
+    };
+    let rays: Vec<(DVec3, DVec3, f32)> = (0..1000_u32)
+        .map(|i| {
+            let t = f64::from(i);
+            let direction = DVec3::new(t.sin(), t.cos(), 0.01 * t - 3.0).normalize();
+            (DVec3::new(0.1 * t, -1.0 / 3.0, t.sqrt()), direction, 0.1 + (i % 7) as f32)
+        })
+        .collect();
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer =
+        RayWriter::new(&mut file, &descriptions, "2026-11-26T16:05:00Z and more than fits").unwrap();
+    for &(position, direction, lumens) in &rays {
+        writer.ray(position, direction, lumens).unwrap();
+    }
+    let (count, flux) = writer.finish().unwrap();
+    let bytes = file.into_inner();
+    assert_eq!(bytes.len(), 36_288 + 1000 * 28);
+    let read = RayReader::new(&bytes[..]).unwrap();
+    let header = read.header().clone();
+    assert_eq!((header.ray_count, count, header.creation, header.start_position), (1000, 1000, 0, 0));
+    assert_eq!(
+        (header.descriptions.name.as_str(), header.descriptions.information.len()),
+        ("Lamp \u{3b3}", 999)
+    );
+    assert_eq!((header.date.as_str(), header.radiant_flux), ("2026-11-26T16:05:00Z and mo", None));
+    let sum: f64 = rays.iter().map(|ray| f64::from(ray.2)).sum();
+    assert!((flux / sum - 1.0).abs() < 1e-12);
+    assert!((f64::from(header.luminous_flux.unwrap()) / sum - 1.0).abs() < 1e-7);
+    for (found, &(position, direction, lumens)) in read.zip(&rays) {
+        let found = found.unwrap();
+        assert_eq!(found.luminous_flux, Some(lumens));
+        // Half a unit in the last place of the largest numbers.
+        assert!((found.position - position).abs().max_element() <= 6e-8 * position.abs().max_element());
+        assert!((found.direction - direction).length() < 1e-7);
+    }
+}
+
+#[test]
+fn unfinished_files_have_no_rays() {
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = RayWriter::new(&mut file, &SourceDescriptions::default(), "").unwrap();
+    writer.ray(DVec3::ZERO, DVec3::Z, 1.0).unwrap();
+    drop(writer);
+    let bytes = file.into_inner();
+    assert_eq!(RayReader::new(&bytes[..]).unwrap().count(), 0);
+}

@@ -1,6 +1,6 @@
 //! Materials and textures.
 
-use glanz_shading::model::{MetalColor, Roughness, RoughnessScale};
+use glanz_shading::model::{FinishModel, MetalColor, Roughness, RoughnessScale};
 
 use super::layered_material::principled;
 use super::*;
@@ -353,4 +353,30 @@ fn attributes_are_defaults_for_the_objects_of_their_block() {
         _ => panic!(),
     };
     assert_eq!([radius(0), radius(1), radius(2)], [2.0, 3.0, 1.0]);
+}
+
+#[test]
+fn mirrors_have_a_finish_whose_scatter_is_at_most_all_light() {
+    let gaussian = material("\"mirror\" \"string finish\" \"gaussian\" \"float sigma\" .01");
+    let MaterialKind::Mirror(mirror) = gaussian else { panic!() };
+    let model = mirror.finish.unwrap().model();
+    assert_eq!(model, FinishModel::Gaussian { sigma: 0.01, fraction: 1.0 });
+    let abg = "\"string finish\" \"abg\" \"float A\" .001 \"float B\" .01 \"float g\" 2";
+    let MaterialKind::Conductor(metal) = material(&format!("\"conductor\" {abg}")) else { panic!() };
+    assert_eq!(metal.finish.unwrap().model(), FinishModel::Abg { a: 0.001, b: 0.01, g: 2.0 });
+    for (parameters, place, message) in [
+        ("\"string finish\" \"abg\" \"float A\" .9 \"float B\" .01 \"float g\" 2", 51, "scatter is 13.04"),
+        ("\"string finish\" \"abg\" \"float A\" .9 \"float B\" 0 \"float g\" 2", 64, "B is 0; it must be"),
+        ("\"string finish\" \"abg\" \"float A\" .9 \"float B\" .1", 35, "has no \"float g\""),
+        ("\"string finish\" \"satin\"", 35, "finish \"satin\" is unknown"),
+        ("\"string finish\" \"gaussian\" \"float sigma\" 2", 60, "sigma is 2; it must be"),
+    ] {
+        let text = format!("WorldBegin\nMaterial \"mirror\" {parameters}");
+        let errors = load_str("test.pbrt", &text, &Options::default()).unwrap_err().to_string();
+        assert!(errors.contains(message) && errors.contains(&format!("test.pbrt:2:{place}:")), "{errors}");
+    }
+    let rough =
+        read(&format!("WorldBegin\nMaterial \"conductor\" \"float roughness\" .1 {abg}\nShape \"sphere\""));
+    let error = glanz_scene::Scene::resolve(rough.description).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("a finish needs a smooth surface"), "{error}");
 }

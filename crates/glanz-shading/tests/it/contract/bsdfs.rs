@@ -29,6 +29,21 @@ pub(super) fn metal(eta: [f32; 3], k: [f32; 3], [x, y]: [f64; 2]) -> Bsdf {
     Bsdf::Conductor(Conductor::new(metal, MicrofacetDistribution::new(x, y), true))
 }
 
+/// A mirror with a surface finish.
+pub(super) fn finished(reflectance: Spectrum, model: FinishModel) -> Bsdf {
+    Bsdf::Mirror(Mirror { reflectance, finish: SurfaceFinish::try_new(model).ok() })
+}
+
+/// Scattering of the light by about a half, wide enough for the cells of the tests.
+pub(super) const ABG: FinishModel = FinishModel::Abg { a: 0.05, b: 0.05, g: 2.0 };
+
+pub(super) fn polished_gold() -> Bsdf {
+    let [eta, k] = GOLD.map(Spectrum::from_rgb);
+    let metal = ConductorFresnel { eta, k, tint: WHITE };
+    let metal = Conductor::new(metal, MicrofacetDistribution::SMOOTH, true);
+    Bsdf::Conductor(metal.with_finish(SurfaceFinish::try_new(ABG).ok()))
+}
+
 pub(super) const GOLD: [[f32; 3]; 2] = [[0.143, 0.375, 1.442], [3.983, 2.386, 1.603]];
 
 /// A metal without absorption.
@@ -69,6 +84,7 @@ pub(super) fn materials(color: Spectrum) -> Vec<(&'static str, Material)> {
                 color: MetalColor::Reflectance(color.into()),
                 roughness: rough.clone(),
                 multiple_scattering: true,
+                finish: None,
             }
             .into(),
         ),
@@ -117,7 +133,12 @@ pub(super) fn bsdfs() -> Vec<(&'static str, Bsdf)> {
         ("white", Bsdf::Lambert(Lambert { reflectance: Spectrum::ONE })),
         ("plaster", Bsdf::OrenNayar(OrenNayar::new(colour, 0.6))),
         ("white plaster", Bsdf::OrenNayar(OrenNayar::new(WHITE, 0.2))),
-        ("mirror", Bsdf::Mirror(Mirror { reflectance: colour })),
+        ("mirror", Bsdf::Mirror(Mirror { reflectance: colour, finish: None })),
+        ("polished mirror", finished(colour, ABG)),
+        ("steep mirror", finished(colour, FinishModel::Abg { a: 0.001, b: 1e-3, g: 3.2 })),
+        ("even mirror", finished(WHITE, FinishModel::Abg { a: 0.1, b: 0.5, g: 0.0 })),
+        ("hazy mirror", finished(WHITE, FinishModel::Gaussian { sigma: 0.15, fraction: 1.0 })),
+        ("polished gold", polished_gold()),
         ("gold", metal(eta, k, [0.0; 2])),
         ("dull gold", metal(eta, k, [0.4; 2])),
         ("brushed gold", metal(eta, k, [0.15, 0.6])),

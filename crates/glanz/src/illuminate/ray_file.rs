@@ -1,0 +1,54 @@
+//! The light that leaves a scene as a ray file.
+
+use std::path::Path;
+
+use glanz_formats::photometry::tm25::{RayWriter, SourceDescriptions};
+use glanz_illumination::escaped_rays;
+use glanz_job::{JobEnd, current_version};
+
+use super::{Design, facts};
+use crate::error::{Error, FileFault};
+use crate::file;
+use crate::running_job::{JobSink, RunningJob};
+
+/// Refuses an extension that is not that of ray files.
+///
+/// # Errors
+/// [`Error::File`] with [`FileFault::Extension`].
+pub fn check_ray_path(path: &Path) -> Result<(), Error> {
+    let is_known = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tm25ray"));
+    if is_known { Ok(()) } else { Err(FileFault::Extension("rays").of(path)) }
+}
+
+/// Writes the rays of `particles` particles that leave the scene; returns their number and their flux, lm, or `None` if the job was cancelled, when an old file
+/// keeps its content.
+pub(super) fn write(
+    design: &Design,
+    particles: u64,
+    path: &Path,
+    job: &mut RunningJob<'_>,
+) -> Result<Option<(u64, f64)>, Error> {
+    let settings = design.trace_settings(job);
+    let descriptions = SourceDescriptions {
+        name: design.name.clone(),
+        file_creator: format!("Glanz {}", current_version()),
+        information: format!("Light that leaves the scene, by {particles} particles, seed {}", settings.seed),
+        ..SourceDescriptions::default()
+    };
+    let date = facts::date_now().unwrap_or_default();
+    let cancel = job.options.cancel.clone();
+    let mut sink = JobSink::new(job, None, |_: &Path, (): &()| Ok(()));
+    let (mut end, mut written) = (JobEnd::Complete, (0, 0.0));
+    let replaced = file::write_file_with(path, |file| {
+        let mut rays = RayWriter::new(file, &descriptions, &date)?;
+        end = escaped_rays(&design.scene, &settings, particles, &mut sink, &cancel, |ray| {
+            rays.ray(ray.origin, ray.direction, ray.lumens as f32)
+        })?;
+        if end == JobEnd::Interrupted {
+            return Err(std::io::ErrorKind::Interrupted.into());
+        }
+        written = rays.finish()?;
+        Ok(())
+    });
+    if end == JobEnd::Interrupted { Ok(None) } else { replaced.map(|()| Some(written)) }
+}
