@@ -54,6 +54,8 @@ pub struct FloorPlan<'a> {
     pub title: &'a str,
     /// Lower left and upper right corner of what is drawn, metres.
     pub corners: [[f64; 2]; 2],
+    /// Lower left and upper right corner of the room, whose size is stated, metres.
+    pub room: [[f64; 2]; 2],
     /// Closed outlines of walls and floor, metres; those of two points are lines.
     pub walls: Vec<Vec<[f64; 2]>>,
     /// Closed outlines of other things, metres.
@@ -192,8 +194,9 @@ impl FloorPlan<'_> {
     /// Draws the width below and the depth at the left; the distances of symbols above and at the right, if they can be read.
     fn draw_dimensions(&self, svg: &mut Svg, frame: &PlanFrame) {
         let [width, depth] = self.size();
-        frame.chain(svg, 0, &[0.0, width], 26.0 + frame.size[1]);
-        frame.chain(svg, 1, &[0.0, depth], -26.0);
+        let room = |axis: usize| [0, 1].map(|end: usize| self.room[end][axis] - frame.low[axis]);
+        frame.chain(svg, 0, &room(0), 26.0 + frame.size[1]);
+        frame.chain(svg, 1, &room(1), -26.0);
         for (axis, length, off) in [(0, width, -20.0), (1, depth, 20.0 + frame.size[0])] {
             let own = self.symbols.iter().map(|symbol| symbol.centre[axis] - frame.low[axis]);
             let mut marks: Vec<f64> = own.chain([0.0, length]).collect();
@@ -304,7 +307,8 @@ mod tests {
         let areas =
             vec![PlanArea { name: "<desk>".into(), corners: square([0.5 * w, 0.5 * d], 0.5 * w.min(d)) }];
         let furniture = vec![square([0.2 * w, 0.2 * d], 0.1)];
-        FloorPlan { title: "Plan", corners: [[0.0; 2], size], walls, furniture, areas, symbols }
+        let corners = [[0.0; 2], size];
+        FloorPlan { title: "Plan", corners, room: corners, walls, furniture, areas, symbols }
     }
 
     fn luminaire(label: &str, centre: [f64; 2], side: f64) -> PlanSymbol {

@@ -126,7 +126,7 @@ impl LuminairePlace {
         let axes = luminaire.axes;
         // The remainder of a tiny negative angle is rounded up to 360.
         let turn = Some(axes.x_axis.y.atan2(axes.x_axis.x).to_degrees().rem_euclid(360.0));
-        let turn = turn.filter(|turn| *turn < 360.0).unwrap_or(0.0);
+        let turn = turn.filter(|turn| *turn < 360.0).unwrap_or(0.0) + 0.0;
         let tilt = axes.z_axis.z.clamp(-1.0, 1.0).acos().to_degrees();
         let outline = outline(luminaire);
         Self { number, position: luminaire.position, turn, tilt, outline }

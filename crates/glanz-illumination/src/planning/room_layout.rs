@@ -228,10 +228,15 @@ impl RoomLayout {
     /// Electric power of all luminaires, watts; `None` if the power of one is unknown, there is none, or there are lights of other kinds, whose power is unknown.
     #[must_use]
     pub fn watts(&self) -> Option<f64> {
-        let known =
-            self.other_lights.is_empty() && self.luminaires.iter().all(|group| group.description.watts > 0.0);
+        let known = self.electric_lights().next().is_none()
+            && self.luminaires.iter().all(|group| group.description.watts > 0.0);
         let watts = self.luminaires.iter().map(|group| group.places.len() as f64 * group.description.watts);
         (known && !self.luminaires.is_empty()).then(|| watts.sum())
+    }
+
+    /// Lights without a photometric file that draw power: not those of the sky.
+    pub(crate) fn electric_lights(&self) -> impl Iterator<Item = &OtherLight> {
+        self.other_lights.iter().filter(|light| light.position.is_some())
     }
 
     /// The place of the receiver with this name.

@@ -47,7 +47,10 @@ impl<'a> RoomShape<'a> {
     /// The parts of all finite shapes that light does not pass.
     pub(super) fn all(placed: &'a [PlacedSurface<'a>]) -> Vec<Self> {
         let (mut shapes, mut left) = (Vec::new(), MOST_FACES);
-        for surface in placed.iter().filter(|surface| !surface.is_passable()) {
+        let mut surfaces: Vec<_> = placed.iter().filter(|surface| !surface.is_passable()).collect();
+        // A few large meshes are not to hide that the others form a room.
+        surfaces.sort_by_key(|surface| surface.faces());
+        for surface in surfaces {
             let bounds = surface.bounds();
             let count = surface.faces() as usize;
             let mut parts: Vec<Vec<u32>> = Vec::new();
@@ -220,6 +223,9 @@ fn samples(domain: &FaceDomain, side: u32) -> impl Iterator<Item = (DVec2, f64)>
     whole.chain(parts)
 }
 
+/// Largest number of outlines of a plane that are drawn.
+const MOST_OUTLINES: usize = 400;
+
 /// Corners with this key are the same.
 type CornerKey = [i64; 2];
 
@@ -227,9 +233,10 @@ type CornerKey = [i64; 2];
 pub(super) fn joint_outlines(parts: &[&RoomShape<'_>]) -> Vec<Vec<DVec2>> {
     let polygons: Vec<Vec<DVec2>> = parts.iter().flat_map(|part| part.polygons()).collect();
     let corners = || polygons.iter().flatten();
-    let extent = corners().fold(0.0_f64, |most, corner| most.max(corner.abs().max_element()));
-    let near = NEAR * extent;
-    let key = |p: DVec2| (p / near).round().to_array().map(|x| x as i64);
+    let Some(first) = corners().next().copied() else { return Vec::new() };
+    let (low, high) = corners().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
+    let near = NEAR * (high - low).max_element();
+    let key = |p: DVec2| ((p - low) / near).round().to_array().map(|x| x as i64);
     let mut edges: Vec<[DVec2; 2]> = Vec::new();
     for polygon in &polygons {
         edges.extend(polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(from, to)| [*from, *to]));
@@ -250,16 +257,22 @@ pub(super) fn joint_outlines(parts: &[&RoomShape<'_>]) -> Vec<Vec<DVec2>> {
         next.entry(a).or_default().push((b, from));
     }
     let mut outlines = Vec::new();
-    while let Some(start) = next.iter().find(|(_, ends)| !ends.is_empty()).map(|(start, _)| *start) {
+    while let Some(start) = next.keys().next().copied() {
         let (mut at, mut outline) = (start, Vec::new());
-        while let Some((to, from)) = next.get_mut(&at).and_then(Vec::pop) {
+        while let Some(ends) = next.get_mut(&at) {
+            let taken = ends.pop();
+            if ends.is_empty() {
+                next.remove(&at);
+            }
+            let Some((to, from)) = taken else { break };
             outline.push(from);
             at = to;
         }
-        next.retain(|_, ends| !ends.is_empty());
         outlines.push(without_straight_corners(&outline, near));
     }
     outlines.retain(|outline| outline.len() > 2);
+    outlines.sort_by_key(|outline| std::cmp::Reverse(outline.len()));
+    outlines.truncate(MOST_OUTLINES);
     outlines
 }
 

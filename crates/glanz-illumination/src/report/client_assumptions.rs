@@ -100,14 +100,18 @@ fn light_method(report: &LuxReport) -> Option<&'static str> {
     })
 }
 
-/// A sentence on the largest number of reflections, if there is one below that by default.
+/// A sentence on the largest number of surfaces that light reaches, if it is below that by default.
 fn depth_limit(report: &LuxReport) -> Option<String> {
     /// Largest number by default, beyond which hardly any light is left.
     const USUAL_DEPTH: u64 = 1000;
     let Some(FactValue::Count(depth)) = report.facts.get("max_depth") else { return None };
-    let times = plural(*depth, "reflection or passage", "reflections or passages");
-    (*depth < USUAL_DEPTH)
-        .then(|| format!("Light is followed through at most {times}; what comes after is left out."))
+    let surfaces = plural(*depth, "surface", "surfaces");
+    let sentence = || {
+        format!(
+            "Light is followed to at most {surfaces}, the lit one included; what comes after is left out."
+        )
+    };
+    (*depth < USUAL_DEPTH).then(sentence)
 }
 
 /// Sentences on surfaces and luminaires.
@@ -155,7 +159,7 @@ fn add_layout_assumptions(layout: &RoomLayout, list: &mut Vec<String>) {
         }
     }
     if !layout.luminaires.is_empty() && layout.watts().is_none() {
-        let reason = if layout.other_lights.is_empty() {
+        let reason = if layout.electric_lights().next().is_none() {
             "The power of at least one luminaire is not stated"
         } else {
             "There are lights without a photometric file, whose power is unknown"

@@ -56,6 +56,7 @@ pub(super) fn plan_section(layout: &RoomLayout) -> String {
     let plan = FloorPlan {
         title: "Plan from above",
         corners,
+        room: layout.corners.map(|corner| corner.truncate().to_array()),
         walls: outlines(&layout.walls),
         furniture: outlines(&layout.furniture),
         areas,
@@ -100,7 +101,7 @@ fn place_table(layout: &RoomLayout) -> String {
         let [x, y, z] = place.position.to_array();
         let metres = |length: f64| TableCell::Text(format!("{:.2}", length + 0.0));
         // 359.9 degrees are rounded to 0.
-        let degrees = |angle: f64| TableCell::Text(format!("{:.0}", angle.round().rem_euclid(360.0)));
+        let degrees = |angle: f64| TableCell::Text(format!("{:.0}", angle.round().rem_euclid(360.0) + 0.0));
         table.push([
             u64::from(place.number).into(),
             metres(x),

@@ -266,7 +266,7 @@ fn limits_of_the_calculation_are_named() {
     shallow.facts.push("media", "media", "left out");
     let html = shallow.html();
     assert!(
-        html.contains("at most 2 reflections or passages;")
+        html.contains("at most 2 surfaces, the lit one included;")
             && html.contains("Fog and other media are left out")
     );
     assert!(html.contains("with a probability of 95 %"));

@@ -114,7 +114,10 @@ impl LuxReport {
             Some((map.name.clone(), self.maintenance_factor() * map.summary().mean))
         };
         let of_plan = self.plan.as_ref().and_then(|plan| plan.task_illuminance);
+        // Daylight costs no power.
+        let is_electric = layout.other_lights.is_empty();
         let reference = of_plan.map(|lux| ("task area".to_owned(), lux)).or_else(of_place);
+        let reference = reference.filter(|_| is_electric);
         Some(InstalledPower { watts, area, reference })
     }
 }

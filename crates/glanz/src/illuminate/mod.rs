@@ -288,6 +288,7 @@ impl<'a> IlluminateBuilder<'a> {
         if options.method == IlluminateMethod::Auto && is_by_particles(&options, &job) {
             options.method = IlluminateMethod::Trace;
         }
+        settings.maintenance.value().map_err(|error| Error::Planning(error.into()))?;
         let needs_receivers = options.far_field.is_none() && ray_file.is_none();
         let design = Design { title, ..Design::new(scene, options, needs_receivers, &mut job)? };
         let is_judged = plan.is_some() || settings.task.is_some();
