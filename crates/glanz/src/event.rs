@@ -32,6 +32,8 @@ pub enum Warning {
         /// What does so: an integrator with its name, or another job.
         what: String,
     },
+    /// A ray file without rays: no light leaves the scene.
+    NoRays,
     /// Unbounded surfaces or surfaces without parameters, which cast shadows but carry no light.
     LeftOut {
         /// Their number.
@@ -148,6 +150,9 @@ impl fmt::Display for Warning {
                 "{what} does not see the participating media of the scene: they count as empty space; render with \
                  the integrator \"path\" or \"guided\" to see them"
             ),
+            Self::NoRays => {
+                write!(f, "the ray file is empty: no light leaves the scene; is it closed, by --room for example?")
+            }
             Self::LeftOut { surfaces } => write!(
                 f,
                 "{} no parameters or no end: they cast shadows, but carry no light",

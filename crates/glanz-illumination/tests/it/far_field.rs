@@ -289,7 +289,7 @@ fn escaped_rays_as_a_light_have_the_far_field_of_the_scene() {
     let (far, escaped) = (outcome.tally.far_field().unwrap(), outcome.tally.balance().escaped);
     let flux: f64 = rays.iter().map(|ray| ray.lumens).sum();
     assert!((flux / escaped - 1.0).abs() < 1e-9, "{flux} {escaped}");
-    // From the mirror, or from the emitter past it.
+    // All from the mirror.
     let on_mirror = |p: DVec3| (p.z + p.truncate().length_squared() / 0.04).abs() < 1e-6;
     assert!(rays.iter().all(|ray| ray.direction.is_normalized() && on_mirror(ray.origin)));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();

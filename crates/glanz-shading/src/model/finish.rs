@@ -65,7 +65,7 @@ pub enum FinishError {
     },
 }
 
-/// A kernel with the tables to draw from it, which copies share.
+/// A kernel with the tables to draw from it, which clones share.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceFinish {
     model: FinishModel,
@@ -77,7 +77,7 @@ pub struct SurfaceFinish {
 const RINGS: usize = 4096;
 
 /// Number of steps of the table by the angle of incidence.
-const INCIDENCE_STEPS: usize = 256;
+const INCIDENCE_STEPS: usize = 1024;
 
 /// Standard deviations beyond which a normal distribution counts as 0: it has less than 2e-14 of its weight there.
 const GAUSSIAN_REACH: f64 = 8.0;

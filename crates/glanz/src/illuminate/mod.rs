@@ -270,6 +270,9 @@ impl<'a> IlluminateBuilder<'a> {
         {
             return Err(Error::RayGoal);
         }
+        if let Some(path) = &ray_file {
+            crate::file::check_writable(path)?;
+        }
         if options.part.is_some() {
             if !matches!(options.method, IlluminateMethod::Auto | IlluminateMethod::Trace) {
                 return Err(Error::Indivisible { what: "the integration over mirrors" });

@@ -52,7 +52,10 @@ impl IlluminateOutcome {
                 self.report.facts.push("rays in the ray file", "ray_file_rays", count);
                 self.report.facts.push("flux of the ray file, lm", "ray_file_lm", lumens);
             }
-            None => self.end = JobEnd::Interrupted,
+            None => {
+                self.end = JobEnd::Interrupted;
+                self.report.facts.push("complete", "complete", false);
+            }
         }
     }
 

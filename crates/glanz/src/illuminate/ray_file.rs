@@ -8,6 +8,7 @@ use glanz_job::{JobEnd, current_version};
 
 use super::{Design, facts};
 use crate::error::{Error, FileFault};
+use crate::event::Warning;
 use crate::file;
 use crate::running_job::{JobSink, RunningJob};
 
@@ -50,5 +51,12 @@ pub(super) fn write(
         written = rays.finish()?;
         Ok(())
     });
-    if end == JobEnd::Interrupted { Ok(None) } else { replaced.map(|()| Some(written)) }
+    if end == JobEnd::Interrupted {
+        return Ok(None);
+    }
+    replaced?;
+    if written.0 == 0 {
+        job.warn(Warning::NoRays);
+    }
+    Ok(Some(written))
 }

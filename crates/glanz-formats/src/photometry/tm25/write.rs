@@ -28,7 +28,9 @@ impl<W: Write + Seek> RayWriter<W> {
     ///
     /// # Errors
     /// Those of the output.
-    pub fn new(out: W, descriptions: &SourceDescriptions, date: &str) -> io::Result<Self> {
+    pub fn new(mut out: W, descriptions: &SourceDescriptions, date: &str) -> io::Result<Self> {
+        // The header is completed at the end: pipes are refused before the first ray.
+        out.seek(SeekFrom::Start(0))?;
         let mut header = MAGIC.to_vec();
         // The version; created by simulation; fluxes and number of rays, until they are known.
         header.extend([2013_i32, 0].map(i32::to_le_bytes).as_flattened());
