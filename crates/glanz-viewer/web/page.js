@@ -87,6 +87,8 @@ export class Page {
     this.saveExr = element("save-exr", HTMLButtonElement);
     /** Number of the last pick or selection: answers to those before come too late. */
     this.selections = 0;
+    /** Number of the last question for what is under the pointer: answers to those before come too late. */
+    this.hovers = 0;
     /** Where the pointer rests. @type {{ x: number, y: number } | null} */
     this.hovering = null;
     this.isReady = () => {};
@@ -181,6 +183,7 @@ export class Page {
       showProblem("The second design cannot be shown", error instanceof Error ? error.message : String(error));
     }
     element("main", HTMLElement).classList.toggle("compared", this.second !== null);
+    this.showNotes();
     this.resize();
   }
 
@@ -211,11 +214,18 @@ export class Page {
     element("first-design", HTMLElement).textContent = `A: ${model.name}`;
     document.title = `${model.name} – Glanz`;
     this.canvas.setAttribute("aria-label", `${model.name}, ${parts.count} shapes`);
-    element("notes", HTMLElement).hidden = model.notes.length === 0;
-    element("note-list", HTMLElement).replaceChildren(...model.notes.map((note) => create("li", note)));
+    this.showNotes();
     announce(`${model.name} is open, ${parts.count} shapes`);
     this.viewpoint.enter(model, isSame);
     this.settingsChanged();
+  }
+
+  /** Shows the notes of one design or two. */
+  showNotes() {
+    const second = this.second?.model?.notes ?? [];
+    const notes = [...(this.model?.notes ?? []), ...second.map((note) => `B: ${note}`)];
+    element("notes", HTMLElement).hidden = notes.length === 0;
+    element("note-list", HTMLElement).replaceChildren(...notes.map((note) => create("li", note)));
   }
 
   resize() {
@@ -493,12 +503,13 @@ export class Page {
 
   /** @param {{ x: number, y: number } | null} place */
   async hover(place) {
+    const number = ++this.hovers;
     this.hovering = place;
     const pickers = [this.picker, ...(this.second ? [this.second.picker] : [])];
     const hits =
       place && this.model ? await Promise.all(pickers.map((picker) => picker.surface(place.x, place.y))) : [];
-    // The pointer may be elsewhere by now.
-    if (this.hovering !== place) return;
+    // The pointer may be elsewhere by now, or another scene below it.
+    if (number !== this.hovers) return;
     const readings = hits.map((hit) => hit?.lux ?? null);
     const [only = null] = readings;
     const text = this.second ? luxTexts(only, readings[1] ?? null) : only ? luxText(only) : "";

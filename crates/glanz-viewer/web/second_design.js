@@ -90,6 +90,7 @@ export class SecondDesign {
       this.parts = new SceneParts(this.model.tree);
       this.renderer.setModel(this.model);
       this.label.textContent = `B: ${name}`;
+      this.page.showNotes();
       this.page.settingsChanged();
     } catch (error) {
       // Another scene may have come meanwhile, or the first page has gone on to a file of its own.

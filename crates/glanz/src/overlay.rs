@@ -14,7 +14,7 @@ use glanz_viewer::server::SceneOverlay;
 
 use crate::bake::{LightFile, divided};
 use crate::error::Error;
-use crate::illuminate::{LuxFolder, lux_folder_content_hash};
+use crate::illuminate::LuxFolder;
 
 /// Number of values of baked light along each side of a patch, about that of light maps on a patch of some metres.
 const BAKED_VALUES: usize = 65;
@@ -90,8 +90,7 @@ impl LightOverlay {
                 let model =
                     model.with_map(label, scene, maps.side(&placed), |surface| maps.is_on(surface), value)?;
                 let model = model.with_lux(Arc::clone(&maps) as Arc<dyn LuxLookup>);
-                let is_other =
-                    lux_folder_content_hash(folder.path()).is_some_and(|hash| hash != content_hash);
+                let is_other = folder.content_hash().is_some_and(|hash| hash != content_hash);
                 Ok(if is_other { model.with_note(changed_scene(folder)) } else { model })
             }
         }
@@ -113,9 +112,11 @@ impl SceneOverlay for LightOverlay {
 /// The note that the scene is not as it was when lux maps were computed.
 fn changed_scene(folder: &LuxFolder) -> String {
     // The name alone: pages on other machines need not know where it is.
-    let name = folder.path().file_name().unwrap_or_default().to_string_lossy();
+    let path = folder.path();
+    let whole = path.canonicalize();
+    let name = whole.as_deref().unwrap_or(path).file_name().unwrap_or_default().to_string_lossy();
     format!(
-        "the lux maps in {name} were computed for other content of the scene's files: run `glanz illuminate` again"
+        "the lux maps in {name} were computed for other content of the scene's files: run `glanz illuminate` again, then start `glanz view` again"
     )
 }
 

@@ -84,12 +84,6 @@ fn lux_folders(arguments: &ViewArguments) -> Result<(Option<PathBuf>, Option<Pat
         [folder] => match ["a", "b"].map(|name| folder.join(name)) {
             // With two scenes, a report beside the two folders is one of an earlier calculation.
             [a, b] if is_lux_folder(&a) && is_lux_folder(&b) && (is_compared || !is_lux_folder(folder)) => {
-                let hashes = [&a, &b].map(|folder| lux_folder_content_hash(folder));
-                if !is_compared && matches!(hashes, [Some(first), Some(second)] if first != second) {
-                    let error =
-                        CommandError::new(format!("{}: these are lux maps of two scenes", folder.display()));
-                    return Err(error.with_help("give the second scene with --compare"));
-                }
                 (a, Some(b))
             }
             _ => (folder.clone(), None),
@@ -100,12 +94,23 @@ fn lux_folders(arguments: &ViewArguments) -> Result<(Option<PathBuf>, Option<Pat
             return Err(error.with_help("two designs can be compared: give --lux twice at most"));
         }
     };
-    if is_compared && second.is_none() {
-        let error =
-            CommandError::new(format!("{}: there are no lux maps of the second design", first.display()));
-        return Err(error.with_help(
-            "give --lux twice, or the folder that `glanz illuminate A --compare B -o DIR` has written",
-        ));
+    match &second {
+        None if is_compared => {
+            let error =
+                CommandError::new(format!("{}: there are no lux maps of the second design", first.display()));
+            return Err(error.with_help(
+                "give --lux twice, or the folder that `glanz illuminate A --compare B -o DIR` has written",
+            ));
+        }
+        Some(second) if !is_compared => {
+            let hashes = [&first, second].map(|folder| lux_folder_content_hash(folder));
+            if matches!(hashes, [Some(first), Some(second)] if first != second) {
+                let folders = format!("{} and {}", first.display(), second.display());
+                let error = CommandError::new(format!("{folders}: these are lux maps of two scenes"));
+                return Err(error.with_help("give the second scene with --compare"));
+            }
+        }
+        _ => {}
     }
     Ok((Some(first), second))
 }
@@ -216,8 +221,11 @@ mod tests {
         assert!(folders("--lux 1 --lux 2 --lux 3").unwrap_err().contains("third folder"));
         // Maps of two scenes are not shown on one.
         assert_eq!(folders("--lux /same"), Ok((path("same/a"), path("same/b"))));
-        assert!(folders("--lux /other").unwrap_err().contains("of two scenes"));
-        assert_eq!(folders("--compare b.pbrt --lux /other"), Ok((path("other/a"), path("other/b"))));
+        for arguments in ["--lux /other", "--lux /other/a --lux /other/b"] {
+            assert!(folders(arguments).unwrap_err().contains("of two scenes"), "{arguments}");
+            let both = Ok((path("other/a"), path("other/b")));
+            assert_eq!(folders(&format!("--compare b.pbrt {arguments}")), both);
+        }
         // A report of an earlier calculation lies beside the folders of the comparison.
         write("designs", "{}");
         assert_eq!(folders("--lux /designs"), Ok((path("designs"), None)));

@@ -1,5 +1,6 @@
 //! The lights of the scene, reduced to a few simple ones.
 
+use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glanz_geometry::FaceDomain;
@@ -7,6 +8,7 @@ use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, DVec3};
 use glanz_scene::light::{AreaLight, PhotometricLight};
 use glanz_scene::{Light, LightId, PlacedSurface, Scene};
+use rayon::prelude::*;
 
 use super::appearance::rgb;
 use super::head;
@@ -29,13 +31,15 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
     let bounds = scene.bounds();
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
     let is_everywhere = |light: &Light| matches!(light, Light::Infinite(_) | Light::ImageInfinite(_));
-    let with_place = scene.lights().iter().filter(|light| !is_everywhere(light));
-    let mut by_power: Vec<(f32, &Light)> =
-        with_place.map(|light| (power(light, radius).mean(&wavelengths), light)).collect();
+    let from_somewhere = (0..).map(LightId).zip(scene.lights()).filter(|(_, light)| !is_everywhere(light));
+    let mut by_power: Vec<(f32, LightId, &Light)> =
+        from_somewhere.map(|(id, light)| (power(light, radius).mean(&wavelengths), id, light)).collect();
     by_power.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let simple = by_power.iter().take(MOST).filter_map(|&(_, light)| simple(scene, placed, light));
+    let surfaces = surfaces_of_lights(placed);
+    let brightest = by_power.iter().take(MOST);
+    let simple = brightest.filter_map(|&(_, id, light)| simple(light, surfaces.get(&id).copied(), bounds));
     let mut lights: Vec<head::ModelLight> = simple.map(|light| light.head(&wavelengths)).collect();
-    lights.retain(|light| light.intensity.iter().any(|&x| x > 0.0));
+    lights.retain(emits);
     let everywhere: Spectrum = scene
         .lights()
         .iter()
@@ -49,6 +53,27 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
         lights.push(Simple { kind: "infinite", ..Simple::of(everywhere) }.head(&wavelengths));
     }
     (lights, by_power.len() > MOST)
+}
+
+/// All lights that have a place, even if the page is not lit by them.
+pub(super) fn placed_lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> Vec<head::ModelLight> {
+    let wavelengths = Wavelengths::default();
+    let surfaces = surfaces_of_lights(placed);
+    let simple = scene.lights().par_iter().enumerate().filter_map(|(number, light)| {
+        simple(light, surfaces.get(&LightId(number as u32)).copied(), scene.bounds())
+    });
+    let with_place = simple.filter(|light| light.kind != "distant");
+    with_place.map(|light| light.head(&wavelengths)).filter(emits).collect()
+}
+
+/// The surface that emits each light of a surface; the first of its copies.
+fn surfaces_of_lights<'a>(placed: &'a [PlacedSurface<'a>]) -> HashMap<LightId, &'a PlacedSurface<'a>> {
+    let found = placed.iter().rev().filter_map(|surface| Some((surface.light()?, surface)));
+    found.collect()
+}
+
+fn emits(light: &head::ModelLight) -> bool {
+    light.intensity.iter().any(|&x| x > 0.0)
 }
 
 /// Power that a light emits into a scene of that radius, W; black if unknown.
@@ -68,8 +93,8 @@ fn power(light: &Light, radius: f64) -> Spectrum {
     }
 }
 
-/// The light in the form of a rasteriser; `None` for lights without a place or a direction.
-fn simple(scene: &Scene, placed: &[PlacedSurface<'_>], light: &Light) -> Option<Simple> {
+/// The light in the form of a rasteriser; `None` for lights without a place or a direction. `surface`: that which emits it; `bounds`: those of the scene.
+fn simple(light: &Light, surface: Option<&PlacedSurface<'_>>, bounds: Bounds3) -> Option<Simple> {
     Some(match light {
         Light::Point(l) => Simple { position: l.position(), range: l.range(), ..Simple::of(l.intensity()) },
         Light::Spot(l) => Simple {
@@ -102,10 +127,7 @@ fn simple(scene: &Scene, placed: &[PlacedSurface<'_>], light: &Light) -> Option<
         }
         // Without the softness of its shadows.
         Light::Sun(l) => Simple { kind: "distant", direction: -l.towards(), ..Simple::of(l.irradiance()) },
-        Light::Area(l) => {
-            let is_it = |id: LightId| scene.light(id).is_some_and(|other| std::ptr::eq(other, light));
-            area(l, placed.iter().find(|surface| surface.light().is_some_and(is_it))?, scene.bounds())
-        }
+        Light::Area(l) => area(l, surface?, bounds),
         _ => return None,
     })
 }

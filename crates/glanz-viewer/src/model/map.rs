@@ -12,6 +12,9 @@ use super::{Model, head};
 /// Largest number of texels along a side of a map; every graphics card supports it.
 const LARGEST: usize = 4096;
 
+/// Texels of a map beyond which patches get fewer values: 2048 x 2048 steps between them, and one more value along each side of up to 32 x 32 patches.
+const MOST_TEXELS: usize = 2080 * 2080;
+
 /// Words of a patch that locate its tile in the map.
 const WORDS: std::ops::Range<usize> = 12..16;
 
@@ -182,14 +185,21 @@ impl Model {
     }
 }
 
-/// Values along the side of a patch, such that all patches fit into a map.
+/// Values along the side of a patch, such that all patches fit into a map. Fewer values are, if they can be, some of those that there would be otherwise,
+/// so that they stay at the borders of cells.
 fn side_of(side: usize, count: usize, layout: &MapLayout) -> Result<usize, ModelError> {
-    let most = LARGEST / layout.columns.max(layout.sides * layout.rows);
-    if most < 2 {
+    let rows = layout.sides * layout.rows;
+    let widest = LARGEST / layout.columns.max(rows);
+    if widest < 2 {
         let most = ((LARGEST / 2) * (LARGEST / 2) / layout.sides) as u64;
         return Err(ModelError::TooMany { what: "patches that show values", count: count as u64, most });
     }
-    Ok(side.clamp(2, most))
+    let most = widest.min((MOST_TEXELS / (layout.columns * rows)).isqrt()).max(2);
+    let mut steps = side.max(2) - 1;
+    while steps >= most && steps.is_multiple_of(2) {
+        steps /= 2;
+    }
+    Ok((steps + 1).min(most))
 }
 
 /// The values of the sides of each patch; `None` if no value is known.
@@ -214,4 +224,24 @@ fn sampled(
         values.push(backs.iter().map(&mut of_side).collect());
     }
     known.then_some(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fewer_values_are_some_of_those_on_cells() {
+        let side = |side, tiles, sides| side_of(side, tiles, &MapLayout::new(tiles, sides)).unwrap();
+        // Two values for each of 512, 256 and 128 cells, and one more.
+        assert_eq!([1, 4, 5, 16, 17].map(|tiles| side(1025, tiles, 1)), [1025, 1025, 513, 513, 257]);
+        assert_eq!([16, 17].map(|tiles| side(513, tiles, 1)), [513, 257]);
+        assert_eq!([64, 65].map(|tiles| side(257, tiles, 1)), [257, 129]);
+        assert_eq!([2, 3].map(|tiles| side(1025, tiles, 2)), [1025, 513]);
+        // 66 steps can be halved once, 65 cannot, and 33 x 33 patches have up to 63 values.
+        assert_eq!([67, 66, 63].map(|wanted| side(wanted, 33 * 33, 1)), [34, 63, 63]);
+        let most = (LARGEST / 2) * (LARGEST / 2);
+        assert_eq!(side(65, most, 1), 2);
+        assert!(side_of(65, most + 1, &MapLayout::new(most + 1, 1)).is_err());
+    }
 }

@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use super::Model;
 use super::head::ModelLight;
+use super::lights::placed_lights;
 
 /// Objects from which on a scene is too large for walls to be looked for: parts of machines have no walls.
 const MOST_OBJECTS: usize = 20_000;
@@ -27,6 +28,9 @@ const NEAREST_LIGHTS: usize = 3;
 
 /// Distance from a luminaire to the point before it that has to be in sight, as a share of the diagonal of the scene: luminaires are part of ceilings.
 const LIGHT_OFFSET: f64 = 0.01;
+
+/// Rounding of distances, as a share of them, for a light on a surface to be in sight although its surface is hit.
+const ROUNDING: f64 = 1e-6;
 
 /// Largest number of interfaces that a ray passes.
 const MOST_PASSED: usize = 64;
@@ -116,10 +120,11 @@ impl<'a> WallSearch<'a> {
                 _ => None,
             }
         };
-        let lights: Vec<DVec3> = model.head.lights.iter().filter_map(lit_point).collect();
+        let placed = scene.placed_surfaces();
+        let lights: Vec<DVec3> = placed_lights(scene, &placed).iter().filter_map(lit_point).collect();
         let rays = model.head.objects.len().max(1) * (2 + NEAREST_LIGHTS);
         let points = (MOST_RAYS / rays).clamp(POINTS[0], POINTS[1]);
-        Self { model, scene, placed: scene.placed_surfaces(), lights, measured, diagonal, points }
+        Self { model, scene, placed, lights, measured, diagonal, points }
     }
 
     fn outer_side(&self, object: u32, surface: &PlacedSurface<'_>, faces: Range<u32>) -> Option<OuterSide> {
@@ -192,7 +197,9 @@ impl<'a> WallSearch<'a> {
         }
         let distance = |light: &DVec3| light.distance_squared(at.point.position);
         let mut nearest: Vec<DVec3> = self.lights.clone();
-        nearest.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if nearest.len() > NEAREST_LIGHTS {
+            nearest.select_nth_unstable_by(NEAREST_LIGHTS, |a, b| distance(a).total_cmp(&distance(b)));
+        }
         nearest.iter().take(NEAREST_LIGHTS).any(|&light| self.is_in_sight(at, light))
     }
 
@@ -202,7 +209,8 @@ impl<'a> WallSearch<'a> {
         let (distance, direction) = (way.length(), way.normalize_or_zero());
         direction.dot(at.wo) > 0.0
             && self.first_hit(at.spawn(direction)).is_none_or(|(hit, _)| {
-                hit.light().is_some() || hit.point.position.distance(at.point.position) >= distance
+                hit.light().is_some()
+                    || hit.point.position.distance(at.point.position) >= (1.0 - ROUNDING) * distance
             })
     }
 }

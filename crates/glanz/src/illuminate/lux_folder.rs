@@ -25,6 +25,7 @@ const VALUES: [usize; 2] = [65, 1025];
 pub struct LuxFolder {
     folder: PathBuf,
     maps: Vec<StoredMap>,
+    content_hash: Option<u128>,
 }
 
 #[derive(Debug)]
@@ -70,7 +71,11 @@ pub fn is_lux_folder(folder: &Path) -> bool {
 /// [Hash](glanz_job::ContentHash) of the files of the scene that the lux maps in this folder were computed for; `None` if the report does not tell it.
 #[must_use]
 pub fn lux_folder_content_hash(folder: &Path) -> Option<u128> {
-    let report: ReportOrigin = serde_json::from_slice(&file::read(&folder.join(REPORT)).ok()?).ok()?;
+    content_hash(&file::read(&folder.join(REPORT)).ok()?)
+}
+
+fn content_hash(report: &[u8]) -> Option<u128> {
+    let report: ReportOrigin = serde_json::from_slice(report).ok()?;
     u128::from_str_radix(&report.facts.scene_content_hash, 16).ok()
 }
 
@@ -82,8 +87,8 @@ impl LuxFolder {
     pub fn read(folder: impl AsRef<Path>) -> Result<Self, Error> {
         let folder = folder.as_ref();
         let path = folder.join(REPORT);
-        let report: StoredReport =
-            serde_json::from_slice(&file::read(&path)?).map_err(Error::of_file(&path))?;
+        let bytes = file::read(&path)?;
+        let report: StoredReport = serde_json::from_slice(&bytes).map_err(Error::of_file(&path))?;
         let mut names = FileNames::default();
         let mut maps = Vec::new();
         for receiver in report.receivers {
@@ -102,13 +107,19 @@ impl LuxFolder {
             let cells = rows.chunks(receiver.cells[0].max(1) as usize).rev().flatten().copied().collect();
             maps.push(StoredMap { receiver, cells });
         }
-        Ok(Self { folder: folder.to_owned(), maps })
+        Ok(Self { folder: folder.to_owned(), maps, content_hash: content_hash(&bytes) })
     }
 
     /// The folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.folder
+    }
+
+    /// [Hash](glanz_job::ContentHash) of the files of the scene that the maps, as they were read, were computed for; `None` if the report does not tell it.
+    #[must_use]
+    pub fn content_hash(&self) -> Option<u128> {
+        self.content_hash
     }
 
     /// The maps on the receivers of `scene`.

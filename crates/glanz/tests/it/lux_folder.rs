@@ -98,8 +98,10 @@ fn a_single_bright_cell_is_drawn_as_bright_as_it_is() {
     glanz::open(&scene).unwrap().illuminate().options(options).run().unwrap().save(&lux).unwrap();
     let report: serde_json::Value =
         serde_json::from_slice(&std::fs::read(lux.join("report.json")).unwrap()).unwrap();
+    // The path has no name at its end.
+    std::fs::create_dir_all(lux.join("inner")).unwrap();
+    let overlay = LightOverlay::default().lux(lux.join("inner/..")).unwrap();
     let drawn = || {
-        let overlay = LightOverlay::default().lux(&lux).unwrap();
         let loaded = glanz::formats::load(&scene, &Options::default()).unwrap();
         let (description, names) = (loaded.description, loaded.sources.names());
         let scene = Scene::resolve(description.clone()).unwrap().0;
@@ -116,5 +118,8 @@ fn a_single_bright_cell_is_drawn_as_bright_as_it_is() {
     // The page is told of light that is not that of the scene.
     std::fs::write(&scene, text.replace("0.02]", "0.5]")).unwrap();
     let notes = drawn()["notes"].to_string();
-    assert!(notes.contains("other content of the scene's files"), "{notes}");
+    assert!(notes.contains("the lux maps in lux were computed for other content"), "{notes}");
+    // New maps of the folder are not those that are drawn.
+    glanz::open(&scene).unwrap().illuminate().options(options).run().unwrap().save(&lux).unwrap();
+    assert_eq!(drawn()["notes"].to_string(), notes);
 }

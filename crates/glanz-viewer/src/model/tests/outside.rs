@@ -44,6 +44,14 @@ fn walls_are_left_out_from_outside_whichever_way_they_face() {
 }
 
 #[test]
+fn rooms_are_found_by_lamps_that_are_too_dark_to_light_the_page() {
+    let bright =
+        |i: i32| format!("LightSource \"point\" \"point3 from\" [{i} 0 50] \"float power\" 1000000\n");
+    let others: String = (0..40).map(bright).collect();
+    assert_sides(&format!("{others}{ROOM}"));
+}
+
+#[test]
 fn furniture_and_pictures_on_walls_are_no_walls() {
     assert_sides(&format!(
         r#"{ROOM}
