@@ -46,27 +46,17 @@ impl<W: Write + Seek> RayWriter<W> {
         header.resize(256, 0);
         // Known are positions, directions and luminous flux.
         header.extend([1_i32, 1, 0, 0, 1, 0, 0, 0].map(i32::to_le_bytes).as_flattened());
-        let SourceDescriptions {
-            name,
-            manufacturer,
-            model_creator,
-            file_creator,
-            equipment,
-            camera,
-            operation,
-            information,
-            reference,
-        } = descriptions;
+        let of = descriptions;
         for text in [
-            name,
-            manufacturer,
-            model_creator,
-            file_creator,
-            equipment,
-            camera,
-            operation,
-            information,
-            reference,
+            &of.name,
+            &of.manufacturer,
+            &of.model_creator,
+            &of.file_creator,
+            &of.equipment,
+            &of.camera,
+            &of.operation,
+            &of.information,
+            &of.reference,
         ] {
             let end = header.len() + DESCRIPTION_BYTES;
             let characters = text.chars().take(DESCRIPTION_BYTES / 4 - 1);
