@@ -12,8 +12,11 @@ use crate::integrate::Reflections;
 use crate::lux_parts::IntegratedLux;
 use crate::receiver::Receivers;
 
-/// Particles that show how far from the lights their light arrives, and how many of them are traced together.
+/// Particles that show how far from the lights their light arrives: they are traced by rounds until a few arrive from each light, or there are too many.
 const PROBES: u32 = 1 << 16;
+const FEW: usize = 256;
+const MOST_ROUNDS: u32 = 16;
+/// How many of them are traced together.
 const BLOCK: u32 = 1 << 10;
 
 /// Seed of these particles, beside those of calculations.
@@ -111,24 +114,42 @@ fn near_distances(scene: &Scene, receivers: &Receivers) -> Vec<f64> {
     let wavelengths = Wavelengths::default();
     let arrivals = |block: u32| {
         let mut last = vec![None; BLOCK as usize];
+        let mut passed = Vec::new();
         let sampler = PixelSampler::new(SamplerKind::Sobol, 1, PROBE_SEED, [0, 0], block * BLOCK);
         let visit = |particle: usize, arrival: &Arrival| {
-            // Interfaces come first.
-            if arrival.route == LightRoute::Direct {
-                let counts =
-                    !arrival.left.is_black() || receivers.met(&arrival.at).is_some_and(|hit| hit.counts);
-                let flux = photometric(arrival.arrived, &wavelengths);
-                last[particle] = counts.then_some((arrival.light.0 as usize, arrival.distance, flux));
+            match arrival.route {
+                LightRoute::Direct => {
+                    let flux = photometric(arrival.arrived, &wavelengths);
+                    let entry = (arrival.light.0 as usize, arrival.distance, flux);
+                    // Light passes interfaces, which may be receivers.
+                    let is_received = receivers.met(&arrival.at).is_some_and(|hit| hit.counts);
+                    passed.extend(is_received.then_some(entry));
+                    last[particle] = (!is_received && !arrival.left.is_black()).then_some(entry);
+                }
+                // Paths do not find light that a delta lobe scatters first.
+                LightRoute::Mirrored { .. } | LightRoute::Specular => last[particle] = None,
+                LightRoute::Scattered => {}
             }
         };
-        ParticleTracer::new(scene, 1).trace(sampler, BLOCK, &mut Counters::default(), visit);
-        last
+        ParticleTracer::new(scene, 2).trace(sampler, BLOCK, &mut Counters::default(), visit);
+        passed.extend(last.into_iter().flatten());
+        passed
     };
-    let blocks: Vec<_> = (0..PROBES / BLOCK).into_par_iter().map(arrivals).collect();
     let mut by_light = vec![Vec::new(); lights.len()];
-    for (light, distance, flux) in blocks.into_iter().flatten().flatten() {
-        if distance > 0.0 && can_touch.get(light) == Some(&true) {
-            by_light[light].push((distance, flux));
+    for round in 0..MOST_ROUNDS {
+        let blocks = round * (PROBES / BLOCK)..(round + 1) * (PROBES / BLOCK);
+        let blocks: Vec<_> = blocks.into_par_iter().map(arrivals).collect();
+        for (light, distance, flux) in blocks.into_iter().flatten() {
+            if distance > 0.0 && can_touch.get(light) == Some(&true) {
+                by_light[light].push((distance, flux));
+            }
+        }
+        let are_known =
+            (0..).map(LightId).zip(&by_light).zip(&can_touch).all(|((id, arrived), can_touch)| {
+                !can_touch || arrived.len() >= FEW || scene.emitter_probability(id) <= 0.0
+            });
+        if are_known {
+            break;
         }
     }
     by_light.iter_mut().map(|arrived| near_distance(arrived)).collect()

@@ -13,8 +13,8 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::replicates::{REPLICATES, first_in_replicate};
 use crate::trace::{BLOCK, TraceSettings, particle_sampler};
 
-/// Blocks of particles whose rays are in memory together.
-const BLOCKS: u64 = 64;
+/// Blocks of particles per thread whose rays are in memory together.
+const BLOCKS: u64 = 16;
 
 /// Time between two reports of progress.
 const REPORT_INTERVAL: Duration = Duration::from_millis(500);
@@ -49,14 +49,15 @@ pub fn escaped_rays<E>(
     let (start, mut reported) = (Instant::now(), Instant::now());
     let new = || ParticleTracer::new(scene, settings.max_events);
     let share = 1.0 / particles as f64;
+    let batch = BLOCKS * BLOCK * rayon::current_num_threads() as u64;
     let mut done = 0;
     for replicate in 0..REPLICATES {
         let end = first_in_replicate(replicate, particles);
-        for first in (0..end).step_by((BLOCKS * BLOCK) as usize) {
+        for first in (0..end).step_by(batch as usize) {
             if cancel.is_cancelled() {
                 return Ok(JobEnd::Interrupted);
             }
-            let last = end.min(first + BLOCKS * BLOCK);
+            let last = end.min(first + batch);
             let block = |tracer: &mut ParticleTracer<'_>, number: u64| {
                 let from = first + number * BLOCK;
                 // Blocks begin at multiples of their size, so that none goes on in another sequence.

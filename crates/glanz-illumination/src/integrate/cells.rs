@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use glanz_job::{CancelFlag, Interrupted, JobProgress, ProgressSink, WorkCount};
-use glanz_math::DVec2;
+use glanz_math::{DVec2, DVec3};
 use glanz_scene::{PlacedSurface, Scene};
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::lux_parts::IntegratedLux;
 use crate::receiver::{Receiver, Receivers};
 
 /// Number of cells per thread between two reports of progress.
-const PORTION: usize = 16;
+const PORTION: usize = 64;
 
 /// Number of cells that estimate the mean illuminance of a receiver.
 const PROBES: usize = 64;
@@ -55,11 +55,7 @@ impl Reflections<'_> {
             if receiver.areas()[*cell] <= 0.0 || !receiver.has_places(*cell) || is_over() {
                 return CellMean::default();
             }
-            let patch = |at: DVec2| {
-                let point = receiver.place(surface, *cell, at)?;
-                Some((point.position, point.normal, point.area_element))
-            };
-            self.cell_mean(patch, tolerance, accuracy.points)
+            self.cell_mean(patch(receiver, surface, *cell), tolerance, accuracy.points)
         };
         let coarse = Tolerance { relative: 0.05, absolute: f64::MAX };
         let brightness = |number: usize| {
@@ -72,7 +68,8 @@ impl Reflections<'_> {
         let integrated = |cell: &Cell<'_>| {
             let tolerance = Tolerance { relative, absolute: relative * dark * bright[cell.number] };
             let found = uncovered(cell, mean(cell, tolerance), tolerance);
-            IntegratedLux { converged: found.converged && self.is_evenly_lit(cell), ..found }
+            let is_smooth = self.integrates_shadows || self.is_evenly_lit(cell);
+            IntegratedLux { converged: found.converged && is_smooth, ..found }
         };
         let mut found: Vec<IntegratedLux> = Vec::with_capacity(cells.len());
         for portion in cells.chunks(PORTION * rayon::current_num_threads()) {
@@ -102,6 +99,18 @@ impl Reflections<'_> {
             let first = reached.next();
             reached.all(|reaches| Some(reaches) == first)
         })
+    }
+}
+
+/// Position, normal and area element by the parameters of a cell.
+pub(super) fn patch<'a>(
+    receiver: &'a Receiver,
+    surface: &'a PlacedSurface<'_>,
+    cell: usize,
+) -> impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)> + 'a {
+    move |at| {
+        let point = receiver.place(surface, cell, at)?;
+        Some((point.position, point.normal, point.area_element))
     }
 }
 

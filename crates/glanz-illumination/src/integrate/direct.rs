@@ -127,7 +127,10 @@ impl Region for EmitterRegion<'_> {
 /// Projected solid angle of the visible part of an emitter, sr.
 ///
 /// In closed form if all or none of the rays of a grid reach it; occluders smaller than an eighth of the emitter may be missed. Otherwise it is divided into
-/// about `budget` rectangles at most; with 0 it is not known.
+/// about `budget` rectangles at most.
+///
+/// # Errors
+/// The projected solid angle of the whole emitter if something hides a part of it and `budget` is 0.
 pub(super) fn of_emitter(
     scene: &Scene,
     receiver: ReceivingPoint,
@@ -135,14 +138,16 @@ pub(super) fn of_emitter(
     emitter: &EmitterShape,
     tolerance: Tolerance,
     budget: usize,
-) -> RegionIntegral {
-    let Some(figure) = VisibleShape::of(emitter, receiver.point) else { return RegionIntegral::default() };
+) -> Result<RegionIntegral, f64> {
+    let Some(figure) = VisibleShape::of(emitter, receiver.point) else {
+        return Ok(RegionIntegral::default());
+    };
     let whole = match &figure {
         VisibleShape::Disk { center, normal, radius } => receiver.of_disk(*center, *normal, *radius),
         VisibleShape::Polygon { corners, .. } => receiver.of_polygon(corners),
     };
     if whole <= 0.0 {
-        return RegionIntegral::default();
+        return Ok(RegionIntegral::default());
     }
     let region = EmitterRegion { scene, receiver, origin, emitter, figure };
     let (mut open, mut hidden) = (false, false);
@@ -162,16 +167,37 @@ pub(super) fn of_emitter(
     }
     match (open, hidden) {
         // A sliver above the horizon may lie between the rays.
-        (false, false) => RegionIntegral { value: whole, error: whole },
-        (true, false) => RegionIntegral { value: whole, error: 1e-9 * whole },
-        (false, true) => RegionIntegral::default(),
-        (true, true) if budget == 0 => RegionIntegral { value: 0.5 * whole, error: whole },
+        (false, false) => Ok(RegionIntegral { value: whole, error: whole }),
+        (true, false) => Ok(RegionIntegral { value: whole, error: 1e-9 * whole }),
+        (false, true) => Ok(RegionIntegral::default()),
+        (true, true) if budget == 0 => Err(whole),
         (true, true) => {
             let halves = IntegrationRect::UNIT.quarters();
             let cells = (0..region.figure.parts()).flat_map(|part| halves.map(|rect| (part, rect)));
-            integrate(&region, cells, RegionIntegral::default(), tolerance, budget)
+            Ok(integrate(&region, cells, RegionIntegral::default(), tolerance, budget))
         }
     }
+}
+
+/// A sample of the projected solid angle of an emitter, sr, whose mean over `at` in the unit square is that of the whole emitter, and whether nothing hides its
+/// place; `None` without light from there.
+pub(super) fn sampled(
+    scene: &Scene,
+    receiver: ReceivingPoint,
+    origin: DVec3,
+    emitter: &EmitterShape,
+    at: DVec2,
+) -> Option<(f64, bool)> {
+    let figure = VisibleShape::of(emitter, receiver.point)?;
+    let region = EmitterRegion { scene, receiver, origin, emitter, figure };
+    let parts = f64::from(region.figure.parts());
+    let place = parts * at.x;
+    // Uniform by area: parameters of a part are polar.
+    let radius = place.fract().sqrt().max(f64::MIN_POSITIVE);
+    let part = place as u32;
+    let sample = region.sample(part, DVec2::new(radius, at.y));
+    let is_lit = sample.cos > 0.0 && sample.weight > 0.0;
+    is_lit.then(|| (0.5 * parts * sample.weight / radius, region.value(part, &sample).is_some()))
 }
 
 /// Illuminance by a light without extent, lx.
@@ -182,10 +208,22 @@ pub(super) fn of_point(
     light: &Light,
     wavelengths: &Wavelengths,
 ) -> f64 {
-    let Some(arriving) = light.incident(receiver.point) else { return 0.0 };
+    let arriving = from_point(scene, receiver, origin, light, wavelengths);
+    arriving.map_or(0.0, |(lux, is_seen)| if is_seen { lux } else { 0.0 })
+}
+
+/// Illuminance by a light without extent as if nothing hid it, lx, and whether nothing does; `None` without light from there.
+pub(super) fn from_point(
+    scene: &Scene,
+    receiver: ReceivingPoint,
+    origin: DVec3,
+    light: &Light,
+    wavelengths: &Wavelengths,
+) -> Option<(f64, bool)> {
+    let arriving = light.incident(receiver.point)?;
     let cos = receiver.normal.dot(arriving.towards);
-    if cos <= 0.0 {
-        return 0.0;
+    if cos <= 0.0 || arriving.irradiance.is_black() {
+        return None;
     }
     let (ray, end) = if arriving.distance.is_finite() {
         let target = receiver.point + arriving.towards * arriving.distance;
@@ -193,5 +231,5 @@ pub(super) fn of_point(
     } else {
         (Ray::new(origin, arriving.towards), f64::INFINITY)
     };
-    if scene.occluded(&ray, end) { 0.0 } else { cos * photometric(arriving.irradiance, wavelengths) }
+    Some((cos * photometric(arriving.irradiance, wavelengths), !scene.occluded(&ray, end)))
 }

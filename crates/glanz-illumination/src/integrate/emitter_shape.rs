@@ -10,9 +10,6 @@ use glanz_scene::{LightId, PlacedSurface};
 use super::error::IntegrateError;
 use super::polygon::ConvexPolygon;
 
-/// Largest number of points along a polygon.
-const MOST_MIDDLES: usize = 64;
-
 /// A surface of uniform radiance.
 #[derive(Clone, Debug)]
 pub(super) struct EmitterShape {
@@ -74,18 +71,15 @@ impl EmitterShape {
         }
     }
 
-    /// Points along its length, as far apart as it is wide, but 64 at most.
-    pub(super) fn middles(&self) -> impl Iterator<Item = DVec3> {
-        let (corners, width) = match &self.form {
-            EmitterForm::Polygon { polygon, .. } => (polygon.corners(), self.inner_radius()),
-            _ => (&[][..], self.outer_radius()),
-        };
+    /// The point of its axis that is nearest to `place`: of the line through its middle along its length, up to half of its width from its ends.
+    pub(super) fn nearest_of_axis(&self, place: DVec3) -> DVec3 {
         let center = self.center();
-        let offsets = corners.iter().map(|corner| *corner - center);
+        let EmitterForm::Polygon { polygon, .. } = &self.form else { return center };
+        let offsets = polygon.corners().iter().map(|corner| *corner - center);
         let longest = offsets.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
-        let count = (self.outer_radius() / width).clamp(1.0, MOST_MIDDLES as f64) as usize;
-        let share = move |i: usize| (2 * i + 1) as f64 / count as f64 - 1.0;
-        (0..count).map(move |i| center + share(i) * longest.unwrap_or_default())
+        let half = longest.unwrap_or_default() * (1.0 - self.inner_radius() / self.outer_radius());
+        let along = (place - center).dot(half) / half.length_squared().max(f64::MIN_POSITIVE);
+        center + half * along.clamp(-1.0, 1.0)
     }
 
     /// Whether no point of the ball is on an emitting side.

@@ -1,11 +1,13 @@
 //! Means of the illuminance over the cells of a receiver.
 
-use std::collections::BinaryHeap;
+use std::cell::Cell;
+use std::collections::{BinaryHeap, VecDeque};
 
 use glanz_math::{DVec2, DVec3};
 
 use super::queue::QueueEntry;
 use super::region::{IntegrationRect, Tolerance};
+use super::shadow::ShadowSum;
 use super::{Reflections, light_position};
 
 /// Nodes and weights of Gauss' rules of two and three points in [0, 1].
@@ -19,6 +21,8 @@ const MOST_SQUARES: usize = 2048;
 const MOST_QUARTERINGS: u32 = 24;
 /// Fraction of the tolerance for the illuminance at the points.
 const SHARE: f64 = 0.25;
+/// Fraction of the tolerance for the smooth part of the light if a part is not smooth.
+const SMOOTH_SHARE: f64 = 0.5;
 
 /// Illuminance over a part of a receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,55 +47,138 @@ struct CellRegion {
     area: f64,
 }
 
+/// The mean without the light of some sources, and a source of which something hides a part from a point.
+#[derive(Clone, Copy, Debug)]
+struct SmoothMean {
+    mean: CellMean,
+    shadow: Option<usize>,
+}
+
+/// Position in metres, unit normal and area per unit of the parameters (m^2) of a cell by parameters in the unit square; `None` where there is no surface.
+pub(super) trait CellPatch: Fn(DVec2) -> Option<(DVec3, DVec3, f64)> {}
+
+impl<P: Fn(DVec2) -> Option<(DVec3, DVec3, f64)>> CellPatch for P {}
+
+/// A cell with its squares.
+pub(super) struct DividedCell<'a, P> {
+    pub(super) patch: &'a P,
+    pub(super) squares: &'a [IntegrationRect],
+}
+
+impl<P: CellPatch> DividedCell<'_, P> {
+    /// m^2.
+    fn area(&self) -> f64 {
+        let of_square = |square: &IntegrationRect| {
+            let size = square.size();
+            let at = |at: DVec2| {
+                let area =
+                    (self.patch)(square.min + size * at).map_or(0.0, |(.., area_element)| area_element);
+                [area * size.element_product()]
+            };
+            rule(&THREE, at)[0]
+        };
+        self.squares.iter().map(of_square).sum()
+    }
+}
+
 impl Reflections<'_> {
     /// The mean of [`Reflections::illuminance`] over a part of a surface.
     ///
     /// `patch`: position in metres, unit normal and area per unit of the parameters (m^2) by parameters in the unit square; `None` where there is no
     /// surface. `points`: approximate limit of the number of evaluated points, in each square that is no larger than the distance of the nearest light. These are quartered
     /// where Gauss' rules of two and three points differ most, until the difference is within `tolerance`; details smaller than the distance of these points (a fifth of the
-    /// square) may be missed.
+    /// square) may be missed. Direct light that something hides from a part of the cell is integrated over the cell and the light at once.
     pub fn cell_mean(
         &self,
         patch: impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
         tolerance: Tolerance,
         points: usize,
     ) -> CellMean {
-        let at_points =
-            Tolerance { relative: SHARE * tolerance.relative, absolute: SHARE * tolerance.absolute };
         let squares = self.around_lights(&patch);
-        let points = points.saturating_mul(squares.len());
-        let mut evaluated = squares.len() * POINTS;
-        let pieces = squares.into_iter().map(|rect| self.piece(&patch, rect, at_points));
-        let mut heap: BinaryHeap<_> = pieces.collect();
+        let cell = DividedCell { patch: &patch, squares: &squares };
+        let sources = if self.integrates_shadows { 0..self.source_count() } else { 0..0 };
+        let sums = sources.map(|source| ShadowSum::of_source(self, &cell, source));
+        let mut shadows: Vec<ShadowSum> = sums.filter(ShadowSum::is_border).collect();
+        let Tolerance { relative, absolute } = tolerance;
         loop {
-            let result = total(&heap);
-            let allowed = tolerance.absolute.max(tolerance.relative * result.mean);
-            if result.error <= allowed || evaluated + 4 * POINTS > points {
-                return result;
+            let left_out: Vec<usize> = shadows.iter().map(ShadowSum::source).collect();
+            let share = if left_out.is_empty() { 1.0 } else { SMOOTH_SHARE };
+            let lit =
+                shadows.iter().map(|sum| sum.flux()[0]).sum::<f64>() / cell.area().max(f64::MIN_POSITIVE);
+            let of_smooth =
+                Tolerance { relative: share * relative, absolute: share * absolute.max(relative * lit) };
+            let SmoothMean { mut mean, shadow } = self.smooth_mean(&cell, of_smooth, points, &left_out);
+            if let Some(source) = shadow.filter(|_| self.integrates_shadows) {
+                shadows.push(ShadowSum::of_source(self, &cell, source));
+                continue;
             }
-            let Some(worst) = heap.pop() else { return result };
-            heap.extend(worst.part.rect.quarters().map(|rect| self.piece(&patch, rect, at_points)));
-            evaluated += 4 * POINTS;
+            if mean.area > 0.0 {
+                let allowed = absolute.max(relative * (mean.mean + lit)) * mean.area;
+                let allowed = (1.0 - SMOOTH_SHARE) * allowed / shadows.len() as f64;
+                for sum in &mut shadows {
+                    sum.converge(self, &cell, allowed);
+                    let [flux, error] = sum.flux();
+                    mean.mean += flux / mean.area;
+                    mean.error += error / mean.area;
+                }
+            }
+            return mean;
         }
     }
 
+    /// The mean by Gauss' rules, without direct light of the sources `left_out`. It ends at a point in the half shadow of another source.
+    fn smooth_mean<P: CellPatch>(
+        &self,
+        cell: &DividedCell<'_, P>,
+        tolerance: Tolerance,
+        points: usize,
+        left_out: &[usize],
+    ) -> SmoothMean {
+        let at_points =
+            Tolerance { relative: SHARE * tolerance.relative, absolute: SHARE * tolerance.absolute };
+        let points = points.saturating_mul(cell.squares.len());
+        let mut evaluated = cell.squares.len() * POINTS;
+        let shadow = Cell::new(None);
+        let piece = |rect: IntegrationRect| {
+            let (piece, hidden) = self.piece(cell, rect, at_points, left_out);
+            shadow.set(shadow.get().or(hidden));
+            piece
+        };
+        let mut heap: BinaryHeap<_> = cell.squares.iter().map(|square| piece(*square)).collect();
+        let mean = loop {
+            let mean = total(&heap);
+            let allowed = tolerance.absolute.max(tolerance.relative * mean.mean);
+            if shadow.get().is_some() || mean.error <= allowed || evaluated + 4 * POINTS > points {
+                break mean;
+            }
+            let Some(worst) = heap.pop() else { break mean };
+            heap.extend(worst.part.rect.quarters().map(piece));
+            evaluated += 4 * POINTS;
+        };
+        SmoothMean { mean, shadow: shadow.get() }
+    }
+
     /// A division of the cell into squares that are no larger than their distance from lights.
-    fn around_lights(&self, patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>) -> Vec<IntegrationRect> {
+    pub(super) fn around_lights(&self, patch: &impl CellPatch) -> Vec<IntegrationRect> {
         let points: Vec<DVec3> = self.points.iter().filter_map(|(_, light)| light_position(light)).collect();
-        let mut waiting = vec![(IntegrationRect::UNIT, 0)];
+        let mut waiting = VecDeque::from([(IntegrationRect::UNIT, 0)]);
         let mut squares = Vec::new();
-        while let Some((rect, quarterings)) = waiting.pop() {
-            let place = |at: DVec2| patch(rect.min + rect.size() * at).map(|(position, ..)| position);
-            let corners = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(|at| place(DVec2::from(at)));
-            let length = |[a, b]: [Option<DVec3>; 2]| a.zip(b).map_or(0.0, |(a, b)| a.distance(b));
-            let size = length([corners[0], corners[1]]).max(length([corners[2], corners[3]]));
-            let middle = place(DVec2::splat(0.5)).or(corners.into_iter().flatten().next());
-            let is_close = |middle: DVec3| {
+        while let Some((rect, quarterings)) = waiting.pop_front() {
+            let place = |at: [f64; 2]| patch(rect.min + rect.size() * DVec2::from(at));
+            let corners = [[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]].map(place);
+            let middle = place([0.5, 0.5]).or(corners.into_iter().flatten().next());
+            let places: Vec<DVec3> = corners.iter().chain([&middle]).flatten().map(|(at, ..)| *at).collect();
+            // Corners may be off the surface, or coincide: the area counts as well.
+            let diagonal = |area_element: f64| (2.0 * area_element * rect.size().element_product()).sqrt();
+            let by_area = middle.map_or(0.0, |(_, _, area_element)| diagonal(area_element));
+            let distances = places.iter().flat_map(|a| places.iter().map(|b| a.distance(*b)));
+            let size = distances.fold(by_area, f64::max);
+            let is_close = |(middle, ..): (DVec3, DVec3, f64)| {
                 let is_near = |place: DVec3| place.distance_squared(middle) < size * size;
                 points.iter().any(|point| is_near(*point))
                     || self.emitters.iter().any(|emitter| {
-                        let is_dark = || corners.iter().flatten().all(|at| emitter.is_dark_in(*at, 0.0));
-                        emitter.middles().any(is_near) && !is_dark()
+                        let is_dark = || places.iter().all(|at| emitter.is_dark_in(*at, 0.0));
+                        is_near(emitter.nearest_of_axis(middle)) && !is_dark()
                     })
             };
             let is_limit = quarterings == MOST_QUARTERINGS || squares.len() + waiting.len() >= MOST_SQUARES;
@@ -104,34 +191,41 @@ impl Reflections<'_> {
         squares
     }
 
-    fn piece(
+    /// A rectangle, and a source of which something hides a part from one of its points.
+    fn piece<P: CellPatch>(
         &self,
-        patch: &impl Fn(DVec2) -> Option<(DVec3, DVec3, f64)>,
+        cell: &DividedCell<'_, P>,
         rect: IntegrationRect,
         tolerance: Tolerance,
-    ) -> QueueEntry<CellRegion> {
+        left_out: &[usize],
+    ) -> (QueueEntry<CellRegion>, Option<usize>) {
         let scale = rect.size().x * rect.size().y;
-        let at = |x: f64, y: f64| {
-            let (point, normal, area_element) = patch(rect.min + rect.size() * DVec2::new(x, y))?;
-            let found = self.illuminance(point, normal, tolerance);
+        let mut shadow = None;
+        let mut at = |at: DVec2| {
+            let Some((point, normal, area_element)) = (cell.patch)(rect.min + rect.size() * at) else {
+                return [0.0; 3];
+            };
+            let (found, hidden) = self.with_shadows(point, normal, tolerance, 0, left_out);
+            shadow = shadow.or(hidden);
             let area = area_element * scale;
-            Some([found.total() * area, found.error * area, area])
+            [found.total() * area, found.error * area, area]
         };
-        let rule = |nodes: &[(f64, f64)]| {
-            let mut sums = [0.0; 3];
-            for &(x, at_x) in nodes {
-                for &(y, at_y) in nodes {
-                    let values = at(x, y).unwrap_or_default();
-                    for (sum, value) in sums.iter_mut().zip(values) {
-                        *sum += at_x * at_y * value;
-                    }
-                }
-            }
-            sums
-        };
-        let ([flux, inner, area], [coarse, ..]) = (rule(&THREE), rule(&TWO));
-        QueueEntry { error: (flux - coarse).abs(), part: CellRegion { rect, flux, inner, area } }
+        let ([flux, inner, area], [coarse, ..]) = (rule(&THREE, &mut at), rule(&TWO, &mut at));
+        (QueueEntry { error: (flux - coarse).abs(), part: CellRegion { rect, flux, inner, area } }, shadow)
     }
+}
+
+/// The integral over the unit square by a rule of equal nodes along both axes.
+fn rule<const N: usize>(nodes: &[(f64, f64)], mut values: impl FnMut(DVec2) -> [f64; N]) -> [f64; N] {
+    let mut sums = [0.0; N];
+    for &(x, at_x) in nodes {
+        for &(y, at_y) in nodes {
+            for (sum, value) in sums.iter_mut().zip(values(DVec2::new(x, y))) {
+                *sum += at_x * at_y * value;
+            }
+        }
+    }
+    sums
 }
 
 fn total(heap: &BinaryHeap<QueueEntry<CellRegion>>) -> CellMean {

@@ -42,6 +42,7 @@ mod polygon;
 mod queue;
 mod region;
 mod rule;
+mod shadow;
 mod tree;
 
 #[cfg(test)]
@@ -91,8 +92,8 @@ pub struct Reflections<'a> {
     points: Vec<(LightId, Light)>,
     mirrors: Mirrors<'a>,
     tree: MirrorTree,
-    /// Largest number of rectangles of an emitter that something hides in part; with 0 its light is not known there.
-    shadow_budget: usize,
+    /// Whether light is integrated where something hides a part of an emitter; otherwise it is not known there.
+    integrates_shadows: bool,
 }
 
 /// Illuminance at a point.
@@ -150,9 +151,9 @@ impl<'a> Reflections<'a> {
         let mirrors = Mirrors::of(scene);
         let tree = MirrorTree::over(&mirrors);
         let wavelengths = Wavelengths::default();
-        let shadow_budget = direct::BUDGET;
+        let integrates_shadows = true;
         let reflections =
-            Self { scene, wavelengths, emitters, emitter_lights, points, mirrors, tree, shadow_budget };
+            Self { scene, wavelengths, emitters, emitter_lights, points, mirrors, tree, integrates_shadows };
         (reflections, refused)
     }
 
@@ -183,14 +184,27 @@ impl<'a> Reflections<'a> {
     /// as seen from the point, or a third of a rectangle of the integration, may be missed.
     #[must_use]
     pub fn illuminance(&self, point: DVec3, normal: DVec3, tolerance: Tolerance) -> IlluminanceEstimate {
+        let budget = if self.integrates_shadows { direct::BUDGET } else { 0 };
+        self.with_shadows(point, normal, tolerance, budget, &[]).0
+    }
+
+    /// As [`Reflections::illuminance`], without direct light of the sources `left_out`, and with the number of an emitter of which
+    /// something hides a part and that takes more than `shadow_budget` rectangles: half of its light counts, with all of it as the error.
+    fn with_shadows(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        tolerance: Tolerance,
+        shadow_budget: usize,
+        left_out: &[usize],
+    ) -> (IlluminanceEstimate, Option<usize>) {
         let (receiver, origin) = self.receiving(point, normal);
-        let direct = self.direct(receiver, origin, tolerance);
-        let (reflected, _) = self.reflected(receiver, origin, direct, tolerance, BUDGET);
-        IlluminanceEstimate {
-            direct: direct.value,
-            reflected: reflected.value,
-            error: direct.error + reflected.error,
-        }
+        let (direct, shadow) = self.direct(receiver, origin, tolerance, shadow_budget, left_out);
+        // What is not known in one part is not computed exactly in the other.
+        let budget = if shadow.is_some() { 0 } else { BUDGET };
+        let (reflected, _) = self.reflected(receiver, origin, direct, tolerance, budget);
+        let error = direct.error + reflected.error;
+        (IlluminanceEstimate { direct: direct.value, reflected: reflected.value, error }, shadow)
     }
 
     /// A point, and where shadow rays from there start.
@@ -209,12 +223,18 @@ impl<'a> Reflections<'a> {
             all.flat_map(|receiver| (0..receiver.len()).map(move |cell| (receiver, cell))).collect();
         let cells: Vec<_> =
             cells.into_iter().filter(|(receiver, cell)| receiver.areas()[*cell] > 0.0).collect();
+        let placed = self.scene.placed_surfaces();
         // Half shadows converge slowly, and their borders are rays that touch surfaces, which cost most.
-        self.shadow_budget = 0;
-        if self.points.len() * cells.len() > MOST_RAYS {
+        self.integrates_shadows = false;
+        let squares = |&(receiver, cell): &(&Receiver, usize)| {
+            let surface = placed.get(receiver.surface() as usize)?;
+            Some(self.around_lights(&cells::patch(receiver, surface, cell)).len())
+        };
+        let squares: usize = cells.par_iter().filter_map(squares).sum();
+        if self.points.len() * squares > MOST_RAYS {
             self.points.clear();
         }
-        if direct::RAYS * self.emitters.len() * cells.len() > MOST_RAYS {
+        if direct::RAYS * self.emitters.len() * squares > MOST_RAYS {
             (self.emitters, self.emitter_lights) = (Vec::new(), Vec::new());
         }
         // The search for images in curved mirrors alone takes as long as particles.
@@ -222,13 +242,13 @@ impl<'a> Reflections<'a> {
             return self.without_mirrors();
         }
         let probes = cells.iter().step_by(cells.len().div_ceil(MIRROR_PROBES).max(1));
-        let placed = self.scene.placed_surfaces();
         let effort = |&(receiver, cell): &(&Receiver, usize)| {
             let surface = placed.get(receiver.surface() as usize)?;
             let at = receiver.place(surface, cell, DVec2::splat(0.5))?;
             let (receiver, origin) = self.receiving(at.position, at.normal);
-            let direct = self.direct(receiver, origin, tolerance);
-            Some(self.reflected(receiver, origin, direct, tolerance, 4 * MIRROR_EFFORT).1)
+            let (direct, shadow) = self.direct(receiver, origin, tolerance, 0, &[]);
+            // The light of cells in half shadows is left to random methods anyway.
+            shadow.is_none().then(|| self.reflected(receiver, origin, direct, tolerance, 4 * MIRROR_EFFORT).1)
         };
         let efforts: Vec<usize> = probes.collect::<Vec<_>>().into_par_iter().filter_map(effort).collect();
         let effort = efforts.iter().sum::<usize>() / efforts.len().max(1);
@@ -247,22 +267,37 @@ impl<'a> Reflections<'a> {
         self
     }
 
-    fn direct(&self, receiver: ReceivingPoint, origin: DVec3, tolerance: Tolerance) -> RegionIntegral {
+    /// Direct light of all sources but those `left_out`, and the number of an emitter of which something hides a part, if there is no `shadow_budget`.
+    fn direct(
+        &self,
+        receiver: ReceivingPoint,
+        origin: DVec3,
+        tolerance: Tolerance,
+        shadow_budget: usize,
+        left_out: &[usize],
+    ) -> (RegionIntegral, Option<usize>) {
         let mut sum = RegionIntegral::default();
-        for emitter in &self.emitters {
+        let mut shadow = None;
+        let sources = |first: usize| move |number: &usize| !left_out.contains(&(first + number));
+        for (number, emitter) in self.emitters.iter().enumerate().filter(|(number, _)| sources(0)(number)) {
             let luminance = photometric(emitter.radiance, &self.wavelengths);
             let share = Tolerance {
                 relative: 0.5 * tolerance.relative,
                 absolute: 0.5 * tolerance.absolute / (luminance * self.emitters.len() as f64),
             };
-            let seen = direct::of_emitter(self.scene, receiver, origin, emitter, share, self.shadow_budget);
+            let seen = direct::of_emitter(self.scene, receiver, origin, emitter, share, shadow_budget);
+            let seen = seen.unwrap_or_else(|whole| {
+                shadow = Some(number);
+                RegionIntegral { value: 0.5 * whole, error: whole }
+            });
             sum.value += luminance * seen.value;
             sum.error += luminance * seen.error;
         }
-        for (_, light) in &self.points {
+        let first = self.emitters.len();
+        for (_, (_, light)) in self.points.iter().enumerate().filter(|(number, _)| sources(first)(number)) {
             sum.value += direct::of_point(self.scene, receiver, origin, light, &self.wavelengths);
         }
-        sum
+        (sum, shadow)
     }
 
     /// Light of the mirrors, and the number of rectangles of mirrors that it took.

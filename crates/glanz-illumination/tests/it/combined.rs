@@ -306,6 +306,22 @@ fn light_of_lamps_close_to_a_cell_is_integrated() {
 }
 
 #[test]
+fn light_close_to_a_round_cell_is_integrated() {
+    // A disk as one cell, whose corners are off it or coincide: nearly all flux that goes upwards arrives.
+    let below = point_light(DVec3::new(0.3, 0.1, -0.001), 100.0);
+    let ceiling = ShapeDescription::disk(1.0).reversed();
+    let scene = resolved(SceneBuilder::new().light(below).shape(ceiling, diffuse(0.0)));
+    let receivers = Receivers::try_new(&scene, &[request("ceiling", 0, Cells([1, 1]))]).unwrap();
+    let accuracy = CellTolerance { relative: 0.005, dark: 0.1, points: 60, until: None };
+    let cells = integrable(&scene, &receivers)
+        .cells::<()>(&receivers, accuracy, &mut Silent, &CancelFlag::default())
+        .unwrap();
+    let flux = cells[0].lux * receivers.as_slice()[0].areas()[0];
+    // The points of the rule in squares that the rim cuts know its area to 1 % only.
+    assert!((flux / (2.0 * PI * 100.0) - 1.0).abs() < 0.02, "{flux}");
+}
+
+#[test]
 fn light_at_one_distance_from_a_lamp_is_counted_once() {
     // A half sphere about the lamp, in a black sphere. Half of the light that it scatters leaves it at once: I 2 pi (1 + rho / 2 / (1 - rho / 2)).
     let bowl = GeometryDescription::Sphere { radius: 0.1, z: [0.0, 0.1], phi_max: 2.0 * PI };

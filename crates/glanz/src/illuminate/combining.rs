@@ -44,9 +44,7 @@ pub(super) fn combined(
     let reflections = job.in_pool(|_| {
         let (reflections, _) = Reflections::of_integrable(scene);
         // Light by a mirror reaches two surfaces.
-        if options.max_depth < 2 {
-            return Ok(reflections.without_mirrors());
-        }
+        let reflections = if options.max_depth < 2 { reflections.without_mirrors() } else { reflections };
         Ok(reflections.without_costly(receivers, Tolerance { relative, absolute: 0.0 }))
     })?;
     let light = match saved {

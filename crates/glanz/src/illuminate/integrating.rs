@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::event::Warning;
 use crate::running_job::{JobSink, RunningJob};
 
-/// Largest number of points in a cell.
+/// Largest number of points in a square of a cell, see [`CellTolerance::points`].
 const POINTS: usize = 300;
 
 /// The cells of all receivers.
