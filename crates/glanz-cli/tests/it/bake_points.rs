@@ -191,7 +191,8 @@ impl<'a> Candidates<'a> {
     fn candidate(&mut self) -> Option<(u32, PlacedPoint, ReferencePoint)> {
         let pick = self.random.next_1d() * self.cells.last()?;
         let (map, is_curved) = *self.maps.get(self.cells.partition_point(|sum| *sum <= pick))?;
-        let texel = self.random.next_2d() * last_texel(map);
+        let last = last_texel(map);
+        let texel = self.random.next_2d() * last;
         let keep = self.random.next_1d();
         let surface = &self.surfaces[map.chart.surface as usize];
         let at = |texel: DVec2| {
@@ -201,10 +202,13 @@ impl<'a> Candidates<'a> {
         let (place, placed) = at(texel)?;
         // Charts on both sides of a thin wall overlap; a point belongs to one of them.
         map.chart.to_texel(place.face, place.uv)?;
-        // Area of a cell, from neighbours a hundredth of one away.
+        // Area of a cell, from neighbours a hundredth of one away, towards the middle of the chart: beyond its last texels there are none.
         let position = |texel| Some(at(texel)?.1.at.point.position);
         let here = placed.at.point.position;
-        let step = |axis: DVec2| Some(100.0 * (position(texel + 0.01 * axis)? - here));
+        let step = |axis: DVec2| {
+            let inwards = if 2.0 * texel.dot(axis) < last.dot(axis) { 0.01 } else { -0.01 };
+            Some((position(texel + inwards * axis)? - here) / inwards)
+        };
         let area = step(DVec2::X)?.cross(step(DVec2::Y)?).length();
         if keep * self.largest_cell > area {
             return None;
