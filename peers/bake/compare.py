@@ -89,6 +89,8 @@ def colours(scene):
         boards[name] = [tuple(map(float, c)) for c in re.findall(three, rest)[:2]], (int(u), int(v))
     materials = {}
     for name, rest in re.findall(r'MakeNamedMaterial "([^"]+)"(.*)', text):
+        if not re.search(r'"string type"\s+\[?\s*"diffuse"', rest):
+            continue
         texture = re.search(r'"texture reflectance" "(\w+)"', rest)
         one = re.search(three, rest)
         if texture and texture[1] in boards:
@@ -160,6 +162,8 @@ def mark_lamps(parts, reference, axes):
     curved = sum(not lamp["flat"] for lamp in lamps)
     if curved:
         sys.exit(f"{curved} of {len(lamps)} lamps are no flat patches; Cycles gets the light of flat patches only; {WITHOUT_CYCLES}")
+    if len({lamp["shape"] for lamp in lamps}) < len(lamps):
+        sys.exit(f"lamps are copies of one shape, which the model does not tell apart; {WITHOUT_CYCLES}")
     for lamp in lamps:
         for side in lamp["sides"]:
             if max(side["radiance"]) <= 0:
