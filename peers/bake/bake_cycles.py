@@ -18,9 +18,9 @@ BOUNCES = 64
 
 def material(name, colours, fields, radiance, image):
     """A diffuse surface of one colour, or of a checkerboard of two over the parameters of the surface; `radiance`: of its front."""
-    made = bpy.data.materials.new(name)
-    made.use_nodes = True
-    nodes, links = made.node_tree.nodes, made.node_tree.links
+    diffuse = bpy.data.materials.new(name)
+    diffuse.use_nodes = True
+    nodes, links = diffuse.node_tree.nodes, diffuse.node_tree.links
     nodes.clear()
     output = nodes.new("ShaderNodeOutputMaterial")
     surface = nodes.new("ShaderNodeBsdfDiffuse")
@@ -49,12 +49,12 @@ def material(name, colours, fields, radiance, image):
         links.new(out, both.inputs[0])
         links.new(emission.outputs[0], both.inputs[1])
         out = both.outputs[0]
-        made.cycles.emission_sampling = "FRONT"
+        diffuse.cycles.emission_sampling = "FRONT"
     links.new(out, output.inputs["Surface"])
     target = nodes.new("ShaderNodeTexImage")
     target.image = image
     nodes.active = target
-    return made
+    return diffuse
 
 
 def add(name, model, chosen, materials):
@@ -70,15 +70,15 @@ def add(name, model, chosen, materials):
     for layer in ("parameters", "texels"):
         data.uv_layers.new(name=layer).data.foreach_set("uv", model[layer][corners].ravel())
     data.uv_layers["texels"].active = data.uv_layers["texels"].active_render = True
-    for made in materials:
-        data.materials.append(made)
+    for one in materials:
+        data.materials.append(one)
     data.polygons.foreach_set("material_index", model["materials"][chosen].astype(numpy.int32))
     data.polygons.foreach_set("use_smooth", numpy.ones(len(corners), dtype=bool))
     data.update(calc_edges=True)
     data.normals_split_custom_set(model["normals"][corners].reshape(-1, 3))
-    made = bpy.data.objects.new(name, data)
-    bpy.context.collection.objects.link(made)
-    return made
+    added = bpy.data.objects.new(name, data)
+    bpy.context.collection.objects.link(added)
+    return added
 
 
 def main():

@@ -195,7 +195,7 @@ def main() -> None:
         if folder:
             folder.mkdir(parents=True, exist_ok=True)
     program = asked.glanz or glanz.built()
-    settings = {key: value for key, value in vars(asked).items() if isinstance(value, int)}
+    settings = {key: value for key, value in vars(asked).items() if isinstance(value, (int, float))}
     report: Report = {"date": datetime.date.today().isoformat(), "processor": processor(), "system": platform.platform()}
     report |= {"radiance": radiance.version(), "settings": settings}
     report["normal"] = {str(k): lux_map.expected(k) for k in lux_map.BEYOND}

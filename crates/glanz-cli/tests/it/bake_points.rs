@@ -25,8 +25,8 @@ const DARK_SAMPLES: u32 = 4096;
 /// Largest number of random positions on charts per wanted point.
 const MAX_TRIES_PER_POINT: u64 = 1000;
 
-/// Largest sine of the angle between two normals of a flat chart.
-pub(crate) const FLATNESS: f64 = 1e-6;
+/// Largest sine of the angle between two normals of a flat surface.
+const FLATNESS: f64 = 1e-6;
 
 /// The points to find, and the accuracy of their irradiance.
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +39,8 @@ pub(crate) struct PointSettings {
     pub(crate) samples: u32,
     /// Texels per metre of the charts.
     pub(crate) density: f64,
+    /// 0: all processors of the machine. The points and their irradiance do not depend on it.
+    pub(crate) threads: usize,
 }
 
 /// A random point of a chart.
@@ -94,7 +96,10 @@ pub(crate) fn reference_points(
     .build();
     let mut candidates = Candidates::new(&surfaces, maps, settings);
     let (mut points, mut covered) = (Vec::new(), 0);
-    let threads = std::thread::available_parallelism().map_or(1, |count| count.get());
+    let threads = match settings.threads {
+        0 => std::thread::available_parallelism().map_or(1, |count| count.get()),
+        threads => threads,
+    };
     while points.len() < settings.count as usize {
         // The same points with any number of threads.
         let group: Vec<(u32, PlacedPoint, ReferencePoint)> = candidates.by_ref().take(64).collect();
@@ -110,14 +115,14 @@ pub(crate) fn reference_points(
             let [irradiance, deviation] = irradiance_by_paths(scene, path.as_ref(), at, settings, *number);
             ReferencePoint { irradiance, deviation, ..point.clone() }
         };
-        let found: Vec<ReferencePoint> = std::thread::scope(|scope| {
+        let estimates: Vec<ReferencePoint> = std::thread::scope(|scope| {
             let parts = group.chunks(group.len().div_ceil(threads).max(1));
             let parts: Vec<_> = parts
                 .map(|part| scope.spawn(move || part.iter().map(estimate).collect::<Vec<_>>()))
                 .collect();
             parts.into_iter().flat_map(|part| part.join().unwrap()).collect()
         });
-        for point in found {
+        for point in estimates {
             if points.len() == settings.count as usize {
                 break;
             }
@@ -157,7 +162,7 @@ struct Candidates<'a> {
     cells: Vec<f64>,
     largest_cell: f64,
     random: PixelSampler,
-    found: u32,
+    count: u32,
     tries: u64,
     max_tries: u64,
 }
@@ -166,7 +171,7 @@ impl<'a> Candidates<'a> {
     fn new(surfaces: &'a [PlacedSurface<'a>], maps: &'a [LightMap], settings: &PointSettings) -> Self {
         let shown = maps.iter().filter(|map| !map.is_hidden);
         let maps: Vec<_> =
-            shown.map(|map| (map, is_curved(map, &surfaces[map.chart.surface as usize]))).collect();
+            shown.map(|map| (map, is_chart_curved(map, &surfaces[map.chart.surface as usize]))).collect();
         let mut sum = 0.0;
         let cells = maps.iter().map(|(map, _)| {
             let last = last_texel(map);
@@ -181,7 +186,7 @@ impl<'a> Candidates<'a> {
             cells,
             largest_cell: settings.density.powi(-2),
             random,
-            found: 0,
+            count: 0,
             tries: 0,
             max_tries: MAX_TRIES_PER_POINT * u64::from(settings.count),
         }
@@ -191,7 +196,8 @@ impl<'a> Candidates<'a> {
     fn candidate(&mut self) -> Option<(u32, PlacedPoint, ReferencePoint)> {
         let pick = self.random.next_1d() * self.cells.last()?;
         let (map, is_curved) = *self.maps.get(self.cells.partition_point(|sum| *sum <= pick))?;
-        let texel = self.random.next_2d() * last_texel(map);
+        let last = last_texel(map);
+        let texel = self.random.next_2d() * last;
         let keep = self.random.next_1d();
         let surface = &self.surfaces[map.chart.surface as usize];
         let at = |texel: DVec2| {
@@ -201,15 +207,18 @@ impl<'a> Candidates<'a> {
         let (place, placed) = at(texel)?;
         // Charts on both sides of a thin wall overlap; a point belongs to one of them.
         map.chart.to_texel(place.face, place.uv)?;
-        // Area of a cell, from neighbours a hundredth of one away.
+        // Area of a cell, from neighbours a hundredth of one away, towards the middle of the chart: beyond its last texels there are none.
         let position = |texel| Some(at(texel)?.1.at.point.position);
         let here = placed.at.point.position;
-        let step = |axis: DVec2| Some(100.0 * (position(texel + 0.01 * axis)? - here));
+        let step = |axis: DVec2| {
+            let inwards = if 2.0 * texel.dot(axis) < last.dot(axis) { 0.01 } else { -0.01 };
+            Some((position(texel + inwards * axis)? - here) / inwards)
+        };
         let area = step(DVec2::X)?.cross(step(DVec2::Y)?).length();
         if keep * self.largest_cell > area {
             return None;
         }
-        self.found += 1;
+        self.count += 1;
         let point = ReferencePoint {
             place,
             position: here,
@@ -221,7 +230,7 @@ impl<'a> Candidates<'a> {
             irradiance: 0.0,
             deviation: 0.0,
         };
-        Some((self.found, placed, point))
+        Some((self.count, placed, point))
     }
 }
 
@@ -245,13 +254,17 @@ fn last_texel(map: &LightMap) -> DVec2 {
 }
 
 /// Whether normals of a chart differ.
-fn is_curved(map: &LightMap, surface: &PlacedSurface<'_>) -> bool {
-    let normals = (0..25).filter_map(|i| {
-        let share = DVec2::new(f64::from(i % 5), f64::from(i / 5)) / 4.0;
+fn is_chart_curved(map: &LightMap, surface: &PlacedSurface<'_>) -> bool {
+    is_curved(|share| {
         let place = map.chart.surface_point(surface, share * last_texel(map))?;
         Some(surface.at(place.face, place.uv, place.back)?.at.wo)
-    });
-    let normals: Vec<DVec3> = normals.collect();
+    })
+}
+
+/// Whether the unit normals at 25 points of the unit square differ. `normal`: that of a point; `None` where there is no surface.
+pub(crate) fn is_curved(normal: impl Fn(DVec2) -> Option<DVec3>) -> bool {
+    let points = (0..25).map(|i| DVec2::new(f64::from(i % 5), f64::from(i / 5)) / 4.0);
+    let normals: Vec<DVec3> = points.filter_map(normal).collect();
     normals.iter().any(|normal| normal.cross(normals[0]).length() > FLATNESS)
 }
 

@@ -99,6 +99,7 @@ fn light_maps_agree_with_path_tracing() {
                 error: 0.005,
                 samples: number("GLANZ_BAKE_SAMPLES", 4096),
                 density: settings.density,
+                threads: 0,
             };
             let found = reference_points(&scene, &maps, &wanted).unwrap_or_else(|error| panic!("{error}"));
             println!("{} points beside these are covered", found.covered);
