@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::outside::OuterSide;
+use super::outer_walls::OuterSide;
 
 /// Content of the JSON text without the positions of the blocks.
 #[derive(Clone, Debug, Serialize)]
