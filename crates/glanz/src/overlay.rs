@@ -73,7 +73,7 @@ impl LightOverlay {
                 light.check(content_hash)?;
                 let elements = divided(scene, light.density())?;
                 let maps = LightMaps::new(&elements, light.maps(&elements)?);
-                let label = MapLabel { name: "baked light", unit: "W/(m² sr)", two_sided: true };
+                let label = MapLabel { unit: "W/(m² sr)", is_colour: true, two_sided: true };
                 let value = |surface, face, uv, back| {
                     radiance(scene, &placed, &maps, &ParametricPoint { surface, face, uv, back })
                 };
@@ -81,7 +81,7 @@ impl LightOverlay {
             }
             OverlaidLight::Lux(folder) => {
                 let maps = Arc::new(folder.place(scene)?);
-                let label = MapLabel { name: "illuminance", unit: "lx", two_sided: maps.is_two_sided() };
+                let label = MapLabel { unit: "lx", is_colour: false, two_sided: maps.is_two_sided() };
                 let value = |surface: u32, face, uv, back| {
                     let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
                     let at = HitLocation::new(&at, ParametricPoint { surface, face, uv, back });
