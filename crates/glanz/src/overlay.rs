@@ -107,6 +107,13 @@ impl SceneOverlay for LightOverlay {
     fn add_maps(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String> {
         self.add_light(scene, content_hash, model).map_err(|error| error.to_string())
     }
+
+    fn folder(&self) -> Option<&Path> {
+        match &self.light {
+            OverlaidLight::Lux(folder) => Some(folder.path()),
+            _ => None,
+        }
+    }
 }
 
 /// The note that the scene is not as it was when lux maps were computed.
