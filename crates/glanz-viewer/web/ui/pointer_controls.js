@@ -20,7 +20,7 @@ const CLICK_SLACK = 4;
 const WHEEL_PAUSE = 250;
 
 /** Milliseconds that a pointer rests before it counts as hovering. */
-const HOVER_PAUSE = 120;
+export const HOVER_PAUSE = 120;
 
 /** CSS pixels of a wheel's turn that zoom by a factor e. */
 const WHEEL_SCALE = 600;
