@@ -20,6 +20,9 @@ const MOST_OBJECTS: usize = 20_000;
 /// Lights from which on walls are not looked for: each point would look for the nearest ones among too many.
 const MOST_LIGHTS: usize = 1 << 16;
 
+/// Faces from which on walls are not looked for: the area of each is estimated. Those of copies count once.
+const MOST_FACES: u64 = 1 << 22;
+
 /// Largest number of rays for all objects, but for those that pass interfaces.
 const MOST_RAYS: usize = 1 << 20;
 
@@ -44,7 +47,7 @@ const LEAST_SHARE: f64 = 1.0 / 3.0;
 /// Distance at which a wall has to see something, as a share of the diagonal of the scene: the sides of furniture see each other.
 const LEAST_DISTANCE: f64 = 0.05;
 
-/// The same as a share of the shortest side of the scene, where light tells rooms from furniture: a wide room is low.
+/// The same as a share of the extent of the scene along the normal, where a light or a receiver tells rooms from furniture: a wide room is low.
 const LEAST_SIDE: f64 = 0.25;
 
 /// Points on a curved face that its area is estimated by.
@@ -72,8 +75,14 @@ impl Model {
         if self.head.objects.len() > MOST_OBJECTS || scene.lights().len() > MOST_LIGHTS {
             return self;
         }
-        let search = WallSearch::new(&self, scene);
-        let objects: Vec<_> = self.object_faces(&search.placed).collect();
+        let placed = scene.placed_surfaces();
+        let candidates = wall_candidates(&placed);
+        if candidates.values().map(|surface| u64::from(surface.faces())).sum::<u64>() > MOST_FACES {
+            return self;
+        }
+        let area_sums = candidates.into_par_iter().map(|(key, surface)| (key, area_sums(surface))).collect();
+        let search = WallSearch::new(&self, scene, &placed, area_sums);
+        let objects: Vec<_> = self.object_faces(&placed).collect();
         let sides: Vec<_> = objects
             .into_par_iter()
             .map(|(object, surface, faces)| (object, search.outer_side(object, surface, faces)))
@@ -94,17 +103,19 @@ impl Model {
     }
 }
 
+/// Sums of the areas of the faces of each surface that may be a wall, by [`address`].
+type AreaSums = HashMap<usize, Vec<f64>>;
+
 /// A scene with what its walls are found by.
 struct WallSearch<'a> {
     model: &'a Model,
     scene: &'a Scene,
-    placed: Vec<PlacedSurface<'a>>,
+    placed: &'a [PlacedSurface<'a>],
     /// Points that are lit, for each light that has a place.
     lights: Vec<DVec3>,
     /// Sides of shapes that receivers measure.
     measured: HashMap<u32, Vec<ReceiverSide>>,
-    /// Sums of the areas of the faces of each surface, by [`address`].
-    area_sums: HashMap<usize, Vec<f64>>,
+    area_sums: AreaSums,
     /// Sides of the bounding box of the scene, metres.
     size: DVec3,
     /// Number of points on each object.
@@ -112,7 +123,7 @@ struct WallSearch<'a> {
 }
 
 impl<'a> WallSearch<'a> {
-    fn new(model: &'a Model, scene: &'a Scene) -> Self {
+    fn new(model: &'a Model, scene: &'a Scene, placed: &'a [PlacedSurface<'a>], area_sums: AreaSums) -> Self {
         let size = scene.bounds().diagonal();
         let mut measured: HashMap<u32, Vec<ReceiverSide>> = HashMap::new();
         for receiver in scene.receivers() {
@@ -126,13 +137,9 @@ impl<'a> WallSearch<'a> {
                 _ => None,
             }
         };
-        let placed = scene.placed_surfaces();
-        let lights: Vec<DVec3> = placed_lights(scene, &placed).iter().filter_map(lit_point).collect();
+        let lights: Vec<DVec3> = placed_lights(scene, placed).iter().filter_map(lit_point).collect();
         let rays = model.head.objects.len().max(1) * (2 + NEAREST_LIGHTS);
         let points = (MOST_RAYS / rays).clamp(POINTS[0], POINTS[1]);
-        let surfaces: HashMap<usize, &PlacedSurface<'_>> =
-            placed.iter().map(|surface| (address(surface), surface)).collect();
-        let area_sums = surfaces.into_par_iter().map(|(key, surface)| (key, area_sums(surface))).collect();
         Self { model, scene, placed, lights, measured, area_sums, size, points }
     }
 
@@ -204,7 +211,7 @@ impl<'a> WallSearch<'a> {
     ) -> bool {
         let mut least = LEAST_DISTANCE * self.size.length();
         if is_measured || !self.lights.is_empty() {
-            least = least.min(LEAST_SIDE * self.size.min_element());
+            least = least.min(LEAST_SIDE * at.wo.abs().dot(self.size));
         }
         let is_near = hit.point.position.distance(at.point.position) <= least;
         // A solid sees the backs of its own sides.
@@ -250,29 +257,42 @@ fn address(surface: &PlacedSurface<'_>) -> usize {
     std::ptr::from_ref(surface.surface()).addr()
 }
 
+/// The surfaces that may be walls, that is all but interfaces, by [`address`].
+fn wall_candidates<'a>(placed: &'a [PlacedSurface<'a>]) -> HashMap<usize, &'a PlacedSurface<'a>> {
+    let candidates = placed.iter().filter(|surface| !surface.is_passable());
+    candidates.map(|surface| (address(surface), surface)).collect()
+}
+
 /// Sums of estimates of the areas of the faces before each face, and of all, m^2; 1 is the area of a single face.
 fn area_sums(surface: &PlacedSurface<'_>) -> Vec<f64> {
     if surface.faces() == 1 {
         return vec![0.0, 1.0];
     }
+    let areas: Vec<f64> = (0..surface.faces()).into_par_iter().map(|face| face_area(surface, face)).collect();
+    // In order, so that the sums do not depend on the number of threads.
     let mut sum = 0.0;
     let mut sums = vec![sum];
-    sums.extend((0..surface.faces()).map(|face| {
-        let domain = surface.face_domain(face);
-        // Polygons are flat: one point in each of their triangles is enough.
-        let points = match &domain {
-            FaceDomain::Square => FACE_POINTS,
-            FaceDomain::Polygon(corners) => corners.len().saturating_sub(2),
-        };
-        let area = |number| {
-            let (uv, domain_area) = sample(&domain, number)?;
-            Some(surface.at(face, uv, false)?.area_element * domain_area)
-        };
-        let estimate = (0..points).filter_map(area).sum::<f64>() / points as f64;
-        sum += if estimate.is_finite() { estimate } else { 0.0 };
+    sums.extend(areas.into_iter().map(|area| {
+        sum += area;
         sum
     }));
     sums
+}
+
+/// An estimate of the area of a face, m^2; 0 if it is not finite.
+fn face_area(surface: &PlacedSurface<'_>, face: u32) -> f64 {
+    let domain = surface.face_domain(face);
+    // Polygons are flat: one point in each of their triangles is enough.
+    let points = match &domain {
+        FaceDomain::Square => FACE_POINTS,
+        FaceDomain::Polygon(corners) => corners.len().saturating_sub(2),
+    };
+    let area = |number| {
+        let (uv, domain_area) = sample(&domain, number)?;
+        Some(surface.at(face, uv, false)?.area_element * domain_area)
+    };
+    let estimate = (0..points).filter_map(area).sum::<f64>() / points as f64;
+    if estimate.is_finite() { estimate } else { 0.0 }
 }
 
 /// A point of a face by its parameters, and the area of the parameters; points of successive numbers are spread evenly.

@@ -156,6 +156,19 @@ fn plinths_of_single_surfaces_are_no_walls() {
 }
 
 #[test]
+fn open_crates_on_a_wide_floor_are_no_walls() {
+    // The scene is as low as the crate, but its sides are nearer to each other than 5 % of the diagonal.
+    let floor = "Shape \"bilinearmesh\" \"point3 P\" [-10 -10 0  10 -10 0  -10 10 0  10 10 0]";
+    let light = "LightSource \"point\" \"point3 from\" [0.5 0.5 5]";
+    for inwards in [false, true] {
+        let crate_sides = six_sides([0.0; 3], [1.0, 1.0, 0.5], inwards);
+        // Without its bottom and its top.
+        let crate_sides = crate_sides.splitn(3, '\n').nth(2).unwrap();
+        assert_sides(&format!("{light}\nNamedMaterial \"-\"\n{floor}\n{crate_sides}"));
+    }
+}
+
+#[test]
 fn tables_in_a_room_without_a_ceiling_are_no_walls() {
     let is_ceiling = |line: &&str| line.contains("[0 0 2.5  4 0 2.5");
     let walls: Vec<&str> = ROOM.lines().filter(|line| !is_ceiling(line)).collect();
