@@ -114,10 +114,11 @@ test("problem of both designs is shown once, and again when it comes back", () =
   assert.deepEqual([shown(second, "no lux maps"), shown(first, "no camera")], [true, true]);
 });
 
-test("closed second design leaves nothing under the pointer", () => {
+test("closed second design leaves nothing under the pointer, and no problem", () => {
   /** @type {unknown[]} */
   const hovered = [];
-  const [page, nothing] = [{ hover: (/** @type {unknown} */ place) => hovered.push(place) }, () => {}];
+  const page = { problem: {}, hover: (/** @type {unknown} */ place) => hovered.push(place) };
+  const nothing = () => {};
   const second = Object.assign(Object.create(SecondDesign.prototype), {
     ...{ page, session: { close: nothing }, renderer: { delete: nothing } },
     ...{ canvas: { remove: nothing }, label: { remove: nothing } },
@@ -125,4 +126,5 @@ test("closed second design leaves nothing under the pointer", () => {
   second.close();
   second.hover({ x: 1, y: 2 });
   assert.deepEqual(hovered, [null]);
+  assert.equal(page.problem, null);
 });

@@ -56,7 +56,7 @@ export class Page {
     /** @type {Model | null} */
     this.model = null;
     this.scene = { model: "", name: "", label: "", session: "" };
-    /** The last error of a scene, and which design had it. @type {{ design: object, heading: string, text: string } | null} */
+    /** The last error of a scene since one was shown, and which design had it. @type {{ design: object, heading: string, text: string } | null} */
     this.problem = null;
     /** The design that is shown beside this one. @type {SecondDesign | null} */
     this.second = null;
@@ -211,6 +211,7 @@ export class Page {
    */
   show(model, isSame) {
     this.renderer.setModel(model);
+    this.problem = null;
     this.model = model;
     this.frame = null;
     this.isNew = !isSame;
@@ -324,7 +325,7 @@ export class Page {
 
   /** Whether surfaces show illuminances. */
   get hasLux() {
-    return this.models.some(({ shownMaps }) => shownMaps.some(({ unit }) => unit === "lx"));
+    return this.models.some(({ shownMaps }) => shownMaps.some(({ channels }) => channels === 1));
   }
 
   /** Whether there are walls that can be left out from outside. */

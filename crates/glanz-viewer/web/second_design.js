@@ -90,6 +90,7 @@ export class SecondDesign {
       this.model = found;
       this.parts = new SceneParts(this.model.tree);
       this.renderer.setModel(this.model);
+      this.page.problem = null;
       this.name = label;
       this.showLabel();
       this.page.showNotes();
@@ -160,6 +161,7 @@ export class SecondDesign {
 
   close() {
     this.isClosed = true;
+    this.page.problem = null;
     this.page.hover(null);
     this.session.close();
     this.renderer.delete();

@@ -111,7 +111,7 @@ impl Model {
     }
 
     fn add_map(&mut self, label: MapLabel<'_>, side: usize, layout: &MapLayout, tiles: &[MapTile]) {
-        // A map that nothing shows is sent for its unit only.
+        // A map that nothing shows tells the page only that there is light to be read.
         let side = if tiles.is_empty() { 1 } else { side };
         let (width, height) = (layout.columns * side, layout.sides * layout.rows * side);
         let channels = if label.is_colour { 3 } else { 1 };
