@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import {
+  levelsWithin,
   luxScale,
   MOST_LEVELS,
   percentile,
@@ -95,6 +96,12 @@ test("light that is even but for the digits of numbers has no scale of these dig
     limitsText({ low: 20, high: 500, logarithmic: false, percent: [2.5, 97.5] }),
     "2.5 % to 97.5 % of the area, 20 to 500",
   );
+});
+
+test("isolux lines are listed where they can be drawn", () => {
+  // On the scale or beyond it, but not where no cell is as dark or as bright.
+  assert.deepEqual(levelsWithin(HUNDRED, [0.5, 1, 98, 100, 500]), [1, 98, 100]);
+  assert.deepEqual(levelsWithin(new Float32Array(), [1]), []);
 });
 
 test("colours are at equal steps or at equal factors", () => {

@@ -29,3 +29,23 @@ test("an_object_of_a_surface_that_is_not_there_is_refused", () => {
   model.head.objects[0].surface = 1;
   assert.throws(() => decodeModel(encodeModel(model)), /surface of object 0 end at 2 of 1/);
 });
+
+test("maps_have_one_number_or_three_a_texel_and_are_shown_by_objects", () => {
+  const withMap = (/** @type {object} */ map) => {
+    const model = patchModel({ degreeU: 1, degreeV: 1, points: [...Array(24).keys()] });
+    model.head.maps = [{ unit: "lx", block: "points", width: 4, height: 2, sides: 1, largest: 23, ...map }];
+    return model;
+  };
+  const decoded = (/** @type {object} */ map) => decodeModel(encodeModel(withMap(map)));
+  for (const shape of [
+    { channels: 3, width: 4 },
+    { channels: 1, width: 12 },
+  ])
+    assert.equal(decoded(shape).mapValues[0][23], 23);
+  assert.throws(() => decoded({ channels: 1 }), /map 0 does not have its declared size/);
+  assert.throws(() => decoded({ channels: 2, width: 6 }), /map 0 has 2 channels, not 1 or 3/);
+  assert.deepEqual(decoded({ channels: 3 }).shownMaps, []);
+  const shown = withMap({ channels: 3 });
+  shown.head.objects[0].map = 0;
+  assert.equal(decodeModel(encodeModel(shown)).shownMaps.length, 1);
+});

@@ -218,7 +218,7 @@ function toolCommands(page) {
       ),
     },
     { name: "net", keys: ["n"], label: "Control net", run: setting(() => (settings.net = !settings.net)) },
-    { name: "measure", keys: ["m"], label: "MeasureTool between two points", run: () => toggleMeasure(page) },
+    { name: "measure", keys: ["m"], label: "Distance between two points", run: () => toggleMeasure(page) },
     { name: "savePng", keys: ["p"], label: "Save the view as PNG", run: () => savePng(page) },
     { name: "saveExr", keys: ["x"], label: "Save the rendered picture as OpenEXR", run: () => saveExr(page) },
     { name: "help", keys: ["?"], label: "Show this help", run: () => element("help", HTMLDialogElement).showModal() },

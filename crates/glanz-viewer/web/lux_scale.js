@@ -120,6 +120,16 @@ export function roundLevels({ low, high, logarithmic }) {
   return choices.reduce((best, levels) => (off(levels) < off(best) ? levels : best));
 }
 
+/**
+ * The levels of isolux lines that may be somewhere: within the illuminances of some cells.
+ * @param {Float32Array} cells sorted
+ * @param {number[]} levels
+ */
+export function levelsWithin(cells, levels) {
+  const [least, most] = [cells[0], cells[cells.length - 2]];
+  return levels.filter((level) => level >= least && level <= most);
+}
+
 /** @param {number} low @param {number} high */
 function powers(low, high) {
   const first = Math.floor(Math.log10(low));

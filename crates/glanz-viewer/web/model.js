@@ -27,7 +27,7 @@
  * @typedef {{ first: number, count: number, kind: "line" | "circle" | "ellipse" | "spline", radii: number[], length: number,
  *   angle: number, shapes: number[] }} Edge
  * @typedef {{ toWorld: number[], first: number, count: number, firstLeaf: number }} EdgeCopy
- * @typedef {{ name: string, unit: string, block: string, width: number, height: number, sides: number, largest: number }} LightMap
+ * @typedef {{ unit: string, block: string, width: number, height: number, sides: number, channels: 1 | 3, largest: number }} LightMap
  */
 
 /**
@@ -64,10 +64,11 @@
  * @property {Edge[]} edges
  * @property {EdgeCopy[]} edgeCopies
  * @property {LightMap[]} maps
+ * @property {LightMap[]} shownMaps those that objects show
  * @property {boolean} hasWalls whether objects have outer sides
  * @property {string[]} notes
  * @property {Blocks} blocks
- * @property {Float32Array[]} mapValues values of the maps, in the order of `maps`, three each
+ * @property {Float32Array[]} mapValues values of the maps, in the order of `maps`, `channels` each
  */
 
 const MAGIC = "GLANZVW1";
@@ -133,10 +134,17 @@ export function decodeModel(bytes) {
   };
   /** @type {LightMap[]} */
   const maps = head.maps ?? [];
-  const mapValues = maps.map((map) => new Float32Array(...block(map.block, 3)));
+  const mapValues = maps.map(({ block: name, channels }, i) => {
+    if (channels !== 1 && channels !== 3) throw damaged(`map ${i} has ${channels} channels, not 1 or 3`);
+    return new Float32Array(...block(name, channels));
+  });
   const { notes = [], edges = [], edgeCopies = [] } = head;
-  const hasWalls = head.objects?.some((/** @type {SceneObject} */ { outside }) => Boolean(outside)) ?? false;
-  const model = { ...head, maps, notes, edges, edgeCopies, hasWalls, blocks, mapValues };
+  /** @type {SceneObject[]} */
+  const objects = head.objects ?? [];
+  const hasWalls = objects.some(({ outside }) => Boolean(outside));
+  const shown = new Set(objects.map(({ map }) => map));
+  const shownMaps = maps.filter((_, i) => shown.has(i));
+  const model = { ...head, maps, shownMaps, notes, edges, edgeCopies, hasWalls, blocks, mapValues };
   checkReferences(model);
   return model;
 }
@@ -197,7 +205,7 @@ function checkReferences(model) {
   });
   model.edgeCopies.forEach(({ first, count }, i) => within(first + count, model.edges.length, `edges of copy ${i}`));
   model.maps.forEach((map, i) => {
-    if (model.mapValues[i].length !== 3 * map.width * map.height)
+    if (model.mapValues[i].length !== map.channels * map.width * map.height)
       throw damaged(`map ${i} does not have its declared size`);
   });
   model.objects.forEach((object, i) => {

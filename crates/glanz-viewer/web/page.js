@@ -12,12 +12,12 @@ import { Picker } from "./picker.js";
 import { SceneParts, ranges } from "./scene_parts.js";
 import { Session } from "./session.js";
 import { defaultSettings, fullColour, luxSettings, luxSettingsText, realTimeOnly, sectionPlane } from "./settings.js";
-import { luxScale, roundLevels, sortedCells, typedLevels } from "./lux_scale.js";
+import { levelsWithin, luxScale, roundLevels, sortedCells, typedLevels } from "./lux_scale.js";
 import { SecondDesign } from "./second_design.js";
 import { RenderedImage } from "./rendered_image.js";
 import { announce, create, element } from "./ui/dom.js";
 import { showProblem } from "./ui/files.js";
-import { PointerControls } from "./ui/pointer_controls.js";
+import { HOVER_PAUSE, PointerControls } from "./ui/pointer_controls.js";
 import { showLegend } from "./ui/legend.js";
 import { MeasureTool } from "./ui/measure_tool.js";
 import { PropertiesPanel, edgeRows } from "./ui/properties_panel.js";
@@ -55,7 +55,9 @@ export class Page {
     this.settings = { ...defaultSettings(), ...luxSettings(stored(LUX_SETTINGS)) };
     /** @type {Model | null} */
     this.model = null;
-    this.scene = { model: "", name: "", session: "" };
+    this.scene = { model: "", name: "", label: "", session: "" };
+    /** The last error of a scene since one was shown, and which design had it. @type {{ design: object, heading: string, text: string } | null} */
+    this.problem = null;
     /** The design that is shown beside this one. @type {SecondDesign | null} */
     this.second = null;
     /** The cells of both designs. @type {{ models: Model[], cells: Float32Array }} */
@@ -91,6 +93,8 @@ export class Page {
     this.hovers = 0;
     /** Where the pointer rests. @type {{ x: number, y: number } | null} */
     this.hovering = null;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.hoverTimer = undefined;
     this.isReady = () => {};
     /** Once the first scene is drawn, with its shadows. @type {Promise<void>} */
     this.ready = new Promise((resolve) => (this.isReady = resolve));
@@ -153,14 +157,14 @@ export class Page {
     if (this.model === null && message.integrator) this.settings.integrator = message.integrator;
     this.tools.allowDenoising(message.denoiser ?? null);
     this.compare(message.compared === true);
-    if (message.error !== null) showProblem(`${message.name} cannot be shown`, message.error);
+    if (message.error !== null) this.showProblemOf(this, message.name, message.error);
     if (message.model === null || message.model === this.scene.model) {
       // After the connection was made anew, the picture has to be asked for again.
       this.viewChanged();
       return;
     }
     const isSame = message.name === this.scene.name;
-    this.scene = { model: message.model, name: message.name, session: this.scene.session };
+    this.scene = { model: message.model, name: message.name, label: message.label, session: this.scene.session };
     try {
       const model = await fetchModel(message.model);
       if (this.scene.model === message.model) this.show(model, isSame);
@@ -168,8 +172,22 @@ export class Page {
       // Another scene may have come meanwhile.
       if (this.scene.model !== message.model) return;
       this.scene.model = "";
-      showProblem(`${message.name} cannot be shown`, error instanceof Error ? error.message : String(error));
+      this.showProblemOf(this, message.name, error instanceof Error ? error.message : String(error));
     }
+  }
+
+  /**
+   * Shows why a scene cannot be shown: once, if it is that of both designs.
+   * @param {object} design
+   * @param {string} name
+   * @param {string} text
+   */
+  showProblemOf(design, name, text) {
+    const heading = `${name} cannot be shown`;
+    const last = this.problem;
+    if (last && last.design !== design && last.heading === heading && last.text === text) return;
+    this.problem = { design, heading, text };
+    showProblem(heading, text);
   }
 
   /** Shows a second design beside this one, or none. @param {boolean} isCompared */
@@ -193,6 +211,7 @@ export class Page {
    */
   show(model, isSame) {
     this.renderer.setModel(model);
+    this.problem = null;
     this.model = model;
     this.frame = null;
     this.isNew = !isSame;
@@ -211,7 +230,7 @@ export class Page {
     this.measure.activate(false);
     this.select(parts.selected, null);
     element("name", HTMLElement).textContent = model.name;
-    element("first-design", HTMLElement).textContent = `A: ${model.name}`;
+    element("first-design", HTMLElement).textContent = `A: ${this.scene.label}`;
     document.title = `${model.name} – Glanz`;
     this.canvas.setAttribute("aria-label", `${model.name}, ${parts.count} shapes`);
     this.showNotes();
@@ -286,6 +305,8 @@ export class Page {
     this.rendered = this.rendering;
     this.renderedImage.restart(this.rendered.startsWith("by") ? () => this.wanted() : null);
     this.invalidate();
+    clearTimeout(this.hoverTimer);
+    this.hoverTimer = setTimeout(() => this.updateHover(), HOVER_PAUSE);
   }
 
   get hasEdges() {
@@ -297,12 +318,14 @@ export class Page {
     return [this.model, this.second?.model ?? null].filter((model) => model !== null);
   }
 
+  /** Whether surfaces show maps: receivers that are meshes have illuminances, but no map. */
   get hasMaps() {
-    return this.models.some(({ maps }) => maps.length > 0);
+    return this.models.some(({ shownMaps }) => shownMaps.length > 0);
   }
 
+  /** Whether surfaces show illuminances. */
   get hasLux() {
-    return this.models.some(({ maps }) => maps.some(({ unit }) => unit === "lx"));
+    return this.models.some(({ shownMaps }) => shownMaps.some(({ channels }) => channels === 1));
   }
 
   /** Whether there are walls that can be left out from outside. */
@@ -348,7 +371,8 @@ export class Page {
       this.luxCells = { models, cells: sortedCells(models.map(({ blocks }) => blocks.luxCells)) };
     const scale = luxScale(this.luxCells.cells, kind, luxTail);
     const { levels } = typedLevels(isoluxLevels);
-    this.lux = { scale, levels: !isolux ? [] : levels.length > 0 ? levels : roundLevels(scale) };
+    const wanted = levels.length > 0 ? levels : roundLevels(scale);
+    this.lux = { scale, levels: isolux ? levelsWithin(this.luxCells.cells, wanted) : [] };
     store(LUX_SETTINGS, luxSettingsText(this.settings));
   }
 
@@ -361,7 +385,6 @@ export class Page {
   visibilityChanged() {
     this.tree.refresh();
     this.viewChanged();
-    this.updateHover();
   }
 
   /** Schedules a draw before the next frame. */

@@ -10,7 +10,6 @@ import { Picker } from "./picker.js";
 import { SceneParts } from "./scene_parts.js";
 import { Session } from "./session.js";
 import { create, element } from "./ui/dom.js";
-import { showProblem } from "./ui/files.js";
 import { PointerControls } from "./ui/pointer_controls.js";
 
 /** @typedef {import("./gl/renderer.js").View} View */
@@ -36,12 +35,14 @@ export class SecondDesign {
     /** @type {SceneParts | null} */
     this.parts = null;
     this.path = "";
+    /** What tells it from the first design. */
+    this.name = "";
     this.isClosed = false;
     const nothing = () => {};
     const url = new URL("ws?design=b", location.href.replace(/^http/, "ws"));
     this.session = new Session(url, {
-      online: nothing,
-      offline: nothing,
+      online: () => this.showLabel(),
+      offline: () => (this.label.textContent = "B: no connection"),
       scene: (message) => this.enter(message),
       progress: nothing,
       waiting: nothing,
@@ -54,7 +55,7 @@ export class SecondDesign {
       pick: async (/** @type {number} */ x, /** @type {number} */ y) =>
         (await this.picker.surface(x, y))?.point ?? null,
       clicked: (/** @type {number} */ x, /** @type {number} */ y) => this.click(x, y),
-      hover: (/** @type {{ x: number, y: number } | null} */ place) => page.hover(place),
+      hover: (/** @type {{ x: number, y: number } | null} */ place) => this.hover(place),
       released: nothing,
     };
     this.pointer = new PointerControls(this.canvas, page.viewpoint, listener);
@@ -79,8 +80,8 @@ export class SecondDesign {
   }
 
   /** @param {import("./session.js").SceneMessage} message */
-  async enter({ model, name, error }) {
-    if (error !== null) showProblem(`${name} cannot be shown`, error);
+  async enter({ model, name, label, error }) {
+    if (error !== null) this.page.showProblemOf(this, name, error);
     if (model === null || model === this.path) return;
     this.path = model;
     try {
@@ -89,15 +90,27 @@ export class SecondDesign {
       this.model = found;
       this.parts = new SceneParts(this.model.tree);
       this.renderer.setModel(this.model);
-      this.label.textContent = `B: ${name}`;
+      this.page.problem = null;
+      this.name = label;
+      this.showLabel();
       this.page.showNotes();
       this.page.settingsChanged();
     } catch (error) {
       // Another scene may have come meanwhile, or the first page has gone on to a file of its own.
       if (this.path !== model || this.isClosed) return;
       this.path = "";
-      showProblem(`${name} cannot be shown`, error instanceof Error ? error.message : String(error));
+      this.page.showProblemOf(this, name, error instanceof Error ? error.message : String(error));
     }
+  }
+
+  /** @param {{ x: number, y: number } | null} place */
+  hover(place) {
+    // A timer may still run.
+    if (!this.isClosed) this.page.hover(place);
+  }
+
+  showLabel() {
+    this.label.textContent = this.name && `B: ${this.name}`;
   }
 
   /**
@@ -148,6 +161,8 @@ export class SecondDesign {
 
   close() {
     this.isClosed = true;
+    this.page.problem = null;
+    this.page.hover(null);
     this.session.close();
     this.renderer.delete();
     this.canvas.remove();

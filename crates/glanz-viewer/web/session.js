@@ -19,8 +19,8 @@
  */
 
 /**
- * `compared`: whether the page shows it beside the other one of two designs. `denoiser`: missing if the server offers none; `error`: why it cannot be used.
- * @typedef {{ type: "scene", model: string | null, name: string, error: string | null, compared?: boolean, session?: string, integrator?: "path" | "guided",
+ * `label`: what tells it from the other one of two designs. `compared`: whether the page shows it beside the other one of two designs. `denoiser`: missing if the server offers none; `error`: why it cannot be used.
+ * @typedef {{ type: "scene", model: string | null, name: string, label: string, error: string | null, compared?: boolean, session?: string, integrator?: "path" | "guided",
  *   denoiser?: { error: string | null } }} SceneMessage
  */
 /** @typedef {{ type: "progress", id: number, samples: number, noise: number | null, seconds: number, done: boolean }} Progress */

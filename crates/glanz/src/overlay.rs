@@ -73,7 +73,7 @@ impl LightOverlay {
                 light.check(content_hash)?;
                 let elements = divided(scene, light.density())?;
                 let maps = LightMaps::new(&elements, light.maps(&elements)?);
-                let label = MapLabel { name: "baked light", unit: "W/(m² sr)", two_sided: true };
+                let label = MapLabel { unit: "W/(m² sr)", is_colour: true, two_sided: true };
                 let value = |surface, face, uv, back| {
                     radiance(scene, &placed, &maps, &ParametricPoint { surface, face, uv, back })
                 };
@@ -81,7 +81,7 @@ impl LightOverlay {
             }
             OverlaidLight::Lux(folder) => {
                 let maps = Arc::new(folder.place(scene)?);
-                let label = MapLabel { name: "illuminance", unit: "lx", two_sided: maps.is_two_sided() };
+                let label = MapLabel { unit: "lx", is_colour: false, two_sided: maps.is_two_sided() };
                 let value = |surface: u32, face, uv, back| {
                     let at = placed.get(surface as usize)?.at(face, uv, back)?.at;
                     let at = HitLocation::new(&at, ParametricPoint { surface, face, uv, back });
@@ -106,6 +106,13 @@ impl SceneOverlay for LightOverlay {
 
     fn add_maps(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String> {
         self.add_light(scene, content_hash, model).map_err(|error| error.to_string())
+    }
+
+    fn folder(&self) -> Option<&Path> {
+        match &self.light {
+            OverlaidLight::Lux(folder) => Some(folder.path()),
+            _ => None,
+        }
     }
 }
 

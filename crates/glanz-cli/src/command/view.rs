@@ -32,21 +32,26 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     let second = arguments.compare.as_ref().or_else(|| second_lux.as_ref().map(|_| &arguments.model.scene));
     let overlay = overlay(arguments, lux.as_deref()).map_err(command_error(messages))?;
     let read = |scene: &Path, overlay: &Option<Arc<dyn SceneOverlay>>| {
-        let viewer_scene = ViewerScene::read(scene, &options, overlay.as_deref())
-            .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))?;
-        note_diagnostics(viewer_scene.warnings(), messages);
-        Ok::<_, CommandError>(viewer_scene)
+        ViewerScene::read(scene, &options, overlay.as_deref())
+            .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))
     };
     let scene = &arguments.model.scene;
     let viewer_scene = read(scene, &overlay)?;
+    note_diagnostics(viewer_scene.warnings(), messages);
     let compared = match second {
         Some(path) => {
             let overlay = self::overlay(arguments, second_lux.as_deref()).map_err(command_error(messages))?;
-            let viewer_scene = Arc::new(read(path, &overlay)?);
-            Some(ComparedDesign { path: path.clone(), viewer_scene, overlay })
+            let viewer_scene = read(path, &overlay)?;
+            // Those of the same file are known.
+            if path != scene {
+                note_diagnostics(viewer_scene.warnings(), messages);
+            }
+            Some(ComparedDesign { path: path.clone(), viewer_scene: Arc::new(viewer_scene), overlay })
         }
         None => None,
     };
+    let is_model =
+        viewer_scene.is_model() || compared.as_ref().is_some_and(|design| design.viewer_scene.is_model());
     let settings = ServerSettings {
         host: arguments.host.clone(),
         port: arguments.port,
@@ -59,7 +64,7 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
         watch: arguments.watch,
         ..ServerSettings::default()
     };
-    if !viewer_scene.is_model() {
+    if !is_model {
         arguments.model.studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
     }
     let listener =
@@ -89,8 +94,8 @@ fn lux_folders(arguments: &ViewArguments) -> Result<(Option<PathBuf>, Option<Pat
             _ => (folder.clone(), None),
         },
         [first, second] => (first.clone(), Some(second.clone())),
-        [.., last] => {
-            let error = CommandError::new(format!("{}: the third folder of lux maps", last.display()));
+        [_, _, third, ..] => {
+            let error = CommandError::new(format!("{}: the third folder of lux maps", third.display()));
             return Err(error.with_help("two designs can be compared: give --lux twice at most"));
         }
     };
@@ -218,7 +223,10 @@ mod tests {
         assert_eq!(folders("--lux /one --lux /designs/b"), Ok((path("one"), path("designs/b"))));
         assert_eq!(folders("--compare b.pbrt --lux /designs"), folders("--lux /designs"));
         assert!(folders("--compare b.pbrt --lux /one").unwrap_err().contains("no lux maps of the second"));
-        assert!(folders("--lux 1 --lux 2 --lux 3").unwrap_err().contains("third folder"));
+        assert_eq!(
+            folders("--lux 1 --lux 2 --lux 3 --lux 4").unwrap_err(),
+            "3: the third folder of lux maps"
+        );
         // Maps of two scenes are not shown on one.
         assert_eq!(folders("--lux /same"), Ok((path("same/a"), path("same/b"))));
         for arguments in ["--lux /other", "--lux /other/a --lux /other/b"] {

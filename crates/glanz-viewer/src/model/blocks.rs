@@ -27,7 +27,7 @@ pub(super) struct Blocks {
     /// Illuminance and area of each cell of the lux maps.
     pub(super) lux_cells: Vec<[f32; 2]>,
     /// Values of each map, by rows.
-    pub(super) maps: Vec<Vec<[f32; 3]>>,
+    pub(super) maps: Vec<Vec<f32>>,
 }
 
 /// A number as the file has it.
@@ -55,10 +55,14 @@ struct BlockLayout {
 }
 
 impl BlockLayout {
-    fn add<W: Word, const N: usize>(&mut self, name: impl Into<String>, rows: &[[W; N]]) {
+    fn add<W: Word, const N: usize>(&mut self, name: &str, rows: &[[W; N]]) {
+        self.add_words(name.to_owned(), rows.as_flattened());
+    }
+
+    fn add_words<W: Word>(&mut self, name: String, words: &[W]) {
         let offset = self.bytes.len();
-        self.bytes.extend(rows.iter().flatten().flat_map(|word| word.bytes()));
-        self.ranges.insert(name.into(), BlockRange { offset, length: self.bytes.len() - offset });
+        self.bytes.extend(words.iter().flat_map(|word| word.bytes()));
+        self.ranges.insert(name, BlockRange { offset, length: self.bytes.len() - offset });
         pad(&mut self.bytes);
     }
 }
@@ -84,7 +88,7 @@ impl Blocks {
         layout.add("edgePoints", &self.edge_points);
         layout.add("luxCells", &self.lux_cells);
         for (number, map) in self.maps.iter().enumerate() {
-            layout.add(format!("map{number}"), map);
+            layout.add_words(format!("map{number}"), map);
         }
         (layout.ranges, layout.bytes)
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::outside::OuterSide;
+use super::outer_walls::OuterSide;
 
 /// Content of the JSON text without the positions of the blocks.
 #[derive(Clone, Debug, Serialize)]
@@ -172,11 +172,12 @@ pub(super) struct EdgeCopy {
 /// A map of values that the page draws on objects.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct ModelMap {
-    pub(super) name: String,
     pub(super) unit: String,
     pub(super) block: String,
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) sides: usize,
+    /// Numbers of a texel: 1 or 3.
+    pub(super) channels: usize,
     pub(super) largest: f32,
 }

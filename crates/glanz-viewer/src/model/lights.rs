@@ -30,10 +30,10 @@ pub(super) fn lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> (Vec<head::
     let wavelengths = Wavelengths::default();
     let bounds = scene.bounds();
     let radius = if bounds.is_empty() { 1.0 } else { 0.5 * bounds.diagonal().length() };
-    let is_everywhere = |light: &Light| matches!(light, Light::Infinite(_) | Light::ImageInfinite(_));
-    let from_somewhere = (0..).map(LightId).zip(scene.lights()).filter(|(_, light)| !is_everywhere(light));
+    let is_infinite = |light: &Light| matches!(light, Light::Infinite(_) | Light::ImageInfinite(_));
+    let finite = (0..).map(LightId).zip(scene.lights()).filter(|(_, light)| !is_infinite(light));
     let mut by_power: Vec<(f32, LightId, &Light)> =
-        from_somewhere.map(|(id, light)| (power(light, radius).mean(&wavelengths), id, light)).collect();
+        finite.map(|(id, light)| (power(light, radius).mean(&wavelengths), id, light)).collect();
     by_power.sort_by(|a, b| b.0.total_cmp(&a.0));
     let surfaces = surfaces_of_lights(placed);
     let brightest = by_power.iter().take(MOST);

@@ -18,13 +18,13 @@ const MOST_TEXELS: usize = 2080 * 2080;
 /// Words of a patch that locate its tile in the map.
 const WORDS: std::ops::Range<usize> = 12..16;
 
-/// Name and unit of a map.
+/// What the values of a map are.
 #[derive(Clone, Copy, Debug)]
 pub struct MapLabel<'a> {
-    /// Such as "lux on the floor".
-    pub name: &'a str,
     /// Such as "lx".
     pub unit: &'a str,
+    /// Whether values are colours; otherwise they are numbers, the first of each three.
+    pub is_colour: bool,
     /// Whether the two sides of surfaces have different values.
     pub two_sided: bool,
 }
@@ -66,8 +66,8 @@ impl Model {
     /// `value`: the value at parameters of a face of a surface, by its number in [`Scene::placed_surfaces`], on its back or its front;
     /// parameters are those of [`PlacedSurface::at`](glanz_scene::PlacedSurface::at); `None` where it is unknown, such as where the
     /// surface is trimmed away: known values beside it are repeated there. Surfaces without any known value get no map, nor do those that
-    /// are sent as triangles or polynomials. `has_values`: whether a surface may have known values, by its number. `side`: values along each side of a patch,
-    /// at least 2; fewer if very many patches may have values. `scene`: that of the model.
+    /// are sent as triangles or polynomials; a map that no surface has is sent without its values. `has_values`: whether a surface may have
+    /// known values, by its number. `side`: values along each side of a patch, at least 2; fewer if very many patches may have values. `scene`: that of the model.
     ///
     /// # Errors
     /// [`ModelError::TooMany`] patches for one map.
@@ -111,8 +111,11 @@ impl Model {
     }
 
     fn add_map(&mut self, label: MapLabel<'_>, side: usize, layout: &MapLayout, tiles: &[MapTile]) {
+        // A map that nothing shows tells the page only that there is light to be read.
+        let side = if tiles.is_empty() { 1 } else { side };
         let (width, height) = (layout.columns * side, layout.sides * layout.rows * side);
-        let mut texels = vec![[0.0; 3]; width * height];
+        let channels = if label.is_colour { 3 } else { 1 };
+        let mut texels = vec![0.0; channels * width * height];
         let number = self.head.maps.len();
         let mut last = None;
         for (slot, tile) in tiles.iter().enumerate() {
@@ -123,10 +126,10 @@ impl Model {
             for (number, values) in tile.sides.iter().enumerate() {
                 let [x, y] = layout.place(slot, number).map(|at| at * side);
                 for (row, values) in values.chunks(side).enumerate() {
-                    let start = (y + row) * width + x;
-                    if let Some(texels) = texels.get_mut(start..start + values.len()) {
-                        texels.copy_from_slice(values);
-                    }
+                    let start = channels * ((y + row) * width + x);
+                    let numbers = values.iter().flat_map(|value| value.iter().take(channels));
+                    let texels = texels.iter_mut().skip(start);
+                    texels.zip(numbers).for_each(|(texel, number)| *texel = *number);
                 }
             }
             // From the middle of the first texel to that of the last: filtering never reaches a neighbouring tile.
@@ -139,14 +142,14 @@ impl Model {
                 row.iter_mut().zip(words).for_each(|(slot, word)| *slot = word);
             }
         }
-        let largest = texels.iter().flatten().fold(0.0, |most: f32, x| most.max(*x));
+        let largest = texels.iter().fold(0.0, |most: f32, x| most.max(*x));
         self.head.maps.push(head::ModelMap {
-            name: label.name.to_owned(),
             unit: label.unit.to_owned(),
             block: format!("map{number}"),
             width,
             height,
             sides: layout.sides,
+            channels,
             largest,
         });
         self.blocks.maps.push(texels);

@@ -16,7 +16,7 @@ mod lights;
 mod lux;
 mod map;
 mod mesh;
-mod outside;
+mod outer_walls;
 mod patches;
 mod region;
 mod surfaces;
@@ -27,6 +27,7 @@ mod view;
 mod visible_patches;
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz_light::{Spectrum, Wavelengths};
@@ -187,16 +188,24 @@ impl Model {
             return area;
         }
         let mut sum = None;
-        for (parts, surface) in self.objects.iter().zip(placed) {
-            let ends = parts.iter().skip(1).map(|&(end, _)| end).chain([surface.faces()]);
-            for (&(first, object), end) in parts.iter().zip(ends) {
-                if self.leaf_of(object) == Some(leaf) {
-                    sum = Some(sum.unwrap_or(0.0) + surface.area(first..end)?);
-                }
+        for (object, surface, faces) in self.object_faces(placed) {
+            if self.leaf_of(object) == Some(leaf) {
+                sum = Some(sum.unwrap_or(0.0) + surface.area(faces)?);
             }
         }
         known().insert(leaf, sum);
         sum
+    }
+
+    /// Each object with its surface among `placed`, the surfaces of the scene, and its faces there.
+    fn object_faces<'a, 's>(
+        &'a self,
+        placed: &'a [PlacedSurface<'s>],
+    ) -> impl Iterator<Item = (u32, &'a PlacedSurface<'s>, Range<u32>)> {
+        self.objects.iter().zip(placed).flat_map(|(parts, surface)| {
+            let ends = parts.iter().skip(1).map(|&(end, _)| end).chain([surface.faces()]);
+            parts.iter().zip(ends).map(move |(&(first, object), end)| (object, surface, first..end))
+        })
     }
 
     /// Name of a leaf in the tree.

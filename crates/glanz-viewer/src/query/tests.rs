@@ -192,7 +192,7 @@ fn picks_have_the_illuminance_of_their_cell_and_meet_receivers_of_air_where_maps
         Translate 5 0 0.5
         Shape \"disk\"",
     );
-    let label = MapLabel { name: "illuminance", unit: "lx", two_sided: false };
+    let label = MapLabel { unit: "lx", is_colour: false, two_sided: false };
     let model = model.with_map(label, &scene, 2, |_| true, |_, _, _, _| Some([40.0; 3])).unwrap();
     let model = model.with_lux(std::sync::Arc::new(TwoCells));
     let at = |x: f64, maps: bool| {

@@ -11,6 +11,7 @@ use axum::http::header::{COOKIE, HOST, HeaderName, ORIGIN};
 use axum::http::{HeaderMap, StatusCode};
 
 use super::access_key::AccessKey;
+use super::query_value;
 
 /// Rules that requests are checked against.
 #[derive(Clone, Debug)]
@@ -89,7 +90,7 @@ impl AccessControl {
 impl AccessToken {
     fn admit(&self, path: &str, query: Option<&str>, headers: &HeaderMap) -> AccessDecision {
         let is_right = |text: &str| AccessKey::parse(text).is_some_and(|key| key.is(&self.key));
-        let given = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("token="));
+        let given = query_value(query, "token");
         if path == "/" && given.is_some_and(is_right) {
             let Self { key, cookie } = self;
             return AccessDecision::WithCookie(format!("{cookie}={key}; Path=/; HttpOnly; SameSite=Strict"));

@@ -100,6 +100,8 @@ pub(crate) struct SceneMessage {
     /// Path of the model.
     pub(crate) model: Option<String>,
     pub(crate) name: String,
+    /// What tells it from the other one of two designs; its name if there is none.
+    pub(crate) label: String,
     /// The name under which the page uploads files.
     pub(crate) session: String,
     /// Default integrator.

@@ -9,6 +9,7 @@ mod access;
 mod access_key;
 mod address;
 mod headers;
+mod label;
 mod message;
 mod models;
 mod overlay;
@@ -219,16 +220,19 @@ async fn model(State(app): State<Arc<AppState>>, UrlPath(key): UrlPath<String>) 
     }
 }
 
-/// Name of a design in the query of a page; without one it is the first.
-const DESIGN_QUERY: &str = "design=";
+/// The value of a name in the query of an address.
+fn query_value<'a>(query: Option<&'a str>, name: &str) -> Option<&'a str> {
+    let pairs = query.into_iter().flat_map(|query| query.split('&'));
+    pairs.filter_map(|pair| pair.split_once('=')).find_map(|(key, value)| (key == name).then_some(value))
+}
 
 async fn socket(
     State(app): State<Arc<AppState>>,
     RawQuery(query): RawQuery,
     upgrade: WebSocketUpgrade,
 ) -> Response {
-    let mut pairs = query.iter().flat_map(|query| query.split('&'));
-    let design = match pairs.find_map(|pair| pair.strip_prefix(DESIGN_QUERY)) {
+    // A page without a design is one of the first.
+    let design = match query_value(query.as_deref(), "design") {
         None | Some("a") => 0,
         Some("b") => 1,
         Some(_) => return (StatusCode::NOT_FOUND, "?design= must be a or b").into_response(),

@@ -1,6 +1,7 @@
 //! Shapes and maps that are not in the scene file: walls of a room, lux maps, baked light.
 
 use std::fmt;
+use std::path::Path;
 
 use glanz_scene::{Description, Scene};
 
@@ -16,4 +17,9 @@ pub trait SceneOverlay: fmt::Debug + Send + Sync {
     /// # Errors
     /// A message if they do not match the scene.
     fn add_maps(&self, scene: &Scene, content_hash: u128, model: Model) -> Result<Model, String>;
+
+    /// The folder of the maps, which tells two designs of one scene file apart; `None` if they are in none.
+    fn folder(&self) -> Option<&Path> {
+        None
+    }
 }

@@ -41,10 +41,10 @@ impl Session {
         self.state().published.clone()
     }
 
-    /// The result of a function of the model that the page shows, and whether the page has opened its file itself.
-    pub(crate) fn with_published<T>(&self, function: impl FnOnce(&PublishedModel, bool) -> T) -> T {
+    /// The result of a function of the model that the page shows, and of the number of its design; `None` if the page has opened its file itself.
+    pub(crate) fn with_published<T>(&self, function: impl FnOnce(&PublishedModel, Option<usize>) -> T) -> T {
         let state = self.state();
-        function(&state.published, state.is_own)
+        function(&state.published, (!state.is_own).then_some(self.design))
     }
 
     /// Switches the page to an uploaded scene and queues `message`, which announces it.

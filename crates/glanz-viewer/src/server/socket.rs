@@ -85,7 +85,7 @@ impl PageConnection {
         ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let message = self
             .session
-            .with_published(|published, is_own| self.app.scene_message(&self.session.key, published, is_own));
+            .with_published(|published, design| self.app.scene_message(&self.session.key, published, design));
         self.reply(ServerMessage::Scene(message)).await?;
         loop {
             tokio::select! {

@@ -10,6 +10,7 @@ use tokio::time::sleep;
 
 use super::access::AccessControl;
 use super::access_key::AccessKey;
+use super::label::{design_labels, file_name};
 use super::message::{DenoiserMessage, SceneMessage};
 use super::models::{ModelStore, PublishedModel};
 use super::overlay::SceneOverlay;
@@ -40,6 +41,8 @@ pub(crate) struct AppState {
 pub(crate) struct ServedDesign {
     pub(crate) path: PathBuf,
     pub(crate) overlay: Option<Arc<dyn SceneOverlay>>,
+    /// What tells it from the other design on the page.
+    label: String,
     published: Mutex<PublishedModel>,
 }
 
@@ -68,9 +71,14 @@ impl AppState {
             .compared
             .as_ref()
             .map(|design| (design.path.as_path(), Arc::clone(&design.viewer_scene), &design.overlay));
-        let designs = std::iter::once(first).chain(second).map(|(path, viewer_scene, overlay)| {
+        let folders = [first.2.as_ref(), second.as_ref().and_then(|(_, _, overlay)| overlay.as_ref())];
+        let folders = folders.map(|overlay| overlay.and_then(|overlay| overlay.folder()));
+        let second_path = second.as_ref().map_or(scene, |(path, ..)| path);
+        let labels = design_labels([scene, second_path], folders);
+        let designs = std::iter::once(first).chain(second).zip(labels);
+        let designs = designs.map(|((path, viewer_scene, overlay), label)| {
             let published = Mutex::new(models.publish(viewer_scene)?);
-            Ok(ServedDesign { path: path.to_owned(), overlay: overlay.clone(), published })
+            Ok(ServedDesign { path: path.to_owned(), overlay: overlay.clone(), label, published })
         });
         let designs = designs.collect::<Result<Vec<ServedDesign>, getrandom::Error>>()?;
         // A page has a session for each design.
@@ -99,20 +107,23 @@ impl AppState {
         self.designs.get(design).map(ServedDesign::published)
     }
 
-    /// The scene message for the page of that session. `is_own`: whether the page has opened the file itself.
+    /// The scene message for the page of that session. `design`: the number of the one that it shows; `None` if it has opened a file itself.
     pub(crate) fn scene_message(
         &self,
         session: &AccessKey,
         published: &PublishedModel,
-        is_own: bool,
+        design: Option<usize>,
     ) -> SceneMessage {
+        let name = published.viewer_scene.name.clone();
+        let label = design.and_then(|number| self.designs.get(number)).map(|design| design.label.clone());
         SceneMessage {
             model: Some(published.path()),
-            name: published.viewer_scene.name.clone(),
+            label: label.unwrap_or_else(|| name.clone()),
+            name,
             session: session.to_string(),
             integrator: self.integrator,
             denoiser: self.denoiser_message(),
-            compared: !is_own && self.designs.len() > 1,
+            compared: design.is_some() && self.designs.len() > 1,
             error: None,
         }
     }
@@ -133,15 +144,15 @@ impl AppState {
             (Some(published), _) => {
                 *design.published.lock().unwrap_or_else(PoisonError::into_inner) = published.clone();
                 self.sessions.broadcast(number, Some(published), |session| {
-                    self.scene_message(session, published, false)
+                    self.scene_message(session, published, Some(number))
                 });
             }
             (None, SceneUpdate::Refused(diagnostics)) => {
-                let name = design.path.file_name();
-                let name = name.map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+                let name = file_name(&design.path);
                 self.sessions.broadcast(number, None, |session| SceneMessage {
                     model: None,
                     name: name.clone(),
+                    label: design.label.clone(),
                     session: session.to_string(),
                     integrator: self.integrator,
                     denoiser: self.denoiser_message(),

@@ -8,6 +8,7 @@ use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
 use glanz_scene::studio::add_studio;
 use glanz_scene::{Description, Scene};
 
+use super::label::file_name;
 use super::overlay::SceneOverlay;
 use crate::model::Model;
 
@@ -37,7 +38,7 @@ impl ViewerScene {
         overlay: Option<&dyn SceneOverlay>,
     ) -> Result<Self, Diagnostics> {
         let loaded = load(path, &Options { edges: true, ..options.clone() })?;
-        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let name = file_name(path);
         let sources = &loaded.sources;
         let refuse = |location, message| {
             let mut diagnostics = Diagnostics::default();

@@ -50,9 +50,12 @@ fn each_of_two_designs_has_its_own_pages() {
     let listener = Box::new(move |path: &Path, _: &SceneUpdate| list.lock().unwrap().push(path.to_owned()));
     let server = TestServer::open_with_listener(BALL, settings, listener);
     let [mut first, mut second] = ["ws", "ws?design=b"].map(|path| server.try_connect_page_to(path).unwrap());
-    let named = |page: &TestPage| (page.scene["name"].clone(), page.scene["compared"].clone());
-    assert_eq!(named(&first), ("scene.pbrt".into(), true.into()));
-    assert_eq!(named(&second), ("second.pbrt".into(), true.into()));
+    let named = |page: &TestPage| {
+        let [name, label, compared] = ["name", "label", "compared"].map(|field| page.scene[field].clone());
+        (name, label, compared)
+    };
+    assert_eq!(named(&first), ("scene.pbrt".into(), "scene.pbrt".into(), true.into()));
+    assert_eq!(named(&second), ("second.pbrt".into(), "second.pbrt".into(), true.into()));
     let third = server.try_connect_page_to("ws?design=a").unwrap();
     assert_eq!(named(&third), named(&first));
     assert!(server.try_connect_page_to("ws?design=c").is_none());

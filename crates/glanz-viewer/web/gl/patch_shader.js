@@ -316,6 +316,10 @@ const MAP_PLACE = `
   mapPlace = mapRectangle.z > 0.0 ? mapRectangle.xy + clamp(w, 0.0, 1.0) * mapRectangle.zw : vec2(-1.0);
   mapChange = mat2(mapRectangle.zw * toParameters[0], mapRectangle.zw * toParameters[1]);
   if (!point.front) mapPlace.y += mapScale.z;
+  vec2 mapSize = vec2(textureSize(mapValues, 0));
+  mapFirst = floor(mapRectangle.xy * mapSize);
+  if (!point.front) mapFirst.y += round(mapScale.z * mapSize.y);
+  mapLast = mapFirst + round(mapRectangle.zw * mapSize);
 `;
 
 /** For shadow maps: the grid's own parameters are near enough. @param {boolean} trimmed */

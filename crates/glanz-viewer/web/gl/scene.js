@@ -63,7 +63,7 @@ export class Scene {
     objects.forEach((object, i) => {
       if (view.hidden.has(object.leaf)) return;
       // Receivers that light passes show illuminances as if they were opaque.
-      const isLux = view.maps && object.map !== null && maps[object.map].unit === "lx";
+      const isLux = view.maps && object.map !== null && maps[object.map].channels === 1;
       const list = materials[object.material].opacity < 1 && !isLux ? shown.clear : shown.opaque;
       list.push(i);
     });

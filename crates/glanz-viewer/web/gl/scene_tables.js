@@ -103,18 +103,16 @@ function materialRows(materials) {
 /**
  * @param {WebGL2RenderingContext} gl
  * @param {import("../model.js").LightMap} map
- * @param {Float32Array} values three a texel
+ * @param {Float32Array} values one a texel, or red, green and blue
  * @returns {MapTexture}
  */
 function mapTexture(gl, map, values) {
   const texture = gl.createTexture();
   gl.activeTexture(gl.TEXTURE0 + SCRATCH_UNIT);
   gl.bindTexture(gl.TEXTURE_2D, texture);
-  const falseColours = map.unit === "lx";
+  const falseColours = map.channels === 1;
   if (falseColours) {
-    // All channels are equal.
-    const lux = Float32Array.from({ length: map.width * map.height }, (_, i) => values[3 * i]);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, map.width, map.height, 0, gl.RED, gl.FLOAT, lux);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, map.width, map.height, 0, gl.RED, gl.FLOAT, values);
   } else {
     // Shares of the largest value as half floats, because those can be filtered everywhere and would end at 65504.
     const shares = values.map((x) => x / (map.largest || 1));

@@ -111,9 +111,11 @@ vec4 shade(Point point, Facts facts) {
   if (drawn.z > 0.0 && (facts.bits & MAPPED) != 0u && mapPlace.x >= 0.0) {
     colour = mapColour();
     if (mapScale.y > 0.0) {
-      // Surfaces that light passes show illuminances, too; the tint of what is selected would change what the colours say.
+      // Surfaces that light passes show illuminances, too, and so do backs that a section plane lays open; the tint of what is selected would change what the
+      // colours say.
       light.w = 1.0;
       facts.leaf = ~0u;
+      point.front = true;
     }
   }
   colour = marked(colour, point, facts);
@@ -174,6 +176,7 @@ uniform int isoluxCount;
 uniform float isoluxLevels[${MOST_LEVELS}];
 const vec3 VIRIDIS[9] = ${shaderArray(VIRIDIS)};
 vec2 mapPlace;
+vec2 mapFirst, mapLast;   // first and last texel of the patch
 mat2 mapChange;           // change of the place from pixel to pixel
 vec3 falseColour(float lux) {
   float value = luxScale.z > 0.0 ? log(max(lux, 1e-30)) : lux;
@@ -184,15 +187,16 @@ vec3 falseColour(float lux) {
 vec3 mapColour() {
   if (mapScale.y == 0.0) return display(texture(mapValues, mapPlace).xyz * mapScale.x, picture.z);
   // Not filtered by the texture unit: single floats cannot be filtered everywhere, and the gradient is needed.
-  ivec2 size = textureSize(mapValues, 0);
-  vec2 at = clamp(mapPlace * vec2(size) - 0.5, vec2(0.0), vec2(size - 1)), low = floor(at), part = at - low;
-  ivec2 first = ivec2(low), last = min(first + 1, size - 1);
+  vec2 size = vec2(textureSize(mapValues, 0)), at = clamp(mapPlace * size - 0.5, mapFirst, mapLast);
+  // At the last texel, the gradient is that towards the one before, not towards one of another patch.
+  vec2 low = max(min(floor(at), mapLast - 1.0), mapFirst), part = at - low;
+  ivec2 first = ivec2(low), last = first + 1;
   float a = texelFetch(mapValues, first, 0).x, b = texelFetch(mapValues, ivec2(last.x, first.y), 0).x;
   float c = texelFetch(mapValues, ivec2(first.x, last.y), 0).x, d = texelFetch(mapValues, last, 0).x;
   float lux = mix(mix(a, b, part.x), mix(c, d, part.x), part.y);
   vec3 colour = falseColour(lux);
   // Illuminance from pixel to pixel: lines are as wide wherever they are.
-  float slope = length((vec2(mix(b - a, d - c, part.y), mix(c - a, d - b, part.x)) * vec2(size)) * mapChange);
+  float slope = length((vec2(mix(b - a, d - c, part.y), mix(c - a, d - b, part.x)) * size) * mapChange);
   float line = 0.0;
   for (int k = 0; k < isoluxCount; k++) {
     float level = isoluxLevels[k];

@@ -76,7 +76,7 @@ function luxLegend({ scale: range, levels }, { isolux }) {
     mark.style.left = `${100 * positionOn(range, level)}%`;
     bar.append(mark);
   }
-  const lines = levels.length > 0 ? levels.map((level) => plain(level)).join(", ") : "none within the scale";
+  const lines = levels.length > 0 ? levels.map((level) => plain(level)).join(", ") : "none";
   return [title, bar, labels, ...(isolux ? [create("div", `Lines: ${lines}`)] : [])];
 }
 
@@ -84,7 +84,7 @@ function luxLegend({ scale: range, levels }, { isolux }) {
  * Shows the legend of the selected shading mode, or none.
  * @param {Settings} settings
  * @param {number} curvature 1/m, at full colour
- * @param {LuxDisplay | null} lux how illuminances are shown; light has no scale
+ * @param {LuxDisplay | null} lux how illuminances are shown, `null` if no surface shows any; light has no scale
  */
 export function showLegend(settings, curvature, lux) {
   const legend = element("legend", HTMLElement);

@@ -20,7 +20,7 @@ const CLICK_SLACK = 4;
 const WHEEL_PAUSE = 250;
 
 /** Milliseconds that a pointer rests before it counts as hovering. */
-const HOVER_PAUSE = 120;
+export const HOVER_PAUSE = 120;
 
 /** CSS pixels of a wheel's turn that zoom by a factor e. */
 const WHEEL_SCALE = 600;
@@ -132,7 +132,10 @@ export class PointerControls {
     if (this.click && event.type === "pointerup") this.listener.clicked(this.click.x, this.click.y);
     this.click = null;
     this.panning = false;
-    if (this.pointers.size === 0) this.listener.released();
+    if (this.pointers.size > 0) return;
+    // A finger that is lifted is nowhere.
+    if (event.type === "pointerup" && event.pointerType !== "touch") this.rest(this.place(event));
+    this.listener.released();
   }
 
   /** @param {WheelEvent} event */

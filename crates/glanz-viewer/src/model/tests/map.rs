@@ -1,8 +1,11 @@
 //! Values on surfaces, looked up as the page does.
 
-use glanz_math::DVec2;
+use std::sync::Arc;
 
-use super::super::MapLabel;
+use glanz_math::DVec2;
+use glanz_scene::HitLocation;
+
+use super::super::{LuxCell, LuxLookup, LuxReading, MapLabel};
 use super::*;
 
 /// Map value at a point of a patch, by linear interpolation between texel centres.
@@ -44,10 +47,10 @@ fn values_are_shown_where_they_belong() {
         let numbers = [f64::from(surface) * 10.0 + f64::from(face), uv.x, 3.0 - uv.y];
         (kind != "sphere").then(|| numbers.map(|x| x as f32))
     };
-    let label = MapLabel { name: "numbers", unit: "1", two_sided: false };
+    let label = MapLabel { unit: "1", is_colour: true, two_sided: false };
     let file = File::read(&model.with_map(label, &scene, 5, |_| true, value).unwrap().to_bytes().unwrap());
     let map = &file.head["maps"][0];
-    assert_eq!((&map["name"], &map["unit"]), (&"numbers".into(), &"1".into()));
+    assert_eq!((&map["unit"], &map["channels"]), (&"1".into(), &3.into()));
     let patches = file.words("patches");
     let mut seen = 0;
     let placed = scene.placed_surfaces();
@@ -84,7 +87,7 @@ fn patches_on_a_map_keep_their_points() {
     let (description, scene) = load("WorldBegin\nShape \"sphere\"");
     let bare = Model::try_new("test", &description, &scene, &[]).unwrap();
     let before = File::read(&bare.to_bytes().unwrap());
-    let label = MapLabel { name: "", unit: "", two_sided: false };
+    let label = MapLabel { unit: "", is_colour: true, two_sided: false };
     let with = bare.with_map(label, &scene, 4, |_| true, |_, _, _, _| Some([1.0; 3])).unwrap();
     let after = File::read(&with.to_bytes().unwrap());
     assert_eq!(before.words("points"), after.words("points"));
@@ -101,7 +104,7 @@ fn back_has_values_of_its_own_half_a_map_below_those_of_the_front() {
     let (description, scene) = load("WorldBegin\nShape \"box\"");
     let model = Model::try_new("test", &description, &scene, &[]).unwrap();
     let value = |_, face: u32, _, back| Some([if back { -1.0 - face as f32 } else { face as f32 }; 3]);
-    let label = MapLabel { name: "", unit: "", two_sided: true };
+    let label = MapLabel { unit: "", is_colour: true, two_sided: true };
     let file = File::read(&model.with_map(label, &scene, 3, |_| true, value).unwrap().to_bytes().unwrap());
     assert_eq!(file.head["maps"][0]["sides"], 2);
     let surface = &file.list("surfaces")[number(&file.list("objects")[0]["surface"])];
@@ -125,8 +128,54 @@ fn values_at_a_trimmed_border_are_not_mixed_with_nothing() {
     let model = Model::try_new("test", &description, &scene, &[]).unwrap();
     // As if a corner were trimmed away.
     let value = |_, _, uv: DVec2, _| (uv.x + uv.y < 1.05).then_some([2.0; 3]);
-    let label = MapLabel { name: "", unit: "", two_sided: false };
+    let label = MapLabel { unit: "", is_colour: true, two_sided: false };
     let file = File::read(&model.with_map(label, &scene, 9, |_| true, value).unwrap().to_bytes().unwrap());
     let texels = file.floats("map0");
     assert!(texels.iter().filter(|&&x| x == 2.0).count() >= 6 * 81 * 3, "{texels:?}");
+}
+
+/// One cell of 1 m^2 on each surface, with 100 lx times the number of the surface.
+#[derive(Debug)]
+struct CellOfSurface;
+
+impl LuxLookup for CellOfSurface {
+    fn reading(&self, _: &HitLocation) -> Option<LuxReading> {
+        None
+    }
+
+    fn cells_on(&self, surface: u32) -> Vec<LuxCell> {
+        vec![LuxCell { lux: 100.0 * surface as f32, error: 0.0, area: 1.0 }]
+    }
+}
+
+/// The model of shapes with 100 lx on all that can show them.
+fn lit(shapes: &str) -> File {
+    let (description, scene) = load(&format!("WorldBegin\n{shapes}"));
+    let model = Model::try_new("test", &description, &scene, &[]).unwrap();
+    let label = MapLabel { unit: "lx", is_colour: false, two_sided: false };
+    let model = model.with_map(label, &scene, 5, |_| true, |_, _, _, _| Some([100.0; 3])).unwrap();
+    File::read(&model.with_lux(Arc::new(CellOfSurface)).to_bytes().unwrap())
+}
+
+const MESH_RECEIVER: &str =
+    r#"Shape "trianglemesh" "string receiver" "mesh" "point3 P" [0 0 1  1 0 1  0 1 1]"#;
+
+#[test]
+fn cells_of_surfaces_that_show_illuminances_count_for_the_scale() {
+    let sheet = r#"Shape "bilinearmesh" "string receiver" "sheet" "point3 P" [0 0 0  1 0 0  0 1 0  1 1 0]"#;
+    let file = lit(&format!("{MESH_RECEIVER}\n{sheet}"));
+    let is_shown: Vec<bool> = file.list("objects").iter().map(|object| !object["map"].is_null()).collect();
+    assert_eq!(is_shown.iter().filter(|&&is_shown| is_shown).count(), 1, "{is_shown:?}");
+    let surface = is_shown.iter().position(|&is_shown| is_shown).unwrap();
+    assert_eq!(file.floats("luxCells"), [100.0 * surface as f64, 1.0]);
+    // One number for each of 5 x 5 values.
+    assert_eq!((&file.head["maps"][0]["channels"], file.floats("map0")), (&1.into(), vec![100.0; 25]));
+}
+
+#[test]
+fn scenes_whose_receivers_are_all_meshes_have_an_empty_map_and_no_cells() {
+    let file = lit(MESH_RECEIVER);
+    assert!(file.list("objects").iter().all(|object| object["map"].is_null()));
+    assert_eq!((&file.head["maps"][0]["unit"], file.floats("map0")), (&"lx".into(), vec![0.0]));
+    assert!(file.floats("luxCells").is_empty());
 }

@@ -2,7 +2,7 @@
 
 mod leaves;
 mod map;
-mod outside;
+mod outer_walls;
 mod region;
 mod scene_parts;
 mod surfaces;

@@ -19,6 +19,7 @@ use tokio::time::timeout;
 
 use super::access_key::AccessKey;
 use super::message::ServerMessage;
+use super::query_value;
 use super::settings::Limits;
 use super::state::AppState;
 use super::viewer_scene::ViewerScene;
@@ -83,8 +84,7 @@ pub(crate) async fn open(
 }
 
 async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Result<String, UploadError> {
-    let named = query.into_iter().flat_map(|q| q.split('&')).find_map(|pair| pair.strip_prefix("session="));
-    let session = named
+    let session = query_value(query, "session")
         .and_then(AccessKey::parse)
         .and_then(|key| app.sessions.get(&key))
         .ok_or_else(|| UploadError::bad("?session= must be the name of an open page"))?;
@@ -109,7 +109,7 @@ async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Resul
         .map_err(UploadError::Scene)?;
     let published =
         app.models.publish(Arc::new(viewer_scene)).map_err(|error| UploadError::busy(&error.to_string()))?;
-    let message = app.scene_message(&session.key, &published, true);
+    let message = app.scene_message(&session.key, &published, None);
     session.show_own(published, message.clone());
     Ok(ServerMessage::Scene(message).to_text())
 }

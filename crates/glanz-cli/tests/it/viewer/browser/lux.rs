@@ -3,23 +3,23 @@
 use std::f64::consts::FRAC_PI_8;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use glanz::formats::image;
 use glanz::light::Pixels;
 use serde_json::{Value, json};
 
 use super::page::Page;
+use crate::command_line::support::Folder;
 use crate::viewer::server::ViewServer;
 
 /// Size of the window in pixels.
 const SIZE: [u32; 2] = [1100, 700];
 
-/// Height of the lamp over the floor, metres.
+/// Height of the light over the floor, metres.
 const HEIGHT: f64 = 2.0;
 
-/// A black room of 4 m x 4 m x 2.5 m about the z axis with a lamp at its axis: the floor has lux E0 / (1 + (r / h)^2)^(3/2). The ceiling's normal points out of
-/// the room, and a wall is a mesh. Nothing hides the floor from the lamp.
+/// A black room of 4 m x 4 m x 2.5 m about the z axis with a light at its axis: the floor has lux E0 / (1 + (r / h)^2)^(3/2). The ceiling's normal points out of
+/// the room, and a wall is a mesh. Nothing hides the floor from the light.
 fn room(power: f64) -> String {
     format!(
         r#"LookAt 0 -1.5 1  0 0 0.5  0 0 1
@@ -44,44 +44,10 @@ struct FloorCell {
     lux: f64,
 }
 
-/// Files of a room and its lux maps, deleted with the value.
-struct LitRoom {
-    folder: PathBuf,
-}
-
-impl Drop for LitRoom {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.folder);
-    }
-}
-
-impl LitRoom {
-    fn new(name: &str) -> Self {
-        let folder = std::env::temp_dir().join(format!("glanz-lux-{name}-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("a folder");
-        Self { folder }
-    }
-
-    fn write(&self, name: &str, power: f64) -> PathBuf {
-        let path = self.folder.join(name);
-        std::fs::write(&path, room(power)).expect("a file");
-        path
-    }
-
-    fn illuminate(&self, scene: &Path, arguments: &[&OsStr]) -> PathBuf {
-        let lux = self.folder.join("lux");
-        let run = Command::new(env!("CARGO_BIN_EXE_glanz"))
-            .arg("illuminate")
-            .arg(scene)
-            .arg("-o")
-            .arg(&lux)
-            .args(["--cells", "64", "--method", "integrate", "--quiet"])
-            .args(arguments)
-            .output()
-            .expect("the program starts");
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-        lux
-    }
+/// Computes lux maps of rooms of the folder; returns where they are.
+fn illuminate(folder: &Folder, scenes: &str) -> PathBuf {
+    folder.succeed(&format!("illuminate {scenes} -o lux --cells 64 --method integrate --quiet"));
+    folder.path("lux")
 }
 
 fn table(lux: &Path) -> Vec<FloorCell> {
@@ -156,9 +122,10 @@ fn set(page: &mut Page, id: &str, value: &Value) {
 
 #[test]
 fn lux_maps_are_read_scaled_and_drawn_as_their_tables_say() {
-    let lit = LitRoom::new("room");
-    let scene = lit.write("room.pbrt", 10.0);
-    let lux = lit.illuminate(&scene, &[]);
+    let folder = Folder::new();
+    folder.write("room.pbrt", room(10.0));
+    let lux = illuminate(&folder, "room.pbrt");
+    let scene = folder.path("room.pbrt");
     let cells = table(&lux);
     let served = ViewServer::start_with_arguments(&scene, &["--lux".as_ref(), lux.as_os_str()], &[]);
     let mut page = Page::open(&served.address(), SIZE);
@@ -270,9 +237,11 @@ fn lux_maps_are_read_scaled_and_drawn_as_their_tables_say() {
 
 #[test]
 fn two_designs_have_one_camera_and_one_scale_and_show_their_difference() {
-    let lit = LitRoom::new("designs");
-    let [a, b] = [lit.write("a.pbrt", 10.0), lit.write("b.pbrt", 7.0)];
-    let lux = lit.illuminate(&a, &["--compare".as_ref(), b.as_os_str()]);
+    let folder = Folder::new();
+    folder.write("a.pbrt", room(10.0));
+    folder.write("b.pbrt", room(7.0));
+    let lux = illuminate(&folder, "a.pbrt --compare b.pbrt");
+    let [a, b] = ["a.pbrt", "b.pbrt"].map(|name| folder.path(name));
     let [first, second] = ["a", "b"].map(|name| table(&lux.join(name)));
     let arguments: [&OsStr; 4] = ["--compare".as_ref(), b.as_os_str(), "--lux".as_ref(), lux.as_os_str()];
     let served = ViewServer::start_with_arguments(&a, &arguments, &[]);
@@ -310,11 +279,16 @@ fn two_designs_have_one_camera_and_one_scale_and_show_their_difference() {
     // The same colours mean the same: where the first has 0.7 of its largest value, the second, seen at the axis, has its own largest one.
     let shown = picture(&mut page);
     let radius = HEIGHT * (0.7_f64.powf(-2.0 / 3.0) - 1.0).sqrt();
-    let [left, right] = [("#view", [radius, 0.0]), ("canvas.second", [0.0, 0.0])].map(|(canvas, at)| {
+    let places = [("#view", [0.0, 0.0]), ("#view", [radius, 0.0]), ("canvas.second", [0.0, 0.0])];
+    let [brightest, left, right] = places.map(|(canvas, at)| {
         let place = on_floor(&mut page, canvas, at);
         colour(&shown, place)
     });
-    assert!(left.iter().zip(right).all(|(a, b)| (a - b).abs() < 0.02), "{left:?} {right:?}");
+    let difference =
+        |a: [f32; 3], b: [f32; 3]| a.iter().zip(b).fold(0.0, |most, (a, b)| (a - b).abs().max(most));
+    assert!(difference(left, right) < 0.02, "{left:?} {right:?}");
+    // Yellow and green: without maps, all would be black.
+    assert!(difference(brightest, left) > 0.3, "{brightest:?} {left:?}");
     // A turn of the second turns the first.
     let before = page.evaluate("window.glanz.state().camera.right");
     let [x, y] = on_floor(&mut page, "canvas.second", [0.5, 0.5]);

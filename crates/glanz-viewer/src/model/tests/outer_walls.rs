@@ -26,7 +26,7 @@ fn number_of(object: &Value) -> usize {
 }
 
 /// A room of 4 m x 3 m x 2.5 m; floor and wall at y = 0 face inwards, ceiling and the wall at y = 3 outwards, the others are meshes of triangles, of which the
-/// second faces outwards. A lamp hangs below the ceiling.
+/// second faces outwards. A light hangs below the ceiling.
 const ROOM: &str = r#"
     LightSource "point" "point3 from" [2 1.5 2.2]
     NamedMaterial "b"
@@ -44,7 +44,7 @@ fn walls_are_left_out_from_outside_whichever_way_they_face() {
 }
 
 #[test]
-fn rooms_are_found_by_lamps_that_are_too_dark_to_light_the_page() {
+fn rooms_are_found_by_lights_that_are_too_dark_to_light_the_page() {
     let bright =
         |i: i32| format!("LightSource \"point\" \"point3 from\" [{i} 0 50] \"float power\" 1000000\n");
     let others: String = (0..40).map(bright).collect();
@@ -85,6 +85,27 @@ fn a_room_of_one_mesh_that_faces_inwards_is_left_out_from_outside() {
     );
 }
 
+#[test]
+fn furniture_in_the_mesh_of_a_room_counts_by_its_area() {
+    // The same box below a table top of 3200 small triangles.
+    let grid = |count: usize| (0..=count).flat_map(move |j| (0..=count).map(move |i| (i, j)));
+    let points: String = grid(40)
+        .map(|(i, j)| format!("{} {} 0.7 ", 1.0 + 0.025 * i as f64, 1.0 + 0.025 * j as f64))
+        .collect();
+    let corner = |i: usize, j: usize| 8 + 41 * j + i;
+    let triangles: String = grid(39)
+        .map(|(i, j)| {
+            let [a, b, c, d] = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| corner(i, j));
+            format!("{a} {b} {c} {a} {c} {d} ")
+        })
+        .collect();
+    assert_sides(&format!(
+        r#"NamedMaterial "b"
+        Shape "trianglemesh" "point3 P" [0 0 0  4 0 0  4 3 0  0 3 0  0 0 2  4 0 2  4 3 2  0 3 2 {points}] "integer indices" [{triangles}
+            0 1 2  0 2 3   4 6 5  4 7 6   0 5 1  0 4 5   3 2 6  3 6 7   0 3 7  0 7 4   1 5 6  1 6 2]"#,
+    ));
+}
+
 /// A box of six quadrilaterals that face outwards, or inwards.
 fn six_sides([x, y, z]: [f64; 3], [width, depth, height]: [f64; 3], inwards: bool) -> String {
     let corner = |i: usize| {
@@ -101,12 +122,29 @@ fn six_sides([x, y, z]: [f64; 3], [width, depth, height]: [f64; 3], inwards: boo
 }
 
 #[test]
+fn floors_and_ceilings_of_wide_rooms_are_walls() {
+    // 5 % of the diagonal are more than the height.
+    for (inwards, name) in [(true, "b"), (false, "f")] {
+        let room = six_sides([0.0; 3], [50.0, 40.0, 3.0], inwards);
+        let light = "LightSource \"point\" \"point3 from\" [20 25 2.7]";
+        assert_sides(&format!("{light}\nNamedMaterial \"{name}\"\n{room}"));
+    }
+    // Without a light, the floor alone is known to be in a room.
+    assert_sides(
+        r#"NamedMaterial "-"
+        Shape "bilinearmesh" "point3 P" [0 0 3  0 40 3  50 0 3  50 40 3]
+        NamedMaterial "b"
+        Shape "bilinearmesh" "string receiver" "floor" "point3 P" [0 0 0  50 0 0  0 40 0  50 40 0]"#,
+    );
+}
+
+#[test]
 fn plinths_of_single_surfaces_are_no_walls() {
     let floor = "Shape \"bilinearmesh\" \"point3 P\" [-10 -10 0  10 -10 0  -10 10 0  10 10 0]";
-    for lamp in ["", "LightSource \"point\" \"point3 from\" [1 0 5]"] {
+    for light in ["", "LightSource \"point\" \"point3 from\" [1 0 5]"] {
         for inwards in [false, true] {
             let plinth = six_sides([0.0; 3], [1.0, 1.0, 1.2], inwards);
-            assert_sides(&format!("{lamp}\nNamedMaterial \"-\"\n{floor}\n{plinth}"));
+            assert_sides(&format!("{light}\nNamedMaterial \"-\"\n{floor}\n{plinth}"));
         }
     }
     // Without its bottom, its sides and its top see the floor.
@@ -115,6 +153,19 @@ fn plinths_of_single_surfaces_are_no_walls() {
     assert_sides(&format!(
         "LightSource \"point\" \"point3 from\" [1 0 5]\nNamedMaterial \"-\"\n{floor}\n{open}"
     ));
+}
+
+#[test]
+fn open_crates_on_a_wide_floor_are_no_walls() {
+    // The scene is as low as the crate, but its sides are nearer to each other than 5 % of the diagonal.
+    let floor = "Shape \"bilinearmesh\" \"point3 P\" [-10 -10 0  10 -10 0  -10 10 0  10 10 0]";
+    let light = "LightSource \"point\" \"point3 from\" [0.5 0.5 5]";
+    for inwards in [false, true] {
+        let crate_sides = six_sides([0.0; 3], [1.0, 1.0, 0.5], inwards);
+        // Without its bottom and its top.
+        let crate_sides = crate_sides.splitn(3, '\n').nth(2).unwrap();
+        assert_sides(&format!("{light}\nNamedMaterial \"-\"\n{floor}\n{crate_sides}"));
+    }
 }
 
 #[test]
@@ -155,7 +206,7 @@ fn the_side_that_a_receiver_measures_is_shown() {
 }
 
 #[test]
-fn receivers_are_in_rooms_where_no_lamp_is_in_sight() {
+fn receivers_are_in_rooms_where_no_light_is_in_sight() {
     assert_sides(
         r#"LightSource "point" "point3 from" [2 1.5 1.2]
         NamedMaterial "-"

@@ -17,6 +17,12 @@ use super::lights::placed_lights;
 /// Objects from which on a scene is too large for walls to be looked for: parts of machines have no walls.
 const MOST_OBJECTS: usize = 20_000;
 
+/// Lights from which on walls are not looked for: each point would look for the nearest ones among too many.
+const MOST_LIGHTS: usize = 1 << 16;
+
+/// Faces from which on walls are not looked for: the area of each is estimated. Those of copies count once.
+const MOST_FACES: u64 = 1 << 22;
+
 /// Largest number of rays for all objects, but for those that pass interfaces.
 const MOST_RAYS: usize = 1 << 20;
 
@@ -41,6 +47,12 @@ const LEAST_SHARE: f64 = 1.0 / 3.0;
 /// Distance at which a wall has to see something, as a share of the diagonal of the scene: the sides of furniture see each other.
 const LEAST_DISTANCE: f64 = 0.05;
 
+/// The same as a share of the extent of the scene along the normal, where a light or a receiver tells rooms from furniture: a wide room is low.
+const LEAST_SIDE: f64 = 0.25;
+
+/// Points on a curved face that its area is estimated by.
+const FACE_POINTS: usize = 4;
+
 /// Multiples of these numbers, without their integer parts, are spread evenly over an interval and over a square.
 const INTERVAL_STEP: f64 = 0.618_033_988_749_894_8;
 const SQUARE_STEPS: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
@@ -60,16 +72,17 @@ impl Model {
     /// a receiver counts light there, or it sees a light, or, in scenes whose light has no place, a surface that faces it. Files of models rarely say which side is the room's.
     #[must_use]
     pub(crate) fn with_outer_sides(mut self, scene: &Scene) -> Self {
-        if self.head.objects.len() > MOST_OBJECTS {
+        if self.head.objects.len() > MOST_OBJECTS || scene.lights().len() > MOST_LIGHTS {
             return self;
         }
-        let search = WallSearch::new(&self, scene);
-        let mut objects = Vec::new();
-        for (surface, parts) in search.placed.iter().zip(&self.objects) {
-            let ends = parts.iter().skip(1).map(|&(end, _)| end).chain([surface.faces()]);
-            objects
-                .extend(parts.iter().zip(ends).map(|(&(first, object), end)| (object, surface, first..end)));
+        let placed = scene.placed_surfaces();
+        let candidates = wall_candidates(&placed);
+        if candidates.values().map(|surface| u64::from(surface.faces())).sum::<u64>() > MOST_FACES {
+            return self;
         }
+        let area_sums = candidates.into_par_iter().map(|(key, surface)| (key, area_sums(surface))).collect();
+        let search = WallSearch::new(&self, scene, &placed, area_sums);
+        let objects: Vec<_> = self.object_faces(&placed).collect();
         let sides: Vec<_> = objects
             .into_par_iter()
             .map(|(object, surface, faces)| (object, search.outer_side(object, surface, faces)))
@@ -90,24 +103,28 @@ impl Model {
     }
 }
 
+/// Sums of the areas of the faces of each surface that may be a wall, by [`address`].
+type AreaSums = HashMap<usize, Vec<f64>>;
+
 /// A scene with what its walls are found by.
 struct WallSearch<'a> {
     model: &'a Model,
     scene: &'a Scene,
-    placed: Vec<PlacedSurface<'a>>,
+    placed: &'a [PlacedSurface<'a>],
     /// Points that are lit, for each light that has a place.
     lights: Vec<DVec3>,
     /// Sides of shapes that receivers measure.
     measured: HashMap<u32, Vec<ReceiverSide>>,
-    /// Length of the diagonal of the scene, metres.
-    diagonal: f64,
+    area_sums: AreaSums,
+    /// Sides of the bounding box of the scene, metres.
+    size: DVec3,
     /// Number of points on each object.
     points: usize,
 }
 
 impl<'a> WallSearch<'a> {
-    fn new(model: &'a Model, scene: &'a Scene) -> Self {
-        let diagonal = scene.bounds().diagonal().length();
+    fn new(model: &'a Model, scene: &'a Scene, placed: &'a [PlacedSurface<'a>], area_sums: AreaSums) -> Self {
+        let size = scene.bounds().diagonal();
         let mut measured: HashMap<u32, Vec<ReceiverSide>> = HashMap::new();
         for receiver in scene.receivers() {
             measured.entry(receiver.shape()).or_default().push(receiver.side());
@@ -116,15 +133,14 @@ impl<'a> WallSearch<'a> {
             let [position, direction] = [light.position, light.direction].map(DVec3::from_array);
             match light.kind {
                 "point" => Some(position),
-                "spot" | "area" => Some(position + LIGHT_OFFSET * diagonal * direction),
+                "spot" | "area" => Some(position + LIGHT_OFFSET * size.length() * direction),
                 _ => None,
             }
         };
-        let placed = scene.placed_surfaces();
-        let lights: Vec<DVec3> = placed_lights(scene, &placed).iter().filter_map(lit_point).collect();
+        let lights: Vec<DVec3> = placed_lights(scene, placed).iter().filter_map(lit_point).collect();
         let rays = model.head.objects.len().max(1) * (2 + NEAREST_LIGHTS);
         let points = (MOST_RAYS / rays).clamp(POINTS[0], POINTS[1]);
-        Self { model, scene, placed, lights, measured, diagonal, points }
+        Self { model, scene, placed, lights, measured, area_sums, size, points }
     }
 
     fn outer_side(&self, object: u32, surface: &PlacedSurface<'_>, faces: Range<u32>) -> Option<OuterSide> {
@@ -138,12 +154,12 @@ impl<'a> WallSearch<'a> {
         let (mut area, mut front_area, mut back_area) = (0.0, 0.0, 0.0);
         for number in 0..self.points {
             let share = (number as f64 * INTERVAL_STEP).fract();
-            let face = faces.start + (share * faces.len() as f64) as u32;
+            let Some((face, face_area)) = self.face_at(surface, &faces, share) else { continue };
             let Some((uv, domain_area)) = sample(&surface.face_domain(face), number) else { continue };
             let [Some(front), Some(back)] = [false, true].map(|back| surface.at(face, uv, back)) else {
                 continue;
             };
-            let weight = front.area_element * domain_area;
+            let weight = front.area_element * domain_area / face_area;
             area += weight;
             let [before, behind] = [&front.at, &back.at].map(|at| self.first_hit(at.spawn(at.wo)));
             // Where light counts, there is no outside.
@@ -161,6 +177,15 @@ impl<'a> WallSearch<'a> {
             return None;
         }
         Some(if front_area > back_area { OuterSide::Front } else { OuterSide::Back })
+    }
+
+    /// The face among `faces` up to which they have a share of their area, and the estimate of its area; faces without an area are never met.
+    fn face_at(&self, surface: &PlacedSurface<'_>, faces: &Range<u32>, share: f64) -> Option<(u32, f64)> {
+        let sums = self.area_sums.get(&address(surface))?.get(faces.start as usize..=faces.end as usize)?;
+        let (first, last) = (*sums.first()?, *sums.last()?);
+        let before = sums.partition_point(|&sum| sum <= first + share * (last - first)).checked_sub(1)?;
+        let area = sums.get(before + 1)? - sums.get(before)?;
+        Some((faces.start + before as u32, area))
     }
 
     /// The first hit that is not on an interface.
@@ -184,7 +209,11 @@ impl<'a> WallSearch<'a> {
         (hit, place): &(Interaction, ParametricPoint),
         is_measured: bool,
     ) -> bool {
-        let is_near = hit.point.position.distance(at.point.position) <= LEAST_DISTANCE * self.diagonal;
+        let mut least = LEAST_DISTANCE * self.size.length();
+        if is_measured || !self.lights.is_empty() {
+            least = least.min(LEAST_SIDE * at.wo.abs().dot(self.size));
+        }
+        let is_near = hit.point.position.distance(at.point.position) <= least;
         // A solid sees the backs of its own sides.
         if is_near || (place.back && self.model.object_of(place) == Some(object)) {
             return false;
@@ -195,12 +224,20 @@ impl<'a> WallSearch<'a> {
         if self.lights.is_empty() {
             return !place.back;
         }
-        let distance = |light: &DVec3| light.distance_squared(at.point.position);
-        let mut nearest: Vec<DVec3> = self.lights.clone();
-        if nearest.len() > NEAREST_LIGHTS {
-            nearest.select_nth_unstable_by(NEAREST_LIGHTS, |a, b| distance(a).total_cmp(&distance(b)));
+        self.nearest_lights(at.point.position).any(|light| self.is_in_sight(at, light))
+    }
+
+    /// The lights nearest to a point.
+    fn nearest_lights(&self, point: DVec3) -> impl Iterator<Item = DVec3> {
+        let mut nearest = [(f64::INFINITY, DVec3::ZERO); NEAREST_LIGHTS];
+        for &light in &self.lights {
+            let distance = light.distance_squared(point);
+            if distance < nearest[NEAREST_LIGHTS - 1].0 {
+                nearest[NEAREST_LIGHTS - 1] = (distance, light);
+                nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            }
         }
-        nearest.iter().take(NEAREST_LIGHTS).any(|&light| self.is_in_sight(at, light))
+        nearest.into_iter().filter(|(distance, _)| distance.is_finite()).map(|(_, light)| light)
     }
 
     /// Whether a light is in sight of a point on its side.
@@ -213,6 +250,49 @@ impl<'a> WallSearch<'a> {
                     || hit.point.position.distance(at.point.position) >= (1.0 - ROUNDING) * distance
             })
     }
+}
+
+/// What tells a surface from others; its copies have the same.
+fn address(surface: &PlacedSurface<'_>) -> usize {
+    std::ptr::from_ref(surface.surface()).addr()
+}
+
+/// The surfaces that may be walls, that is all but interfaces, by [`address`].
+fn wall_candidates<'a>(placed: &'a [PlacedSurface<'a>]) -> HashMap<usize, &'a PlacedSurface<'a>> {
+    let candidates = placed.iter().filter(|surface| !surface.is_passable());
+    candidates.map(|surface| (address(surface), surface)).collect()
+}
+
+/// Sums of estimates of the areas of the faces before each face, and of all, m^2; 1 is the area of a single face.
+fn area_sums(surface: &PlacedSurface<'_>) -> Vec<f64> {
+    if surface.faces() == 1 {
+        return vec![0.0, 1.0];
+    }
+    let areas: Vec<f64> = (0..surface.faces()).into_par_iter().map(|face| face_area(surface, face)).collect();
+    // In order, so that the sums do not depend on the number of threads.
+    let mut sum = 0.0;
+    let mut sums = vec![sum];
+    sums.extend(areas.into_iter().map(|area| {
+        sum += area;
+        sum
+    }));
+    sums
+}
+
+/// An estimate of the area of a face, m^2; 0 if it is not finite.
+fn face_area(surface: &PlacedSurface<'_>, face: u32) -> f64 {
+    let domain = surface.face_domain(face);
+    // Polygons are flat: one point in each of their triangles is enough.
+    let points = match &domain {
+        FaceDomain::Square => FACE_POINTS,
+        FaceDomain::Polygon(corners) => corners.len().saturating_sub(2),
+    };
+    let area = |number| {
+        let (uv, domain_area) = sample(&domain, number)?;
+        Some(surface.at(face, uv, false)?.area_element * domain_area)
+    };
+    let estimate = (0..points).filter_map(area).sum::<f64>() / points as f64;
+    if estimate.is_finite() { estimate } else { 0.0 }
 }
 
 /// A point of a face by its parameters, and the area of the parameters; points of successive numbers are spread evenly.
