@@ -75,7 +75,7 @@ impl CellField {
     /// The field with cells joined to at most `most` columns and rows: means over their areas. All have equally many cells if at least half as many columns, or
     /// rows, as allowed can have; otherwise they differ by one.
     #[must_use]
-    pub fn blocks(&self, most: [usize; 2]) -> Self {
+    pub(crate) fn blocks(&self, most: [usize; 2]) -> Self {
         let borders = |count: usize, most: usize| {
             if count == 0 {
                 return vec![0];

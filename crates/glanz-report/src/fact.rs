@@ -3,6 +3,7 @@
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::number::{duration, grouped, significant};
+use crate::table::{Table, TableCell, printable};
 
 /// A fact: its names and its value.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,6 +114,22 @@ impl FactList {
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&FactValue> {
         self.0.iter().find(|fact| fact.key == key).map(|fact| &fact.value)
+    }
+
+    /// The facts whose keys `is_shown` accepts, as a table of two columns with this name, caption, and title of the first column.
+    #[must_use]
+    pub fn table(
+        &self,
+        name: &'static str,
+        caption: &str,
+        title: &'static str,
+        is_shown: impl Fn(&str) -> bool,
+    ) -> Table {
+        let mut table = Table::new(name, caption, &[("fact", title), ("value", "")]);
+        for fact in self.iter().filter(|fact| is_shown(fact.key)) {
+            table.push([fact.name.into(), TableCell::Text(printable(&fact.value.shown()))]);
+        }
+        table
     }
 
     /// The facts in their order.

@@ -1,12 +1,15 @@
 //! A room from above, to scale.
 
 use crate::label_boxes::{LabelBoxes, half_size};
-use crate::map_frame::LETTER;
+use crate::map_frame::{LETTER, SENTENCE_LETTER};
+use crate::number::{metres, tick_label};
 use crate::svg::{Svg, shortened};
 
-/// Scales of plans, metres per metre of paper.
-const SCALES: [f64; 15] =
-    [5.0, 10.0, 20.0, 25.0, 50.0, 100.0, 200.0, 250.0, 500.0, 1e3, 2e3, 5e3, 1e4, 2e4, 5e4];
+/// Scales of plans, metres per metre of paper; those of optics are larger than life.
+const SCALES: [f64; 20] = [
+    0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 25.0, 50.0, 100.0, 200.0, 250.0, 500.0, 1e3, 2e3, 5e3, 1e4,
+    2e4, 5e4,
+];
 
 /// Pixels per metre of paper: 96 to an inch, as in CSS.
 const PIXELS: f64 = 96.0 / 0.0254;
@@ -18,8 +21,12 @@ const LARGEST: [f64; 2] = [540.0, 480.0];
 const MARGIN: f64 = 66.0;
 const FOOT: f64 = 64.0;
 
-/// Least distance between the marks of a chain of dimensions, pixels.
+/// Least distance between the marks of a chain of dimensions, and the width of a letter between them; pixels.
 const LEAST_GAP: f64 = 34.0;
+const CHAIN_LETTER: f64 = LETTER[0] * 11.0 / 12.0;
+
+/// Distance of two marks of a chain that are one: a millimetre is no distance in a room. In things smaller than a metre, a thousandth of their size.
+const SAME_MARK: f64 = 1e-3;
 
 /// Largest number of marks of a chain.
 const MOST_MARKS: usize = 24;
@@ -62,7 +69,7 @@ pub struct FloorPlan<'a> {
     pub furniture: Vec<Vec<[f64; 2]>>,
     /// Areas with names.
     pub areas: Vec<PlanArea>,
-    /// Numbered things; the distances between them and from the border are dimensions, if there is room.
+    /// Numbered things; the distances between those in the room and from its ends are dimensions, if there is space for them.
     pub symbols: Vec<PlanSymbol>,
 }
 
@@ -79,8 +86,7 @@ struct PlanFrame {
 
 impl FloorPlan<'_> {
     /// Metres per metre of paper if the drawing has its own size: the finest of the usual scales that fits a sheet of A4.
-    #[must_use]
-    pub fn scale(&self) -> f64 {
+    fn scale(&self) -> f64 {
         let [width, height] = self.size();
         let fits = |scale: &f64| {
             let pixels = PIXELS / scale;
@@ -111,7 +117,7 @@ impl FloorPlan<'_> {
         let frame = PlanFrame { low: self.corners[0], pixels, corner, size };
         let bottom = corner[1] + size[1];
         let mut svg = Svg::new([width.round(), (bottom + MARGIN + FOOT).round()], self.title);
-        let letters = ((width - 24.0) / LETTER[0] * 0.8) as usize;
+        let letters = ((width - 24.0) / SENTENCE_LETTER * 0.8) as usize;
         svg.text([12.0, 26.0], "start", "font-size=\"16\"", &shortened(self.title, letters));
         for outline in &self.furniture {
             svg.polygon(
@@ -193,22 +199,30 @@ impl FloorPlan<'_> {
 
     /// Draws the width below and the depth at the left; the distances of symbols above and at the right, if they can be read.
     fn draw_dimensions(&self, svg: &mut Svg, frame: &PlanFrame) {
-        let [width, depth] = self.size();
         let room = |axis: usize| [0, 1].map(|end: usize| self.room[end][axis] - frame.low[axis]);
         frame.chain(svg, 0, &room(0), 26.0 + frame.size[1]);
         frame.chain(svg, 1, &room(1), -26.0);
-        for (axis, length, off) in [(0, width, -20.0), (1, depth, 20.0 + frame.size[0])] {
-            let own = self.symbols.iter().map(|symbol| symbol.centre[axis] - frame.low[axis]);
-            let mut marks: Vec<f64> = own.chain([0.0, length]).collect();
-            marks.sort_by(f64::total_cmp);
-            // A millimetre is no distance in a room.
-            marks.dedup_by(|a, b| (*a - *b).abs() < 1e-3);
-            let is_wide = marks.windows(2).all(|pair| (pair[1] - pair[0]) * frame.pixels >= LEAST_GAP);
-            let is_inside = marks.first() == Some(&0.0) && marks.last() == Some(&length);
-            if is_wide && is_inside && (3..=MOST_MARKS).contains(&marks.len()) {
+        for (axis, off) in [(0, -20.0), (1, 20.0 + frame.size[0])] {
+            let marks = self.marks(axis, room(axis), frame.low[axis]);
+            let is_wide = marks.windows(2).all(|pair| {
+                let length = pair[1] - pair[0];
+                let label = CHAIN_LETTER * metres(length).len() as f64;
+                length * frame.pixels >= LEAST_GAP.max(label)
+            });
+            if is_wide && (3..=MOST_MARKS).contains(&marks.len()) {
                 frame.chain(svg, axis, &marks, off);
             }
         }
+    }
+
+    /// The ends of the room along an axis, and the symbols strictly between them: metres from `low`, ascending.
+    fn marks(&self, axis: usize, [first, last]: [f64; 2], low: f64) -> Vec<f64> {
+        let same = SAME_MARK * (last - first).min(1.0);
+        let own = self.symbols.iter().map(|symbol| symbol.centre[axis] - low);
+        let mut inside: Vec<f64> = own.filter(|mark| *mark > first + same && *mark < last - same).collect();
+        inside.sort_by(f64::total_cmp);
+        inside.dedup_by(|a, b| *a - *b < same);
+        [first].into_iter().chain(inside).chain([last]).collect()
     }
 }
 
@@ -244,7 +258,7 @@ impl PlanFrame {
             let [x, y] = place(0.5 * (pair[0] + pair[1]), -4.0);
             let turned = format!("font-size=\"11\" transform=\"rotate(-90 {x:.1} {y:.1})\"");
             let attributes = if axis == 0 { "font-size=\"11\"" } else { turned.as_str() };
-            svg.text([x, y], "middle", attributes, &format!("{:.2}", pair[1] - pair[0]));
+            svg.text([x, y], "middle", attributes, &metres(pair[1] - pair[0]));
         }
     }
 }
@@ -253,9 +267,9 @@ impl PlanFrame {
 fn draw_foot(svg: &mut Svg, frame: &PlanFrame, [left, top]: [f64; 2], scale: f64) {
     const THIN: &str = "class=\"line\" stroke-width=\"1\"";
     // The longest round length of at most 150 pixels.
-    let metres = 150.0 / frame.pixels;
-    let power = 10.0_f64.powf(metres.log10().floor());
-    let step = [5.0, 2.0, 1.0].map(|m| m * power).into_iter().find(|step| *step <= metres).unwrap_or(power);
+    let longest = 150.0 / frame.pixels;
+    let power = 10.0_f64.powf(longest.log10().floor());
+    let step = [5.0, 2.0, 1.0].map(|m| m * power).into_iter().find(|step| *step <= longest).unwrap_or(power);
     let bar = step * frame.pixels;
     let (x, y) = (left + 50.0, top + 14.0);
     for part in 0..4 {
@@ -267,11 +281,11 @@ fn draw_foot(svg: &mut Svg, frame: &PlanFrame, [left, top]: [f64; 2], scale: f64
         ));
     }
     svg.frame([x, y, bar, 6.0]);
-    for (share, words) in [(0.0, "0".to_owned()), (1.0, format!("{step} m"))] {
+    for (share, words) in [(0.0, "0".to_owned()), (1.0, format!("{} m", tick_label(step, step)))] {
         svg.text([x + share * bar, y - 4.0], "middle", "font-size=\"11\"", &words);
     }
-    let scale = if scale.fract() == 0.0 { format!("{scale}") } else { format!("{scale:.0}") };
-    let words = format!("Scale 1 : {scale}, if printed at 100 %. Dimensions in metres.");
+    let ratio = if scale < 1.0 { format!("{:.0} : 1", 1.0 / scale) } else { format!("1 : {scale:.0}") };
+    let words = format!("Scale {ratio}, if printed at 100 %. Dimensions in metres.");
     svg.text([left, y + 28.0], "start", "font-size=\"12\"", &words);
     // Axes.
     let (x, y) = (left + 8.0, y + 4.0);
@@ -324,6 +338,8 @@ mod tests {
             ([10.0, 10.0], 100.0),
             ([2.0, 6.0], 50.0),
             ([0.7, 0.6], 5.0),
+            ([0.06, 0.04], 0.5),
+            ([0.001, 0.001], 0.1),
             ([30.0, 2.0], 250.0),
         ] {
             assert_eq!(plan(size, Vec::new()).scale(), scale, "{size:?}");
@@ -366,12 +382,32 @@ mod tests {
     }
 
     #[test]
+    fn dimensions_begin_and_end_with_the_room_whatever_lies_beyond() {
+        // A plane reaches 0.5 m beyond; a lamp hangs outside, and one 0.5 mm from the left end.
+        let at = [[1.5, 2.0], [4.5, 2.0], [6.3, 2.0], [5e-4, 2.0]];
+        let symbols = at.map(|centre| luminaire("1", centre, 0.0)).to_vec();
+        let wide = FloorPlan { corners: [[-0.5, 0.0], [6.5, 4.0]], ..plan([6.0, 4.0], symbols) };
+        assert_eq!(wide.marks(0, [0.5, 6.5], -0.5), [0.5, 2.0, 5.0, 6.5]);
+        let svg = wide.svg();
+        let count = |label: &str| svg.matches(&format!(">{label}</text>")).count();
+        assert_eq!([count("1.50"), count("3.00"), count("6.00"), count("7.00")], [2, 1, 1, 0]);
+    }
+
+    #[test]
+    fn plans_of_optics_are_larger_than_life() {
+        let svg = plan([0.06, 0.04], vec![luminaire("1", [0.02, 0.02], 0.0)]).svg();
+        for words in ["Scale 2 : 1,", ">0.06</text>", ">0.04</text>", ">0.02</text>", ">0.01 m</text>"] {
+            assert!(svg.contains(words), "{words}: {svg}");
+        }
+    }
+
+    #[test]
     fn texts_stay_within_whatever_the_room() {
         let many = |size: [f64; 2]| -> Vec<PlanSymbol> {
             let at = |i: u32| [size[0] * f64::from(i % 25) / 25.0, size[1] * f64::from(i / 25) / 25.0];
             (0..600).map(|i| luminaire(&(i + 1).to_string(), at(i), 0.02)).collect()
         };
-        for size in [[6.0, 4.0], [40.0, 0.3], [0.3, 40.0], [1e3, 1e3], [1e7, 1.0], [0.0, 1.0]] {
+        for size in [[6.0, 4.0], [40.0, 0.3], [0.3, 40.0], [1e3, 1e3], [1e7, 1.0], [0.0, 1.0], [0.01, 0.02]] {
             let svg = plan(size, many(size)).svg();
             assert_eq!(misplaced_texts(&svg), Vec::<String>::new(), "{size:?}");
             // Only as many numbers as can be read.

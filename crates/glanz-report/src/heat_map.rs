@@ -7,7 +7,8 @@ use crate::cell_field::CellField;
 use crate::colour_scale::ColourScale;
 use crate::contour::{Contour, ContourGrid};
 use crate::label_boxes::{LabelBoxes, half_size};
-use crate::map_frame::{BELOW, LEFT, LETTER, MapAxis, MapFrame, TOP};
+use crate::map_frame::{BELOW, LEFT, LETTER, MapAxis, MapFrame, SENTENCE_LETTER, TOP};
+use crate::number::concise;
 use crate::palette::{contrasting, hexadecimal};
 use crate::svg::{Svg, shortened, wrapped};
 
@@ -78,19 +79,23 @@ impl<'a> HeatMap<'a> {
         // Height of the rectangle and the scale of colours.
         let body = frame.height.max(BAR_HEIGHT);
         let width = (LEFT + frame.width + RIGHT).max(460.0);
-        let letters = ((width - 24.0) / LETTER[0]) as usize;
+        let letters = ((width - 24.0) / SENTENCE_LETTER) as usize;
         let (lines, factor) = self.contours();
         let mut caption = self.caption.clone();
         if factor > 1 {
-            caption.push(format!("Contours of means over {factor} x {factor} cells."));
+            let joined = f64::from(factor);
+            let [across, up] = [(size[0], self.field.columns()), (size[1], self.field.rows())]
+                .map(|(length, count)| concise(length.min(joined * length / count.max(1) as f64)));
+            caption.push(format!("Contours of means over {across} m x {up} m."));
         }
         let caption: Vec<&str> = caption.iter().flat_map(|words| wrapped(words, letters)).collect();
         let height = TOP + body + BELOW + 17.0 * caption.len() as f64 + 6.0;
         let mut svg = Svg::new([width.round(), height.round()], self.title);
         svg.text([12.0, 26.0], "start", "font-size=\"16\"", &shortened(self.title, letters * 4 / 5));
         draw_cells(&mut svg, &frame, [LEFT, TOP], &self.field, &self.scale);
-        self.draw_contours(&mut svg, &frame, &lines);
+        // Below the contours, whose labels are to be read.
         frame.draw_outlines(&mut svg, &self.outlines);
+        self.draw_contours(&mut svg, &frame, &lines);
         frame.draw_axes(&mut svg, size, self.axes);
         self.draw_scale(&mut svg, LEFT + frame.width, body);
         for (row, words) in caption.iter().enumerate() {

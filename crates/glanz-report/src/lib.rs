@@ -62,6 +62,6 @@ pub use palette::{Palette, contrasting, hexadecimal};
 pub use plot::{Axis, Plot, ReferenceLine, Series};
 pub use raster::{LETTER_HEIGHT, Raster, fitting, text_width};
 pub use svg::Svg;
-pub use table::{Column, Table, TableCell};
+pub use table::{Column, Table, TableCell, printable};
 pub use thumbnail::{colour_bar, thumbnail};
 pub use value_grid::ValueGrid;

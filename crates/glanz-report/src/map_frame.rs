@@ -13,8 +13,9 @@ pub(crate) const TOP: f64 = 52.0;
 /// Room below the rectangle for the axis, pixels.
 pub(crate) const BELOW: f64 = 50.0;
 
-/// Upper bounds of the width and height of a letter in the fonts of [`Svg`], pixels.
+/// Upper bounds of the mean width and the height of a letter of labels of 12 pixels, and of the mean width of a letter of sentences of 13 pixels; pixels.
 pub(crate) const LETTER: [f64; 2] = [7.2, 12.0];
+pub(crate) const SENTENCE_LETTER: f64 = 7.8;
 
 /// An axis of a drawing in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

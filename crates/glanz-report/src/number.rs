@@ -29,6 +29,22 @@ pub fn significant(number: f64) -> String {
     }
 }
 
+/// A number to four significant digits, without zeros at its end.
+#[must_use]
+pub fn concise(number: f64) -> String {
+    exact(significant(number).parse().unwrap_or(number), PLAIN)
+}
+
+/// A length in metres for people: to a centimetre, below 0.1 m to four significant digits, below a micrometre 0.
+#[must_use]
+pub fn metres(length: f64) -> String {
+    match length.abs() {
+        0.0..1e-6 => "0.00".to_owned(),
+        1e-6..0.1 => concise(length),
+        _ => format!("{length:.2}"),
+    }
+}
+
 /// A number that is not negative for a crowded table: whole from 10 on, two significant digits below.
 #[must_use]
 pub fn brief(number: f64) -> String {
@@ -104,6 +120,13 @@ pub fn tick_label(value: f64, step: f64) -> String {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn lengths_of_small_things_keep_their_digits() {
+        let shown = [6.0, 0.127, 0.05, -0.012_345_6, -1e-17, 2e-5].map(metres);
+        assert_eq!(shown, ["6.00", "0.13", "0.05", "-0.01235", "0.00", "2e-5"]);
+        assert_eq!([600.0, 318.31, 12_345.6, 0.0].map(concise), ["600", "318.3", "12346", "0"]);
+    }
 
     fn labels(low: f64, high: f64) -> Vec<String> {
         ticks(low, high, 7.0).into_iter().map(|(_, label)| label).collect()

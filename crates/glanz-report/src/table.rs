@@ -7,6 +7,12 @@ use serde::ser::{Serialize, SerializeMap, SerializeSeq, Serializer};
 use crate::number::{grouped, significant};
 use crate::svg::escaped;
 
+/// `words` with control characters replaced, so that they cannot control a terminal.
+#[must_use]
+pub fn printable(words: &str) -> String {
+    words.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
+}
+
 /// The names of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {

@@ -1,8 +1,8 @@
 //! Numbers over the cells of a rectangle, written at their places.
 
 use crate::cell_field::CellField;
-use crate::map_frame::{BELOW, LEFT, LETTER, MapAxis, MapFrame, TOP};
-use crate::number::brief;
+use crate::map_frame::{BELOW, LEFT, LETTER, MapAxis, MapFrame, SENTENCE_LETTER, TOP};
+use crate::number::{brief, metres};
 use crate::svg::{Svg, shortened, wrapped};
 
 /// Largest numbers of values along the longer and the shorter side.
@@ -13,9 +13,6 @@ const BESIDE: f64 = 1.0;
 
 /// Height of a row of numbers, pixels.
 const ROW: f64 = 18.0;
-
-/// Upper bound of the mean width of a letter of the sentences, pixels.
-const SENTENCE_LETTER: f64 = 7.8;
 
 /// Room at the right, pixels.
 const RIGHT: f64 = 18.0;
@@ -31,8 +28,6 @@ pub struct ValueGrid<'a> {
     pub axes: [MapAxis; 2],
     /// Largest width and height of the rectangle, pixels.
     pub largest: [f64; 2],
-    /// Sentences below the drawing.
-    pub caption: Vec<String>,
 }
 
 impl ValueGrid<'_> {
@@ -45,16 +40,13 @@ impl ValueGrid<'_> {
         let width = (LEFT + frame.width + RIGHT).max(460.0);
         let letters = ((width - 24.0) / SENTENCE_LETTER) as usize;
         let means = format!(
-            "Means over {} x {} areas of about {:.2} m x {:.2} m.",
+            "Means over {} x {} areas of about {} m x {} m.",
             blocks.columns(),
             blocks.rows(),
-            size[0] / blocks.columns().max(1) as f64,
-            size[1] / blocks.rows().max(1) as f64
+            metres(size[0] / blocks.columns().max(1) as f64),
+            metres(size[1] / blocks.rows().max(1) as f64)
         );
-        let sentences: Vec<&str> = std::iter::once(&means)
-            .chain(&self.caption)
-            .flat_map(|sentence| wrapped(sentence, letters))
-            .collect();
+        let sentences = wrapped(&means, letters);
         let height = TOP + frame.height + BELOW + 17.0 * sentences.len() as f64 + 6.0;
         let mut svg = Svg::new([width.round(), height.round()], self.title);
         svg.text([12.0, 26.0], "start", "font-size=\"16\"", &shortened(self.title, letters * 4 / 5));
@@ -117,8 +109,7 @@ mod tests {
             .collect();
         let field = CellField::new(cells, size, &vec![1.0; numbers.len()], &numbers);
         let axes = MapAxis::of_room([1.0, 2.0]);
-        let caption = vec!["A sentence.".to_owned()];
-        ValueGrid { title: "a < b, lx", field, axes, largest: [490.0, 370.0], caption }.svg()
+        ValueGrid { title: "a < b, lx", field, axes, largest: [490.0, 370.0] }.svg()
     }
 
     /// The numbers at their places.
@@ -153,8 +144,8 @@ mod tests {
     #[test]
     fn blocks_that_show_nothing_have_a_dash() {
         let field = CellField::new([2, 1], [2.0, 1.0], &[1.0, 0.0], &[5.0, 7.0]);
-        let (axes, largest, caption) = (MapAxis::DIRECTIONS, [490.0, 370.0], Vec::new());
-        let svg = ValueGrid { title: "", field, axes, largest, caption }.svg();
+        let (axes, largest) = (MapAxis::DIRECTIONS, [490.0, 370.0]);
+        let svg = ValueGrid { title: "", field, axes, largest }.svg();
         assert_eq!(values(&svg), ["5.0", "-"]);
     }
 }

@@ -22,12 +22,13 @@ every receiver NAME.csv (position, area, lux, standard error per cell), NAME.exr
 floats, one pixel per cell), NAME.png (false colours) and NAME.svg (isolux lines), and for all
 receivers report.html, report.json and summary.txt: smallest, mean and largest illuminance, the
 uniformities U0 (smallest over mean) and U1 (smallest over largest), and the flux balance.
-report.html begins with what a client gets, on sheets of A4 when a browser prints it: room, plan,
-luminaires, isolux lines and values of each area, requirements, assumptions. The reports
-state the version of Glanz, the scene and its content hash, the settings, times, rates, the
-processor and the date: in report.json and with --json as numbers, texts and flags under keys
-that end with their unit. If the variable SOURCE_DATE_EPOCH is set (seconds since 1970), it is
-the date, and times, rates and the machine are left out: equal calculations have equal reports.
+report.html begins with what a client gets, on sheets of A4 when a browser prints it: summary,
+luminaires, plan, requirements, assumptions, isolux lines and values of each area, other surfaces.
+The reports state the version of Glanz, the scene and its content hash, the settings, times,
+rates, the processor and the date: in report.json and with --json as numbers, texts and flags
+under keys that end with their unit. If the variable SOURCE_DATE_EPOCH is set (seconds since
+1970), it is the date, and times, rates and the machine are left out: equal calculations have
+equal reports.
 
 Without --rays, --time and --error, tracing ends when the standard error of the brightest cell,
 of the darkest cell and of the mean of every receiver is 1 per cent; that of the darkest cell is
@@ -36,10 +37,10 @@ Without a receiver, the peak of --far-field counts.
 
 \"auto\" integrates direct light and light after one reflection in a mirror, without noise,
 follows paths from the cells for the light between other surfaces, and particles from the lights
-for the rest, which mirrors and glass focus. It includes all light, usually in a small part of
-the time of \"trace\", which traces particles only. With --rays, --part, --far-field or the
-checkpoint of \"trace\" it is \"trace\". \"integrate\" integrates and leaves out the rest. \"both\" is
-\"integrate\" and \"trace\", compared.
+for the rest: what mirrors and glass focus, and what lamps send to surfaces close to them. It
+includes all light, usually in a small part of the time of \"trace\", which traces particles
+only. With --rays, --part, --far-field or the checkpoint of \"trace\" it is \"trace\".
+\"integrate\" integrates and leaves out the rest. \"both\" is \"integrate\" and \"trace\", compared.
 
 Photometric files are interpolated linearly between their angles. --far-field counts the light
 for this: a file has the flux that left the scene, and its angles are dense where the intensity
@@ -105,8 +106,8 @@ pub(crate) struct IlluminateArguments {
     /// Relative error of the integration in every cell; with "auto" and a goal for the error, half of that
     #[arg(long, value_name = "E", default_value_t = 1e-2, hide_short_help = true, value_parser = positive)]
     tolerance: f64,
-    /// Replace all light of the scene by an overcast sky (z is up), and report daylight factors
-    #[arg(long, conflicts_with = "luminaire")]
+    /// Replace all light of the scene by an overcast sky (z is up), and report daylight factors, which no requirements judge
+    #[arg(long, conflicts_with_all = ["luminaire", "task", "maintenance"])]
     daylight: bool,
     /// Second design for a comparison: the first is written to DIR/a, this one to DIR/b, the comparison to DIR
     #[arg(long, value_name = "SCENE", value_hint = ValueHint::FilePath, conflicts_with_all = ["checkpoint", "part"])]

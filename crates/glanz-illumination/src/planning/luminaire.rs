@@ -13,7 +13,7 @@ use glanz_scene::description::{LightKind, LuminaireDescription};
 pub struct PlacedLuminaire {
     /// Its name in messages.
     pub name: String,
-    /// What its file states, if it is known.
+    /// What its file states, if it is known; the opening with sizes in the world, metres.
     pub description: Option<Arc<LuminaireDescription>>,
     /// Candela by direction in the luminaire's frame.
     pub distribution: Arc<IntensityDistribution>,
@@ -43,17 +43,30 @@ impl PlacedLuminaire {
         let placed = (1..).zip(photometric).filter_map(|(number, (light, distribution, opening, from))| {
             let to_world = Transform::try_from_matrix(light.to_world).ok()?;
             let z = to_world.vector(DVec3::Z);
-            let scale = z.length();
+            // Rotations change lengths by rounding, which is not to make kinds of luminaires of their own.
+            let scale = (z.length() * 1e12).round() / 1e12;
             let z = z.try_normalize()?;
             let x = to_world.vector(DVec3::X).reject_from_normalized(z).try_normalize()?;
             let y = z.cross(x) * light.to_world.determinant().signum();
             let opening = opening.unwrap_or(LuminousOpening::POINT);
+            let scaled = |opening: LuminousOpening| LuminousOpening {
+                size: opening.size.map(|length| length * scale),
+                ..opening
+            };
+            // Those of one file are shared unless the scene scales them.
+            let own = |stated: &Arc<LuminaireDescription>| {
+                if scale == 1.0 {
+                    return Arc::clone(stated);
+                }
+                let opening = scaled(stated.opening);
+                Arc::new(LuminaireDescription { opening, ..LuminaireDescription::clone(stated) })
+            };
             Some(Self {
                 name: format!("luminaire {number}"),
-                description: light.luminaire.clone(),
+                description: light.luminaire.as_ref().map(own),
                 distribution: Arc::clone(distribution),
                 factor: f64::from(light.scale),
-                opening: LuminousOpening { size: opening.size.map(|length| length * scale), ..opening },
+                opening: scaled(opening),
                 position: to_world.point(*from),
                 axes: DMat3::from_cols(x, y, z),
             })
@@ -171,11 +184,18 @@ mod tests {
         let to_world = DMat4::from_translation(DVec3::X)
             * DMat4::from_rotation_z(0.5 * PI)
             * DMat4::from_scale(DVec3::splat(2.0));
-        let light = LightDescription { scale: 3.0, to_world, ..LightDescription::new(kind, 1.0) };
+        let stated = LuminaireDescription { opening, ..LuminaireDescription::default() };
+        let light = LightDescription {
+            scale: 3.0,
+            to_world,
+            luminaire: Some(Arc::new(stated)),
+            ..LightDescription::new(kind, 1.0)
+        };
         let builder = SceneBuilder::new().light(LightDescription::point(DVec3::ZERO, 1.0)).light(light);
         let description = builder.describe().unwrap();
         let [luminaire] = PlacedLuminaire::of_scene(&description).try_into().unwrap();
         assert_eq!((luminaire.name.as_str(), luminaire.opening.size), ("luminaire 1", [0.4, 0.2, 0.0]));
+        assert_eq!(luminaire.description.as_ref().unwrap().opening.size, [0.4, 0.2, 0.0]);
         assert!((luminaire.position - DVec3::new(1.0, 0.0, 2.0)).length() < 1e-12);
         assert!((luminaire.axes * DVec3::X - DVec3::Y).length() < 1e-12);
         assert_eq!(luminaire.intensity_towards(DVec3::ZERO), 30.0);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glanz_light::intensity::{AngularSystem, LuminousOpening, OpeningShape};
 use glanz_math::{DVec2, DVec3};
+use glanz_scene::Light;
 use glanz_scene::description::LuminaireDescription;
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
@@ -15,7 +16,7 @@ use crate::report::PolarPlot;
 /// Points of the outline of a round opening.
 const ROUND: u32 = 32;
 
-/// Luminaires of one kind, that is, of the same file and flux.
+/// Luminaires of one kind, that is, of the same file, flux and luminous opening.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LuminaireGroup {
     /// What the file states.
@@ -24,6 +25,8 @@ pub struct LuminaireGroup {
     pub flux: f64,
     /// Its intensity in the plane of the peak and across it.
     pub polar: PolarPlot,
+    /// Its largest intensity, cd.
+    pub peak: f64,
     /// Whether the light of one of them leaves its photometric centre, instead of its whole opening.
     pub is_point: bool,
     /// Where they are.
@@ -53,12 +56,24 @@ pub struct OtherLight {
     /// Its flux, lm; `None` if it is unknown or infinite.
     #[serde(rename = "flux_lm")]
     pub flux: Option<f64>,
-    /// Its middle, metres; `None` if it is infinitely far.
+    /// Its middle, metres; `None` if it is infinitely far or large.
     #[serde(rename = "position_m")]
     pub position: Option<[f64; 3]>,
     /// Its outline from above, metres; none for points.
     #[serde(skip)]
     pub outline: Vec<DVec2>,
+}
+
+impl OtherLight {
+    /// Kinds of the lights of the sky, which draw no power.
+    pub(crate) const SUN: &str = "sun";
+    pub(crate) const SKY: &str = "sky";
+
+    /// Whether it draws power, as all lights but those of the sky do.
+    #[must_use]
+    pub fn is_electric(&self) -> bool {
+        ![Self::SUN, Self::SKY].contains(&self.kind)
+    }
 }
 
 impl LuminaireGroup {
@@ -97,7 +112,8 @@ impl LuminaireGroup {
         let flux = luminaire.flux();
         let polar = PolarPlot::sample(description.label(), plane, &gammas, candela).with_flux(flux);
         let is_point = luminaire.opening.shape == OpeningShape::Point;
-        Self { description, flux, polar, is_point, places }
+        let peak = factor * distribution.peak();
+        Self { description, flux, polar, peak, is_point, places }
     }
 
     /// Luminous efficacy, lm/W; `None` if the power is unknown.
@@ -142,6 +158,7 @@ fn are_alike(a: &PlacedLuminaire, b: &PlacedLuminaire) -> bool {
     };
     let distributions = (&a.distribution, &b.distribution);
     a.factor == b.factor
+        && a.opening == b.opening
         && same(&a.description, &b.description)
         && (Arc::ptr_eq(distributions.0, distributions.1) || distributions.0 == distributions.1)
 }
@@ -190,6 +207,21 @@ fn corners(opening: &LuminousOpening) -> Vec<DVec3> {
     }
 }
 
+/// The kind of a light of the sky; `None` for electric ones.
+pub(super) fn sky_kind(light: &Light) -> Option<&'static str> {
+    match light {
+        Light::Photometric(_)
+        | Light::Point(_)
+        | Light::Spot(_)
+        | Light::Projection(_)
+        | Light::Goniometric(_)
+        | Light::Rays(_)
+        | Light::Area(_) => None,
+        Light::Distant(_) | Light::Sun(_) => Some(OtherLight::SUN),
+        _ => Some(OtherLight::SKY),
+    }
+}
+
 /// In JSON: what the file states, number of pieces, flux, efficacy, peak, and places.
 impl Serialize for LuminaireGroup {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -225,7 +257,7 @@ impl Serialize for LuminaireGroup {
         fields.serialize_field("flux_lm", &self.flux)?;
         fields.serialize_field("power_w", &(*watts > 0.0).then_some(watts))?;
         fields.serialize_field("efficacy_lm_w", &self.efficacy())?;
-        fields.serialize_field("peak_cd", &self.polar.peak())?;
+        fields.serialize_field("peak_cd", &self.peak)?;
         fields.serialize_field("places", &places.collect::<Vec<_>>())?;
         fields.end()
     }
@@ -235,6 +267,7 @@ impl Serialize for LuminaireGroup {
 mod tests {
     use super::*;
     use crate::planning::test_luminaires::{downlight, lambertian};
+    use glanz_light::intensity::{IntensityDistribution, Symmetry};
     use glanz_math::DMat3;
 
     #[test]
@@ -251,8 +284,11 @@ mod tests {
             let lamp = downlight(lambertian(1000.0), DVec3::new(1.0, 2.0, z));
             PlacedLuminaire { description: description(file), factor, ..lamp }
         };
-        let list = [lamp("a", 1.0, 2.5), lamp("b", 1.0, 2.5), lamp("a", 1.0, 2.8), lamp("a", 0.5, 2.5)];
-        let [a, b, dimmed] = LuminaireGroup::of(&list).try_into().unwrap();
+        let wide = LuminousOpening { shape: OpeningShape::Rectangle, size: [1.2, 0.3, 0.0] };
+        let wide = PlacedLuminaire { opening: wide, ..lamp("a", 1.0, 2.5) };
+        let list = [lamp("a", 1.0, 2.5), lamp("b", 1.0, 2.5), lamp("a", 1.0, 2.8), lamp("a", 0.5, 2.5), wide];
+        let [a, b, dimmed, wide] = LuminaireGroup::of(&list).try_into().unwrap();
+        assert_eq!(wide.places[0].number, 5);
         let numbers =
             |group: &LuminaireGroup| group.places.iter().map(|place| place.number).collect::<Vec<_>>();
         assert_eq!((numbers(&a), numbers(&b), numbers(&dimmed)), (vec![1, 3], vec![2], vec![4]));
@@ -260,7 +296,21 @@ mod tests {
         // A Lambertian emitter of 1000 cd has pi times as many lumens.
         assert!((a.flux / (1000.0 * std::f64::consts::PI) - 1.0).abs() < 1e-4);
         assert!((a.efficacy().unwrap() - a.flux / 40.0).abs() < 1e-9);
-        assert!((dimmed.flux / a.flux - 0.5).abs() < 1e-12 && (dimmed.polar.peak() - 500.0).abs() < 1e-9);
+        assert!((dimmed.flux / a.flux - 0.5).abs() < 1e-12 && (dimmed.peak - 500.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn peaks_are_found_beside_the_planes_that_are_plotted() {
+        // 300 cd at C30, 0.3 degrees from straight down, where the plot has the planes of C0 and C90 with 100 cd.
+        let (planes, gammas) = ([0.0, 30.0, 60.0, 90.0], vec![0.0, 0.3, 90.0]);
+        let candela =
+            [[10.0, 100.0, 0.0], [10.0, 300.0, 0.0], [10.0, 300.0, 0.0], [10.0, 100.0, 0.0]].concat();
+        let distribution =
+            IntensityDistribution::try_new(AngularSystem::C, Symmetry::Quadrants, &planes, gammas, candela);
+        let lamp = downlight(Arc::new(distribution.unwrap()), DVec3::ZERO);
+        let [group] = LuminaireGroup::of(std::slice::from_ref(&lamp)).try_into().unwrap();
+        let json = serde_json::to_value(&group).unwrap();
+        assert_eq!((group.peak, &json["peak_cd"]), (300.0, &300.0.into()));
     }
 
     #[test]

@@ -62,6 +62,8 @@ pub struct PlanReport {
     pub area: f64,
     /// Maintained mean illuminance of the task area, lx.
     pub task_illuminance: Option<f64>,
+    /// Whether a part of the light comes from the sky, which costs no power.
+    pub has_daylight: bool,
 }
 
 impl PlanReport {
@@ -127,7 +129,8 @@ impl PlanReport {
         if let Some(lux) = self.task_illuminance {
             facts.push("maintained mean illuminance of the task area, lx", "task_mean_lux", lux);
         }
-        let reference = self.task_illuminance.map(|lux| ("task area".to_owned(), lux));
+        let electric = self.task_illuminance.filter(|_| !self.has_daylight);
+        let reference = electric.map(|lux| ("task area".to_owned(), lux));
         InstalledPower { watts: self.watts, area: self.area, reference }.add_to(&mut facts);
         self.add_glare(&mut facts);
         if let Some((mean, [u0, ..])) = self.mean_cylindrical() {
@@ -239,6 +242,7 @@ mod tests {
             watts: 60.0,
             area: 20.0,
             task_illuminance: Some(500.0),
+            has_daylight: false,
         }
     }
 
@@ -260,6 +264,10 @@ mod tests {
         let facts = found.facts();
         assert_eq!(facts.get("power_density_w_m2"), Some(&FactValue::Number(3.0)));
         assert_eq!(facts.get("power_density_w_m2_100lx"), Some(&FactValue::Number(0.6)));
+        let lit = PlanReport { has_daylight: true, ..found };
+        let of_lit = lit.facts();
+        assert_eq!(of_lit.get("power_density_w_m2"), Some(&FactValue::Number(3.0)));
+        assert_eq!(of_lit.get("power_density_w_m2_100lx"), None);
         assert_eq!(facts.get("modelling_minimum"), Some(&FactValue::Number(0.5)));
         assert_eq!(report(Vec::new()).mean_cylindrical(), None);
         // Darkness is judged; where the mean may be 0, nothing is known of the uniformity but that it is at most 1.

@@ -12,6 +12,7 @@ pub use glanz_scene::description::ZoneKind;
 use super::emergency::{disability_glare_verdicts, open_area_verdicts};
 use super::glare::{GlareError, GlareObserver, GlareRating};
 use super::luminaire::PlacedLuminaire;
+use super::luminaire_list::sky_kind;
 use super::maintenance::{MaintenanceError, MaintenanceFactor};
 use super::plan_report::{CylindricalPoint, PlanReport};
 use super::point_illuminance::{PointGather, PointReceiver};
@@ -173,6 +174,7 @@ impl PlanningRequest {
             watts: self.watts,
             area: self.area,
             task_illuminance: self.task_illuminance(maps, factor),
+            has_daylight: scene.lights().iter().any(|light| sky_kind(light).is_some()),
         };
         if let Some(task) = &settings.task {
             report.verdicts = self.verdicts(task, maps, &report);

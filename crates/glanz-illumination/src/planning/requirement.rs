@@ -207,11 +207,7 @@ fn shown_limit(limit: f64) -> String {
 
 /// Figures of an installation as a table.
 pub(super) fn installation_table(facts: &FactList) -> Table {
-    let mut table = Table::new("installation", "Installation", &[("fact", "installation"), ("value", "")]);
-    for fact in facts.iter() {
-        table.push([fact.name.into(), TableCell::Text(printable(&fact.value.shown()))]);
-    }
-    table
+    facts.table("installation", "Installation", "installation", |_| true)
 }
 
 /// A task of EN 12464-1 with its requirements.

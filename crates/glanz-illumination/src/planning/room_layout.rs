@@ -10,19 +10,20 @@ use glanz_scene::{Light, PlacedSurface, Scene};
 use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::luminaire::PlacedLuminaire;
-use super::luminaire_list::{LuminaireGroup, OtherLight};
-use super::plan_outline::ShapeOutline;
-use super::room_shapes::{RoomShape, border_distance, joint_outlines};
+use super::luminaire_list::{LuminaireGroup, OtherLight, sky_kind};
+use super::plan_outline::{NEAR, ShapeOutline};
+use super::room_shapes::{RoomShape, border_distance, joint_outlines, uncovered};
 use crate::{Receiver, Receivers};
 
 /// Height of a wall, as a share of that of the room.
 const WALL_HEIGHT: f64 = 0.9;
 
-/// Least area of a part of the floor or the ceiling, as a share of its largest part; least length of a wall, as a share of that of the room.
-const LEAST_PART: f64 = 0.1;
+/// Least length of a wall, as a share of the smaller side of the room.
+const WALL_LENGTH: f64 = 0.1;
 
-/// Distance within which heights are equal, as a share of the extent of the room.
-const NEAR: f64 = 1e-4;
+/// Least cosine between parallel walls, and the share of the shorter one from which on two are side by side: the faces of one wall.
+const PARALLEL: f64 = 0.999;
+const SIDE_BY_SIDE: f64 = 0.5;
 
 /// Largest distance of walls from the border, as a share of the smaller side of the room: walls are thick, and floors may reach below them.
 const BORDER: f64 = 0.05;
@@ -74,7 +75,9 @@ pub struct RoomSurface {
 /// A receiver in the room.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReceiverPlace {
-    /// Its name, that of its map.
+    /// Its number, that of its map.
+    pub number: usize,
+    /// Its name, that of its map, which another may have, too.
     pub name: String,
     /// The part of a planned room that it is, if it is declared.
     pub kind: Option<ZoneKind>,
@@ -92,16 +95,21 @@ pub struct ReceiverPlace {
 
 /// A room from above.
 ///
-/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, walls upright flat shapes nearly as high as the room at the border of floor, ceiling or the box around
-/// the room; all other shapes are furniture, which is represented by convex outlines. A scene without finite shapes has the box of its receivers, luminaires and lights.
+/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, without what only lies on them; walls are upright flat shapes nearly as high as the room at the border of
+/// floor, ceiling or the box around the room, of whose two faces the inner one counts; all other shapes are furniture, which is represented by convex outlines. Surfaces that emit light belong to
+/// none of these, unless there are no others. A scene without finite shapes has the box of its receivers, luminaires and lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoomLayout {
     /// Lowest and highest corner of the box around it, metres.
     pub corners: [DVec3; 2],
-    /// Outlines of the whole floor and of walls, metres; those of two points are lines.
+    /// Outlines of the whole floor, metres.
+    pub floor: Vec<Vec<DVec2>>,
+    /// Outlines of walls, metres; those of two points are lines.
     pub walls: Vec<Vec<DVec2>>,
     /// Outlines of furniture, metres.
     pub furniture: Vec<Vec<DVec2>>,
+    /// Number of pieces of furniture without an outline, which are the smallest.
+    pub furniture_left_out: usize,
     /// Floor, walls, and ceiling, as far as there are any.
     pub surfaces: Vec<RoomSurface>,
     /// Receivers in the order of their maps.
@@ -117,7 +125,9 @@ impl RoomLayout {
     #[must_use]
     pub fn of(scene: &Scene, receivers: &Receivers, luminaires: &[PlacedLuminaire]) -> Option<Self> {
         let placed = scene.placed_surfaces();
-        let shapes = RoomShape::all(&placed);
+        let (emitting, passive): (Vec<_>, Vec<_>) =
+            RoomShape::all(&placed).into_iter().partition(|shape| shape.surface.light().is_some());
+        let shapes = if passive.is_empty() { emitting } else { passive };
         let mut bounds = Bounds3::EMPTY;
         for RoomShape { outline, .. } in &shapes {
             let [low, high] = outline.height;
@@ -127,15 +137,17 @@ impl RoomLayout {
         }
         let mut layout = Self {
             corners: [bounds.min, bounds.max],
+            floor: Vec::new(),
             walls: Vec::new(),
             furniture: Vec::new(),
+            furniture_left_out: 0,
             surfaces: Vec::new(),
             receivers: receiver_places(scene, receivers, &placed),
             luminaires: LuminaireGroup::of(luminaires),
             other_lights: other_lights(scene, &placed),
         };
         if bounds.is_empty() {
-            bounds = layout.things().fold(bounds, Bounds3::including);
+            bounds = layout.placed_points().fold(bounds, Bounds3::including);
         }
         if bounds.is_empty() || !bounds.is_finite() || (bounds.max - bounds.min).truncate() == DVec2::ZERO {
             return None;
@@ -146,7 +158,7 @@ impl RoomLayout {
     }
 
     /// Points of receivers, luminaires and lights, metres.
-    fn things(&self) -> impl Iterator<Item = DVec3> {
+    fn placed_points(&self) -> impl Iterator<Item = DVec3> {
         let receivers = self
             .receivers
             .iter()
@@ -166,7 +178,8 @@ impl RoomLayout {
     #[must_use]
     pub fn plan_corners(&self) -> [DVec2; 2] {
         let [low, high] = self.corners.map(DVec3::truncate);
-        self.things().map(DVec3::truncate).fold([low, high], |[low, high], p| [low.min(p), high.max(p)])
+        let points = self.placed_points().map(DVec3::truncate);
+        points.fold([low, high], |[low, high], p| [low.min(p), high.max(p)])
     }
 
     /// Adds walls, furniture and surfaces.
@@ -175,11 +188,9 @@ impl RoomLayout {
         let (size, near) = (high - low, NEAR * (high - low).length());
         let parts = |height: f64| -> Vec<&RoomShape<'_>> {
             let is_part = |shape: &&RoomShape<'_>| {
-                shape.outline.is_level() && (shape.outline.height[0] - height).abs() <= near
+                shape.outline.is_level(near) && (shape.outline.height[0] - height).abs() <= near
             };
-            let all: Vec<&RoomShape<'_>> = shapes.iter().filter(is_part).collect();
-            let largest = all.iter().map(|shape| shape.outline.area()).fold(0.0, f64::max);
-            all.into_iter().filter(|shape| shape.outline.area() > LEAST_PART * largest).collect()
+            uncovered(shapes.iter().filter(is_part).collect())
         };
         // A flat scene has neither walls nor a ceiling.
         let [floor, ceiling] =
@@ -189,7 +200,7 @@ impl RoomLayout {
         border.push(
             [[low.x, low.y], [high.x, low.y], [high.x, high.y], [low.x, high.y]].map(DVec2::from).into(),
         );
-        let walls = walls(shapes, &border, size);
+        let walls = walls(shapes, &border, size, near);
         let of_room = [&floor, &ceiling, &walls].into_iter().flatten();
         let of_room: HashSet<*const RoomShape<'_>> =
             of_room.map(|shape| std::ptr::from_ref(*shape)).collect();
@@ -199,11 +210,13 @@ impl RoomLayout {
             .filter(|shape| shape.surface.light().is_none() && shape.outline.outline.len() > 1)
             .collect();
         others.sort_by(|a, b| b.outline.length().total_cmp(&a.outline.length()));
+        self.furniture_left_out = others.len().saturating_sub(MOST_FURNITURE);
         others.truncate(MOST_FURNITURE);
         self.furniture = others.iter().map(|shape| shape.outline.outline.clone()).collect();
-        self.walls = floor_outlines;
-        self.walls.extend(walls.iter().map(|shape| shape.outline.outline.clone()));
+        self.floor = floor_outlines;
+        self.walls = walls.iter().map(|shape| shape.outline.outline.clone()).collect();
         let middle = 0.5 * (low + high);
+        let walls = inner_walls(walls, middle.truncate(), BORDER * size.truncate().min_element());
         let kinds = [RoomSurfaceKind::Floor, RoomSurfaceKind::Walls, RoomSurfaceKind::Ceiling];
         let summed = kinds.into_iter().zip([&floor, &walls, &ceiling]);
         self.surfaces = summed.filter_map(|(kind, list)| room_surface(scene, kind, list, middle)).collect();
@@ -219,7 +232,8 @@ impl RoomLayout {
     #[must_use]
     pub fn floor_area(&self) -> f64 {
         let floor = self.surfaces.iter().find(|part| part.surface == RoomSurfaceKind::Floor);
-        if floor.is_none() && self.walls.is_empty() && self.furniture.is_empty() {
+        let outlines = [&self.floor, &self.walls, &self.furniture];
+        if floor.is_none() && outlines.into_iter().all(Vec::is_empty) {
             return 0.0;
         }
         floor.map_or_else(|| self.size().truncate().element_product(), |floor| floor.area)
@@ -236,18 +250,24 @@ impl RoomLayout {
 
     /// Lights without a photometric file that draw power: not those of the sky.
     pub(crate) fn electric_lights(&self) -> impl Iterator<Item = &OtherLight> {
-        self.other_lights.iter().filter(|light| light.position.is_some())
+        self.other_lights.iter().filter(|light| light.is_electric())
     }
 
-    /// The place of the receiver with this name.
+    /// The place of the receiver with this number.
     #[must_use]
-    pub fn receiver(&self, name: &str) -> Option<&ReceiverPlace> {
-        self.receivers.iter().find(|place| place.name == name)
+    pub fn receiver(&self, number: usize) -> Option<&ReceiverPlace> {
+        let place = self.receivers.binary_search_by_key(&number, |place| place.number).ok()?;
+        self.receivers.get(place)
     }
 }
 
-/// The upright shapes nearly as high as a room of this `size`, metres, along closed outlines.
-fn walls<'s, 'a>(shapes: &'s [RoomShape<'a>], border: &[Vec<DVec2>], size: DVec3) -> Vec<&'s RoomShape<'a>> {
+/// The upright shapes, no thicker than `near` and nearly as high as a room of this `size`, metres, along closed outlines.
+fn walls<'s, 'a>(
+    shapes: &'s [RoomShape<'a>],
+    border: &[Vec<DVec2>],
+    size: DVec3,
+    near: f64,
+) -> Vec<&'s RoomShape<'a>> {
     let shorter = size.truncate().min_element();
     let is_at_border = |outline: &[DVec2]| {
         let middle = outline.iter().sum::<DVec2>() / outline.len().max(1) as f64;
@@ -255,12 +275,46 @@ fn walls<'s, 'a>(shapes: &'s [RoomShape<'a>], border: &[Vec<DVec2>], size: DVec3
     };
     let is_wall = |shape: &&RoomShape<'_>| {
         let [from, to] = shape.outline.height;
-        shape.outline.is_upright()
+        shape.outline.is_upright(near)
             && to - from >= WALL_HEIGHT * size.z
-            && shape.outline.length() >= LEAST_PART * shorter
+            && shape.outline.length() >= WALL_LENGTH * shorter
             && is_at_border(&shape.outline.outline)
     };
     shapes.iter().filter(is_wall).collect()
+}
+
+/// The walls without the outer faces of those that are modelled with their `thickness`, metres, at most: of parallel faces side by side, the one nearest to the `middle` of the room.
+fn inner_walls<'s, 'a>(
+    mut walls: Vec<&'s RoomShape<'a>>,
+    middle: DVec2,
+    thickness: f64,
+) -> Vec<&'s RoomShape<'a>> {
+    let along = |wall: &RoomShape<'_>| {
+        let [from, to] = wall.outline.ends();
+        (from, (to - from).normalize_or_zero(), from.distance(to))
+    };
+    let distance = |wall: &RoomShape<'_>| {
+        let (from, direction, _) = along(wall);
+        (middle - from).perp_dot(direction).abs()
+    };
+    walls.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let mut inner: Vec<&RoomShape<'_>> = Vec::new();
+    for wall in walls {
+        let [from, to] = wall.outline.ends();
+        let is_behind = |other: &&RoomShape<'_>| {
+            let (start, direction, length) = along(other);
+            let [a, b] = [from, to].map(|point| (point - start).dot(direction));
+            let common = a.max(b).min(length) - a.min(b).max(0.0);
+            let own = from.distance(to);
+            (b - a).abs() >= PARALLEL * own
+                && (0.5 * (from + to) - start).perp_dot(direction).abs() <= thickness
+                && common >= SIDE_BY_SIDE * own.min(length)
+        };
+        if !inner.iter().any(is_behind) {
+            inner.push(wall);
+        }
+    }
+    inner
 }
 
 /// Area and reflectance of parts of a room; `None` without parts.
@@ -287,7 +341,7 @@ fn room_surface(
 fn receiver_places(scene: &Scene, receivers: &Receivers, placed: &[PlacedSurface<'_>]) -> Vec<ReceiverPlace> {
     let kinds: HashMap<u32, Option<ZoneKind>> =
         scene.receivers().iter().rev().map(|declared| (declared.shape(), declared.zone())).collect();
-    let place = |receiver: &Receiver| {
+    let place = |(number, receiver): (usize, &Receiver)| {
         let surface = placed.get(receiver.surface() as usize)?;
         let faces: Vec<u32> = match receiver.face() {
             Some(face) => vec![face],
@@ -301,16 +355,18 @@ fn receiver_places(scene: &Scene, receivers: &Receivers, placed: &[PlacedSurface
             Some((0..receiver.len()).find_map(middle)?.normal)
         });
         Some(ReceiverPlace {
+            number,
             name: receiver.name().to_owned(),
             kind: kinds.get(&receiver.shape()).copied().flatten(),
-            is_level: outline.is_level() && normal.is_some_and(|normal| normal.z > UPWARDS),
+            is_level: outline.is_level(NEAR * outline.length())
+                && normal.is_some_and(|normal| normal.z > UPWARDS),
             is_grid: receiver.is_grid(),
             frame,
             height: outline.middle.z,
             outline: outline.outline,
         })
     };
-    receivers.as_slice().iter().filter_map(place).collect()
+    receivers.as_slice().iter().enumerate().filter_map(place).collect()
 }
 
 /// All lights that are no luminaires of photometric files.
@@ -333,20 +389,24 @@ fn other_lights(scene: &Scene, placed: &[PlacedSurface<'_>]) -> Vec<OtherLight> 
         Light::Goniometric(l) => Some(at("point with a picture", lumens(l.power()), l.position())),
         Light::Rays(l) => Some(at("ray file", lumens(l.power()), l.position())),
         Light::Area(l) => {
-            let surface = emitting.get(&number)?;
-            let outline = ShapeOutline::of(surface, &(0..surface.faces()).collect::<Vec<_>>())?;
-            let flux = lumens(l.power());
-            Some(OtherLight { outline: outline.outline, ..at("emitting surface", flux, outline.middle) })
+            let (kind, flux) = ("emitting surface", lumens(l.power()));
+            let outline = emitting
+                .get(&number)
+                .and_then(|surface| ShapeOutline::of(surface, &(0..surface.faces()).collect::<Vec<_>>()));
+            Some(match outline {
+                Some(outline) => OtherLight { outline: outline.outline, ..at(kind, flux, outline.middle) },
+                None => OtherLight { kind, flux, position: None, outline: Vec::new() },
+            })
         }
-        Light::Distant(_) | Light::Sun(_) => {
-            Some(OtherLight { kind: "sun", flux: None, position: None, outline: Vec::new() })
+        _ => {
+            let kind = sky_kind(light)?;
+            Some(OtherLight { kind, flux: None, position: None, outline: Vec::new() })
         }
-        _ => Some(OtherLight { kind: "sky", flux: None, position: None, outline: Vec::new() }),
     };
     (0..).zip(scene.lights()).filter_map(light).collect()
 }
 
-/// In JSON: size and corner of the room, its floor area, its surfaces, outlines, and the level receivers. Luminaires and lights have entries of their own.
+/// In JSON: size and corner of the room, its floor area, its surfaces, outlines of floor, walls and furniture, and the level receivers. Luminaires and lights have entries of their own.
 impl Serialize for RoomLayout {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(serde::Serialize)]
@@ -363,11 +423,12 @@ impl Serialize for RoomLayout {
             height_m: place.height,
             outline_m: flat(&place.outline),
         });
-        let mut fields = serializer.serialize_struct("Room", 7)?;
+        let mut fields = serializer.serialize_struct("Room", 8)?;
         fields.serialize_field("size_m", &self.size().to_array())?;
         fields.serialize_field("corner_m", &self.corners[0].to_array())?;
         fields.serialize_field("floor_area_m2", &self.floor_area())?;
         fields.serialize_field("surfaces", &self.surfaces)?;
+        fields.serialize_field("floor_m", &self.floor.iter().map(flat).collect::<Vec<_>>())?;
         fields.serialize_field("walls_m", &self.walls.iter().map(flat).collect::<Vec<_>>())?;
         fields.serialize_field("furniture_m", &self.furniture.iter().map(flat).collect::<Vec<_>>())?;
         fields.serialize_field("areas", &areas.collect::<Vec<_>>())?;
@@ -395,6 +456,20 @@ mod tests {
         RoomLayout::of(&scene, &receivers, &luminaires)
     }
 
+    fn named<'a>(room: &'a RoomLayout, name: &str) -> &'a ReceiverPlace {
+        let place = room.receivers.iter().find(|place| place.name == name).unwrap();
+        assert_eq!(room.receiver(place.number), Some(place));
+        place
+    }
+
+    fn surface(room: &RoomLayout, kind: RoomSurfaceKind) -> RoomSurface {
+        *room.surfaces.iter().find(|part| part.surface == kind).unwrap()
+    }
+
+    fn quad(corner: [f64; 3], u: [f64; 3], v: [f64; 3]) -> ShapeDescription {
+        ShapeDescription::parallelogram(corner, u, v)
+    }
+
     fn lamp() -> SceneBuilder {
         SceneBuilder::new().light(LightDescription::point([1.0, 1.0, 2.0], 1.0))
     }
@@ -402,7 +477,6 @@ mod tests {
     #[test]
     fn rooms_have_walls_furniture_and_the_mean_reflectance_of_their_surfaces() {
         let grey = |reflectance: f32| MaterialKind::diffuse(reflectance);
-        let quad = |corner: [f64; 3], u: [f64; 3], v: [f64; 3]| ShapeDescription::parallelogram(corner, u, v);
         let builder = lamp()
             // 4 m x 3 m x 2.5 m; a third of the floor is darker, and one wall, whose normal points out.
             .shape(quad([0.0; 3], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0]), grey(0.4))
@@ -418,22 +492,23 @@ mod tests {
         let room = layout(builder, |_| ()).unwrap();
         assert_eq!(room.size().to_array(), [4.0, 3.0, 2.5]);
         // The two parts of the floor are one; two walls.
-        assert!(room.walls.len() == 3 && (room.floor_area() - 12.0).abs() < 1e-9);
-        let of = |kind| *room.surfaces.iter().find(|part| part.surface == kind).unwrap();
+        assert_eq!((room.floor.len(), room.walls.len()), (1, 2));
+        assert!((room.floor_area() - 12.0).abs() < 1e-9);
         // (8 * 0.4 + 4 * 0.1) / 12 = 0.3; (10 * 0.2 + 10 * 0.5) / 20 = 0.35.
         for (kind, area, mean, range) in [
             (RoomSurfaceKind::Floor, 12.0, 0.3, [0.1, 0.4]),
             (RoomSurfaceKind::Walls, 20.0, 0.35, [0.2, 0.5]),
             (RoomSurfaceKind::Ceiling, 12.0, 0.8, [0.8, 0.8]),
         ] {
-            let found = of(kind);
+            let found = surface(&room, kind);
             assert!((found.area - area).abs() < 1e-9, "{found:?}");
             assert!((found.reflectance.unwrap() - mean).abs() < 1e-6, "{found:?}");
-            assert!((found.reflectance_range.unwrap()[0] - range[0]).abs() < 1e-6, "{found:?}");
+            let ends = found.reflectance_range.unwrap().into_iter().zip(range);
+            assert!(ends.into_iter().all(|(end, expected)| (end - expected).abs() < 1e-6), "{found:?}");
         }
         // The six sides of the table.
         assert_eq!(room.furniture.len(), 6);
-        let desk = room.receiver("desk").unwrap();
+        let desk = named(&room, "desk");
         assert!(desk.is_level && desk.kind.is_none() && desk.is_grid);
         let [corner, across, up] = desk.frame.unwrap();
         assert!(corner.distance(DVec3::new(0.5, 0.5, 0.8)) < 1e-12);
@@ -451,7 +526,7 @@ mod tests {
         let room = layout(lamp(), |description| add_walls(description, DVec3::new(5.0, 4.0, 3.0))).unwrap();
         let level: Vec<&str> =
             room.receivers.iter().filter(|place| place.is_level).map(|place| place.name.as_str()).collect();
-        assert_eq!((level, room.receivers.len(), room.walls.len()), (vec!["floor"], 6, 5));
+        assert_eq!((level, room.receivers.len(), room.walls.len()), (vec!["floor"], 6, 4));
         assert!(room.surfaces.iter().all(|part| part.reflectance == Some(0.0)) && room.furniture.is_empty());
         let json = serde_json::to_value(&room).unwrap();
         assert_eq!(json["size_m"], serde_json::json!([5.0, 4.0, 3.0]));
@@ -467,7 +542,7 @@ mod tests {
         let field = layout(plane().shape(field.receiver("field"), MaterialKind::Interface), |_| ()).unwrap();
         assert_eq!(field.corners, [DVec3::new(-3.0, 0.0, 0.1), DVec3::new(1.0, 2.0, 2.0)]);
         // There is no floor to which a power could refer.
-        assert!(field.walls.is_empty() && field.floor_area() == 0.0);
+        assert!(field.floor.is_empty() && field.walls.is_empty() && field.floor_area() == 0.0);
     }
 
     #[test]
@@ -492,10 +567,8 @@ mod tests {
             .shape(desk.receiver("desk"), MaterialKind::diffuse(0.5))
             .shape(cuboid.receiver("box"), MaterialKind::diffuse(0.5));
         let room = layout(builder, |_| ()).unwrap();
-        let [corner, across, up] = room.receiver("desk").unwrap().frame.unwrap();
-        assert!(
-            corner.distance(DVec3::new(1.0, 1.0, 0.7)) < 1e-12 && room.receiver("desk").unwrap().is_level
-        );
+        let [corner, across, up] = named(&room, "desk").frame.unwrap();
+        assert!(corner.distance(DVec3::new(1.0, 1.0, 0.7)) < 1e-12 && named(&room, "desk").is_level);
         assert!(across.distance(DVec3::new(cos, sin, 0.0)) < 1e-12, "{across}");
         assert!(up.distance(DVec3::new(-sin, cos, 0.0)) < 1e-12, "{up}");
         let facets = || room.receivers.iter().filter(|place| place.name.starts_with("box"));
@@ -505,12 +578,83 @@ mod tests {
     }
 
     #[test]
+    fn floors_have_all_of_their_parts_and_nothing_that_lies_on_them() {
+        let grey = || MaterialKind::diffuse(0.5);
+        // 20 m2, and ten parts of 1.9 m2 beside them; a rug of 2 m x 1 m on them, and one across two parts.
+        let floor = quad([0.0; 3], [5.0, 0.0, 0.0], [0.0, 4.0, 0.0]);
+        let parts = (0..10).map(|i| quad([1.9 * f64::from(i), 4.0, 0.0], [1.9, 0.0, 0.0], [0.0, 1.0, 0.0]));
+        let rugs = [
+            ShapeDescription::cuboid([1.0, 1.0, 0.0], [3.0, 2.0, 0.01]),
+            ShapeDescription::cuboid([1.5, 4.2, 0.0], [2.5, 4.6, 0.01]),
+        ];
+        let ceiling = quad([0.0, 0.0, 3.0], [0.0, 5.0, 0.0], [19.0, 0.0, 0.0]);
+        let builder = [floor, ceiling]
+            .into_iter()
+            .chain(parts)
+            .chain(rugs)
+            .fold(lamp(), |builder, shape| builder.shape(shape, grey()));
+        let room = layout(builder, |_| ()).unwrap();
+        assert!((surface(&room, RoomSurfaceKind::Floor).area - 39.0).abs() < 1e-9, "{:?}", room.surfaces);
+        assert_eq!(room.furniture.len(), 12);
+    }
+
+    #[test]
+    fn thick_walls_count_by_their_inner_faces_also_where_coordinates_are_rounded() {
+        // 5 m x 4 m x 3 m within, walls of 0.15 m, turned by 30 degrees and rounded to a millimetre.
+        let (sin, cos) = 30.0_f64.to_radians().sin_cos();
+        let turned = |x: f64, y: f64| {
+            let round = |length: f64| (length * 1e3).round() / 1e3;
+            [round(cos * x - sin * y), round(sin * x + cos * y)]
+        };
+        let upright = |[x0, y0]: [f64; 2], [x1, y1]: [f64; 2]| {
+            quad([x0, y0, 0.0], [x1 - x0, y1 - y0, 0.0], [0.0, 0.0, 3.0])
+        };
+        let mut shapes = Vec::new();
+        for off in [0.0, 0.15] {
+            let corners = [[-off, -off], [5.0 + off, -off], [5.0 + off, 4.0 + off], [-off, 4.0 + off]];
+            let corners = corners.map(|[x, y]| turned(x, y));
+            shapes.extend((0..4).map(|i| upright(corners[i], corners[(i + 1) % 4])));
+        }
+        // Four triangles around a point of the floor, which is half a millimetre below the others.
+        let level = |z: f64, middle: f64| {
+            let corners = [[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]].map(|[x, y]| turned(x, y));
+            let mut points: Vec<DVec3> = corners.iter().map(|[x, y]| DVec3::new(*x, *y, z)).collect();
+            let [x, y] = turned(2.5, 2.0);
+            points.push(DVec3::new(x, y, middle));
+            ShapeDescription::mesh(points, vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+        };
+        shapes.extend([level(0.0, -0.0005), level(3.0, 3.0)]);
+        let builder = shapes
+            .into_iter()
+            .fold(lamp(), |builder, shape| builder.shape(shape, MaterialKind::diffuse(0.5)));
+        let room = layout(builder, |_| ()).unwrap();
+        // 2 x (5 + 4) x 3 m2; both faces are drawn.
+        let near = |kind, area: f64| (surface(&room, kind).area / area - 1.0).abs() < 1e-3;
+        assert!(near(RoomSurfaceKind::Walls, 54.0) && room.walls.len() == 8, "{:?}", room.surfaces);
+        assert!(near(RoomSurfaceKind::Floor, 20.0) && near(RoomSurfaceKind::Ceiling, 20.0), "{room:?}");
+        assert!(room.furniture.is_empty() && room.furniture_left_out == 0);
+    }
+
+    #[test]
+    fn emitting_surfaces_are_no_part_of_the_room_unless_there_is_nothing_else() {
+        let panel = || quad([1.0, 1.0, 2.5], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]).emitting(1.0);
+        let room = |builder: SceneBuilder| builder.shape(panel(), MaterialKind::diffuse(0.9));
+        let walls = |description: &mut _| add_walls(description, DVec3::new(5.0, 4.0, 2.5));
+        let lit = layout(room(SceneBuilder::new()), walls).unwrap();
+        let ceiling = surface(&lit, RoomSurfaceKind::Ceiling);
+        assert!((ceiling.area - 20.0).abs() < 1e-9 && ceiling.reflectance == Some(0.0), "{ceiling:?}");
+        let [light] = lit.other_lights.as_slice() else { panic!("one light") };
+        assert!(light.is_electric() && light.position == Some([1.5, 1.5, 2.5]) && lit.furniture.is_empty());
+        assert_eq!(layout(room(SceneBuilder::new()), |_| ()).unwrap().size(), DVec3::new(1.0, 1.0, 0.0));
+    }
+
+    #[test]
     fn high_cupboards_are_no_walls() {
         // 2.4 m of 2.5 m high, in the middle of 5 m x 4 m.
         let cupboard = ShapeDescription::cuboid([2.0, 1.5, 0.0], [3.0, 2.5, 2.4]);
         let builder = lamp().shape(cupboard, MaterialKind::diffuse(0.9));
         let room = layout(builder, |description| add_walls(description, DVec3::new(5.0, 4.0, 2.5))).unwrap();
-        let walls = room.surfaces.iter().find(|part| part.surface == RoomSurfaceKind::Walls).unwrap();
+        let walls = surface(&room, RoomSurfaceKind::Walls);
         // 2 x (5 + 4) x 2.5 m2, black.
         assert!((walls.area - 45.0).abs() < 1e-9 && walls.reflectance == Some(0.0), "{walls:?}");
     }

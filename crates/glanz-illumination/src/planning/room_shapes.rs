@@ -7,23 +7,20 @@ use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::{PlacedSurface, Scene};
 
-use super::plan_outline::{ShapeOutline, face_points};
-use crate::receiver::{face_corners, signed_area};
+use super::plan_outline::{NEAR, ShapeOutline, face_points, samples};
+use crate::receiver::{face_corners, holds, middle, signed_area};
 
 /// Largest number of faces that are looked at one by one; surfaces beyond are boxes.
 const MOST_FACES: usize = 1 << 18;
 
-/// Largest number of planes of a shape. Of one with more, which is curved, the planes of the largest faces are parts if they are large.
+/// Largest number of planes of a shape. Of one with more, which is curved, planes of the largest faces are parts if they are large.
 const MOST_PLANES: usize = 64;
 
-/// Least area of a plane of a curved shape, as a share of that of the shape.
-const LARGE: f64 = 0.01;
+/// Least area of a plane of a curved shape, as a share of that of the shape: twice that of equal faces of the most planes.
+const LARGE: f64 = 2.0 / MOST_PLANES as f64;
 
-/// Distance of a point from a plane that it lies in, as a share of the extent.
-const NEAR: f64 = 1e-6;
-
-/// Difference of 1 and the cosine between the normals of one plane.
-const PARALLEL: f64 = 1e-8;
+/// Least cosine between the normals of faces of one plane; their corners decide, as small faces with rounded corners are turned by some degrees.
+const PARALLEL: f64 = 0.9;
 
 /// Points along each side of a face by which it is tested for flatness.
 const TEST_POINTS: u32 = 5;
@@ -31,6 +28,9 @@ const TEST_POINTS: u32 = 5;
 /// Points along each side of a face at which its reflectance is sampled, and the largest number of points of a part with several faces, apart from one for each.
 const REFLECTANCE_POINTS: u32 = 8;
 const MOST_REFLECTANCE_POINTS: usize = 4096;
+
+/// Largest number of shapes that are tested for covering others, and of the polygons of one of them.
+const MOST_COVERS: usize = 1024;
 
 /// Largest number of edges that are divided where corners of others lie on them.
 const MOST_DIVIDED: usize = 512;
@@ -76,14 +76,17 @@ impl<'a> RoomShape<'a> {
 
     /// Its area, m^2.
     pub(super) fn area(&self) -> f64 {
-        let each = |face: u32| self.surface.area(face..face + 1).unwrap_or(0.0);
+        let each = |face: u32| match face_corners(self.surface, face) {
+            Some(_) => flat_area(&face_points(self.surface, face, 2)),
+            None => self.surface.area(face..face + 1).unwrap_or(0.0),
+        };
         if self.faces.is_empty() {
             return self.surface.area(0..self.surface.faces()).unwrap_or(0.0);
         }
         self.faces.iter().map(|&face| each(face)).sum()
     }
 
-    /// Its mean luminous reflectance at right angles, on the side that faces `middle`; `None` if it is unknown.
+    /// Its mean luminous reflectance at right angles, of which holes reflect nothing, on the side that faces `middle`; `None` if it is unknown.
     pub(super) fn reflectance(&self, scene: &Scene, middle: DVec3) -> Option<f64> {
         let wavelengths = Wavelengths::default();
         let each = (MOST_REFLECTANCE_POINTS / self.faces.len().max(1)) as f64;
@@ -99,14 +102,14 @@ impl<'a> RoomShape<'a> {
                 let wo = seen.at.frame_of(&bsdf, seen.at.point.shading_normal).to_local(seen.at.wo);
                 let own = weight * seen.area_element;
                 area += own;
-                sum += own * f64::from(bsdf.reflected(wo).luminance(&wavelengths));
+                sum += own * f64::from(seen.opacity) * f64::from(bsdf.reflected(wo).luminance(&wavelengths));
             }
         }
         (area > 0.0).then(|| sum / area)
     }
 
-    /// Polygons from above that cover it, counterclockwise, metres: its faces, or the convex outline of one that is curved or trimmed.
-    fn polygons(&self) -> Vec<Vec<DVec2>> {
+    /// Its faces as polygons from above, counterclockwise, metres; `None` if one is curved or trimmed.
+    fn face_polygons(&self) -> Option<Vec<Vec<DVec2>>> {
         let polygon = |&face: &u32| {
             face_corners(self.surface, face)?;
             let mut corners: Vec<DVec2> =
@@ -117,7 +120,12 @@ impl<'a> RoomShape<'a> {
             Some(corners)
         };
         let all: Option<Vec<_>> = self.faces.iter().map(polygon).collect();
-        all.filter(|all| !all.is_empty()).unwrap_or_else(|| vec![self.outline.outline.clone()])
+        all.filter(|all| !all.is_empty())
+    }
+
+    /// Polygons from above that cover it: its faces, or the convex outline of one that is curved or trimmed.
+    fn polygons(&self) -> Vec<Vec<DVec2>> {
+        self.face_polygons().unwrap_or_else(|| vec![self.outline.outline.clone()])
     }
 }
 
@@ -147,18 +155,18 @@ fn by_plane(surface: &PlacedSurface<'_>, faces: Vec<u32>, extent: f64) -> Vec<Ve
             None => planes.push((plane, vec![face], area)),
         }
     }
-    let is_many = planes.len() == MOST_PLANES && !rest.is_empty();
+    let exceeds_planes = planes.len() == MOST_PLANES && !rest.is_empty();
     let (mut parts, mut curved) = (Vec::new(), rest);
     for (_, faces, area) in planes {
-        if is_many && area < LARGE * whole { curved.extend(faces) } else { parts.push(faces) }
+        if exceeds_planes && area < LARGE * whole { curved.extend(faces) } else { parts.push(faces) }
     }
     parts.extend(Some(curved).filter(|curved| !curved.is_empty()));
     parts
 }
 
-/// The plane of a flat face.
+/// A flat face and its plane.
 struct FacePlane {
-    point: DVec3,
+    points: Vec<DVec3>,
     normal: DVec3,
 }
 
@@ -174,19 +182,70 @@ impl FacePlane {
             || samples(&surface.face_domain(face), 4).find_map(|(uv, _)| surface.at(face, uv, false));
         let normal = surface.at(face, middle, false).or_else(on_edge)?.at.point.normal;
         let is_near = |p: &DVec3| (*p - point).dot(normal).abs() <= NEAR * extent;
-        points.iter().all(is_near).then_some(Self { point, normal })
+        points.iter().all(is_near).then_some(Self { points, normal })
     }
 
+    /// Whether another face of the same shape, of this extent, lies in the plane.
     fn is_same(&self, other: &Self, extent: f64) -> bool {
-        self.normal.dot(other.normal) >= 1.0 - PARALLEL
-            && (other.point - self.point).dot(self.normal).abs() <= NEAR * extent
+        let Some(point) = self.points.first() else { return false };
+        let is_near = |p: &DVec3| (*p - *point).dot(self.normal).abs() <= NEAR * extent;
+        self.normal.dot(other.normal) >= PARALLEL && other.points.iter().all(is_near)
     }
 }
 
-fn middle(domain: &FaceDomain) -> DVec2 {
-    match domain {
-        FaceDomain::Square => DVec2::splat(0.5),
-        FaceDomain::Polygon(corners) => corners.iter().sum::<DVec2>() / corners.len().max(1) as f64,
+/// Area of a flat polygon, m^2.
+fn flat_area(corners: &[DVec3]) -> f64 {
+    let pairs = corners.iter().zip(corners.iter().cycle().skip(1));
+    let first = corners.first().copied().unwrap_or_default();
+    0.5 * pairs.map(|(a, b)| (*a - first).cross(*b - first)).sum::<DVec3>().length()
+}
+
+/// The shapes of one plane, from the largest on, whose polygons are not all covered by those before them: a floor without the undersides of the things on it.
+pub(super) fn uncovered<'s, 'a>(mut shapes: Vec<&'s RoomShape<'a>>) -> Vec<&'s RoomShape<'a>> {
+    shapes.sort_by(|a, b| b.outline.area().total_cmp(&a.outline.area()));
+    let mut kept: Vec<&RoomShape<'_>> = Vec::new();
+    let mut covers: Vec<PlaneCover> = Vec::new();
+    for shape in shapes {
+        let is_covered = |polygon: &Vec<DVec2>| {
+            let middle = polygon.iter().sum::<DVec2>() / polygon.len().max(1) as f64;
+            covers.iter().any(|cover| cover.holds(middle))
+        };
+        if shape.polygons().iter().all(is_covered) {
+            continue;
+        }
+        kept.push(shape);
+        if covers.len() < MOST_COVERS {
+            covers.extend(PlaneCover::of(shape));
+        }
+    }
+    kept
+}
+
+/// A level shape that hides others in its plane: convex polygons, and the box around them.
+struct PlaneCover {
+    polygons: Vec<Vec<DVec2>>,
+    corners: [DVec2; 2],
+}
+
+impl PlaneCover {
+    /// `None` if it is not known what the shape covers: it is not convex, and has curved, trimmed or very many faces.
+    fn of(shape: &RoomShape<'_>) -> Option<Self> {
+        /// Share of its outline that a convex shape fills, but for the errors of areas and of outlines with corners.
+        const CONVEX: f64 = 0.98;
+        let outline = &shape.outline.outline;
+        let polygons = shape.face_polygons().filter(|polygons| polygons.len() <= MOST_COVERS);
+        let convex = || (shape.area() >= CONVEX * shape.outline.area()).then(|| vec![outline.clone()]);
+        let polygons = polygons.or_else(convex)?;
+        let low = outline.iter().fold(DVec2::INFINITY, |low, p| low.min(*p));
+        let high = outline.iter().fold(DVec2::NEG_INFINITY, |high, p| high.max(*p));
+        Some(Self { polygons, corners: [low, high] })
+    }
+
+    fn holds(&self, point: DVec2) -> bool {
+        let [low, high] = self.corners;
+        point.cmpge(low).all()
+            && point.cmple(high).all()
+            && self.polygons.iter().any(|polygon| holds(polygon, point))
     }
 }
 
@@ -200,31 +259,11 @@ fn rough_area(surface: &PlacedSurface<'_>, face: u32) -> f64 {
     }
 }
 
-/// Parameters spread evenly over a domain, `side` times `side` of them over the square and each triangle of a polygon, with the area of the domain that each stands for.
-fn samples(domain: &FaceDomain, side: u32) -> impl Iterator<Item = (DVec2, f64)> + use<> {
-    let fans: Vec<[DVec2; 3]> = match domain {
-        FaceDomain::Square => Vec::new(),
-        FaceDomain::Polygon(corners) => corners
-            .windows(2)
-            .skip(1)
-            .filter_map(|pair| Some([*corners.first()?, *pair.first()?, *pair.last()?]))
-            .collect(),
-    };
-    let share = 1.0 / f64::from(side * side);
-    let at = move |i: u32| (f64::from(i) + 0.5) / f64::from(side);
-    let grid: Vec<DVec2> = (0..side * side).map(|i| DVec2::new(at(i % side), at(i / side))).collect();
-    let whole = fans.is_empty().then(|| grid.clone()).into_iter().flatten().map(move |uv| (uv, share));
-    let parts = fans.into_iter().flat_map(move |[a, b, c]| {
-        let area = 0.5 * (b - a).perp_dot(c - a).abs() * share;
-        // Equal areas from the first corner on lie between the square roots.
-        let place = move |at: DVec2| (a + at.x.sqrt() * ((1.0 - at.y) * (b - a) + at.y * (c - a)), area);
-        grid.clone().into_iter().map(place)
-    });
-    whole.chain(parts)
-}
-
 /// Largest number of outlines of a plane that are drawn.
 const MOST_OUTLINES: usize = 400;
+
+/// Distance of corners that are one, as a share of the extent.
+const SAME_CORNER: f64 = 1e-6;
 
 /// Corners with this key are the same.
 type CornerKey = [i64; 2];
@@ -235,7 +274,7 @@ pub(super) fn joint_outlines(parts: &[&RoomShape<'_>]) -> Vec<Vec<DVec2>> {
     let corners = || polygons.iter().flatten();
     let Some(first) = corners().next().copied() else { return Vec::new() };
     let (low, high) = corners().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
-    let near = NEAR * (high - low).max_element();
+    let near = SAME_CORNER * (high - low).max_element();
     let key = |p: DVec2| ((p - low) / near).round().to_array().map(|x| x as i64);
     let mut edges: Vec<[DVec2; 2]> = Vec::new();
     for polygon in &polygons {
@@ -320,7 +359,7 @@ pub(super) fn border_distance(outlines: &[Vec<DVec2>], point: DVec2) -> f64 {
 mod tests {
     use super::*;
     use glanz_scene::SceneBuilder;
-    use glanz_scene::description::{LightDescription, MaterialKind, ShapeDescription};
+    use glanz_scene::description::{FloatParameter, LightDescription, MaterialKind, ShapeDescription};
 
     /// The parts of shapes from above, each with the number of its faces.
     fn with_shapes<T>(shapes: Vec<ShapeDescription>, look: impl FnOnce(&[RoomShape<'_>]) -> T) -> T {
@@ -355,6 +394,49 @@ mod tests {
     }
 
     #[test]
+    fn balls_of_few_faces_are_one_thing() {
+        // The icosahedron with each face divided into four, which are 80 nearly equal ones on the unit ball.
+        let golden = 0.5 * (1.0 + 5.0_f64.sqrt());
+        let mut points: Vec<DVec3> = [[1.0, golden], [-1.0, golden], [1.0, -golden], [-1.0, -golden]]
+            .into_iter()
+            .flat_map(|[a, b]| [DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)])
+            .collect();
+        let mut faces: Vec<[u32; 3]> = Vec::new();
+        let is_edge = |points: &[DVec3], a: usize, b: usize| points[a].distance(points[b]) < 2.1;
+        for (a, b, c) in (0..12).flat_map(|a| (0..a).flat_map(move |b| (0..b).map(move |c| (a, b, c)))) {
+            if !(is_edge(&points, a, b) && is_edge(&points, b, c) && is_edge(&points, a, c)) {
+                continue;
+            }
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(a, b)| {
+                points.push(0.5 * (points[a] + points[b]));
+                points.len() - 1
+            });
+            let parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+            faces.extend(parts.map(|part| part.map(|corner| corner as u32)));
+        }
+        assert_eq!(faces.len(), 80);
+        // All seen from outside.
+        for [a, b, c] in &mut faces {
+            let [p, q, r] = [*a, *b, *c].map(|corner| points[corner as usize]);
+            if (q - p).cross(r - p).dot(p + q + r) < 0.0 {
+                std::mem::swap(b, c);
+            }
+        }
+        let points = points.into_iter().map(DVec3::normalize).collect();
+        assert_eq!(with_shapes(vec![ShapeDescription::mesh(points, faces)], |shapes| shapes.len()), 1);
+    }
+
+    #[test]
+    fn holes_reflect_nothing() {
+        let floor = quad([0.0; 3], [4.0, 0.0, 0.0], [0.0, 2.0, 0.0]).with_alpha(FloatParameter::Value(0.25));
+        let builder = SceneBuilder::new().light(LightDescription::infinite(1.0));
+        let (scene, _) = builder.shape(floor, MaterialKind::diffuse(0.8)).resolve().unwrap();
+        let placed = scene.placed_surfaces();
+        let found = RoomShape::all(&placed)[0].reflectance(&scene, DVec3::Z).unwrap();
+        assert!((found - 0.2).abs() < 1e-6, "{found}");
+    }
+
+    #[test]
     fn faces_of_a_mesh_are_divided_by_their_planes_alone() {
         // A box of 12 triangles has six planes; a ball of more than 64 faces is one thing.
         let cuboid = |size: f64| ShapeDescription::cuboid([0.0; 3], [size, 1.0, 1.0]);
@@ -365,20 +447,5 @@ mod tests {
         let mesh = ShapeDescription::mesh((0..8).map(corner).collect(), triangles.collect());
         let areas = with_shapes(vec![mesh], |shapes| shapes.iter().map(RoomShape::area).collect::<Vec<_>>());
         assert!(areas.len() == 6 && areas.iter().all(|area| (area - 1.0).abs() < 1e-12), "{areas:?}");
-    }
-
-    #[test]
-    fn samples_of_a_polygon_have_its_area_and_middle() {
-        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 0.5]].map(DVec2::from).to_vec();
-        for (domain, area, middle) in [
-            (FaceDomain::Square, 1.0, [0.5, 0.5]),
-            // Triangles of 1/2 and 1/4 about (2/3, 1/3) and (1/3, 1/2).
-            (FaceDomain::Polygon(corners), 0.75, [5.0 / 9.0, 7.0 / 18.0]),
-        ] {
-            let all: Vec<(DVec2, f64)> = samples(&domain, 64).collect();
-            let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
-            let mean: DVec2 = all.iter().map(|(at, weight)| *weight * *at).sum::<DVec2>() / sum;
-            assert!((sum - area).abs() < 1e-12 && mean.distance(middle.into()) < 1e-3, "{sum} {mean}");
-        }
     }
 }

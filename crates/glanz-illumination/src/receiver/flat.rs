@@ -165,7 +165,8 @@ pub(crate) fn face_corners(surface: &PlacedSurface<'_>, face: u32) -> Option<Vec
     }
 }
 
-fn middle(domain: &FaceDomain) -> DVec2 {
+/// Parameters of the middle of a face.
+pub(crate) fn middle(domain: &FaceDomain) -> DVec2 {
     match domain {
         FaceDomain::Square => DVec2::splat(0.5),
         FaceDomain::Polygon(corners) => corners.iter().copied().sum::<DVec2>() / corners.len().max(1) as f64,
@@ -211,7 +212,7 @@ fn directions(polygons: &[Vec<DVec3>], normal: DVec3, seen_from: DVec3) -> Optio
 }
 
 /// The part of a convex polygon with coordinate `axis` at least (`above`) or at most `bound`.
-fn clipped(polygon: &[DVec2], axis: usize, bound: f64, above: bool) -> Vec<DVec2> {
+pub(crate) fn clipped(polygon: &[DVec2], axis: usize, bound: f64, above: bool) -> Vec<DVec2> {
     let inside = |p: DVec2| if above { p[axis] >= bound } else { p[axis] <= bound };
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (&p, &q) in polygon.iter().zip(polygon.iter().cycle().skip(1)) {
@@ -232,7 +233,7 @@ pub(crate) fn signed_area(polygon: &[DVec2]) -> f64 {
 }
 
 /// Whether a convex polygon contains a point; the border counts as inside.
-fn holds(polygon: &[DVec2], point: DVec2) -> bool {
+pub(crate) fn holds(polygon: &[DVec2], point: DVec2) -> bool {
     let mut turns =
         polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(p, q)| (*q - *p).perp_dot(point - *p));
     let rounding = 1e-14;

@@ -13,7 +13,7 @@ use glanz_scene::{HitLocation, PlacedSurface, Scene};
 use coverage::covered_shares;
 use faces::FaceCells;
 use flat::FlatGrid;
-pub(crate) use flat::{face_corners, signed_area};
+pub(crate) use flat::{clipped, face_corners, holds, middle, signed_area};
 use parameters::ParameterGrid;
 
 /// Share of a cell that the surface fills, below which it is a sliver: points on it are not searched, and goals of errors do not count it.

@@ -7,9 +7,12 @@ use glanz_report::svg::escaped;
 use super::LuxReport;
 use super::client_page::{fact, is_interrupted, short_section};
 use super::lit_quantity::LitQuantity;
-use super::text::printable;
+use super::text::{listed, printable};
 use crate::LuxMap;
 use crate::planning::RoomLayout;
+
+/// Largest number of names in a sentence.
+const MOST_NAMES: usize = 12;
 
 /// What was assumed, and what was not judged.
 pub(super) fn assumption_section(report: &LuxReport, quantity: &LitQuantity) -> String {
@@ -28,7 +31,10 @@ fn assumptions(report: &LuxReport, quantity: &LitQuantity) -> Vec<String> {
             "Fog and other media are left out: light passes them as if they were not there.".to_owned(),
         );
     }
-    if quantity.unit == "%" {
+    let is_daylight = quantity.unit == "%";
+    if report.maps.is_empty() {
+        // Nothing has figures.
+    } else if is_daylight {
         list.push(
             "Daylight factors are shares of the illuminance of the open ground under the overcast sky of the CIE, which does not depend on the hour or the direction of the windows. \
              Electric light is off."
@@ -58,20 +64,28 @@ fn assumptions(report: &LuxReport, quantity: &LitQuantity) -> Vec<String> {
     if !covered.is_empty() {
         list.push(format!(
             "Parts of areas that things stand on or reach through, or that are cut away, do not count: {}.",
-            covered.join(", ")
+            listed(&covered, MOST_NAMES)
         ));
     }
-    list.push("Least and largest values are those of means over the cells of an area; U0 is the least over the mean.".to_owned());
-    list.push(
-        "The errors (\u{b1}) are those of the calculation. Tolerances of luminaires, voltages, surfaces and dimensions come on top of them."
-            .to_owned(),
-    );
+    if !report.maps.is_empty() {
+        list.push("Least and largest values are those of means over the cells of an area; U0 is the least over the mean.".to_owned());
+        list.push(
+            "The errors (\u{b1}) are those of the calculation. Tolerances of luminaires, voltages, surfaces and dimensions come on top of them."
+                .to_owned(),
+        );
+    }
     match (&report.plan, &report.planning.task) {
+        _ if is_daylight => {
+            list.push("Requirements of standards are not judged by daylight alone.".to_owned());
+        }
         (Some(_), Some(_)) => list.push(
             "The limits are those of open summaries of the standards named beside them. Whoever signs compares them with the text of the standard.".to_owned(),
         ),
         (None, Some(_)) if is_interrupted(report) => {
             list.push("The calculation was interrupted, so that no requirements are judged.".to_owned());
+        }
+        (None, Some(_)) if report.facts.get("rating_interrupted").is_some() => {
+            list.push("The rating was interrupted, so that no requirements are judged.".to_owned());
         }
         (None, Some(_)) => list.push(
             "The scene declares no zones and no observers, so that no requirements are judged.".to_owned(),
@@ -89,7 +103,7 @@ fn light_method(report: &LuxReport) -> Option<&'static str> {
     Some(match fact(report, "method")?.as_str() {
         "auto" => {
             "All light counts, with the reflections between surfaces: direct light and light by exact mirrors is integrated, light between other surfaces is followed by random paths, \
-             and light that mirrors and glass focus by particles."
+             and light that mirrors and glass focus, and light that lamps send to surfaces close to them, by particles."
         }
         "integrate" => {
             "Only direct light and light after one reflection in a mirror counts; light that walls, ceiling and furniture reflect is left out."
@@ -149,14 +163,16 @@ fn add_layout_assumptions(layout: &RoomLayout, list: &mut Vec<String>) {
         ),
         (false, false) => {}
     }
-    for group in &layout.luminaires {
-        if let Some(share) = group.dimming() {
-            list.push(format!(
-                "{}: {:.1} % of the flux of its file, with all of its power.",
-                printable(group.description.label()),
-                100.0 * share
-            ));
-        }
+    let dimmed = layout.luminaires.iter().filter_map(|group| {
+        let percent = 100.0 * group.dimming()?;
+        Some(format!("{} {percent:.1} %", printable(group.description.label())))
+    });
+    let dimmed: Vec<String> = dimmed.collect();
+    if !dimmed.is_empty() {
+        list.push(format!(
+            "Shares of the flux of the photometric file, with all of the power: {}.",
+            listed(&dimmed, MOST_NAMES)
+        ));
     }
     if !layout.luminaires.is_empty() && layout.watts().is_none() {
         let reason = if layout.electric_lights().next().is_none() {

@@ -1,19 +1,19 @@
-//! The pages of a report that a client reads: room, plan, luminaires, illuminances, requirements, assumptions.
+//! The pages of a report that a client reads: summary, luminaires, plan, requirements, assumptions, areas, other surfaces.
 
 use std::fmt::Write;
 
-use glanz_report::number::{brief, plural, significant};
+use glanz_report::number::{brief, metres, plural, significant};
 use glanz_report::svg::escaped;
 use glanz_report::{FactValue, Table, TableCell};
 
 use super::LuxReport;
-use super::client_area::{area_section, is_grid, surface_section};
+use super::client_area::{area_section, surface_section};
 use super::client_assumptions::assumption_section;
 use super::client_room::{luminaire_section, plan_section};
 use super::lit_quantity::LitQuantity;
-use super::text::printable;
-use crate::planning::MaintenanceFactor;
+use super::text::{listed, printable};
 use crate::planning::requirement::VerdictOutcome;
+use crate::planning::{MaintenanceFactor, ReceiverPlace};
 use crate::{DaylightFactors, LuxMap};
 
 /// Relative error below which a figure has none.
@@ -24,6 +24,20 @@ const MOST_OPEN: usize = 8;
 
 /// Keys of the facts about glare and cylinders in the facts of a plan.
 const GLARE_KEYS: [&str; 5] = ["ugr", "observers", "cylindrical", "modelling", "unlit"];
+
+/// A map with the place of its receiver, if that is known.
+#[derive(Clone, Copy)]
+pub(super) struct PlacedMap<'a> {
+    pub(super) map: &'a LuxMap,
+    pub(super) place: Option<&'a ReceiverPlace>,
+}
+
+impl PlacedMap<'_> {
+    /// Whether its cells are rows and columns, as those of all but curved meshes are.
+    pub(super) fn is_grid(&self) -> bool {
+        self.place.is_none_or(|place| place.is_grid)
+    }
+}
 
 /// The sections of a report for a client, most of which begin a sheet of paper.
 pub(super) fn client_sections(report: &LuxReport) -> String {
@@ -38,9 +52,9 @@ pub(super) fn client_sections(report: &LuxReport) -> String {
     }
     sections.extend(requirement_section(report));
     sections.push(assumption_section(report, &quantity));
-    sections.extend(areas.iter().map(|map| area_section(report, &quantity, map)));
+    sections.extend(areas.iter().map(|area| area_section(report, &quantity, area)));
     if !others.is_empty() {
-        sections.push(surface_section(report, &quantity, &others));
+        sections.push(surface_section(&quantity, &others));
     }
     sections.concat()
 }
@@ -56,26 +70,31 @@ pub(super) fn short_section(heading: &str, body: &str) -> String {
 }
 
 /// The maps that have a sheet of their own, and all others: level areas that face up, declared zones first, then from the highest down; in a design without zones the map with most light, too.
-fn area_maps(report: &LuxReport) -> (Vec<&LuxMap>, Vec<&LuxMap>) {
+fn area_maps(report: &LuxReport) -> (Vec<PlacedMap<'_>>, Vec<PlacedMap<'_>>) {
     /// Largest number of sheets.
     const MOST: usize = 12;
-    let place = |map: &LuxMap| report.layout.as_ref()?.receiver(&map.name);
-    let is_zone = |map: &LuxMap| place(map).is_some_and(|place| place.kind.is_some());
-    let grids = || report.maps.iter().filter(|map| is_grid(report, map));
-    let mut areas: Vec<&LuxMap> =
-        grids().filter(|map| place(map).is_some_and(|place| place.is_level)).collect();
-    let height = |map: &LuxMap| place(map).map_or(0.0, |place| place.height);
+    let place = |number: usize| report.layout.as_ref()?.receiver(number);
+    let maps: Vec<PlacedMap<'_>> =
+        report.maps.iter().enumerate().map(|(number, map)| PlacedMap { map, place: place(number) }).collect();
+    let is_zone = |area: &PlacedMap<'_>| area.place.is_some_and(|place| place.kind.is_some());
+    let grids = || maps.iter().filter(|area| area.is_grid()).copied();
+    let mut areas: Vec<PlacedMap<'_>> =
+        grids().filter(|area| area.place.is_some_and(|place| place.is_level)).collect();
+    let height = |area: &PlacedMap<'_>| area.place.map_or(0.0, |place| place.height);
     areas.sort_by(|a, b| is_zone(b).cmp(&is_zone(a)).then(height(b).total_cmp(&height(a))));
-    let is_in = |list: &[&LuxMap], map: &LuxMap| list.iter().any(|other| std::ptr::eq(*other, map));
+    let is_in = |list: &[PlacedMap<'_>], area: &PlacedMap<'_>| {
+        list.iter().any(|other| std::ptr::eq(other.map, area.map))
+    };
     areas.truncate(MOST);
-    if !report.maps.iter().any(is_zone) {
-        let brightest = grids().max_by(|a, b| a.summary().flux.total_cmp(&b.summary().flux));
-        if let Some(map) = brightest.filter(|map| !is_in(&areas, map)) {
+    if !maps.iter().any(is_zone) {
+        let flux = |area: PlacedMap<'_>| area.map.summary().flux;
+        let brightest = grids().max_by(|a, b| flux(*a).total_cmp(&flux(*b)));
+        if let Some(area) = brightest.filter(|area| !is_in(&areas, area)) {
             areas.truncate(MOST - 1);
-            areas.push(map);
+            areas.push(area);
         }
     }
-    let others = report.maps.iter().filter(|map| !is_in(&areas, map)).collect();
+    let others = maps.iter().filter(|area| !is_in(&areas, area)).copied().collect();
     (areas, others)
 }
 
@@ -109,7 +128,7 @@ pub(super) fn origin(report: &LuxReport) -> String {
     printable(&parts.into_iter().flatten().collect::<Vec<_>>().join(" \u{b7} "))
 }
 
-fn summary_section(report: &LuxReport, quantity: &LitQuantity, areas: &[&LuxMap]) -> String {
+fn summary_section(report: &LuxReport, quantity: &LitQuantity, areas: &[PlacedMap<'_>]) -> String {
     let mut body = format!("<p class=\"origin\">Lighting report \u{b7} {}</p>\n", escaped(&origin(report)));
     if is_preliminary(report) {
         body +=
@@ -127,7 +146,8 @@ fn summary_section(report: &LuxReport, quantity: &LitQuantity, areas: &[&LuxMap]
                 "half of the interval within which the figure of the calculation lies with a probability of 95 %"
             }
         };
-        body += &format!("<p class=\"note\">\u{b1}: {meaning}; left out below 0.5 %.</p>\n");
+        body +=
+            &format!("<p class=\"note\">\u{b1}: {meaning}; left out below 0.5 %, for U0 below 0.005.</p>\n");
     }
     if let Some(plan) = &report.plan
         && !plan.verdicts.is_empty()
@@ -138,7 +158,6 @@ fn summary_section(report: &LuxReport, quantity: &LitQuantity, areas: &[&LuxMap]
             [VerdictOutcome::Met, VerdictOutcome::NotMet, VerdictOutcome::Undecided].map(count);
         let open = plan.verdicts.iter().filter(|verdict| verdict.outcome != VerdictOutcome::Met);
         let names: Vec<String> = open
-            .take(MOST_OPEN)
             .map(|verdict| {
                 let symbol = verdict.requirement.criterion.symbol();
                 format!("{} {symbol} ({})", printable(&verdict.zone), verdict.outcome)
@@ -147,7 +166,7 @@ fn summary_section(report: &LuxReport, quantity: &LitQuantity, areas: &[&LuxMap]
         let names = if names.is_empty() {
             String::new()
         } else {
-            format!(" Not met or undecided: {}.", names.join(", "))
+            format!(" Not met or undecided: {}.", listed(&names, MOST_OPEN))
         };
         let _ = writeln!(
             body,
@@ -165,7 +184,7 @@ fn room_table(report: &LuxReport, quantity: &LitQuantity) -> Table {
         Table::new("room", "Room and installation", &[("fact", "room and installation"), ("value", "")]);
     let mut line = |name: &str, value: String| table.push([name.into(), TableCell::Text(printable(&value))]);
     if let Some(layout) = &report.layout {
-        let [x, y, z] = layout.size().to_array().map(|length| format!("{length:.2}"));
+        let [x, y, z] = layout.size().to_array().map(metres);
         line("size (x, y, height)", format!("{x} m \u{d7} {y} m \u{d7} {z} m"));
         if layout.floor_area() > 0.0 {
             line("floor area", format!("{} m\u{b2}", significant(layout.floor_area())));
@@ -203,8 +222,11 @@ fn room_table(report: &LuxReport, quantity: &LitQuantity) -> Table {
             line(&name, format!("{} W/m\u{b2}", significant(density)));
         }
     }
-    let settings = &report.planning;
-    if report.plan.is_some() || settings.maintenance != MaintenanceFactor::default() {
+    // Daylight factors are neither maintained illuminances nor judged.
+    let settings = Some(&report.planning).filter(|_| report.daylight.is_empty());
+    if let Some(settings) = settings
+        && (report.plan.is_some() || settings.maintenance != MaintenanceFactor::default())
+    {
         let parts = match settings.maintenance {
             MaintenanceFactor::Whole(_) => String::new(),
             MaintenanceFactor::Parts { lamp_lumens, lamp_survival, luminaire, room_surfaces } => format!(
@@ -213,15 +235,17 @@ fn room_table(report: &LuxReport, quantity: &LitQuantity) -> Table {
         };
         line("maintenance factor", format!("{}{parts}", significant(report.maintenance_factor())));
     }
-    if let Some(task) = &settings.task {
+    if let Some(task) = settings.and_then(|settings| settings.task.as_ref()) {
         line("task", task.label());
     }
-    line("figures are", quantity.label());
+    if !report.maps.is_empty() {
+        line("figures are", quantity.label());
+    }
     table
 }
 
 /// Mean, least, largest value and uniformity of maps, with their errors.
-pub(super) fn figure_table(caption: &str, quantity: &LitQuantity, maps: &[&LuxMap]) -> Table {
+pub(super) fn figure_table(caption: &str, quantity: &LitQuantity, areas: &[PlacedMap<'_>]) -> Table {
     let columns = [
         ("area", "area"),
         ("mean", "mean"),
@@ -230,11 +254,17 @@ pub(super) fn figure_table(caption: &str, quantity: &LitQuantity, maps: &[&LuxMa
         ("u0", "U0 (least / mean)"),
     ];
     let mut table = Table::new("figures", caption, &columns);
-    for map in maps {
+    for PlacedMap { map, .. } in areas {
         let summary = quantity.summary(map);
         let shown = |value: f64, interval: [f64; 2]| TableCell::Text(with_error(value, interval));
+        let name = TableCell::Text(printable(&map.name));
+        if summary.area <= 0.0 {
+            // What is covered as a whole has no figures.
+            table.push([name]);
+            continue;
+        }
         table.push([
-            TableCell::Text(printable(&map.name)),
+            name,
             shown(summary.mean, summary.mean_interval),
             shown(summary.minimum, summary.minimum_interval),
             shown(summary.maximum, summary.maximum_interval),
@@ -247,7 +277,10 @@ pub(super) fn figure_table(caption: &str, quantity: &LitQuantity, maps: &[&LuxMa
 /// A value with half of its interval.
 fn with_error(value: f64, [low, high]: [f64; 2]) -> String {
     let half = (high - value).max(value - low);
-    if half <= LEAST_ERROR * value.abs() || !half.is_finite() {
+    if !half.is_finite() {
+        return format!("{} (error unknown)", significant(value));
+    }
+    if half <= LEAST_ERROR * value.abs() {
         return significant(value);
     }
     // As many decimals as the error has.
@@ -261,17 +294,18 @@ fn with_error(value: f64, [low, high]: [f64; 2]) -> String {
 
 fn uniformity_with_error(value: f64, [low, high]: [f64; 2]) -> String {
     let half = (high - value).max(value - low);
-    if half < LEAST_ERROR { format!("{value:.2}") } else { format!("{value:.2} \u{b1} {half:.2}") }
+    match half {
+        _ if !half.is_finite() => format!("{value:.2} (error unknown)"),
+        _ if half < LEAST_ERROR => format!("{value:.2}"),
+        _ => format!("{value:.2} \u{b1} {half:.2}"),
+    }
 }
 
 /// Verdicts, glare and modelling; none if nothing of it was asked for.
 fn requirement_section(report: &LuxReport) -> Option<String> {
     let plan = report.plan.as_ref()?;
-    let mut table =
-        Table::new("glare", "Glare and modelling", &[("fact", "glare and modelling"), ("value", "")]);
-    for fact in plan.facts().iter().filter(|fact| GLARE_KEYS.iter().any(|key| fact.key.starts_with(key))) {
-        table.push([fact.name.into(), TableCell::Text(printable(&fact.value.shown()))]);
-    }
+    let is_shown = |key: &str| GLARE_KEYS.iter().any(|start| key.starts_with(start));
+    let table = plan.facts().table("glare", "Glare and modelling", "glare and modelling", is_shown);
     let mut body = String::new();
     if !plan.verdicts.is_empty() {
         body += &plan.verdict_table().html();

@@ -1,11 +1,11 @@
 //! Plan and luminaires on the pages of a client.
 
 use glanz_math::DVec2;
-use glanz_report::number::significant;
+use glanz_report::number::{concise, metres, significant};
 use glanz_report::{FloorPlan, PlanArea, PlanSymbol, Table, TableCell};
 
 use super::client_page::{section, short_section};
-use super::text::{printable, shown_vector};
+use super::text::printable;
 use crate::planning::{LuminaireGroup, RoomLayout};
 
 /// Largest number of luminaires whose places are listed.
@@ -14,6 +14,9 @@ const MOST_PLACES: usize = 120;
 /// Largest number of kinds of luminaires with a card, and of symbols in the plan.
 const MOST_CARDS: usize = 24;
 const MOST_SYMBOLS: usize = 2000;
+
+/// Largest number of areas of measurement in the plan.
+const MOST_AREAS: usize = 60;
 
 /// Largest number of lights that are no luminaires in their list.
 const MOST_LIGHTS: usize = 24;
@@ -24,7 +27,7 @@ fn points(outline: &[DVec2]) -> Vec<[f64; 2]> {
 
 /// The plan, and the places of the luminaires.
 pub(super) fn plan_section(layout: &RoomLayout) -> String {
-    let outlines = |list: &[Vec<DVec2>]| list.iter().map(|outline| points(outline)).collect();
+    let outlines = |list: &[Vec<DVec2>]| list.iter().map(|outline| points(outline)).collect::<Vec<_>>();
     let corners = layout.plan_corners().map(|corner| corner.to_array());
     let near = 1e-3 * layout.size().length();
     // An area as large as the floor is the floor.
@@ -33,8 +36,10 @@ pub(super) fn plan_section(layout: &RoomLayout) -> String {
         !layout.corners.iter().all(|corner| reach(corner.truncate()))
     };
     let level = layout.receivers.iter().filter(|place| place.is_level);
-    let areas: Vec<PlanArea> = level
-        .filter(|place| is_own(&place.outline))
+    let own = || level.clone().filter(|place| is_own(&place.outline));
+    let areas_left_out = own().count().saturating_sub(MOST_AREAS);
+    let areas: Vec<PlanArea> = own()
+        .take(MOST_AREAS)
         .map(|place| PlanArea { name: printable(&place.name), corners: points(&place.outline) })
         .collect();
     let placed = layout.luminaires.iter().flat_map(|group| &group.places);
@@ -57,15 +62,25 @@ pub(super) fn plan_section(layout: &RoomLayout) -> String {
         title: "Plan from above",
         corners,
         room: layout.corners.map(|corner| corner.truncate().to_array()),
-        walls: outlines(&layout.walls),
+        walls: [outlines(&layout.floor), outlines(&layout.walls)].concat(),
         furniture: outlines(&layout.furniture),
         areas,
         symbols,
     };
     let mut body = format!("<figure>\n{}</figure>\n", plan.svg());
-    body += "<p class=\"note\">Yellow: luminaires with their numbers, by the size of their luminous opening. Dashed blue: areas of measurement. Grey: furniture and \
-             other things, by their convex outlines.</p>\n";
-    body += &left_out_note(left_out);
+    let letters = if layout.other_lights.is_empty() { "" } else { "; letters: other lights" };
+    body += &format!(
+        "<p class=\"note\">Yellow: luminaires with their numbers, by the size of their luminous opening{letters}. Dashed blue: areas of measurement. Grey: furniture and \
+         other things, by their convex outlines.</p>\n"
+    );
+    if layout.furniture_left_out > 0 {
+        body += &format!(
+            "<p class=\"note\">Furniture: the smallest {} are not drawn.</p>\n",
+            layout.furniture_left_out
+        );
+    }
+    body += &left_out_note("Symbols", left_out);
+    body += &left_out_note("Areas", areas_left_out);
     body += &place_table(layout);
     section("Plan", &body)
 }
@@ -99,28 +114,28 @@ fn place_table(layout: &RoomLayout) -> String {
     let floor = layout.corners[0].z;
     for (place, group) in places.iter().take(MOST_PLACES) {
         let [x, y, z] = place.position.to_array();
-        let metres = |length: f64| TableCell::Text(format!("{:.2}", length + 0.0));
+        let length = |length: f64| TableCell::Text(metres(length));
         // 359.9 degrees are rounded to 0.
         let degrees = |angle: f64| TableCell::Text(format!("{:.0}", angle.round().rem_euclid(360.0) + 0.0));
         table.push([
             u64::from(place.number).into(),
-            metres(x),
-            metres(y),
-            metres(z - floor),
+            length(x),
+            length(y),
+            length(z - floor),
             degrees(place.turn),
             degrees(place.tilt),
             TableCell::Text(printable(group.description.label())),
         ]);
     }
-    table.html() + &left_out_note(places.len().saturating_sub(MOST_PLACES))
+    table.html() + &left_out_note("Luminaires", places.len().saturating_sub(MOST_PLACES))
 }
 
-/// A sentence on what is left out, if there is anything.
-fn left_out_note(count: usize) -> String {
+/// A sentence on things that are left out, if there are any.
+fn left_out_note(things: &str, count: usize) -> String {
     if count == 0 {
         return String::new();
     }
-    format!("<p class=\"note\">{count} more are in report.json.</p>\n")
+    format!("<p class=\"note\">{things}: {count} more in report.json.</p>\n")
 }
 
 /// The kinds of luminaires, and all other lights.
@@ -128,7 +143,8 @@ pub(super) fn luminaire_section(layout: &RoomLayout) -> String {
     let floor = layout.corners[0].z;
     let cards: String =
         layout.luminaires.iter().take(MOST_CARDS).map(|group| luminaire_card(group, floor)).collect();
-    let mut body = cards + &left_out_note(layout.luminaires.len().saturating_sub(MOST_CARDS));
+    let left_out = layout.luminaires.len().saturating_sub(MOST_CARDS);
+    let mut body = cards + &left_out_note("Kinds of luminaires", left_out);
     if !layout.other_lights.is_empty() {
         let columns = [
             ("label", "in the plan"),
@@ -138,13 +154,13 @@ pub(super) fn luminaire_section(layout: &RoomLayout) -> String {
         ];
         let mut table = Table::new("lights", "Lights without a photometric file", &columns);
         for (label, light) in letters().zip(&layout.other_lights).take(MOST_LIGHTS) {
-            let position = light.position.map(|position| shown_vector(position.into(), 2));
+            let position = light.position.map(|position| position.map(metres).join(", "));
             let position = position.map_or(TableCell::Missing, TableCell::Text);
             let label = light.position.map_or(TableCell::Missing, |_| TableCell::Text(label));
             table.push([label, light.kind.into(), light.flux.into(), position]);
         }
         body += &table.html();
-        body += &left_out_note(layout.other_lights.len().saturating_sub(MOST_LIGHTS));
+        body += &left_out_note("Lights", layout.other_lights.len().saturating_sub(MOST_LIGHTS));
     }
     let heading = if layout.luminaires.is_empty() { "Lights" } else { "Luminaires" };
     short_section(heading, &body)
@@ -172,11 +188,11 @@ fn luminaire_card(group: &LuminaireGroup, floor: f64) -> String {
     }
     line("colour, colour temperature", &description.color);
     line("colour rendering", &description.rendering);
-    let [low, high] = group.heights().map(|height| format!("{:.2}", height - floor));
+    let [low, high] = group.heights().map(|height| metres(height - floor));
     let heights = if low == high { format!("{low} m") } else { format!("{low} m to {high} m") };
     line("height of the middle of the light", &heights);
     let lengths = description.opening.size.into_iter().filter(|length| *length > 0.0);
-    let lengths: Vec<String> = lengths.map(|length| format!("{length:.3} m")).collect();
+    let lengths: Vec<String> = lengths.map(|length| format!("{} m", concise(length))).collect();
     line("luminous opening", &lengths.join(" \u{d7} "));
     line("photometric file", &description.file);
     let table = table.html();

@@ -10,8 +10,8 @@ use super::html::tests::unbalanced;
 use super::{LitQuantity, LuxReport};
 use crate::planning::test_luminaires::{downlight, lambertian};
 use crate::planning::{
-    LightingTask, LuminaireGroup, MaintenanceFactor, OtherLight, PlacedLuminaire, PlanReport, ReceiverPlace,
-    RoomLayout, RoomSurface, RoomSurfaceKind,
+    LightingCriterion, LightingTask, LuminaireGroup, MaintenanceFactor, OtherLight, PlacedLuminaire,
+    PlanReport, ReceiverPlace, RequirementVerdict, RoomLayout, RoomSurface, RoomSurfaceKind,
 };
 use crate::{DaylightFactors, LuxMap};
 
@@ -33,9 +33,10 @@ fn map(name: &str, size: [f64; 2], slope: f64) -> LuxMap {
     }
 }
 
-fn place(name: &str, kind: Option<ZoneKind>, is_level: bool, height: f64) -> ReceiverPlace {
+fn place(number: usize, name: &str, kind: Option<ZoneKind>, is_level: bool, height: f64) -> ReceiverPlace {
     let outline = rectangle([0.5, 0.5], [5.0, 3.0]);
     ReceiverPlace {
+        number,
         name: name.into(),
         kind,
         is_level,
@@ -72,10 +73,12 @@ fn report(name: &str, desk: Option<ZoneKind>) -> LuxReport {
     };
     let layout = RoomLayout {
         corners: [DVec3::ZERO, DVec3::new(6.0, 4.0, 2.8)],
-        walls: vec![rectangle([0.0, 0.0], [6.0, 4.0])],
+        floor: vec![rectangle([0.0, 0.0], [6.0, 4.0])],
+        walls: Vec::new(),
         furniture: vec![rectangle([1.0, 1.0], [1.6, 0.8])],
+        furniture_left_out: 0,
         surfaces: vec![surface(RoomSurfaceKind::Floor, 0.2), surface(RoomSurfaceKind::Ceiling, 0.7)],
-        receivers: vec![place("desk", desk, true, 0.75), place("wall", None, false, 1.4)],
+        receivers: vec![place(0, "desk", desk, true, 0.75), place(1, "wall", None, false, 1.4)],
         luminaires: LuminaireGroup::of(&lamps),
         other_lights: Vec::new(),
     };
@@ -108,6 +111,7 @@ fn plan(maintenance: MaintenanceFactor) -> PlanReport {
         watts: 144.0,
         area: 24.0,
         task_illuminance: None,
+        has_daylight: false,
     }
 }
 
@@ -256,6 +260,9 @@ fn errors_have_as_many_digits_as_their_values() {
     dim.maps[0].lux = vec![410.0; 96];
     dim.maps[0].errors = vec![12.5; 96];
     assert!(dim.html().contains("<td>410 \u{b1} 12</td>"));
+    // A single path has no spread.
+    dim.maps[0].errors = vec![f64::INFINITY; 96];
+    assert!(dim.html().contains("<td>410.0 (error unknown)</td>"));
 }
 
 #[test]
@@ -286,7 +293,7 @@ fn many_kinds_of_luminaires_have_some_cards() {
     layout.luminaires = LuminaireGroup::of(&(1..=30).map(dimmed).collect::<Vec<_>>());
     let html = many.html();
     assert_eq!(html.matches("class=\"card\"").count(), 24);
-    assert!(html.contains("6 more are in report.json."));
+    assert!(html.contains("Kinds of luminaires: 6 more in report.json."));
 }
 
 #[test]
@@ -300,6 +307,120 @@ fn daylight_is_shown_in_per_cent() {
         html.contains("Mean 4.100, least 3.000, largest 5.200 %")
             && html.contains("desk: daylight factor, %")
     );
+    // Neither maintained nor judged.
+    day.planning.maintenance = MaintenanceFactor::Whole(0.8);
+    day.planning.task = LightingTask::of_reference("34.2");
+    let html = day.html();
+    assert!(html.contains("not judged by daylight alone") && !html.contains("maintenance factor"));
+    assert!(!html.contains("EN 12464") && !html.contains("declares no zones"));
+}
+
+#[test]
+fn covered_areas_have_no_figures() {
+    let mut covered = report("office", Some(ZoneKind::Task));
+    covered.maps[0].areas = vec![0.0; 96];
+    let html = covered.html();
+    assert!(html.contains("<td>desk</td><td>-</td><td>-</td><td>-</td><td>-</td>"), "{html}");
+    let sheet = html.split("<h2>").find(|part| part.starts_with("desk: illuminance")).unwrap();
+    assert!(sheet.contains("Nothing of the area receives light.") && !sheet.contains("<svg"));
+    let shown = &serde_json::to_value(&covered).unwrap()["shown"]["receivers"];
+    assert!(shown[0]["mean"].is_null() && shown[1]["mean"].is_number());
+}
+
+#[test]
+fn receivers_of_one_name_have_their_own_places() {
+    let mut twins = report("office", None);
+    twins.maps[1] = map("desk", [5.0, 3.0], 40.0);
+    let layout = twins.layout.as_mut().unwrap();
+    layout.receivers[1] = place(1, "desk", None, true, 1.75);
+    // The higher one comes first, and is that to which the power refers: the mean of 300, 340, ... 740 lx.
+    let html = twins.html();
+    let order = ["1.75 m above the floor", "0.75 m above the floor"].map(|words| html.find(words).unwrap());
+    assert!(order[0] < order[1]);
+    assert!((twins.installed_power().unwrap().reference.unwrap().1 - 520.0).abs() < 1e-9);
+}
+
+#[test]
+fn luminaires_are_drawn_as_far_as_they_are_above_an_area() {
+    let mut office = report("office", Some(ZoneKind::Task));
+    // The area of 5 m x 3 m begins at x = 1.5, in the middle of two luminaires of 0.6 m, and ends at y = 2.8.
+    let desk = &mut office.layout.as_mut().unwrap().receivers[0];
+    desk.frame = Some([DVec3::new(1.5, -0.2, 0.75), DVec3::X, DVec3::Y]);
+    let html = office.html();
+    let sheet = html.split("<h2>").find(|part| part.starts_with("desk: illuminance")).unwrap();
+    let outlines: Vec<&str> = sheet.lines().filter(|line| line.contains("stroke=\"#333333\"")).collect();
+    // Of the two from y = 2.7 to 3.3, 0.1 m is above the area.
+    assert_eq!(outlines.len(), 4);
+    // 490 pixels for 5 m, from 66 on: the half of 0.3 m ends at 66 + 29.4.
+    let halves = outlines.iter().filter(|line| line.contains("66.0,") && line.contains("95.4,"));
+    assert_eq!(halves.count(), 2, "{outlines:?}");
+}
+
+#[test]
+fn axes_of_maps_are_not_those_of_their_drawings() {
+    let mut far = report("office", None);
+    let desk = &mut far.layout.as_mut().unwrap().receivers[0];
+    desk.outline.iter_mut().for_each(|corner| *corner += DVec2::new(4.5e5, 5.4e6));
+    let html = far.html();
+    let sheet = html.split("<h2>").find(|part| part.starts_with("desk: illuminance")).unwrap();
+    assert!(sheet.contains("first direction, m") && !sheet.contains(">x, m<"));
+}
+
+#[test]
+fn power_per_illuminance_needs_light_that_is_all_electric() {
+    let mut open = report("office", Some(ZoneKind::Task));
+    let rated = PlanReport {
+        task_illuminance: Some(500.0),
+        has_daylight: true,
+        ..plan(MaintenanceFactor::default())
+    };
+    open.plan = Some(rated);
+    open.layout.as_mut().unwrap().other_lights.push(OtherLight {
+        kind: OtherLight::SKY,
+        flux: None,
+        position: None,
+        outline: Vec::new(),
+    });
+    let html = open.html();
+    assert!(html.contains("<td>6.000 W/m\u{b2}</td>") && !html.contains("100 lx"), "{html}");
+}
+
+#[test]
+fn open_requirements_beyond_the_first_are_counted() {
+    let mut judged = report("office", None);
+    let task = LightingTask::of_reference("34.2").unwrap();
+    let verdict = |i: u32| {
+        let requirement = task.requirement(LightingCriterion::MeanIlluminance, 500.0);
+        RequirementVerdict::new(format!("zone {i}"), requirement, 100.0, [99.0, 101.0])
+    };
+    let verdicts = (0..11).map(verdict).collect();
+    judged.plan = Some(PlanReport { verdicts, ..plan(MaintenanceFactor::default()) });
+    let html = judged.html();
+    assert!(html.contains("11 requirements: 0 met, 11 not met") && html.contains(" and 3 more. Their list"));
+}
+
+#[test]
+fn reports_without_receivers_have_no_sentences_about_figures() {
+    let bare = LuxReport { maps: Vec::new(), ..report("lamp", None) };
+    let html = bare.html();
+    for words in
+        ["figures are", "Least and largest", "The errors", "new installation: no", "The tables below"]
+    {
+        assert!(!html.contains(words), "{words}");
+    }
+    assert!(report("lamp", None).html().contains("The errors"));
+}
+
+#[test]
+fn interrupted_ratings_leave_complete_figures() {
+    let mut rated = report("office", Some(ZoneKind::Task));
+    rated.planning.task = LightingTask::of_reference("34.2");
+    rated.facts.push("goal: relative error", "goal_relative_error", FactValue::Fraction(0.01));
+    rated.facts.push("complete", "complete", true);
+    rated.facts.push("rating interrupted", "rating_interrupted", true);
+    let html = rated.html();
+    assert!(html.contains("The rating was interrupted, so that no requirements are judged."));
+    assert!(!html.contains("preliminary"));
 }
 
 #[test]

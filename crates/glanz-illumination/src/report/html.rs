@@ -44,8 +44,8 @@ svg .line { stroke: var(--ink); } svg .halo { stroke: var(--paper); }
 ";
 
 impl LuxReport {
-    /// The report as one page. It begins with what a client gets, on sheets of A4 in print: room and results, plan, luminaires, isolux lines and values of each area, other surfaces,
-    /// requirements, assumptions; then the appendix on the calculation: intervals, where the light went, the light that left the scene, and all facts.
+    /// The report as one page. It begins with what a client gets, on sheets of A4 in print: summary of room and results, luminaires, plan, requirements, assumptions, isolux lines and values of each
+    /// area, other surfaces; then the appendix on the calculation: intervals, where the light went, the light that left the scene, and all facts.
     ///
     /// It needs no other file, no script and no network, and follows the reader's choice of light or dark; on paper it is dark on white.
     #[must_use]
@@ -60,8 +60,10 @@ impl LuxReport {
         if let Some(plan) = &self.plan {
             body += &plan.fact_table().html();
         }
-        body += "<p class=\"note\">The tables below have the illuminance of the new installation.</p>\n";
-        body += &(receivers(&self.maps).html() + &intervals(&self.maps).html());
+        if !self.maps.is_empty() {
+            body += "<p class=\"note\">The tables below have the illuminance of the new installation.</p>\n";
+            body += &(receivers(&self.maps).html() + &intervals(&self.maps).html());
+        }
         if let Some(balance) = &self.balance {
             body += &flux(balance).html();
             body += &format!("<p>{}</p>\n", escaped(&closing(balance)));

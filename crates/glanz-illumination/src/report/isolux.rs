@@ -3,7 +3,7 @@
 use glanz_report::number::significant;
 use glanz_report::{ColourScale, HeatMap, levels};
 
-use super::scale::lux_field;
+use super::scale::{logarithmic_note, lux_field};
 use crate::LuxMap;
 
 /// A lux map as SVG: the colours of `scale`, contours at [`levels`] of the map's own values with their numbers, axes in
@@ -44,9 +44,7 @@ fn caption(map: &LuxMap, scale: &ColourScale) -> Vec<String> {
         ),
         format!("{width} m x {height} m, {} x {} cells.", map.cells[0], map.cells[1]),
     ];
-    lines.extend(scale.floor().map(|lux| {
-        format!("Colours by equal factors; what is below {} lx has the lowest.", significant(lux))
-    }));
+    lines.extend(logarithmic_note(scale, "lx"));
     lines
 }
 

@@ -28,7 +28,7 @@ impl<'a> ReceiverSummary<'a> {
 struct ShownFigures {
     #[serde(flatten)]
     quantity: LitQuantity,
-    /// For each receiver mean, least and largest value in the unit of the quantity.
+    /// For each receiver mean, least and largest value in the unit of the quantity; null where nothing of it receives light.
     receivers: Vec<ShownSummary>,
 }
 
@@ -45,7 +45,9 @@ impl ShownFigures {
     fn of(report: &LuxReport) -> Self {
         let quantity = LitQuantity::of(report);
         let summary = |map: &LuxMap| {
-            let LuxSummary { mean, minimum, maximum, u0, .. } = quantity.summary(map);
+            let LuxSummary { mean, minimum, maximum, u0, area, .. } = quantity.summary(map);
+            let [mean, minimum, maximum, u0] =
+                [mean, minimum, maximum, u0].map(|value| if area > 0.0 { value } else { f64::NAN });
             ShownSummary { name: map.name.clone(), mean, minimum, maximum, u0 }
         };
         Self { quantity, receivers: report.maps.iter().map(summary).collect() }

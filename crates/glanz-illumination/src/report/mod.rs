@@ -3,7 +3,7 @@
 //! The functions convert data to text, bytes or pixels and write no files. For one receiver there are [`csv`], the pixels
 //! of [`false_colour()`] and [`lux_pixels`], and the drawing [`isolux()`]. A [`LuxReport`] of a whole calculation becomes
 //! a table for a terminal, a page of HTML, or JSON by `serde`; a [`LuxComparison`] compares two designs.
-//! The page of HTML begins with the sheets that a client gets: room, plan, luminaires, areas, requirements, assumptions. [`PolarPlot`] draws the candela distribution of a luminaire.
+//! The page of HTML begins with the sheets that a client gets: summary, luminaires, plan, requirements, assumptions, areas, other surfaces. [`PolarPlot`] draws the candela distribution of a luminaire.
 //!
 //! ```
 //! use glanz_illumination::LuxMap;
@@ -48,7 +48,7 @@ mod text;
 
 use glanz_report::FactList;
 
-use crate::planning::{InstalledPower, PlanReport, PlanningSettings, RoomLayout};
+use crate::planning::{InstalledPower, OtherLight, PlanReport, PlanningSettings, RoomLayout};
 use crate::{DaylightFactors, FarFieldSummary, FluxBalance, LuxMap};
 use glanz_scene::description::ZoneKind;
 
@@ -109,13 +109,12 @@ impl LuxReport {
         let task = level().find(|place| place.kind == Some(ZoneKind::Task));
         let place = task.or_else(|| level().max_by(|a, b| a.height.total_cmp(&b.height)));
         let of_place = || {
-            let name = &place?.name;
-            let map = self.maps.iter().find(|map| map.name == *name)?;
+            let map = self.maps.get(place?.number)?;
             Some((map.name.clone(), self.maintenance_factor() * map.summary().mean))
         };
         let of_plan = self.plan.as_ref().and_then(|plan| plan.task_illuminance);
         // Daylight costs no power.
-        let is_electric = layout.other_lights.is_empty();
+        let is_electric = layout.other_lights.iter().all(OtherLight::is_electric);
         let reference = of_plan.map(|lux| ("task area".to_owned(), lux)).or_else(of_place);
         let reference = reference.filter(|_| is_electric);
         Some(InstalledPower { watts, area, reference })

@@ -1,7 +1,7 @@
 //! Polar plots of luminous intensity, as the lighting industry draws them.
 
 use glanz_report::Svg;
-use glanz_report::number::{brief, significant, tick_label, ticks};
+use glanz_report::number::{concise, significant, tick_label, ticks};
 use glanz_report::svg::{escaped, shortened};
 
 /// Largest angle of gamma, degrees, between points of a curve.
@@ -116,7 +116,7 @@ impl PolarPlot {
         ring_labels(&mut svg, centre, &rings, -pixels);
         if self.flux.is_some() {
             let candela: Vec<(f64, String)> =
-                rings.iter().map(|(value, _)| (*value, brief(value / factor))).collect();
+                rings.iter().map(|(value, _)| (*value, concise(value / factor))).collect();
             ring_labels(&mut svg, centre, &candela, pixels);
         }
         self.legend(&mut svg, bottom, peak);
@@ -284,6 +284,9 @@ mod tests {
         let on_ring = |[x, y]: &[f64; 2]| ((x - 270.0).hypot(y - 286.0) - 200.0).abs() < 0.08;
         assert!(curves(&svg).iter().flatten().all(on_ring));
         assert!(polar.with_flux(0.0).svg().contains(">cd<"));
+        // The ring of 300 cd/klm of 411.3 lm is that of 123.39 cd.
+        let odd = PolarPlot::sample("lamp", 0.0, &[], |_, _| 123.4).with_flux(411.3).svg();
+        assert!(odd.contains(">123.4</text>"), "{odd}");
     }
 
     #[test]

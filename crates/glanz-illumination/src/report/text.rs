@@ -2,14 +2,17 @@
 
 use glanz_math::DVec3;
 use glanz_report::number::significant;
+pub(crate) use glanz_report::printable;
 use glanz_report::{FactList, Table, TableCell};
 
 use super::{LuxComparison, LuxReport};
 use crate::{DaylightFactors, FarFieldSummary, FluxBalance, LuxMap, LuxSummary};
 
-/// `words` with control characters replaced, so that they cannot control a terminal.
-pub(crate) fn printable(words: &str) -> String {
-    words.chars().map(|letter| if letter.is_control() { '\u{fffd}' } else { letter }).collect()
+/// The first `most` of some things in a sentence, and the number of those left out.
+pub(super) fn listed(things: &[String], most: usize) -> String {
+    let left_out = things.len().saturating_sub(most);
+    let shown = things.iter().take(most).map(String::as_str).collect::<Vec<_>>().join(", ");
+    if left_out == 0 { shown } else { format!("{shown} and {left_out} more") }
 }
 
 /// Coordinates with this number of decimals.
@@ -154,18 +157,22 @@ pub(super) fn far_field(far: &FarFieldSummary) -> Table {
 
 /// Table of the facts of the calculation.
 pub(super) fn calculation(facts: &FactList) -> Table {
-    let columns = [("fact", "calculation"), ("value", "")];
-    let mut table = Table::new("calculation", "How it was calculated", &columns);
-    for fact in facts.iter() {
-        table.push([fact.name.into(), TableCell::Text(printable(&fact.value.shown()))]);
-    }
-    table
+    facts.table("calculation", "How it was calculated", "calculation", |_| true)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use glanz_report::FactValue;
+
+    #[test]
+    fn long_lists_end_with_the_number_of_the_others() {
+        let names: Vec<String> = ["a", "b", "c"].map(str::to_owned).to_vec();
+        assert_eq!(
+            [1, 2, 3].map(|most| listed(&names, most)),
+            ["a and 2 more", "a, b and 1 more", "a, b, c"]
+        );
+    }
 
     #[test]
     fn columns_are_aligned_and_names_cannot_control_the_terminal() {

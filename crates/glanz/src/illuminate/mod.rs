@@ -296,14 +296,19 @@ impl<'a> IlluminateBuilder<'a> {
         let design = Design { title, ..Design::new(scene, options, needs_receivers, &mut job)? };
         let is_judged = plan.is_some() || settings.task.is_some();
         let request = plan.unwrap_or_else(|| design.declared_plan());
-        if is_judged && !request.is_empty() && options.method == IlluminateMethod::Integrate {
+        if is_judged
+            && !options.daylight
+            && !request.is_empty()
+            && options.method == IlluminateMethod::Integrate
+        {
             return Err(Error::DirectRating);
         }
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
         let mut outcome = design.illuminate(&mut job)?;
         outcome.report.planning = settings.clone();
-        if !request.is_empty() && options.part.is_none() {
+        // Requirements of standards are not those of light from the sky alone.
+        if !request.is_empty() && options.part.is_none() && !options.daylight {
             planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
         }
         #[cfg(feature = "formats")]

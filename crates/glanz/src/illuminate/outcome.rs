@@ -43,7 +43,7 @@ impl IlluminateOutcome {
         self.far_field.as_ref()
     }
 
-    /// Adds the number and flux of the rays that were written; `None` if that was interrupted.
+    /// Adds the number and flux of the rays that were written; `None` if that was interrupted, which does not concern the figures.
     #[cfg(feature = "formats")]
     pub(super) fn add_rays(&mut self, written: Option<(u64, f64)>) {
         match written {
@@ -54,7 +54,7 @@ impl IlluminateOutcome {
             }
             None => {
                 self.end = JobEnd::Interrupted;
-                self.report.facts.push("complete", "complete", false);
+                self.report.facts.push("ray file", "ray_file", "interrupted, not written");
             }
         }
     }

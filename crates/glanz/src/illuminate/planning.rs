@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::event::Warning;
 use crate::running_job::RunningJob;
 
-/// Adds the rating to the report. A calculation that is, or was, cancelled has none.
+/// Adds the rating to the report. A calculation that was cancelled, or is while it is rated, has none.
 pub(super) fn rate(
     design: &Design,
     request: &PlanningRequest,
@@ -41,9 +41,8 @@ pub(super) fn rate(
         }
         Err(PlanningError::Interrupted(_)) => {
             outcome.end = JobEnd::Interrupted;
-            for (key, flag) in [("complete", false), ("interrupted", true)] {
-                outcome.report.facts.push(key, key, flag);
-            }
+            // The figures of the light are complete.
+            outcome.report.facts.push("rating interrupted", "rating_interrupted", true);
             Ok(())
         }
         Err(error) => Err(error.into()),

@@ -202,6 +202,15 @@ Observer "cylinder" "point3 P" [ 1.5 2 1.2  1 1 1.2 ]
     let report = folder.succeed("illuminate screen.pbrt --rays 20000 --directions 256 -o lux --json").json();
     let observer = &report["designs"][0]["plan"]["observers"][0];
     assert_eq!((&observer["luminaires"], &observer["ugr"]), (&0.into(), &serde_json::Value::Null));
+    // Light of the sky alone is not judged.
+    let day = folder.succeed("illuminate room.pbrt --rays 20000 --daylight -o day --json").json();
+    assert!(day["designs"][0]["daylight_factors"].is_array() && day["designs"][0].get("plan").is_none());
+    let page = String::from_utf8(folder.bytes("day/report.html")).unwrap();
+    assert!(!page.contains("EN 12464") && page.contains("not judged by daylight alone"));
+    for option in ["--task 34.1", "--maintenance 0.8"] {
+        let line = format!("illuminate room.pbrt --daylight {option} -o day");
+        folder.run(&line).refused(2, &["cannot be used with"]);
+    }
     // As a point, the luminaire has no luminance.
     folder.write("point.pbrt", scene.replace("\"string as\" \"area\"", ""));
     let told = folder.succeed("illuminate point.pbrt --rays 20000 -o lux");

@@ -63,7 +63,7 @@ fn report_of_a_room_fills_sheets_without_losing_anything() {
     folder.succeed(&format!("illuminate --room 6 4 2.8 --grid 3x2 {common} --title {title} -o office"));
     folder.succeed(&format!("illuminate --room 40 9 6 --grid 30x5 --eye 1.6 {common} -o hall"));
     for (report, words) in
-        [("office/report.html", "Паннель 照明"), ("hall/report.html", "30 more are in report.json.")]
+        [("office/report.html", "Паннель 照明"), ("hall/report.html", "Luminaires: 30 more in report.json.")]
     {
         let (sheets, pdf, mut page) = printed(&folder, report);
         let mut count = |selector: &str| {
