@@ -6,7 +6,8 @@ use glanz_formats::photometry::tm25::{RayWriter, SourceDescriptions};
 use glanz_illumination::escaped_rays;
 use glanz_job::{JobEnd, current_version};
 
-use super::{Design, facts};
+use super::design::Design;
+use super::facts;
 use crate::error::{Error, FileFault};
 use crate::event::Warning;
 use crate::file;
