@@ -179,6 +179,12 @@ impl SurfaceFinish {
         self.model
     }
 
+    /// Whether both use the same tables in memory, as clones do.
+    #[must_use]
+    pub fn shares_tables_with(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.tables, &other.tables)
+    }
+
     /// Total integrated scatter: the fraction of the reflected light that is scattered at normal incidence, [0, 1].
     #[must_use]
     pub fn total_scatter(&self) -> f64 {
