@@ -24,6 +24,7 @@ use crate::running_job::RunningJob;
 const CELLS_LIMIT: usize = 1 << 24;
 
 /// A scene with receivers.
+#[derive(Debug)]
 pub(super) struct Design {
     pub(super) name: String,
     /// Title of the reports, if it is not that of the scene.

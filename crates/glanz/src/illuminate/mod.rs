@@ -20,7 +20,8 @@ mod tally_join;
 mod tracing;
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 
 use glanz_illumination::planning::{PlanningRequest, PlanningSettings};
 use glanz_illumination::{FarFieldResolution, GridResolution, TraceGoal};
@@ -90,7 +91,7 @@ pub struct IlluminateBuilder<'a> {
     options: IlluminateOptions,
     plan: Option<PlanningRequest>,
     planning: PlanningSettings,
-    ray_file: Option<PathBuf>,
+    ray_file: bool,
     job: JobOptions<'a>,
 }
 
@@ -155,7 +156,7 @@ impl<'a> IlluminateBuilder<'a> {
             options,
             plan: None,
             planning: PlanningSettings::default(),
-            ray_file: None,
+            ray_file: false,
             job,
         }
     }
@@ -221,12 +222,10 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    /// Writes the rays of all particles that leave the scene to a ray file of IES TM-25, from their last surface or their light, in the frame of the scene.
-    ///
-    /// The particles are traced once more for it, so that it does not depend on a checkpoint. It is written if the calculation is completed, and as a whole.
+    /// Whether the result keeps the scene for [`IlluminateOutcome::save_ray_file`], which needs a number of particles; no receiver is needed then.
     #[cfg(feature = "formats")]
-    pub fn ray_file(mut self, path: impl Into<PathBuf>) -> Self {
-        self.ray_file = Some(path.into());
+    pub fn ray_file(mut self, keep: bool) -> Self {
+        self.ray_file = keep;
         self
     }
 
@@ -255,13 +254,10 @@ impl<'a> IlluminateBuilder<'a> {
         }
         let only_particles =
             matches!(options.goal, TraceGoal { particles: Some(_), time: None, error: None });
-        if ray_file.is_some()
+        if ray_file
             && (!only_particles || options.part.is_some() || options.method == IlluminateMethod::Integrate)
         {
             return Err(Error::RayGoal);
-        }
-        if let Some(path) = &ray_file {
-            crate::file::check_writable(path)?;
         }
         if options.part.is_some() {
             if !matches!(options.method, IlluminateMethod::Auto | IlluminateMethod::Trace) {
@@ -282,7 +278,7 @@ impl<'a> IlluminateBuilder<'a> {
             options.method = IlluminateMethod::Trace;
         }
         settings.maintenance.value().map_err(|error| Error::Planning(error.into()))?;
-        let needs_receivers = options.far_field.is_none() && ray_file.is_none();
+        let needs_receivers = options.far_field.is_none() && !ray_file;
         let design = Design { title, ..Design::new(scene, options, needs_receivers, &mut job)? };
         let is_judged = plan.is_some() || settings.task.is_some();
         let request = plan.unwrap_or_else(|| design.declared_plan());
@@ -296,12 +292,7 @@ impl<'a> IlluminateBuilder<'a> {
         if !request.is_empty() && options.part.is_none() {
             planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
         }
-        #[cfg(feature = "formats")]
-        if let (Some(path), Some(particles), JobEnd::Complete) =
-            (&ray_file, options.goal.particles, outcome.end)
-        {
-            outcome.add_rays(job.in_pool(|job| ray_file::write(&design, particles, path, job))?);
-        }
+        outcome.design = (ray_file && outcome.end == JobEnd::Complete).then(|| Arc::new(design));
         outcome.warnings = job.warnings;
         Ok(outcome)
     }
