@@ -144,6 +144,8 @@ fn advice(error: &Error) -> Option<&'static str> {
         Error::Denoise(_) => {
             "pip install pyoidn, and set OIDN_DIR to its folder pyoidn/oidn, if the library is not found"
         }
+        Error::RayGoal => "set particles, without time_limit, error and part",
+        Error::NoRayFile => "pass ray_file=True to illuminate",
         Error::NoFarField => "pass far_field=True to illuminate, and another method than \"integrate\"",
         Error::File { fault, .. } => match fault {
             FileFault::NoFolder(_) => "create the folder first",
@@ -151,6 +153,7 @@ fn advice(error: &Error) -> Option<&'static str> {
             FileFault::Extension("pictures") => "the extension selects the format: .exr, .png, .hdr or .pfm",
             FileFault::Extension("scenes") => "the extension selects the format: .pbrt, .glb, .obj or .ply",
             FileFault::Extension("models") => "models are written as .glb",
+            FileFault::Extension("rays") => "rays are written as .tm25ray",
             FileFault::Extension("luminaires") => "candela distributions are written as .ldt or .ies",
             FileFault::Identity(_) => "use the scene and the settings of the checkpoint, or another file",
             _ => return None,

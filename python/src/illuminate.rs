@@ -1,6 +1,7 @@
 //! Illuminance from Python.
 
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glanz::illumination::{AngleStep, FarFieldResolution, GridResolution, LuxMap, TraceGoal};
 use glanz::job::JobEnd;
@@ -21,7 +22,8 @@ use crate::scene::PyScene;
 /// Illuminance on the receivers of a scene.
 #[pyclass(name = "Illumination", module = "glanz", frozen)]
 pub(crate) struct PyIllumination {
-    outcome: IlluminateOutcome,
+    /// Replaced as a whole, so that no lock is held while Python runs.
+    outcome: Mutex<Arc<IlluminateOutcome>>,
     receivers: Py<PyDict>,
     integrated: Py<PyDict>,
 }
@@ -89,6 +91,12 @@ fn by_receiver(py: Python<'_>, maps: &[LuxMap]) -> PyResult<Py<PyDict>> {
     Ok(dict.unbind())
 }
 
+impl PyIllumination {
+    fn outcome(&self) -> Arc<IlluminateOutcome> {
+        Arc::clone(&self.outcome.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
 #[pymethods]
 impl PyIllumination {
     /// The maps by receiver; names that occur several times get a number: ``desk``, ``desk 2``.
@@ -122,7 +130,7 @@ impl PyIllumination {
     /// Emitted light and where it ended; None for an integration.
     #[getter]
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let Some(balance) = self.outcome.report.balance else { return Ok(None) };
+        let Some(balance) = self.outcome().report.balance else { return Ok(None) };
         let values = PyDict::new(py);
         values.set_item("emitted", balance.emitted)?;
         values.set_item("absorbed_by_receivers", balance.absorbed_by_receivers)?;
@@ -136,8 +144,8 @@ impl PyIllumination {
     /// Facts about the calculation as in report.json, with the unit at the end of a name: ``particles``, ``seconds``, ``relative_error``.
     #[getter]
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        for Fact { key, value, .. } in self.outcome.report.facts.iter() {
+        let (dict, outcome) = (PyDict::new(py), self.outcome());
+        for Fact { key, value, .. } in outcome.report.facts.iter() {
             match value {
                 FactValue::Text(text) => dict.set_item(key, text)?,
                 FactValue::Flag(flag) => dict.set_item(key, flag)?,
@@ -154,18 +162,18 @@ impl PyIllumination {
     /// Warnings of the calculation.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.outcome.warnings.iter().map(ToString::to_string).collect()
+        self.outcome().warnings.iter().map(ToString::to_string).collect()
     }
 
     /// Whether the goal was reached, rather than the time limit.
     #[getter]
     fn complete(&self) -> bool {
-        self.outcome.end == JobEnd::Complete
+        self.outcome().end == JobEnd::Complete
     }
 
     /// The table of the results.
     fn summary(&self) -> String {
-        self.outcome.report.text()
+        self.outcome().report.text()
     }
 
     fn _repr_html_(&self) -> String {
@@ -175,15 +183,35 @@ impl PyIllumination {
 
     /// Writes the reports, and for each receiver table (CSV), numbers (EXR), false colours (PNG) and isolux lines (SVG); returns the paths.
     fn save(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Vec<PathBuf>> {
-        let saved = py.detach(|| self.outcome.save(&folder));
+        let saved = py.detach(|| self.outcome().save(&folder));
         saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
     }
 
     /// Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``. Interpolated between its angles,
     /// it has the flux of that light; `summary` has its peak, angles and errors.
     fn save_far_field(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let saved = py.detach(|| self.outcome.save_far_field(&path));
+        let saved = py.detach(|| self.outcome().save_far_field(&path));
         saved.map_err(|error| py_error(py, error, &LineOrigins::default()))
+    }
+
+    /// Writes the rays of all particles that leave the scene, .tm25ray (IES TM-25), if ``ray_file=True``; they are traced once more for it. Returns the number of
+    /// rays, which is in `facts`, too.
+    #[pyo3(signature = (path, *, threads=None, progress=None))]
+    fn save_ray_file(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        threads: Option<Whole>,
+        progress: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<u64> {
+        let mut outcome = (*self.outcome()).clone();
+        let known = outcome.warnings.len();
+        let job = JobArguments { threads, checkpoint: None, resume: false, progress };
+        run_job(py, job, &LineOrigins::default(), |job| outcome.save_ray_file(&path, job))?;
+        let (rays, warnings) = (outcome.rays.unwrap_or_default(), outcome.warnings.split_at(known).1);
+        warn(py, warnings.iter().map(ToString::to_string).collect::<Vec<_>>())?;
+        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(outcome);
+        Ok(rays)
     }
 
     /// One row for each cell of all receivers, see `LuxMap.to_pandas`.
@@ -193,7 +221,8 @@ impl PyIllumination {
     }
 
     fn __repr__(&self) -> String {
-        let maps = self.outcome.report.maps.iter().map(|map| {
+        let outcome = self.outcome();
+        let maps = outcome.report.maps.iter().map(|map| {
             let summary = map.summary();
             format!("{:?} mean {:.4} lx, U0 {:.3}", map.name, summary.mean, summary.u0)
         });
@@ -206,7 +235,7 @@ impl PyScene {
     /// Computes the illuminance on receivers: shapes with the name of a receiver, and the walls of ``room``.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
     #[pyo3(signature = (*, method="auto", particles=None, time_limit=None, error=None, tolerance=0.01, daylight=false, room=None, cells=None, texel=None,
-        far_field=false, resolution=None, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
+        far_field=false, resolution=None, ray_file=false, title=None, seed=None, max_depth=None, part=None, threads=None, checkpoint=None, resume=false, progress=None))]
     fn illuminate(
         &self,
         py: Python<'_>,
@@ -221,6 +250,8 @@ impl PyScene {
         texel: Option<f64>,
         far_field: bool,
         resolution: Option<AngleSteps>,
+        ray_file: bool,
+        title: Option<String>,
         seed: Option<Whole>,
         max_depth: Option<Whole>,
         part: Option<String>,
@@ -277,11 +308,15 @@ impl PyScene {
             max_depth: depth.unwrap_or(default.max_depth),
         };
         let job = JobArguments { threads, checkpoint, resume, progress };
-        let run = |job: JobOptions<'_>| self.scene().illuminate().options(options).job(job).run();
+        let run = |job: JobOptions<'_>| {
+            let builder = self.scene().illuminate().options(options).ray_file(ray_file).job(job);
+            title.into_iter().fold(builder, |builder, title| builder.title(title)).run()
+        };
         let outcome = run_job(py, job, &self.origins, run)?;
         warn(py, outcome.warnings.iter().map(ToString::to_string))?;
         let receivers = by_receiver(py, &outcome.report.maps)?;
         let integrated = by_receiver(py, &outcome.integrated)?;
+        let outcome = Mutex::new(Arc::new(outcome));
         Ok(PyIllumination { outcome, receivers, integrated })
     }
 }

@@ -40,7 +40,7 @@ RENDER = [
     "size", "integrator", "sampler", "seed", "noise", "sample_range", "part", "time_limit", "light_sampling", "spectral", "branching", "guide",
     "guide_input", "light_input", "aovs", "variance", "edges", "threads", "checkpoint", "resume", "progress", "unknown",
 ]  # fmt: skip
-ILLUMINATE = ["method", "time_limit", "error", "tolerance", "room", "cells", "texel", "far_field", "resolution", "seed", "max_depth", "part", "threads", "progress"]
+ILLUMINATE = ["method", "time_limit", "error", "tolerance", "room", "cells", "texel", "far_field", "resolution", "ray_file", "title", "seed", "max_depth", "part", "threads", "progress"]
 BAKE = ["density", "method", "interpolation", "threads", "checkpoint", "resume", "progress"]
 #: Values that would only take long, or files: not for these.
 LONG = {"noise", "time_limit", "branching", "density", "error", "max_depth", "texel", "cells", "size", "tolerance", "threads"}

@@ -284,6 +284,25 @@ def test_far_field_has_the_resolution_asked_for(tmp_path: Path) -> None:
             scene.illuminate(particles=10, **arguments)  # type: ignore[arg-type]
 
 
+def test_rays_that_leave_a_scene_are_saved_and_have_its_flux(tmp_path: Path) -> None:
+    scene = SceneDescription(lights=[PointLight(candela=100)]).load()
+    lamp, path = scene.illuminate(particles=5000, ray_file=True, title="Desk lamp"), tmp_path / "lamp.tm25ray"
+    seen: list[glanz.Progress] = []
+    assert lamp.save_ray_file(path, threads=1, progress=seen.append) == 5000 and seen
+    # Tables and texts of the file, and seven numbers of 32 bits for each ray.
+    assert path.stat().st_size == 36_288 + 28 * 5000
+    assert lamp.facts["ray_file_rays"] == 5000 and lamp.facts["ray_file_lm"] == pytest.approx(400 * np.pi, rel=1e-6)
+    assert "Desk lamp" in lamp.summary()
+    with pytest.raises(ValueError, match="tm25ray"):
+        lamp.save_ray_file(tmp_path / "lamp.rays")
+    with pytest.raises(FileNotFoundError, match="folder"):
+        lamp.save_ray_file(tmp_path / "none" / "lamp.tm25ray")
+    with pytest.raises(ValueError, match="number of particles"):
+        scene.illuminate(error=0.1, ray_file=True)
+    with pytest.raises(ValueError, match="did not keep"):
+        SCENE.illuminate(particles=1000).save_ray_file(path)
+
+
 def test_unbounded_plane_is_no_receiver() -> None:
     scene = SceneDescription(lights=[PointLight(from_=(0, 0, 1))], shapes=[Plane(receiver="floor")]).load()
     with pytest.raises(glanz.GlanzError, match="no end"):

@@ -9,7 +9,7 @@ use glanz_scene::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
 
 /// The files read, in order; the scene file is the first. Index is [`FileId`].
 ///
-/// Bytes of files on disk are released after reading; for the excerpt of a later message the file is read again.
+/// Bytes of files on disk are released after reading, but for the scene file of an inverse design; for the excerpt of a later message the file is read again.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     files: Vec<SourceFile>,
@@ -34,6 +34,18 @@ impl Sources {
     #[must_use]
     pub fn paths(&self) -> &[PathBuf] {
         &self.paths
+    }
+
+    /// Whether the scene file on disk differs from the bytes that were read, or is gone. Known of scenes with an inverse design only, whose bytes are kept; of
+    /// others `false`.
+    #[must_use]
+    pub fn scene_has_changed(&self) -> bool {
+        match self.files.first() {
+            Some(SourceFile { path: Some(path), bytes: Some(bytes), .. }) => {
+                std::fs::read(path).map_or(true, |now| now[..] != bytes[..])
+            }
+            _ => false,
+        }
     }
 
     /// Stores the paths of the files that were read.

@@ -96,7 +96,7 @@ impl Interaction {
 
     /// The frame for `bsdf`: z is the unit vector `normal`, and of an anisotropic BSDF the tangents follow the parameters of the surface.
     #[must_use]
-    pub fn frame_of(&self, bsdf: &Bsdf, normal: DVec3) -> Frame {
+    pub fn frame_of(&self, bsdf: &Bsdf<'_>, normal: DVec3) -> Frame {
         if bsdf.is_anisotropic() {
             Frame::from_z_and_tangent(normal, self.point.dpdu)
         } else {
@@ -106,7 +106,7 @@ impl Interaction {
 
     /// The BSDF at the point; `None` for an interface, which all rays pass.
     #[must_use]
-    pub fn bsdf(&self, scene: &Scene, wavelengths: &Wavelengths) -> Option<Bsdf> {
+    pub fn bsdf<'a>(&self, scene: &'a Scene, wavelengths: &Wavelengths) -> Option<Bsdf<'a>> {
         let footprint = self.differential.as_ref().map(|differential| differential.footprint);
         let at = TexturePoint::new(self.point.uv, self.point.position).with_normal(self.point.normal);
         let at = at.with_footprint(footprint);

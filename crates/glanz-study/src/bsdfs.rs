@@ -32,10 +32,10 @@ const COLUMNS: [(&str, &str); 6] = [
 ];
 
 /// A grey BSDF, with its name in files and in words.
-struct PlottedBsdf {
+struct PlottedBsdf<'a> {
     name: &'static str,
     title: &'static str,
-    bsdf: Bsdf,
+    bsdf: Bsdf<'a>,
 }
 
 /// Runs the study.
@@ -43,7 +43,8 @@ struct PlottedBsdf {
 /// # Errors
 /// [`StudyError::Interrupted`].
 pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Result<Report, StudyError> {
-    let plotted = plotted_bsdfs();
+    let materials = plotted_materials();
+    let plotted = plotted_bsdfs(&materials);
     let caption =
         format!("Fraction of light that BSDFs scatter, and the weights of samples: {SAMPLES} Sobol' points.");
     let mut summary = Table::new("summary", caption, &COLUMNS);
@@ -75,7 +76,10 @@ pub(crate) fn run(settings: &Settings, progress: &mut StudyProgress<'_>) -> Resu
     Ok(report)
 }
 
-fn plotted_bsdfs() -> Vec<PlottedBsdf> {
+/// A material, with the name of its BSDF in files and in words.
+type PlottedMaterial = (&'static str, &'static str, Material);
+
+fn plotted_materials() -> [PlottedMaterial; 16] {
     let rough = |alpha: f32| Roughness::isotropic(alpha, RoughnessScale::Alpha);
     let metal = |alpha| ConductorMaterial {
         color: MetalColor::Reflectance(0.9.into()),
@@ -105,7 +109,7 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
     (cloth.sheen, cloth.sheen_roughness) = (0.8.into(), 0.5.into());
     let mut wax = PrincipledMaterial::new(0.8, 0.5);
     wax.transmission = 0.5.into();
-    let list: [(_, _, Material); 16] = [
+    [
         ("lambert", "Lambert's law, reflectance 0.8", Material::diffuse(0.8)),
         ("oren_nayar", "grooves of 20 degrees, reflectance 0.8", Material::oren_nayar(0.8, 20.0)),
         (
@@ -134,9 +138,12 @@ fn plotted_bsdfs() -> Vec<PlottedBsdf> {
         ("principled_paint", "principled: colour 0.8, roughness 0.6, coat", paint.into()),
         ("principled_cloth", "principled: colour 0.3, roughness 0.8, sheen 0.8", cloth.into()),
         ("principled_wax", "principled: colour 0.8, roughness 0.5, transmission 0.5", wax.into()),
-    ];
+    ]
+}
+
+fn plotted_bsdfs(materials: &[PlottedMaterial]) -> Vec<PlottedBsdf<'_>> {
     let (textures, at) = (Textures::new(), TexturePoint::new(DVec2::ZERO, DVec3::ZERO));
-    let shown = list.into_iter().filter_map(|(name, title, material)| {
+    let shown = materials.iter().filter_map(|&(name, title, ref material)| {
         let bsdf = material.bsdf(&textures, &at, &Wavelengths::Rgb)?;
         Some(PlottedBsdf { name, title, bsdf })
     });
@@ -164,7 +171,7 @@ struct Weights {
 
 impl Weights {
     /// For a viewer at this angle to the normal, degrees.
-    fn measure(bsdf: &Bsdf, angle: i32) -> Self {
+    fn measure(bsdf: &Bsdf<'_>, angle: i32) -> Self {
         let mut sums = Self::default();
         for i in 0..SAMPLES {
             let [x, y, lobe] =
@@ -194,7 +201,7 @@ impl Weights {
     }
 }
 
-fn value_plot(shown: &PlottedBsdf) -> Plot {
+fn value_plot(shown: &PlottedBsdf<'_>) -> Plot {
     let (bsdf, wo, weights) = (&shown.bsdf, direction(-VIEW), Weights::measure(&shown.bsdf, VIEW));
     let end = if bsdf.transmits() { 180 } else { 90 };
     let curve = |name: &str, share: f64, value: &dyn Fn(DVec3) -> f64| Series {
@@ -218,7 +225,7 @@ fn value_plot(shown: &PlottedBsdf) -> Plot {
     }
 }
 
-fn sky_plot(shown: &PlottedBsdf) -> Plot {
+fn sky_plot(shown: &PlottedBsdf<'_>) -> Plot {
     let angles = || (0..90).step_by(3).chain([89]);
     let measured: Vec<_> =
         angles().map(|angle| (f64::from(angle), Weights::measure(&shown.bsdf, angle))).collect();
@@ -249,7 +256,8 @@ mod tests {
 
     #[test]
     fn lambert_has_its_cosine_and_glass_gives_back_the_sky() {
-        let plotted = plotted_bsdfs();
+        let materials = plotted_materials();
+        let plotted = plotted_bsdfs(&materials);
         let find = |name: &str| plotted.iter().find(|shown| shown.name == name).unwrap();
         let plot = value_plot(find("lambert"));
         for series in &plot.series {

@@ -335,7 +335,7 @@ impl ParticleState {
         &mut self,
         traced: &TracedParticles<'_, V>,
         at: &Interaction,
-        bsdf: Bsdf,
+        bsdf: Bsdf<'_>,
     ) -> Option<(ScatteredRay, Spectrum)> {
         let event = self.events;
         self.events += 1;

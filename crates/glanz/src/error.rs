@@ -248,6 +248,10 @@ pub enum Error {
         "a ray file has the rays of a number of particles, which has to be given, without a time, an error or a part, and by a method that traces them"
     )]
     RayGoal,
+    /// A ray file of a calculation that does not keep its scene.
+    #[cfg(feature = "illumination")]
+    #[error("the calculation did not keep its scene for a ray file, or was interrupted")]
+    NoRayFile,
     /// A rating by the direct light of an integration.
     #[cfg(feature = "illumination")]
     #[error(
@@ -398,7 +402,7 @@ impl Error {
                 matches!(fault, FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput)
             }
             #[cfg(feature = "illumination")]
-            Self::RayGoal => true,
+            Self::RayGoal | Self::NoRayFile => true,
             _ => false,
         }
     }

@@ -126,6 +126,24 @@ class Illumination:
     def save_far_field(self, path: _Path) -> None:
         """Writes the candela distribution of all light that left the scene, .ldt or .ies, if ``far_field=True``. Interpolated between its angles,
         it has the flux of that light; `summary` has its peak, angles and errors."""
+    def save_ray_file(self, path: _Path, *, threads: int | None = None, progress: _Progress = None) -> int:
+        """Writes the rays of all particles that leave the scene, .tm25ray (IES TM-25), if ``ray_file=True``; they are traced once more for it. Returns the number of
+        rays, which is in `facts`, too.
+
+        Parameters
+        ----------
+        path
+            The file, which is replaced as a whole.
+        threads, progress
+            As for `Scene.render`.
+
+        Raises
+        ------
+        ValueError
+            For another extension, or if the scene was not kept.
+        OSError
+            If the file cannot be written; the illuminance is not lost.
+        """
     def to_pandas(self) -> Any:
         """One row for each cell of all receivers, see `LuxMap.to_pandas`."""
     def _repr_html_(self) -> str: ...
@@ -316,6 +334,8 @@ class Scene:
         texel: float | None = None,
         far_field: bool = False,
         resolution: float | tuple[float, float] | None = None,
+        ray_file: bool = False,
+        title: str | None = None,
         seed: int | None = None,
         max_depth: int | None = None,
         part: str | None = None,
@@ -346,6 +366,10 @@ class Scene:
             Whether the directions of light that leaves the scene are counted.
         resolution
             Steps of gamma and of C for this, or one number for both, degrees; without it they are small where the intensity changes.
+        ray_file
+            Whether the scene is kept for `Illumination.save_ray_file`; needs ``particles``, but no receiver.
+        title
+            Title of the reports, such as the name of the project; the name of the scene's file without its extension by default.
         seed
             Another seed gives another, independent result.
         max_depth

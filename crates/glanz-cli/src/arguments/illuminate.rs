@@ -47,7 +47,8 @@ for this: a file has the flux that left the scene, and its angles are dense wher
 bends with direction, for which 262 144 particles are traced first, beside those of --rays.
 report.html and summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
 --ray-file writes every ray of this light from the last surface that it left, for the near field: as
-the file of a photometric light, or for other programs. Interrupted, it keeps its old content.
+the file of a photometric light, or for other programs. It comes after all other results, which an
+error of it does not cost. Interrupted, it keeps its old content.
 
 With --luminaire there is no scene: the box of --room then has diffuse walls of --reflectances, luminaires
 of the file on a grid, and a work plane. The report has, besides, the unified glare rating of

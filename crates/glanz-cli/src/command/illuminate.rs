@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glanz::file::FileUses;
 use glanz::illumination::report::{LuxComparison, LuxReport};
-use glanz::job::JobEnd;
+use glanz::job::{CancelFlag, JobEnd};
 use glanz::{Error, IlluminateOutcome};
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
@@ -13,7 +13,7 @@ use serde::Serialize;
 use crate::arguments::IlluminateArguments;
 use crate::command::plan::planned_room;
 use crate::command_error::command_error;
-use crate::job::run_job;
+use crate::job::{run_job, run_named_job};
 use crate::report;
 use crate::scene_file;
 
@@ -63,10 +63,7 @@ pub(crate) fn run(
             if let Some(request) = request {
                 builder = builder.plan(request);
             }
-            if let Some(path) = &arguments.ray_file {
-                builder = builder.ray_file(path);
-            }
-            builder.run()
+            builder.ray_file(arguments.ray_file.is_some()).run()
         });
         let outcome = match illuminated {
             Ok(outcome) => outcome,
@@ -76,7 +73,6 @@ pub(crate) fn run(
             }
             Err(error) => return Err(illuminate_failure(error, messages)),
         };
-        warnings.extend(outcome.warnings.iter().map(ToString::to_string));
         outcomes.push(outcome);
     }
     let results = match (outcomes.as_slice(), &arguments.output) {
@@ -85,23 +81,32 @@ pub(crate) fn run(
         _ => Vec::new(),
     };
     results.iter().try_for_each(|path| files.add_result(path)).map_err(command_error(messages))?;
-    let written = saved(arguments, &outcomes).map_err(command_error(messages))?;
+    let mut written = saved(arguments, &outcomes).map_err(command_error(messages))?;
+    // After all other results, which its errors do not cost.
+    let ray_file = match outcomes.as_mut_slice() {
+        [outcome] => saved_rays(arguments, outcome, &mut written, &cancel, messages),
+        _ => Ok(JobEnd::Complete),
+    };
+    warnings.extend(outcomes.iter().flat_map(|outcome| &outcome.warnings).map(ToString::to_string));
     let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
     match (written.as_slice(), &arguments.job.checkpoint.checkpoint) {
-        ([first, others @ ..], _) => {
+        ([_, ..], _) => {
             if !messages.is_quiet() && !arguments.job.verbosity.json {
                 print_summary(&outcomes)?;
             }
-            messages.note(&format!("wrote {first} and {} more files", others.len()));
+            messages.note(&format!("wrote {}", listed(&written)));
         }
         ([], Some(checkpoint)) => messages.note(&part_note(checkpoint, &outcomes)),
         ([], None) => {}
     }
-    if let Some(path) =
-        arguments.ray_file.as_deref().filter(|_| outcomes.iter().all(|one| one.rays.is_none()))
-    {
+    if let (Some(path), Ok(JobEnd::Interrupted)) = (&arguments.ray_file, &ray_file) {
         messages.note(&format!("interrupted; {} was not written", path.display()));
     }
+    let ray_file = ray_file.map_err(|error| {
+        let failure = command_error(messages)(error);
+        let message = format!("{}; the other results are saved: {}", failure.message, listed(&written));
+        CommandError { message, ..failure }
+    });
     if arguments.job.verbosity.json {
         report::print(&IlluminateReport {
             scenes: paths.iter().map(|path| path.display().to_string()).collect(),
@@ -112,8 +117,9 @@ pub(crate) fn run(
             warnings,
         })?;
     }
-    let interrupted = outcomes.iter().any(|outcome| outcome.end == JobEnd::Interrupted);
-    Ok(if interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
+    let is_interrupted =
+        outcomes.iter().map(|outcome| outcome.end).chain([ray_file?]).any(|end| end == JobEnd::Interrupted);
+    Ok(if is_interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
 }
 
 /// The scenes, and the files that are written beside those in the folder of results; those that cannot be are refused.
@@ -162,7 +168,41 @@ fn part_note(checkpoint: &Path, outcomes: &[IlluminateOutcome]) -> String {
     format!("{start}wrote {}: {}", checkpoint.display(), report::plural(particles, "particle", "particles"))
 }
 
-/// Writes all files; returns them. A part without a folder has none.
+/// The files in a sentence.
+fn listed(files: &[String]) -> String {
+    match files {
+        [] => "no files".to_owned(),
+        [first] => first.clone(),
+        [first, others @ ..] => {
+            format!("{first} and {}", report::plural(others.len() as u64, "more file", "more files"))
+        }
+    }
+}
+
+/// Writes the ray file, if one is wanted, adds it to the files, and its facts to the reports.
+fn saved_rays(
+    arguments: &IlluminateArguments,
+    outcome: &mut IlluminateOutcome,
+    written: &mut Vec<PathBuf>,
+    cancel: &CancelFlag,
+    messages: Messages,
+) -> Result<JobEnd, Error> {
+    let Some(path) = arguments.ray_file.as_deref() else { return Ok(JobEnd::Complete) };
+    if outcome.end == JobEnd::Interrupted {
+        return Ok(JobEnd::Interrupted);
+    }
+    let name = outcome.report.title.clone();
+    let end = run_named_job(&name, &arguments.job, cancel.clone(), messages, |job| {
+        outcome.save_ray_file(path, job)
+    })?;
+    if end == JobEnd::Complete {
+        written.push(path.to_owned());
+        arguments.output.as_ref().map_or(Ok(Vec::new()), |folder| outcome.save_reports(folder))?;
+    }
+    Ok(end)
+}
+
+/// Writes all files but the ray file; returns them. A part without a folder has none.
 fn saved(arguments: &IlluminateArguments, outcomes: &[IlluminateOutcome]) -> Result<Vec<PathBuf>, Error> {
     let Some(folder) = arguments.output.as_deref() else { return Ok(Vec::new()) };
     match outcomes {
@@ -173,8 +213,6 @@ fn saved(arguments: &IlluminateArguments, outcomes: &[IlluminateOutcome]) -> Res
                 outcome.save_far_field(path)?;
                 written.push(path.clone());
             }
-            // The calculation has written it.
-            written.extend(arguments.ray_file.clone().filter(|_| outcome.rays.is_some()));
             Ok(written)
         }
         [] => Ok(Vec::new()),

@@ -50,6 +50,13 @@ pub(crate) fn run(arguments: &OptimizeArguments, messages: Messages) -> Result<C
     });
     let optimized = optimized.map_err(command_error(messages))?;
     optimized.save(output).map_err(command_error(messages))?;
+    if optimized.scene_has_changed() {
+        messages.warning(&format!(
+            "{} has changed since it was read; {} has what was read, with the numbers found for that",
+            path.display(),
+            output.display()
+        ));
+    }
     let outcome = optimized.outcome();
     if arguments.job.verbosity.json {
         report::print(&OptimizeReport {

@@ -19,9 +19,9 @@ pub enum RewriteError {
     /// A variable that does not stem from the file.
     #[error("a free number of the scene does not stand in its file")]
     NoNumber,
-    /// The file has changed since the scene was read.
-    #[error("line {line} of the scene file has changed since it was read: {message}")]
-    Changed {
+    /// A place of a variable that has no number.
+    #[error("line {line} of the scene file has no free number: {message}")]
+    NotANumber {
         /// Line, from 1.
         line: u32,
         /// What is there.
@@ -29,7 +29,7 @@ pub enum RewriteError {
     },
 }
 
-/// The bytes of the scene file with its free numbers displaced, metres; all else stays as it is.
+/// The bytes of the scene file, as it was read, with its free numbers displaced, metres; all else stays as it is.
 ///
 /// # Errors
 /// [`RewriteError`] if the numbers are not in the file.
@@ -57,7 +57,10 @@ pub fn rewrite(
     let mut rewritten = Vec::with_capacity(bytes.len());
     let mut copied = 0;
     for (first, list) in changes.into_values() {
-        let offset = offset(&bytes, first).ok_or_else(|| changed(first.line, "it is shorter"))?;
+        let offset = offset(&bytes, first).ok_or_else(|| RewriteError::NotANumber {
+            line: first.line,
+            message: "it is shorter".to_owned(),
+        })?;
         let mut lexer = Lexer::resume(Arc::clone(&bytes), &Span { location: first, offset, length: 1 });
         let mut at = 0;
         // What does not change keeps its digits.
@@ -65,7 +68,7 @@ pub fn rewrite(
             let span = lexer.word_after(number - at);
             at = number;
             let value = lexer.clone().float().map_err(|LexError { message, place, .. }| {
-                RewriteError::Changed { line: place.location.line, message }
+                RewriteError::NotANumber { line: place.location.line, message }
             })?;
             rewritten.extend_from_slice(bytes.get(copied..span.offset).unwrap_or_default());
             rewritten.extend_from_slice((value + change).to_string().as_bytes());
@@ -74,10 +77,6 @@ pub fn rewrite(
     }
     rewritten.extend_from_slice(bytes.get(copied..).unwrap_or_default());
     Ok(rewritten)
-}
-
-fn changed(line: u32, message: &str) -> RewriteError {
-    RewriteError::Changed { line, message: message.to_owned() }
 }
 
 /// Offset of a place in the bytes of its file.
@@ -176,6 +175,42 @@ Shape "nurbs" "integer nu" 2 "integer uorder" 2 "integer nv" 2 "integer vorder" 
     }
 
     #[test]
+    fn points_that_patches_share_move_all_of_these() {
+        // Two patches of 4 x 4 points side by side, among 7 x 4 points and one that no patch has.
+        let points: String = (0..29).map(|n| format!("{} {} 0  ", n % 7, n / 7)).collect();
+        let corners = [0, 3].map(|first| (0..16).map(move |n| first + n % 4 + 7 * (n / 4)));
+        let corners: String = corners.into_iter().flatten().map(|n| format!("{n} ")).collect();
+        // Point 10 is in both patches, 8 in the first, 28 in none.
+        let groups: String = (0..29)
+            .map(|n| match n {
+                8 => "5 ",
+                10 => "2 ",
+                28 => "9 ",
+                _ => "-1 ",
+            })
+            .collect();
+        let text = format!(
+            "WorldBegin\nShape \"patchmesh\" \"point3 P\" [{points}] \"integer indices\" [{corners}]\n\
+             \"string free\" \"P\" \"integer freegroups\" [{groups}]\n"
+        );
+        let before = loaded(&text);
+        assert!(before.diagnostics.is_empty(), "{}", before.diagnostics);
+        let variables = &before.description.design.variables;
+        // v runs fastest: number 4 i + j of a patch. Of point 10, i = 3 in the first and i = 0 in the second, j = 1.
+        let moved: Vec<&VariableQuantity> = variables.iter().map(|variable| &variable.quantity).collect();
+        let points = |points: &[usize]| VariableQuantity::ControlPoints { shape: 0, points: points.to_vec() };
+        assert_eq!(moved, [&points(&[13, 17]), &points(&[5])]);
+        let displacements = [0.5, 0.25];
+        let again = rewrite(&before.sources, variables, &displacements).unwrap();
+        let again = loaded(&String::from_utf8(again).unwrap()).description;
+        let displaced = before.description.displaced(&displacements);
+        let [before, displaced, again] =
+            [&before.description, &displaced, &again].map(|d| format!("{:?}", d.world.shapes[0].geometry));
+        assert_eq!(again, displaced);
+        assert_ne!(again, before);
+    }
+
+    #[test]
     fn wrong_designs_are_refused_at_their_place() {
         let refused = |line: &str, words: &[&str]| {
             let text = format!("WorldBegin\n{line}\n");
@@ -207,6 +242,29 @@ Shape "nurbs" "integer nu" 2 "integer uorder" 2 "integer nv" 2 "integer vorder" 
             &["3 numbers", "2 times 2"],
         );
         refused(r#"Shape "disk" "string target" "even" "float targetmargin" -1"#, &["targetmargin"]);
+        refused(
+            &format!(r#"{patch} "string free" "P" "vector3 freedirection" [1 1 0  0 0 1  -3 -3 0]"#),
+            &["freedirection", "twice"],
+        );
+        // Numbers of another type, and numbers that other shapes have, too.
+        refused(
+            r#"Shape "sphere" "integer radius" 2 "string free" "radius""#,
+            &["a.pbrt:2:16:", "\"float radius\""],
+        );
+        refused(
+            r#"LightSource "point" "integer from" [1 2 3] "string free" "from""#,
+            &["a.pbrt:2:21:", "integer", "\"point3 from\""],
+        );
+        let shared = &["a.pbrt:2:", "Attribute", "into the shape"];
+        refused(r#"Attribute "shape" "float radius" 2 Shape "sphere" "string free" "radius""#, shared);
+        refused(
+            r#"Attribute "shape" "float radius" 2 "string free" "radius" Shape "sphere" Shape "disk""#,
+            shared,
+        );
+        refused(
+            r#"Attribute "light" "point3 from" [0 0 1] LightSource "point" "string free" "from""#,
+            &["Attribute"],
+        );
         refused(r#"LightSource "spot" "point3 from" [0 0 0] "string free" "from""#, &["point"]);
         refused(r#"ObjectBegin "a" Shape "disk" "string target" "even" ObjectEnd"#, &["world"]);
     }

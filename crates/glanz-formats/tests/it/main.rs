@@ -14,5 +14,6 @@ mod pbrt_errors;
 mod pbrt_files;
 mod pbrt_freeform;
 mod pbrt_lowering;
+mod pbrt_photometry;
 mod pbrt_write;
 mod step_shape;

@@ -60,7 +60,7 @@ impl<'a> Visibility<'a> {
     }
 
     /// As [`Visibility::surface_transmittance`], with the BSDF at `hit`.
-    pub(super) fn bsdf_transmittance(&self, hit: &Interaction, bsdf: Option<&Bsdf>) -> Spectrum {
+    pub(super) fn bsdf_transmittance(&self, hit: &Interaction, bsdf: Option<&Bsdf<'_>>) -> Spectrum {
         match bsdf {
             None => Spectrum::ONE,
             Some(bsdf) if self.is_clear => {
@@ -71,7 +71,7 @@ impl<'a> Visibility<'a> {
     }
 
     /// Fraction of the light from `hit.wo` that the surface with this BSDF scatters, without the fraction transmitted straight through.
-    pub(super) fn albedo(&self, hit: &Interaction, bsdf: Option<&Bsdf>) -> Spectrum {
+    pub(super) fn albedo(&self, hit: &Interaction, bsdf: Option<&Bsdf<'_>>) -> Spectrum {
         let Some(bsdf) = bsdf else { return Spectrum::BLACK };
         let wo = hit.frame_of(bsdf, hit.point.shading_normal).to_local(hit.wo);
         let through = if self.is_clear { transmitted(bsdf, wo) } else { Spectrum::BLACK };
@@ -84,7 +84,7 @@ impl<'a> Visibility<'a> {
 }
 
 /// Fraction of light that glass transmits as a delta lobe. `wo`: on either side.
-fn transmitted(bsdf: &Bsdf, wo: DVec3) -> Spectrum {
+fn transmitted(bsdf: &Bsdf<'_>, wo: DVec3) -> Spectrum {
     let branches = bsdf.delta_branches(outside(wo), TransportMode::Importance);
     let through = |sample: &&BsdfSample| sample.lobe.transmission;
     branches.iter().flatten().filter(through).map(|sample| sample.weight).sum()

@@ -150,7 +150,7 @@ impl<P: ParameterForm> MaterialModel<P> for CoatedDiffuseMaterial<P> {
 }
 
 impl TexturedModel for CoatedDiffuseMaterial {
-    type Bsdf = CoatedDiffuse;
+    type Bsdf<'a> = CoatedDiffuse;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> CoatedDiffuse {
         let coat = Coat::new(at.float(&self.eta), self.roughness.distribution(at), self.multiple_scattering);

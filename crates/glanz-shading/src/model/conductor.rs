@@ -19,8 +19,8 @@ use crate::preview::PreviewSurface;
 ///
 /// # Source
 /// @walter2007 with the masking of @heitz2014; light between facets after @kulla2017.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Conductor {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conductor<'a> {
     metal: ConductorFresnel,
     distribution: MicrofacetDistribution,
     /// `f` of the light between facets over the fractions that both directions lose to it.
@@ -28,7 +28,7 @@ pub struct Conductor {
     /// Reflectance by more than one facet over that by one, both without what others block.
     multiple_ratio: f64,
     /// Finish of a smooth surface.
-    finish: Option<SurfaceFinish>,
+    finish: Option<&'a SurfaceFinish>,
 }
 
 /// Reflectance of a smooth metal.
@@ -76,7 +76,7 @@ impl ConductorFresnel {
     }
 }
 
-impl Conductor {
+impl<'a> Conductor<'a> {
     /// A metal with facets. `multiple_scattering`: whether light between facets counts.
     #[must_use]
     pub fn new(
@@ -99,7 +99,7 @@ impl Conductor {
     /// The same metal with a surface finish, which has no effect on facets. Light is scattered as by facets that mirror it: Fresnel's
     /// equations count under half of the angle between its directions, so that the metal stays reciprocal.
     #[must_use]
-    pub fn with_finish(self, finish: Option<SurfaceFinish>) -> Self {
+    pub fn with_finish(self, finish: Option<&'a SurfaceFinish>) -> Self {
         Self { finish: finish.filter(|_| self.distribution.is_smooth()), ..self }
     }
 
@@ -125,7 +125,7 @@ impl Conductor {
     }
 }
 
-impl BsdfModel for Conductor {
+impl BsdfModel for Conductor<'_> {
     const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION, Lobe::GLOSSY];
 
     fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
@@ -133,7 +133,7 @@ impl BsdfModel for Conductor {
             return Spectrum::BLACK;
         };
         let m = half_vector(wo, wi);
-        if let Some(finish) = &self.finish {
+        if let Some(finish) = self.finish {
             return self.metal.reflectance(wo.dot(m)) * finish.value(wo, wi) as f32;
         }
         let single = self.metal.reflectance(wo.dot(m)) * self.distribution.reflection(wo, wi, m) as f32;
@@ -144,7 +144,7 @@ impl BsdfModel for Conductor {
         let Some([wo, wi]) = both_above(wo, wi).filter(|_| !self.is_delta()) else {
             return SolidAnglePdf(0.0);
         };
-        if let Some(finish) = &self.finish {
+        if let Some(finish) = self.finish {
             return SolidAnglePdf(finish.pdf(wo, wi));
         }
         let multiple = self.multiple_probability(self.lost(wo));
@@ -154,7 +154,7 @@ impl BsdfModel for Conductor {
     /// The mirrored direction, or one of light that a finish scatters, that a facet mirrors, or of light between facets.
     fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
         let [up, _] = upper_side(wo, wo)?;
-        if let Some(finish) = &self.finish {
+        if let Some(finish) = self.finish {
             return finish.sample(self, self.metal.reflectance(wo.z), wo, (xi, xi_lobe), mode);
         }
         if self.is_delta() {
@@ -171,7 +171,7 @@ impl BsdfModel for Conductor {
     fn delta_branches(&self, wo: DVec3, _: TransportMode) -> [Option<BsdfSample>; 2] {
         let reflectance = self.metal.reflectance(wo.z);
         let image = || (self.is_delta() && wo.z != 0.0).then(|| mirror_image(wo, reflectance));
-        let image = self.finish.as_ref().map_or_else(image, |finish| finish.mirror_image(reflectance, wo));
+        let image = self.finish.map_or_else(image, |finish| finish.mirror_image(reflectance, wo));
         [image.filter(|image| !image.weight.is_black()), None]
     }
 
@@ -271,12 +271,12 @@ impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
 }
 
 impl TexturedModel for ConductorMaterial {
-    type Bsdf = Conductor;
+    type Bsdf<'a> = Conductor<'a>;
 
-    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Conductor {
+    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Conductor<'_> {
         let metal =
             Conductor::new(self.color.at(at), self.roughness.distribution(at), self.multiple_scattering);
-        metal.with_finish(self.finish.clone())
+        metal.with_finish(self.finish.as_ref())
     }
 }
 

@@ -355,7 +355,7 @@ impl<P: ParameterForm> MaterialModel<P> for DielectricMaterial<P> {
 }
 
 impl TexturedModel for DielectricMaterial {
-    type Bsdf = Dielectric;
+    type Bsdf<'a> = Dielectric;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Dielectric {
         let hero = self.dispersion.as_ref().and_then(|dispersion| at.hero_index(dispersion));

@@ -97,7 +97,7 @@ impl<P: ParameterForm> MaterialModel<P> for DiffuseTransmissionMaterial<P> {
 }
 
 impl TexturedModel for DiffuseTransmissionMaterial {
-    type Bsdf = DiffuseTransmission;
+    type Bsdf<'a> = DiffuseTransmission;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> DiffuseTransmission {
         DiffuseTransmission::new(at.fraction(&self.reflectance), at.fraction(&self.transmittance))

@@ -83,7 +83,7 @@ impl<P: ParameterForm> MaterialModel<P> for DiffuseMaterial<P> {
 }
 
 impl TexturedModel for DiffuseMaterial {
-    type Bsdf = Lambert;
+    type Bsdf<'a> = Lambert;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Lambert {
         Lambert { reflectance: at.fraction(&self.reflectance) }

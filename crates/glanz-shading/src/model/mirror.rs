@@ -10,26 +10,26 @@ use crate::parameter::{MaterialError, ParameterForm, ParameterResolver, ShadingF
 use crate::preview::PreviewSurface;
 
 /// A mirror with the same reflectance at every angle.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mirror {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirror<'a> {
     /// Fraction of light reflected, [0, 1].
     pub reflectance: Spectrum,
     /// Finish of the surface; `None` if it is perfect.
-    pub finish: Option<SurfaceFinish>,
+    pub finish: Option<&'a SurfaceFinish>,
 }
 
-impl BsdfModel for Mirror {
+impl BsdfModel for Mirror<'_> {
     const LOBES: &'static [Lobe] = &[Lobe::SPECULAR_REFLECTION, Lobe::GLOSSY];
 
     fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        match (&self.finish, both_above(wo, wi)) {
+        match (self.finish, both_above(wo, wi)) {
             (Some(finish), Some([wo, wi])) => self.reflectance * finish.value(wo, wi) as f32,
             _ => Spectrum::BLACK,
         }
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> SolidAnglePdf {
-        SolidAnglePdf(match (&self.finish, both_above(wo, wi)) {
+        SolidAnglePdf(match (self.finish, both_above(wo, wi)) {
             (Some(finish), Some([wo, wi])) => finish.pdf(wo, wi),
             _ => 0.0,
         })
@@ -37,7 +37,7 @@ impl BsdfModel for Mirror {
 
     /// The mirrored direction, or one of scattered light.
     fn sample(&self, wo: DVec3, xi: DVec2, xi_lobe: f64, mode: TransportMode) -> Option<BsdfSample> {
-        match &self.finish {
+        match self.finish {
             Some(finish) => finish.sample(self, self.reflectance, wo, (xi, xi_lobe), mode),
             None => (wo.z != 0.0).then(|| mirror_image(wo, self.reflectance)),
         }
@@ -49,7 +49,7 @@ impl BsdfModel for Mirror {
 
     fn delta_branches(&self, wo: DVec3, _: TransportMode) -> [Option<BsdfSample>; 2] {
         let image = || (wo.z != 0.0 && !self.is_black()).then(|| mirror_image(wo, self.reflectance));
-        [self.finish.as_ref().map_or_else(image, |finish| finish.mirror_image(self.reflectance, wo)), None]
+        [self.finish.map_or_else(image, |finish| finish.mirror_image(self.reflectance, wo)), None]
     }
 
     fn albedo(&self, _: DVec3) -> Spectrum {
@@ -100,10 +100,10 @@ impl<P: ParameterForm> MaterialModel<P> for MirrorMaterial<P> {
 }
 
 impl TexturedModel for MirrorMaterial {
-    type Bsdf = Mirror;
+    type Bsdf<'a> = Mirror<'a>;
 
-    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Mirror {
-        Mirror { reflectance: at.fraction(&self.reflectance), finish: self.finish.clone() }
+    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Mirror<'_> {
+        Mirror { reflectance: at.fraction(&self.reflectance), finish: self.finish.as_ref() }
     }
 }
 

@@ -52,11 +52,13 @@ pub trait MaterialModel<P: ParameterForm> {
 
 /// Parameters for shading, which give the scattering model at a point.
 pub trait TexturedModel: MaterialModel<ShadingForm> {
-    /// The scattering model.
-    type Bsdf: BsdfModel;
+    /// The scattering model, which may refer to the material.
+    type Bsdf<'a>: BsdfModel
+    where
+        Self: 'a;
 
     /// The scattering model at a point.
-    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Self::Bsdf;
+    fn bsdf(&self, at: &TextureEvaluator<'_>) -> Self::Bsdf<'_>;
 
     /// A warning about parameters that do not act as they suggest.
     fn warning(&self) -> Option<String> {
@@ -69,7 +71,7 @@ macro_rules! bsdfs {
     ($($(#[$doc:meta])* $material_variant:ident($material:ident) => $variant:ident($model:ty),)*) => {
         /// The closed set of scattering models at a point, see [`BsdfModel`].
         #[derive(Clone, Debug, PartialEq)]
-        pub enum Bsdf {
+        pub enum Bsdf<'a> {
             /// Absorbs everything.
             Black,
             /// A point in a medium, which no material has.
@@ -77,7 +79,7 @@ macro_rules! bsdfs {
             $($(#[$doc])* $variant($model),)*
         }
 
-        impl Bsdf {
+        impl Bsdf<'_> {
             /// See [`BsdfModel::eval`].
             #[must_use]
             pub fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
@@ -207,7 +209,7 @@ macro_rules! bsdfs {
             }
         }
 
-        $(impl From<$model> for Bsdf {
+        $(impl<'a> From<$model> for Bsdf<'a> {
             fn from(model: $model) -> Self {
                 Self::$variant(model)
             }
@@ -252,7 +254,7 @@ macro_rules! bsdfs {
             pub fn lobes(&self) -> &'static [Lobe] {
                 match self {
                     Self::Mix(_) => Lobe::ALL,
-                    $(Self::$material_variant(_) => <$model as BsdfModel>::LOBES,)*
+                    $(Self::$material_variant(_) => <<$material as TexturedModel>::Bsdf<'static> as BsdfModel>::LOBES,)*
                     Self::Interface => &[],
                 }
             }
@@ -261,7 +263,7 @@ macro_rules! bsdfs {
         impl Material {
             /// The BSDF at a point; `None` for [`Material::Interface`], and for [`Material::Mix`], which has those of other materials.
             #[must_use]
-            pub fn bsdf(&self, textures: &Textures, at: &TexturePoint, wavelengths: &Wavelengths) -> Option<Bsdf> {
+            pub fn bsdf(&self, textures: &Textures, at: &TexturePoint, wavelengths: &Wavelengths) -> Option<Bsdf<'_>> {
                 let at = TextureEvaluator::new(textures, at, wavelengths);
                 match self {
                     $(Self::$material_variant(material) => {
@@ -311,9 +313,9 @@ bsdfs! {
     /// Rough diffuse reflection.
     OrenNayar(OrenNayarMaterial) => OrenNayar(OrenNayar),
     /// Mirror.
-    Mirror(MirrorMaterial) => Mirror(Mirror),
+    Mirror(MirrorMaterial) => Mirror(Mirror<'a>),
     /// Metal.
-    Conductor(ConductorMaterial) => Conductor(Conductor),
+    Conductor(ConductorMaterial) => Conductor(Conductor<'a>),
     /// Glass.
     Dielectric(DielectricMaterial) => Dielectric(Dielectric),
     /// A diffuse base under a clear coat.

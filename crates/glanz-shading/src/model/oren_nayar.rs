@@ -113,7 +113,7 @@ impl<P: ParameterForm> MaterialModel<P> for OrenNayarMaterial<P> {
 }
 
 impl TexturedModel for OrenNayarMaterial {
-    type Bsdf = OrenNayar;
+    type Bsdf<'a> = OrenNayar;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> OrenNayar {
         let sigma = (90.0 * clamp_unit(f64::from(at.float(&self.sigma)) / 90.0)).to_radians();

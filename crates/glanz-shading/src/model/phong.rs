@@ -198,7 +198,7 @@ impl<P: ParameterForm> MaterialModel<P> for PhongMaterial<P> {
 }
 
 impl TexturedModel for PhongMaterial {
-    type Bsdf = Phong;
+    type Bsdf<'a> = Phong;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Phong {
         let [ambient, diffuse, specular] =

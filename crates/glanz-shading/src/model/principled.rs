@@ -31,7 +31,7 @@ pub struct Principled {
     metallic: f64,
     /// Fraction of what is not metallic.
     transmission: f64,
-    metal: Conductor,
+    metal: Conductor<'static>,
     /// The largest lane of the reflectance of the metal at normal incidence.
     metal_max: f64,
     glass: Dielectric,
@@ -349,7 +349,7 @@ impl<P: ParameterForm> MaterialModel<P> for PrincipledMaterial<P> {
 }
 
 impl TexturedModel for PrincipledMaterial {
-    type Bsdf = Box<Principled>;
+    type Bsdf<'a> = Box<Principled>;
 
     fn bsdf(&self, at: &TextureEvaluator<'_>) -> Box<Principled> {
         let fraction = |input| clamp_unit(f64::from(at.float(input)));

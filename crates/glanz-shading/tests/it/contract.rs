@@ -58,7 +58,7 @@ const ESTIMATED: &[&str] = &[
 const ESTIMATE_ERROR: f32 = 0.07;
 
 /// The refractive index on the side of `w`.
-fn index(bsdf: &Bsdf, w: DVec3) -> f64 {
+fn index(bsdf: &Bsdf<'_>, w: DVec3) -> f64 {
     match bsdf {
         Bsdf::Dielectric(glass) if w.z < 0.0 => glass.eta(),
         // All of the table.
@@ -67,7 +67,7 @@ fn index(bsdf: &Bsdf, w: DVec3) -> f64 {
     }
 }
 
-fn smooth() -> Vec<(&'static str, Bsdf)> {
+fn smooth() -> Vec<(&'static str, Bsdf<'static>)> {
     bsdfs().into_iter().filter(|(_, b)| !b.is_delta() && *b != Bsdf::Black).collect()
 }
 
@@ -156,7 +156,7 @@ fn sample_agrees_with_eval_and_pdf() {
 }
 
 /// The mean weight of all samples.
-fn mean_weight(bsdf: &Bsdf, wo: DVec3, mode: TransportMode) -> Spectrum {
+fn mean_weight(bsdf: &Bsdf<'_>, wo: DVec3, mode: TransportMode) -> Spectrum {
     mean_weight_of(bsdf, wo, mode, |_| true)
 }
 
@@ -212,7 +212,7 @@ fn surfaces_that_absorb_nothing_give_back_a_white_sky() {
 }
 
 /// A model with the required methods only.
-struct Minimal(Bsdf);
+struct Minimal(Bsdf<'static>);
 
 impl BsdfModel for Minimal {
     const LOBES: &'static [Lobe] = &[];
@@ -319,7 +319,7 @@ fn delta_lobes_are_neither_evaluated_nor_have_a_density() {
 
 /// The mean weight of the samples that `counts`, in flux, by 2^14 scrambled Sobol' points.
 fn mean_weight_of(
-    bsdf: &Bsdf,
+    bsdf: &Bsdf<'_>,
     wo: DVec3,
     mode: TransportMode,
     counts: impl Fn(&BsdfSample) -> bool,
@@ -469,7 +469,7 @@ fn light_passes_only_where_the_lobes_say_so() {
     }
 }
 
-fn bsdf_at(material: &Material, wavelengths: &Wavelengths) -> Bsdf {
+fn bsdf_at<'a>(material: &'a Material, wavelengths: &Wavelengths) -> Bsdf<'a> {
     let point = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
     let found = material.bsdf(&Textures::new(), &point, wavelengths);
     assert!(found.is_some(), "{material:?}");

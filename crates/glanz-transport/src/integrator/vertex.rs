@@ -16,7 +16,7 @@ use super::path_tracer::INTERFACE_LIMIT;
 /// normal, the surface is shaded by its geometric normal, because it would be black otherwise.
 pub(crate) struct Vertex<'a> {
     pub(crate) at: &'a Interaction,
-    pub(super) bsdf: Bsdf,
+    pub(super) bsdf: Bsdf<'a>,
     frame: Frame,
     wo: DVec3,
     /// Cosine between viewer and surface normal.
@@ -48,11 +48,11 @@ impl ScatteredRay {
 }
 
 impl<'a> Vertex<'a> {
-    pub(crate) fn new(at: &'a Interaction, bsdf: Bsdf) -> Self {
+    pub(crate) fn new(at: &'a Interaction, bsdf: Bsdf<'a>) -> Self {
         Self::from_viewer(at, bsdf, at.wo)
     }
 
-    fn from_viewer(at: &'a Interaction, bsdf: Bsdf, viewer: DVec3) -> Self {
+    fn from_viewer(at: &'a Interaction, bsdf: Bsdf<'a>, viewer: DVec3) -> Self {
         let frame = at.frame_of(&bsdf, at.normal_for(viewer));
         Self { at, bsdf, frame, wo: frame.to_local(viewer), viewer_side: at.point.normal.dot(viewer) }
     }

@@ -9,8 +9,9 @@ use glanz_job::JobEnd;
 use glanz_report::FactValue;
 
 use super::combined_file::{self, CombinedFile};
+use super::design::Design;
 use super::facts::CalculationFacts;
-use super::{Design, integrating, tally_file};
+use super::{integrating, tally_file};
 use crate::error::Error;
 use crate::event::{JobEvent, ResumedState};
 use crate::file;

@@ -33,11 +33,21 @@ impl IlluminateOutcome {
     /// # Errors
     /// [`Error::File`].
     pub fn save(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
-        let mut files = ReportFolder::try_new(folder.as_ref())?;
-        files.write_reports(&self.report)?;
+        let folder = folder.as_ref();
+        let mut files = ReportFolder { folder, written: self.save_reports(folder)? };
         for (name, map) in self.named_maps() {
             files.write_map(&name, map)?;
         }
+        Ok(files.written)
+    }
+
+    /// As [`IlluminateOutcome::save`], of the reports alone: after the maps, a ray file adds its facts to them.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn save_reports(&self, folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+        let mut files = ReportFolder::try_new(folder.as_ref())?;
+        files.write_reports(&self.report)?;
         Ok(files.written)
     }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use glanz_illumination::integrate::{CellTolerance, Reflections, integrated_maps};
 use glanz_illumination::{IntegratedLux, LuxMap};
 
-use super::Design;
+use super::design::Design;
 use super::facts::CalculationFacts;
 use crate::error::Error;
 use crate::event::Warning;

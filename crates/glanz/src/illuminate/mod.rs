@@ -2,6 +2,7 @@
 
 mod combined_file;
 mod combining;
+mod design;
 mod facts;
 #[cfg(feature = "formats")]
 mod far_field_file;
@@ -19,27 +20,20 @@ mod tally_join;
 mod tracing;
 
 use std::io::Read;
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::path::Path;
+use std::sync::Arc;
 
-use glanz_illumination::planning::{PlacedLuminaire, PlanningRequest, PlanningSettings, RoomLayout};
-use glanz_illumination::report::LuxReport;
-use glanz_illumination::{
-    DaylightFactors, FarFieldResolution, GridResolution, LuxMap, ReceiverRequest, Receivers, TraceGoal,
-    TraceSettings, add_walls, under_overcast_sky,
-};
-use glanz_job::{ContentHash, JobEnd, JobPart};
+use glanz_illumination::planning::{PlanningRequest, PlanningSettings};
+use glanz_illumination::{FarFieldResolution, GridResolution, TraceGoal};
+use glanz_job::{JobEnd, JobPart};
 use glanz_math::DVec3;
-use glanz_scene::Scene;
-use glanz_scene::description::ObserverDescription;
 
 use crate::error::Error;
-use crate::event::{JobEvent, Warning};
+use crate::event::JobEvent;
 use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::RunningJob;
-use facts::CalculationFacts;
-use outcome::compare_methods;
+use design::Design;
 use tally_file::TallyFile;
 
 #[cfg(feature = "formats")]
@@ -53,9 +47,6 @@ pub use outcome::IlluminateOutcome;
 pub use ray_file::check_ray_path;
 pub use tally_join::JoinedTally;
 pub(crate) use tally_join::join;
-
-/// Largest number of cells of all receivers: the sums of each take 256 bytes, and 16 per thread.
-const CELLS_LIMIT: usize = 1 << 24;
 
 /// Default relative standard error at which a run ends.
 const USUAL_ERROR: f64 = 0.01;
@@ -100,7 +91,7 @@ pub struct IlluminateBuilder<'a> {
     options: IlluminateOptions,
     plan: Option<PlanningRequest>,
     planning: PlanningSettings,
-    ray_file: Option<PathBuf>,
+    ray_file: bool,
     job: JobOptions<'a>,
 }
 
@@ -165,7 +156,7 @@ impl<'a> IlluminateBuilder<'a> {
             options,
             plan: None,
             planning: PlanningSettings::default(),
-            ray_file: None,
+            ray_file: false,
             job,
         }
     }
@@ -231,12 +222,10 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    /// Writes the rays of all particles that leave the scene to a ray file of IES TM-25, from their last surface or their light, in the frame of the scene.
-    ///
-    /// The particles are traced once more for it, so that it does not depend on a checkpoint. It is written if the calculation is completed, and as a whole.
+    /// Whether the result keeps the scene for [`IlluminateOutcome::save_ray_file`], which needs a number of particles; no receiver is needed then.
     #[cfg(feature = "formats")]
-    pub fn ray_file(mut self, path: impl Into<PathBuf>) -> Self {
-        self.ray_file = Some(path.into());
+    pub fn ray_file(mut self, keep: bool) -> Self {
+        self.ray_file = keep;
         self
     }
 
@@ -265,13 +254,10 @@ impl<'a> IlluminateBuilder<'a> {
         }
         let only_particles =
             matches!(options.goal, TraceGoal { particles: Some(_), time: None, error: None });
-        if ray_file.is_some()
+        if ray_file
             && (!only_particles || options.part.is_some() || options.method == IlluminateMethod::Integrate)
         {
             return Err(Error::RayGoal);
-        }
-        if let Some(path) = &ray_file {
-            crate::file::check_writable(path)?;
         }
         if options.part.is_some() {
             if !matches!(options.method, IlluminateMethod::Auto | IlluminateMethod::Trace) {
@@ -292,7 +278,7 @@ impl<'a> IlluminateBuilder<'a> {
             options.method = IlluminateMethod::Trace;
         }
         settings.maintenance.value().map_err(|error| Error::Planning(error.into()))?;
-        let needs_receivers = options.far_field.is_none() && ray_file.is_none();
+        let needs_receivers = options.far_field.is_none() && !ray_file;
         let design = Design { title, ..Design::new(scene, options, needs_receivers, &mut job)? };
         let is_judged = plan.is_some() || settings.task.is_some();
         let request = plan.unwrap_or_else(|| design.declared_plan());
@@ -311,195 +297,9 @@ impl<'a> IlluminateBuilder<'a> {
         if !request.is_empty() && options.part.is_none() && !options.daylight {
             planning::rate(&design, &request, &settings, &mut outcome, &mut job)?;
         }
-        #[cfg(feature = "formats")]
-        if let (Some(path), Some(particles), JobEnd::Complete) =
-            (&ray_file, options.goal.particles, outcome.end)
-        {
-            outcome.add_rays(job.in_pool(|job| ray_file::write(&design, particles, path, job))?);
-        }
+        outcome.design = (ray_file && outcome.end == JobEnd::Complete).then(|| Arc::new(design));
         outcome.warnings = job.warnings;
         Ok(outcome)
-    }
-}
-
-/// A scene with receivers.
-struct Design {
-    name: String,
-    /// Title of the reports, if it is not that of the scene.
-    title: Option<String>,
-    scene: Scene,
-    receivers: Receivers,
-    /// Observers that the scene declares, and its photometric lights.
-    observers: Vec<ObserverDescription>,
-    luminaires: Vec<PlacedLuminaire>,
-    /// The room from above.
-    layout: Option<RoomLayout>,
-    /// Content hash of the files of the scene.
-    content_hash: u128,
-    /// Content hashes of the scene with its room, and of the receivers.
-    hashes: [u128; 2],
-    options: IlluminateOptions,
-}
-
-impl Design {
-    /// Resolves the scene and its receivers.
-    fn new(
-        mut scene: LoadedScene,
-        options: IlluminateOptions,
-        needs_receivers: bool,
-        job: &mut RunningJob<'_>,
-    ) -> Result<Self, Error> {
-        let (name, content_hash) = (scene.name().to_owned(), scene.content_hash());
-        if let Some(size) = options.room {
-            add_walls(&mut scene.description, size);
-        }
-        if options.daylight {
-            under_overcast_sky(&mut scene.description);
-        }
-        let observers = scene.description.observers.clone();
-        let luminaires = PlacedLuminaire::of_scene(&scene.description);
-        let (scene, warnings) = scene.resolve()?;
-        warnings.into_iter().for_each(|warning| job.warn(warning));
-        if scene.has_media() {
-            job.warn(Warning::MediaLeftOut { what: "the calculation of illuminance".to_owned() });
-        }
-        let requests = ReceiverRequest::of_scene(&scene, options.resolution);
-        if requests.is_empty() && needs_receivers {
-            return Err(Error::NoReceiver { scene: name });
-        }
-        let receivers = Receivers::try_new(&scene, &requests)
-            .map_err(|error| Error::Receiver { scene: name.clone(), error })?;
-        warn_of_covered_cells(&receivers, job);
-        if receivers.cell_count() > CELLS_LIMIT {
-            return Err(Error::Cells { scene: name, cells: receivers.cell_count(), limit: CELLS_LIMIT });
-        }
-        if scene.lights().is_empty() {
-            return Err(Error::NoLight { scene: name });
-        }
-        let names: Vec<(&str, [u32; 2])> =
-            receivers.as_slice().iter().map(|receiver| (receiver.name(), receiver.cells())).collect();
-        let hashes =
-            [format!("{content_hash:032x} {:?} {}", options.room, options.daylight), format!("{names:?}")]
-                .map(|text| {
-                    let mut hash = ContentHash::default();
-                    hash.add_file(text.as_bytes());
-                    hash.value()
-                });
-        let layout = RoomLayout::of(&scene, &receivers, &luminaires);
-        let title = None;
-        Ok(Self {
-            name,
-            title,
-            scene,
-            receivers,
-            observers,
-            luminaires,
-            layout,
-            content_hash,
-            hashes,
-            options,
-        })
-    }
-
-    /// The zones and observers that the scene declares.
-    fn declared_plan(&self) -> PlanningRequest {
-        let luminaires = self.luminaires.clone();
-        let declared = PlanningRequest::of_scene(&self.scene, &self.receivers, &self.observers, luminaires);
-        let Some(layout) = &self.layout else { return declared };
-        PlanningRequest { watts: layout.watts().unwrap_or(0.0), area: layout.floor_area(), ..declared }
-    }
-
-    /// Computes the light.
-    fn illuminate(&self, job: &mut RunningJob<'_>) -> Result<IlluminateOutcome, Error> {
-        let start = Instant::now();
-        let mut facts = CalculationFacts::of_settings(&self.name, self.content_hash, &self.options);
-        let stem = Path::new(&self.name).file_stem();
-        let title = self.title.clone().or_else(|| Some(stem?.to_string_lossy().into_owned()));
-        let title = title.unwrap_or_default();
-        let mut outcome = IlluminateOutcome {
-            report: LuxReport { title, layout: self.layout.clone(), ..LuxReport::default() },
-            ..IlluminateOutcome::default()
-        };
-        let method = self.options.method;
-        if matches!(method, IlluminateMethod::Integrate | IlluminateMethod::Both) {
-            outcome.integrated = job.in_pool(|job| integrating::integrated(self, job, &mut facts))?;
-        }
-        match method {
-            IlluminateMethod::Auto => self.combine(&mut outcome, job, &mut facts)?,
-            IlluminateMethod::Integrate => outcome.report.maps = std::mem::take(&mut outcome.integrated),
-            IlluminateMethod::Trace | IlluminateMethod::Both => {
-                self.count_particles(&mut outcome, job, &mut facts)?;
-            }
-        }
-        if self.options.daylight {
-            outcome.report.daylight = outcome.report.maps.iter().map(DaylightFactors::of).collect();
-        }
-        if self.scene.has_media() {
-            facts.result.push("fog and other media", "media", "left out");
-        }
-        facts.result.push("complete", "complete", outcome.end == JobEnd::Complete);
-        if outcome.end == JobEnd::Interrupted {
-            facts.result.push("interrupted", "interrupted", true);
-        }
-        outcome.report.facts = facts.finish(start.elapsed(), job.threads());
-        Ok(outcome)
-    }
-
-    /// Settings of particles and paths.
-    fn trace_settings(&self, job: &RunningJob<'_>) -> TraceSettings {
-        let IlluminateOptions { seed, max_depth, goal, part, .. } = self.options;
-        TraceSettings { seed, max_events: max_depth, threads: job.options.threads, goal, part }
-    }
-
-    /// Adds the light by all methods to `outcome`.
-    fn combine(
-        &self,
-        outcome: &mut IlluminateOutcome,
-        job: &mut RunningJob<'_>,
-        facts: &mut CalculationFacts,
-    ) -> Result<(), Error> {
-        let (light, end) = combining::combined(self, job, facts)?;
-        outcome.report.maps = light.lux_maps(&self.receivers);
-        outcome.report.balance = Some(light.balance());
-        outcome.end = end;
-        self.warn_of_dark_sides(&outcome.report.maps, |receiver| light.on_other_side(receiver), job);
-        Ok(())
-    }
-
-    /// Adds the light of particles to `outcome`.
-    fn count_particles(
-        &self,
-        outcome: &mut IlluminateOutcome,
-        job: &mut RunningJob<'_>,
-        facts: &mut CalculationFacts,
-    ) -> Result<(), Error> {
-        let (tally, end) = tracing::traced(self, job, facts)?;
-        let report = &mut outcome.report;
-        report.maps = tally.lux_maps(&self.receivers);
-        report.balance = Some(tally.balance());
-        self.warn_of_dark_sides(&report.maps, |receiver| tally.on_other_side(receiver), job);
-        if !outcome.integrated.is_empty() {
-            compare_methods(&report.maps, &outcome.integrated, &mut facts.result);
-        }
-        outcome.end = end;
-        outcome.set_far_field(tally.far_field(), job);
-        outcome.tally = Some(tally);
-        Ok(())
-    }
-
-    /// Warns of receivers without light, which may face the wrong way. `other_side`: flux on the side that is not counted, lm.
-    fn warn_of_dark_sides(
-        &self,
-        maps: &[LuxMap],
-        other_side: impl Fn(usize) -> f64,
-        job: &mut RunningJob<'_>,
-    ) {
-        for (number, map) in maps.iter().enumerate() {
-            let other_side = other_side(number);
-            if map.lux.iter().all(|&lux| lux == 0.0) && other_side > 0.0 {
-                job.warn(Warning::DarkSide { receiver: map.name.clone(), other_side });
-            }
-        }
     }
 }
 
@@ -516,18 +316,4 @@ fn is_by_particles(options: &IlluminateOptions, job: &RunningJob<'_>) -> bool {
         read.is_ok() && TallyFile::is_begun_by(&start)
     };
     resumed.is_some_and(begins_as_tally)
-}
-
-/// Warns of cells that do not count, or do only in part.
-fn warn_of_covered_cells(receivers: &Receivers, job: &mut RunningJob<'_>) {
-    for receiver in receivers.as_slice() {
-        let count =
-            |test: fn(f64) -> bool| receiver.covered().iter().filter(|share| test(**share)).count() as u64;
-        // Things that touch the receiver in a point cover a little of a cell.
-        let covered = [count(|share| share == 1.0), count(|share| (0.05..1.0).contains(&share))];
-        if covered != [0, 0] {
-            let (receiver, cells) = (receiver.name().to_owned(), receiver.len() as u64);
-            job.warn(Warning::CoveredCells { receiver, covered, cells });
-        }
-    }
 }

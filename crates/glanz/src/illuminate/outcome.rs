@@ -1,10 +1,13 @@
 //! Result of a calculation of illuminance.
 
+use std::sync::Arc;
+
 use glanz_illumination::report::{LuxReport, PolarPlot};
 use glanz_illumination::{FarField, FarFieldSummary, LuxMap, Tally};
 use glanz_job::JobEnd;
 use glanz_report::{FactList, FactValue};
 
+use super::design::Design;
 use crate::event::Warning;
 use crate::running_job::RunningJob;
 
@@ -27,12 +30,15 @@ pub struct IlluminateOutcome {
     /// Number of rays in the ray file, if one was written.
     pub rays: Option<u64>,
     pub(super) far_field: Option<FarField>,
+    /// The scene of a completed calculation, if it is kept for a ray file.
+    pub(super) design: Option<Arc<Design>>,
 }
 
 impl Default for IlluminateOutcome {
     fn default() -> Self {
-        let (report, integrated, tally, warnings, far_field) = Default::default();
-        Self { report, integrated, tally, end: JobEnd::Complete, warnings, rays: None, far_field }
+        let (report, integrated, tally, warnings, rays) = Default::default();
+        let (end, far_field, design) = (JobEnd::Complete, None, None);
+        Self { report, integrated, tally, end, warnings, rays, far_field, design }
     }
 }
 
@@ -41,22 +47,6 @@ impl IlluminateOutcome {
     #[must_use]
     pub fn far_field(&self) -> Option<&FarField> {
         self.far_field.as_ref()
-    }
-
-    /// Adds the number and flux of the rays that were written; `None` if that was interrupted, which does not concern the figures.
-    #[cfg(feature = "formats")]
-    pub(super) fn add_rays(&mut self, written: Option<(u64, f64)>) {
-        match written {
-            Some((count, lumens)) => {
-                self.rays = Some(count);
-                self.report.facts.push("rays in the ray file", "ray_file_rays", count);
-                self.report.facts.push("flux of the ray file, lm", "ray_file_lm", lumens);
-            }
-            None => {
-                self.end = JobEnd::Interrupted;
-                self.report.facts.push("ray file", "ray_file", "interrupted, not written");
-            }
-        }
     }
 
     /// Adds the far field to the report, with warnings about it.

@@ -5,7 +5,8 @@ use std::time::Instant;
 use glanz_illumination::planning::{PlanningError, PlanningRequest, PlanningSettings};
 use glanz_job::{JobEnd, JobProgress};
 
-use super::{Design, IlluminateOutcome};
+use super::IlluminateOutcome;
+use super::design::Design;
 use crate::error::Error;
 use crate::event::Warning;
 use crate::running_job::RunningJob;

@@ -6,10 +6,12 @@ use glanz_formats::photometry::tm25::{RayWriter, SourceDescriptions};
 use glanz_illumination::escaped_rays;
 use glanz_job::{JobEnd, current_version};
 
-use super::{Design, facts};
+use super::design::Design;
+use super::{IlluminateOutcome, facts};
 use crate::error::{Error, FileFault};
 use crate::event::Warning;
 use crate::file;
+use crate::job_options::JobOptions;
 use crate::running_job::{JobSink, RunningJob};
 
 /// Refuses an extension that is not that of ray files.
@@ -21,9 +23,36 @@ pub fn check_ray_path(path: &Path) -> Result<(), Error> {
     if is_known { Ok(()) } else { Err(FileFault::Extension("rays").of(path)) }
 }
 
+impl IlluminateOutcome {
+    /// Writes the rays of all particles that leave the scene to a ray file of IES TM-25, from their last surface or their light, in the frame of the scene, and adds their
+    /// number and flux to the facts of the report.
+    ///
+    /// The particles are traced once more for it, so that it does not depend on a checkpoint. Of the options of `job`, those of checkpoints have no effect. A cancelled job
+    /// leaves an old file as it is.
+    ///
+    /// # Errors
+    /// [`Error::NoRayFile`] if the scene was not kept ([`IlluminateBuilder::ray_file`](super::IlluminateBuilder::ray_file)) or the calculation was cancelled, [`Error::File`]; the
+    /// illuminance is not lost by them.
+    pub fn save_ray_file(&mut self, path: impl AsRef<Path>, job: JobOptions<'_>) -> Result<JobEnd, Error> {
+        let path = path.as_ref();
+        check_ray_path(path)?;
+        file::check_writable(path)?;
+        let design = self.design.clone().ok_or(Error::NoRayFile)?;
+        let particles = design.options.goal.particles.ok_or(Error::RayGoal)?;
+        let mut job = job.start();
+        let written = job.in_pool(|job| write(&design, particles, path, job))?;
+        self.warnings.append(&mut job.warnings);
+        let Some((count, lumens)) = written else { return Ok(JobEnd::Interrupted) };
+        self.rays = Some(count);
+        self.report.facts.push("rays in the ray file", "ray_file_rays", count);
+        self.report.facts.push("flux of the ray file, lm", "ray_file_lm", lumens);
+        Ok(JobEnd::Complete)
+    }
+}
+
 /// Writes the rays of `particles` particles that leave the scene; returns their number and their flux, lm, or `None` if the job was cancelled, when an old file
 /// keeps its content.
-pub(super) fn write(
+fn write(
     design: &Design,
     particles: u64,
     path: &Path,

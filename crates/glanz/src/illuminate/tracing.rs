@@ -8,7 +8,7 @@ use glanz_illumination::{
 use glanz_job::JobEnd;
 use glanz_report::FactValue;
 
-use super::Design;
+use super::design::Design;
 use super::facts::CalculationFacts;
 use super::tally_file::{self, TallyFile, TallyPlan};
 use crate::error::Error;

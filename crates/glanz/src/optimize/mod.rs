@@ -109,10 +109,17 @@ impl OptimizedScene {
         scene
     }
 
-    /// Writes the scene file with the numbers found in place of the free ones.
+    /// Whether the scene file has changed since it was read; [`OptimizedScene::save`] writes it as it was.
+    #[cfg(feature = "formats")]
+    #[must_use]
+    pub fn scene_has_changed(&self) -> bool {
+        self.scene.sources().scene_has_changed()
+    }
+
+    /// Writes the scene file, as it was when it was read, with the numbers found in place of the free ones.
     ///
     /// # Errors
-    /// [`Error::File`], also if the scene file has changed since it was read.
+    /// [`Error::File`].
     #[cfg(feature = "formats")]
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();

@@ -6,3 +6,4 @@
 mod illuminance;
 #[cfg(feature = "viewer")]
 mod lux_folder;
+mod optimize;

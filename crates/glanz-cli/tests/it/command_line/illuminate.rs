@@ -1,6 +1,9 @@
 //! `glanz illuminate`.
 
-use crate::command_line::support::Folder;
+use std::process::{Command, Stdio};
+
+use crate::PROGRAM;
+use crate::command_line::support::{Folder, finish};
 
 /// A point light of 1 cd in the middle of a room of 2 x 2 x 2 m, a small mirror, and a shelf that transmits light.
 const LAMP: &str = r#"
@@ -350,4 +353,27 @@ Shape "paraboloid" "float radius" .6 "float zmax" .3
         .run("illuminate own.pbrt -o lux --ray-file lamp.tm25ray --rays 9")
         .refused(2, &["lamp.tm25ray", "input"]);
     assert_eq!(folder.bytes("lamp.tm25ray"), bytes);
+}
+
+#[cfg(unix)]
+#[test]
+fn error_of_a_ray_file_does_not_cost_the_lux_results() {
+    let folder = Folder::new();
+    folder.write("lamp.pbrt", [LAMP, SHELF].concat());
+    let line = "illuminate lamp.pbrt -o lux --rays 100000 --ray-file lamp.tm25ray -q --json";
+    // Files of at most 1 MiB, in blocks of 512 bytes; rays of 28 bytes have more.
+    let shell = ["-c", "trap '' XFSZ; ulimit -f 2048; exec \"$0\" \"$@\"", PROGRAM];
+    let mut command = Command::new("sh");
+    command.args(shell).args(line.split_whitespace()).current_dir(folder.path(""));
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let ran = finish(command.spawn().unwrap(), line);
+    ran.refused(1, &["lamp.tm25ray", "the other results are saved: lux/report.html and 6 more files"]);
+    assert_eq!(folder.names(), ["lamp.pbrt", "lux"]);
+    let report: serde_json::Value = serde_json::from_slice(&folder.bytes("lux/report.json")).unwrap();
+    assert_eq!(report["receivers"][0]["name"], "a shelf");
+    assert_eq!(ran.json()["designs"][0]["receivers"], report["receivers"]);
+    let report = folder.succeed(line).json();
+    let saved: serde_json::Value = serde_json::from_slice(&folder.bytes("lux/report.json")).unwrap();
+    assert_eq!(saved["facts"]["ray_file_rays"], report["designs"][0]["facts"]["ray_file_rays"]);
+    assert!(saved["facts"]["ray_file_rays"].as_u64().is_some_and(|count| count > 50_000), "{saved}");
 }

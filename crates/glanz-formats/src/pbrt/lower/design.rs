@@ -8,7 +8,7 @@ use glanz_scene::description::{
 };
 
 use super::{EntityState, Lowering};
-use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
+use crate::pbrt::parameters::{Parameter, ParameterList, ParameterType, Values, shortened};
 use crate::source::{ParseResult, ReportedError, Span};
 
 /// Names of the numbers of a shape that may be free.
@@ -32,6 +32,10 @@ struct FreeNumbers {
     place: Span,
     /// Place of its first number.
     first: Location,
+    /// Number of its numbers.
+    count: usize,
+    /// Of patches that share the points of the list: the number of each of their points in it.
+    indices: Option<Vec<usize>>,
     /// Unit vectors.
     directions: Vec<DVec3>,
     range: [f64; 2],
@@ -42,10 +46,14 @@ impl Lowering {
     /// Takes the parameters of an inverse design from those of a shape, before the numbers themselves are taken.
     pub(super) fn design_of_shape(
         &mut self,
+        kind: &str,
         list: &mut ParameterList,
         context: &EntityState,
     ) -> ParseResult<ShapeDesign> {
         let free = self.free_numbers(list)?;
+        let indices =
+            list.get("indices").filter(|_| kind == "patchmesh" && free.is_some()).map(point_numbers);
+        let free = free.map(|free| FreeNumbers { indices, ..free });
         let target = self.target_of_shape(list, context)?;
         let offset = list.vec3("offset", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
         let subject = list.subject.clone();
@@ -105,29 +113,66 @@ impl Lowering {
     fn free_numbers(&mut self, list: &mut ParameterList) -> ParseResult<Option<FreeNumbers>> {
         let Some((p, name)) = list.text_parameter("free", &mut self.reporter)? else { return Ok(None) };
         let place = p.value_place;
-        if !list.has(&name) {
+        let Some(numbers) = list.get(&name) else {
             let message = format!("{}: {:?} is free, but not given", list.subject, shortened(&name));
             let help = match name.as_str() {
                 "offset" => "add \"vector3 offset\" [0 0 0]",
                 _ => "write its numbers into the same shape; only written numbers can be replaced",
             };
             return Err(self.reporter.error_with_help(&place, "design", message, Some(help.to_owned())));
+        };
+        let (declaration, kind, count) = (numbers.place, numbers.kind, numbers.values.len());
+        let first = numbers.value_place.location;
+        if declaration.location.file != list.place.location.file || declaration.offset < list.place.offset {
+            let message = format!("{}: the free {:?} stands in an Attribute", list.subject, shortened(&name));
+            let help = "write it into the shape or light itself: the numbers of an Attribute are those of all that follows it";
+            return Err(self.reporter.error_with_help(
+                &declaration,
+                "design",
+                message,
+                Some(help.to_owned()),
+            ));
         }
-        let first = list.value_place(&name).location;
         if first.file != FileId(0) {
             let message = format!("{}: free numbers stand in an included file", list.subject);
             let help = Some("move the shape into the scene file itself, which is written anew".to_owned());
             return Err(self.reporter.error_with_help(&place, "design", message, help));
         }
+        if kind == ParameterType::Integer {
+            let message = format!("{}: {:?} is free, but of type integer", list.subject, shortened(&name));
+            let kind = match name.as_str() {
+                "P" | "from" => "point3",
+                "offset" => "vector3",
+                _ => "float",
+            };
+            let help = Some(format!("write it as \"{kind} {}\", which may have fractions", shortened(&name)));
+            return Err(self.reporter.error_with_help(&declaration, "parameter-type", message, help));
+        }
         let directions = match list.vec3s("freedirection", &mut self.reporter)? {
             None => vec![DVec3::Z],
             Some((p, vectors)) => {
                 let units: Option<Vec<DVec3>> = vectors.iter().map(|vector| vector.try_normalize()).collect();
-                units.filter(|units| !units.is_empty()).ok_or_else(|| {
+                let units = units.filter(|units| !units.is_empty()).ok_or_else(|| {
                     let message =
                         format!("{}: \"freedirection\" needs vectors that are not zero", list.subject);
                     self.reporter.error(&p.value_place, "parameter-range", message)
-                })?
+                })?;
+                // Unit vectors are rounded.
+                let is_same = |a: &DVec3, b: &DVec3| a.cross(*b).length() < 8.0 * f64::EPSILON;
+                if (1..).zip(&units).any(|(next, a)| units.iter().skip(next).any(|b| is_same(a, b))) {
+                    let message = format!(
+                        "{}: \"freedirection\" has the same or opposite direction twice",
+                        list.subject
+                    );
+                    let help = Some("each moves the numbers by itself; leave out one of them".to_owned());
+                    return Err(self.reporter.error_with_help(
+                        &p.value_place,
+                        "parameter-range",
+                        message,
+                        help,
+                    ));
+                }
+                units
             }
         };
         let range_place = list.value_place("freerange");
@@ -142,7 +187,7 @@ impl Lowering {
             return Err(self.reporter.error_with_help(&range_place, "parameter-range", message, help));
         }
         let groups = list.integers("freegroups", &mut self.reporter)?;
-        Ok(Some(FreeNumbers { name, place, first, directions, range, groups }))
+        Ok(Some(FreeNumbers { name, place, first, count, indices: None, directions, range, groups }))
     }
 
     fn not_free(&mut self, free: &FreeNumbers, subject: &str, help: &str) -> ReportedError {
@@ -183,10 +228,11 @@ impl Lowering {
         subject: &str,
     ) -> ParseResult<Vec<VariableDescription>> {
         let Some(points) = points_in_file(geometry) else {
-            let help = "control points are those of nurbs, bezierpatch and beziertriangle";
+            let help = "control points are those of nurbs, bezierpatch, beziertriangle and patchmesh";
             return Err(self.not_free(free, subject, help));
         };
-        let count = points.len();
+        let is_weighted = free.name == "Pw";
+        let count = free.count / if is_weighted { 4 } else { 3 };
         let groups: Vec<i32> = match &free.groups {
             None => (0..).take(count).collect(),
             Some((_, groups)) if groups.len() == count => groups.clone(),
@@ -205,18 +251,20 @@ impl Lowering {
         numbers.dedup();
         let mut variables = Vec::new();
         for number in numbers {
-            let members =
-                || points.iter().zip(&groups).enumerate().filter(|(_, (_, group))| **group == number);
-            let quantity = VariableQuantity::ControlPoints {
-                shape,
-                points: members().map(|(_, ((index, _), _))| *index).collect(),
+            let is_member = |point: usize| groups.get(point) == Some(&number);
+            let moved = points.iter().enumerate().filter(|(corner, _)| is_member(free.point(*corner)));
+            let moved: Vec<usize> = moved.map(|(_, (index, _))| *index).collect();
+            // The list may have points that no patch has.
+            if moved.is_empty() {
+                continue;
+            }
+            let position = |point: usize| match points.get(point) {
+                Some((_, weight)) if is_weighted => (4 * point, *weight),
+                _ => (3 * point, 1.0),
             };
-            let positions: Vec<(usize, f64)> = members()
-                .map(|(place, ((_, weight), _))| match free.name.as_str() {
-                    "Pw" => (4 * place, *weight),
-                    _ => (3 * place, 1.0),
-                })
-                .collect();
+            let positions: Vec<(usize, f64)> =
+                (0..count).filter(|&point| is_member(point)).map(position).collect();
+            let quantity = VariableQuantity::ControlPoints { shape, points: moved };
             variables.extend(free.along_directions(&quantity, &positions));
         }
         Ok(variables)
@@ -293,6 +341,14 @@ impl Lowering {
 }
 
 impl FreeNumbers {
+    /// The number in the list of a control point, by its number in the order of files over all patches.
+    fn point(&self, corner: usize) -> usize {
+        match &self.indices {
+            Some(indices) => indices.get(corner).copied().unwrap_or(usize::MAX),
+            None => corner,
+        }
+    }
+
     /// A variable for each direction.
     fn along_directions(
         &self,
@@ -306,6 +362,17 @@ impl FreeNumbers {
             numbers: Some(VariableNumbers { first: self.first, positions: positions.to_vec() }),
         };
         self.directions.iter().map(variable).collect()
+    }
+}
+
+/// Numbers of points, of which reading the surface checks that they exist.
+fn point_numbers(indices: &Parameter) -> Vec<usize> {
+    match &indices.values {
+        Values::Integers(numbers) => {
+            numbers.iter().map(|n| usize::try_from(*n).unwrap_or(usize::MAX)).collect()
+        }
+        Values::Floats(numbers) => numbers.iter().map(|n| *n as usize).collect(),
+        Values::Texts(_) | Values::Bools(_) => Vec::new(),
     }
 }
 

@@ -202,7 +202,11 @@ impl Lowering {
                 return Err(self.reporter.error_with_help(place, "parameter-range", message, help));
             }
         };
-        SurfaceFinish::try_new(model).map(Some).map_err(|error| {
+        let key = format!("{model:?}");
+        if let Some(finish) = self.finishes.get(&key) {
+            return Ok(Some(finish.clone()));
+        }
+        let finish = SurfaceFinish::try_new(model).map_err(|error| {
             let wrong = match error {
                 FinishError::Range { parameter, .. } => parameter,
                 _ => "A",
@@ -210,7 +214,9 @@ impl Lowering {
             let place = places.iter().find(|(name, _)| *name == wrong);
             let place = place.map_or(parameter.value_place, |&(_, place)| place);
             self.reporter.error(&place, "parameter-range", format!("{}: {error}", list.subject))
-        })
+        })?;
+        self.finishes.insert(key, finish.clone());
+        Ok(Some(finish))
     }
 
     fn dielectric(

@@ -45,6 +45,7 @@ use glanz_math::DMat4;
 use glanz_scene::Description;
 use glanz_scene::description::{EmissionDescription, SurfaceMedia};
 use glanz_scene::studio::{UpAxis, UpAxisError};
+use glanz_shading::model::SurfaceFinish;
 
 use crate::file_list::FileKind;
 use crate::finder::{FileFinder, FindError};
@@ -83,6 +84,8 @@ pub(crate) struct Lowering {
     pub(crate) gltf_files: BTreeMap<PathBuf, GltfFile>,
     pub(crate) materials: ForwardNames,
     pub(crate) default_material: Option<usize>,
+    /// Finishes of mirrors by the text of their models, so that equal ones share their tables.
+    pub(crate) finishes: BTreeMap<String, SurfaceFinish>,
     pub(crate) media: ForwardNames,
     /// Triangles of subdivided meshes so far.
     pub(crate) subdivided: usize,
@@ -154,6 +157,7 @@ impl Lowering {
             gltf_files: BTreeMap::new(),
             materials: ForwardNames::default(),
             default_material: None,
+            finishes: BTreeMap::new(),
             media: ForwardNames::default(),
             subdivided: 0,
             skies: 0,

@@ -61,7 +61,7 @@ impl Lowering {
             return self.gltf_shape(list, context);
         }
         let place = list.place;
-        let design = self.design_of_shape(&mut list, context)?;
+        let design = self.design_of_shape(kind, &mut list, context)?;
         let surfaces = match kind {
             "bezierpatch" | "patchmesh" if list.has("filename") => self.patch_file(&mut list)?,
             "obj" | "stl" => self.mesh_file(kind, &mut list)?,

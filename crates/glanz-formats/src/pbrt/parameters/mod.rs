@@ -60,9 +60,14 @@ impl ParameterList {
         self.items
     }
 
+    /// The first parameter of this name, which stays in the list.
+    pub(crate) fn get(&self, name: &str) -> Option<&Parameter> {
+        self.items.iter().find(|p| p.name == name)
+    }
+
     /// Whether a parameter of this name is present.
     pub(crate) fn has(&self, name: &str) -> bool {
-        self.items.iter().any(|p| p.name == name)
+        self.get(name).is_some()
     }
 
     /// Removes and returns the first parameter of this name.
@@ -382,7 +387,7 @@ impl ParameterList {
 
     /// Span of a parameter's value, or of the directive if there is no such parameter.
     pub(crate) fn value_place(&self, name: &str) -> Span {
-        self.items.iter().find(|p| p.name == name).map_or(self.place, |p| p.value_place)
+        self.get(name).map_or(self.place, |p| p.value_place)
     }
 }
 

@@ -7,6 +7,8 @@ mod transformations;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_scene::description::FileId;
+
 use crate::nearest::nearest;
 use crate::pbrt::lexer::{LexError, Lexer, Token};
 use crate::pbrt::lower::{Lowering, finish_film};
@@ -171,7 +173,9 @@ impl Parser {
         let Some(file) = self.files.pop() else { return };
         self.lowering.reading.pop();
         let id = file.lexer.file();
-        if !self.files.iter().any(|f| f.lexer.file() == id) {
+        // An inverse design writes the scene file anew, as it was when it was read.
+        let is_kept = id == FileId(0) && !self.lowering.description.design.variables.is_empty();
+        if !is_kept && !self.files.iter().any(|f| f.lexer.file() == id) {
             self.lowering.reporter.sources.close(id);
         }
         if let Some((state, levels)) = file.import {

@@ -1,6 +1,8 @@
 //! Materials and textures.
 
-use glanz_shading::model::{FinishModel, MetalColor, Roughness, RoughnessScale};
+use glanz_shading::model::{
+    FinishModel, MetalColor, MirrorMaterial, Roughness, RoughnessScale, SurfaceFinish,
+};
 
 use super::layered_material::principled;
 use super::*;
@@ -379,4 +381,24 @@ fn mirrors_have_a_finish_whose_scatter_is_at_most_all_light() {
         read(&format!("WorldBegin\nMaterial \"conductor\" \"float roughness\" .1 {abg}\nShape \"sphere\""));
     let error = glanz_scene::Scene::resolve(rough.description).map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("a finish needs a smooth surface"), "{error}");
+}
+
+#[test]
+fn equal_finishes_share_their_tables() {
+    let finish = |sigma: &str| format!("\"string finish\" \"gaussian\" \"float sigma\" {sigma}");
+    let [narrow, same, wide] = [".01", "1e-2", ".02"].map(finish);
+    let text = format!(
+        "WorldBegin\nMaterial \"mirror\" {narrow}\nAttributeBegin\nMaterial \"conductor\" {same}\nAttributeEnd\n\
+         MakeNamedMaterial \"wide\" \"string type\" \"mirror\" {wide}"
+    );
+    let d = read_clean(&text).description;
+    let [narrow, same, wide] = [0, 1, 2].map(|i| match &d.materials[i].kind {
+        MaterialKind::Mirror(MirrorMaterial { finish, .. }) => finish.as_ref().unwrap(),
+        MaterialKind::Conductor(metal) => metal.finish.as_ref().unwrap(),
+        other => panic!("{other:?}"),
+    });
+    assert!(narrow.shares_tables_with(same) && !narrow.shares_tables_with(wide));
+    // Their tables are those of the model, to the bit.
+    let anew = |finish: &SurfaceFinish| SurfaceFinish::try_new(finish.model()).unwrap();
+    assert_eq!([narrow, same, wide], [&anew(narrow), &anew(same), &anew(wide)]);
 }

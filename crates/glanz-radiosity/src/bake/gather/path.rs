@@ -99,10 +99,10 @@ struct GatherRay {
 }
 
 /// What happens to a ray at a surface.
-enum SurfaceEvent {
+enum SurfaceEvent<'a> {
     Pass,
     /// It ends; the BSDF there, `None` on an interface.
-    End(Option<Bsdf>),
+    End(Option<Bsdf<'a>>),
     /// It passed too many surfaces.
     Lost,
 }
@@ -122,7 +122,7 @@ impl GatherRay {
     }
 
     /// Continues from a surface. At clear glass a ray passes straight through or ends, at random with the probability of each.
-    fn meet(&mut self, gather: &FinalGather<'_>, at: &Interaction) -> SurfaceEvent {
+    fn meet<'a>(&mut self, gather: &FinalGather<'a>, at: &Interaction) -> SurfaceEvent<'a> {
         let scene = gather.elements.scene;
         if is_unsampled_light(scene, at) {
             self.emitted += self.weight * scene.emitted(at, at.wo) * std::f32::consts::PI;

@@ -2,7 +2,7 @@
 
 use super::*;
 
-pub(super) fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsdf {
+pub(super) fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsdf<'static> {
     Bsdf::Phong(Phong::new(PhongCoefficients {
         ambient: Spectrum::BLACK,
         diffuse: Spectrum::from_rgb(diffuse),
@@ -13,54 +13,63 @@ pub(super) fn phong(diffuse: [f32; 3], specular: [f32; 3], exponent: f64) -> Bsd
 
 pub(super) const WHITE: Spectrum = Spectrum::from_rgb([1.0; 3]);
 
-pub(super) fn glass(eta: f64, thin: bool) -> Bsdf {
+pub(super) fn glass(eta: f64, thin: bool) -> Bsdf<'static> {
     let glass = Dielectric::new(eta, WHITE, WHITE);
     Bsdf::Dielectric(if thin { glass.as_sheet() } else { glass })
 }
 
-pub(super) fn rough_glass(eta: f64, [x, y]: [f64; 2]) -> Bsdf {
+pub(super) fn rough_glass(eta: f64, [x, y]: [f64; 2]) -> Bsdf<'static> {
     let facets = MicrofacetDistribution::new(x, y);
     Bsdf::Dielectric(Dielectric::new(eta, WHITE, WHITE).with_facets(facets, true))
 }
 
-pub(super) fn metal(eta: [f32; 3], k: [f32; 3], [x, y]: [f64; 2]) -> Bsdf {
+pub(super) fn metal(eta: [f32; 3], k: [f32; 3], [x, y]: [f64; 2]) -> Bsdf<'static> {
     let (eta, k) = (Spectrum::from_rgb(eta), Spectrum::from_rgb(k));
     let metal = ConductorFresnel { eta, k, tint: WHITE };
     Bsdf::Conductor(Conductor::new(metal, MicrofacetDistribution::new(x, y), true))
 }
 
+/// A part of the table, which outlives all tests.
+fn lasting<T>(part: T) -> &'static T {
+    Box::leak(Box::new(part))
+}
+
 /// A mirror with a surface finish.
-pub(super) fn finished(reflectance: Spectrum, model: FinishModel) -> Bsdf {
-    Bsdf::Mirror(Mirror { reflectance, finish: SurfaceFinish::try_new(model).ok() })
+pub(super) fn finished(reflectance: Spectrum, model: FinishModel) -> Bsdf<'static> {
+    Bsdf::Mirror(Mirror { reflectance, finish: SurfaceFinish::try_new(model).ok().map(lasting) })
 }
 
 /// Scattering of the light by about a half, wide enough for the cells of the tests.
 pub(super) const ABG: FinishModel = FinishModel::Abg { a: 0.05, b: 0.05, g: 2.0 };
 
-pub(super) fn polished_gold() -> Bsdf {
+pub(super) fn polished_gold() -> Bsdf<'static> {
     let [eta, k] = GOLD.map(Spectrum::from_rgb);
     let metal = ConductorFresnel { eta, k, tint: WHITE };
     let metal = Conductor::new(metal, MicrofacetDistribution::SMOOTH, true);
-    Bsdf::Conductor(metal.with_finish(SurfaceFinish::try_new(ABG).ok()))
+    Bsdf::Conductor(metal.with_finish(SurfaceFinish::try_new(ABG).ok().map(lasting)))
 }
 
 pub(super) const GOLD: [[f32; 3]; 2] = [[0.143, 0.375, 1.442], [3.983, 2.386, 1.603]];
 
 /// A metal without absorption.
-pub(super) fn perfect_metal(alpha: [f64; 2]) -> Bsdf {
+pub(super) fn perfect_metal(alpha: [f64; 2]) -> Bsdf<'static> {
     metal([0.0; 3], [1e4; 3], alpha)
 }
 
-pub(super) fn coated(reflectance: Spectrum, eta: f32, [x, y]: [f64; 2]) -> Bsdf {
+pub(super) fn coated(reflectance: Spectrum, eta: f32, [x, y]: [f64; 2]) -> Bsdf<'static> {
     let coat = Coat::new(eta, MicrofacetDistribution::new(x, y), true);
     Bsdf::CoatedDiffuse(CoatedDiffuse::new(reflectance, WHITE, coat))
 }
 
-pub(super) fn principled(color: Spectrum, roughness: f32, set: impl Fn(&mut PrincipledMaterial)) -> Bsdf {
+pub(super) fn principled(
+    color: Spectrum,
+    roughness: f32,
+    set: impl Fn(&mut PrincipledMaterial),
+) -> Bsdf<'static> {
     let mut material = PrincipledMaterial::new(color, roughness);
     set(&mut material);
     let point = TexturePoint::new(DVec2::ZERO, DVec3::ZERO);
-    let bsdf = Material::from(material).bsdf(&Textures::new(), &point, &Wavelengths::Rgb);
+    let bsdf = lasting(Material::from(material)).bsdf(&Textures::new(), &point, &Wavelengths::Rgb);
     bsdf.unwrap_or(Bsdf::Black)
 }
 
@@ -122,7 +131,7 @@ pub(super) fn materials(color: Spectrum) -> Vec<(&'static str, Material)> {
 }
 
 /// The table.
-pub(super) fn bsdfs() -> Vec<(&'static str, Bsdf)> {
+pub(super) fn bsdfs() -> Vec<(&'static str, Bsdf<'static>)> {
     let colour = Spectrum::from_rgb([0.9, 0.5, 0.1]);
     let tinted = Dielectric::new(1.5, colour, colour * 0.5);
     let tinted_rough = tinted.with_facets(MicrofacetDistribution::new(0.3, 0.3), true);
