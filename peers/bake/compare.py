@@ -314,7 +314,7 @@ def main():
     parser.add_argument("--scene", type=pathlib.Path, default=ROOT / "scenes/rooms/furnished.pbrt")
     parser.add_argument("--glanz", type=program, default=ROOT / "target/release/glanz")
     parser.add_argument("--points-program", type=program, default=ROOT / "target/release/examples/bake")
-    parser.add_argument("--density", type=float, nargs="+", default=[25], help="texels per metre; those of Cycles are the first")
+    parser.add_argument("--density", type=float, nargs="+", default=[50], help="texels per metre; those of Cycles are the first")
     parser.add_argument("--rays", type=int, default=512, help="of `glanz bake`")
     parser.add_argument("--points", type=int, default=2000)
     parser.add_argument("--reference-error", type=float, default=0.004, help="standard error of a point")

@@ -148,7 +148,7 @@ impl BakeArguments {
 impl PyScene {
     /// Computes light maps by radiosity: all materials count as diffuse.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
-    #[pyo3(signature = (*, density=25.0, rays=None, method="gather", interpolation=None, threads=None, checkpoint=None, resume=false,
+    #[pyo3(signature = (*, density=50.0, rays=None, method="gather", interpolation=None, threads=None, checkpoint=None, resume=false,
         progress=None))]
     fn bake(
         &self,
@@ -183,7 +183,7 @@ impl PyScene {
     /// Computes a part of a bake by ``gather``. `merge_checkpoints` joins all parts into a checkpoint, from which ``bake(checkpoint=...,
     /// resume=True)`` makes the light maps of one bake.
     #[expect(clippy::too_many_arguments, reason = "they have names in Python")]
-    #[pyo3(signature = (part, checkpoint, *, density=25.0, rays=None, direct_only=false, light_input=None, threads=None, resume=false,
+    #[pyo3(signature = (part, checkpoint, *, density=50.0, rays=None, direct_only=false, light_input=None, threads=None, resume=false,
         progress=None))]
     fn bake_part(
         &self,

@@ -57,7 +57,7 @@ pub(crate) struct BakeArguments {
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath, required_unless_present = "part", conflicts_with = "part")]
     pub(crate) output: Option<PathBuf>,
     /// Smallest density of the light maps, texels per metre
-    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = positive)]
+    #[arg(long, value_name = "N", default_value_t = 50.0, value_parser = positive)]
     pub(crate) texels_per_metre: f64,
     /// Format of the irradiance beside the model; PNG is only for viewing
     #[arg(long, value_name = "FORMAT", value_enum, default_value_t = LightMapName::Exr)]

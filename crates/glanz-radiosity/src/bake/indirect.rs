@@ -1,4 +1,7 @@
 //! Indirect light on texels: gathered at corners of blocks of texels, interpolated within.
+//!
+//! A block is small enough if it is small compared with the distance of other surfaces (@ward1988), and the light at its corners is either
+//! even or what the block that it is a part of has there by interpolation.
 
 use std::collections::HashMap;
 
@@ -17,7 +20,11 @@ use super::receiver::BakeReceiver;
 use crate::charts::BLOCK_SIDE;
 
 /// Largest side of a block relative to the mean distance of its surroundings, which bounds the change of light within it (@ward1988).
-const MAX_SIDE_RATIO: f64 = 0.25;
+const MAX_SIDE_RATIO: f64 = 0.5;
+
+/// Largest difference between the light at the corner of a block and that between the corners of a block of twice its side, relative to the
+/// light. Where light is smooth, its difference within the smaller block is a quarter.
+const MAX_DEVIATION: f32 = 0.01;
 
 /// Texels for which light is gathered between two reports of progress.
 const TEXELS_AT_ONCE: usize = 4096;
@@ -28,12 +35,28 @@ struct TexelBlock {
     chart: usize,
     low: [u32; 2],
     high: [u32; 2],
+    /// First and last texel of the block that it is a part of.
+    whole: Option<[[u32; 2]; 2]>,
 }
 
 impl TexelBlock {
     fn corners(&self) -> [[u32; 2]; 4] {
         let ([a, b], [c, d]) = (self.low, self.high);
         [[a, b], [c, b], [a, d], [c, d]]
+    }
+
+    /// The block that it is a part of.
+    fn whole(&self) -> Option<Self> {
+        self.whole.map(|[low, high]| Self { chart: self.chart, low, high, whole: None })
+    }
+
+    /// Position of a texel in the block, from (0, 0) in its first to (1, 1) in its last.
+    fn share(&self, texel: [u32; 2]) -> [f32; 2] {
+        let share = |axis: usize| {
+            let (low, high) = (self.low[axis], self.high[axis]);
+            (texel[axis] - low) as f32 / (high - low).max(1) as f32
+        };
+        [share(0), share(1)]
     }
 
     fn side(&self) -> u32 {
@@ -50,7 +73,9 @@ impl TexelBlock {
                 vec![[low, high]]
             }
         });
-        let part = |x: &[u32; 2], y: &[u32; 2]| Self { low: [x[0], y[0]], high: [x[1], y[1]], ..*self };
+        let whole = Some([self.low, self.high]);
+        let part =
+            |x: &[u32; 2], y: &[u32; 2]| Self { low: [x[0], y[0]], high: [x[1], y[1]], whole, ..*self };
         cuts[0].iter().flat_map(|x| cuts[1].iter().map(move |y| part(x, y))).collect()
     }
 }
@@ -170,10 +195,19 @@ impl<'a> TexelFiller<'a> {
             let (mut rest, count) = (Vec::new(), blocks.len());
             let mut divided = 0;
             for block in blocks {
-                let keys = corners(gather, &block);
-                let corners = keys.map(|key| self.known.get(&key).copied().flatten());
+                let known = |block: &TexelBlock| {
+                    corners(gather, block).map(|key| self.known.get(&key).copied().flatten())
+                };
+                let corners = known(&block);
                 let is_fine = block.side() <= 1 || !gather.is_lit(block.chart) && is_dark(&corners);
-                if is_fine || is_smooth(gather, &block, &corners, division.max_difference) {
+                let is_smooth = || {
+                    let whole = block.whole().map(|whole| (whole, known(&whole)));
+                    let is_even = differ_by_at_most(&corners, division.max_difference);
+                    let is_linear =
+                        whole.is_some_and(|(whole, of)| is_bilinear(&block, &corners, &whole, &of));
+                    (is_even || is_linear) && is_far_from_others(gather, &block, &corners)
+                };
+                if is_fine || is_smooth() {
                     interpolate(gather, &block, &corners, &mut self.found[block.chart]);
                 } else {
                     divided += 1;
@@ -201,13 +235,14 @@ fn border_lines(gather: &FinalGather<'_>, chart: usize) -> Vec<TexelBlock> {
     let ([x, y], [width, height]) = (steps(gather, chart), gather.charts[chart].size);
     let along_x = [0, height - 1].into_iter().flat_map(|y| x.iter().map(move |x| ([x[0], y], [x[1], y])));
     let along_y = [0, width - 1].into_iter().flat_map(|x| y.iter().map(move |y| ([x, y[0]], [x, y[1]])));
-    along_x.chain(along_y).map(|(low, high)| TexelBlock { chart, low, high }).collect()
+    along_x.chain(along_y).map(|(low, high)| TexelBlock { chart, low, high, whole: None }).collect()
 }
 
 /// The largest blocks of a chart.
 fn largest_blocks(gather: &FinalGather<'_>, chart: usize) -> Vec<TexelBlock> {
     let lines = steps(gather, chart);
-    let block = |x: &[u32; 2], y: &[u32; 2]| TexelBlock { chart, low: [x[0], y[0]], high: [x[1], y[1]] };
+    let block =
+        |x: &[u32; 2], y: &[u32; 2]| TexelBlock { chart, low: [x[0], y[0]], high: [x[1], y[1]], whole: None };
     lines[1].iter().flat_map(|y| lines[0].iter().map(move |x| block(x, y))).collect()
 }
 
@@ -220,20 +255,44 @@ fn is_dark(corners: &[Option<GatheredLight>; 4]) -> bool {
     corners.iter().flatten().all(|corner| corner.light.is_black())
 }
 
-fn is_smooth(
+/// Whether the light of all corners is known and differs by at most a fraction of its sum.
+fn differ_by_at_most(corners: &[Option<GatheredLight>; 4], fraction: f32) -> bool {
+    let [Some(a), Some(b), Some(c), Some(d)] = *corners else { return false };
+    let lights = [a, b, c, d].map(|corner| luminance(corner.light));
+    let (low, high) = lights.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &x| (l.min(x), h.max(x)));
+    high - low <= fraction * (high + low)
+}
+
+/// Whether the light at the corners of a block is that between the corners of the block that it is a part of.
+fn is_bilinear(
+    block: &TexelBlock,
+    corners: &[Option<GatheredLight>; 4],
+    whole: &TexelBlock,
+    of_whole: &[Option<GatheredLight>; 4],
+) -> bool {
+    let [Some(a), Some(b), Some(c), Some(d)] =
+        of_whole.map(|corner| corner.map(|found| luminance(found.light)))
+    else {
+        return false;
+    };
+    let mix = |a: f32, b: f32, share: f32| a + (b - a) * share;
+    block.corners().into_iter().zip(corners).all(|(texel, corner)| {
+        let [x, y] = whole.share(texel);
+        let between = mix(mix(a, b, x), mix(c, d, x), y);
+        corner.is_some_and(|found| {
+            let light = luminance(found.light);
+            (light - between).abs() <= MAX_DEVIATION * light
+        })
+    })
+}
+
+/// Whether a block is small compared with the distance of other surfaces.
+fn is_far_from_others(
     gather: &FinalGather<'_>,
     block: &TexelBlock,
     corners: &[Option<GatheredLight>; 4],
-    max_difference: f32,
 ) -> bool {
-    let [Some(a), Some(b), Some(c), Some(d)] = *corners else { return false };
-    let of = [a, b, c, d];
-    let nearest = of.iter().fold(f64::INFINITY, |least, corner| least.min(corner.distance));
-    let lights = of.map(|corner| luminance(corner.light));
-    let (low, high) = lights.iter().fold((f32::INFINITY, 0.0_f32), |(l, h), &x| (l.min(x), h.max(x)));
-    if high - low > max_difference * (high + low) {
-        return false;
-    }
+    let nearest = corners.iter().flatten().fold(f64::INFINITY, |least, corner| least.min(corner.distance));
     // The longer diagonal.
     let position = |[x, y]: [u32; 2]| {
         let chart = &gather.charts[block.chart];
@@ -266,13 +325,9 @@ fn interpolate(
         }
         return;
     };
-    let share = |x: u32, axis: usize| {
-        let (low, high) = (block.low[axis], block.high[axis]);
-        (x - low) as f32 / (high - low).max(1) as f32
-    };
     for y in block.low[1]..=block.high[1] {
         for x in block.low[0]..=block.high[0] {
-            let (s, t) = (share(x, 0), share(y, 1));
+            let [s, t] = block.share([x, y]);
             let light = a.lerp(b, s).lerp(c.lerp(d, s), t);
             into[y as usize * width + x as usize] = Some(light);
         }

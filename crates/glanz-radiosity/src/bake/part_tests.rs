@@ -1,9 +1,13 @@
 //! Bakes in parts.
 
 use glanz_job::{JobPart, Silent};
+use glanz_math::DVec3;
+use glanz_scene::description::LightKind;
 
 use super::resume_tests::{BY_RADIOSITY, COARSE, Stopper, assert_same, elements, room};
 use super::*;
+use crate::elements::ElementSettings;
+use crate::scenes::{scene_with, walls};
 
 fn part(number: u32, count: u32, direct_only: bool) -> BakePart {
     BakePart { part: JobPart::try_new(number, count).unwrap(), direct_only }
@@ -152,4 +156,35 @@ fn states_that_contradict_each_other_are_not_joined() {
         &CancelFlag::default(),
     );
     assert_eq!(refused.err(), Some(BakeError::Indivisible));
+}
+
+#[test]
+fn light_that_varies_smoothly_is_gathered_at_few_texels() {
+    let walls = walls(DVec3::splat(2.0)).into_iter().map(|wall| (wall, 0.5, 0.0));
+    let light = LightKind::Point { from: DVec3::new(0.9, 1.1, 1.2), range: None };
+    let scene = scene_with(walls.collect(), vec![light]);
+    let elements = Elements::new(&scene, &ElementSettings { side: 0.3 }).unwrap();
+    let state = |density: f64| {
+        let settings = BakeSettings { density, rays: 256, ..COARSE };
+        let start = BakeState::default();
+        let state =
+            bake_part(start, &elements, &settings, part(1, 1, false), &mut Silent, &CancelFlag::default())
+                .unwrap();
+        let maps = resume(state.clone(), &elements, &settings, &mut Silent, &CancelFlag::default());
+        (state.points(), maps.unwrap().maps)
+    };
+    // With few texels nearly all have light of their own; every fourth one of the other maps is at the same point.
+    let ((all, coarse), (points, fine)) = (state(10.0), state(40.0));
+    let mut compared = 0;
+    for (coarse, fine) in coarse.iter().zip(&fine).filter(|(map, _)| !map.is_dark()) {
+        assert_eq!((coarse.chart.size, fine.chart.size), ([21, 21], [81, 81]));
+        for (i, a) in coarse.irradiance.iter().enumerate() {
+            let b = fine.irradiance[4 * (i / 21) * 81 + 4 * (i % 21)];
+            assert!((a.max_component() / b.max_component() - 1.0).abs() < 0.02, "{i}: {a:?} {b:?}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 6 * 21 * 21);
+    // 16 times the texels.
+    assert!(points < 6 * all, "{points} {all}");
 }

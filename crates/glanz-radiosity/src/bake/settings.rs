@@ -28,7 +28,7 @@ pub struct BakeSettings {
 
 impl Default for BakeSettings {
     fn default() -> Self {
-        Self { density: 25.0, rays: 512, shadow_rays: 256, method: BakeMethod::Gather }
+        Self { density: 50.0, rays: 512, shadow_rays: 256, method: BakeMethod::Gather }
     }
 }
 

@@ -55,7 +55,7 @@ impl<'a> BakeBuilder<'a> {
         Self { scene, settings: BakeSettings::default(), job: JobOptions::default() }
     }
 
-    /// Smallest density of the light maps, texels per metre; 25 unless set.
+    /// Smallest density of the light maps, texels per metre; 50 unless set.
     pub fn density(mut self, texels_per_metre: f64) -> Self {
         self.settings.density = texels_per_metre;
         self
