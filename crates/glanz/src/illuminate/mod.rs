@@ -167,7 +167,7 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
-    /// Rates this by standards ([`LuxReport::plan`]); by default, zones and observers that the scene declares are rated.
+    /// Rates this by standards ([`LuxReport::plan`](glanz_illumination::report::LuxReport::plan)); by default, zones and observers that the scene declares are rated.
     pub fn plan(mut self, request: PlanningRequest) -> Self {
         self.plan = Some(request);
         self

@@ -148,33 +148,7 @@ impl Lowering {
             let help = Some(format!("write it as \"{kind} {}\", which may have fractions", shortened(&name)));
             return Err(self.reporter.error_with_help(&declaration, "parameter-type", message, help));
         }
-        let directions = match list.vec3s("freedirection", &mut self.reporter)? {
-            None => vec![DVec3::Z],
-            Some((p, vectors)) => {
-                let units: Option<Vec<DVec3>> = vectors.iter().map(|vector| vector.try_normalize()).collect();
-                let units = units.filter(|units| !units.is_empty()).ok_or_else(|| {
-                    let message =
-                        format!("{}: \"freedirection\" needs vectors that are not zero", list.subject);
-                    self.reporter.error(&p.value_place, "parameter-range", message)
-                })?;
-                // Unit vectors are rounded.
-                let is_same = |a: &DVec3, b: &DVec3| a.cross(*b).length() < 8.0 * f64::EPSILON;
-                if (1..).zip(&units).any(|(next, a)| units.iter().skip(next).any(|b| is_same(a, b))) {
-                    let message = format!(
-                        "{}: \"freedirection\" has the same or opposite direction twice",
-                        list.subject
-                    );
-                    let help = Some("each moves the numbers by itself; leave out one of them".to_owned());
-                    return Err(self.reporter.error_with_help(
-                        &p.value_place,
-                        "parameter-range",
-                        message,
-                        help,
-                    ));
-                }
-                units
-            }
-        };
+        let directions = self.free_directions(list)?;
         let range_place = list.value_place("freerange");
         let all = [f64::NEG_INFINITY, f64::INFINITY];
         let range = list.float_array("freerange", &mut self.reporter)?.unwrap_or(all);
@@ -188,6 +162,27 @@ impl Lowering {
         }
         let groups = list.integers("freegroups", &mut self.reporter)?;
         Ok(Some(FreeNumbers { name, place, first, count, indices: None, directions, range, groups }))
+    }
+
+    /// The unit vectors along which numbers are free.
+    fn free_directions(&mut self, list: &mut ParameterList) -> ParseResult<Vec<DVec3>> {
+        let Some((p, vectors)) = list.vec3s("freedirection", &mut self.reporter)? else {
+            return Ok(vec![DVec3::Z]);
+        };
+        let units: Option<Vec<DVec3>> = vectors.iter().map(|vector| vector.try_normalize()).collect();
+        let units = units.filter(|units| !units.is_empty()).ok_or_else(|| {
+            let message = format!("{}: \"freedirection\" needs vectors that are not zero", list.subject);
+            self.reporter.error(&p.value_place, "parameter-range", message)
+        })?;
+        // Unit vectors are rounded.
+        let is_same = |a: &DVec3, b: &DVec3| a.cross(*b).length() < 8.0 * f64::EPSILON;
+        if (1..).zip(&units).any(|(next, a)| units.iter().skip(next).any(|b| is_same(a, b))) {
+            let message =
+                format!("{}: \"freedirection\" has the same or opposite direction twice", list.subject);
+            let help = Some("each moves the numbers by itself; leave out one of them".to_owned());
+            return Err(self.reporter.error_with_help(&p.value_place, "parameter-range", message, help));
+        }
+        Ok(units)
     }
 
     fn not_free(&mut self, free: &FreeNumbers, subject: &str, help: &str) -> ReportedError {
