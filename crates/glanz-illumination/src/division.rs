@@ -35,7 +35,7 @@ const LARGEST_SQUARE: f64 = 30.0;
 ///
 /// - integration ([`Reflections`]): light that arrives straight, or by one mirror, from lights whose form can be integrated, in cells where it converges;
 /// - paths from points ([`IrradianceTracer`](glanz_transport::IrradianceTracer)): other light that arrives straight, and all light whose
-///   first scattering event, counted from the light, is not by a delta lobe;
+///   first scattering event, counted from the light, is not by a delta lobe or a surface with a finish;
 /// - particles ([`ParticleTracer`]): what remains, which paths from points find by chance at best: caustics, the light of sets of rays,
 ///   and the light of points on surfaces close to them, where irradiance has no limit.
 #[derive(Debug)]

@@ -54,14 +54,14 @@ pub enum LightRoute {
         /// The face.
         face: u32,
     },
-    /// First scattered by a delta lobe, but not only [mirrored](LightRoute::Mirrored).
+    /// First scattered by a delta lobe or by a surface with a finish, but not only [mirrored](LightRoute::Mirrored).
     Specular,
     /// First scattered by another lobe.
     Scattered,
 }
 
 impl LightRoute {
-    /// The route after another scattering event. `is_delta`: whether its lobe is a delta lobe; `mirror`: the place, if it is a reflection.
+    /// The route after another scattering event. `is_delta`: whether its lobe is a delta lobe, or the surface has a finish; `mirror`: the place, if it is a reflection.
     fn after(self, is_delta: bool, mirror: Option<&ParametricPoint>) -> Self {
         match (self, mirror) {
             (Self::Scattered, _) => Self::Scattered,
@@ -306,6 +306,7 @@ impl ParticleState {
         if self.events >= traced.max_events {
             return ParticleStatus::GivenUp;
         }
+        let has_finish = bsdf.has_finish();
         let scattered = self.scatter(traced, &at, bsdf);
         let left = scattered.map_or(Spectrum::BLACK, |(_, left)| left);
         (traced.visit)(number, &self.arrival(location, left));
@@ -314,7 +315,8 @@ impl ParticleState {
             return ParticleStatus::Absorbed;
         };
         let reflects = at.point.normal.dot(direction) * at.point.normal.dot(at.wo) > 0.0;
-        self.route = self.route.after(is_delta, reflects.then_some(&location.place));
+        self.route =
+            self.route.after(is_delta || has_finish, (is_delta && reflects).then_some(&location.place));
         self.power = left;
         self.ray = at.spawn(direction);
         ParticleStatus::Active

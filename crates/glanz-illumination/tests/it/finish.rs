@@ -92,3 +92,30 @@ fn light_of_finished_mirrors_is_the_same_by_all_methods() {
         }
     }
 }
+
+#[test]
+fn narrow_scatter_of_the_light_of_a_point_is_not_left_to_chance() {
+    // Paths from the floor would meet the lobe of a milliradian once in millions.
+    let tilted = DMat4::from_translation(DVec3::new(-0.5, 0.0, 0.8)) * DMat4::from_rotation_y(1.2);
+    let finish = FinishModel::Gaussian { sigma: 1e-3, fraction: 1.0 };
+    let scene = resolved(
+        SceneBuilder::new()
+            .shape(rectangle(2.0, 2.0), diffuse(0.3))
+            .shape(rectangle(0.6, 0.6).transformed(tilted), finished(finish))
+            .light(point_light(DVec3::new(0.0, 0.0, 0.8), 100.0)),
+    );
+    let asked = [request("floor", 0, Cells([4, 4]))];
+    let (combined, _) = calculated(&scene, &asked, 0.02);
+    let (traced, _) = maps(&scene, &asked, 1 << 19);
+    for cell in 0..16 {
+        let (a, b) = (&combined[0], &traced[0]);
+        let error = a.errors[cell].hypot(b.errors[cell]);
+        assert!(
+            (a.lux[cell] - b.lux[cell]).abs() <= ERRORS * error,
+            "{cell}: {} and {}",
+            a.lux[cell],
+            b.lux[cell]
+        );
+        assert!(error < 0.1 * b.lux[cell], "{cell}: {error}");
+    }
+}

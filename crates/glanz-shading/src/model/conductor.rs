@@ -28,7 +28,7 @@ pub struct Conductor<'a> {
     /// Reflectance by more than one facet over that by one, both without what others block.
     multiple_ratio: f64,
     /// Finish of a smooth surface.
-    finish: Option<&'a SurfaceFinish>,
+    pub(super) finish: Option<&'a SurfaceFinish>,
 }
 
 /// Reflectance of a smooth metal.

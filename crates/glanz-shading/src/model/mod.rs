@@ -147,6 +147,16 @@ macro_rules! bsdfs {
                 }
             }
 
+            /// Whether a surface finish scatters light closely around the mirrored direction.
+            #[must_use]
+            pub fn has_finish(&self) -> bool {
+                match self {
+                    Self::Mirror(mirror) => mirror.finish.is_some(),
+                    Self::Conductor(metal) => metal.finish.is_some(),
+                    _ => false,
+                }
+            }
+
             /// See [`BsdfModel::is_dispersive`].
             #[inline]
             #[must_use]

@@ -20,7 +20,8 @@ use super::{Context, ContextOptions, Counters};
 pub struct KnownLight {
     /// Lights whose direct light is known, in order of their numbers.
     pub direct: Vec<bool>,
-    /// Lights whose light is known as far as the scattering event that is nearest to the light is by a delta lobe.
+    /// Lights whose light is known as far as the scattering event that is nearest to the light is by a delta lobe, or by a surface with a finish, which scatters it
+    /// so closely around the mirrored direction that paths find it by chance only.
     pub specular: Vec<bool>,
     /// For each light, the distance, metres, up to which its light on the surface that scatters it first is known; counted from the points of lights
     /// that rays cannot hit.
@@ -29,7 +30,7 @@ pub struct KnownLight {
 
 impl KnownLight {
     /// Whether the light `id` is known that arrives at the end of a path from a point. `events`: scattering events of the path.
-    /// `last_is_delta`: whether the last one is by a delta lobe.
+    /// `last_is_delta`: whether the last one is by a delta lobe or a surface with a finish.
     pub(super) fn includes(&self, id: LightId, events: u32, last_is_delta: bool) -> bool {
         let list = match (last_is_delta, events) {
             (true, _) => &self.specular,

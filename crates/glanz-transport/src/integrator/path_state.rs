@@ -43,6 +43,8 @@ pub(super) struct PathState<P> {
     pub(super) is_dispersed: bool,
     /// `None` after delta lobes only: light sampling cannot find their light.
     pub(super) origin: Option<PathRay>,
+    /// Whether the surface that the ray comes from has a finish.
+    pub(super) has_finish: bool,
     /// [`PhotonMap::odds`](crate::photon::PhotonMap::odds) at the last scattering event at which photons were added, if only delta lobes followed; 0 without photons.
     pub(super) photon_odds: f64,
     pub(super) depth: u32,
@@ -78,9 +80,9 @@ impl<P> PathState<P> {
     /// Whether the path leaves out the light `id` that its ray hits.
     pub(super) fn leaves_out(&self, context: &Context<'_>, id: LightId) -> bool {
         // The first scattering event is that at the start of the path.
-        context
-            .known
-            .is_some_and(|known| known.includes(id, self.depth.saturating_sub(1), self.origin.is_none()))
+        context.known.is_some_and(|known| {
+            known.includes(id, self.depth.saturating_sub(1), self.origin.is_none() || self.has_finish)
+        })
     }
 }
 
@@ -100,6 +102,7 @@ impl<P: Copy> PathState<P> {
             eta_scale: 1.0,
             is_dispersed: false,
             origin: None,
+            has_finish: false,
             photon_odds: 0.0,
             depth: 0,
             interfaces: 0,

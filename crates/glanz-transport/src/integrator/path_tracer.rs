@@ -289,7 +289,9 @@ impl PathTracer {
             let [x, y, xi_light, xi_medium] = sampler.next_group();
             light_groups = directions.light_groups(&place, context.scene, &from);
             let selected = context.scene.select_light_by_groups(&from, &light_groups, xi_light);
-            let is_known = |id| context.known.is_some_and(|known| known.includes(id, path.depth - 1, false));
+            let is_known = |id| {
+                context.known.is_some_and(|known| known.includes(id, path.depth - 1, vertex.has_finish()))
+            };
             let selected = selected.filter(|selected| !is_known(selected.id));
             path.pending.light = selected.and_then(|selected| {
                 direct_light(context, vertex, directions, &place, path, selected, [x, y, xi_medium])
@@ -324,6 +326,7 @@ impl PathTracer {
         }
         let from = PreviousVertex { from, pdf: scattered.pdf };
         path.origin = (!scattered.is_delta).then_some(PathRay { origin: from, light_groups });
+        path.has_finish = vertex.has_finish();
         true
     }
 

@@ -89,6 +89,11 @@ impl<'a> Vertex<'a> {
         self.bsdf.is_delta()
     }
 
+    /// Whether a surface finish scatters light closely around the mirrored direction.
+    pub(super) fn has_finish(&self) -> bool {
+        self.bsdf.has_finish()
+    }
+
     /// Whether it is a point in a medium.
     pub(super) fn is_in_medium(&self) -> bool {
         self.at.is_in_medium()
