@@ -16,7 +16,7 @@ pub fn plural(count: u64, one: &str, several: &str) -> String {
     format!("{} {}", grouped(count), if count == 1 { one } else { several })
 }
 
-/// A number to four significant digits, with a power of ten where it is very large or small.
+/// A number to four significant digits; where it is very large or small, three and a power of ten.
 #[must_use]
 pub fn significant(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
@@ -32,7 +32,8 @@ pub fn significant(number: f64) -> String {
 /// A number to four significant digits, without zeros at its end.
 #[must_use]
 pub fn concise(number: f64) -> String {
-    exact(significant(number).parse().unwrap_or(number), PLAIN)
+    let digits = (DIGITS - 1) as usize;
+    exact(format!("{number:.digits$e}").parse().unwrap_or(number), PLAIN)
 }
 
 /// A length in metres for people: to a centimetre, below 0.1 m to four significant digits, below a micrometre 0.
@@ -125,7 +126,9 @@ mod tests {
     fn lengths_of_small_things_keep_their_digits() {
         let shown = [6.0, 0.127, 0.05, -0.012_345_6, -1e-17, 2e-5].map(metres);
         assert_eq!(shown, ["6.00", "0.13", "0.05", "-0.01235", "0.00", "2e-5"]);
-        assert_eq!([600.0, 318.31, 12_345.6, 0.0].map(concise), ["600", "318.3", "12346", "0"]);
+        assert_eq!([9.8766e-4, 1.234_56e-5].map(metres), ["0.0009877", "1.235e-5"]);
+        assert_eq!([600.0, 318.31, 12_345.6, 0.0].map(concise), ["600", "318.3", "12350", "0"]);
+        assert_eq!([1.234_56e7, f64::INFINITY].map(concise), ["1.235e7", "inf"]);
     }
 
     fn labels(low: f64, high: f64) -> Vec<String> {

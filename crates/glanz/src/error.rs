@@ -258,6 +258,12 @@ pub enum Error {
         "integration leaves out the light between surfaces, without which a rating by standards would be wrong; choose another method"
     )]
     DirectRating,
+    /// A rating by the light of the sky alone.
+    #[cfg(feature = "illumination")]
+    #[error(
+        "requirements of standards are not those of light from the sky alone; leave out daylight, or the plan, the task and the maintenance factor"
+    )]
+    DaylightRating,
     /// A model that the page cannot show.
     #[cfg(feature = "viewer")]
     #[error(transparent)]

@@ -33,6 +33,7 @@ pub mod road;
 pub mod room;
 pub mod room_layout;
 mod room_shapes;
+mod room_walls;
 pub mod ugr_table;
 
 #[cfg(test)]

@@ -12,21 +12,9 @@ use serde::ser::{Serialize, SerializeStruct, Serializer};
 use super::luminaire::PlacedLuminaire;
 use super::luminaire_list::{LuminaireGroup, OtherLight, sky_kind};
 use super::plan_outline::{NEAR, ShapeOutline};
-use super::room_shapes::{RoomShape, border_distance, joint_outlines, uncovered};
+use super::room_shapes::{RoomShape, joint_outlines, uncovered};
+use super::room_walls::{WallEnds, inner_walls, tall_faces, walls};
 use crate::{Receiver, Receivers};
-
-/// Height of a wall, as a share of that of the room.
-const WALL_HEIGHT: f64 = 0.9;
-
-/// Least length of a wall, as a share of the smaller side of the room.
-const WALL_LENGTH: f64 = 0.1;
-
-/// Least cosine between parallel walls, and the share of the shorter one from which on two are side by side: the faces of one wall.
-const PARALLEL: f64 = 0.999;
-const SIDE_BY_SIDE: f64 = 0.5;
-
-/// Largest distance of walls from the border, as a share of the smaller side of the room: walls are thick, and floors may reach below them.
-const BORDER: f64 = 0.05;
 
 /// Cosine from which on a receiver faces up.
 const UPWARDS: f64 = 0.999;
@@ -95,9 +83,9 @@ pub struct ReceiverPlace {
 
 /// A room from above.
 ///
-/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, without what only lies on them; walls are upright flat shapes nearly as high as the room at the border of
-/// floor, ceiling or the box around the room, of whose two faces the inner one counts; all other shapes are furniture, which is represented by convex outlines. Surfaces that emit light belong to
-/// none of these, unless there are no others. A scene without finite shapes has the box of its receivers, luminaires and lights.
+/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, without what only lies on them and without tops and undersides of walls; walls are upright flat shapes nearly as
+/// high as the room at the border of floor, ceiling or the box around the room, of whose two faces up to 0.6 m apart only the one with floor in front of it counts if the other has none; all other
+/// shapes are furniture, which is represented by convex outlines. Surfaces that emit light belong to none of these, unless there are no others. A scene without finite shapes has the box of its receivers, luminaires and lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoomLayout {
     /// Lowest and highest corner of the box around it, metres.
@@ -186,11 +174,14 @@ impl RoomLayout {
     fn sort_shapes(&mut self, scene: &Scene, shapes: &[RoomShape<'_>]) {
         let [low, high] = self.corners;
         let (size, near) = (high - low, NEAR * (high - low).length());
+        let tall = tall_faces(shapes, size);
+        let ends = WallEnds::of(&tall, size);
         let parts = |height: f64| -> Vec<&RoomShape<'_>> {
             let is_part = |shape: &&RoomShape<'_>| {
                 shape.outline.is_level(near) && (shape.outline.height[0] - height).abs() <= near
             };
-            uncovered(shapes.iter().filter(is_part).collect())
+            let at_height = shapes.iter().filter(is_part);
+            uncovered(at_height.filter(|shape| !ends.contains(shape)).collect())
         };
         // A flat scene has neither walls nor a ceiling.
         let [floor, ceiling] =
@@ -200,13 +191,15 @@ impl RoomLayout {
         border.push(
             [[low.x, low.y], [high.x, low.y], [high.x, high.y], [low.x, high.y]].map(DVec2::from).into(),
         );
-        let walls = walls(shapes, &border, size, near);
+        let walls = walls(tall, &border, size);
+        let ends = WallEnds::of(&walls, size);
+        let is_end = |shape: &RoomShape<'_>| shape.outline.is_level(near) && ends.contains(shape);
         let of_room = [&floor, &ceiling, &walls].into_iter().flatten();
         let of_room: HashSet<*const RoomShape<'_>> =
             of_room.map(|shape| std::ptr::from_ref(*shape)).collect();
         let mut others: Vec<&RoomShape<'_>> = shapes
             .iter()
-            .filter(|shape| !of_room.contains(&std::ptr::from_ref(*shape)))
+            .filter(|shape| !of_room.contains(&std::ptr::from_ref(*shape)) && !is_end(shape))
             .filter(|shape| shape.surface.light().is_none() && shape.outline.outline.len() > 1)
             .collect();
         others.sort_by(|a, b| b.outline.length().total_cmp(&a.outline.length()));
@@ -216,7 +209,8 @@ impl RoomLayout {
         self.floor = floor_outlines;
         self.walls = walls.iter().map(|shape| shape.outline.outline.clone()).collect();
         let middle = 0.5 * (low + high);
-        let walls = inner_walls(walls, middle.truncate(), BORDER * size.truncate().min_element());
+        let on_floor = floor.iter().flat_map(|part| part.polygons()).collect();
+        let walls = inner_walls(walls, on_floor, middle.truncate(), size);
         let kinds = [RoomSurfaceKind::Floor, RoomSurfaceKind::Walls, RoomSurfaceKind::Ceiling];
         let summed = kinds.into_iter().zip([&floor, &walls, &ceiling]);
         self.surfaces = summed.filter_map(|(kind, list)| room_surface(scene, kind, list, middle)).collect();
@@ -259,62 +253,6 @@ impl RoomLayout {
         let place = self.receivers.binary_search_by_key(&number, |place| place.number).ok()?;
         self.receivers.get(place)
     }
-}
-
-/// The upright shapes, no thicker than `near` and nearly as high as a room of this `size`, metres, along closed outlines.
-fn walls<'s, 'a>(
-    shapes: &'s [RoomShape<'a>],
-    border: &[Vec<DVec2>],
-    size: DVec3,
-    near: f64,
-) -> Vec<&'s RoomShape<'a>> {
-    let shorter = size.truncate().min_element();
-    let is_at_border = |outline: &[DVec2]| {
-        let middle = outline.iter().sum::<DVec2>() / outline.len().max(1) as f64;
-        outline.iter().chain([&middle]).all(|point| border_distance(border, *point) <= BORDER * shorter)
-    };
-    let is_wall = |shape: &&RoomShape<'_>| {
-        let [from, to] = shape.outline.height;
-        shape.outline.is_upright(near)
-            && to - from >= WALL_HEIGHT * size.z
-            && shape.outline.length() >= WALL_LENGTH * shorter
-            && is_at_border(&shape.outline.outline)
-    };
-    shapes.iter().filter(is_wall).collect()
-}
-
-/// The walls without the outer faces of those that are modelled with their `thickness`, metres, at most: of parallel faces side by side, the one nearest to the `middle` of the room.
-fn inner_walls<'s, 'a>(
-    mut walls: Vec<&'s RoomShape<'a>>,
-    middle: DVec2,
-    thickness: f64,
-) -> Vec<&'s RoomShape<'a>> {
-    let along = |wall: &RoomShape<'_>| {
-        let [from, to] = wall.outline.ends();
-        (from, (to - from).normalize_or_zero(), from.distance(to))
-    };
-    let distance = |wall: &RoomShape<'_>| {
-        let (from, direction, _) = along(wall);
-        (middle - from).perp_dot(direction).abs()
-    };
-    walls.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-    let mut inner: Vec<&RoomShape<'_>> = Vec::new();
-    for wall in walls {
-        let [from, to] = wall.outline.ends();
-        let is_behind = |other: &&RoomShape<'_>| {
-            let (start, direction, length) = along(other);
-            let [a, b] = [from, to].map(|point| (point - start).dot(direction));
-            let common = a.max(b).min(length) - a.min(b).max(0.0);
-            let own = from.distance(to);
-            (b - a).abs() >= PARALLEL * own
-                && (0.5 * (from + to) - start).perp_dot(direction).abs() <= thickness
-                && common >= SIDE_BY_SIDE * own.min(length)
-        };
-        if !inner.iter().any(is_behind) {
-            inner.push(wall);
-        }
-    }
-    inner
 }
 
 /// Area and reflectance of parts of a room; `None` without parts.
@@ -633,6 +571,92 @@ mod tests {
         assert!(near(RoomSurfaceKind::Walls, 54.0) && room.walls.len() == 8, "{:?}", room.surfaces);
         assert!(near(RoomSurfaceKind::Floor, 20.0) && near(RoomSurfaceKind::Ceiling, 20.0), "{room:?}");
         assert!(room.furniture.is_empty() && room.furniture_left_out == 0);
+    }
+
+    /// Layout of a room whose shapes have a reflectance of 0.5.
+    fn of_shapes(shapes: impl IntoIterator<Item = ShapeDescription>) -> RoomLayout {
+        let add =
+            |builder: SceneBuilder, shape: ShapeDescription| builder.shape(shape, MaterialKind::diffuse(0.5));
+        layout(shapes.into_iter().fold(lamp(), add), |_| ()).unwrap()
+    }
+
+    /// A wall of 3 m height between two points.
+    fn upright([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> ShapeDescription {
+        quad([x0, y0, 0.0], [x1 - x0, y1 - y0, 0.0], [0.0, 0.0, 3.0])
+    }
+
+    /// A rectangle of the floor, and the ceiling 3 m above it.
+    fn floor_and_ceiling([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> [ShapeDescription; 2] {
+        let (x, y) = ([x1 - x0, 0.0, 0.0], [0.0, y1 - y0, 0.0]);
+        [quad([x0, y0, 0.0], x, y), quad([x0, y0, 3.0], y, x)]
+    }
+
+    /// Walls of 3 m height along a closed outline.
+    fn around<const N: usize>(corners: [[f64; 2]; N]) -> impl Iterator<Item = ShapeDescription> {
+        (0..N).map(move |i| upright(corners[i], corners[(i + 1) % N]))
+    }
+
+    fn assert_areas(room: &RoomLayout, floor: f64, walls: f64, ceiling: f64) {
+        for (kind, area) in [
+            (RoomSurfaceKind::Floor, floor),
+            (RoomSurfaceKind::Walls, walls),
+            (RoomSurfaceKind::Ceiling, ceiling),
+        ] {
+            assert!((surface(room, kind).area - area).abs() < 1e-9, "{area} m2: {:?}", room.surfaces);
+        }
+    }
+
+    #[test]
+    fn boxes_as_walls_count_by_their_inner_sides_alone() {
+        // 5 m x 4 m x 3 m within; walls of 0.3 m, which is more than 5 % of the shorter side, without the corners of the house.
+        let walls = [
+            [[0.0, -0.3], [5.0, 0.0]],
+            [[5.0, 0.0], [5.3, 4.0]],
+            [[0.0, 4.0], [5.0, 4.3]],
+            [[-0.3, 0.0], [0.0, 4.0]],
+        ];
+        let walls = walls.map(|[[x0, y0], [x1, y1]]| ShapeDescription::cuboid([x0, y0, 0.0], [x1, y1, 3.0]));
+        let room = of_shapes(walls.into_iter().chain(floor_and_ceiling([0.0; 2], [5.0, 4.0])));
+        assert_areas(&room, 20.0, 54.0, 20.0);
+        let [floor] = room.floor.as_slice() else { panic!("one floor: {:?}", room.floor) };
+        assert_eq!((floor.len(), room.walls.len()), (4, 8));
+        // The narrow sides of the four boxes.
+        assert_eq!(room.furniture.len(), 8);
+        // A cube of 0.5 m, whose floor is no wider than a wall, is a room, too.
+        assert_areas(&of_shapes([ShapeDescription::cuboid([0.0; 3], [0.5; 3])]), 0.25, 1.0, 0.25);
+    }
+
+    #[test]
+    fn pilasters_leave_the_wall_behind_them() {
+        // 5 m x 4 m x 3 m, with a face of 1 m x 3 m at 0.1 m from the wall.
+        let walls = around([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]]);
+        let pilaster = upright([2.0, 0.1], [3.0, 0.1]);
+        let room = of_shapes(walls.chain([pilaster]).chain(floor_and_ceiling([0.0; 2], [5.0, 4.0])));
+        assert_areas(&room, 20.0, 57.0, 20.0);
+    }
+
+    #[test]
+    fn walls_between_two_rooms_have_two_faces_that_count() {
+        // Rooms of 4 m x 3 m and of 4 m x 2 m, with 0.12 m between them.
+        let rooms = [[[0.0, 0.0], [4.0, 3.0]], [[0.0, 3.12], [4.0, 5.12]]];
+        let shapes = rooms.into_iter().flat_map(|[[x0, y0], [x1, y1]]| {
+            around([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]).chain(floor_and_ceiling([x0, y0], [x1, y1]))
+        });
+        // 2 x (4 + 3) x 3 m2 and 2 x (4 + 2) x 3 m2.
+        assert_areas(&of_shapes(shapes), 20.0, 78.0, 20.0);
+    }
+
+    #[test]
+    fn thick_walls_of_a_room_like_an_l_count_by_their_inner_faces() {
+        // 4 m x 4 m less 3 m x 3 m, so that the middle of the box is outside; outer faces at 0.15 m.
+        let l = |off: f64| {
+            let (low, side, arm) = (-off, 4.0 + off, 1.0 + off);
+            around([[low, low], [side, low], [side, arm], [arm, arm], [arm, side], [low, side]])
+        };
+        let floor = [[[0.0, 0.0], [4.0, 1.0]], [[0.0, 1.0], [1.0, 4.0]]];
+        let shapes = floor.into_iter().flat_map(|[from, to]| floor_and_ceiling(from, to));
+        // 2 x (4 + 4) x 3 m2.
+        assert_areas(&of_shapes(shapes.chain(l(0.15)).chain(l(0.0))), 7.0, 48.0, 7.0);
     }
 
     #[test]

@@ -16,8 +16,9 @@ const MOST_FACES: usize = 1 << 18;
 /// Largest number of planes of a shape. Of one with more, which is curved, planes of the largest faces are parts if they are large.
 const MOST_PLANES: usize = 64;
 
-/// Least area of a plane of a curved shape, as a share of that of the shape: twice that of equal faces of the most planes.
-const LARGE: f64 = 2.0 / MOST_PLANES as f64;
+/// Least area of a plane of a curved shape, as a share of that of the shape: twice that of equal faces, but no less than `LEAST_LARGE`.
+const LARGE: f64 = 2.0;
+const LEAST_LARGE: f64 = 0.01;
 
 /// Least cosine between the normals of faces of one plane; their corners decide, as small faces with rounded corners are turned by some degrees.
 const PARALLEL: f64 = 0.9;
@@ -34,6 +35,9 @@ const MOST_COVERS: usize = 1024;
 
 /// Largest number of edges that are divided where corners of others lie on them.
 const MOST_DIVIDED: usize = 512;
+
+/// The address of a surface, and the number of one of its shapes if it has faces.
+pub(super) type ShapeKey = (*const (), Option<u32>);
 
 /// A shape of the scene, or the part of it in one plane.
 pub(super) struct RoomShape<'a> {
@@ -72,6 +76,12 @@ impl<'a> RoomShape<'a> {
             }));
         }
         shapes
+    }
+
+    /// The shape that it is a part of.
+    pub(super) fn key(&self) -> ShapeKey {
+        let surface = std::ptr::from_ref(self.surface).cast();
+        (surface, self.faces.first().map(|&face| self.surface.shape(face)))
     }
 
     /// Its area, m^2.
@@ -124,7 +134,7 @@ impl<'a> RoomShape<'a> {
     }
 
     /// Polygons from above that cover it: its faces, or the convex outline of one that is curved or trimmed.
-    fn polygons(&self) -> Vec<Vec<DVec2>> {
+    pub(super) fn polygons(&self) -> Vec<Vec<DVec2>> {
         self.face_polygons().unwrap_or_else(|| vec![self.outline.outline.clone()])
     }
 }
@@ -156,9 +166,10 @@ fn by_plane(surface: &PlacedSurface<'_>, faces: Vec<u32>, extent: f64) -> Vec<Ve
         }
     }
     let exceeds_planes = planes.len() == MOST_PLANES && !rest.is_empty();
+    let least = (LARGE / (planes.len() + rest.len()) as f64).max(LEAST_LARGE) * whole;
     let (mut parts, mut curved) = (Vec::new(), rest);
     for (_, faces, area) in planes {
-        if exceeds_planes && area < LARGE * whole { curved.extend(faces) } else { parts.push(faces) }
+        if exceeds_planes && area < least { curved.extend(faces) } else { parts.push(faces) }
     }
     parts.extend(Some(curved).filter(|curved| !curved.is_empty()));
     parts
@@ -200,25 +211,45 @@ fn flat_area(corners: &[DVec3]) -> f64 {
     0.5 * pairs.map(|(a, b)| (*a - first).cross(*b - first)).sum::<DVec3>().length()
 }
 
-/// The shapes of one plane, from the largest on, whose polygons are not all covered by those before them: a floor without the undersides of the things on it.
+/// The shapes of one plane, from the largest on, that the others do not cover: a floor without the undersides of the things on it.
 pub(super) fn uncovered<'s, 'a>(mut shapes: Vec<&'s RoomShape<'a>>) -> Vec<&'s RoomShape<'a>> {
     shapes.sort_by(|a, b| b.outline.area().total_cmp(&a.outline.area()));
-    let mut kept: Vec<&RoomShape<'_>> = Vec::new();
-    let mut covers: Vec<PlaneCover> = Vec::new();
+    let mut kept: Vec<&'s RoomShape<'a>> = Vec::new();
+    // With the numbers of the kept shapes that they are.
+    let mut covers: Vec<(usize, PlaneCover)> = Vec::new();
     for shape in shapes {
-        let is_covered = |polygon: &Vec<DVec2>| {
-            let middle = polygon.iter().sum::<DVec2>() / polygon.len().max(1) as f64;
-            covers.iter().any(|cover| cover.holds(middle))
-        };
-        if shape.polygons().iter().all(is_covered) {
+        if is_covered(shape, covers.iter().map(|(_, cover)| cover)) {
             continue;
         }
-        kept.push(shape);
         if covers.len() < MOST_COVERS {
-            covers.extend(PlaneCover::of(shape));
+            covers.extend(PlaneCover::of(shape).map(|cover| (kept.len(), cover)));
+        }
+        kept.push(shape);
+    }
+    // A rug may be larger than each of the boards on which it lies.
+    let mut uncovered = Vec::new();
+    for (number, shape) in kept.into_iter().enumerate() {
+        let others = covers.iter().filter(|(of, _)| *of != number).map(|(_, cover)| cover);
+        if is_covered(shape, others) {
+            covers.retain(|(of, _)| *of != number);
+        } else {
+            uncovered.push(shape);
         }
     }
-    kept
+    uncovered
+}
+
+/// Whether others cover the polygons of a shape, by the middle of each, its corners and the middles of its sides.
+fn is_covered<'c>(shape: &RoomShape<'_>, covers: impl Iterator<Item = &'c PlaneCover> + Clone) -> bool {
+    /// Distance of tested points from the middle, as a share of that of the border, on which coordinates are rounded.
+    const DRAWN_IN: f64 = 0.999;
+    let holds = |point: DVec2| covers.clone().any(|cover| cover.holds(point));
+    shape.polygons().iter().all(|polygon| {
+        let middle = polygon.iter().sum::<DVec2>() / polygon.len().max(1) as f64;
+        let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
+        let mut border = sides.flat_map(|(from, to)| [*from, 0.5 * (*from + *to)]);
+        holds(middle) && border.all(|point| holds(middle.lerp(point, DRAWN_IN)))
+    })
 }
 
 /// A level shape that hides others in its plane: convex polygons, and the box around them.
@@ -391,6 +422,56 @@ mod tests {
         // In the middle of the inner side; on the line between two parts; beyond a corner.
         assert!(apart(2.0, 3.0) < 1e-12 && (apart(1.0, 2.0) - 1.0).abs() < 1e-12);
         assert!((apart(7.0, -4.0) - 5.0).abs() < 1e-12);
+    }
+
+    /// Areas of the level shapes that are not covered, m^2, from the largest on.
+    fn uncovered_areas(shapes: Vec<ShapeDescription>) -> Vec<f64> {
+        with_shapes(shapes, |shapes| {
+            uncovered(shapes.iter().collect()).into_iter().map(RoomShape::area).collect()
+        })
+    }
+
+    fn assert_areas(found: &[f64], expected: &[f64]) {
+        let are_near = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-9);
+        assert!(found.len() == expected.len() && are_near, "{found:?} {expected:?}");
+    }
+
+    #[test]
+    fn rugs_on_boards_are_covered() {
+        // 20 boards of 5 m x 0.2 m, and a rug of 3 m x 2 m, which covers none of them.
+        let board = |i: u32| quad([0.0, 0.2 * f64::from(i), 0.0], [5.0, 0.0, 0.0], [0.0, 0.2, 0.0]);
+        let rug = quad([1.0, 1.1, 0.0], [3.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        assert_areas(&uncovered_areas((0..20).map(board).chain([rug]).collect()), &[1.0; 20]);
+    }
+
+    #[test]
+    fn corridors_across_a_hall_are_not_covered() {
+        // The middle of the corridor of 20 m x 2 m lies in the hall of 10 m x 8 m, its ends do not.
+        let hall = quad([-5.0, -4.0, 0.0], [10.0, 0.0, 0.0], [0.0, 8.0, 0.0]);
+        let corridor = quad([-10.0, -1.0, 0.0], [20.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
+        assert_areas(&uncovered_areas(vec![corridor, hall]), &[80.0, 40.0]);
+    }
+
+    #[test]
+    fn large_planes_of_a_mesh_of_many_are_parts() {
+        // A floor of 100 m2 and two walls of 3 m2, 2.8 % of the whole, with 100 level triangles of 50 cm2 at different heights: twice the share of equal planes is 2 / 103.
+        let (mut points, mut faces) = (Vec::new(), Vec::new());
+        let mut add = |corners: &[[f64; 3]]| {
+            let first = points.len() as u32;
+            points.extend(corners.iter().map(|corner| DVec3::from(*corner)));
+            faces.extend((2..corners.len() as u32).map(|i| [first, first + i - 1, first + i]));
+        };
+        add(&[[0.0; 3], [10.0, 0.0, 0.0], [10.0, 10.0, 0.0], [0.0, 10.0, 0.0]]);
+        add(&[[0.0; 3], [0.0, 0.0, 0.3], [10.0, 0.0, 0.3], [10.0, 0.0, 0.0]]);
+        add(&[[0.0; 3], [0.0, 10.0, 0.0], [0.0, 10.0, 0.3], [0.0, 0.0, 0.3]]);
+        for z in (0..100).map(|i| 0.5 + 0.02 * f64::from(i)) {
+            add(&[[1.0, 1.0, z], [1.1, 1.0, z], [1.0, 1.1, z]]);
+        }
+        let mut areas = with_shapes(vec![ShapeDescription::mesh(points, faces)], |shapes| {
+            shapes.iter().map(RoomShape::area).collect::<Vec<_>>()
+        });
+        areas.sort_by(|a, b| b.total_cmp(a));
+        assert_areas(&areas, &[100.0, 3.0, 3.0, 0.5]);
     }
 
     #[test]

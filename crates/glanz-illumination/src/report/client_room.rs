@@ -68,7 +68,8 @@ pub(super) fn plan_section(layout: &RoomLayout) -> String {
         symbols,
     };
     let mut body = format!("<figure>\n{}</figure>\n", plan.svg());
-    let letters = if layout.other_lights.is_empty() { "" } else { "; letters: other lights" };
+    let has_letters = layout.other_lights.iter().any(|light| light.position.is_some());
+    let letters = if has_letters { "; letters: other lights" } else { "" };
     body += &format!(
         "<p class=\"note\">Yellow: luminaires with their numbers, by the size of their luminous opening{letters}. Dashed blue: areas of measurement. Grey: furniture and \
          other things, by their convex outlines.</p>\n"

@@ -238,6 +238,16 @@ fn power_refers_to_the_task_of_the_plan_and_to_luminaires_alone() {
 }
 
 #[test]
+fn letters_are_explained_if_a_light_has_one() {
+    let mut lit = report("office", None);
+    for (position, has_letters) in [(None, false), (Some([3.0, 2.0, 2.0]), true)] {
+        let light = OtherLight { kind: "emitting surface", flux: None, position, outline: Vec::new() };
+        lit.layout.as_mut().unwrap().other_lights.push(light);
+        assert_eq!(lit.html().contains("letters: other lights"), has_letters);
+    }
+}
+
+#[test]
 fn maintenance_and_task_are_shown_without_a_rating() {
     let mut asked = report("office", None);
     asked.planning.maintenance = MaintenanceFactor::Whole(0.8);

@@ -23,7 +23,7 @@ use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
-use glanz_illumination::planning::{PlanningRequest, PlanningSettings};
+use glanz_illumination::planning::{MaintenanceFactor, PlanningRequest, PlanningSettings};
 use glanz_illumination::{FarFieldResolution, GridResolution, TraceGoal};
 use glanz_job::{JobEnd, JobPart};
 use glanz_math::DVec3;
@@ -111,7 +111,7 @@ pub struct IlluminateOptions {
     pub part: Option<JobPart>,
     /// Relative error of the integration in every cell; by [`IlluminateMethod::Auto`], half of the error of the goal if it has one.
     pub tolerance: f64,
-    /// Replaces all light of the scene by an overcast sky, and adds daylight factors to the report.
+    /// Replaces all light of the scene by an overcast sky, and adds daylight factors to the report. An error with a plan, a task or a maintenance factor.
     pub daylight: bool,
     /// Angles by which the light that leaves the scene is counted, see [`IlluminateOutcome::save_far_field`]; `None`: it is not.
     pub far_field: Option<FarFieldResolution>,
@@ -244,7 +244,8 @@ impl<'a> IlluminateBuilder<'a> {
     /// # Errors
     /// [`Error::Scene`] for a description that is not a scene, [`Error::File`] for a checkpoint that cannot be read or written,
     /// [`Error::NoReceiver`], [`Error::NoLight`], [`Error::Cells`], [`Error::Receiver`], [`Error::Accuracy`], [`Error::NoFarField`] and [`Error::Integrate`]; [`Error::RayGoal`] for a ray file without a number of particles;
-    /// [`Error::Planning`] and [`Error::DirectRating`] for figures of planners; [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
+    /// [`Error::Planning`] and [`Error::DirectRating`] for figures of planners; [`Error::DaylightRating`] for a plan, a task or a maintenance factor with daylight;
+    /// [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
         let Self { scene, title, mut options, plan, planning: settings, ray_file, job } = self;
         scene.check_scene("illuminate")?;
@@ -278,15 +279,14 @@ impl<'a> IlluminateBuilder<'a> {
             options.method = IlluminateMethod::Trace;
         }
         settings.maintenance.value().map_err(|error| Error::Planning(error.into()))?;
+        let is_judged = plan.is_some() || settings.task.is_some();
+        if options.daylight && (is_judged || settings.maintenance != MaintenanceFactor::default()) {
+            return Err(Error::DaylightRating);
+        }
         let needs_receivers = options.far_field.is_none() && !ray_file;
         let design = Design { title, ..Design::new(scene, options, needs_receivers, &mut job)? };
-        let is_judged = plan.is_some() || settings.task.is_some();
         let request = plan.unwrap_or_else(|| design.declared_plan());
-        if is_judged
-            && !options.daylight
-            && !request.is_empty()
-            && options.method == IlluminateMethod::Integrate
-        {
+        if is_judged && !request.is_empty() && options.method == IlluminateMethod::Integrate {
             return Err(Error::DirectRating);
         }
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());

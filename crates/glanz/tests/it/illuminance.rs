@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use glanz::formats::Options;
+use glanz::illumination::planning::{LightingTask, MaintenanceFactor, PlanningRequest, PlanningSettings};
 use glanz::illumination::{GridResolution, LuxMap};
-use glanz::{IlluminateMethod, IlluminateOptions, LoadedScene};
+use glanz::{Error, IlluminateMethod, IlluminateOptions, LoadedScene};
 
 /// A black square of 1 m x 1 m about the origin that faces up, and a light.
 fn scene(light: &str) -> LoadedScene {
@@ -85,5 +86,26 @@ fn picture_of_ten_thousand_lux_gives_them_to_a_surface_that_faces_its_z_axis() {
         let sky = format!("\"infinite\" {name} \"rgb L\" [1 3 2] \"float illuminance\" 10000");
         assert_lux(&sky, 10_000.0);
         assert_lux(&format!("{sky} \"float scale\" .5"), 5000.0);
+    }
+}
+
+#[test]
+fn light_of_the_sky_alone_is_not_judged() {
+    let by_day = || {
+        let options = IlluminateOptions { daylight: true, ..IlluminateOptions::default() };
+        scene("\"distant\" \"float illuminance\" 1").illuminate().options(options).particles(100)
+    };
+    assert!(by_day().planning(PlanningSettings::default()).run().is_ok());
+    let task = LightingTask::of_reference("34.2");
+    assert!(task.is_some());
+    for refused in [
+        by_day().plan(PlanningRequest::default()),
+        by_day().planning(PlanningSettings { task, ..PlanningSettings::default() }),
+        by_day().planning(PlanningSettings {
+            maintenance: MaintenanceFactor::Whole(0.8),
+            ..PlanningSettings::default()
+        }),
+    ] {
+        assert!(matches!(refused.run(), Err(Error::DaylightRating)));
     }
 }
