@@ -118,7 +118,9 @@ fn file_error(py: Python<'_>, path: &Path, fault: FileFault, message: String) ->
         FileFault::IsFolder => PyIsADirectoryError::new_err(message),
         FileFault::ReadOnly => PyPermissionError::new_err(message),
         FileFault::Exists => PyFileExistsError::new_err(message),
-        FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput => PyValueError::new_err(message),
+        FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput | FileFault::NotRegular => {
+            PyValueError::new_err(message)
+        }
         _ => failure(py, message),
     }
 }

@@ -8,7 +8,7 @@ use glanz::job::JobEnd;
 use glanz::math::DVec3;
 use glanz::report::{Fact, FactValue};
 use glanz::scene::description::MAX_RECEIVER_CELLS;
-use glanz::{IlluminateMethod, IlluminateOptions, IlluminateOutcome, JobOptions};
+use glanz::{IlluminateMethod, IlluminateOptions, IlluminateOutcome, JobOptions, SavedRays};
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -22,7 +22,7 @@ use crate::scene::PyScene;
 /// Illuminance on the receivers of a scene.
 #[pyclass(name = "Illumination", module = "glanz", frozen)]
 pub(crate) struct PyIllumination {
-    /// Replaced as a whole, so that no lock is held while Python runs.
+    /// Shared, so that no lock is held while Python runs.
     outcome: Mutex<Arc<IlluminateOutcome>>,
     receivers: Py<PyDict>,
     integrated: Py<PyDict>,
@@ -94,6 +94,12 @@ fn by_receiver(py: Python<'_>, maps: &[LuxMap]) -> PyResult<Py<PyDict>> {
 impl PyIllumination {
     fn outcome(&self) -> Arc<IlluminateOutcome> {
         Arc::clone(&self.outcome.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Adds the facts of a ray file; only what another thread still uses is copied for it.
+    fn add_rays(&self, rays: SavedRays) {
+        let mut outcome = self.outcome.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::make_mut(&mut outcome).add_rays(rays);
     }
 }
 
@@ -195,7 +201,7 @@ impl PyIllumination {
     }
 
     /// Writes the rays of all particles that leave the scene, .tm25ray (IES TM-25), if ``ray_file=True``; they are traced once more for it. Returns the number of
-    /// rays, which is in `facts`, too.
+    /// rays, which is in `facts`, too; if it is 0, no file is written.
     #[pyo3(signature = (path, *, threads=None, progress=None))]
     fn save_ray_file(
         &self,
@@ -204,14 +210,16 @@ impl PyIllumination {
         threads: Option<Whole>,
         progress: Option<Bound<'_, PyAny>>,
     ) -> PyResult<u64> {
-        let mut outcome = (*self.outcome()).clone();
-        let known = outcome.warnings.len();
+        let outcome = self.outcome();
         let job = JobArguments { threads, checkpoint: None, resume: false, progress };
-        run_job(py, job, &LineOrigins::default(), |job| outcome.save_ray_file(&path, job))?;
-        let outcome = Arc::new(outcome);
-        *self.outcome.lock().unwrap_or_else(PoisonError::into_inner) = Arc::clone(&outcome);
-        warn(py, outcome.warnings.iter().skip(known).map(ToString::to_string))?;
-        Ok(outcome.rays.unwrap_or_default())
+        let rays = run_job(py, job, &LineOrigins::default(), move |job| outcome.write_ray_file(path, job))?;
+        // A job that was cancelled has raised an exception.
+        let Some(rays) = rays else { return Ok(0) };
+        let (count, warnings) =
+            (rays.count, rays.warnings.iter().map(ToString::to_string).collect::<Vec<_>>());
+        self.add_rays(rays);
+        warn(py, warnings)?;
+        Ok(count)
     }
 
     /// One row for each cell of all receivers, see `LuxMap.to_pandas`.

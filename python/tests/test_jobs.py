@@ -296,10 +296,16 @@ def test_rays_that_leave_a_scene_are_saved_and_have_its_flux(tmp_path: Path) -> 
         lamp.save_ray_file(tmp_path / "lamp.rays")
     with pytest.raises(FileNotFoundError, match="folder"):
         lamp.save_ray_file(tmp_path / "none" / "lamp.tm25ray")
-    with pytest.raises(ValueError, match="number of particles"):
+    with pytest.raises(ValueError, match="only goal"):
         scene.illuminate(error=0.1, ray_file=True)
     with pytest.raises(ValueError, match="did not keep"):
         SCENE.illuminate(particles=1000).save_ray_file(path)
+    # Without rays, an old file stays.
+    inside, size = SceneDescription(lights=[PointLight(from_=(0.5, 0.5, 0.5), candela=100)]).load(), path.stat().st_size
+    boxed = inside.illuminate(particles=1000, ray_file=True, room=(1, 1, 1))
+    with pytest.warns(glanz.GlanzWarning, match="no light leaves"):
+        assert boxed.save_ray_file(path) == 0
+    assert boxed.facts["ray_file_rays"] == 0 and path.stat().st_size == size
 
 
 def test_unbounded_plane_is_no_receiver() -> None:

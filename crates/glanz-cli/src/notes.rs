@@ -57,6 +57,7 @@ fn resumed(state: &ResumedState) -> String {
 pub(crate) fn note_warning(warning: &Warning, messages: Messages) {
     match warning {
         Warning::Scene(diagnostic) => messages.diagnostic(diagnostic.severity, &diagnostic.to_string()),
+        Warning::NoRays => messages.warning(&format!("{warning}, --room for example")),
         warning => messages.warning(&warning.to_string()),
     }
 }

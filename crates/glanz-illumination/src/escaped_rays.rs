@@ -34,7 +34,7 @@ pub struct EscapedRay {
 ///
 /// The particles are those of [`trace`](crate::trace()) with the seed and the largest number of scattering events of `settings`, whose other fields do
 /// not matter, so that the flux of all rays is [`FluxBalance::escaped`](crate::FluxBalance::escaped). Their order does not depend on threads, which are those
-/// of the current pool. Memory does not grow with the number of particles. Returns whether all were traced.
+/// of the current pool. Memory does not grow with the number of particles. The end is reported to `sink`, too. Returns whether all were traced.
 ///
 /// # Errors
 /// Those of `visit`.
@@ -69,10 +69,10 @@ pub fn escaped_rays<E>(
                 (0..(last - first).div_ceil(BLOCK)).into_par_iter().map_init(new, block).collect();
             blocks.iter().flatten().try_for_each(&mut visit)?;
             done += last - first;
-            if reported.elapsed() >= REPORT_INTERVAL {
+            if done == particles || reported.elapsed() >= REPORT_INTERVAL {
                 reported = Instant::now();
-                let progress =
-                    JobProgress::by_work("rays that leave the scene", done as f64 * share, start.elapsed());
+                let fraction = done as f64 / particles as f64;
+                let progress = JobProgress::by_work("rays that leave the scene", fraction, start.elapsed());
                 let unit = ["particle", "particles"];
                 sink.on_progress(&progress.with_count(WorkCount { done, wanted: Some(particles), unit }));
             }

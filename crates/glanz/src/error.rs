@@ -245,7 +245,7 @@ pub enum Error {
     /// A ray file of a calculation that does not end after a number of particles, or traces none.
     #[cfg(feature = "illumination")]
     #[error(
-        "a ray file has the rays of a number of particles, which has to be given, without a time, an error or a part, and by a method that traces them"
+        "a ray file needs traced particles and their number as the only goal; this calculation has another goal, is a part, or traces none"
     )]
     RayGoal,
     /// A ray file of a calculation that does not keep its scene.
@@ -304,6 +304,9 @@ pub enum FileFault {
     /// It is write-protected.
     #[error("this file is write-protected")]
     ReadOnly,
+    /// It is not a regular file, which its format needs.
+    #[error("this is a pipe or a device; a regular file is needed")]
+    NotRegular,
     /// A checkpoint that exists, in a job that does not resume it.
     #[error("this checkpoint exists already")]
     Exists,
@@ -405,7 +408,8 @@ impl Error {
             | Self::NoModel { .. }
             | Self::Accuracy { .. } => true,
             Self::File { fault, .. } => {
-                matches!(fault, FileFault::Extension(_) | FileFault::IsInput | FileFault::IsOutput)
+                use FileFault::{Extension, IsInput, IsOutput, NotRegular};
+                matches!(fault, Extension(_) | IsInput | IsOutput | NotRegular)
             }
             #[cfg(feature = "illumination")]
             Self::RayGoal | Self::NoRayFile => true,

@@ -32,7 +32,7 @@ pub enum Warning {
         /// What does so: an integrator with its name, or another job.
         what: String,
     },
-    /// A ray file without rays: no light leaves the scene.
+    /// No light leaves the scene, so that no ray file was written.
     NoRays,
     /// Unbounded surfaces or surfaces without parameters, which cast shadows but carry no light.
     LeftOut {
@@ -151,7 +151,7 @@ impl fmt::Display for Warning {
                  the integrator \"path\" or \"guided\" to see them"
             ),
             Self::NoRays => {
-                write!(f, "the ray file is empty: no light leaves the scene; is it closed, by --room for example?")
+                write!(f, "no ray file is written: no light leaves the scene; leave out what encloses it")
             }
             Self::LeftOut { surfaces } => write!(
                 f,

@@ -73,7 +73,7 @@ pub use illuminate::{
 #[cfg(feature = "viewer")]
 pub use illuminate::{LuxFolder, PlacedLux, is_lux_folder, lux_folder_content_hash};
 #[cfg(all(feature = "illumination", feature = "formats"))]
-pub use illuminate::{check_far_field_path, check_ray_path, save_comparison};
+pub use illuminate::{SavedRays, check_far_field_path, check_ray_path, save_comparison};
 pub use job_options::JobOptions;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub use library_denoiser::LibraryDenoiser;

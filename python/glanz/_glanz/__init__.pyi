@@ -128,7 +128,7 @@ class Illumination:
         it has the flux of that light; `summary` has its peak, angles and errors."""
     def save_ray_file(self, path: _Path, *, threads: int | None = None, progress: _Progress = None) -> int:
         """Writes the rays of all particles that leave the scene, .tm25ray (IES TM-25), if ``ray_file=True``; they are traced once more for it. Returns the number of
-        rays, which is in `facts`, too.
+        rays, which is in `facts`, too; if it is 0, no file is written.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class Illumination:
         Raises
         ------
         ValueError
-            For another extension, or if the scene was not kept.
+            For another extension, a pipe or a device, or if the scene was not kept.
         OSError
             If the file cannot be written; the illuminance is not lost.
         """

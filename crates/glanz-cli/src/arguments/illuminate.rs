@@ -48,7 +48,7 @@ bends with direction, for which 262 144 particles are traced first, beside those
 report.html and summary.txt have its peak, beam angle (half of the peak), field angle (a tenth) and errors.
 --ray-file writes every ray of this light from the last surface that it left, for the near field: as
 the file of a photometric light, or for other programs. It comes after all other results, which an
-error of it does not cost. Interrupted, it keeps its old content.
+error of it does not cost. Interrupted, and if no light leaves the scene, it keeps its old content.
 
 With --luminaire there is no scene: the box of --room then has diffuse walls of --reflectances, luminaires
 of the file on a grid, and a work plane. The report has, besides, the unified glare rating of
@@ -82,7 +82,7 @@ pub(crate) struct IlluminateArguments {
     #[arg(short, long, value_name = "DIR", value_hint = ValueHint::DirPath, required_unless_present = "part")]
     pub(crate) output: Option<PathBuf>,
     /// Title of the reports, such as the name of the project [default: the name of the scene]
-    #[arg(long, value_name = "TEXT", conflicts_with = "compare")]
+    #[arg(long, value_name = "TEXT", requires = "output", conflicts_with = "compare")]
     pub(crate) title: Option<String>,
     #[command(flatten)]
     pub(crate) room: RoomArgument,

@@ -41,7 +41,7 @@ pub(crate) fn run(
     let mut paths: Vec<&Path> = Vec::new();
     paths.extend(arguments.scene.as_deref().or(arguments.plan.luminaire.as_deref()));
     paths.extend(arguments.compare.as_deref());
-    let (mut outcomes, mut warnings) = (Vec::new(), Vec::new());
+    let (mut names, mut outcomes, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     for path in &paths {
         let (scene, request) = match (&arguments.plan.luminaire, arguments.room.size()) {
             (Some(luminaire), Some(size)) => {
@@ -54,6 +54,7 @@ pub(crate) fn run(
         let made = arguments.output.as_deref().map_or(Ok(()), glanz::file::make_folder);
         made.map_err(command_error(messages))?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
+        names.push(scene.name().to_owned());
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
             let settings = arguments.plan.settings(arguments.seed);
             let mut builder = scene.illuminate().options(arguments.options()).planning(settings).job(job);
@@ -83,8 +84,8 @@ pub(crate) fn run(
     results.iter().try_for_each(|path| files.add_result(path)).map_err(command_error(messages))?;
     let mut written = saved(arguments, &outcomes).map_err(command_error(messages))?;
     // After all other results, which its errors do not cost.
-    let ray_file = match outcomes.as_mut_slice() {
-        [outcome] => saved_rays(arguments, outcome, &mut written, &cancel, messages),
+    let ray_file = match (outcomes.as_mut_slice(), names.as_slice()) {
+        ([outcome], [name]) => saved_rays(arguments, name, outcome, &mut written, &cancel, messages),
         _ => Ok(JobEnd::Complete),
     };
     warnings.extend(outcomes.iter().flat_map(|outcome| &outcome.warnings).map(ToString::to_string));
@@ -179,9 +180,10 @@ fn listed(files: &[String]) -> String {
     }
 }
 
-/// Writes the ray file, if one is wanted, adds it to the files, and its facts to the reports.
+/// Writes the ray file, if one is wanted, adds it to the files unless it has no rays, and its facts to the reports. `name`: that of the scene.
 fn saved_rays(
     arguments: &IlluminateArguments,
+    name: &str,
     outcome: &mut IlluminateOutcome,
     written: &mut Vec<PathBuf>,
     cancel: &CancelFlag,
@@ -191,12 +193,13 @@ fn saved_rays(
     if outcome.end == JobEnd::Interrupted {
         return Ok(JobEnd::Interrupted);
     }
-    let name = outcome.report.title.clone();
-    let end = run_named_job(&name, &arguments.job, cancel.clone(), messages, |job| {
+    let end = run_named_job(name, &arguments.job, cancel.clone(), messages, |job| {
         outcome.save_ray_file(path, job)
     })?;
     if end == JobEnd::Complete {
-        written.push(path.to_owned());
+        if outcome.rays.is_some_and(|count| count > 0) {
+            written.push(path.to_owned());
+        }
         arguments.output.as_ref().map_or(Ok(Vec::new()), |folder| outcome.save_reports(folder))?;
     }
     Ok(end)

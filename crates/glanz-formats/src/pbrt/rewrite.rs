@@ -246,6 +246,20 @@ Shape "nurbs" "integer nu" 2 "integer uorder" 2 "integer nv" 2 "integer vorder" 
             &format!(r#"{patch} "string free" "P" "vector3 freedirection" [1 1 0  0 0 1  -3 -3 0]"#),
             &["freedirection", "twice"],
         );
+        refused(
+            &format!(r#"{patch} "string free" "P" "vector3 freedirection" [1 0 0 0 1 0 0 0 1 1 1 0]"#),
+            &["freedirection", "4 vectors"],
+        );
+        // Numbers that the shape does not read.
+        let unused = &["cannot be free", "does not use"];
+        let weighted = r#""float Pw" [0 0 0 1 1 0 0 1 0 1 0 1 1 1 0 1]"#;
+        refused(&format!(r#"{patch} {weighted} "string free" "P""#), unused);
+        refused(&format!(r#"{patch} "float radius" 1 "string free" "radius""#), unused);
+        refused(r#"Shape "sphere" "float radius" 1 "float radius" 2 "string free" "radius""#, unused);
+        refused(
+            r#"Shape "disk" "integer solid" 1 "string free" "solid""#,
+            &["cannot be free", "free numbers are"],
+        );
         // Numbers of another type, and numbers that other shapes have, too.
         refused(
             r#"Shape "sphere" "integer radius" 2 "string free" "radius""#,

@@ -1,4 +1,4 @@
-//! What a photometric file states about its luminaire, for lists of luminaires.
+//! Statements of a photometric file about its luminaire, for lists of luminaires.
 
 use std::path::Path;
 

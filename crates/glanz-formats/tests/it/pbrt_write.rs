@@ -156,6 +156,7 @@ proptest! {
         let [a, b, c, d, e, f] = n;
         // One of both is above 0: else the surface is smooth.
         let facets = Roughness { u: (0.1 + a).into(), v: b.into(), scale: RoughnessScale::Alpha };
+        let finish = |model| SurfaceFinish::try_new(model).unwrap();
         let kinds = [
             MaterialKind::diffuse([a, b, c]),
             MaterialKind::oren_nayar([a, b, c], 30.0 * a),
@@ -191,14 +192,21 @@ proptest! {
             }),
             MaterialKind::Mirror(MirrorMaterial {
                 reflectance: [a, b, c].into(),
-                finish: SurfaceFinish::try_new(FinishModel::Gaussian { sigma: 0.1 + f64::from(d) / 3.0, fraction: e.into() })
-                    .ok(),
+                // Of fraction 0 it would be left out.
+                finish: Some(finish(FinishModel::Gaussian {
+                    sigma: 0.1 + f64::from(d) / 3.0,
+                    fraction: (1.0 - e).into(),
+                })),
             }),
             MaterialKind::Conductor(ConductorMaterial {
                 color: MetalColor::Reflectance(a.into()),
                 roughness: Roughness::smooth(),
                 multiple_scattering: true,
-                finish: SurfaceFinish::try_new(FinishModel::Abg { a: 0.01, b: 0.1 + f64::from(e) / 3.0, g: 3.0 * f64::from(f) }).ok(),
+                finish: Some(finish(FinishModel::Abg {
+                    a: 0.01,
+                    b: 0.1 + f64::from(e) / 3.0,
+                    g: 3.0 * f64::from(f),
+                })),
             }),
             MaterialKind::Dielectric(DielectricMaterial {
                 eta: (1.0 + a).into(),

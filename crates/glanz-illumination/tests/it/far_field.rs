@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::common::*;
 use glanz_illumination::*;
-use glanz_job::{CancelFlag, JobEnd, JobPart, Silent};
+use glanz_job::{CancelFlag, JobEnd, JobPart, JobProgress, ProgressSink, Silent};
 use glanz_light::intensity::AngularSystem;
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::{
@@ -310,6 +310,25 @@ fn escaped_rays_as_a_light_have_the_far_field_of_the_scene() {
     for (bin, (a, b)) in far.candela.iter().zip(&again.candela).enumerate() {
         let error = far.errors[bin].hypot(again.errors[bin]);
         assert!((a - b).abs() <= ERRORS * error + 1e-6 * peak, "{bin}: {a} and {b} +- {error}");
+    }
+}
+
+#[test]
+fn few_rays_report_their_end() {
+    struct Fractions(Vec<f64>);
+
+    impl ProgressSink for Fractions {
+        fn on_progress(&mut self, progress: &JobProgress<'_>) {
+            self.0.push(progress.fraction);
+        }
+    }
+
+    let scene = spot(DVec3::NEG_Z, 10.0, 1.0);
+    for particles in [1, 49, 1000] {
+        let (mut sink, settings) = (Fractions(Vec::new()), settings(particles, 1));
+        let visit = |_: &EscapedRay| Ok::<(), ()>(());
+        let end = escaped_rays(&scene, &settings, particles, &mut sink, &CancelFlag::default(), visit);
+        assert_eq!((end, sink.0.last()), (Ok(JobEnd::Complete), Some(&1.0)), "{particles}");
     }
 }
 

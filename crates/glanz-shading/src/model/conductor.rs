@@ -96,11 +96,13 @@ impl<'a> Conductor<'a> {
         Self { metal, distribution, multiple, multiple_ratio, finish: None }
     }
 
-    /// The same metal with a surface finish, which has no effect on facets. Light is scattered as by facets that mirror it: Fresnel's
-    /// equations count under half of the angle between its directions, so that the metal stays reciprocal.
+    /// The same metal with a surface finish, which has no effect on facets, nor if it scatters nothing. Light is scattered as by facets that
+    /// mirror it: Fresnel's equations count under half of the angle between its directions, so that the metal stays reciprocal.
     #[must_use]
     pub fn with_finish(self, finish: Option<&'a SurfaceFinish>) -> Self {
-        Self { finish: finish.filter(|_| self.distribution.is_smooth()), ..self }
+        let has_effect =
+            |finish: &&SurfaceFinish| self.distribution.is_smooth() && finish.total_scatter() > 0.0;
+        Self { finish: finish.filter(has_effect), ..self }
     }
 
     /// Fraction of the flux from `wo` (above) that facets send to other facets, if that light counts.
@@ -169,8 +171,11 @@ impl BsdfModel for Conductor<'_> {
     }
 
     fn delta_branches(&self, wo: DVec3, _: TransportMode) -> [Option<BsdfSample>; 2] {
+        if !self.distribution.is_smooth() {
+            return [None, None];
+        }
         let reflectance = self.metal.reflectance(wo.z);
-        let image = || (self.is_delta() && wo.z != 0.0).then(|| mirror_image(wo, reflectance));
+        let image = || (wo.z != 0.0).then(|| mirror_image(wo, reflectance));
         let image = self.finish.map_or_else(image, |finish| finish.mirror_image(reflectance, wo));
         [image.filter(|image| !image.weight.is_black()), None]
     }
@@ -265,7 +270,7 @@ impl<P: ParameterForm> MaterialModel<P> for ConductorMaterial<P> {
             color: self.color.resolve(["eta", "k"], resolver)?,
             roughness,
             multiple_scattering: self.multiple_scattering,
-            finish: self.finish.clone(),
+            finish: self.finish.clone().filter(|finish| finish.total_scatter() > 0.0),
         })
     }
 }

@@ -246,7 +246,7 @@ impl SurfaceFinish {
         self.tables.within(1.0 + projection.length())
     }
 
-    /// What is left of the mirror image of a reflectance.
+    /// Mirror image of a reflectance without the scattered fraction; `None` if nothing is left.
     pub(super) fn mirror_image(&self, reflectance: Spectrum, wo: DVec3) -> Option<BsdfSample> {
         let [up, _] = upper_side(wo, wo)?;
         let weight = reflectance * (1.0 - self.scattered(up)) as f32;

@@ -94,7 +94,7 @@ impl<P: ParameterForm> MaterialModel<P> for MirrorMaterial<P> {
     fn resolve<R: ParameterResolver<P>>(&self, resolver: &R) -> Result<MirrorMaterial, MaterialError> {
         Ok(MirrorMaterial {
             reflectance: resolver.fraction("reflectance", &self.reflectance)?,
-            finish: self.finish.clone(),
+            finish: self.finish.clone().filter(|finish| finish.total_scatter() > 0.0),
         })
     }
 }

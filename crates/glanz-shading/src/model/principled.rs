@@ -24,7 +24,7 @@ use crate::preview::PreviewSurface;
 ///
 /// # Source
 /// @khr_gltf appendix B and its extensions, @openpbr; departures: reciprocal layers, and metals after Fresnel's equations.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principled {
     /// 1 in the lanes in use.
     white: Spectrum,

@@ -44,7 +44,7 @@ pub use files::save_comparison;
 pub use lux_folder::{LuxFolder, PlacedLux, is_lux_folder, lux_folder_content_hash};
 pub use outcome::IlluminateOutcome;
 #[cfg(feature = "formats")]
-pub use ray_file::check_ray_path;
+pub use ray_file::{SavedRays, check_ray_path};
 pub use tally_join::JoinedTally;
 pub(crate) use tally_join::join;
 

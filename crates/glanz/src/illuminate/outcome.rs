@@ -27,7 +27,7 @@ pub struct IlluminateOutcome {
     pub end: JobEnd,
     /// Warnings, in order of occurrence.
     pub warnings: Vec<Warning>,
-    /// Number of rays in the ray file, if one was written.
+    /// Number of rays of the ray file, if one was wanted; 0 if none was written, because no light leaves the scene.
     pub rays: Option<u64>,
     pub(super) far_field: Option<FarField>,
     /// The scene of a completed calculation, if it is kept for a ray file.

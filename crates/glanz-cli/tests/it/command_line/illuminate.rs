@@ -2,6 +2,9 @@
 
 use std::process::{Command, Stdio};
 
+use glanz_formats::photometry::tm25::RayReader;
+use glanz_math::DVec3;
+
 use crate::PROGRAM;
 use crate::command_line::support::{Folder, finish};
 
@@ -331,12 +334,27 @@ Shape "paraboloid" "float radius" .6 "float zmax" .3
     assert_eq!(bytes.len() as u64, 36_288 + 28 * count);
     let flux = number(&field["flux_lm"]);
     assert!((number(&facts["ray_file_lm"]) / flux - 1.0).abs() < 1e-6, "{facts} {field}");
+    // All light of the lamp, which shines upwards within the rim, meets the mirror, and leaves it downwards.
+    let rays = RayReader::new(&bytes[..]).unwrap();
+    assert_eq!(rays.header().ray_count, count);
+    let mut lumens = 0.0;
+    for ray in rays.map(Result::unwrap) {
+        let DVec3 { x, y, z } = ray.position;
+        let above = z + 0.3 * (x * x + y * y) / 0.36;
+        assert!(above.abs() < 1e-6 && ray.direction.z < 0.0, "{ray:?}");
+        lumens += f64::from(ray.luminous_flux.unwrap());
+    }
+    assert!((lumens / flux - 1.0).abs() < 1e-6, "{lumens} {flux}");
     folder
         .write("rays.pbrt", "WorldBegin\nLightSource \"photometric\" \"string filename\" \"lamp.tm25ray\"\n");
     let again = format!("illuminate rays.pbrt --rays 400000 -o again --far-field again.ldt {steps}");
     let again = folder.succeed(&again).json()["designs"][0]["far_field"].clone();
     assert!((number(&again["flux_lm"]) / flux - 1.0).abs() < 1e-5, "{field} {again}");
     assert!((number(&again["peak_cd"]) / number(&field["peak_cd"]) - 1.0).abs() < 0.03, "{field} {again}");
+    // The lamp is in the focus: the beam goes straight down, to the step of gamma.
+    for far in [field, &again] {
+        assert!(number(&far["peak_direction_degrees"][1]) < 10.5, "{far}");
+    }
 
     let start = "illuminate lamp.pbrt -o lux --ray-file";
     folder.run(&format!("{start} lamp.tm25ray")).refused(2, &["--rays"]);
@@ -353,6 +371,38 @@ Shape "paraboloid" "float radius" .6 "float zmax" .3
         .run("illuminate own.pbrt -o lux --ray-file lamp.tm25ray --rays 9")
         .refused(2, &["lamp.tm25ray", "input"]);
     assert_eq!(folder.bytes("lamp.tm25ray"), bytes);
+}
+
+#[test]
+fn scene_that_no_light_leaves_keeps_an_old_ray_file() {
+    let folder = Folder::new();
+    folder.write("lamp.pbrt", LAMP);
+    folder.write("lamp.tm25ray", "old");
+    let line =
+        "illuminate lamp.pbrt --room 2 2 2 --cells 2 -o lux --rays 1000 --ray-file lamp.tm25ray --json";
+    let ran = folder.succeed(line);
+    assert!(
+        ran.stderr.contains("no light leaves the scene") && ran.stderr.contains("--room"),
+        "{}",
+        ran.stderr
+    );
+    assert_eq!(folder.bytes("lamp.tm25ray"), b"old");
+    assert_eq!(folder.names(), ["lamp.pbrt", "lamp.tm25ray", "lux"]);
+    let report = ran.json();
+    assert_eq!(report["designs"][0]["facts"]["ray_file_rays"], 0);
+    let outputs = report["outputs"].as_array().unwrap();
+    assert!(outputs.iter().all(|output| output != "lamp.tm25ray"), "{report}");
+}
+
+#[cfg(unix)]
+#[test]
+fn pipe_is_refused_as_a_ray_file() {
+    let folder = Folder::new();
+    folder.write("lamp.pbrt", LAMP);
+    assert!(Command::new("mkfifo").arg(folder.path("lamp.tm25ray")).status().unwrap().success());
+    let line = "illuminate lamp.pbrt -o lux --rays 9 --ray-file lamp.tm25ray";
+    folder.run(line).refused(2, &["lamp.tm25ray", "pipe"]);
+    assert!(!folder.has("lux"));
 }
 
 #[cfg(unix)]

@@ -1,5 +1,7 @@
 //! The task of an inverse design: numbers that may change, and targets.
 
+use std::collections::BTreeMap;
+
 use glanz_math::DVec3;
 use glanz_scene::Location;
 use glanz_scene::description::{
@@ -58,6 +60,17 @@ impl Lowering {
         let offset = list.vec3("offset", &mut self.reporter)?.unwrap_or(DVec3::ZERO);
         let subject = list.subject.clone();
         Ok(ShapeDesign { offset, free, target, subject })
+    }
+
+    /// Refuses free numbers that stay in the list of a shape after its surface was read.
+    pub(super) fn check_free(&mut self, design: &ShapeDesign, list: &ParameterList) -> ParseResult<()> {
+        match &design.free {
+            Some(free) if can_be_free(&free.name) && list.has(&free.name) => {
+                let help = "this shape does not use these numbers, or they are given twice";
+                Err(self.not_free(free, &design.subject, help))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Adds the design of a shape that is about to be added to the current group.
@@ -121,32 +134,10 @@ impl Lowering {
             };
             return Err(self.reporter.error_with_help(&place, "design", message, Some(help.to_owned())));
         };
-        let (declaration, kind, count) = (numbers.place, numbers.kind, numbers.values.len());
-        let first = numbers.value_place.location;
-        if declaration.location.file != list.place.location.file || declaration.offset < list.place.offset {
-            let message = format!("{}: the free {:?} stands in an Attribute", list.subject, shortened(&name));
-            let help = "write it into the shape or light itself: the numbers of an Attribute are those of all that follows it";
-            return Err(self.reporter.error_with_help(
-                &declaration,
-                "design",
-                message,
-                Some(help.to_owned()),
-            ));
-        }
-        if first.file != FileId(0) {
-            let message = format!("{}: free numbers stand in an included file", list.subject);
-            let help = Some("move the shape into the scene file itself, which is written anew".to_owned());
-            return Err(self.reporter.error_with_help(&place, "design", message, help));
-        }
-        if kind == ParameterType::Integer {
-            let message = format!("{}: {:?} is free, but of type integer", list.subject, shortened(&name));
-            let kind = match name.as_str() {
-                "P" | "from" => "point3",
-                "offset" => "vector3",
-                _ => "float",
-            };
-            let help = Some(format!("write it as \"{kind} {}\", which may have fractions", shortened(&name)));
-            return Err(self.reporter.error_with_help(&declaration, "parameter-type", message, help));
+        let (first, count) = (numbers.value_place.location, numbers.values.len());
+        // Other names are refused whatever their numbers are.
+        if can_be_free(&name) {
+            self.check_free_numbers(list, numbers, &place)?;
         }
         let directions = self.free_directions(list)?;
         let range_place = list.value_place("freerange");
@@ -164,11 +155,51 @@ impl Lowering {
         Ok(Some(FreeNumbers { name, place, first, count, indices: None, directions, range, groups }))
     }
 
+    /// Refuses numbers that cannot be replaced where they stand, or not by fractions. `place`: that of `free`.
+    fn check_free_numbers(
+        &mut self,
+        list: &ParameterList,
+        numbers: &Parameter,
+        place: &Span,
+    ) -> ParseResult<()> {
+        let (declaration, name) = (numbers.place, numbers.name.as_str());
+        if declaration.location.file != list.place.location.file || declaration.offset < list.place.offset {
+            let message = format!("{}: the free {name:?} stands in an Attribute", list.subject);
+            let help = "write it into the shape or light itself: the numbers of an Attribute are those of all that follows it";
+            let help = Some(help.to_owned());
+            return Err(self.reporter.error_with_help(&declaration, "design", message, help));
+        }
+        if numbers.value_place.location.file != FileId(0) {
+            let message = format!("{}: free numbers stand in an included file", list.subject);
+            let help = Some("move the shape into the scene file itself, which is written anew".to_owned());
+            return Err(self.reporter.error_with_help(place, "design", message, help));
+        }
+        if numbers.kind == ParameterType::Integer {
+            let message = format!("{}: {name:?} is free, but of type integer", list.subject);
+            let kind = match name {
+                "P" | "from" => "point3",
+                "offset" => "vector3",
+                _ => "float",
+            };
+            let help = Some(format!("write it as \"{kind} {name}\", which may have fractions"));
+            return Err(self.reporter.error_with_help(&declaration, "parameter-type", message, help));
+        }
+        Ok(())
+    }
+
     /// The unit vectors along which numbers are free.
     fn free_directions(&mut self, list: &mut ParameterList) -> ParseResult<Vec<DVec3>> {
         let Some((p, vectors)) = list.vec3s("freedirection", &mut self.reporter)? else {
             return Ok(vec![DVec3::Z]);
         };
+        if vectors.len() > 3 {
+            let message = format!(
+                "{}: \"freedirection\" has {} vectors; 1 to 3 are needed",
+                list.subject,
+                vectors.len()
+            );
+            return Err(self.reporter.error(&p.value_place, "parameter-count", message));
+        }
         let units: Option<Vec<DVec3>> = vectors.iter().map(|vector| vector.try_normalize()).collect();
         let units = units.filter(|units| !units.is_empty()).ok_or_else(|| {
             let message = format!("{}: \"freedirection\" needs vectors that are not zero", list.subject);
@@ -241,24 +272,27 @@ impl Lowering {
                 return Err(self.reporter.error_with_help(&p.value_place, "parameter-count", message, help));
             }
         };
-        let mut numbers: Vec<i32> = groups.iter().copied().filter(|group| *group >= 0).collect();
-        numbers.sort_unstable();
-        numbers.dedup();
-        let mut variables = Vec::new();
-        for number in numbers {
-            let is_member = |point: usize| groups.get(point) == Some(&number);
-            let moved = points.iter().enumerate().filter(|(corner, _)| is_member(free.point(*corner)));
-            let moved: Vec<usize> = moved.map(|(_, (index, _))| *index).collect();
-            // The list may have points that no patch has.
-            if moved.is_empty() {
-                continue;
+        // Of each group, its points in the list and the control points that these are.
+        let mut members: BTreeMap<i32, [Vec<usize>; 2]> = BTreeMap::new();
+        for (point, group) in groups.iter().enumerate().filter(|(_, group)| **group >= 0) {
+            let [listed, _] = members.entry(*group).or_default();
+            listed.push(point);
+        }
+        for (corner, (index, _)) in points.iter().enumerate() {
+            if let Some(group) = groups.get(free.point(corner))
+                && let Some([_, moved]) = members.get_mut(group)
+            {
+                moved.push(*index);
             }
-            let position = |point: usize| match points.get(point) {
-                Some((_, weight)) if is_weighted => (4 * point, *weight),
-                _ => (3 * point, 1.0),
-            };
-            let positions: Vec<(usize, f64)> =
-                (0..count).filter(|&point| is_member(point)).map(position).collect();
+        }
+        let position = |point: usize| match points.get(point) {
+            Some((_, weight)) if is_weighted => (4 * point, *weight),
+            _ => (3 * point, 1.0),
+        };
+        let mut variables = Vec::new();
+        // The list may have points that no patch has.
+        for [listed, moved] in members.into_values().filter(|[_, moved]| !moved.is_empty()) {
+            let positions: Vec<(usize, f64)> = listed.into_iter().map(position).collect();
             let quantity = VariableQuantity::ControlPoints { shape, points: moved };
             variables.extend(free.along_directions(&quantity, &positions));
         }
@@ -333,6 +367,11 @@ impl Lowering {
         }
         Ok(TargetKind::Values { cells, values })
     }
+}
+
+/// Whether numbers of this name are free in any shape or light.
+fn can_be_free(name: &str) -> bool {
+    matches!(name, "P" | "Pw" | "offset" | "radius" | "from")
 }
 
 impl FreeNumbers {

@@ -176,7 +176,7 @@ impl Lowering {
         })
     }
 
-    /// The surface finish of a smooth mirror, an extension.
+    /// The surface finish of a smooth mirror, an extension; `None` for one that scatters nothing, too.
     fn finish(&mut self, list: &mut ParameterList) -> ParseResult<Option<SurfaceFinish>> {
         let Some((parameter, kind)) = list.text_parameter("finish", &mut self.reporter)? else {
             return Ok(None);
@@ -203,8 +203,9 @@ impl Lowering {
             }
         };
         let key = format!("{model:?}");
+        let scatters = |finish: &SurfaceFinish| finish.total_scatter() > 0.0;
         if let Some(finish) = self.finishes.get(&key) {
-            return Ok(Some(finish.clone()));
+            return Ok(Some(finish.clone()).filter(scatters));
         }
         let finish = SurfaceFinish::try_new(model).map_err(|error| {
             let wrong = match error {
@@ -216,7 +217,7 @@ impl Lowering {
             self.reporter.error(&place, "parameter-range", format!("{}: {error}", list.subject))
         })?;
         self.finishes.insert(key, finish.clone());
-        Ok(Some(finish))
+        Ok(Some(finish).filter(scatters))
     }
 
     fn dielectric(

@@ -75,6 +75,7 @@ impl Lowering {
         let trim = self.trim(&mut list)?;
         let solid = list.integer_from("solid", 0, &mut self.reporter)?;
         let receiver = self.receiver(&mut list)?;
+        self.check_free(&design, &list)?;
         list.finish(&mut self.reporter);
         let material = match context.material {
             Some(index) => index,

@@ -38,6 +38,9 @@ pub use write::RayWriter;
 /// Magic number of a ray file.
 pub const MAGIC: &[u8] = b"TM25";
 
+/// Unit of positions in files, metres.
+const MILLIMETRE: f64 = 1e-3;
+
 /// Error of reading a ray file.
 #[derive(Debug, thiserror::Error)]
 #[error("byte {offset}: {kind}")]
@@ -202,8 +205,7 @@ struct RayColumns<'a> {
 
 impl RayColumns<'_> {
     fn ray(&mut self, header: &RayFileHeader) -> Result<RayRecord, Tm25ErrorKind> {
-        const METRES: f64 = 1e-3;
-        let position = DVec3::from_array(self.finite("position")?.map(f64::from)) * METRES;
+        let position = DVec3::from_array(self.finite("position")?.map(f64::from)) * MILLIMETRE;
         let direction = DVec3::from_array(self.finite("direction")?.map(f64::from));
         let length = direction.length();
         if (length - 1.0).abs() > UNIT_LENGTH {

@@ -4,7 +4,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
 use glanz_math::DVec3;
 
-use super::{MAGIC, SourceDescriptions};
+use super::{MAGIC, MILLIMETRE, SourceDescriptions};
 
 /// Offset of the luminous flux in the header, after the magic number, the version and the creation method.
 const FLUX_OFFSET: u64 = 12;
@@ -73,8 +73,7 @@ impl<W: Write + Seek> RayWriter<W> {
     /// # Errors
     /// Those of the output.
     pub fn ray(&mut self, position: DVec3, direction: DVec3, lumens: f32) -> io::Result<()> {
-        const MILLIMETRES: f64 = 1e3;
-        let [x, y, z] = (position * MILLIMETRES).as_vec3().to_array();
+        let [x, y, z] = (position / MILLIMETRE).as_vec3().to_array();
         let [dx, dy, dz] = direction.as_vec3().to_array();
         self.out.write_all([x, y, z, dx, dy, dz, lumens].map(f32::to_le_bytes).as_flattened())?;
         self.count += 1;

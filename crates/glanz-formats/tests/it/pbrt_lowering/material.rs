@@ -366,6 +366,9 @@ fn mirrors_have_a_finish_whose_scatter_is_at_most_all_light() {
     let abg = "\"string finish\" \"abg\" \"float A\" .001 \"float B\" .01 \"float g\" 2";
     let MaterialKind::Conductor(metal) = material(&format!("\"conductor\" {abg}")) else { panic!() };
     assert_eq!(metal.finish.unwrap().model(), FinishModel::Abg { a: 0.001, b: 0.01, g: 2.0 });
+    // One that scatters nothing is none.
+    let none = material("\"mirror\" \"string finish\" \"gaussian\" \"float sigma\" .01 \"float fraction\" 0");
+    assert!(matches!(none, MaterialKind::Mirror(MirrorMaterial { finish: None, .. })));
     for (parameters, place, message) in [
         ("\"string finish\" \"abg\" \"float A\" .9 \"float B\" .01 \"float g\" 2", 51, "scatter is 13.04"),
         ("\"string finish\" \"abg\" \"float A\" .9 \"float B\" 0 \"float g\" 2", 64, "B is 0; it must be"),

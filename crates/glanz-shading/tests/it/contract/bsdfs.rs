@@ -36,7 +36,7 @@ fn lasting<T>(part: T) -> &'static T {
 
 /// A mirror with a surface finish.
 pub(super) fn finished(reflectance: Spectrum, model: FinishModel) -> Bsdf<'static> {
-    Bsdf::Mirror(Mirror { reflectance, finish: SurfaceFinish::try_new(model).ok().map(lasting) })
+    Bsdf::Mirror(Mirror { reflectance, finish: Some(lasting(SurfaceFinish::try_new(model).unwrap())) })
 }
 
 /// Scattering of the light by about a half, wide enough for the cells of the tests.
@@ -46,7 +46,7 @@ pub(super) fn polished_gold() -> Bsdf<'static> {
     let [eta, k] = GOLD.map(Spectrum::from_rgb);
     let metal = ConductorFresnel { eta, k, tint: WHITE };
     let metal = Conductor::new(metal, MicrofacetDistribution::SMOOTH, true);
-    Bsdf::Conductor(metal.with_finish(SurfaceFinish::try_new(ABG).ok().map(lasting)))
+    Bsdf::Conductor(metal.with_finish(Some(lasting(SurfaceFinish::try_new(ABG).unwrap()))))
 }
 
 pub(super) const GOLD: [[f32; 3]; 2] = [[0.143, 0.375, 1.442], [3.983, 2.386, 1.603]];
