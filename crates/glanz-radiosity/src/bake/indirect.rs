@@ -20,7 +20,7 @@ use super::receiver::BakeReceiver;
 use crate::charts::BLOCK_SIDE;
 
 /// Largest side of a block relative to the mean distance of its surroundings, which bounds the change of light within it (@ward1988).
-const MAX_SIDE_RATIO: f64 = 0.5;
+const MAX_SIDE_RATIO: f64 = 0.25;
 
 /// Largest difference between the light at the corner of a block and that between the corners of a block of twice its side, relative to the
 /// light. Where light is smooth, its difference within the smaller block is a quarter.
