@@ -89,7 +89,7 @@ pub(super) fn inner_walls<'s, 'a>(
     }
     // Of equal faces, the first one counts.
     walls.sort_by(|a, b| b.outline.length().total_cmp(&a.outline.length()));
-    let lines: Vec<WallLine> = walls.iter().map(|wall| WallLine::of(&wall.outline)).collect();
+    let lines: Vec<WallSegment> = walls.iter().map(|wall| WallSegment::of(&wall.outline)).collect();
     let near = NEAR * size.length();
     let reach = (BORDER * size.truncate().min_element()).min(0.5 * THICKEST_WALL);
     let is_floor = |point: DVec2| floor.iter().any(|polygon| holds(polygon, point));
@@ -100,7 +100,7 @@ pub(super) fn inner_walls<'s, 'a>(
         let inwards = reach * pair.gap.normalize_or_zero();
         !is_floor(pair.at - inwards) && is_floor(pair.at + pair.gap + inwards)
     };
-    let is_inner = |number: usize, line: &WallLine| {
+    let is_inner = |number: usize, line: &WallSegment| {
         let others = lines.iter().enumerate().filter(|(other, _)| *other != number);
         let behind = others.filter_map(|(other, face)| {
             let pair = line.pair(face)?;
@@ -113,7 +113,7 @@ pub(super) fn inner_walls<'s, 'a>(
 }
 
 /// An upright face from above.
-struct WallLine {
+struct WallSegment {
     /// One end, metres.
     from: DVec2,
     /// Unit direction to the other end; 0 without length.
@@ -132,7 +132,7 @@ struct FacePair {
     gap: DVec2,
 }
 
-impl WallLine {
+impl WallSegment {
     fn of(outline: &ShapeOutline) -> Self {
         let [from, to] = outline.ends();
         Self { from, direction: (to - from).normalize_or_zero(), length: from.distance(to) }
