@@ -65,22 +65,6 @@ pub(super) struct DividedCell<'a, P> {
     pub(super) squares: &'a [IntegrationRect],
 }
 
-impl<P: CellPatch> DividedCell<'_, P> {
-    /// m^2.
-    fn area(&self) -> f64 {
-        let of_square = |square: &IntegrationRect| {
-            let size = square.size();
-            let at = |at: DVec2| {
-                let area =
-                    (self.patch)(square.min + size * at).map_or(0.0, |(.., area_element)| area_element);
-                [area * size.element_product()]
-            };
-            rule(&THREE, at)[0]
-        };
-        self.squares.iter().map(of_square).sum()
-    }
-}
-
 impl Reflections<'_> {
     /// The mean of [`Reflections::illuminance`] over a part of a surface.
     ///
@@ -103,8 +87,7 @@ impl Reflections<'_> {
         loop {
             let left_out: Vec<usize> = shadows.iter().map(ShadowSum::source).collect();
             let share = if left_out.is_empty() { 1.0 } else { SMOOTH_SHARE };
-            let lit =
-                shadows.iter().map(|sum| sum.flux()[0]).sum::<f64>() / cell.area().max(f64::MIN_POSITIVE);
+            let lit: f64 = shadows.iter().map(|sum| sum.mean()[0]).sum();
             let of_smooth =
                 Tolerance { relative: share * relative, absolute: share * absolute.max(relative * lit) };
             let SmoothMean { mut mean, shadow } = self.smooth_mean(&cell, of_smooth, points, &left_out);
@@ -113,13 +96,12 @@ impl Reflections<'_> {
                 continue;
             }
             if mean.area > 0.0 {
-                let allowed = absolute.max(relative * (mean.mean + lit)) * mean.area;
-                let allowed = (1.0 - SMOOTH_SHARE) * allowed / shadows.len() as f64;
+                let allowed = (1.0 - SMOOTH_SHARE) * absolute.max(relative * (mean.mean + lit));
                 for sum in &mut shadows {
-                    sum.converge(self, &cell, allowed);
-                    let [flux, error] = sum.flux();
-                    mean.mean += flux / mean.area;
-                    mean.error += error / mean.area;
+                    sum.converge(self, &cell, allowed / left_out.len() as f64);
+                    let [lux, error] = sum.mean();
+                    mean.mean += lux;
+                    mean.error += error;
                 }
             }
             return mean;

@@ -214,7 +214,7 @@ impl<'a> Reflections<'a> {
     }
 
     /// Leaves out lights, or the light of mirrors, whose integration over the cells of `receivers` takes more work than random methods need for errors of 1 %:
-    /// emitters where something hides a part of them; curved mirrors; more than three million shadow rays per point of all cells; 64 rectangles of mirrors per point in the middles of some cells, or 5000 in all
+    /// emitters where something hides a part of them; curved mirrors; more than three million shadow rays per point of all squares of the cells; 64 rectangles of mirrors per point in the middles of some cells, or 5000 in all
     /// cells. By the threads of the current pool.
     #[must_use]
     pub fn without_costly(mut self, receivers: &Receivers, tolerance: Tolerance) -> Self {
@@ -226,15 +226,17 @@ impl<'a> Reflections<'a> {
         let placed = self.scene.placed_surfaces();
         // Half shadows converge slowly, and their borders are rays that touch surfaces, which cost most.
         self.integrates_shadows = false;
-        let squares = |&(receiver, cell): &(&Receiver, usize)| {
-            let surface = placed.get(receiver.surface() as usize)?;
-            Some(self.around_lights(&cells::patch(receiver, surface, cell)).len())
+        let squares = |reflections: &Self| -> usize {
+            let count = |&(receiver, cell): &(&Receiver, usize)| {
+                let surface = placed.get(receiver.surface() as usize)?;
+                Some(reflections.around_lights(&cells::patch(receiver, surface, cell)).len())
+            };
+            cells.par_iter().filter_map(count).sum()
         };
-        let squares: usize = cells.par_iter().filter_map(squares).sum();
-        if self.points.len() * squares > MOST_RAYS {
+        if !self.points.is_empty() && self.points.len() * squares(&self) > MOST_RAYS {
             self.points.clear();
         }
-        if direct::RAYS * self.emitters.len() * squares > MOST_RAYS {
+        if direct::RAYS * self.emitters.len() * squares(&self) > MOST_RAYS {
             (self.emitters, self.emitter_lights) = (Vec::new(), Vec::new());
         }
         // The search for images in curved mirrors alone takes as long as particles.
@@ -247,8 +249,9 @@ impl<'a> Reflections<'a> {
             let at = receiver.place(surface, cell, DVec2::splat(0.5))?;
             let (receiver, origin) = self.receiving(at.position, at.normal);
             let (direct, shadow) = self.direct(receiver, origin, tolerance, 0, &[]);
-            // The light of cells in half shadows is left to random methods anyway.
-            shadow.is_none().then(|| self.reflected(receiver, origin, direct, tolerance, 4 * MIRROR_EFFORT).1)
+            // Points in half shadows are not integrated exactly.
+            let budget = if shadow.is_some() { 0 } else { 4 * MIRROR_EFFORT };
+            Some(self.reflected(receiver, origin, direct, tolerance, budget).1)
         };
         let efforts: Vec<usize> = probes.collect::<Vec<_>>().into_par_iter().filter_map(effort).collect();
         let effort = efforts.iter().sum::<usize>() / efforts.len().max(1);

@@ -16,6 +16,8 @@ use super::{Reflections, direct};
 const COPIES: usize = 16;
 /// Standard errors that bound the error: for fifteen degrees of freedom, 99 % of Student's distribution.
 const BOUND: f64 = 3.0;
+/// Upper limit of the mean number of points at which none is found, with 95 %.
+const UNSEEN: f64 = 3.0;
 /// Points of a copy, in all squares of the cell, by which shadows are found.
 const FIRST_POINTS: usize = 16;
 /// Largest number of rays for one light and cell.
@@ -27,8 +29,9 @@ pub(super) struct ShadowSum {
     source: usize,
     /// Points of a copy in a square.
     points: u32,
-    /// Sums over the points, lm times the number of points.
-    fluxes: [f64; COPIES],
+    squares: usize,
+    /// Sums over the points on the surface: their illuminance, and that as if nothing hid the light, lm, and their area, m^2, each times the number of points.
+    sums: [[f64; 3]; COPIES],
     is_open: bool,
     is_hidden: bool,
 }
@@ -40,7 +43,14 @@ impl ShadowSum {
         cell: &DividedCell<'_, P>,
         source: usize,
     ) -> Self {
-        let mut sum = Self { source, points: 0, fluxes: [0.0; COPIES], is_open: false, is_hidden: false };
+        let mut sum = Self {
+            source,
+            points: 0,
+            squares: cell.squares.len(),
+            sums: [[0.0; 3]; COPIES],
+            is_open: false,
+            is_hidden: false,
+        };
         let first = FIRST_POINTS.div_ceil(cell.squares.len().max(1)).next_power_of_two();
         sum.extend(reflections, cell, first as u32);
         sum
@@ -55,16 +65,25 @@ impl ShadowSum {
         self.is_open && self.is_hidden
     }
 
-    /// Mean of the copies and the bound on its error, lm.
-    pub(super) fn flux(&self) -> [f64; 2] {
-        let per_point = 1.0 / f64::from(self.points.max(1));
-        let mean = self.fluxes.iter().sum::<f64>() / COPIES as f64;
-        let squares = self.fluxes.iter().map(|flux| (flux - mean).powi(2)).sum::<f64>();
-        let error = (squares / (COPIES * (COPIES - 1)) as f64).sqrt();
-        [mean * per_point, BOUND * error * per_point]
+    /// Mean over the part of the cell that is on the surface, and the bound on its error, lx.
+    ///
+    /// The same points have the flux and the area, whose errors at the rim of the surface cancel.
+    pub(super) fn mean(&self) -> [f64; 2] {
+        let [flux, whole, area] = [0, 1, 2].map(|k| self.sums.iter().map(|sums| sums[k]).sum::<f64>());
+        if area <= 0.0 {
+            return [0.0; 2];
+        }
+        let mean = flux / area;
+        let squares = self.sums.iter().map(|[flux, _, area]| (flux - mean * area).powi(2)).sum::<f64>();
+        let count = COPIES as f64;
+        let spread = BOUND * (squares * count / (count - 1.0)).sqrt();
+        // A border that no point has found yet is smaller than three points with a probability of 95 %.
+        let all = count * f64::from(self.points) * self.squares as f64;
+        let unseen = if self.is_border() { 0.0 } else { UNSEEN / all * whole };
+        [mean, (spread + unseen) / area]
     }
 
-    /// Doubles the points until the bound is below `allowed`, lm, or there are too many.
+    /// Doubles the points until the bound is below `allowed`, lx, or there are too many.
     pub(super) fn converge<P: CellPatch>(
         &mut self,
         reflections: &Reflections<'_>,
@@ -72,7 +91,7 @@ impl ShadowSum {
         allowed: f64,
     ) {
         let per_point = COPIES * cell.squares.len();
-        while self.flux()[1] > allowed && 2 * self.points as usize * per_point <= MOST_RAYS {
+        while self.mean()[1] > allowed && 2 * self.points as usize * per_point <= MOST_RAYS {
             self.extend(reflections, cell, 2 * self.points);
         }
     }
@@ -85,19 +104,22 @@ impl ShadowSum {
     ) {
         for (number, square) in (0..).zip(cell.squares) {
             let size = square.size();
-            for (copy, sum) in (0..).zip(&mut self.fluxes) {
+            for (copy, [flux, whole, area]) in (0..).zip(&mut self.sums) {
                 let sequence = ScrambledSobol::new(combine(combine(self.source as u64, number), copy));
                 for index in self.points..points {
                     let [u, v, s, t] = sequence.point(index.reverse_bits()).map(unit);
                     let at = square.min + size * DVec2::new(u, v);
                     let Some((point, normal, area_element)) = (cell.patch)(at) else { continue };
+                    let element = area_element * size.element_product();
+                    *area += element;
                     let Some((lux, is_seen)) =
                         reflections.sampled(self.source, point, normal, DVec2::new(s, t))
                     else {
                         continue;
                     };
+                    *whole += lux * element;
                     if is_seen {
-                        *sum += lux * area_element * size.x * size.y;
+                        *flux += lux * element;
                     }
                     self.is_open |= is_seen;
                     self.is_hidden |= !is_seen;

@@ -458,6 +458,21 @@ fn cells_at_the_edge_of_a_hard_shadow_have_the_flux_of_their_lit_part() {
 }
 
 #[test]
+fn shadows_on_cells_at_the_rim_of_a_surface_have_the_mean_over_its_part() {
+    // As before, on the part of the cell left of x = 0.1, of which Gauss' points know the area badly.
+    let scene = scene_with(vec![curtain(true)], vec![lit_by_point()]);
+    let (whole, tolerance) = (cell([-1.0, 1.0]), Tolerance { relative: 1e-3, absolute: 0.0 });
+    let patch = |uv| whole(uv).filter(|(point, ..)| point.x < 0.1);
+    let mean = Reflections::new(&scene).unwrap().cell_mean(patch, tolerance, 100);
+    let solid_angle = 2.0 * (0.1_f64 / (2.0 * (5.0_f64 + 0.01).sqrt())).atan();
+    let expected = LUMINANCE * 2.0 * solid_angle / (2.0 * 1.1);
+    assert!(
+        (mean.mean - expected).abs() <= mean.error && mean.error <= 1e-3 * mean.mean,
+        "{mean:?} {expected}"
+    );
+}
+
+#[test]
 fn half_shadows_of_both_halves_of_a_plane_add_up_to_the_whole_light() {
     let lamps = [
         emitter(turned(rectangle([-0.3, 0.2], [-0.4, 0.4]), [0.0, 0.0, 2.0])),

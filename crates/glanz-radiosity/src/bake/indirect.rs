@@ -26,6 +26,9 @@ const MAX_SIDE_RATIO: f64 = 0.25;
 /// light. Where light is smooth, its difference within the smaller block is a quarter.
 const MAX_DEVIATION: f32 = 0.01;
 
+/// Largest difference between the light at the corners of such a block, relative to its sum.
+const MAX_LINEAR_DIFFERENCE: f32 = 0.1;
+
 /// Texels for which light is gathered between two reports of progress.
 const TEXELS_AT_ONCE: usize = 4096;
 
@@ -205,6 +208,8 @@ impl<'a> TexelFiller<'a> {
                     let is_even = differ_by_at_most(&corners, division.max_difference);
                     let is_linear =
                         whole.is_some_and(|(whole, of)| is_bilinear(&block, &corners, &whole, &of));
+                    // A step in the middle of the block before is linear in its corners and its middle, too.
+                    let is_linear = is_linear && differ_by_at_most(&corners, MAX_LINEAR_DIFFERENCE);
                     (is_even || is_linear) && is_far_from_others(gather, &block, &corners)
                 };
                 if is_fine || is_smooth() {
