@@ -227,7 +227,7 @@ mod tests {
 
     #[test]
     fn other_light_is_distinguished() {
-        let settings = BakeSettings::default();
+        let settings = BakeSettings { density: 25.0, ..BakeSettings::default() };
         let identity = LightIdentity::new(7, settings);
         assert_eq!(identity.check(&identity.clone()), Ok(()));
         assert!(identity.check_scene(8).unwrap_err().to_string().contains("the scene"));
