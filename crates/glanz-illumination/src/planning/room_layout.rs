@@ -83,8 +83,8 @@ pub struct ReceiverPlace {
 
 /// A room from above.
 ///
-/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, without what only lies on them and without tops and undersides of walls; walls are upright flat shapes nearly as
-/// high as the room at the border of floor, ceiling or the box around the room, of whose two faces up to 0.6 m apart only the one with floor in front of it counts if the other has none; all other
+/// z is up. Floor and ceiling are the level shapes at the lowest and the highest point, without what only lies on them and without tops and undersides of walls that are boxes or meshes (each face of a solid of a
+/// STEP or IGES file is a shape of its own, so that those of its walls belong to floor, ceiling or furniture); walls are upright flat shapes nearly as high as the room at the border of floor, ceiling or the box around the room, of whose two faces up to 0.6 m apart only the one with floor in front of it counts if the other has none; all other
 /// shapes are furniture, which is represented by convex outlines. Surfaces that emit light belong to none of these, unless there are no others. A scene without finite shapes has the box of its receivers, luminaires and lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoomLayout {
@@ -175,7 +175,7 @@ impl RoomLayout {
         let [low, high] = self.corners;
         let (size, near) = (high - low, NEAR * (high - low).length());
         let tall = tall_faces(shapes, size);
-        let ends = WallEnds::of(&tall, size);
+        let ends = WallEnds::of(&tall, [low, high]);
         let parts = |height: f64| -> Vec<&RoomShape<'_>> {
             let is_part = |shape: &&RoomShape<'_>| {
                 shape.outline.is_level(near) && (shape.outline.height[0] - height).abs() <= near
@@ -192,7 +192,7 @@ impl RoomLayout {
             [[low.x, low.y], [high.x, low.y], [high.x, high.y], [low.x, high.y]].map(DVec2::from).into(),
         );
         let walls = walls(tall, &border, size);
-        let ends = WallEnds::of(&walls, size);
+        let ends = WallEnds::of(&walls, [low, high]);
         let is_end = |shape: &RoomShape<'_>| shape.outline.is_level(near) && ends.contains(shape);
         let of_room = [&floor, &ceiling, &walls].into_iter().flatten();
         let of_room: HashSet<*const RoomShape<'_>> =
@@ -624,6 +624,99 @@ mod tests {
         assert_eq!(room.furniture.len(), 8);
         // A cube of 0.5 m, whose floor is no wider than a wall, is a room, too.
         assert_areas(&of_shapes([ShapeDescription::cuboid([0.0; 3], [0.5; 3])]), 0.25, 1.0, 0.25);
+    }
+
+    /// A rectangle in a mesh, at a height.
+    fn level([x0, y0]: [f64; 2], [x1, y1]: [f64; 2], z: f64) -> [[f64; 3]; 4] {
+        [[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]]
+    }
+
+    /// A wall of 3 m height between two points, in a mesh.
+    fn side([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> [[f64; 3]; 4] {
+        [[x0, y0, 0.0], [x1, y1, 0.0], [x1, y1, 3.0], [x0, y0, 3.0]]
+    }
+
+    /// A mesh of two triangles for each of some quadrilaterals.
+    fn mesh_of(quads: &[[[f64; 3]; 4]]) -> ShapeDescription {
+        let points = quads.iter().flatten().map(|point| DVec3::from(*point)).collect();
+        let first = (0..quads.len() as u32).map(|number| 4 * number);
+        let faces = first.flat_map(|i| [[i, i + 1, i + 2], [i, i + 2, i + 3]]).collect();
+        ShapeDescription::mesh(points, faces)
+    }
+
+    #[test]
+    fn walls_of_one_mesh_count_by_their_inner_sides_alone() {
+        // 5 m x 4 m x 3 m within, walls of 0.3 m: their top and their underside are rings of 5.76 m2 about 0.3 m wide.
+        let corners = |off: f64| [[-off, -off], [5.0 + off, -off], [5.0 + off, 4.0 + off], [-off, 4.0 + off]];
+        let (inner, outer) = (corners(0.0), corners(0.3));
+        let quads = (0..4).flat_map(|i| {
+            let next = (i + 1) % 4;
+            let ring = [outer[i], outer[next], inner[next], inner[i]];
+            let top = ring.map(|[x, y]| [x, y, 3.0]);
+            let [a, b, c, d] = ring.map(|[x, y]| [x, y, 0.0]);
+            [side(outer[i], outer[next]), side(inner[next], inner[i]), top, [d, c, b, a]]
+        });
+        let mesh = mesh_of(&quads.collect::<Vec<_>>());
+        let room = of_shapes([mesh].into_iter().chain(floor_and_ceiling([0.0; 2], [5.0, 4.0])));
+        assert_areas(&room, 20.0, 54.0, 20.0);
+        assert!(room.walls.len() == 8 && room.furniture.is_empty(), "{:?}", room.furniture);
+    }
+
+    #[test]
+    fn desk_tops_in_the_mesh_of_a_room_are_furniture() {
+        // Two of 1.6 m x 0.5 m in one plane, narrower than the thickest wall.
+        let mut quads = vec![
+            level([0.0; 2], [5.0, 4.0], 0.0),
+            level([0.0; 2], [5.0, 4.0], 3.0),
+            level([0.5, 0.5], [2.1, 1.0], 0.75),
+            level([2.9, 0.5], [4.5, 1.0], 0.75),
+        ];
+        let corners = [[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]];
+        quads.extend((0..4).map(|i| side(corners[i], corners[(i + 1) % 4])));
+        let room = of_shapes([mesh_of(&quads)]);
+        assert_areas(&room, 20.0, 54.0, 20.0);
+        assert_eq!((room.walls.len(), room.furniture.len()), (4, 1));
+    }
+
+    #[test]
+    fn furniture_that_stands_a_little_in_a_wall_covers_no_floor() {
+        // Its underside reaches 1 cm beyond the floor of 5 m x 4 m.
+        let cabinet = ShapeDescription::cuboid([1.0, -0.01, 0.0], [3.0, 0.59, 0.9]);
+        let walls = around([[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]]);
+        let room = of_shapes(walls.chain([cabinet]).chain(floor_and_ceiling([0.0; 2], [5.0, 4.0])));
+        assert_areas(&room, 20.0, 54.0, 20.0);
+        assert_eq!(room.furniture.len(), 6);
+    }
+
+    #[test]
+    fn closets_keep_the_wall_behind_them() {
+        // 4 m x 0.55 m, no deeper than the thickest wall, and a room of 4 m x 4 m, with 0.1 m between them.
+        let rooms = [[[0.0, 0.0], [4.0, 0.55]], [[0.0, 0.65], [4.0, 4.65]]];
+        let shapes = rooms.into_iter().flat_map(|[[x0, y0], [x1, y1]]| {
+            around([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]).chain(floor_and_ceiling([x0, y0], [x1, y1]))
+        });
+        // 2 x (4 + 0.55) x 3 m2 and 2 x (4 + 4) x 3 m2.
+        assert_areas(&of_shapes(shapes), 18.2, 75.3, 18.2);
+    }
+
+    #[test]
+    fn outer_faces_behind_the_end_of_a_partition_do_not_count() {
+        // Two rooms of 4 m x 3 m with 0.1 m between them, and walls of 0.15 m along both.
+        let floors = [[[0.0, 0.0], [4.0, 3.0]], [[4.1, 0.0], [8.1, 3.0]]];
+        let floors = floors.into_iter().flat_map(|[from, to]| floor_and_ceiling(from, to));
+        let walls = [
+            [[0.0, 0.0], [8.1, 0.0]],
+            [[0.0, 3.0], [8.1, 3.0]],
+            [[0.0, -0.15], [8.1, -0.15]],
+            [[0.0, 3.15], [8.1, 3.15]],
+            [[0.0, 0.0], [0.0, 3.0]],
+            [[4.0, 0.0], [4.0, 3.0]],
+            [[4.1, 0.0], [4.1, 3.0]],
+            [[8.1, 0.0], [8.1, 3.0]],
+        ];
+        let walls = walls.map(|[from, to]| upright(from, to));
+        // 2 x 8.1 x 3 m2 and 4 x 3 x 3 m2.
+        assert_areas(&of_shapes(floors.chain(walls)), 24.0, 84.6, 24.0);
     }
 
     #[test]

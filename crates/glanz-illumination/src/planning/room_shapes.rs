@@ -96,6 +96,21 @@ impl<'a> RoomShape<'a> {
         self.faces.iter().map(|&face| each(face)).sum()
     }
 
+    /// Width of a rectangle with its area and perimeter, which also has the width of a ring, metres; of a level shape that is curved or trimmed, its area
+    /// divided by its length.
+    pub(super) fn width(&self) -> f64 {
+        let area = self.area();
+        if self.face_polygons().is_none() {
+            let length = self.outline.length();
+            return if length > 0.0 { area / length } else { 0.0 };
+        }
+        // Width and length are the roots of w^2 - half w + area, where half is their sum.
+        let outlines = joint_outlines(&[self]);
+        let sides = outlines.iter().flat_map(|outline| outline.iter().zip(outline.iter().cycle().skip(1)));
+        let half = 0.5 * sides.map(|(from, to)| from.distance(*to)).sum::<f64>();
+        0.5 * (half - (half * half - 4.0 * area).max(0.0).sqrt())
+    }
+
     /// Its mean luminous reflectance at right angles, of which holes reflect nothing, on the side that faces `middle`; `None` if it is unknown.
     pub(super) fn reflectance(&self, scene: &Scene, middle: DVec3) -> Option<f64> {
         let wavelengths = Wavelengths::default();
@@ -241,8 +256,8 @@ pub(super) fn uncovered<'s, 'a>(mut shapes: Vec<&'s RoomShape<'a>>) -> Vec<&'s R
 
 /// Whether others cover the polygons of a shape, by the middle of each, its corners and the middles of its sides.
 fn is_covered<'c>(shape: &RoomShape<'_>, covers: impl Iterator<Item = &'c PlaneCover> + Clone) -> bool {
-    /// Distance of tested points from the middle, as a share of that of the border, on which coordinates are rounded.
-    const DRAWN_IN: f64 = 0.999;
+    /// Distance of tested points from the middle, as a share of that of the border: coordinates are rounded, and furniture often stands a little in walls.
+    const DRAWN_IN: f64 = 0.9;
     let holds = |point: DVec2| covers.clone().any(|cover| cover.holds(point));
     shape.polygons().iter().all(|polygon| {
         let middle = polygon.iter().sum::<DVec2>() / polygon.len().max(1) as f64;

@@ -24,6 +24,13 @@ const LARGEST_END: f64 = 0.5;
 const PARALLEL: f64 = 0.999;
 const SIDE_BY_SIDE: f64 = 0.5;
 
+/// Places along the part of a face that is beside another, as shares of its length, most of which decide whether it is an outer one: some may lie in a
+/// partition.
+const TESTED_PLACES: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+/// Distance of points right in front of a wall, as a share of that of those in the room, which lie beyond a partition if a closet has no more depth than a wall.
+const RIGHT_IN_FRONT: f64 = 0.1;
+
 /// Largest distance of walls from the border, as a share of the smaller side of the room: walls are thick, and floors may reach below them.
 const BORDER: f64 = 0.05;
 
@@ -54,24 +61,33 @@ pub(super) fn walls<'s, 'a>(
     tall
 }
 
-/// Level parts that are tops and undersides of walls.
+/// Level parts that are tops and undersides of walls, of shapes with several faces: boxes and meshes.
 pub(super) struct WallEnds {
     /// The shapes of the walls.
     shapes: HashSet<ShapeKey>,
+    /// Square metres.
     largest_area: f64,
+    /// Those of floor and ceiling, metres.
+    heights: [f64; 2],
 }
 
 impl WallEnds {
-    /// Those of the shapes with these upright `faces`, in a room of this `size`, metres.
-    pub(super) fn of(faces: &[&RoomShape<'_>], size: DVec3) -> Self {
+    /// Those of the shapes with these upright `faces`, in a room whose box has these lowest and highest corners, metres.
+    pub(super) fn of(faces: &[&RoomShape<'_>], [low, high]: [DVec3; 2]) -> Self {
         let shapes = faces.iter().map(|face| face.key()).collect();
-        Self { shapes, largest_area: LARGEST_END * size.truncate().element_product() }
+        let largest_area = LARGEST_END * (high - low).truncate().element_product();
+        Self { shapes, largest_area, heights: [low.z, high.z] }
     }
 
-    /// Whether a level part is one of them: no wider than the thickest wall.
+    /// Whether a level part is one of them: no wider than the thickest wall, and as near to floor or ceiling as the ends of walls are. In a room of one mesh,
+    /// tops of furniture are parts of the shape of the walls, too.
     pub(super) fn contains(&self, part: &RoomShape<'_>) -> bool {
-        let largest = self.largest_area.min(THICKEST_WALL * part.outline.length());
-        self.shapes.contains(&part.key()) && part.area() <= largest
+        let [low, high] = self.heights;
+        let [bottom, top] = part.outline.height;
+        (top - low).max(high - bottom) >= WALL_HEIGHT * (high - low)
+            && self.shapes.contains(&part.key())
+            && part.area() <= self.largest_area
+            && part.width() <= THICKEST_WALL
     }
 }
 
@@ -98,7 +114,14 @@ pub(super) fn inner_walls<'s, 'a>(
             return comes_first;
         }
         let inwards = reach * pair.gap.normalize_or_zero();
-        !is_floor(pair.at - inwards) && is_floor(pair.at + pair.gap + inwards)
+        let is_outer_at = |share: f64| {
+            let at = pair.from + share * pair.along;
+            let beyond = at + pair.gap;
+            !is_floor(at - inwards)
+                && is_floor(beyond + RIGHT_IN_FRONT * inwards)
+                && is_floor(beyond + inwards)
+        };
+        2 * TESTED_PLACES.into_iter().filter(|share| is_outer_at(*share)).count() > TESTED_PLACES.len()
     };
     let is_inner = |number: usize, line: &WallSegment| {
         let others = lines.iter().enumerate().filter(|(other, _)| *other != number);
@@ -126,9 +149,11 @@ struct WallSegment {
 struct FacePair {
     /// The part of the face that is beside the other, metres from its end.
     part: [f64; 2],
-    /// Middle of that part, metres.
-    at: DVec2,
-    /// From there to the other face, metres.
+    /// One end of that part, metres.
+    from: DVec2,
+    /// From there to the other end of the part, metres.
+    along: DVec2,
+    /// From the middle of the part to the other face, metres.
     gap: DVec2,
 }
 
@@ -147,10 +172,10 @@ impl WallSegment {
         let [a, b] = [other.from, to].map(|end| (end - self.from).dot(self.direction));
         let part = [a.min(b).max(0.0), a.max(b).min(self.length)];
         let [start, end] = part;
-        let at = self.from + 0.5 * (start + end) * self.direction;
+        let (from, along) = (self.from + start * self.direction, (end - start) * self.direction);
         let across = other.direction.perp();
-        let gap = (other.from - at).dot(across) * across;
-        (start < end && gap.length() <= THICKEST_WALL).then_some(FacePair { part, at, gap })
+        let gap = (other.from - (from + 0.5 * along)).dot(across) * across;
+        (start < end && gap.length() <= THICKEST_WALL).then_some(FacePair { part, from, along, gap })
     }
 }
 
