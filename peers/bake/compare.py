@@ -406,7 +406,9 @@ def locate_on_model(parts, points, density):
 
 
 def compare(arguments, folder):
-    results = {"settings": {key: str(value) for key, value in vars(arguments).items()}}
+    # Without the places of programs and folders on this machine.
+    settings = {key: value.name if isinstance(value, pathlib.Path) else value for key, value in vars(arguments).items()}
+    results = {"settings": {key: str(value) for key, value in settings.items() if key not in ("folder", "out")}}
     baked = {density: bake(arguments, folder, density) for density in arguments.density}
     models = {density: read_model(model) for density, (model, _) in baked.items()}
     first, seconds_of_first = baked[arguments.density[0]]
