@@ -386,7 +386,7 @@ class Scene:
     def bake(
         self,
         *,
-        density: float = 25.0,
+        density: float = 50.0,
         rays: int | None = None,
         method: str = "gather",
         interpolation: str | None = None,
@@ -420,7 +420,7 @@ class Scene:
         part: str,
         checkpoint: _Path,
         *,
-        density: float = 25.0,
+        density: float = 50.0,
         rays: int | None = None,
         direct_only: bool = False,
         light_input: _Path | None = None,
