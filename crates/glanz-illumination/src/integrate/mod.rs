@@ -46,6 +46,8 @@ mod shadow;
 mod tree;
 
 #[cfg(test)]
+mod shadow_tests;
+#[cfg(test)]
 mod tests;
 
 use glanz_light::Wavelengths;

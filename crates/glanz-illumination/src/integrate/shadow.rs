@@ -29,6 +29,7 @@ pub(super) struct ShadowSum {
     source: usize,
     /// Points of a copy in a square.
     points: u32,
+    /// Number of squares of the cell.
     squares: usize,
     /// Sums over the points on the surface: their illuminance, and that as if nothing hid the light, lm, and their area, m^2, each times the number of points.
     sums: [[f64; 3]; COPIES],
