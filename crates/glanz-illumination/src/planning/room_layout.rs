@@ -596,6 +596,13 @@ mod tests {
         (0..N).map(move |i| upright(corners[i], corners[(i + 1) % N]))
     }
 
+    /// Rooms between these corners, each with single faces as walls.
+    fn of_rooms(rooms: [[[f64; 2]; 2]; 2]) -> RoomLayout {
+        of_shapes(rooms.into_iter().flat_map(|[[x0, y0], [x1, y1]]| {
+            around([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]).chain(floor_and_ceiling([x0, y0], [x1, y1]))
+        }))
+    }
+
     fn assert_areas(room: &RoomLayout, floor: f64, walls: f64, ceiling: f64) {
         for (kind, area) in [
             (RoomSurfaceKind::Floor, floor),
@@ -691,12 +698,9 @@ mod tests {
     #[test]
     fn closets_keep_the_wall_behind_them() {
         // 4 m x 0.55 m, no deeper than the thickest wall, and a room of 4 m x 4 m, with 0.1 m between them.
-        let rooms = [[[0.0, 0.0], [4.0, 0.55]], [[0.0, 0.65], [4.0, 4.65]]];
-        let shapes = rooms.into_iter().flat_map(|[[x0, y0], [x1, y1]]| {
-            around([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]).chain(floor_and_ceiling([x0, y0], [x1, y1]))
-        });
+        let room = of_rooms([[[0.0, 0.0], [4.0, 0.55]], [[0.0, 0.65], [4.0, 4.65]]]);
         // 2 x (4 + 0.55) x 3 m2 and 2 x (4 + 4) x 3 m2.
-        assert_areas(&of_shapes(shapes), 18.2, 75.3, 18.2);
+        assert_areas(&room, 18.2, 75.3, 18.2);
     }
 
     #[test]
@@ -731,12 +735,9 @@ mod tests {
     #[test]
     fn walls_between_two_rooms_have_two_faces_that_count() {
         // Rooms of 4 m x 3 m and of 4 m x 2 m, with 0.12 m between them.
-        let rooms = [[[0.0, 0.0], [4.0, 3.0]], [[0.0, 3.12], [4.0, 5.12]]];
-        let shapes = rooms.into_iter().flat_map(|[[x0, y0], [x1, y1]]| {
-            around([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]).chain(floor_and_ceiling([x0, y0], [x1, y1]))
-        });
+        let room = of_rooms([[[0.0, 0.0], [4.0, 3.0]], [[0.0, 3.12], [4.0, 5.12]]]);
         // 2 x (4 + 3) x 3 m2 and 2 x (4 + 2) x 3 m2.
-        assert_areas(&of_shapes(shapes), 20.0, 78.0, 20.0);
+        assert_areas(&room, 20.0, 78.0, 20.0);
     }
 
     #[test]
