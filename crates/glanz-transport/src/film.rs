@@ -354,6 +354,14 @@ impl Film {
         sum / (3.0 * self.format.crop.len() as f64)
     }
 
+    /// Whether no sample and no splat brought light to any pixel.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        let blend = self.blend();
+        let is_dark = |sums: PixelSums| sums.blended(&blend).iter().all(|value| value.mean == 0.0);
+        self.sums().1.iter().all(|&word| word == 0) && self.pixels().all(|(_, _, sums)| is_dark(sums))
+    }
+
     /// The sums of every pixel with the number of its tile and its position in the crop window.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = (usize, [u32; 2], PixelSums)> {
         let layout = self.format.layout();

@@ -9,7 +9,7 @@ use glanz_transport::SampleRanges;
 
 use crate::error::Error;
 use crate::merge::MissingParts;
-use crate::render::RenderPlan;
+use crate::render::{Darkness, RenderPlan};
 
 /// Warning about something that a job repaired, left out or could not decide. The result of the job contains all warnings, too.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +38,20 @@ pub enum Warning {
     LeftOut {
         /// Their number.
         surfaces: usize,
+    },
+    /// Nothing in the scene gives light, so that the result is black.
+    NoLight,
+    /// A picture without any light, although its scene has lights.
+    Black {
+        /// The reason.
+        reason: Darkness,
+    },
+    /// Light of lamps that leaves the scene, although only that on receivers is wanted.
+    EscapedFlux {
+        /// Luminous flux that leaves, lm.
+        flux: f64,
+        /// Its share of the flux that the lamps emit, from 0 to 1.
+        share: f64,
     },
     /// Rays for which it was not decided whether they hit a freeform surface.
     Undecided {
@@ -157,6 +171,17 @@ impl fmt::Display for Warning {
                 f,
                 "{} no parameters or no end: they cast shadows, but carry no light",
                 plural(*surfaces as u64, "surface has", "surfaces have")
+            ),
+            Self::NoLight => f.write_str(
+                "nothing in this scene gives light: the result is black; add a light, or an emission to a shape",
+            ),
+            Self::Black { reason } => write!(f, "the picture is black: {reason}"),
+            Self::EscapedFlux { flux, share } => write!(
+                f,
+                "{} % of the light of the lamps ({} lm) leaves the scene; if it is a closed room, check its gaps, and whether \
+                 lamps lie outside",
+                significant(100.0 * share),
+                significant(*flux)
             ),
             Self::Undecided { rays } => write!(
                 f,
@@ -309,7 +334,7 @@ pub enum ResumedState {
 #[cfg(test)]
 mod tests {
     use glanz_scene::SceneBuilder;
-    use glanz_scene::description::{MaterialKind, MediumDescription, ShapeDescription};
+    use glanz_scene::description::{LightDescription, MaterialKind, MediumDescription, ShapeDescription};
 
     use super::*;
     use crate::{LoadedScene, RenderOptions};
@@ -323,6 +348,7 @@ mod tests {
                     description.media.extend(media.iter().cloned());
                     description.camera_medium = camera_medium;
                 })
+                .light(LightDescription::point([0.0; 3], 1.0))
                 .shape(ShapeDescription::sphere(1.0), MaterialKind::diffuse(0.5))
                 .describe()
                 .unwrap()

@@ -86,7 +86,7 @@ pub use overlay::LightOverlay;
 #[cfg(feature = "formats")]
 pub use render::picture_format;
 pub use render::{
-    EdgeLines, MAX_LINE_WIDTH, Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics,
+    Darkness, EdgeLines, MAX_LINE_WIDTH, Picture, RenderBuilder, RenderOptions, RenderPlan, RenderStatistics,
 };
 
 #[cfg(feature = "denoise")]

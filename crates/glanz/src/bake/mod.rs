@@ -159,6 +159,9 @@ fn resolved(scene: LoadedScene, job: &mut RunningJob<'_>) -> Result<Scene, Error
     if scene.has_media() {
         job.warn(Warning::MediaLeftOut { what: "the bake".to_owned() });
     }
+    if scene.lights().is_empty() {
+        job.warn(Warning::NoLight);
+    }
     Ok(scene)
 }
 

@@ -6,11 +6,13 @@ use std::time::Instant;
 use glanz_illumination::planning::{PlacedLuminaire, PlanningRequest, RoomLayout};
 use glanz_illumination::report::LuxReport;
 use glanz_illumination::{
-    DaylightFactors, LuxMap, ReceiverRequest, Receivers, TraceSettings, add_walls, under_overcast_sky,
+    DaylightFactors, FluxBalance, LuxMap, ReceiverRequest, Receivers, TraceSettings, add_walls,
+    under_overcast_sky,
 };
 use glanz_job::{ContentHash, JobEnd};
 use glanz_scene::Scene;
 use glanz_scene::description::ObserverDescription;
+use glanz_scene::light::Light;
 
 use super::facts::CalculationFacts;
 use super::outcome::compare_methods;
@@ -22,6 +24,9 @@ use crate::running_job::RunningJob;
 
 /// Largest number of cells of all receivers: the sums of each take 256 bytes, and 16 per thread.
 const CELLS_LIMIT: usize = 1 << 24;
+
+/// Share of the flux of lamps that leaves a room through its seams unnoticed.
+const MOST_ESCAPED: f64 = 0.01;
 
 /// A scene with receivers.
 #[derive(Debug)]
@@ -187,6 +192,17 @@ impl Design {
         outcome.set_far_field(tally.far_field(), job);
         outcome.tally = Some(tally);
         Ok(())
+    }
+
+    /// Warns of light of lamps that leaves the scene. Of the sky's and the sun's, most passes by.
+    pub(super) fn warn_of_escaped_flux(&self, balance: &FluxBalance, job: &mut RunningJob<'_>) {
+        let FluxBalance { emitted, escaped: flux, .. } = *balance;
+        let is_distant = |light: &Light| matches!(light, Light::Distant(_));
+        let is_lit_from_outside =
+            !self.scene.infinite_lights().is_empty() || self.scene.lights().iter().any(is_distant);
+        if !is_lit_from_outside && flux > MOST_ESCAPED * emitted {
+            job.warn(Warning::EscapedFlux { flux, share: flux / emitted });
+        }
     }
 
     /// Warns of receivers without light, which may face the wrong way. `other_side`: flux on the side that is not counted, lm.

@@ -292,6 +292,9 @@ impl<'a> IlluminateBuilder<'a> {
         let (receivers, cells) = (design.receivers.as_slice().len(), design.receivers.cell_count());
         job.emit(JobEvent::IlluminateStarted { receivers, cells });
         let mut outcome = design.illuminate(&mut job)?;
+        if needs_receivers && let Some(balance) = &outcome.report.balance {
+            design.warn_of_escaped_flux(balance, &mut job);
+        }
         outcome.report.planning = settings.clone();
         // Requirements of standards are not those of light from the sky alone.
         if !request.is_empty() && options.part.is_none() && !options.daylight {

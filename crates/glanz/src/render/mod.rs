@@ -1,5 +1,6 @@
 //! Rendering: pictures of a scene, and their files.
 
+mod darkness;
 #[cfg(feature = "denoise")]
 mod denoised;
 mod edges;
@@ -16,7 +17,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use glanz_job::{JobIdentity, JobPart};
+use glanz_job::{JobEnd, JobIdentity, JobPart};
 use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::GuideSettings;
@@ -31,6 +32,7 @@ use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::{JobSink, RunningJob};
 
+pub use darkness::Darkness;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub(crate) use denoised::noisy_picture;
 pub use edges::{EdgeLines, MAX_LINE_WIDTH};
@@ -171,6 +173,9 @@ impl<'a> RenderBuilder<'a> {
         if scene.has_media() && !settings.sees_media() {
             job.warn(Warning::MediaLeftOut { what: format!("the integrator {:?}", settings.name()) });
         }
+        if scene.lights().is_empty() {
+            job.warn(Warning::NoLight);
+        }
         if settings.has_photons() && (settings.spectral || scene.has_media()) {
             job.warn(Warning::NoPhotons);
         }
@@ -183,6 +188,13 @@ impl<'a> RenderBuilder<'a> {
         let film = film.with_edges(lines)?;
         let integrator = plan.integrator(&scene, &mut job)?;
         let outcome = expose(&scene, integrator.as_ref(), &plan, film, &mut job)?;
+        // Without lights, it was said before.
+        if outcome.end != JobEnd::Interrupted
+            && !scene.lights().is_empty()
+            && let Some(reason) = Darkness::of(&outcome.film, &scene)
+        {
+            job.warn(Warning::Black { reason });
+        }
         let picture = finish(plan, outcome, scene.undecided(), options.guide_output.as_deref(), &mut job)?;
         #[cfg(feature = "denoise")]
         let picture = match denoiser {

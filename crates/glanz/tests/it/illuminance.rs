@@ -5,7 +5,7 @@ use std::path::Path;
 use glanz::formats::Options;
 use glanz::illumination::planning::{LightingTask, MaintenanceFactor, PlanningRequest, PlanningSettings};
 use glanz::illumination::{GridResolution, LuxMap};
-use glanz::{Error, IlluminateMethod, IlluminateOptions, LoadedScene};
+use glanz::{Error, IlluminateMethod, IlluminateOptions, LoadedScene, Warning};
 
 /// A black square of 1 m x 1 m about the origin that faces up, and a light.
 fn scene(light: &str) -> LoadedScene {
@@ -108,4 +108,26 @@ fn light_of_the_sky_alone_is_not_judged() {
     ] {
         assert!(matches!(refused.run(), Err(Error::DaylightRating)));
     }
+}
+
+#[test]
+fn light_of_a_lamp_that_leaves_the_scene_is_named_with_its_share() {
+    let escaped = |light: &str, room: Option<[f64; 3]>| {
+        let options = IlluminateOptions { room: room.map(Into::into), ..IlluminateOptions::default() };
+        let outcome = scene(light).illuminate().options(options).particles(1 << 16).run().unwrap();
+        let shares = outcome.warnings.iter().filter_map(|warning| match warning {
+            Warning::EscapedFlux { share, .. } => Some(*share),
+            _ => None,
+        });
+        shares.collect::<Vec<_>>()
+    };
+    let lamp = "\"point\" \"point3 from\" [0 0 1] \"float power\" 100";
+    // The square has the solid angle 4 atan(a b / (d sqrt(a^2 + b^2 + d^2))) of the 4 pi.
+    let met = (0.25 / 1.5_f64.sqrt()).atan() / std::f64::consts::PI;
+    let [share] = escaped(lamp, None)[..] else { panic!("one warning") };
+    assert!((share - (1.0 - met)).abs() < 4e-3, "{share}, not {}", 1.0 - met);
+    let inside = "\"point\" \"point3 from\" [1 1 1] \"float power\" 100";
+    assert!(escaped(inside, Some([2.0; 3])).is_empty());
+    // Of daylight, most passes by.
+    assert!(escaped("\"infinite\" \"float illuminance\" 100", None).is_empty());
 }

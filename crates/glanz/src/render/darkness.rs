@@ -1,0 +1,105 @@
+//! Why a picture is black.
+
+use std::fmt;
+
+use glanz_math::{DVec2, Ray};
+use glanz_sampling::warp::uniform_sphere;
+use glanz_scene::Scene;
+use glanz_transport::{Film, PixelRect};
+
+/// Why a picture is black although its scene has lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Darkness {
+    /// No ray of the camera meets a surface.
+    NothingSeen,
+    /// Surfaces surround the camera on all sides, and no light enters.
+    Enclosed,
+    /// Light reaches nothing that the camera sees.
+    Unlit,
+}
+
+/// Number of rays along each side of the grid by which the camera looks, and of the directions around it.
+const GRID: u32 = 16;
+
+impl Darkness {
+    /// The reason for a film without light; `None` if it has any.
+    pub(super) fn of(film: &Film, scene: &Scene) -> Option<Self> {
+        if !film.is_black() {
+            return None;
+        }
+        let is_hit = |ray: &Ray| scene.intersect(ray, f64::INFINITY).is_some();
+        let fractions = || {
+            let cells = (0..GRID * GRID).map(|cell| DVec2::new((cell % GRID).into(), (cell / GRID).into()));
+            cells.map(|cell| (cell + 0.5) / f64::from(GRID))
+        };
+        let PixelRect { min, size } = film.format().crop;
+        let [min, size] = [min, size].map(|[x, y]| DVec2::new(x.into(), y.into()));
+        let seen = |at: DVec2| scene.camera().ray(min + at * size, DVec2::splat(0.5));
+        if !fractions().filter_map(seen).any(|camera| is_hit(&camera.ray)) {
+            return Some(Self::NothingSeen);
+        }
+        let eye = scene.camera().position();
+        let is_enclosed = fractions().all(|xi| is_hit(&Ray::new(eye, uniform_sphere(xi))));
+        Some(if is_enclosed { Self::Enclosed } else { Self::Unlit })
+    }
+}
+
+impl fmt::Display for Darkness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NothingSeen => {
+                "the camera sees no surface; check its position, its direction, and the unit of lengths"
+            }
+            Self::Enclosed => {
+                "the camera is in a closed space that no light enters; it may be inside of a solid"
+            }
+            Self::Unlit => {
+                "light reaches nothing that the camera sees; check the positions of the lights, their directions, \
+                 and what surrounds them"
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_math::DVec3;
+    use glanz_scene::SceneBuilder;
+    use glanz_scene::description::{CameraDescription, LightDescription, MaterialKind, ShapeDescription};
+
+    use super::*;
+    use crate::{LoadedScene, Warning};
+
+    /// The warnings of a picture of a sphere of radius 1 about the origin, seen from `eye` towards `target`.
+    fn warnings(
+        eye: [f64; 3],
+        target: [f64; 3],
+        lights: &[LightDescription],
+        integrator: &str,
+    ) -> Vec<Warning> {
+        let scene = SceneBuilder::new()
+            .resolution(4, 4)
+            .camera(CameraDescription::look_at(eye, target, DVec3::Z))
+            .edit(|description| description.lights.extend_from_slice(lights))
+            .shape(ShapeDescription::sphere(1.0), MaterialKind::diffuse(0.5));
+        let scene = LoadedScene::from_description("dark", scene.describe().unwrap());
+        scene.render().samples(1).integrator(integrator).run().unwrap().warnings().to_vec()
+    }
+
+    #[test]
+    fn black_pictures_tell_why() {
+        let lamp = |from: [f64; 3]| [LightDescription::point(from, 1.0)];
+        let (outside, origin) = ([0.0, -2.0, 0.0], [0.0; 3]);
+        let (front, back) = (lamp([0.0, -3.0, 0.0]), lamp([0.0, 4.0, 0.0]));
+        let black = |reason| vec![Warning::Black { reason }];
+        for integrator in ["path", "light", "guided", "whitted"] {
+            let of = |eye, target, lights: &[_]| warnings(eye, target, lights, integrator);
+            assert_eq!(of(outside, origin, &front), [], "{integrator}");
+            assert_eq!(of(outside, origin, &[]), [Warning::NoLight], "{integrator}");
+            assert_eq!(of(outside, [0.0, -9.0, 0.0], &front), black(Darkness::NothingSeen), "{integrator}");
+            assert_eq!(of(outside, origin, &back), black(Darkness::Unlit), "{integrator}");
+            assert_eq!(of([0.0, 0.5, 0.0], origin, &front), black(Darkness::Enclosed), "{integrator}");
+        }
+    }
+}
