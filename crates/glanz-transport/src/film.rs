@@ -3,6 +3,10 @@
 mod format;
 mod merge;
 mod picture;
+mod sums;
+
+use std::borrow::Cow;
+use std::ops::Range;
 
 pub use crate::channels::channel_names;
 use crate::edges::EdgeLayer;
@@ -10,14 +14,16 @@ use crate::guide::{Guide, Training};
 use crate::noise::{self, NOT_ENDED};
 use crate::passes::Passes;
 use crate::pixel::{PixelSums, Rejects};
-use crate::pixel_rect::PixelRect;
+use crate::pixel_rect::{PixelRect, TILE_SIDE};
 use crate::ranges::SampleRanges;
 use crate::sample_plan::{MissingSamples, SamplePlan, SamplePlans};
 use crate::splat::SplatRows;
 use crate::weighted_sums::{FEWEST_SAMPLES, PassWeights};
 use glanz_sampling::exact::MAX_TERMS;
 
+use self::sums::FilmSums;
 pub use format::{FilmError, FilmFormat};
+pub(crate) use sums::FilmSumsWriter;
 
 /// The buffers of a film, for threads to fill.
 pub(crate) struct FilmParts<'a> {
@@ -40,7 +46,7 @@ pub(crate) struct FilmParts<'a> {
 pub struct Film {
     format: FilmFormat,
     /// The words of all pixels in their layout, tile after tile, then the splatted light, row by row.
-    words: Vec<u64>,
+    sums: FilmSums,
     samples: SampleRanges,
     rejects: Rejects,
     passes: Passes,
@@ -53,43 +59,41 @@ pub struct Film {
 }
 
 impl Film {
-    /// A film without samples.
+    /// A film without samples, in memory.
     ///
     /// # Errors
     /// [`FilmError::Size`], [`FilmError::Crop`] or [`FilmError::Noise`] for an invalid format, [`FilmError::Memory`] if memory is insufficient.
     pub fn try_new(format: FilmFormat) -> Result<Self, FilmError> {
-        let count = format.words()?;
-        let mut words = Vec::new();
-        let memory = || FilmError::Memory(count.saturating_mul(8));
-        let length = usize::try_from(count).map_err(|_| memory())?;
-        words.try_reserve_exact(length).map_err(|_| memory())?;
-        words.resize(length, 0);
-        let layout = format.layout();
+        Self::try_new_within(format, u64::MAX)
+    }
+
+    /// A film without samples. Its sums are in memory if they take at most `memory` bytes, else in a temporary file: in the folder TMPDIR if that is set.
+    ///
+    /// # Errors
+    /// As [`Film::try_new`]; [`FilmError::Limit`] if a film of the format [has to be in memory](FilmFormat::fits_in_file), and [`FilmError::File`] if
+    /// the file cannot be made.
+    pub fn try_new_within(format: FilmFormat, memory: u64) -> Result<Self, FilmError> {
+        format.check_memory(memory)?;
+        let sums = FilmSums::try_new(format.words()?, memory)?;
+        let mut film = Self::without_samples(format, sums);
+        let (layout, strips) = (format.layout(), film.strips());
+        let mut first = vec![0; layout.words()];
+        PixelSums::default().write(&layout, &mut first);
         // Not all sums start as zero bits: the shape's number starts as "none".
-        let mut film = Self::without_samples(format, words);
-        for pixel in film.sums_mut().0.chunks_exact_mut(layout.words()) {
-            PixelSums::default().write(&layout, pixel);
+        if first.iter().any(|&word| word != 0) {
+            let clear = |words: &mut [u64]| {
+                words.chunks_exact_mut(first.len()).for_each(|pixel| pixel.copy_from_slice(&first))
+            };
+            strips.into_iter().try_for_each(|strip| film.sums.update(strip.words, clear))?;
         }
         Ok(film)
     }
 
-    /// A film from the output of [`Film::words`].
-    ///
-    /// # Errors
-    /// As [`Film::try_new`]; [`FilmError::Layout`] if the number of words differs from that of the format.
-    pub fn try_from_words(
-        format: FilmFormat,
-        words: Vec<u64>,
-        samples: SampleRanges,
-        rejects: Rejects,
-    ) -> Result<Self, FilmError> {
-        Self::try_from_state(format, samples, rejects)?.with_words(words)
-    }
-
-    /// The film with these sums.
-    pub(crate) fn with_words(self, words: Vec<u64>) -> Result<Self, FilmError> {
-        match self.format.words()? == words.len() as u64 {
-            true => Ok(Self { words, ..self }),
+    /// The film with the sums that were written.
+    pub(crate) fn with_sums(self, sums: FilmSumsWriter) -> Result<Self, FilmError> {
+        let sums = sums.finish();
+        match self.format.words()? == sums.len() as u64 {
+            true => Ok(Self { sums, ..self }),
             false => Err(FilmError::Layout("size")),
         }
     }
@@ -104,22 +108,13 @@ impl Film {
         if samples.total() > u64::from(MAX_TERMS) {
             return Err(FilmError::Samples(samples.total()));
         }
-        Ok(Self { samples, rejects, ..Self::without_samples(format, Vec::new()) })
+        Ok(Self { samples, rejects, ..Self::without_samples(format, FilmSums::Memory(Vec::new())) })
     }
 
-    fn without_samples(format: FilmFormat, words: Vec<u64>) -> Self {
+    fn without_samples(format: FilmFormat, sums: FilmSums) -> Self {
         let (samples, rejects, passes) = Default::default();
         let tile_ends = format.noise.map_or(Vec::new(), |_| vec![NOT_ENDED; format.crop.tiles().count()]);
-        Self {
-            format,
-            words,
-            samples,
-            rejects,
-            passes,
-            edges: None,
-            tile_ends,
-            plans: SamplePlans::default(),
-        }
+        Self { format, sums, samples, rejects, passes, edges: None, tile_ends, plans: SamplePlans::default() }
     }
 
     /// The film with these numbers of samples with which its tiles ended; `None` if they are not those of a film of its format and samples.
@@ -239,25 +234,72 @@ impl Film {
         self.rejects
     }
 
-    /// The sums as words, tile after tile, then those of splatted light, row by row.
+    /// Whether the sums are in a file, see [`Film::try_new_within`].
     #[must_use]
-    pub fn words(&self) -> &[u64] {
-        &self.words
+    pub fn is_in_file(&self) -> bool {
+        self.sums.in_memory().is_none()
+    }
+
+    /// Number of words of all sums.
+    pub(crate) fn word_count(&self) -> usize {
+        self.sums.len()
+    }
+
+    /// The words of all sums in blocks: tile after tile, then those of splatted light, row by row.
+    pub(crate) fn word_blocks(&self) -> impl Iterator<Item = Result<Cow<'_, [u64]>, FilmError>> {
+        self.sums.blocks()
     }
 
     /// Number of words before those of the splats.
     fn own_words(&self) -> usize {
-        (self.format.crop.len() as usize * self.format.layout().words()).min(self.words.len())
+        (self.format.crop.len() as usize * self.format.layout().words()).min(self.sums.len())
     }
 
-    /// The words of the pixels' own samples and those of the splats.
-    fn sums(&self) -> (&[u64], &[u64]) {
-        self.words.split_at(self.own_words())
+    /// The words of splatted light of a film in memory; a film in a file has none.
+    fn splatted_words(&self) -> &[u64] {
+        self.sums.in_memory().and_then(|words| words.get(self.own_words()..)).unwrap_or_default()
     }
 
-    fn sums_mut(&mut self) -> (&mut [u64], &mut [u64]) {
-        let own = self.own_words();
-        self.words.split_at_mut(own)
+    /// The parts of the pixels' own sums that are in memory at a time: all of a film in memory.
+    pub(crate) fn strips(&self) -> Vec<FilmStrip> {
+        self.strips_of(&(0..self.format.crop.size[1]))
+    }
+
+    /// As [`Film::strips`], of the tiles with these rows.
+    fn strips_of(&self, rows: &Range<u32>) -> Vec<FilmStrip> {
+        let [width, height] = self.format.crop.size;
+        let stride = width as usize * self.format.layout().words();
+        let side = TILE_SIDE as usize;
+        let together = match self.sums.limit() {
+            Some(limit) => (limit / (stride * side)).max(1) * side,
+            None => height.next_multiple_of(TILE_SIDE) as usize,
+        };
+        let columns = width.div_ceil(TILE_SIDE) as usize;
+        let first = (rows.start / TILE_SIDE * TILE_SIDE) as usize;
+        let height = rows.end.next_multiple_of(TILE_SIDE).min(height) as usize;
+        let starts = (first..height).step_by(together);
+        let strips = starts.map(|start| {
+            let end = height.min(start + together);
+            FilmStrip {
+                rows: start as u32..end as u32,
+                words: start * stride..(end * stride).min(self.own_words()),
+                first_tile: start / side * columns,
+            }
+        });
+        strips.collect()
+    }
+
+    /// Calls `work` with the tiles of a film in a file that have not ended, strip after strip.
+    pub(crate) fn update_strips<T, E: From<FilmError>>(
+        &mut self,
+        mut work: impl FnMut(Vec<(PixelRect, &mut [u64])>) -> Result<T, E>,
+    ) -> Result<Vec<T>, E> {
+        let (format, strips) = (self.format, self.strips());
+        let update = |strip: FilmStrip| {
+            let rect = strip.rect(&format);
+            self.sums.update(strip.words, |words| work(tiles_of(&rect, &format, words)))?
+        };
+        strips.into_iter().map(update).collect()
     }
 
     /// Begins the training if it has not begun.
@@ -271,29 +313,20 @@ impl Film {
         check.or_else(|| self.format.passes.then(|| self.passes.end_of_pass(next)))
     }
 
-    /// Buffers for threads to fill, without those of tiles that have ended. [`Film::finish_pass`] must follow.
+    /// Buffers of a film in memory for threads to fill, without those of tiles that have ended. [`Film::finish_pass`] must follow.
     pub(crate) fn parts_mut(&mut self) -> FilmParts<'_> {
         let (format, own) = (self.format, self.own_words());
-        let (mut rest, splats) = self.words.split_at_mut(own);
-        let stride = format.layout().words();
-        let mut tiles = Vec::new();
-        for (number, tile) in format.crop.tiles().enumerate() {
-            let (words, tail) = rest.split_at_mut(tile.len() as usize * stride);
-            if self.tile_ends.get(number).is_none_or(|&end| end == NOT_ENDED) {
-                tiles.push((tile, words));
-            }
-            rest = tail;
-        }
+        let words = self.sums.in_memory_mut().unwrap_or_default();
+        let (own, splats) = words.split_at_mut(own.min(words.len()));
+        let tiles = tiles_of(&format.crop, &format, own).into_iter().enumerate();
+        let is_open = |tile: usize| self.tile_ends.get(tile).is_none_or(|&end| end == NOT_ENDED);
+        let tiles = tiles.filter(|(number, _)| is_open(*number)).map(|(_, tile)| tile).collect();
         let splats = SplatRows::new(format.crop, format.splat_layout(), splats);
         FilmParts { tiles, splats, training: self.passes.training.as_deref() }
     }
 
     /// Records that every pixel of a tile that has not ended has the samples of `range`.
-    pub(crate) fn finish_pass(
-        &mut self,
-        range: std::ops::Range<u32>,
-        rejects: Rejects,
-    ) -> Result<(), FilmError> {
+    pub(crate) fn finish_pass(&mut self, range: Range<u32>, rejects: Rejects) -> Result<(), FilmError> {
         let over = self.format.passes && self.passes.end_of_pass(range.start) == range.end;
         self.samples.insert(range)?;
         self.plans.drop_finished(&self.samples);
@@ -319,7 +352,9 @@ impl Film {
         self.passes.fit_guide(self.brightness());
         let Some(blend) = self.passes.settled(self.samples.total(), self.precision()) else { return };
         let layout = self.format.layout();
-        for words in self.sums_mut().0.chunks_exact_mut(layout.words()) {
+        let own = self.own_words();
+        let words = self.sums.in_memory_mut().and_then(|words| words.get_mut(..own)).unwrap_or_default();
+        for words in words.chunks_exact_mut(layout.words()) {
             let mut sums = PixelSums::read(&layout, words);
             sums.settle(&blend);
             sums.write(&layout, words);
@@ -355,23 +390,80 @@ impl Film {
     }
 
     /// Whether no sample and no splat brought light to any pixel.
-    #[must_use]
-    pub fn is_black(&self) -> bool {
+    ///
+    /// # Errors
+    /// [`FilmError::File`] if a film in a file cannot be read.
+    pub fn is_black(&self) -> Result<bool, FilmError> {
         let blend = self.blend();
         let is_dark = |sums: PixelSums| sums.blended(&blend).iter().all(|value| value.mean == 0.0);
-        self.sums().1.iter().all(|&word| word == 0) && self.pixels().all(|(_, _, sums)| is_dark(sums))
+        if self.splatted_words().iter().any(|&word| word != 0) {
+            return Ok(false);
+        }
+        for strip in self.strips() {
+            let words = self.sums.get(strip.words.clone())?;
+            if !self.pixels_of(&strip, &words).all(|(_, _, sums)| is_dark(sums)) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
-    /// The sums of every pixel with the number of its tile and its position in the crop window.
+    /// The sums of every pixel of a film in memory with the number of its tile and its position in the crop window.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = (usize, [u32; 2], PixelSums)> {
+        let words = self.sums.in_memory().unwrap_or_default();
+        let rows = 0..self.format.crop.size[1];
+        let strip = FilmStrip { rows, words: 0..self.own_words(), first_tile: 0 };
+        self.pixels_of(&strip, &words[..self.own_words().min(words.len())])
+    }
+
+    /// As [`Film::pixels`], of a strip with these words.
+    fn pixels_of<'w>(
+        &self,
+        strip: &FilmStrip,
+        words: &'w [u64],
+    ) -> impl Iterator<Item = (usize, [u32; 2], PixelSums)> + use<'w> {
         let layout = self.format.layout();
         let origin = self.format.crop.min;
-        let tiles = self.format.crop.tiles().enumerate();
-        let places = tiles.flat_map(|(tile, rect)| rect.pixels().map(move |pixel| (tile, pixel)));
-        places.zip(self.sums().0.chunks_exact(layout.words())).map(move |((tile, [x, y]), words)| {
+        let tiles = strip.rect(&self.format).tiles().zip(strip.first_tile..);
+        let places = tiles.flat_map(|(rect, tile)| rect.pixels().map(move |pixel| (tile, pixel)));
+        places.zip(words.chunks_exact(layout.words())).map(move |((tile, [x, y]), words)| {
             (tile, [x - origin[0], y - origin[1]], PixelSums::read(&layout, words))
         })
     }
+}
+
+/// Some rows of tiles of a film.
+#[derive(Clone, Debug)]
+pub(crate) struct FilmStrip {
+    /// Its rows in the crop window, those of whole tiles.
+    pub(crate) rows: Range<u32>,
+    /// Positions of its words among those of the film.
+    words: Range<usize>,
+    /// Number of its first tile.
+    first_tile: usize,
+}
+
+impl FilmStrip {
+    fn rect(&self, format: &FilmFormat) -> PixelRect {
+        let PixelRect { min: [x, y], size: [width, _] } = format.crop;
+        PixelRect { min: [x, y + self.rows.start], size: [width, self.rows.end - self.rows.start] }
+    }
+}
+
+/// The tiles of a part of a film with these words.
+fn tiles_of<'w>(
+    part: &PixelRect,
+    format: &FilmFormat,
+    mut words: &'w mut [u64],
+) -> Vec<(PixelRect, &'w mut [u64])> {
+    let stride = format.layout().words();
+    let mut tiles = Vec::new();
+    for tile in part.tiles() {
+        let Some((own, rest)) = words.split_at_mut_checked(tile.len() as usize * stride) else { break };
+        tiles.push((tile, own));
+        words = rest;
+    }
+    tiles
 }
 
 #[cfg(test)]
@@ -382,7 +474,7 @@ mod tests {
     use crate::ranges::OverlapError;
 
     /// Fills samples `range` with values that differ by pixel and sample.
-    fn expose(film: &mut Film, range: std::ops::Range<u32>) {
+    fn expose(film: &mut Film, range: Range<u32>) {
         let layout = film.format().layout();
         let mut rejects = Rejects::default();
         for (tile, words) in film.parts_mut().tiles {

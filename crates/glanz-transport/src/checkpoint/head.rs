@@ -93,7 +93,7 @@ impl CheckpointHead {
         encode_identity(&mut head, identity);
         encode_state(&mut head, film);
         let before_sums = PREFIX_LENGTH + LENGTH_FIELD + head.0.len() + CRC_LENGTH;
-        let mut e = ENVELOPE.prefix((before_sums + film.words().len() * 8 + CRC_LENGTH) as u64);
+        let mut e = ENVELOPE.prefix((before_sums + film.word_count() * 8 + CRC_LENGTH) as u64);
         e.u64(head.0.len() as u64);
         e.0.extend(head.0);
         let crc = crc32fast::hash(&e.0);

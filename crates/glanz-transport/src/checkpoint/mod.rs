@@ -28,7 +28,7 @@ use std::io::{self, Read, Write};
 use glanz_job::Interrupted;
 
 use crate::codec::{EnvelopeError, FileEnvelope};
-use crate::film::{Film, FilmError};
+use crate::film::{Film, FilmError, FilmSumsWriter};
 use crate::identity::PictureIdentity;
 
 pub use head::CheckpointHead;
@@ -97,26 +97,38 @@ impl Checkpoint {
     pub fn write(identity: &PictureIdentity, film: &Film, out: &mut dyn Write) -> io::Result<()> {
         let (head, crc) = CheckpointHead::encode(identity, film);
         out.write_all(&head)?;
-        sums::write(film.words(), crc32fast::Hasher::new_with_initial(crc), out)
+        sums::write(film, crc32fast::Hasher::new_with_initial(crc), out)
     }
 
     /// Reads the output of [`Checkpoint::write`].
     ///
     /// # Errors
     /// [`CheckpointError`] if any bit differs from the written file.
-    pub fn read(mut input: impl Read) -> Result<Self, CheckpointError> {
+    pub fn read(input: impl Read) -> Result<Self, CheckpointError> {
+        Self::read_within(input, u64::MAX)
+    }
+
+    /// As [`Checkpoint::read`], of a film that is in a temporary file if it takes more than `memory` bytes, see [`Film::try_new_within`].
+    ///
+    /// # Errors
+    /// As [`Checkpoint::read`]; [`CheckpointError::Film`] if the film has to be in memory.
+    pub fn read_within(mut input: impl Read, memory: u64) -> Result<Self, CheckpointError> {
         let head = CheckpointHead::read(&mut input)?;
-        let mut words = Vec::new();
+        let format = head.film.format();
+        format.check_memory(memory)?;
+        let mut words = FilmSumsWriter::try_new(format.words()?, memory)?;
         let mut sums = SumReader::new(&head, input);
         let mut block = Vec::new();
-        let count = head.film.format().words()? as usize;
-        while words.len() < count {
-            sums.read_words((count - words.len()).min(sums::BLOCK), &mut block)?;
-            words.extend(block.as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)));
+        let mut left = format.words()? as usize;
+        while left > 0 {
+            let count = left.min(sums::BLOCK);
+            sums.read_words(count, &mut block)?;
+            words.push(block.as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)))?;
+            left -= count;
         }
         sums.finish()?;
         let CheckpointHead { identity, film, .. } = head;
-        Ok(Self { identity, film: film.with_words(words)? })
+        Ok(Self { identity, film: film.with_sums(words)? })
     }
 
     /// Reads the output of [`Checkpoint::to_bytes`]. Memory is limited to a few times the size of `bytes`, whatever their content.

@@ -4,18 +4,22 @@ use std::io::{self, Read, Write};
 
 use crc32fast::Hasher;
 
+use crate::film::Film;
+
 use super::{CheckpointError, CheckpointHead, ENVELOPE, damaged, read_bytes};
 use crate::codec::{CRC_LENGTH, EnvelopeError};
 
 /// Number of words in a block: 1 MiB.
 pub(super) const BLOCK: usize = 1 << 17;
 
-/// Writes `words`, and the checksum of the file. `crc`: that of the head.
-pub(super) fn write(words: &[u64], mut crc: Hasher, out: &mut dyn Write) -> io::Result<()> {
-    let mut block = vec![0; 8 * BLOCK.min(words.len())];
-    for words in words.chunks(BLOCK) {
+/// Writes the sums of `film`, and the checksum of the file. `crc`: that of the head.
+pub(super) fn write(film: &Film, mut crc: Hasher, out: &mut dyn Write) -> io::Result<()> {
+    let mut block = Vec::new();
+    for words in film.word_blocks() {
+        let words = words.map_err(io::Error::other)?;
+        block.resize(8 * words.len(), 0);
         let (slots, _) = block.as_chunks_mut::<8>();
-        slots.iter_mut().zip(words).for_each(|(slot, word)| *slot = word.to_le_bytes());
+        slots.iter_mut().zip(&*words).for_each(|(slot, word)| *slot = word.to_le_bytes());
         let bytes = &block[..8 * words.len()];
         crc.update(bytes);
         out.write_all(bytes)?;

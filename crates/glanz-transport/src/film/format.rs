@@ -1,5 +1,8 @@
 //! The format of a film.
 
+use std::io;
+
+use glanz_light::PixelsError;
 use glanz_sampling::exact::MAX_TERMS;
 
 use crate::aov::{Aov, AovSet};
@@ -30,6 +33,24 @@ pub enum FilmError {
     /// The sums do not fit in memory.
     #[error("there is no memory for a film of {0} bytes")]
     Memory(u64),
+    /// The sums take more memory than they may, and cannot be in a file.
+    #[error(
+        "the film needs {} MB of memory, and {} MB may be used; with neither a noise level, denoising nor an integrator that learns or splats, it \
+         would be in a file",
+        .needed.div_ceil(1_000_000), .limit / 1_000_000
+    )]
+    Limit {
+        /// Memory of the film, bytes.
+        needed: u64,
+        /// Memory that it may take, bytes.
+        limit: u64,
+    },
+    /// The temporary file of the sums failed.
+    #[error("the temporary file of a large film: {0}")]
+    File(io::ErrorKind),
+    /// The picture cannot be made of the film.
+    #[error(transparent)]
+    Pixels(#[from] PixelsError),
     /// Lines along edges that are drawn for other pixels.
     #[error(
         "the edges are drawn for {} x {} pixels from {:?} on, the film has {} x {} from {:?} on; draw them for the film",
@@ -53,6 +74,12 @@ pub enum FilmError {
     /// More samples than the sums can hold exactly.
     #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
     Samples(u64),
+}
+
+impl From<io::Error> for FilmError {
+    fn from(error: io::Error) -> Self {
+        Self::File(error.kind())
+    }
 }
 
 /// Format of a film: its pixels and the sums of each.
@@ -96,6 +123,21 @@ impl FilmFormat {
         self.passes || self.noise.is_some()
     }
 
+    /// Whether the sums may be in a file: if no integrator needs those of all pixels at a time.
+    #[must_use]
+    pub fn fits_in_file(&self) -> bool {
+        !self.passes && !self.splats && self.noise.is_none()
+    }
+
+    /// Checks that a film of this format needs at most this memory, bytes, or may be in a file.
+    ///
+    /// # Errors
+    /// [`FilmError::Limit`], and those of [`FilmFormat::words`].
+    pub fn check_memory(&self, limit: u64) -> Result<(), FilmError> {
+        let needed = self.words()?.saturating_mul(8);
+        if needed > limit && !self.fits_in_file() { Err(FilmError::Limit { needed, limit }) } else { Ok(()) }
+    }
+
     /// The sums of each pixel.
     #[must_use]
     pub fn layout(&self) -> PixelLayout {
@@ -103,7 +145,7 @@ impl FilmFormat {
     }
 
     /// The sums of the light splatted to each pixel.
-    pub(super) fn splat_layout(&self) -> SplatLayout {
+    pub(crate) fn splat_layout(&self) -> SplatLayout {
         SplatLayout { squares: self.aovs.contains(Aov::Variance) }
     }
 

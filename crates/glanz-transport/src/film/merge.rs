@@ -12,6 +12,9 @@ use crate::word_merge::add_words;
 /// Number of pixels that a thread adds at a time.
 const PIXELS: usize = 1024;
 
+/// Number of words that are added at a time: 64 MiB.
+const BLOCK: usize = 1 << 23;
+
 impl Film {
     /// Adds the samples of another film of the same picture.
     ///
@@ -25,10 +28,10 @@ impl Film {
             return Err(FilmError::Ordered);
         }
         self.take_samples(other)?;
-        let own = self.own_words();
-        let (theirs, splatted) = other.sums();
-        self.add_sums(0, theirs, |word| *word);
-        self.add_sums(own, splatted, |word| *word);
+        for block in self.blocks(BLOCK) {
+            let first = block.start;
+            self.add_sums(first, &other.sums.get(block)?, |word| *word)?;
+        }
         Ok(())
     }
 
@@ -65,7 +68,7 @@ impl Film {
 
     /// Ranges of about `words` words each, of whole pixels, in order: first of the pixels' own samples, then of splats.
     pub(crate) fn blocks(&self, words: usize) -> Vec<Range<usize>> {
-        let (own, all) = (self.own_words(), self.words.len());
+        let (own, all) = (self.own_words(), self.sums.len());
         let strides = [self.format.layout().words(), self.format.splat_layout().words()];
         let regions = [0..own, own..all].into_iter().zip(strides);
         let blocks = regions.flat_map(|(region, stride)| {
@@ -76,18 +79,24 @@ impl Film {
     }
 
     /// Adds the sums of whole pixels of another film, its words from `first` on: all of own samples, or all of splats. `word`: the value of a word.
-    pub(crate) fn add_sums<W: Sync>(&mut self, first: usize, theirs: &[W], word: impl Fn(&W) -> u64 + Sync) {
+    pub(crate) fn add_sums<W: Sync>(
+        &mut self,
+        first: usize,
+        theirs: &[W],
+        word: impl Fn(&W) -> u64 + Sync,
+    ) -> Result<(), FilmError> {
         let merges = match first < self.own_words() {
             true => self.format.layout().merges(),
             false => self.format.splat_layout().merges(),
         };
         let stride: usize = merges.iter().map(|merge| merge.words()).sum();
-        let Some(mine) = self.words.get_mut(first..) else { return };
-        let chunks = mine.par_chunks_mut(stride * PIXELS).zip(theirs.par_chunks(stride * PIXELS));
-        chunks.for_each(|(mine, theirs)| {
-            for (mine, theirs) in mine.chunks_exact_mut(stride).zip(theirs.chunks_exact(stride)) {
-                add_words(&merges, mine, theirs, &word);
-            }
-        });
+        self.sums.update(first..first + theirs.len(), |mine| {
+            let chunks = mine.par_chunks_mut(stride * PIXELS).zip(theirs.par_chunks(stride * PIXELS));
+            chunks.for_each(|(mine, theirs)| {
+                for (mine, theirs) in mine.chunks_exact_mut(stride).zip(theirs.chunks_exact(stride)) {
+                    add_words(&merges, mine, theirs, &word);
+                }
+            });
+        })
     }
 }

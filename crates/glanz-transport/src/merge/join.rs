@@ -8,7 +8,7 @@ use glanz_job::Interrupted;
 
 use super::{FirstPart, MergeChecks, MergeError};
 use crate::checkpoint::{Checkpoint, CheckpointError, CheckpointHead, SumReader};
-use crate::film::Film;
+use crate::film::{Film, FilmError};
 use crate::identity::PictureIdentity;
 
 /// Number of words in a block: 8 MiB.
@@ -68,7 +68,7 @@ impl FilmJoin {
                 if hold {
                     held.push(bytes);
                 } else {
-                    add_block(film, block.start, &bytes);
+                    add_block(film, block.start, &bytes)?;
                     put(spare, bytes);
                 }
             }
@@ -79,7 +79,7 @@ impl FilmJoin {
             }
         })?;
         for (block, bytes) in blocks.iter().zip(held) {
-            add_block(film, block.start, &bytes);
+            add_block(film, block.start, &bytes)?;
             put(spare, bytes);
         }
         Ok(film.take_samples(&head.film)?)
@@ -92,8 +92,8 @@ impl FilmJoin {
     }
 }
 
-fn add_block(film: &mut Film, first: usize, bytes: &[u8]) {
-    film.add_sums(first, bytes.as_chunks::<8>().0, |word| u64::from_le_bytes(*word));
+fn add_block(film: &mut Film, first: usize, bytes: &[u8]) -> Result<(), FilmError> {
+    film.add_sums(first, bytes.as_chunks::<8>().0, |word| u64::from_le_bytes(*word))
 }
 
 fn put(spare: &Mutex<Vec<Vec<u8>>>, block: Vec<u8>) {

@@ -10,7 +10,7 @@ use glanz_sampling::PixelSampler;
 use glanz_scene::Scene;
 use rayon::prelude::*;
 
-use super::RenderSettings;
+use super::{RenderError, RenderSettings};
 use crate::film::{Film, FilmFormat};
 use crate::guide::Training;
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
@@ -86,25 +86,48 @@ impl<'a> PassRenderer<'a> {
     /// Renders one pass: the samples of `range` for every pixel.
     ///
     /// # Errors
-    /// [`Interrupted`] if `sink` abandons the film, which is then incomplete.
+    /// [`RenderError::Interrupted`] if `sink` abandons the film, which is then incomplete, and [`RenderError::Film`] if a film in a file cannot be
+    /// read or written.
     pub(super) fn expose(
         &self,
         film: &'a mut Film,
         photons: Option<&'a PhotonMap>,
         range: &Range<u32>,
         sink: &dyn TileSink,
-    ) -> Result<PassWork, Interrupted> {
-        let layout = film.format().layout();
+    ) -> Result<PassWork, RenderError> {
+        let format = *film.format();
         let samples = film.samples().total() + range.len() as u64;
+        let batches = Mutex::default();
+        if film.is_in_file() {
+            let mut none = [];
+            let splats = SplatRows::new(format.crop, format.splat_layout(), &mut none);
+            let state = PassState { splats, training: None, photons, batches };
+            let strips = film.update_strips(|tiles| {
+                self.expose_tiles(tiles, &format, range, samples, &state, sink).map_err(RenderError::from)
+            })?;
+            return Ok(strips.into_iter().fold(PassWork::default(), PassWork::merged));
+        }
         let parts = film.parts_mut();
-        let tiles = parts.tiles;
-        let (splats, training) = (parts.splats, parts.training);
-        let state = PassState { splats, training, photons, batches: Mutex::default() };
+        let state = PassState { splats: parts.splats, training: parts.training, photons, batches };
+        Ok(self.expose_tiles(parts.tiles, &format, range, samples, &state, sink)?)
+    }
+
+    /// Renders one pass over some tiles. `samples`: number of samples of each pixel after it.
+    fn expose_tiles(
+        &self,
+        tiles: Vec<(PixelRect, &mut [u64])>,
+        format: &FilmFormat,
+        range: &Range<u32>,
+        samples: u64,
+        state: &PassState<'_, 'a>,
+        sink: &dyn TileSink,
+    ) -> Result<PassWork, Interrupted> {
+        let layout = format.layout();
         tiles
             .into_par_iter()
             .with_max_len(1)
             .map(|(tile, words): (PixelRect, &mut [u64])| {
-                let work = self.expose_tile(&tile, &layout, words, range, &state, sink)?;
+                let work = self.expose_tile(&tile, &layout, words, range, state, sink)?;
                 sink.on_tile(&FinishedTile { rect: tile, pass: range.clone(), samples, layout, words });
                 Ok(work)
             })

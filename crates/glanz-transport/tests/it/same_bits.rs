@@ -282,6 +282,50 @@ fn interrupted_and_resumed_run_is_one_run() {
     }
 }
 
+#[test]
+fn films_in_files_are_those_in_memory() {
+    let mut tried = 0;
+    for run in runs() {
+        let format = run.format(&scene());
+        if !format.fits_in_file() {
+            assert!(matches!(Film::try_new_within(format, 0), Err(FilmError::Limit { limit: 0, .. })));
+            continue;
+        }
+        tried += 1;
+        let whole = part(&run, 0..16);
+        // Two rows of tiles, one after the other.
+        let fresh = Film::try_new_within(format, 0).unwrap();
+        let (half, _) = resume(
+            &run,
+            fresh.clone(),
+            |settings| settings.samples = 0..7,
+            &mut Silent,
+            &CancelFlag::default(),
+        );
+        assert!(half.is_in_file() && half != fresh);
+        let mut bytes = Vec::new();
+        let identity = identity(&run);
+        Checkpoint::write(&identity, &half, &mut bytes).unwrap();
+        assert_eq!(bytes, Checkpoint { identity, film: part(&run, 0..7) }.to_bytes());
+        let read = Checkpoint::read_within(bytes.as_slice(), 0).unwrap().film;
+        assert!(read.is_in_file());
+        let (mut film, _) =
+            resume(&run, read, |settings| settings.samples = 0..12, &mut Silent, &CancelFlag::default());
+        film.merge(&part(&run, 12..16)).unwrap();
+        assert!(film.is_in_file());
+        assert_eq!(film, whole);
+        let pixels = whole.to_pixels().unwrap();
+        assert_eq!(film.to_pixels().unwrap(), pixels);
+        let rows = film.rows_to_pixels(15..18).unwrap();
+        for (some, all) in rows.channels().iter().zip(pixels.channels()) {
+            assert_eq!(some.values[..], all.values[15 * 37..18 * 37]);
+        }
+        assert_eq!(film.is_black(), Ok(false));
+        assert_eq!(fresh.is_black(), Ok(true));
+    }
+    assert!(tried >= 5);
+}
+
 /// Counts checkpoints and remembers the last.
 #[derive(Default)]
 struct Saver(Vec<Film>);

@@ -25,7 +25,8 @@ const GRID: u32 = 16;
 impl Darkness {
     /// The reason for a film without light; `None` if it has any.
     pub(super) fn of(film: &Film, scene: &Scene) -> Option<Self> {
-        if !film.is_black() {
+        // A film that cannot be read is an error when the picture is made of it.
+        if !film.is_black().is_ok_and(|is_black| is_black) {
             return None;
         }
         let is_hit = |ray: &Ray| scene.intersect(ray, f64::INFINITY).is_some();
