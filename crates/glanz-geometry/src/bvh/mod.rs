@@ -161,6 +161,9 @@ impl Bvh {
         prefer_large_pages(&mut tree);
         tree.resize((2 * items.len()).saturating_sub(1), BinaryNode::EMPTY);
         let costs = build::build(&mut items, &mut tree, 0, options);
+        // Before the wide tree takes its memory.
+        let indices = parallel_map(&items, PARALLEL_CHUNK, BvhPrimitive::index);
+        drop(items);
         let wide = WideTree::collapse(&tree);
         let cost = tree.first().map_or(0.0, |root| {
             let area = f64::from(root.half_area());
@@ -172,9 +175,9 @@ impl Bvh {
             frame,
             nodes: wide.nodes,
             leaf_count: wide.leaf_starts.len().saturating_sub(1),
-            primitive_count: items.len(),
+            primitive_count: indices.len(),
             leaf_starts: wide.leaf_starts,
-            items: parallel_map(&items, PARALLEL_CHUNK, BvhPrimitive::index),
+            items: indices,
             depth: wide.depth,
             cost,
             isa: Isa::detect(),
