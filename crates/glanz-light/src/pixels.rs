@@ -1,5 +1,7 @@
 //! Pictures as named planes of pixels.
 
+use std::ops::Range;
+
 use crate::rgb::srgb_decode;
 
 /// One named plane of a picture.
@@ -110,6 +112,19 @@ impl Pixels {
             }
         }
         Ok(())
+    }
+
+    /// The picture of some of its rows.
+    ///
+    /// # Errors
+    /// [`PixelsError::Size`] for no rows, and [`PixelsError::Length`] for rows that the picture has not.
+    pub fn rows(&self, rows: Range<u32>) -> Result<Self, PixelsError> {
+        let mut part = Self::try_new(self.width, rows.end.saturating_sub(rows.start))?;
+        let values = rows.start as usize * self.width as usize..rows.end as usize * self.width as usize;
+        for Channel { name, values: all } in &self.channels {
+            part.add_channel(name, all.get(values.clone()).unwrap_or_default().to_vec())?;
+        }
+        Ok(part)
     }
 
     /// Pixels per row.

@@ -8,7 +8,6 @@ mod sums;
 use std::borrow::Cow;
 use std::ops::Range;
 
-pub use crate::channels::channel_names;
 use crate::edges::EdgeLayer;
 use crate::guide::{Guide, Training};
 use crate::noise::{self, NOT_ENDED};

@@ -39,6 +39,7 @@ mod weighted_sums;
 mod word_merge;
 
 pub use aov::{Aov, AovSet};
+pub use channels::channel_names;
 pub use checkpoint::{Checkpoint, CheckpointError, CheckpointHead};
 pub use edges::{EdgeLayer, EdgeStyle, MAX_EDGES};
 pub use film::{Film, FilmError, FilmFormat};

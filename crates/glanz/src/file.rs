@@ -128,6 +128,11 @@ impl FileIdentity {
     }
 }
 
+/// Whether the file `path` is there and is no regular one, as a pipe or a device.
+pub(crate) fn is_pipe(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|found| !found.is_file())
+}
+
 /// The bytes of the file `path`.
 ///
 /// # Errors

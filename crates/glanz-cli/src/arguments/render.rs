@@ -174,6 +174,7 @@ impl RenderArguments {
     pub(crate) fn options(&self) -> RenderOptions {
         RenderOptions {
             integrator: self.integrator.clone(),
+            film_memory: None,
             size: self.size,
             // The parser admits only known names.
             sampler: self.sampler.as_deref().and_then(SamplerKind::from_name),

@@ -1,5 +1,7 @@
 //! Errors of image files.
 
+use std::io;
+
 use glanz_light::PixelsError;
 
 use super::Format;
@@ -64,6 +66,9 @@ pub enum ImageError {
         /// The reason.
         message: String,
     },
+    /// The file that is written fails, or the rows of its picture.
+    #[error("{0}")]
+    Write(#[from] io::Error),
     /// Channels that do not form a picture.
     #[error(transparent)]
     Pixels(#[from] PixelsError),

@@ -1,24 +1,35 @@
 //! OpenEXR: any number of named float planes.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
+use std::io::{self, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::sync::{Mutex, PoisonError};
 
+use ::exr::block::BlockIndex;
 use ::exr::block::samples::Sample;
 use ::exr::image::write::WritableImage;
+use ::exr::image::write::channels::{ChannelsWriter, WritableChannels};
 use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer};
+use ::exr::math::{RoundingMode, Vec2};
 use ::exr::meta::MetaData;
-use ::exr::meta::attribute::{AttributeValue, Text};
+use ::exr::meta::attribute::{AttributeValue, ChannelDescription, ChannelList, LevelMode, SampleType, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, SmallVec, read as exr_read};
 use glanz_light::Pixels;
 
 use super::error::check_size;
-use super::{Format, Image, ImageError};
+use super::{Format, Image, ImageError, RowPicture};
 
 /// Largest number of values that a byte can unpack to: zlib compresses 1032 to 1, and PXR24 stores 4 bytes in 3. Before that, the lossy DWA packs flat
 /// blocks of 64 pixels into one value.
 const RATIO: u64 = 2048;
 const RATIO_DWA: u64 = 64 * 2048;
+
+/// Position of the first attribute in the file.
+const HEADER_START: usize = 8;
+
+/// Number of bytes of the header that are read at a time.
+const HEADER_PART: u64 = 1 << 16;
 
 /// Reads all layers. The name of a channel is that in the file, prefixed by the layer's name and a dot if the layer has one.
 /// Layers of another size than the first are named in `skipped_layers`. Integers become the nearest `f32`.
@@ -125,18 +136,83 @@ fn texts(from: &LayerAttributes, to: &mut BTreeMap<String, String>) {
     }
 }
 
+/// Channels whose rows are read when they are written.
+struct ExrRows<F> {
+    channels: ChannelList,
+    source: Mutex<RowSource<F>>,
+}
+
+/// The source of rows, and its first error.
+struct RowSource<F> {
+    rows: F,
+    error: Option<io::Error>,
+}
+
+impl<'a, F: FnMut(Range<u32>) -> io::Result<Pixels> + Send + 'a> WritableChannels<'a> for ExrRows<F> {
+    type Writer = &'a Self;
+
+    fn infer_channel_list(&self) -> ChannelList {
+        self.channels.clone()
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_writer(&'a self, _: &Header) -> &'a Self {
+        self
+    }
+}
+
+impl<F: FnMut(Range<u32>) -> io::Result<Pixels> + Send> ChannelsWriter for &ExrRows<F> {
+    /// The lines of the block, each with its channels one after the other; zeros after an error.
+    fn extract_uncompressed_block(&self, _: &Header, block: BlockIndex) -> Vec<u8> {
+        let (Vec2(width, height), first) = (block.pixel_size, block.pixel_position.y() as u32);
+        let channels = &self.channels.list;
+        let mut source = self.source.lock().unwrap_or_else(PoisonError::into_inner);
+        let read = match source.error {
+            None => (source.rows)(first..first + height as u32),
+            Some(_) => return vec![0; width * height * channels.len() * 4],
+        };
+        let lines = read.and_then(|pixels| {
+            let planes = channels.iter().map(|channel| pixels.channel(&text(&channel.name)));
+            let planes = planes.collect::<Option<Vec<&[f32]>>>().filter(|_| pixels.len() == width * height);
+            let planes = planes.ok_or_else(|| io::Error::other("rows of another picture"))?;
+            let rows = |plane: &[f32], row: usize| plane[row * width..(row + 1) * width].to_vec();
+            let values = (0..height).flat_map(|row| planes.iter().flat_map(move |plane| rows(plane, row)));
+            Ok(values.flat_map(f32::to_ne_bytes).collect())
+        });
+        lines.unwrap_or_else(|error| {
+            source.error = Some(error);
+            vec![0; width * height * channels.len() * 4]
+        })
+    }
+}
+
 /// Writes a single layer of 32 bit floats, ZIP compressed, with channels sorted by name.
-pub(super) fn write(pixels: &Pixels, attributes: &BTreeMap<String, String>) -> Result<Vec<u8>, ImageError> {
+pub(super) fn write(
+    picture: &RowPicture<'_>,
+    out: &mut (impl Read + Write + Seek),
+    rows: impl FnMut(Range<u32>) -> io::Result<Pixels> + Send,
+) -> Result<(), ImageError> {
     let mut list = SmallVec::new();
-    for channel in pixels.channels() {
-        let name = checked_name(&channel.name)?;
-        list.push(AnyChannel::new(name, FlatSamples::F32(channel.values.clone())));
+    for channel in picture.channels {
+        let (name, quantize_linearly) =
+            (checked_name(channel)?, ChannelDescription::guess_quantization_linearity);
+        let quantize_linearly = quantize_linearly(&name);
+        list.push(ChannelDescription {
+            name,
+            sample_type: SampleType::F32,
+            quantize_linearly,
+            sampling: Vec2(1, 1),
+        });
     }
     if list.is_empty() {
         return Err(not_writable("a picture without channels cannot be stored".to_owned()));
     }
+    list.sort_by(|a: &ChannelDescription, b| a.name.cmp(&b.name));
     let mut layer_attributes = LayerAttributes::default();
-    for (name, value) in attributes {
+    for (name, value) in picture.attributes {
         let value = Text::from_slice_unchecked(value.as_bytes());
         match name.as_str() {
             "software" => layer_attributes.software_name = Some(value),
@@ -152,25 +228,43 @@ pub(super) fn write(pixels: &Pixels, attributes: &BTreeMap<String, String>) -> R
         blocks: ::exr::image::Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let size = (pixels.width() as usize, pixels.height() as usize);
-    let layer = Layer::new(size, layer_attributes, encoding, AnyChannels::sort(list));
-    let mut bytes = Cursor::new(Vec::new());
-    ExrImage::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut bytes)
-        .map_err(|e| not_writable(e.to_string()))?;
-    let mut bytes = bytes.into_inner();
-    sort_attributes(&mut bytes).ok_or_else(|| not_writable("the header is broken".to_owned()))?;
-    Ok(bytes)
+    let size = picture.size.map(|side| side as usize);
+    let source = Mutex::new(RowSource { rows, error: None });
+    let channels = ExrRows { channels: ChannelList::new(list), source };
+    let image = ExrImage::from_layer(Layer::new((size[0], size[1]), layer_attributes, encoding, channels));
+    let written = image.write().non_parallel().to_buffered(BufWriter::new(&mut *out));
+    let source = image.layer_data.channel_data.source.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if let Some(error) = source.error {
+        return Err(error.into());
+    }
+    written.map_err(|error| match error {
+        ::exr::error::Error::Io(error) => ImageError::Write(error),
+        other => not_writable(other.to_string()),
+    })?;
+    sort_attributes(out)
 }
 
 /// Sorts the attributes of a single-layer header by name. The library writes them in the order
 /// of a hash map, which differs from run to run; the same picture must give the same bytes.
-fn sort_attributes(file: &mut [u8]) -> Option<()> {
-    const START: usize = 8;
+fn sort_attributes(file: &mut (impl Read + Write + Seek)) -> Result<(), ImageError> {
+    let mut header = Vec::new();
+    let mut sorted = None;
+    file.rewind()?;
+    // The header ends in the first part of the file, whose length is not known.
+    while sorted.is_none() {
+        if file.take(HEADER_PART).read_to_end(&mut header)? == 0 {
+            return Err(not_writable("the header is broken".to_owned()));
+        }
+        sorted = sorted_attributes(&header);
+    }
+    file.seek(SeekFrom::Start(HEADER_START as u64))?;
+    Ok(file.write_all(&sorted.unwrap_or_default())?)
+}
+
+/// The attributes of a header, sorted; `None` if the file goes on.
+fn sorted_attributes(file: &[u8]) -> Option<Vec<u8>> {
     let mut entries: Vec<(Vec<u8>, Vec<u8>)> = Vec::new();
-    let mut at = START;
+    let mut at = HEADER_START;
     while *file.get(at)? != 0 {
         let name = at + file.get(at..)?.iter().position(|&b| b == 0)?;
         let kind = name + 1 + file.get(name + 1..)?.iter().position(|&b| b == 0)?;
@@ -180,9 +274,7 @@ fn sort_attributes(file: &mut [u8]) -> Option<()> {
         at = end;
     }
     entries.sort();
-    let sorted: Vec<u8> = entries.into_iter().flat_map(|(_, bytes)| bytes).collect();
-    file.get_mut(START..at)?.copy_from_slice(&sorted);
-    Some(())
+    Some(entries.into_iter().flat_map(|(_, bytes)| bytes).collect())
 }
 
 /// The name as stored. Refuses names that the format cannot store: stored names end with a zero byte and have at most 255 bytes.

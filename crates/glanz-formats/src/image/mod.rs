@@ -1,7 +1,8 @@
 //! Picture files.
 //!
 //! [`read`] takes the bytes of a file, recognises the format by content (by extension if the content has no signature)
-//! and returns named planes of linear light. [`write()`] converts planes to bytes, [`write_srgb8`] display colours to a PNG. All work on bytes in memory.
+//! and returns named planes of linear light. [`write()`] converts planes to bytes, [`write_srgb8`] display colours to a PNG, in memory; [`write_rows`] writes a file
+//! of which some rows are in memory at a time.
 //!
 //! | format | read | written | planes |
 //! |---|---|---|---|
@@ -34,9 +35,11 @@ mod exr;
 mod hdr;
 mod pfm;
 mod raster;
+mod rows;
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::io::{self, Cursor};
 use std::path::Path;
 
 use glanz_light::rgb::srgb_decode;
@@ -44,6 +47,7 @@ use glanz_light::{Pixels, Tone};
 
 pub use error::{ImageError, MAX_PIXELS, MAX_SAMPLES};
 pub use raster::write_srgb8;
+pub use rows::{RowPicture, write_rows};
 
 /// A picture with the data of its file header.
 #[derive(Clone, Debug, PartialEq)]
@@ -191,13 +195,12 @@ pub fn write(
     tone: &Tone,
     attributes: &BTreeMap<String, String>,
 ) -> Result<Vec<u8>, ImageError> {
-    match format {
-        Format::Exr => exr::write(pixels, attributes),
-        Format::Hdr => hdr::write(pixels),
-        Format::Pfm => pfm::write(pixels),
-        Format::Png => raster::write_png(pixels, tone),
-        _ => Err(ImageError::NotWritable { format, message: "this format cannot be written".to_owned() }),
-    }
+    let channels: Vec<&str> = pixels.channels().iter().map(|channel| channel.name.as_str()).collect();
+    let size = [pixels.width(), pixels.height()];
+    let picture = RowPicture { size, channels: &channels, tone, attributes };
+    let mut bytes = Cursor::new(Vec::new());
+    write_rows(&picture, format, &mut bytes, |rows| pixels.rows(rows).map_err(io::Error::other))?;
+    Ok(bytes.into_inner())
 }
 
 /// The colour of each pixel, or an error with the missing channels.

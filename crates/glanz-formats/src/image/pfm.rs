@@ -1,11 +1,13 @@
 //! Portable float map: a text header and 32 bit floats, bottom row first (@debevecpfm).
 
 use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::ops::Range;
 
 use glanz_light::Pixels;
 
 use super::error::check_size;
-use super::{Format, Image, ImageError, rgb_of};
+use super::{Format, Image, ImageError, RowPicture, rgb_of};
 
 /// Reads a PFM; values are multiplied by the magnitude of the header's scale.
 pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
@@ -64,18 +66,23 @@ fn planes(data: &[u8], width: usize, channels: usize, scale: f32) -> Vec<Vec<f32
 }
 
 /// Writes a little-endian PFM of the channels R, G, B, or of Y alone.
-pub(super) fn write(pixels: &Pixels) -> Result<Vec<u8>, ImageError> {
-    let (width, height) = (pixels.width(), pixels.height());
-    let rgb = rgb_of(pixels, Format::Pfm)?;
-    let grey = pixels.channel("R").is_none();
-    let mut bytes = format!("{}\n{width} {height}\n-1.0\n", if grey { "Pf" } else { "PF" }).into_bytes();
-    for row in rgb.chunks(width as usize).rev() {
-        for pixel in row {
-            let used = if grey { &pixel[..1] } else { &pixel[..] };
-            bytes.extend(used.iter().flat_map(|v| v.to_le_bytes()));
-        }
+pub(super) fn write(
+    picture: &RowPicture<'_>,
+    out: &mut impl Write,
+    mut rows: impl FnMut(Range<u32>) -> io::Result<Pixels>,
+) -> Result<(), ImageError> {
+    let [width, height] = picture.size;
+    let grey = !picture.channels.contains(&"R");
+    write!(out, "{}\n{width} {height}\n-1.0\n", if grey { "Pf" } else { "PF" })?;
+    for range in picture.ranges().rev() {
+        let rgb = rgb_of(&rows(range)?, Format::Pfm)?;
+        let used = |pixel: &[f32; 3]| {
+            pixel.iter().take(if grey { 1 } else { 3 }).flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>()
+        };
+        let bytes: Vec<u8> = rgb.chunks(width as usize).rev().flatten().flat_map(used).collect();
+        out.write_all(&bytes)?;
     }
-    Ok(bytes)
+    Ok(())
 }
 
 fn damaged(offset: usize, message: String) -> ImageError {

@@ -1,19 +1,20 @@
 //! Formats with integers for pixels: PNG, JPEG, BMP, TGA, QOI, PNM.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
+use std::io::{self, Cursor, Write};
+use std::ops::Range;
 
-use glanz_light::{Pixels, Tone};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{
-    ColorType, DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, Limits,
-};
+use glanz_light::Pixels;
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use super::error::check_size;
-use super::{Encoding, Format, Image, ImageError, MAX_SAMPLES, rgb_of};
+use super::{Encoding, Format, Image, ImageError, MAX_SAMPLES, RowPicture, rgb_of};
 
 /// Largest number of values per byte of these formats: deflate compresses 1032 to 1, JPEG stores 512 pixels of 3 values in a byte.
 const RATIO: u64 = 2048;
+
+/// Size of the parts of a PNG's data, bytes.
+const CHUNK: usize = 1 << 18;
 
 /// Reads one of the formats; integers are scaled to [0, 1] and decoded.
 pub(super) fn read(bytes: &[u8], format: Format, encoding: Encoding) -> Result<Image, ImageError> {
@@ -75,11 +76,41 @@ fn planes(decoded: &DynamicImage, encoding: Encoding) -> Vec<(&'static str, Vec<
     }
 }
 
-/// An 8 bit sRGB PNG of R, G, B (or Y) after `tone`.
-pub(super) fn write_png(pixels: &Pixels, tone: &Tone) -> Result<Vec<u8>, ImageError> {
-    let rgb = rgb_of(pixels, Format::Png)?;
-    let colours: Vec<[u8; 3]> = rgb.into_iter().map(|p| tone.to_srgb8(p)).collect();
-    write_srgb8(pixels.width(), pixels.height(), &colours)
+/// Writes an 8 bit sRGB PNG of R, G, B (or Y) after the tone curve.
+pub(super) fn write_png(
+    picture: &RowPicture<'_>,
+    out: &mut impl Write,
+    mut rows: impl FnMut(Range<u32>) -> io::Result<Pixels>,
+) -> Result<(), ImageError> {
+    let strips = picture.ranges().map(|range| {
+        let rgb = rgb_of(&rows(range)?, Format::Png)?;
+        Ok(rgb.into_iter().map(|p| picture.tone.to_srgb8(p)).collect())
+    });
+    write_strips(picture.size, strips, out)
+}
+
+/// Writes an 8 bit PNG of strips of sRGB bytes.
+fn write_strips(
+    [width, height]: [u32; 2],
+    strips: impl Iterator<Item = Result<Vec<[u8; 3]>, ImageError>>,
+    out: &mut impl Write,
+) -> Result<(), ImageError> {
+    let failed = |error: png::EncodingError| match error {
+        png::EncodingError::IoError(error) => ImageError::Write(error),
+        other => ImageError::NotWritable { format: Format::Png, message: other.to_string() },
+    };
+    let mut encoder = png::Encoder::new(out, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::Adaptive);
+    let mut writer = encoder.write_header().map_err(failed)?;
+    let mut stream = writer.stream_writer_with_size(CHUNK).map_err(failed)?;
+    for strip in strips {
+        stream.write_all(strip?.as_flattened())?;
+    }
+    stream.finish().map_err(failed)?;
+    writer.finish().map_err(failed)
 }
 
 /// An 8 bit PNG of sRGB bytes, row by row from the top left.
@@ -93,9 +124,7 @@ pub fn write_srgb8(width: u32, height: u32, colours: &[[u8; 3]]) -> Result<Vec<u
         return Err(not_writable(format!("there are {} colours; {expected} are needed", colours.len())));
     }
     let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive)
-        .write_image(colours.as_flattened(), width, height, ExtendedColorType::Rgb8)
-        .map_err(|e| not_writable(e.to_string()))?;
+    write_strips([width, height], std::iter::once(Ok(colours.to_vec())), &mut bytes)?;
     Ok(bytes)
 }
 

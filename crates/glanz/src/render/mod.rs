@@ -81,6 +81,9 @@ pub struct RenderOptions {
     /// Checkpoint of a finished bake, whose light is used instead of baking (integrator `radiosity`).
     #[cfg(feature = "radiosity")]
     pub light_input: Option<PathBuf>,
+    /// Memory that the sums of all pixels may take, bytes: those of a larger picture are in a temporary file, of which some rows are in memory at a time. An error for
+    /// a larger picture of an integrator that learns or connects light to the film, with a noise level, and if noise is removed. `None`: no limit.
+    pub film_memory: Option<u64>,
     /// Channels beside the colour.
     pub aovs: AovSet,
     /// Lines over the picture along the feature edges of CAD models that were read with [their edges](glanz_scene::description::EdgeDescription);
@@ -208,12 +211,12 @@ impl<'a> RenderBuilder<'a> {
 /// The film of the checkpoint to resume, or an empty one.
 fn starting_film(plan: &RenderPlan, job: &mut RunningJob<'_>) -> Result<Film, Error> {
     let Some(path) = job.resumed() else {
-        let mut film = Film::try_new(plan.identity.film)?;
+        let mut film = Film::try_new_within(plan.identity.film, plan.film_memory)?;
         film.add_plans(plan.part_of.clone());
         return Ok(film);
     };
     let file = File::open(&path).map_err(Error::of_file(&path))?;
-    let mut checkpoint = Checkpoint::read(file).map_err(Error::of_file(&path))?;
+    let mut checkpoint = Checkpoint::read_within(file, plan.film_memory).map_err(Error::of_file(&path))?;
     checkpoint.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
     let state = &ResumedState::Samples(checkpoint.film.samples().clone());
     job.emit(JobEvent::Resumed { path: &path, state });

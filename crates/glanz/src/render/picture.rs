@@ -82,6 +82,12 @@ impl Picture {
         &self.warnings
     }
 
+    /// Whether its sums are in a temporary file and not in memory.
+    #[cfg(feature = "formats")]
+    pub(super) fn is_in_file(&self) -> bool {
+        self.film.is_in_file() && self.denoised.is_none()
+    }
+
     /// Whether the noise of its colours was removed.
     #[must_use]
     pub fn is_denoised(&self) -> bool {

@@ -9,8 +9,8 @@ use glanz_sampling::exact::MAX_TERMS;
 use glanz_scene::Scene;
 use glanz_scene::description::FilmDescription;
 use glanz_transport::{
-    Aov, AovSet, EdgeStyle, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings, NoiseLevel,
-    PictureIdentity, PixelRect, RenderSettings, SamplePlan, StoredLight,
+    Aov, AovSet, EdgeStyle, FilmError, FilmFormat, FilmSensor, Filter, Integrator, IntegratorSettings,
+    NoiseLevel, PictureIdentity, PixelRect, RenderSettings, SamplePlan, StoredLight,
 };
 
 use super::RenderOptions;
@@ -38,6 +38,8 @@ pub struct RenderPlan {
     pub samples: Range<u32>,
     /// The samples of which these are a part.
     pub(super) part_of: Option<SamplePlan>,
+    /// Memory that the film may take, bytes.
+    pub(super) film_memory: u64,
     /// Lines over the picture.
     pub(super) edges: Option<EdgeStyle>,
     filter: Filter,
@@ -92,7 +94,8 @@ impl RenderPlan {
             guide: given,
             version: glanz_job::current_version(),
         };
-        identity.film.words().map_err(|error| match options.size {
+        let film_memory = options.film_memory.unwrap_or(u64::MAX);
+        options.check_memory(&identity.film, film_memory).map_err(|error| match options.size {
             Some(_) => Error::Film(error),
             None => at_film(&error),
         })?;
@@ -110,6 +113,7 @@ impl RenderPlan {
             time_limit,
             samples,
             part_of,
+            film_memory,
             edges,
             filter,
             sensor,
@@ -173,6 +177,17 @@ impl RenderOptions {
             channels = channels.union(super::denoised::CHANNELS);
         }
         channels
+    }
+
+    /// Checks the size of the film, and that it is in memory or may be in a file.
+    fn check_memory(&self, film: &FilmFormat, limit: u64) -> Result<(), FilmError> {
+        film.check_memory(limit)?;
+        let needed = film.words()?.saturating_mul(8);
+        #[cfg(feature = "denoise")]
+        let is_whole = self.denoise;
+        #[cfg(not(feature = "denoise"))]
+        let is_whole = false;
+        if is_whole && needed > limit { Err(FilmError::Limit { needed, limit }) } else { Ok(()) }
     }
 
     /// The noise at which tiles take no more samples.

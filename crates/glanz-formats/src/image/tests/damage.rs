@@ -26,7 +26,7 @@ fn corpus() -> Vec<(Vec<u8>, &'static str)> {
         let halves: Vec<f16> = (0..21 * 13).map(|i| f16::from_f32(noise(i))).collect();
         let image =
             ::exr::image::Image::from_layer(layer(None, (21, 13), compression, FlatSamples::F16(halves)));
-        let mut bytes = std::io::Cursor::new(Vec::new());
+        let mut bytes = Cursor::new(Vec::new());
         if image.write().to_buffered(&mut bytes).is_ok() {
             files.push((bytes.into_inner(), "b.exr"));
         }

@@ -66,7 +66,7 @@ fn exr_of_halves_and_integers_in_every_lossless_compression_is_read() {
     {
         for samples in [FlatSamples::F16(halves.clone()), FlatSamples::U32(integers.clone())] {
             let expected: Vec<f32> = samples.values_as_f32().collect();
-            let mut bytes = std::io::Cursor::new(Vec::new());
+            let mut bytes = Cursor::new(Vec::new());
             ::exr::image::Image::from_layer(layer(None, (64, 40), compression, samples))
                 .write()
                 .to_buffered(&mut bytes)
@@ -85,7 +85,7 @@ fn exr_layers_of_one_size_are_merged_under_their_names() {
     };
     let layers = vec![of("direct", (3, 2), 1.0), of("small", (1, 1), 2.0), of("indirect", (3, 2), 3.0)];
     let image = ::exr::image::Image::from_layers(ImageAttributes::with_size((3, 2)), layers);
-    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut bytes = Cursor::new(Vec::new());
     image.write().to_buffered(&mut bytes).unwrap();
     let read = linear(bytes.get_ref());
     assert_eq!(read.pixels.channel("direct.Y"), Some(&[1.0; 6][..]));

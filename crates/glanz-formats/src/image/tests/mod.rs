@@ -49,7 +49,7 @@ fn write_default(pixels: &Pixels, format: Format) -> Vec<u8> {
 
 /// A file of `format` made by the `image` crate, for the formats that are only read.
 fn foreign(picture: &image::DynamicImage, format: image::ImageFormat) -> Vec<u8> {
-    let mut bytes = std::io::Cursor::new(Vec::new());
+    let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, format).unwrap();
     bytes.into_inner()
 }
