@@ -40,6 +40,7 @@ mod limits {
     const OPEN_FILES: u64 = 256;
 
     /// Bytes that are allocated beyond those in use, such as stacks of threads.
+    #[cfg(target_os = "linux")]
     const UNUSED: u64 = 1 << 30;
 
     /// Difference of the priority to that of the server, which has to answer other pages meanwhile.

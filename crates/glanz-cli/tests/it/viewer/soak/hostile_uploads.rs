@@ -18,6 +18,9 @@ const WAIT: Duration = Duration::from_secs(120);
 /// Response of a server with too many uploads, or too many opened scenes.
 const BUSY: u16 = 503;
 
+/// Response to what is no upload, or that of a page that counts as disconnected: while it waits for others it answers no pings.
+const BAD: u16 = 400;
+
 /// All kinds.
 pub(crate) const ALL: [HostileUpload; 12] = [
     ("includes without end, abandoned", abandoned_includes),
@@ -161,7 +164,7 @@ fn damaged_file(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault>
 fn traversal(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
     for name in ["../a.pbrt", "/tmp/a.pbrt", "a/../../a.pbrt", "..\\a.pbrt", "a\u{0}.pbrt", "."] {
         let answer = send(host, &request(host, &page.session, &[text_file(name, BALL)]))?;
-        if ![400, BUSY].contains(&answer.status) {
+        if ![BAD, BUSY].contains(&answer.status) {
             return Err(format!("{name:?}: {}", answer.head));
         }
     }
@@ -169,7 +172,7 @@ fn traversal(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
         "WorldBegin\nInclude \"../model\"\nInclude \"../task.json\"\nInclude \"/proc/self/environ\"\n";
     let answer = send(host, &request(host, &page.session, &[text_file("a.pbrt", scene)]))?;
     match answer.status {
-        422 | BUSY => Ok(()),
+        422 | BAD | BUSY => Ok(()),
         _ => Err(format!("files outside: {}", answer.head)),
     }
 }
@@ -179,7 +182,7 @@ fn huge_sizes(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
         let body = format!("[[\"a.pbrt\",{size}]]\n{BALL}");
         let bytes = [head(host, &page.session, 1 << 40).into_bytes(), body.into_bytes()].concat();
         let answer = send(host, &bytes)?;
-        if ![0, 413, BUSY].contains(&answer.status) {
+        if ![0, 413, BAD, BUSY].contains(&answer.status) {
             return Err(format!("{size} bytes: {}", answer.head));
         }
     }
@@ -210,7 +213,7 @@ fn missing_bytes(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault
 fn left_rendering(host: &str, mut page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
     let answer = send(host, &request(host, &page.session, &[text_file("a.pbrt", BALL)]))?;
     match answer.status {
-        BUSY => return Ok(()),
+        BAD | BUSY => return Ok(()),
         200 => {}
         _ => return Err(answer.head),
     }
