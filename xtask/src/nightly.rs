@@ -108,10 +108,11 @@ const PARTS: &[NightlyPart] = &[
         settings: &[
             setting("--pages", "GLANZ_SOAK_PAGES", 100),
             setting("--seconds", "GLANZ_SOAK_SECONDS", 300),
+            setting("--uploads", "GLANZ_SOAK_UPLOADS", 300),
         ],
         files: None,
         needs_browser: false,
-        help: "clients of `glanz view` that connect, misbehave and disconnect; threads and memory must be released",
+        help: "clients of `glanz view` that connect, misbehave, upload hostile files and disconnect; threads, memory, files and processes must be released",
     },
     NightlyPart {
         name: "cad",

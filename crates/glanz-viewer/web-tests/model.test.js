@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { decodeModel, patchHeader } from "../web/model.js";
+import { decodeModel, fetchModel, patchHeader } from "../web/model.js";
 import { encodeModel, patchModel } from "./small_model.js";
 
 test("a_model_has_the_numbers_that_were_written", () => {
@@ -17,6 +17,24 @@ test("bytes_that_are_no_model_are_refused_with_the_reason", () => {
   assert.throws(() => decodeModel(new TextEncoder().encode("<!doctype html><p>").buffer), /begins with "<!doctyp"/);
   const bytes = encodeModel(patchModel({ degreeU: 1, degreeV: 1, points: Array(16).fill(1) }));
   assert.throws(() => decodeModel(bytes.slice(0, 40)), /cut off/);
+});
+
+test("a_model_that_is_too_large_for_a_page_is_not_fetched", async (context) => {
+  const bytes = encodeModel(patchModel({ degreeU: 1, degreeV: 1, points: [...Array(16).keys()] }));
+  /** @type {AbortSignal | undefined} */
+  let signal;
+  /** @param {number} size */
+  const serve = (size) =>
+    context.mock.method(globalThis, "fetch", async (/** @type {string} */ _, /** @type {RequestInit} */ options) => {
+      signal = options.signal ?? undefined;
+      return new Response(bytes, { headers: { "content-length": String(size) } });
+    });
+  serve(2 ** 30);
+  assert.equal((await fetchModel("/model/x")).name, "small");
+  assert.equal(signal?.aborted, false);
+  serve(1.5 * 2 ** 30);
+  await assert.rejects(fetchModel("/model/x"), /has 1\.61 GB, and a page takes 1\.07 GB/);
+  assert.equal(signal?.aborted, true);
 });
 
 test("a_patch_with_points_beyond_the_block_is_refused", () => {

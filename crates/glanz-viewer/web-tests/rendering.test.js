@@ -112,3 +112,45 @@ test("nothing is asked for while there is no connection", () => {
   image.begin(ORDER);
   assert.deepEqual([sent.length, image.status], [0, null]);
 });
+
+/** Types and numbers of messages. @param {any[]} sent */
+const named = (sent) => sent.map(({ type, id }) => `${type} ${id}`);
+
+test("hidden page pauses its rendering, and resumes it when it is shown", (context) => {
+  const clock = timers(context);
+  const { sent, session } = recorder();
+  const image = new RenderedImage(session, () => {});
+  image.hide(true);
+  image.hide(false);
+  assert.equal(sent.length, 0, "nothing is rendered");
+  image.begin(ORDER);
+  image.hide(true);
+  clock.tick(59000);
+  assert.equal(image.hide(false), false);
+  clock.tick(60000);
+  assert.deepEqual(named(sent), ["view 1", "pause 1", "resume 1"]);
+  assert.ok(image.picture);
+});
+
+test("view that begins while the page is hidden is paused at once", () => {
+  const { sent, session } = recorder();
+  const image = new RenderedImage(session, () => {});
+  image.hide(true);
+  image.begin(ORDER);
+  image.hide(false);
+  assert.deepEqual(named(sent), ["view 1", "pause 1", "resume 1"]);
+});
+
+test("page that is hidden for a minute gives its image up and wants it again when it is shown", (context) => {
+  const clock = timers(context);
+  const { sent, session } = recorder();
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  image.hide(true);
+  clock.tick(60000);
+  assert.deepEqual(named(sent), ["view 1", "pause 1", "stop 1"]);
+  assert.equal(image.hide(false), true);
+  image.hide(true);
+  clock.tick(60000);
+  assert.equal(image.hide(false), false, "there was nothing to give up");
+});

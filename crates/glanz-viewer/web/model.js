@@ -92,6 +92,9 @@ const WORDS = {
   luxCells: 2,
 };
 
+/** Most bytes of a model; the graphics card takes about as many again. A browser that runs out of memory ends the page without a word. */
+const MOST_BYTES = 2 ** 30;
+
 /**
  * The model that the server has at a path.
  * @param {string} path
@@ -99,8 +102,15 @@ const WORDS = {
  * @throws {Error} that says why there is none
  */
 export async function fetchModel(path) {
-  const response = await fetch(path);
+  const leave = new AbortController();
+  const response = await fetch(path, { signal: leave.signal });
   if (!response.ok) throw new Error(`The server answered with ${response.status} ${response.statusText}.`);
+  const size = Number(response.headers.get("content-length") ?? 0);
+  if (size > MOST_BYTES) {
+    leave.abort();
+    const [needed, most] = [size, MOST_BYTES].map((bytes) => (bytes / 1e9).toFixed(2));
+    throw new Error(`The model has ${needed} GB, and a page takes ${most} GB. Open a part of the scene.`);
+  }
   return decodeModel(await response.arrayBuffer());
 }
 

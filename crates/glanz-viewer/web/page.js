@@ -117,6 +117,10 @@ export class Page {
       // A click without a move leaves the rendered picture as it is.
       released: () => this.renderedImage.id === null && this.viewChanged(),
     });
+    document.addEventListener("visibilitychange", () => {
+      if (this.renderedImage.hide(document.hidden)) this.viewChanged();
+    });
+    this.renderedImage.hide(document.hidden);
     new ResizeObserver(() => this.resize()).observe(this.canvas);
     this.resize();
   }

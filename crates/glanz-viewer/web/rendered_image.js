@@ -26,6 +26,9 @@ const HALF_ONE = 0x3c00;
 /** Milliseconds that the camera rests before rendering begins. */
 const REST = 250;
 
+/** Milliseconds after which a hidden page gives the memory of its image on the server to others. */
+const ABANDON = 60000;
+
 /** Longest side of a picture that the server renders. */
 const LARGEST_SIDE = 4096;
 
@@ -112,6 +115,31 @@ export class RenderedImage {
     this.stopping = null;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
+    /** Whether nobody sees the page. */
+    this.isHidden = false;
+    /** Whether the image was given up while the page was hidden. */
+    this.isAbandoned = false;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.abandonTimer = undefined;
+  }
+
+  /**
+   * Pauses rendering while the page is hidden. Returns true if the image has to be requested again, because the page was hidden for long.
+   * @param {boolean} isHidden
+   */
+  hide(isHidden) {
+    this.isHidden = isHidden;
+    clearTimeout(this.abandonTimer);
+    if (this.id !== null) this.session.send({ type: isHidden ? "pause" : "resume", id: this.id });
+    const isAbandoned = this.isAbandoned;
+    this.isAbandoned = false;
+    if (isHidden) {
+      this.abandonTimer = setTimeout(() => {
+        this.isAbandoned = this.id !== null;
+        this.stop();
+      }, ABANDON);
+    }
+    return isAbandoned;
   }
 
   /**
@@ -141,6 +169,8 @@ export class RenderedImage {
     };
     const sides = [size.width, size.height];
     this.session.send({ type: "view", id: this.id, camera, size: sides, hidden, integrator, denoise });
+    // The scene may have changed while nobody looks.
+    if (this.isHidden) this.session.send({ type: "pause", id: this.id });
     this.notify();
   }
 

@@ -4,10 +4,11 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glanz::denoise::DenoiseError;
+use glanz::denoise::{DIRECTORY_VARIABLE, DenoiseError};
 use glanz::formats::Options;
 use glanz::viewer::server::{
     ComparedDesign, SceneOverlay, SceneUpdate, Server, ServerError, ServerSettings, ViewerScene,
+    WorkerCommand, WorkerSettings, run_worker, worker_folder,
 };
 use glanz::viewer::stream::ViewDenoiser;
 use glanz::{LibraryDenoiser, LightOverlay, is_lux_folder, lux_folder_content_hash};
@@ -20,14 +21,17 @@ use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 use crate::report;
 
-/// Serves the page until it is interrupted.
+/// Serves the page until it is interrupted. In the process of a scene that a page has opened, serves that scene instead.
 ///
 /// # Errors
 /// A scene or file that is refused, or an address at which the server cannot listen.
 pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let cancel = interrupt::listen()?;
     let (strict, studio) = (arguments.strictness.strict, arguments.model.studio.settings());
     let options = Options { strict, studio, ..Options::default() };
+    if let Some(folder) = worker_folder() {
+        return serve_opened_scene(arguments, options, &folder);
+    }
+    let cancel = interrupt::listen()?;
     let (lux, second_lux) = lux_folders(arguments)?;
     let second = arguments.compare.as_ref().or_else(|| second_lux.as_ref().map(|_| &arguments.model.scene));
     let overlay = overlay(arguments, lux.as_deref()).map_err(command_error(messages))?;
@@ -61,6 +65,7 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
         overlay,
         compared,
         denoiser: Some(denoiser()),
+        worker: Some(worker_command()?),
         watch: arguments.watch,
         ..ServerSettings::default()
     };
@@ -78,6 +83,29 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     }
     server.run(&cancel).map_err(|error| server_failure(&error))?;
     // Cancelling is the normal end of this command.
+    Ok(CommandOutcome::Done)
+}
+
+/// This program, which with the same arguments reads files in the same way.
+fn worker_command() -> Result<WorkerCommand, CommandError> {
+    WorkerCommand::this_program(std::env::args_os().skip(1).collect())
+        .map_err(|error| CommandError::new(format!("the path of this program is unknown: {error}")))
+}
+
+/// Serves a scene that a page has opened, in a process of its own that the server has started.
+fn serve_opened_scene(
+    arguments: &ViewArguments,
+    options: Options,
+    folder: &Path,
+) -> Result<CommandOutcome, CommandError> {
+    let settings = WorkerSettings {
+        options,
+        threads: arguments.threads.count(),
+        integrator: arguments.integrator.into(),
+        denoiser: Some(denoiser()),
+        libraries: std::env::var_os(DIRECTORY_VARIABLE).map(PathBuf::from).into_iter().collect(),
+    };
+    run_worker(folder, settings).map_err(|error| CommandError::new(error.to_string()))?;
     Ok(CommandOutcome::Done)
 }
 

@@ -30,6 +30,10 @@ pub(crate) enum PageRequest {
     },
     /// End rendering.
     Stop { id: u32 },
+    /// Render no more for now: the page is hidden.
+    Pause { id: u32 },
+    /// Continue a paused rendering.
+    Resume { id: u32 },
     /// Return the hit of a ray.
     Pick {
         id: u32,
@@ -60,6 +64,19 @@ pub(crate) struct MalformedRequest {
 }
 
 impl PageRequest {
+    /// Its number.
+    pub(crate) fn id(&self) -> u32 {
+        match *self {
+            Self::View { id, .. }
+            | Self::Stop { id }
+            | Self::Pause { id }
+            | Self::Resume { id }
+            | Self::Pick { id, .. }
+            | Self::Measure { id, .. }
+            | Self::Save { id } => id,
+        }
+    }
+
     /// Reads a message.
     ///
     /// # Errors
@@ -159,6 +176,8 @@ mod tests {
         };
         assert_eq!((hidden, integrator), (BTreeSet::from([1, 2, 4]), Some(IntegratorName::Guided)));
         assert_eq!(PageRequest::parse(r#"{"type":"stop","id":1}"#), Ok(PageRequest::Stop { id: 1 }));
+        assert_eq!(PageRequest::parse(r#"{"type":"pause","id":1}"#), Ok(PageRequest::Pause { id: 1 }));
+        assert_eq!(PageRequest::parse(r#"{"type":"resume","id":1}"#), Ok(PageRequest::Resume { id: 1 }));
         assert_eq!(PageRequest::parse(r#"{"type":"save","id":2}"#), Ok(PageRequest::Save { id: 2 }));
         assert_eq!(
             PageRequest::parse(r#"{"type":"measure","id":2,"leaves":[[3,5]]}"#),

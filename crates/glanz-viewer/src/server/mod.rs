@@ -1,9 +1,10 @@
 //! HTTP and WebSocket: the page, its model, its messages, its files.
 //!
 //! [`Server::bind`] opens the port, [`Server::run`] serves until it is cancelled. Requests pass `access` (admission) first and `headers`
-//! last; `page` serves the files of the page, `models` the models that it draws, `socket` exchanges messages with it, `upload` receives
-//! files that are dropped on it, `watch` reads the scene again when it changes. Every resource that clients can use up has one of the
-//! [`Limits`].
+//! last; `page` serves the files of the page, `models` the models that it draws, `socket` exchanges messages with it, which `page_service`
+//! answers, `watch` reads the scene again when it changes. `upload` receives files that are dropped on the page; their scene is read and rendered
+//! by a process of its own (`opened_scene` starts it, `worker` is what it does), which has a `page_service`, too. Every resource that
+//! clients can use up has one of the [`Limits`].
 
 mod access;
 mod access_key;
@@ -12,8 +13,10 @@ mod headers;
 mod label;
 mod message;
 mod models;
+mod opened_scene;
 mod overlay;
 mod page;
+mod page_service;
 mod session;
 mod settings;
 mod socket;
@@ -21,6 +24,7 @@ mod state;
 mod upload;
 mod viewer_scene;
 mod watch;
+mod worker;
 
 use std::net::TcpListener;
 use std::path::Path;
@@ -50,6 +54,7 @@ use self::state::AppState;
 pub use self::overlay::SceneOverlay;
 pub use self::settings::{ComparedDesign, DEFAULT_PORT, Limits, ServerSettings};
 pub use self::viewer_scene::ViewerScene;
+pub use self::worker::{WorkerCommand, WorkerError, WorkerSettings, run_worker, worker_folder};
 
 /// Errors of starting the server.
 #[derive(Debug, thiserror::Error)]
@@ -215,7 +220,7 @@ async fn check(State(app): State<Arc<AppState>>, request: Request, next: Next) -
 
 async fn model(State(app): State<Arc<AppState>>, UrlPath(key): UrlPath<String>) -> Response {
     match AccessKey::parse(&key).and_then(|key| app.models.get(&key)) {
-        Some(bytes) => ([(CONTENT_TYPE, "application/octet-stream")], bytes).into_response(),
+        Some(body) => ([(CONTENT_TYPE, "application/octet-stream")], body).into_response(),
         None => (StatusCode::NOT_FOUND, "the model is no longer available").into_response(),
     }
 }

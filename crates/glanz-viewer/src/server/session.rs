@@ -3,30 +3,32 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use tokio::sync::Notify;
+use tokio::sync::{Notify, watch};
 
 use super::access_key::AccessKey;
 use super::message::SceneMessage;
 use super::models::PublishedModel;
+use super::opened_scene::{OpenedScene, SceneSlot};
 
 /// A connected page.
 #[derive(Debug)]
 pub(crate) struct Session {
     pub(crate) key: AccessKey,
     /// Number of the design that the page shows.
-    design: usize,
+    pub(crate) design: usize,
     state: Mutex<SessionState>,
     /// Signals a pending message or the end of the session.
     pub(crate) notify: Notify,
     /// Held while an upload of the page is read: one at a time.
-    pub(crate) uploading: tokio::sync::Mutex<()>,
+    pub(crate) uploading: Arc<tokio::sync::Mutex<()>>,
+    is_gone: watch::Sender<bool>,
 }
 
 #[derive(Debug)]
 struct SessionState {
     published: PublishedModel,
-    /// True if the page has opened a file of its own.
-    is_own: bool,
+    /// The scene that the page has opened itself.
+    opened: Option<Arc<OpenedScene>>,
     /// Message not yet sent.
     pending: Option<SceneMessage>,
 }
@@ -41,23 +43,30 @@ impl Session {
         self.state().published.clone()
     }
 
-    /// The result of a function of the model that the page shows, and of the number of its design; `None` if the page has opened its file itself.
-    pub(crate) fn with_published<T>(&self, function: impl FnOnce(&PublishedModel, Option<usize>) -> T) -> T {
-        let state = self.state();
-        function(&state.published, (!state.is_own).then_some(self.design))
-    }
-
-    /// Switches the page to an uploaded scene and queues `message`, which announces it.
-    pub(crate) fn show_own(&self, published: PublishedModel, message: SceneMessage) {
+    /// Switches the page to a scene that it has opened and queues `message`, which announces it.
+    pub(crate) fn show_opened(&self, opened: Arc<OpenedScene>, message: SceneMessage) {
         let mut state = self.state();
-        (state.published, state.is_own, state.pending) = (published, true, Some(message));
+        (state.opened, state.pending) = (Some(opened), Some(message));
         drop(state);
         self.notify.notify_one();
     }
 
-    /// Takes the message not yet sent.
-    pub(crate) fn take_message(&self) -> Option<SceneMessage> {
-        self.state().pending.take()
+    /// The slot of the scene that the page has opened.
+    pub(crate) fn scene_slot(&self) -> Option<SceneSlot> {
+        self.state().opened.as_ref().map(|opened| opened.slot())
+    }
+
+    /// Takes the message not yet sent, and the opened scene that it may be about.
+    pub(crate) fn take_message(&self) -> Option<(SceneMessage, Option<Arc<OpenedScene>>)> {
+        let mut state = self.state();
+        let message = state.pending.take()?;
+        Some((message, state.opened.clone()))
+    }
+
+    /// Waits until the page has disconnected.
+    pub(crate) async fn gone(&self) {
+        // An error only without a sender, which this has.
+        let _ = self.is_gone.subscribe().wait_for(|is_gone| *is_gone).await;
     }
 }
 
@@ -78,6 +87,7 @@ pub(crate) struct SessionSlot {
 impl Drop for SessionSlot {
     fn drop(&mut self) {
         self.sessions.open().remove(&self.session.key);
+        self.session.is_gone.send_replace(true);
     }
 }
 
@@ -94,9 +104,15 @@ impl Sessions {
     /// A slot for one more page, which shows `published`, the model of a design; `None` if all are taken, or the system has no random numbers.
     pub(crate) fn join(self: &Arc<Self>, design: usize, published: PublishedModel) -> Option<SessionSlot> {
         let key = AccessKey::random().ok()?;
-        let state = Mutex::new(SessionState { published, is_own: false, pending: None });
-        let session =
-            Arc::new(Session { key, design, state, notify: Notify::new(), uploading: Default::default() });
+        let state = Mutex::new(SessionState { published, opened: None, pending: None });
+        let session = Arc::new(Session {
+            key,
+            design,
+            state,
+            notify: Notify::new(),
+            uploading: Arc::default(),
+            is_gone: watch::Sender::new(false),
+        });
         let mut open = self.open();
         if open.len() >= self.most {
             return None;
@@ -129,7 +145,7 @@ impl Sessions {
     ) {
         for session in self.open().values() {
             let mut state = session.state();
-            if state.is_own || session.design != design {
+            if state.opened.is_some() || session.design != design {
                 continue;
             }
             if let Some(published) = published {

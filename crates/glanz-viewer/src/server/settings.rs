@@ -8,6 +8,7 @@ use glanz_formats::Options;
 
 use super::overlay::SceneOverlay;
 use super::viewer_scene::ViewerScene;
+use super::worker::WorkerCommand;
 use crate::stream::{IntegratorName, ViewDenoiser};
 
 /// Settings of the server.
@@ -30,6 +31,8 @@ pub struct ServerSettings {
     pub compared: Option<ComparedDesign>,
     /// Denoiser that pages offer, or the reason why it is missing, which they show; `None` if they offer none.
     pub denoiser: Option<Result<Arc<dyn ViewDenoiser>, String>>,
+    /// Program that reads the files that are dropped on pages, in a process for each; `None` if pages cannot open files.
+    pub worker: Option<WorkerCommand>,
     /// Reads the scene again when one of its files changes.
     pub watch: bool,
     /// Resource limits of clients.
@@ -77,6 +80,16 @@ pub struct Limits {
     pub uploads: usize,
     /// Time limit of an upload.
     pub upload_time: Duration,
+    /// Time limit of reading the scene of an upload.
+    pub reading_time: Duration,
+    /// Largest number of pages that show scenes that they have opened.
+    pub opened_scenes: usize,
+    /// Largest memory of an opened scene, its views included, bytes.
+    pub scene_memory: u64,
+    /// Largest memory of all opened scenes together, bytes; at most half of the machine's is used.
+    pub opened_memory: u64,
+    /// Largest model of an opened scene, bytes; pages take no larger one.
+    pub model_bytes: u64,
 }
 
 impl Default for Limits {
@@ -94,6 +107,11 @@ impl Default for Limits {
             upload_files: 64,
             uploads: 4,
             upload_time: Duration::from_secs(60),
+            reading_time: Duration::from_secs(60),
+            opened_scenes: 16,
+            scene_memory: 4 << 30,
+            opened_memory: 8 << 30,
+            model_bytes: 1 << 30,
         }
     }
 }

@@ -12,12 +12,15 @@ use super::access::AccessControl;
 use super::access_key::AccessKey;
 use super::label::{design_labels, file_name};
 use super::message::{DenoiserMessage, SceneMessage};
-use super::models::{ModelStore, PublishedModel};
+use super::models::{ModelStore, PublishedModel, model_path};
+use super::opened_scene::{OpenedScene, SceneMemory};
 use super::overlay::SceneOverlay;
+use super::page_service::ServiceContext;
 use super::session::Sessions;
 use super::settings::{Limits, ServerSettings};
+use super::upload::UploadFolder;
+use super::worker::WorkerCommand;
 use super::{STOP_INTERVAL, SceneUpdate, UpdateListener, ViewerScene};
-use crate::stream::{IntegratorName, Processors, SharedDenoiser};
 
 /// State shared by all requests.
 pub(crate) struct AppState {
@@ -26,13 +29,15 @@ pub(crate) struct AppState {
     pub(crate) options: Options,
     /// One design, or two that are compared.
     pub(crate) designs: Vec<ServedDesign>,
-    pub(crate) integrator: IntegratorName,
-    pub(crate) processors: Arc<Processors>,
+    pub(crate) service: ServiceContext,
     /// As in the settings.
-    pub(crate) denoiser: Option<Result<Arc<SharedDenoiser>, String>>,
+    pub(crate) worker: Option<WorkerCommand>,
     pub(crate) models: ModelStore,
     pub(crate) sessions: Arc<Sessions>,
-    pub(crate) uploads: Semaphore,
+    pub(crate) uploads: Arc<Semaphore>,
+    /// Slots of pages that have opened a scene.
+    pub(crate) opened_scenes: Arc<Semaphore>,
+    pub(crate) scene_memory: Arc<SceneMemory>,
     closing: CancelFlag,
     listener: UpdateListener,
 }
@@ -64,6 +69,7 @@ impl AppState {
         (scene, viewer_scene): (&Path, ViewerScene),
         listener: UpdateListener,
     ) -> Result<Self, getrandom::Error> {
+        UploadFolder::remove_abandoned();
         let limits = settings.limits;
         let models = ModelStore::default();
         let first = (scene, Arc::new(viewer_scene), &settings.overlay);
@@ -88,15 +94,13 @@ impl AppState {
             limits,
             options: settings.options.clone(),
             designs,
-            integrator: settings.integrator,
-            processors: Arc::new(Processors::new(settings.threads)),
-            denoiser: settings
-                .denoiser
-                .clone()
-                .map(|denoiser| denoiser.map(|denoiser| Arc::new(SharedDenoiser::new(denoiser)))),
+            service: ServiceContext::new(settings.integrator, settings.threads, settings.denoiser.clone()),
+            worker: settings.worker.clone(),
             models,
             sessions: Arc::new(Sessions::new(sessions)),
-            uploads: Semaphore::new(limits.uploads),
+            uploads: Arc::new(Semaphore::new(limits.uploads)),
+            opened_scenes: Arc::new(Semaphore::new(limits.opened_scenes)),
+            scene_memory: Arc::default(),
             closing: CancelFlag::default(),
             listener,
         })
@@ -107,29 +111,43 @@ impl AppState {
         self.designs.get(design).map(ServedDesign::published)
     }
 
-    /// The scene message for the page of that session. `design`: the number of the one that it shows; `None` if it has opened a file itself.
+    /// The message about the scene of a design, for the page of that session.
     pub(crate) fn scene_message(
         &self,
         session: &AccessKey,
         published: &PublishedModel,
-        design: Option<usize>,
+        design: usize,
     ) -> SceneMessage {
-        let name = published.viewer_scene.name.clone();
-        let label = design.and_then(|number| self.designs.get(number)).map(|design| design.label.clone());
+        let label = self.designs.get(design).map(|design| design.label.clone());
+        let name = &published.viewer_scene.name;
         SceneMessage {
-            model: Some(published.path()),
             label: label.unwrap_or_else(|| name.clone()),
-            name,
+            compared: self.designs.len() > 1,
+            ..self.message(session, published.path(), name)
+        }
+    }
+
+    /// The message about a scene that the page of that session has opened.
+    pub(crate) fn opened_message(&self, session: &AccessKey, opened: &OpenedScene) -> SceneMessage {
+        self.message(session, model_path(&opened.key), &opened.name)
+    }
+
+    /// A message about a scene that is not compared.
+    fn message(&self, session: &AccessKey, model: String, name: &str) -> SceneMessage {
+        SceneMessage {
+            model: Some(model),
+            label: name.to_owned(),
+            name: name.to_owned(),
             session: session.to_string(),
-            integrator: self.integrator,
+            integrator: self.service.integrator,
             denoiser: self.denoiser_message(),
-            compared: design.is_some() && self.designs.len() > 1,
+            compared: false,
             error: None,
         }
     }
 
     fn denoiser_message(&self) -> Option<DenoiserMessage> {
-        let denoiser = self.denoiser.as_ref()?;
+        let denoiser = self.service.denoiser.as_ref()?;
         Some(DenoiserMessage { error: denoiser.as_ref().err().cloned() })
     }
 
@@ -144,7 +162,7 @@ impl AppState {
             (Some(published), _) => {
                 *design.published.lock().unwrap_or_else(PoisonError::into_inner) = published.clone();
                 self.sessions.broadcast(number, Some(published), |session| {
-                    self.scene_message(session, published, Some(number))
+                    self.scene_message(session, published, number)
                 });
             }
             (None, SceneUpdate::Refused(diagnostics)) => {
@@ -154,7 +172,7 @@ impl AppState {
                     name: name.clone(),
                     label: design.label.clone(),
                     session: session.to_string(),
-                    integrator: self.integrator,
+                    integrator: self.service.integrator,
                     denoiser: self.denoiser_message(),
                     compared: self.designs.len() > 1,
                     error: Some(diagnostics.to_string()),
@@ -171,12 +189,13 @@ impl AppState {
         self.closing.is_cancelled()
     }
 
-    /// Closes the connections of all pages, and waits up to a second for that.
+    /// Closes the connections of all pages, which ends the processes of their scenes, and waits up to a second for that.
     pub(crate) async fn close(&self) {
         self.closing.cancel();
         self.sessions.wake();
         for _ in 0..20 {
-            if self.sessions.count() == 0 {
+            let are_scenes_closed = self.opened_scenes.available_permits() == self.limits.opened_scenes;
+            if self.sessions.count() == 0 && are_scenes_closed {
                 break;
             }
             sleep(STOP_INTERVAL).await;

@@ -7,7 +7,8 @@
 //! Where a page asks for it, a [`ViewDenoiser`] removes the noise of the image at every doubling of its samples, beside the render (`denoising`). From the
 //! first denoised image on, tiles with noise are no longer sent.
 //!
-//! All streams share the [`Processors`]: a few render at a time, the others wait for their turn. A stopped stream ends within a sample.
+//! All streams share the [`Processors`]: a few render at a time, the others wait for their turn. A stopped stream ends within a sample, a
+//! paused one keeps its film and renders nothing after the current pass.
 
 mod camera;
 mod cancel;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glanz_scene::{Description, Scene};
 use glanz_transport::RenderError;
+use tokio::sync::watch;
 use tokio::task::{JoinHandle, spawn_blocking};
 
 use super::cancel::StreamCancel;
@@ -41,6 +42,7 @@ pub struct StreamContext {
 pub struct Stream {
     id: u32,
     cancel: Arc<StreamCancel>,
+    pause: watch::Sender<bool>,
     task: JoinHandle<()>,
 }
 
@@ -58,22 +60,28 @@ impl Stream {
         };
         let id = request.id;
         let cancel = Arc::new(StreamCancel::default());
+        let (pause, paused) = watch::channel(false);
         let task = tokio::spawn({
             let cancel = Arc::clone(&cancel);
             async move {
                 let outbox = Arc::clone(&context.outbox);
-                if let Err(Stop::Failed(message)) = render(request, context, denoiser, cancel).await {
+                if let Err(Stop::Failed(message)) = render(request, context, denoiser, cancel, paused).await {
                     outbox.put_status(id, StreamStatus::Failed(message));
                 }
             }
         });
-        Ok(Self { id, cancel, task })
+        Ok(Self { id, cancel, pause, task })
     }
 
     /// The id of its view.
     #[must_use]
     pub fn id(&self) -> u32 {
         self.id
+    }
+
+    /// Pauses the stream after the current pass, or resumes it.
+    pub fn pause(&self, is_paused: bool) {
+        self.pause.send_replace(is_paused);
     }
 
     /// Ends the stream. After this returns, it adds nothing to the outbox.
@@ -120,6 +128,7 @@ async fn render(
     context: StreamContext,
     denoiser: Option<Arc<SharedDenoiser>>,
     cancel: Arc<StreamCancel>,
+    paused: watch::Receiver<bool>,
 ) -> Result<(), Stop> {
     let StreamContext { description, scene, visible, outbox, picture, processors, .. } = context;
     let id = request.id;
@@ -147,6 +156,7 @@ async fn render(
         plan,
         integrator,
         cancel: Arc::clone(&cancel),
+        paused,
         outbox,
         picture,
         processors,
@@ -188,7 +198,13 @@ async fn render_denoised(
 /// Renders a view in time slices.
 async fn render_slices(view: StreamView, mut slice: TimeSlice) -> Result<(), Stop> {
     let view = Arc::new(view);
+    let mut paused = view.paused.clone();
     while !is_done(&slice.film) {
+        let resumed = async {
+            // An error if the stream is dropped, which is cancelled then.
+            let _ = paused.wait_for(|is_paused| !is_paused).await;
+        };
+        unless_cancelled(&view.cancel, resumed).await?;
         let permit = match view.processors.try_permit() {
             Some(permit) => Some(permit),
             None => {

@@ -6,6 +6,7 @@ use std::time::Instant;
 use glanz_job::{CancelFlag, JobProgress, ProgressSink};
 use glanz_scene::Scene;
 use glanz_transport::{Film, FinishedTile, Integrator, RenderError, RenderSink, TileSink, render};
+use tokio::sync::watch;
 
 use super::cancel::StreamCancel;
 use super::denoising::NoisyImages;
@@ -25,6 +26,8 @@ pub(crate) struct StreamView {
     pub(crate) plan: StreamPlan,
     pub(crate) integrator: Box<dyn Integrator>,
     pub(crate) cancel: Arc<StreamCancel>,
+    /// Whether the page does not want more samples for now.
+    pub(crate) paused: watch::Receiver<bool>,
     pub(crate) outbox: Arc<Outbox>,
     pub(crate) picture: Arc<LatestImage>,
     pub(crate) processors: Arc<Processors>,
@@ -40,7 +43,7 @@ pub(crate) struct TimeSlice {
 }
 
 impl StreamView {
-    /// Continues from an earlier time slice until the view has all samples or another render waits.
+    /// Continues from an earlier time slice until the view has all samples, is paused, or another render waits.
     ///
     /// # Errors
     /// [`RenderError`]; [`RenderError::Interrupted`] if the stream was cancelled.
@@ -123,7 +126,8 @@ impl ProgressSink<Film> for StreamSink<'_> {
             done: self.samples >= u64::from(MAX_SAMPLES),
         };
         self.view.outbox.put_status(self.view.id, status);
-        if elapsed >= TIME_SLICE && self.view.processors.are_wanted() {
+        let is_long = elapsed >= TIME_SLICE && self.view.processors.are_wanted();
+        if is_long || *self.view.paused.borrow() {
             self.over.cancel();
         }
     }

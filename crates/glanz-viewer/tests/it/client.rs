@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use glanz_formats::Options;
 use glanz_job::CancelFlag;
-use glanz_viewer::server::{Limits, Server, ServerSettings, UpdateListener, ViewerScene};
+use glanz_viewer::server::{Limits, Server, ServerSettings, UpdateListener, ViewerScene, WorkerCommand};
 use serde_json::Value;
 use tempfile::TempDir;
 use tungstenite::client::IntoClientRequest;
@@ -39,12 +39,19 @@ pub(crate) struct TestServer {
 }
 
 impl TestServer {
-    /// Shows a scene with these settings.
+    /// Shows a scene with these settings, and opens files.
     pub(crate) fn open_with(scene: &str, settings: ServerSettings) -> Self {
-        Self::open_with_listener(scene, settings, Box::new(|_, _| {}))
+        let program = env!("CARGO_BIN_EXE_glanz-viewer-worker").into();
+        let worker = Some(WorkerCommand { program, arguments: vec![] });
+        Self::open_with_listener(scene, ServerSettings { worker, ..settings }, Box::new(|_, _| {}))
     }
 
-    /// The same with a listener for changes.
+    /// Shows a scene and opens no files.
+    pub(crate) fn open_alone(scene: &str) -> Self {
+        Self::open_with_listener(scene, ServerSettings::default(), Box::new(|_, _| {}))
+    }
+
+    /// Shows a scene with a listener for changes.
     pub(crate) fn open_with_listener(
         scene: &str,
         settings: ServerSettings,

@@ -11,6 +11,7 @@ mod admission;
 mod client;
 mod conversation;
 mod denoising;
+mod opened_scenes;
 mod page;
 mod rendering;
 mod upload;

@@ -1,8 +1,11 @@
 //! Pictures of what pages look at.
 
-use serde_json::json;
+use std::time::Duration;
 
-use super::client::{BALL, ENDLESS, ReceivedMessage, TestPage, TestServer, view};
+use serde_json::json;
+use tungstenite::Message;
+
+use super::client::{BALL, ENDLESS, PATIENCE, ReceivedMessage, TestPage, TestServer, view};
 
 /// The first whole picture of a view: samples of its pixels, and green half floats, `None` where nothing came.
 fn picture(page: &mut TestPage, id: u32, size: [u16; 2]) -> (u32, Vec<Option<u16>>) {
@@ -178,4 +181,44 @@ fn a_page_that_waits_can_stop() {
     pages[4].receive_text("waiting");
     pages[4].send(json!({ "type": "stop", "id": 1 }));
     assert!(matches!(pages[4].receive(), ReceivedMessage::Text(text) if text["type"] == "stopped"));
+}
+
+/// The samples of the last progress that arrives until nothing does for half a second.
+fn last_progress(page: &mut TestPage) -> Option<u64> {
+    page.socket.get_ref().set_read_timeout(Some(Duration::from_millis(500))).unwrap();
+    let mut samples = None;
+    while let Ok(message) = page.socket.read() {
+        let Message::Text(text) = message else { continue };
+        let text: serde_json::Value = serde_json::from_str(text.as_str()).unwrap();
+        assert_eq!(text["type"], "progress", "{text}");
+        samples = text["samples"].as_u64();
+    }
+    page.socket.get_ref().set_read_timeout(Some(PATIENCE)).unwrap();
+    samples
+}
+
+#[test]
+fn a_paused_view_renders_nothing_until_it_goes_on() {
+    let server = TestServer::open(BALL);
+    let mut page = server.connect_page();
+    page.send(view(1, [400, 300], &[]));
+    page.receive_text("progress");
+    // That of another view changes nothing.
+    page.send(json!({ "type": "pause", "id": 2 }));
+    let before = page.receive_text("progress")["samples"].as_u64();
+    page.send(json!({ "type": "pause", "id": 1 }));
+    // The pass that was being rendered, and then none. On a busy machine it may take longer than the silence before the next one.
+    let mut paused = last_progress(&mut page).or(before);
+    for _ in 0..20 {
+        match last_progress(&mut page) {
+            Some(samples) => paused = Some(samples),
+            None => break,
+        }
+    }
+    assert_eq!((last_progress(&mut page), paused >= before), (None, true));
+    page.send(json!({ "type": "resume", "id": 1 }));
+    assert!(page.receive_text("progress")["samples"].as_u64() > paused);
+    page.send(json!({ "type": "pause", "id": 1 }));
+    page.send(json!({ "type": "stop", "id": 1 }));
+    page.receive_text("stopped");
 }

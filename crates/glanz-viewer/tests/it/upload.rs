@@ -17,12 +17,12 @@ fn body(files: &[(&str, &str)]) -> Vec<u8> {
     format!("{}\n{texts}", serde_json::to_string(&list).unwrap()).into_bytes()
 }
 
-fn send(server: &TestServer, session: &str, files: &[(&str, &str)]) -> HttpResponse {
+pub(crate) fn send(server: &TestServer, session: &str, files: &[(&str, &str)]) -> HttpResponse {
     let line = format!("POST /open?session={session}");
     server.request(&line, &[], &body(files))
 }
 
-fn drop_on(server: &TestServer, page: &TestPage, files: &[(&str, &str)]) -> HttpResponse {
+pub(crate) fn drop_on(server: &TestServer, page: &TestPage, files: &[(&str, &str)]) -> HttpResponse {
     send(server, page.session(), files)
 }
 

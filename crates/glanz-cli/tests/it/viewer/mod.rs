@@ -3,5 +3,7 @@
 mod browser;
 mod denoising;
 mod http;
+mod opened_scenes;
 mod server;
 mod soak;
+mod upload;

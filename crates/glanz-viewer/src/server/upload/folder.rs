@@ -1,40 +1,93 @@
 //! Folder of one upload.
 
-use std::fs::DirBuilder;
+use std::fs::{DirBuilder, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::server::access_key::AccessKey;
 
-/// An empty folder that only this user may read, removed with its content when it is dropped.
+/// Name of the subfolder of the uploaded files.
+pub(crate) const FILES: &str = "files";
+
+/// Name of the file of the model.
+pub(crate) const MODEL: &str = "model";
+
+/// Name of the file that is locked as long as the folder is in use.
+const LOCK: &str = "lock";
+
+/// Beginning of the names of folders.
+const PREFIX: &str = "glanz-upload-";
+
+/// A folder that only this user may read, with an empty subfolder for the files, removed with its content when it is dropped.
 #[derive(Debug)]
-pub(super) struct UploadFolder(PathBuf);
+pub(crate) struct UploadFolder {
+    path: PathBuf,
+    /// Released by the system if the server is killed, so that the next one removes the folder.
+    _lock: File,
+}
 
 impl UploadFolder {
     /// Makes a folder with a random name among the system's temporary files.
     ///
     /// # Errors
     /// The error of the system.
-    pub(super) fn try_new() -> io::Result<Self> {
+    pub(crate) fn try_new() -> io::Result<Self> {
+        Self::try_new_in(&std::env::temp_dir())
+    }
+
+    fn try_new_in(parent: &Path) -> io::Result<Self> {
         let key = AccessKey::random().map_err(io::Error::other)?;
-        let path = std::env::temp_dir().join(format!("glanz-{key}"));
+        let path = parent.join(format!("{PREFIX}{key}"));
         let mut builder = DirBuilder::new();
         #[cfg(unix)]
         std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
         // An error if anything of this name exists.
         builder.create(&path)?;
-        Ok(Self(path))
+        let lock = File::create_new(path.join(LOCK))?;
+        let folder = Self { path, _lock: lock };
+        // On systems without locks the folder of a killed server stays.
+        let _ = folder._lock.try_lock();
+        builder.create(folder.files())?;
+        Ok(folder)
     }
 
-    pub(super) fn path(&self) -> &Path {
-        &self.0
+    /// Removes the folders of servers that were killed.
+    pub(crate) fn remove_abandoned() {
+        remove_abandoned_in(&std::env::temp_dir());
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Folder of the uploaded files.
+    pub(crate) fn files(&self) -> PathBuf {
+        self.path.join(FILES)
+    }
+
+    /// Path of the model.
+    pub(crate) fn model(&self) -> PathBuf {
+        self.path.join(MODEL)
     }
 }
 
 impl Drop for UploadFolder {
     fn drop(&mut self) {
         // What the system does not remove now, it removes with its other temporary files.
-        let _ = std::fs::remove_dir_all(&self.0);
+        let _ = std::fs::remove_dir_all(&self.path);
+    }
+}
+
+/// Removes the folders of uploads whose lock nobody holds.
+fn remove_abandoned_in(parent: &Path) {
+    let entries = std::fs::read_dir(parent).into_iter().flatten().flatten();
+    for entry in entries.filter(|entry| entry.file_name().as_encoded_bytes().starts_with(PREFIX.as_bytes())) {
+        let path = entry.path();
+        // Folders of other users cannot be opened.
+        let Ok(lock) = File::open(path.join(LOCK)) else { continue };
+        if lock.try_lock().is_ok() {
+            let _ = std::fs::remove_dir_all(path);
+        }
     }
 }
 
@@ -46,16 +99,32 @@ mod tests {
     fn folder_is_private_and_gone_afterwards() {
         let (folder, other) = (UploadFolder::try_new().unwrap(), UploadFolder::try_new().unwrap());
         assert_ne!(folder.path(), other.path());
-        std::fs::create_dir(folder.path().join("textures")).unwrap();
-        std::fs::write(folder.path().join("textures/wood.png"), b"x").unwrap();
+        std::fs::create_dir(folder.files().join("textures")).unwrap();
+        std::fs::write(folder.files().join("textures/wood.png"), b"x").unwrap();
         #[cfg(unix)]
-        {
+        for path in [folder.path(), &folder.files()] {
             use std::os::unix::fs::PermissionsExt;
-            let mode = std::fs::metadata(folder.path()).unwrap().permissions().mode();
+            let mode = std::fs::metadata(path).unwrap().permissions().mode();
             assert_eq!(mode & 0o777, 0o700);
         }
         let path = folder.path().to_owned();
         drop(folder);
         assert!(!path.exists() && other.path().exists());
+    }
+
+    #[test]
+    fn only_folders_of_killed_servers_are_removed() {
+        let parent = tempfile::TempDir::new().unwrap();
+        let used = UploadFolder::try_new_in(parent.path()).unwrap();
+        let abandoned = UploadFolder::try_new_in(parent.path()).unwrap();
+        let path = abandoned.path().to_owned();
+        std::fs::write(abandoned.files().join("a.pbrt"), "x").unwrap();
+        // A server that is killed releases its locks and removes nothing.
+        abandoned._lock.unlock().unwrap();
+        std::mem::forget(abandoned);
+        let unlocked = parent.path().join(format!("{PREFIX}x"));
+        std::fs::create_dir(&unlocked).unwrap();
+        remove_abandoned_in(parent.path());
+        assert!(used.path().exists() && unlocked.exists() && !path.exists());
     }
 }

@@ -13,19 +13,19 @@ use axum::extract::{RawQuery, State};
 use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::response::{IntoResponse, Response};
-use glanz_formats::{MODEL_EXTENSIONS, Options};
-use tokio::task::spawn_blocking;
+use glanz_formats::MODEL_EXTENSIONS;
 use tokio::time::timeout;
 
 use super::access_key::AccessKey;
 use super::message::ServerMessage;
+use super::opened_scene::{OpenedScene, UploadPermits};
 use super::query_value;
 use super::settings::Limits;
 use super::state::AppState;
-use super::viewer_scene::ViewerScene;
 
 use self::body::UploadBody;
-use self::folder::UploadFolder;
+
+pub(crate) use self::folder::{FILES, MODEL, UploadFolder};
 
 /// Largest depth of folders of a file.
 const MAX_DEPTH: usize = 8;
@@ -88,29 +88,40 @@ async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Resul
         .and_then(AccessKey::parse)
         .and_then(|key| app.sessions.get(&key))
         .ok_or_else(|| UploadError::bad("?session= must be the name of an open page"))?;
-    let Ok(_one) = session.uploading.try_lock() else {
+    let Some(command) = &app.worker else {
+        return Err(UploadError::busy("this server opens no files"));
+    };
+    let Ok(page) = Arc::clone(&session.uploading).try_lock_owned() else {
         return Err(UploadError::busy("the page is already opening files; wait for them"));
     };
-    let Ok(_some) = app.uploads.try_acquire() else {
+    let Ok(upload) = Arc::clone(&app.uploads).try_acquire_owned() else {
         return Err(UploadError::busy("too many pages are opening files; try again"));
     };
+    let slot = match session.scene_slot() {
+        // The scene that the page shows makes room for the new one.
+        Some(slot) => slot,
+        None => Arc::clone(&app.opened_scenes).try_acquire_owned().map(Arc::new).map_err(|_| {
+            UploadError::busy("too many pages show files that they have opened; close one of them")
+        })?,
+    };
+    let permits = UploadPermits { _page: page, _upload: upload };
     let folder = UploadFolder::try_new()?;
-    let arriving = receive(UploadBody::new(body), folder.path(), &app.limits);
+    let files = folder.files();
+    let arriving = receive(UploadBody::new(body), &files, &app.limits);
     let names = timeout(app.limits.upload_time, arriving).await.map_err(|_| {
         UploadError::Request(
             StatusCode::REQUEST_TIMEOUT,
             "the upload took too long; try again, or with fewer files".to_owned(),
         )
     })??;
-    let options = app.options.clone();
-    let viewer_scene = spawn_blocking(move || read(&folder, &names, options))
-        .await
-        .map_err(|error| UploadError::Scene(format!("error: the scene cannot be read: {error}\n")))?
-        .map_err(UploadError::Scene)?;
-    let published =
-        app.models.publish(Arc::new(viewer_scene)).map_err(|error| UploadError::busy(&error.to_string()))?;
-    let message = app.scene_message(&session.key, &published, None);
-    session.show_own(published, message.clone());
+    let opened = tokio::select! {
+        opened = OpenedScene::open(app, command, (folder, names), permits, slot) => opened.map_err(UploadError::Scene)?,
+        () = session.gone() => return Err(UploadError::bad("the page has gone")),
+    };
+    let opened = Arc::new(opened);
+    app.models.publish_opened(&opened);
+    let message = app.opened_message(&session.key, &opened);
+    session.show_opened(opened, message.clone());
     Ok(ServerMessage::Scene(message).to_text())
 }
 
@@ -160,16 +171,8 @@ fn inside(name: &str) -> Option<PathBuf> {
         .then_some(path)
 }
 
-/// Reads the scene among the files; the error is a readable message.
-fn read(folder: &UploadFolder, names: &[PathBuf], options: Options) -> Result<ViewerScene, String> {
-    let scene = scene_among(folder.path(), names).map_err(|message| format!("error: {message}\n"))?;
-    let options = Options { folder: Some(folder.path().to_owned()), confined: true, ..options };
-    ViewerScene::read(&folder.path().join(scene), &options, None)
-        .map_err(|diagnostics| diagnostics.to_string())
-}
-
 /// The scene file: the only one with the extension .pbrt, or of several the only one that contains `WorldBegin`; without such files the only model.
-fn scene_among<'a>(folder: &Path, names: &'a [PathBuf]) -> Result<&'a Path, String> {
+pub(crate) fn scene_among<'a>(folder: &Path, names: &'a [PathBuf]) -> Result<&'a Path, String> {
     let with = |extensions: &[&str]| -> Vec<&'a PathBuf> {
         let ends = |name: &&PathBuf| {
             name.extension().is_some_and(|end| extensions.iter().any(|known| end.eq_ignore_ascii_case(known)))
@@ -238,7 +241,7 @@ mod tests {
     fn the_scene_is_the_file_that_begins_a_world() {
         let folder = UploadFolder::try_new().unwrap();
         let put = |name: &str, text: &str| {
-            std::fs::write(folder.path().join(name), text).unwrap();
+            std::fs::write(folder.files().join(name), text).unwrap();
             PathBuf::from(name)
         };
         let (part, whole) =
@@ -246,7 +249,7 @@ mod tests {
         let (other, mesh) = (put("other.PBRT", "WorldBegin\n"), put("mesh.ply", "ply\n"));
         let among = |names: &[&PathBuf]| {
             let names: Vec<PathBuf> = names.iter().map(|name| (*name).clone()).collect();
-            scene_among(folder.path(), &names).map(Path::to_owned)
+            scene_among(&folder.files(), &names).map(Path::to_owned)
         };
         assert_eq!(among(&[&mesh, &part]), Ok(part.clone()));
         assert_eq!(among(&[&part, &mesh, &whole]), Ok(whole.clone()));

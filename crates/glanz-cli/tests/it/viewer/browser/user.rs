@@ -1,6 +1,7 @@
 //! Use of the page: loading, turning, picking, waiting for the rendered picture, moving, saving.
 
 use std::path::Path;
+use std::process::Command;
 
 use glanz::formats::image;
 use glanz::light::Pixels;
@@ -8,6 +9,7 @@ use serde_json::Value;
 
 use super::page::Page;
 use crate::viewer::server::{ViewServer, scene_file};
+use crate::viewer::soak::process::children;
 
 /// Size of the window in pixels; the bars of the page leave about 400 x 300 for the picture.
 const SIZE: [u32; 2] = [400, 390];
@@ -91,6 +93,40 @@ fn chosen_files_are_opened() {
          input.dispatchEvent(new Event('change'));",
     );
     page.until("the scene is shown", "document.title.includes('own.pbrt')");
+    rendered(&mut page, 1);
+    assert_eq!(page.faults(), [""; 0]);
+    // The page learns that the process of its scene has ended, and keeps the drawing.
+    for process in children(served.id()) {
+        assert!(Command::new("kill").args(["-9", &process.to_string()]).status().is_ok_and(|s| s.success()));
+    }
+    let text = "document.querySelector('#problem-text').textContent";
+    page.until("the reason is shown", &format!("{text}.includes('stopped unexpectedly')"));
+    assert!(page.evaluate("document.title").as_str().is_some_and(|title| title.starts_with("own.pbrt")));
+}
+
+#[test]
+fn hidden_page_renders_nothing_until_it_is_shown() {
+    let served = ViewServer::start(&scene_file("teapot.pbrt"));
+    let mut page = Page::open(&served.address(), SIZE);
+    rendered(&mut page, 1);
+    let hide = |hidden: bool| {
+        format!(
+            "Object.defineProperty(document, 'hidden', {{ value: {hidden}, configurable: true }});
+             document.dispatchEvent(new Event('visibilitychange'));"
+        )
+    };
+    let samples = |page: &mut Page| page.evaluate("window.glanz.renderStatus().samples").as_u64();
+    page.evaluate(&hide(true));
+    // The pass under way ends; on a busy machine that takes longer.
+    let mut before = samples(&mut page);
+    let is_paused = (0..20).any(|_| {
+        page.rest(1500);
+        let now = samples(&mut page);
+        std::mem::replace(&mut before, now) == now
+    });
+    assert!(is_paused && before > Some(0), "{before:?} samples");
+    page.evaluate(&hide(false));
+    rendered(&mut page, before.and_then(|samples| u32::try_from(samples).ok()).map_or(u32::MAX, |n| n + 1));
     assert_eq!(page.faults(), [""; 0]);
 }
 

@@ -1,19 +1,22 @@
 //! Load test with many simultaneous clients, valid and misbehaving: threads and memory are released afterwards.
 //!
-//! `GLANZ_SOAK_PAGES` sets the number of clients and `GLANZ_SOAK_SECONDS` the duration; `cargo xtask soak` uses 100 and 300.
+//! `GLANZ_SOAK_PAGES` sets the number of clients, `GLANZ_SOAK_SECONDS` the duration and `GLANZ_SOAK_UPLOADS` the number of hostile uploads; `cargo xtask soak`
+//! uses 100, 300 and 300.
 
+mod hostile_uploads;
 mod mischief;
-mod process;
+pub(crate) mod process;
 pub(crate) mod visitor;
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::viewer::server::{ViewServer, scene_file};
 use process::Usage;
 use visitor::{Fault, Visitor};
 
-/// Time limit for threads to end after the last client has left. Idle worker threads end after ten seconds.
+/// Time limit for threads, files and processes to end after the last client has left. Idle worker threads end after ten seconds.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Share of memory, and MiB, by which a round may leave more behind than the round before it: allocators keep what they may
@@ -31,6 +34,7 @@ struct Tally {
     /// Times until rendering had stopped.
     stops: Vec<Duration>,
     refusals: BTreeMap<&'static str, u64>,
+    uploads: u64,
     /// Longest time until a refusal.
     slowest: (Duration, &'static str),
     faults: Vec<Fault>,
@@ -43,11 +47,25 @@ impl Tally {
         self.picks += other.picks;
         self.saves += other.saves;
         self.stops.extend(other.stops);
+        self.uploads += other.uploads;
         for (kind, count) in other.refusals {
             *self.refusals.entry(kind).or_default() += count;
         }
         self.slowest = self.slowest.max(other.slowest);
         self.faults.extend(other.faults);
+    }
+
+    /// Misuses the server in the next way, and then visits it.
+    fn misuse(&mut self, host: &str, kind: &mut usize, dice: &mut Dice) {
+        let (name, does) = mischief::ALL[*kind % mischief::ALL.len()];
+        *kind += 1;
+        let start = Instant::now();
+        let met = does(host).map_err(|fault| format!("{name}: {fault}"));
+        *self.refusals.entry(name).or_default() += 1;
+        self.slowest = self.slowest.max((start.elapsed(), name));
+        if let Err(fault) = met.and_then(|()| visit(host, dice, self)) {
+            self.faults.push(fault);
+        }
     }
 
     /// The totals as one line of text.
@@ -59,8 +77,8 @@ impl Tally {
         };
         let refused: u64 = self.refusals.values().sum();
         format!(
-            "{} visits, {} tiles, {} picks, {} pictures saved, {} stops (half within {:.0} ms, 95 % within {:.0} ms), {refused} times \
-             mischief (longest {:.1} s: {})",
+            "{} visits, {} tiles, {} picks, {} pictures saved, {} stops (half within {:.0} ms, 95 % within {:.0} ms), {} hostile uploads, \
+             {refused} times mischief (longest {:.1} s: {})",
             self.visits,
             self.tiles,
             self.picks,
@@ -68,6 +86,7 @@ impl Tally {
             self.stops.len(),
             at(0.5),
             at(0.95),
+            self.uploads,
             self.slowest.0.as_secs_f64(),
             self.slowest.1
         )
@@ -93,56 +112,72 @@ fn setting(name: &str, otherwise: u64) -> u64 {
 #[test]
 fn pages_that_come_and_go_leave_nothing_behind() {
     let (pages, seconds) = (setting("GLANZ_SOAK_PAGES", 4), setting("GLANZ_SOAK_SECONDS", 6));
-    let mut served = ViewServer::start(&scene_file("teapot.pbrt"));
+    let uploads = setting("GLANZ_SOAK_UPLOADS", hostile_uploads::ALL.len() as u64);
+    let folder = std::env::temp_dir().join(format!("glanz-soak-{}", std::process::id()));
+    std::fs::create_dir(&folder).expect("a folder for temporary files");
+    let mut served = ViewServer::start_with(&scene_file("teapot.pbrt"), &[("TMPDIR", &folder)]);
     // One visit, so that everything allocated once is allocated.
     let mut warm = Tally::default();
     visit(&served.host, &mut Dice(0), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
     let before = Usage::of(served.id()).expect("the server runs");
     println!("before: {before}");
     let half = Duration::from_secs_f64(0.5 * seconds as f64);
+    let next_upload = AtomicU64::new(0);
     let [first, second] = [1, 2].map(|number| {
-        let mut tally = round(&served.host, pages, half, number);
+        let mut tally = round(&served.host, pages, half, number, (&next_upload, number * uploads / 2));
         println!("round {number}: {pages} pages for {} s: {}", half.as_secs(), tally.summary());
         assert!(served.is_alive(), "the server died\n{}", served.said());
         let faults = &tally.faults;
         assert!(faults.is_empty(), "{} faults, first {:?}\n{}", faults.len(), faults.first(), served.said());
-        let left = Usage::settled(served.id(), before.threads, PATIENCE).expect("the server runs");
-        println!("after round {number}: {left}");
+        let left = Usage::settled(served.id(), before, PATIENCE).expect("the server runs");
+        let entries = std::fs::read_dir(&folder).expect("the folder").count();
+        println!("after round {number}: {left}, {entries} temporary files");
+        assert_eq!(entries, 0, "temporary files stay");
         left
     });
     let more = second.threads.saturating_sub(before.threads);
     assert_eq!(more, 0, "{more} threads stay of {pages} pages");
+    assert!(second.files <= before.files && second.children == 0, "{before} {second}");
     let most = first.memory * (1.0 + GROWTH[0]) + GROWTH[1];
     assert!(second.memory <= most, "memory grows from {:.1} to {:.1} MiB", first.memory, second.memory);
     visit(&served.host, &mut Dice(1), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
+    drop(served);
+    std::fs::remove_dir(&folder).expect("an empty folder");
 }
 
-/// Runs `pages` simultaneous clients that connect and disconnect for some time.
-fn round(host: &str, pages: u64, time: Duration, number: u64) -> Tally {
+/// Runs `pages` simultaneous clients that connect and disconnect for some time, and until the hostile uploads up to a number are done.
+fn round(
+    host: &str,
+    pages: u64,
+    time: Duration,
+    number: u64,
+    (next_upload, uploads): (&AtomicU64, u64),
+) -> Tally {
     let end = Instant::now() + time;
+    let take = |next: u64| (next < uploads).then_some(next + 1);
+    let run = |page: u64| {
+        let mut dice = Dice(number << 32 | page << 16);
+        let mut tally = Tally::default();
+        // Each client starts with a different kind of misuse, so that every kind occurs.
+        let mut kind = page as usize;
+        while tally.faults.is_empty() {
+            let upload = next_upload.fetch_update(Ordering::Relaxed, Ordering::Relaxed, take).ok();
+            if let Some(upload) = upload {
+                tally.uploads += 1;
+                let uploaded = hostile_uploads::upload(host, upload as usize, &mut dice);
+                tally.faults.extend(uploaded.err());
+            }
+            if Instant::now() < end {
+                tally.misuse(host, &mut kind, &mut dice);
+            } else if upload.is_none() {
+                break;
+            }
+        }
+        tally
+    };
     std::thread::scope(|scope| {
-        let pages: Vec<_> = (0..pages)
-            .map(|page| {
-                scope.spawn(move || {
-                    let mut dice = Dice(number << 32 | page << 16);
-                    let mut tally = Tally::default();
-                    // Each client starts with a different kind of misuse, so that every kind occurs.
-                    let mut kind = page as usize;
-                    while Instant::now() < end && tally.faults.is_empty() {
-                        let (name, does) = mischief::ALL[kind % mischief::ALL.len()];
-                        kind += 1;
-                        let start = Instant::now();
-                        let met = does(host).map_err(|fault| format!("{name}: {fault}"));
-                        *tally.refusals.entry(name).or_default() += 1;
-                        tally.slowest = tally.slowest.max((start.elapsed(), name));
-                        if let Err(fault) = met.and_then(|()| visit(host, &mut dice, &mut tally)) {
-                            tally.faults.push(fault);
-                        }
-                    }
-                    tally
-                })
-            })
-            .collect();
+        let run = &run;
+        let pages: Vec<_> = (0..pages).map(|page| scope.spawn(move || run(page))).collect();
         let mut sum = Tally::default();
         for page in pages {
             sum.add(page.join().expect("a page that does not panic"));
