@@ -1,6 +1,5 @@
 //! Construction of a surface: leaves of its patches, and the hierarchy over them.
 
-use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, OnceLock};
 
 use glanz_math::glam::DVec4;
@@ -8,14 +7,14 @@ use glanz_math::{Bounds3, DVec2, DVec3};
 
 use super::control_net::MAX_DEGREE;
 use super::leaf::PatchLeaf;
-use super::leaf_builder::LeafBuilder;
+use super::leaf_builder::{LeafBuilder, is_line};
 use super::parameter_rect::DyadicRect;
 use super::patch_list::PatchList;
 use super::polynomial_patches::PolynomialPatches;
 use super::ray_space::SurfaceFrame;
 use super::subpatches::{Subpatch, SubpatchList, SubpatchLocation};
 use super::surface_patch::PatchPlacement;
-use super::{Freeform, SurfacePatch};
+use super::{Freeform, HardSearches, SurfacePatch};
 use crate::bvh::{BuildOptions, Bvh, PARALLEL_CHUNK, parallel_flat_map, parallel_map};
 use crate::error::SurfaceError;
 use crate::trim::{Containment, TrimRegion};
@@ -102,8 +101,11 @@ impl Freeform {
         });
         let leaves = LeafList::new(&subpatches, |index, subpatch, leaves| {
             let placement = &patches[subpatch.location.patch as usize].placement;
-            let found = rules.leaves(index as u32, subpatch, placement);
-            found.iter().for_each(|leaf| leaves.push(leaf, rules.origin));
+            leaves.push_all(
+                &rules.leaves(index as u32, subpatch, placement),
+                subpatch.location.patch,
+                rules.origin,
+            );
         });
         let locations: Arc<[SubpatchLocation]> = if subpatches.len() == patches.len() {
             Arc::new([])
@@ -126,8 +128,7 @@ impl Freeform {
             let mut subpatches = Vec::new();
             Subpatch::append_all(face, &patch, MOST_HALVINGS, &mut subpatches);
             for (index, subpatch) in (self.first_subpatch(face)..).zip(&subpatches) {
-                let found = rules.leaves(index, subpatch, &patch.placement);
-                found.iter().for_each(|leaf| leaves.push(leaf, rules.origin));
+                leaves.push_all(&rules.leaves(index, subpatch, &patch.placement), face, rules.origin);
             }
         });
         let (patches, subpatches) = (Arc::clone(&self.patches), Arc::clone(&self.subpatches));
@@ -160,15 +161,32 @@ impl Freeform {
         leaves: LeafList,
         region: Option<Arc<TrimRegion>>,
     ) -> Self {
-        let LeafList { leaves, boxes } = leaves;
+        let LeafList { mut leaves, mut boxes, lines, mut without_area } = leaves;
+        if leaves.is_empty() {
+            (leaves, boxes) = lines.into_iter().unzip();
+        }
+        without_area.sort_unstable();
+        without_area.dedup();
         let options = BuildOptions { max_leaf: 1, block: 1, leaf_cost: LEAF_COST };
         let mut bvh = Bvh::build_over(boxes, &options);
         let order: Vec<_> = bvh.leaves().filter_map(|leaf| bvh.leaf(leaf).first()).collect();
         let ordered = parallel_map(&order, PARALLEL_CHUNK, |&&leaf| leaves[leaf as usize]);
         drop((leaves, order));
         bvh.forget_items();
-        let (undecided, areas) = (AtomicU64::new(0), OnceLock::new());
-        Self { patches, region, extent, leaves: ordered, subpatches, locations, frame, undecided, areas, bvh }
+        let (hard, areas) = (HardSearches::default(), OnceLock::new());
+        Self {
+            patches,
+            region,
+            extent,
+            leaves: ordered,
+            without_area,
+            subpatches,
+            locations,
+            frame,
+            hard,
+            areas,
+            bvh,
+        }
     }
 }
 
@@ -205,6 +223,10 @@ impl PatchSummary {
 pub(super) struct LeafList {
     leaves: Vec<PatchLeaf>,
     boxes: Vec<Bounds3>,
+    /// Parts without area, which are kept only if there are no others.
+    lines: Vec<(PatchLeaf, Bounds3)>,
+    /// Patches with such parts.
+    without_area: Vec<u32>,
 }
 
 impl LeafList {
@@ -221,15 +243,19 @@ impl LeafList {
         all
     }
 
-    /// Adds a leaf, with coordinates relative to `origin`.
-    pub(super) fn push(&mut self, leaf: &LeafBuilder, origin: DVec3) {
-        self.leaves.push(PatchLeaf::new(leaf, origin));
-        self.boxes.push(leaf.bounds);
+    /// Adds the leaves of a patch, with coordinates relative to `origin`.
+    pub(super) fn push_all(&mut self, found: &PatchLeaves, patch: u32, origin: DVec3) {
+        self.leaves.extend(found.leaves.iter().map(|leaf| PatchLeaf::new(leaf, origin)));
+        self.boxes.extend(found.leaves.iter().map(|leaf| leaf.bounds));
+        self.lines.extend(found.lines.iter().map(|leaf| (PatchLeaf::new(leaf, origin), leaf.bounds)));
+        self.without_area.extend((!found.lines.is_empty()).then_some(patch));
     }
 
     pub(super) fn append(&mut self, part: Self) {
         self.leaves.extend(part.leaves);
         self.boxes.extend(part.boxes);
+        self.lines.extend(part.lines);
+        self.without_area.extend(part.without_area);
     }
 
     pub(super) fn reverse(&mut self) {
@@ -249,6 +275,14 @@ struct OpenLeaf {
     before: [f64; 2],
 }
 
+/// The parts of a patch.
+#[derive(Default)]
+pub(super) struct PatchLeaves {
+    pub(super) leaves: Vec<LeafBuilder>,
+    /// Parts that are lines or points to within rounding, which no ray needs to search.
+    pub(super) lines: Vec<LeafBuilder>,
+}
+
 /// Rules by which all patches of a surface are divided into leaves.
 pub(super) struct LeafRules<'a> {
     /// Size below which leaves are not halved further, metres.
@@ -261,15 +295,10 @@ pub(super) struct LeafRules<'a> {
 
 impl LeafRules<'_> {
     /// The leaves of the subpatch number `index` of the patch at `placement`.
-    pub(super) fn leaves(
-        &self,
-        index: u32,
-        subpatch: &Subpatch,
-        placement: &PatchPlacement,
-    ) -> Vec<LeafBuilder> {
+    pub(super) fn leaves(&self, index: u32, subpatch: &Subpatch, placement: &PatchPlacement) -> PatchLeaves {
         let degrees = subpatch.degrees;
         let limit = MOST_DEVIATION[usize::from(degrees.0.max(degrees.1) > 3)];
-        let mut done = Vec::new();
+        let mut done = PatchLeaves::default();
         let mut open = vec![OpenLeaf {
             part: DyadicRect::WHOLE,
             net: subpatch.net.to_vec(),
@@ -278,6 +307,10 @@ impl LeafRules<'_> {
             before: [f64::INFINITY; 2],
         }];
         while let Some(OpenLeaf { part, net, halvings, mut inside, before }) = open.pop() {
+            if is_line(&net) {
+                done.lines.push(LeafBuilder::new(index, part, net, degrees));
+                continue;
+            }
             let mut crossed = false;
             if let Some(region) = self.region.filter(|_| !inside) {
                 let [low, high] = placement.range(&part.within(subpatch.location.part).rect());
@@ -294,7 +327,7 @@ impl LeafRules<'_> {
             // Next to a collapsed edge or a cusp the deviation stays large, however small the part.
             let helps = halvings < FIRST_HALVINGS || deviation <= SUFFICIENT_REDUCTION * before[1];
             if deviation <= limit || !large || !helps || halvings == MOST_HALVINGS {
-                done.push(leaf);
+                done.leaves.push(leaf);
             } else {
                 let halves = leaf.halves();
                 open.extend(halves.map(|(part, net)| OpenLeaf {

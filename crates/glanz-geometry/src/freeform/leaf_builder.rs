@@ -178,6 +178,23 @@ fn derivative_bounds<T: BernsteinCoefficient + Sub<Output = T>>(
     most.map(f64::sqrt)
 }
 
+/// Whether all control points lie on a line to within the rounding of the net.
+pub(super) fn is_line(points: &[DVec4]) -> bool {
+    let spatial = || points.iter().map(|p| p.truncate() / p.w);
+    let farthest = |from: DVec3| {
+        spatial()
+            .fold(from, |far, p| if p.distance_squared(from) > far.distance_squared(from) { p } else { far })
+    };
+    let Some(first) = spatial().next() else { return true };
+    let start = farthest(first);
+    let direction = (farthest(start) - start).normalize_or_zero();
+    let rounding = gamma(16) * largest(spatial());
+    spatial().all(|p| {
+        let from = p - start;
+        (from - direction * from.dot(direction)).length() <= rounding
+    })
+}
+
 impl LeafBuilder {
     pub(super) fn new(subpatch: u32, part: DyadicRect, net: Vec<DVec4>, degrees: (usize, usize)) -> Self {
         let parallelogram = ThickParallelogram::new(&net, degrees);

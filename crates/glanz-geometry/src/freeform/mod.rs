@@ -39,8 +39,10 @@ mod bicubic;
 mod bicubic_lanes;
 mod bicubic_surface;
 mod build;
+mod contact_arc;
 mod contraction;
 mod control_net;
+mod degree_reduction;
 mod group_solver;
 mod leaf;
 mod leaf_builder;
@@ -81,6 +83,7 @@ use self::patch_list::PatchList;
 use self::point_lanes::PointBatch;
 use self::query::{AllHitsQuery, ClosestQuery, OcclusionQuery};
 use self::ray_space::SurfaceFrame;
+use self::root::SearchScratch;
 use self::subpatches::{SubpatchList, SubpatchLocation};
 pub use self::surface_patch::SurfacePatch;
 use crate::batch::BoundedRay;
@@ -104,15 +107,41 @@ pub struct Freeform {
     bvh: Bvh,
     /// Leaves by position in the hierarchy.
     leaves: Vec<PatchLeaf>,
+    /// Patches of which parts have no area.
+    without_area: Vec<u32>,
     /// The subpatches that the leaves are parts of.
     subpatches: Arc<SubpatchList>,
     /// Positions of the subpatches in their patches; none if every patch is one of them, in the same order.
     locations: Arc<[SubpatchLocation]>,
     frame: SurfaceFrame,
-    /// Leaves whose search was given up: see [`Freeform::undecided`].
-    undecided: AtomicU64,
+    /// Counters of hard searches: see [`Freeform::undecided`] and [`Freeform::cells`].
+    hard: HardSearches,
     /// Computed on first use: only emitters need it.
     areas: OnceLock<LeafAreas>,
+}
+
+/// Counters of the searches that need subdivision.
+#[derive(Debug, Default)]
+struct HardSearches {
+    /// Leaves that were given up.
+    undecided: AtomicU64,
+    /// Cells that were examined.
+    cells: AtomicU64,
+}
+
+impl HardSearches {
+    /// Adds the counters of a query, and clears them.
+    #[inline(always)]
+    fn add(&self, scratch: &mut SearchScratch) {
+        let SearchScratch { examined, undecided, .. } = scratch;
+        // Atomic operations cost more than most queries.
+        if *examined > 0 {
+            self.cells.fetch_add(std::mem::take(examined), Ordering::Relaxed);
+        }
+        if *undecided > 0 {
+            self.undecided.fetch_add(std::mem::take(undecided), Ordering::Relaxed);
+        }
+    }
 }
 
 impl Freeform {
@@ -137,7 +166,14 @@ impl Freeform {
     /// rays may search leaves that single rays skip behind a closer hit, and count those too, but none that all hits do not need.
     #[must_use]
     pub fn undecided(&self) -> u64 {
-        self.undecided.load(Ordering::Relaxed)
+        self.hard.undecided.load(Ordering::Relaxed)
+    }
+
+    /// Number of cells that subdivisions have examined since the surface was built: those of rays near tangencies, singular points and
+    /// curves in the surface, a few hundred each; almost all other rays need none.
+    #[must_use]
+    pub fn cells(&self) -> u64 {
+        self.hard.cells.load(Ordering::Relaxed)
     }
 
     /// The position of a subpatch in its patch.
@@ -161,6 +197,12 @@ impl Freeform {
     #[must_use]
     pub fn area(&self) -> f64 {
         self.areas().total()
+    }
+
+    /// Numbers of the patches that are lines or points to within rounding, in whole or in part, ascending. No ray meets those parts.
+    #[must_use]
+    pub fn patches_without_area(&self) -> &[u32] {
+        &self.without_area
     }
 
     /// Size and expected cost of the hierarchy, whose primitives are the leaves of the patches.

@@ -66,8 +66,9 @@ impl PolynomialPatches {
             let powers = Bicubic::new(&subpatch.net, subpatch.degrees);
             part.corrections.push(&subpatch.net, &powers.control_points(subpatch.degrees));
             part.powers.push(powers);
-            let leaves = rules.leaves(index, &subpatch, &patch.placement);
-            leaves.iter().rev().for_each(|leaf| part.leaves.push(leaf, rules.origin));
+            let mut leaves = rules.leaves(index, &subpatch, &patch.placement);
+            leaves.leaves.reverse();
+            part.leaves.push_all(&leaves, index, rules.origin);
         }
         part
     }

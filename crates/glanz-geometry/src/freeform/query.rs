@@ -1,7 +1,6 @@
 //! Ray queries of a freeform surface: closest hit, any hit and all hits.
 
 use std::cmp::Ordering;
-use std::sync::atomic;
 
 use glanz_math::{DVec2, Ray};
 
@@ -99,9 +98,7 @@ impl<C: RootCollector> LeafVisitor for &mut QueryVisitor<'_, C> {
 impl Drop for LeafSearcher<'_> {
     #[inline(always)]
     fn drop(&mut self) {
-        if self.scratch.undecided > 0 {
-            self.surface.undecided.fetch_add(self.scratch.undecided, atomic::Ordering::Relaxed);
-        }
+        self.surface.hard.add(&mut self.scratch);
     }
 }
 

@@ -43,6 +43,8 @@ pub(super) struct SearchScratch {
     pub(super) local_roots: Vec<LocalRoot>,
     /// The same in the parameters of the subpatch.
     pub(super) roots: Vec<SurfaceRoot>,
+    /// Cells that subdivisions examined.
+    pub(super) examined: u64,
     /// Leaves whose subdivision was given up.
     pub(super) undecided: u64,
 }

@@ -9,7 +9,6 @@
 //! holds up to some 1e5 extents from the origin of the coordinates.
 
 use std::cell::Cell;
-use std::sync::atomic;
 
 use glanz_math::DVec2;
 
@@ -77,10 +76,7 @@ impl Freeform {
         hits.clear();
         hits.resize(rays.len(), None);
         self.bvh.isa().run(BatchQuery { surface: self, rays, any, hits, memory });
-        let undecided = std::mem::take(&mut memory.search.undecided);
-        if undecided > 0 {
-            self.undecided.fetch_add(undecided, atomic::Ordering::Relaxed);
-        }
+        self.hard.add(&mut memory.search);
     }
 }
 

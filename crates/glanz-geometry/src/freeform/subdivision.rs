@@ -6,8 +6,10 @@
 
 use glanz_math::DVec2;
 
+use super::contact_arc::{self, ArcClass, ArcRoot};
 use super::contraction::{Certificate, LocalRoot, MapBounds, PlanarJet, PlanarMap, contract};
 use super::control_net::{BernsteinPowers, with_room};
+use super::degree_reduction;
 use super::parameter_rect::{DyadicRect, ParameterRect};
 use super::ray_space::{RaySpace, cross};
 use super::root::{FirstOrderJet, SearchScratch, SurfaceRoot};
@@ -21,8 +23,15 @@ const MOST_UNCERTAINTY: f64 = 0.0625;
 /// Largest number of steps in a certified cell: more than the contraction needs for the last bit.
 const MOST_STEPS: usize = 200;
 
-/// Largest number of cells of a leaf, after which it counts as undecided: a hundred times as many as tangencies need.
-const MOST_CELLS: usize = 20_000;
+/// Largest error of coefficients by a lower degree, relative to their noise.
+const MOST_REDUCTION: f64 = 0.125;
+
+/// Factor of the noise of coefficients that are divided by the distance from an edge: its inverse in the middle of the cell. Next to the
+/// edge it is more, but there the edge itself is the root.
+const DEFLATED: f64 = 2.0;
+
+/// Largest number of cells of a leaf, after which it counts as undecided.
+const MOST_CELLS: usize = 2000;
 
 /// Largest total length of flat cells, in units of the noise, that is a root. Cells that are flat to within rounding and
 /// projected to a line or a point are a tangency or a collapsed edge if they are shorter than this; otherwise the ray lies
@@ -58,6 +67,25 @@ struct SubdivisionCell {
     from: DVec2,
     width: DVec2,
     start: usize,
+    degrees: (usize, usize),
+    /// Factor of the noise: deflation enlarges it.
+    factor: f64,
+    /// Error of the coefficients by lower degrees.
+    reduction: f64,
+    /// Whether it is a half across x, or one across y; none for a whole leaf.
+    halved: Option<bool>,
+}
+
+impl SubdivisionCell {
+    /// Number of coefficients of each list.
+    fn length(&self) -> usize {
+        (self.degrees.0 + 1) * (self.degrees.1 + 1)
+    }
+
+    /// The place of a point of the cell in the leaf.
+    fn at(&self, local: DVec2) -> DVec2 {
+        self.from + self.width * local
+    }
 }
 
 /// Result of a test of a cell for roots.
@@ -68,8 +96,8 @@ enum CellClass {
     Certified(Certificate),
     /// All coefficients are zero to within rounding, or those across the only direction of the projection.
     Flat,
-    /// Unknown.
-    Open { across_x: bool },
+    /// Unknown; with the means of the derivatives.
+    Open { across_x: bool, slopes: [DVec2; 2] },
 }
 
 /// Appends every root of `patch` to `scratch.roots`, those on the border of two cells possibly twice.
@@ -77,62 +105,174 @@ enum CellClass {
 pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &mut SearchScratch) {
     let degrees = patch.degrees();
     let noise = patch.project(space, &mut scratch.cells);
-    let (size, n) = (scratch.cells.len(), (degrees.0 + 1) * (degrees.1 + 1));
-    let mut stack = vec![SubdivisionCell { from: DVec2::ZERO, width: DVec2::ONE, start: 0 }];
-    let mut flats = Vec::new();
+    let lists = scratch.cells.len() / ((degrees.0 + 1) * (degrees.1 + 1));
+    let whole = SubdivisionCell {
+        from: DVec2::ZERO,
+        width: DVec2::ONE,
+        start: 0,
+        degrees,
+        factor: 1.0,
+        reduction: 0.0,
+        halved: None,
+    };
+    let mut search = LeafSubdivision { patch, space, noise, lists, stack: vec![whole], flats: Vec::new() };
     let mut count = 0;
-    while let Some(cell) = stack.pop() {
+    while let Some(cell) = search.stack.pop() {
         count += 1;
+        scratch.examined += 1;
         if count > MOST_CELLS {
             scratch.undecided += 1;
             return;
         }
-        scratch.cells.truncate(cell.start + size);
+        search.examine(cell, scratch);
+    }
+    join(search.flats, patch, space, &mut scratch.roots);
+}
+
+/// The state of the subdivision of a leaf.
+struct LeafSubdivision<'a, P> {
+    patch: &'a P,
+    space: &'a RaySpace,
+    /// Bound on the rounding of the coefficients, per weight.
+    noise: f64,
+    /// Two, or three with weights.
+    lists: usize,
+    stack: Vec<SubdivisionCell>,
+    flats: Vec<FlatCell>,
+}
+
+impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
+    /// Excludes the last cell in memory, adds its roots, or puts its parts on the stack.
+    fn examine(&mut self, mut cell: SubdivisionCell, scratch: &mut SearchScratch) {
+        let n = cell.length();
+        scratch.cells.truncate(cell.start + self.lists * n);
         let (both, weights) = scratch.cells[cell.start..].split_at(2 * n);
         // The largest weight of the cell bounds the noise of all its coefficients.
-        let noise = noise * if weights.is_empty() { 1.0 } else { range(weights.iter().copied()).1 };
-        let verdict = examine(both, degrees, noise);
-        let found = match verdict {
-            CellClass::Excluded => None,
+        let weight = if weights.is_empty() { 1.0 } else { range(weights.iter().copied()).1 };
+        let exact = self.noise * cell.factor * weight;
+        let noise = exact + cell.reduction;
+        let (across_x, slopes) = match examine(both, cell.degrees, noise) {
+            CellClass::Excluded => return,
             CellClass::Certified(certificate) => {
                 let (first, second) = both.split_at(n);
-                let mut map = CellPolynomials { lists: [first, second], degrees };
+                let mut map = CellPolynomials { lists: [first, second], degrees: cell.degrees };
                 let bounds =
                     MapBounds { noise, curvature_bound: f64::INFINITY, weights: [1.0; 2], steps: MOST_STEPS };
                 let found = contract(&mut map, &certificate, &bounds, DVec2::ZERO);
                 scratch.undecided += u64::from(found.is_err());
-                let half = 0.5 * cell.width;
-                found.ok().flatten().map(|LocalRoot { at, uncertainty }| {
-                    (cell.from + half * (at + DVec2::ONE), uncertainty * half)
-                })
+                if let Ok(Some(LocalRoot { at, uncertainty })) = found {
+                    let half = 0.5 * cell.width;
+                    self.add(cell.from + half * (at + DVec2::ONE), uncertainty * half, &cell, scratch);
+                }
+                return;
             }
             CellClass::Flat => {
-                flats.push(FlatCell::new(patch, space, &cell));
-                None
+                self.flats.push(FlatCell::new(self.patch, self.space, &cell));
+                return;
             }
-            CellClass::Open { across_x } => {
-                let [low, high] = halve(&cell, across_x, size);
-                if low.width.min_element() < f64::EPSILON {
-                    Some((cell.from + cell.width * 0.5, DVec2::splat(TANGENT_UNCERTAINTY)))
-                } else {
-                    split(&mut scratch.cells, cell.start, degrees, across_x);
-                    stack.extend([low, high]);
-                    None
-                }
-            }
+            CellClass::Open { across_x, slopes } => (across_x, slopes),
         };
-        if let Some((place, uncertainty)) = found
-            && let Some(root) = polish(patch, space, place, uncertainty, cell.width)
-        {
-            scratch.roots.push(root);
+        for along_x in [true, false] {
+            // Only halving lowers the degree.
+            if cell.halved.is_some_and(|across_x| across_x != along_x) {
+                continue;
+            }
+            let most = MOST_REDUCTION * exact;
+            if let Some((degrees, error)) =
+                degree_reduction::reduce(&mut scratch.cells, cell.start, cell.degrees, along_x, most)
+            {
+                (cell.degrees, cell.reduction) = (degrees, cell.reduction + error);
+            }
+        }
+        if self.deflate(&mut cell, noise, scratch) {
+            self.stack.push(cell);
+            return;
+        }
+        let both = &scratch.cells[cell.start..cell.start + 2 * cell.length()];
+        let (first, second) = both.split_at(cell.length());
+        let across_x = match contact_arc::classify([first, second], cell.degrees, slopes, noise) {
+            ArcClass::Excluded => return,
+            ArcClass::Roots(roots) => {
+                for root in roots.into_iter().flatten() {
+                    if root.contact {
+                        self.flats.push(FlatCell::of_arc(self.patch, self.space, &cell, &root));
+                    } else {
+                        self.add(cell.at(root.at), root.uncertainty * cell.width, &cell, scratch);
+                    }
+                }
+                return;
+            }
+            ArcClass::Open { across_first } => across_first,
+            ArcClass::Irregular => across_x,
+        };
+        let [low, high] = halve(&cell, across_x, self.lists * cell.length());
+        if low.width.min_element() < f64::EPSILON {
+            let middle = cell.at(DVec2::splat(0.5));
+            self.add(middle, DVec2::splat(TANGENT_UNCERTAINTY), &cell, scratch);
+        } else {
+            split(&mut scratch.cells, cell.start, cell.degrees, across_x);
+            self.stack.extend([low, high]);
         }
     }
-    join(flats, patch, space, &mut scratch.roots);
+
+    /// Adds the root next to `place`, if the leaf has one there.
+    fn add(&self, place: DVec2, uncertainty: DVec2, cell: &SubdivisionCell, scratch: &mut SearchScratch) {
+        scratch.roots.extend(polish(self.patch, self.space, place, uncertainty, cell.width));
+    }
+
+    /// Divides the polynomials of a cell by the distance from an edge on which both vanish to within rounding: an edge that is one point,
+    /// or one along the ray. That edge becomes a flat cell, and what remains has no more roots there than anywhere else.
+    fn deflate(&mut self, cell: &mut SubdivisionCell, noise: f64, scratch: &mut SearchScratch) -> bool {
+        let ((p, q), n) = (cell.degrees, cell.length());
+        let coefficients = &scratch.cells[cell.start..];
+        let vanishes = |start: usize, step: usize, count: usize| {
+            let of_list = |list: &[f64]| (0..count).all(|k| list[start + k * step].abs() <= noise);
+            coefficients[..2 * n].chunks_exact(n).all(of_list)
+        };
+        // Start, end and step of the rows across each edge, their count and distance.
+        let edges = [
+            (p > 0, 0, p + 1, q + 1, true, false),
+            (p > 0, p, p + 1, q + 1, true, true),
+            (q > 0, 0, 1, p + 1, false, false),
+            (q > 0, q * (p + 1), 1, p + 1, false, true),
+        ];
+        let found = edges
+            .into_iter()
+            .find(|&(possible, start, step, count, ..)| possible && vanishes(start, step, count));
+        let Some((.., across_x, upper)) = found else { return false };
+        self.flats.push(FlatCell::of_edge(self.patch, self.space, cell, across_x, upper));
+        let degree = if across_x { p } else { q };
+        let degrees = if across_x { (p - 1, q) } else { (p, q - 1) };
+        let mut divided = Vec::with_capacity(self.lists * n);
+        for (number, list) in coefficients.chunks_exact(n).enumerate() {
+            for j in 0..=degrees.1 {
+                for i in 0..=degrees.0 {
+                    let k = if across_x { i } else { j };
+                    let (i, j) = match (upper, across_x) {
+                        (true, _) => (i, j),
+                        (false, true) => (i + 1, j),
+                        (false, false) => (i, j + 1),
+                    };
+                    let share = degree as f64 / if upper { degree - k } else { k + 1 } as f64;
+                    // Weights only bound the rounding.
+                    divided.push(list[j * (p + 1) + i] * if number < 2 { share } else { 1.0 });
+                }
+            }
+        }
+        scratch.cells.truncate(cell.start);
+        scratch.cells.extend(divided);
+        cell.degrees = degrees;
+        cell.factor *= DEFLATED;
+        cell.reduction *= DEFLATED;
+        true
+    }
 }
 
 /// A cell that is projected to a line or a point.
 #[derive(Clone, Copy, Debug)]
 struct FlatCell {
+    /// Where a root is expected.
+    place: DVec2,
     middle: DVec2,
     width: DVec2,
     /// Its length along the ray, metres.
@@ -160,13 +300,56 @@ impl FlatCell {
         };
         let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
         let uncertainty = cell.width * unseen + 64.0 * patch.noise(space) / steepness;
-        Self { middle, width: cell.width, stretch, uncertainty }
+        Self { place: middle, middle, width: cell.width, stretch, uncertainty }
+    }
+
+    /// The cell of a part of the contact curve.
+    fn of_arc(
+        patch: &impl SubdividablePatch,
+        space: &RaySpace,
+        cell: &SubdivisionCell,
+        arc: &ArcRoot,
+    ) -> Self {
+        let [a, b] = arc.ends.map(|end| cell.at(end.clamp(DVec2::ZERO, DVec2::ONE)));
+        let place = cell.at(arc.at.clamp(DVec2::ZERO, DVec2::ONE));
+        let width = (b - a).abs() + 1e-6 * cell.width;
+        let uncertainty = (arc.uncertainty * cell.width).min((b - a).abs()) + rounding(patch, space, place);
+        Self { place, middle: 0.5 * (a + b), width, stretch: chord(patch, a, b), uncertainty }
+    }
+
+    /// The edge of a cell.
+    fn of_edge(
+        patch: &impl SubdividablePatch,
+        space: &RaySpace,
+        cell: &SubdivisionCell,
+        across_x: bool,
+        upper: bool,
+    ) -> Self {
+        let side = f64::from(u8::from(upper));
+        let at = |x: f64| cell.at(if across_x { DVec2::new(side, x) } else { DVec2::new(x, side) });
+        let (a, middle, b) = (at(0.0), at(0.5), at(1.0));
+        let width = b - a;
+        let uncertainty = width + rounding(patch, space, middle);
+        let stretch = chord(patch, a, middle) + chord(patch, middle, b);
+        Self { place: middle, middle, width, stretch, uncertainty }
     }
 
     fn touches(&self, other: &Self) -> bool {
         let apart = (self.middle - other.middle).abs();
         apart.cmple((self.width + other.width) * (0.5 + 1e-9)).all()
     }
+}
+
+/// Distance of two points of a leaf, metres.
+fn chord(patch: &impl SubdividablePatch, a: DVec2, b: DVec2) -> f64 {
+    patch.jet(a.x, a.y).s.distance(patch.jet(b.x, b.y).s)
+}
+
+/// Bound on the shift of a root at `place` by rounding where the surface is regular.
+fn rounding(patch: &impl SubdividablePatch, space: &RaySpace, place: DVec2) -> DVec2 {
+    let tangent = patch.jet(place.x, place.y);
+    let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
+    (64.0 * patch.noise(space) / steepness).min(DVec2::ONE)
 }
 
 /// Appends the roots of the flat cells, one for every short chain of them: a tangency, the neighbourhood of a collapsed edge,
@@ -193,22 +376,23 @@ fn join(
         if chain.iter().map(|cell| cell.stretch).sum::<f64>() > TANGENT_LENGTH * space.noise {
             continue;
         }
-        let (low, high) = chain.iter().fold((first.middle, first.middle), |(low, high), cell| {
-            (low.min(cell.middle), high.max(cell.middle))
+        let (low, high) = chain.iter().fold((first.place, first.place), |(low, high), cell| {
+            (low.min(cell.place), high.max(cell.place))
         });
         // From the middle outwards, until a cell has a root within rounding.
-        let distance = |cell: &FlatCell| cell.middle.distance_squared(0.5 * (low + high));
+        let distance = |cell: &FlatCell| cell.place.distance_squared(0.5 * (low + high));
         chain.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
         roots.extend(chain.iter().find_map(|cell| {
             // Roots within a few times this uncertainty count as one: no farther apart than twice the chain.
             let uncertainty = (0.25 * (cell.uncertainty + (high - low))).min(DVec2::ONE);
-            polish(patch, space, cell.middle, uncertainty, cell.width)
+            polish(patch, space, cell.place, uncertainty, cell.width.max(uncertainty))
         }));
     }
 }
 
 fn halve(cell: &SubdivisionCell, across_x: bool, size: usize) -> [SubdivisionCell; 2] {
-    let (mut low, mut high) = (*cell, *cell);
+    let mut low = SubdivisionCell { halved: Some(across_x), ..*cell };
+    let mut high = low;
     if across_x {
         low.width.x *= 0.5;
         high.from.x += low.width.x;
@@ -316,6 +500,9 @@ fn examine(cell: &[f64], (p, q): (usize, usize), noise: f64) -> CellClass {
     if one_sided(across_b, 1.5 * noise * b_length) || one_sided(across_a, 1.5 * noise * a_length) {
         return CellClass::Excluded;
     }
+    if is_one_sided(first, second, noise) {
+        return CellClass::Excluded;
+    }
     let spread = (range1.1 - range1.0).max(range2.1 - range2.0);
     let narrow = |(low, high): (f64, f64), noise: f64| low >= -noise && high <= noise;
     let seen = a_length.max(b_length);
@@ -356,7 +543,32 @@ fn examine(cell: &[f64], (p, q): (usize, usize), noise: f64) -> CellClass {
         return CellClass::Certified(Certificate { a: 0.5 * a, b: 0.5 * b, q: deviation / det.abs() });
     }
     // Along the direction in which the coefficients vary more, so that projected cells become as wide as long.
-    CellClass::Open { across_x: rises[0] >= rises[1] }
+    CellClass::Open { across_x: rises[0] >= rises[1], slopes: [a, b] }
+}
+
+/// Whether all coefficients lie on one side of a line at a distance of more than the noise from 0: that across the bisector of the
+/// outermost directions, if they enclose less than half a turn.
+fn is_one_sided(first: &[f64], second: &[f64], noise: f64) -> bool {
+    let mut points = first.iter().zip(second).map(|(&x, &y)| DVec2::new(x, y));
+    let Some(start) = points.next() else { return false };
+    let (mut right, mut left) = (start, start);
+    for point in points {
+        let (beyond_right, beyond_left) = (cross(right, point) < 0.0, cross(left, point) > 0.0);
+        if beyond_right && beyond_left {
+            return false;
+        }
+        if beyond_right {
+            right = point;
+        } else if beyond_left {
+            left = point;
+        }
+        if cross(right, left) < 0.0 {
+            return false;
+        }
+    }
+    let across = right.normalize_or_zero() + left.normalize_or_zero();
+    let limit = noise * across.length();
+    limit > 0.0 && first.iter().zip(second).all(|(x, y)| across.x * x + across.y * y > limit)
 }
 
 /// The coefficients of a cell as a map of [-1, 1]^2.

@@ -1,6 +1,6 @@
 //! Conversion of B-spline surfaces to Bézier patches, and to surfaces for rays.
 
-use super::polygon;
+use super::polygon::{self, BezierRow};
 use super::surface::NurbsSurface;
 use crate::bezier::TensorPatch;
 use crate::error::SurfaceError;
@@ -20,7 +20,7 @@ pub struct BezierPiece {
 impl NurbsSurface {
     /// The pieces between knots, those of equal u next to each other.
     ///
-    /// The control points of neighbours along their common border are equal to the last bit. Weights that are all 1 stay 1,
+    /// The control points of neighbours along their common border are equal to the last bit, unless the surface jumps there. Weights that are all 1 stay 1,
     /// and coordinates that all points share stay as they are.
     ///
     /// # Errors
@@ -33,25 +33,25 @@ impl NurbsSurface {
         let (count_u, count_v) = self.counts();
         // Flat lists: unlike that of many short rows, their memory goes back to the system.
         let (mut breaks_u, mut breaks_v) = (Vec::new(), Vec::new());
+        let (mut starts_u, mut starts_v) = (Vec::new(), Vec::new());
         let (mut rows, mut columns) = (Vec::new(), Vec::new());
         for row in self.control_points().chunks_exact(count_v) {
-            let (breaks, row) = polygon::bezier(self.knots_v(), row)?;
-            breaks_v = breaks;
-            rows.extend(row);
+            let BezierRow { breaks, starts, points } = polygon::bezier_row(self.knots_v(), row)?;
+            (breaks_v, starts_v) = (breaks, starts);
+            rows.extend(points);
         }
         let width = rows.len() / count_u.max(1);
         for j in 0..width {
             let column: Vec<_> = rows.iter().skip(j).step_by(width).copied().collect();
-            let (breaks, column) = polygon::bezier(self.knots_u(), &column)?;
-            breaks_u = breaks;
-            columns.extend(column);
+            let BezierRow { breaks, starts, points } = polygon::bezier_row(self.knots_u(), &column)?;
+            (breaks_u, starts_u) = (breaks, starts);
+            columns.extend(points);
         }
         drop(rows);
         let height = columns.len() / width.max(1);
         let mut pieces = Vec::new();
-        for (i, u) in breaks_u.windows(2).enumerate() {
-            for (j, v) in breaks_v.windows(2).enumerate() {
-                let (i, j) = (i * p, j * q);
+        for (&i, u) in starts_u.iter().zip(breaks_u.windows(2)) {
+            for (&j, v) in starts_v.iter().zip(breaks_v.windows(2)) {
                 let columns = &columns;
                 let points = (i..=i + p).flat_map(|i| (j..=j + q).map(move |j| columns[j * height + i]));
                 let patch = TensorPatch::try_new(p, q, points.collect())?;

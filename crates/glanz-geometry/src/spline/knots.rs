@@ -1,4 +1,4 @@
-//! Knot vectors of continuous splines.
+//! Knot vectors of splines.
 
 use std::ops::Deref;
 
@@ -10,7 +10,7 @@ use crate::error::SurfaceError;
 /// The highest degree of a spline: rows of basis functions have a fixed size.
 pub const MAX_DEGREE: usize = bernstein::ROW_DEGREE;
 
-/// The [`Knots`] of a continuous spline of degree 1 to [`MAX_DEGREE`], clamped or not.
+/// The [`Knots`] of a spline of degree 1 to [`MAX_DEGREE`], clamped or not; continuous, unless made by [`KnotVector::try_with_jumps`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnotVector(Knots);
 
@@ -30,17 +30,34 @@ impl KnotVector {
     /// [`SurfaceError::NotFinite`], [`SurfaceError::KnotsDecrease`], [`SurfaceError::KnotMultiplicity`] if a knot appears more than
     /// `degree + 1` times, or more than `degree` times inside the domain, [`SurfaceError::EmptyRange`] if the domain is empty.
     pub fn try_new(degree: usize, knots: Vec<f64>) -> Result<Self, SurfaceError> {
-        Self::checked("knot", degree, knots)
+        Self::checked("knot", degree, knots, degree)
     }
 
-    /// The knot vector with the name of the parameter for messages.
+    /// The same for a spline that may jump: where a knot inside the domain appears `degree + 1` times, it consists of two that have no
+    /// control point in common.
+    ///
+    /// # Errors
+    /// Those of [`Self::try_new`], except that a knot inside the domain may appear once more.
+    pub fn try_with_jumps(degree: usize, knots: Vec<f64>) -> Result<Self, SurfaceError> {
+        Self::checked("knot", degree, knots, degree.saturating_add(1))
+    }
+
+    /// The knot vector with the name of the parameter for messages, and the largest multiplicity inside the domain.
     pub(crate) fn checked(
         parameter: &'static str,
         degree: usize,
         knots: Vec<f64>,
+        inner_multiplicity: usize,
     ) -> Result<Self, SurfaceError> {
         check_degree(degree)?;
-        Knots::try_new(degree, knots, degree).map(Self).map_err(|error| knot_error(parameter, error))
+        Knots::try_new(degree, knots, inner_multiplicity).map(Self).map_err(|error| knot_error(parameter, error))
+    }
+
+    /// The knot inside the domain, if there is one, at which the spline jumps, and its multiplicity.
+    pub(crate) fn jump(&self) -> Option<(f64, usize)> {
+        let [start, end] = self.domain();
+        let inside = |&(knot, count): &(f64, usize)| knot > start && knot < end && count > self.degree();
+        self.distinct().into_iter().find(inside)
     }
 
     /// The clamped knot vector over [0, 1] with `count` control points and inner knots at equal distances.
@@ -92,7 +109,7 @@ impl KnotVector {
                 image.clamp(start, end)
             }
         };
-        Self::try_new(self.degree(), self.knots().iter().rev().map(mirror).collect())
+        Self::try_with_jumps(self.degree(), self.knots().iter().rev().map(mirror).collect())
     }
 }
 

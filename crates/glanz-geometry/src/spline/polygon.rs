@@ -57,7 +57,7 @@ pub(crate) fn insert<P: ControlPoint>(
     for _ in 0..times {
         insert_once(knots.degree(), &mut t, &mut points, u);
     }
-    Ok((KnotVector::try_new(knots.degree(), t)?, points))
+    Ok((KnotVector::try_with_jumps(knots.degree(), t)?, points))
 }
 
 /// The part of the row between two parameters of the domain, with clamped knots.
@@ -85,20 +85,43 @@ pub fn restrict<P: ControlPoint>(
             insert_once(p, &mut t, &mut points, u);
         }
     }
-    // With p copies of a knot, the first at index f, control point f - 1 lies on the spline.
+    // With p copies of a knot, the first at index f, control point f - 1 lies on the spline. With one more, that is the end of the part
+    // before, and the next one the start of the part behind.
     let first = t.partition_point(|&k| k <= start) - 1 - p;
     let last = t.partition_point(|&k| k < end) - 1;
     let inner = t.iter().copied().filter(|k| *k > start && *k < end);
-    let knots = KnotVector::try_new(p, Knots::clamped(p, [start, end], inner))?;
+    let knots = KnotVector::try_with_jumps(p, Knots::clamped(p, [start, end], inner))?;
     Ok((knots, points[first..=last].to_vec()))
 }
 
-/// The ends of the pieces and their Bézier points, of which neighbours share one: piece i has the points from
+/// The ends of the pieces of a continuous spline and their Bézier points, of which neighbours share one: piece i has the points from
 /// `degree * i` to `degree * (i + 1)`.
 ///
 /// # Errors
-/// Those of [`restrict`].
+/// Those of [`restrict`], and [`SurfaceError::KnotMultiplicity`] if the spline jumps.
 pub fn bezier<P: ControlPoint>(knots: &KnotVector, points: &[P]) -> Result<(Vec<f64>, Vec<P>), SurfaceError> {
+    if let Some((value, multiplicity)) = knots.jump() {
+        let max = knots.degree();
+        return Err(SurfaceError::KnotMultiplicity { parameter: "knot", value, multiplicity, max });
+    }
+    let BezierRow { breaks, points, .. } = bezier_row(knots, points)?;
+    Ok((breaks, points))
+}
+
+/// The Bézier pieces of a row.
+pub(super) struct BezierRow<P> {
+    /// Ends of the pieces, one more than there are pieces.
+    pub(super) breaks: Vec<f64>,
+    /// Index of the first of the `degree + 1` points of each piece: neighbours share one, unless the spline jumps between them.
+    pub(super) starts: Vec<usize>,
+    pub(super) points: Vec<P>,
+}
+
+/// The Bézier pieces of a spline that may jump.
+///
+/// # Errors
+/// Those of [`restrict`].
+pub(super) fn bezier_row<P: ControlPoint>(knots: &KnotVector, points: &[P]) -> Result<BezierRow<P>, SurfaceError> {
     let (whole, mut points) = restrict(knots, points, knots.domain())?;
     let (p, breaks) = (whole.degree(), whole.breaks());
     let mut t = whole.knots().to_vec();
@@ -107,7 +130,9 @@ pub fn bezier<P: ControlPoint>(knots: &KnotVector, points: &[P]) -> Result<(Vec<
             insert_once(p, &mut t, &mut points, u);
         }
     }
-    Ok((breaks, points))
+    let start = |&u: &f64| t.partition_point(|&k| k <= u) - 1 - p;
+    let starts = breaks.iter().take(breaks.len() - 1).map(start).collect();
+    Ok(BezierRow { breaks, starts, points })
 }
 
 /// The row with its degree raised by one.
@@ -130,7 +155,7 @@ pub fn elevate<P: ControlPoint>(
     // Each value outside the domain has added one knot too many.
     let before = distinct.iter().filter(|(k, _)| *k < start).count();
     let after = distinct.iter().filter(|(k, _)| *k > end).count();
-    let raised = KnotVector::try_new(p + 1, raised[before..raised.len() - after].to_vec())?;
+    let raised = KnotVector::try_with_jumps(p + 1, raised[before..raised.len() - after].to_vec())?;
     let s = raised.knots();
     let point = |j: usize| {
         let span = longest_span(knots, s[j], s[j + p + 2]);
@@ -180,7 +205,8 @@ fn polar_form<P: ControlPoint>(
 /// equation that remains is not solved, its residual is the error.
 ///
 /// # Errors
-/// [`SurfaceError::OutOfRange`] if `u` is outside the open domain, [`SurfaceError::TooFew`] if it is not a knot.
+/// [`SurfaceError::OutOfRange`] if `u` is outside the open domain, [`SurfaceError::TooFew`] if it is not a knot,
+/// [`SurfaceError::KnotMultiplicity`] if the spline jumps there.
 ///
 /// # Source
 /// @tiller1992; departure: the equation that remains.
@@ -193,6 +219,9 @@ pub(crate) fn remove<P: ControlPoint>(
     let (p, multiplicity) = (knots.degree(), knots.multiplicity(u));
     if multiplicity == 0 {
         return Err(SurfaceError::TooFew { parameter: "knots at the parameter", count: 0, min: 1 });
+    }
+    if multiplicity > p {
+        return Err(SurfaceError::KnotMultiplicity { parameter: "knot", value: u, multiplicity, max: p });
     }
     let mut t = knots.knots().to_vec();
     let last = t.partition_point(|&k| k <= u) - 1;
@@ -211,7 +240,7 @@ pub(crate) fn remove<P: ControlPoint>(
         let a = weight(i);
         new[i - 1] = new[i] + (points[i] - new[i]) * (1.0 / (1.0 - a));
     }
-    Ok((KnotVector::try_new(p, t)?, new))
+    Ok((KnotVector::try_with_jumps(p, t)?, new))
 }
 
 /// The same spline reversed.

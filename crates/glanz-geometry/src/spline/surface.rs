@@ -30,8 +30,11 @@ impl NurbsSurface {
     /// The surface with homogeneous control points (w x, w y, w z, w), those of equal u next to each other: point (i, j) is
     /// at `i * count_v + j`, where `count_v = knots_v.len() - degree_v - 1`. `degrees` and `knots` are those in u and in v.
     ///
+    /// At a knot inside the domain that appears `degree + 1` times the surface jumps: it consists of pieces. A knot that appears still more
+    /// often has control points that act nowhere; they and the repetitions are left out.
+    ///
     /// # Errors
-    /// Those of [`KnotVector::try_new`] for each direction; [`SurfaceError::CountMismatch`] for the number of points,
+    /// Those of [`KnotVector::try_with_jumps`] for each direction; [`SurfaceError::CountMismatch`] for the number of points,
     /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a weight.
     pub fn try_new(
         degrees: [usize; 2],
@@ -39,9 +42,19 @@ impl NurbsSurface {
         points: Vec<DVec4>,
     ) -> Result<Self, SurfaceError> {
         let ([degree_u, degree_v], [knots_u, knots_v]) = (degrees, knots);
-        let knots_u = KnotVector::checked("knot in u", degree_u, knots_u)?;
-        let knots_v = KnotVector::checked("knot in v", degree_v, knots_v)?;
-        Self::from_knots(knots_u, knots_v, points)
+        let (all_u, all_v) = (ControlRows::new(degree_u, &knots_u), ControlRows::new(degree_v, &knots_v));
+        let checked = |name, degree: usize, rows: &ControlRows| {
+            KnotVector::checked(name, degree, rows.knots.clone(), degree.saturating_add(1))
+        };
+        let knots_u = checked("knot in u", degree_u, &all_u)?;
+        let knots_v = checked("knot in v", degree_v, &all_v)?;
+        if all_u.is_complete() && all_v.is_complete() {
+            return Self::from_knots(knots_u, knots_v, points);
+        }
+        check(&points, all_u.count.saturating_mul(all_v.count))?;
+        let rows = all_u.acting.iter().filter_map(|i| points.chunks_exact(all_v.count).nth(*i));
+        let acting = rows.flat_map(|row| all_v.acting.iter().filter_map(|j| row.get(*j))).copied().collect();
+        Self::from_knots(knots_u, knots_v, acting)
     }
 
     /// The surface with control points in space (metres) and as many weights, in the order of [`Self::try_new`]; without
@@ -242,8 +255,8 @@ impl NurbsSurface {
             count_u = knots_u.len().saturating_sub(1);
             knots_u = unroll("knot in u", degree_u, &knots_u)?;
         }
-        let knots_u = KnotVector::checked("knot in u", degree_u, knots_u)?;
-        let knots_v = KnotVector::checked("knot in v", degree_v, knots_v)?;
+        let knots_u = KnotVector::checked("knot in u", degree_u, knots_u, degree_u)?;
+        let knots_v = KnotVector::checked("knot in v", degree_v, knots_v, degree_v)?;
         check(&points, count_u.saturating_mul(count_v))?;
         let unrolled = (0..knots_u.count()).flat_map(|i| {
             let points = &points;
@@ -298,6 +311,34 @@ impl NurbsSurface {
     pub fn restrict(&self, [range_u, range_v]: [[f64; 2]; 2]) -> Result<Self, SurfaceError> {
         let strip = self.map_rows_v(|t, row| polygon::restrict(t, row, range_v))?;
         Ok(strip.transposed().map_rows_v(|t, row| polygon::restrict(t, row, range_u))?.transposed())
+    }
+}
+
+/// The rows of control points along one direction that act somewhere, and their knots.
+struct ControlRows {
+    knots: Vec<f64>,
+    /// Number of all rows.
+    count: usize,
+    /// Those whose basis function is not zero everywhere.
+    acting: Vec<usize>,
+}
+
+impl ControlRows {
+    fn new(degree: usize, knots: &[f64]) -> Self {
+        let order = degree.saturating_add(1);
+        let count = knots.len().saturating_sub(order);
+        let is_idle = |i: &usize| knots.get(*i) == knots.get(i.saturating_add(order));
+        let acting: Vec<usize> = (0..count).filter(|i| !is_idle(i)).collect();
+        // Invalid knots are left for their errors.
+        if acting.len() < order || !knots.is_sorted() {
+            return Self { knots: knots.to_vec(), count, acting: (0..count).collect() };
+        }
+        let kept = acting.iter().filter_map(|&i| knots.get(i)).chain(knots.get(count..).unwrap_or(&[]));
+        Self { knots: kept.copied().collect(), count, acting }
+    }
+
+    fn is_complete(&self) -> bool {
+        self.acting.len() == self.count
     }
 }
 

@@ -59,7 +59,7 @@ impl NurbsSurface {
     /// # Errors
     /// [`SurfaceError::OutOfRange`] if the value is not strictly inside the domain, [`SurfaceError::TooFew`] if it is not a knot,
     /// [`SurfaceError::KnotNeeded`] if the bound is greater than `tolerance` (metres); it is infinite if a weight would not stay
-    /// positive.
+    /// positive, or if the surface jumps there.
     pub fn remove_knot(
         &self,
         direction: ParameterDirection,
@@ -71,6 +71,9 @@ impl NurbsSurface {
             ParameterDirection::V => "knot in v",
         };
         let needed = |deviation| SurfaceError::KnotNeeded { parameter, value, deviation, tolerance };
+        if self.knots(direction).multiplicity(value) > self.knots(direction).degree() {
+            return Err(needed(f64::INFINITY));
+        }
         let removed = match self.map_rows(direction, |t, row| polygon::remove(t, row, value)) {
             // The denominator would vanish somewhere.
             Err(SurfaceError::NotPositive { .. }) => return Err(needed(f64::INFINITY)),

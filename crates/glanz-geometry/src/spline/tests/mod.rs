@@ -2,6 +2,7 @@
 
 mod curve;
 mod edit;
+mod jump;
 mod reference;
 mod shapes;
 

@@ -1,0 +1,412 @@
+//! The curve along which one of two polynomials vanishes, and the other one along it.
+//!
+//! Near a tangency both distances f from the planes through the ray have parallel gradients. Of h, that along these gradients, and g,
+//! that across them, h is *regular*: its derivative by one parameter, y, has one sign over the cell. So h = 0 is a curve y = Y(x), which
+//! a cubic meets up to the fourth power of its length, and g along the curve is a polynomial in x. A contact of any order, and a curve
+//! in which the ray lies within the surface, are found in a few halvings of x instead of one cell for every few units of rounding.
+//!
+//! With G = g(x, Y(x)), H = h(x, Y(x)) for the cubic Y, and w a bound on its distance from the curve, a root y of the cell at x satisfies
+//! by Taylor's formula |G H_y - G_y H| <= w^2 (|H_y| |g_yy| + |G_y| |h_yy|) / 2. That polynomial is the *eliminant*.
+
+use glanz_math::DVec2;
+
+/// Largest degree of a cell whose contact curve is searched, in both directions.
+pub(super) const MOST_DEGREE: usize = 7;
+
+/// Largest parameter by which a curve may leave the cell, at which h is still regular.
+const EXCESS: f64 = 0.25;
+
+/// Smallest derivative of h, relative to its mean, with which h is regular.
+const REGULAR: f64 = 0.25;
+
+/// Smallest change of h over a cell, in units of its rounding.
+const SIGNIFICANT: f64 = 8.0;
+
+/// Values of the eliminant, in units of its uncertainty, up to which a part of the curve is in contact with the ray. One that is partly
+/// above has a range of three units or no root: halving ends.
+const CONTACT: f64 = 4.0;
+
+/// Steps of the search for a root of the eliminant: bisection to the last bit.
+const MOST_STEPS: usize = 64;
+
+const ROW: usize = MOST_DEGREE + 1;
+
+/// Length of the longest eliminant.
+const LONGEST: usize = 8 * MOST_DEGREE - 2;
+
+/// A part of the contact curve, in the parameters of the cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ArcRoot {
+    pub(super) at: DVec2,
+    /// Bound on the shift of the root by rounding.
+    pub(super) uncertainty: DVec2,
+    /// Ends of the part of the curve along which g is below rounding.
+    pub(super) ends: [DVec2; 2],
+    /// Whether it may be part of a contact that goes on beyond the cell, or is no simple root.
+    pub(super) contact: bool,
+}
+
+/// What the contact curve says about a cell.
+#[derive(Debug, PartialEq)]
+pub(super) enum ArcClass {
+    /// h is not regular.
+    Irregular,
+    /// No root.
+    Excluded,
+    /// All roots, and parts of the curve that are within rounding of the ray.
+    Roots([Option<ArcRoot>; 2]),
+    /// Unknown: halve x, the first parameter or the second.
+    Open { across_first: bool },
+}
+
+/// A polynomial in Bernstein form whose coefficients are multiplied by the binomials, so that products are convolutions.
+#[derive(Clone, Copy)]
+struct Scaled<const N: usize> {
+    coefficients: [f64; N],
+    length: usize,
+}
+
+impl<const N: usize> Scaled<N> {
+    const ZERO: Self = Self { coefficients: [0.0; N], length: 1 };
+
+    fn of(list: impl ExactSizeIterator<Item = f64>) -> Self {
+        let mut scaled = Self { coefficients: [0.0; N], length: list.len() };
+        let degree = list.len().saturating_sub(1);
+        for ((slot, c), factor) in scaled.coefficients.iter_mut().zip(list).zip(&BINOMIALS[degree]) {
+            *slot = c * factor;
+        }
+        scaled
+    }
+
+    /// Adds a product of degree `self.length - 1`.
+    fn add_product<const K: usize, const L: usize>(&mut self, a: &Scaled<K>, b: &Scaled<L>, sign: f64) {
+        for (i, x) in a.coefficients[..a.length].iter().enumerate() {
+            let x = x * sign;
+            for (slot, y) in self.coefficients[i..].iter_mut().zip(&b.coefficients[..b.length]) {
+                *slot += x * y;
+            }
+        }
+    }
+
+    fn unscaled(&self) -> Self {
+        let mut plain = *self;
+        for (slot, factor) in plain.coefficients.iter_mut().zip(&BINOMIALS[self.length - 1][..self.length]) {
+            *slot /= factor;
+        }
+        plain
+    }
+
+    /// Bound on the absolute value: the largest coefficient.
+    fn largest(&self) -> f64 {
+        let factors = &BINOMIALS[self.length - 1][..self.length];
+        self.coefficients.iter().zip(factors).fold(0.0, |most, (c, factor)| most.max((c / factor).abs()))
+    }
+}
+
+/// Both polynomials of a cell, first h, then g: rows by powers of y.
+struct ContactCell {
+    h: [[f64; ROW]; ROW],
+    g: [[f64; ROW]; ROW],
+    /// Degrees in x and y.
+    p: usize,
+    q: usize,
+}
+
+/// Values along the curve: polynomial, and its derivative by y; scaled.
+fn along_curve(
+    rows: &[[f64; ROW]; ROW],
+    p: usize,
+    q: usize,
+    y: &Scaled<4>,
+    rest: &Scaled<4>,
+) -> [Scaled<{ 4 * MOST_DEGREE + 1 }>; 2] {
+    // De Casteljau's algorithm in y with polynomials in x as coefficients.
+    let mut work: [Scaled<{ 4 * MOST_DEGREE + 1 }>; ROW] = [Scaled::ZERO; ROW];
+    for (slot, row) in work.iter_mut().zip(&rows[..=q]) {
+        *slot = Scaled::of(row[..=p].iter().copied());
+    }
+    let mut slope = Scaled::ZERO;
+    for level in 0..q {
+        if level + 1 == q {
+            slope = work[0];
+            for (k, slot) in slope.coefficients.iter_mut().enumerate() {
+                *slot = q as f64 * (work[1].coefficients[k] - *slot);
+            }
+        }
+        for j in 0..q - level {
+            let mut next = Scaled { length: work[j].length + 3, ..Scaled::ZERO };
+            next.add_product(rest, &work[j], 1.0);
+            next.add_product(y, &work[j + 1], 1.0);
+            work[j] = next;
+        }
+    }
+    [work[0], slope]
+}
+
+/// Rows of Pascal's triangle up to the degree of the longest eliminant.
+const BINOMIALS: [[f64; LONGEST]; LONGEST] = {
+    let mut rows = [[0.0; LONGEST]; LONGEST];
+    let mut n = 0;
+    while n < LONGEST {
+        rows[n][0] = 1.0;
+        let mut k = 1;
+        while k <= n {
+            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k];
+            k += 1;
+        }
+        n += 1;
+    }
+    rows
+};
+
+/// Value and derivative of Bernstein coefficients.
+fn value(row: &[f64], x: f64) -> (f64, f64) {
+    let Some((&first, rest)) = row.split_first() else { return (0.0, 0.0) };
+    let n = rest.len();
+    if n == 0 {
+        return (first, 0.0);
+    }
+    // Horner's rule in x / (1 - x), for the polynomial and for the differences.
+    let (y, row_n, row_d) = (1.0 - x, &BINOMIALS[n], &BINOMIALS[n - 1]);
+    let (mut power, mut sum, mut slope, mut before) = (1.0, first * y, 0.0, first);
+    for (i, &c) in rest.iter().enumerate() {
+        slope = slope * y + power * row_d[i] * (c - before);
+        power *= x;
+        sum += power * row_n[i + 1] * c;
+        if i + 1 < n {
+            sum *= y;
+        }
+        before = c;
+    }
+    (sum, n as f64 * slope)
+}
+
+/// Where `f`, with its derivative, changes from negative at `from` to positive at `to`; the end if it does not.
+fn crossing(f: impl Fn(f64) -> (f64, f64), [from, to]: [f64; 2]) -> f64 {
+    if f(from).0 >= 0.0 {
+        return from;
+    }
+    if f(to).0 <= 0.0 {
+        return to;
+    }
+    let (mut below, mut above) = (from, to);
+    let mut x = 0.5 * (below + above);
+    for _ in 0..MOST_STEPS {
+        let (y, slope) = f(x);
+        if y == 0.0 {
+            return x;
+        }
+        *(if y < 0.0 { &mut below } else { &mut above }) = x;
+        let newton = x - y / slope;
+        let inside = newton > below.min(above) && newton < below.max(above);
+        let next = if inside { newton } else { 0.5 * (below + above) };
+        if (next - x).abs() <= f64::EPSILON {
+            return next;
+        }
+        x = next;
+    }
+    x
+}
+
+impl ContactCell {
+    /// The root y of h at x, as far as the cell and `EXCESS` reach.
+    fn curve(&self, x: f64) -> Option<f64> {
+        let mut column = [0.0; ROW];
+        for (slot, row) in column.iter_mut().zip(&self.h[..=self.q]) {
+            *slot = value(&row[..=self.p], x).0;
+        }
+        let column = &column[..=self.q];
+        let (low, high) = (column[0], column[self.q]);
+        let mut y = low / (low - high);
+        for _ in 0..8 {
+            let (f, slope) = value(column, y.clamp(-1.0, 2.0));
+            let step = f / slope;
+            y -= step;
+            if step.abs() <= 4.0 * f64::EPSILON {
+                break;
+            }
+        }
+        (y >= -EXCESS && y <= 1.0 + EXCESS).then_some(y)
+    }
+
+    /// Smallest and largest derivative of h by y: of its coefficients.
+    fn slopes(&self) -> (f64, f64) {
+        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+        for pair in self.h[..=self.q].windows(2) {
+            for (a, b) in pair[0][..=self.p].iter().zip(&pair[1]) {
+                let slope = (b - a) * self.q as f64;
+                range = (range.0.min(slope), range.1.max(slope));
+            }
+        }
+        range
+    }
+
+    /// Bound on the second derivative by y of the coefficients.
+    fn bend(&self, rows: &[[f64; ROW]; ROW]) -> f64 {
+        let mut most = 0.0_f64;
+        for three in rows[..=self.q].windows(3) {
+            for i in 0..=self.p {
+                most = most.max((three[0][i] - 2.0 * three[1][i] + three[2][i]).abs());
+            }
+        }
+        most * (self.q * self.q.saturating_sub(1)) as f64
+    }
+}
+
+/// Classifies the cell with the Bernstein coefficients `first` and `second`, that of (i, j) at j (p + 1) + i, whose mean derivatives are
+/// `a` and `b`, by its contact curve. `noise` bounds the rounding of the coefficients.
+pub(super) fn classify(
+    [first, second]: [&[f64]; 2],
+    (p, q): (usize, usize),
+    [a, b]: [DVec2; 2],
+    noise: f64,
+) -> ArcClass {
+    // y is the parameter with the larger derivative.
+    let by_second = b.length_squared() >= a.length_squared();
+    let (along, degrees) = if by_second { (b, (p, q)) } else { (a, (q, p)) };
+    let length = along.length();
+    if !(length > 0.0) || p.max(q) > MOST_DEGREE || degrees.1 == 0 {
+        return ArcClass::Irregular;
+    }
+    let d = along / length;
+    let mut cell = ContactCell { h: [[0.0; ROW]; ROW], g: [[0.0; ROW]; ROW], p: degrees.0, q: degrees.1 };
+    for j in 0..=q {
+        for i in 0..=p {
+            let f = DVec2::new(first[j * (p + 1) + i], second[j * (p + 1) + i]);
+            let (row, column) = if by_second { (j, i) } else { (i, j) };
+            cell.h[row][column] = d.dot(f);
+            cell.g[row][column] = d.perp_dot(f);
+        }
+    }
+    let point = |x: f64, y: f64| if by_second { DVec2::new(x, y) } else { DVec2::new(y, x) };
+    cell.examine(noise, by_second, point)
+}
+
+impl ContactCell {
+    fn examine(&self, noise: f64, across_first: bool, point: impl Fn(f64, f64) -> DVec2) -> ArcClass {
+        let q = self.q;
+        let (least, most) = self.slopes();
+        let mean = 0.5 * (least + most);
+        // A change of h of a few roundings over the cell has no direction.
+        if least < REGULAR * mean || mean < SIGNIFICANT * noise {
+            return ArcClass::Irregular;
+        }
+        let open = ArcClass::Open { across_first };
+        // The cubic through four points of the curve.
+        let nodes = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|x| self.curve(x));
+        let [Some(a), Some(b), Some(c), Some(d)] = nodes else {
+            return if nodes.iter().any(Option::is_some) { open } else { ArcClass::Irregular };
+        };
+        let y = [
+            a,
+            (18.0 * b - 5.0 * a - 9.0 * c + 2.0 * d) / 6.0,
+            (18.0 * c - 5.0 * d - 9.0 * b + 2.0 * a) / 6.0,
+            d,
+        ];
+        let excess = y.iter().fold(0.0_f64, |most, y| most.max(-y).max(y - 1.0));
+        // Beyond the cell, Bernstein polynomials add up to no more than this.
+        let beyond = |degree: usize| (1.0 + 2.0 * excess).powi(degree as i32);
+        let slope = mean - 0.5 * (most - least) * beyond(q - 1);
+        if !(slope > REGULAR * mean) {
+            return ArcClass::Irregular;
+        }
+        let (curve, rest) = (Scaled::of(y.into_iter()), Scaled::of(y.map(|y| 1.0 - y).into_iter()));
+        let [h, h_y] = along_curve(&self.h, self.p, q, &curve, &rest);
+        let [g, g_y] = along_curve(&self.g, self.p, q, &curve, &rest);
+        let mut eliminant: Scaled<LONGEST> = Scaled { length: h.length + h_y.length - 1, ..Scaled::ZERO };
+        eliminant.add_product(&g, &h_y, 1.0);
+        eliminant.add_product(&g_y, &h, -1.0);
+        let psi = eliminant.unscaled();
+        let psi = &psi.coefficients[..psi.length];
+        let [rises, steep] = [h_y.largest(), g_y.largest()];
+        let distance = (h.largest() + noise) / slope;
+        let bend = beyond(q.saturating_sub(2)) * (rises * self.bend(&self.g) + steep * self.bend(&self.h));
+        let (curved, rounded) = (0.5 * distance * distance * bend, 1.5 * noise * (rises + steep));
+        let limit = curved + rounded;
+        let (low, high) =
+            psi.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        if low > limit || high < -limit {
+            return ArcClass::Excluded;
+        }
+        let at = |x: f64| self.curve(x).unwrap_or_else(|| value(&y, x).0);
+        let part = |x0: f64, x1: f64, x: f64, uncertainty: f64| {
+            let run = (value(&y, x).1.abs() * uncertainty).min(1.0);
+            ArcRoot {
+                at: point(x, at(x)),
+                uncertainty: point(uncertainty, run + 2.0 * noise / slope),
+                ends: [point(x0, at(x0)), point(x1, at(x1))],
+                contact: true,
+            }
+        };
+        // Halving x divides the distance of the cubic by 16.
+        if curved > rounded {
+            return open;
+        }
+        if low >= -CONTACT * limit && high <= CONTACT * limit {
+            return ArcClass::Roots([Some(part(0.0, 1.0, 0.5, 1.0)), None]);
+        }
+        let signed = |k: usize, order: usize| match order {
+            1 => psi[k + 1] - psi[k],
+            _ => psi[k + 2] - 2.0 * psi[k + 1] + psi[k],
+        };
+        let sign = |order: usize| {
+            let count = psi.len().saturating_sub(order);
+            let (mut up, mut down) = (count > 0, count > 0);
+            for k in 0..count {
+                let s = signed(k, order);
+                (up, down) = (up && s >= 0.0, down && s <= 0.0);
+            }
+            if up {
+                Some(1.0)
+            } else if down {
+                Some(-1.0)
+            } else {
+                None
+            }
+        };
+        // The root between two places between which the eliminant ascends, multiplied by `sign`.
+        let ascending = |sign: f64, [from, to]: [f64; 2]| {
+            let above = |x: f64, level: f64| {
+                let (f, slope) = value(psi, x);
+                (sign * f - level, sign * slope)
+            };
+            if above(from, 0.0).0 > limit || above(to, 0.0).0 < -limit {
+                return None;
+            }
+            let [x0, x, x1] = [-limit, 0.0, limit].map(|level| crossing(|x| above(x, level), [from, to]));
+            // At an end of the curve it may be the end of a contact in the next cell.
+            let contact = x0.min(x1) <= 0.0 || x0.max(x1) >= 1.0;
+            let found = ArcRoot { contact, ..part(x0, x1, x, (x1 - x0).abs().max(f64::EPSILON)) };
+            let outside = (found.at - DVec2::splat(0.5)).abs() - 0.5;
+            let beside = outside.cmpgt(4.0 * found.uncertainty + 1e-12).any();
+            (!beside).then_some(found)
+        };
+        if let Some(sign) = sign(1) {
+            return ArcClass::Roots([ascending(sign, [0.0, 1.0]), None]);
+        }
+        if let Some(sign) = sign(2) {
+            // Convex, if multiplied by the sign: it ascends from the least value to both ends.
+            let rises: [f64; LONGEST] =
+                std::array::from_fn(|k| if k + 1 < psi.len() { sign * signed(k, 1) } else { 0.0 });
+            let rises = &rises[..psi.len() - 1];
+            let x = crossing(|x| value(rises, x), [0.0, 1.0]);
+            let least = sign * value(psi, x).0;
+            if least > limit {
+                return ArcClass::Excluded;
+            }
+            if least < -limit {
+                return ArcClass::Roots([ascending(sign, [x, 0.0]), ascending(sign, [x, 1.0])]);
+            }
+            let [x0, x1] = [0.0, 1.0].map(|end| {
+                let above = |z: f64| {
+                    let (f, slope) = value(psi, z);
+                    (sign * f - 2.0 * limit, sign * slope)
+                };
+                crossing(above, [x, end])
+            });
+            let contact = part(x0, x1, x, (x1 - x0).max(f64::EPSILON));
+            return ArcClass::Roots([Some(contact), None]);
+        }
+        open
+    }
+}
