@@ -10,7 +10,7 @@
 # '--cpus-per-task 8 --mem 16G', and sbatch takes more from its own variables, such as SBATCH_PARTITION, SBATCH_TIMELIMIT.
 # A task starts a thread for each of its processors. Prints the numbers of the jobs.
 #
-# A task writes its state every 30 seconds, and when Slurm announces the time limit, one or two minutes before. It goes on
+# A task writes its state soon after the start, every 30 seconds, and when Slurm announces the time limit, one or two minutes before. It goes on
 # from there when it starts again: after the announcement, if it was killed before its fourth start, or when its node
 # failed. The same command, given again after a failure, computes only what the checkpoints lack.
 set -euo pipefail

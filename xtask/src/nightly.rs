@@ -101,6 +101,19 @@ const PARTS: &[NightlyPart] = &[
         help: "light maps of both methods, with this density (texels per metre) and number of gather rays, against path tracing at random points",
     },
     NightlyPart {
+        name: "failures",
+        package: "glanz-cli",
+        filter: "failures::",
+        nightly_divisor: 1,
+        settings: &[
+            setting("--kills", "GLANZ_FAILURES_KILLS", 100),
+            setting("--calls", "GLANZ_FAILURES_CALLS", 1000),
+        ],
+        files: None,
+        needs_browser: false,
+        help: "commands whose calls of the system fail, at most this number of each kind, or that are killed at random moments; needs strace",
+    },
+    NightlyPart {
         name: "soak",
         package: "glanz-cli",
         filter: "viewer::soak::",

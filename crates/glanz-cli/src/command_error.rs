@@ -3,6 +3,7 @@
 use glanz::denoise::DenoiseError;
 use glanz::formats::{Diagnostic, Severity};
 use glanz::illumination::optimize::OptimizeError;
+use glanz::job::{CheckpointLockError, IoFault};
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::FilmError;
 use glanz::{Error, FileFault, JoinError, PartKind};
@@ -126,6 +127,13 @@ fn join_advice(error: &JoinError) -> Option<&'static str> {
 
 fn file_advice(fault: &FileFault) -> Option<String> {
     let text = match fault {
+        FileFault::Io(error) | FileFault::NotWritable(error) | FileFault::NotMade(error) => {
+            IoFault::of(error)?.advice
+        }
+        FileFault::Lock(CheckpointLockError::Taken { .. }) => {
+            "wait until it ends, or choose another checkpoint file; --resume continues from this one then"
+        }
+        FileFault::Lock(CheckpointLockError::Io(error)) => IoFault::of(error)?.advice,
         FileFault::NoFolder(_) => "create the folder first, or choose another",
         FileFault::Exists => "continue from it with --resume, or remove it to start anew",
         FileFault::Extension("pictures") => "the extension selects the format: .exr, .png, .hdr or .pfm",

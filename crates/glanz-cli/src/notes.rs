@@ -38,18 +38,46 @@ pub(crate) fn note_event(event: JobEvent<'_>, scene: &str, messages: Messages) {
 
 fn resumed(state: &ResumedState) -> String {
     match state {
-        ResumedState::Samples(samples) => format!("continuing with samples {samples}"),
+        ResumedState::Samples { done, wanted: None } => format!("continuing after samples {done}"),
+        ResumedState::Samples { done, wanted: Some(wanted) } => {
+            let missing =
+                done.missing(wanted.clone()).into_iter().map(|gap| u64::from(gap.end - gap.start)).sum();
+            let unit = ["sample of each pixel", "samples of each pixel"];
+            remaining(done.total(), u64::from(wanted.end - wanted.start), missing, unit)
+        }
         ResumedState::Places(0) => "there is no indirect light yet".to_owned(),
         ResumedState::Places(places) => {
             format!("continuing with indirect light at {}", plural(*places as u64, "place", "places"))
         }
         ResumedState::AllLight => "all light is complete".to_owned(),
-        ResumedState::Paths(count) => format!("continuing after {} paths", grouped(*count)),
-        ResumedState::Particles(count) => format!("continuing after {} particles", grouped(*count)),
-        ResumedState::Steps(count) => {
-            format!("continuing after {}", plural((*count).into(), "step", "steps"))
+        ResumedState::Paths { done, wanted } => continued(*done, *wanted, ["path", "paths"]),
+        ResumedState::Particles { done, wanted } => continued(*done, *wanted, ["particle", "particles"]),
+        ResumedState::Steps { done, wanted } => {
+            continued((*done).into(), Some((*wanted).into()), ["step", "steps"])
         }
         _ => "continuing".to_owned(),
+    }
+}
+
+/// How a job goes on that has done so many things of those wanted.
+fn continued(done: u64, wanted: Option<u64>, [one, many]: [&str; 2]) -> String {
+    match wanted {
+        Some(wanted) => remaining(done, wanted, wanted.saturating_sub(done), [one, many]),
+        None => format!("continuing after {}", plural(done, one, many)),
+    }
+}
+
+/// How a job goes on that has done so many things, if `missing` of the `wanted` ones are left.
+fn remaining(done: u64, wanted: u64, missing: u64, [one, many]: [&str; 2]) -> String {
+    let has = plural(done, one, many);
+    match missing {
+        0 if done > wanted => format!(
+            "it has {has}, more than the {} that are wanted; nothing is left to do, and the result has all {}",
+            grouped(wanted),
+            grouped(done)
+        ),
+        0 => format!("it has {has}, as many as are wanted; nothing is left to do"),
+        missing => format!("continuing after {has} with {} more", grouped(missing)),
     }
 }
 

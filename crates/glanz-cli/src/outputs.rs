@@ -1,24 +1,33 @@
 //! The pictures that a command writes: checked before the work starts, written when it is done.
 
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use glanz::file::FileUses;
 use glanz::formats::image::Format;
 use glanz::light::Tone;
-use glanz::{Error, Picture, picture_format};
+use glanz::{Error, FileFault, Picture, picture_format};
+use glanz_terminal::Verbosity;
 use glanz_terminal::messages::{CommandError, Messages};
+use glanz_terminal::output::unwritten;
 
 use crate::command_error::command_error;
+
+/// The name of the standard output in messages.
+const STANDARD_OUTPUT: &str = "standard output";
 
 /// Pictures to write, each in the format of its extension.
 #[derive(Debug)]
 pub(crate) struct Outputs {
     files: Vec<(PathBuf, Format)>,
+    /// Format of the picture on the standard output, if there is one.
+    stream: Option<Format>,
     tone: Tone,
 }
 
 impl Outputs {
-    /// Checks that each of `paths` has an extension that Glanz writes and lies in a folder it can write to, and adds it to the files of the command.
+    /// Checks that each of `paths` has an extension that Glanz writes and lies in a folder it can write to, and adds it to the files of the command. The
+    /// standard output is called by its format: `png:-`.
     ///
     /// # Errors
     /// What is wrong with the first path that cannot be written.
@@ -28,34 +37,114 @@ impl Outputs {
         uses: &mut FileUses,
         messages: Messages,
     ) -> Result<Self, CommandError> {
-        let checked = paths.iter().map(|path| {
-            let format = picture_format(path)?;
-            uses.add_output(path)?;
-            Ok((path.clone(), format))
-        });
-        let files = checked.collect::<Result<_, Error>>().map_err(command_error(messages))?;
-        Ok(Self { files, tone })
+        let mut outputs = Self { files: Vec::new(), stream: None, tone };
+        for path in paths {
+            let added = match stream_format(path)? {
+                Some(format) => {
+                    if outputs.stream.replace(format).is_some() {
+                        return Err(CommandError::usage("-o: the standard output can take one picture only"));
+                    }
+                    Ok(())
+                }
+                None => outputs.add_file(path, uses),
+            };
+            added.map_err(command_error(messages))?;
+        }
+        Ok(outputs)
+    }
+
+    fn add_file(&mut self, path: &Path, uses: &mut FileUses) -> Result<(), Error> {
+        let format = picture_format(path)?;
+        uses.add_output(path)?;
+        self.files.push((path.to_owned(), format));
+        Ok(())
+    }
+
+    /// Refuses a picture on a terminal, or on a standard output that has messages for programs.
+    ///
+    /// # Errors
+    /// The option that is in the way.
+    pub(crate) fn check_stream(&self, verbosity: Verbosity) -> Result<(), CommandError> {
+        if self.stream.is_none() {
+            return Ok(());
+        }
+        if verbosity.is_for_programs() {
+            let message = "-o: the standard output has the messages of --json or --progress openjd already";
+            return Err(CommandError::usage(message).with_help("write the picture to a file"));
+        }
+        if io::stdout().is_terminal() {
+            let help = "connect it to a program or a file: glanz render SCENE -o png:- | PROGRAM";
+            return Err(CommandError::usage("-o: a picture cannot be written to a terminal").with_help(help));
+        }
+        Ok(())
     }
 
     /// Whether any of the files holds channels beside the colour.
     pub(crate) fn keep_channels(&self) -> bool {
-        self.files.iter().any(|(_, format)| *format == Format::Exr)
+        self.files.iter().map(|(_, format)| format).chain(&self.stream).any(|format| *format == Format::Exr)
     }
 
     /// The names of the files, as given.
     pub(crate) fn names(&self) -> Vec<String> {
-        self.files.iter().map(|(path, _)| path.display().to_string()).collect()
+        let files = self.files.iter().map(|(path, _)| path.display().to_string());
+        files.chain(self.stream.map(|_| STANDARD_OUTPUT.to_owned())).collect()
     }
 
     /// Writes the picture to every file, even if one of them fails.
     ///
     /// # Errors
     /// What went wrong, one line per file that is not written.
-    pub(crate) fn write(&self, picture: &Picture) -> Result<(), CommandError> {
+    pub(crate) fn write(&self, picture: &Picture, messages: Messages) -> Result<(), CommandError> {
         let saved = self.files.iter().map(|(path, _)| picture.save_with(path, &self.tone));
-        let failures: Vec<String> = saved.filter_map(Result::err).map(|error| error.to_string()).collect();
-        if failures.is_empty() { Ok(()) } else { Err(CommandError::new(failures.join("\n"))) }
+        let failures: Vec<CommandError> =
+            saved.filter_map(Result::err).map(command_error(messages)).collect();
+        let streamed = self.stream.map_or(Ok(()), |format| self.write_stream(picture, format, messages));
+        let sentences: Vec<&str> = failures.iter().map(|failure| failure.message.as_str()).collect();
+        match failures.first() {
+            None => streamed,
+            Some(first) => {
+                Err(CommandError { help: first.help.clone(), ..CommandError::new(sentences.join("\n")) })
+            }
+        }
     }
+
+    fn write_stream(
+        &self,
+        picture: &Picture,
+        format: Format,
+        messages: Messages,
+    ) -> Result<(), CommandError> {
+        let (mut stream, name) = (io::stdout().lock(), Path::new(STANDARD_OUTPUT));
+        match picture.write_to(&mut stream, name, format, &self.tone) {
+            Err(Error::File { fault: FileFault::Io(error), .. }) => Err(unwritten(&error)),
+            written => written.map_err(command_error(messages)),
+        }
+    }
+}
+
+/// The format of a picture on the standard output; `None` for a file.
+///
+/// # Errors
+/// A format that is missing or unknown.
+fn stream_format(path: &Path) -> Result<Option<Format>, CommandError> {
+    let Some(name) = path.to_str() else { return Ok(None) };
+    let format = match name.strip_suffix(":-") {
+        _ if name == "-" => None,
+        Some(format) => picture_format(Path::new(&format!("picture.{format}"))).ok(),
+        None => return Ok(None),
+    };
+    match format {
+        Some(format) => Ok(Some(format)),
+        None => {
+            Err(CommandError::usage(format!("-o {name}: a picture on the standard output needs a format"))
+                .with_help("choose one: -o png:-, exr:-, hdr:- or pfm:-"))
+        }
+    }
+}
+
+/// Whether the picture of this name goes to the standard output.
+pub(crate) fn is_stream(path: &Path) -> bool {
+    path.to_str().is_some_and(|name| name == "-" || name.ends_with(":-"))
 }
 
 /// The file for the picture of `scene` unless the command line names one: in the current folder under the film's file name, as EXR if
@@ -94,5 +183,20 @@ mod tests {
         assert_eq!(outputs(&["a.jpg"]), Err(true));
         assert_eq!(outputs(&["a.exr", "a.exr"]), Err(true));
         assert_eq!(outputs(&["no such folder/a.exr"]), Err(false));
+    }
+
+    #[test]
+    fn standard_output_is_called_by_its_format() {
+        let outputs = |names: &[&str]| {
+            let paths: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+            Outputs::try_new(&paths, Tone::default(), &mut FileUses::default(), Messages::new(true))
+        };
+        let picture = outputs(&["png:-"]).unwrap();
+        assert_eq!((picture.stream, picture.files.len()), (Some(Format::Png), 0));
+        assert_eq!((picture.names(), picture.keep_channels()), (vec![STANDARD_OUTPUT.to_owned()], false));
+        assert!(outputs(&["EXR:-"]).unwrap().keep_channels());
+        for wrong in [&["-"][..], &["jpg:-"], &[":-"], &["png:-", "exr:-"]] {
+            assert!(outputs(wrong).is_err_and(|failure| failure.usage), "{wrong:?}");
+        }
     }
 }

@@ -1,8 +1,10 @@
 //! Scene files, read with their diagnostics printed.
 
-use std::path::Path;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use glanz::formats::Options;
+use glanz::job::IoFault;
 use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
 use glanz_terminal::messages::{CommandError, Messages};
@@ -11,13 +13,38 @@ use crate::arguments::{ModelArgument, RenderCommandArguments};
 use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 
-/// Reads a scene file and prints its warnings; `strict`: repairs and substitutes are errors.
+/// The name for a scene from the standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// Whether the scene comes from the standard input.
+pub(crate) fn is_standard_input(scene: &Path) -> bool {
+    scene == Path::new(STANDARD_INPUT)
+}
+
+/// The file from which the scene is read: that of the standard input if it comes from there, where the system names it.
+pub(crate) fn source(scene: &Path) -> &Path {
+    if is_standard_input(scene) { Path::new("/dev/stdin") } else { scene }
+}
+
+/// Reads a scene or a model from its file, or from the standard input, where it names files in the current folder.
+fn load(path: &Path, options: Options, messages: Messages) -> Result<LoadedScene, CommandError> {
+    if !is_standard_input(path) {
+        return print_diagnostics(glanz::open_with(path, &options), messages);
+    }
+    let mut bytes = Vec::new();
+    let read = std::io::stdin().lock().read_to_end(&mut bytes);
+    read.map_err(|error| CommandError::new(format!("standard input: {}", IoFault::sentence(&error))))?;
+    let options = Options { folder: Some(PathBuf::from(".")), ..options };
+    print_diagnostics(glanz::open_bytes("standard input", bytes, &options), messages)
+}
+
+/// Reads a scene file, or the standard input for `-`, and prints its warnings; `strict`: repairs and substitutes are errors.
 ///
 /// # Errors
 /// The faults, which have been printed.
 pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<LoadedScene, CommandError> {
     let options = Options { strict, ..Options::default() };
-    print_diagnostics(glanz::open_with(path, &options), messages)
+    load(path, options, messages)
 }
 
 /// Reads the scene file or the model of a render and prints its warnings, also that of options that have no effect on a scene.
@@ -33,7 +60,7 @@ pub(crate) fn open_cut_model(
     let strict = arguments.render.job.strictness.strict;
     let edges = arguments.render.draws_edges();
     let options = Options { strict, studio: settings, edges, ..Options::default() };
-    let loaded = print_diagnostics(glanz::open_with(scene, &options), messages)?;
+    let loaded = load(scene, options, messages)?;
     if loaded.studio_settings().is_none() {
         if arguments.section.is_some() {
             let message = format!("--section: {} is not a model", loaded.name());

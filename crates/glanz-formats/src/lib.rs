@@ -31,5 +31,7 @@ pub mod tessellated;
 pub use file_list::{FileKind, SceneFile, SceneFileList};
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;
-pub use registry::{Loaded, MODEL_EXTENSIONS, ModelFormat, Options, SceneFormat, list_files, load, load_str};
+pub use registry::{
+    Loaded, MODEL_EXTENSIONS, ModelFormat, Options, SceneFormat, list_files, load, load_bytes, load_str,
+};
 pub use source::Sources;

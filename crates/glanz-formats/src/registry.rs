@@ -186,7 +186,7 @@ pub(crate) fn failure(name: &str, kind: &'static str, message: String) -> Diagno
 /// Diagnostics with at least one error.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
     let (name, bytes) = read(path, options)?;
-    load_bytes(&name, Some(path), bytes, options)
+    load_named(&name, Some(path), bytes, options)
 }
 
 /// Lists the files that the scene file at `path` needs, with those that are missing. Reads only files that may name others.
@@ -237,10 +237,18 @@ fn lies_in(path: &Path, folder: Option<&Path>) -> bool {
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load_str(name: &str, text: &str, options: &Options) -> Result<Loaded, Diagnostics> {
-    load_bytes(name, None, Arc::from(text.as_bytes()), options)
+    load_bytes(name, text.as_bytes().to_vec(), options)
 }
 
-fn load_bytes(
+/// As [`load_str`], of the bytes of a scene file or a model, whose content shows its format.
+///
+/// # Errors
+/// Diagnostics with at least one error.
+pub fn load_bytes(name: &str, bytes: Vec<u8>, options: &Options) -> Result<Loaded, Diagnostics> {
+    load_named(name, None, bytes.into(), options)
+}
+
+fn load_named(
     name: &str,
     path: Option<&Path>,
     bytes: Arc<[u8]>,
@@ -266,7 +274,7 @@ mod tests {
             (b"\x89PNG\r\n\x1a\n", "error: x: the file is a picture (PNG), not a scene\n"),
             (b"Shape\0", "error: x: the file is not in a known scene format\n"),
         ] {
-            let error = load_bytes("x", None, Arc::from(bytes), &Options::default()).unwrap_err();
+            let error = load_bytes("x", bytes.to_vec(), &Options::default()).unwrap_err();
             assert_eq!(error.to_string(), message);
         }
     }

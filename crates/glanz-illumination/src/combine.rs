@@ -228,8 +228,7 @@ pub fn combine(
         let progress = if error.is_finite() { progress.with_error(error) } else { progress };
         sink.on_progress(&progress);
         if timer.is_due() {
-            sink.on_checkpoint(&light);
-            timer.restart();
+            timer.save(|| sink.on_checkpoint(&light));
         }
         let is_begun = light.is_whole();
         // Without any light there is nothing to wait for.

@@ -135,8 +135,7 @@ pub fn trace(
             let progress = JobProgress::by_time("particles from lights", elapsed, remaining);
             sink.on_progress(&progress.with_count(count).with_error(error));
             if timer.is_due() {
-                sink.on_checkpoint(&tally);
-                timer.restart();
+                timer.save(|| sink.on_checkpoint(&tally));
             }
         }
         let Some(gap) = gaps.first() else { break (JobEnd::Complete, error) };

@@ -9,7 +9,7 @@
 //! A cancelled job that has a partial result returns it with [`JobEnd::Interrupted`]; one that has none returns an error whose variant
 //! `Interrupted` holds [`Interrupted`]. A saved state belongs to a [`JobIdentity`]: resuming under another one is refused by an
 //! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] represents the scene in it, and
-//! [`write_atomically`] replaces the file of a state as a whole. A [`JobPart`] is one of several parts of a job that are computed separately. Reports name the
+//! [`write_atomically`] replaces the file of a state as a whole, which a [`CheckpointLock`] keeps from other processes. An [`IoFault`] is an error of a file in words. A [`JobPart`] is one of several parts of a job that are computed separately. Reports name the
 //! program by [`current_version`] and the machine by [`processor_name`].
 //!
 //! ```
@@ -27,8 +27,7 @@
 //!         let fraction = (done + 1) as f64 / numbers.len() as f64;
 //!         sink.on_progress(&JobProgress::by_work("summation", fraction, begun.elapsed()));
 //!         if timer.is_due() {
-//!             sink.on_checkpoint(&sum);
-//!             timer.restart();
+//!             timer.save(|| sink.on_checkpoint(&sum));
 //!         }
 //!     }
 //!     Ok(sum)
@@ -62,15 +61,20 @@ mod cancel;
 mod checkpoint;
 mod content_hash;
 mod identity;
+mod io_fault;
 mod part;
 mod processor;
 mod progress;
 
-pub use atomic::{WriteError, write_atomically, write_atomically_with, write_file_atomically};
+pub use atomic::{
+    CheckpointLock, CheckpointLockError, WriteError, check_creatable, make_folder, remove_orphans,
+    write_atomically, write_atomically_with, write_file_atomically,
+};
 pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;
 pub use content_hash::ContentHash;
 pub use identity::{IdentityMismatch, JobIdentity, current_version};
+pub use io_fault::IoFault;
 pub use part::{JobPart, JobPartError, MAX_PARTS};
 pub use processor::processor_name;
 pub use progress::{JobProgress, ProgressSink, Silent, WorkCount, grouped};

@@ -106,12 +106,13 @@ pub trait ProgressSink<State: ?Sized = ()> {
         let _ = progress;
     }
 
-    /// Time between two calls of [`ProgressSink::on_checkpoint`]; `None` means never. Queried once, when the job begins.
+    /// Longest time between two calls of [`ProgressSink::on_checkpoint`], see [`CheckpointTimer`](crate::CheckpointTimer); zero calls it whenever the job can, `None` never.
+    /// Queried once, when the job begins.
     fn checkpoint_interval(&self) -> Option<Duration> {
         None
     }
 
-    /// Receives the state after each interval. A job that returns its state when it ends does not pass it here again; one that
+    /// Receives the state when a checkpoint is due. A job that returns its state when it ends does not pass it here again; one that
     /// returns an error when it is cancelled does so before.
     fn on_checkpoint(&mut self, state: &State) {
         let _ = state;

@@ -140,7 +140,7 @@ impl Report {
     /// # Errors
     /// [`StudyError::File`] or [`StudyError::Image`].
     pub fn write(&self, out: &Path) -> Result<Vec<String>, StudyError> {
-        std::fs::create_dir_all(out)
+        glanz_job::make_folder(out)
             .map_err(|source| StudyError::File { path: out.display().to_string(), source })?;
         let mut names = Vec::new();
         let mut put = |name: String, bytes: &[u8]| -> Result<(), StudyError> {

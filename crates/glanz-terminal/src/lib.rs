@@ -4,7 +4,7 @@
 //! - [`values`] parses the values of options, [`Verbosity`] holds the options that every command has;
 //! - [`messages`] and [`progress`] write to the standard error stream, [`output`] to the standard output;
 //! - `openjd` writes progress, status and failure for render farms;
-//! - [`interrupt`] turns Ctrl-C and SIGTERM into a flag;
+//! - [`interrupt`] turns Ctrl-C, SIGTERM and SIGHUP into a flag;
 //! - [`parse`] and [`exit_code`] are the two ends of a `main` function.
 
 pub mod interrupt;
@@ -61,6 +61,12 @@ pub(crate) enum ProgressFormat {
 }
 
 impl Verbosity {
+    /// Whether the standard output has messages for programs.
+    #[must_use]
+    pub fn is_for_programs(self) -> bool {
+        self.json || self.progress == ProgressFormat::OpenJobDescription
+    }
+
     /// Writer of messages with these settings.
     #[must_use]
     pub fn messages(self) -> Messages {
@@ -68,11 +74,12 @@ impl Verbosity {
     }
 }
 
-/// Parses the command line.
+/// Prepares the process, and parses the command line.
 ///
 /// # Errors
 /// The exit code, after help, version or the fault has been printed.
 pub fn parse<P: Parser>() -> Result<P, ExitCode> {
+    interrupt::outlive_large_files();
     P::try_parse().map_err(|error| {
         if error.use_stderr() {
             fail_of_usage(&error.to_string());
@@ -103,8 +110,10 @@ pub fn exit_code(messages: Messages, outcome: Result<CommandOutcome, CommandErro
         Ok(CommandOutcome::Refused) => ExitCode::FAILURE,
         Ok(CommandOutcome::Interrupted) => {
             openjd::fail(messages, "interrupted by a signal");
-            ExitCode::from(interrupt::EXIT_CODE)
+            ExitCode::from(interrupt::exit_code())
         }
+        // Nobody reads the rest: no error, as in `glanz info FILE | head`.
+        Err(failure) if failure.is_closed_pipe => ExitCode::from(interrupt::CLOSED_PIPE),
         Err(failure) => {
             messages.error(&failure);
             if failure.usage { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }

@@ -104,12 +104,14 @@ pub struct CommandError {
     pub usage: bool,
     /// Whether the fault has been printed already.
     pub is_printed: bool,
+    /// Whether the reader of the standard output has closed it, of which nothing is printed.
+    pub is_closed_pipe: bool,
 }
 
 impl CommandError {
     /// An error of the execution.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None, usage: false, is_printed: false }
+        Self { message: message.into(), help: None, usage: false, is_printed: false, is_closed_pipe: false }
     }
 
     /// An error that has been printed already.

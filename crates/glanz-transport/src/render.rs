@@ -140,8 +140,7 @@ pub fn render(
             break JobEnd::Interrupted;
         }
         if samples > 0 && timer.is_due() {
-            sink.on_checkpoint(&film);
-            timer.restart();
+            timer.save(|| sink.on_checkpoint(&film));
         }
         let Some(mut range) = next_range(&film, &clock, &gap, start.elapsed()) else {
             break JobEnd::TimeUp;

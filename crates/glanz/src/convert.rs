@@ -91,6 +91,12 @@ pub fn is_exact_path(path: &Path) -> Result<bool, Error> {
     Err(FileFault::Extension("scenes").of(path))
 }
 
+/// The file of materials that is written beside an .obj file.
+#[must_use]
+pub fn material_path(path: &Path) -> Option<PathBuf> {
+    (extension(path) == Some("obj")).then(|| path.with_extension("mtl"))
+}
+
 fn extension(path: &Path) -> Option<&'static str> {
     let own = path.extension()?.to_str()?.to_ascii_lowercase();
     FORMATS.into_iter().find(|format| *format == own)

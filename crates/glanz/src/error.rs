@@ -4,7 +4,7 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use glanz_job::{IdentityMismatch, Interrupted, JobPart};
+use glanz_job::{CheckpointLockError, IdentityMismatch, Interrupted, IoFault, JobPart};
 use glanz_scene::description::GuideSettings;
 #[cfg(feature = "formats")]
 use glanz_scene::tessellation::TessellationError;
@@ -281,13 +281,13 @@ pub enum Error {
 #[non_exhaustive]
 pub enum FileFault {
     /// It cannot be read or written.
-    #[error("{0}")]
+    #[error("{}", IoFault::sentence(.0))]
     Io(#[from] io::Error),
     /// It cannot be created or replaced, as a check before the work has shown.
-    #[error("cannot be written: {0}")]
+    #[error("cannot be written: {}", IoFault::sentence(.0))]
     NotWritable(io::Error),
     /// A folder that cannot be created.
-    #[error("cannot be made: {0}")]
+    #[error("cannot be made: {}", IoFault::sentence(.0))]
     NotMade(io::Error),
     /// Its folder does not exist.
     #[error("there is no folder {}", .0.display())]
@@ -310,6 +310,9 @@ pub enum FileFault {
     /// A checkpoint that exists, in a job that does not resume it.
     #[error("this checkpoint exists already")]
     Exists,
+    /// A checkpoint that another process writes.
+    #[error(transparent)]
+    Lock(#[from] CheckpointLockError),
     /// Its extension is not that of a supported output format.
     #[error("no format for {0} has this extension")]
     Extension(&'static str),

@@ -1,6 +1,7 @@
 //! Warnings and other events of a job.
 
 use std::fmt;
+use std::ops::Range;
 use std::path::Path;
 
 use glanz_report::number::{grouped, plural, significant};
@@ -318,17 +319,37 @@ pub enum JobEvent<'a> {
 #[non_exhaustive]
 pub enum ResumedState {
     /// Samples of each pixel.
-    Samples(SampleRanges),
+    Samples {
+        /// Those in the checkpoint.
+        done: SampleRanges,
+        /// Those wanted; `None` if a time or a noise level ends the render.
+        wanted: Option<Range<u32>>,
+    },
     /// Number of points at which indirect light was gathered.
     Places(usize),
     /// All light maps.
     AllLight,
-    /// Number of particles.
-    Particles(u64),
-    /// Number of paths from cells, and of particles.
-    Paths(u64),
-    /// Number of steps of an inverse design.
-    Steps(u32),
+    /// Particles.
+    Particles {
+        /// Their number.
+        done: u64,
+        /// The number wanted; `None` if a time or an error ends the calculation.
+        wanted: Option<u64>,
+    },
+    /// Paths from cells, and particles.
+    Paths {
+        /// Their number.
+        done: u64,
+        /// The number wanted; `None` if a time or an error ends the calculation.
+        wanted: Option<u64>,
+    },
+    /// Steps of an inverse design.
+    Steps {
+        /// Their number.
+        done: u32,
+        /// The largest number.
+        wanted: u32,
+    },
 }
 
 #[cfg(test)]

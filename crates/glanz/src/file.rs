@@ -4,11 +4,11 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use glanz_job::WriteError;
+use glanz_job::{CheckpointLock, WriteError};
 
 use crate::error::{Error, FileFault};
 
-/// Checks that the file `path` can be created or replaced, without changing it.
+/// Checks that the file `path` can be created or replaced, without changing it, and [removes](glanz_job::remove_orphans) what killed runs have left in its folder.
 ///
 /// # Errors
 /// [`Error::File`].
@@ -23,14 +23,13 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
     match fs::metadata(path) {
         Ok(found) if found.is_dir() => return Err(FileFault::IsFolder.of(path)),
         Ok(found) if found.permissions().readonly() => return Err(FileFault::ReadOnly.of(path)),
-        Err(error) if path.is_symlink() => return Err(FileFault::NotWritable(error).of(path)),
+        Err(error) if error.kind() != io::ErrorKind::NotFound || path.is_symlink() => {
+            return Err(FileFault::NotWritable(error).of(path));
+        }
         _ => {}
     }
-    // Permissions alone do not suffice (read-only file systems, access lists): a file with a unique name is created as a test.
-    let probe = folder.join(format!(".glanz-{}.tmp", std::process::id()));
-    File::create(&probe)
-        .and_then(|_| fs::remove_file(&probe))
-        .map_err(|error| FileFault::NotWritable(error).of(path))
+    glanz_job::remove_orphans(folder);
+    glanz_job::check_creatable(path).map_err(|error| FileFault::NotWritable(error).of(path))
 }
 
 /// Checks that the checkpoint `path` can be written without losing an existing one; `resume`: whether an existing one is resumed.
@@ -39,11 +38,24 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
 /// [`Error::File`].
 pub fn check_checkpoint(path: &Path, resume: bool) -> Result<(), Error> {
     check_writable(path)?;
+    check_resumable(path, resume)
+}
+
+/// Refuses an existing checkpoint that is not resumed.
+pub(crate) fn check_resumable(path: &Path, resume: bool) -> Result<(), Error> {
     if path.exists() && !resume { Err(FileFault::Exists.of(path)) } else { Ok(()) }
 }
 
+/// Claims the checkpoint `path` until the result is dropped, so that no other process writes it.
+///
+/// # Errors
+/// [`Error::File`] with [`FileFault::Lock`] if another process has it.
+pub fn claim_checkpoint(path: &Path) -> Result<Option<CheckpointLock>, Error> {
+    CheckpointLock::acquire(path).map_err(Error::of_file(path))
+}
+
 /// The files of a command, none of which may be used in two ways.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct FileUses {
     inputs: Vec<FileIdentity>,
     outputs: Vec<(FileIdentity, PathBuf)>,
@@ -56,7 +68,7 @@ impl FileUses {
     /// [`FileFault::IsInput`] if it is an output, also by another name or link.
     pub fn add_input(&mut self, path: &Path) -> Result<(), Error> {
         let Some(identity) = FileIdentity::of(path) else { return Ok(()) };
-        match self.outputs.iter().find(|(other, _)| *other == identity) {
+        match self.outputs.iter().find(|(other, _)| other.is_same(&identity)) {
             Some((_, output)) => Err(FileFault::IsInput.of(output)),
             None => {
                 self.inputs.push(identity);
@@ -88,14 +100,24 @@ impl FileUses {
     /// [`FileFault::IsInput`] and [`FileFault::IsOutput`] for a file that is used already, also by another name or link.
     pub fn add_result(&mut self, path: &Path) -> Result<(), Error> {
         let Some(identity) = FileIdentity::of(path) else { return Ok(()) };
-        if self.inputs.contains(&identity) {
-            return Err(FileFault::IsInput.of(path));
-        }
-        if self.outputs.iter().any(|(other, _)| *other == identity) {
+        self.check_not_input(path)?;
+        if self.outputs.iter().any(|(other, _)| other.is_same(&identity)) {
             return Err(FileFault::IsOutput.of(path));
         }
         self.outputs.push((identity, path.to_owned()));
         Ok(())
+    }
+
+    /// Refuses a file that is an input, for an output whose other names are not known yet.
+    ///
+    /// # Errors
+    /// [`FileFault::IsInput`].
+    pub fn check_not_input(&self, path: &Path) -> Result<(), Error> {
+        let identity = FileIdentity::of(path);
+        match identity.is_some_and(|identity| self.inputs.iter().any(|other| other.is_same(&identity))) {
+            true => Err(FileFault::IsInput.of(path)),
+            false => Ok(()),
+        }
     }
 
     /// Adds a checkpoint; `resume`: whether an existing one is resumed.
@@ -108,24 +130,43 @@ impl FileUses {
     }
 }
 
-/// A path by which a file is recognised: without links, also where only its folder exists. Files are replaced as a whole, so that another hard
-/// link keeps its content.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct FileIdentity(PathBuf);
+/// What a file is recognised by: its path without links, also where only its folder exists, and its place on the disk, which its hard links share.
+#[derive(Clone, Debug)]
+struct FileIdentity {
+    path: PathBuf,
+    /// Numbers of device and inode of an existing file; `None` where the system has none.
+    place: Option<[u64; 2]>,
+}
 
 impl FileIdentity {
     /// `None` for devices and pipes, which may be used more than once, and for a file without a folder.
     fn of(path: &Path) -> Option<Self> {
         match fs::metadata(path) {
             Ok(found) if !found.is_file() => None,
-            Ok(_) => fs::canonicalize(path).ok().map(Self),
+            Ok(found) => Some(Self { path: fs::canonicalize(path).ok()?, place: place(&found) }),
             Err(_) => {
                 let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
                 let folder = fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()?;
-                Some(Self(folder.join(path.file_name()?)))
+                Some(Self { path: folder.join(path.file_name()?), place: None })
             }
         }
     }
+
+    /// Whether both are one file. One of them may have been created since the other was looked up.
+    fn is_same(&self, other: &Self) -> bool {
+        self.path == other.path || self.place.is_some() && self.place == other.place
+    }
+}
+
+#[cfg(unix)]
+fn place(found: &fs::Metadata) -> Option<[u64; 2]> {
+    use std::os::unix::fs::MetadataExt;
+    Some([found.dev(), found.ino()])
+}
+
+#[cfg(not(unix))]
+fn place(_: &fs::Metadata) -> Option<[u64; 2]> {
+    None
 }
 
 /// Whether the file `path` is there and is no regular one, as a pipe or a device.
@@ -172,12 +213,12 @@ pub(crate) fn write_file_with(
     written.map_err(|WriteError { path, source }| FileFault::Io(source).of(&path))
 }
 
-/// Creates the folder if it does not exist.
+/// Creates the folder if it does not exist, and [removes](glanz_job::remove_orphans) what killed runs have left in it.
 ///
 /// # Errors
 /// [`Error::File`].
 pub fn make_folder(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder).map_err(|error| FileFault::NotMade(error).of(folder))
+    glanz_job::make_folder(folder).map_err(|error| FileFault::NotMade(error).of(folder))
 }
 
 #[cfg(test)]
@@ -225,8 +266,19 @@ mod tests {
             assert!(matches!(faults(&[(&scene, true), (&soft, false)])[1], Some(FileFault::IsInput)));
             std::os::unix::fs::symlink(folder.join("missing"), &dangling).unwrap();
             assert!(matches!(faults(&[(&dangling, false)])[0], Some(FileFault::NotWritable(_))));
-            assert_eq!(FileIdentity::of(Path::new("/dev/null")), None);
+            assert!(FileIdentity::of(Path::new("/dev/null")).is_none());
+            let hard = folder.join("hard");
+            fs::hard_link(&scene, &hard).unwrap();
+            assert!(matches!(faults(&[(&scene, true), (&hard, false)])[1], Some(FileFault::IsInput)));
+            assert!(matches!(faults(&[(&hard, false), (&scene, false)])[1], Some(FileFault::IsOutput)));
+            let long = folder.join("x".repeat(300));
+            assert!(matches!(faults(&[(&long, false)])[0], Some(FileFault::NotWritable(_))));
         }
+        // A file that is created later is still the same output.
+        let mut files = FileUses::default();
+        files.add_output(&new).unwrap();
+        fs::write(&new, "new").unwrap();
+        assert!(files.add_output(&new).is_err() && files.check_not_input(&new).is_ok());
         fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -16,7 +16,8 @@ macro_rules! job_methods {
             self
         }
 
-        /// Saves the state of the job in this file, every 30 seconds and at the end; by default in none.
+        /// Saves the state of the job in this file: after a second, then every 30 seconds (less often if writing takes more than 5 % of the time), and at
+        /// the end; by default in none. No other process may write it meanwhile.
         pub fn checkpoint(mut self, path: impl Into<Option<std::path::PathBuf>>) -> Self {
             self$(.$job)?.checkpoint = path.into();
             self
@@ -99,6 +100,6 @@ impl<'a> JobOptions<'a> {
 
     /// The job with these options.
     pub(crate) fn start(self) -> RunningJob<'a> {
-        RunningJob { options: self, warnings: Vec::new() }
+        RunningJob { options: self, warnings: Vec::new(), lock: None }
     }
 }

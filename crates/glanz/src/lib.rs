@@ -63,7 +63,7 @@ pub use bake::{BakeBuilder, BakeOutcome, LightFile, LightState};
 #[cfg(all(feature = "radiosity", feature = "formats"))]
 pub use bake::{ModelFiles, ModelSettings, check_model_path, page_path};
 #[cfg(feature = "formats")]
-pub use convert::{ChordalDeviation, MeshOutcome, MeshSettings, SolidCounts, is_exact_path};
+pub use convert::{ChordalDeviation, MeshOutcome, MeshSettings, SolidCounts, is_exact_path, material_path};
 pub use error::{Error, FileFault};
 pub use event::{JobEvent, ResumedState, Warning};
 #[cfg(feature = "illumination")]
@@ -73,7 +73,9 @@ pub use illuminate::{
 #[cfg(feature = "viewer")]
 pub use illuminate::{LuxFolder, PlacedLux, is_lux_folder, lux_folder_content_hash};
 #[cfg(all(feature = "illumination", feature = "formats"))]
-pub use illuminate::{SavedRays, check_far_field_path, check_ray_path, save_comparison};
+pub use illuminate::{
+    SavedRays, check_far_field_path, check_ray_path, comparison_folders, comparison_paths, save_comparison,
+};
 pub use job_options::JobOptions;
 #[cfg(all(feature = "denoise", feature = "viewer"))]
 pub use library_denoiser::LibraryDenoiser;
@@ -152,6 +154,15 @@ pub fn open_with(
 /// [`Error::Scene`] with the faults and their places.
 #[cfg(feature = "formats")]
 pub fn open_str(name: &str, text: &str, options: &formats::Options) -> Result<LoadedScene, Error> {
-    let loaded = formats::load_str(name, text, options).map_err(Error::Scene)?;
+    open_bytes(name, text.as_bytes().to_vec(), options)
+}
+
+/// As [`open_str`], of the bytes of a scene file or a model, whose content shows its format.
+///
+/// # Errors
+/// [`Error::Scene`] with the faults and their places.
+#[cfg(feature = "formats")]
+pub fn open_bytes(name: &str, bytes: Vec<u8>, options: &formats::Options) -> Result<LoadedScene, Error> {
+    let loaded = formats::load_bytes(name, bytes, options).map_err(Error::Scene)?;
     Ok(LoadedScene::from_loaded(name.to_owned(), loaded, options.strict))
 }

@@ -3,27 +3,32 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use glanz_job::{JobProgress, ProgressSink};
+use glanz_job::{CheckpointLock, JobProgress, ProgressSink};
 
 use crate::error::Error;
 use crate::event::{JobEvent, Warning};
 use crate::file;
 use crate::job_options::JobOptions;
 
-/// Time between two checkpoints.
+/// Longest time between two checkpoints, if writing one takes little of it.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
 /// A running job: its options and its warnings so far.
 pub(crate) struct RunningJob<'a> {
     pub(crate) options: JobOptions<'a>,
     pub(crate) warnings: Vec<Warning>,
+    /// Keeps other processes from writing the checkpoint.
+    pub(crate) lock: Option<CheckpointLock>,
 }
 
 impl RunningJob<'_> {
-    /// Refuses a checkpoint that cannot be written, or that exists and is not to be resumed.
-    pub(crate) fn check_checkpoint(&self) -> Result<(), Error> {
-        let JobOptions { checkpoint, resume, .. } = &self.options;
-        checkpoint.as_deref().map_or(Ok(()), |path| file::check_checkpoint(path, *resume))
+    /// Claims the checkpoint; refuses one that cannot be written, that another process writes, or that exists and is not to be resumed.
+    pub(crate) fn claim_checkpoint(&mut self) -> Result<(), Error> {
+        let Some(path) = self.options.checkpoint.as_deref() else { return Ok(()) };
+        file::check_writable(path)?;
+        self.lock = file::claim_checkpoint(path)?;
+        // After the claim, before which another process may have written it.
+        file::check_resumable(path, self.options.resume)
     }
 
     /// The checkpoint to resume, if it exists.

@@ -304,7 +304,8 @@ class Scene:
         threads
             Number of threads; by default all processors.
         checkpoint, resume
-            File for the state, written every 30 seconds and at the end; whether an existing one is resumed.
+            File for the state, written after a second, every 30 seconds (less often if that takes more than 5 % of the time) and at the end, by no other
+            process meanwhile; whether an existing one is resumed.
         progress
             True for a bar (of tqdm, if installed), or a function of a `Progress`.
 

@@ -15,7 +15,7 @@ use glanz_terminal::values::{positive, stops, switch};
 /// The scene file of a command.
 #[derive(Debug, Args)]
 pub(crate) struct SceneArgument {
-    /// Scene file in pbrt's language (v3 or v4)
+    /// Scene file in pbrt's language (v3 or v4), or - for the standard input
     #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
 }
@@ -23,7 +23,8 @@ pub(crate) struct SceneArgument {
 /// The scene or model of a command.
 #[derive(Debug, Args)]
 pub(crate) struct ModelArgument {
-    /// Scene file in pbrt's language (v3 or v4), or model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib
+    /// Scene file in pbrt's language (v3 or v4), or model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib; - is the
+    /// standard input, whose scene names files in the current folder
     #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
     #[command(flatten)]
@@ -114,7 +115,7 @@ impl ThreadArguments {
 /// The checkpoint of a job.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct CheckpointArguments {
-    /// File for the state of the job, written every 30 seconds and at the end
+    /// File for the state of the job, written after a second, then every 30 seconds (less often if that takes more than 5 % of the time), and at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Resume from the checkpoint if it exists; without this option, an existing file is an error

@@ -32,7 +32,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = CONVERT_HELP)]
 pub(crate) struct ConvertArguments {
-    /// Scene file in pbrt's language, or model: .step, .stp, .igs, .iges, .glb, .gltf, .obj, .stl, .ply, .rib
+    /// Scene file in pbrt's language, or model: .step, .stp, .igs, .iges, .glb, .gltf, .obj, .stl, .ply, .rib, or - for the standard input
     #[arg(value_name = "IN", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
     /// File to write: .pbrt, .glb, .obj, .ply

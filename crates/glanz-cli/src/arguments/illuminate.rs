@@ -75,7 +75,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = HELP)]
 pub(crate) struct IlluminateArguments {
-    /// Scene file in pbrt's language (v3 or v4)
+    /// Scene file in pbrt's language (v3 or v4), or - for the standard input
     #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath, required_unless_present = "luminaire")]
     pub(crate) scene: Option<PathBuf>,
     /// Folder for the results; created if necessary

@@ -23,7 +23,7 @@ pub(crate) struct MergeArguments {
     /// Checkpoints of `glanz render --part K/N --checkpoint PART`, or of parts of one `glanz illuminate` or `glanz bake`
     #[arg(value_name = "PART", required = true, value_hint = ValueHint::FilePath)]
     pub(crate) parts: Vec<PathBuf>,
-    /// Picture to write, of parts of a picture; the extension selects the format: exr, png, hdr or pfm (repeat for several)
+    /// Picture to write, of parts of a picture; the extension selects the format: exr, png, hdr or pfm (repeat for several); png:- is the standard output
     #[arg(short, long, value_name = "FILE", required_unless_present = "checkpoint", value_hint = ValueHint::FilePath)]
     pub(crate) output: Vec<PathBuf>,
     /// Write the joined checkpoint

@@ -51,7 +51,8 @@ Examples:
   glanz convert part.step part.glb             triangles without gaps, to a tolerance
   glanz compare room.exr reference.exr         differences between two pictures
 
-Exit status: 0 done, 1 failed, 2 wrong usage, 130 interrupted after saving.";
+Exit status: 0 done, 1 failed, 2 wrong usage; 130, 143 or 129 interrupted after saving, by
+Ctrl-C, SIGTERM or SIGHUP; 141 if nobody reads the standard output any longer.";
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {

@@ -43,8 +43,8 @@ Without -o the picture is written to the current folder under the film's file na
 as EXR if the scene has none or names a format that Glanz does not write.
 
 The picture depends on the scene, the settings and the seed alone, not on the number of threads
-or on interruptions. Ctrl-C and SIGTERM complete the current pass, write picture and checkpoint,
-and exit with status 130; a second Ctrl-C ends the program at once.
+or on interruptions. Ctrl-C, SIGTERM and SIGHUP complete the current pass, write picture and
+checkpoint, and exit with status 130, 143 and 129; a second one ends the program at once.
 
 Examples:
   glanz render room.pbrt -o room.exr -o room.png --spp 256
@@ -52,6 +52,7 @@ Examples:
   glanz render part.ply -o part.png --view front --material steel
   glanz render part.ply -o turn.png --turntable 36
   glanz render part.step -o part.png --edges
+  generate | glanz render - -o png:- | display png:-
 
   Half of the samples on each of two machines, with the bits of all samples on one:
   glanz render room.pbrt --part 1/2 --checkpoint a.glanz
@@ -100,7 +101,7 @@ pub(crate) struct RenderCommandArguments {
 /// Options of a render; the defaults are those of the scene.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct RenderArguments {
-    /// Picture to write; the extension selects the format: exr, png, hdr or pfm (repeat for several)
+    /// Picture to write; the extension selects the format: exr, png, hdr or pfm (repeat for several); png:- is the standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: Vec<PathBuf>,
     /// Algorithm that computes the light

@@ -17,6 +17,9 @@ use crate::job::run_job;
 use crate::report::{self, duration, plural};
 use crate::scene_file;
 
+/// More pages than fit into memory.
+const MAX_PAGES: usize = 256;
+
 /// The output of `--json`.
 #[derive(Serialize)]
 struct BakeReport {
@@ -46,6 +49,7 @@ pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<Comma
     let strict = arguments.job.strictness.strict;
     let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
     uses.add_inputs(scene.paths()).map_err(command_error(messages))?;
+    check_pages(arguments, &uses).map_err(command_error(messages))?;
     let warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     match (&arguments.output, arguments.part.part) {
         (Some(output), _) => run_whole(arguments, output, scene, method, uses, warnings, messages),
@@ -168,7 +172,7 @@ fn run_whole(
 /// The scene, and the files that are written; those that cannot be are refused.
 fn files(arguments: &BakeArguments) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
-    files.add_input(&arguments.scene.scene)?;
+    files.add_input(scene_file::source(&arguments.scene.scene))?;
     files.add_inputs(&arguments.light_in)?;
     if let Some(output) = &arguments.output {
         glanz::check_model_path(output)?;
@@ -177,6 +181,13 @@ fn files(arguments: &BakeArguments) -> Result<FileUses, Error> {
     }
     arguments.job.checkpoint.add_to(&mut files)?;
     Ok(files)
+}
+
+/// Refuses inputs that a page of light might replace; the number of pages is known after the bake only.
+fn check_pages(arguments: &BakeArguments, uses: &FileUses) -> Result<(), Error> {
+    let Some(output) = &arguments.output else { return Ok(()) };
+    let irradiance = arguments.model().irradiance;
+    (1..MAX_PAGES).try_for_each(|number| uses.check_not_input(&page_path(output, number, irradiance)))
 }
 
 fn report_of(

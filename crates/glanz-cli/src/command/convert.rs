@@ -43,8 +43,11 @@ struct ConvertReport {
 pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let exact = is_exact_path(&arguments.output).map_err(command_error(messages))?;
     let mut files = FileUses::default();
-    files.add_input(&arguments.scene).map_err(command_error(messages))?;
+    files.add_input(scene_file::source(&arguments.scene)).map_err(command_error(messages))?;
     files.add_output(&arguments.output).map_err(command_error(messages))?;
+    if let Some(library) = glanz::material_path(&arguments.output) {
+        files.add_output(&library).map_err(command_error(messages))?;
+    }
     let start = Instant::now();
     let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;

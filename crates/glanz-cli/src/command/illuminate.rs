@@ -42,7 +42,7 @@ pub(crate) fn run(
     paths.extend(arguments.scene.as_deref().or(arguments.plan.luminaire.as_deref()));
     paths.extend(arguments.compare.as_deref());
     let (mut names, mut outcomes, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
-    for path in &paths {
+    for (path, number) in paths.iter().zip(0..) {
         let (scene, request) = match (&arguments.plan.luminaire, arguments.room.size()) {
             (Some(luminaire), Some(size)) => {
                 let (room, request) = planned_room(&arguments.plan, size, luminaire, messages)?;
@@ -51,8 +51,7 @@ pub(crate) fn run(
             _ => (scene_file::open(path, arguments.job.strictness.strict, messages)?, None),
         };
         files.add_inputs(scene.paths()).map_err(command_error(messages))?;
-        let made = arguments.output.as_deref().map_or(Ok(()), glanz::file::make_folder);
-        made.map_err(command_error(messages))?;
+        let folder = result_folder(arguments, number, &mut files).map_err(command_error(messages))?;
         warnings.extend(scene.diagnostics().iter().map(|diagnostic| diagnostic.sentence()));
         names.push(scene.name().to_owned());
         let illuminated = run_job(scene, &arguments.job, cancel.clone(), messages, |scene, job| {
@@ -63,6 +62,9 @@ pub(crate) fn run(
             }
             if let Some(request) = request {
                 builder = builder.plan(request);
+            }
+            if let Some(folder) = folder {
+                builder = builder.check_results(folder, files.clone());
             }
             builder.ray_file(arguments.ray_file.is_some()).run()
         });
@@ -76,12 +78,6 @@ pub(crate) fn run(
         };
         outcomes.push(outcome);
     }
-    let results = match (outcomes.as_slice(), &arguments.output) {
-        ([outcome], Some(folder)) => outcome.paths(folder),
-        // Each design has a folder of its own.
-        _ => Vec::new(),
-    };
-    results.iter().try_for_each(|path| files.add_result(path)).map_err(command_error(messages))?;
     let mut written = saved(arguments, &outcomes).map_err(command_error(messages))?;
     // After all other results, which its errors do not cost.
     let ray_file = match (outcomes.as_mut_slice(), names.as_slice()) {
@@ -127,7 +123,7 @@ pub(crate) fn run(
 fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
     let inputs = [&arguments.scene, &arguments.plan.luminaire, &arguments.compare];
-    files.add_inputs(inputs.into_iter().flatten())?;
+    files.add_inputs(inputs.into_iter().flatten().map(|path| scene_file::source(path)))?;
     for path in &arguments.far_field {
         glanz::check_far_field_path(path)?;
         if arguments.output.is_some() {
@@ -140,6 +136,26 @@ fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
     }
     arguments.job.checkpoint.add_to(&mut files)?;
     Ok(files)
+}
+
+/// The folder for the results of the scene of this number, if they are written. It is created.
+fn result_folder(
+    arguments: &IlluminateArguments,
+    number: usize,
+    files: &mut FileUses,
+) -> Result<Option<PathBuf>, Error> {
+    let Some(folder) = &arguments.output else { return Ok(None) };
+    glanz::file::make_folder(folder)?;
+    if arguments.compare.is_none() {
+        return Ok(Some(folder.clone()));
+    }
+    let paths = glanz::comparison_paths(folder);
+    if number == 0 {
+        paths.iter().try_for_each(|path| files.add_result(path))?;
+    }
+    let own = glanz::comparison_folders(folder).into_iter().nth(number);
+    own.as_deref().map_or(Ok(()), glanz::file::make_folder)?;
+    Ok(own)
 }
 
 /// The error, with the option that causes it.

@@ -55,6 +55,11 @@ struct Corners {
 /// # Errors
 /// A scene that is refused.
 pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
+    if arguments.files && scene_file::is_standard_input(&arguments.scene) {
+        return Err(CommandError::usage(
+            "--files lists the files of a scene file, not of the standard input",
+        ));
+    }
     if arguments.files {
         return files::run(arguments, messages);
     }

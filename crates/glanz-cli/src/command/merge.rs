@@ -87,9 +87,12 @@ pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Comm
     let mut files = FileUses::default();
     files.add_inputs(&arguments.parts).map_err(command_error(messages))?;
     let outputs = Outputs::try_new(&arguments.output, arguments.tone.tone(), &mut files, messages)?;
-    if let Some(path) = &arguments.checkpoint {
-        files.add_output(path).map_err(command_error(messages))?;
-    }
+    outputs.check_stream(arguments.verbosity)?;
+    let checkpoint = arguments.checkpoint.as_deref();
+    checkpoint.map_or(Ok(()), |path| files.add_output(path)).map_err(command_error(messages))?;
+    // A running job would replace it by its own state.
+    let claimed = checkpoint.map_or(Ok(None), glanz::file::claim_checkpoint);
+    let _claim = claimed.map_err(command_error(messages))?;
     let mut progress = Progress::start(messages);
     let mut events = |event: JobEvent<'_>| note_event(event, "", messages);
     let job = JobOptions::default()
@@ -111,7 +114,7 @@ pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Comm
         merged.save_checkpoint(path).map_err(command_error(messages))?;
     }
     if let MergeOutcome::Picture(picture) = &merged {
-        outputs.write(picture)?;
+        outputs.write(picture, messages)?;
     }
     finish(&merged, arguments, &outputs, start.elapsed().as_secs_f64(), messages)
 }

@@ -41,6 +41,11 @@ pub(crate) fn run(arguments: &OptimizeArguments, messages: Messages) -> Result<C
     let cancel = interrupt::listen()?;
     let mut files = glanz::file::FileUses::default();
     let (path, output) = (&arguments.scene.scene, &arguments.output);
+    if scene_file::is_standard_input(path) {
+        return Err(CommandError::usage(
+            "optimize changes the numbers of a scene file, not of the standard input",
+        ));
+    }
     check_output(arguments, &mut files).map_err(command_error(messages))?;
     let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;

@@ -89,13 +89,13 @@ impl GuideReport {
     }
 }
 
-/// Renders the scene of `open`, which may be that of the file `scene`; to `default_output` or the file named in the scene, if the arguments name none.
+/// Renders the scene of `open`, which may be that of the file `scene_path`; to `default_output` or the file named in the scene, if the arguments name none.
 ///
 /// # Errors
 /// A scene, setting or file that is refused.
 pub(crate) fn render_scene(
     arguments: &RenderArguments,
-    scene: Option<&Path>,
+    scene_path: Option<&Path>,
     default_output: Option<&Path>,
     messages: Messages,
     open: impl FnOnce() -> Result<LoadedScene, CommandError>,
@@ -103,14 +103,17 @@ pub(crate) fn render_scene(
     let cancel = interrupt::listen()?;
     // Everything that does not depend on the scene is checked before reading it, which may take long.
     let tone = arguments.tone.tone();
-    let mut files = files(arguments, scene).map_err(command_error(messages))?;
+    let mut files = files(arguments, scene_path).map_err(command_error(messages))?;
     let named = Outputs::try_new(&arguments.output, tone, &mut files, messages)?;
+    named.check_stream(arguments.job.verbosity)?;
 
     let scene = open()?;
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let name = scene.name().to_owned();
     let film_name = scene.description().film.file_name.as_deref();
-    let default = || default_output.map_or_else(|| default_path(film_name, Path::new(&name)), PathBuf::from);
+    let is_piped = scene_path.is_some_and(scene_file::is_standard_input);
+    let stem = Path::new(if is_piped { "picture" } else { &name });
+    let default = || default_output.map_or_else(|| default_path(film_name, stem), PathBuf::from);
     // A part is of use in its checkpoint.
     let outputs = match arguments.output.is_empty() && arguments.part.part.is_none() {
         true => Outputs::try_new(&[default()], tone, &mut files, messages)?,
@@ -135,7 +138,7 @@ pub(crate) fn render_scene(
         }
         Err(error) => return Err(render_failure(error, arguments, messages)),
     };
-    outputs.write(&picture)?;
+    outputs.write(&picture, messages)?;
     saved.map_err(command_error(messages))?;
     warnings.extend(picture.warnings().iter().map(ToString::to_string));
     finish(&picture, &name, &outputs, arguments, warnings, messages)
@@ -144,7 +147,8 @@ pub(crate) fn render_scene(
 /// The scene file, and those beside the pictures.
 fn files(arguments: &RenderArguments, scene: Option<&Path>) -> Result<FileUses, Error> {
     let mut files = FileUses::default();
-    let inputs = [scene, arguments.guide_in.as_deref(), arguments.light_in.as_deref()];
+    let inputs =
+        [scene.map(scene_file::source), arguments.guide_in.as_deref(), arguments.light_in.as_deref()];
     files.add_inputs(inputs.into_iter().flatten())?;
     arguments.job.checkpoint.add_to(&mut files)?;
     arguments.guide_out.as_deref().map_or(Ok(()), |path| files.add_output(path))?;

@@ -11,7 +11,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 use crate::arguments::RenderArguments;
 use crate::command::render::render_scene;
 use crate::command_error::command_error;
-use crate::outputs::default_path;
+use crate::outputs::{default_path, is_stream};
 
 /// Renders `count` pictures of the model.
 ///
@@ -33,8 +33,12 @@ pub(crate) fn run(
     if outputs.is_empty() {
         outputs.push(default_path(None, Path::new(scene.name())));
     }
+    if outputs.iter().any(|path| is_stream(path)) {
+        return Err(CommandError::usage("--turntable: the standard output can take one picture only"));
+    }
     let mut files = FileUses::default();
-    files.add_inputs(scene.paths()).map_err(command_error(messages))?;
+    let inputs = [arguments.guide_in.as_ref(), arguments.light_in.as_ref()].into_iter().flatten();
+    files.add_inputs(inputs.chain(scene.paths())).map_err(command_error(messages))?;
     let mut frames =
         (0..count).flat_map(|number| outputs.iter().map(move |path| frame_path(path, number, count)));
     frames.try_for_each(|path| files.add_result(&path)).map_err(command_error(messages))?;

@@ -11,6 +11,8 @@
 mod bake_points;
 mod bake_reference;
 mod command_line;
+#[cfg(unix)]
+mod failures;
 mod viewer;
 
 /// The program under test.

@@ -177,8 +177,7 @@ pub fn optimize(
             is_complete: is_settled && is_finest || iterations >= settings.iterations,
         };
         if timer.is_due() {
-            sink.on_checkpoint(&state);
-            timer.restart();
+            timer.save(|| sink.on_checkpoint(&state));
         }
     }
     search.skipped = 0;

@@ -1,13 +1,20 @@
 //! Files that are written as a whole or not at all.
 
+mod checkpoint_lock;
+mod temporary;
 #[cfg(test)]
 mod tests;
+
+pub use checkpoint_lock::{CheckpointLock, CheckpointLockError};
+pub use temporary::remove_orphans;
 
 use std::error::Error;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+use temporary::TemporaryFile;
 
 /// A file that was not written.
 #[derive(Debug)]
@@ -32,7 +39,8 @@ impl Error for WriteError {
 
 /// Writes `bytes` to the file `path`, so that at any moment, a crash included, the file has its old content or the new
 /// one: they go into a temporary file of the same folder, which then takes the name. An existing file keeps its
-/// permissions, a symbolic link stays one. What is not a regular file (a pipe, a device) is written directly.
+/// permissions, a symbolic link stays one. What is not a regular file (a pipe, a device) is written directly. A temporary file
+/// that a kill leaves is removed by [`remove_orphans`].
 ///
 /// # Errors
 /// [`WriteError`]; the temporary file is removed then and an old file `path` is untouched. An existing read-only
@@ -76,52 +84,30 @@ fn replace(path: &Path, content: impl FnOnce(&mut File) -> io::Result<()>) -> io
     if existing.as_ref().is_some_and(fs::Permissions::readonly) {
         return Err(io::Error::from(io::ErrorKind::PermissionDenied));
     }
-    let (temporary, mut file) = TemporaryFile::create_beside(&path)?;
-    content(&mut file)?;
+    let mut temporary = TemporaryFile::create_beside(&path)?;
+    content(&mut temporary.file)?;
     if let Some(permissions) = existing {
-        file.set_permissions(permissions)?;
+        temporary.file.set_permissions(permissions)?;
     }
     // Otherwise a crash after the rename could leave an empty file.
-    file.sync_all()?;
-    drop(file);
+    temporary.file.sync_all()?;
     temporary.take_name(&path)
 }
 
-/// A file that is removed when dropped, unless it has taken another name.
-struct TemporaryFile(Option<PathBuf>);
-
-impl TemporaryFile {
-    /// A new file in the folder of `path`.
-    fn create_beside(path: &Path) -> io::Result<(Self, File)> {
-        let name = path.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidInput))?;
-        for attempt in 0..100_u32 {
-            let mut hidden = std::ffi::OsString::from(".");
-            hidden.push(name);
-            hidden.push(format!(".{}-{attempt}.tmp", std::process::id()));
-            let candidate = path.with_file_name(hidden);
-            match File::create_new(&candidate) {
-                Ok(file) => return Ok((Self(Some(candidate)), file)),
-                Err(e) if e.kind() == io::ErrorKind::AlreadyExists => {}
-                Err(e) => return Err(e),
-            }
-        }
-        Err(io::Error::from(io::ErrorKind::AlreadyExists))
-    }
-
-    fn take_name(mut self, path: &Path) -> io::Result<()> {
-        if let Some(temporary) = &self.0 {
-            fs::rename(temporary, path)?;
-        }
-        self.0 = None;
-        Ok(())
-    }
+/// Creates the folder if it does not exist, and removes what killed processes have left in it ([`remove_orphans`]).
+///
+/// # Errors
+/// That of creating the folder.
+pub fn make_folder(folder: &Path) -> io::Result<()> {
+    fs::create_dir_all(folder)?;
+    remove_orphans(folder);
+    Ok(())
 }
 
-impl Drop for TemporaryFile {
-    fn drop(&mut self) {
-        if let Some(path) = self.0.take() {
-            // The error that led here is reported instead.
-            let _ = fs::remove_file(path);
-        }
-    }
+/// Checks that the folder of `path` can take a new file, by a temporary one: permissions do not show read-only file systems and access lists.
+///
+/// # Errors
+/// That of creating the file.
+pub fn check_creatable(path: &Path) -> io::Result<()> {
+    TemporaryFile::create_beside(path).map(drop)
 }

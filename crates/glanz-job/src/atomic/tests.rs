@@ -1,5 +1,6 @@
 //! Files that are there as a whole or not at all.
 
+use super::temporary::START;
 use super::*;
 
 /// An empty folder, removed at the end.
@@ -73,4 +74,125 @@ fn atomic_write_keeps_permissions_and_links_and_respects_read_only_files() {
     assert!(write_atomically(&file, b"newer").is_err());
     assert_eq!(fs::read(&file).unwrap(), b"new");
     assert_eq!(folder.entries(), 2);
+}
+
+#[test]
+fn files_of_killed_processes_are_removed_and_no_others() {
+    let folder = Folder::new("orphans");
+    let path = |name: &str| folder.0.join(name);
+    // Nobody has a lock on these two.
+    let lock = format!("{START}{:032x}.lock", 7);
+    for name in [".glanz-12-0.tmp", &lock] {
+        fs::write(path(name), "left").unwrap();
+    }
+    let others = [
+        "picture.exr",
+        ".picture.exr.12-0.tmp",
+        ".glanz-12.tmp",
+        ".glanz-12-0.tmp.exr",
+        ".glanz-a-0.tmp",
+        ".glanz-7.lock",
+    ];
+    for name in others {
+        fs::write(path(name), "of others").unwrap();
+    }
+    fs::create_dir(path(".glanz-13-0.tmp")).unwrap();
+    let alive = TemporaryFile::create_beside(&path("new")).unwrap();
+    let claim =
+        CheckpointLock::acquire(&path("state")).unwrap().expect("locks in the folder of temporary files");
+    remove_orphans(&folder.0);
+    assert_eq!(folder.entries(), others.len() + 3);
+    assert!(!path(".glanz-12-0.tmp").exists() && !path(&lock).exists());
+    drop((alive, claim));
+    assert_eq!(folder.entries(), others.len() + 1);
+    // A folder that does not exist has no files.
+    remove_orphans(&path("no"));
+}
+
+#[cfg(unix)]
+#[test]
+fn links_that_look_like_temporary_files_are_left_with_what_they_name() {
+    let folder = Folder::new("orphan-links");
+    let file = folder.0.join("file");
+    fs::write(&file, "content").unwrap();
+    std::os::unix::fs::symlink(&file, folder.0.join(".glanz-1-1.tmp")).unwrap();
+    remove_orphans(&folder.0);
+    assert_eq!(folder.entries(), 2);
+}
+
+#[test]
+fn one_of_many_claims_of_a_checkpoint_succeeds() {
+    let folder = Folder::new("claims");
+    let state = folder.0.join("state");
+    for round in 0..5 {
+        let start = std::sync::Barrier::new(4);
+        let claims: Vec<_> = std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..4)
+                .map(|_| {
+                    scope.spawn(|| {
+                        start.wait();
+                        CheckpointLock::acquire(&state)
+                    })
+                })
+                .collect();
+            threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+        });
+        assert_eq!(claims.iter().filter(|claim| claim.is_ok()).count(), 1, "round {round}");
+        let own = std::process::id();
+        for error in claims.into_iter().filter_map(Result::err) {
+            assert!(matches!(error, CheckpointLockError::Taken { process: Some(process) } if process == own));
+        }
+        assert_eq!(folder.entries(), 0, "the claim is dropped");
+    }
+}
+
+#[test]
+fn claim_survives_the_replacement_of_the_checkpoint() {
+    let folder = Folder::new("claim-replaced");
+    let state = folder.0.join("state");
+    let claim = CheckpointLock::acquire(&state).unwrap();
+    for content in ["1", "2"] {
+        write_atomically(&state, content.as_bytes()).unwrap();
+        assert!(CheckpointLock::acquire(&state).is_err());
+        #[cfg(unix)]
+        {
+            let link = folder.0.join(format!("link-{content}"));
+            std::os::unix::fs::symlink(&state, &link).unwrap();
+            assert!(CheckpointLock::acquire(&link).is_err(), "another name of the same file");
+        }
+    }
+    assert!(CheckpointLock::acquire(&folder.0.join("other")).is_ok_and(|other| other.is_some()));
+    drop(claim);
+    assert!(CheckpointLock::acquire(&state).is_ok());
+    assert!(CheckpointLock::acquire(Path::new("/no such folder/state")).is_err());
+    #[cfg(unix)]
+    assert!(CheckpointLock::acquire(Path::new("/dev/null")).is_ok_and(|claim| claim.is_none()));
+}
+
+/// Every write of a file fails once, at each byte, with each error: the old file stays, and nothing else.
+#[test]
+fn writing_that_fails_at_any_call_keeps_the_old_file() {
+    let folder = Folder::new("every-call");
+    let file = folder.0.join("state");
+    write_atomically(&file, b"old").unwrap();
+    let mut points = 0;
+    for kind in [io::ErrorKind::StorageFull, io::ErrorKind::Other, io::ErrorKind::WriteZero] {
+        for call in 0..8 {
+            let failed = write_atomically_with(&file, |out| {
+                for number in 0..8 {
+                    if number == call {
+                        // A part of the block arrives.
+                        out.write_all(&[0; 2])?;
+                        return Err(io::Error::from(kind));
+                    }
+                    out.write_all(&[1; 5])?;
+                }
+                Ok(())
+            });
+            assert_eq!(failed.unwrap_err().source.kind(), kind);
+            assert_eq!((fs::read(&file).unwrap(), folder.entries()), (b"old".to_vec(), 1));
+            points += 1;
+        }
+    }
+    assert_eq!(points, 24);
 }

@@ -117,8 +117,8 @@ impl<'a> BakeProgress<'a> {
     pub(super) fn check(&mut self, state: impl FnOnce() -> BakeState) -> Result<(), Interrupted> {
         let outcome = self.cancel.check();
         if outcome.is_err() || self.timer.is_due() {
-            self.sink.on_checkpoint(&state());
-            self.timer.restart();
+            let sink = &mut *self.sink;
+            self.timer.save(|| sink.on_checkpoint(&state()));
         }
         outcome
     }

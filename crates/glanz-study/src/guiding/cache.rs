@@ -88,7 +88,7 @@ impl ResultCache {
     /// [`StudyError::File`] if the folder cannot be created.
     pub(super) fn within(out: Option<&Path>) -> Result<Self, StudyError> {
         let Some(folder) = out.map(|out| out.join(FOLDER)) else { return Ok(Self(None)) };
-        std::fs::create_dir_all(&folder).map_err(|source| failed(&folder, source))?;
+        glanz_job::make_folder(&folder).map_err(|source| failed(&folder, source))?;
         Ok(Self(Some(folder)))
     }
 

@@ -19,7 +19,7 @@ use crate::study::{StudyError, StudyProgress};
 const SEED_STEP: u64 = 1 << 32;
 
 /// Time between two checkpoints.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(60);
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
 /// Completed share of the work, in samples per pixel.
 pub(super) struct Work<'a, 'p> {

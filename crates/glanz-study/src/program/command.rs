@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &StudyArguments, messages: Messages) -> Result<Comm
     check_options(study, arguments)?;
     let cancel = interrupt::listen()?;
     // Before the work, so that a folder that cannot be created is reported at once.
-    std::fs::create_dir_all(out).map_err(|error| CommandError::new(format!("{}: {error}", out.display())))?;
+    glanz_job::make_folder(out).map_err(|error| CommandError::new(format!("{}: {error}", out.display())))?;
     let settings = Settings {
         rays: arguments.rays,
         size: arguments.size,

@@ -90,7 +90,7 @@ impl<'a> BakeBuilder<'a> {
         let Self { scene, settings, job } = self;
         scene.check_scene("bake")?;
         let mut job = job.start();
-        job.check_checkpoint()?;
+        job.claim_checkpoint()?;
         let identity = LightIdentity::new(scene.content_hash(), settings);
         #[cfg(feature = "formats")]
         let view = model_files::ModelView::of(&scene.description);
@@ -142,7 +142,7 @@ impl BakeBuilder<'_> {
             return Err(Error::Indivisible { what: "the hierarchical solver" });
         }
         let mut job = job.start();
-        job.check_checkpoint()?;
+        job.claim_checkpoint()?;
         let identity = LightIdentity::new(scene.content_hash(), settings);
         let scene = resolved(scene, &mut job)?;
         job.in_pool(|job| {

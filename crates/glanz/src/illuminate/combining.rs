@@ -35,7 +35,10 @@ pub(super) fn combined(
             if !saved.light.fits(receivers) {
                 return Err(combined_file::senseless(&path));
             }
-            let state = &ResumedState::Paths(saved.light.paths() + saved.light.particles());
+            let state = &ResumedState::Paths {
+                done: saved.light.paths() + saved.light.particles(),
+                wanted: options.goal.particles,
+            };
             job.emit(JobEvent::Resumed { path: &path, state });
             Some(saved)
         }

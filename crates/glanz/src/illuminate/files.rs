@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Format, ImageError};
-use glanz_illumination::LuxMap;
 use glanz_illumination::report::{
     LuxComparison, LuxReport, csv, false_colour, isolux, lux_pixels, lux_scale,
 };
+use glanz_illumination::{LuxMap, Receivers};
 use glanz_light::Tone;
 
-use super::IlluminateOutcome;
+use super::{IlluminateMethod, IlluminateOutcome};
 use crate::error::Error;
 use crate::file;
 
@@ -19,6 +19,9 @@ pub(super) const REPORT: &str = "report.json";
 
 /// All reports.
 const REPORTS: [&str; 3] = ["report.html", REPORT, "summary.txt"];
+
+/// The files of a comparison.
+const COMPARISON: [&str; 2] = ["comparison.html", "comparison.txt"];
 
 /// The extensions of the files of a map.
 const MAP_EXTENSIONS: [&str; 4] = ["csv", "svg", "exr", "png"];
@@ -51,21 +54,34 @@ impl IlluminateOutcome {
         Ok(files.written)
     }
 
-    /// The files that [`IlluminateOutcome::save`] writes into this folder.
-    #[must_use]
-    pub fn paths(&self, folder: &Path) -> Vec<PathBuf> {
-        let maps = self.named_maps().into_iter();
-        let maps = maps.flat_map(|(name, _)| MAP_EXTENSIONS.map(|extension| format!("{name}.{extension}")));
-        REPORTS.map(str::to_owned).into_iter().chain(maps).map(|name| folder.join(name)).collect()
-    }
-
     /// All maps with the names of their files, without extensions.
     fn named_maps(&self) -> Vec<(String, &LuxMap)> {
-        let mut names = FileNames::default();
-        let counted = self.report.maps.iter().map(|map| (map, ""));
-        let integrated = self.integrated.iter().map(|map| (map, " integrated"));
-        counted.chain(integrated).map(|(map, more)| (names.of_map(&map.name, more), map)).collect()
+        let names = |maps: &'_ [LuxMap]| maps.iter().map(|map| map.name.clone()).collect::<Vec<_>>();
+        let named = map_names(&names(&self.report.maps), &names(&self.integrated));
+        named.into_iter().zip(self.report.maps.iter().chain(&self.integrated)).collect()
     }
+}
+
+/// Names of the files of maps, without extensions: of those of one method, and of those by integration beside them.
+fn map_names(counted: &[String], integrated: &[String]) -> Vec<String> {
+    let mut names = FileNames::default();
+    let counted = counted.iter().map(|name| (name, ""));
+    let integrated = integrated.iter().map(|name| (name, " integrated"));
+    counted.chain(integrated).map(|(name, more)| names.of_map(name, more)).collect()
+}
+
+/// The files that [`IlluminateOutcome::save`] writes into this folder for a calculation by `method`.
+pub(super) fn result_paths(
+    folder: &Path,
+    receivers: &Receivers,
+    method: IlluminateMethod,
+) -> impl Iterator<Item = PathBuf> {
+    let names: Vec<String> = receivers.as_slice().iter().map(|receiver| receiver.name().to_owned()).collect();
+    let integrated = if method == IlluminateMethod::Both { names.as_slice() } else { &[] };
+    let maps = map_names(&names, integrated).into_iter();
+    let maps = maps.flat_map(|name| MAP_EXTENSIONS.map(|extension| format!("{name}.{extension}")));
+    let names: Vec<String> = REPORTS.map(str::to_owned).into_iter().chain(maps).collect();
+    names.into_iter().map(|name| folder.join(name))
 }
 
 /// Writes two designs, into the folders `a` and `b` of `folder`, and their comparison; returns the files.
@@ -79,11 +95,25 @@ pub fn save_comparison(
     let folder = folder.as_ref();
     let mut files = ReportFolder::try_new(folder)?;
     let comparison = LuxComparison::between(&a.report, &b.report);
-    files.write("comparison.html", comparison.html().as_bytes())?;
-    files.write("comparison.txt", comparison.text().as_bytes())?;
-    files.written.extend(a.save(folder.join("a"))?);
-    files.written.extend(b.save(folder.join("b"))?);
+    for (name, text) in COMPARISON.into_iter().zip([comparison.html(), comparison.text()]) {
+        files.write(name, text.as_bytes())?;
+    }
+    for (design, folder) in [a, b].into_iter().zip(comparison_folders(folder)) {
+        files.written.extend(design.save(folder)?);
+    }
     Ok(files.written)
+}
+
+/// The files that [`save_comparison`] writes into this folder, beside those of the designs.
+#[must_use]
+pub fn comparison_paths(folder: &Path) -> [PathBuf; 2] {
+    COMPARISON.map(|name| folder.join(name))
+}
+
+/// The folders of the two designs that [`save_comparison`] creates in this folder.
+#[must_use]
+pub fn comparison_folders(folder: &Path) -> [PathBuf; 2] {
+    ["a", "b"].map(|name| folder.join(name))
 }
 
 /// Output folder with its files.

@@ -21,6 +21,8 @@ mod tracing;
 
 use std::io::Read;
 use std::path::Path;
+#[cfg(feature = "formats")]
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glanz_illumination::planning::{MaintenanceFactor, PlanningRequest, PlanningSettings};
@@ -30,6 +32,8 @@ use glanz_math::DVec3;
 
 use crate::error::Error;
 use crate::event::JobEvent;
+#[cfg(feature = "formats")]
+use crate::file::FileUses;
 use crate::job_options::{JobOptions, job_methods};
 use crate::loaded_scene::LoadedScene;
 use crate::running_job::RunningJob;
@@ -39,7 +43,7 @@ use tally_file::TallyFile;
 #[cfg(feature = "formats")]
 pub use far_field_file::check_far_field_path;
 #[cfg(feature = "formats")]
-pub use files::save_comparison;
+pub use files::{comparison_folders, comparison_paths, save_comparison};
 #[cfg(feature = "viewer")]
 pub use lux_folder::{LuxFolder, PlacedLux, is_lux_folder, lux_folder_content_hash};
 pub use outcome::IlluminateOutcome;
@@ -92,6 +96,9 @@ pub struct IlluminateBuilder<'a> {
     plan: Option<PlanningRequest>,
     planning: PlanningSettings,
     ray_file: bool,
+    /// The folder of the results, and the files of the command.
+    #[cfg(feature = "formats")]
+    results: Option<(PathBuf, FileUses)>,
     job: JobOptions<'a>,
 }
 
@@ -157,6 +164,8 @@ impl<'a> IlluminateBuilder<'a> {
             plan: None,
             planning: PlanningSettings::default(),
             ray_file: false,
+            #[cfg(feature = "formats")]
+            results: None,
             job,
         }
     }
@@ -229,6 +238,14 @@ impl<'a> IlluminateBuilder<'a> {
         self
     }
 
+    /// Refuses the calculation, before it computes light, if a file that [`IlluminateOutcome::save`] writes into `folder` is an input or another output among
+    /// `files`.
+    #[cfg(feature = "formats")]
+    pub fn check_results(mut self, folder: impl Into<PathBuf>, files: FileUses) -> Self {
+        self.results = Some((folder.into(), files));
+        self
+    }
+
     /// Replaces the options that every job takes.
     pub fn job(mut self, options: JobOptions<'a>) -> Self {
         self.job = options;
@@ -247,7 +264,9 @@ impl<'a> IlluminateBuilder<'a> {
     /// [`Error::Planning`] and [`Error::DirectRating`] for figures of planners; [`Error::DaylightRating`] for a plan, a task or a maintenance factor with daylight;
     /// [`Error::PartGoal`] and [`Error::Indivisible`] for a part without a number of particles, or of an integration.
     pub fn run(self) -> Result<IlluminateOutcome, Error> {
-        let Self { scene, title, mut options, plan, planning: settings, ray_file, job } = self;
+        #[cfg(feature = "formats")]
+        let results = self.results;
+        let Self { scene, title, mut options, plan, planning: settings, ray_file, job, .. } = self;
         scene.check_scene("illuminate")?;
         let mut job = job.start();
         if let Some(error) = options.goal.error.filter(|error| *error < SMALLEST_ERROR) {
@@ -274,7 +293,7 @@ impl<'a> IlluminateBuilder<'a> {
         if options.goal == TraceGoal::default() {
             options.goal.error = Some(USUAL_ERROR);
         }
-        job.check_checkpoint()?;
+        job.claim_checkpoint()?;
         if options.method == IlluminateMethod::Auto && is_by_particles(&options, &job) {
             options.method = IlluminateMethod::Trace;
         }
@@ -285,6 +304,11 @@ impl<'a> IlluminateBuilder<'a> {
         }
         let needs_receivers = options.far_field.is_none() && !ray_file;
         let design = Design { title, ..Design::new(scene, options, needs_receivers, &mut job)? };
+        #[cfg(feature = "formats")]
+        if let Some((folder, mut uses)) = results {
+            let mut paths = files::result_paths(&folder, &design.receivers, design.options.method);
+            paths.try_for_each(|path| uses.add_result(&path))?;
+        }
         let request = plan.unwrap_or_else(|| design.declared_plan());
         if is_judged && !request.is_empty() && options.method == IlluminateMethod::Integrate {
             return Err(Error::DirectRating);

@@ -40,7 +40,10 @@ pub(super) fn traced(
             }
             // What is resumed as a whole is no part any longer.
             plan = plan.or_else(|| file.plan.map(|plan| TallyPlan { part: None, ..plan }));
-            let state = &ResumedState::Particles(file.tally.particles().total());
+            let state = &ResumedState::Particles {
+                done: file.tally.particles().total(),
+                wanted: options.goal.particles,
+            };
             job.emit(JobEvent::Resumed { path: &path, state });
             file.tally
         }

@@ -59,14 +59,15 @@ impl<'a> OptimizeBuilder<'a> {
         let Self { scene, settings, job } = self;
         scene.check_scene("optimize")?;
         let mut job = job.start();
-        job.check_checkpoint()?;
+        job.claim_checkpoint()?;
         let warnings = scene.clone().resolve()?.1;
         warnings.into_iter().for_each(|warning| job.warn(warning));
         let identity = StateIdentity::new(&scene, &settings);
         let state = match job.resumed() {
             Some(path) => {
                 let state = StateFile::from_bytes(&path, &file::read(&path)?, &identity)?;
-                job.emit(JobEvent::Resumed { path: &path, state: &ResumedState::Steps(state.iterations) });
+                let steps = ResumedState::Steps { done: state.iterations, wanted: settings.iterations };
+                job.emit(JobEvent::Resumed { path: &path, state: &steps });
                 Some(state)
             }
             None => None,

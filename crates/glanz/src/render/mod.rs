@@ -163,7 +163,7 @@ impl<'a> RenderBuilder<'a> {
     pub fn run(self) -> Result<Picture, Error> {
         let Self { mut scene, options, job } = self;
         let mut job = job.start();
-        job.check_checkpoint()?;
+        job.claim_checkpoint()?;
         options.guide_output.as_deref().map_or(Ok(()), file::check_writable)?;
         #[cfg(feature = "denoise")]
         let denoiser =
@@ -218,7 +218,9 @@ fn starting_film(plan: &RenderPlan, job: &mut RunningJob<'_>) -> Result<Film, Er
     let file = File::open(&path).map_err(Error::of_file(&path))?;
     let mut checkpoint = Checkpoint::read_within(file, plan.film_memory).map_err(Error::of_file(&path))?;
     checkpoint.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
-    let state = &ResumedState::Samples(checkpoint.film.samples().clone());
+    let is_counted = plan.time_limit.is_none() && plan.identity.film.noise.is_none();
+    let wanted = is_counted.then(|| plan.samples.clone());
+    let state = &ResumedState::Samples { done: checkpoint.film.samples().clone(), wanted };
     job.emit(JobEvent::Resumed { path: &path, state });
     checkpoint.film.add_plans(plan.part_of.clone());
     Ok(checkpoint.film)

@@ -31,8 +31,26 @@ impl Picture {
         if self.is_in_file() && !file::is_pipe(path) {
             return self.save_rows(path, format, tone);
         }
-        let bytes = image::write(&self.pixels()?, format, tone, &attributes(self));
-        file::write(path, &bytes.map_err(Error::of_file(path))?)
+        file::write(path, &self.encoded(path, format, tone)?)
+    }
+
+    /// Writes the picture to a stream, which is called `name` in errors.
+    ///
+    /// # Errors
+    /// [`Error::File`].
+    pub fn write_to(
+        &self,
+        stream: &mut dyn io::Write,
+        name: &Path,
+        format: Format,
+        tone: &Tone,
+    ) -> Result<(), Error> {
+        let bytes = self.encoded(name, format, tone)?;
+        stream.write_all(&bytes).and_then(|()| stream.flush()).map_err(Error::of_file(name))
+    }
+
+    fn encoded(&self, path: &Path, format: Format, tone: &Tone) -> Result<Vec<u8>, Error> {
+        image::write(&self.pixels()?, format, tone, &attributes(self)).map_err(Error::of_file(path))
     }
 
     /// Writes the file with some rows in memory at a time.

@@ -5,6 +5,8 @@ mod bake;
 mod bake_parts;
 mod convert;
 mod file_list;
+#[cfg(unix)]
+mod file_safety;
 mod file_uses;
 mod illuminate;
 mod illuminate_parts;
@@ -15,7 +17,8 @@ mod planning;
 mod progress;
 mod render;
 mod same_bits;
-mod small_scene;
+mod scripts;
+pub(crate) mod small_scene;
 pub(crate) mod support;
 mod tools;
 mod view;
