@@ -3,21 +3,26 @@
 use std::path::Path;
 
 use glanz::formats::Options;
+use glanz::job::CancelFlag;
 use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
 use glanz_terminal::messages::{CommandError, Messages};
 
-use crate::arguments::{ModelArgument, RenderCommandArguments};
+use crate::arguments::{ModelArgument, ReadingArguments, RenderCommandArguments};
 use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 
-/// Reads a scene file and prints its warnings; `strict`: repairs and substitutes are errors.
+/// Reads a scene file and prints its warnings; `cancel` ends it.
 ///
 /// # Errors
 /// The faults, which have been printed.
-pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<LoadedScene, CommandError> {
-    let options = Options { strict, ..Options::default() };
-    print_diagnostics(glanz::open_with(path, &options), messages)
+pub(crate) fn open(
+    path: &Path,
+    arguments: &ReadingArguments,
+    cancel: &CancelFlag,
+    messages: Messages,
+) -> Result<LoadedScene, CommandError> {
+    print_diagnostics(glanz::open_with(path, &arguments.options(cancel)), messages)
 }
 
 /// Reads the scene file or the model of a render and prints its warnings, also that of options that have no effect on a scene.
@@ -26,13 +31,13 @@ pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<Load
 /// The faults, which have been printed; a section through a scene.
 pub(crate) fn open_cut_model(
     arguments: &RenderCommandArguments,
+    cancel: &CancelFlag,
     messages: Messages,
 ) -> Result<LoadedScene, CommandError> {
     let ModelArgument { scene, studio } = &arguments.model;
     let settings = StudioSettings { section: arguments.section, ..studio.settings() };
-    let strict = arguments.render.job.strictness.strict;
     let edges = arguments.render.draws_edges();
-    let options = Options { strict, studio: settings, edges, ..Options::default() };
+    let options = Options { studio: settings, edges, ..arguments.render.job.reading.options(cancel) };
     let loaded = print_diagnostics(glanz::open_with(scene, &options), messages)?;
     if loaded.studio_settings().is_none() {
         if arguments.section.is_some() {

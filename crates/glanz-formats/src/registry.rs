@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_job::{CancelFlag, ResourceBudget, ResourceLimits};
 use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
 use crate::file_list::SceneFileList;
-use crate::source::{MISSING_FILE, Sources};
+use crate::finder::spend_file;
+use crate::source::{MISSING_FILE, Sources, end_of_reading};
 use crate::{gltf, iges, image, model, obj, pbrt, rib, stl};
 
 /// Settings of the readers.
@@ -27,6 +29,17 @@ pub struct Options {
     pub studio: StudioSettings,
     /// Whether the edges of CAD models are sampled, for [`EdgeDescription`](glanz_scene::description::EdgeDescription)s.
     pub edges: bool,
+    /// Limits of what reading may use; each call has a budget of its own.
+    pub limits: ResourceLimits,
+    /// Flag that ends reading.
+    pub cancel: CancelFlag,
+}
+
+impl Options {
+    /// The budget of one call.
+    fn budget(&self) -> ResourceBudget {
+        ResourceBudget::new(self.limits.clone(), self.cancel.clone())
+    }
 }
 
 /// A scene that was read.
@@ -45,6 +58,8 @@ pub struct Loaded {
     pub studio: Option<StudioSettings>,
     /// Of a CAD file, the outcome for each of its faces.
     pub cad: Option<CadReport>,
+    /// What was used of the limits, for the steps after reading.
+    pub budget: ResourceBudget,
 }
 
 /// A format, recognised by content.
@@ -185,8 +200,9 @@ pub(crate) fn failure(name: &str, kind: &'static str, message: String) -> Diagno
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
-    let (name, bytes) = read(path, options)?;
-    load_bytes(&name, Some(path), bytes, options)
+    let budget = options.budget();
+    let (name, bytes) = read(path, options, &budget)?;
+    load_bytes(&name, Some(path), bytes, options, &budget)
 }
 
 /// Lists the files that the scene file at `path` needs, with those that are missing. Reads only files that may name others.
@@ -194,30 +210,35 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
 /// # Errors
 /// Diagnostics, if the scene file itself cannot be read.
 pub fn list_files(path: &Path, options: &Options) -> Result<SceneFileList, Diagnostics> {
-    let (name, bytes) = read(path, options)?;
+    let budget = options.budget();
+    let (name, bytes) = read(path, options, &budget)?;
     match SceneFormat::of_file(&bytes, Some(path)) {
-        Ok(SceneFormat::Pbrt) => pbrt::list_files(&name, path, bytes, options),
-        Ok(SceneFormat::Model(format)) => model::list_files(format, &name, path, &bytes, options),
+        Ok(SceneFormat::Pbrt) => pbrt::list_files(&name, path, bytes, options, &budget),
+        Ok(SceneFormat::Model(format)) => model::list_files(format, &name, path, &bytes, options, &budget),
         Err(what) => Err(failure(&name, "format", format!("the file is {what}"))),
     }
 }
 
 /// The scene file: its name in messages, and its bytes.
-fn read(path: &Path, options: &Options) -> Result<(String, Arc<[u8]>), Diagnostics> {
+fn read(
+    path: &Path,
+    options: &Options,
+    budget: &ResourceBudget,
+) -> Result<(String, Arc<[u8]>), Diagnostics> {
     let folder = options.folder.as_deref().or_else(|| path.parent());
     let shown = folder.filter(|_| options.confined).and_then(|folder| path.strip_prefix(folder).ok());
     let name = shown.unwrap_or(path).display().to_string();
     let unreadable = |what: String| failure(&name, MISSING_FILE, what);
-    match std::fs::metadata(path) {
-        Ok(metadata) if !metadata.is_file() => {
-            return Err(unreadable("this is not a regular file".to_owned()));
-        }
-        Ok(_) => {}
-        Err(error) => return Err(unreadable(format!("the file cannot be read: {error}"))),
+    let metadata = std::fs::metadata(path)
+        .map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
+    if !metadata.is_file() {
+        return Err(unreadable("this is not a regular file".to_owned()));
     }
     if options.confined && !lies_in(path, folder) {
         return Err(unreadable("the file is outside the folder of the scene".to_owned()));
     }
+    spend_file(budget, metadata.len())
+        .map_err(|end| Diagnostics::of_end(end_of_reading(name.clone(), end), end))?;
     let bytes =
         std::fs::read(path).map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
     Ok((name, bytes.into()))
@@ -237,7 +258,7 @@ fn lies_in(path: &Path, folder: Option<&Path>) -> bool {
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load_str(name: &str, text: &str, options: &Options) -> Result<Loaded, Diagnostics> {
-    load_bytes(name, None, Arc::from(text.as_bytes()), options)
+    load_bytes(name, None, Arc::from(text.as_bytes()), options, &options.budget())
 }
 
 fn load_bytes(
@@ -245,11 +266,17 @@ fn load_bytes(
     path: Option<&Path>,
     bytes: Arc<[u8]>,
     options: &Options,
+    budget: &ResourceBudget,
 ) -> Result<Loaded, Diagnostics> {
-    match SceneFormat::of_file(&bytes, path) {
-        Ok(SceneFormat::Pbrt) => pbrt::load(name, path, bytes, options),
-        Ok(SceneFormat::Model(format)) => model::load(format, name, path, &bytes, options),
+    let loaded = match SceneFormat::of_file(&bytes, path) {
+        Ok(SceneFormat::Pbrt) => pbrt::load(name, path, bytes, options, budget),
+        Ok(SceneFormat::Model(format)) => model::load(format, name, path, &bytes, options, budget),
         Err(what) => Err(failure(name, "format", format!("the file is {what}"))),
+    };
+    match (loaded, budget.failure()) {
+        (loaded, None) => loaded,
+        (Err(diagnostics), Some(_)) if diagnostics.end().is_some() => Err(diagnostics),
+        (_, Some(end)) => Err(Diagnostics::of_end(end_of_reading(name.to_owned(), end), end)),
     }
 }
 
@@ -266,7 +293,7 @@ mod tests {
             (b"\x89PNG\r\n\x1a\n", "error: x: the file is a picture (PNG), not a scene\n"),
             (b"Shape\0", "error: x: the file is not in a known scene format\n"),
         ] {
-            let error = load_bytes("x", None, Arc::from(bytes), &Options::default()).unwrap_err();
+            let error = load_bytes("x", None, Arc::from(bytes), &Options::default(), &ResourceBudget::default()).unwrap_err();
             assert_eq!(error.to_string(), message);
         }
     }

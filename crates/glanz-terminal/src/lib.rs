@@ -105,6 +105,11 @@ pub fn exit_code(messages: Messages, outcome: Result<CommandOutcome, CommandErro
             openjd::fail(messages, "interrupted by a signal");
             ExitCode::from(interrupt::EXIT_CODE)
         }
+        Err(failure) if failure.is_interrupted => {
+            messages.note(&failure.message);
+            openjd::fail(messages, "interrupted by a signal");
+            ExitCode::from(interrupt::EXIT_CODE)
+        }
         Err(failure) => {
             messages.error(&failure);
             if failure.usage { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }

@@ -104,17 +104,25 @@ pub struct CommandError {
     pub usage: bool,
     /// Whether the fault has been printed already.
     pub is_printed: bool,
+    /// Whether a signal ended the command before it had a result.
+    pub is_interrupted: bool,
 }
 
 impl CommandError {
     /// An error of the execution.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None, usage: false, is_printed: false }
+        let message = message.into();
+        Self { message, help: None, usage: false, is_printed: false, is_interrupted: false }
     }
 
     /// An error that has been printed already.
     pub fn reported(message: impl Into<String>) -> Self {
         Self { is_printed: true, ..Self::new(message) }
+    }
+
+    /// The end of a command by a signal, before it had a result.
+    pub fn interrupted(message: impl Into<String>) -> Self {
+        Self { is_interrupted: true, ..Self::new(message) }
     }
 
     /// An invalid command line.
