@@ -1,9 +1,9 @@
 //! Conversion of errors of the engine into messages with advice.
 
 use glanz::denoise::DenoiseError;
-use glanz::formats::{Diagnostic, Severity};
+use glanz::formats::{Diagnostic, Diagnostics, Severity};
 use glanz::illumination::optimize::OptimizeError;
-use glanz::job::{CheckpointLockError, IoFault};
+use glanz::job::{BudgetError, CheckpointLockError, IoFault, LimitError, Resource};
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::FilmError;
 use glanz::{Error, FileFault, JoinError, PartKind};
@@ -14,8 +14,15 @@ use crate::notes::note_diagnostics;
 /// Converts errors into messages with advice; the diagnostics of a scene are printed at once, with their places.
 pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandError {
     move |error| {
+        let ended = |diagnostics: &Diagnostics| diagnostics.end() == Some(BudgetError::Interrupted);
+        if matches!(&error, Error::Interrupted(_)) || matches!(&error, Error::Scene(d) if ended(d)) {
+            return CommandError::interrupted("interrupted; nothing was written");
+        }
         if let Error::Scene(diagnostics) = &error {
-            note_diagnostics(diagnostics, messages);
+            match diagnostics.limit() {
+                Some(limit) => note_limit(diagnostics, limit, messages),
+                None => note_diagnostics(diagnostics, messages),
+            }
             let first = diagnostics.iter().find(|diagnostic| diagnostic.severity == Severity::Error);
             return CommandError::reported(first.map_or_else(String::new, Diagnostic::sentence));
         }
@@ -25,6 +32,19 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
             Some(help) => failure.with_help(help),
             None => failure,
         }
+    }
+}
+
+/// Prints the place at which a limit was reached, with the option that raises it.
+fn note_limit(diagnostics: &Diagnostics, limit: LimitError, messages: Messages) {
+    let value = limit.suggestion();
+    let help = match limit.resource {
+        Resource::Memory => format!("raise it with --memory {value}"),
+        resource => format!("raise it with --limit {}={value}", resource.name()),
+    };
+    for diagnostic in diagnostics {
+        let diagnostic = Diagnostic { help: Some(help.clone()), ..diagnostic.clone() };
+        messages.diagnostic(diagnostic.severity, &diagnostic.to_string());
     }
 }
 

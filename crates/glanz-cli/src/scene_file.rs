@@ -4,12 +4,12 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use glanz::formats::Options;
-use glanz::job::IoFault;
+use glanz::job::{CancelFlag, IoFault};
 use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
 use glanz_terminal::messages::{CommandError, Messages};
 
-use crate::arguments::{ModelArgument, RenderCommandArguments};
+use crate::arguments::{ModelArgument, ReadingArguments, RenderCommandArguments};
 use crate::command_error::command_error;
 use crate::notes::note_diagnostics;
 
@@ -38,13 +38,17 @@ fn load(path: &Path, options: Options, messages: Messages) -> Result<LoadedScene
     print_diagnostics(glanz::open_bytes("standard input", bytes, &options), messages)
 }
 
-/// Reads a scene file, or the standard input for `-`, and prints its warnings; `strict`: repairs and substitutes are errors.
+/// Reads a scene file, or the standard input for `-`, and prints its warnings; `cancel` ends it.
 ///
 /// # Errors
 /// The faults, which have been printed.
-pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<LoadedScene, CommandError> {
-    let options = Options { strict, ..Options::default() };
-    load(path, options, messages)
+pub(crate) fn open(
+    path: &Path,
+    arguments: &ReadingArguments,
+    cancel: &CancelFlag,
+    messages: Messages,
+) -> Result<LoadedScene, CommandError> {
+    load(path, arguments.options(cancel), messages)
 }
 
 /// Reads the scene file or the model of a render and prints its warnings, also that of options that have no effect on a scene.
@@ -53,13 +57,13 @@ pub(crate) fn open(path: &Path, strict: bool, messages: Messages) -> Result<Load
 /// The faults, which have been printed; a section through a scene.
 pub(crate) fn open_cut_model(
     arguments: &RenderCommandArguments,
+    cancel: &CancelFlag,
     messages: Messages,
 ) -> Result<LoadedScene, CommandError> {
     let ModelArgument { scene, studio } = &arguments.model;
     let settings = StudioSettings { section: arguments.section, ..studio.settings() };
-    let strict = arguments.render.job.strictness.strict;
     let edges = arguments.render.draws_edges();
-    let options = Options { strict, studio: settings, edges, ..Options::default() };
+    let options = Options { studio: settings, edges, ..arguments.render.job.reading.options(cancel) };
     let loaded = load(scene, options, messages)?;
     if loaded.studio_settings().is_none() {
         if arguments.section.is_some() {

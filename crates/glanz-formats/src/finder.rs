@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use glanz_job::ContentHash;
+use glanz_job::{BudgetError, ContentHash, Resource, ResourceBudget};
 use glanz_scene::Diagnostics;
+use glanz_scene::description::GroupDescription;
 
 use crate::file_list::{FileKind, SceneFile, SceneFileList};
 use crate::registry::{Options, failure};
@@ -23,6 +24,8 @@ pub(crate) struct FileFinder {
     pub(crate) lists: bool,
     /// Hash of their bytes.
     pub(crate) hash: ContentHash,
+    /// What reading may still use.
+    pub(crate) budget: ResourceBudget,
 }
 
 /// The folder to which files are confined.
@@ -73,6 +76,7 @@ impl FileFinder {
         path: Option<&Path>,
         bytes: &[u8],
         options: &Options,
+        budget: &ResourceBudget,
     ) -> Result<Self, Diagnostics> {
         let folder = options.folder.as_deref().or_else(|| path.and_then(Path::parent));
         let unreadable = |error| failure(name, MISSING_FILE, format!("the folder cannot be read: {error}"));
@@ -80,6 +84,7 @@ impl FileFinder {
             Some(folder) if options.confined => Self::confined_to(folder).map_err(unreadable)?,
             folder => Self::new(folder),
         };
+        finder.budget = budget.clone();
         path.into_iter().for_each(|path| finder.add(path.to_owned(), FileKind::Scene, true));
         finder.hash.add_file(bytes);
         Ok(finder)
@@ -193,20 +198,46 @@ impl FileFinder {
     /// The bytes of a file, which are added to the hash.
     ///
     /// # Errors
-    /// Those of the file system, [`io::ErrorKind::Unsupported`] if files are only listed and those of this kind name no others, and [`io::ErrorKind::InvalidInput`] for anything but a regular file.
+    /// Those of the file system, that of the budget, [`io::ErrorKind::Unsupported`] if files are only listed and those of this kind name no others, and [`io::ErrorKind::InvalidInput`] for anything but a regular file.
     pub(crate) fn read(&mut self, path: &Path, kind: FileKind) -> io::Result<Vec<u8>> {
         if self.lists && !kind.names_files() {
             return Err(io::Error::new(io::ErrorKind::Unsupported, "the file is only listed"));
         }
-        if !std::fs::metadata(path)?.is_file() {
+        let metadata = std::fs::metadata(path)?;
+        if !metadata.is_file() {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
         }
+        spend_file(&self.budget, metadata.len()).map_err(io::Error::other)?;
         let bytes = std::fs::read(path).inspect_err(|_| {
             self.files.entry(path.to_owned()).and_modify(|file| file.exists = false);
         })?;
         self.hash.add_file(&bytes);
         Ok(bytes)
     }
+}
+
+/// Takes a file of so many bytes off the budget before it is read. Its memory is that of what is made of it: here it only has to fit.
+///
+/// # Errors
+/// The budget is used up.
+pub(crate) fn spend_file(budget: &ResourceBudget, bytes: u64) -> Result<(), BudgetError> {
+    budget.check()?;
+    budget.spend(Resource::Files, 1)?;
+    budget.spend(Resource::Bytes, bytes)?;
+    budget.reserve(bytes).map(drop)
+}
+
+/// Takes groups of a description off the budget.
+///
+/// # Errors
+/// The budget is used up.
+pub(crate) fn spend_groups(budget: &ResourceBudget, groups: &[GroupDescription]) -> Result<(), BudgetError> {
+    for group in groups {
+        budget.check()?;
+        budget.spend(Resource::Objects, group.object_count())?;
+        budget.spend(Resource::Memory, group.bytes())?;
+    }
+    Ok(())
 }
 
 /// Largest number of folders of `SearchPath`.

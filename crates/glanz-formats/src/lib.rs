@@ -7,6 +7,7 @@
 //! patches, [`photometry`] the light of luminaires, [`step`] and [`iges`] CAD models (with [`cad`]), [`image`] reads and writes pictures, [`glb`] writes models with light, [`tessellated`] triangles. Any bytes give a result or an error, without a panic or an endless loop, and without
 //! more memory than the size of the input justifies.
 
+mod budget_reader;
 pub mod cad;
 mod file_list;
 mod finder;

@@ -11,6 +11,7 @@
 //! # Ok::<(), glanz_formats::newell::NewellError>(())
 //! ```
 
+use glanz_job::{BudgetError, ResourceBudget};
 use glanz_math::DVec3;
 use glanz_scene::description::BezierPatchesDescription;
 
@@ -78,6 +79,9 @@ pub enum NewellErrorKind {
     /// A coordinate that is infinite or not a number.
     #[error("{0:?} is not finite")]
     NotFinite(String),
+    /// The budget of reading is used up.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
     /// Text after the declared numbers.
     #[error("{0:?} follows the last point")]
     Trailing(String),
@@ -88,11 +92,28 @@ pub enum NewellErrorKind {
 /// # Errors
 /// [`NewellError`] with the place in the file.
 pub fn read(bytes: &[u8]) -> Result<NewellMesh, NewellError> {
+    read_with(bytes, &ResourceBudget::default())
+}
+
+/// Bytes for each byte of a file: of an index such as `1,`, four, and a point of 32.
+const MEMORY_PER_BYTE: u64 = 24;
+
+/// As [`read`] within a budget.
+///
+/// # Errors
+/// [`NewellError`] with the place in the file.
+pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<NewellMesh, NewellError> {
     let mut words = TokenReader { bytes, offset: 0 };
+    let needed = MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64);
+    let _reserved = budget.reserve(needed).map_err(|end| words.error(0, end.into()))?;
+    let check = |words: &TokenReader<'_>| {
+        budget.check().map_err(|end| words.error(words.offset, NewellErrorKind::Budget(end)))
+    };
     let patch_count = words.count("patches", "the number of patches", POINTS)?;
     let first_index = words;
     let mut patches = Vec::with_capacity(patch_count as usize);
     for _ in 0..patch_count {
+        check(&words)?;
         let mut patch = [0; POINTS];
         for index in &mut patch {
             *index = words.number("the index of a control point")?;
@@ -111,6 +132,7 @@ pub fn read(bytes: &[u8]) -> Result<NewellMesh, NewellError> {
     }
     let mut positions = Vec::with_capacity(count as usize);
     for _ in 0..count {
+        check(&words)?;
         let mut position = [0.0; 3];
         for x in &mut position {
             *x = words.coordinate()?;

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_job::{CancelFlag, ResourceBudget, ResourceLimits};
 use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
 use crate::file_list::SceneFileList;
-use crate::source::{MISSING_FILE, Sources};
+use crate::finder::spend_file;
+use crate::source::{MISSING_FILE, Sources, end_of_reading};
 use crate::{gltf, iges, image, model, obj, pbrt, rib, stl};
 
 /// Settings of the readers.
@@ -27,6 +29,17 @@ pub struct Options {
     pub studio: StudioSettings,
     /// Whether the edges of CAD models are sampled, for [`EdgeDescription`](glanz_scene::description::EdgeDescription)s.
     pub edges: bool,
+    /// Limits of what reading may use; each call has a budget of its own.
+    pub limits: ResourceLimits,
+    /// Flag that ends reading.
+    pub cancel: CancelFlag,
+}
+
+impl Options {
+    /// The budget of one call.
+    fn budget(&self) -> ResourceBudget {
+        ResourceBudget::new(self.limits.clone(), self.cancel.clone())
+    }
 }
 
 /// A scene that was read.
@@ -45,6 +58,8 @@ pub struct Loaded {
     pub studio: Option<StudioSettings>,
     /// Of a CAD file, the outcome for each of its faces.
     pub cad: Option<CadReport>,
+    /// What was used of the limits, for the steps after reading.
+    pub budget: ResourceBudget,
 }
 
 /// A format, recognised by content.
@@ -185,8 +200,9 @@ pub(crate) fn failure(name: &str, kind: &'static str, message: String) -> Diagno
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
-    let (name, bytes) = read(path, options)?;
-    load_named(&name, Some(path), bytes, options)
+    let budget = options.budget();
+    let (name, bytes) = read(path, options, &budget)?;
+    load_named(&name, Some(path), bytes, options, &budget)
 }
 
 /// Lists the files that the scene file at `path` needs, with those that are missing. Reads only files that may name others.
@@ -194,30 +210,31 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
 /// # Errors
 /// Diagnostics, if the scene file itself cannot be read.
 pub fn list_files(path: &Path, options: &Options) -> Result<SceneFileList, Diagnostics> {
-    let (name, bytes) = read(path, options)?;
+    let budget = options.budget();
+    let (name, bytes) = read(path, options, &budget)?;
     match SceneFormat::of_file(&bytes, Some(path)) {
-        Ok(SceneFormat::Pbrt) => pbrt::list_files(&name, path, bytes, options),
-        Ok(SceneFormat::Model(format)) => model::list_files(format, &name, path, &bytes, options),
+        Ok(SceneFormat::Pbrt) => pbrt::list_files(&name, path, bytes, options, &budget),
+        Ok(SceneFormat::Model(format)) => model::list_files(format, &name, path, &bytes, options, &budget),
         Err(what) => Err(failure(&name, "format", format!("the file is {what}"))),
     }
 }
 
 /// The scene file: its name in messages, and its bytes.
-fn read(path: &Path, options: &Options) -> Result<(String, Arc<[u8]>), Diagnostics> {
+fn read(path: &Path, options: &Options, budget: &ResourceBudget) -> Result<(String, Arc<[u8]>), Diagnostics> {
     let folder = options.folder.as_deref().or_else(|| path.parent());
     let shown = folder.filter(|_| options.confined).and_then(|folder| path.strip_prefix(folder).ok());
     let name = shown.unwrap_or(path).display().to_string();
     let unreadable = |what: String| failure(&name, MISSING_FILE, what);
-    match std::fs::metadata(path) {
-        Ok(metadata) if !metadata.is_file() => {
-            return Err(unreadable("this is not a regular file".to_owned()));
-        }
-        Ok(_) => {}
-        Err(error) => return Err(unreadable(format!("the file cannot be read: {error}"))),
+    let metadata =
+        std::fs::metadata(path).map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
+    if !metadata.is_file() {
+        return Err(unreadable("this is not a regular file".to_owned()));
     }
     if options.confined && !lies_in(path, folder) {
         return Err(unreadable("the file is outside the folder of the scene".to_owned()));
     }
+    spend_file(budget, metadata.len())
+        .map_err(|end| Diagnostics::of_end(end_of_reading(name.clone(), end), end))?;
     let bytes =
         std::fs::read(path).map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
     Ok((name, bytes.into()))
@@ -245,7 +262,7 @@ pub fn load_str(name: &str, text: &str, options: &Options) -> Result<Loaded, Dia
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load_bytes(name: &str, bytes: Vec<u8>, options: &Options) -> Result<Loaded, Diagnostics> {
-    load_named(name, None, bytes.into(), options)
+    load_named(name, None, bytes.into(), options, &options.budget())
 }
 
 fn load_named(
@@ -253,11 +270,17 @@ fn load_named(
     path: Option<&Path>,
     bytes: Arc<[u8]>,
     options: &Options,
+    budget: &ResourceBudget,
 ) -> Result<Loaded, Diagnostics> {
-    match SceneFormat::of_file(&bytes, path) {
-        Ok(SceneFormat::Pbrt) => pbrt::load(name, path, bytes, options),
-        Ok(SceneFormat::Model(format)) => model::load(format, name, path, &bytes, options),
+    let loaded = match SceneFormat::of_file(&bytes, path) {
+        Ok(SceneFormat::Pbrt) => pbrt::load(name, path, bytes, options, budget),
+        Ok(SceneFormat::Model(format)) => model::load(format, name, path, &bytes, options, budget),
         Err(what) => Err(failure(name, "format", format!("the file is {what}"))),
+    };
+    match (loaded, budget.failure()) {
+        (loaded, None) => loaded,
+        (Err(diagnostics), Some(_)) if diagnostics.end().is_some() => Err(diagnostics),
+        (_, Some(end)) => Err(Diagnostics::of_end(end_of_reading(name.to_owned(), end), end)),
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_job::{BudgetError, Resource, ResourceBudget};
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
 use glanz_scene::diagnostic::{Diagnostic, Diagnostics, Excerpt, Severity};
@@ -183,6 +184,8 @@ pub(crate) struct Reporter {
     pub(crate) strict: bool,
     /// Whether files are only listed; messages about those that are not available are left out.
     pub(crate) lists: bool,
+    /// What reading may still use.
+    pub(crate) budget: ResourceBudget,
 }
 
 /// Kind of the messages about files that are not available.
@@ -234,9 +237,30 @@ impl Reporter {
         self.report(severity, place, kind, message.into(), None);
     }
 
-    /// Whether the limit of errors is reached.
+    /// Whether reading ends here: too many errors, or the budget is used up.
     pub(crate) fn is_full(&self) -> bool {
-        self.diagnostics.count(Severity::Error) >= MAX_ERRORS
+        self.diagnostics.end().is_some() || self.diagnostics.count(Severity::Error) >= MAX_ERRORS
+    }
+
+    /// Whether reading may go on; reports at `place` why not.
+    pub(crate) fn check(&mut self, place: &Span) -> ParseResult<()> {
+        self.budget.check().map_err(|end| self.end(place, end))
+    }
+
+    /// Spends from the budget; reports at `place` that it is used up.
+    pub(crate) fn spend(&mut self, place: &Span, resource: Resource, amount: u64) -> ParseResult<()> {
+        self.budget.spend(resource, amount).map_err(|end| self.end(place, end))
+    }
+
+    /// Replaces all messages by the one that reading has ended, with the place where it did.
+    pub(crate) fn end(&mut self, place: &Span, end: BudgetError) -> ReportedError {
+        if self.diagnostics.end().is_none() {
+            let (file, excerpt) = (self.sources.name(place.location.file), self.sources.excerpt(place));
+            let diagnostic =
+                Diagnostic { location: Some(place.location), excerpt, ..end_of_reading(file, end) };
+            self.diagnostics = Diagnostics::of_end(diagnostic, end);
+        }
+        ReportedError
     }
 
     fn report(
@@ -247,6 +271,11 @@ impl Reporter {
         message: String,
         help: Option<String>,
     ) {
+        // Whatever a reader makes of a budget that is used up, that is the reason.
+        if let Some(end) = self.budget.failure() {
+            self.end(place, end);
+            return;
+        }
         if self.lists && kind == MISSING_FILE {
             return;
         }
@@ -265,6 +294,16 @@ impl Reporter {
             });
         }
     }
+}
+
+/// The message that reading of a file has ended, without a place.
+pub(crate) fn end_of_reading(file: String, end: BudgetError) -> Diagnostic {
+    let (kind, help) = match end {
+        BudgetError::Limit(limit) => ("limit", Some(limit.help())),
+        BudgetError::Interrupted => ("interrupted", None),
+    };
+    let message = end.to_string();
+    Diagnostic { severity: Severity::Error, kind, file, location: None, message, excerpt: None, help }
 }
 
 /// Text of a file for a message, truncated to a readable length.

@@ -1,4 +1,4 @@
-//! Long computations: progress, cancelling, checkpoints and identity.
+//! Long computations: progress, cancelling, budgets of resources, checkpoints and identity.
 //!
 //! Rendering, baking, illuminating, conversions and studies are *jobs*. A function that runs one takes two arguments:
 //!
@@ -10,7 +10,7 @@
 //! `Interrupted` holds [`Interrupted`]. A saved state belongs to a [`JobIdentity`]: resuming under another one is refused by an
 //! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] represents the scene in it, and
 //! [`write_atomically`] replaces the file of a state as a whole, which a [`CheckpointLock`] keeps from other processes. An [`IoFault`] is an error of a file in words. A [`JobPart`] is one of several parts of a job that are computed separately. Reports name the
-//! program by [`current_version`] and the machine by [`processor_name`].
+//! program by [`current_version`] and the machine by [`processor_name`]. A [`ResourceBudget`] bounds what the input of a job can cost: memory, files, time and so on.
 //!
 //! ```
 //! use std::time::{Duration, Instant};
@@ -57,6 +57,7 @@
 //! ```
 
 mod atomic;
+mod budget;
 mod cancel;
 mod checkpoint;
 mod content_hash;
@@ -69,6 +70,10 @@ mod progress;
 pub use atomic::{
     CheckpointLock, CheckpointLockError, WriteError, check_creatable, make_folder, remove_orphans,
     write_atomically, write_atomically_with, write_file_atomically,
+};
+pub use budget::{
+    BudgetError, LimitError, LimitValueError, MemoryReservation, Resource, ResourceBudget, ResourceLimits,
+    byte_size,
 };
 pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;

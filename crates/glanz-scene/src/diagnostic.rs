@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use glanz_job::{BudgetError, LimitError};
+
 use crate::description::Location;
 
 /// Severity of a message.
@@ -160,11 +162,35 @@ impl fmt::Display for Diagnostic {
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
     counts: BTreeMap<(Severity, &'static str), usize>,
+    end: Option<BudgetError>,
 }
 
 impl Diagnostics {
     /// Largest number of messages of one kind that are kept.
     pub const PER_KIND: usize = 100;
+
+    /// The one message of reading that ended because a budget was used up or its flag raised.
+    #[must_use]
+    pub fn of_end(diagnostic: Diagnostic, end: BudgetError) -> Self {
+        let mut diagnostics = Self { end: Some(end), ..Self::default() };
+        diagnostics.push(diagnostic);
+        diagnostics
+    }
+
+    /// Why reading ended before it was complete, if a budget is the reason.
+    #[must_use]
+    pub fn end(&self) -> Option<BudgetError> {
+        self.end
+    }
+
+    /// The limit that was reached, if reading ended for that reason.
+    #[must_use]
+    pub fn limit(&self) -> Option<LimitError> {
+        match self.end {
+            Some(BudgetError::Limit(limit)) => Some(limit),
+            _ => None,
+        }
+    }
 
     /// Adds a message.
     pub fn push(&mut self, diagnostic: Diagnostic) {

@@ -1,6 +1,7 @@
 //! Errors and warnings of descriptions.
 
 use glanz_geometry::SurfaceError;
+use glanz_job::BudgetError;
 use glanz_light::SkyError;
 use glanz_math::TransformError;
 use glanz_shading::MaterialError;
@@ -76,6 +77,9 @@ pub enum SceneErrorKind {
         /// The name.
         name: String,
     },
+    /// The budget is used up, or its flag was raised.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
     /// Groups nested beyond the limit.
     #[error("groups are nested more deeply than the {0} levels allowed; merge some of them")]
     Nesting(usize),

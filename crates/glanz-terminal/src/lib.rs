@@ -114,6 +114,11 @@ pub fn exit_code(messages: Messages, outcome: Result<CommandOutcome, CommandErro
         }
         // Nobody reads the rest: no error, as in `glanz info FILE | head`.
         Err(failure) if failure.is_closed_pipe => ExitCode::from(interrupt::CLOSED_PIPE),
+        Err(failure) if failure.is_interrupted => {
+            messages.note(&failure.message);
+            openjd::fail(messages, "interrupted by a signal");
+            ExitCode::from(interrupt::exit_code())
+        }
         Err(failure) => {
             messages.error(&failure);
             if failure.usage { ExitCode::from(WRONG_USAGE) } else { ExitCode::FAILURE }

@@ -106,17 +106,32 @@ pub struct CommandError {
     pub is_printed: bool,
     /// Whether the reader of the standard output has closed it, of which nothing is printed.
     pub is_closed_pipe: bool,
+    /// Whether a signal ended the command before it had a result.
+    pub is_interrupted: bool,
 }
 
 impl CommandError {
     /// An error of the execution.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None, usage: false, is_printed: false, is_closed_pipe: false }
+        let message = message.into();
+        Self {
+            message,
+            help: None,
+            usage: false,
+            is_printed: false,
+            is_closed_pipe: false,
+            is_interrupted: false,
+        }
     }
 
     /// An error that has been printed already.
     pub fn reported(message: impl Into<String>) -> Self {
         Self { is_printed: true, ..Self::new(message) }
+    }
+
+    /// The end of a command by a signal, before it had a result.
+    pub fn interrupted(message: impl Into<String>) -> Self {
+        Self { is_interrupted: true, ..Self::new(message) }
     }
 
     /// An invalid command line.

@@ -4,7 +4,7 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use glanz_job::{CheckpointLockError, IdentityMismatch, Interrupted, IoFault, JobPart};
+use glanz_job::{BudgetError, CheckpointLockError, IdentityMismatch, Interrupted, IoFault, JobPart};
 use glanz_scene::description::GuideSettings;
 #[cfg(feature = "formats")]
 use glanz_scene::tessellation::TessellationError;
@@ -392,6 +392,15 @@ impl FileFault {
 }
 
 impl Error {
+    /// The faults of reading a scene, or that it was cancelled.
+    #[cfg(feature = "formats")]
+    pub(crate) fn of_reading(diagnostics: Diagnostics) -> Self {
+        match diagnostics.end() {
+            Some(BudgetError::Interrupted) => Interrupted.into(),
+            _ => Self::Scene(diagnostics),
+        }
+    }
+
     /// Whether options exclude each other, do not fit the scene, or name files that cannot serve for it.
     #[must_use]
     pub fn is_of_options(&self) -> bool {

@@ -125,7 +125,7 @@ pub use glanz_transport as transport;
 #[doc(inline)]
 pub use glanz_viewer as viewer;
 
-/// Reads the scene file `path`, and all files it refers to.
+/// Reads the scene file `path`, and all files it refers to, within the [limits](job::ResourceLimits) of the machine.
 ///
 /// # Errors
 /// [`Error::Scene`] with the faults and their places.
@@ -134,17 +134,17 @@ pub fn open(path: impl AsRef<std::path::Path>) -> Result<LoadedScene, Error> {
     open_with(path, &formats::Options::default())
 }
 
-/// As [`open`], with options: whether repairs are errors, and where files are found.
+/// As [`open`], with options: whether repairs are errors, where files are found, limits of what reading and preparing the scene may use, and a flag that ends it.
 ///
 /// # Errors
-/// [`Error::Scene`] with the faults and their places.
+/// [`Error::Scene`] with the faults and their places, or with the limit that was reached; [`Error::Interrupted`].
 #[cfg(feature = "formats")]
 pub fn open_with(
     path: impl AsRef<std::path::Path>,
     options: &formats::Options,
 ) -> Result<LoadedScene, Error> {
     let path = path.as_ref();
-    let loaded = formats::load(path, options).map_err(Error::Scene)?;
+    let loaded = formats::load(path, options).map_err(Error::of_reading)?;
     Ok(LoadedScene::from_loaded(path.display().to_string(), loaded, options.strict))
 }
 
@@ -160,9 +160,9 @@ pub fn open_str(name: &str, text: &str, options: &formats::Options) -> Result<Lo
 /// As [`open_str`], of the bytes of a scene file or a model, whose content shows its format.
 ///
 /// # Errors
-/// [`Error::Scene`] with the faults and their places.
+/// [`Error::Scene`] with the faults and their places; [`Error::Interrupted`] if reading was cancelled.
 #[cfg(feature = "formats")]
 pub fn open_bytes(name: &str, bytes: Vec<u8>, options: &formats::Options) -> Result<LoadedScene, Error> {
-    let loaded = formats::load_bytes(name, bytes, options).map_err(Error::Scene)?;
+    let loaded = formats::load_bytes(name, bytes, options).map_err(Error::of_reading)?;
     Ok(LoadedScene::from_loaded(name.to_owned(), loaded, options.strict))
 }

@@ -4,9 +4,11 @@ use std::fmt::{self, Write};
 
 #[cfg(feature = "formats")]
 use glanz_formats::cad::CadReport;
-use glanz_job::ContentHash;
+use glanz_job::{BudgetError, CancelFlag, ContentHash, Interrupted, ResourceBudget, ResourceLimits};
 use glanz_scene::studio::{StudioSettings, add_studio};
-use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Scene, SceneWarning, Severity};
+use glanz_scene::{
+    Description, Diagnostic, Diagnostics, Location, Scene, SceneError, SceneErrorKind, SceneWarning, Severity,
+};
 
 use crate::error::Error;
 use crate::event::Warning;
@@ -32,6 +34,8 @@ pub struct LoadedScene {
     studio: Option<StudioSettings>,
     #[cfg(feature = "formats")]
     cad: Option<CadReport>,
+    /// What reading has used; preparing the scene goes on from there.
+    budget: ResourceBudget,
 }
 
 impl LoadedScene {
@@ -49,12 +53,14 @@ impl LoadedScene {
             studio: None,
             #[cfg(feature = "formats")]
             cad: None,
+            budget: ResourceBudget::default(),
         }
     }
 
     #[cfg(feature = "formats")]
     pub(crate) fn from_loaded(name: String, loaded: glanz_formats::Loaded, strict: bool) -> Self {
-        let glanz_formats::Loaded { description, diagnostics, content_hash, sources, studio, cad } = loaded;
+        let glanz_formats::Loaded { description, diagnostics, content_hash, sources, studio, cad, budget } =
+            loaded;
         Self {
             name,
             description,
@@ -64,6 +70,7 @@ impl LoadedScene {
             strict,
             studio,
             cad,
+            budget,
         }
     }
 
@@ -132,6 +139,13 @@ impl LoadedScene {
         }
     }
 
+    /// Limits of what preparing the scene for a job may use, and the flag that ends it; those of reading if this is not called.
+    #[must_use]
+    pub fn limits(mut self, limits: ResourceLimits, cancel: CancelFlag) -> Self {
+        self.budget = ResourceBudget::new(limits, cancel);
+        self
+    }
+
     /// Warnings from reading.
     #[must_use]
     pub fn diagnostics(&self) -> &Diagnostics {
@@ -159,11 +173,19 @@ impl LoadedScene {
     /// Resolves the scene for ray queries; returns it with its warnings. Of a model, these are its surfaces alone.
     ///
     /// # Errors
-    /// [`Error::Scene`] if the description is not a scene, or a warning arose from a [strict](LoadedScene::strict) one.
+    /// [`Error::Scene`] if the description is not a scene, a limit was reached ([`Diagnostics::limit`]), or a warning arose from a [strict](LoadedScene::strict) one.
     pub fn resolve(mut self) -> Result<(Scene, Vec<Warning>), Error> {
         let description = std::mem::take(&mut self.description);
-        let (scene, warnings) = Scene::resolve(description)
-            .map_err(|error| self.fault(error.location, error.kind.to_string()))?;
+        let resolved = Scene::resolve_with(description, &self.budget.for_next_step());
+        let (scene, warnings) = resolved.map_err(|SceneError { location, kind }| match kind {
+            SceneErrorKind::Budget(BudgetError::Interrupted) => Interrupted.into(),
+            SceneErrorKind::Budget(BudgetError::Limit(limit)) => {
+                let plain = self.diagnostic(Severity::Error, location, limit.to_string());
+                let diagnostic = Diagnostic { kind: "limit", help: Some(limit.help()), ..plain };
+                Error::Scene(Diagnostics::of_end(diagnostic, BudgetError::Limit(limit)))
+            }
+            kind => self.fault(location, kind.to_string()),
+        })?;
         let severity = if self.strict { Severity::Error } else { Severity::Warning };
         let mut diagnostics = Diagnostics::default();
         for SceneWarning { location, message } in warnings {
@@ -191,7 +213,7 @@ impl LoadedScene {
             ..Description::default()
         };
         let bare = Self::from_description(self.name.clone(), description).strict(self.strict);
-        Self { sources: self.sources.clone(), ..bare }
+        Self { sources: self.sources.clone(), budget: self.budget.clone(), ..bare }
     }
 
     /// Builder of a render of the scene.

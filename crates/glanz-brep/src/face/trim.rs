@@ -43,7 +43,7 @@ pub struct FaceTrim {
 }
 
 /// The faces of a model, by their indices, with the widths of their edges.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct TrimmedFaces {
     /// The faces.
     pub faces: Vec<Result<TrimmedFace, FaceRefusal>>,
@@ -56,24 +56,32 @@ pub struct TrimmedFaces {
 /// The trimmed faces of a model. They do not depend on the number of threads.
 #[must_use]
 pub fn trimmed_faces(model: &BrepModel) -> TrimmedFaces {
-    trimmed(model, false)
+    trimmed_faces_while(model, false, &|| true).unwrap_or_default()
 }
 
 /// The same, with points along the edges and the normals of the faces there.
 #[must_use]
 pub fn trimmed_faces_with_edges(model: &BrepModel) -> TrimmedFaces {
-    trimmed(model, true)
+    trimmed_faces_while(model, true, &|| true).unwrap_or_default()
 }
 
-fn trimmed(model: &BrepModel, with_edges: bool) -> TrimmedFaces {
-    let edges: Vec<BoundedEdge> = model.edges.par_iter().map(|edge| BoundedEdge::new(model, edge)).collect();
-    let laid: Vec<Result<LaidFace, FaceRefusal>> =
-        model.faces.par_iter().map(|face| LaidFace::try_new(model, &edges, face, with_edges)).collect();
+/// The same, `with_edges` or without, as long as `proceed` allows it, which is asked for each edge and face; `None` if it did not.
+#[must_use]
+pub fn trimmed_faces_while(
+    model: &BrepModel,
+    with_edges: bool,
+    proceed: &(dyn Fn() -> bool + Sync),
+) -> Option<TrimmedFaces> {
+    let bounded = |edge| proceed().then(|| BoundedEdge::new(model, edge));
+    let edges: Vec<BoundedEdge> = model.edges.par_iter().map(bounded).collect::<Option<_>>()?;
+    let laid = |face| proceed().then(|| LaidFace::try_new(model, &edges, face, with_edges));
+    let laid: Vec<Result<LaidFace, FaceRefusal>> = model.faces.par_iter().map(laid).collect::<Option<_>>()?;
     let mut widths = vec![0.0; model.edges.len()];
     for &(edge, deviation) in laid.iter().flatten().flat_map(|face| &face.deviations) {
         widths[edge] += deviation;
     }
-    let faces = laid.into_par_iter().map(|face| face?.close(model, &edges, &widths)).collect();
+    let close = |face: Result<LaidFace, FaceRefusal>| face?.close(model, &edges, &widths);
+    let faces = laid.into_par_iter().map(|face| proceed().then(|| close(face))).collect::<Option<_>>()?;
     let edges = with_edges.then(|| polylines(model, &edges));
-    TrimmedFaces { faces, widths, edges }
+    Some(TrimmedFaces { faces, widths, edges })
 }

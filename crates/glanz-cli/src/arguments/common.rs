@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum, ValueHint};
 use glanz::file::FileUses;
-use glanz::job::JobPart;
+use glanz::formats::Options;
+use glanz::job::{CancelFlag, JobPart, Resource, ResourceLimits, byte_size};
 use glanz::light::{Tone, ToneCurve};
 use glanz::math::DVec3;
 use glanz::scene::studio::{SrgbColor, StudioMaterial, StudioSettings, StudioView, UpAxis};
@@ -89,12 +90,42 @@ fn view_parser() -> impl TypedValueParser<Value = StudioView> {
         .try_map(move |name| by_name(name).ok_or("there is no such view"))
 }
 
-/// How strictly a scene is read.
+/// How strictly a scene is read, and what that may cost.
 #[derive(Clone, Debug, Args)]
-pub(crate) struct Strictness {
+pub(crate) struct ReadingArguments {
     /// Treat every repair or substitute in the scene as an error
     #[arg(long)]
     pub(crate) strict: bool,
+    /// Largest memory for the scene, such as 2G or 512M [default: three quarters of what is available]
+    #[arg(long, value_name = "SIZE", value_parser = byte_size)]
+    memory: Option<u64>,
+    /// Limit of what reading and preparing the scene may use, such as tokens=2e9 or time=30s; names: memory, bytes, files, depth,
+    /// tokens, objects, pixels, time
+    #[arg(long = "limit", value_name = "NAME=VALUE", value_parser = limit)]
+    limits: Vec<(Resource, String)>,
+}
+
+impl ReadingArguments {
+    /// Options for reading a scene, which ends when the flag is raised.
+    pub(crate) fn options(&self, cancel: &CancelFlag) -> Options {
+        let mut limits = ResourceLimits::default();
+        limits.memory = self.memory.unwrap_or(limits.memory);
+        for (resource, value) in &self.limits {
+            // The values have been tried when the command line was parsed.
+            let _ = limits.set(*resource, value);
+        }
+        Options { strict: self.strict, limits, cancel: cancel.clone(), ..Options::default() }
+    }
+}
+
+/// A limit: its name and its value.
+fn limit(text: &str) -> Result<(Resource, String), String> {
+    let names = || Resource::ALL.map(Resource::name).join(", ");
+    let form = || format!("it must be a name and a value, such as tokens=2e9; the names are {}", names());
+    let (name, value) = text.split_once('=').ok_or_else(form)?;
+    let resource = Resource::ALL.into_iter().find(|resource| resource.name() == name).ok_or_else(form)?;
+    ResourceLimits::default().set(resource, value).map_err(|error| error.to_string())?;
+    Ok((resource, value.to_owned()))
 }
 
 /// The number of threads.
@@ -146,7 +177,7 @@ pub(crate) struct JobArguments {
     #[command(flatten)]
     pub(crate) checkpoint: CheckpointArguments,
     #[command(flatten)]
-    pub(crate) strictness: Strictness,
+    pub(crate) reading: ReadingArguments,
     #[command(flatten)]
     pub(crate) verbosity: Verbosity,
 }

@@ -7,7 +7,7 @@ use glanz::{ChordalDeviation, MeshSettings};
 use glanz_terminal::Verbosity;
 use glanz_terminal::values::positive;
 
-use super::common::{Strictness, ThreadArguments};
+use super::common::{ReadingArguments, ThreadArguments};
 
 const CONVERT_HELP: &str = "\
 The extension of OUT selects the format:
@@ -48,7 +48,7 @@ pub(crate) struct ConvertArguments {
     #[command(flatten)]
     pub(crate) threads: ThreadArguments,
     #[command(flatten)]
-    pub(crate) strictness: Strictness,
+    pub(crate) reading: ReadingArguments,
     #[command(flatten)]
     pub(crate) verbosity: Verbosity,
 }

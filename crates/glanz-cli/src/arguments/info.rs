@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
 
-use super::common::Strictness;
+use super::common::ReadingArguments;
 
 const INFO_HELP: &str = "\
 Examples:
@@ -32,7 +32,7 @@ pub(crate) struct InfoArguments {
     #[arg(short, long)]
     pub(crate) verbose: bool,
     #[command(flatten)]
-    pub(crate) strictness: Strictness,
+    pub(crate) reading: ReadingArguments,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,

@@ -18,7 +18,7 @@ mod tests;
 mod view;
 
 pub(crate) use bake::BakeArguments;
-pub(crate) use common::{JobArguments, ModelArgument};
+pub(crate) use common::{JobArguments, ModelArgument, ReadingArguments};
 pub(crate) use compare::{CompareArguments, Metric};
 pub(crate) use convert::ConvertArguments;
 pub(crate) use illuminate::IlluminateArguments;

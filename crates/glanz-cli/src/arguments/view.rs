@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use glanz::viewer::server::DEFAULT_PORT;
 use glanz::viewer::stream::IntegratorName;
 
-use super::common::{ModelArgument, RoomArgument, Strictness, ThreadArguments};
+use super::common::{ModelArgument, ReadingArguments, RoomArgument, ThreadArguments};
 
 const VIEW_HELP: &str = "\
 The page draws the surfaces themselves, not facets of them; when the camera rests, it shows the
@@ -66,7 +66,7 @@ pub(crate) struct ViewArguments {
     #[command(flatten)]
     pub(crate) room: RoomArgument,
     #[command(flatten)]
-    pub(crate) strictness: Strictness,
+    pub(crate) reading: ReadingArguments,
     /// Print errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,

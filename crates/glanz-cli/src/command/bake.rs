@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use glanz::file::FileUses;
-use glanz::job::JobPart;
+use glanz::job::{CancelFlag, JobPart};
 use glanz::radiosity::bake::{BakeMethod, BakePart};
 use glanz::{BakeOutcome, Error, LoadedScene, ModelFiles, page_path};
 use glanz_terminal::messages::{CommandError, Messages};
@@ -46,14 +46,14 @@ struct BakeReport {
 pub(crate) fn run(arguments: &BakeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let method = arguments.method().map_err(CommandError::usage)?;
     let mut uses = files(arguments).map_err(command_error(messages))?;
-    let strict = arguments.job.strictness.strict;
-    let scene = scene_file::open(&arguments.scene.scene, strict, messages)?;
+    let cancel = interrupt::listen()?;
+    let scene = scene_file::open(&arguments.scene.scene, &arguments.job.reading, &cancel, messages)?;
     uses.add_inputs(scene.paths()).map_err(command_error(messages))?;
     check_pages(arguments, &uses).map_err(command_error(messages))?;
     let warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     match (&arguments.output, arguments.part.part) {
-        (Some(output), _) => run_whole(arguments, output, scene, method, uses, warnings, messages),
-        (None, Some(part)) => run_part(arguments, part, scene, method, warnings, messages),
+        (Some(output), _) => run_whole(arguments, output, (scene, cancel), method, uses, warnings, messages),
+        (None, Some(part)) => run_part(arguments, part, (scene, cancel), method, warnings, messages),
         (None, None) => Ok(CommandOutcome::Done),
     }
 }
@@ -75,13 +75,12 @@ struct BakePartReport {
 fn run_part(
     arguments: &BakeArguments,
     part: JobPart,
-    scene: LoadedScene,
+    (scene, cancel): (LoadedScene, CancelFlag),
     method: BakeMethod,
     mut warnings: Vec<String>,
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
     let start = Instant::now();
-    let cancel = interrupt::listen()?;
     let baked = run_job(scene, &arguments.job, cancel, messages, |scene, job| {
         let bake = scene.bake().density(arguments.texels_per_metre).rays(arguments.rays).method(method);
         let part = BakePart { part, direct_only: arguments.direct_only };
@@ -134,14 +133,13 @@ fn finished<T>(
 fn run_whole(
     arguments: &BakeArguments,
     output: &Path,
-    scene: LoadedScene,
+    (scene, cancel): (LoadedScene, CancelFlag),
     method: BakeMethod,
     mut uses: FileUses,
     mut warnings: Vec<String>,
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
     let start = Instant::now();
-    let cancel = interrupt::listen()?;
     let baked = run_job(scene, &arguments.job, cancel, messages, |scene, job| {
         let bake = scene.bake().density(arguments.texels_per_metre).rays(arguments.rays);
         bake.method(method).job(job).run()

@@ -49,7 +49,8 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
         files.add_output(&library).map_err(command_error(messages))?;
     }
     let start = Instant::now();
-    let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
+    let cancel = interrupt::listen()?;
+    let scene = scene_file::open(&arguments.scene, &arguments.reading, &cancel, messages)?;
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     if exact {
@@ -60,7 +61,6 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
         }
         return write_exact(arguments, &scene, (start, warnings), messages);
     }
-    let cancel = interrupt::listen()?;
     let interrupted = || {
         messages.note("interrupted; nothing was written");
         Ok(CommandOutcome::Interrupted)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glanz::formats::Options;
+use glanz::job::CancelFlag;
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
 
@@ -26,7 +26,9 @@ pub(crate) fn run(arguments: &DemoArguments, messages: Messages) -> Result<Comma
          a hyperboloid, a paraboloid, a cylinder and a cone, intersected and clipped exactly,\n\
          lit by area lights and rendered by path tracing.",
     );
-    let options = Options { strict: arguments.render.job.strictness.strict, ..Options::default() };
-    let open = || print_diagnostics(glanz::open_str("demo.pbrt", SCENE, &options), messages);
+    let open = |cancel: &CancelFlag| {
+        let options = arguments.render.job.reading.options(cancel);
+        print_diagnostics(glanz::open_str("demo.pbrt", SCENE, &options), messages)
+    };
     render_scene(&arguments.render, None, Some(Path::new(PICTURE)), messages, open)
 }

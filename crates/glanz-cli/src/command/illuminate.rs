@@ -48,7 +48,7 @@ pub(crate) fn run(
                 let (room, request) = planned_room(&arguments.plan, size, luminaire, messages)?;
                 (room, Some(request))
             }
-            _ => (scene_file::open(path, arguments.job.strictness.strict, messages)?, None),
+            _ => (scene_file::open(path, &arguments.job.reading, &cancel, messages)?, None),
         };
         files.add_inputs(scene.paths()).map_err(command_error(messages))?;
         let folder = result_folder(arguments, number, &mut files).map_err(command_error(messages))?;

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use glanz::math::Bounds3;
-use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
+use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;
@@ -73,7 +73,8 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
     if arguments.ugr {
         return Err(CommandError::usage("--ugr rates the luminaire of a photometric file: .ies or .ldt"));
     }
-    let scene = scene_file::open(&arguments.scene, arguments.strictness.strict, messages)?;
+    let cancel = interrupt::listen()?;
+    let scene = scene_file::open(&arguments.scene, &arguments.reading, &cancel, messages)?;
     let name = scene.name().to_owned();
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
     let description = scene.description();

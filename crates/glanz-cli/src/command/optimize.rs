@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &OptimizeArguments, messages: Messages) -> Result<C
         ));
     }
     check_output(arguments, &mut files).map_err(command_error(messages))?;
-    let scene = scene_file::open(path, arguments.job.strictness.strict, messages)?;
+    let scene = scene_file::open(path, &arguments.job.reading, &cancel, messages)?;
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let start = Instant::now();
     let optimized = run_job(scene, &arguments.job, cancel, messages, |scene, job| {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glanz::file::FileUses;
-use glanz::job::JobEnd;
+use glanz::job::{CancelFlag, JobEnd};
 use glanz::transport::{AovSet, Film, GuideSize, NoiseLevel};
 use glanz::{Error, LoadedScene, Picture};
 use glanz_terminal::CommandOutcome;
@@ -28,9 +28,9 @@ pub(crate) fn run(
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
     let render = &arguments.render;
-    let open = || scene_file::open_cut_model(arguments, messages);
+    let open = |cancel: &CancelFlag| scene_file::open_cut_model(arguments, cancel, messages);
     match arguments.turntable {
-        Some(count) => turntable::run(open()?, render, count, messages),
+        Some(count) => turntable::run(open(&interrupt::listen()?)?, render, count, messages),
         None => render_scene(render, Some(&arguments.model.scene), None, messages, open),
     }
 }
@@ -98,7 +98,7 @@ pub(crate) fn render_scene(
     scene_path: Option<&Path>,
     default_output: Option<&Path>,
     messages: Messages,
-    open: impl FnOnce() -> Result<LoadedScene, CommandError>,
+    open: impl FnOnce(&CancelFlag) -> Result<LoadedScene, CommandError>,
 ) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
     // Everything that does not depend on the scene is checked before reading it, which may take long.
@@ -107,7 +107,7 @@ pub(crate) fn render_scene(
     let named = Outputs::try_new(&arguments.output, tone, &mut files, messages)?;
     named.check_stream(arguments.job.verbosity)?;
 
-    let scene = open()?;
+    let scene = open(&cancel)?;
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let name = scene.name().to_owned();
     let film_name = scene.description().film.file_name.as_deref();

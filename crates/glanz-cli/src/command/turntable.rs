@@ -47,7 +47,7 @@ pub(crate) fn run(
         arguments.output = outputs.iter().map(|path| frame_path(path, number, count)).collect();
         let turntable = Some(TurntableFrame { number, count });
         let frame = scene.clone().studio(StudioSettings { turntable, ..settings.clone() });
-        if render_scene(&arguments, None, None, messages, || Ok(frame))? == CommandOutcome::Interrupted {
+        if render_scene(&arguments, None, None, messages, |_| Ok(frame))? == CommandOutcome::Interrupted {
             return Ok(CommandOutcome::Interrupted);
         }
     }

@@ -26,12 +26,13 @@ use crate::report;
 /// # Errors
 /// A scene or file that is refused, or an address at which the server cannot listen.
 pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let (strict, studio) = (arguments.strictness.strict, arguments.model.studio.settings());
-    let options = Options { strict, studio, ..Options::default() };
+    let studio = arguments.model.studio.settings();
     if let Some(folder) = worker_folder() {
+        let options = Options { studio, ..arguments.reading.options(&CancelFlag::default()) };
         return serve_opened_scene(arguments, options, &folder);
     }
     let cancel = interrupt::listen()?;
+    let options = Options { studio, ..arguments.reading.options(&cancel) };
     let (lux, second_lux) = lux_folders(arguments)?;
     let second = arguments.compare.as_ref().or_else(|| second_lux.as_ref().map(|_| &arguments.model.scene));
     let overlay = overlay(arguments, lux.as_deref()).map_err(command_error(messages))?;

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use glanz_brep::face::{TrimmedFaces, trimmed_faces, trimmed_faces_with_edges};
+use glanz_brep::face::{TrimmedFaces, trimmed_faces_while};
 use glanz_brep::model::BrepModel;
+use glanz_job::ResourceBudget;
 use glanz_scene::{Description, Location};
 
 use super::cad_report::CadReport;
@@ -26,15 +27,28 @@ pub(crate) struct CadModel {
 }
 
 impl CadModel {
+    /// As [`CadModel::read_with`] within the limits of the machine.
+    #[cfg(test)]
+    pub(crate) fn read(bytes: &[u8], with_edges: bool) -> Result<Self, CadError> {
+        Self::read_with(bytes, with_edges, &ResourceBudget::default())
+    }
+
     /// Reads a file of STEP or IGES. `with_edges`: whether descriptions made of it have edges.
     ///
     /// # Errors
     /// Those of [`step::read`] and [`iges::read`].
-    pub(crate) fn read(bytes: &[u8], with_edges: bool) -> Result<Self, CadError> {
-        let BrepFile { model, report } =
-            if iges::is_iges(bytes) { iges::read(bytes)? } else { step::read(bytes)? };
-        let trimmed = if with_edges { trimmed_faces_with_edges } else { trimmed_faces };
-        let faces = Arc::new(trimmed(&model));
+    pub(crate) fn read_with(
+        bytes: &[u8],
+        with_edges: bool,
+        budget: &ResourceBudget,
+    ) -> Result<Self, CadError> {
+        let BrepFile { model, report } = match iges::is_iges(bytes) {
+            true => iges::read_with(bytes, budget)?,
+            false => step::read_with(bytes, budget)?,
+        };
+        let faces = trimmed_faces_while(&model, with_edges, &|| budget.check().is_ok());
+        budget.check()?;
+        let faces = Arc::new(faces.unwrap_or_default());
         let report = CadReport::new(&model, report, &faces);
         Ok(Self { model, faces, report })
     }

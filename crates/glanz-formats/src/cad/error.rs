@@ -1,5 +1,7 @@
 //! Errors.
 
+use glanz_job::BudgetError;
+
 use crate::iges::IgesError;
 use crate::step::StepError;
 
@@ -11,4 +13,6 @@ pub(crate) enum CadError {
     Step(#[from] StepError),
     #[error(transparent)]
     Iges(#[from] IgesError),
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
 }

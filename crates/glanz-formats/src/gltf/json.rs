@@ -3,9 +3,11 @@
 use std::fmt;
 use std::sync::LazyLock;
 
+use glanz_job::ResourceBudget;
 use serde_json::{Map, Value};
 
 use super::error::GltfError;
+use crate::budget_reader::BudgetReader;
 
 /// A JSON pointer (RFC 6901) that is only written when a message needs it.
 #[derive(Clone, Copy, Debug)]
@@ -240,6 +242,9 @@ impl<'a> JsonObject<'a> {
     }
 }
 
+/// Bytes of a text that takes some time to read.
+const LONG_TEXT: usize = 1 << 20;
+
 /// The document.
 #[derive(Debug)]
 pub(super) struct Document {
@@ -247,11 +252,16 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Parses the text.
-    pub(super) fn parse(text: &[u8]) -> Result<Self, serde_json::Error> {
+    /// Parses the text; one of megabytes in steps, between which the budget may end it.
+    pub(super) fn parse(text: &[u8], budget: &ResourceBudget) -> Result<Self, serde_json::Error> {
         // Some programs write a byte order mark.
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-        Ok(Self { root: serde_json::from_slice(text)? })
+        let root = match text.len() {
+            // A slice is read twice as fast.
+            0..LONG_TEXT => serde_json::from_slice(text)?,
+            _ => serde_json::from_reader(BudgetReader::new(text, budget))?,
+        };
+        Ok(Self { root })
     }
 
     /// The whole as an object.

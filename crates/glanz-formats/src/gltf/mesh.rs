@@ -1,5 +1,6 @@
 //! Meshes: primitives as triangles.
 
+use glanz_job::Resource;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{GeometryDescription, ShapeDescription, SurfaceMedia};
 
@@ -27,6 +28,9 @@ pub(super) const DRACO_HELP: &str =
     "compression by Draco is not read; convert the file first: gltf-transform copy FILE plain.glb";
 
 /// The message for a file whose primitives use the same elements again and again.
+/// Bytes of an element of an accessor: a vector of numbers of eight bytes.
+const BYTES_PER_ELEMENT: u64 = 24;
+
 const TOO_MUCH: &str = "the elements of the file are used too often; give primitives the same mesh instead of the same accessors";
 
 /// Triangles over the vertices that they use.
@@ -277,8 +281,16 @@ impl<'a> GltfReader<'a, '_> {
         Ok(accessor)
     }
 
+    /// Takes memory off the budget.
+    pub(super) fn spend(&self, bytes: u64, path: &JsonPath<'_>) -> Result<(), GltfError> {
+        let budget = &self.reader.finder.budget;
+        let spent = budget.check().and_then(|()| budget.spend(Resource::Memory, bytes));
+        spent.map_err(|end| path.error(end.to_string()))
+    }
+
     /// Counts elements that are used, so that time and memory are in proportion to the size of the file.
     pub(super) fn use_elements(&mut self, count: usize, path: &JsonPath<'_>) -> Result<(), GltfError> {
+        self.spend(BYTES_PER_ELEMENT.saturating_mul(count as u64), path)?;
         self.elements_left = self.elements_left.checked_sub(count).ok_or_else(|| path.error(TOO_MUCH))?;
         Ok(())
     }

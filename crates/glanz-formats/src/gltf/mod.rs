@@ -58,6 +58,9 @@ const READ: [&str; 16] = [
 const ELEMENTS_PER_BYTE: usize = 4;
 const FREE_ELEMENTS: usize = 10_000;
 
+/// Bytes of the parsed text per byte: 32 for a value of two.
+const JSON_PER_BYTE: u64 = 16;
+
 /// State of the reader.
 struct GltfReader<'a, 'b> {
     document: &'a Document,
@@ -97,7 +100,10 @@ impl From<GltfError> for PlacedError {
 
 fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> {
     let parts = container::split(bytes)?;
-    let document = Document::parse(parts.json).map_err(|error| {
+    let budget = reader.finder.budget.clone();
+    let needed = JSON_PER_BYTE.saturating_mul(parts.json.len() as u64);
+    let _reserved = budget.reserve(needed).map_err(|end| GltfError::of_file(end.to_string()))?;
+    let document = Document::parse(parts.json, &budget).map_err(|error| {
         let in_text = parts.json.len() == bytes.len();
         let place = |n: usize| u32::try_from(n).unwrap_or(u32::MAX).max(1);
         let message = error.to_string();

@@ -63,6 +63,7 @@ impl GltfReader<'_, '_> {
             self.roots()?.into_iter().rev().map(|n| (n, DMat4::IDENTITY)).collect();
         let path = JsonPath::ROOT;
         while let Some((index, to_world)) = pending.pop() {
+            self.spend(0, &path)?;
             let document = self.document;
             document.element("nodes", index, &path, |node| {
                 if std::mem::replace(&mut visited[index], true) {
@@ -224,6 +225,7 @@ impl GltfReader<'_, '_> {
                 return Err(path.error(message));
             }
             let instance = InstanceDescription { name, group, to_parent: to_world, location: None };
+            self.spend(instance.bytes(), &path)?;
             self.reader.description.world.instances.push(instance);
         }
         Ok(())

@@ -17,7 +17,6 @@ use glanz_shading::model::{PrincipledMaterial, Roughness, RoughnessScale};
 use serde_json::{Value, json};
 
 use crate::glb::{GlbModel, GlbNode, GlbPrimitive};
-use crate::model::ModelReader;
 use crate::registry::{Loaded, Options, load_str};
 
 /// A buffer with its views and accessors.

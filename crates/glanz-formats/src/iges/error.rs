@@ -1,5 +1,7 @@
 //! Errors.
 
+use glanz_job::BudgetError;
+
 /// Errors of reading an IGES file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -18,4 +20,7 @@ pub enum IgesError {
     /// The file is too large.
     #[error("the file has {0} bytes; fewer than 2^32 can be read")]
     TooLarge(usize),
+    /// The budget of reading is used up.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
 }

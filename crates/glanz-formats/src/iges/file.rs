@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 
 use glanz_brep::model::EntityId;
+use glanz_job::ResourceBudget;
 
 use super::entity::IgesEntity;
 use super::error::IgesError;
@@ -53,14 +54,19 @@ impl IgesFile {
     /// The entries of a file; what is damaged is in the report.
     ///
     /// # Errors
-    /// Those of [`IgesSections::parse`].
-    pub(super) fn parse(bytes: &[u8], report: &mut ReadingReport) -> Result<Self, IgesError> {
+    /// Those of [`IgesSections::parse`], [`IgesError::Budget`].
+    pub(super) fn parse(
+        bytes: &[u8],
+        report: &mut ReadingReport,
+        budget: &ResourceBudget,
+    ) -> Result<Self, IgesError> {
         let sections = IgesSections::parse(bytes, &mut report.faults)?;
         let global = GlobalSection::parse(&sections.global, report);
         let mut parser = ParameterParser::new(&sections, &global);
         let mut entries = Vec::with_capacity(sections.directory.len() / 2);
         let mut records = sections.directory.iter().peekable();
         while let Some(first) = records.next() {
+            budget.check()?;
             // Entries have two records, from an odd number on; by their numbers a lost record costs one entry only.
             let is_second = |second: &&IgesRecord<'_>| {
                 first.number % 2 == 1 && Some(second.number) == first.number.checked_add(1)
@@ -321,7 +327,7 @@ mod tests {
             text += &format!("{:<64}{:8}P{i:07}\n", "99999999H", 2 * i - 1);
         }
         let mut report = ReadingReport::default();
-        let file = IgesFile::parse(text.as_bytes(), &mut report).unwrap();
+        let file = IgesFile::parse(text.as_bytes(), &mut report, &ResourceBudget::default()).unwrap();
         assert_eq!((file.entries.len(), file.values.len()), (count, 3));
     }
 
@@ -340,7 +346,7 @@ mod tests {
             text += &format!("{:<64}{:8}P{i:07}\n", str::from_utf8(record).unwrap(), 1);
         }
         let mut report = ReadingReport::default();
-        let file = IgesFile::parse(text.as_bytes(), &mut report).unwrap();
+        let file = IgesFile::parse(text.as_bytes(), &mut report, &ResourceBudget::default()).unwrap();
         let values: usize = file.entries.iter().map(|entry| file.values(entry).len()).sum();
         let characters = PARAMETER_COLUMNS * records.len();
         assert!((2 * items..=2 * characters).contains(&values), "{values} values, {characters} characters");

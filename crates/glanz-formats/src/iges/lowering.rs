@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use glanz_brep::model::{BrepModel, EntityId, FaceSurface, SurfaceEntry};
+use glanz_job::ResourceBudget;
 use glanz_math::{DMat4, DVec3};
 
 use super::entity::{IgesEntity, type_name};
@@ -43,11 +44,11 @@ pub(super) struct IgesReader<'a> {
 }
 
 impl<'a> IgesReader<'a> {
-    pub(super) fn new(file: &'a IgesFile, report: ReadingReport) -> Self {
+    pub(super) fn new(file: &'a IgesFile, report: ReadingReport, budget: &ResourceBudget) -> Self {
         let uncertainty = file.global.resolution * file.global.length;
         Self {
             file,
-            budget: CopyBudget::new(file.size),
+            budget: CopyBudget::new(file.size, budget),
             model: BrepModel { uncertainty, length_unit: Some(file.global.length), ..BrepModel::default() },
             report,
             faces: HashMap::new(),

@@ -40,6 +40,7 @@ pub(crate) use records::is_iges;
 
 use crate::cad::{BrepFile, ReadingReport};
 use file::IgesFile;
+use glanz_job::ResourceBudget;
 use lowering::IgesReader;
 
 /// Reads an IGES file.
@@ -48,9 +49,22 @@ use lowering::IgesReader;
 /// [`IgesError`] if the bytes are no IGES file, are in its compressed form, have no directory, or are too many. Everything else that cannot
 /// be read is in the report.
 pub fn read(bytes: &[u8]) -> Result<BrepFile, IgesError> {
+    read_with(bytes, &ResourceBudget::default())
+}
+
+/// Bytes for each byte of a file, beside the geometry, which is counted as it is made: 16 for a value of two.
+const MEMORY_PER_BYTE: u64 = 12;
+
+/// As [`read`] within a budget.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<BrepFile, IgesError> {
+    let _reserved = budget.reserve(MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64))?;
     let mut report = ReadingReport::default();
-    let file = IgesFile::parse(bytes, &mut report)?;
-    let mut reader = IgesReader::new(&file, report);
+    let file = IgesFile::parse(bytes, &mut report, budget)?;
+    let mut reader = IgesReader::new(&file, report, budget);
     reader.read_all();
+    budget.check()?;
     Ok(reader.finish())
 }

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use glanz_job::{BudgetError, MemoryReservation, Resource, ResourceBudget};
 use glanz_light::PixelsError;
 
 use super::Format;
@@ -16,17 +17,13 @@ pub enum ImageError {
         /// The first bytes, at most eight.
         start: Vec<u8>,
     },
-    /// The picture has more pixels or samples than the limits allow.
-    #[error("{format}: {width} x {height} pixels with {channels} channels are more than the limit")]
-    TooLarge {
+    /// The budget is used up, or its flag raised. Sizes are compared with it before anything is decoded.
+    #[error("{format}: {end}")]
+    Budget {
         /// Of the file.
         format: Format,
-        /// Pixels per row.
-        width: u64,
-        /// Rows.
-        height: u64,
-        /// Values per pixel.
-        channels: u64,
+        /// The reason.
+        end: BudgetError,
     },
     /// The header declares far more pixels than the format can pack into the bytes that follow.
     #[error("{format}: {width} x {height} pixels are declared, but the file has only {bytes} bytes")]
@@ -78,30 +75,32 @@ fn at(offset: Option<usize>) -> String {
     offset.map(|o| format!(" (at byte {o})")).unwrap_or_default()
 }
 
-/// Largest number of pixels of a picture: more than any camera or map in use has, and within available memory.
-pub const MAX_PIXELS: u64 = 1 << 28;
-
-/// Largest number of values (pixels times channels) of a picture.
-pub const MAX_SAMPLES: u64 = 1 << 30;
-
 /// Up to this number of values, 64 MiB, the size is not compared with the length of the file.
 const FREE_SAMPLES: u64 = 1 << 24;
 
-/// Refuses pictures that are too large, and large ones that `bytes` bytes cannot contain even if each of them
-/// unpacks to `ratio` values.
+/// Refuses large pictures that `bytes` bytes cannot contain even if each of them unpacks to `ratio` values, and takes the pixels off the budget.
 pub(super) fn check_size(
     format: Format,
     (width, height, channels): (u64, u64, u64),
     bytes: usize,
     ratio: u64,
+    budget: &ResourceBudget,
 ) -> Result<(), ImageError> {
-    let pixels = width.checked_mul(height).filter(|&n| n <= MAX_PIXELS);
-    let samples = pixels.and_then(|n| n.checked_mul(channels)).filter(|&n| n <= MAX_SAMPLES);
-    let Some(samples) = samples else {
-        return Err(ImageError::TooLarge { format, width, height, channels });
-    };
+    let pixels = width.saturating_mul(height);
+    let samples = pixels.saturating_mul(channels);
     if samples > FREE_SAMPLES && samples / ratio > bytes as u64 {
         return Err(ImageError::Unbacked { format, width, height, bytes });
     }
-    Ok(())
+    budget.spend(Resource::Pixels, pixels).map_err(|end| ImageError::Budget { format, end })
+}
+
+/// Reserves the memory of decoding: `decoder` bytes, and 4 for each of `samples` values.
+pub(super) fn reserve(
+    format: Format,
+    decoder: u64,
+    samples: u64,
+    budget: &ResourceBudget,
+) -> Result<MemoryReservation, ImageError> {
+    let all = samples.saturating_mul(size_of::<f32>() as u64).saturating_add(decoder);
+    budget.reserve(all).map_err(|end| ImageError::Budget { format, end })
 }

@@ -1,7 +1,7 @@
 //! OpenEXR: any number of named float planes.
 
 use std::collections::BTreeMap;
-use std::io::{self, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
@@ -15,10 +15,15 @@ use ::exr::meta::MetaData;
 use ::exr::meta::attribute::{AttributeValue, ChannelDescription, ChannelList, LevelMode, SampleType, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, SmallVec, read as exr_read};
+use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::Pixels;
 
-use super::error::check_size;
+use super::error::{check_size, reserve};
 use super::{Format, Image, ImageError, RowPicture};
+use crate::budget_reader::BudgetReader;
+
+/// Copies of a block that decompression makes.
+const BLOCK_COPIES: u64 = 4;
 
 /// Largest number of values that a byte can unpack to: zlib compresses 1032 to 1, and PXR24 stores 4 bytes in 3. Before that, the lossy DWA packs flat
 /// blocks of 64 pixels into one value.
@@ -33,14 +38,15 @@ const HEADER_PART: u64 = 1 << 16;
 
 /// Reads all layers. The name of a channel is that in the file, prefixed by the layer's name and a dot if the layer has one.
 /// Layers of another size than the first are named in `skipped_layers`. Integers become the nearest `f32`.
-pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(reading_error)?;
+pub(super) fn read(bytes: &[u8], budget: &ResourceBudget) -> Result<(Image, MemoryReservation), ImageError> {
+    let reader = BudgetReader::new(bytes, budget);
+    let meta = MetaData::read_from_buffered(reader, false).map_err(reading_error)?;
     for header in &meta.headers {
-        check_header(header, bytes.len())?;
+        check_header(header, bytes.len(), budget)?;
     }
-    let samples: u64 = meta.headers.iter().map(samples_of).fold(0, u64::saturating_add);
-    check_size(Format::Exr, (1, 1, samples), usize::MAX, 1)?;
-    let image = decode(bytes)?;
+    let sum = |of: fn(&Header) -> u64| meta.headers.iter().map(of).fold(0, u64::saturating_add);
+    let memory = reserve(Format::Exr, sum(decoder_bytes), sum(float_samples), budget)?;
+    let image = decode(bytes, budget)?;
     let mut pixels: Option<Pixels> = None;
     let mut skipped_layers = Vec::new();
     let mut attributes = BTreeMap::new();
@@ -59,12 +65,12 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
         add_layer(target, name.as_deref(), layer.channel_data.list)?;
     }
     let pixels = pixels.ok_or_else(|| damaged("the file has no layer".to_owned()))?;
-    Ok(Image { pixels, format: Format::Exr, attributes, skipped_layers })
+    Ok((Image { pixels, format: Format::Exr, attributes, skipped_layers }, memory))
 }
 
 type Layers = ::exr::image::Layers<AnyChannels<FlatSamples>>;
 
-fn decode(bytes: &[u8]) -> Result<ExrImage<Layers>, ImageError> {
+fn decode(bytes: &[u8], budget: &ResourceBudget) -> Result<ExrImage<Layers>, ImageError> {
     let decode = || {
         exr_read()
             .no_deep_data()
@@ -73,7 +79,7 @@ fn decode(bytes: &[u8]) -> Result<ExrImage<Layers>, ImageError> {
             .all_layers()
             .all_attributes()
             .non_parallel()
-            .from_buffered(Cursor::new(bytes))
+            .from_buffered(BudgetReader::new(bytes, budget))
     };
     // With overflow checks on, exr 1.74.2 panics on damaged B44 blocks (compression/b44, unpack14); nothing else was
     // found in millions of damaged files. The closure owns all data that it changes.
@@ -84,19 +90,32 @@ fn decode(bytes: &[u8]) -> Result<ExrImage<Layers>, ImageError> {
 }
 
 /// Sizes are checked before the decoder allocates.
-fn check_header(header: &Header, bytes: usize) -> Result<(), ImageError> {
+fn check_header(header: &Header, bytes: usize, budget: &ResourceBudget) -> Result<(), ImageError> {
     let (width, height) = (header.layer_size.0 as u64, header.layer_size.1 as u64);
     let channels = header.channels.list.len() as u64;
     let ratio = match header.compression {
         Compression::DWAA(_) | Compression::DWAB(_) => RATIO_DWA,
         _ => RATIO,
     };
-    check_size(Format::Exr, (width, height, channels), bytes, ratio)
+    check_size(Format::Exr, (width, height, channels), bytes, ratio, budget)
 }
 
-fn samples_of(header: &Header) -> u64 {
+/// Number of pixels of a layer times the number of channels that `select` chooses.
+fn samples(header: &Header, select: impl Fn(SampleType) -> bool) -> u64 {
     let pixels = (header.layer_size.0 as u64).saturating_mul(header.layer_size.1 as u64);
-    pixels.saturating_mul(header.channels.list.len() as u64)
+    let channels = header.channels.list.iter().filter(|channel| select(channel.sample_type)).count();
+    pixels.saturating_mul(channels as u64)
+}
+
+/// Values of the planes.
+fn float_samples(header: &Header) -> u64 {
+    samples(header, |_| true)
+}
+
+/// Bytes of the decoder beside the planes: values of other types than those of the planes, and blocks, of which it makes copies.
+fn decoder_bytes(header: &Header) -> u64 {
+    let others = samples(header, |kind| kind != SampleType::F32).saturating_mul(4);
+    others.saturating_add((header.max_block_byte_size() as u64).saturating_mul(BLOCK_COPIES))
 }
 
 /// Adds the channels of a layer under unused names.

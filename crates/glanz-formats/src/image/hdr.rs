@@ -1,29 +1,36 @@
 //! Radiance pictures: three bytes of mantissa and one of exponent per pixel (@wardrgbe).
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 
+use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::Pixels;
 use image::codecs::hdr::{HdrDecoder, HdrEncoder};
 use image::{DynamicImage, ImageDecoder};
 
-use super::error::check_size;
+use super::error::{check_size, reserve};
 use super::raster::decoding_error;
 use super::{Format, Image, ImageError, rgb_of};
+use crate::budget_reader::BudgetReader;
 
 /// Run lengths pack at most 127 values into two bytes.
 const RATIO: u64 = 64;
 
 /// Reads a Radiance picture. As in other renderers, the header's exposure is returned as an attribute and not applied.
-pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
-    let decoder = HdrDecoder::new(Cursor::new(bytes)).map_err(|e| decoding_error(Format::Hdr, e))?;
+pub(super) fn read(bytes: &[u8], budget: &ResourceBudget) -> Result<(Image, MemoryReservation), ImageError> {
+    let reader = BudgetReader::new(bytes, budget);
+    let decoder = HdrDecoder::new(reader).map_err(|e| decoding_error(Format::Hdr, e))?;
     let (width, height) = decoder.dimensions();
-    check_size(Format::Hdr, (width.into(), height.into(), 3), bytes.len(), RATIO)?;
+    check_size(Format::Hdr, (width.into(), height.into(), 3), bytes.len(), RATIO, budget)?;
+    let memory =
+        reserve(Format::Hdr, decoder.total_bytes(), u64::from(width) * u64::from(height) * 3, budget)?;
     let attributes: BTreeMap<String, String> = decoder.metadata().custom_attributes.into_iter().collect();
     let decoded = DynamicImage::from_decoder(decoder).map_err(|e| decoding_error(Format::Hdr, e))?;
-    let rgb: Vec<[f32; 3]> = decoded.into_rgb32f().pixels().map(|p| p.0).collect();
-    let pixels = Pixels::try_from_rgb(width, height, &rgb)?;
-    Ok(Image { pixels, format: Format::Hdr, attributes, skipped_layers: Vec::new() })
+    let values = decoded.into_rgb32f().into_raw();
+    let mut pixels = Pixels::try_new(width, height)?;
+    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+        pixels.add_channel(name, values.iter().skip(channel).step_by(3).copied().collect())?;
+    }
+    Ok((Image { pixels, format: Format::Hdr, attributes, skipped_layers: Vec::new() }, memory))
 }
 
 /// A Radiance picture of R, G, B (or Y). The format has no negative light, no infinity, no values above 2^127 or

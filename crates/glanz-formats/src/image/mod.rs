@@ -27,8 +27,8 @@
 //! # }
 //! ```
 //!
-//! For any bytes, [`read`] returns a picture or an [`ImageError`]; the size of a picture is limited by
-//! [`MAX_PIXELS`] and [`MAX_SAMPLES`], and that of large ones by the length of the file.
+//! For any bytes, [`read`] returns a picture or an [`ImageError`]. The size in the header is compared with a [`ResourceBudget`], and that of large pictures with the
+//! length of the file, before anything is decoded: at the peak, the decoder's pixels and 4 bytes per value.
 
 mod error;
 mod exr;
@@ -42,10 +42,11 @@ use std::fmt;
 use std::io::{self, Cursor};
 use std::path::Path;
 
+use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::rgb::srgb_decode;
 use glanz_light::{Pixels, Tone};
 
-pub use error::{ImageError, MAX_PIXELS, MAX_SAMPLES};
+pub use error::ImageError;
 pub use raster::write_srgb8;
 pub use rows::{RowPicture, write_rows};
 
@@ -171,16 +172,49 @@ impl Encoding {
 /// Reads a picture. `bytes`: the whole file; `path`: its name, where known, for formats without a signature.
 ///
 /// # Errors
-/// Every variant of [`ImageError`] except [`ImageError::NotWritable`].
+/// Every variant of [`ImageError`] except [`ImageError::NotWritable`]; the limits are those of the machine.
 pub fn read(bytes: &[u8], path: Option<&Path>, encoding: Encoding) -> Result<Image, ImageError> {
+    read_with(bytes, path, encoding, &ResourceBudget::default())
+}
+
+/// As [`read`] within a budget, from which the planes of the picture stay taken.
+///
+/// # Errors
+/// Every variant of [`ImageError`] except [`ImageError::NotWritable`].
+pub fn read_with(
+    bytes: &[u8],
+    path: Option<&Path>,
+    encoding: Encoding,
+    budget: &ResourceBudget,
+) -> Result<Image, ImageError> {
+    let (image, memory) = read_reserved(bytes, path, encoding, budget)?;
+    memory.keep();
+    Ok(image)
+}
+
+/// As [`read_with`], with the reserved memory of the planes.
+pub(crate) fn read_reserved(
+    bytes: &[u8],
+    path: Option<&Path>,
+    encoding: Encoding,
+    budget: &ResourceBudget,
+) -> Result<(Image, MemoryReservation), ImageError> {
     let format = Format::from_content(bytes).or_else(|| path.and_then(Format::from_path));
-    match format {
-        Some(Format::Exr) => exr::read(bytes),
-        Some(Format::Hdr) => hdr::read(bytes),
-        Some(Format::Pfm) => pfm::read(bytes),
-        Some(format) => raster::read(bytes, format, encoding),
-        None => Err(ImageError::Unknown { start: bytes.iter().take(8).copied().collect() }),
-    }
+    let Some(format) = format else {
+        return Err(ImageError::Unknown { start: bytes.iter().take(8).copied().collect() });
+    };
+    let read = match format {
+        Format::Exr => exr::read(bytes, budget),
+        Format::Hdr => hdr::read(bytes, budget),
+        Format::Pfm => pfm::read(bytes, budget),
+        _ => raster::read(bytes, format, encoding, budget),
+    };
+    // A decoder may report that its reader has ended as any other fault.
+    let (image, mut memory) =
+        read.map_err(|error| budget.failure().map_or(error, |end| ImageError::Budget { format, end }))?;
+    let values = image.pixels.len() * image.pixels.channels().len();
+    memory.shrink((values * size_of::<f32>()) as u64);
+    Ok((image, memory))
 }
 
 /// The bytes of a file with the picture. `tone` applies only to formats that store bytes for a display (PNG);

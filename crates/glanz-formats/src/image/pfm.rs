@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::Range;
 
+use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::Pixels;
 
-use super::error::check_size;
+use super::error::{check_size, reserve};
 use super::{Format, Image, ImageError, RowPicture, rgb_of};
 
 /// Reads a PFM; values are multiplied by the magnitude of the header's scale.
-pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
+pub(super) fn read(bytes: &[u8], budget: &ResourceBudget) -> Result<(Image, MemoryReservation), ImageError> {
     let mut offset = 0;
     let mut word = |what: &str| -> Result<(&str, usize), ImageError> {
         let start = offset + bytes[offset..].iter().take_while(|b| b.is_ascii_whitespace()).count();
@@ -35,19 +36,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<Image, ImageError> {
     if scale == 0.0 || !scale.is_finite() {
         return Err(damaged(at, format!("\"{text}\" is no scale")));
     }
-    check_size(Format::Pfm, (width, height, channels), bytes.len(), 1)?;
+    check_size(Format::Pfm, (width, height, channels), bytes.len(), 1, budget)?;
     let data = bytes.get(offset + 1..).unwrap_or(&[]);
-    let samples = (width * height * channels) as usize;
-    if data.len() < samples * 4 {
+    let samples = width.saturating_mul(height).saturating_mul(channels);
+    let memory = reserve(Format::Pfm, 0, samples, budget)?;
+    let samples = samples as usize;
+    if data.len() / 4 < samples {
         return Err(damaged(bytes.len(), format!("{} bytes of pixels, {} needed", data.len(), samples * 4)));
     }
     let planes = planes(&data[..samples * 4], width as usize, channels as usize, scale);
-    let mut pixels = Pixels::try_new(width as u32, height as u32)?;
+    let side = |n: u64| u32::try_from(n).unwrap_or(u32::MAX);
+    let mut pixels = Pixels::try_new(side(width), side(height))?;
     let names: &[&str] = if channels == 3 { &["R", "G", "B"] } else { &["Y"] };
     for (name, plane) in names.iter().zip(planes) {
         pixels.add_channel(name, plane)?;
     }
-    Ok(Image { pixels, format: Format::Pfm, attributes: BTreeMap::new(), skipped_layers: Vec::new() })
+    let attributes = BTreeMap::new();
+    Ok((Image { pixels, format: Format::Pfm, attributes, skipped_layers: Vec::new() }, memory))
 }
 
 /// The rows of `data`, top one first, channel by channel.
@@ -60,7 +65,11 @@ fn planes(data: &[u8], width: usize, channels: usize, scale: f32) -> Vec<Vec<f32
     let rows = || data.chunks_exact((width * channels * 4).max(1)).rev();
     (0..channels)
         .map(|channel| {
-            rows().flat_map(|row| row.chunks_exact(4).skip(channel).step_by(channels).map(value)).collect()
+            let mut plane = Vec::with_capacity(data.len() / 4 / channels);
+            plane.extend(
+                rows().flat_map(|row| row.chunks_exact(4).skip(channel).step_by(channels).map(value)),
+            );
+            plane
         })
         .collect()
 }

@@ -1,14 +1,16 @@
 //! Formats with integers for pixels: PNG, JPEG, BMP, TGA, QOI, PNM.
 
 use std::collections::BTreeMap;
-use std::io::{self, Cursor, Write};
+use std::io::{self, Write};
 use std::ops::Range;
 
+use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::Pixels;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::error::check_size;
-use super::{Encoding, Format, Image, ImageError, MAX_SAMPLES, RowPicture, rgb_of};
+use super::error::{check_size, reserve};
+use super::{Encoding, Format, Image, ImageError, RowPicture, rgb_of};
+use crate::budget_reader::BudgetReader;
 
 /// Largest number of values per byte of these formats: deflate compresses 1032 to 1, JPEG stores 512 pixels of 3 values in a byte.
 const RATIO: u64 = 2048;
@@ -17,7 +19,12 @@ const RATIO: u64 = 2048;
 const CHUNK: usize = 1 << 18;
 
 /// Reads one of the formats; integers are scaled to [0, 1] and decoded.
-pub(super) fn read(bytes: &[u8], format: Format, encoding: Encoding) -> Result<Image, ImageError> {
+pub(super) fn read(
+    bytes: &[u8],
+    format: Format,
+    encoding: Encoding,
+    budget: &ResourceBudget,
+) -> Result<(Image, MemoryReservation), ImageError> {
     let which = match format {
         Format::Png => ImageFormat::Png,
         Format::Jpeg => ImageFormat::Jpeg,
@@ -29,49 +36,56 @@ pub(super) fn read(bytes: &[u8], format: Format, encoding: Encoding) -> Result<I
             return Err(ImageError::Unsupported { format, message: "not stored as integers".to_owned() });
         }
     };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), which);
+    let mut reader = ImageReader::with_format(BudgetReader::new(bytes, budget), which);
     let mut limits = Limits::no_limits();
-    // A decoder may store the picture twice, with 2 bytes per value.
-    limits.max_alloc = Some(4 * MAX_SAMPLES);
+    limits.max_alloc = Some(budget.limits().memory);
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(|e| decoding_error(format, e))?;
     let (width, height) = decoder.dimensions();
     let channels = decoder.color_type().channel_count();
-    check_size(format, (width.into(), height.into(), channels.into()), bytes.len(), RATIO)?;
+    check_size(format, (width.into(), height.into(), channels.into()), bytes.len(), RATIO, budget)?;
+    let decoded_bytes =
+        decoder.total_bytes().saturating_mul(copies(format)).saturating_add(bytes.len() as u64);
+    let samples = u64::from(width) * u64::from(height) * u64::from(channels);
+    let memory = reserve(format, decoded_bytes, samples, budget)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(|e| decoding_error(format, e))?;
     let mut pixels = Pixels::try_new(width, height)?;
-    for (name, values) in planes(&decoded, encoding) {
-        pixels.add_channel(name, values)?;
-    }
-    Ok(Image { pixels, format, attributes: BTreeMap::new(), skipped_layers: Vec::new() })
-}
-
-/// Names and linear values of the channels of `decoded`.
-fn planes(decoded: &DynamicImage, encoding: Encoding) -> Vec<(&'static str, Vec<f32>)> {
-    let names: &[&'static str] = match decoded.color().channel_count() {
+    let names: &[&str] = match channels {
         1 => &["Y"],
         2 => &["Y", "A"],
         3 => &["R", "G", "B"],
         _ => &["R", "G", "B", "A"],
     };
-    let decode = |name: &str, stored: f32| if name == "A" { stored } else { encoding.decode(stored) };
-    let each = |value: &dyn Fn(&str, usize) -> Vec<f32>| {
-        names.iter().enumerate().map(|(i, &name)| (name, value(name, i))).collect()
-    };
+    for (lane, name) in names.iter().enumerate() {
+        budget.check().map_err(|end| ImageError::Budget { format, end })?;
+        let linear = if *name == "A" { Encoding::Linear } else { encoding };
+        pixels.add_channel(name, plane(&decoded, lane, names.len(), linear))?;
+    }
+    Ok((Image { pixels, format, attributes: BTreeMap::new(), skipped_layers: Vec::new() }, memory))
+}
+
+/// Copies of the pixels that a decoder needs, beside the bytes of the file.
+fn copies(format: Format) -> u64 {
+    match format {
+        // Progressive pictures have two bytes for each coefficient.
+        Format::Jpeg => 4,
+        Format::Tga | Format::Pnm => 2,
+        _ => 1,
+    }
+}
+
+/// The linear values of one of `lanes` channels.
+fn plane(decoded: &DynamicImage, lane: usize, lanes: usize, encoding: Encoding) -> Vec<f32> {
+    let bytes = decoded.as_bytes();
     match decoded.color() {
-        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => each(&|name, i| {
-            let table: Vec<f32> = (0..=255).map(|b| decode(name, b as f32 / 255.0)).collect();
-            let bytes = decoded.as_bytes().iter().skip(i).step_by(names.len());
-            bytes.map(|&b| table[usize::from(b)]).collect()
-        }),
+        ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+            let table: Vec<f32> = (0..=255).map(|b| encoding.decode(b as f32 / 255.0)).collect();
+            bytes.iter().skip(lane).step_by(lanes).map(|&b| table[usize::from(b)]).collect()
+        }
+        // The rest are 16 bit integers.
         _ => {
-            // The rest are 16 bit integers; the conversion to float divides by 65535.
-            let wide = decoded.to_rgba32f();
-            let grey_alpha = names == ["Y", "A"];
-            each(&|name, i| {
-                let lane = if grey_alpha && i == 1 { 3 } else { i };
-                wide.pixels().map(|p| decode(name, p.0[lane])).collect()
-            })
+            let value = |word: &[u8; 2]| encoding.decode(f32::from(u16::from_ne_bytes(*word)) / 65535.0);
+            bytes.as_chunks().0.iter().skip(lane).step_by(lanes).map(value).collect()
         }
     }
 }

@@ -3,24 +3,24 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glanz_job::ResourceBudget;
 use glanz_scene::description::GeometryDescription;
 use glanz_scene::{Diagnostics, Severity};
 
 use crate::cad::{CadModel, CadWarning};
 use crate::file_list::SceneFileList;
+use crate::finder::spend_groups;
 use crate::registry::{Loaded, ModelFormat, Options};
 use crate::{gltf, newell, obj, ply, rib, stl};
 
 mod light_copies;
 mod material;
 mod picture;
-mod picture_budget;
 mod reader;
 
 pub(crate) use light_copies::{MAX_LIGHT_COPIES, face_count, light_count};
 pub(crate) use material::grey;
 pub(crate) use picture::{PictureContent, repetition};
-pub(crate) use picture_budget::PictureBudget;
 pub(crate) use reader::ModelReader;
 
 /// Reads a model from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
@@ -30,8 +30,9 @@ pub(crate) fn load(
     path: Option<&Path>,
     bytes: &Arc<[u8]>,
     options: &Options,
+    budget: &ResourceBudget,
 ) -> Result<Loaded, Diagnostics> {
-    let mut reader = ModelReader::new(name, path, bytes, options)?;
+    let mut reader = ModelReader::new(name, path, bytes, options, budget)?;
     reader.read(format, bytes, options);
     reader.finish(format.up(), options)
 }
@@ -43,8 +44,9 @@ pub(crate) fn list_files(
     path: &Path,
     bytes: &Arc<[u8]>,
     options: &Options,
+    budget: &ResourceBudget,
 ) -> Result<SceneFileList, Diagnostics> {
-    let mut reader = ModelReader::new(name, Some(path), bytes, options)?;
+    let mut reader = ModelReader::new(name, Some(path), bytes, options, budget)?;
     reader.finder.lists = true;
     if matches!(format, ModelFormat::Obj | ModelFormat::Gltf) {
         reader.read(format, bytes, options);
@@ -54,6 +56,20 @@ pub(crate) fn list_files(
 
 impl ModelReader {
     fn read(&mut self, format: ModelFormat, bytes: &[u8], options: &Options) {
+        self.read_format(format, bytes, options);
+        // The reader of glTF spends as it reads.
+        let added = std::slice::from_ref(&self.description.world);
+        let spent = match format {
+            ModelFormat::Gltf => Ok(()),
+            _ => spend_groups(&self.finder.budget, added)
+                .and_then(|()| spend_groups(&self.finder.budget, &self.description.groups)),
+        };
+        if let Err(end) = spent {
+            self.error("limit", None, end.to_string());
+        }
+    }
+
+    fn read_format(&mut self, format: ModelFormat, bytes: &[u8], options: &Options) {
         match format {
             ModelFormat::Ply => self.ply(bytes),
             ModelFormat::Rib => self.rib(bytes),
@@ -67,7 +83,7 @@ impl ModelReader {
     }
 
     fn ply(&mut self, bytes: &[u8]) {
-        match ply::read(bytes) {
+        match ply::read_with(bytes, &self.finder.budget) {
             Ok(ply::PlyMesh { positions, normals, uvs, triangles: indices, skipped_faces }) => {
                 if indices.is_empty() {
                     return self.error("ply", None, "the mesh has no triangles".to_owned());
@@ -89,7 +105,7 @@ impl ModelReader {
     }
 
     fn stl(&mut self, bytes: &[u8]) {
-        match stl::read(bytes) {
+        match stl::read_with(bytes, &self.finder.budget) {
             Ok(mesh) if mesh.triangles.is_empty() => {
                 self.error("stl", None, "the file has no facets".to_owned());
             }
@@ -101,7 +117,7 @@ impl ModelReader {
     }
 
     fn rib(&mut self, bytes: &[u8]) {
-        let file = match rib::read(bytes) {
+        let file = match rib::read_with(bytes, &self.finder.budget) {
             Ok(file) => file,
             Err(error) => {
                 return self.error("rib", Some((error.line, error.column)), error.kind.to_string());
@@ -122,7 +138,7 @@ impl ModelReader {
     }
 
     fn cad(&mut self, kind: &'static str, bytes: &[u8], with_edges: bool) {
-        let report = match CadModel::read(bytes, with_edges) {
+        let report = match CadModel::read_with(bytes, with_edges, &self.finder.budget) {
             Ok(model) => model.into_world(&mut self.description),
             Err(error) => return self.error(kind, None, error.to_string()),
         };
@@ -136,7 +152,7 @@ impl ModelReader {
     }
 
     fn newell(&mut self, bytes: &[u8]) {
-        match newell::read(bytes) {
+        match newell::read_with(bytes, &self.finder.budget) {
             Ok(mesh) if mesh.patches.is_empty() => {
                 self.error("newell", None, "the file has no patches".to_owned());
             }

@@ -1,5 +1,6 @@
 //! Pictures for textures of models.
 
+use glanz_job::ResourceBudget;
 use glanz_light::Pixels;
 use glanz_math::DVec2;
 
@@ -27,21 +28,51 @@ const BORDER: f64 = 1e-3;
 /// The content of a picture as planes for a texture, or the problem.
 ///
 /// Grey pictures have the same red, green and blue; the alpha of pictures without it is 1.
-pub(super) fn read_picture(bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
+pub(super) fn read_picture(
+    bytes: &[u8],
+    content: PictureContent,
+    budget: &ResourceBudget,
+) -> Result<Pixels, String> {
     let encoding = if content == PictureContent::Color { Encoding::Srgb } else { Encoding::Linear };
-    let pixels = image::read(bytes, None, encoding).map_err(|error| error.to_string())?.pixels;
+    let (picture, mut memory) =
+        image::read_reserved(bytes, None, encoding, budget).map_err(|error| error.to_string())?;
+    let pixels = picture.pixels;
     let grey = pixels.channel("Y").is_some();
-    let colors = || pixels.to_rgb().ok_or_else(|| "the picture has neither R, G, B nor Y".to_owned());
-    let channel = match content {
-        PictureContent::Color => return colors().map(|_| pixels),
-        PictureContent::Normals { scale } => return normals(&pixels, &colors()?, f32::from_bits(scale)),
-        PictureContent::Channel(3) => "A",
-        PictureContent::Opacity if pixels.channel("A").is_some() => "A",
-        PictureContent::Channel(_) | PictureContent::Opacity if grey => "Y",
-        PictureContent::Channel(0) => "R",
-        PictureContent::Channel(1) | PictureContent::Opacity => "G",
-        PictureContent::Channel(_) => "B",
+    let plane = pixels.len() * size_of::<f32>();
+    let colors = || {
+        // Colours, and perhaps those of normals, for a while.
+        let _copies = budget.reserve(6 * plane as u64).map_err(|end| end.to_string())?;
+        pixels.to_rgb().ok_or_else(|| "the picture has neither R, G, B nor Y".to_owned())
     };
+    let (content, planes) = match content {
+        PictureContent::Color => {
+            colors()?;
+            memory.keep();
+            return Ok(pixels);
+        }
+        PictureContent::Normals { scale } => (normals(&pixels, &colors()?, f32::from_bits(scale))?, 3),
+        PictureContent::Channel(number) => (split(&pixels, channel(number, grey))?, 1),
+        PictureContent::Opacity if pixels.channel("A").is_some() => (split(&pixels, "A")?, 1),
+        PictureContent::Opacity => (split(&pixels, channel(1, grey))?, 1),
+    };
+    memory.shrink((planes * plane) as u64);
+    memory.keep();
+    Ok(content)
+}
+
+/// The name of one of the channels red, green, blue and alpha, by its number.
+fn channel(number: u8, grey: bool) -> &'static str {
+    match number {
+        3 => "A",
+        _ if grey => "Y",
+        0 => "R",
+        1 => "G",
+        _ => "B",
+    }
+}
+
+/// One channel alone; 1 everywhere if there is none.
+fn split(pixels: &Pixels, channel: &str) -> Result<Pixels, String> {
     let values = pixels.channel(channel).map_or_else(|| vec![1.0; pixels.len()], <[f32]>::to_vec);
     let split = Pixels::try_new(pixels.width(), pixels.height());
     let mut split = split.map_err(|error| error.to_string())?;

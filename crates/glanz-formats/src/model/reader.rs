@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_job::ResourceBudget;
 use glanz_light::Pixels;
 use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
 use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
-use glanz_scene::{Description, Diagnostics, Location, Severity};
+use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Severity};
 
 use super::picture::{PictureContent, read_picture};
-use super::picture_budget::PictureBudget;
 use crate::cad::CadReport;
 use crate::file_list::FileKind;
 use crate::finder::{FileFinder, FindError};
 use crate::registry::{Loaded, Options};
-use crate::source::Sources;
+use crate::source::{Sources, end_of_reading};
 
 /// State of a reader of a model. Material 0 of its description is grey.
 pub(crate) struct ModelReader {
@@ -32,7 +32,6 @@ pub(crate) struct ModelReader {
     pub(crate) own_camera: bool,
     /// Whether the model has light.
     pub(crate) own_light: bool,
-    pub(crate) picture_budget: PictureBudget,
 }
 
 impl ModelReader {
@@ -45,17 +44,15 @@ impl ModelReader {
         path: Option<&Path>,
         bytes: &Arc<[u8]>,
         options: &Options,
+        budget: &ResourceBudget,
     ) -> Result<Self, Diagnostics> {
-        let finder = FileFinder::of_scene(name, path, bytes, options)?;
+        let finder = FileFinder::of_scene(name, path, bytes, options, budget)?;
         let mut sources = Sources::default();
         let file = sources.open(name, path, bytes);
         let grey = MaterialDescription::from(cad_material(CAD_GREY, 0.0));
         let description =
             Description { files: vec![name.to_owned()], materials: vec![grey], ..Description::default() };
-        let mut reader =
-            Self { sources, file, strict: options.strict, ..Self::within(description, finder, None) };
-        reader.picture_budget.allow(bytes.len());
-        Ok(reader)
+        Ok(Self { sources, file, strict: options.strict, ..Self::within(description, finder, None) })
     }
 
     /// A reader of a file at a path that a scene names. It adds to what there is.
@@ -71,7 +68,6 @@ impl ModelReader {
             strict: false,
             own_camera: false,
             own_light: false,
-            picture_budget: PictureBudget::default(),
         }
     }
 
@@ -95,6 +91,7 @@ impl ModelReader {
             sources: self.sources,
             studio: (!studio.is_superfluous()).then_some(studio),
             cad: self.cad,
+            budget: self.finder.budget,
         })
     }
 
@@ -110,8 +107,18 @@ impl ModelReader {
         place: Option<(u32, u32)>,
         message: String,
     ) {
+        let location = place.map(|(line, column)| Location { file: self.file, line, column });
+        // Whatever a reader makes of a budget that is used up, that is the reason.
+        if let Some(end) = self.finder.budget.failure() {
+            if self.diagnostics.end().is_none() {
+                let plain = self.sources.diagnostic(Severity::Error, kind, location, String::new());
+                let Diagnostic { kind, message, help, file, .. } = end_of_reading(plain.file.clone(), end);
+                self.diagnostics =
+                    Diagnostics::of_end(Diagnostic { kind, message, help, file, ..plain }, end);
+            }
+            return;
+        }
         if self.diagnostics.admit(severity, kind) {
-            let location = place.map(|(line, column)| Location { file: self.file, line, column });
             self.diagnostics.push_admitted(self.sources.diagnostic(severity, kind, location, message));
         }
     }
@@ -153,7 +160,6 @@ impl ModelReader {
         let path = found.map_err(|fault| problem(name, fault))?;
         let bytes = self.finder.read(&path, kind);
         let bytes = bytes.map_err(|error| (format!("file {name:?} cannot be read: {error}"), false))?;
-        self.picture_budget.allow_file(&path, bytes.len());
         Ok(bytes)
     }
 
@@ -162,7 +168,7 @@ impl ModelReader {
     /// # Errors
     /// The problem.
     pub(crate) fn picture(&mut self, bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
-        self.picture_budget.decode(bytes.len(), || read_picture(bytes, content))
+        read_picture(bytes, content, &self.finder.budget)
     }
 }
 

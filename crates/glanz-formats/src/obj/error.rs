@@ -1,5 +1,7 @@
 //! Errors of OBJ and MTL files.
 
+use glanz_job::BudgetError;
+
 /// Error of reading a file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{line}:{column}: {kind}")]
@@ -85,4 +87,7 @@ pub enum ObjErrorKind {
     /// More vertices than 32 bits can number.
     #[error("the file has more than 2^32 vertices")]
     TooMany,
+    /// The budget of reading is used up.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
 }

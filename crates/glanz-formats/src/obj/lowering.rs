@@ -14,7 +14,7 @@ use glanz_scene::description::{
 use glanz_scene::studio::CAD_GREY;
 use glanz_shading::model::PrincipledMaterial;
 
-use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read, read_materials};
+use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read_materials, read_with};
 use crate::file_list::FileKind;
 use crate::model::{ModelReader, PictureContent, repetition};
 use crate::source::MISSING_FILE;
@@ -34,7 +34,7 @@ const EXPONENT: f64 = 30.0;
 
 /// Adds a file to the description.
 pub(crate) fn read_into(bytes: &[u8], reader: &mut ModelReader) {
-    let file = match read(bytes) {
+    let file = match read_with(bytes, &reader.finder.budget) {
         Ok(file) => file,
         Err(error) => return reader.error("obj", Some((error.line, error.column)), error.kind.to_string()),
     };

@@ -21,7 +21,7 @@ use glanz_scene::description::{NurbsDescription, TrimDescription};
 pub use error::{ObjError, ObjErrorKind};
 pub(crate) use lowering::read_into;
 pub use material::{ObjMaterial, ObjMaterials, ObjPicture, read_materials};
-pub use reader::read;
+pub use reader::{read, read_with};
 pub(crate) use statement::is_obj;
 
 /// The contents of a file.

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
+use glanz_job::ResourceBudget;
 use glanz_math::{DVec2, DVec3};
 
 use super::error::{ObjError, ObjErrorKind};
@@ -42,6 +43,7 @@ struct OpenMesh {
 /// State of the reader.
 #[derive(Default)]
 struct Reader {
+    budget: ResourceBudget,
     file: ObjFile,
     /// Positions with their weights.
     positions: Vec<[f64; 4]>,
@@ -64,17 +66,37 @@ struct Reader {
 /// # Errors
 /// [`ObjError`] with line and column.
 pub fn read(bytes: &[u8]) -> Result<ObjFile, ObjError> {
-    let mut statements = Statements::new(bytes);
-    let mut reader = Reader { freeform: FreeformState::new(bytes.len()), ..Reader::default() };
+    read_with(bytes, &ResourceBudget::default())
+}
+
+/// Bytes for each byte of a file: of a vertex such as `v 0 0 0`, a position of 32 and a vertex of a mesh of 64 with its entry in a table that grows.
+const MEMORY_PER_BYTE: u64 = 24;
+
+/// As [`read`] within a budget.
+///
+/// # Errors
+/// [`ObjError`] with line and column.
+pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<ObjFile, ObjError> {
+    let mut statements = Statements::new(bytes).within(budget);
+    let needed = MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64);
+    let _reserved = budget.reserve(needed).map_err(|end| statements.error(None, end.into()))?;
+    let budget = budget.clone();
+    let mut reader = Reader { budget, freeform: FreeformState::new(bytes.len()), ..Reader::default() };
     while statements.advance() {
+        reader.check(&statements)?;
         reader.statement(&statements)?;
     }
+    reader.check(&statements)?;
     let Reader { mut file, meshes, .. } = reader;
     file.meshes = meshes.into_iter().map(OpenMesh::finish).collect();
     Ok(file)
 }
 
 impl Reader {
+    fn check(&self, s: &Statements<'_>) -> Result<(), ObjError> {
+        self.budget.check().map_err(|end| s.error(None, end.into()))
+    }
+
     fn statement(&mut self, s: &Statements<'_>) -> Result<(), ObjError> {
         match s.keyword() {
             "v" => self.position(s)?,
@@ -149,6 +171,7 @@ impl Reader {
 
     /// A corner: numbers separated by slashes.
     fn corner(&self, s: &Statements<'_>, word: &ObjWord<'_>) -> Result<Corner, ObjError> {
+        self.check(s)?;
         let mut parts = word.text.split('/');
         let counts = [
             ("vertex", self.positions.len()),

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use glanz_job::ResourceBudget;
+
 use super::error::{ObjError, ObjErrorKind};
 use crate::source::{line_and_column, shortened};
 
@@ -48,13 +50,19 @@ pub(super) struct Statements<'a> {
     lines: u32,
     /// Line and column of the first word.
     place: (u32, u32),
+    budget: Option<&'a ResourceBudget>,
 }
 
 impl<'a> Statements<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         // A byte order mark is no part of the first word.
         let at = if bytes.starts_with("\u{feff}".as_bytes()) { '\u{feff}'.len_utf8() } else { 0 };
-        Self { bytes, at, words: Vec::new(), lines: 0, place: (1, 1) }
+        Self { bytes, at, words: Vec::new(), lines: 0, place: (1, 1), budget: None }
+    }
+
+    /// The same, which ends when the budget does.
+    pub(super) fn within(self, budget: &'a ResourceBudget) -> Self {
+        Self { budget: Some(budget), ..self }
     }
 
     /// Goes on to the next statement, if there is one.
@@ -82,6 +90,10 @@ impl<'a> Statements<'a> {
             code.get(start..).and_then(|rest| rest.iter().position(|b| !b.is_ascii_whitespace()))
         {
             start += skip;
+            if self.budget.is_some_and(|budget| budget.check().is_err()) {
+                self.at = self.bytes.len();
+                return false;
+            }
             let word = code.get(start..).unwrap_or_default();
             let end = word.iter().position(u8::is_ascii_whitespace).unwrap_or(word.len());
             // What is not UTF-8 is no statement and no number.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glanz_job::ResourceBudget;
 use glanz_scene::description::FileId;
 
 use crate::pbrt::lexer::{Lexer, Token};
@@ -84,7 +85,7 @@ const V4_FILTER: &[&str] = &["float xradius", "float yradius", "float sigma"];
 /// Every file with `WorldEnd` is of version 3, but nearly all files have evidence in their first
 /// lines. Included files are not examined.
 pub(crate) fn detect(bytes: &Arc<[u8]>) -> Dialect {
-    let mut lexer = Lexer::new(Arc::clone(bytes), FileId(0));
+    let mut lexer = Lexer::new(Arc::clone(bytes), FileId(0), &ResourceBudget::default());
     let mut directive = String::new();
     let mut values = 0;
     let mut last_text = String::new();

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glanz_job::{Resource, ResourceBudget};
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
 
@@ -28,6 +29,8 @@ pub(crate) struct LexError {
     pub(crate) help: Option<String>,
 }
 
+/// The budget is asked once for so many tokens.
+const TOKENS_AT_ONCE: u64 = 256;
 /// Largest number of bytes of a word in messages.
 const QUOTED: usize = 40;
 /// Largest number of bytes of a quoted text; a longer one lacks its closing quote.
@@ -43,13 +46,17 @@ pub(crate) struct Lexer {
     line_start: usize,
     /// Offset and column of the last position computed on this line, so that the characters of a very long line are counted once.
     counted: (usize, u32),
+    budget: ResourceBudget,
+    /// Tokens that are not taken off the budget yet.
+    unspent: u64,
 }
 
 impl Lexer {
     /// A lexer at the beginning of the file, after a byte order mark.
-    pub(crate) fn new(bytes: Arc<[u8]>, file: FileId) -> Self {
+    pub(crate) fn new(bytes: Arc<[u8]>, file: FileId, budget: &ResourceBudget) -> Self {
         let offset = if bytes.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
-        Self { bytes, file, offset, line: 1, line_start: offset, counted: (offset, 1) }
+        let budget = budget.clone();
+        Self { bytes, file, offset, line: 1, line_start: offset, counted: (offset, 1), budget, unspent: 0 }
     }
 
     /// A lexer at an earlier position.
@@ -57,7 +64,8 @@ impl Lexer {
         let Location { file, line, column } = place.location;
         let before = bytes.get(..place.offset).unwrap_or_default();
         let line_start = before.iter().rposition(|&b| b == b'\n').map_or(0, |i| i + 1);
-        Self { bytes, file, offset: place.offset, line, line_start, counted: (place.offset, column) }
+        let (counted, budget) = ((place.offset, column), ResourceBudget::default());
+        Self { bytes, file, offset: place.offset, line, line_start, counted, budget, unspent: 0 }
     }
 
     /// The span of the word `count` words ahead; brackets and quoted texts count as words.
@@ -71,6 +79,19 @@ impl Lexer {
         self.peek();
         let length = self.word_length().max(1);
         self.place(length)
+    }
+
+    /// Counts a token. The budget is asked once for many of them.
+    fn count(&mut self) -> Result<(), LexError> {
+        self.unspent += 1;
+        if self.unspent < TOKENS_AT_ONCE { Ok(()) } else { self.spend() }
+    }
+
+    /// Takes the tokens so far off the budget.
+    pub(crate) fn spend(&mut self) -> Result<(), LexError> {
+        let tokens = std::mem::take(&mut self.unspent);
+        let spent = self.budget.check().and_then(|()| self.budget.spend(Resource::Tokens, tokens));
+        spent.map_err(|end| LexError { place: self.place(1), message: end.to_string(), help: None })
     }
 
     /// The file being read.
@@ -117,6 +138,7 @@ impl Lexer {
     /// The next token and its span; `None` at the end.
     pub(crate) fn next(&mut self) -> Result<Option<(Token, Span)>, LexError> {
         let Some(first) = self.peek() else { return Ok(None) };
+        self.count()?;
         match first {
             b'[' | b']' => {
                 let place = self.place(1);
@@ -149,6 +171,7 @@ impl Lexer {
 
     /// The quoted text that starts here; its span includes the quotes.
     pub(crate) fn text(&mut self) -> Result<(String, Span), LexError> {
+        self.count()?;
         let start = self.offset;
         let bytes = Arc::clone(&self.bytes);
         let rest = bytes.get(start + 1..).unwrap_or_default();
@@ -197,6 +220,7 @@ impl Lexer {
 
     /// The number that starts here.
     pub(crate) fn float(&mut self) -> Result<f64, LexError> {
+        self.count()?;
         let length = self.word_length();
         let word = self.bytes.get(self.offset..self.offset + length).unwrap_or_default();
         match parse_float(word) {
@@ -211,6 +235,7 @@ impl Lexer {
 
     /// The integer that starts here; `3.0` is also accepted.
     pub(crate) fn integer(&mut self) -> Result<i32, LexError> {
+        self.count()?;
         let length = self.word_length();
         let word = self.bytes.get(self.offset..self.offset + length).unwrap_or_default();
         if let Some(value) = parse_integer(word) {
@@ -250,6 +275,9 @@ impl Lexer {
     /// a word begins a directive.
     pub(crate) fn skip_to_directive(&mut self) {
         while let Some(b) = self.peek() {
+            if self.budget.check().is_err() {
+                return;
+            }
             match b {
                 // A text without end was skipped up to the end of its line.
                 b'"' => drop(self.text()),
@@ -304,7 +332,7 @@ mod tests {
     use super::*;
 
     fn lexer(text: &[u8]) -> Lexer {
-        Lexer::new(Arc::from(text), FileId(0))
+        Lexer::new(Arc::from(text), FileId(0), &ResourceBudget::default())
     }
 
     fn position(place: &Span) -> (u32, u32) {
@@ -401,7 +429,7 @@ mod tests {
     #[test]
     fn value_is_found_again_from_the_first_of_its_list() {
         let bytes: Arc<[u8]> = Arc::from("\u{e4} [ 0 1 # two\n  2.5 ]".as_bytes());
-        let mut l = Lexer::new(Arc::clone(&bytes), FileId(0));
+        let mut l = Lexer::new(Arc::clone(&bytes), FileId(0), &ResourceBudget::default());
         l.peek();
         l.skip_word();
         l.next().unwrap();

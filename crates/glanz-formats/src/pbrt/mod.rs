@@ -21,6 +21,7 @@ mod write;
 use std::path::Path;
 use std::sync::Arc;
 
+use glanz_job::ResourceBudget;
 use glanz_scene::Diagnostics;
 use glanz_scene::studio::StudioSettings;
 
@@ -40,8 +41,9 @@ pub(crate) fn load(
     path: Option<&Path>,
     bytes: Arc<[u8]>,
     options: &Options,
+    budget: &ResourceBudget,
 ) -> Result<Loaded, Diagnostics> {
-    let finder = FileFinder::of_scene(name, path, &bytes, options)?;
+    let finder = FileFinder::of_scene(name, path, &bytes, options, budget)?;
     let lowering = lower(name, path, bytes, options, finder);
     let Lowering { description, mut reporter, finder, studio_up, .. } = lowering;
     let is_lit = !description.lights.is_empty();
@@ -63,6 +65,7 @@ pub(crate) fn load(
             StudioSettings { up: given.up.or(Some(up)), ..given.clone() }
         }),
         cad: None,
+        budget: budget.clone(),
     })
 }
 
@@ -72,8 +75,9 @@ pub(crate) fn list_files(
     path: &Path,
     bytes: Arc<[u8]>,
     options: &Options,
+    budget: &ResourceBudget,
 ) -> Result<SceneFileList, Diagnostics> {
-    let mut finder = FileFinder::of_scene(name, Some(path), &bytes, options)?;
+    let mut finder = FileFinder::of_scene(name, Some(path), &bytes, options, budget)?;
     finder.lists = true;
     let Lowering { finder, reporter, .. } = lower(name, Some(path), bytes, options, finder);
     Ok(finder.into_list(reporter.diagnostics))
@@ -87,7 +91,8 @@ fn lower(
     options: &Options,
     finder: FileFinder,
 ) -> Lowering {
-    let reporter = Reporter { strict: options.strict, lists: finder.lists, ..Reporter::default() };
+    let (strict, lists, budget) = (options.strict, finder.lists, finder.budget.clone());
+    let reporter = Reporter { strict, lists, budget, ..Reporter::default() };
     let dialect = dialect::detect(&bytes);
     let lowering = Lowering { edges: options.edges, ..Lowering::new(reporter, dialect, finder) };
     let mut parser = Parser::new(lowering);

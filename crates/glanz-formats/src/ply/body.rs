@@ -1,5 +1,6 @@
 //! Reading of the records of a PLY file.
 
+use glanz_job::ResourceBudget;
 use glanz_math::{DVec2, DVec3};
 
 use super::header::{PlyElement, PlyEncoding, PlyHeader, ScalarType};
@@ -12,6 +13,7 @@ struct PlyNumberReader<'a> {
     encoding: PlyEncoding,
     line: u32,
     line_start: usize,
+    budget: &'a ResourceBudget,
 }
 
 impl<'a> PlyNumberReader<'a> {
@@ -110,6 +112,7 @@ impl<'a, 'c> RecordReader<'a, 'c> {
     }
 
     fn number(&mut self, scalar: ScalarType, index: u64) -> Result<f64, PlyError> {
+        self.cursor.budget.check().map_err(|end| self.cursor.error(end.into()))?;
         match self.cursor.number(scalar)? {
             Some(value) => Ok(value),
             None => {
@@ -161,13 +164,14 @@ impl<'a, 'c> RecordReader<'a, 'c> {
 }
 
 /// Reads everything after the header.
-pub(super) fn read(bytes: &[u8], header: &PlyHeader) -> Result<PlyMesh, PlyError> {
+pub(super) fn read(bytes: &[u8], header: &PlyHeader, budget: &ResourceBudget) -> Result<PlyMesh, PlyError> {
     let mut cursor = PlyNumberReader {
         bytes,
         offset: header.body,
         encoding: header.encoding,
         line: header.line,
         line_start: header.body,
+        budget,
     };
     if !header.elements.iter().any(|e| e.name == "vertex") {
         let position = PlyPosition::Text { line: header.line, column: 1 };

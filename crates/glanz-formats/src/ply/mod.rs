@@ -11,6 +11,7 @@
 mod body;
 mod header;
 
+use glanz_job::{BudgetError, ResourceBudget};
 use glanz_math::{DVec2, DVec3};
 
 /// A mesh from a file.
@@ -135,6 +136,9 @@ pub enum PlyErrorKind {
     /// More vertices than 32 bits can number.
     #[error("{0} vertices are too many")]
     TooMany(u64),
+    /// The budget of reading is used up.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
 }
 
 /// Reads a mesh from the bytes of a file.
@@ -142,8 +146,22 @@ pub enum PlyErrorKind {
 /// # Errors
 /// [`PlyError`] with the place in the file.
 pub fn read(bytes: &[u8]) -> Result<PlyMesh, PlyError> {
+    read_with(bytes, &ResourceBudget::default())
+}
+
+/// Bytes for each byte of a file: of a text `0 0 0`, three numbers of eight bytes; of a polygon, triangles in a list that grows.
+const MEMORY_PER_BYTE: u64 = 8;
+
+/// As [`read`] within a budget.
+///
+/// # Errors
+/// [`PlyError`] with the place in the file.
+pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<PlyMesh, PlyError> {
     let header = header::parse(bytes)?;
-    body::read(bytes, &header)
+    let needed = MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64);
+    let position = PlyPosition::Text { line: 1, column: 1 };
+    let _reserved = budget.reserve(needed).map_err(|end| PlyError { position, kind: end.into() })?;
+    body::read(bytes, &header, budget)
 }
 
 #[cfg(test)]

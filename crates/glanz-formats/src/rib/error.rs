@@ -1,5 +1,7 @@
 //! Errors of RIB files.
 
+use glanz_job::BudgetError;
+
 use super::state::MAX_DEPTH;
 
 /// Error of reading a RIB file, with its position.
@@ -29,6 +31,9 @@ pub enum RibErrorKind {
         /// The expected item.
         wanted: &'static str,
     },
+    /// The budget of reading is used up.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
     /// A number that is not finite.
     #[error("{0:?} is not finite")]
     NotFinite(String),

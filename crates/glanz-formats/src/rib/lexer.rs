@@ -1,5 +1,7 @@
 //! Lexer of RIB files: requests and their arguments.
 
+use glanz_job::ResourceBudget;
+
 use super::{RibError, RibErrorKind};
 use crate::source::line_and_column;
 
@@ -36,11 +38,12 @@ pub(super) enum RibValue<'a> {
 pub(super) struct RibLexer<'a> {
     bytes: &'a [u8],
     offset: usize,
+    budget: &'a ResourceBudget,
 }
 
 impl<'a> RibLexer<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
-        Self { bytes, offset: 0 }
+    pub(super) fn new(bytes: &'a [u8], budget: &'a ResourceBudget) -> Self {
+        Self { bytes, offset: 0, budget }
     }
 
     /// The next request; `None` at the end of the file.
@@ -50,6 +53,7 @@ impl<'a> RibLexer<'a> {
         if !first.is_ascii_alphabetic() {
             return Err(self.unexpected("a request"));
         }
+        self.check()?;
         let name = std::str::from_utf8(self.word()).unwrap_or_default();
         let mut arguments = Vec::new();
         while let Some(byte) = self.peek() {
@@ -67,7 +71,7 @@ impl<'a> RibLexer<'a> {
 
     /// Offset of the number `index` of the array at `at`.
     pub(super) fn number_in_array(&self, at: usize, index: usize) -> usize {
-        let mut lexer = Self { bytes: self.bytes, offset: at.saturating_add(1) };
+        let mut lexer = Self { offset: at.saturating_add(1), ..*self };
         for _ in 0..index {
             lexer.peek();
             lexer.word();
@@ -104,7 +108,12 @@ impl<'a> RibLexer<'a> {
         word
     }
 
+    fn check(&self) -> Result<(), RibError> {
+        self.budget.check().map_err(|end| self.error(self.offset, end.into()))
+    }
+
     fn number(&mut self, wanted: &'static str) -> Result<f64, RibError> {
+        self.check()?;
         let start = self.clone();
         let word = self.word();
         // Rust's parser would also accept words such as "nan" and "inf".

@@ -31,6 +31,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
+use glanz_job::ResourceBudget;
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::{BezierPatchesDescription, NurbsDescription};
 
@@ -105,7 +106,20 @@ pub(crate) fn has_surface(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`RibError`] with the place in the file.
 pub fn read(bytes: &[u8]) -> Result<RibFile, RibError> {
-    let mut lexer = RibLexer::new(bytes);
+    read_with(bytes, &ResourceBudget::default())
+}
+
+/// Bytes for each byte of a file: of a number such as `0`, eight in a list that grows, and a part of a point of 32.
+const MEMORY_PER_BYTE: u64 = 24;
+
+/// As [`read`] within a budget.
+///
+/// # Errors
+/// [`RibError`] with the place in the file.
+pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<RibFile, RibError> {
+    let mut lexer = RibLexer::new(bytes, budget);
+    let needed = MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64);
+    let _reserved = budget.reserve(needed).map_err(|end| lexer.error(0, end.into()))?;
     let mut reader = RibReader {
         places: lexer.clone(),
         state: RibState::default(),

@@ -1,5 +1,7 @@
 //! Errors.
 
+use glanz_job::BudgetError;
+
 /// Errors of reading a STEP file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -13,4 +15,7 @@ pub enum StepError {
     /// The file is too large.
     #[error("the file has {0} bytes; fewer than 2^32 can be read")]
     TooLarge(usize),
+    /// The budget of reading is used up.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
 }

@@ -1,6 +1,7 @@
 //! What all readers of geometry share.
 
 use glanz_brep::model::{CurveVector, EntityId};
+use glanz_job::ResourceBudget;
 use glanz_math::{DVec2, DVec3};
 
 use super::part21::{Entity, Refusal, TapeItems};
@@ -19,8 +20,8 @@ pub(super) struct GeometryReader {
 
 impl GeometryReader {
     /// A reader of a file of `size` bytes.
-    pub(super) fn new(size: usize) -> Self {
-        Self { repairs: NoteList::default(), budget: CopyBudget::new(size) }
+    pub(super) fn new(size: usize, budget: &ResourceBudget) -> Self {
+        Self { repairs: NoteList::default(), budget: CopyBudget::new(size, budget) }
     }
 
     /// Takes `count` points, or other things of about that size, off the budget.

@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use glanz_brep::model::{BrepModel, EntityId};
+use glanz_job::ResourceBudget;
 
 use super::entities::EntityLists;
 use super::geometry::GeometryReader;
@@ -36,7 +37,7 @@ pub(super) struct StepReader<'a> {
 }
 
 impl<'a> StepReader<'a> {
-    pub(super) fn new(file: &'a ExchangeFile<'a>) -> Self {
+    pub(super) fn new(file: &'a ExchangeFile<'a>, budget: &ResourceBudget) -> Self {
         let lists = EntityLists::new(file);
         let mut report = ReadingReport { schemas: file.schemas.clone(), ..ReadingReport::default() };
         for fault in &file.faults {
@@ -52,7 +53,7 @@ impl<'a> StepReader<'a> {
             file,
             lists,
             styles,
-            geometry: GeometryReader::new(file.size()),
+            geometry: GeometryReader::new(file.size(), budget),
             model: BrepModel::default(),
             report,
             unit_sets: Vec::new(),

@@ -38,6 +38,7 @@ mod units;
 
 pub use error::StepError;
 
+use glanz_job::ResourceBudget;
 use lowering::StepReader;
 use part21::ExchangeFile;
 use parts::PartReader;
@@ -55,8 +56,21 @@ use crate::cad::BrepFile;
 /// # Errors
 /// [`StepError`] if the bytes are no STEP file, have no data, or are too many. Everything else that cannot be read is in the report.
 pub fn read(bytes: &[u8]) -> Result<BrepFile, StepError> {
-    let file = ExchangeFile::parse(bytes)?;
-    let mut reader = StepReader::new(&file);
+    read_with(bytes, &ResourceBudget::default())
+}
+
+/// Bytes for each byte of a file, beside the geometry, which is counted as it is made: 16 for a token of two, and the list of instances.
+const MEMORY_PER_BYTE: u64 = 12;
+
+/// As [`read`] within a budget.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<BrepFile, StepError> {
+    let _reserved = budget.reserve(MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64))?;
+    let file = ExchangeFile::parse(bytes, budget)?;
+    let mut reader = StepReader::new(&file, budget);
     PartReader::new(&mut reader).read_all();
+    budget.check()?;
     Ok(reader.finish())
 }

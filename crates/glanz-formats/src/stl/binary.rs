@@ -1,5 +1,6 @@
 //! Binary files: a header of 80 bytes, the number of facets, and 50 bytes for each.
 
+use glanz_job::ResourceBudget;
 use glanz_math::DVec3;
 
 use super::{FacetCollector, StlError, StlErrorKind, StlMesh};
@@ -22,13 +23,13 @@ pub(super) fn has_exact_size(bytes: &[u8]) -> bool {
 }
 
 /// Reads a file; bytes after the last facet are ignored.
-pub(super) fn read(bytes: &[u8]) -> Result<StlMesh, StlError> {
+pub(super) fn read(bytes: &[u8], budget: &ResourceBudget) -> Result<StlMesh, StlError> {
     let (count, needed) = declared(bytes).unwrap_or((0, START as u64));
     if (bytes.len() as u64) < needed {
         let kind = StlErrorKind::Size { declared: count, bytes: bytes.len(), needed };
         return Err(kind.of_file());
     }
-    let mut facets = FacetCollector::default();
+    let mut facets = FacetCollector::new(budget);
     let rest = bytes.get(START..).unwrap_or_default();
     for (number, facet) in (0..count).zip(rest.chunks_exact(FACET)) {
         let coordinate = |i: usize| {

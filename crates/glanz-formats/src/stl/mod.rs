@@ -8,6 +8,7 @@ mod text;
 
 use std::collections::HashMap;
 
+use glanz_job::{BudgetError, ResourceBudget};
 use glanz_math::DVec3;
 
 /// A mesh from a file.
@@ -63,6 +64,9 @@ pub enum StlErrorKind {
     /// More vertices than 32 bits can number.
     #[error("the file has more than 2^32 vertices")]
     TooMany,
+    /// The budget of reading is used up.
+    #[error(transparent)]
+    Budget(#[from] BudgetError),
 }
 
 impl StlErrorKind {
@@ -82,23 +86,41 @@ pub(crate) fn is_stl(bytes: &[u8]) -> bool {
 /// # Errors
 /// [`StlError`] with its place.
 pub fn read(bytes: &[u8]) -> Result<StlMesh, StlError> {
+    read_with(bytes, &ResourceBudget::default())
+}
+
+/// Bytes for each byte of a file: of a facet, three vertices with their entries in a table that grows.
+const MEMORY_PER_BYTE: u64 = 12;
+
+/// As [`read`] within a budget.
+///
+/// # Errors
+/// [`StlError`] with its place.
+pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<StlMesh, StlError> {
+    let needed = MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64);
+    let _reserved = budget.reserve(needed).map_err(|end| StlErrorKind::from(end).of_file())?;
     if binary::has_exact_size(bytes) || !text::is_text(bytes) {
-        binary::read(bytes)
+        binary::read(bytes, budget)
     } else {
-        text::read(bytes)
+        text::read(bytes, budget)
     }
 }
 
 /// A mesh that is read facet by facet.
-#[derive(Default)]
-struct FacetCollector {
+struct FacetCollector<'a> {
+    budget: &'a ResourceBudget,
     mesh: StlMesh,
     /// Vertices by the bits of their coordinates.
     known: HashMap<[u64; 3], u32>,
 }
 
-impl FacetCollector {
+impl<'a> FacetCollector<'a> {
+    fn new(budget: &'a ResourceBudget) -> Self {
+        Self { budget, mesh: StlMesh::default(), known: HashMap::new() }
+    }
+
     fn add(&mut self, corners: [DVec3; 3]) -> Result<(), StlErrorKind> {
+        self.budget.check()?;
         let mut triangle = [0; 3];
         for (index, corner) in triangle.iter_mut().zip(corners) {
             // Both zeros are one.

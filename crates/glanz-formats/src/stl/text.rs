@@ -1,5 +1,6 @@
 //! Texts: `solid`, facets with three corners each, `endsolid`; in lower or upper case.
 
+use glanz_job::ResourceBudget;
 use glanz_math::DVec3;
 
 use super::{FacetCollector, StlError, StlErrorKind, StlMesh};
@@ -96,9 +97,9 @@ impl<'a> Iterator for Words<'a> {
 }
 
 /// Reads a text.
-pub(super) fn read(bytes: &[u8]) -> Result<StlMesh, StlError> {
+pub(super) fn read(bytes: &[u8], budget: &ResourceBudget) -> Result<StlMesh, StlError> {
     let mut words = Words::new(bytes);
-    let mut facets = FacetCollector::default();
+    let mut facets = FacetCollector::new(budget);
     while let Some(word) = words.next() {
         if !word.is("solid") {
             return Err(words.error(word.at, StlErrorKind::Word { found: word.shown(), needed: "solid" }));

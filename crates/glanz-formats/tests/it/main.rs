@@ -9,6 +9,7 @@
 
 mod confined;
 mod documentation;
+mod limits;
 mod mutation;
 mod pbrt_errors;
 mod pbrt_files;

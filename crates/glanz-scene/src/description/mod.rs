@@ -18,6 +18,7 @@ mod light;
 mod luminaire;
 mod material;
 mod medium;
+mod memory;
 mod observer;
 mod pass_lengths;
 mod photon;

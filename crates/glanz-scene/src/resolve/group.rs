@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glanz_geometry::bvh::{BuildOptions, Bvh};
+use glanz_job::ResourceBudget;
 use glanz_light::{EmissionSpectrum, Wavelengths};
 use glanz_math::{Bounds3, Transform};
 use glanz_shading::Material;
@@ -16,7 +17,7 @@ use super::emission::{EmissionPictures, area_light, emission_per_object};
 use super::join::join_small_meshes;
 use super::medium::{MediaEnds, ResolvedMedia};
 use super::texture::ResolvedTextures;
-use super::{LARGEST_COORDINATE, WarningList, range_error, shape, transform};
+use super::{LARGEST_COORDINATE, WarningList, range_error, shape, spend, transform};
 use crate::description::{
     EdgeDescription, EmissionDescription, GroupDescription, ImageDescription, InstanceDescription, Location,
     ReceiverDescription, SectionDescription, ShapeDescription,
@@ -40,6 +41,9 @@ struct EmissiveObject {
     location: Option<Location>,
 }
 
+/// Bytes of a copy of an object that emits light, with its light.
+const LIGHT_COPY: usize = size_of::<EmissiveObject>() + size_of::<Light>() + size_of::<EmissionSpectrum>();
+
 /// The contents of a group.
 #[derive(Default)]
 struct GroupParts {
@@ -56,6 +60,7 @@ struct GroupParts {
 pub(super) struct GroupResolver<'a> {
     textures: &'a ResolvedTextures,
     wavelengths: &'a Wavelengths,
+    budget: &'a ResourceBudget,
     groups: Vec<SceneGroup>,
     emitters: Vec<Vec<EmissiveObject>>,
     depths: Vec<usize>,
@@ -88,11 +93,13 @@ impl<'a> GroupResolver<'a> {
         media: &'a ResolvedMedia,
         textures: &'a ResolvedTextures,
         wavelengths: &'a Wavelengths,
+        budget: &'a ResourceBudget,
     ) -> Self {
         let passable = materials.iter().map(Material::is_interface).collect();
         Self {
             textures,
             wavelengths,
+            budget,
             details,
             media,
             media_ends: MediaEnds::default(),
@@ -170,6 +177,7 @@ impl<'a> GroupResolver<'a> {
             let mut object = emitter.object;
             let index = objects.len() as u32;
             let (emission, location) = (&emitter.emission, emitter.location);
+            self.budget.check().map_err(|end| SceneError { location, kind: end.into() })?;
             let light = area_light(index, &object, emission, location, &mut pictures, self.wavelengths)?;
             if !light.can_be_sampled() {
                 let message = format!(
@@ -198,7 +206,8 @@ impl<'a> GroupResolver<'a> {
     ) -> Result<GroupParts, SceneError> {
         let pending = self.pending_shapes(description.shapes)?;
         // Surfaces of CAD models are many, and each takes a while to build.
-        let built: Vec<_> = pending.into_par_iter().map(PendingShape::build).collect();
+        let build = |shape: PendingShape| shape.build_within(self.budget);
+        let built: Vec<_> = pending.into_par_iter().map(build).collect::<Result<_, _>>()?;
         let mut parts = GroupParts::default();
         for shape in built {
             self.add_built(shape, &mut parts, warnings)?;
@@ -286,6 +295,10 @@ impl<'a> GroupResolver<'a> {
         for InstanceDescription { name: _, group, to_parent, location } in instances {
             reference("object", group, index.min(self.groups.len()), location)?;
             let to_parent = transform(to_parent, "instance", location)?;
+            // A light cannot be shared by instances.
+            let copies = self.emitters.get(group).map_or(0, Vec::len);
+            let bytes = size_of::<Instance>() + copies * LIGHT_COPY;
+            spend(self.budget, 1 + copies as u64, bytes as u64, location)?;
             parts.depth = parts.depth.max(self.depths[group] + 1);
             if parts.depth > MAX_NESTING {
                 return Err(SceneError { location, kind: SceneErrorKind::Nesting(MAX_NESTING) });

@@ -11,13 +11,14 @@ mod shape;
 mod texture;
 
 use glanz_geometry::RaySurface;
+use glanz_job::{Resource, ResourceBudget};
 use glanz_light::{EmissionSpectrum, Wavelengths};
 use glanz_math::{Bounds3, DMat4, Transform};
 
 use crate::camera::Camera;
 use crate::description::{Description, GeometryDescription, Location};
 use crate::error::{SceneError, SceneErrorKind, SceneWarning};
-use crate::light::{LightId, LightSelector, LightTree};
+use crate::light::{Light, LightId, LightSelector, LightTree};
 use crate::scene::Scene;
 pub(crate) use freeform::region as trim_region;
 use group::{GroupResolver, ResolvedGroups};
@@ -52,14 +53,26 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] with the place in the input for the first part that is invalid.
     pub fn resolve(description: Description) -> Result<(Self, Vec<SceneWarning>), SceneError> {
+        Self::resolve_with(description, &ResourceBudget::default())
+    }
+
+    /// As [`Scene::resolve`] within a budget, of which objects, lights and the memory of surfaces and pictures are taken.
+    ///
+    /// # Errors
+    /// [`SceneError`] as above, and [`SceneErrorKind::Budget`].
+    pub fn resolve_with(
+        description: Description,
+        budget: &ResourceBudget,
+    ) -> Result<(Self, Vec<SceneWarning>), SceneError> {
         let wavelengths = Wavelengths::default();
         let mut warnings = WarningList::default();
         let camera = Camera::try_new(&description.camera, &description.film)?;
-        let textures = texture::textures(&description, &wavelengths)?;
+        let textures = texture::textures(&description, &wavelengths, budget)?;
         let materials = material::materials(&description, &textures, &wavelengths, &mut warnings)?;
         let surface_details = material::surface_details(&description, &textures, &wavelengths)?;
         let media = ResolvedMedia::new(&description, &wavelengths)?;
-        let mut groups = GroupResolver::new(&materials, &surface_details, &media, &textures, &wavelengths);
+        let mut groups =
+            GroupResolver::new(&materials, &surface_details, &media, &textures, &wavelengths, budget);
         if let Some(section) = &description.section {
             group::reference("group", section.group, description.groups.len(), None)?;
         }
@@ -72,6 +85,7 @@ impl Scene {
         let ResolvedGroups { groups, mut lights, mut light_spectra, receivers, media_ends } =
             groups.finish(description.world, &description.images, &mut warnings)?;
         for light in &description.lights {
+            spend(budget, 1, size_of::<Light>() as u64, light.location)?;
             lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
             light_spectra.push(EmissionSpectrum::new(&light.emission));
         }
@@ -112,6 +126,20 @@ impl Scene {
         };
         Ok((scene, warnings.warnings))
     }
+}
+
+/// Takes objects and their memory off the budget; the error has the place of what needs them.
+fn spend(
+    budget: &ResourceBudget,
+    objects: u64,
+    bytes: u64,
+    location: Option<Location>,
+) -> Result<(), SceneError> {
+    let spent = budget
+        .check()
+        .and_then(|()| budget.spend(Resource::Objects, objects))
+        .and_then(|()| budget.spend(Resource::Memory, bytes));
+    spent.map_err(|end| SceneError { location, kind: end.into() })
 }
 
 /// A matrix of the description as a transform.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glanz_job::ResourceBudget;
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_shading::Textures;
 use glanz_shading::parameter::ParameterResolver;
@@ -10,7 +11,7 @@ use glanz_shading::texture::{
     SpectralConstant, SpectrumInput, Texture, TextureId, TextureMapping,
 };
 
-use super::transform;
+use super::{spend, transform};
 use crate::alpha::AlphaTest;
 use crate::description::{
     AlphaDescription, Description, DescriptionForm, FloatParameter, Location, MappingDescription,
@@ -110,15 +111,18 @@ impl ResolvedTextures {
 pub(super) fn textures(
     description: &Description,
     wavelengths: &Wavelengths,
+    budget: &ResourceBudget,
 ) -> Result<ResolvedTextures, SceneError> {
     let mut images: Vec<Option<MipMap>> = vec![None; description.images.len()];
     let (mut textures, mut ids) = (Textures::new(), Vec::new());
     for texture in &description.textures {
+        spend(budget, 0, size_of::<Texture>() as u64, texture.location)?;
         let built = self::texture(
             description,
             texture,
             &InputResolver { ids: &ids, wavelengths, location: texture.location },
             &mut images,
+            budget,
         )?;
         ids.push(textures.add(built).map_err(|reason| texture_error(texture, reason))?);
     }
@@ -135,6 +139,7 @@ fn texture(
     texture: &TextureDescription,
     inputs: &InputResolver<'_>,
     images: &mut [Option<MipMap>],
+    budget: &ResourceBudget,
 ) -> Result<Texture, SceneError> {
     Ok(match &texture.kind {
         TextureKind::Constant(value) => match inputs.unbounded(value)? {
@@ -151,7 +156,7 @@ fn texture(
             mapping: self::mapping(mapping, texture.location)?,
         }),
         TextureKind::Image { image, mapping, wrap, filter, scale, invert } => {
-            let image = self::image(description, texture, *image, images)?;
+            let image = self::image(description, texture, *image, images, budget)?;
             Texture::Image(ImageTexture {
                 image,
                 mapping: self::mapping(mapping, texture.location)?,
@@ -188,12 +193,16 @@ fn texture(
     })
 }
 
+/// Three numbers of 4 bytes, and a third as much for the pyramid.
+const BYTES_PER_TEXEL: u64 = 16;
+
 /// The picture with this index, shared between the textures that use it.
 fn image(
     description: &Description,
     texture: &TextureDescription,
     index: usize,
     images: &mut [Option<MipMap>],
+    budget: &ResourceBudget,
 ) -> Result<MipMap, SceneError> {
     let count = description.images.len();
     let missing = || SceneError {
@@ -205,6 +214,7 @@ fn image(
     if let Some(image) = slot {
         return Ok(image.clone());
     }
+    spend(budget, 0, BYTES_PER_TEXEL * source.pixels.len() as u64, texture.location)?;
     let image = MipMap::try_new(&source.pixels).map_err(|reason| texture_error(texture, reason))?;
     Ok(slot.insert(image).clone())
 }

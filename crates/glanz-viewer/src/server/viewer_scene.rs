@@ -53,8 +53,8 @@ impl ViewerScene {
             overlay.add_shapes(&mut description);
         }
         let description = Arc::new(description);
-        let (scene, repairs) = Scene::resolve(Description::clone(&description))
-            .map_err(|error| refuse(error.location, error.kind.to_string()))?;
+        let resolved = Scene::resolve_with(Description::clone(&description), &loaded.budget.for_next_step());
+        let (scene, repairs) = resolved.map_err(|error| refuse(error.location, error.kind.to_string()))?;
         let mut warnings = loaded.diagnostics;
         let severity = if options.strict { Severity::Error } else { Severity::Warning };
         for repair in repairs {

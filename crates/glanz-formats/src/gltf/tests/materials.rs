@@ -1,7 +1,9 @@
 //! Materials and their textures.
 
+use glanz_job::{Resource, ResourceLimits};
+
 use super::*;
-use crate::model::{PictureBudget, PictureContent};
+use crate::load_str;
 
 #[test]
 fn the_factor_of_the_specular_extension_applies_to_the_limited_colour() {
@@ -33,7 +35,7 @@ fn a_texture_may_show_one_pixel_of_its_picture_everywhere() {
 }
 
 #[test]
-fn pictures_have_no_more_pixels_than_the_size_of_a_model_warrants() {
+fn pictures_are_taken_off_the_budget() {
     let normal = |scale: u32| json!({ "normalTexture": { "index": 0, "scale": scale } });
     let mut file = with_material(normal(1), json!({ "textures": [{ "source": 0 }], "images": [picture()] }));
     file["materials"] = json!([normal(1), normal(2), normal(3)]);
@@ -43,37 +45,18 @@ fn pictures_have_no_more_pixels_than_the_size_of_a_model_warrants() {
         primitive["material"] = json!(material);
         file["meshes"][0]["primitives"].as_array_mut().unwrap().push(primitive);
     }
-    let bytes: Arc<[u8]> = file.to_string().into_bytes().into();
-    let mut reader = ModelReader::new("m", None, &bytes, &Options::default()).unwrap();
-    // Two pixels with three values, twice.
-    reader.picture_budget = PictureBudget::of_values(12);
-    crate::gltf::read(&bytes, &mut reader);
-    let maps = reader.description.materials.iter().filter(|material| material.surface_detail.is_some());
-    assert_eq!(maps.count(), 2);
-    let warnings = reader.diagnostics.to_string();
-    assert!(
-        warnings.contains("/images/0: the pictures have too many pixels for the size of the files"),
-        "{warnings}"
-    );
-}
-
-#[test]
-fn pictures_beyond_the_bound_are_not_decoded_again() {
-    let bytes: Arc<[u8]> = (*b"{}").into();
-    let png = picture_bytes();
-    let read = |values: usize, picture: &[&[u8]]| {
-        let mut reader = ModelReader::new("m", None, &bytes, &Options::default()).unwrap();
-        reader.picture_budget = PictureBudget::of_values(values);
-        Vec::from_iter(picture.iter().map(|bytes| match reader.picture(bytes, PictureContent::Color) {
-            Ok(_) => "picture",
-            Err(problem) if problem.contains("too many pixels") => "too many",
-            Err(_) => "broken",
-        }))
+    let read = |pixels: u64| {
+        let limits = ResourceLimits { pixels, ..ResourceLimits::default() };
+        load_str("m", &file.to_string(), &Options { limits, ..Options::default() })
     };
-    // Two pixels with three values. What cannot be read would be "broken" if it were decoded.
-    assert_eq!(read(11, &[&png, &png, b"no"]), ["picture", "too many", "too many"]);
-    // Two bytes are worth 512 values.
-    assert_eq!(read(513, &[b"no", b"no", b"no"]), ["broken", "broken", "too many"]);
+    // Two pixels, three times.
+    assert!(read(6).is_ok());
+    let end = read(5).unwrap_err();
+    assert_eq!(
+        end.to_string(),
+        "error: m: the limit of 5 pixels is exceeded\n  help: raise ResourceLimits::pixels\n"
+    );
+    assert_eq!(end.limit().unwrap().resource, Resource::Pixels);
 }
 
 #[test]

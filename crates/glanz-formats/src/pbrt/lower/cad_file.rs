@@ -7,6 +7,7 @@ use std::rc::Rc;
 use super::{EntityState, Lowering};
 use crate::cad::{CadModel, CadSettings, CadWarning, TOO_MANY_COLORS};
 use crate::file_list::FileKind;
+use crate::finder::spend_groups;
 use crate::nearest::nearest;
 use crate::pbrt::parameters::{Parameter, ParameterList, shortened};
 use crate::source::{MISSING_FILE, ParseResult, Span};
@@ -71,7 +72,7 @@ impl Lowering {
         let (shown, bytes) =
             self.read_file(name, FileKind::Cad).map_err(|problem| missing(self, &problem))?;
         let shown = shown.display().to_string();
-        let model = CadModel::read(&bytes, self.edges).map_err(|error| {
+        let model = CadModel::read_with(&bytes, self.edges, &self.finder.budget).map_err(|error| {
             self.reporter.error(&p.value_place, "step", format!("{subject}: {shown}: {error}"))
         })?;
         for CadWarning { kind, position, message } in model.report.warnings() {
@@ -157,6 +158,8 @@ impl Lowering {
         if is_exhausted {
             self.reporter.warning(place, "cad-colors", TOO_MANY_COLORS);
         }
+        // What fails is in the budget.
+        let _ = spend_groups(&self.finder.budget, self.description.groups.get(first..).unwrap_or_default());
         let group = group?;
         if settings.emission.is_some() {
             // Groups contain earlier ones only.

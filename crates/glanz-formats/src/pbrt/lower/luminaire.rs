@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glanz_job::{Resource, ResourceBudget};
 use glanz_light::intensity::{LuminousOpening, OpeningShape};
 use glanz_math::DVec3;
 use glanz_scene::description::{LightKind, LuminaireDescription, SourceRay};
@@ -103,7 +104,7 @@ impl Lowering {
     ) -> ParseResult<Vec<SourceRay>> {
         let place = list.value_place("lumens");
         let lumens = self.not_negative(list, "lumens")?;
-        let (mut rays, stated) = match read_rays(bytes) {
+        let (mut rays, stated) = match read_rays(bytes, &self.finder.budget) {
             Ok(read) => read,
             Err(problem) => {
                 let message = format!("light \"photometric\": {}: {problem}", path.display());
@@ -212,14 +213,17 @@ impl Lowering {
 const MAX_RAYS: u64 = 20_000_000;
 
 /// The rays of a file, each with its fraction of the flux, and the lumens stated in the file.
-fn read_rays(bytes: &[u8]) -> Result<(Vec<SourceRay>, Option<f64>), String> {
+fn read_rays(bytes: &[u8], budget: &ResourceBudget) -> Result<(Vec<SourceRay>, Option<f64>), String> {
     let rays = RayReader::new(bytes).map_err(|error| error.to_string())?;
     let header = rays.header().clone();
     if header.ray_count > MAX_RAYS {
         return Err(format!("it has {} rays, at most {MAX_RAYS} can be used", header.ray_count));
     }
+    let memory = header.ray_count.saturating_mul(size_of::<SourceRay>() as u64);
+    budget.spend(Resource::Memory, memory).map_err(|end| end.to_string())?;
     let single = |v: DVec3| v.as_vec3().to_array();
     let read = rays.map(|ray| {
+        budget.check().map_err(|end| end.to_string())?;
         let ray = ray.map_err(|error| error.to_string())?;
         // The header has no other kinds of flux.
         let lumens = ray.luminous_flux.or(ray.radiant_flux).unwrap_or(0.0);

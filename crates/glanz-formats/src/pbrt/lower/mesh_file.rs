@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use glanz_job::ResourceBudget;
 use glanz_scene::Severity;
 use glanz_scene::description::{GeometryDescription, GroupDescription};
 
@@ -35,7 +36,10 @@ impl Lowering {
         let shown = path.display();
         // Binary files with more or fewer bytes than their facets need are recognised by nothing else than the name of the shape.
         let is_stl = stl::is_stl(&bytes) || kind == "stl" && !obj::is_obj(&bytes);
-        let read = if is_stl { stl_surfaces(&bytes) } else { obj_surfaces(&bytes) };
+        let read = match is_stl {
+            true => stl_surfaces(&bytes, &self.finder.budget),
+            false => obj_surfaces(&bytes, &self.finder.budget),
+        };
         let (surfaces, notes) = read.map_err(|problem| {
             let message = format!("{}: {shown}{problem}", list.subject);
             self.reporter.error(&p.value_place, "mesh-file", message)
@@ -113,11 +117,8 @@ impl Lowering {
             (description.camera.clone(), description.film.clone(), description.lights.len());
         let (first, media) = (description.groups.len(), description.media.len());
         let mut reader = ModelReader::within(description, finder, Some(path));
-        reader.picture_budget = std::mem::take(&mut self.picture_budget);
-        reader.picture_budget.allow_file(path, bytes.len());
         gltf::read(bytes, &mut reader);
-        let ModelReader { mut description, finder, diagnostics, picture_budget, .. } = reader;
-        self.picture_budget = picture_budget;
+        let ModelReader { mut description, finder, diagnostics, .. } = reader;
         let shapes = std::mem::replace(&mut description.world, world);
         description.lights.truncate(lights);
         (self.description, self.finder) = (glanz_scene::Description { camera, film, ..description }, finder);
@@ -145,8 +146,8 @@ impl Lowering {
 /// Surfaces, and notes on what was left out, with its place.
 type SurfacesAndNotes = (Vec<GeometryDescription>, Vec<String>);
 
-fn stl_surfaces(bytes: &[u8]) -> Result<SurfacesAndNotes, String> {
-    let mesh = stl::read(bytes).map_err(|error| match error.place {
+fn stl_surfaces(bytes: &[u8], budget: &ResourceBudget) -> Result<SurfacesAndNotes, String> {
+    let mesh = stl::read_with(bytes, budget).map_err(|error| match error.place {
         Some((line, column)) => format!(":{line}:{column}: {error}"),
         None => format!(": {error}"),
     })?;
@@ -155,8 +156,8 @@ fn stl_surfaces(bytes: &[u8]) -> Result<SurfacesAndNotes, String> {
     Ok((vec![geometry], Vec::new()))
 }
 
-fn obj_surfaces(bytes: &[u8]) -> Result<SurfacesAndNotes, String> {
-    let file = obj::read(bytes).map_err(|error| format!(":{error}"))?;
+fn obj_surfaces(bytes: &[u8], budget: &ResourceBudget) -> Result<SurfacesAndNotes, String> {
+    let file = obj::read_with(bytes, budget).map_err(|error| format!(":{error}"))?;
     let skipped = file.skipped.iter();
     let mut notes: Vec<String> = skipped.map(|s| format!(":{}:{}: {}", s.line, s.column, s.what)).collect();
     let meshes = file.meshes.into_iter().map(|mesh| {

@@ -49,7 +49,6 @@ use glanz_shading::model::SurfaceFinish;
 
 use crate::file_list::FileKind;
 use crate::finder::{FileFinder, FindError};
-use crate::model::PictureBudget;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -93,7 +92,6 @@ pub(crate) struct Lowering {
     pub(crate) skies: usize,
     pub(crate) textures: TextureNames,
     pub(crate) images: BTreeMap<ImageKey, usize>,
-    pub(crate) picture_budget: PictureBudget,
     /// Problems of the files of pictures that cannot be decoded, or are beyond it.
     pub(crate) refused_pictures: BTreeMap<PathBuf, String>,
     pub(crate) has_film: bool,
@@ -163,7 +161,6 @@ impl Lowering {
             skies: 0,
             textures: TextureNames::default(),
             images: BTreeMap::new(),
-            picture_budget: PictureBudget::default(),
             refused_pictures: BTreeMap::new(),
             has_film: false,
             shutter_time: 1.0,

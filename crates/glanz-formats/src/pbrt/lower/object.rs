@@ -1,5 +1,6 @@
 //! `ObjectBegin`, `ObjectInstance`.
 
+use glanz_job::Resource;
 use glanz_scene::description::{GroupDescription, InstanceDescription};
 
 use super::{EntityState, Lowering};
@@ -92,6 +93,8 @@ impl Lowering {
         let to_parent = context.ctm;
         let instance =
             InstanceDescription { name: String::new(), group, to_parent, location: Some(place.location) };
+        self.reporter.spend(place, Resource::Objects, 1)?;
+        self.reporter.spend(place, Resource::Memory, instance.bytes())?;
         self.current_group().instances.push(instance);
         Ok(())
     }

@@ -30,7 +30,7 @@ impl Lowering {
         if rib::is_rib(&bytes) {
             return self.rib_surfaces(list, &p, &source, &bytes);
         }
-        match newell::read(&bytes) {
+        match newell::read_with(&bytes, &self.finder.budget) {
             Ok(mesh) => Ok(vec![self.bicubic_patches(list, &mesh.positions, &mesh.patches)?]),
             Err(error) => Err(self.reporter.error(&p.value_place, "newell", format!("{source}:{error}"))),
         }
@@ -44,7 +44,7 @@ impl Lowering {
         source: &str,
         bytes: &[u8],
     ) -> ParseResult<Vec<GeometryDescription>> {
-        let file = match rib::read(bytes) {
+        let file = match rib::read_with(bytes, &self.finder.budget) {
             Ok(file) => file,
             Err(error) => {
                 let help = error.kind.help().map(str::to_owned);

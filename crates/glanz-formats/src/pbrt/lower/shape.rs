@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use glanz_job::Resource;
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
     AlphaDescription, EmissionDescription, FloatParameter, GeometryDescription, ShapeDescription,
@@ -102,6 +103,8 @@ impl Lowering {
                 alpha,
                 location: Some(place.location),
             };
+            self.reporter.spend(&place, Resource::Objects, 1)?;
+            self.reporter.spend(&place, Resource::Memory, shape.bytes())?;
             self.current_group().shapes.push(shape);
         }
         Ok(())
@@ -334,7 +337,7 @@ impl Lowering {
                 return Err(self.reporter.error(&p.value_place, MISSING_FILE, message));
             }
         };
-        match ply::read(&bytes) {
+        match ply::read_with(&bytes, &self.finder.budget) {
             Ok(mesh) => {
                 if mesh.skipped_faces > 0 {
                     let message = format!(

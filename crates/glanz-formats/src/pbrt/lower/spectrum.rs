@@ -156,7 +156,7 @@ impl Lowering {
     /// The numbers of a text with comments; `path`: its path for the message of the error.
     pub(super) fn floats_of_file(&self, path: &Path, bytes: Vec<u8>) -> Result<Vec<f64>, String> {
         let mut values = Vec::new();
-        let mut lexer = Lexer::new(bytes.into(), self.description_file());
+        let mut lexer = Lexer::new(bytes.into(), self.description_file(), &self.finder.budget);
         while lexer.peek().is_some() {
             values.push(lexer.float().map_err(|error| {
                 let at = error.place.location;

@@ -291,13 +291,9 @@ impl Lowering {
             return Err(format!("picture {name:?}: {problem}").into());
         }
         let (path, bytes) = self.read_file(name, FileKind::Picture)?;
-        self.picture_budget.allow_file(key.as_ref().map_or(&path, |key| &key.path), bytes.len());
-        let decode = || {
-            image::read(&bytes, Some(&path), encoding)
-                .map(|picture| picture.pixels)
-                .map_err(|error| error.to_string())
-        };
-        let pixels = self.picture_budget.decode(bytes.len(), decode).map_err(|problem| {
+        let read = image::read_with(&bytes, Some(&path), encoding, &self.finder.budget);
+        let pixels = read.map(|picture| picture.pixels).map_err(|error| {
+            let problem = error.to_string();
             self.refused_pictures.extend(key.as_ref().map(|key| (key.path.clone(), problem.clone())));
             format!("picture {name:?}: {problem}")
         })?;
@@ -316,53 +312,48 @@ impl Lowering {
 
 #[cfg(test)]
 mod tests {
+    use glanz_job::{CancelFlag, ResourceBudget, ResourceLimits};
     use glanz_light::{Pixels, Tone};
 
     use super::*;
     use crate::finder::FileFinder;
     use crate::image::Format;
-    use crate::model::PictureBudget;
     use crate::source::Reporter;
 
-    /// A picture of one colour has far more pixels than its file has bytes.
     #[test]
-    fn pictures_have_no_more_pixels_than_the_size_of_their_files_warrants() {
-        let pixels = Pixels::try_from_rgb(1024, 1024, &vec![[1.0; 3]; 1 << 20]).unwrap();
+    fn pictures_are_taken_off_the_budget_each_time_they_are_decoded() {
+        let pixels = Pixels::try_from_rgb(100, 100, &vec![[1.0; 3]; 10_000]).unwrap();
         let bytes = image::write(&pixels, Format::Png, &Tone::default(), &Default::default()).unwrap();
-        assert!(256 * bytes.len() < 3 << 20, "{} bytes", bytes.len());
         let path = std::env::temp_dir().join(format!("glanz-formats-{}-budget.png", std::process::id()));
         std::fs::write(&path, bytes).unwrap();
         let name = path.file_name().unwrap().display().to_string();
-        let read = |values: usize| {
-            let mut lowering =
-                Lowering::new(Reporter::default(), Dialect::V4, FileFinder::new(path.parent()));
-            lowering.picture_budget = PictureBudget::of_values(values);
-            // The second time with another content, for which the file counts no more.
+        let read = |pixels: u64| {
+            let limits = ResourceLimits { pixels, ..ResourceLimits::default() };
+            let budget = ResourceBudget::new(limits, CancelFlag::default());
+            let mut finder = FileFinder::new(path.parent());
+            finder.budget = budget;
+            let mut lowering = Lowering::new(Reporter::default(), Dialect::V4, finder);
             [Encoding::Srgb, Encoding::Linear]
                 .map(|encoding| lowering.picture(&name, encoding).map_err(|e| e.message))
         };
-        let results = [0, 3 << 20, 6 << 20].map(read);
+        let results = [9_999, 10_000, 20_000].map(read);
         std::fs::remove_file(&path).unwrap();
-        let refused = format!(
-            "picture {name:?}: the pictures have too many pixels for the size of the files; use smaller or fewer pictures"
-        );
-        assert_eq!(results[0], [Err(refused.clone()), Err(refused.clone())]);
-        assert_eq!(results[1], [Ok(0), Err(refused)]);
+        let refused = |limit| Err(format!("picture {name:?}: PNG: the limit of {limit} pixels is exceeded"));
+        assert_eq!(results[0], [refused("9 999"), refused("9 999")]);
+        assert_eq!(results[1], [Ok(0), refused("10 000")]);
         assert_eq!(results[2], [Ok(0), Ok(1)]);
     }
 
     #[test]
-    fn a_broken_picture_takes_no_share_of_others_twice() {
+    fn a_broken_picture_has_one_message() {
         let path = std::env::temp_dir().join(format!("glanz-formats-{}-broken.png", std::process::id()));
         std::fs::write(&path, b"no").unwrap();
         let name = path.file_name().unwrap().display().to_string();
         let mut lowering = Lowering::new(Reporter::default(), Dialect::V4, FileFinder::new(path.parent()));
-        lowering.picture_budget = PictureBudget::of_values(1);
         let results = [Encoding::Srgb, Encoding::Linear, Encoding::Gamma(2.0)]
             .map(|encoding| lowering.picture(&name, encoding).map_err(|e| e.message));
         std::fs::remove_file(&path).unwrap();
         let problem = results[0].clone().unwrap_err();
-        assert!(!problem.contains("too many pixels"), "{problem}");
         assert!(results.iter().all(|result| result.as_ref() == Err(&problem)), "{results:?}");
     }
 }

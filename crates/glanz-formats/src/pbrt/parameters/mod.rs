@@ -46,6 +46,11 @@ impl ParameterList {
         Ok(Self { subject, place, items, asked: Vec::new() })
     }
 
+    /// Bytes of the values.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.items.iter().map(|p| (size_of_val(p) + p.values.bytes()) as u64).sum()
+    }
+
     /// Appends the parameters of `defaults`; its own take precedence.
     pub(crate) fn inherit(&mut self, defaults: &[Parameter]) {
         for d in defaults {

@@ -66,6 +66,16 @@ pub(crate) enum Values {
 }
 
 impl Values {
+    /// Bytes of the list.
+    pub(crate) fn bytes(&self) -> usize {
+        match self {
+            Self::Integers(v) => size_of_val(v.as_slice()),
+            Self::Floats(v) => size_of_val(v.as_slice()),
+            Self::Texts(v) => v.iter().map(|text| size_of_val(text) + text.len()).sum(),
+            Self::Bools(v) => v.len(),
+        }
+    }
+
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Integers(v) => v.len(),

@@ -1,6 +1,7 @@
 //! Valid and invalid lists of parameters.
 
 use super::*;
+use glanz_job::ResourceBudget;
 use glanz_scene::description::FileId;
 use std::sync::Arc;
 
@@ -8,14 +9,14 @@ fn list(text: &str) -> (ParameterList, Reporter) {
     let mut reporter = Reporter::default();
     let bytes: Arc<[u8]> = Arc::from(text.as_bytes());
     let file = reporter.sources.open("t.pbrt", None, &bytes);
-    let mut lexer = Lexer::new(bytes, file);
+    let mut lexer = Lexer::new(bytes, file, &ResourceBudget::default());
     let place = lexer.place(1);
     let list = ParameterList::parse(&mut lexer, "shape \"sphere\"".to_owned(), place).unwrap();
     (list, reporter)
 }
 
 fn error(text: &str) -> (String, u32) {
-    let mut lexer = Lexer::new(Arc::from(text.as_bytes()), FileId(0));
+    let mut lexer = Lexer::new(Arc::from(text.as_bytes()), FileId(0), &ResourceBudget::default());
     let place = lexer.place(1);
     let error = ParameterList::parse(&mut lexer, String::new(), place).unwrap_err();
     (error.message, error.place.location.column)

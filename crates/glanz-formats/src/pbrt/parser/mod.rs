@@ -7,6 +7,7 @@ mod transformations;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glanz_job::{BudgetError, MemoryReservation, Resource};
 use glanz_scene::description::FileId;
 
 use crate::nearest::nearest;
@@ -72,6 +73,10 @@ const DIRECTIVES: &[&str] = &[
 struct OpenFile {
     lexer: Lexer,
     path: Option<PathBuf>,
+    /// The path with links resolved, by which a file that includes itself is recognised.
+    real: Option<PathBuf>,
+    /// For its bytes, and as many while they are read.
+    _memory: MemoryReservation,
     /// The state to restore at its end, if it was imported.
     import: Option<(GraphicsState, usize)>,
 }
@@ -94,24 +99,18 @@ pub(crate) struct Parser {
     state: StateStack,
     files: Vec<OpenFile>,
     block: OpenBlock,
-    includes: usize,
 }
 
 impl Parser {
     /// The initial state.
     pub(crate) fn new(lowering: Lowering) -> Self {
-        Self {
-            lowering,
-            state: StateStack::default(),
-            files: Vec::new(),
-            block: OpenBlock::Options,
-            includes: 0,
-        }
+        Self { lowering, state: StateStack::default(), files: Vec::new(), block: OpenBlock::Options }
     }
 
     /// Reads a scene file and all included files. Errors are reported to the reporter; reading ends after too many of them.
     pub(crate) fn run(&mut self, name: &str, path: Option<&Path>, bytes: Arc<[u8]>) {
-        self.push_file(name, path, bytes, None);
+        // What fails is in the budget.
+        let _ = self.push_file(name, path, bytes, None);
         while !self.lowering.reporter.is_full() {
             match self.step() {
                 Ok(true) => {}
@@ -142,16 +141,24 @@ impl Parser {
         path: Option<&Path>,
         bytes: Arc<[u8]>,
         import: Option<(GraphicsState, usize)>,
-    ) {
+    ) -> Result<(), BudgetError> {
+        let memory = self.lowering.finder.budget.reserve(2 * bytes.len() as u64)?;
         let id = self.lowering.reporter.sources.open(name, path, &bytes);
+        let real = path.and_then(|path| std::fs::canonicalize(path).ok());
         let path = path.map(Path::to_owned);
         self.lowering.reading.push(path.clone());
-        self.files.push(OpenFile { lexer: Lexer::new(bytes, id), path, import });
+        let lexer = Lexer::new(bytes, id, &self.lowering.finder.budget);
+        self.files.push(OpenFile { lexer, path, real, _memory: memory, import });
+        Ok(())
     }
 
     /// Reads one directive; `false` at the end.
     fn step(&mut self) -> ParseResult<bool> {
         let Some(file) = self.files.last_mut() else { return Ok(false) };
+        if self.lowering.finder.budget.check().is_err() {
+            let place = file.lexer.place(1);
+            self.lowering.reporter.check(&place)?;
+        }
         match file.lexer.next() {
             Ok(Some((Token::Word(word), place))) => {
                 self.directive(&word, place)?;
@@ -162,8 +169,9 @@ impl Parser {
                 Err(self.lowering.reporter.error(&place, "syntax", message))
             }
             Ok(None) => {
+                let spent = file.lexer.spend();
                 self.pop_file();
-                Ok(true)
+                spent.map(|()| true).map_err(|error| self.syntax(error))
             }
             Err(error) => Err(self.syntax(error)),
         }
@@ -298,7 +306,9 @@ impl Parser {
     /// The parameters up to the next directive.
     fn parameters(&mut self, subject: String, place: Span) -> ParseResult<ParameterList> {
         let result = ParameterList::parse(self.lexer(&place)?, subject, place);
-        result.map_err(|error| self.syntax(error))
+        let list = result.map_err(|error| self.syntax(error))?;
+        self.lowering.reporter.spend(&place, Resource::Memory, list.bytes())?;
+        Ok(list)
     }
 }
 

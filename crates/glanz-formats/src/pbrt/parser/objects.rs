@@ -1,9 +1,9 @@
 //! Directives that create objects or select their kind.
 
-use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use glanz_job::{LimitError, Resource};
 use glanz_scene::description::SurfaceMedia;
 
 use super::{OpenBlock, Parser};
@@ -12,11 +12,6 @@ use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::lower::EntityState;
 use crate::pbrt::parameters::shortened;
 use crate::source::{MISSING_FILE, ParseResult, Span};
-
-/// Largest depth of nested includes.
-pub(crate) const MAX_INCLUDE_DEPTH: usize = 32;
-/// Largest total number of included files.
-pub(crate) const MAX_INCLUDES: usize = 65_536;
 
 /// Largest number of values of an attribute, which is copied to every object to which it applies.
 const MAX_ATTRIBUTE_VALUES: usize = 64;
@@ -69,14 +64,10 @@ impl Parser {
     pub(super) fn include(&mut self, word: &str, place: Span) -> ParseResult<()> {
         let (name, name_place) = self.name(word, &place)?;
         let r = &mut self.lowering.reporter;
-        if self.files.len() > MAX_INCLUDE_DEPTH {
-            let message = format!("files are included more than {MAX_INCLUDE_DEPTH} deep");
-            return Err(r.error(&name_place, "include", message));
-        }
-        self.includes += 1;
-        if self.includes > MAX_INCLUDES {
-            let message = format!("more than {MAX_INCLUDES} files are included");
-            return Err(r.error(&name_place, "include", message));
+        let (resource, limit) = (Resource::Depth, r.budget.limits().depth);
+        if self.files.len() as u64 > limit {
+            let end = r.budget.fail(LimitError { resource, limit, needed: None });
+            return Err(r.end(&name_place, end));
         }
         let asking = self.files.last().and_then(|f| f.path.as_deref());
         let path = match self.lowering.finder.find(&name, asking, FileKind::Scene) {
@@ -87,9 +78,8 @@ impl Parser {
                 return Err(r.error_with_help(&name_place, MISSING_FILE, message, help));
             }
         };
-        let real = |p: &Path| std::fs::canonicalize(p).ok();
-        let cycle = self.files.iter().filter_map(|f| f.path.as_deref()).any(|open| real(open) == real(&path));
-        if cycle {
+        let real = std::fs::canonicalize(&path).ok();
+        if real.is_some() && self.files.iter().any(|open| open.real == real) {
             let message = format!("{word}: file {:?} includes itself", shortened(&name));
             return Err(r.error(&name_place, "include", message));
         }
@@ -102,8 +92,8 @@ impl Parser {
         };
         let import = (word == "Import").then(|| (self.state.now.clone(), self.state.levels.len()));
         let shown = self.lowering.finder.shown(&path).display().to_string();
-        self.push_file(&shown, Some(&path), bytes, import);
-        Ok(())
+        let pushed = self.push_file(&shown, Some(&path), bytes, import);
+        pushed.map_err(|end| self.lowering.reporter.end(&name_place, end))
     }
 
     /// `Attribute "target" parameters`: defaults for the following objects.

@@ -19,6 +19,7 @@ pub(super) use parser::SyntaxFault;
 pub(super) use tape::{EntityInstance, TapeItems, TapeToken, TextSpan};
 pub(super) use text::decode;
 
+use glanz_job::ResourceBudget;
 use parser::StructureParser;
 
 use super::error::StepError;
@@ -82,14 +83,15 @@ impl<'a> ExchangeFile<'a> {
     ///
     /// # Errors
     /// [`StepError::NotStep`] without the first line of a STEP file, [`StepError::NoData`] without a data section,
-    /// [`StepError::TooLarge`] from 4 GiB on.
-    pub(super) fn parse(bytes: &'a [u8]) -> Result<Self, StepError> {
+    /// [`StepError::TooLarge`] from 4 GiB on, [`StepError::Budget`].
+    pub(super) fn parse(bytes: &'a [u8], budget: &'a ResourceBudget) -> Result<Self, StepError> {
         if u32::try_from(bytes.len()).is_err() {
             return Err(StepError::TooLarge(bytes.len()));
         }
         let start = behind_magic(bytes).ok_or(StepError::NotStep)?;
-        let mut parser = StructureParser::new(bytes);
+        let mut parser = StructureParser::new(bytes, budget);
         parser.sections(start);
+        budget.check()?;
         if !parser.has_data {
             return Err(StepError::NoData);
         }

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use glanz_job::ResourceBudget;
+
 use super::keyword::{KEYWORDS, Keyword};
 use super::scanner::{ScannedNumber, Scanner};
 use super::tape::{EntityInstance, TapeToken};
@@ -61,6 +63,7 @@ type EntityResult = Result<(), (Option<u64>, &'static str)>;
 
 pub(super) struct StructureParser<'a> {
     scanner: Scanner<'a>,
+    budget: &'a ResourceBudget,
     keywords: HashMap<&'static [u8], Keyword>,
     pub(super) tape: Vec<TapeToken>,
     pub(super) instances: Vec<EntityInstance>,
@@ -77,9 +80,10 @@ pub(super) struct StructureParser<'a> {
 const TRUNCATED: &str = "the file ends inside of this instance";
 
 impl<'a> StructureParser<'a> {
-    pub(super) fn new(bytes: &'a [u8]) -> Self {
+    pub(super) fn new(bytes: &'a [u8], budget: &'a ResourceBudget) -> Self {
         Self {
             scanner: Scanner::new(bytes),
+            budget,
             keywords: KEYWORDS.iter().map(|(name, keyword)| (name.as_bytes(), *keyword)).collect(),
             tape: Vec::new(),
             instances: Vec::new(),
@@ -156,6 +160,10 @@ impl<'a> StructureParser<'a> {
         });
         self.scanner.take(b';');
         loop {
+            if self.budget.check().is_err() {
+                self.scanner.at = self.scanner.bytes.len();
+                return;
+            }
             let space = self.scanner.skip_space();
             let start = self.scanner.at;
             let (tape, instances) = (self.tape.len(), self.instances.len());

@@ -1,5 +1,7 @@
 //! Facts about the syntax.
 
+use glanz_job::ResourceBudget;
+
 use super::*;
 
 /// A file with these instances.
@@ -11,7 +13,8 @@ fn wrap(data: &str) -> String {
 
 /// The numbers of the instances that are read, and the faults.
 fn outline(text: &str) -> (Vec<u64>, Vec<String>) {
-    let file = ExchangeFile::parse(text.as_bytes()).unwrap();
+    let budget = ResourceBudget::default();
+    let file = ExchangeFile::parse(text.as_bytes(), &budget).unwrap();
     let fault = |f: &SyntaxFault| format!("{}:{} {:?} {}", f.line, f.column, f.instance, f.reason);
     (file.entities().map(|e| e.id().0).collect(), file.faults.iter().map(fault).collect())
 }
@@ -44,7 +47,8 @@ fn every_encoding_of_strings_is_decoded() {
 #[test]
 fn parameters_of_every_kind_are_read() {
     let text = wrap("#7=A('t',1,-2.,1.E-05,.5,+3,.T.,\"0A\",$,*,(1,(2.,#9)),PARAMETER_VALUE(0.5),());");
-    let file = ExchangeFile::parse(text.as_bytes()).unwrap();
+    let budget = ResourceBudget::default();
+    let file = ExchangeFile::parse(text.as_bytes(), &budget).unwrap();
     let entity = file.find(7).unwrap();
     let attributes = entity.simple();
     assert_eq!(attributes.text(0), "t");
@@ -74,7 +78,8 @@ fn attributes_of_complex_instances_follow_one_another_as_in_simple_ones() {
         "#1=(B_SPLINE_CURVE(2,(#2))BOUNDED_CURVE()B_SPLINE_CURVE_WITH_KNOTS((3,3),(0.,1.))REPRESENTATION_ITEM('n'));
          #2=(B_SPLINE_CURVE(2,(#2))UNKNOWN_TYPE(1)B_SPLINE_CURVE_WITH_KNOTS((3,3),(0.,1.)));",
     );
-    let file = ExchangeFile::parse(text.as_bytes()).unwrap();
+    let budget = ResourceBudget::default();
+    let file = ExchangeFile::parse(text.as_bytes(), &budget).unwrap();
     for (number, name) in [(1, "n"), (2, "")] {
         let entity = file.find(number).unwrap();
         assert!(entity.is(Keyword::BSplineCurve) && !entity.is(Keyword::BSplineSurface));
@@ -90,7 +95,8 @@ fn attributes_of_complex_instances_follow_one_another_as_in_simple_ones() {
 fn spaces_and_comments_may_stand_between_all_tokens() {
     let spaced = "\u{feff}/* a ; #9=X(); */ISO-10303-21 ;\nHEADER ; ENDSEC\n; DATA /* */ ;\n#1 /*;*/ = /**/ PLANE\n(\n'' , #2 /* ' */ ) \r\n;\
                   #2\t=\tplane ( '/* no comment */' ) ; ENDSEC ; END-ISO-10303-21 ;";
-    let file = ExchangeFile::parse(spaced.as_bytes()).unwrap();
+    let budget = ResourceBudget::default();
+    let file = ExchangeFile::parse(spaced.as_bytes(), &budget).unwrap();
     assert_eq!(file.faults, []);
     let one = file.find(1).unwrap();
     assert_eq!(one.keyword(), Keyword::Plane);
@@ -161,7 +167,8 @@ fn instances_are_found_with_and_without_gaps_between_their_numbers() {
     for step in [1, 1000, 1 << 50] {
         let data: String = (1..=50_u64).rev().map(|i| format!("#{}=A({i});", i * step)).collect();
         let text = wrap(&data);
-        let file = ExchangeFile::parse(text.as_bytes()).unwrap();
+        let budget = ResourceBudget::default();
+        let file = ExchangeFile::parse(text.as_bytes(), &budget).unwrap();
         for i in 1..=50 {
             assert_eq!(file.find(i * step).unwrap().simple().count(0).unwrap(), i as usize);
         }
@@ -171,9 +178,15 @@ fn instances_are_found_with_and_without_gaps_between_their_numbers() {
 
 #[test]
 fn files_of_other_kinds_are_refused() {
-    assert_eq!(ExchangeFile::parse(b"solid cube").unwrap_err(), StepError::NotStep);
-    assert_eq!(ExchangeFile::parse(b"").unwrap_err(), StepError::NotStep);
-    assert_eq!(ExchangeFile::parse(b"ISO-10303-21;HEADER;ENDSEC;").unwrap_err(), StepError::NoData);
+    assert_eq!(
+        ExchangeFile::parse(b"solid cube", &ResourceBudget::default()).unwrap_err(),
+        StepError::NotStep
+    );
+    assert_eq!(ExchangeFile::parse(b"", &ResourceBudget::default()).unwrap_err(), StepError::NotStep);
+    assert_eq!(
+        ExchangeFile::parse(b"ISO-10303-21;HEADER;ENDSEC;", &ResourceBudget::default()).unwrap_err(),
+        StepError::NoData
+    );
 }
 
 /// Repeated damage must not make reading quadratic: this takes minutes if every comment is searched to the end of the file.
@@ -181,7 +194,7 @@ fn files_of_other_kinds_are_refused() {
 fn many_comments_without_an_end_are_read_in_linear_time() {
     let text = wrap(&"#1=A(/* ;#2=B(' ;".repeat(50_000));
     let start = std::time::Instant::now();
-    assert!(ExchangeFile::parse(text.as_bytes()).unwrap().fault_count > 0);
+    assert!(ExchangeFile::parse(text.as_bytes(), &ResourceBudget::default()).unwrap().fault_count > 0);
     assert!(start.elapsed().as_secs() < 10);
 }
 
@@ -225,7 +238,7 @@ fn instances_behind_a_damaged_one_are_read() {
 fn semicolons_in_comments_are_passed_in_linear_time() {
     let text = wrap(&format!("#1=A('{}*/{}", "/*;".repeat(200_000), "/**/".repeat(200_000)));
     let start = std::time::Instant::now();
-    assert!(ExchangeFile::parse(text.as_bytes()).unwrap().fault_count > 0);
+    assert!(ExchangeFile::parse(text.as_bytes(), &ResourceBudget::default()).unwrap().fault_count > 0);
     assert!(start.elapsed().as_secs() < 10);
 }
 

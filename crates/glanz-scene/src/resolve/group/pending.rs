@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
+use glanz_geometry::Surface;
+use glanz_job::ResourceBudget;
+
 use crate::alpha::AlphaTest;
 use crate::description::{EmissionDescription, Location, ShapeDescription};
 use crate::error::SceneError;
 use crate::medium::MediumInterface;
 use crate::object::SceneObject;
 use crate::receiver::NamedReceiver;
-use crate::resolve::{WarningList, shape};
+use crate::resolve::{WarningList, shape, spend};
 
 /// A shape without its geometry.
 pub(super) struct ShapeEntry {
@@ -50,7 +53,31 @@ impl ShapeEntry {
     }
 }
 
+/// Bytes of an object with its surface and its part of the hierarchy over all objects.
+fn object_bytes(object: &SceneObject) -> u64 {
+    let surface = match object.surface() {
+        Surface::Mesh(mesh) => mesh.bytes(),
+        Surface::Freeform(surface) => surface.bytes(),
+        _ => 0,
+    };
+    (size_of_val(object) + HIERARCHY_PER_OBJECT + surface) as u64
+}
+
+/// Bytes per object of a hierarchy over objects.
+const HIERARCHY_PER_OBJECT: usize = 96;
+
 impl PendingShape {
+    /// Builds the shape and takes its objects off the budget.
+    pub(super) fn build_within(self, budget: &ResourceBudget) -> Result<BuiltShape, SceneError> {
+        let location = self.entry.location;
+        budget.check().map_err(|end| SceneError { location, kind: end.into() })?;
+        let built = self.build();
+        let objects = built.objects.as_deref().unwrap_or_default();
+        let bytes: u64 = objects.iter().map(object_bytes).sum();
+        spend(budget, objects.len() as u64, bytes, location)?;
+        Ok(built)
+    }
+
     pub(super) fn build(self) -> BuiltShape {
         let Self { entry, shape } = self;
         let mut warnings = WarningList::default();
