@@ -39,7 +39,13 @@ pub(crate) fn merge(
     threads: Option<Whole>,
     progress: Option<Bound<'_, PyAny>>,
 ) -> PyResult<PyImage> {
-    match joined(py, &paths, MergeOptions { partial, picture: true }, threads, progress)? {
+    match joined(
+        py,
+        &paths,
+        MergeOptions { partial, picture: true, ..MergeOptions::default() },
+        threads,
+        progress,
+    )? {
         MergeOutcome::Picture(picture) => Ok(PyImage::of_picture(*picture)),
         _ => Err(failure(py, "the parts are not of a picture".to_owned())),
     }
@@ -61,7 +67,7 @@ pub(crate) fn merge_checkpoints(
     let failed = |error| py_error(py, error, &LineOrigins::default());
     let mut files = FileUses::default();
     files.add_inputs(&paths).and_then(|()| files.add_output(&checkpoint)).map_err(failed)?;
-    let outcome = joined(py, &paths, MergeOptions { partial, picture: false }, threads, progress)?;
+    let outcome = joined(py, &paths, MergeOptions { partial, ..MergeOptions::default() }, threads, progress)?;
     py.detach(|| outcome.save_checkpoint(&checkpoint)).map_err(failed)
 }
 

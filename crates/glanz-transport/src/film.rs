@@ -22,7 +22,7 @@ use glanz_sampling::exact::MAX_TERMS;
 
 use self::sums::FilmSums;
 pub use format::{FilmError, FilmFormat};
-pub(crate) use sums::FilmSumsWriter;
+pub(crate) use sums::{FilmSumsWriter, to_bytes};
 
 /// The buffers of a film, for threads to fill.
 pub(crate) struct FilmParts<'a> {
@@ -66,7 +66,7 @@ impl Film {
         Self::try_new_within(format, u64::MAX)
     }
 
-    /// A film without samples. Its sums are in memory if they take at most `memory` bytes, else in a temporary file: in the folder TMPDIR if that is set.
+    /// A film without samples. Its sums are in memory if they take at most `memory` bytes, else in a temporary file: in the folder TMPDIR if that is set, else in /var/tmp or the usual one.
     ///
     /// # Errors
     /// As [`Film::try_new`]; [`FilmError::Limit`] if a film of the format [has to be in memory](FilmFormat::fits_in_file), and [`FilmError::File`] if
@@ -288,7 +288,7 @@ impl Film {
         strips.collect()
     }
 
-    /// Calls `work` with the tiles of a film in a file that have not ended, strip after strip.
+    /// Calls `work` with the tiles of a film in a file, strip after strip.
     pub(crate) fn update_strips<T, E: From<FilmError>>(
         &mut self,
         mut work: impl FnMut(Vec<(PixelRect, &mut [u64])>) -> Result<T, E>,

@@ -116,7 +116,7 @@ pub enum Error {
     PartGoal,
     /// A film of the requested size cannot be created.
     #[error("the picture cannot be rendered: {0}")]
-    Film(#[from] FilmError),
+    Film(FilmError),
     /// The render loop ended without a picture.
     #[error("the render stopped: {0}")]
     Render(RenderError),
@@ -464,6 +464,15 @@ impl From<TessellationError> for Error {
         match error {
             TessellationError::Interrupted(interrupted) => Self::Interrupted(interrupted),
             error => Self::Tessellation(error),
+        }
+    }
+}
+
+impl From<FilmError> for Error {
+    fn from(error: FilmError) -> Self {
+        match error {
+            FilmError::Pixels(error) => Self::Pixels(error),
+            error => Self::Film(error),
         }
     }
 }

@@ -171,7 +171,7 @@ fn place(_: &fs::Metadata) -> Option<[u64; 2]> {
 
 /// Whether the file `path` is there and is no regular one, as a pipe or a device.
 pub(crate) fn is_pipe(path: &Path) -> bool {
-    fs::metadata(path).is_ok_and(|found| !found.is_file())
+    fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
 
 /// The bytes of the file `path`.

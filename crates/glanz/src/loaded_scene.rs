@@ -4,7 +4,9 @@ use std::fmt::{self, Write};
 
 #[cfg(feature = "formats")]
 use glanz_formats::cad::CadReport;
-use glanz_job::{BudgetError, CancelFlag, ContentHash, Interrupted, ResourceBudget, ResourceLimits};
+use glanz_job::{
+    BudgetError, CancelFlag, ContentHash, Interrupted, Resource, ResourceBudget, ResourceLimits,
+};
 use glanz_scene::studio::{StudioSettings, add_studio};
 use glanz_scene::{
     Description, Diagnostic, Diagnostics, Location, Scene, SceneError, SceneErrorKind, SceneWarning, Severity,
@@ -168,6 +170,11 @@ impl LoadedScene {
             let _ = write!(text, "{:?}", self.description);
             text.0.value()
         })
+    }
+
+    /// Memory that reading the scene has left of its limit, bytes.
+    pub(crate) fn memory_left(&self) -> u64 {
+        self.budget.limits().memory.saturating_sub(self.budget.used(Resource::Memory))
     }
 
     /// Resolves the scene for ray queries; returns it with its warnings. Of a model, these are its surfaces alone.

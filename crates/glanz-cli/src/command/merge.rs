@@ -100,7 +100,11 @@ pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Comm
         .cancel(cancel)
         .on_progress(&mut progress)
         .on_event(&mut events);
-    let options = MergeOptions { partial: arguments.partial, picture: !arguments.output.is_empty() };
+    let options = MergeOptions {
+        partial: arguments.partial,
+        picture: !arguments.output.is_empty(),
+        ..MergeOptions::default()
+    };
     let merged = glanz::merge(&arguments.parts, options, job);
     progress.finish();
     let merged = match merged {

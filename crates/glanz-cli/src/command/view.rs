@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use glanz::denoise::{DIRECTORY_VARIABLE, DenoiseError};
 use glanz::formats::Options;
+use glanz::job::CancelFlag;
 use glanz::viewer::server::{
     ComparedDesign, SceneOverlay, SceneUpdate, Server, ServerError, ServerSettings, ViewerScene,
     WorkerCommand, WorkerSettings, run_worker, worker_folder,

@@ -216,15 +216,7 @@ pub(super) fn write(
 ) -> Result<(), ImageError> {
     let mut list = SmallVec::new();
     for channel in picture.channels {
-        let (name, quantize_linearly) =
-            (checked_name(channel)?, ChannelDescription::guess_quantization_linearity);
-        let quantize_linearly = quantize_linearly(&name);
-        list.push(ChannelDescription {
-            name,
-            sample_type: SampleType::F32,
-            quantize_linearly,
-            sampling: Vec2(1, 1),
-        });
+        list.push(ChannelDescription::named(checked_name(channel)?, SampleType::F32));
     }
     if list.is_empty() {
         return Err(not_writable("a picture without channels cannot be stored".to_owned()));

@@ -1,6 +1,8 @@
 //! Radiance pictures: three bytes of mantissa and one of exponent per pixel (@wardrgbe).
 
 use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::ops::Range;
 
 use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::Pixels;
@@ -9,7 +11,7 @@ use image::{DynamicImage, ImageDecoder};
 
 use super::error::{check_size, reserve};
 use super::raster::decoding_error;
-use super::{Format, Image, ImageError, rgb_of};
+use super::{Format, Image, ImageError, RowPicture, rgb_of};
 use crate::budget_reader::BudgetReader;
 
 /// Run lengths pack at most 127 values into two bytes.
@@ -35,14 +37,42 @@ pub(super) fn read(bytes: &[u8], budget: &ResourceBudget) -> Result<(Image, Memo
 
 /// A Radiance picture of R, G, B (or Y). The format has no negative light, no infinity, no values above 2^127 or
 /// below 2^-128: such values and NaN are brought into range.
-pub(super) fn write(pixels: &Pixels) -> Result<Vec<u8>, ImageError> {
-    let rgb: Vec<image::Rgb<f32>> =
-        rgb_of(pixels, Format::Hdr)?.into_iter().map(|p| image::Rgb(into_range(p))).collect();
-    let mut bytes = Vec::new();
-    HdrEncoder::new(&mut bytes)
-        .encode(&rgb, pixels.width() as usize, pixels.height() as usize)
-        .map_err(|e| ImageError::NotWritable { format: Format::Hdr, message: e.to_string() })?;
-    Ok(bytes)
+pub(super) fn write(
+    picture: &RowPicture<'_>,
+    out: &mut impl Write,
+    mut rows: impl FnMut(Range<u32>) -> io::Result<Pixels>,
+) -> Result<(), ImageError> {
+    let [width, height] = picture.size;
+    for range in picture.ranges() {
+        let rgb = rgb_of(&rows(range.clone())?, Format::Hdr)?;
+        let rgb: Vec<image::Rgb<f32>> = rgb.into_iter().map(|p| image::Rgb(into_range(p))).collect();
+        let mut bytes = Vec::new();
+        let not_writable = |message| ImageError::NotWritable { format: Format::Hdr, message };
+        HdrEncoder::new(&mut bytes)
+            .encode(&rgb, width as usize, range.len())
+            .map_err(|e| not_writable(e.to_string()))?;
+        // Each row is coded by itself. The header, which ends with the line of the size, is written once.
+        let split = split_header(&bytes).ok_or_else(|| not_writable("the header is broken".to_owned()))?;
+        if range.start == 0 {
+            out.write_all(split.attributes)?;
+            writeln!(out, "-Y {height} +X {width}")?;
+        }
+        out.write_all(split.rows)?;
+    }
+    Ok(())
+}
+
+/// The parts of a file around the line of its size.
+struct HdrParts<'a> {
+    attributes: &'a [u8],
+    rows: &'a [u8],
+}
+
+fn split_header(bytes: &[u8]) -> Option<HdrParts<'_>> {
+    let size = bytes.windows(2).position(|pair| pair == b"\n\n")? + 2;
+    let (attributes, rest) = bytes.split_at_checked(size)?;
+    let line = rest.iter().position(|byte| *byte == b'\n')?;
+    Some(HdrParts { attributes, rows: rest.get(line + 1..)? })
 }
 
 fn into_range(rgb: [f32; 3]) -> [f32; 3] {

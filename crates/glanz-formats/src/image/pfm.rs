@@ -85,10 +85,10 @@ pub(super) fn write(
     write!(out, "{}\n{width} {height}\n-1.0\n", if grey { "Pf" } else { "PF" })?;
     for range in picture.ranges().rev() {
         let rgb = rgb_of(&rows(range)?, Format::Pfm)?;
-        let used = |pixel: &[f32; 3]| {
-            pixel.iter().take(if grey { 1 } else { 3 }).flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>()
-        };
-        let bytes: Vec<u8> = rgb.chunks(width as usize).rev().flatten().flat_map(used).collect();
+        let mut bytes = Vec::new();
+        for pixel in rgb.chunks(width as usize).rev().flatten() {
+            bytes.extend(pixel.iter().take(if grey { 1 } else { 3 }).flat_map(|v| v.to_le_bytes()));
+        }
         out.write_all(&bytes)?;
     }
     Ok(())

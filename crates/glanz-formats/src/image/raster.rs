@@ -1,5 +1,6 @@
 //! Formats with integers for pixels: PNG, JPEG, BMP, TGA, QOI, PNM.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::Range;
@@ -98,15 +99,15 @@ pub(super) fn write_png(
 ) -> Result<(), ImageError> {
     let strips = picture.ranges().map(|range| {
         let rgb = rgb_of(&rows(range)?, Format::Png)?;
-        Ok(rgb.into_iter().map(|p| picture.tone.to_srgb8(p)).collect())
+        Ok(Cow::Owned(rgb.into_iter().map(|p| picture.tone.to_srgb8(p)).collect()))
     });
     write_strips(picture.size, strips, out)
 }
 
 /// Writes an 8 bit PNG of strips of sRGB bytes.
-fn write_strips(
+fn write_strips<'a>(
     [width, height]: [u32; 2],
-    strips: impl Iterator<Item = Result<Vec<[u8; 3]>, ImageError>>,
+    strips: impl Iterator<Item = Result<Cow<'a, [[u8; 3]]>, ImageError>>,
     out: &mut impl Write,
 ) -> Result<(), ImageError> {
     let failed = |error: png::EncodingError| match error {
@@ -138,7 +139,7 @@ pub fn write_srgb8(width: u32, height: u32, colours: &[[u8; 3]]) -> Result<Vec<u
         return Err(not_writable(format!("there are {} colours; {expected} are needed", colours.len())));
     }
     let mut bytes = Vec::new();
-    write_strips([width, height], std::iter::once(Ok(colours.to_vec())), &mut bytes)?;
+    write_strips([width, height], std::iter::once(Ok(Cow::Borrowed(colours))), &mut bytes)?;
     Ok(bytes)
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Seek, Write};
 use std::ops::Range;
 
-use glanz_light::{Pixels, Tone};
+use glanz_light::{Pixels, PixelsError, Tone};
 
 use super::{Format, ImageError, exr, hdr, pfm, raster};
 
@@ -32,8 +32,8 @@ impl RowPicture<'_> {
     }
 }
 
-/// Writes the file of a picture from the beginning of `out` on, which is empty. `rows` returns the picture of some rows: for OpenEXR and PNG 16 at a time from the
-/// top, for PFM from the bottom, for Radiance HDR all. The bytes depend on the arguments alone.
+/// Writes the file of a picture from the beginning of `out` on, which is empty. `rows` returns the picture of some rows, 16 at a time from the top, for PFM from
+/// the bottom. The bytes depend on the arguments alone.
 ///
 /// # Errors
 /// [`ImageError::NotWritable`] for a format that is only read, or that cannot store the picture's channels; [`ImageError::Write`] for errors of `out` and of
@@ -44,9 +44,18 @@ pub fn write_rows(
     out: &mut (impl Read + Write + Seek),
     mut rows: impl FnMut(Range<u32>) -> io::Result<Pixels> + Send,
 ) -> Result<(), ImageError> {
+    let [width, height] = picture.size;
+    if width == 0 || height == 0 {
+        return Err(PixelsError::Size(width, height).into());
+    }
+    let rows = |range: Range<u32>| {
+        let part = rows(range.clone())?;
+        let fits = [part.width(), part.height()] == [width, range.end - range.start];
+        if fits { Ok(part) } else { Err(io::Error::other("rows of another picture")) }
+    };
     match format {
         Format::Exr => exr::write(picture, out, rows),
-        Format::Hdr => Ok(out.write_all(&hdr::write(&rows(0..picture.size[1])?)?)?),
+        Format::Hdr => hdr::write(picture, out, rows),
         Format::Pfm => pfm::write(picture, out, rows),
         Format::Png => raster::write_png(picture, out, rows),
         _ => Err(ImageError::NotWritable { format, message: "this format cannot be written".to_owned() }),

@@ -167,6 +167,12 @@ impl Scene {
         !self.media.media.is_empty()
     }
 
+    /// Whether a medium emits light.
+    #[must_use]
+    pub fn has_emissive_media(&self) -> bool {
+        self.media.media.iter().any(|medium| !medium.coefficients.source.is_black())
+    }
+
     /// Whether media end at surfaces that shadow rays pass, so that a ray that nothing stops may lie in several of them.
     #[must_use]
     pub fn has_open_media(&self) -> bool {

@@ -81,12 +81,13 @@ pub struct Checkpoint {
 
 impl Checkpoint {
     /// The bytes of the file.
-    #[must_use]
-    pub fn to_bytes(&self) -> Vec<u8> {
+    ///
+    /// # Errors
+    /// A film in a file that cannot be read.
+    pub fn to_bytes(&self) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        // A vector takes all bytes.
-        Self::write(&self.identity, &self.film, &mut bytes).unwrap_or(());
-        bytes
+        Self::write(&self.identity, &self.film, &mut bytes)?;
+        Ok(bytes)
     }
 
     /// Writes the bytes of the file of a film that may be in use, in large blocks. The caller should write a new file and rename it over the old one,
@@ -210,7 +211,7 @@ mod tests {
     fn written_checkpoints_are_read_back() {
         let checkpoint = example();
         assert_eq!(checkpoint.film.rejects().dropped, 60);
-        assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes()), Ok(checkpoint));
+        assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes().unwrap()), Ok(checkpoint));
     }
 
     #[test]
@@ -222,14 +223,14 @@ mod tests {
         film.finish_pass(0..40, Rejects::default()).unwrap();
         let with = |ends: [u32; 2]| film.clone().with_tile_ends(ends.to_vec());
         let checkpoint = Checkpoint { identity, film: with([32, u32::MAX]).unwrap() };
-        assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes()), Ok(checkpoint));
+        assert_eq!(Checkpoint::from_bytes(&checkpoint.to_bytes().unwrap()), Ok(checkpoint));
         assert!(with([48, 32]).is_none() && with([31, 32]).is_none());
         assert!(film.with_tile_ends(vec![32]).is_none());
     }
 
     #[test]
     fn every_truncation_and_every_flipped_bit_is_detected() {
-        let bytes = example().to_bytes();
+        let bytes = example().to_bytes().unwrap();
         for length in (0..300).chain(bytes.len() - 300..bytes.len()) {
             assert!(Checkpoint::from_bytes(&bytes[..length]).is_err(), "{length}");
         }
@@ -248,7 +249,7 @@ mod tests {
 
     #[test]
     fn errors_state_their_reason() {
-        let bytes = example().to_bytes();
+        let bytes = example().to_bytes().unwrap();
         let foreign = CheckpointError::Envelope(EnvelopeError::Foreign("a checkpoint of Glanz"));
         assert_eq!(Checkpoint::from_bytes(b"PNG..."), Err(foreign.clone()));
         assert_eq!(Checkpoint::from_bytes(b""), Err(foreign));
@@ -291,7 +292,7 @@ mod tests {
         let with_edges = film.edges().cloned();
         let written = |edges| {
             let film = film.clone().with_edges(edges).unwrap();
-            Checkpoint { identity: identity.clone(), film }.to_bytes()
+            Checkpoint { identity: identity.clone(), film }.to_bytes().unwrap()
         };
         for (edges, reason) in [(None, "its size"), (with_edges, "its edges")] {
             let mut huge = written(edges);
@@ -311,7 +312,7 @@ mod tests {
         fn arbitrary_bytes_do_not_panic(
             changes in prop::collection::vec((0_usize..250, any::<u8>()), 1..8), length in 24_usize..20_000,
         ) {
-            let mut bytes = example().to_bytes();
+            let mut bytes = example().to_bytes().unwrap();
             for (at, value) in changes {
                 // The prefix stays valid; otherwise nothing behind it would be tested.
                 if at >= PREFIX_LENGTH {

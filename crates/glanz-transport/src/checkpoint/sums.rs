@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 
 use crc32fast::Hasher;
 
-use crate::film::Film;
+use crate::film::{Film, to_bytes};
 
 use super::{CheckpointError, CheckpointHead, ENVELOPE, damaged, read_bytes};
 use crate::codec::{CRC_LENGTH, EnvelopeError};
@@ -18,8 +18,7 @@ pub(super) fn write(film: &Film, mut crc: Hasher, out: &mut dyn Write) -> io::Re
     for words in film.word_blocks() {
         let words = words.map_err(io::Error::other)?;
         block.resize(8 * words.len(), 0);
-        let (slots, _) = block.as_chunks_mut::<8>();
-        slots.iter_mut().zip(&*words).for_each(|(slot, word)| *slot = word.to_le_bytes());
+        to_bytes(&words, &mut block);
         let bytes = &block[..8 * words.len()];
         crc.update(bytes);
         out.write_all(bytes)?;

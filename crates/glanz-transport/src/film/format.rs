@@ -1,6 +1,6 @@
 //! The format of a film.
 
-use std::io;
+use std::path::PathBuf;
 
 use glanz_light::PixelsError;
 use glanz_sampling::exact::MAX_TERMS;
@@ -35,8 +35,8 @@ pub enum FilmError {
     Memory(u64),
     /// The sums take more memory than they may, and cannot be in a file.
     #[error(
-        "the film needs {} MB of memory, and {} MB may be used; with neither a noise level, denoising nor an integrator that learns or splats, it \
-         would be in a file",
+        "the film needs {} MB of memory, and {} MB may be used; raise the limit, choose a smaller picture, or leave out the noise level, denoising and \
+         integrators that learn or connect light to the film",
         .needed.div_ceil(1_000_000), .limit / 1_000_000
     )]
     Limit {
@@ -46,8 +46,15 @@ pub enum FilmError {
         limit: u64,
     },
     /// The temporary file of the sums failed.
-    #[error("the temporary file of a large film: {0}")]
-    File(io::ErrorKind),
+    #[error("the temporary file of a large film, in {}: {fault}; set TMPDIR to a folder with room for {} MB", .folder.display(), .bytes.div_ceil(1_000_000))]
+    File {
+        /// Its folder.
+        folder: PathBuf,
+        /// The fault, as a sentence.
+        fault: String,
+        /// Size of the file.
+        bytes: u64,
+    },
     /// The picture cannot be made of the film.
     #[error(transparent)]
     Pixels(#[from] PixelsError),
@@ -74,12 +81,6 @@ pub enum FilmError {
     /// More samples than the sums can hold exactly.
     #[error("{0} samples per pixel are more than the {MAX_TERMS} a film can hold")]
     Samples(u64),
-}
-
-impl From<io::Error> for FilmError {
-    fn from(error: io::Error) -> Self {
-        Self::File(error.kind())
-    }
 }
 
 /// Format of a film: its pixels and the sums of each.

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::{Film, FilmError, FilmFormat};
 use crate::edges::EdgeLayer;
+use crate::ranges::OverlapError;
 use crate::word_merge::add_words;
 
 /// Number of pixels that a thread adds at a time.
@@ -20,19 +21,30 @@ impl Film {
     ///
     /// # Errors
     /// [`FilmError::Layout`] if the formats or the edges differ, [`FilmError::Overlap`] if a sample is in both, and
-    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Ordered`] for films with passes or a noise level; after an error this film is
-    /// unchanged.
+    /// [`FilmError::Samples`] if there would be too many, [`FilmError::Ordered`] for films with passes or a noise level; after these errors this film is
+    /// unchanged. After [`FilmError::File`], of films in files, it is of no use.
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
         self.check_layout(&other.format, other.edges())?;
         if self.format.is_ordered() {
             return Err(FilmError::Ordered);
         }
-        self.take_samples(other)?;
-        for block in self.blocks(BLOCK) {
+        self.check_samples(other)?;
+        let together = self.sums.limit().map_or(BLOCK, |limit| limit.clamp(1, BLOCK));
+        for block in self.blocks(together) {
             let first = block.start;
             self.add_sums(first, &other.sums.get(block)?, |word| *word)?;
         }
-        Ok(())
+        self.take_samples(other)
+    }
+
+    /// Checks that samples of another film can be added.
+    fn check_samples(&self, other: &Self) -> Result<(), FilmError> {
+        let total = self.samples.total() + other.samples.total();
+        if total > u64::from(MAX_TERMS) {
+            return Err(FilmError::Samples(total));
+        }
+        let shared = self.samples.overlap(&other.samples);
+        shared.map_or(Ok(()), |samples| Err(FilmError::Overlap(OverlapError(samples))))
     }
 
     /// Checks that the film has this format and these edges.
@@ -53,10 +65,7 @@ impl Film {
     /// Takes the numbers, plans and counters of the samples of another film, and the state of its passes if this one has no samples; its sums must be
     /// added, too.
     pub(crate) fn take_samples(&mut self, other: &Self) -> Result<(), FilmError> {
-        let total = self.samples.total() + other.samples.total();
-        if total > u64::from(MAX_TERMS) {
-            return Err(FilmError::Samples(total));
-        }
+        self.check_samples(other)?;
         if self.samples.is_empty() {
             (self.passes, self.tile_ends) = (other.passes.clone(), other.tile_ends.clone());
         }

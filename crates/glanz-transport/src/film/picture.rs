@@ -11,16 +11,21 @@ use crate::pixel::PixelValue;
 use crate::splat::SplatSums;
 
 impl Film {
-    /// The share of the samples of each pixel of a film in memory that hit a surface, row by row; 0 without channels of the first hit.
-    #[must_use]
-    pub fn hit_shares(&self) -> Vec<f32> {
+    /// The share of the samples of each pixel that hit a surface, row by row; 0 without channels of the first hit.
+    ///
+    /// # Errors
+    /// [`FilmError::File`] if a film in a file cannot be read.
+    pub fn hit_shares(&self) -> Result<Vec<f32>, FilmError> {
         let width = self.format.crop.size[0] as usize;
         let mut shares = vec![0.0; self.format.crop.len() as usize];
-        for (tile, [x, y], sums) in self.pixels() {
-            let samples = self.samples_of_tile(tile).max(1);
-            shares[y as usize * width + x as usize] = sums.hits() as f32 / samples as f32;
+        for strip in self.strips() {
+            let words = self.sums.get(strip.words.clone())?;
+            for (tile, [x, y], sums) in self.pixels_of(&strip, &words) {
+                let samples = self.samples_of_tile(tile).max(1);
+                shares[y as usize * width + x as usize] = sums.hits() as f32 / samples as f32;
+            }
         }
-        shares
+        Ok(shares)
     }
 
     /// Splatted light of the pixel in that row and column of the crop window.

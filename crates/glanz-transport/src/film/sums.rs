@@ -8,13 +8,21 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use glanz_job::IoFault;
+
 use super::FilmError;
 
 /// Number of words that are converted at a time: 1 MiB.
 const BLOCK: usize = 1 << 17;
 
-/// Share of the memory that the words of a strip may take: of a checkpoint that is written meanwhile there are some, too.
-const STRIPS: u64 = 4;
+/// The words of a strip take at most this part of the memory: 1 in 4.
+const STRIP_DIVISOR: u64 = 4;
+
+/// The bytes of words, of which there are eight each.
+pub(crate) fn to_bytes(words: &[u64], bytes: &mut [u8]) {
+    let slots = bytes.as_chunks_mut::<8>().0;
+    slots.iter_mut().zip(words).for_each(|(slot, word)| *slot = word.to_le_bytes());
+}
 
 /// The words of a film.
 #[derive(Clone, Debug)]
@@ -30,31 +38,48 @@ pub(super) struct SumFile {
     length: usize,
     /// Number of words that may be in memory at a time.
     in_memory: usize,
+    folder: PathBuf,
 }
 
-/// The folder of temporary files that may be larger than the memory. On many systems, the usual one is in memory.
-fn scratch_folder() -> PathBuf {
-    let large = PathBuf::from("/var/tmp");
-    if env::var_os("TMPDIR").is_none() && large.is_dir() { large } else { env::temp_dir() }
+/// The folders for a temporary file that may be larger than the memory. On many systems, the usual one is in memory.
+fn scratch_folders() -> impl Iterator<Item = PathBuf> {
+    let large = env::var_os("TMPDIR").is_none().then(|| PathBuf::from("/var/tmp"));
+    large.into_iter().chain([env::temp_dir()])
+}
+
+fn file_error(folder: PathBuf, error: &io::Error, bytes: u64) -> FilmError {
+    FilmError::File { folder, fault: IoFault::sentence(error).to_string(), bytes }
 }
 
 impl SumFile {
     /// A file of `length` zeros, of which `in_memory` may be in memory at a time.
-    fn try_new(length: usize, in_memory: usize) -> io::Result<Self> {
-        let file = tempfile::tempfile_in(scratch_folder())?;
-        file.set_len(8 * length as u64)?;
-        Ok(Self { file: Arc::new(Mutex::new(file)), length, in_memory })
+    fn try_new(length: usize, in_memory: usize) -> Result<Self, FilmError> {
+        let bytes = 8 * length as u64;
+        let mut fault = None;
+        for folder in scratch_folders() {
+            let made = tempfile::tempfile_in(&folder).and_then(|file| file.set_len(bytes).map(|()| file));
+            match made {
+                Ok(file) => return Ok(Self { file: Arc::new(Mutex::new(file)), length, in_memory, folder }),
+                Err(error) => fault = Some(file_error(folder, &error, bytes)),
+            }
+        }
+        Err(fault.unwrap_or(FilmError::Memory(bytes)))
+    }
+
+    /// The error of a call of the system.
+    fn fault(&self) -> impl Fn(io::Error) -> FilmError {
+        |error| file_error(self.folder.clone(), &error, 8 * self.length as u64)
     }
 
     /// Calls `work` with the file at the word `start`.
-    fn at<T>(&self, start: usize, work: impl FnOnce(&mut File) -> io::Result<T>) -> io::Result<T> {
+    fn at<T>(&self, start: usize, work: impl FnOnce(&mut File) -> io::Result<T>) -> Result<T, FilmError> {
         // Every call begins with its own position.
         let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.seek(SeekFrom::Start(8 * start as u64))?;
-        work(&mut file)
+        let found = file.seek(SeekFrom::Start(8 * start as u64));
+        found.and_then(|_| work(&mut file)).map_err(self.fault())
     }
 
-    fn read(&self, words: &mut [u64], start: usize) -> io::Result<()> {
+    fn read(&self, words: &mut [u64], start: usize) -> Result<(), FilmError> {
         let mut bytes = vec![0; 8 * BLOCK.min(words.len())];
         self.at(start, |file| {
             words.chunks_mut(BLOCK).try_for_each(|words| {
@@ -67,7 +92,7 @@ impl SumFile {
         })
     }
 
-    fn write(&mut self, words: &[u64], start: usize) -> io::Result<()> {
+    fn write(&mut self, words: &[u64], start: usize) -> Result<(), FilmError> {
         if Arc::get_mut(&mut self.file).is_none() {
             *self = self.copy()?;
         }
@@ -75,15 +100,14 @@ impl SumFile {
         self.at(start, |file| {
             words.chunks(BLOCK).try_for_each(|words| {
                 let bytes = &mut bytes[..8 * words.len()];
-                let slots = bytes.as_chunks_mut::<8>().0;
-                slots.iter_mut().zip(words).for_each(|(slot, word)| *slot = word.to_le_bytes());
+                to_bytes(words, bytes);
                 file.write_all(bytes)
             })
         })
     }
 
     /// A file of its own with the same words.
-    fn copy(&self) -> io::Result<Self> {
+    fn copy(&self) -> Result<Self, FilmError> {
         let (mut copy, mut words) =
             (Self::try_new(self.length, self.in_memory)?, vec![0; BLOCK.min(self.length)]);
         for start in (0..self.length).step_by(BLOCK) {
@@ -102,7 +126,7 @@ impl FilmSums {
         let too_many = || FilmError::Memory(bytes);
         let length = usize::try_from(length).map_err(|_| too_many())?;
         if bytes > memory {
-            let in_memory = usize::try_from(memory / (8 * STRIPS)).unwrap_or(usize::MAX);
+            let in_memory = usize::try_from(memory / (8 * STRIP_DIVISOR)).unwrap_or(usize::MAX);
             return Ok(Self::File(SumFile::try_new(length, in_memory)?));
         }
         let mut words = Vec::new();

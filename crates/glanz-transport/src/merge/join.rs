@@ -27,13 +27,13 @@ pub struct FilmJoin {
 }
 
 impl FilmJoin {
-    /// A film without samples, for parts that have passed the checks.
+    /// A film without samples, for parts that have passed the checks; in a temporary file if it takes more than `memory` bytes, see [`Film::try_new_within`].
     ///
     /// # Errors
     /// [`MergeError::Empty`] without parts, [`MergeError::Film`] if memory is insufficient.
-    pub fn try_new(checks: MergeChecks) -> Result<Self, MergeError> {
+    pub fn try_new(checks: MergeChecks, memory: u64) -> Result<Self, MergeError> {
         let FirstPart { number: part, identity, edges } = checks.first.ok_or(MergeError::Empty)?;
-        let film = Film::try_new(identity.film).and_then(|film| film.with_edges(edges));
+        let film = Film::try_new_within(identity.film, memory).and_then(|film| film.with_edges(edges));
         let film = film.map_err(|error| MergeError::Film { part, error })?;
         Ok(Self { identity, film, spare: Mutex::default() })
     }
@@ -42,7 +42,7 @@ impl FilmJoin {
     /// been verified. `on_block` is called with the number of bytes of each block.
     ///
     /// # Errors
-    /// [`CheckpointError`] for a damaged part, or if `on_block` returns an error; the film is unchanged if it was held, else it is of no use any more.
+    /// [`CheckpointError`] for a damaged part, or if `on_block` returns an error; the film is unchanged if it was held and is in memory, else it is of no use any more.
     pub fn add(
         &mut self,
         head: &CheckpointHead,

@@ -209,7 +209,7 @@ fn through_bytes(film: Film, run: &Run, guide: Option<u128>) -> Checkpoint {
         guide,
         version: glanz_job::current_version(),
     };
-    Checkpoint::from_bytes(&Checkpoint { identity, film }.to_bytes()).unwrap()
+    Checkpoint::from_bytes(&Checkpoint { identity, film }.to_bytes().unwrap()).unwrap()
 }
 
 const KINDS: [&str; 3] = [

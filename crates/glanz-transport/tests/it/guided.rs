@@ -90,7 +90,7 @@ fn identity(run: &Run, film: &Film, guide: Option<u128>) -> PictureIdentity {
 }
 
 fn through_bytes(film: Film, run: &Run, guide: Option<u128>) -> Checkpoint {
-    let bytes = Checkpoint { identity: identity(run, &film, guide), film }.to_bytes();
+    let bytes = Checkpoint { identity: identity(run, &film, guide), film }.to_bytes().unwrap();
     Checkpoint::from_bytes(&bytes).unwrap()
 }
 

@@ -125,8 +125,8 @@ fn parts(run: &Run, count: u32) -> Vec<Checkpoint> {
     parts.collect()
 }
 
-/// The film of these files, as far as they are undamaged.
-fn joined(files: &[Vec<u8>], hold: bool) -> (Checkpoint, Vec<CheckpointError>) {
+/// The film of these files, as far as they are undamaged, in a file if it takes more than `memory` bytes.
+fn joined(files: &[Vec<u8>], hold: bool, memory: u64) -> (Checkpoint, Vec<CheckpointError>) {
     let mut checks = MergeChecks::default();
     let heads: Vec<_> = files.iter().map(|bytes| CheckpointHead::read(bytes.as_slice())).collect();
     let heads: Vec<_> = heads.into_iter().enumerate().filter_map(|(i, head)| Some((i, head.ok()?))).collect();
@@ -135,7 +135,7 @@ fn joined(files: &[Vec<u8>], hold: bool) -> (Checkpoint, Vec<CheckpointError>) {
         (i, head)
     });
     let heads: Vec<_> = heads.collect();
-    let mut join = FilmJoin::try_new(checks).unwrap();
+    let mut join = FilmJoin::try_new(checks, memory).unwrap();
     let mut errors = Vec::new();
     for (i, head) in heads {
         let sums = &files[i][head.before_sums() as usize..];
@@ -150,12 +150,24 @@ fn merged_parts_are_one_run() {
         let whole = Checkpoint { identity: identity(&run), film: part(&run, 0..16) };
         for count in [1, 3, 7] {
             let parts = parts(&run, count);
-            let files: Vec<_> = parts.iter().map(Checkpoint::to_bytes).collect();
+            let files: Vec<_> = parts.iter().map(|part| part.to_bytes().unwrap()).collect();
             assert_eq!(Checkpoint::from_bytes(&files[0]).as_ref(), Ok(&parts[0]));
-            assert_eq!(merge(parts).unwrap().to_bytes(), whole.to_bytes(), "{}", run.name());
-            for hold in [false, true] {
-                let (join, errors) = joined(&files, hold);
-                assert_eq!((join.to_bytes() == whole.to_bytes(), errors), (true, vec![]), "{}", run.name());
+            assert_eq!(
+                merge(parts).unwrap().to_bytes().unwrap(),
+                whole.to_bytes().unwrap(),
+                "{}",
+                run.name()
+            );
+            // Without room to hold parts, there is none for the film either.
+            let least = if run.format(&scene()).fits_in_file() { 0 } else { u64::MAX };
+            for (hold, memory) in [(false, least), (true, u64::MAX)] {
+                let (join, errors) = joined(&files, hold, memory);
+                assert_eq!(
+                    (join.to_bytes().unwrap() == whole.to_bytes().unwrap(), errors),
+                    (true, vec![]),
+                    "{}",
+                    run.name()
+                );
             }
         }
     }
@@ -166,15 +178,15 @@ fn merged_parts_are_one_run() {
 fn what_is_there_is_joined_and_the_rest_rendered_later() {
     let run = &runs()[4];
     let whole = part(run, 0..16);
-    let mut files: Vec<_> = parts(run, 7).iter().map(Checkpoint::to_bytes).collect();
+    let mut files: Vec<_> = parts(run, 7).iter().map(|part| part.to_bytes().unwrap()).collect();
     // From the last to the first: part 3 of 7, samples 4 and 5.
     files.remove(4);
-    let (join, errors) = joined(&files, true);
+    let (join, errors) = joined(&files, true, u64::MAX);
     assert_eq!(errors, []);
     let (third, samples) = (JobPart::try_new(3, 7).unwrap(), SampleRanges::from(4..6));
     let missing = [MissingSamples { part: third, samples, is_whole: true }];
     assert_eq!(join.film.missing_samples(), missing);
-    let saved = Checkpoint::from_bytes(&join.to_bytes()).unwrap();
+    let saved = Checkpoint::from_bytes(&join.to_bytes().unwrap()).unwrap();
     assert_eq!(saved.film.missing_samples(), missing);
     for samples in [4..6, 0..16] {
         let film = saved.film.clone();
@@ -186,8 +198,8 @@ fn what_is_there_is_joined_and_the_rest_rendered_later() {
 #[test]
 fn damaged_parts_leave_no_trace_in_the_film() {
     let run = &runs()[4];
-    let files: Vec<_> = parts(run, 3).iter().map(Checkpoint::to_bytes).collect();
-    let (rest, _) = joined(&[files[0].clone(), files[2].clone()], true);
+    let files: Vec<_> = parts(run, 3).iter().map(|part| part.to_bytes().unwrap()).collect();
+    let (rest, _) = joined(&[files[0].clone(), files[2].clone()], true, u64::MAX);
     let length = files[1].len();
     let sums = CheckpointHead::read(files[1].as_slice()).unwrap().before_sums() as usize;
     let mut damaged = Vec::new();
@@ -202,7 +214,7 @@ fn damaged_parts_leave_no_trace_in_the_film() {
     damaged.push((length, [files[1].as_slice(), &[0]].concat()));
     for (at, bytes) in damaged {
         let in_head = CheckpointHead::read(bytes.as_slice()).is_err();
-        let (join, errors) = joined(&[files[0].clone(), bytes, files[2].clone()], true);
+        let (join, errors) = joined(&[files[0].clone(), bytes, files[2].clone()], true, u64::MAX);
         assert!(in_head == errors.is_empty(), "at {at}: {errors:?}");
         assert_eq!(in_head, at < sums, "at {at}");
         assert_eq!(join, rest, "at {at}");
@@ -211,12 +223,12 @@ fn damaged_parts_leave_no_trace_in_the_film() {
 
 #[test]
 fn sums_of_a_part_that_was_saved_anew_are_refused() {
-    let files: Vec<_> = parts(&runs()[4], 2).iter().map(Checkpoint::to_bytes).collect();
+    let files: Vec<_> = parts(&runs()[4], 2).iter().map(|part| part.to_bytes().unwrap()).collect();
     let sums = CheckpointHead::read(files[0].as_slice()).unwrap().before_sums() as usize;
     // The head of one state, the sums and the end of another.
     let mixed = [&files[0][..sums], &files[1][sums..]].concat();
     assert!(Checkpoint::from_bytes(&mixed).is_err());
-    assert_eq!(joined(&[mixed], true).1.len(), 1);
+    assert_eq!(joined(&[mixed], true, u64::MAX).1.len(), 1);
 }
 
 #[test]
@@ -271,7 +283,7 @@ fn interrupted_and_resumed_run_is_one_run() {
         let (count, fraction) = stopper.reports[0];
         assert_eq!((count.done, count.wanted), (1, Some(16)));
         assert!(fraction < 1.0);
-        let saved = Checkpoint { identity: identity(&run), film }.to_bytes();
+        let saved = Checkpoint { identity: identity(&run), film }.to_bytes().unwrap();
         let resumed = Checkpoint::from_bytes(&saved).unwrap();
         assert_eq!(resumed.identity.check(&identity(&run)), Ok(()));
         let (film, finished) = resume(&run, resumed.film, |_| {}, &mut Silent, &CancelFlag::default());
@@ -306,7 +318,7 @@ fn films_in_files_are_those_in_memory() {
         let mut bytes = Vec::new();
         let identity = identity(&run);
         Checkpoint::write(&identity, &half, &mut bytes).unwrap();
-        assert_eq!(bytes, Checkpoint { identity, film: part(&run, 0..7) }.to_bytes());
+        assert_eq!(bytes, Checkpoint { identity, film: part(&run, 0..7) }.to_bytes().unwrap());
         let read = Checkpoint::read_within(bytes.as_slice(), 0).unwrap().film;
         assert!(read.is_in_file());
         let (mut film, _) =

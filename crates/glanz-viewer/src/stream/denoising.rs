@@ -33,8 +33,11 @@ impl NoisyImages {
     pub(crate) fn send_if_due(&self, film: &Film, pixels: &Arc<Pixels>) {
         let samples = film.samples().total();
         let last = self.0.borrow().as_ref().map(|image| image.samples);
-        if is_due(samples, last) {
-            let (pixels, hit_shares) = (Arc::clone(pixels), film.hit_shares());
+        // Films of pages are in memory, so that they can be read.
+        if is_due(samples, last)
+            && let Ok(hit_shares) = film.hit_shares()
+        {
+            let pixels = Arc::clone(pixels);
             self.0.send_replace(Some(Arc::new(NoisyImage { pixels, hit_shares, samples })));
         }
     }

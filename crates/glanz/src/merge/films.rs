@@ -43,7 +43,8 @@ pub(super) fn join(
     if !options.partial {
         check_missing(missing, options, job)?;
     }
-    let mut join = FilmJoin::try_new(checks).map_err(|error| with_paths(error, &parts))?;
+    let mut join =
+        FilmJoin::try_new(checks, options.memory_of_film()).map_err(|error| with_paths(error, &parts))?;
     let mut progress = MergeProgress::new(&parts);
     for part in parts {
         let path = part.path.clone();

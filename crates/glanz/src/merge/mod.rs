@@ -6,6 +6,8 @@ mod part_file;
 
 use std::path::Path;
 
+use glanz_job::ResourceLimits;
+
 #[cfg(feature = "radiosity")]
 use crate::bake::{self, LightState};
 use crate::error::Error;
@@ -28,6 +30,14 @@ pub struct MergeOptions {
     pub partial: bool,
     /// Whether the result must be a picture.
     pub picture: bool,
+    /// Memory that the film of the whole may take, bytes: a larger one is in a temporary file. `None`: half of the [limit](glanz_job::ResourceLimits::memory).
+    pub film_memory: Option<u64>,
+}
+
+impl MergeOptions {
+    fn memory_of_film(&self) -> u64 {
+        self.film_memory.unwrap_or_else(|| ResourceLimits::default().memory / 2)
+    }
 }
 
 /// The whole, or what is there of it, joined by [`merge`].

@@ -2,18 +2,21 @@
 
 use std::fmt;
 
-use glanz_math::{DVec2, Ray};
+use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::warp::uniform_sphere;
-use glanz_scene::Scene;
+use glanz_scene::light::Light;
+use glanz_scene::{Interaction, Scene};
 use glanz_transport::{Film, PixelRect};
 
 /// Why a picture is black although its scene has lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Darkness {
-    /// No ray of the camera meets a surface.
+    /// Lights without extent only, which no path meets by chance, and lights are not sampled.
+    NotSampled,
+    /// None of 256 rays of the camera meets a surface.
     NothingSeen,
-    /// Surfaces surround the camera on all sides, and no light enters.
+    /// Surfaces without light surround the camera on all sides.
     Enclosed,
     /// Light reaches nothing that the camera sees.
     Unlit,
@@ -23,13 +26,16 @@ pub enum Darkness {
 const GRID: u32 = 16;
 
 impl Darkness {
-    /// The reason for a film without light; `None` if it has any.
-    pub(super) fn of(film: &Film, scene: &Scene) -> Option<Self> {
+    /// The reason for a film without light; `None` if it has any. `samples_lights`: whether lights were sampled at hits.
+    pub(super) fn of(film: &Film, scene: &Scene, samples_lights: bool) -> Option<Self> {
         // A film that cannot be read is an error when the picture is made of it.
         if !film.is_black().is_ok_and(|is_black| is_black) {
             return None;
         }
-        let is_hit = |ray: &Ray| scene.intersect(ray, f64::INFINITY).is_some();
+        if !samples_lights && !scene.lights().iter().any(Light::can_be_hit) {
+            return Some(Self::NotSampled);
+        }
+        let hit = |ray: &Ray| scene.intersect(ray, f64::INFINITY);
         let fractions = || {
             let cells = (0..GRID * GRID).map(|cell| DVec2::new((cell % GRID).into(), (cell / GRID).into()));
             cells.map(|cell| (cell + 0.5) / f64::from(GRID))
@@ -37,18 +43,31 @@ impl Darkness {
         let PixelRect { min, size } = film.format().crop;
         let [min, size] = [min, size].map(|[x, y]| DVec2::new(x.into(), y.into()));
         let seen = |at: DVec2| scene.camera().ray(min + at * size, DVec2::splat(0.5));
-        if !fractions().filter_map(seen).any(|camera| is_hit(&camera.ray)) {
+        if !fractions().filter_map(seen).any(|camera| hit(&camera.ray).is_some()) {
             return Some(Self::NothingSeen);
         }
         let eye = scene.camera().position();
-        let is_enclosed = fractions().all(|xi| is_hit(&Ray::new(eye, uniform_sphere(xi))));
+        // What light passes does not enclose, and a lamp within has another fault.
+        let is_wall = |at: &Interaction| at.light().is_none() && !at.is_interface(scene);
+        let is_enclosed = fractions()
+            .all(|xi| hit(&Ray::new(eye, uniform_sphere(xi))).is_some_and(|at| is_wall(&at)))
+            && !scene.lights().iter().any(|light| is_seen(light, eye, scene));
         Some(if is_enclosed { Self::Enclosed } else { Self::Unlit })
     }
+}
+
+/// Whether nothing is between a point and a light without extent.
+fn is_seen(light: &Light, from: DVec3, scene: &Scene) -> bool {
+    let incident = light.incident(from);
+    incident.is_some_and(|incident| !scene.occluded(&Ray::new(from, incident.towards), incident.distance))
 }
 
 impl fmt::Display for Darkness {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Self::NotSampled => {
+                "no path meets lights without extent by chance, and lights are not sampled; sample them, or give them an extent"
+            }
             Self::NothingSeen => {
                 "the camera sees no surface; check its position, its direction, and the unit of lengths"
             }
@@ -89,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn black_pictures_tell_why() {
+    fn warning_of_a_black_picture_names_the_reason() {
         let lamp = |from: [f64; 3]| [LightDescription::point(from, 1.0)];
         let (outside, origin) = ([0.0, -2.0, 0.0], [0.0; 3]);
         let (front, back) = (lamp([0.0, -3.0, 0.0]), lamp([0.0, 4.0, 0.0]));

@@ -43,7 +43,7 @@ fn colors_without_noise(
 ) -> Result<Vec<[f32; 3]>, Error> {
     job.options.cancel.check().map_err(DenoiseError::from)?;
     let film = picture.film();
-    let noisy = noisy_picture(&film.to_pixels_without_edges()?, &film.hit_shares());
+    let noisy = noisy_picture(&film.to_pixels_without_edges()?, &film.hit_shares()?);
     let JobOptions { sink, cancel, threads, .. } = &mut job.options;
     let mut silent = Silent;
     let sink: &mut dyn ProgressSink = match sink {

@@ -82,7 +82,7 @@ pub struct RenderOptions {
     #[cfg(feature = "radiosity")]
     pub light_input: Option<PathBuf>,
     /// Memory that the sums of all pixels may take, bytes: those of a larger picture are in a temporary file, of which some rows are in memory at a time. An error for
-    /// a larger picture of an integrator that learns or connects light to the film, with a noise level, and if noise is removed. `None`: no limit.
+    /// a larger picture of an integrator that learns or connects light to the film, with a noise level, and if noise is removed. `None`: half of what the scene leaves of its [limit](LoadedScene::limits).
     pub film_memory: Option<u64>,
     /// Channels beside the colour.
     pub aovs: AovSet,
@@ -176,7 +176,8 @@ impl<'a> RenderBuilder<'a> {
         if scene.has_media() && !settings.sees_media() {
             job.warn(Warning::MediaLeftOut { what: format!("the integrator {:?}", settings.name()) });
         }
-        if scene.lights().is_empty() {
+        let has_light = !scene.lights().is_empty() || settings.sees_media() && scene.has_emissive_media();
+        if !has_light {
             job.warn(Warning::NoLight);
         }
         if settings.has_photons() && (settings.spectral || scene.has_media()) {
@@ -191,14 +192,16 @@ impl<'a> RenderBuilder<'a> {
         let film = film.with_edges(lines)?;
         let integrator = plan.integrator(&scene, &mut job)?;
         let outcome = expose(&scene, integrator.as_ref(), &plan, film, &mut job)?;
-        // Without lights, it was said before.
+        // Before rays that look for the reason of a black picture.
+        let undecided = scene.undecided();
+        // A scene without light has a warning of its own.
         if outcome.end != JobEnd::Interrupted
-            && !scene.lights().is_empty()
-            && let Some(reason) = Darkness::of(&outcome.film, &scene)
+            && has_light
+            && let Some(reason) = Darkness::of(&outcome.film, &scene, plan.identity.integrator.light_sampling)
         {
             job.warn(Warning::Black { reason });
         }
-        let picture = finish(plan, outcome, scene.undecided(), options.guide_output.as_deref(), &mut job)?;
+        let picture = finish(plan, outcome, undecided, options.guide_output.as_deref(), &mut job)?;
         #[cfg(feature = "denoise")]
         let picture = match denoiser {
             Some(denoiser) => denoised::denoise(picture, &denoiser, &mut job)?,

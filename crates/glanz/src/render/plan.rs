@@ -94,7 +94,7 @@ impl RenderPlan {
             guide: given,
             version: glanz_job::current_version(),
         };
-        let film_memory = options.film_memory.unwrap_or(u64::MAX);
+        let film_memory = options.film_memory.unwrap_or_else(|| scene.memory_left() / 2);
         options.check_memory(&identity.film, film_memory).map_err(|error| match options.size {
             Some(_) => Error::Film(error),
             None => at_film(&error),
@@ -184,7 +184,7 @@ impl RenderOptions {
         film.check_memory(limit)?;
         let needed = film.words()?.saturating_mul(8);
         #[cfg(feature = "denoise")]
-        let is_whole = self.denoise;
+        let is_whole = self.denoise && self.part.is_none();
         #[cfg(not(feature = "denoise"))]
         let is_whole = false;
         if is_whole && needed > limit { Err(FilmError::Limit { needed, limit }) } else { Ok(()) }
