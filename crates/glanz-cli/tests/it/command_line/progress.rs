@@ -72,6 +72,6 @@ fn interruption_is_a_failure() {
     wait_until("the checkpoint", || folder.has("a.glanz"));
     Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kill");
     let ran = finish(child, line);
-    assert_eq!(ran.code, Some(130), "{}", ran.stderr);
+    assert_eq!(ran.code, Some(143), "{}", ran.stderr);
     assert_eq!(texts(&ran.stdout, "fail"), ["interrupted by a signal"]);
 }
