@@ -50,7 +50,9 @@ impl KnotVector {
         inner_multiplicity: usize,
     ) -> Result<Self, SurfaceError> {
         check_degree(degree)?;
-        Knots::try_new(degree, knots, inner_multiplicity).map(Self).map_err(|error| knot_error(parameter, error))
+        Knots::try_new(degree, knots, inner_multiplicity)
+            .map(Self)
+            .map_err(|error| knot_error(parameter, error))
     }
 
     /// The knot inside the domain, if there is one, at which the spline jumps, and its multiplicity.

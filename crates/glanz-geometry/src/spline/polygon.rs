@@ -121,7 +121,10 @@ pub(super) struct BezierRow<P> {
 ///
 /// # Errors
 /// Those of [`restrict`].
-pub(super) fn bezier_row<P: ControlPoint>(knots: &KnotVector, points: &[P]) -> Result<BezierRow<P>, SurfaceError> {
+pub(super) fn bezier_row<P: ControlPoint>(
+    knots: &KnotVector,
+    points: &[P],
+) -> Result<BezierRow<P>, SurfaceError> {
     let (whole, mut points) = restrict(knots, points, knots.domain())?;
     let (p, breaks) = (whole.degree(), whole.breaks());
     let mut t = whole.knots().to_vec();

@@ -63,7 +63,8 @@ fn surface_consists_of_the_pieces_beside_its_jump() {
 #[test]
 fn trims_cut_the_piece_that_has_their_parameters() {
     let surface = step(3).unwrap();
-    let circle = |u: f64| TrimLoop::try_closed(TrimCurve::try_circle(DVec2::new(u, 0.5), 0.3).unwrap(), 1e-9).unwrap();
+    let circle =
+        |u: f64| TrimLoop::try_closed(TrimCurve::try_circle(DVec2::new(u, 0.5), 0.3).unwrap(), 1e-9).unwrap();
     let domain = [DVec2::ZERO, DVec2::new(2.0, 1.0)];
     for (center, other) in [(0.5, 1.5), (1.5, 0.5)] {
         let region = Arc::new(TrimRegion::try_new(vec![circle(center)], domain).unwrap());
