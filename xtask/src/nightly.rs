@@ -60,10 +60,11 @@ const PARTS: &[NightlyPart] = &[
         settings: &[
             setting("--rays", "GLANZ_ZOO_RAYS", 10_000_000),
             setting("--adversarial", "GLANZ_ZOO_ADVERSARIAL", 1_000_000),
+            setting("--hard", "GLANZ_ZOO_HARD", 100_000),
         ],
         files: Some(FileList { option: "--patches", variable: "GLANZ_ZOO_PATCHES" }),
         needs_browser: false,
-        help: "roots of rays with freeform patches against a reference of interval arithmetic; --patches FILE... adds patches",
+        help: "roots of rays with freeform patches against a reference of interval arithmetic; --patches FILE... adds patches; --hard: rays through each of 60 pathological surfaces, their cost",
     },
     NightlyPart {
         name: "seam",

@@ -1,6 +1,6 @@
 //! The line of a ray relative to a point near the surface, so that distant origins cost no digits.
 
-use glanz_math::polynomial::compensated::two_product;
+use glanz_math::polynomial::compensated::{two_product, two_sum};
 use glanz_math::{DVec3, Ray};
 
 /// The line of a ray, parameterized by arc length from one of its points.
@@ -35,6 +35,26 @@ impl RayLine {
             DVec3::new(coordinate(o.x, d.x), coordinate(o.y, d.y), coordinate(o.z, d.z))
         };
         Self { origin, direction: d / speed, shift, speed }
+    }
+
+    /// The line in coordinates about `about`, which is far from the origin of the coordinates; arc length is 0 at the point nearest to
+    /// `center` in the new coordinates if the ray starts farther from it than the root of `far_squared`.
+    ///
+    /// What the difference of both origins rounds away is added to that point, so that it is as accurate as in coordinates in which the
+    /// surface is near the origin.
+    pub(crate) fn about(ray: &Ray, about: DVec3, center: DVec3, far_squared: f64) -> Self {
+        let [(ox, rx), (oy, ry), (oz, rz)] = [0, 1, 2].map(|k| two_sum(ray.origin[k], -about[k]));
+        let (origin, rest, d) = (DVec3::new(ox, oy, oz), DVec3::new(rx, ry, rz), ray.direction);
+        let local = Self::new(&Ray::new(origin, d), 0.0);
+        if !(origin.distance_squared(center) > far_squared) {
+            return local;
+        }
+        let shift = (center - origin).dot(d) / d.length_squared();
+        let coordinate = |k: usize| {
+            let (product, remainder) = two_product(shift, d[k]);
+            (origin[k] + product) + (remainder + rest[k])
+        };
+        Self { origin: DVec3::new(coordinate(0), coordinate(1), coordinate(2)), shift, ..local }
     }
 
     /// The line with arc length 0 at the point nearest to `center`.

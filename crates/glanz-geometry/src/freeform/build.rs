@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use glanz_math::glam::DVec4;
-use glanz_math::{Bounds3, DVec2, DVec3};
+use glanz_math::{Bounds3, DVec2};
 
 use super::control_net::MAX_DEGREE;
 use super::leaf::PatchLeaf;
@@ -15,6 +15,7 @@ use super::ray_space::SurfaceFrame;
 use super::subpatches::{Subpatch, SubpatchList, SubpatchLocation};
 use super::surface_patch::PatchPlacement;
 use super::{Freeform, HardSearches, SurfacePatch};
+use crate::bezier::TensorPatch;
 use crate::bvh::{BuildOptions, Bvh, PARALLEL_CHUNK, parallel_flat_map, parallel_map};
 use crate::error::SurfaceError;
 use crate::trim::{Containment, TrimRegion};
@@ -37,6 +38,10 @@ const SUFFICIENT_REDUCTION: f64 = 0.75;
 /// Size, relative to the surface, below which leaves are not halved further; the search halves them if a ray needs it.
 const SMALLEST: f64 = 1e-6;
 
+/// Smallest extent and largest coordinate of a surface, metres: the search has products of six lengths, and leaves have squares of
+/// lengths in single precision.
+const SIZES: [f64; 2] = [1e-18, 1e18];
+
 /// Cost of a leaf relative to a test of a node: between a block of triangles, 1, and other surfaces, 2.
 const LEAF_COST: f32 = 1.5;
 
@@ -51,7 +56,8 @@ impl Freeform {
     ///
     /// # Errors
     /// [`SurfaceError::TooFew`] without patches, [`SurfaceError::DegreeTooHigh`] above [`MAX_DEGREE`],
-    /// [`SurfaceError::Degenerate`] if all control points coincide.
+    /// [`SurfaceError::Degenerate`] if all control points coincide, [`SurfaceError::OutOfRange`] if they are closer together than 1e-18 m or
+    /// have a coordinate above 1e18 m, whose powers would overflow.
     pub fn try_new(patches: Vec<SurfacePatch>) -> Result<Self, SurfaceError> {
         Self::build(patches, None)
     }
@@ -80,23 +86,30 @@ impl Freeform {
         let PatchSummary { hull, is_polynomial } = PatchSummary::new(&patches);
         let size = hull.min.abs().max(hull.max.abs()).max_element();
         let extent = hull.diagonal().length();
-        if !(extent > 0.0 && extent.is_finite()) {
+        if extent == 0.0 {
             return Err(SurfaceError::Degenerate {
                 reason: "all control points coincide, extent",
                 value: extent,
             });
         }
+        let [min, max] = SIZES;
+        if !(extent >= min && size <= max) {
+            let (parameter, value) =
+                if extent < min { ("the size of the surface", extent) } else { ("a coordinate", size) };
+            return Err(SurfaceError::OutOfRange { parameter, value, min, max });
+        }
         let frame = SurfaceFrame::new(&hull, size, degrees);
-        let rules =
-            LeafRules { smallest: SMALLEST * extent, origin: frame.center, region: region.as_deref() };
-        if is_polynomial {
+        let rules = LeafRules { smallest: SMALLEST * extent, frame, region: region.as_deref() };
+        if is_polynomial && !frame.is_moved() {
             let PolynomialPatches { placements, corrections, powers, leaves } =
                 PolynomialPatches::new(patches, &rules);
             let list = PatchList::Powers { placements, corrections };
             let (patches, subpatches) = (Arc::new(list), Arc::new(SubpatchList::Polynomial(powers)));
             return Ok(Self::assemble(patches, subpatches, Arc::new([]), extent, frame, leaves, region));
         }
-        let subpatches = parallel_flat_map(&patches, PARALLEL_CHUNK, |index, patch, done| {
+        let own = if frame.is_moved() { moved(&patches, &frame)? } else { Vec::new() };
+        let searched = if frame.is_moved() { &own } else { &patches };
+        let subpatches = parallel_flat_map(searched, PARALLEL_CHUNK, |index, patch, done| {
             Subpatch::append_all(index as u32, patch, MOST_HALVINGS, done);
         });
         let leaves = LeafList::new(&subpatches, |index, subpatch, leaves| {
@@ -104,7 +117,7 @@ impl Freeform {
             leaves.push_all(
                 &rules.leaves(index as u32, subpatch, placement),
                 subpatch.location.patch,
-                rules.origin,
+                &rules.frame,
             );
         });
         let locations: Arc<[SubpatchLocation]> = if subpatches.len() == patches.len() {
@@ -112,7 +125,9 @@ impl Freeform {
         } else {
             subpatches.iter().map(|subpatch| subpatch.location).collect()
         };
-        let (patches, subpatches) = (PatchList::Nets(patches), SubpatchList::new(subpatches));
+        let patches =
+            if frame.is_moved() { PatchList::Moved { patches, own } } else { PatchList::Nets(patches) };
+        let subpatches = SubpatchList::new(subpatches);
         Ok(Self::assemble(Arc::new(patches), Arc::new(subpatches), locations, extent, frame, leaves, region))
     }
 
@@ -120,15 +135,14 @@ impl Freeform {
     /// patches.
     #[must_use]
     pub fn trimmed(&self, region: Arc<TrimRegion>) -> Self {
-        let rules =
-            LeafRules { smallest: SMALLEST * self.extent, origin: self.frame.center, region: Some(&region) };
+        let rules = LeafRules { smallest: SMALLEST * self.extent, frame: self.frame, region: Some(&region) };
         let faces: Vec<u32> = (0..self.patch_count() as u32).collect();
         let leaves = LeafList::new(&faces, |_, &face, leaves| {
-            let Some(patch) = self.patch(face) else { return };
+            let Some(patch) = self.own_patch(face) else { return };
             let mut subpatches = Vec::new();
             Subpatch::append_all(face, &patch, MOST_HALVINGS, &mut subpatches);
             for (index, subpatch) in (self.first_subpatch(face)..).zip(&subpatches) {
-                leaves.push_all(&rules.leaves(index, subpatch, &patch.placement), face, rules.origin);
+                leaves.push_all(&rules.leaves(index, subpatch, &patch.placement), face, &rules.frame);
             }
         });
         let (patches, subpatches) = (Arc::clone(&self.patches), Arc::clone(&self.subpatches));
@@ -190,6 +204,16 @@ impl Freeform {
     }
 }
 
+/// The patches in the coordinates of the surface.
+fn moved(patches: &[SurfacePatch], frame: &SurfaceFrame) -> Result<Vec<SurfacePatch>, SurfaceError> {
+    let of = |patch: &SurfacePatch| {
+        let (p, q) = patch.patch.degrees();
+        let net = frame.to_own(patch.patch.control_points());
+        Ok(SurfacePatch { patch: TensorPatch::try_new(p, q, net)?, placement: patch.placement.clone() })
+    };
+    patches.iter().map(of).collect()
+}
+
 /// Properties of the patches that determine how they are stored.
 struct PatchSummary {
     /// The box around the control points.
@@ -243,11 +267,16 @@ impl LeafList {
         all
     }
 
-    /// Adds the leaves of a patch, with coordinates relative to `origin`.
-    pub(super) fn push_all(&mut self, found: &PatchLeaves, patch: u32, origin: DVec3) {
-        self.leaves.extend(found.leaves.iter().map(|leaf| PatchLeaf::new(leaf, origin)));
-        self.boxes.extend(found.leaves.iter().map(|leaf| leaf.bounds));
-        self.lines.extend(found.lines.iter().map(|leaf| (PatchLeaf::new(leaf, origin), leaf.bounds)));
+    /// Adds the leaves of a patch, with coordinates relative to the centre of the surface.
+    pub(super) fn push_all(&mut self, found: &PatchLeaves, patch: u32, frame: &SurfaceFrame) {
+        let of =
+            |leaf: &LeafBuilder| (PatchLeaf::new(leaf, frame.center), frame.bounds_in_common(leaf.bounds));
+        for leaf in &found.leaves {
+            let (leaf, bounds) = of(leaf);
+            self.leaves.push(leaf);
+            self.boxes.push(bounds);
+        }
+        self.lines.extend(found.lines.iter().map(of));
         self.without_area.extend((!found.lines.is_empty()).then_some(patch));
     }
 
@@ -287,8 +316,7 @@ pub(super) struct PatchLeaves {
 pub(super) struct LeafRules<'a> {
     /// Size below which leaves are not halved further, metres.
     smallest: f64,
-    /// The centre of the surface.
-    pub(super) origin: DVec3,
+    pub(super) frame: SurfaceFrame,
     /// The part of the surface that is kept; without it all of it.
     region: Option<&'a TrimRegion>,
 }
@@ -308,7 +336,8 @@ impl LeafRules<'_> {
         }];
         while let Some(OpenLeaf { part, net, halvings, mut inside, before }) = open.pop() {
             if is_line(&net) {
-                done.lines.push(LeafBuilder::new(index, part, net, degrees));
+                let crossed = self.region.is_some();
+                done.lines.push(LeafBuilder { crossed, ..LeafBuilder::new(index, part, net, degrees) });
                 continue;
             }
             let mut crossed = false;

@@ -410,3 +410,94 @@ impl ContactCell {
         open
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bezier::bernstein::binomial;
+
+    const NOISE: f64 = 1e-15;
+
+    /// Bernstein coefficients of degrees (p, q) of a sum of c x^a y^b.
+    fn polynomial((p, q): (usize, usize), terms: &[(usize, usize, f64)]) -> Vec<f64> {
+        let power = |n: usize, i: usize, k: usize| binomial(i, k) / binomial(n, k);
+        let at =
+            |i: usize, j: usize| terms.iter().map(|&(a, b, c)| c * power(p, i, a) * power(q, j, b)).sum();
+        (0..=q).flat_map(|j| (0..=p).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect()
+    }
+
+    /// The class of (h + k g, g - k h): the plane turned, so that neither polynomial is h. Gradients are those at the centre.
+    fn class(degrees: (usize, usize), h: &[(usize, usize, f64)], g: &[(usize, usize, f64)]) -> ArcClass {
+        let (h, g, k) = (polynomial(degrees, h), polynomial(degrees, g), 0.75);
+        let first: Vec<f64> = h.iter().zip(&g).map(|(h, g)| h + k * g).collect();
+        let second: Vec<f64> = h.iter().zip(&g).map(|(h, g)| g - k * h).collect();
+        let (p, q) = degrees;
+        let at = |i: usize, j: usize| DVec2::new(first[j * (p + 1) + i], second[j * (p + 1) + i]);
+        let a = (0..=q).map(|j| at(p, j) - at(0, j)).sum::<DVec2>() / (q + 1) as f64;
+        let b = (0..=p).map(|i| at(i, q) - at(i, 0)).sum::<DVec2>() / (p + 1) as f64;
+        classify([&first, &second], degrees, [a, b], NOISE)
+    }
+
+    fn roots(class: &ArcClass) -> Vec<ArcRoot> {
+        match class {
+            ArcClass::Roots(roots) => roots.iter().flatten().copied().collect(),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// y - 0.3 - 0.2 x.
+    const LINE: [(usize, usize, f64); 3] = [(0, 1, 1.0), (0, 0, -0.3), (1, 0, -0.2)];
+
+    #[test]
+    fn tangency_beside_tangency_and_two_roots_are_told_apart_in_one_cell() {
+        // (x - 0.4)^2 - c along the line y = 0.3 + 0.2 x.
+        let parabola =
+            |c: f64| class((2, 2), &LINE, &[(2, 0, 0.01), (1, 0, -0.008), (0, 0, 0.0016 - 0.01 * c)]);
+        let touching = roots(&parabola(0.0));
+        assert!(
+            matches!(touching[..], [ArcRoot { contact: true, at, .. }] if at.distance(DVec2::new(0.4, 0.38)) < 1e-6)
+        );
+        let [a, b] = touching[0].ends;
+        // Twice 4.5 noise below a parabola of 0.01: of 1e-6 length.
+        assert!((b.x - a.x) > 1e-7 && (b.x - a.x) < 1e-5, "{a} {b}");
+        for distance in [1e-2, 1e-4] {
+            let found = roots(&parabola(distance * distance));
+            assert_eq!(found.len(), 2);
+            for (root, x) in found.iter().zip([0.4 - distance, 0.4 + distance]) {
+                assert!(!root.contact && root.at.distance(DVec2::new(x, 0.3 + 0.2 * x)) < 1e-9, "{root:?}");
+            }
+            assert_eq!(parabola(-distance * distance), ArcClass::Excluded);
+        }
+        // Roots beyond the cell belong to others.
+        assert_eq!(
+            class((2, 2), &LINE, &[(2, 0, 0.01), (1, 0, 0.01), (0, 0, -0.02 * 1.1)]),
+            ArcClass::Excluded
+        );
+    }
+
+    #[test]
+    fn ray_in_the_surface_is_one_contact_along_the_whole_curve() {
+        // g vanishes on h = 0 for the curve y = 0.4 + 0.3 x - 0.2 x^2, off which the surface is twisted.
+        let h = [(0, 1, 1.0), (0, 0, -0.4), (1, 0, -0.3), (2, 0, 0.2)];
+        let twisted: Vec<_> =
+            h.iter().flat_map(|&(a, b, c)| [(a + 1, b, 0.3 * c), (a, b + 1, 0.1 * c)]).collect();
+        let found = roots(&class((3, 2), &h, &twisted));
+        assert!(
+            matches!(found[..], [ArcRoot { contact: true, ends: [a, b], .. }]
+            if a.distance(DVec2::new(0.0, 0.4)) < 1e-9 && b.distance(DVec2::new(1.0, 0.5)) < 1e-9),
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn simple_root_is_found_and_what_has_no_direction_is_left() {
+        let found = roots(&class((2, 2), &LINE, &[(1, 0, 0.1), (2, 0, 0.02), (0, 0, -0.05 - 0.005)]));
+        assert!(
+            matches!(found[..], [ArcRoot { contact: false, at, .. }] if at.distance(DVec2::new(0.5, 0.4)) < 1e-12)
+        );
+        // The change of h is rounding.
+        assert_eq!(class((1, 1), &[(0, 1, 4.0 * NOISE)], &[(1, 0, NOISE)]), ArcClass::Irregular);
+        // The gradient of h changes its sign.
+        assert_eq!(class((2, 2), &[(0, 2, 1.0), (0, 1, -0.9)], &[(1, 0, 0.01)]), ArcClass::Irregular);
+    }
+}

@@ -8,7 +8,8 @@
 //!   differ much, `leaf_builder` bounds the deviation of a part from a parallelogram, and `build` halves parts until it is small.
 //! - Searching: `leaf` excludes a leaf, or certifies that it has one root at most. The root is found in the subpatch that
 //!   contains the leaf: `bicubic` and `projected_bicubic` for low degrees, `net_search` for all others, with `contraction`
-//!   near borders. Leaves without a certificate go to `subdivision`.
+//!   near borders. Leaves without a certificate go to `subdivision`, with `cell_coefficients`, `contact_arc`, `degree_reduction` and
+//!   `flat_cell`.
 //! - Searching for many rays at once: `stream` collects pairs of a ray and a leaf in a `pair_queue`, and `group_solver` solves eight at a
 //!   time; `ray_lanes`, `leaf_lanes`, `bicubic_lanes` with `newton_lanes`, and `net_lanes` are `ray_space`, `leaf`, `bicubic` and
 //!   `net_search` for eight of them (`pair_lanes`), with the same bits.
@@ -39,10 +40,12 @@ mod bicubic;
 mod bicubic_lanes;
 mod bicubic_surface;
 mod build;
+mod cell_coefficients;
 mod contact_arc;
 mod contraction;
 mod control_net;
 mod degree_reduction;
+mod flat_cell;
 mod group_solver;
 mod leaf;
 mod leaf_builder;

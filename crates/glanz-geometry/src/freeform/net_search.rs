@@ -13,6 +13,7 @@
 use glanz_math::glam::DVec4;
 use glanz_math::{DVec2, DVec3};
 
+use super::cell_coefficients;
 use super::contraction::{LocalRoot, MapBounds, NoConvergence, PlanarJet, PlanarMap, contract};
 use super::control_net;
 use super::leaf::{LeafProjection, PatchLeaf};
@@ -57,7 +58,7 @@ impl SubdividablePatch for NetLeaf<'_> {
         if rational {
             cells.extend(points.iter().map(|h| h.w));
         }
-        subdivision::restrict(cells, degrees, self.part);
+        cell_coefficients::restrict(cells, degrees, self.part);
         2.0 * space.noise
     }
 

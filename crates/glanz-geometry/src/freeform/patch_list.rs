@@ -17,6 +17,8 @@ use crate::bezier::TensorPatch;
 pub(super) enum PatchList {
     /// With their control nets.
     Nets(Vec<SurfacePatch>),
+    /// With their control nets, and the same in coordinates of the surface: far from the origin of the common ones.
+    Moved { patches: Vec<SurfacePatch>, own: Vec<SurfacePatch> },
     /// Polynomial ones of degrees up to (3, 3), by the powers that rays search: these are evaluated, and their control points restored
     /// on demand.
     Powers { placements: Vec<PatchPlacement>, corrections: NetCorrections },
@@ -33,7 +35,7 @@ pub(super) enum PatchCoefficients<'a> {
 impl PatchList {
     fn len(&self) -> usize {
         match self {
-            Self::Nets(patches) => patches.len(),
+            Self::Nets(patches) | Self::Moved { patches, .. } => patches.len(),
             Self::Powers { placements, .. } => placements.len(),
         }
     }
@@ -42,7 +44,9 @@ impl PatchList {
     #[inline]
     pub(super) fn placement(&self, face: u32) -> Option<&PatchPlacement> {
         match self {
-            Self::Nets(patches) => patches.get(face as usize).map(|patch| &patch.placement),
+            Self::Nets(patches) | Self::Moved { patches, .. } => {
+                patches.get(face as usize).map(|patch| &patch.placement)
+            }
             Self::Powers { placements, .. } => placements.get(face as usize),
         }
     }
@@ -50,7 +54,7 @@ impl PatchList {
     /// Bound on the rounding that evaluation by powers adds to that by control points, in units of the noise.
     pub(super) fn evaluation_rounding(&self) -> f64 {
         match self {
-            Self::Nets(_) => 0.0,
+            Self::Nets(_) | Self::Moved { .. } => 0.0,
             Self::Powers { .. } => POWERS,
         }
     }
@@ -58,18 +62,21 @@ impl PatchList {
     /// Memory, bytes.
     pub(super) fn bytes(&self) -> usize {
         match self {
-            Self::Nets(patches) => {
-                let own = patches
-                    .iter()
-                    .map(|patch| size_of_val(patch.patch.control_points()) + patch.placement.boxed_bytes());
-                size_of_val(&**patches) + own.sum::<usize>()
-            }
+            Self::Nets(patches) => bytes(patches),
+            Self::Moved { patches, own } => bytes(patches) + bytes(own),
             Self::Powers { placements, corrections } => {
                 let boxed: usize = placements.iter().map(PatchPlacement::boxed_bytes).sum();
                 size_of_val(&**placements) + boxed + corrections.bytes()
             }
         }
     }
+}
+
+/// Memory of patches, bytes.
+fn bytes(patches: &[SurfacePatch]) -> usize {
+    let own =
+        patches.iter().map(|patch| size_of_val(patch.patch.control_points()) + patch.placement.boxed_bytes());
+    size_of_val(patches) + own.sum::<usize>()
 }
 
 impl Freeform {
@@ -84,7 +91,9 @@ impl Freeform {
     #[must_use]
     pub fn patch(&self, face: u32) -> Option<SurfacePatch> {
         match (&*self.patches, &*self.subpatches) {
-            (PatchList::Nets(patches), _) => patches.get(face as usize).cloned(),
+            (PatchList::Nets(patches) | PatchList::Moved { patches, .. }, _) => {
+                patches.get(face as usize).cloned()
+            }
             (PatchList::Powers { placements, corrections }, SubpatchList::Polynomial(powers)) => {
                 let placement = placements.get(face as usize)?.clone();
                 let (p, q) = placement.degrees();
@@ -93,6 +102,14 @@ impl Freeform {
                 Some(SurfacePatch { patch: TensorPatch::try_new(p, q, net).ok()?, placement })
             }
             _ => None,
+        }
+    }
+
+    /// The patch of this number in the surface's own coordinates.
+    pub(super) fn own_patch(&self, face: u32) -> Option<SurfacePatch> {
+        match &*self.patches {
+            PatchList::Moved { own, .. } => own.get(face as usize).cloned(),
+            _ => self.patch(face),
         }
     }
 
@@ -113,11 +130,11 @@ impl Freeform {
         self.patches.placement(face).map(|placement| placement.parameters(x, y))
     }
 
-    /// The coefficients of a patch.
+    /// The coefficients of a patch, in the surface's own coordinates.
     #[inline]
     pub(super) fn coefficients(&self, face: u32) -> Option<PatchCoefficients<'_>> {
         match (&*self.patches, &*self.subpatches) {
-            (PatchList::Nets(patches), _) => {
+            (PatchList::Nets(patches) | PatchList::Moved { own: patches, .. }, _) => {
                 let patch = &patches.get(face as usize)?.patch;
                 Some(PatchCoefficients::Net { points: patch.control_points(), degrees: patch.degrees() })
             }
@@ -132,17 +149,19 @@ impl Freeform {
     #[inline]
     pub(super) fn first_order(&self, face: u32, x: f64, y: f64) -> Option<PatchJet> {
         let isa = self.bvh.isa();
-        Some(match self.coefficients(face)? {
+        let jet = match self.coefficients(face)? {
             PatchCoefficients::Net { points, degrees } => PatchJet::new(isa, points, degrees, x, y),
             PatchCoefficients::Powers(patch) => isa.run(BicubicTangents { patch, x, y }),
-        })
+        };
+        Some(PatchJet { s: self.frame.to_common(jet.s), ..jet })
     }
 
     /// Point, first and second derivatives of a patch by its own parameters.
     pub(super) fn second_order(&self, face: u32, x: f64, y: f64) -> Option<SecondOrderJet> {
-        Some(match self.coefficients(face)? {
+        let jet = match self.coefficients(face)? {
             PatchCoefficients::Net { points, degrees } => second_order_jet(points, degrees, x, y),
             PatchCoefficients::Powers(patch) => self.bvh.isa().run(BicubicJet { patch, x, y }),
-        })
+        };
+        Some(SecondOrderJet { s: self.frame.to_common(jet.s), ..jet })
     }
 }

@@ -65,7 +65,8 @@ impl Freeform {
     /// Appends the points of up to eight hits of one patch.
     #[inline(always)]
     fn append_points<S: Simd>(&self, simd: S, hits: &[Hit], points: &mut Vec<SurfacePoint>) {
-        let first = hits.first().filter(|_| hits.len() >= LEAST_HITS);
+        // Surfaces with coordinates of their own are rare.
+        let first = hits.first().filter(|_| hits.len() >= LEAST_HITS && !self.frame.is_moved());
         let in_lanes = first.and_then(|&Hit { face, .. }| {
             let (placement, coefficients) = (self.patches.placement(face)?, self.coefficients(face)?);
             let (p, q) = placement.degrees();

@@ -68,7 +68,7 @@ impl PolynomialPatches {
             part.powers.push(powers);
             let mut leaves = rules.leaves(index, &subpatch, &patch.placement);
             leaves.leaves.reverse();
-            part.leaves.push_all(&leaves, index, rules.origin);
+            part.leaves.push_all(&leaves, index, &rules.frame);
         }
         part
     }

@@ -52,7 +52,12 @@ impl CompactLine {
         rays: &[&BoundedRay; LANES],
     ) -> [Self; LANES] {
         let [ox, oy, oz, x, _, y, z, _] = columns(simd, *rays);
-        let center = frame.center;
+        let (center, origin) = (frame.center, frame.origin);
+        let (ox, oy, oz) = (
+            simd.sub8(ox, simd.splat8(origin.x)),
+            simd.sub8(oy, simd.splat8(origin.y)),
+            simd.sub8(oz, simd.splat8(origin.z)),
+        );
         let from = [
             simd.sub8(ox, simd.splat8(center.x)),
             simd.sub8(oy, simd.splat8(center.y)),
@@ -173,20 +178,23 @@ mod tests {
 
     #[test]
     fn lanes_are_the_spaces_of_single_rays() {
-        let bounds = Bounds3::new(DVec3::new(-1.0, 2.0, 0.5), DVec3::new(3.0, 2.5, 4.0));
-        let frame = SurfaceFrame::new(&bounds, 4.0, (3, 3));
-        let rays = std::array::from_fn(|k| {
-            let x = k as f64 - 3.3;
-            // Far and near origins, directions of any length.
-            let origin = DVec3::new(x, 0.3 * x * x, -x) * if k % 3 == 0 { 1e6 } else { 1.0 };
-            Ray::new(origin, DVec3::new(0.1 * x, 1.0 - x, x * x - 4.0) * 3.0)
-        });
-        for isa in Isa::all() {
-            let lanes = isa.run(Spaces { frame: &frame, rays });
-            for (k, ray) in rays.iter().enumerate() {
-                let RaySpace { line, axes: [a, b], center: DVec2 { x, y }, noise } = frame.ray_space(ray);
-                let expected = [a.x, a.y, a.z, b.x, b.y, b.z, x, y, noise, line.t(0.7)];
-                assert_eq!(lanes.iter().map(|lanes| lanes[k]).collect::<Vec<_>>(), expected);
+        for offset in [DVec3::ZERO, DVec3::new(1e5, -3e5, 2e5)] {
+            let (low, high) = (DVec3::new(-1.0, 2.0, 0.5) + offset, DVec3::new(3.0, 2.5, 4.0) + offset);
+            let frame = SurfaceFrame::new(&Bounds3::new(low, high), high.abs().max_element(), (3, 3));
+            assert_eq!(frame.is_moved(), offset != DVec3::ZERO);
+            let rays = std::array::from_fn(|k| {
+                let x = k as f64 - 3.3;
+                // Far and near origins, directions of any length.
+                let origin = DVec3::new(x, 0.3 * x * x, -x) * if k % 3 == 0 { 1e6 } else { 1.0 };
+                Ray::new(offset + origin, DVec3::new(0.1 * x, 1.0 - x, x * x - 4.0) * 3.0)
+            });
+            for isa in Isa::all() {
+                let lanes = isa.run(Spaces { frame: &frame, rays });
+                for (k, ray) in rays.iter().enumerate() {
+                    let RaySpace { line, axes: [a, b], center: DVec2 { x, y }, noise } = frame.ray_space(ray);
+                    let expected = [a.x, a.y, a.z, b.x, b.y, b.z, x, y, noise, line.t(0.7)];
+                    assert_eq!(lanes.iter().map(|lanes| lanes[k]).collect::<Vec<_>>(), expected);
+                }
             }
         }
     }

@@ -5,8 +5,8 @@
 //! pairs go through the search for a single one. Each pair gives the same bits as in a query of one ray, and of all its roots a ray
 //! keeps the first by [`order`], so that answers depend neither on the other rays nor on the sequence of leaves. A leaf that is
 //! skipped because its box lies behind the closest hit has no root before it: every root is a point of the leaf within a few times
-//! the noise from the ray, about 1e-13 of the size of the coordinates, and boxes are padded by 6e-8 of the extent of the surface. That
-//! holds up to some 1e5 extents from the origin of the coordinates.
+//! the noise from the ray, about 1e-13 of the size of the coordinates, and boxes are padded by 6e-8 of the extent of the surface. Beyond 1024
+//! extents from the origin of the coordinates a surface has its own, and boxes are rounded outward by the rounding of the common ones.
 
 use std::cell::Cell;
 

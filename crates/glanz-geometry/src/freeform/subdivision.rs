@@ -3,16 +3,22 @@
 //!
 //! In homogeneous coordinates these distances are polynomials for rational leaves, too: weights cost one more product per
 //! coefficient at the start, and nothing afterwards.
+//!
+//! Bisection alone takes up to a million cells where the ray touches the surface along a curve. Three tools bound their number:
+//! `contact_arc` eliminates one parameter where the gradients of the distances are parallel, *deflation* divides by the distance from an
+//! edge on which both vanish (apexes, and borders along the ray), and `degree_reduction` makes small cells of high degree cubics. What is
+//! below rounding ends as a `flat_cell`.
 
 use glanz_math::DVec2;
 
-use super::contact_arc::{self, ArcClass, ArcRoot};
-use super::contraction::{Certificate, LocalRoot, MapBounds, PlanarJet, PlanarMap, contract};
+use super::cell_coefficients::split;
+use super::contact_arc::{self, ArcClass};
+use super::contraction::{Certificate, LocalRoot, MapBounds, NoConvergence, PlanarJet, PlanarMap, contract};
 use super::control_net::{BernsteinPowers, with_room};
 use super::degree_reduction;
-use super::parameter_rect::{DyadicRect, ParameterRect};
+use super::flat_cell::{FlatCell, join, polish};
 use super::ray_space::{RaySpace, cross};
-use super::root::{FirstOrderJet, SearchScratch, SurfaceRoot};
+use super::root::{FirstOrderJet, SearchScratch};
 
 /// Largest contraction at which a cell is certified.
 const CERTIFIED: f64 = 0.75;
@@ -30,19 +36,9 @@ const MOST_REDUCTION: f64 = 0.125;
 /// edge it is more, but there the edge itself is the root.
 const DEFLATED: f64 = 2.0;
 
-/// Largest number of cells of a leaf, after which it counts as undecided.
-const MOST_CELLS: usize = 2000;
-
-/// Largest total length of flat cells, in units of the noise, that is a root. Cells that are flat to within rounding and
-/// projected to a line or a point are a tangency or a collapsed edge if they are shorter than this; otherwise the ray lies
-/// within the surface, which is no hit. Curvature of radius R is flat to within rounding e over a length of sqrt(e R): with
-/// e of 1e-15 of the size, 3e-8 of the size for R of the size, and 3e-6 for R ten thousand times as large. Along an
-/// asymptote of a saddle, where the ray passes through the surface, it is (e R^2)^(1/3), 1e-5 of the size; where the
-/// asymptotic curve has an inflection, (e R^3)^(1/4), 2e-4.
-const TANGENT_LENGTH: f64 = (1_u64 << 36) as f64;
-
-/// Largest distance of a root from the ray, in units of the noise.
-const BESIDE: f64 = 14.0;
+/// Largest number of cells of a leaf, after which it counts as undecided: several times as many as the hardest leaf needs in a million
+/// rays near tangencies, asymptotes, apexes and curves in the surface.
+const MOST_CELLS: usize = 500;
 
 /// Distance in the parameters within which tangencies are one root.
 const TANGENT_UNCERTAINTY: f64 = 1.0 / (1 << 18) as f64;
@@ -63,9 +59,9 @@ pub(super) trait SubdividablePatch {
 
 /// A rectangle of the leaf, and the position of its coefficients.
 #[derive(Clone, Copy, Debug)]
-struct SubdivisionCell {
-    from: DVec2,
-    width: DVec2,
+pub(super) struct SubdivisionCell {
+    pub(super) from: DVec2,
+    pub(super) width: DVec2,
     start: usize,
     degrees: (usize, usize),
     /// Factor of the noise: deflation enlarges it.
@@ -83,7 +79,7 @@ impl SubdivisionCell {
     }
 
     /// The place of a point of the cell in the leaf.
-    fn at(&self, local: DVec2) -> DVec2 {
+    pub(super) fn at(&self, local: DVec2) -> DVec2 {
         self.from + self.width * local
     }
 }
@@ -159,10 +155,14 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
                 let bounds =
                     MapBounds { noise, curvature_bound: f64::INFINITY, weights: [1.0; 2], steps: MOST_STEPS };
                 let found = contract(&mut map, &certificate, &bounds, DVec2::ZERO);
-                scratch.undecided += u64::from(found.is_err());
-                if let Ok(Some(LocalRoot { at, uncertainty })) = found {
-                    let half = 0.5 * cell.width;
-                    self.add(cell.from + half * (at + DVec2::ONE), uncertainty * half, &cell, scratch);
+                match found {
+                    Ok(Some(LocalRoot { at, uncertainty })) => {
+                        let half = 0.5 * cell.width;
+                        self.add(cell.from + half * (at + DVec2::ONE), uncertainty * half, &cell, scratch);
+                    }
+                    Ok(None) => {}
+                    // Rounding stopped the contraction short of its bound.
+                    Err(NoConvergence) => self.halve(cell, cell.width.x >= cell.width.y, scratch),
                 }
                 return;
             }
@@ -184,6 +184,7 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
                 (cell.degrees, cell.reduction) = (degrees, cell.reduction + error);
             }
         }
+        let noise = exact + cell.reduction;
         if self.deflate(&mut cell, noise, scratch) {
             self.stack.push(cell);
             return;
@@ -205,6 +206,11 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
             ArcClass::Open { across_first } => across_first,
             ArcClass::Irregular => across_x,
         };
+        self.halve(cell, across_x, scratch);
+    }
+
+    /// Puts the halves of the last cell in memory on the stack; one that is as small as parameters can be is a root.
+    fn halve(&mut self, cell: SubdivisionCell, across_x: bool, scratch: &mut SearchScratch) {
         let [low, high] = halve(&cell, across_x, self.lists * cell.length());
         if low.width.min_element() < f64::EPSILON {
             let middle = cell.at(DVec2::splat(0.5));
@@ -268,128 +274,6 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
     }
 }
 
-/// A cell that is projected to a line or a point.
-#[derive(Clone, Copy, Debug)]
-struct FlatCell {
-    /// Where a root is expected.
-    place: DVec2,
-    middle: DVec2,
-    width: DVec2,
-    /// Its length along the ray, metres.
-    stretch: f64,
-    /// Bound on the shift of a root in it by rounding.
-    uncertainty: DVec2,
-}
-
-impl FlatCell {
-    /// The points of the cell with the same projection lie along the direction in the parameters whose projection vanishes.
-    fn new(patch: &impl SubdividablePatch, space: &RaySpace, cell: &SubdivisionCell) -> Self {
-        let middle = cell.from + cell.width * 0.5;
-        let tangent = patch.jet(middle.x, middle.y);
-        let (along_x, along_y) = (tangent.su * cell.width.x, tangent.sv * cell.width.y);
-        let (a, b) = (space.across(along_x), space.across(along_y));
-        let seen = if a.length_squared() >= b.length_squared() { a } else { b };
-        // A projection within rounding is a point.
-        let clear = seen.length() > 4.0 * patch.noise(space);
-        let unseen = DVec2::new(-b.dot(seen), a.dot(seen));
-        let unseen = unseen / unseen.abs().max_element();
-        let (stretch, unseen) = if clear && unseen.is_finite() {
-            ((along_x * unseen.x + along_y * unseen.y).length(), unseen.abs())
-        } else {
-            (along_x.length() + along_y.length(), DVec2::ONE)
-        };
-        let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
-        let uncertainty = cell.width * unseen + 64.0 * patch.noise(space) / steepness;
-        Self { place: middle, middle, width: cell.width, stretch, uncertainty }
-    }
-
-    /// The cell of a part of the contact curve.
-    fn of_arc(
-        patch: &impl SubdividablePatch,
-        space: &RaySpace,
-        cell: &SubdivisionCell,
-        arc: &ArcRoot,
-    ) -> Self {
-        let [a, b] = arc.ends.map(|end| cell.at(end.clamp(DVec2::ZERO, DVec2::ONE)));
-        let place = cell.at(arc.at.clamp(DVec2::ZERO, DVec2::ONE));
-        let width = (b - a).abs() + 1e-6 * cell.width;
-        let uncertainty = (arc.uncertainty * cell.width).min((b - a).abs()) + rounding(patch, space, place);
-        Self { place, middle: 0.5 * (a + b), width, stretch: chord(patch, a, b), uncertainty }
-    }
-
-    /// The edge of a cell.
-    fn of_edge(
-        patch: &impl SubdividablePatch,
-        space: &RaySpace,
-        cell: &SubdivisionCell,
-        across_x: bool,
-        upper: bool,
-    ) -> Self {
-        let side = f64::from(u8::from(upper));
-        let at = |x: f64| cell.at(if across_x { DVec2::new(side, x) } else { DVec2::new(x, side) });
-        let (a, middle, b) = (at(0.0), at(0.5), at(1.0));
-        let width = b - a;
-        let uncertainty = width + rounding(patch, space, middle);
-        let stretch = chord(patch, a, middle) + chord(patch, middle, b);
-        Self { place: middle, middle, width, stretch, uncertainty }
-    }
-
-    fn touches(&self, other: &Self) -> bool {
-        let apart = (self.middle - other.middle).abs();
-        apart.cmple((self.width + other.width) * (0.5 + 1e-9)).all()
-    }
-}
-
-/// Distance of two points of a leaf, metres.
-fn chord(patch: &impl SubdividablePatch, a: DVec2, b: DVec2) -> f64 {
-    patch.jet(a.x, a.y).s.distance(patch.jet(b.x, b.y).s)
-}
-
-/// Bound on the shift of a root at `place` by rounding where the surface is regular.
-fn rounding(patch: &impl SubdividablePatch, space: &RaySpace, place: DVec2) -> DVec2 {
-    let tangent = patch.jet(place.x, place.y);
-    let steepness = DVec2::new(tangent.su.length(), tangent.sv.length());
-    (64.0 * patch.noise(space) / steepness).min(DVec2::ONE)
-}
-
-/// Appends the roots of the flat cells, one for every short chain of them: a tangency, the neighbourhood of a collapsed edge,
-/// or a sliver across the ray. Along a long chain the ray lies within the surface.
-fn join(
-    mut open: Vec<FlatCell>,
-    patch: &impl SubdividablePatch,
-    space: &RaySpace,
-    roots: &mut Vec<SurfaceRoot>,
-) {
-    while let Some(first) = open.pop() {
-        let mut chain = vec![first];
-        let mut next = 0;
-        while let Some(&link) = chain.get(next) {
-            next += 1;
-            open.retain(|other| {
-                let touches = link.touches(other);
-                if touches {
-                    chain.push(*other);
-                }
-                !touches
-            });
-        }
-        if chain.iter().map(|cell| cell.stretch).sum::<f64>() > TANGENT_LENGTH * space.noise {
-            continue;
-        }
-        let (low, high) = chain.iter().fold((first.place, first.place), |(low, high), cell| {
-            (low.min(cell.place), high.max(cell.place))
-        });
-        // From the middle outwards, until a cell has a root within rounding.
-        let distance = |cell: &FlatCell| cell.place.distance_squared(0.5 * (low + high));
-        chain.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
-        roots.extend(chain.iter().find_map(|cell| {
-            // Roots within a few times this uncertainty count as one: no farther apart than twice the chain.
-            let uncertainty = (0.25 * (cell.uncertainty + (high - low))).min(DVec2::ONE);
-            polish(patch, space, cell.place, uncertainty, cell.width.max(uncertainty))
-        }));
-    }
-}
-
 fn halve(cell: &SubdivisionCell, across_x: bool, size: usize) -> [SubdivisionCell; 2] {
     let mut low = SubdivisionCell { halved: Some(across_x), ..*cell };
     let mut high = low;
@@ -403,77 +287,6 @@ fn halve(cell: &SubdivisionCell, across_x: bool, size: usize) -> [SubdivisionCel
     high.width = low.width;
     high.start += size;
     [low, high]
-}
-
-/// Replaces the cell at `start`, the last one, by its halves.
-fn split(cells: &mut Vec<f64>, start: usize, (p, q): (usize, usize), across_x: bool) {
-    let size = cells.len() - start;
-    cells.resize(start + 2 * size, 0.0);
-    let (low, high) = cells[start..].split_at_mut(size);
-    let n = (p + 1) * (q + 1);
-    let (rows, length, stride, step) =
-        if across_x { (q + 1, p + 1, p + 1, 1) } else { (p + 1, q + 1, 1, p + 1) };
-    for list in 0..size / n {
-        for row in 0..rows {
-            let first = list * n + row * stride;
-            for k in 0..length {
-                high[first + (length - 1 - k) * step] = low[first + (length - 1) * step];
-                for i in (k + 1..length).rev() {
-                    let at = first + i * step;
-                    low[at] = 0.5 * (low[at - step] + low[at]);
-                }
-            }
-        }
-    }
-}
-
-/// Restricts polynomials to a part of the square. On entry the coefficients along v are consecutive, on return those along u.
-pub(super) fn restrict(cells: &mut Vec<f64>, (p, q): (usize, usize), part: DyadicRect) {
-    let ParameterRect { u, v } = part.rect();
-    let (size, n) = (cells.len(), (p + 1) * (q + 1));
-    cells.reserve(size);
-    for start in (0..size).step_by(n) {
-        restrict_columns(&mut cells[start..start + n], q + 1, u);
-        for j in 0..=q {
-            for i in 0..=p {
-                cells.push(cells[start + i * (q + 1) + j]);
-            }
-        }
-    }
-    cells.drain(..size);
-    for list in cells.chunks_exact_mut(n) {
-        restrict_columns(list, p + 1, v);
-    }
-}
-
-/// Restricts each column of a table to a part of [0, 1]: Bernstein coefficients, one in each row of `length` numbers. By de Casteljau's
-/// algorithm at the upper end, then at the lower one; whole rows at a time, for vector instructions.
-fn restrict_columns(rows: &mut [f64], length: usize, [low, high]: [f64; 2]) {
-    let size = rows.len();
-    if high < 1.0 {
-        for k in 1..size / length {
-            // Row after row from the last one, each with the one before it.
-            for row in (k..size / length).rev() {
-                let (before, here) = rows.split_at_mut(row * length);
-                let before = &before[(row - 1) * length..];
-                for (here, &before) in here[..length].iter_mut().zip(before) {
-                    *here = (1.0 - high) * before + high * *here;
-                }
-            }
-        }
-    }
-    if low > 0.0 {
-        let x = low / high;
-        for k in 1..size / length {
-            for row in 0..size / length - k {
-                let (here, behind) = rows.split_at_mut((row + 1) * length);
-                let here = &mut here[row * length..];
-                for (here, &behind) in here.iter_mut().zip(&behind[..length]) {
-                    *here = (1.0 - x) * *here + x * behind;
-                }
-            }
-        }
-    }
 }
 
 /// Smallest and largest of a function of the coefficients.
@@ -621,49 +434,4 @@ fn weighted<const N: usize>(
         sums[2] += rises[i] * bx[i];
     }
     sums
-}
-
-/// The root of the leaf itself next to `place`, a root of its coefficients.
-fn polish(
-    patch: &impl SubdividablePatch,
-    space: &RaySpace,
-    place: DVec2,
-    uncertainty: DVec2,
-    width: DVec2,
-) -> Option<SurfaceRoot> {
-    let mut x = place.clamp(DVec2::ZERO, DVec2::ONE);
-    let noise = patch.noise(space);
-    // The distance of the best point from the ray, and the largest that is accepted.
-    let mut best: Option<(f64, f64, SurfaceRoot)> = None;
-    for _ in 0..12 {
-        let tangent = patch.jet(x.x, x.y);
-        let from = tangent.s - space.line.origin;
-        let f = space.across(from);
-        if best.is_none_or(|(least, ..)| f.length() < least) {
-            let distance_uncertainty =
-                uncertainty.x * tangent.su.length() + uncertainty.y * tangent.sv.length();
-            let root =
-                SurfaceRoot { s: space.line.direction.dot(from), at: x, uncertainty, distance_uncertainty };
-            // Next to a small weight one bit of a parameter is far on the surface.
-            let bit = f64::EPSILON * (tangent.su.length() * x.x + tangent.sv.length() * x.y);
-            best = Some((f.length(), BESIDE * space.noise + 4.0 * bit, root));
-        }
-        if f.length() <= noise {
-            break;
-        }
-        let (ju, jv) = (space.across(tangent.su), space.across(tangent.sv));
-        // Least squares of least length: at a tangency the Jacobian has no inverse.
-        let (uu, uv, vv) = (ju.length_squared(), ju.dot(jv), jv.length_squared());
-        let damping = 1e-26 * (uu + vv);
-        let det = (uu + damping) * (vv + damping) - uv * uv;
-        let (fu, fv) = (ju.dot(f), jv.dot(f));
-        let step = DVec2::new((vv + damping) * fu - uv * fv, (uu + damping) * fv - uv * fu) / det;
-        let next = (x - step).clamp(DVec2::ZERO, DVec2::ONE);
-        // The iteration must not converge to another root.
-        if !next.is_finite() || (next - place).abs().cmpgt((64.0 * uncertainty).max(width)).any() {
-            break;
-        }
-        x = next;
-    }
-    best.and_then(|(off, most, root)| (off <= most).then_some(root))
 }

@@ -11,5 +11,6 @@
 
 mod contract;
 mod degenerate_rays;
+mod place;
 mod seam;
 mod zoo;

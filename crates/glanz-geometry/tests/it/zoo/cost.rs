@@ -1,4 +1,7 @@
 //! The cost of the hardest rays of sixty pathological surfaces, relative to the median of an ordinary patch.
+//!
+//! The number of cells is bounded by the test; times depend on what else the machine does, and are printed: `cargo xtask zoo` shows the
+//! table. `GLANZ_ZOO_SHOW` prints undecided rays.
 
 use std::time::Instant;
 
@@ -118,7 +121,7 @@ fn hardest(tested: &TestSurface, count: u64) -> HardestRay {
 
 #[test]
 fn hardest_rays_have_a_bounded_cost() {
-    let count = number("GLANZ_ZOO_HARD", 330);
+    let count = number("GLANZ_ZOO_HARD", 110);
     let mut surfaces = pathologies::all();
     assert_eq!(surfaces.len(), 60);
     if let Ok(only) = std::env::var("GLANZ_ZOO_ONLY") {

@@ -1,6 +1,7 @@
 //! Roots of rays with freeform surfaces against an independent reference, over a collection of patches.
 //!
-//! `reference` isolates roots by interval arithmetic, `collection` has the surfaces, `rays` generates the rays, `comparison` compares.
+//! `reference` isolates roots by interval arithmetic, `collection` has the surfaces, `rays` generates the rays, `comparison` compares. `cost` measures the hardest rays
+//! of `pathologies`.
 //! Every run of the tests traces a fraction of the rays; `cargo xtask zoo` traces all of them: `GLANZ_ZOO_RAYS` random and
 //! `GLANZ_ZOO_ADVERSARIAL` adversarial ones over all surfaces, including the bicubic patches of the files in `GLANZ_ZOO_PATCHES`
 //! (paths separated by colons). `GLANZ_ZOO_ONLY` restricts them to surfaces with this text in their names. Seeds are fixed.
