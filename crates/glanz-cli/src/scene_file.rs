@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glanz::formats::Options;
+use glanz::formats::{ContentKind, Options};
 use glanz::job::CancelFlag;
 use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
@@ -10,6 +10,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::arguments::{ModelArgument, ReadingArguments, RenderCommandArguments};
 use crate::command_error::command_error;
+use crate::file_help::with_file_help;
 use crate::notes::note_diagnostics;
 
 /// Reads a scene file and prints its warnings; `cancel` ends it.
@@ -22,7 +23,13 @@ pub(crate) fn open(
     cancel: &CancelFlag,
     messages: Messages,
 ) -> Result<LoadedScene, CommandError> {
-    print_diagnostics(glanz::open_with(path, &arguments.options(cancel)), messages)
+    let opened = print_diagnostics(glanz::open_with(path, &arguments.options(cancel)), messages);
+    opened.map_err(|error| with_file_help(error, path, is_scene))
+}
+
+/// Whether a file can be read as a scene, so that its faults are others.
+pub(crate) fn is_scene(kind: &ContentKind) -> bool {
+    matches!(kind, ContentKind::Scene(_))
 }
 
 /// Reads the scene file or the model of a render and prints its warnings, also that of options that have no effect on a scene.
@@ -38,7 +45,8 @@ pub(crate) fn open_cut_model(
     let settings = StudioSettings { section: arguments.section, ..studio.settings() };
     let edges = arguments.render.draws_edges();
     let options = Options { studio: settings, edges, ..arguments.render.job.reading.options(cancel) };
-    let loaded = print_diagnostics(glanz::open_with(scene, &options), messages)?;
+    let loaded = print_diagnostics(glanz::open_with(scene, &options), messages);
+    let loaded = loaded.map_err(|error| with_file_help(error, scene, is_scene))?;
     if loaded.studio_settings().is_none() {
         if arguments.section.is_some() {
             let message = format!("--section: {} is not a model", loaded.name());

@@ -256,7 +256,8 @@ impl Reporter {
     pub(crate) fn end(&mut self, place: &Span, end: BudgetError) -> ReportedError {
         if self.diagnostics.end().is_none() {
             let (file, excerpt) = (self.sources.name(place.location.file), self.sources.excerpt(place));
-            let diagnostic = Diagnostic { location: Some(place.location), excerpt, ..end_of_reading(file, end) };
+            let diagnostic =
+                Diagnostic { location: Some(place.location), excerpt, ..end_of_reading(file, end) };
             self.diagnostics = Diagnostics::of_end(diagnostic, end);
         }
         ReportedError

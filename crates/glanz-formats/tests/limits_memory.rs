@@ -1,6 +1,11 @@
 //! Peak memory of reading hostile files under a limit, counted in bytes by the allocator of this program.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot write its files has failed")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test that cannot write its files has failed"
+)]
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +28,8 @@ const BEYOND: [usize; 2] = [8, 1 << 20];
 fn textured(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     std::fs::write(folder.join(name), bytes).unwrap();
     let scene = folder.join(format!("{name}.pbrt"));
-    let text = format!("WorldBegin\nTexture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"{name}\"\n");
+    let text =
+        format!("WorldBegin\nTexture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"{name}\"\n");
     std::fs::write(&scene, text).unwrap();
     scene
 }
@@ -37,7 +43,8 @@ fn png() -> Vec<u8> {
 fn exr() -> Vec<u8> {
     let small = Pixels::try_from_rgb(64, 64, &[[0.5; 3]; 64 * 64]).unwrap();
     let mut bytes = write(&small, Format::Exr, &Tone::default(), &Default::default()).unwrap();
-    let after = |bytes: &[u8], mark: &[u8]| bytes.windows(mark.len()).position(|w| w == mark).unwrap() + mark.len();
+    let after =
+        |bytes: &[u8], mark: &[u8]| bytes.windows(mark.len()).position(|w| w == mark).unwrap() + mark.len();
     for window in [&b"dataWindow\0box2i\0\x10\0\0\0"[..], b"displayWindow\0box2i\0\x10\0\0\0"] {
         let max = after(&bytes, window) + 8;
         bytes[max..max + 8].copy_from_slice(&[16383_i32.to_le_bytes(), 16383_i32.to_le_bytes()].concat());

@@ -69,7 +69,8 @@ mod progress;
 
 pub use atomic::{WriteError, write_atomically, write_atomically_with, write_file_atomically};
 pub use budget::{
-    BudgetError, LimitError, LimitValueError, MemoryReservation, Resource, ResourceBudget, ResourceLimits, byte_size,
+    BudgetError, LimitError, LimitValueError, MemoryReservation, Resource, ResourceBudget, ResourceLimits,
+    byte_size,
 };
 pub use cancel::{CancelFlag, Interrupted, JobEnd};
 pub use checkpoint::CheckpointTimer;

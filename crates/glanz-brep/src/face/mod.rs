@@ -25,4 +25,6 @@ pub use edges::EdgeNormals;
 pub use geometry::FaceGeometry;
 pub use measure::FaceMeasure;
 pub use outcome::{FaceRefusal, FaceRepair};
-pub use trim::{FaceTrim, TrimmedFace, TrimmedFaces, trimmed_faces, trimmed_faces_while, trimmed_faces_with_edges};
+pub use trim::{
+    FaceTrim, TrimmedFace, TrimmedFaces, trimmed_faces, trimmed_faces_while, trimmed_faces_with_edges,
+};

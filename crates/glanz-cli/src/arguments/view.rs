@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use glanz::viewer::server::DEFAULT_PORT;
 use glanz::viewer::stream::IntegratorName;
 
-use super::common::{ModelArgument, RoomArgument, ReadingArguments, ThreadArguments};
+use super::common::{ModelArgument, ReadingArguments, RoomArgument, ThreadArguments};
 
 const VIEW_HELP: &str = "\
 The page draws the surfaces themselves, not facets of them; when the camera rests, it shows the

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use glanz::math::Bounds3;
-use glanz_terminal::{CommandOutcome, interrupt};
 use glanz_terminal::messages::{CommandError, Messages};
+use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;

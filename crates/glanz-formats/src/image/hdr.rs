@@ -21,7 +21,8 @@ pub(super) fn read(bytes: &[u8], budget: &ResourceBudget) -> Result<(Image, Memo
     let decoder = HdrDecoder::new(reader).map_err(|e| decoding_error(Format::Hdr, e))?;
     let (width, height) = decoder.dimensions();
     check_size(Format::Hdr, (width.into(), height.into(), 3), bytes.len(), RATIO, budget)?;
-    let memory = reserve(Format::Hdr, decoder.total_bytes(), u64::from(width) * u64::from(height) * 3, budget)?;
+    let memory =
+        reserve(Format::Hdr, decoder.total_bytes(), u64::from(width) * u64::from(height) * 3, budget)?;
     let attributes: BTreeMap<String, String> = decoder.metadata().custom_attributes.into_iter().collect();
     let decoded = DynamicImage::from_decoder(decoder).map_err(|e| decoding_error(Format::Hdr, e))?;
     let values = decoded.into_rgb32f().into_raw();

@@ -64,7 +64,9 @@ fn planes(data: &[u8], width: usize, channels: usize, scale: f32) -> Vec<Vec<f32
     (0..channels)
         .map(|channel| {
             let mut plane = Vec::with_capacity(data.len() / 4 / channels);
-            plane.extend(rows().flat_map(|row| row.chunks_exact(4).skip(channel).step_by(channels).map(value)));
+            plane.extend(
+                rows().flat_map(|row| row.chunks_exact(4).skip(channel).step_by(channels).map(value)),
+            );
             plane
         })
         .collect()

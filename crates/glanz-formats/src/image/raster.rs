@@ -42,7 +42,8 @@ pub(super) fn read(
     let (width, height) = decoder.dimensions();
     let channels = decoder.color_type().channel_count();
     check_size(format, (width.into(), height.into(), channels.into()), bytes.len(), RATIO, budget)?;
-    let decoded_bytes = decoder.total_bytes().saturating_mul(copies(format)).saturating_add(bytes.len() as u64);
+    let decoded_bytes =
+        decoder.total_bytes().saturating_mul(copies(format)).saturating_add(bytes.len() as u64);
     let samples = u64::from(width) * u64::from(height) * u64::from(channels);
     let memory = reserve(format, decoded_bytes, samples, budget)?;
     let decoded = DynamicImage::from_decoder(decoder).map_err(|e| decoding_error(format, e))?;

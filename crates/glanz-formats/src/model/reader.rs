@@ -113,7 +113,8 @@ impl ModelReader {
             if self.diagnostics.end().is_none() {
                 let plain = self.sources.diagnostic(Severity::Error, kind, location, String::new());
                 let Diagnostic { kind, message, help, file, .. } = end_of_reading(plain.file.clone(), end);
-                self.diagnostics = Diagnostics::of_end(Diagnostic { kind, message, help, file, ..plain }, end);
+                self.diagnostics =
+                    Diagnostics::of_end(Diagnostic { kind, message, help, file, ..plain }, end);
             }
             return;
         }

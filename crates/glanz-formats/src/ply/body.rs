@@ -164,11 +164,7 @@ impl<'a, 'c> RecordReader<'a, 'c> {
 }
 
 /// Reads everything after the header.
-pub(super) fn read(
-    bytes: &[u8],
-    header: &PlyHeader,
-    budget: &ResourceBudget,
-) -> Result<PlyMesh, PlyError> {
+pub(super) fn read(bytes: &[u8], header: &PlyHeader, budget: &ResourceBudget) -> Result<PlyMesh, PlyError> {
     let mut cursor = PlyNumberReader {
         bytes,
         offset: header.body,

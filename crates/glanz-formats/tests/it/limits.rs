@@ -52,7 +52,19 @@ fn samples(count: usize) -> Vec<(&'static str, String)> {
     (1..=count).for_each(|i| writeln!(points, "#{i}=CARTESIAN_POINT('',(0.,{i}.,1.));").unwrap());
     let mut iges = format!("{:<72}S      1\n{:<72}G      1\n", "", ",,;");
     for i in 1..=count {
-        write!(iges, "{:8}{i:8}{:56}D{:07}\n{:8}{:16}{:8}{:40}D{:07}\n", 116, "", 2 * i - 1, 116, "", 1, "", 2 * i).unwrap();
+        write!(
+            iges,
+            "{:8}{i:8}{:56}D{:07}\n{:8}{:16}{:8}{:40}D{:07}\n",
+            116,
+            "",
+            2 * i - 1,
+            116,
+            "",
+            1,
+            "",
+            2 * i
+        )
+        .unwrap();
     }
     (1..=count).for_each(|i| writeln!(iges, "{:<64}{:8}P{i:07}", "116,1.,2.,3.;", 2 * i - 1).unwrap());
     vec![
@@ -68,7 +80,14 @@ fn samples(count: usize) -> Vec<(&'static str, String)> {
         ("obj", repeated("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", "")),
         ("long obj", repeated("v 0 0 0\nv 1 0 0\nv 0 1 0\nf", " 1 2 3", "\n")),
         ("rib", repeated("", "Patch \"bilinear\" \"P\" [0 0 0  1 0 0  0 2 0  1 2 0]\n", "")),
-        ("newell", repeated(&format!("{count}\n"), "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16\n", &format!("16\n{}", "0 0 1\n".repeat(16)))),
+        (
+            "newell",
+            repeated(
+                &format!("{count}\n"),
+                "1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16\n",
+                &format!("16\n{}", "0 0 1\n".repeat(16)),
+            ),
+        ),
         ("gltf", repeated(GLTF, "{\"mesh\":0},", "{}]}")),
         ("step", format!("{step}{points}ENDSEC;END-ISO-10303-21;\n")),
         ("iges", iges),
@@ -130,7 +149,8 @@ fn the_place_of_the_token_too_many_is_reported() {
 
 #[test]
 fn objects_are_shapes_instances_and_copies() {
-    let text = "WorldBegin ObjectBegin \"a\" Shape \"sphere\" ObjectEnd\nObjectInstance \"a\" ObjectInstance \"a\"";
+    let text =
+        "WorldBegin ObjectBegin \"a\" Shape \"sphere\" ObjectEnd\nObjectInstance \"a\" ObjectInstance \"a\"";
     assert!(load_str("a", text, &limited(|limits| limits.objects = 3)).is_ok());
     let (_, message) = end(text, &limited(|limits| limits.objects = 2));
     assert!(message.starts_with("error: a:2:35: the limit of 2 objects is exceeded\n"), "{message}");
@@ -158,7 +178,10 @@ fn files_that_include_each_other_again_and_again_end() {
     assert_eq!(resource(ended(limited(|limits| limits.bytes = 5_000))), Resource::Bytes);
     assert_eq!(resource(ended(limited(|limits| limits.tokens = 500))), Resource::Tokens);
     let quick = Duration::from_millis(50);
-    assert_eq!(resource(ended(limited(|limits| (limits.time, limits.files) = (quick, 1 << 40)))), Resource::Time);
+    assert_eq!(
+        resource(ended(limited(|limits| (limits.time, limits.files) = (quick, 1 << 40)))),
+        Resource::Time
+    );
 }
 
 #[test]

@@ -9,8 +9,9 @@ pub(super) fn available_memory() -> Option<u64> {
     *AVAILABLE.get_or_init(|| {
         let machine = read("/proc/meminfo").as_deref().and_then(available_in);
         // Within a container, its own group is the root of what it sees.
-        let group = group_rest("/sys/fs/cgroup", "memory.max", "memory.current")
-            .or_else(|| group_rest("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes"));
+        let group = group_rest("/sys/fs/cgroup", "memory.max", "memory.current").or_else(|| {
+            group_rest("/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes")
+        });
         match (machine, group) {
             (Some(machine), Some(group)) => Some(machine.min(group)),
             (machine, group) => machine.or(group),

@@ -78,8 +78,8 @@ fn values_are_sizes_counts_and_times() {
         (Resource::Bytes, "100", 100),
         (Resource::Tokens, "2e9", 2_000_000_000),
         (Resource::Files, "12", 12),
-        (Resource::Time, "30s", 30),
-        (Resource::Time, "90", 90),
+        (Resource::Time, "30s", 30_000),
+        (Resource::Time, "0.05", 50),
     ] {
         limits.set(resource, text).unwrap();
         assert_eq!(limits.get(resource), value, "{text}");
@@ -110,7 +110,11 @@ fn suggestions_lift_the_limit_and_can_be_set() {
                 let mut limits = ResourceLimits::default();
                 let error = LimitError { resource, limit, needed };
                 limits.set(resource, &error.suggestion()).unwrap();
-                assert!(limits.get(resource) >= needed.unwrap_or(limit + 1), "{error}: {}", error.suggestion());
+                assert!(
+                    limits.get(resource) >= needed.unwrap_or(limit + 1),
+                    "{error}: {}",
+                    error.suggestion()
+                );
             }
         }
     }
@@ -118,7 +122,10 @@ fn suggestions_lift_the_limit_and_can_be_set() {
     assert_eq!(error.to_string(), "the limit of 64 MB of memory is exceeded: 3.4 GB of memory are needed");
     assert_eq!((error.help(), error.suggestion()), ("raise ResourceLimits::memory".into(), "5G".into()));
     let tokens = LimitError { resource: Resource::Tokens, limit: 1_000_000_000, needed: None };
-    assert_eq!((tokens.to_string().as_str(), tokens.suggestion().as_str()), ("the limit of 1 000 000 000 tokens is exceeded", "2e9"));
+    assert_eq!(
+        (tokens.to_string().as_str(), tokens.suggestion().as_str()),
+        ("the limit of 1 000 000 000 tokens is exceeded", "2e9")
+    );
 }
 
 #[test]

@@ -36,7 +36,8 @@ impl GeometryDescription {
 impl TrimDescription {
     fn bytes(&self) -> u64 {
         let curves = self.loops.iter().flat_map(|looped| &looped.curves);
-        list(&self.loops) + curves.map(|c| size_of_val(c) as u64 + list(&c.knots) + list(&c.points)).sum::<u64>()
+        list(&self.loops)
+            + curves.map(|c| size_of_val(c) as u64 + list(&c.knots) + list(&c.points)).sum::<u64>()
     }
 }
 
@@ -69,7 +70,8 @@ impl GroupDescription {
     pub fn bytes(&self) -> u64 {
         let shapes: u64 = self.shapes.iter().map(ShapeDescription::bytes).sum();
         let instances: u64 = self.instances.iter().map(InstanceDescription::bytes).sum();
-        let edges = self.edges.iter().map(|edge| size_of_val(edge) as u64 + list(&edge.points) + list(&edge.shapes));
+        let edges =
+            self.edges.iter().map(|edge| size_of_val(edge) as u64 + list(&edge.points) + list(&edge.shapes));
         shapes + instances + edges.sum::<u64>()
     }
 }

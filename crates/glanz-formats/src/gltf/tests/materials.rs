@@ -52,7 +52,10 @@ fn pictures_are_taken_off_the_budget() {
     // Two pixels, three times.
     assert!(read(6).is_ok());
     let end = read(5).unwrap_err();
-    assert_eq!(end.to_string(), "error: m: the limit of 5 pixels is exceeded\n  help: raise ResourceLimits::pixels\n");
+    assert_eq!(
+        end.to_string(),
+        "error: m: the limit of 5 pixels is exceeded\n  help: raise ResourceLimits::pixels\n"
+    );
     assert_eq!(end.limit().unwrap().resource, Resource::Pixels);
 }
 

@@ -139,10 +139,7 @@ fn a_few_bytes_that_claim_a_huge_picture_are_refused() {
     ];
     for (bytes, name) in claims {
         let error = read(bytes, None, Encoding::Linear).unwrap_err();
-        assert!(
-            matches!(error, ImageError::Unbacked { .. }),
-            "{name}: {error:?}"
-        );
+        assert!(matches!(error, ImageError::Unbacked { .. }), "{name}: {error:?}");
     }
 }
 

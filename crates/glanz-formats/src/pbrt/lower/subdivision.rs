@@ -75,7 +75,8 @@ mod tests {
         };
         let text = format!("WorldBegin\n{}{}{}", shape(2), shape(2), shape(1));
         let bytes: Arc<[u8]> = text.into_bytes().into();
-        let finder = FileFinder::of_scene("scene", None, &bytes, &Options::default(), &Default::default()).unwrap();
+        let finder =
+            FileFinder::of_scene("scene", None, &bytes, &Options::default(), &Default::default()).unwrap();
         let mut lowering = Lowering::new(Reporter::default(), Dialect::V4, finder);
         // Room for 16 and 4 triangles.
         lowering.subdivided = MOST_SUBDIVIDED - 20;

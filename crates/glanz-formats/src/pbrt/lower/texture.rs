@@ -338,8 +338,7 @@ mod tests {
         };
         let results = [9_999, 10_000, 20_000].map(read);
         std::fs::remove_file(&path).unwrap();
-        let refused =
-            |limit| Err(format!("picture {name:?}: PNG: the limit of {limit} pixels is exceeded"));
+        let refused = |limit| Err(format!("picture {name:?}: PNG: the limit of {limit} pixels is exceeded"));
         assert_eq!(results[0], [refused("9 999"), refused("9 999")]);
         assert_eq!(results[1], [Ok(0), refused("10 000")]);
         assert_eq!(results[2], [Ok(0), Ok(1)]);

@@ -18,7 +18,7 @@ use crate::pbrt::state::{GraphicsState, StateStack};
 use crate::source::{MISSING_FILE, ParseResult, ReportedError, Span};
 
 /// All directives of versions 1 to 4.
-const DIRECTIVES: &[&str] = &[
+pub(super) const DIRECTIVES: &[&str] = &[
     "Accelerator",
     "ActiveTransform",
     "AreaLightSource",
@@ -99,6 +99,8 @@ pub(crate) struct Parser {
     state: StateStack,
     files: Vec<OpenFile>,
     block: OpenBlock,
+    /// Whether there was a directive, even one with an error.
+    pub(crate) is_understood: bool,
 }
 
 impl Parser {
@@ -109,6 +111,7 @@ impl Parser {
             state: StateStack::default(),
             files: Vec::new(),
             block: OpenBlock::Options,
+            is_understood: false,
         }
     }
 
@@ -166,6 +169,7 @@ impl Parser {
         }
         match file.lexer.next() {
             Ok(Some((Token::Word(word), place))) => {
+                self.is_understood |= DIRECTIVES.contains(&word.as_str());
                 self.directive(&word, place)?;
                 Ok(true)
             }

@@ -167,8 +167,8 @@ fn instances_are_found_with_and_without_gaps_between_their_numbers() {
     for step in [1, 1000, 1 << 50] {
         let data: String = (1..=50_u64).rev().map(|i| format!("#{}=A({i});", i * step)).collect();
         let text = wrap(&data);
-    let budget = ResourceBudget::default();
-    let file = ExchangeFile::parse(text.as_bytes(), &budget).unwrap();
+        let budget = ResourceBudget::default();
+        let file = ExchangeFile::parse(text.as_bytes(), &budget).unwrap();
         for i in 1..=50 {
             assert_eq!(file.find(i * step).unwrap().simple().count(0).unwrap(), i as usize);
         }
@@ -178,9 +178,15 @@ fn instances_are_found_with_and_without_gaps_between_their_numbers() {
 
 #[test]
 fn files_of_other_kinds_are_refused() {
-    assert_eq!(ExchangeFile::parse(b"solid cube", &ResourceBudget::default()).unwrap_err(), StepError::NotStep);
+    assert_eq!(
+        ExchangeFile::parse(b"solid cube", &ResourceBudget::default()).unwrap_err(),
+        StepError::NotStep
+    );
     assert_eq!(ExchangeFile::parse(b"", &ResourceBudget::default()).unwrap_err(), StepError::NotStep);
-    assert_eq!(ExchangeFile::parse(b"ISO-10303-21;HEADER;ENDSEC;", &ResourceBudget::default()).unwrap_err(), StepError::NoData);
+    assert_eq!(
+        ExchangeFile::parse(b"ISO-10303-21;HEADER;ENDSEC;", &ResourceBudget::default()).unwrap_err(),
+        StepError::NoData
+    );
 }
 
 /// Repeated damage must not make reading quadratic: this takes minutes if every comment is searched to the end of the file.
