@@ -45,14 +45,14 @@ fn end(
     let error = Scene::resolve_with(description, &budget).err()?;
     match error.kind {
         SceneErrorKind::Budget(end) => Some((end, error.location.map(|location| location.line))),
-        other => panic!("{other}"),
+        other => unreachable!("{other}"),
     }
 }
 
 fn resource(end: Option<(BudgetError, Option<u32>)>) -> Option<(Resource, Option<u32>)> {
     end.map(|(end, line)| match end {
         BudgetError::Limit(limit) => (limit.resource, line),
-        BudgetError::Interrupted => panic!("interrupted"),
+        BudgetError::Interrupted => unreachable!("interrupted"),
     })
 }
 
