@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ._glanz import Scene
 from ._glanz import load as _load
@@ -21,6 +21,7 @@ def load(
     ground: bool | None = None,
     material: str | None = None,
     section: str | None = None,
+    limits: Mapping[str, str | float] | None = None,
 ) -> Scene:
     """Reads a scene file in pbrt's language, or a model, and all files that it names.
 
@@ -36,17 +37,20 @@ def load(
         Picture of a model, which has no camera and light of its own: ``view`` front, back, left, right, top, bottom or iso; ``up``
         y or z; ``background`` #rrggbb or the name of a colour; ``ground`` whether it stands on one; ``material`` instead of its own,
         such as ``steel`` or ``plastic:#3366cc``; ``section`` a plane that cuts it open, such as ``x=50%``.
+    limits
+        What reading and preparing the scene may use, for files from others: ``{"memory": "2G", "time": "30s", "tokens": 1e9}``. The names are
+        memory, bytes, files, depth, tokens, objects, pixels and time; the defaults allow what fits the machine (docs/scene-format.md).
 
     Raises
     ------
     SceneError
-        With file, line and column of the faults.
+        With file, line and column of the faults, or of the place where a limit was reached.
     OSError
         If the file cannot be read; FileNotFoundError if it does not exist.
     ValueError
         For an argument without meaning.
     """
-    arguments = _arguments(strict, edges, view, up, background, ground, material, section)
+    arguments = _arguments(strict, edges, view, up, background, ground, material, section, limits)
     return _load(os.fspath(path), arguments)
 
 
@@ -56,6 +60,7 @@ def loads(
     name: str = "scene",
     folder: str | os.PathLike[str] | None = None,
     strict: bool = False,
+    limits: Mapping[str, str | float] | None = None,
     origins: Sequence[tuple[int, str]] = (),
 ) -> Scene:
     """Reads a scene from a text in pbrt's language.
@@ -68,7 +73,7 @@ def loads(
         Its name in messages and reports.
     folder
         Folder of the files that it names; without one they are not found.
-    strict
+    strict, limits
         As for `load`.
     origins
         First lines, ascending from 1, and names of the objects that wrote them, for ``SceneError.object``.
@@ -78,7 +83,7 @@ def loads(
     SceneError
         With line and column of the faults.
     """
-    arguments = _arguments(strict, False, None, None, None, None, None, None)
+    arguments = _arguments(strict, False, None, None, None, None, None, None, limits)
     folder = None if folder is None else os.fspath(folder)
     return _loads(text, name, folder, list(origins), arguments)
 
@@ -92,6 +97,7 @@ def _arguments(
     ground: bool | None,
     material: str | None,
     section: str | None,
+    limits: Mapping[str, str | float] | None,
 ) -> dict[str, object]:
     return {
         "strict": strict,
@@ -102,4 +108,5 @@ def _arguments(
         "ground": ground,
         "material": material,
         "section": section,
+        "limits": {name: str(value) for name, value in (limits or {}).items()},
     }

@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use glanz::job::{CancelFlag, JobProgress, ProgressSink};
-use glanz::{Error, JobEvent, JobOptions};
+use glanz::{Error, JobEvent, JobOptions, LoadedScene};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -167,6 +167,36 @@ pub(crate) fn run_job<T: Send>(
             Err(failure(py, "the job ended by a fault of the program; please report it".to_owned()))
         }
         None => waited.and_then(|()| Err(failure(py, "the job did not start".to_owned()))),
+    }
+}
+
+/// Reads a scene in a thread of its own, while the calling thread checks for Ctrl-C, which raises the flag.
+pub(crate) fn run_reading(
+    py: Python<'_>,
+    cancel: &CancelFlag,
+    origins: &LineOrigins,
+    read: impl FnOnce() -> Result<LoadedScene, Error> + Send,
+) -> PyResult<LoadedScene> {
+    check_process(py)?;
+    let (sender, receiver) = mpsc::channel::<JobMessage>();
+    let (ended, waited) = thread::scope(|scope| {
+        let work = move || {
+            // Dropped at the end, which the other thread waits for.
+            let _sender = sender;
+            read()
+        };
+        match thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work) {
+            Ok(handle) => {
+                let waited = wait(py, receiver, None, cancel);
+                (Some(py.detach(|| handle.join())), waited)
+            }
+            Err(error) => (None, Err(os_error("thread".as_ref(), &error))),
+        }
+    });
+    waited?;
+    match ended {
+        Some(Ok(outcome)) => outcome.map_err(|error| py_error(py, error, origins)),
+        _ => Err(failure(py, "reading ended by a fault of the program; please report it".to_owned())),
     }
 }
 

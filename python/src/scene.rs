@@ -1,18 +1,20 @@
 //! Scenes that were read.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use glanz::file::FileUses;
 use glanz::formats::Options;
+use glanz::job::{Resource, ResourceLimits};
 use glanz::scene::studio::{SrgbColor, StudioSettings, StudioView};
-use glanz::{Error, LoadedScene, MeshSettings, is_exact_path};
+use glanz::{LoadedScene, MeshSettings, is_exact_path};
 use numpy::{IntoPyArray, PyArray2, PyArrayMethods};
 use pyo3::exceptions::{PyIsADirectoryError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::arguments::{Whole, by_name, parsed};
 use crate::error::{LineOrigins, diagnostics, os_error, py_error, warn, warn_at};
-use crate::job::{JobArguments, check_process, run_job};
+use crate::job::{JobArguments, check_process, run_job, run_reading};
 
 /// A scene or a model that was read by `load` or `loads`; its jobs do not change it.
 ///
@@ -38,6 +40,7 @@ struct ReadArguments {
     ground: Option<bool>,
     material: Option<String>,
     section: Option<String>,
+    limits: BTreeMap<String, String>,
 }
 
 impl ReadArguments {
@@ -54,19 +57,31 @@ impl ReadArguments {
             section: self.section.as_deref().map(|text| parsed(text, "section")).transpose()?,
             ..default
         };
-        Ok(Options { strict: self.strict, folder, studio, edges: self.edges, ..Options::default() })
+        let limits = self.limits()?;
+        Ok(Options { strict: self.strict, folder, studio, edges: self.edges, limits, ..Options::default() })
+    }
+
+    /// The limits of the machine with those that are given.
+    fn limits(&self) -> PyResult<ResourceLimits> {
+        let mut limits = ResourceLimits::default();
+        for (name, value) in &self.limits {
+            let resource =
+                by_name(name, "limits", Resource::ALL.map(|resource| (resource, resource.name())))?;
+            let set = limits.set(resource, value);
+            set.map_err(|error| PyValueError::new_err(format!("limits: {name} is {value}; {error}")))?;
+        }
+        Ok(limits)
     }
 }
 
 /// The scene that was read, with Python warnings of its diagnostics.
 fn opened(
     py: Python<'_>,
-    read: Result<LoadedScene, Error>,
+    scene: LoadedScene,
     text: Option<String>,
     origins: LineOrigins,
     arguments: &ReadArguments,
 ) -> PyResult<PyScene> {
-    let scene = read.map_err(|error| py_error(py, error, &origins))?;
     if arguments.section.is_some() && scene.studio_settings().is_none() {
         return Err(PyValueError::new_err(format!("section: {} is not a model", scene.name())));
     }
@@ -103,9 +118,9 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf, arguments: &Bound<'_, PyAny>) 
         }
         Ok(_) => {}
     }
-    check_process(py)?;
-    let read = py.detach(|| glanz::open_with(&path, &options));
-    opened(py, read, None, LineOrigins::default(), &arguments)
+    let origins = LineOrigins::default();
+    let read = run_reading(py, &options.cancel, &origins, || glanz::open_with(&path, &options))?;
+    opened(py, read, None, origins, &arguments)
 }
 
 /// Reads a scene from a text; `origins`: first lines and names of the objects that wrote it.
@@ -120,9 +135,9 @@ pub(crate) fn loads(
 ) -> PyResult<PyScene> {
     let arguments: ReadArguments = arguments.extract()?;
     let options = arguments.options(folder)?;
-    check_process(py)?;
-    let read = py.detach(|| glanz::open_str(&name, &text, &options));
-    opened(py, read, Some(text), LineOrigins { file: name, objects: origins }, &arguments)
+    let origins = LineOrigins { file: name.clone(), objects: origins };
+    let read = run_reading(py, &options.cancel, &origins, || glanz::open_str(&name, &text, &options))?;
+    opened(py, read, Some(text), origins, &arguments)
 }
 
 impl PyScene {

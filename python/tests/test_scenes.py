@@ -184,3 +184,21 @@ def test_transformations_compose_from_the_right() -> None:
     with pytest.raises(ValueError, match="4, 4"):
         Transform(np.eye(3))
     assert isinstance(Torus(transform=turned).transform, Transform)
+
+
+def test_limits_end_reading_with_a_place(tmp_path: Path) -> None:
+    """Thirty files that each include the next one twice."""
+    for level in range(30):
+        (tmp_path / f"{level}.pbrt").write_text(f'Include "{level + 1}.pbrt"\n' * 2)
+    (tmp_path / "30.pbrt").write_text("Identity\n")
+    for limits, message in [
+        ({"files": 300}, "the limit of 300 files is exceeded"),
+        ({"tokens": 3e2, "files": "1e9"}, "the limit of 300 tokens is exceeded"),
+    ]:
+        with pytest.raises(glanz.SceneError, match=message) as raised:
+            glanz.load(tmp_path / "0.pbrt", limits=limits)
+        assert raised.value.line is not None
+    with pytest.raises(ValueError, match="limits: memory is much"):
+        glanz.loads("WorldBegin", limits={"memory": "much"})
+    with pytest.raises(ValueError, match="limits"):
+        glanz.loads("WorldBegin", limits={"rays": 1})

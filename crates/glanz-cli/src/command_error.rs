@@ -9,6 +9,7 @@ use glanz::transport::FilmError;
 use glanz::{Error, FileFault, JoinError, PartKind};
 use glanz_terminal::messages::{CommandError, Messages};
 
+use crate::file_help::named;
 use crate::notes::note_diagnostics;
 
 /// Converts errors into messages with advice; the diagnostics of a scene are printed at once, with their places.
@@ -28,9 +29,11 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
         }
         let failure = if error.is_of_options() { CommandError::usage } else { CommandError::new };
         let failure = failure(error.to_string());
-        match advice(&error) {
-            Some(help) => failure.with_help(help),
-            None => failure,
+        match (advice(&error), &error) {
+            (Some(help), _) => failure.with_help(help),
+            // Another kind of file than the command takes.
+            (None, Error::File { path, fault }) if fault.is_foreign() => named(failure, path, |_| false),
+            (None, _) => failure,
         }
     }
 }

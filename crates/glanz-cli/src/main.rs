@@ -4,6 +4,7 @@ mod arguments;
 mod browser;
 mod command;
 mod command_error;
+mod file_help;
 mod job;
 mod notes;
 mod outputs;

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use glanz::formats::Options;
+use glanz::formats::{ContentKind, Options};
 use glanz::job::{CancelFlag, IoFault};
 use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
@@ -11,6 +11,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::arguments::{ModelArgument, ReadingArguments, RenderCommandArguments};
 use crate::command_error::command_error;
+use crate::file_help::with_file_help;
 use crate::notes::note_diagnostics;
 
 /// The name for a scene from the standard input.
@@ -48,7 +49,13 @@ pub(crate) fn open(
     cancel: &CancelFlag,
     messages: Messages,
 ) -> Result<LoadedScene, CommandError> {
-    load(path, arguments.options(cancel), messages)
+    let opened = load(path, arguments.options(cancel), messages);
+    opened.map_err(|error| with_file_help(error, path, is_scene))
+}
+
+/// Whether a file can be read as a scene, so that its faults are others.
+pub(crate) fn is_scene(kind: &ContentKind) -> bool {
+    matches!(kind, ContentKind::Scene(_))
 }
 
 /// Reads the scene file or the model of a render and prints its warnings, also that of options that have no effect on a scene.
@@ -64,7 +71,8 @@ pub(crate) fn open_cut_model(
     let settings = StudioSettings { section: arguments.section, ..studio.settings() };
     let edges = arguments.render.draws_edges();
     let options = Options { studio: settings, edges, ..arguments.render.job.reading.options(cancel) };
-    let loaded = load(scene, options, messages)?;
+    let loaded = load(scene, options, messages);
+    let loaded = loaded.map_err(|error| with_file_help(error, scene, is_scene))?;
     if loaded.studio_settings().is_none() {
         if arguments.section.is_some() {
             let message = format!("--section: {} is not a model", loaded.name());

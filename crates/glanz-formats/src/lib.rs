@@ -9,6 +9,7 @@
 
 mod budget_reader;
 pub mod cad;
+mod content_kind;
 mod file_list;
 mod finder;
 pub mod glb;
@@ -29,6 +30,7 @@ pub mod step;
 pub mod stl;
 pub mod tessellated;
 
+pub use content_kind::{ContentKind, ForeignFile, ForeignRemedy, OwnFile};
 pub use file_list::{FileKind, SceneFile, SceneFileList};
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;

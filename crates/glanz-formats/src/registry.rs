@@ -8,10 +8,11 @@ use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
+use crate::content_kind::ContentKind;
 use crate::file_list::SceneFileList;
 use crate::finder::spend_file;
 use crate::source::{MISSING_FILE, Sources, end_of_reading};
-use crate::{gltf, iges, image, model, obj, pbrt, rib, stl};
+use crate::{gltf, iges, model, obj, pbrt, rib, stl};
 
 /// Settings of the readers.
 #[derive(Clone, Debug, Default)]
@@ -95,6 +96,20 @@ pub enum ModelFormat {
 }
 
 impl ModelFormat {
+    /// The format whose files have an extension, in lower case.
+    fn of_extension(extension: &str) -> Option<Self> {
+        Some(match extension {
+            "gltf" | "glb" => Self::Gltf,
+            "obj" => Self::Obj,
+            "ply" => Self::Ply,
+            "stl" => Self::Stl,
+            "rib" => Self::Rib,
+            "step" | "stp" | "p21" => Self::Step,
+            "igs" | "iges" => Self::Iges,
+            _ => return None,
+        })
+    }
+
     /// The upward axis of its models, by custom.
     pub(crate) fn up(self) -> UpAxis {
         match self {
@@ -108,9 +123,6 @@ impl ModelFormat {
 pub const MODEL_EXTENSIONS: [&str; 11] =
     ["gltf", "glb", "obj", "ply", "stl", "rib", "step", "stp", "p21", "igs", "iges"];
 
-/// Signatures of other formats, with a description for the error.
-const OTHERS: &[(&[u8], &str)] = &[(b"GLANZ", "one of Glanz's own files, not a scene")];
-
 impl SceneFormat {
     /// Recognises a format by the content of a file.
     ///
@@ -123,17 +135,30 @@ impl SceneFormat {
     /// The format of a file, by its content, else by its extension.
     fn of_file(bytes: &[u8], path: Option<&Path>) -> Result<Self, String> {
         let extension = path.and_then(Path::extension).and_then(|e| e.to_str()).unwrap_or_default();
-        match (Self::from_content(bytes)?, extension.to_ascii_lowercase().as_str()) {
+        let content = Self::from_content(bytes).map_err(|kind| match kind {
+            Some(kind @ ContentKind::Foreign(_)) => format!("{kind}, which is not read"),
+            Some(kind) => format!("{kind}, not a scene"),
+            None => "empty".to_owned(),
+        });
+        match (content?, extension.to_ascii_lowercase().as_str()) {
             (Some(format), _) => Ok(format),
             (None, "stl") => Ok(Self::Model(ModelFormat::Stl)),
             (None, "obj") => Ok(Self::Model(ModelFormat::Obj)),
             (None, _) if is_binary(bytes) => Err("not in a known scene format".to_owned()),
-            (None, _) => Ok(Self::Pbrt),
+            (None, extension) => match ModelFormat::of_extension(extension) {
+                Some(format) if !pbrt::begins(bytes) => {
+                    Err(format!("neither {}, as its name says, nor a scene", format.described()))
+                }
+                _ => Ok(Self::Pbrt),
+            },
         }
     }
 
     /// The format whose signature or statements a file has; `None`: it may be a scene, or a model without either.
-    fn from_content(bytes: &[u8]) -> Result<Option<Self>, String> {
+    ///
+    /// # Errors
+    /// What it is instead of a scene; `None` if it is empty.
+    pub(crate) fn from_content(bytes: &[u8]) -> Result<Option<Self>, Option<ContentKind>> {
         let model = |format| Ok(Some(Self::Model(format)));
         if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
             return model(ModelFormat::Ply);
@@ -150,26 +175,24 @@ impl SceneFormat {
         if stl::is_stl(bytes) {
             return model(ModelFormat::Stl);
         }
-        if let Some((_, what)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
-            return Err((*what).to_owned());
-        }
-        if let Some(format) = image::Format::from_content(bytes) {
-            return Err(format!("a picture ({format}), not a scene"));
-        }
         if bytes.iter().all(u8::is_ascii_whitespace) {
-            return Err("empty".to_owned());
+            return Err(None);
         }
         if is_binary(bytes) {
-            return Ok(None);
+            return ContentKind::of_other(bytes).map_or(Ok(None), |kind| Err(Some(kind)));
         }
-        if bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit) {
-            return model(ModelFormat::Newell);
-        }
+        // Files of RIB and other texts begin alike.
         if obj::is_obj(bytes) {
             return model(ModelFormat::Obj);
         }
         if rib::has_surface(bytes) {
             return model(ModelFormat::Rib);
+        }
+        if let Some(kind) = ContentKind::of_other(bytes) {
+            return Err(Some(kind));
+        }
+        if bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit) {
+            return model(ModelFormat::Newell);
         }
         Ok(None)
     }

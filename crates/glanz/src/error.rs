@@ -385,6 +385,18 @@ pub enum FileFault {
 }
 
 impl FileFault {
+    /// Whether it is a file of another kind than one of Glanz's own.
+    #[must_use]
+    pub fn is_foreign(&self) -> bool {
+        use EnvelopeError::Foreign;
+        matches!(
+            self,
+            Self::Envelope(Foreign(_))
+                | Self::Checkpoint(CheckpointError::Envelope(Foreign(_)))
+                | Self::Guide(GuideFileError::Envelope(Foreign(_)))
+        )
+    }
+
     /// The fault as an error of the file `path`.
     pub(crate) fn of(self, path: &Path) -> Error {
         Error::File { path: path.to_owned(), fault: self }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use glanz::formats::ContentKind;
 use glanz::formats::image::{self, Encoding, Format, Image};
 use glanz::light::compare::{PictureComparison, RELATIVE_EPSILON, compare};
 use glanz::light::flip;
@@ -12,6 +13,7 @@ use serde::Serialize;
 
 use crate::arguments::{CompareArguments, Metric};
 use crate::command_error::command_error;
+use crate::file_help::named;
 use crate::report::{self, plural};
 
 /// The output of `--json`.
@@ -89,6 +91,7 @@ fn read(path: &Path, messages: Messages) -> Result<Image, CommandError> {
     let bytes = glanz::file::read(path).map_err(command_error(messages))?;
     image::read(&bytes, Some(path), Encoding::Srgb)
         .map_err(|error| CommandError::new(format!("{}: {error}", path.display())))
+        .map_err(|error| named(error, path, |kind| matches!(kind, ContentKind::Picture(_))))
 }
 
 fn measure(metric: Metric, comparison: &PictureComparison, flip: f64) -> f64 {

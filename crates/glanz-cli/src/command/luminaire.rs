@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glanz::file::FileUses;
+use glanz::formats::ContentKind;
 use glanz::formats::photometry::{self, AngularSystem, IntensityDistribution, Photometry, PhotometryFormat};
 use glanz::illumination::planning::{LuminaireAxis, LuminaireKind, UgrTable};
 use glanz::illumination::report::PolarPlot;
@@ -15,6 +16,7 @@ use serde::Serialize;
 
 use crate::arguments::InfoArguments;
 use crate::command_error::command_error;
+use crate::file_help::named;
 use crate::report;
 
 /// Step of the angles at which the brightest direction of a plane is searched, degrees.
@@ -63,7 +65,9 @@ pub(crate) fn is_named(path: &Path) -> bool {
 pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<String>), CommandError> {
     let bytes = glanz::file::read(path).map_err(command_error(messages))?;
     let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
-    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault)))?;
+    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault))).map_err(|error| {
+        named(error, path, |kind| matches!(kind, ContentKind::Luminaire(format) if *format != "TM-25"))
+    })?;
     let warnings: Vec<String> = file.warnings.iter().map(at).collect();
     warnings.iter().for_each(|warning| messages.warning(warning));
     Ok((file.photometry, warnings))

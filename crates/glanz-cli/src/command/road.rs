@@ -9,6 +9,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 use crate::arguments::RoadArguments;
 use crate::command::luminaire;
 use crate::command_error::command_error;
+use crate::file_help::named;
 use crate::report;
 
 /// Rates the road and prints its figures.
@@ -49,5 +50,7 @@ pub(crate) fn run(arguments: &RoadArguments, messages: Messages) -> Result<Comma
 fn surface(path: &Path, messages: Messages) -> Result<RoadSurface, CommandError> {
     let bytes = glanz::file::read(path).map_err(command_error(messages))?;
     let text = String::from_utf8_lossy(&bytes);
-    RoadSurface::read(&text).map_err(|error| CommandError::new(format!("{}:{error}", path.display())))
+    RoadSurface::read(&text)
+        .map_err(|error| CommandError::new(format!("{}:{error}", path.display())))
+        .map_err(|error| named(error, path, |_| false))
 }

@@ -19,8 +19,10 @@ use glanz_terminal::{CommandOutcome, interrupt};
 use crate::arguments::ViewArguments;
 use crate::browser;
 use crate::command_error::command_error;
+use crate::file_help::with_file_help;
 use crate::notes::note_diagnostics;
 use crate::report;
+use crate::scene_file::is_scene;
 
 /// Serves the page until it is interrupted. In the process of a scene that a page has opened, serves that scene instead.
 ///
@@ -40,6 +42,7 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     let read = |scene: &Path, overlay: &Option<Arc<dyn SceneOverlay>>| {
         ViewerScene::read(scene, &options, overlay.as_deref())
             .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))
+            .map_err(|error| with_file_help(error, scene, is_scene))
     };
     let scene = &arguments.model.scene;
     let viewer_scene = read(scene, &overlay)?;

@@ -32,14 +32,14 @@ impl CopyBudget {
     /// `#1,`.
     ///
     /// # Errors
-    /// The budget is used up.
+    /// This budget or that of reading is used up.
     pub(crate) fn spend(&mut self, entity: EntityId, count: usize) -> Result<(), Refusal> {
-        let bytes = POINT.saturating_mul(count as u64);
-        let spent = self.resources.check().and_then(|()| self.resources.spend(Resource::Memory, bytes));
-        spent.map_err(|end| Refusal::new(entity, end.to_string()))?;
         let left = self.left.checked_sub(count);
         // What fails uses it up, so that no list is counted again and again.
         self.left = left.unwrap_or_default();
-        left.map(drop).ok_or_else(|| Refusal::new(entity, "the file repeats its geometry too often"))
+        left.ok_or_else(|| Refusal::new(entity, "the file repeats its geometry too often"))?;
+        let bytes = POINT.saturating_mul(count as u64);
+        let spent = self.resources.check().and_then(|()| self.resources.spend(Resource::Memory, bytes));
+        spent.map_err(|end| Refusal::new(entity, end.to_string()))
     }
 }

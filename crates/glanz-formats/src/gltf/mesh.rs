@@ -290,8 +290,7 @@ impl<'a> GltfReader<'a, '_> {
 
     /// Counts elements that are used, so that time and memory are in proportion to the size of the file.
     pub(super) fn use_elements(&mut self, count: usize, path: &JsonPath<'_>) -> Result<(), GltfError> {
-        self.spend(BYTES_PER_ELEMENT.saturating_mul(count as u64), path)?;
         self.elements_left = self.elements_left.checked_sub(count).ok_or_else(|| path.error(TOO_MUCH))?;
-        Ok(())
+        self.spend(BYTES_PER_ELEMENT.saturating_mul(count as u64), path)
     }
 }

@@ -22,8 +22,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glanz_job::ResourceBudget;
-use glanz_scene::Diagnostics;
 use glanz_scene::studio::StudioSettings;
+use glanz_scene::{Diagnostic, Diagnostics, Severity};
 
 use crate::file_list::SceneFileList;
 use crate::finder::FileFinder;
@@ -35,6 +35,18 @@ use parser::Parser;
 pub use rewrite::{RewriteError, rewrite};
 pub use write::{PbrtWriteError, write};
 
+/// Whether the first word of a text is a directive.
+pub(crate) fn begins(bytes: &[u8]) -> bool {
+    let mut rest = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    while rest.starts_with(b"#") {
+        let line = rest.iter().position(|&b| b == b'\n').unwrap_or(rest.len());
+        rest = rest.get(line..).unwrap_or_default().trim_ascii_start();
+    }
+    let length = rest.iter().position(|b| !b.is_ascii_alphabetic()).unwrap_or(rest.len());
+    let word = rest.get(..length).unwrap_or_default();
+    parser::DIRECTIVES.iter().any(|directive| directive.as_bytes() == word)
+}
+
 /// Reads a scene from the bytes of its file. `name`: its name in messages; `path`: its path, if it is a file.
 pub(crate) fn load(
     name: &str,
@@ -44,7 +56,7 @@ pub(crate) fn load(
     budget: &ResourceBudget,
 ) -> Result<Loaded, Diagnostics> {
     let finder = FileFinder::of_scene(name, path, &bytes, options, budget)?;
-    let lowering = lower(name, path, bytes, options, finder);
+    let (lowering, is_understood) = lower(name, path, bytes, options, finder);
     let Lowering { description, mut reporter, finder, studio_up, .. } = lowering;
     let is_lit = !description.lights.is_empty();
     if let Some((_, place)) = studio_up.filter(|_| is_lit || description.camera.location.is_some()) {
@@ -53,7 +65,7 @@ pub(crate) fn load(
     }
     reporter.sources.set_paths(finder.paths());
     if reporter.diagnostics.has_errors() {
-        return Err(reporter.diagnostics);
+        return Err(if is_understood { reporter.diagnostics } else { no_scene(&reporter.diagnostics) });
     }
     Ok(Loaded {
         description,
@@ -79,23 +91,36 @@ pub(crate) fn list_files(
 ) -> Result<SceneFileList, Diagnostics> {
     let mut finder = FileFinder::of_scene(name, Some(path), &bytes, options, budget)?;
     finder.lists = true;
-    let Lowering { finder, reporter, .. } = lower(name, Some(path), bytes, options, finder);
+    let (Lowering { finder, reporter, .. }, _) = lower(name, Some(path), bytes, options, finder);
     Ok(finder.into_list(reporter.diagnostics))
 }
 
-/// Reads and lowers a scene and all files that it names.
+/// Reads and lowers a scene and all files that it names. The second value tells whether there was a directive.
 fn lower(
     name: &str,
     path: Option<&Path>,
     bytes: Arc<[u8]>,
     options: &Options,
     finder: FileFinder,
-) -> Lowering {
+) -> (Lowering, bool) {
     let (strict, lists, budget) = (options.strict, finder.lists, finder.budget.clone());
     let reporter = Reporter { strict, lists, budget, ..Reporter::default() };
     let dialect = dialect::detect(&bytes);
     let lowering = Lowering { edges: options.edges, ..Lowering::new(reporter, dialect, finder) };
     let mut parser = Parser::new(lowering);
     parser.run(name, path, bytes);
-    parser.lowering
+    (parser.lowering, parser.is_understood)
+}
+
+/// The first error of a file without any directive, for which all others are the same.
+fn no_scene(diagnostics: &Diagnostics) -> Diagnostics {
+    if diagnostics.end().is_some() {
+        return diagnostics.clone();
+    }
+    let mut first = Diagnostics::default();
+    let help = "no directive of pbrt's language was found; the file may be something else than a scene";
+    for error in diagnostics.iter().filter(|d| d.severity == Severity::Error).take(1) {
+        first.push(Diagnostic { help: error.help.clone().or(Some(help.to_owned())), ..error.clone() });
+    }
+    first
 }

@@ -177,6 +177,24 @@ pub fn read_with(
     if is_ies(bytes) { ies::read_with(bytes, tilt_files) } else { ldt::read(bytes) }
 }
 
+/// The format of the beginning of a file with the light of a luminaire; `None` if it is none.
+pub(crate) fn recognise(head: &[u8]) -> Option<&'static str> {
+    if head.starts_with(tm25::MAGIC) {
+        return Some("TM-25");
+    }
+    if head.starts_with(b"IESNA") || is_ies(head) {
+        return Some("LM-63");
+    }
+    // EULUMDAT has a company, then type, symmetry, planes with their step and intensities with theirs.
+    let mut lines = head.split(|&b| b == b'\n').skip(1).map(|line| std::str::from_utf8(line).map(str::trim));
+    let mut number =
+        || lines.next().and_then(Result::ok).and_then(|text| text.replace(',', ".").parse::<f64>().ok());
+    let numbers: Vec<f64> = std::iter::from_fn(&mut number).take(6).collect();
+    let is_ldt = matches!(numbers[..], [kind, symmetry, planes, _, gammas, _]
+        if [1.0, 2.0, 3.0].contains(&kind) && (0.0..=4.0).contains(&symmetry) && planes >= 1.0 && gammas >= 1.0);
+    is_ldt.then_some("EULUMDAT")
+}
+
 fn is_ies(bytes: &[u8]) -> bool {
     let mut lines = bytes.split(|&b| b == b'\n').map(<[u8]>::trim_ascii_start);
     let is_tilt = |line: &[u8]| line.get(..5).is_some_and(|l| l.eq_ignore_ascii_case(b"TILT="));

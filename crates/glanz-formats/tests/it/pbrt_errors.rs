@@ -279,8 +279,11 @@ fn reading_goes_on_after_an_error_and_stops_at_twenty() {
     let errors = load_str("a.pbrt", text, &Options::default()).unwrap_err();
     let lines: Vec<u32> = errors.iter().map(|d| d.location.unwrap().line).collect();
     assert_eq!(lines, [2, 3, 5]);
-    let errors = load_str("a.pbrt", &"Nonsense\n".repeat(1000), &Options::default()).unwrap_err();
+    let nonsense = "Nonsense\n".repeat(1000);
+    let errors = load_str("a.pbrt", &format!("WorldBegin\n{nonsense}"), &Options::default()).unwrap_err();
     assert_eq!(errors.iter().count(), 20);
+    let errors = load_str("a.txt", &nonsense, &Options::default()).unwrap_err();
+    assert_eq!(errors.iter().count(), 1, "it is no scene");
 }
 
 #[test]

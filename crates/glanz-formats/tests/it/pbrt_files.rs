@@ -111,8 +111,10 @@ fn includes_nest_up_to_a_limit() {
         folder.put(&format!("{i}.pbrt"), format!("Include \"{}.pbrt\"\n", i + 1));
     }
     let errors = folder.load().unwrap_err();
+    let message = folder.messages(&errors);
     assert!(
-        folder.messages(&errors).starts_with("error: 32.pbrt:1:9: files are included more than 32 deep\n")
+        message.starts_with("error: 32.pbrt:1:9: the limit of 32 files within one another is exceeded\n"),
+        "{message}"
     );
 }
 

@@ -68,7 +68,7 @@ impl Resource {
             Self::Tokens => format!("{count} tokens"),
             Self::Objects => format!("{count} objects"),
             Self::Pixels => format!("{count} pixels"),
-            Self::Time => format!("{count} s"),
+            Self::Time => format!("{} s", Duration::from_millis(amount).as_secs_f64()),
         }
     }
 
@@ -82,7 +82,7 @@ impl Resource {
                     .unwrap_or((1 << 10, "K"));
                 format!("{}{suffix}", amount.div_ceil(unit))
             }
-            Self::Time => format!("{amount}s"),
+            Self::Time => format!("{}s", amount.div_ceil(1000)),
             _ if amount >= 100_000 => {
                 // The first digit, rounded up.
                 let power = amount.ilog10();
@@ -134,7 +134,7 @@ impl Default for ResourceLimits {
 }
 
 impl ResourceLimits {
-    /// The limit of a resource: bytes, a count or seconds.
+    /// The limit of a resource: bytes, a count or milliseconds.
     #[must_use]
     pub fn get(&self, resource: Resource) -> u64 {
         match resource {
@@ -145,7 +145,7 @@ impl ResourceLimits {
             Resource::Tokens => self.tokens,
             Resource::Objects => self.objects,
             Resource::Pixels => self.pixels,
-            Resource::Time => self.time.as_secs(),
+            Resource::Time => u64::try_from(self.time.as_millis()).unwrap_or(u64::MAX),
         }
     }
 

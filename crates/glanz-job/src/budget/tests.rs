@@ -78,8 +78,8 @@ fn values_are_sizes_counts_and_times() {
         (Resource::Bytes, "100", 100),
         (Resource::Tokens, "2e9", 2_000_000_000),
         (Resource::Files, "12", 12),
-        (Resource::Time, "30s", 30),
-        (Resource::Time, "90", 90),
+        (Resource::Time, "30s", 30_000),
+        (Resource::Time, "0.05", 50),
     ] {
         limits.set(resource, text).unwrap();
         assert_eq!(limits.get(resource), value, "{text}");

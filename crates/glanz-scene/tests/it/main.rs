@@ -9,6 +9,7 @@ mod differential;
 mod emission;
 mod image_light;
 mod light_selection;
+mod limits;
 mod photometric;
 mod receivers;
 mod scene;

@@ -4,12 +4,14 @@ mod bad_input;
 mod bake;
 mod bake_parts;
 mod convert;
+mod file_kinds;
 mod file_list;
 #[cfg(unix)]
 mod file_safety;
 mod file_uses;
 mod illuminate;
 mod illuminate_parts;
+mod limits;
 mod merge;
 mod model;
 mod optimize;

@@ -18,7 +18,7 @@ use crate::pbrt::state::{GraphicsState, StateStack};
 use crate::source::{MISSING_FILE, ParseResult, ReportedError, Span};
 
 /// All directives of versions 1 to 4.
-const DIRECTIVES: &[&str] = &[
+pub(super) const DIRECTIVES: &[&str] = &[
     "Accelerator",
     "ActiveTransform",
     "AreaLightSource",
@@ -99,12 +99,20 @@ pub(crate) struct Parser {
     state: StateStack,
     files: Vec<OpenFile>,
     block: OpenBlock,
+    /// Whether there was a directive, even one with an error.
+    pub(crate) is_understood: bool,
 }
 
 impl Parser {
     /// The initial state.
     pub(crate) fn new(lowering: Lowering) -> Self {
-        Self { lowering, state: StateStack::default(), files: Vec::new(), block: OpenBlock::Options }
+        Self {
+            lowering,
+            state: StateStack::default(),
+            files: Vec::new(),
+            block: OpenBlock::Options,
+            is_understood: false,
+        }
     }
 
     /// Reads a scene file and all included files. Errors are reported to the reporter; reading ends after too many of them.
@@ -161,6 +169,7 @@ impl Parser {
         }
         match file.lexer.next() {
             Ok(Some((Token::Word(word), place))) => {
+                self.is_understood |= DIRECTIVES.contains(&word.as_str());
                 self.directive(&word, place)?;
                 Ok(true)
             }
