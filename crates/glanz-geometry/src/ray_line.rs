@@ -46,7 +46,8 @@ impl RayLine {
         let [(ox, rx), (oy, ry), (oz, rz)] = [0, 1, 2].map(|k| two_sum(ray.origin[k], -about[k]));
         let (origin, rest, d) = (DVec3::new(ox, oy, oz), DVec3::new(rx, ry, rz), ray.direction);
         let local = Self::new(&Ray::new(origin, d), 0.0);
-        if !(origin.distance_squared(center) > far_squared) {
+        let is_far = origin.distance_squared(center) > far_squared;
+        if !is_far {
             return local;
         }
         let shift = (center - origin).dot(d) / d.length_squared();

@@ -208,7 +208,7 @@ impl Freeform {
 fn moved(patches: &[SurfacePatch], frame: &SurfaceFrame) -> Result<Vec<SurfacePatch>, SurfaceError> {
     let of = |patch: &SurfacePatch| {
         let (p, q) = patch.patch.degrees();
-        let net = frame.to_own(patch.patch.control_points());
+        let net = frame.own_net(patch.patch.control_points());
         Ok(SurfacePatch { patch: TensorPatch::try_new(p, q, net)?, placement: patch.placement.clone() })
     };
     patches.iter().map(of).collect()

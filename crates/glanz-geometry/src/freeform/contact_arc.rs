@@ -144,7 +144,7 @@ fn along_curve(
 }
 
 /// Rows of Pascal's triangle up to the degree of the longest eliminant.
-const BINOMIALS: [[f64; LONGEST]; LONGEST] = {
+static BINOMIALS: [[f64; LONGEST]; LONGEST] = {
     let mut rows = [[0.0; LONGEST]; LONGEST];
     let mut n = 0;
     while n < LONGEST {
@@ -226,7 +226,7 @@ impl ContactCell {
                 break;
             }
         }
-        (y >= -EXCESS && y <= 1.0 + EXCESS).then_some(y)
+        (-EXCESS..=1.0 + EXCESS).contains(&y).then_some(y)
     }
 
     /// Smallest and largest derivative of h by y: of its coefficients.
@@ -245,9 +245,8 @@ impl ContactCell {
     fn bend(&self, rows: &[[f64; ROW]; ROW]) -> f64 {
         let mut most = 0.0_f64;
         for three in rows[..=self.q].windows(3) {
-            for i in 0..=self.p {
-                most = most.max((three[0][i] - 2.0 * three[1][i] + three[2][i]).abs());
-            }
+            let of_rows = three[0].iter().zip(&three[1]).zip(&three[2]).take(self.p + 1);
+            most = of_rows.fold(most, |most, ((a, b), c)| most.max((a - 2.0 * b + c).abs()));
         }
         most * (self.q * self.q.saturating_sub(1)) as f64
     }
@@ -265,7 +264,8 @@ pub(super) fn classify(
     let by_second = b.length_squared() >= a.length_squared();
     let (along, degrees) = if by_second { (b, (p, q)) } else { (a, (q, p)) };
     let length = along.length();
-    if !(length > 0.0) || p.max(q) > MOST_DEGREE || degrees.1 == 0 {
+    // NaN has no direction.
+    if length.is_nan() || length <= 0.0 || p.max(q) > MOST_DEGREE || degrees.1 == 0 {
         return ArcClass::Irregular;
     }
     let d = along / length;
@@ -307,7 +307,7 @@ impl ContactCell {
         // Beyond the cell, Bernstein polynomials add up to no more than this.
         let beyond = |degree: usize| (1.0 + 2.0 * excess).powi(degree as i32);
         let slope = mean - 0.5 * (most - least) * beyond(q - 1);
-        if !(slope > REGULAR * mean) {
+        if slope.is_nan() || slope <= REGULAR * mean {
             return ArcClass::Irregular;
         }
         let (curve, rest) = (Scaled::of(y.into_iter()), Scaled::of(y.map(|y| 1.0 - y).into_iter()));

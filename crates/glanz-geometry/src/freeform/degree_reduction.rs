@@ -156,7 +156,7 @@ pub(super) fn reduce(
                     let back: f64 = factors.iter().zip(&short).map(|(f, x)| f * x).sum();
                     worst = worst.max((back - x).abs());
                 }
-                if !(worst <= error) {
+                if worst.is_nan() || worst > error {
                     return None;
                 }
             }

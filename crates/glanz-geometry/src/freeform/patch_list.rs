@@ -153,7 +153,7 @@ impl Freeform {
             PatchCoefficients::Net { points, degrees } => PatchJet::new(isa, points, degrees, x, y),
             PatchCoefficients::Powers(patch) => isa.run(BicubicTangents { patch, x, y }),
         };
-        Some(PatchJet { s: self.frame.to_common(jet.s), ..jet })
+        Some(PatchJet { s: self.frame.in_common(jet.s), ..jet })
     }
 
     /// Point, first and second derivatives of a patch by its own parameters.
@@ -162,6 +162,6 @@ impl Freeform {
             PatchCoefficients::Net { points, degrees } => second_order_jet(points, degrees, x, y),
             PatchCoefficients::Powers(patch) => self.bvh.isa().run(BicubicJet { patch, x, y }),
         };
-        Some(SecondOrderJet { s: self.frame.to_common(jet.s), ..jet })
+        Some(SecondOrderJet { s: self.frame.in_common(jet.s), ..jet })
     }
 }

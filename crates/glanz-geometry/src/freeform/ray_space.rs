@@ -53,7 +53,7 @@ impl SurfaceFrame {
 
     /// A point in the common coordinates.
     #[inline(always)]
-    pub(super) fn to_common(&self, point: DVec3) -> DVec3 {
+    pub(super) fn in_common(&self, point: DVec3) -> DVec3 {
         if self.is_moved() { point + self.origin } else { point }
     }
 
@@ -67,7 +67,7 @@ impl SurfaceFrame {
     }
 
     /// Homogeneous control points in the surface's own coordinates.
-    pub(super) fn to_own(&self, points: &[DVec4]) -> Vec<DVec4> {
+    pub(super) fn own_net(&self, points: &[DVec4]) -> Vec<DVec4> {
         let moved = |p: &DVec4| ((p.truncate() / p.w - self.origin) * p.w).extend(p.w);
         let polynomial = |p: &DVec4| (p.truncate() - self.origin).extend(p.w);
         points.iter().map(|p| if p.w == 1.0 { polynomial(p) } else { moved(p) }).collect()

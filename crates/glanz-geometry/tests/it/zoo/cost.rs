@@ -6,8 +6,8 @@
 use std::time::Instant;
 
 use glanz_geometry::RaySurface;
+use glanz_math::Ray;
 use glanz_math::glam::DVec4;
-use glanz_math::{DVec3, Ray};
 
 use super::number;
 use super::pathologies;
