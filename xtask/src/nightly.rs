@@ -101,6 +101,16 @@ const PARTS: &[NightlyPart] = &[
         help: "light maps of both methods, with this density (texels per metre) and number of gather rays, against path tracing at random points",
     },
     NightlyPart {
+        name: "mutants",
+        package: "glanz-fuzz",
+        filter: "mutants::",
+        nightly_divisor: 10,
+        settings: &[setting("--cases", "GLANZ_FUZZ_CASES", 10_000_000)],
+        files: None,
+        needs_browser: false,
+        help: "mutated files of every format; a panic, more than a second and too much memory are faults",
+    },
+    NightlyPart {
         name: "soak",
         package: "glanz-cli",
         filter: "viewer::soak::",
