@@ -9,7 +9,6 @@
 
 mod confined;
 mod documentation;
-mod mutation;
 mod pbrt_errors;
 mod pbrt_files;
 mod pbrt_freeform;
