@@ -31,6 +31,7 @@ const LAYERS: &[LayeredCrate] = &[
     LayeredCrate { layer: 6, name: "glanz-viewer", may_use: "0-5" },
     LayeredCrate { layer: 7, name: "glanz", may_use: "0-6" },
     LayeredCrate { layer: 8, name: "glanz-cli", may_use: "all" },
+    LayeredCrate { layer: 8, name: "glanz-fuzz", may_use: "all" },
     LayeredCrate { layer: 8, name: "glanz-python", may_use: "all" },
     LayeredCrate { layer: 8, name: "glanz-study", may_use: "all" },
 ];

@@ -115,6 +115,16 @@ const PARTS: &[NightlyPart] = &[
         help: "commands whose calls of the system fail, at most this number of each kind, or that are killed at random moments; needs strace",
     },
     NightlyPart {
+        name: "mutants",
+        package: "glanz-fuzz",
+        filter: "mutants::",
+        nightly_divisor: 10,
+        settings: &[setting("--cases", "GLANZ_FUZZ_CASES", 10_000_000)],
+        files: None,
+        needs_browser: false,
+        help: "mutated files of every format; a panic, more than a second and too much memory are faults",
+    },
+    NightlyPart {
         name: "soak",
         package: "glanz-cli",
         filter: "viewer::soak::",

@@ -132,9 +132,12 @@ pub(crate) fn report() -> Result<String, String> {
 fn search() -> Result<(usize, Vec<Fault>), String> {
     let root = workspace::root();
     let mut files = Vec::new();
-    for (folder, extensions) in
-        [("crates", &["rs", "js", "css", "html", "md"][..]), ("xtask", &["rs"]), ("docs", &["md"])]
-    {
+    for (folder, extensions) in [
+        ("crates", &["rs", "js", "css", "html", "md"][..]),
+        ("fuzz", &["rs", "md"]),
+        ("xtask", &["rs"]),
+        ("docs", &["md"]),
+    ] {
         for extension in extensions {
             files.extend(workspace::files_below(&root.join(folder), extension));
         }

@@ -67,7 +67,8 @@ impl EdgePolyline {
         if halvings == 0 || deviation <= tolerance || !deviation.is_finite() {
             self.points.push(end);
             self.deviation = largest([self.deviation, deviation]);
-            self.length += arc_length(controls);
+            // All halvings together are as deep as those of one length, so that no curve takes long.
+            self.length += arc_length(controls, MAX_DEPTH.saturating_sub(MAX_HALVINGS - halvings));
             return;
         }
         let [before, after] = halves(controls);
@@ -100,11 +101,11 @@ fn halves(controls: &[DVec4]) -> [Vec<DVec4>; 2] {
     [before, after]
 }
 
-/// Arc length of a Bézier curve.
-fn arc_length(controls: &[DVec4]) -> f64 {
+/// Arc length of a Bézier curve, by rules over parts that are halved at most `depth` times.
+fn arc_length(controls: &[DVec4], depth: u32) -> f64 {
     let rule = |range: [f64; 2]| gauss(range, |t| speed(controls, t));
     let whole = rule([0.0, 1.0]);
-    refined(&rule, [0.0, 1.0], whole, LENGTH_ACCURACY * whole, MAX_DEPTH)
+    refined(&rule, [0.0, 1.0], whole, LENGTH_ACCURACY * whole, depth)
 }
 
 /// Length of the derivative of a Bézier curve over [0, 1].

@@ -10,7 +10,6 @@
 mod confined;
 mod documentation;
 mod limits;
-mod mutation;
 mod pbrt_errors;
 mod pbrt_files;
 mod pbrt_freeform;

@@ -3,7 +3,6 @@
 mod assemblies;
 mod attributes;
 mod curves;
-mod damage;
 mod faces;
 mod solids;
 mod surfaces;

@@ -2,7 +2,6 @@
 
 mod assemblies;
 mod curves;
-mod damage;
 mod edges;
 mod faces;
 mod hidden;

@@ -64,7 +64,7 @@ impl OpenedScene {
                 "error: the program that reads files cannot be started: {error}; start glanz view again\n"
             )
         };
-        let key = AccessKey::random().map_err(|error| unstarted(error.into()))?;
+        let key = AccessKey::random().map_err(|error| unstarted(std::io::Error::other(error.to_string())))?;
         let model = ModelFile::create(&folder.model()).map_err(unstarted)?;
         let limits = &app.limits;
         let task = WorkerTask { names, memory: limits.scene_memory, model_bytes: limits.model_bytes };

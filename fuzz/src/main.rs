@@ -1,0 +1,314 @@
+//! Reads mutants of files by every reader of Glanz, and reports those that break a promise.
+
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command line prints")]
+
+use std::collections::VecDeque;
+use std::fs;
+use std::io::{self, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use glanz_fuzz::measurement::{Measurement, record_panics};
+use glanz_fuzz::minimize::minimize;
+use glanz_fuzz::targets::{Target, target, targets};
+use glanz_fuzz::worker::{self, FaultReport, WorkerReport, WorkerTask, kept_path};
+use glanz_fuzz::{corpus, limits};
+
+/// Reads mutants of files by every reader of Glanz; the exit code is 1 if one panics, takes too long or too much memory.
+#[derive(Debug, Parser)]
+#[command(name = "glanz-fuzz")]
+struct FuzzArguments {
+    /// Names of targets; all without one.
+    targets: Vec<String>,
+    /// Number of mutants of each target; jobs behind readers take a part of it.
+    #[arg(long, value_name = "N", default_value_t = 10_000)]
+    cases: u64,
+    /// Longest time for each target.
+    #[arg(long, value_name = "S")]
+    seconds: Option<f64>,
+    /// Seed of the mutants.
+    #[arg(long, value_name = "X", default_value_t = 0)]
+    seed: u64,
+    /// Folder for files with faults, and for the slowest one of each target.
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
+    /// Number of processes at a time; by default one for each processor.
+    #[arg(long, value_name = "N")]
+    jobs: Option<usize>,
+    /// Lists the targets.
+    #[arg(long)]
+    list: bool,
+    /// Reads this file instead, in a process of its own.
+    #[arg(long, value_name = "FILE")]
+    replay: Option<PathBuf>,
+    /// Reads the files of the corpus instead.
+    #[arg(long)]
+    corpus: bool,
+    /// Reads the files with known faults instead, which are those that are not mended.
+    #[arg(long, conflicts_with = "corpus")]
+    pending: bool,
+    #[arg(long, hide = true)]
+    replay_here: Option<PathBuf>,
+    #[arg(long, hide = true)]
+    worker: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    match run(&FuzzArguments::parse()) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Runs the command; returns whether there was no fault.
+fn run(arguments: &FuzzArguments) -> Result<bool, String> {
+    let chosen = chosen(&arguments.targets)?;
+    if arguments.list {
+        chosen.iter().for_each(|target| println!("{}", target.name));
+        return Ok(true);
+    }
+    if let Some(folder) = &arguments.worker {
+        let [target] = chosen[..] else { return Err("a worker has one target".to_owned()) };
+        let &FuzzArguments { cases, seconds, seed, .. } = arguments;
+        let task = WorkerTask { target, cases, seconds, seed };
+        record_panics();
+        return with_small_stack(|| worker::work(&task, folder)).map(|()| true);
+    }
+    if let Some(file) = &arguments.replay_here {
+        let [target] = chosen[..] else { return Err("a file has one target".to_owned()) };
+        record_panics();
+        return with_small_stack(|| read_here(target, file)).map(|()| true);
+    }
+    if let Some(file) = &arguments.replay {
+        let [target] = chosen[..] else { return Err("name the target of the file".to_owned()) };
+        return replayed(target.name, &file.display().to_string(), file);
+    }
+    if arguments.corpus || arguments.pending {
+        let of_target = if arguments.corpus { corpus::entries } else { corpus::pending };
+        let entries: Vec<_> = chosen
+            .iter()
+            .flat_map(|target| of_target(target.name).into_iter().map(|e| (target.name, e)))
+            .collect();
+        let results = entries.iter().map(|(target, entry)| replayed(target, &entry.name, &entry.file));
+        let faults = results.collect::<Result<Vec<_>, _>>()?.into_iter().filter(|is_fine| !is_fine).count();
+        println!("{} files, {faults} with a fault", entries.len());
+        return Ok(faults == 0);
+    }
+    mutants(&chosen, arguments)
+}
+
+fn chosen(names: &[String]) -> Result<Vec<&'static Target>, String> {
+    if names.is_empty() {
+        return Ok(targets().collect());
+    }
+    let find = |name: &String| {
+        target(name).ok_or_else(|| {
+            let known: Vec<&str> = targets().map(|target| target.name).collect();
+            format!("there is no target {name:?}, choose from {}", known.join(", "))
+        })
+    };
+    names.iter().map(find).collect()
+}
+
+/// Calls `work` on a thread with the smallest stack that the product has.
+fn with_small_stack(work: impl FnOnce() -> io::Result<()> + Send) -> Result<(), String> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(limits::STACK).spawn_scoped(scope, work);
+        let result = thread.map_err(|error| error.to_string())?.join();
+        result.map_err(|_| "the thread panicked".to_owned())?.map_err(|error| error.to_string())
+    })
+}
+
+/// Reads a file in this process, with the files that belong to it if it is the scene of a folder of the corpus.
+fn read_here(target: &Target, file: &Path) -> io::Result<()> {
+    let is_scene = file.file_stem().is_some_and(|stem| stem == "scene");
+    let measurement = if is_scene {
+        Measurement::of_scene(target, file)
+    } else {
+        Measurement::of(target, &fs::read(file)?)
+    };
+    worker::read_once(&measurement);
+    Ok(())
+}
+
+fn replayed(target: &str, name: &str, file: &Path) -> Result<bool, String> {
+    let fault = worker::replay(target, file).map_err(|error| format!("{name}: {error}"))?;
+    match fault {
+        None => println!("{name}: fine"),
+        Some([_, ref text]) => println!("{name}: {text}"),
+    }
+    Ok(fault.is_none())
+}
+
+/// Runs mutants of the targets, and prints a line for each target and each fault.
+fn mutants(chosen: &[&'static Target], arguments: &FuzzArguments) -> Result<bool, String> {
+    let slots =
+        arguments.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)).max(1);
+    let keep = arguments.keep.clone().unwrap_or_else(|| PathBuf::from("target/fuzz"));
+    fs::create_dir_all(&keep).map_err(|error| format!("{}: {error}", keep.display()))?;
+    let mut is_fine = true;
+    let start = Instant::now();
+    let tasks = tasks(chosen, arguments, slots);
+    let total = tasks.iter().map(|task| task.cases).sum();
+    let progress = CaseProgress { done: AtomicU64::new(0), total, is_over: AtomicBool::new(false) };
+    let mut reports: Vec<TargetReport> = chosen.iter().map(|_| TargetReport::default()).collect();
+    for (index, report, took) in run_tasks(tasks, chosen, slots, &progress)? {
+        if let Some(target) = reports.get_mut(index) {
+            target.report.add(report);
+            target.took += took;
+        }
+    }
+    for (target, TargetReport { report, took }) in chosen.iter().zip(reports) {
+        print_figures(target, &report, took);
+        let figures = report.figures;
+        if !report.slowest.is_empty() {
+            write(&kept_path(&keep, target.name, "slowest"), &report.slowest)?;
+        }
+        let is_blunt = figures.read == 0 || figures.read == figures.cases;
+        if figures.cases >= 1000 && report.faults.is_empty() && is_blunt {
+            println!("  fault: {} of {} mutants are read, which tests little", figures.read, figures.cases);
+            is_fine = false;
+        }
+        for fault in report.faults {
+            is_fine = false;
+            report_fault(fault, &keep)?;
+        }
+    }
+    println!("{} mutants in {:.1} s", progress.done.load(Ordering::Relaxed), start.elapsed().as_secs_f64());
+    Ok(is_fine)
+}
+
+/// What all processes of a target found, and their time.
+#[derive(Default)]
+struct TargetReport {
+    report: WorkerReport,
+    took: Duration,
+}
+
+/// The parts of the campaigns: one for each process if there are many cases.
+fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) -> VecDeque<WorkerTask> {
+    let of_target = |target: &&'static Target| {
+        let target = *target;
+        let cases = arguments.cases.div_ceil(target.divisor);
+        let parts = if cases < 10_000 { 1 } else { slots as u64 };
+        let &FuzzArguments { seconds, seed, .. } = arguments;
+        (0..parts).map(move |part| WorkerTask {
+            target,
+            cases: cases / parts + u64::from(part < cases % parts),
+            seconds,
+            seed: seed.wrapping_mul(1000).wrapping_add(part),
+        })
+    };
+    chosen.iter().flat_map(of_target).collect()
+}
+
+struct CaseProgress {
+    done: AtomicU64,
+    total: u64,
+    is_over: AtomicBool,
+}
+
+impl CaseProgress {
+    /// Shows the number of cases until the end: each second on a terminal, else each minute.
+    fn show(&self) {
+        let is_terminal = io::stderr().is_terminal();
+        let (mut shown, start) = (Instant::now(), Instant::now());
+        while !self.is_over.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(20));
+            if shown.elapsed() > Duration::from_secs(if is_terminal { 1 } else { 60 }) {
+                shown = Instant::now();
+                let done = self.done.load(Ordering::Relaxed);
+                let [before, after] = if is_terminal { ["\r", ""] } else { ["", "\n"] };
+                eprint!(
+                    "{before}{done} of {} mutants, {:.0} s{after}",
+                    self.total,
+                    start.elapsed().as_secs_f64()
+                );
+                let _ = io::stderr().flush();
+            }
+        }
+        if is_terminal {
+            eprint!("\r{:60}\r", "");
+        }
+    }
+}
+
+/// Runs the tasks, `slots` at a time; returns the number of the target, the report and the time of each.
+fn run_tasks(
+    tasks: VecDeque<WorkerTask>,
+    chosen: &[&'static Target],
+    slots: usize,
+    progress: &CaseProgress,
+) -> Result<Vec<(usize, WorkerReport, Duration)>, String> {
+    let (queue, reports) = (Mutex::new(tasks), Mutex::new(Vec::new()));
+    let work = || -> io::Result<()> {
+        loop {
+            let Some(task) = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front() else {
+                return Ok(());
+            };
+            let folder = tempfile::tempdir()?;
+            let start = Instant::now();
+            let report = worker::run(&task, folder.path(), &progress.done)?;
+            let index = chosen.iter().position(|target| target.name == task.target.name).unwrap_or_default();
+            reports.lock().unwrap_or_else(PoisonError::into_inner).push((index, report, start.elapsed()));
+        }
+    };
+    let results: Vec<io::Result<()>> = std::thread::scope(|scope| {
+        let show = scope.spawn(|| progress.show());
+        let threads: Vec<_> = (0..slots).map(|_| scope.spawn(work)).collect();
+        let stopped = |_| Err(io::Error::other("a thread stopped"));
+        let results = threads.into_iter().map(|thread| thread.join().unwrap_or_else(stopped)).collect();
+        progress.is_over.store(true, Ordering::Relaxed);
+        let _ = show.join();
+        results
+    });
+    results.into_iter().collect::<io::Result<()>>().map_err(|error| error.to_string())?;
+    Ok(reports.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+fn print_figures(target: &Target, report: &WorkerReport, took: Duration) {
+    let figures = &report.figures;
+    println!(
+        "{:<11} {:>9} mutants {:>7.0}/s {:>4.0} % read {:>4} outcomes, slowest {:.3} s, peak {:.1} MB, {:.0} bytes per byte",
+        target.name,
+        figures.cases,
+        figures.cases as f64 / took.as_secs_f64().max(1e-9),
+        100.0 * figures.read as f64 / figures.cases.max(1) as f64,
+        figures.classes,
+        figures.slowest.as_secs_f64(),
+        figures.peak as f64 * 1e-6,
+        figures.peak_factor,
+    );
+}
+
+/// Makes the file of a fault smaller, keeps it, and prints it.
+fn report_fault(fault: FaultReport, keep: &Path) -> Result<(), String> {
+    let FaultReport { target, signature, text, bytes } = fault;
+    let path = kept_path(keep, target, &signature);
+    let length = bytes.len();
+    write(&path, &bytes)?;
+    let trial = kept_path(keep, target, "trial");
+    let fails = |bytes: &[u8]| {
+        let found =
+            fs::write(&trial, bytes).ok().and_then(|()| worker::replay(target, &trial).ok().flatten());
+        found.is_some_and(|[found, _]| found == signature)
+    };
+    // A fault that does not come again, such as one of time on a busy machine, keeps its file.
+    let smallest = minimize(bytes, fails);
+    let _ = fs::remove_file(&trial);
+    write(&path, &smallest)?;
+    println!("  fault: {text}\n    {} ({} of {length} bytes)", path.display(), smallest.len());
+    Ok(())
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))
+}
