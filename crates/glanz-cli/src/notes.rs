@@ -50,7 +50,7 @@ fn resumed(state: &ResumedState) -> String {
             format!("continuing with indirect light at {}", plural(*places as u64, "place", "places"))
         }
         ResumedState::AllLight => "all light is complete".to_owned(),
-        ResumedState::Paths { done, wanted } => continued(*done, *wanted, ["path", "paths"]),
+        ResumedState::Paths(done) => continued(*done, None, ["path", "paths"]),
         ResumedState::Particles { done, wanted } => continued(*done, *wanted, ["particle", "particles"]),
         ResumedState::Steps { done, wanted } => {
             continued((*done).into(), Some((*wanted).into()), ["step", "steps"])

@@ -8,11 +8,14 @@ const FIRST: Duration = Duration::from_secs(1);
 /// Work between two checkpoints per time of writing one: writing takes a twentieth of the whole.
 const WORK_PER_WRITING: u32 = 19;
 
+/// Longest time between two checkpoints, unless their interval is longer, for a single measurement of the cost: the first, or the process may have been stopped.
+const WAIT_FOR_ONE: Duration = Duration::from_secs(15);
+
 /// Timer of the intervals between checkpoints.
 ///
 /// The first checkpoint is due after a second. Later ones are due when as much time has passed since the last one as before it, at the latest
-/// after the interval of the sink, but never before the 19-fold of the time that the last one took: beyond the first, whose cost nobody
-/// knows, writing takes at most 5 % of the time. An interval of zero makes a checkpoint due at any time.
+/// after the interval of the sink, but never before the 19-fold of the time that the faster of the last two took, or 15 s if there is only one: beyond the
+/// first two, whose cost nobody knows, writing takes at most 5 % of the time, unless one takes much longer than that before and after it. An interval of zero makes a checkpoint due at any time.
 #[derive(Clone, Copy, Debug)]
 pub struct CheckpointTimer {
     interval: Option<Duration>,
@@ -21,6 +24,8 @@ pub struct CheckpointTimer {
     last: Instant,
     /// Length of the current interval.
     wait: Duration,
+    /// Time that the last checkpoint took.
+    cost: Option<Duration>,
 }
 
 impl CheckpointTimer {
@@ -29,7 +34,7 @@ impl CheckpointTimer {
     pub fn new(interval: Option<Duration>) -> Self {
         let now = Instant::now();
         let wait = interval.map_or(FIRST, |interval| FIRST.min(interval));
-        Self { interval, start: now, last: now, wait }
+        Self { interval, start: now, last: now, wait, cost: None }
     }
 
     /// Whether a checkpoint is due.
@@ -44,17 +49,23 @@ impl CheckpointTimer {
         let written = write();
         self.last = Instant::now();
         let longest = self.interval.unwrap_or_default();
-        self.wait = wait(longest, begun - self.start, self.last - begun);
+        let cost = self.last - begun;
+        self.wait = wait(longest, begun - self.start, cost, self.cost.replace(cost));
         written
     }
 }
 
-/// Time between a checkpoint that took `cost`, `elapsed` after the start, and the next one. `longest`: the interval of the sink.
-fn wait(longest: Duration, elapsed: Duration, cost: Duration) -> Duration {
+/// Time between a checkpoint that took `cost`, `elapsed` after the start, and the next one. `longest`: the interval of the sink; `earlier`: the time that the
+/// checkpoint before took.
+fn wait(longest: Duration, elapsed: Duration, cost: Duration, earlier: Option<Duration>) -> Duration {
     if longest.is_zero() {
         return longest;
     }
-    elapsed.max(FIRST).min(longest).max(cost.saturating_mul(WORK_PER_WRITING))
+    let work = match earlier {
+        Some(earlier) => cost.min(earlier).saturating_mul(WORK_PER_WRITING),
+        None => cost.saturating_mul(WORK_PER_WRITING).min(WAIT_FOR_ONE),
+    };
+    elapsed.max(FIRST).min(longest).max(work)
 }
 
 #[cfg(test)]
@@ -66,10 +77,11 @@ mod tests {
     /// Times of the checkpoints of a job of an hour, seconds after its start, and the longest work between two of them, if writing one takes `cost` seconds.
     fn checkpoints(cost: f64) -> (Vec<f64>, f64) {
         let (mut times, mut now, mut work) = (Vec::new(), FIRST.as_secs_f64(), FIRST.as_secs_f64());
+        let duration = Duration::from_secs_f64(cost);
         while now < 3600.0 {
+            let earlier = (!times.is_empty()).then_some(duration);
             times.push(now);
-            let next =
-                wait(INTERVAL, Duration::from_secs_f64(now), Duration::from_secs_f64(cost)).as_secs_f64();
+            let next = wait(INTERVAL, Duration::from_secs_f64(now), duration, earlier).as_secs_f64();
             work = f64::max(work, next);
             now += cost + next;
         }
@@ -84,15 +96,25 @@ mod tests {
     }
 
     #[test]
-    fn writing_takes_a_twentieth_of_the_time_beyond_the_first() {
+    fn writing_takes_a_twentieth_of_the_time_beyond_the_first_two() {
         for cost in [0.001, 0.1, 1.0, 1.5, 2.0, 10.0, 60.0] {
             let (times, work) = checkpoints(cost);
             let end = times.last().unwrap() + cost;
-            let writing = (times.len() - 1) as f64 * cost;
+            let writing = (times.len() - 2) as f64 * cost;
             assert!(writing <= 0.05 * (end - FIRST.as_secs_f64()) + 1e-6, "{cost}: {writing} of {end}");
             // At most 30 s of work are at stake, unless writing takes more than a nineteenth of that.
             assert!((work - f64::max(30.0, 19.0 * cost)).abs() < 1e-6, "{cost}: {work}");
         }
+    }
+
+    #[test]
+    fn single_slow_writing_does_not_end_checkpoints() {
+        let seconds = Duration::from_secs;
+        let after = |cost, earlier| wait(INTERVAL, seconds(1000), seconds(cost), earlier);
+        assert_eq!(after(600, Some(Duration::from_millis(100))), INTERVAL);
+        assert_eq!(after(600, Some(seconds(500))), seconds(9500));
+        // The very first one, of a process that was stopped meanwhile.
+        assert_eq!(wait(INTERVAL, seconds(1), seconds(600), None), seconds(15));
     }
 
     #[test]

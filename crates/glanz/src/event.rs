@@ -336,13 +336,8 @@ pub enum ResumedState {
         /// The number wanted; `None` if a time or an error ends the calculation.
         wanted: Option<u64>,
     },
-    /// Paths from cells, and particles.
-    Paths {
-        /// Their number.
-        done: u64,
-        /// The number wanted; `None` if a time or an error ends the calculation.
-        wanted: Option<u64>,
-    },
+    /// Number of paths from cells, and particles.
+    Paths(u64),
     /// Steps of an inverse design.
     Steps {
         /// Their number.

@@ -13,7 +13,10 @@ use crate::error::{Error, FileFault};
 /// # Errors
 /// [`Error::File`].
 pub fn check_writable(path: &Path) -> Result<(), Error> {
-    let folder = match path.parent() {
+    // A link stays, and the file that it names is replaced in the folder of that file. Devices are written directly; a dangling link is refused below.
+    let named = fs::canonicalize(path).ok().filter(|named| path.is_symlink() && named.is_file());
+    let file = named.as_deref().unwrap_or(path);
+    let folder = match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
@@ -29,7 +32,7 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
         _ => {}
     }
     glanz_job::remove_orphans(folder);
-    glanz_job::check_creatable(path).map_err(|error| FileFault::NotWritable(error).of(path))
+    glanz_job::check_creatable(file).map_err(|error| FileFault::NotWritable(error).of(path))
 }
 
 /// Checks that the checkpoint `path` can be written without losing an existing one; `resume`: whether an existing one is resumed.
@@ -266,6 +269,12 @@ mod tests {
             assert!(matches!(faults(&[(&scene, true), (&soft, false)])[1], Some(FileFault::IsInput)));
             std::os::unix::fs::symlink(folder.join("missing"), &dangling).unwrap();
             assert!(matches!(faults(&[(&dangling, false)])[0], Some(FileFault::NotWritable(_))));
+            let left = folder.join("inner/.glanz-1-1.tmp");
+            let [target, link] = ["inner/target", "link"].map(|name| folder.join(name));
+            fs::write(&left, "left by a killed run").unwrap();
+            fs::write(&target, "target").unwrap();
+            std::os::unix::fs::symlink(&target, &link).unwrap();
+            assert!(faults(&[(&link, false)])[0].is_none() && !left.exists(), "the folder of the file");
             assert!(FileIdentity::of(Path::new("/dev/null")).is_none());
             let hard = folder.join("hard");
             fs::hard_link(&scene, &hard).unwrap();

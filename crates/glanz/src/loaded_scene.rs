@@ -38,6 +38,8 @@ pub struct LoadedScene {
     cad: Option<CadReport>,
     /// What reading has used; preparing the scene goes on from there.
     budget: ResourceBudget,
+    /// Memory that the job needs beside the scene, bytes.
+    reserved: u64,
 }
 
 impl LoadedScene {
@@ -56,6 +58,7 @@ impl LoadedScene {
             #[cfg(feature = "formats")]
             cad: None,
             budget: ResourceBudget::default(),
+            reserved: 0,
         }
     }
 
@@ -73,6 +76,7 @@ impl LoadedScene {
             studio,
             cad,
             budget,
+            reserved: 0,
         }
     }
 
@@ -141,7 +145,8 @@ impl LoadedScene {
         }
     }
 
-    /// Limits of what preparing the scene for a job may use, and the flag that ends it; those of reading if this is not called.
+    /// Limits of what preparing the scene for a job may use, those of reading if this is not called, and the flag that ends [`LoadedScene::resolve`]; a job ends by its
+    /// own flag.
     #[must_use]
     pub fn limits(mut self, limits: ResourceLimits, cancel: CancelFlag) -> Self {
         self.budget = ResourceBudget::new(limits, cancel);
@@ -177,13 +182,28 @@ impl LoadedScene {
         self.budget.limits().memory.saturating_sub(self.budget.used(Resource::Memory))
     }
 
+    /// Leaves `bytes` of the memory for the job when the scene is resolved.
+    pub(crate) fn reserve(&mut self, bytes: u64) {
+        self.reserved = bytes;
+    }
+
     /// Resolves the scene for ray queries; returns it with its warnings. Of a model, these are its surfaces alone.
     ///
     /// # Errors
     /// [`Error::Scene`] if the description is not a scene, a limit was reached ([`Diagnostics::limit`]), or a warning arose from a [strict](LoadedScene::strict) one.
-    pub fn resolve(mut self) -> Result<(Scene, Vec<Warning>), Error> {
+    pub fn resolve(self) -> Result<(Scene, Vec<Warning>), Error> {
+        let cancel = self.budget.cancel().clone();
+        self.resolve_for(&cancel)
+    }
+
+    /// As [`LoadedScene::resolve`], for a job with this flag.
+    pub(crate) fn resolve_for(mut self, cancel: &CancelFlag) -> Result<(Scene, Vec<Warning>), Error> {
         let description = std::mem::take(&mut self.description);
-        let resolved = Scene::resolve_with(description, &self.budget.for_next_step());
+        let budget = self.budget.for_next_step().with_cancel(cancel.clone());
+        let reserved = budget.spend(Resource::Memory, self.reserved);
+        let reserved =
+            reserved.map_err(|error| SceneError { location: None, kind: SceneErrorKind::Budget(error) });
+        let resolved = reserved.and_then(|()| Scene::resolve_with(description, &budget));
         let (scene, warnings) = resolved.map_err(|SceneError { location, kind }| match kind {
             SceneErrorKind::Budget(BudgetError::Interrupted) => Interrupted.into(),
             SceneErrorKind::Budget(BudgetError::Limit(limit)) => {

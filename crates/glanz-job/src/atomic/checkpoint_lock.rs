@@ -1,13 +1,13 @@
 //! Locks of checkpoints.
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{error, fmt};
 
 use super::temporary::{FileLock, LOCK, START, is_named, lock};
-use crate::ContentHash;
+use crate::{ContentHash, IoFault};
 
 /// Attempts to get a lock. A process that tidies up a folder holds the locks of others for microseconds.
 const ATTEMPTS: u32 = 20;
@@ -34,7 +34,7 @@ pub enum CheckpointLockError {
         /// Its number, if it is known.
         process: Option<u32>,
     },
-    /// The lock file cannot be created.
+    /// The lock file cannot be created, removed or locked.
     Io(io::Error),
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for CheckpointLockError {
                 write!(f, "process {number} is writing this checkpoint")
             }
             Self::Taken { process: None } => f.write_str("another process is writing this checkpoint"),
-            Self::Io(error) => write!(f, "cannot be locked: {error}"),
+            Self::Io(error) => write!(f, "cannot be locked: {}", IoFault::sentence(error)),
         }
     }
 }
@@ -57,7 +57,7 @@ impl CheckpointLock {
     ///
     /// # Errors
     /// [`CheckpointLockError::Taken`] if another process, or another job of this one, has it; [`CheckpointLockError::Io`] if its
-    /// folder cannot be written.
+    /// folder cannot be written, or locking fails.
     pub fn acquire(checkpoint: &Path) -> Result<Option<Self>, CheckpointLockError> {
         if fs::metadata(checkpoint).is_ok_and(|found| !found.is_file()) {
             return Ok(None);
@@ -68,19 +68,24 @@ impl CheckpointLock {
         hash.add_file(checkpoint.file_name().unwrap_or_default().as_encoded_bytes());
         let path = checkpoint.with_file_name(format!("{START}{:032x}{LOCK}", hash.value()));
         for _ in 0..ATTEMPTS {
-            let opened = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
-            let mut file = opened.map_err(CheckpointLockError::Io)?;
-            match lock(&file) {
-                FileLock::Own if is_named(&file, &path) => {
+            let Some((mut file, origin)) = open(&path).map_err(CheckpointLockError::Io)? else { continue };
+            match lock(&file).map_err(CheckpointLockError::Io)? {
+                // It was removed between opening and locking.
+                FileLock::Own if !is_named(&file, &path) => {}
+                // The next attempt creates one.
+                FileLock::Own if origin == LockFileOrigin::ReadOnly => {
+                    fs::remove_file(&path).map_err(CheckpointLockError::Io)?;
+                }
+                FileLock::Own => {
                     // Only for the message of others.
                     let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
                     return Ok(Some(Self { path, _file: file }));
                 }
-                // It was removed between opening and locking.
-                FileLock::Own => {}
                 FileLock::Other => std::thread::sleep(PAUSE),
                 FileLock::Unsupported => {
-                    let _ = fs::remove_file(&path);
+                    if origin == LockFileOrigin::New {
+                        let _ = fs::remove_file(&path);
+                    }
                     return Ok(None);
                 }
             }
@@ -88,6 +93,37 @@ impl CheckpointLock {
         let mut text = String::new();
         let read = File::open(&path).and_then(|mut file| file.read_to_string(&mut text));
         Err(CheckpointLockError::Taken { process: read.ok().and_then(|_| text.parse().ok()) })
+    }
+}
+
+/// Where an open lock file comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LockFileOrigin {
+    /// It was created.
+    New,
+    /// It existed.
+    Existing,
+    /// It existed, and may only be read: that of another user.
+    ReadOnly,
+}
+
+/// Opens or creates the lock file `path`; `None` if it was removed meanwhile.
+fn open(path: &Path) -> io::Result<Option<(File, LockFileOrigin)>> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true);
+    match options.clone().create_new(true).open(path) {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+        created => return created.map(|file| Some((file, LockFileOrigin::New))),
+    }
+    let opened = match options.open(path) {
+        Err(error) if error.kind() == ErrorKind::PermissionDenied => {
+            File::open(path).map(|file| (file, LockFileOrigin::ReadOnly))
+        }
+        opened => opened.map(|file| (file, LockFileOrigin::Existing)),
+    };
+    match opened {
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        opened => opened.map(Some),
     }
 }
 

@@ -33,7 +33,7 @@ impl TemporaryFile {
             let candidate = path.with_file_name(name);
             match File::create_new(&candidate) {
                 // Otherwise another process has removed it before it was locked.
-                Ok(file) if lock(&file) != FileLock::Other && is_named(&file, &candidate) => {
+                Ok(file) if !matches!(lock(&file), Ok(FileLock::Other)) && is_named(&file, &candidate) => {
                     return Ok(Self { path: Some(candidate), file });
                 }
                 Ok(_) => {}
@@ -74,12 +74,26 @@ pub(super) enum FileLock {
     Unsupported,
 }
 
-pub(super) fn lock(file: &File) -> FileLock {
+pub(super) fn lock(file: &File) -> io::Result<FileLock> {
     match file.try_lock() {
-        Ok(()) => FileLock::Own,
-        Err(TryLockError::WouldBlock) => FileLock::Other,
-        Err(TryLockError::Error(_)) => FileLock::Unsupported,
+        Ok(()) => Ok(FileLock::Own),
+        Err(TryLockError::WouldBlock) => Ok(FileLock::Other),
+        Err(TryLockError::Error(error)) if is_unsupported(&error) => Ok(FileLock::Unsupported),
+        Err(TryLockError::Error(error)) => Err(error),
     }
+}
+
+fn is_unsupported(error: &Error) -> bool {
+    // ENOTSUP and EOPNOTSUPP, which have no kind in some versions of the standard library: of Linux; of macOS and the BSDs.
+    let numbers: &[i32] = if cfg!(target_os = "linux") {
+        &[95]
+    } else if cfg!(unix) {
+        &[45, 102]
+    } else {
+        &[]
+    };
+    error.kind() == ErrorKind::Unsupported
+        || error.raw_os_error().is_some_and(|number| numbers.contains(&number))
 }
 
 /// Whether `path` is a name of the open file; elsewhere than on Unix it is assumed.
@@ -111,9 +125,13 @@ pub fn remove_orphans(folder: &Path) {
             continue;
         }
         let path = entry.path();
-        // Locks of network folders need a file that is open for writing.
-        let Ok(file) = OpenOptions::new().write(true).open(&path) else { continue };
-        if lock(&file) == FileLock::Own && is_named(&file, &path) {
+        // Locks of network folders need a file that is open for writing; those of other users may have to be opened for reading.
+        let opened = OpenOptions::new().write(true).open(&path).or_else(|error| match error.kind() {
+            ErrorKind::PermissionDenied => File::open(&path),
+            _ => Err(error),
+        });
+        let Ok(file) = opened else { continue };
+        if matches!(lock(&file), Ok(FileLock::Own)) && is_named(&file, &path) {
             let _ = fs::remove_file(&path);
         }
     }

@@ -169,6 +169,38 @@ fn claim_survives_the_replacement_of_the_checkpoint() {
     assert!(CheckpointLock::acquire(Path::new("/dev/null")).is_ok_and(|claim| claim.is_none()));
 }
 
+/// Root may write the files of all users, and finds the same.
+#[cfg(unix)]
+#[test]
+fn lock_files_that_may_only_be_read_are_replaced_and_removed() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::new("lock-of-others");
+    let state = folder.0.join("state");
+    let claim = CheckpointLock::acquire(&state).unwrap();
+    let lock = fs::read_dir(&folder.0).unwrap().next().unwrap().unwrap().path();
+    let protect = || fs::set_permissions(&lock, fs::Permissions::from_mode(0o444)).unwrap();
+    protect();
+    assert!(matches!(CheckpointLock::acquire(&state), Err(CheckpointLockError::Taken { process: Some(_) })));
+    remove_orphans(&folder.0);
+    assert!(lock.exists());
+    drop(claim);
+    assert_eq!(folder.entries(), 0);
+    fs::write(&lock, "1").unwrap();
+    protect();
+    assert!(CheckpointLock::acquire(&state).is_ok_and(|claim| claim.is_some()));
+    assert_eq!(folder.entries(), 0);
+    fs::write(&lock, "1").unwrap();
+    protect();
+    remove_orphans(&folder.0);
+    assert_eq!(folder.entries(), 0);
+}
+
+#[test]
+fn lock_errors_are_sentences() {
+    let error = CheckpointLockError::Io(io::Error::from(io::ErrorKind::StorageFull));
+    assert!(error.to_string().starts_with("cannot be locked: the disk is full ("), "{error}");
+}
+
 /// Every write of a file fails once, at each byte, with each error: the old file stays, and nothing else.
 #[test]
 fn writing_that_fails_at_any_call_keeps_the_old_file() {

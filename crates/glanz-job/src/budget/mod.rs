@@ -96,6 +96,12 @@ impl ResourceBudget {
         next
     }
 
+    /// The same budget, shared, with another flag that ends the job.
+    #[must_use]
+    pub fn with_cancel(self, cancel: CancelFlag) -> Self {
+        Self { cancel, ..self }
+    }
+
     /// The limits.
     #[must_use]
     pub fn limits(&self) -> &ResourceLimits {

@@ -64,8 +64,13 @@ fn time_and_flag_end_a_loop() {
     assert!(matches!(late.failure(), Some(BudgetError::Limit(LimitError { resource: Resource::Time, .. }))));
     let flagged = budget(|_| {});
     assert_eq!(flagged.check(), Ok(()));
+    let (next, flag) = (flagged.for_next_step(), CancelFlag::default());
+    let other = next.with_cancel(flag.clone());
     flagged.cancel().cancel();
     assert_eq!(flagged.clone().check(), Err(BudgetError::Interrupted));
+    assert_eq!(other.check(), Ok(()), "it has a flag of its own");
+    flag.cancel();
+    assert_eq!(other.check(), Err(BudgetError::Interrupted));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Encoding, Format};
-use glanz_job::{JobIdentity, write_atomically, write_atomically_with};
+use glanz_job::{CheckpointLock, JobIdentity, write_atomically, write_atomically_with};
 use glanz_light::{Pixels, Tone};
 use glanz_transport::{Checkpoint, Film, PictureIdentity};
 
@@ -110,6 +110,15 @@ impl ResultCache {
         Ok(write_atomically(&path, run.to_text(about).as_bytes())?)
     }
 
+    /// Claims the checkpoint `name` until the result is dropped, so that no other process adds to it meanwhile.
+    ///
+    /// # Errors
+    /// [`StudyError::File`] if another process has it, or it cannot be locked.
+    pub(super) fn claim(&self, name: &str) -> Result<Option<CheckpointLock>, StudyError> {
+        let Some(path) = self.path(name, "glanz") else { return Ok(None) };
+        CheckpointLock::acquire(&path).map_err(|error| failed(&path, std::io::Error::other(error)))
+    }
+
     /// The film of the checkpoint `name`, if there is one.
     ///
     /// # Errors
@@ -194,6 +203,20 @@ mod tests {
         assert_eq!(RunResult::from_text(&text[..text.len() - 12], "this"), None);
         assert_eq!(RunResult::from_text(&text.replace("frozen", "melted"), "this"), None);
         assert_eq!(RunResult::from_text("", "this"), None);
+    }
+
+    #[test]
+    fn a_checkpoint_is_claimed_by_one_at_a_time() {
+        let out = std::env::temp_dir().join(format!("glanz-study-claims-{}", std::process::id()));
+        let cache = ResultCache::within(Some(&out)).unwrap();
+        let claim = cache.claim("reference").unwrap();
+        assert!(claim.is_some());
+        let error = cache.claim("reference").unwrap_err().to_string();
+        assert!(error.ends_with("is writing this checkpoint"), "{error}");
+        drop(claim);
+        assert!(cache.claim("reference").is_ok());
+        assert!(ResultCache(None).claim("reference").unwrap().is_none());
+        std::fs::remove_dir_all(&out).unwrap();
     }
 
     #[test]

@@ -106,7 +106,7 @@ pub(super) fn reference_samples(
 /// further samples are added.
 ///
 /// # Errors
-/// [`StudyError::Cache`]; [`StudyError::Interrupted`].
+/// [`StudyError::Cache`]; [`StudyError::File`] if another process adds to it; [`StudyError::Interrupted`].
 pub(super) fn reference(
     room: &GuidingRoom<'_>,
     samples: u32,
@@ -115,6 +115,7 @@ pub(super) fn reference(
     work: &mut Work<'_, '_>,
 ) -> Result<ReferencePicture, StudyError> {
     let (setup, name, identity) = reference_plan(room, seed)?;
+    let _claim = cache.claim(&name)?;
     let mut film = match cache.film(&name, &identity)? {
         Some(film) => film,
         None => room.film(&setup)?,

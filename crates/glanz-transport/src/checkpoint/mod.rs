@@ -25,7 +25,7 @@ mod sums;
 
 use std::io::{self, Read, Write};
 
-use glanz_job::Interrupted;
+use glanz_job::{Interrupted, IoFault};
 
 use crate::codec::{EnvelopeError, FileEnvelope};
 use crate::film::{Film, FilmError, FilmSumsWriter};
@@ -51,12 +51,18 @@ pub enum CheckpointError {
     /// The film cannot be created.
     #[error("the checkpoint cannot be used: {0}")]
     Film(#[from] FilmError),
-    /// The file cannot be read.
-    #[error("the checkpoint cannot be read: {0}")]
-    Read(io::ErrorKind),
+    /// The file cannot be read: the kind of the error, and its text.
+    #[error("the checkpoint cannot be read: {1}")]
+    Read(io::ErrorKind, String),
     /// Reading was cancelled.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+}
+
+impl From<io::Error> for CheckpointError {
+    fn from(error: io::Error) -> Self {
+        Self::Read(error.kind(), IoFault::sentence(&error).to_string())
+    }
 }
 
 /// A file that ends after `found` bytes instead of `expected`.
@@ -67,7 +73,7 @@ fn damaged(expected: u64, found: u64) -> CheckpointError {
 /// Appends the next `count` bytes to `bytes`; false if the file ends before. Takes no more memory than the file has bytes.
 fn read_bytes(input: &mut impl Read, count: usize, bytes: &mut Vec<u8>) -> Result<bool, CheckpointError> {
     let read = input.take(count as u64).read_to_end(bytes);
-    read.map(|read| read == count).map_err(|error| CheckpointError::Read(error.kind()))
+    Ok(read? == count)
 }
 
 /// A film with the identity of its picture.
@@ -245,6 +251,17 @@ mod tests {
             damaged[bit / 8] ^= 1 << (bit % 8);
             assert!(Checkpoint::from_bytes(&damaged).is_err(), "bit {bit}");
         }
+    }
+
+    #[test]
+    fn errors_of_reading_are_sentences() {
+        let failed = |kind| CheckpointError::from(io::Error::from(kind)).to_string();
+        let text = failed(io::ErrorKind::StorageFull);
+        assert!(text.starts_with("the checkpoint cannot be read: the disk is full ("), "{text}");
+        assert_eq!(
+            CheckpointError::from(io::Error::from(io::ErrorKind::NotFound)),
+            CheckpointError::from(io::Error::from(io::ErrorKind::NotFound))
+        );
     }
 
     #[test]

@@ -51,13 +51,33 @@ fn file_error(folder: PathBuf, error: &io::Error, bytes: u64) -> FilmError {
     FilmError::File { folder, fault: IoFault::sentence(error).to_string(), bytes }
 }
 
+/// Reserves room on the disk, so that a lack of it shows before the work. Where the file system cannot, it shows when the file is written.
+#[cfg(target_os = "linux")]
+fn reserve(file: &File, bytes: u64) -> io::Result<()> {
+    use rustix::fs::{FallocateFlags, fallocate};
+    use rustix::io::{Errno, retry_on_intr};
+    match retry_on_intr(|| fallocate(file, FallocateFlags::empty(), 0, bytes)) {
+        Ok(()) | Err(Errno::OPNOTSUPP | Errno::NOSYS) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn reserve(_: &File, _: u64) -> io::Result<()> {
+    Ok(())
+}
+
 impl SumFile {
     /// A file of `length` zeros, of which `in_memory` may be in memory at a time.
     fn try_new(length: usize, in_memory: usize) -> Result<Self, FilmError> {
         let bytes = 8 * length as u64;
         let mut fault = None;
         for folder in scratch_folders() {
-            let made = tempfile::tempfile_in(&folder).and_then(|file| file.set_len(bytes).map(|()| file));
+            let made = tempfile::tempfile_in(&folder).and_then(|file| {
+                reserve(&file, bytes)?;
+                file.set_len(bytes)?;
+                Ok(file)
+            });
             match made {
                 Ok(file) => return Ok(Self { file: Arc::new(Mutex::new(file)), length, in_memory, folder }),
                 Err(error) => fault = Some(file_error(folder, &error, bytes)),
@@ -235,6 +255,11 @@ impl FilmSumsWriter {
         Ok(())
     }
 
+    /// The words of `range`, which must have been added.
+    pub(crate) fn get(&self, range: Range<usize>) -> Result<Cow<'_, [u64]>, FilmError> {
+        self.sums.get(range)
+    }
+
     pub(super) fn finish(self) -> FilmSums {
         self.sums
     }
@@ -270,6 +295,7 @@ mod tests {
         for from in (0..length).step_by(50_000) {
             writer.push((from..length.min(from + 50_000)).map(expected)).unwrap();
         }
+        assert_eq!(writer.get(3..5).unwrap().as_ref(), [expected(3), expected(4)]);
         assert!(writer.finish() == stores[1]);
     }
 

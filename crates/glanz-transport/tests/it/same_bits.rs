@@ -158,9 +158,8 @@ fn merged_parts_are_one_run() {
                 "{}",
                 run.name()
             );
-            // Without room to hold parts, there is none for the film either.
             let least = if run.format(&scene()).fits_in_file() { 0 } else { u64::MAX };
-            for (hold, memory) in [(false, least), (true, u64::MAX)] {
+            for (hold, memory) in [(false, least), (true, least), (true, u64::MAX)] {
                 let (join, errors) = joined(&files, hold, memory);
                 assert_eq!(
                     (join.to_bytes().unwrap() == whole.to_bytes().unwrap(), errors),
@@ -202,6 +201,7 @@ fn damaged_parts_leave_no_trace_in_the_film() {
     let (rest, _) = joined(&[files[0].clone(), files[2].clone()], true, u64::MAX);
     let length = files[1].len();
     let sums = CheckpointHead::read(files[1].as_slice()).unwrap().before_sums() as usize;
+    let least = if run.format(&scene()).fits_in_file() { 0 } else { u64::MAX };
     let mut damaged = Vec::new();
     for at in [0, 9, 15, 21, 40, 120, sums - 1, sums, sums + 5000, length - 5, length - 1] {
         let mut bytes = files[1].clone();
@@ -214,10 +214,13 @@ fn damaged_parts_leave_no_trace_in_the_film() {
     damaged.push((length, [files[1].as_slice(), &[0]].concat()));
     for (at, bytes) in damaged {
         let in_head = CheckpointHead::read(bytes.as_slice()).is_err();
-        let (join, errors) = joined(&[files[0].clone(), bytes, files[2].clone()], true, u64::MAX);
-        assert!(in_head == errors.is_empty(), "at {at}: {errors:?}");
-        assert_eq!(in_head, at < sums, "at {at}");
-        assert_eq!(join, rest, "at {at}");
+        for memory in [least, u64::MAX] {
+            let files = [files[0].clone(), bytes.clone(), files[2].clone()];
+            let (join, errors) = joined(&files, true, memory);
+            assert!(in_head == errors.is_empty(), "at {at}: {errors:?}");
+            assert_eq!(in_head, at < sums, "at {at}");
+            assert_eq!(join, rest, "at {at}");
+        }
     }
 }
 

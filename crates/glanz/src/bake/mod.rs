@@ -154,7 +154,7 @@ impl BakeBuilder<'_> {
 
 /// The scene of a bake.
 fn resolved(scene: LoadedScene, job: &mut RunningJob<'_>) -> Result<Scene, Error> {
-    let (scene, warnings) = scene.resolve()?;
+    let (scene, warnings) = scene.resolve_for(&job.options.cancel)?;
     warnings.into_iter().for_each(|warning| job.warn(warning));
     if scene.has_media() {
         job.warn(Warning::MediaLeftOut { what: "the bake".to_owned() });

@@ -35,10 +35,7 @@ pub(super) fn combined(
             if !saved.light.fits(receivers) {
                 return Err(combined_file::senseless(&path));
             }
-            let state = &ResumedState::Paths {
-                done: saved.light.paths() + saved.light.particles(),
-                wanted: options.goal.particles,
-            };
+            let state = &ResumedState::Paths(saved.light.paths() + saved.light.particles());
             job.emit(JobEvent::Resumed { path: &path, state });
             Some(saved)
         }

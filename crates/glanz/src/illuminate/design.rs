@@ -65,7 +65,7 @@ impl Design {
         }
         let observers = scene.description.observers.clone();
         let luminaires = PlacedLuminaire::of_scene(&scene.description);
-        let (scene, warnings) = scene.resolve()?;
+        let (scene, warnings) = scene.resolve_for(&job.options.cancel)?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
         if scene.has_media() {
             job.warn(Warning::MediaLeftOut { what: "the calculation of illuminance".to_owned() });

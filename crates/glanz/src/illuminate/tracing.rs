@@ -40,9 +40,11 @@ pub(super) fn traced(
             }
             // What is resumed as a whole is no part any longer.
             plan = plan.or_else(|| file.plan.map(|plan| TallyPlan { part: None, ..plan }));
+            let (goal, range) = (&options.goal, settings.range());
+            let is_counted = goal.particles.is_some() && goal.time.is_none() && goal.error.is_none();
             let state = &ResumedState::Particles {
                 done: file.tally.particles().total(),
-                wanted: options.goal.particles,
+                wanted: is_counted.then(|| range.end - range.start),
             };
             job.emit(JobEvent::Resumed { path: &path, state });
             file.tally

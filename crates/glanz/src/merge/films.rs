@@ -51,6 +51,8 @@ pub(super) fn join(
         let added = part.add_to(&mut join, options.partial, &mut progress, job);
         let added = added.map_err(|error| match error {
             CheckpointError::Interrupted(interrupted) => Error::Interrupted(interrupted),
+            // A fault of the film of all parts, which leaving out this part would not mend.
+            CheckpointError::Film(error) => JoinError::Whole(error).into(),
             error => FileFault::from(error).of(&path),
         });
         readable(added, options, job)?;
@@ -91,7 +93,7 @@ impl FilmPart {
                     file.seek(SeekFrom::Start(head.before_sums()))?;
                     Ok(file)
                 });
-                Box::new(opened.map_err(|error| CheckpointError::Read(error.kind()))?)
+                Box::new(opened.map_err(CheckpointError::from)?)
             }
         };
         join.add(&head, input, hold, |bytes| progress.advance(bytes, job))

@@ -60,7 +60,7 @@ impl<'a> OptimizeBuilder<'a> {
         scene.check_scene("optimize")?;
         let mut job = job.start();
         job.claim_checkpoint()?;
-        let warnings = scene.clone().resolve()?.1;
+        let warnings = scene.clone().resolve_for(&job.options.cancel)?.1;
         warnings.into_iter().for_each(|warning| job.warn(warning));
         let identity = StateIdentity::new(&scene, &settings);
         let state = match job.resumed() {

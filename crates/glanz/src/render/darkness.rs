@@ -16,9 +16,9 @@ pub enum Darkness {
     NotSampled,
     /// None of 256 rays of the camera meets a surface.
     NothingSeen,
-    /// Surfaces without light surround the camera on all sides.
+    /// Surfaces surround the camera on all sides, and all lights are outside.
     Enclosed,
-    /// Light reaches nothing that the camera sees.
+    /// No path from the camera found light.
     Unlit,
 }
 
@@ -49,8 +49,11 @@ impl Darkness {
         let eye = scene.camera().position();
         // What light passes does not enclose, and a lamp within has another fault.
         let is_wall = |at: &Interaction| at.light().is_none() && !at.is_interface(scene);
-        let is_enclosed = fractions()
-            .all(|xi| hit(&Ray::new(eye, uniform_sphere(xi))).is_some_and(|at| is_wall(&at)))
+        // Lights with an extent may be within, where no path has met them.
+        let points = scene.lights().iter().filter(|light| light.incident(eye).is_some()).count();
+        let has_others = points + scene.infinite_lights().len() < scene.lights().len();
+        let is_enclosed = !has_others
+            && fractions().all(|xi| hit(&Ray::new(eye, uniform_sphere(xi))).is_some_and(|at| is_wall(&at)))
             && !scene.lights().iter().any(|light| is_seen(light, eye, scene));
         Some(if is_enclosed { Self::Enclosed } else { Self::Unlit })
     }
@@ -69,14 +72,14 @@ impl fmt::Display for Darkness {
                 "no path meets lights without extent by chance, and lights are not sampled; sample them, or give them an extent"
             }
             Self::NothingSeen => {
-                "the camera sees no surface; check its position, its direction, and the unit of lengths"
+                "none of 256 rays of the camera meets a surface; check its position, its direction, and the unit of lengths"
             }
             Self::Enclosed => {
                 "the camera is in a closed space that no light enters; it may be inside of a solid"
             }
             Self::Unlit => {
-                "light reaches nothing that the camera sees; check the positions of the lights, their directions, \
-                 and what surrounds them"
+                "no path from the camera found light; more samples may, else check the positions of the lights, \
+                 their directions, and what surrounds them"
             }
         })
     }
@@ -121,5 +124,7 @@ mod tests {
             assert_eq!(of(outside, origin, &back), black(Darkness::Unlit), "{integrator}");
             assert_eq!(of([0.0, 0.5, 0.0], origin, &front), black(Darkness::Enclosed), "{integrator}");
         }
+        let sky = [LightDescription::infinite(1.0)];
+        assert_eq!(warnings([0.0, 0.5, 0.0], origin, &sky, "path"), black(Darkness::Enclosed));
     }
 }

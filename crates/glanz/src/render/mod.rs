@@ -170,7 +170,8 @@ impl<'a> RenderBuilder<'a> {
             (options.denoise && options.part.is_none()).then(glanz_denoise::Denoiser::load).transpose()?;
         let plan = RenderPlan::new(&options, &mut scene, &job.options)?;
         let film = starting_film(&plan, &mut job)?;
-        let (scene, warnings) = scene.resolve()?;
+        scene.reserve(memory_of(&film, plan.film_memory)?);
+        let (scene, warnings) = scene.resolve_for(&job.options.cancel)?;
         warnings.into_iter().for_each(|warning| job.warn(warning));
         let settings = &plan.identity.integrator;
         if scene.has_media() && !settings.sees_media() {
@@ -209,6 +210,13 @@ impl<'a> RenderBuilder<'a> {
         };
         Ok(picture)
     }
+}
+
+/// Memory that the film takes, bytes; `limit`: that which it may take.
+fn memory_of(film: &Film, limit: u64) -> Result<u64, Error> {
+    let needed = film.format().words()?.saturating_mul(8);
+    // Of a film in a file, some rows are in memory at a time.
+    Ok(if film.is_in_file() { needed.min(limit / 4) } else { needed })
 }
 
 /// The film of the checkpoint to resume, or an empty one.
