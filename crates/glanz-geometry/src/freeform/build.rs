@@ -86,7 +86,7 @@ impl Freeform {
         let PatchSummary { hull, is_polynomial } = PatchSummary::new(&patches);
         let size = hull.min.abs().max(hull.max.abs()).max_element();
         let extent = hull.diagonal().length();
-        if extent == 0.0 {
+        if hull.diagonal().max_element() == 0.0 {
             return Err(SurfaceError::Degenerate {
                 reason: "all control points coincide, extent",
                 value: extent,
@@ -95,7 +95,7 @@ impl Freeform {
         let [min, max] = SIZES;
         if !(extent >= min && size <= max) {
             let (parameter, value) =
-                if extent < min { ("the size of the surface", extent) } else { ("a coordinate", size) };
+                if extent < min { ("the size of the surface", extent) } else { ("the largest coordinate", size) };
             return Err(SurfaceError::OutOfRange { parameter, value, min, max });
         }
         let frame = SurfaceFrame::new(&hull, size, degrees);

@@ -191,6 +191,7 @@ fn crossing(f: impl Fn(f64) -> (f64, f64), [from, to]: [f64; 2]) -> f64 {
     }
     let (mut below, mut above) = (from, to);
     let mut x = 0.5 * (below + above);
+    let mut last = (to - from).abs();
     for _ in 0..MOST_STEPS {
         let (y, slope) = f(x);
         if y == 0.0 {
@@ -199,7 +200,10 @@ fn crossing(f: impl Fn(f64) -> (f64, f64), [from, to]: [f64; 2]) -> f64 {
         *(if y < 0.0 { &mut below } else { &mut above }) = x;
         let newton = x - y / slope;
         let inside = newton > below.min(above) && newton < below.max(above);
-        let next = if inside { newton } else { 0.5 * (below + above) };
+        // Steps that do not halve may go on in a circle.
+        let is_shorter = inside && (newton - x).abs() <= 0.5 * last;
+        let next = if is_shorter { newton } else { 0.5 * (below + above) };
+        last = (next - x).abs();
         if (next - x).abs() <= f64::EPSILON {
             return next;
         }
@@ -338,9 +342,10 @@ impl ContactCell {
                 contact: true,
             }
         };
-        // Halving x divides the distance of the cubic by 16.
+        // Halving x divides the distance of the cubic by 16; a curve that is exact to rounding gains nothing by being shorter.
         if curved > rounded {
-            return open;
+            let across_first = if h.largest() > noise { across_first } else { !across_first };
+            return ArcClass::Open { across_first };
         }
         if low >= -CONTACT * limit && high <= CONTACT * limit {
             return ArcClass::Roots([Some(part(0.0, 1.0, 0.5, 1.0)), None]);

@@ -160,8 +160,10 @@ pub(super) fn reduce(
                     return None;
                 }
             }
+            // Interpolated weights may lie below those that bound the rounding.
+            let most = row[..=n].iter().copied().fold(0.0, f64::max);
             for (k, x) in short[..=m].iter().enumerate() {
-                out[line * out_stride + k * out_step] = *x;
+                out[line * out_stride + k * out_step] = if number < 2 { *x } else { most };
             }
         }
     }

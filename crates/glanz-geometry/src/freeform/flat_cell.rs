@@ -65,7 +65,9 @@ impl FlatCell {
         let place = cell.at(arc.at.clamp(DVec2::ZERO, DVec2::ONE));
         let width = (b - a).abs() + 1e-6 * cell.width;
         let uncertainty = (arc.uncertainty * cell.width).min((b - a).abs()) + rounding(patch, space, place);
-        Self { place, middle: 0.5 * (a + b), width, stretch: chord(patch, a, b), uncertainty }
+        // By its middle: a surface that is folded onto itself turns back.
+        let stretch = chord(patch, a, place) + chord(patch, place, b);
+        Self { place, middle: 0.5 * (a + b), width, stretch, uncertainty }
     }
 
     /// The edge of a cell.

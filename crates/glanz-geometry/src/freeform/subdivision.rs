@@ -32,13 +32,13 @@ const MOST_STEPS: usize = 200;
 /// Largest error of coefficients by a lower degree, relative to their noise.
 const MOST_REDUCTION: f64 = 0.125;
 
-/// Factor of the noise of coefficients that are divided by the distance from an edge: its inverse in the middle of the cell. Next to the
-/// edge it is more, but there the edge itself is the root.
-const DEFLATED: f64 = 2.0;
+/// Factor of the noise of coefficients that are divided by the distance from an edge: its inverse in the middle of the cell, for the coefficients and for the
+/// row of the edge that is dropped. Next to the edge it is more, but there the edge itself is the root.
+const DEFLATED: f64 = 4.0;
 
-/// Largest number of cells of a leaf, after which it counts as undecided: several times as many as the hardest leaf needs in a million
-/// rays near tangencies, asymptotes, apexes and curves in the surface.
-const MOST_CELLS: usize = 500;
+/// Largest number of cells of a leaf, after which it counts as undecided: several times as many as the hardest leaves need, near tangencies, asymptotes,
+/// apexes and curves in the surface, and four times as many as maps with a double point over a whole patch.
+const MOST_CELLS: usize = 2000;
 
 /// Distance in the parameters within which tangencies are one root.
 const TANGENT_UNCERTAINTY: f64 = 1.0 / (1 << 18) as f64;
@@ -117,8 +117,9 @@ pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &
         count += 1;
         scratch.examined += 1;
         if count > MOST_CELLS {
+            // The tangencies found so far are roots all the same.
             scratch.undecided += 1;
-            return;
+            break;
         }
         search.examine(cell, scratch);
     }
@@ -260,8 +261,16 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
                         (false, false) => (i, j + 1),
                     };
                     let share = degree as f64 / if upper { degree - k } else { k + 1 } as f64;
-                    // Weights only bound the rounding.
-                    divided.push(list[j * (p + 1) + i] * if number < 2 { share } else { 1.0 });
+                    let value = list[j * (p + 1) + i];
+                    // Weights only bound the rounding, also that of the row on the edge.
+                    let (edge_i, edge_j) = match (upper, across_x) {
+                        (true, true) => (p, j),
+                        (true, false) => (i, q),
+                        (false, true) => (0, j),
+                        (false, false) => (i, 0),
+                    };
+                    let bound = || value.max(list[edge_j * (p + 1) + edge_i]);
+                    divided.push(if number < 2 { value * share } else { bound() });
                 }
             }
         }
@@ -380,7 +389,8 @@ fn is_one_sided(first: &[f64], second: &[f64], noise: f64) -> bool {
         }
     }
     let across = right.normalize_or_zero() + left.normalize_or_zero();
-    let limit = noise * across.length();
+    // The noise bounds each of the coordinates.
+    let limit = 1.5 * noise * across.length();
     limit > 0.0 && first.iter().zip(second).all(|(x, y)| across.x * x + across.y * y > limit)
 }
 
