@@ -102,6 +102,12 @@ fn outputs_are_not_inputs() {
                 "illuminate scene.pbrt --compare two.pbrt --room 9 9 9 --rays 9000000000000 -o . -q",
                 "report.html",
             ),
+            // Also of the second scene, before the first is calculated.
+            #[cfg(unix)]
+            (
+                "illuminate two.pbrt --compare scene.pbrt --room 9 9 9 --rays 9000000000000 -o . -q",
+                "report.html",
+            ),
             ("render scene.pbrt --spp 1 -o a.png --checkpoint scene.pbrt --resume", "scene.pbrt"),
             ("render scene.pbrt --spp 1 --integrator guided -o a.png --guide-out inner.pbrt", "inner.pbrt"),
             ("bake scene.pbrt -o a.glb --checkpoint inner.pbrt --resume", "inner.pbrt"),
