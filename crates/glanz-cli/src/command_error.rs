@@ -40,14 +40,19 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
 
 /// Prints the place at which a limit was reached, with the option that raises it.
 fn note_limit(diagnostics: &Diagnostics, limit: LimitError, messages: Messages) {
-    let value = limit.suggestion();
-    let help = match limit.resource {
-        Resource::Memory => format!("raise it with --memory {value}"),
-        resource => format!("raise it with --limit {}={value}", resource.name()),
-    };
+    let help = limit_help(limit);
     for diagnostic in diagnostics {
         let diagnostic = Diagnostic { help: Some(help.clone()), ..diagnostic.clone() };
         messages.diagnostic(diagnostic.severity, &diagnostic.to_string());
+    }
+}
+
+/// The option that raises a limit.
+pub(crate) fn limit_help(limit: LimitError) -> String {
+    let value = limit.suggestion();
+    match limit.resource {
+        Resource::Memory => format!("raise it with --memory {value}"),
+        resource => format!("raise it with --limit {}={value}", resource.name()),
     }
 }
 

@@ -96,14 +96,8 @@ pub(crate) struct ReadingArguments {
     /// Treat every repair or substitute in the scene as an error
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Largest memory for the scene, such as 2G or 512M [default: three quarters of what is available]; the film of a render
-    /// may take half of the rest, and is in a temporary file beyond
-    #[arg(long, value_name = "SIZE", value_parser = byte_size)]
-    memory: Option<u64>,
-    /// Limit of what reading and preparing the scene may use, such as tokens=2e9 or time=30s; names: memory, bytes, files, depth,
-    /// tokens, objects, pixels, time
-    #[arg(long = "limit", value_name = "NAME=VALUE", value_parser = limit)]
-    limits: Vec<(Resource, String)>,
+    #[command(flatten)]
+    limits: LimitArguments,
 }
 
 impl ReadingArguments {
@@ -113,6 +107,26 @@ impl ReadingArguments {
     }
 
     /// The limits.
+    pub(crate) fn limits(&self) -> ResourceLimits {
+        self.limits.limits()
+    }
+}
+
+/// What reading may cost.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct LimitArguments {
+    /// Largest memory for what is read, such as 2G or 512M [default: three quarters of what is available]; the film of a render
+    /// may take half of the rest, and is in a temporary file beyond
+    #[arg(long, value_name = "SIZE", value_parser = byte_size)]
+    memory: Option<u64>,
+    /// Limit of what reading and preparing the scene may use, such as tokens=2e9 or time=30s; names: memory, bytes, files, depth,
+    /// tokens, objects, pixels, time
+    #[arg(long = "limit", value_name = "NAME=VALUE", value_parser = limit)]
+    limits: Vec<(Resource, String)>,
+}
+
+impl LimitArguments {
+    /// The same for the engine.
     pub(crate) fn limits(&self) -> ResourceLimits {
         let mut limits = ResourceLimits::default();
         limits.memory = self.memory.unwrap_or(limits.memory);

@@ -50,7 +50,8 @@ pub(crate) fn run(
     for (path, number) in paths.iter().zip(0..) {
         let (scene, request) = match (&arguments.plan.luminaire, arguments.room.size()) {
             (Some(luminaire), Some(size)) => {
-                let (room, request) = planned_room(&arguments.plan, size, luminaire, messages)?;
+                let options = arguments.job.reading.options(&cancel);
+                let (room, request) = planned_room(&arguments.plan, size, luminaire, options, messages)?;
                 (room, Some(request))
             }
             _ => (scene_file::open(path, &arguments.job.reading, &cancel, messages)?, None),

@@ -30,7 +30,11 @@ pub(crate) fn run(
     let render = &arguments.render;
     let open = |cancel: &CancelFlag| scene_file::open_cut_model(arguments, cancel, messages);
     match arguments.turntable {
-        Some(count) => turntable::run(open(&interrupt::listen()?)?, render, count, messages),
+        Some(count) => {
+            let scene = open(&interrupt::listen()?)?;
+            let stem = picture_stem(Some(&arguments.model.scene), scene.name()).to_owned();
+            turntable::run(scene, render, count, &stem, messages)
+        }
         None => render_scene(render, Some(&arguments.model.scene), None, messages, open),
     }
 }
@@ -111,8 +115,7 @@ pub(crate) fn render_scene(
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let name = scene.name().to_owned();
     let film_name = scene.description().film.file_name.as_deref();
-    let is_piped = scene_path.is_some_and(scene_file::is_standard_input);
-    let stem = Path::new(if is_piped { "picture" } else { &name });
+    let stem = Path::new(picture_stem(scene_path, &name));
     let default = || default_output.map_or_else(|| default_path(film_name, stem), PathBuf::from);
     // A part is of use in its checkpoint.
     let outputs = match arguments.output.is_empty() && arguments.part.part.is_none() {
@@ -143,6 +146,11 @@ pub(crate) fn render_scene(
     joined(failures)?;
     warnings.extend(picture.warnings().iter().map(ToString::to_string));
     finish(&picture, &name, &outputs, arguments, warnings, messages)
+}
+
+/// The name of a picture of the scene `name` from the file `scene`: the standard input has none.
+fn picture_stem<'a>(scene: Option<&Path>, name: &'a str) -> &'a str {
+    if scene.is_some_and(scene_file::is_standard_input) { "picture" } else { name }
 }
 
 /// The scene file, and those beside the pictures.

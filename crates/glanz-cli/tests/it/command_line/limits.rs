@@ -32,6 +32,10 @@ fn limits_are_named_with_the_option_that_raises_them() {
             "convert 0.pbrt a.obj --limit time=0.05s --limit files=1e9",
             ["the limit of 0.05 s", "--limit time=1s"],
         ),
+        (
+            "info 0.pbrt --files --limit files=300",
+            ["the limit of 300 files is exceeded", "raise it with --limit files=600"],
+        ),
         ("bake 0.pbrt -o a.glb --limit tokens=300", ["the limit of 300 tokens", "--limit tokens=600"]),
         ("optimize 0.pbrt -o a.pbrt --memory 1K", ["1 kB of memory is exceeded", "raise it with --memory"]),
     ] {
