@@ -44,7 +44,7 @@ impl Picture {
     /// Writes the picture to a stream, which is called `name` in errors.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// [`Error::File`]; [`Error::Film`] if the temporary file of a large picture failed.
     pub fn write_to(
         &self,
         stream: &mut dyn io::Write,
@@ -70,8 +70,8 @@ impl Picture {
         refused.map_or(written, |error| Err(Error::of_file(path)(error)))
     }
 
-    /// A temporary file without a name that holds the bytes of the picture, at its beginning; written with some rows in memory at a time. Streams do not
-    /// return to earlier bytes, as the formats need it.
+    /// A temporary file without a name that holds the bytes of the picture, at its beginning; written with some rows in memory at a time. Some formats
+    /// return to earlier bytes, which streams cannot.
     fn spooled(&self, name: &Path, format: Format, tone: &Tone) -> Result<File, Error> {
         let (folder, made) = temporary_file();
         let FilmFormat { crop, aovs, .. } = *self.film().format();
@@ -191,7 +191,7 @@ mod tests {
                 std::fs::read(&path).unwrap()
             };
             assert!(saved(&whole) == saved(&rows), "{name}");
-            let mut streamed = Vec::new();
+            let mut streamed: Vec<u8> = Vec::new();
             let format = picture_format(&path).unwrap();
             rows.write_to(&mut streamed, Path::new("stream"), format, &Tone::default()).unwrap();
             assert!(streamed == saved(&whole), "{name}");
