@@ -67,6 +67,8 @@ pub(crate) fn merge_checkpoints(
     let failed = |error| py_error(py, error, &LineOrigins::default());
     let mut files = FileUses::default();
     files.add_inputs(&paths).and_then(|()| files.add_output(&checkpoint)).map_err(failed)?;
+    // A running job would replace it by its own state.
+    let _claim = glanz::file::claim_checkpoint(&checkpoint).map_err(failed)?;
     let outcome = joined(py, &paths, MergeOptions { partial, ..MergeOptions::default() }, threads, progress)?;
     py.detach(|| outcome.save_checkpoint(&checkpoint)).map_err(failed)
 }

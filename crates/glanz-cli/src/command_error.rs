@@ -40,14 +40,19 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
 
 /// Prints the place at which a limit was reached, with the option that raises it.
 fn note_limit(diagnostics: &Diagnostics, limit: LimitError, messages: Messages) {
-    let value = limit.suggestion();
-    let help = match limit.resource {
-        Resource::Memory => format!("raise it with --memory {value}"),
-        resource => format!("raise it with --limit {}={value}", resource.name()),
-    };
+    let help = limit_help(limit);
     for diagnostic in diagnostics {
         let diagnostic = Diagnostic { help: Some(help.clone()), ..diagnostic.clone() };
         messages.diagnostic(diagnostic.severity, &diagnostic.to_string());
+    }
+}
+
+/// The option that raises a limit.
+pub(crate) fn limit_help(limit: LimitError) -> String {
+    let value = limit.suggestion();
+    match limit.resource {
+        Resource::Memory => format!("raise it with --memory {value}"),
+        resource => format!("raise it with --limit {}={value}", resource.name()),
     }
 }
 
@@ -75,6 +80,7 @@ fn advice(error: &Error) -> Option<String> {
         Error::SampleOrder { next, .. } => {
             return Some(format!("begin at {next}, or use a learnt guide with --guide-in"));
         }
+        Error::Film(FilmError::Limit { needed, .. }) => return Some(memory_advice(*needed)),
         Error::Film(FilmError::Size(..) | FilmError::Memory(_)) => "choose a smaller picture with --size",
         Error::Guide(_) => "choose a smaller grid or scale with --guide",
         Error::OrderedParts => ORDERED_HELP,
@@ -83,7 +89,13 @@ fn advice(error: &Error) -> Option<String> {
         Error::NoFarField => "leave out --far-field, or choose another --method",
         Error::RayGoal => "add --rays N, and leave out --time, --error, --part and --method",
         Error::DirectRating => "leave out --method",
-        Error::Join(error) => return join_advice(error).map(str::to_owned),
+        Error::Join(error) => match &**error {
+            JoinError::Whole(FilmError::Limit { needed, .. }) => {
+                let limit = mebibytes(needed.saturating_mul(2));
+                return Some(format!("raise it with --memory {limit} (half of it is for the film)"));
+            }
+            error => return join_advice(error).map(str::to_owned),
+        },
         Error::Denoise(DenoiseError::NotFound { .. }) => {
             "install it (https://www.openimagedenoise.org, or the Python package pyoidn), and set OIDN_DIR to the folder that contains its folder lib (of pyoidn: site-packages/pyoidn/oidn)"
         }
@@ -97,6 +109,16 @@ fn advice(error: &Error) -> Option<String> {
         _ => return None,
     };
     Some(text.to_owned())
+}
+
+/// Advice on a film that needs a limit of `memory` bytes.
+pub(crate) fn memory_advice(memory: u64) -> String {
+    format!("raise it with --memory {}, or choose a smaller picture with --size", mebibytes(memory))
+}
+
+/// Bytes, rounded up, as `--memory` reads them.
+fn mebibytes(bytes: u64) -> String {
+    format!("{}M", bytes.div_ceil(1 << 20))
 }
 
 fn optimize_advice(error: &OptimizeError) -> Option<&'static str> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glanz::formats::{ContentKind, ForeignRemedy, OwnFile, SceneFormat};
+use glanz::formats::{ContentKind, ForeignRemedy, ModelFormat, OwnFile, SceneFormat};
 use glanz_terminal::messages::CommandError;
 
 /// The error about a file that cannot be read as what it should be, with the command that takes it if its content is known.
@@ -33,6 +33,11 @@ pub(crate) fn named(
         }
         None => error,
     }
+}
+
+/// Whether the kind is a guess: any text that begins with a digit may be a list of patches.
+pub(crate) fn is_guess(kind: &ContentKind) -> bool {
+    *kind == ContentKind::Scene(SceneFormat::Model(ModelFormat::Newell))
 }
 
 /// What takes a file of a kind.
@@ -66,7 +71,7 @@ fn help(kind: ContentKind, file: &str) -> String {
         ContentKind::Own(OwnFile::Light) => format!("show it with glanz view SCENE --light {file}"),
         ContentKind::Own(OwnFile::Guide) => format!("use it with glanz render SCENE --guide-in {file}"),
         ContentKind::Own(OwnFile::Design) => {
-            format!("continue with glanz optimize SCENE -o SCENE --checkpoint {file} --resume")
+            format!("continue with glanz optimize SCENE -o BETTER.pbrt --checkpoint {file} --resume")
         }
         ContentKind::Foreign(foreign) => match foreign.remedy {
             ForeignRemedy::ExportCad => "export it as STEP (.step) from the program that wrote it".to_owned(),
@@ -81,5 +86,4 @@ fn help(kind: ContentKind, file: &str) -> String {
     }
 }
 
-const OTHER_HELP: &str =
-    "scenes are .pbrt; models .step, .igs, .glb, .gltf, .obj, .stl, .ply or .rib; luminaires .ies or .ldt";
+const OTHER_HELP: &str = "scenes are .pbrt; models .step, .igs, .glb, .gltf, .obj, .stl, .ply or .rib; luminaires .ies or .ldt; pictures .exr, .png or .hdr";

@@ -96,16 +96,11 @@ impl Outputs {
     /// What went wrong, one line per file that is not written.
     pub(crate) fn write(&self, picture: &Picture, messages: Messages) -> Result<(), CommandError> {
         let saved = self.files.iter().map(|(path, _)| picture.save_with(path, &self.tone));
-        let failures: Vec<CommandError> =
+        let mut failures: Vec<CommandError> =
             saved.filter_map(Result::err).map(command_error(messages)).collect();
         let streamed = self.stream.map_or(Ok(()), |format| self.write_stream(picture, format, messages));
-        let sentences: Vec<&str> = failures.iter().map(|failure| failure.message.as_str()).collect();
-        match failures.first() {
-            None => streamed,
-            Some(first) => {
-                Err(CommandError { help: first.help.clone(), ..CommandError::new(sentences.join("\n")) })
-            }
-        }
+        failures.extend(streamed.err());
+        joined(failures)
     }
 
     fn write_stream(
@@ -118,6 +113,21 @@ impl Outputs {
         match picture.write_to(&mut stream, name, format, &self.tone) {
             Err(Error::File { fault: FileFault::Io(error), .. }) => Err(unwritten(&error)),
             written => written.map_err(command_error(messages)),
+        }
+    }
+}
+
+/// The failures as one, with a line for each. A reader that has gone is no failure beside another.
+///
+/// # Errors
+/// Unless there is none.
+pub(crate) fn joined(failures: Vec<CommandError>) -> Result<(), CommandError> {
+    let (closed, others): (Vec<_>, Vec<_>) = failures.into_iter().partition(|failure| failure.is_closed_pipe);
+    let sentences: Vec<&str> = others.iter().map(|failure| failure.message.as_str()).collect();
+    match others.first() {
+        None => closed.into_iter().next().map_or(Ok(()), Err),
+        Some(first) => {
+            Err(CommandError { help: first.help.clone(), ..CommandError::new(sentences.join("\n")) })
         }
     }
 }
@@ -183,6 +193,20 @@ mod tests {
         assert_eq!(outputs(&["a.jpg"]), Err(true));
         assert_eq!(outputs(&["a.exr", "a.exr"]), Err(true));
         assert_eq!(outputs(&["no such folder/a.exr"]), Err(false));
+    }
+
+    #[test]
+    fn closed_pipes_hide_no_other_failure() {
+        let closed = || CommandError { is_closed_pipe: true, ..CommandError::new("closed") };
+        let full = || CommandError::new("a.exr: full").with_help("free some space");
+        assert!(joined(Vec::new()).is_ok());
+        assert!(joined(vec![closed()]).is_err_and(|failure| failure.is_closed_pipe));
+        let both = joined(vec![closed(), full(), CommandError::new("b")]).unwrap_err();
+        assert_eq!(
+            (both.message.as_str(), both.help.as_deref()),
+            ("a.exr: full\nb", Some("free some space"))
+        );
+        assert!(!both.is_closed_pipe);
     }
 
     #[test]

@@ -2,9 +2,11 @@
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
-use glanz::formats::{ContentKind, Options};
-use glanz::job::{CancelFlag, IoFault};
+use glanz::formats::{ContentKind, Diagnostic, Diagnostics, Options, Severity};
+use glanz::job::{BudgetError, CancelFlag, IoFault, LimitError, Resource};
 use glanz::scene::studio::StudioSettings;
 use glanz::{Error, LoadedScene};
 use glanz_terminal::messages::{CommandError, Messages};
@@ -16,6 +18,12 @@ use crate::notes::note_diagnostics;
 
 /// The name for a scene from the standard input.
 const STANDARD_INPUT: &str = "-";
+
+/// Its name in messages.
+const INPUT_NAME: &str = "standard input";
+
+/// Time between two tests of the flag that ends reading.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Whether the scene comes from the standard input.
 pub(crate) fn is_standard_input(scene: &Path) -> bool {
@@ -32,11 +40,57 @@ fn load(path: &Path, options: Options, messages: Messages) -> Result<LoadedScene
     if !is_standard_input(path) {
         return print_diagnostics(glanz::open_with(path, &options), messages);
     }
-    let mut bytes = Vec::new();
-    let read = std::io::stdin().lock().read_to_end(&mut bytes);
-    read.map_err(|error| CommandError::new(format!("standard input: {}", IoFault::sentence(&error))))?;
+    let bytes = read_standard_input(&options, messages)?;
     let options = Options { folder: Some(PathBuf::from(".")), ..options };
-    print_diagnostics(glanz::open_bytes("standard input", bytes, &options), messages)
+    print_diagnostics(glanz::open_bytes(INPUT_NAME, bytes, &options), messages)
+}
+
+/// The bytes of the standard input, at most as many as the limits of files and of memory allow.
+fn read_standard_input(options: &Options, messages: Messages) -> Result<Vec<u8>, CommandError> {
+    let failed =
+        |error: &std::io::Error| CommandError::new(format!("{INPUT_NAME}: {}", IoFault::sentence(error)));
+    let resource =
+        if options.limits.bytes < options.limits.memory { Resource::Bytes } else { Resource::Memory };
+    let limit = options.limits.get(resource);
+    let (sender, receiver) = mpsc::channel();
+    // Waiting for input cannot be interrupted: this thread then ends with the process.
+    let reading = std::thread::Builder::new().spawn(move || {
+        let mut bytes = Vec::new();
+        let read = std::io::stdin().lock().take(limit.saturating_add(1)).read_to_end(&mut bytes);
+        // The receiver is gone if the flag was raised.
+        let _ = sender.send(read.map(|_| bytes));
+    });
+    reading.map_err(|error| failed(&error))?;
+    let bytes = loop {
+        match receiver.recv_timeout(POLL_INTERVAL) {
+            Ok(read) => break read.map_err(|error| failed(&error))?,
+            Err(RecvTimeoutError::Timeout) if !options.cancel.is_cancelled() => {}
+            Err(RecvTimeoutError::Timeout) => {
+                return Err(CommandError::interrupted("interrupted; nothing was written"));
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(CommandError::new(format!("{INPUT_NAME}: it cannot be read")));
+            }
+        }
+    };
+    if bytes.len() as u64 > limit {
+        return Err(command_error(messages)(too_long(LimitError { resource, limit, needed: None })));
+    }
+    Ok(bytes)
+}
+
+/// The error of an input beyond a limit.
+fn too_long(limit: LimitError) -> Error {
+    let diagnostic = Diagnostic {
+        severity: Severity::Error,
+        kind: "limit",
+        file: INPUT_NAME.to_owned(),
+        location: None,
+        message: limit.to_string(),
+        excerpt: None,
+        help: None,
+    };
+    Error::Scene(Diagnostics::of_end(diagnostic, BudgetError::Limit(limit)))
 }
 
 /// Reads a scene file, or the standard input for `-`, and prints its warnings; `cancel` ends it.

@@ -24,10 +24,10 @@ With --method radiosity, light passes clear glass; direct light comes from all l
 shadow rays, and light between surfaces is interpolated from elements as large as the solver
 allows.
 
-Ctrl-C and SIGTERM end the command with exit status 130 and write only the checkpoint, if one is
-named; --resume continues from it to the same bits. A second Ctrl-C ends the program at once. The
-finished checkpoint holds all light, for further models of the same scene and for
-`glanz render --light-in`.
+Ctrl-C, SIGTERM and SIGHUP end the command with exit status 130, 143 and 129 and write only the
+checkpoint, if one is named; --resume continues from it to the same bits. A second one ends the
+program at once. The finished checkpoint holds all light, for further models of the same scene and
+for `glanz render --light-in`.
 
 Examples:
   glanz bake room.pbrt -o room.glb

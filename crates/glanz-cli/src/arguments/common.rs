@@ -96,7 +96,27 @@ pub(crate) struct ReadingArguments {
     /// Treat every repair or substitute in the scene as an error
     #[arg(long)]
     pub(crate) strict: bool,
-    /// Largest memory for the scene, such as 2G or 512M [default: three quarters of what is available]
+    #[command(flatten)]
+    limits: LimitArguments,
+}
+
+impl ReadingArguments {
+    /// Options for reading a scene, which ends when the flag is raised.
+    pub(crate) fn options(&self, cancel: &CancelFlag) -> Options {
+        Options { strict: self.strict, limits: self.limits(), cancel: cancel.clone(), ..Options::default() }
+    }
+
+    /// The limits.
+    pub(crate) fn limits(&self) -> ResourceLimits {
+        self.limits.limits()
+    }
+}
+
+/// What reading may cost.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct LimitArguments {
+    /// Largest memory for what is read, such as 2G or 512M [default: three quarters of what is available]; the film of a render
+    /// may take half of the rest, and is in a temporary file beyond
     #[arg(long, value_name = "SIZE", value_parser = byte_size)]
     memory: Option<u64>,
     /// Limit of what reading and preparing the scene may use, such as tokens=2e9 or time=30s; names: memory, bytes, files, depth,
@@ -105,16 +125,16 @@ pub(crate) struct ReadingArguments {
     limits: Vec<(Resource, String)>,
 }
 
-impl ReadingArguments {
-    /// Options for reading a scene, which ends when the flag is raised.
-    pub(crate) fn options(&self, cancel: &CancelFlag) -> Options {
+impl LimitArguments {
+    /// The same for the engine.
+    pub(crate) fn limits(&self) -> ResourceLimits {
         let mut limits = ResourceLimits::default();
         limits.memory = self.memory.unwrap_or(limits.memory);
         for (resource, value) in &self.limits {
             // The values have been tried when the command line was parsed.
             let _ = limits.set(*resource, value);
         }
-        Options { strict: self.strict, limits, cancel: cancel.clone(), ..Options::default() }
+        limits
     }
 }
 

@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 use glanz_terminal::values::bound;
 
+use super::common::LimitArguments;
+
 const COMPARE_HELP: &str = "\
 The second picture is the reference. The measures are
   rmse          root of the mean squared difference
@@ -31,6 +33,8 @@ pub(crate) struct CompareArguments {
     /// The measure that --fail-above tests
     #[arg(long, value_name = "NAME", value_enum, default_value_t = Metric::Rmse)]
     pub(crate) metric: Metric,
+    #[command(flatten)]
+    pub(crate) limits: LimitArguments,
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,

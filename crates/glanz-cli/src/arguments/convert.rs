@@ -20,8 +20,8 @@ Triangles are as close to the surfaces as --tolerance and --angle demand. An edg
 share is divided once, so that they leave no gap; the last line tells how many solids are
 watertight. Lights, camera and textures are not converted. Lengths are metres.
 
-Ctrl-C and SIGTERM end the command with exit status 130 and write nothing. A second Ctrl-C ends
-the program at once.
+Ctrl-C, SIGTERM and SIGHUP end the command with exit status 130, 143 and 129 and write nothing. A
+second one ends the program at once.
 
 Examples:
   glanz convert part.step part.glb

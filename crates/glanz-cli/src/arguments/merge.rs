@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueHint};
+use glanz::job::byte_size;
 use glanz_terminal::Verbosity;
 
 use super::common::{ThreadArguments, ToneArguments};
@@ -32,6 +33,10 @@ pub(crate) struct MergeArguments {
     /// Join what is there: parts that are missing or damaged are left out, with a warning
     #[arg(long)]
     pub(crate) partial: bool,
+    /// Largest memory, half of it for the film of a picture, such as 2G or 512M [default: three quarters of what is available];
+    /// a larger film is in a temporary file
+    #[arg(long, value_name = "SIZE", value_parser = byte_size)]
+    pub(crate) memory: Option<u64>,
     #[command(flatten)]
     pub(crate) threads: ThreadArguments,
     #[command(flatten)]

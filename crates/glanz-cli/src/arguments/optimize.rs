@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum, ValueHint};
 use glanz::illumination::optimize::{GradientMethod, OptimizeSettings};
 
-use super::common::{JobArguments, SceneArgument};
+use super::common::JobArguments;
 
 const HELP: &str = "\
 The scene names what may change (\"string free\") and what is wanted (\"string target\"), see
@@ -23,8 +23,9 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = HELP)]
 pub(crate) struct OptimizeArguments {
-    #[command(flatten)]
-    pub(crate) scene: SceneArgument,
+    /// Scene file in pbrt's language (v3 or v4)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
     /// Scene file for the result: .pbrt
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) output: PathBuf,

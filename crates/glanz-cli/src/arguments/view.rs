@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use glanz::viewer::server::DEFAULT_PORT;
 use glanz::viewer::stream::IntegratorName;
 
-use super::common::{ModelArgument, ReadingArguments, RoomArgument, ThreadArguments};
+use super::common::{ReadingArguments, RoomArgument, StudioArguments, ThreadArguments};
 
 const VIEW_HELP: &str = "\
 The page draws the surfaces themselves, not facets of them; when the camera rests, it shows the
@@ -70,8 +70,12 @@ pub(crate) struct ViewArguments {
     /// Print errors only
     #[arg(short, long)]
     pub(crate) quiet: bool,
+    /// Scene file in pbrt's language (v3 or v4), or model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scene: PathBuf,
+    // Last: its heading would be that of all options after it.
     #[command(flatten)]
-    pub(crate) model: ModelArgument,
+    pub(crate) studio: StudioArguments,
 }
 
 /// The integrators that a page can choose from.

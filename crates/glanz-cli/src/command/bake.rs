@@ -17,8 +17,8 @@ use crate::job::run_job;
 use crate::report::{self, duration, plural};
 use crate::scene_file;
 
-/// More pages than fit into memory.
-const MAX_PAGES: usize = 256;
+/// More pages than the largest bake has: its 2^24 texels are 9 times as many with the margins of the smallest charts, which fill 2.25 pages of 8192 x 8192.
+const MAX_PAGES: usize = 16;
 
 /// The output of `--json`.
 #[derive(Serialize)]
@@ -181,11 +181,11 @@ fn files(arguments: &BakeArguments) -> Result<FileUses, Error> {
     Ok(files)
 }
 
-/// Refuses inputs that a page of light might replace; the number of pages is known after the bake only.
+/// Refuses inputs and outputs that a page of light might replace; the number of pages is known after the bake only.
 fn check_pages(arguments: &BakeArguments, uses: &FileUses) -> Result<(), Error> {
     let Some(output) = &arguments.output else { return Ok(()) };
-    let irradiance = arguments.model().irradiance;
-    (1..MAX_PAGES).try_for_each(|number| uses.check_not_input(&page_path(output, number, irradiance)))
+    let (irradiance, mut uses) = (arguments.model().irradiance, uses.clone());
+    (1..MAX_PAGES).try_for_each(|number| uses.add_result(&page_path(output, number, irradiance)))
 }
 
 fn report_of(

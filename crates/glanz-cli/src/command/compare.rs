@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use glanz::formats::ContentKind;
-use glanz::formats::image::{self, Encoding, Format, Image};
+use glanz::formats::image::{self, Encoding, Format, Image, ImageError};
+use glanz::job::{BudgetError, CancelFlag, Resource, ResourceBudget};
 use glanz::light::compare::{PictureComparison, RELATIVE_EPSILON, compare};
 use glanz::light::flip;
 use glanz_terminal::CommandOutcome;
@@ -12,7 +13,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::{CompareArguments, Metric};
-use crate::command_error::command_error;
+use crate::command_error::{command_error, limit_help};
 use crate::file_help::named;
 use crate::report::{self, plural};
 
@@ -44,7 +45,10 @@ struct CompareReport {
 /// # Errors
 /// Pictures that cannot be read or compared.
 pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let (picture, reference) = (read(&arguments.picture, messages)?, read(&arguments.reference, messages)?);
+    // Of both pictures together; without a flag, so that the first Ctrl-C ends the command.
+    let budget = ResourceBudget::new(arguments.limits.limits(), CancelFlag::default());
+    let picture = read(&arguments.picture, &budget, messages)?;
+    let reference = read(&arguments.reference, &budget, messages)?;
     let names = (arguments.picture.display().to_string(), arguments.reference.display().to_string());
     let failed = |error: &dyn std::fmt::Display| {
         CommandError::new(format!("{} cannot be compared with {}: {error}", names.0, names.1))
@@ -87,11 +91,24 @@ pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<Co
     Ok(if passed { CommandOutcome::Done } else { CommandOutcome::Refused })
 }
 
-fn read(path: &Path, messages: Messages) -> Result<Image, CommandError> {
+fn read(path: &Path, budget: &ResourceBudget, messages: Messages) -> Result<Image, CommandError> {
+    let failed = |error: &dyn std::fmt::Display| CommandError::new(format!("{}: {error}", path.display()));
+    let with_limit = |failure: CommandError, end: BudgetError| match end {
+        BudgetError::Limit(limit) => failure.with_help(limit_help(limit)),
+        BudgetError::Interrupted => failure,
+    };
+    let length = std::fs::metadata(path).map_or(0, |found| found.len());
+    let reserved = budget
+        .spend(Resource::Files, 1)
+        .and_then(|()| budget.spend(Resource::Bytes, length))
+        .and_then(|()| budget.reserve(length));
+    // Until the bytes are decoded.
+    let _reserved = reserved.map_err(|end| with_limit(failed(&end), end))?;
     let bytes = glanz::file::read(path).map_err(command_error(messages))?;
-    image::read(&bytes, Some(path), Encoding::Srgb)
-        .map_err(|error| CommandError::new(format!("{}: {error}", path.display())))
-        .map_err(|error| named(error, path, |kind| matches!(kind, ContentKind::Picture(_))))
+    image::read_with(&bytes, Some(path), Encoding::Srgb, budget).map_err(|error| match error {
+        ImageError::Budget { end, .. } => with_limit(failed(&error), end),
+        _ => named(failed(&error), path, |kind| matches!(kind, ContentKind::Picture(_))),
+    })
 }
 
 fn measure(metric: Metric, comparison: &PictureComparison, flip: f64) -> f64 {

@@ -53,18 +53,21 @@ pub(crate) fn run(arguments: &ConvertArguments, messages: Messages) -> Result<Co
     let scene = scene_file::open(&arguments.scene, &arguments.reading, &cancel, messages)?;
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let mut warnings: Vec<String> = scene.diagnostics().iter().map(|d| d.sentence()).collect();
+    let interrupted = || {
+        messages.note("interrupted; nothing was written");
+        Ok(CommandOutcome::Interrupted)
+    };
     if exact {
         if arguments.has_mesh_settings() {
             let text = "--tolerance and --angle have no effect: a .pbrt file has no triangles, but the exact surfaces";
             messages.warning(text);
             warnings.push(text.to_owned());
         }
+        if cancel.is_cancelled() {
+            return interrupted();
+        }
         return write_exact(arguments, &scene, (start, warnings), messages);
     }
-    let interrupted = || {
-        messages.note("interrupted; nothing was written");
-        Ok(CommandOutcome::Interrupted)
-    };
     let Some((outcome, resolved)) = triangles(arguments, &scene, cancel.clone(), messages)? else {
         return interrupted();
     };

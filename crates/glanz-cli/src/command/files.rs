@@ -5,9 +5,9 @@ use std::path::{Component, Path, PathBuf};
 
 use glanz::Error;
 use glanz::formats::photometry;
-use glanz::formats::{Diagnostics, FileKind, Options, SceneFile, SceneFileList, Severity};
-use glanz_terminal::CommandOutcome;
+use glanz::formats::{Diagnostics, FileKind, SceneFile, SceneFileList, Severity};
 use glanz_terminal::messages::{CommandError, Messages};
+use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
 
 use crate::arguments::InfoArguments;
@@ -40,7 +40,11 @@ impl FileEntry {
 /// # Errors
 /// A scene file that cannot be read, or a closed stream.
 pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let SceneFileList { mut files, diagnostics } = list(&arguments.scene, messages)?;
+    let SceneFileList { mut files, diagnostics } = list(arguments, messages)?;
+    // What follows a limit is not in the list.
+    if diagnostics.end().is_some() {
+        return Err(command_error(messages)(Error::Scene(diagnostics)));
+    }
     let mut known = BTreeSet::new();
     files.retain(|file| known.insert(tidy(&file.path)));
     // A line that names another file would send the wrong ones.
@@ -70,13 +74,13 @@ pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
     Ok(if is_complete { CommandOutcome::Done } else { CommandOutcome::Refused })
 }
 
-fn list(path: &Path, messages: Messages) -> Result<SceneFileList, CommandError> {
-    if luminaire::is_named(path) {
+fn list(arguments: &InfoArguments, messages: Messages) -> Result<SceneFileList, CommandError> {
+    let path = &arguments.scene;
+    if luminaire::is_photometric(path) {
         return of_luminaire(path).map_err(command_error(messages));
     }
-    glanz::formats::list_files(path, &Options::default())
-        .map_err(Error::Scene)
-        .map_err(command_error(messages))
+    let options = arguments.reading.options(&interrupt::listen()?);
+    glanz::formats::list_files(path, &options).map_err(Error::Scene).map_err(command_error(messages))
 }
 
 /// A photometric file, and the file of its tilt data if it names one.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glanz::file::FileUses;
+use glanz::formats::Options;
 use glanz::illumination::report::{LuxComparison, LuxReport};
 use glanz::job::{CancelFlag, JobEnd};
 use glanz::{Error, IlluminateOutcome};
@@ -41,11 +42,16 @@ pub(crate) fn run(
     let mut paths: Vec<&Path> = Vec::new();
     paths.extend(arguments.scene.as_deref().or(arguments.plan.luminaire.as_deref()));
     paths.extend(arguments.compare.as_deref());
+    if arguments.compare.is_some() {
+        let options = arguments.job.reading.options(&cancel);
+        add_named_files(&paths, &options, &mut files).map_err(command_error(messages))?;
+    }
     let (mut names, mut outcomes, mut warnings) = (Vec::new(), Vec::new(), Vec::new());
     for (path, number) in paths.iter().zip(0..) {
         let (scene, request) = match (&arguments.plan.luminaire, arguments.room.size()) {
             (Some(luminaire), Some(size)) => {
-                let (room, request) = planned_room(&arguments.plan, size, luminaire, messages)?;
+                let options = arguments.job.reading.options(&cancel);
+                let (room, request) = planned_room(&arguments.plan, size, luminaire, options, messages)?;
                 (room, Some(request))
             }
             _ => (scene_file::open(path, &arguments.job.reading, &cancel, messages)?, None),
@@ -86,10 +92,11 @@ pub(crate) fn run(
     };
     warnings.extend(outcomes.iter().flat_map(|outcome| &outcome.warnings).map(ToString::to_string));
     let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
+    let mut printed = Ok(());
     match (written.as_slice(), &arguments.job.checkpoint.checkpoint) {
         ([_, ..], _) => {
             if !messages.is_quiet() && !arguments.job.verbosity.json {
-                print_summary(&outcomes)?;
+                printed = print_summary(&outcomes);
             }
             messages.note(&format!("wrote {}", listed(&written)));
         }
@@ -105,17 +112,19 @@ pub(crate) fn run(
         CommandError { message, ..failure }
     });
     if arguments.job.verbosity.json {
-        report::print(&IlluminateReport {
+        printed = report::print(&IlluminateReport {
             scenes: paths.iter().map(|path| path.display().to_string()).collect(),
             outputs: written,
             checkpoint: arguments.job.checkpoint.checkpoint.as_ref().map(|path| path.display().to_string()),
             designs: outcomes.iter().map(|outcome| &outcome.report).collect(),
             peak_memory_bytes: report::peak_memory_bytes(),
             warnings,
-        })?;
+        });
     }
+    let ray_file = ray_file?;
+    printed?;
     let is_interrupted =
-        outcomes.iter().map(|outcome| outcome.end).chain([ray_file?]).any(|end| end == JobEnd::Interrupted);
+        outcomes.iter().map(|outcome| outcome.end).chain([ray_file]).any(|end| end == JobEnd::Interrupted);
     Ok(if is_interrupted { CommandOutcome::Interrupted } else { CommandOutcome::Done })
 }
 
@@ -136,6 +145,16 @@ fn files(arguments: &IlluminateArguments) -> Result<FileUses, Error> {
     }
     arguments.job.checkpoint.add_to(&mut files)?;
     Ok(files)
+}
+
+/// Adds the files that the scenes of a comparison name, before the first of them is calculated: results of one may be inputs of the other. Faults of a scene
+/// are reported when it is read.
+fn add_named_files(paths: &[&Path], options: &Options, files: &mut FileUses) -> Result<(), Error> {
+    for path in paths.iter().filter(|path| !scene_file::is_standard_input(path)) {
+        let Ok(list) = glanz::formats::list_files(path, options) else { continue };
+        files.add_inputs(list.files.iter().filter(|file| file.exists).map(|file| &file.path))?;
+    }
+    Ok(())
 }
 
 /// The folder for the results of the scene of this number, if they are written. It is created.

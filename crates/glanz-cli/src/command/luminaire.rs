@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use crate::arguments::InfoArguments;
 use crate::command_error::command_error;
-use crate::file_help::named;
+use crate::file_help::{is_guess, named};
 use crate::report;
 
 /// Step of the angles at which the brightest direction of a plane is searched, degrees.
@@ -52,10 +52,16 @@ struct LuminaireReport {
     warnings: Vec<String>,
 }
 
-/// Whether the file has the extension of a photometric file.
-pub(crate) fn is_named(path: &Path) -> bool {
+/// Whether it is a photometric file by its extension or its content.
+pub(crate) fn is_photometric(path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default();
     ["ies", "ldt"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+        || ContentKind::of_file(path).is_some_and(|kind| is_luminaire(&kind))
+}
+
+/// Whether a file has the candela distribution of a luminaire.
+fn is_luminaire(kind: &ContentKind) -> bool {
+    matches!(kind, ContentKind::Luminaire(format) if *format != "TM-25")
 }
 
 /// Reads a photometric file and prints its warnings, which are returned, too.
@@ -65,9 +71,9 @@ pub(crate) fn is_named(path: &Path) -> bool {
 pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<String>), CommandError> {
     let bytes = glanz::file::read(path).map_err(command_error(messages))?;
     let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
-    let file = photometry::read(&bytes).map_err(|fault| CommandError::new(at(&fault))).map_err(|error| {
-        named(error, path, |kind| matches!(kind, ContentKind::Luminaire(format) if *format != "TM-25"))
-    })?;
+    let file = photometry::read(&bytes)
+        .map_err(|fault| CommandError::new(at(&fault)))
+        .map_err(|error| named(error, path, |kind| is_luminaire(kind) || is_guess(kind)))?;
     let warnings: Vec<String> = file.warnings.iter().map(at).collect();
     warnings.iter().for_each(|warning| messages.warning(warning));
     Ok((file.photometry, warnings))

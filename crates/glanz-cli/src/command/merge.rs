@@ -103,7 +103,7 @@ pub(crate) fn run(arguments: &MergeArguments, messages: Messages) -> Result<Comm
     let options = MergeOptions {
         partial: arguments.partial,
         picture: !arguments.output.is_empty(),
-        ..MergeOptions::default()
+        film_memory: arguments.memory.map(|memory| memory / 2),
     };
     let merged = glanz::merge(&arguments.parts, options, job);
     progress.finish();

@@ -40,7 +40,7 @@ struct OptimizeReport<'a> {
 pub(crate) fn run(arguments: &OptimizeArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let cancel = interrupt::listen()?;
     let mut files = glanz::file::FileUses::default();
-    let (path, output) = (&arguments.scene.scene, &arguments.output);
+    let (path, output) = (&arguments.scene, &arguments.output);
     if scene_file::is_standard_input(path) {
         return Err(CommandError::usage(
             "optimize changes the numbers of a scene file, not of the standard input",
@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &OptimizeArguments, messages: Messages) -> Result<C
 /// Refuses an output that cannot be written or is no scene file.
 fn check_output(arguments: &OptimizeArguments, files: &mut glanz::file::FileUses) -> Result<(), Error> {
     let output = &arguments.output;
-    files.add_input(&arguments.scene.scene)?;
+    files.add_input(&arguments.scene)?;
     if !glanz::is_exact_path(output)? {
         return Err(Error::File { path: output.clone(), fault: FileFault::Extension("scene files") });
     }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use glanz::LoadedScene;
+use glanz::formats::Options;
 use glanz::illumination::planning::{PlanningRequest, RoomPlan};
 use glanz::math::DVec3;
 use glanz_terminal::messages::{CommandError, Messages};
@@ -10,7 +11,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 use crate::arguments::PlanArguments;
 use crate::command::luminaire;
 
-/// The room as a scene, and what is to be rated in it.
+/// The room as a scene, with the limits and the flag of `options`, and what is to be rated in it.
 ///
 /// # Errors
 /// A photometric file or a length that is refused.
@@ -18,6 +19,7 @@ pub(crate) fn planned_room(
     arguments: &PlanArguments,
     size: DVec3,
     file: &Path,
+    options: Options,
     messages: Messages,
 ) -> Result<(LoadedScene, PlanningRequest), CommandError> {
     let plan = RoomPlan {
@@ -36,5 +38,6 @@ pub(crate) fn planned_room(
     if arguments.emergency {
         request.open_area = plan.open_area().map_err(|error| CommandError::usage(error.to_string()))?;
     }
-    Ok((LoadedScene::from_description("room", description), request))
+    let room = LoadedScene::from_description("room", description).limits(options.limits, options.cancel);
+    Ok((room, request))
 }

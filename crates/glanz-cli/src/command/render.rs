@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glanz::file::FileUses;
 use glanz::job::{CancelFlag, JobEnd};
-use glanz::transport::{AovSet, Film, GuideSize, NoiseLevel};
+use glanz::transport::{AovSet, Film, FilmError, GuideSize, NoiseLevel};
 use glanz::{Error, LoadedScene, Picture};
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::interrupt;
@@ -13,9 +13,9 @@ use serde::Serialize;
 
 use crate::arguments::{RenderArguments, RenderCommandArguments};
 use crate::command::turntable;
-use crate::command_error::command_error;
+use crate::command_error::{command_error, memory_advice};
 use crate::job::run_job;
-use crate::outputs::{Outputs, default_path};
+use crate::outputs::{Outputs, default_path, joined};
 use crate::report::{self, plural};
 use crate::scene_file;
 
@@ -30,7 +30,11 @@ pub(crate) fn run(
     let render = &arguments.render;
     let open = |cancel: &CancelFlag| scene_file::open_cut_model(arguments, cancel, messages);
     match arguments.turntable {
-        Some(count) => turntable::run(open(&interrupt::listen()?)?, render, count, messages),
+        Some(count) => {
+            let scene = open(&interrupt::listen()?)?;
+            let stem = picture_stem(Some(&arguments.model.scene), scene.name()).to_owned();
+            turntable::run(scene, render, count, &stem, messages)
+        }
         None => render_scene(render, Some(&arguments.model.scene), None, messages, open),
     }
 }
@@ -111,8 +115,7 @@ pub(crate) fn render_scene(
     files.add_inputs(scene.paths()).map_err(command_error(messages))?;
     let name = scene.name().to_owned();
     let film_name = scene.description().film.file_name.as_deref();
-    let is_piped = scene_path.is_some_and(scene_file::is_standard_input);
-    let stem = Path::new(if is_piped { "picture" } else { &name });
+    let stem = Path::new(picture_stem(scene_path, &name));
     let default = || default_output.map_or_else(|| default_path(film_name, stem), PathBuf::from);
     // A part is of use in its checkpoint.
     let outputs = match arguments.output.is_empty() && arguments.part.part.is_none() {
@@ -138,10 +141,16 @@ pub(crate) fn render_scene(
         }
         Err(error) => return Err(render_failure(error, arguments, messages)),
     };
-    outputs.write(&picture, messages)?;
-    saved.map_err(command_error(messages))?;
+    let mut failures: Vec<CommandError> = saved.err().into_iter().map(command_error(messages)).collect();
+    failures.extend(outputs.write(&picture, messages).err());
+    joined(failures)?;
     warnings.extend(picture.warnings().iter().map(ToString::to_string));
     finish(&picture, &name, &outputs, arguments, warnings, messages)
+}
+
+/// The name of a picture of the scene `name` from the file `scene`: the standard input has none.
+fn picture_stem<'a>(scene: Option<&Path>, name: &'a str) -> &'a str {
+    if scene.is_some_and(scene_file::is_standard_input) { "picture" } else { name }
 }
 
 /// The scene file, and those beside the pictures.
@@ -177,10 +186,20 @@ fn render_failure(error: Error, arguments: &RenderArguments, messages: Messages)
             arguments.noise.map(|level| format!("--noise {level}"))
         }
         Error::Denoise(_) => Some("--denoise".to_owned()),
+        Error::Film(FilmError::Limit { .. }) => None,
         Error::Film(_) => arguments.size.map(|[width, height]| format!("--size {width}x{height}")),
         _ => None,
     };
+    let memory = match &error {
+        // What the scene leaves of the limit is too little by the difference.
+        Error::Film(FilmError::Limit { needed, limit }) => {
+            let whole = arguments.job.reading.limits().memory;
+            Some(memory_advice(whole.saturating_add(needed.saturating_sub(*limit))))
+        }
+        _ => None,
+    };
     let failure = command_error(messages)(error);
+    let failure = CommandError { help: memory.or(failure.help), ..failure };
     match option {
         Some(option) => CommandError { message: format!("{option}: {}", failure.message), ..failure },
         None => failure,

@@ -9,7 +9,7 @@ use glanz_terminal::messages::{CommandError, Messages};
 use crate::arguments::RoadArguments;
 use crate::command::luminaire;
 use crate::command_error::command_error;
-use crate::file_help::named;
+use crate::file_help::{is_guess, named};
 use crate::report;
 
 /// Rates the road and prints its figures.
@@ -52,5 +52,5 @@ fn surface(path: &Path, messages: Messages) -> Result<RoadSurface, CommandError>
     let text = String::from_utf8_lossy(&bytes);
     RoadSurface::read(&text)
         .map_err(|error| CommandError::new(format!("{}:{error}", path.display())))
-        .map_err(|error| named(error, path, |_| false))
+        .map_err(|error| named(error, path, is_guess))
 }

@@ -13,7 +13,7 @@ use crate::command::render::render_scene;
 use crate::command_error::command_error;
 use crate::outputs::{default_path, is_stream};
 
-/// Renders `count` pictures of the model.
+/// Renders `count` pictures of the model; `stem`: their name if the arguments have none.
 ///
 /// # Errors
 /// A scene, which has a camera of its own; a setting or file that is refused.
@@ -21,6 +21,7 @@ pub(crate) fn run(
     scene: LoadedScene,
     arguments: &RenderArguments,
     count: u32,
+    stem: &str,
     messages: Messages,
 ) -> Result<CommandOutcome, CommandError> {
     let Some(settings) = scene.studio_settings().cloned() else {
@@ -31,7 +32,7 @@ pub(crate) fn run(
     };
     let mut outputs = arguments.output.clone();
     if outputs.is_empty() {
-        outputs.push(default_path(None, Path::new(scene.name())));
+        outputs.push(default_path(None, Path::new(stem)));
     }
     if outputs.iter().any(|path| is_stream(path)) {
         return Err(CommandError::usage("--turntable: the standard output can take one picture only"));

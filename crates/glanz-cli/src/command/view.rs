@@ -22,29 +22,33 @@ use crate::command_error::command_error;
 use crate::file_help::with_file_help;
 use crate::notes::note_diagnostics;
 use crate::report;
-use crate::scene_file::is_scene;
+use crate::scene_file::{is_scene, is_standard_input};
 
 /// Serves the page until it is interrupted. In the process of a scene that a page has opened, serves that scene instead.
 ///
 /// # Errors
 /// A scene or file that is refused, or an address at which the server cannot listen.
 pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
-    let studio = arguments.model.studio.settings();
+    let studio = arguments.studio.settings();
     if let Some(folder) = worker_folder() {
         let options = Options { studio, ..arguments.reading.options(&CancelFlag::default()) };
         return serve_opened_scene(arguments, options, &folder);
     }
+    let scenes = [Some(&arguments.scene), arguments.compare.as_ref()];
+    if scenes.into_iter().flatten().any(|path| is_standard_input(path)) {
+        return Err(CommandError::usage("view shows scene files, not the standard input"));
+    }
     let cancel = interrupt::listen()?;
     let options = Options { studio, ..arguments.reading.options(&cancel) };
     let (lux, second_lux) = lux_folders(arguments)?;
-    let second = arguments.compare.as_ref().or_else(|| second_lux.as_ref().map(|_| &arguments.model.scene));
+    let second = arguments.compare.as_ref().or_else(|| second_lux.as_ref().map(|_| &arguments.scene));
     let overlay = overlay(arguments, lux.as_deref()).map_err(command_error(messages))?;
     let read = |scene: &Path, overlay: &Option<Arc<dyn SceneOverlay>>| {
         ViewerScene::read(scene, &options, overlay.as_deref())
             .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))
             .map_err(|error| with_file_help(error, scene, is_scene))
     };
-    let scene = &arguments.model.scene;
+    let scene = &arguments.scene;
     let viewer_scene = read(scene, &overlay)?;
     note_diagnostics(viewer_scene.warnings(), messages);
     let compared = match second {
@@ -75,7 +79,7 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
         ..ServerSettings::default()
     };
     if !is_model {
-        arguments.model.studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
+        arguments.studio.warning().into_iter().for_each(|warning| messages.warning(&warning));
     }
     let listener =
         Box::new(move |path: &Path, update: &SceneUpdate| note_update(&path.display(), update, messages));

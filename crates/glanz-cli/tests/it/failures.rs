@@ -148,10 +148,23 @@ fn check(writer: &Writer, folder: &Folder, inputs: &Content, wanted: &Content, m
         // A checkpoint may be of a part of the work, which resuming shows.
         let is_new = wanted.get(&name).is_some_and(|new| *new == bytes || name.ends_with(".glanz"))
             // Reports are written once more with the facts of the ray file.
-            || name.starts_with("lux/report") || name == "lux/summary.txt";
+            || is_whole_report(&name, &bytes);
         assert!(is_old || is_new, "{}: {point} leaves {name} with {} bytes", writer.line, bytes.len());
     }
     inputs.iter().for_each(|(name, bytes)| assert!(folder.bytes(name) == *bytes, "{point} changes {name}"));
+    for name in writer.replaces {
+        assert!(folder.has(name), "{}: {point} loses {name}", writer.line);
+    }
+}
+
+/// Whether these are all bytes of a report of `glanz illuminate`.
+fn is_whole_report(name: &str, bytes: &[u8]) -> bool {
+    match name {
+        "lux/report.html" => bytes.ends_with(b"</html>\n"),
+        "lux/report.json" => serde_json::from_slice::<serde_json::Value>(bytes).is_ok(),
+        "lux/summary.txt" => bytes.ends_with(b"\n"),
+        _ => false,
+    }
 }
 
 /// Runs the command again and compares all files with those of an undisturbed run.

@@ -140,3 +140,14 @@ fn available_memory_is_that_of_the_machine() {
     assert_eq!(machine::available_in("MemTotal: 1 kB"), None);
     assert!(ResourceLimits::default().memory > 1 << 20);
 }
+
+#[test]
+fn cached_files_are_no_memory_that_a_control_group_lacks() {
+    let statistics =
+        "anon 7000\nfile 4000\ninactive_file_x 1\ninactive_file 3000\ntotal_inactive_file 2000\n";
+    assert_eq!(machine::statistic(statistics, "inactive_file"), Some(3000));
+    assert_eq!(machine::statistic(statistics, "total_inactive_file"), Some(2000));
+    assert_eq!(machine::statistic(statistics, "shmem"), None);
+    assert_eq!(machine::rest(10_000, 9_500, 3_000), 3_500);
+    assert_eq!((machine::rest(10, 4, 5), machine::rest(10, 12, 1)), (10, 0));
+}

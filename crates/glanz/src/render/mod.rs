@@ -82,7 +82,8 @@ pub struct RenderOptions {
     #[cfg(feature = "radiosity")]
     pub light_input: Option<PathBuf>,
     /// Memory that the sums of all pixels may take, bytes: those of a larger picture are in a temporary file, of which some rows are in memory at a time. An error for
-    /// a larger picture of an integrator that learns or connects light to the film, with a noise level, and if noise is removed. `None`: half of what the scene leaves of its [limit](LoadedScene::limits).
+    /// a larger picture of an integrator that learns or connects light to the film, with a noise level, and if noise is removed. `None`: half of what the scene leaves of its [limit](LoadedScene::limits), or
+    /// all of it for a picture that must be in memory.
     pub film_memory: Option<u64>,
     /// Channels beside the colour.
     pub aovs: AovSet,

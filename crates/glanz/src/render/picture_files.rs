@@ -1,12 +1,15 @@
 //! Picture files.
 
 use std::collections::BTreeMap;
-use std::io;
-use std::path::Path;
+use std::env;
+use std::fs::File;
+use std::io::{self, Seek};
+use std::path::{Path, PathBuf};
 
 use glanz_formats::image::{self, Format, ImageError, RowPicture};
+use glanz_job::IoFault;
 use glanz_light::Tone;
-use glanz_transport::channel_names;
+use glanz_transport::{FilmError, FilmFormat, channel_names};
 
 use super::picture::Picture;
 use crate::error::{Error, FileFault};
@@ -28,16 +31,20 @@ impl Picture {
     pub fn save_with(&self, path: impl AsRef<Path>, tone: &Tone) -> Result<(), Error> {
         let path = path.as_ref();
         let format = picture_format(path)?;
-        if self.is_in_file() && !file::is_pipe(path) {
-            return self.save_rows(path, format, tone);
+        match (self.is_in_file(), file::is_pipe(path)) {
+            (true, false) => self.save_rows(path, format, tone),
+            (true, true) => {
+                let mut spooled = self.spooled(path, format, tone)?;
+                file::write_with(path, |out| io::copy(&mut spooled, out).map(drop))
+            }
+            (false, _) => file::write(path, &self.encoded(path, format, tone)?),
         }
-        file::write(path, &self.encoded(path, format, tone)?)
     }
 
     /// Writes the picture to a stream, which is called `name` in errors.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// [`Error::File`]; [`Error::Film`] if the temporary file of a large picture failed.
     pub fn write_to(
         &self,
         stream: &mut dyn io::Write,
@@ -45,8 +52,11 @@ impl Picture {
         format: Format,
         tone: &Tone,
     ) -> Result<(), Error> {
-        let bytes = self.encoded(name, format, tone)?;
-        stream.write_all(&bytes).and_then(|()| stream.flush()).map_err(Error::of_file(name))
+        let written = match self.is_in_file() {
+            true => io::copy(&mut self.spooled(name, format, tone)?, stream).map(drop),
+            false => stream.write_all(&self.encoded(name, format, tone)?),
+        };
+        written.and_then(|()| stream.flush()).map_err(Error::of_file(name))
     }
 
     fn encoded(&self, path: &Path, format: Format, tone: &Tone) -> Result<Vec<u8>, Error> {
@@ -55,6 +65,38 @@ impl Picture {
 
     /// Writes the file with some rows in memory at a time.
     fn save_rows(&self, path: &Path, format: Format, tone: &Tone) -> Result<(), Error> {
+        let mut refused = None;
+        let written = file::write_file_with(path, |out| self.write_rows(out, format, tone, &mut refused));
+        refused.map_or(written, |error| Err(Error::of_file(path)(error)))
+    }
+
+    /// A temporary file without a name that holds the bytes of the picture, at its beginning; written with some rows in memory at a time. Some formats
+    /// return to earlier bytes, which streams cannot.
+    fn spooled(&self, name: &Path, format: Format, tone: &Tone) -> Result<File, Error> {
+        let (folder, made) = temporary_file();
+        let FilmFormat { crop, aovs, .. } = *self.film().format();
+        let bytes = 4 * channel_names(aovs).len() as u64 * crop.len();
+        let failed = |error: io::Error| {
+            let fault = IoFault::sentence(&error).to_string();
+            Error::Film(FilmError::File { folder: folder.clone(), fault, bytes })
+        };
+        let mut file = made.map_err(failed)?;
+        let mut refused = None;
+        let written = self.write_rows(&mut file, format, tone, &mut refused).and_then(|()| file.rewind());
+        match refused {
+            Some(error) => Err(Error::of_file(name)(error)),
+            None => written.map(|()| file).map_err(failed),
+        }
+    }
+
+    /// Writes the bytes of the picture to an empty file; `refused`: an error other than that of the file.
+    fn write_rows(
+        &self,
+        out: &mut File,
+        format: Format,
+        tone: &Tone,
+        refused: &mut Option<ImageError>,
+    ) -> io::Result<()> {
         let film = self.film();
         let picture = RowPicture {
             size: film.format().crop.size,
@@ -62,15 +104,23 @@ impl Picture {
             tone,
             attributes: &attributes(self),
         };
-        let mut refused = None;
-        let written = file::write_file_with(path, |out| {
-            let rows = |rows| film.rows_to_pixels(rows).map_err(io::Error::other);
-            image::write_rows(&picture, format, out, rows).or_else(|error| match error {
-                ImageError::Write(error) => Err(error),
-                other => Err(io::Error::other(refused.insert(other).to_string())),
-            })
-        });
-        refused.map_or(written, |error| Err(Error::of_file(path)(error)))
+        let rows = |rows| film.rows_to_pixels(rows).map_err(io::Error::other);
+        image::write_rows(&picture, format, out, rows).or_else(|error| match error {
+            ImageError::Write(error) => Err(error),
+            other => Err(io::Error::other(refused.insert(other).to_string())),
+        })
+    }
+}
+
+/// A file without a name, and its folder. On many systems, the usual folder is in memory.
+fn temporary_file() -> (PathBuf, io::Result<File>) {
+    let made = |folder: PathBuf| {
+        let file = tempfile::tempfile_in(&folder);
+        (folder, file)
+    };
+    match env::var_os("TMPDIR").is_none().then(|| made(PathBuf::from("/var/tmp"))) {
+        Some((folder, Ok(file))) => (folder, Ok(file)),
+        _ => made(env::temp_dir()),
     }
 }
 
@@ -141,6 +191,10 @@ mod tests {
                 std::fs::read(&path).unwrap()
             };
             assert!(saved(&whole) == saved(&rows), "{name}");
+            let mut streamed: Vec<u8> = Vec::new();
+            let format = picture_format(&path).unwrap();
+            rows.write_to(&mut streamed, Path::new("stream"), format, &Tone::default()).unwrap();
+            assert!(streamed == saved(&whole), "{name}");
         }
         let learning = RenderOptions {
             film_memory: Some(0),

@@ -94,10 +94,15 @@ impl RenderPlan {
             guide: given,
             version: glanz_job::current_version(),
         };
-        let film_memory = options.film_memory.unwrap_or_else(|| scene.memory_left() / 2);
-        options.check_memory(&identity.film, film_memory).map_err(|error| match options.size {
-            Some(_) => Error::Film(error),
-            None => at_film(&error),
+        let film_memory = options.film_memory.unwrap_or_else(|| {
+            // Only a film that may be in a file can make room for the scene.
+            let share = if options.needs_memory(&identity.film) { 1 } else { 2 };
+            scene.memory_left() / share
+        });
+        options.check_memory(&identity.film, film_memory).map_err(|error| {
+            // The memory is no fault of the scene.
+            let is_of_scene = options.size.is_none() && !matches!(error, FilmError::Limit { .. });
+            if is_of_scene { at_film(&error) } else { Error::Film(error) }
         })?;
         let samples = options.sample_numbers(&identity, job.resume)?;
         let (samples, part_of) = options.part_of(samples, &identity)?;
@@ -181,13 +186,20 @@ impl RenderOptions {
 
     /// Checks the size of the film, and that it is in memory or may be in a file.
     fn check_memory(&self, film: &FilmFormat, limit: u64) -> Result<(), FilmError> {
-        film.check_memory(limit)?;
         let needed = film.words()?.saturating_mul(8);
+        match self.needs_memory(film) && needed > limit {
+            true => Err(FilmError::Limit { needed, limit }),
+            false => Ok(()),
+        }
+    }
+
+    /// Whether the film cannot be in a file.
+    fn needs_memory(&self, film: &FilmFormat) -> bool {
         #[cfg(feature = "denoise")]
-        let is_whole = self.denoise && self.part.is_none();
+        let is_denoised = self.denoise && self.part.is_none();
         #[cfg(not(feature = "denoise"))]
-        let is_whole = false;
-        if is_whole && needed > limit { Err(FilmError::Limit { needed, limit }) } else { Ok(()) }
+        let is_denoised = false;
+        is_denoised || !film.fits_in_file()
     }
 
     /// The noise at which tiles take no more samples.
@@ -317,6 +329,7 @@ impl RenderOptions {
 
 #[cfg(test)]
 mod tests {
+    use glanz_job::{CancelFlag, ResourceLimits};
     use glanz_scene::SceneBuilder;
 
     use super::*;
@@ -328,6 +341,24 @@ mod tests {
 
     fn by_noise(noise: f64) -> RenderOptions {
         RenderOptions { noise: Some(noise), ..RenderOptions::default() }
+    }
+
+    #[test]
+    fn films_that_must_be_in_memory_may_take_all_that_the_scene_leaves() {
+        let within = |memory, options: &RenderOptions| {
+            let scene = SceneBuilder::new().resolution(2, 2).describe().unwrap();
+            let limits = ResourceLimits { memory, ..ResourceLimits::default() };
+            let scene = LoadedScene::from_description("empty", scene);
+            RenderPlan::new(options, &mut scene.limits(limits, CancelFlag::default()), &JobOptions::default())
+        };
+        let learning = RenderOptions { integrator: Some("guided".to_owned()), ..RenderOptions::default() };
+        let whole = within(1 << 30, &learning).unwrap();
+        assert_eq!(whole.film_memory, 1 << 30);
+        assert_eq!(within(1 << 30, &RenderOptions::default()).unwrap().film_memory, 1 << 29);
+        let needed = 8 * whole.identity.film.words().unwrap();
+        assert!(within(needed, &learning).is_ok());
+        let refused = within(needed - 1, &learning);
+        assert!(matches!(refused, Err(Error::Film(FilmError::Limit { limit, .. })) if limit == needed - 1));
     }
 
     #[test]

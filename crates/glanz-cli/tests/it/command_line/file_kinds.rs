@@ -61,7 +61,22 @@ fn commands_for_scenes_name_other_files() {
         folder
             .run(&format!("render {name} -o out.exr"))
             .refused(1, &["(EULUMDAT)", &format!("glanz info {name}")]);
+        folder.run(&format!("info {name}")).refused(1, &[&format!("{name}:")]);
     }
+}
+
+#[test]
+fn info_takes_luminaires_by_their_content() {
+    let folder = Folder::new();
+    let data = "1 -1 1 3 1 1 2 0 0 0 1 1 30\n0 45 90\n0\n1000 707 0\n";
+    folder.write("lamp.txt", format!("IESNA:LM-63-2002\nTILT=NONE\n{data}"));
+    let told = folder.succeed("info lamp.txt --json").json();
+    assert!(told["format"].as_str().expect("a text").contains("LM-63"));
+    assert!(folder.succeed("info lamp.txt --files").stdout.contains("lamp.txt"));
+    folder.write("bad.ldt", "1\nx\n");
+    let ran = folder.run("info bad.ldt");
+    ran.refused(1, &["bad.ldt:2:1"]);
+    assert!(!ran.stderr.contains("patches"), "{}", ran.stderr);
 }
 
 #[test]

@@ -4,7 +4,6 @@ use std::process::{Child, Command};
 
 use super::small_scene::SCENE;
 use super::support::{Folder, finish, wait_until};
-use crate::PROGRAM;
 
 /// A render that takes hours.
 const LONG: &str = "render small.pbrt --spp 1000000 --size 32x24 --threads 1 -q";
@@ -98,8 +97,12 @@ fn hangups_that_are_ignored_stay_ignored() {
 #[test]
 fn full_disks_and_large_files_have_sentences_and_cost_nothing() {
     let folder = Folder::with_scene();
-    let full = folder.run_script("$GLANZ info small.pbrt > /dev/full");
-    full.refused(1, &["standard output: the disk is full", "help: free some space"]);
+    // Only Linux has a disk that is always full.
+    #[cfg(target_os = "linux")]
+    {
+        let full = folder.run_script("$GLANZ info small.pbrt > /dev/full");
+        full.refused(1, &["standard output: the disk is full", "help: free some space"]);
+    }
     folder.write("a.exr", "old");
     let line = "render small.pbrt --spp 1 -q -o a.exr --checkpoint a.glanz";
     let limited = folder.run_script(&format!("ulimit -f 1; exec $GLANZ {line}"));
@@ -152,6 +155,8 @@ fn scene_comes_from_the_standard_input_and_picture_goes_to_the_standard_output()
     // Without a name of its own, the picture has that of the film.
     folder.run_script("$GLANZ render - --spp 1 -q < small.pbrt");
     assert!(folder.has("small.exr"));
+    folder.run_script("$GLANZ render - --spp 1 --size 8x6 --turntable 2 -q < out.ply");
+    assert!(folder.has("picture-1.exr") && folder.has("picture-2.exr"));
     for (line, words) in [
         ("$GLANZ render - -o a.png < /dev/null", ["standard input", "empty"]),
         ("printf 'WorldBegin\\nShap' | $GLANZ render - -o a.png", ["standard input:2:1", "Shap"]),
@@ -167,6 +172,7 @@ fn scene_comes_from_the_standard_input_and_picture_goes_to_the_standard_output()
         ("render out.ply -o png:- --turntable 2", ["standard output", "one picture"]),
         ("info - --files", ["--files", "standard input"]),
         ("optimize - -o better.pbrt", ["optimize", "standard input"]),
+        ("view - --no-open", ["view", "standard input"]),
     ] {
         let ran = folder.run(line);
         assert!(ran.code == Some(2), "{line}: {:?} {}", ran.code, ran.stderr);
@@ -177,5 +183,4 @@ fn scene_comes_from_the_standard_input_and_picture_goes_to_the_standard_output()
     // Its own file is an input, too.
     let onto = folder.run_script("$GLANZ convert - out.ply -q < out.ply");
     onto.refused(2, &["out.ply", "choose another name"]);
-    assert!(std::path::Path::new(PROGRAM).exists());
 }

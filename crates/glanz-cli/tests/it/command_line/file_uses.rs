@@ -25,6 +25,7 @@ fn outputs_are_not_other_outputs() {
             ("render small.pbrt --spp 1 --integrator guided -o a.exr --guide-out a.exr", "a.exr"),
             ("bake small.pbrt -o a.glb --checkpoint a.glb", "a.glb"),
             ("bake small.pbrt -o a.glb --checkpoint a.exr", "a.exr"),
+            ("bake small.pbrt -o a.glb --checkpoint a-2.exr", "a-2.exr"),
             ("demo -q --spp 1 --size 8x6 -o a.exr --checkpoint a.exr", "a.exr"),
             ("demo -q --spp 1 --size 8x6 --checkpoint glanz-demo.png", "glanz-demo.png"),
             ("optimize small.pbrt -o a.pbrt --checkpoint a.pbrt", "a.pbrt"),
@@ -100,6 +101,12 @@ fn outputs_are_not_inputs() {
             #[cfg(unix)]
             (
                 "illuminate scene.pbrt --compare two.pbrt --room 9 9 9 --rays 9000000000000 -o . -q",
+                "report.html",
+            ),
+            // Also of the second scene, before the first is calculated.
+            #[cfg(unix)]
+            (
+                "illuminate two.pbrt --compare scene.pbrt --room 9 9 9 --rays 9000000000000 -o . -q",
                 "report.html",
             ),
             ("render scene.pbrt --spp 1 -o a.png --checkpoint scene.pbrt --resume", "scene.pbrt"),

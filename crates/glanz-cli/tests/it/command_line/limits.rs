@@ -32,6 +32,10 @@ fn limits_are_named_with_the_option_that_raises_them() {
             "convert 0.pbrt a.obj --limit time=0.05s --limit files=1e9",
             ["the limit of 0.05 s", "--limit time=1s"],
         ),
+        (
+            "info 0.pbrt --files --limit files=300",
+            ["the limit of 300 files is exceeded", "raise it with --limit files=600"],
+        ),
         ("bake 0.pbrt -o a.glb --limit tokens=300", ["the limit of 300 tokens", "--limit tokens=600"]),
         ("optimize 0.pbrt -o a.pbrt --memory 1K", ["1 kB of memory is exceeded", "raise it with --memory"]),
     ] {
@@ -59,6 +63,33 @@ fn preparing_a_scene_keeps_to_the_limits() {
         .run("render many.pbrt -o a.exr --size 2x2 --spp 1 --limit objects=1500")
         .refused(1, &["many.pbrt:", "1 500 objects"]);
     folder.succeed("render many.pbrt -o a.exr --size 2x2 --spp 1 --limit objects=5000 -q");
+}
+
+#[test]
+fn films_beyond_the_memory_name_a_limit_that_suffices() {
+    let folder = Folder::with_scene();
+    let line = "render small.pbrt --integrator guided --size 300x200 --spp 1 -q -o a.exr --memory";
+    let ran = folder.run(&format!("{line} 1M"));
+    ran.refused(1, &["the film needs", "help: raise it with --memory", "--size"]);
+    let rest = ran.stderr.split_once("--memory ").expect("advice").1;
+    let advised = rest.split_once(',').expect("a comma").0;
+    folder.succeed(&format!("{line} {advised}"));
+}
+
+#[cfg(unix)]
+#[test]
+fn standard_input_has_limits_and_ends_with_a_signal() {
+    let folder = Folder::new();
+    for (limit, words) in [
+        ("--limit bytes=1000", ["standard input: the limit of 1000 bytes", "raise it with --limit bytes=2K"]),
+        ("--memory 4K", ["standard input: the limit of 4 kB of memory", "raise it with --memory 8K"]),
+    ] {
+        folder.run_script(&format!("yes | $GLANZ info - {limit}")).refused(1, &words);
+    }
+    // The other end of the pipe is open, and nobody writes.
+    let script = "mkfifo pipe; $GLANZ info - < pipe & p=$!; exec 3> pipe; sleep 1; kill -TERM $p; wait $p";
+    let ran = folder.run_script(script);
+    assert!(ran.code == Some(143) && ran.stderr.contains("interrupted"), "{:?} {}", ran.code, ran.stderr);
 }
 
 #[cfg(unix)]

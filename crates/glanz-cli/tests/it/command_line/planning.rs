@@ -80,6 +80,10 @@ fn room_is_planned_from_a_photometric_file_alone() {
     ] {
         folder.run(&format!("{room} {options}")).refused(2, parts);
     }
+    // Six luminaires.
+    folder
+        .run(&format!("{room} --luminaire panel.ies --limit objects=3 -o x"))
+        .refused(1, &["the limit of 3 objects", "raise it with --limit objects=6"]);
     folder.run("illuminate --luminaire panel.ies --grid 3x2 -o x").refused(2, &["--room"]);
     folder.run("illuminate -o x").refused(2, &["SCENE"]);
 }
@@ -116,6 +120,11 @@ fn road_is_rated_by_a_table_of_its_surface() {
     folder
         .run("road lantern.ies --spacing 25 --height 8 --surface bad.txt")
         .refused(1, &["bad.txt:2:5", "\"x\""]);
+    // A digit at the beginning makes it no list of patches.
+    folder.write("digits.txt", "0 180 x\n0 1 2\n");
+    let ran = folder.run("road lantern.ies --spacing 25 --height 8 --surface digits.txt");
+    ran.refused(1, &["digits.txt:1:"]);
+    assert!(!ran.stderr.contains("patches"), "{}", ran.stderr);
     folder.run("road lantern.ies --spacing 25 --height 8 --class M5").refused(2, &["class M5", "--surface"]);
     folder.run("road lantern.ies --spacing 25 --height 1").refused(2, &["height of the luminaires"]);
     folder.run("road lantern.ies --spacing 25 --height 8 --class Z9").refused(2, &["M1 to M6"]);

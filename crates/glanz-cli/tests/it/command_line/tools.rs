@@ -53,6 +53,11 @@ fn compare_measures_and_judges() {
     folder.run("compare a.exr small.png").refused(1, &["24", "8"]);
     folder.write("no.exr", "no picture");
     folder.run("compare a.exr no.exr").refused(1, &["no.exr"]);
+    // Each picture has 432 pixels.
+    folder
+        .run("compare a.exr b.exr --limit pixels=500")
+        .refused(1, &["b.exr: ", "the limit of 500 pixels", "raise it with --limit pixels=1000"]);
+    folder.run("compare a.exr b.exr --memory 1K").refused(1, &["a.exr: ", "raise it with --memory"]);
 }
 
 #[test]
