@@ -115,8 +115,9 @@ impl PageConnection {
             self.service.forget_scene();
         }
         if let Some(opened) = opened {
-            // Views of the scene before.
+            // Views and queries of the scene before, whose answers the page no longer expects.
             self.service.end_stream().await;
+            self.service = PageService::new(self.app.service.clone());
             self.shown = ShownScene::Opened(opened);
         }
         self.send_scene(message).await
@@ -130,6 +131,7 @@ impl PageConnection {
             error: Some(reason.clone()),
             ..self.app.opened_message(&self.session.key, opened)
         };
+        opened.release_slot();
         self.shown = ShownScene::Lost(reason);
         self.send_scene(message).await
     }
@@ -164,10 +166,9 @@ impl PageConnection {
                 self.service.serve(request, &viewer_scene).await
             }
             ShownScene::Opened(opened) => {
-                if !opened.forward(message) {
-                    return Err(ConnectionEnd::Closed(close_code::POLICY, "too many requests are open"));
-                }
-                None
+                let is_forwarded = opened.forward(message);
+                (!is_forwarded)
+                    .then(|| failed(request.id(), "too many requests are open; wait for answers".to_owned()))
             }
             ShownScene::Lost(reason) => Some(failed(request.id(), reason.clone())),
         };

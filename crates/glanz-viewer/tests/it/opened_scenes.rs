@@ -131,7 +131,10 @@ fn reading_ends_in_time() {
     let answer = drop_on(&server, &page, &names(&endless));
     assert_eq!(answer.status, 422, "{}", answer.text());
     let expected = "error: reading the scene took longer than 0.3 s; open the file by `glanz view FILE`, which has no such limit\n";
-    assert_eq!(answer.text(), expected);
+    // The process measures the time, too.
+    let is_of_reader = answer.text().contains("the limit of 0.3 s is exceeded")
+        && answer.text().contains("help: open the file by `glanz view FILE --limit time=1s`");
+    assert!(answer.text() == expected || is_of_reader, "{}", answer.text());
     assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     // The page can open others.
     let limits = Limits { reading_time: PATIENCE, ..limits };
@@ -158,7 +161,11 @@ fn a_scene_that_needs_too_much_memory_is_given_up() {
         let mut page = server.connect_page();
         let answer = drop_on(&server, &page, &names(&spheres));
         assert_eq!(answer.status, 422, "{}", answer.text());
-        assert!(answer.text().starts_with(said), "{}", answer.text());
+        // The reader may notice it before.
+        let is_of_reader = answer.text().contains("of memory is exceeded")
+            && answer.text().contains("help: open the file by `glanz view FILE --memory ");
+        let is_alone = limits.scene_memory == 100_000_000;
+        assert!(answer.text().starts_with(said) || is_alone && is_of_reader, "{}", answer.text());
         open(&server, &mut page, BALL);
     }
 }
