@@ -114,13 +114,17 @@ impl PageConnection {
         if message.model.is_some() {
             self.service.forget_scene();
         }
+        // The scene before, whose model the page may fetch until it gets the message.
+        let mut before = None;
         if let Some(opened) = opened {
             // Views and queries of the scene before, whose answers the page no longer expects.
             self.service.end_stream().await;
             self.service = PageService::new(self.app.service.clone());
-            self.shown = ShownScene::Opened(opened);
+            before = Some(std::mem::replace(&mut self.shown, ShownScene::Opened(opened)));
         }
-        self.send_scene(message).await
+        let sent = self.send_scene(message).await;
+        drop(before);
+        sent
     }
 
     /// Tells the page that the process of its scene has ended.

@@ -205,7 +205,7 @@ fn read_scene(
 ) -> Result<ViewerScene, String> {
     let sentence = |message: String| format!("error: {message}\n");
     let scene = scene_among(files, &task.names).map_err(sentence)?;
-    // Those of the server come first: the message of the reader names the place.
+    // The server enforces its own, too, but the message of the reader names the place.
     let limits = ResourceLimits {
         memory: options.limits.memory.min(task.memory),
         time: options.limits.time.min(task.reading_time),
