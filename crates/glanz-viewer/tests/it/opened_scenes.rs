@@ -199,6 +199,25 @@ fn pages_with_opened_scenes_are_limited_and_make_room_when_they_leave() {
     until("a slot", || drop_on(&server, &second, &[("a.pbrt", BALL)]).status == 200);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_lost_scene_makes_room_for_that_of_another_page() {
+    let limits = Limits { opened_scenes: 1, scene_memory: 150_000_000, ..Limits::default() };
+    let server = TestServer::open_limited(BALL, limits);
+    let [mut first, mut second] = [(); 2].map(|()| server.connect_page());
+    open(&server, &mut first, BALL);
+    // At 120 bytes or more for each pixel, its film needs 270 MB.
+    first.send(view(1, [1500, 1500], &[]));
+    let lost = first.receive_text("scene");
+    assert!(lost["error"].as_str().is_some_and(|text| text.contains("needs more than")), "{lost}");
+    open(&server, &mut second, BALL);
+    // The page that has lost its scene is still answered.
+    first.send(json!({ "type": "pick", "id": 2, "origin": [0, -4, 0], "direction": [0, 1, 0] }));
+    assert!(
+        first.receive_text("failed")["message"].as_str().is_some_and(|text| text.contains("needs more than"))
+    );
+}
+
 #[test]
 fn a_server_without_a_program_for_it_opens_no_files() {
     let server = TestServer::open_alone(BALL);
