@@ -39,7 +39,7 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
 }
 
 /// Prints the place at which a limit was reached, with the option that raises it.
-fn note_limit(diagnostics: &Diagnostics, limit: LimitError, messages: Messages) {
+pub(crate) fn note_limit(diagnostics: &Diagnostics, limit: LimitError, messages: Messages) {
     let help = limit_help(limit);
     for diagnostic in diagnostics {
         let diagnostic = Diagnostic { help: Some(help.clone()), ..diagnostic.clone() };

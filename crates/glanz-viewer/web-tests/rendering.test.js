@@ -132,13 +132,15 @@ test("hidden page pauses its rendering, and resumes it when it is shown", (conte
   assert.ok(image.picture);
 });
 
-test("view that begins while the page is hidden is paused at once", () => {
+test("view of a hidden page is not begun until it is shown", () => {
   const { sent, session } = recorder();
   const image = new RenderedImage(session, () => {});
   image.hide(true);
   image.begin(ORDER);
-  image.hide(false);
-  assert.deepEqual(named(sent), ["view 1", "pause 1", "resume 1"]);
+  assert.deepEqual(named(sent), []);
+  assert.equal(image.hide(false), true);
+  image.begin(ORDER);
+  assert.deepEqual(named(sent), ["view 1"]);
 });
 
 test("page that is hidden for a minute gives its image up and wants it again when it is shown", (context) => {
@@ -153,4 +155,26 @@ test("page that is hidden for a minute gives its image up and wants it again whe
   image.hide(true);
   clock.tick(60000);
   assert.equal(image.hide(false), false, "there was nothing to give up");
+});
+
+test("finished image stays however long the page is hidden", (context) => {
+  const clock = timers(context);
+  const { session } = recorder();
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  image.tile(tile(1));
+  image.progress({ type: "progress", id: 1, samples: 4096, noise: 0.1, seconds: 1, done: true });
+  image.hide(true);
+  clock.tick(60000);
+  assert.equal(image.hide(false), false);
+  assert.ok(image.picture?.covered);
+});
+
+test("image that failed while the page was hidden is wanted again when it is shown", () => {
+  const { session } = recorder();
+  const image = new RenderedImage(session, () => {});
+  image.begin(ORDER);
+  assert.equal(image.hide(true), false);
+  image.failed(1, "the view was paused for too long");
+  assert.equal(image.hide(false), true);
 });

@@ -74,6 +74,15 @@ test("request that fails is rejected with the server's words, other failures go 
   assert.deepEqual(heard.at(-1), ["failed", 77, "too large"]);
 });
 
+test("new scene rejects what was asked about the one before", async () => {
+  const { session, socket, heard } = connected();
+  const request = session.request({ type: "pick" });
+  const scene = { type: "scene", model: "/model/1", name: "b.pbrt", error: null };
+  socket.onmessage({ data: JSON.stringify(scene) });
+  await assert.rejects(request, /scene has changed/);
+  assert.deepEqual(heard.at(-1), ["scene", scene]);
+});
+
 test("file comes as its bytes to the request that it answers", async () => {
   const { session, socket } = connected();
   const request = session.request({ type: "save" });

@@ -117,14 +117,14 @@ export class RenderedImage {
     this.timer = undefined;
     /** Whether nobody sees the page. */
     this.isHidden = false;
-    /** Whether the image was given up while the page was hidden. */
+    /** Whether the image was given up, or not begun, while the page was hidden. */
     this.isAbandoned = false;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.abandonTimer = undefined;
   }
 
   /**
-   * Pauses rendering while the page is hidden. Returns true if the image has to be requested again, because the page was hidden for long.
+   * Pauses rendering while the page is hidden. Returns true if the image has to be requested again, because the page was hidden for long or the image failed.
    * @param {boolean} isHidden
    */
   hide(isHidden) {
@@ -135,11 +135,14 @@ export class RenderedImage {
     this.isAbandoned = false;
     if (isHidden) {
       this.abandonTimer = setTimeout(() => {
-        this.isAbandoned = this.id !== null;
+        // A finished image takes no memory of the server.
+        if (this.id === null || this.status?.done) return;
+        this.isAbandoned = true;
         this.stop();
       }, ABANDON);
     }
-    return isAbandoned;
+    // The server ends views that are paused for too long.
+    return isAbandoned || (!isHidden && (this.status?.error ?? null) !== null);
   }
 
   /**
@@ -159,6 +162,11 @@ export class RenderedImage {
     if (!asked || !this.session.isOnline) {
       return;
     }
+    if (this.isHidden) {
+      // The scene may have changed while nobody looks.
+      this.isAbandoned = true;
+      return;
+    }
     const { camera, hidden, integrator, denoise } = asked;
     const size = renderSize(asked.size);
     this.id = this.session.nextId();
@@ -169,8 +177,6 @@ export class RenderedImage {
     };
     const sides = [size.width, size.height];
     this.session.send({ type: "view", id: this.id, camera, size: sides, hidden, integrator, denoise });
-    // The scene may have changed while nobody looks.
-    if (this.isHidden) this.session.send({ type: "pause", id: this.id });
     this.notify();
   }
 

@@ -110,10 +110,7 @@ export class Session {
     };
     socket.onmessage = (event) => this.receive(event.data);
     socket.onclose = () => {
-      for (const { reject } of this.waiting.values()) {
-        reject(new Error("the connection to the server was lost"));
-      }
-      this.waiting.clear();
+      this.abandon("the connection to the server was lost");
       if (this.isClosed) return;
       this.listener.offline(this.pause);
       setTimeout(() => this.connect(), this.pause);
@@ -146,7 +143,7 @@ export class Session {
   /**
    * Sends a request and returns the reply: a message, or the bytes of a file.
    * @param {Record<string, unknown>} message
-   * @returns {Promise<any>} rejected with the server's error, or when the connection is lost
+   * @returns {Promise<any>} rejected with the server's error, or when the connection is lost or the scene changes
    */
   request(message) {
     if (!this.isOnline) {
@@ -177,6 +174,8 @@ export class Session {
   receiveText(message) {
     switch (message.type) {
       case "scene":
+        // What was asked about the scene before is not answered any more.
+        if (message.model !== null || message.error !== null) this.abandon("the scene has changed");
         return this.listener.scene(message);
       case "progress":
         return this.listener.progress(message);
@@ -191,6 +190,16 @@ export class Session {
       default:
         return this.settle(message.id)?.resolve(message);
     }
+  }
+
+  /**
+   * Rejects all pending requests.
+   * @param {string} reason
+   */
+  abandon(reason) {
+    const pending = [...this.waiting.values()];
+    this.waiting.clear();
+    pending.forEach(({ reject }) => reject(new Error(reason)));
   }
 
   /**

@@ -18,7 +18,7 @@ use glanz_terminal::{CommandOutcome, interrupt};
 
 use crate::arguments::ViewArguments;
 use crate::browser;
-use crate::command_error::command_error;
+use crate::command_error::{command_error, note_limit};
 use crate::file_help::with_file_help;
 use crate::notes::note_diagnostics;
 use crate::report;
@@ -112,10 +112,19 @@ fn serve_opened_scene(
         threads: arguments.threads.count(),
         integrator: arguments.integrator.into(),
         denoiser: Some(denoiser()),
-        libraries: std::env::var_os(DIRECTORY_VARIABLE).map(PathBuf::from).into_iter().collect(),
+        libraries: library_folders(),
     };
     run_worker(folder, settings).map_err(|error| CommandError::new(error.to_string()))?;
     Ok(CommandOutcome::Done)
+}
+
+/// Folders in which the denoiser and the libraries that it needs may be, besides those of the system.
+fn library_folders() -> Vec<PathBuf> {
+    let denoiser = std::env::var_os(DIRECTORY_VARIABLE).map(PathBuf::from);
+    let searched = std::env::var_os("LD_LIBRARY_PATH").unwrap_or_default();
+    // An empty name is the current folder, which is none of libraries.
+    let searched = std::env::split_paths(&searched).filter(|folder| !folder.as_os_str().is_empty());
+    denoiser.into_iter().chain(searched).collect()
 }
 
 /// The folders of lux maps of the design and of the second one: those that are named, or the two in a folder of a comparison.
@@ -208,7 +217,10 @@ fn note_update(name: &impl Display, update: &SceneUpdate, messages: Messages) {
             messages.note(&format!("{name}: read again"));
         }
         SceneUpdate::Refused(diagnostics) => {
-            note_diagnostics(diagnostics, messages);
+            match diagnostics.limit() {
+                Some(limit) => note_limit(diagnostics, limit, messages),
+                None => note_diagnostics(diagnostics, messages),
+            }
             messages.note(&format!("{name}: the page keeps the previous scene"));
         }
     }

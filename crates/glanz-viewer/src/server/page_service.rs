@@ -174,6 +174,7 @@ impl PageService {
         StreamContext {
             description: Arc::clone(&viewer_scene.description),
             scene: Arc::clone(&viewer_scene.scene),
+            budget: viewer_scene.budget.clone(),
             visible: Arc::clone(&self.visible),
             outbox: Arc::clone(&self.outbox),
             picture: Arc::clone(&self.picture),

@@ -51,9 +51,9 @@ impl Session {
         self.notify.notify_one();
     }
 
-    /// The slot of the scene that the page has opened.
+    /// The slot of the scene that the page has opened, unless its process has ended.
     pub(crate) fn scene_slot(&self) -> Option<SceneSlot> {
-        self.state().opened.as_ref().map(|opened| opened.slot())
+        self.state().opened.as_ref().and_then(|opened| opened.slot())
     }
 
     /// Takes the message not yet sent, and the opened scene that it may be about.

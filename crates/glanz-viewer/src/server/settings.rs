@@ -23,7 +23,7 @@ pub struct ServerSettings {
     pub threads: usize,
     /// Default integrator of pages.
     pub integrator: IntegratorName,
-    /// Options of reading scenes, uploaded ones included.
+    /// Options of reading the scenes of the server. The program that reads uploaded ones has its own: [`WorkerSettings::options`](super::WorkerSettings::options).
     pub options: Options,
     /// Overlay applied to the scene whenever it is read; not to uploaded scenes.
     pub overlay: Option<Arc<dyn SceneOverlay>>,
@@ -86,7 +86,7 @@ pub struct Limits {
     pub opened_scenes: usize,
     /// Largest memory of an opened scene, its views included, bytes.
     pub scene_memory: u64,
-    /// Largest memory of all opened scenes together, bytes; at most half of the machine's is used.
+    /// Largest memory of all opened scenes together, bytes; at most half of what was available is used.
     pub opened_memory: u64,
     /// Largest model of an opened scene, bytes; pages take no larger one.
     pub model_bytes: u64,

@@ -114,12 +114,17 @@ impl PageConnection {
         if message.model.is_some() {
             self.service.forget_scene();
         }
+        // The scene before, whose model the page may fetch until it gets the message.
+        let mut before = None;
         if let Some(opened) = opened {
-            // Views of the scene before.
+            // Views and queries of the scene before, whose answers the page no longer expects.
             self.service.end_stream().await;
-            self.shown = ShownScene::Opened(opened);
+            self.service = PageService::new(self.app.service.clone());
+            before = Some(std::mem::replace(&mut self.shown, ShownScene::Opened(opened)));
         }
-        self.send_scene(message).await
+        let sent = self.send_scene(message).await;
+        drop(before);
+        sent
     }
 
     /// Tells the page that the process of its scene has ended.
@@ -130,6 +135,7 @@ impl PageConnection {
             error: Some(reason.clone()),
             ..self.app.opened_message(&self.session.key, opened)
         };
+        opened.release_slot();
         self.shown = ShownScene::Lost(reason);
         self.send_scene(message).await
     }
@@ -164,10 +170,9 @@ impl PageConnection {
                 self.service.serve(request, &viewer_scene).await
             }
             ShownScene::Opened(opened) => {
-                if !opened.forward(message) {
-                    return Err(ConnectionEnd::Closed(close_code::POLICY, "too many requests are open"));
-                }
-                None
+                let is_forwarded = opened.forward(message);
+                (!is_forwarded)
+                    .then(|| failed(request.id(), "too many requests are open; wait for answers".to_owned()))
             }
             ShownScene::Lost(reason) => Some(failed(request.id(), reason.clone())),
         };

@@ -19,6 +19,7 @@ use super::page_service::ServiceContext;
 use super::session::Sessions;
 use super::settings::{Limits, ServerSettings};
 use super::upload::UploadFolder;
+use super::viewer_scene::page_text;
 use super::worker::WorkerCommand;
 use super::{STOP_INTERVAL, SceneUpdate, UpdateListener, ViewerScene};
 
@@ -175,7 +176,7 @@ impl AppState {
                     integrator: self.service.integrator,
                     denoiser: self.denoiser_message(),
                     compared: self.designs.len() > 1,
-                    error: Some(diagnostics.to_string()),
+                    error: Some(page_text(diagnostics)),
                 });
             }
             // Without a key for the new model, pages keep the old one.

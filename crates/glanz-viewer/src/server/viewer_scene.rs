@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use axum::body::Bytes;
 use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
+use glanz_job::{BudgetError, Resource, ResourceBudget};
 use glanz_scene::studio::add_studio;
-use glanz_scene::{Description, Scene};
+use glanz_scene::{Description, Scene, SceneError, SceneErrorKind};
 
 use super::label::file_name;
 use super::overlay::SceneOverlay;
@@ -23,6 +24,8 @@ pub struct ViewerScene {
     pub(crate) bytes: Bytes,
     /// The files that it was read from.
     pub(crate) paths: Vec<PathBuf>,
+    /// What reading has used, for scenes of parts of it.
+    pub(crate) budget: ResourceBudget,
     warnings: Diagnostics,
     is_model: bool,
 }
@@ -54,7 +57,17 @@ impl ViewerScene {
         }
         let description = Arc::new(description);
         let resolved = Scene::resolve_with(Description::clone(&description), &loaded.budget.for_next_step());
-        let (scene, repairs) = resolved.map_err(|error| refuse(error.location, error.kind.to_string()))?;
+        let (scene, repairs) = resolved.map_err(|SceneError { location, kind }| match kind {
+            SceneErrorKind::Budget(end) => {
+                let help = match end {
+                    BudgetError::Limit(limit) => Some(limit.help()),
+                    BudgetError::Interrupted => None,
+                };
+                let plain = sources.diagnostic(Severity::Error, "limit", location, end.to_string());
+                Diagnostics::of_end(Diagnostic { help, ..plain }, end)
+            }
+            kind => refuse(location, kind.to_string()),
+        })?;
         let mut warnings = loaded.diagnostics;
         let severity = if options.strict { Severity::Error } else { Severity::Warning };
         for repair in repairs {
@@ -80,7 +93,8 @@ impl ViewerScene {
         let bytes = Bytes::from(model.to_bytes().map_err(broken)?);
         let (scene, paths) = (Arc::new(scene), sources.paths().to_vec());
         let is_model = loaded.studio.is_some();
-        Ok(Self { name, description, scene, model, bytes, paths, warnings, is_model })
+        let budget = loaded.budget;
+        Ok(Self { name, description, scene, model, bytes, paths, budget, warnings, is_model })
     }
 
     /// Whether the file is a model, whose camera, ground and light are those of the options.
@@ -102,6 +116,20 @@ impl ViewerScene {
     }
 }
 
+/// The messages about a scene that is refused, as pages show them: what raises a limit is an option of the program.
+pub(crate) fn page_text(diagnostics: &Diagnostics) -> String {
+    let Some(limit) = diagnostics.limit() else { return diagnostics.to_string() };
+    let value = limit.suggestion();
+    let option = match limit.resource {
+        Resource::Memory => format!("--memory {value}"),
+        resource => format!("--limit {}={value}", resource.name()),
+    };
+    let help = format!("open the file by `glanz view FILE {option}`");
+    let with_help =
+        |diagnostic: &Diagnostic| Diagnostic { help: Some(help.clone()), ..diagnostic.clone() }.to_string();
+    diagnostics.iter().map(with_help).collect()
+}
+
 /// A single error that concerns no place in a file.
 pub(crate) fn refusal(name: &str, message: String) -> Diagnostics {
     let mut diagnostics = Diagnostics::default();
@@ -116,4 +144,33 @@ pub(crate) fn refusal(name: &str, message: String) -> Diagnostics {
         help: None,
     });
     diagnostics
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_job::ResourceLimits;
+
+    use super::*;
+
+    const BALLS: &str = "WorldBegin\nShape \"sphere\"\nShape \"sphere\"\n";
+
+    #[test]
+    fn pages_name_the_option_that_raises_a_limit() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("a.pbrt");
+        std::fs::write(&path, BALLS).unwrap();
+        for (limits, option) in [
+            (ResourceLimits { objects: 1, ..ResourceLimits::default() }, "--limit objects=2`"),
+            (ResourceLimits { memory: 1, ..ResourceLimits::default() }, "--memory "),
+        ] {
+            let options = Options { limits, ..Options::default() };
+            let refused = ViewerScene::read(&path, &options, None).unwrap_err();
+            assert!(refused.limit().is_some(), "{refused}");
+            let text = page_text(&refused);
+            assert!(text.contains(&format!("help: open the file by `glanz view FILE {option}")), "{text}");
+            assert!(!text.contains("ResourceLimits"), "{text}");
+        }
+        let refused = refusal("a.pbrt", "the file is empty".to_owned());
+        assert_eq!(page_text(&refused), refused.to_string());
+    }
 }

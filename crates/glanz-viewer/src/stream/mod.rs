@@ -8,7 +8,7 @@
 //! first denoised image on, tiles with noise are no longer sent.
 //!
 //! All streams share the [`Processors`]: a few render at a time, the others wait for their turn. A stopped stream ends within a sample, a
-//! paused one keeps its film and renders nothing after the current pass.
+//! paused one keeps its film and renders nothing after the current pass; after a long pause it fails, so that its film is free for others.
 
 mod camera;
 mod cancel;

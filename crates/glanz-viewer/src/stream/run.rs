@@ -2,11 +2,14 @@
 
 use std::pin::pin;
 use std::sync::Arc;
+use std::time::Duration;
 
+use glanz_job::ResourceBudget;
 use glanz_scene::{Description, Scene};
 use glanz_transport::RenderError;
 use tokio::sync::watch;
 use tokio::task::{JoinHandle, spawn_blocking};
+use tokio::time::timeout;
 
 use super::cancel::StreamCancel;
 use super::denoiser::SharedDenoiser;
@@ -18,6 +21,9 @@ use super::request::{RenderRequest, RenderRequestError};
 use super::time_slice::{StreamView, TimeSlice, is_done};
 use super::visible_scene::VisibleScene;
 
+/// Longest pause of a view, whose film takes memory from those of other pages. Pages give their image up earlier.
+const LONGEST_PAUSE: Duration = Duration::from_secs(90);
+
 /// Context of a stream: data of its page and of the server.
 #[derive(Clone, Debug)]
 pub struct StreamContext {
@@ -25,6 +31,8 @@ pub struct StreamContext {
     pub description: Arc<Description>,
     /// The resolved scene.
     pub scene: Arc<Scene>,
+    /// What reading the scene has used.
+    pub budget: ResourceBudget,
     /// Cache of the scene without hidden leaves.
     pub visible: Arc<VisibleScene>,
     /// Target of tiles and status.
@@ -130,7 +138,7 @@ async fn render(
     cancel: Arc<StreamCancel>,
     paused: watch::Receiver<bool>,
 ) -> Result<(), Stop> {
-    let StreamContext { description, scene, visible, outbox, picture, processors, .. } = context;
+    let StreamContext { description, scene, budget, visible, outbox, picture, processors, .. } = context;
     let id = request.id;
     let plan = request.plan(&description, processors.threads())?;
     let _memory: Option<ProcessorShare> = match processors.try_film(request.pixels()) {
@@ -140,7 +148,8 @@ async fn render(
             unless_cancelled(&cancel, processors.film(request.pixels())).await?
         }
     };
-    let scene = unless_cancelled(&cancel, visible.scene(scene, description, request.hidden)).await??;
+    let visible_scene = visible.scene(scene, description, request.hidden, budget.for_next_step());
+    let scene = unless_cancelled(&cancel, visible_scene).await??;
     let film = plan.film()?;
     let scene = scene.with_camera(plan.camera.clone());
     let integrator = plan.integrator.build();
@@ -195,16 +204,22 @@ async fn render_denoised(
     }
 }
 
+/// Waits while the view is paused, at most for the time `longest`.
+async fn resumed(paused: &mut watch::Receiver<bool>, longest: Duration) -> Result<(), Stop> {
+    let resumed = async {
+        // An error if the stream is dropped, which is cancelled then.
+        let _ = paused.wait_for(|is_paused| !is_paused).await;
+    };
+    let waited = timeout(longest, resumed).await;
+    waited.map_err(|_| Stop::Failed("the view was paused for too long; begin it again".to_owned()))
+}
+
 /// Renders a view in time slices.
 async fn render_slices(view: StreamView, mut slice: TimeSlice) -> Result<(), Stop> {
     let view = Arc::new(view);
     let mut paused = view.paused.clone();
     while !is_done(&slice.film) {
-        let resumed = async {
-            // An error if the stream is dropped, which is cancelled then.
-            let _ = paused.wait_for(|is_paused| !is_paused).await;
-        };
-        unless_cancelled(&view.cancel, resumed).await?;
+        unless_cancelled(&view.cancel, resumed(&mut paused, LONGEST_PAUSE)).await??;
         let permit = match view.processors.try_permit() {
             Some(permit) => Some(permit),
             None => {
@@ -225,4 +240,21 @@ async fn render_slices(view: StreamView, mut slice: TimeSlice) -> Result<(), Sto
         drop(permit);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pause_ends_when_it_is_too_long() {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap();
+        runtime.block_on(async {
+            let (pause, mut paused) = watch::channel(true);
+            let ended = resumed(&mut paused, Duration::from_millis(5)).await;
+            assert!(matches!(ended, Err(Stop::Failed(message)) if message.contains("begin it again")));
+            pause.send_replace(false);
+            assert!(resumed(&mut paused, Duration::from_secs(60)).await.is_ok());
+        });
+    }
 }

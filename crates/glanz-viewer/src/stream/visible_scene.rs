@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use glanz_job::ResourceBudget;
 use glanz_scene::{Description, Scene};
 use tokio::task::spawn_blocking;
 
@@ -36,15 +37,16 @@ impl VisibleScene {
         Some(Arc::clone(&subset.scene))
     }
 
-    /// The scene of `description`, which is `whole`, without the leaves `hidden`. Takes as long as building the scene if it is not cached.
+    /// The scene of `description`, which is `whole`, without the leaves `hidden`; building it uses `budget`. Takes as long as building the scene if it is not cached.
     ///
     /// # Errors
-    /// [`RenderRequestError::Scene`] if the remaining scene is invalid.
+    /// [`RenderRequestError::Scene`] if the remaining scene is invalid, or a limit was reached.
     pub(crate) async fn scene(
         self: Arc<Self>,
         whole: Arc<Scene>,
         description: Arc<Description>,
         hidden: BTreeSet<u32>,
+        budget: ResourceBudget,
     ) -> Result<Arc<Scene>, RenderRequestError> {
         if hidden.is_empty() {
             return Ok(whole);
@@ -55,7 +57,7 @@ impl VisibleScene {
         }
         let build = move || {
             let _guard = guard;
-            let (scene, _) = Scene::resolve(model::without(&description, &hidden))?;
+            let (scene, _) = Scene::resolve_with(model::without(&description, &hidden), &budget)?;
             let scene = Arc::new(scene);
             *self.last() = Some(ResolvedSubset { whole, hidden, scene: Arc::clone(&scene) });
             Ok(scene)

@@ -131,7 +131,10 @@ fn reading_ends_in_time() {
     let answer = drop_on(&server, &page, &names(&endless));
     assert_eq!(answer.status, 422, "{}", answer.text());
     let expected = "error: reading the scene took longer than 0.3 s; open the file by `glanz view FILE`, which has no such limit\n";
-    assert_eq!(answer.text(), expected);
+    // The process measures the time, too.
+    let is_of_reader = answer.text().contains("the limit of 0.3 s is exceeded")
+        && answer.text().contains("help: open the file by `glanz view FILE --limit time=1s`");
+    assert!(answer.text() == expected || is_of_reader, "{}", answer.text());
     assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     // The page can open others.
     let limits = Limits { reading_time: PATIENCE, ..limits };
@@ -158,7 +161,11 @@ fn a_scene_that_needs_too_much_memory_is_given_up() {
         let mut page = server.connect_page();
         let answer = drop_on(&server, &page, &names(&spheres));
         assert_eq!(answer.status, 422, "{}", answer.text());
-        assert!(answer.text().starts_with(said), "{}", answer.text());
+        // The reader may notice it before.
+        let is_of_reader = answer.text().contains("of memory is exceeded")
+            && answer.text().contains("help: open the file by `glanz view FILE --memory ");
+        let is_alone = limits.scene_memory == 100_000_000;
+        assert!(answer.text().starts_with(said) || is_alone && is_of_reader, "{}", answer.text());
         open(&server, &mut page, BALL);
     }
 }
@@ -190,6 +197,25 @@ fn pages_with_opened_scenes_are_limited_and_make_room_when_they_leave() {
     }
     drop(first);
     until("a slot", || drop_on(&server, &second, &[("a.pbrt", BALL)]).status == 200);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_lost_scene_makes_room_for_that_of_another_page() {
+    let limits = Limits { opened_scenes: 1, scene_memory: 150_000_000, ..Limits::default() };
+    let server = TestServer::open_limited(BALL, limits);
+    let [mut first, mut second] = [(); 2].map(|()| server.connect_page());
+    open(&server, &mut first, BALL);
+    // At 120 bytes or more for each pixel, its film needs 270 MB.
+    first.send(view(1, [1500, 1500], &[]));
+    let lost = first.receive_text("scene");
+    assert!(lost["error"].as_str().is_some_and(|text| text.contains("needs more than")), "{lost}");
+    open(&server, &mut second, BALL);
+    // The page that has lost its scene is still answered.
+    first.send(json!({ "type": "pick", "id": 2, "origin": [0, -4, 0], "direction": [0, 1, 0] }));
+    assert!(
+        first.receive_text("failed")["message"].as_str().is_some_and(|text| text.contains("needs more than"))
+    );
 }
 
 #[test]

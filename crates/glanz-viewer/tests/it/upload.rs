@@ -166,3 +166,25 @@ fn an_upload_that_does_not_come_is_given_up() {
     assert_eq!(&first, b"HTTP/1.1 408");
     assert_eq!(drop_on(&server, &page, &[("a.pbrt", BALL)]).status, 200);
 }
+
+#[test]
+fn an_upload_ends_when_its_page_leaves() {
+    let limits = Limits { uploads: 1, upload_time: Duration::from_secs(600), ..Limits::default() };
+    let server = TestServer::open_limited(BALL, limits);
+    let (page, other) = (server.connect_page(), server.connect_page());
+    let head = format!(
+        "POST /open?session={} HTTP/1.1\r\nHost: {}\r\nContent-Length: 1000\r\n\r\n\
+         [[\"a.pbrt\",983]]\n",
+        page.session(),
+        server.host
+    );
+    let mut stream = server.connect();
+    std::io::Write::write_all(&mut stream, head.as_bytes()).unwrap();
+    // Time for it to take the only permit.
+    std::thread::sleep(Duration::from_millis(300));
+    drop(page);
+    let mut first = [0; 12];
+    std::io::Read::read_exact(&mut stream, &mut first).unwrap();
+    assert_eq!(&first, b"HTTP/1.1 400");
+    assert_eq!(drop_on(&server, &other, &[("a.pbrt", BALL)]).status, 200);
+}

@@ -1,6 +1,7 @@
 //! The processes of scenes that pages have opened.
 #![cfg(target_os = "linux")]
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
@@ -10,10 +11,10 @@ use std::time::{Duration, Instant};
 use super::server::{ViewServer, scene_file};
 use super::soak::process::{Usage, children};
 use super::soak::visitor::Visitor;
-use super::upload::{endless_includes, open, request, text_file};
+use super::upload::{ANY_FILES, endless_includes, open, request, text_file};
 
-/// Longer than anything takes on a busy machine.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Longer than anything takes on a busy machine, but shorter than the time limit of reading, which ends every process.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 const BALL: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n";
 
@@ -28,7 +29,12 @@ impl TemporaryFolder {
     }
 
     fn serve(&self) -> ViewServer {
-        ViewServer::start_with(&scene_file("teapot.pbrt"), &[("TMPDIR", &self.0)])
+        let arguments = ANY_FILES.map(OsStr::new);
+        ViewServer::start_with_arguments(
+            &scene_file("teapot.pbrt"),
+            &arguments,
+            &[("TMPDIR", self.0.as_path())],
+        )
     }
 
     fn entries(&self) -> usize {

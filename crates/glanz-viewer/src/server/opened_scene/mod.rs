@@ -10,7 +10,7 @@ mod model_file;
 mod process;
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::body::Body;
 use axum::extract::ws::Message;
@@ -22,7 +22,7 @@ use super::upload::UploadFolder;
 use super::worker::{FrameKind, WorkerCommand, WorkerTask};
 
 use self::model_file::ModelFile;
-use self::process::SceneProcess;
+use self::process::{SceneEnd, SceneProcess};
 
 pub(crate) use self::memory::SceneMemory;
 
@@ -43,8 +43,16 @@ pub(crate) struct OpenedScene {
     pub(crate) key: AccessKey,
     pub(crate) name: String,
     model: ModelFile,
-    slot: SceneSlot,
+    /// Empty once the process has ended.
+    slot: Mutex<Option<SceneSlot>>,
     process: SceneProcess,
+}
+
+/// Frees the space of the model, which a page that still receives it would hold.
+impl Drop for OpenedScene {
+    fn drop(&mut self) {
+        self.model.clear();
+    }
 }
 
 impl OpenedScene {
@@ -67,7 +75,12 @@ impl OpenedScene {
         let key = AccessKey::random().map_err(|error| unstarted(std::io::Error::other(error.to_string())))?;
         let model = ModelFile::create(&folder.model()).map_err(unstarted)?;
         let limits = &app.limits;
-        let task = WorkerTask { names, memory: limits.scene_memory, model_bytes: limits.model_bytes };
+        let task = WorkerTask {
+            names,
+            memory: limits.scene_memory,
+            reading_time: limits.reading_time,
+            model_bytes: limits.model_bytes,
+        };
         task.write(folder.path()).map_err(unstarted)?;
         let held = (folder, Arc::clone(&slot));
         let process = SceneProcess::start(command, held, permits, limits, Arc::clone(&app.scene_memory))
@@ -76,19 +89,25 @@ impl OpenedScene {
             Ok(frame) if frame.kind == FrameKind::Opened => {
                 process.set_read();
                 let name = frame.into_text();
+                let slot = Mutex::new(Some(slot));
                 return Ok(Self { key, name, model, slot, process });
             }
             Ok(frame) if frame.kind == FrameKind::Refused => frame.into_text(),
-            Ok(_) => String::new(),
+            Ok(_) => format!("error: {}\n", SceneEnd::Stopped),
             Err(end) => format!("error: {end}\n"),
         };
         process.end().await;
         Err(text)
     }
 
-    /// The slot of its page.
-    pub(crate) fn slot(&self) -> SceneSlot {
-        Arc::clone(&self.slot)
+    /// The slot of its page, unless its process has ended.
+    pub(crate) fn slot(&self) -> Option<SceneSlot> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Gives the slot to other pages, once the process has ended.
+    pub(crate) fn release_slot(&self) {
+        *self.slot.lock().unwrap_or_else(PoisonError::into_inner) = None;
     }
 
     /// The model, as it is sent.

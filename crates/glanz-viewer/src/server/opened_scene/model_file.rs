@@ -28,6 +28,12 @@ impl ModelFile {
         Ok(Self(Arc::new(Mutex::new(file))))
     }
 
+    /// Removes the bytes of the file; bodies that are not yet complete fail.
+    pub(super) fn clear(&self) {
+        // What stays is removed when the last body ends.
+        let _ = self.0.lock().unwrap_or_else(PoisonError::into_inner).set_len(0);
+    }
+
     /// The bytes of the file, as they are now, as a body.
     pub(super) fn body(&self) -> Body {
         let file = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -110,5 +116,8 @@ mod tests {
         }
         assert!(found.iter().all(|found| *found == bytes));
         assert!(matches!(Pin::new(&mut bodies[0]).poll_frame(&mut context), Poll::Ready(None)));
+        let mut late = file.body();
+        file.clear();
+        assert!(matches!(Pin::new(&mut late).poll_frame(&mut context), Poll::Ready(Some(Err(_)))));
     }
 }

@@ -6,13 +6,14 @@ use std::process::{ExitStatus, Stdio};
 use std::sync::Arc;
 use std::time::Duration;
 
+use glanz_job::ResourceLimits;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::process::{Child, ChildStderr, ChildStdin};
 use tokio::sync::{Mutex, Notify, mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 use tokio::time::{MissedTickBehavior, interval, sleep, timeout};
 
-use super::memory::{SceneMemory, machine_memory, own_memory};
+use super::memory::{SceneMemory, own_memory};
 use super::{SceneSlot, UploadPermits};
 use crate::server::settings::Limits;
 use crate::server::upload::UploadFolder;
@@ -180,9 +181,11 @@ impl Supervisor {
     /// Waits until the process has ended, or ends it. Nothing of it runs when this returns.
     async fn run(mut self, permits: UploadPermits) -> SceneEnd {
         let id = self.child.id();
-        let reason = self.watch(permits).await;
+        let mut permits = Some(permits);
+        let reason = self.watch(&mut permits).await;
         // It may have ended by itself.
         let _ = self.child.kill().await;
+        drop(permits);
         if let Some(id) = id {
             self.memory.remove(id);
         }
@@ -199,12 +202,16 @@ impl Supervisor {
     }
 
     /// Waits for a reason to end the process. The error is how it has ended by itself.
-    async fn watch(&mut self, permits: UploadPermits) -> Result<SceneEnd, io::Result<ExitStatus>> {
+    /// `permits` are released when the scene is read.
+    async fn watch(
+        &mut self,
+        permits: &mut Option<UploadPermits>,
+    ) -> Result<SceneEnd, io::Result<ExitStatus>> {
         let Self { child, limits, memory, unwanted, is_read, reader, .. } = self;
         let process = child.id().unwrap_or(0);
-        let opened_memory =
-            machine_memory().map_or(u64::MAX, |machine| machine / 2).min(limits.opened_memory);
-        let mut permits = Some(permits);
+        // The default is three quarters of what is available: here it is half.
+        let available = ResourceLimits::default().memory / 3 * 2;
+        let opened_memory = available.min(limits.opened_memory);
         let mut late = std::pin::pin!(sleep(limits.reading_time));
         let mut lingering = std::pin::pin!(async {
             let _ = reader.await;
@@ -226,7 +233,7 @@ impl Supervisor {
                     if bytes > limits.scene_memory {
                         return Ok(SceneEnd::TooLarge(limits.scene_memory));
                     }
-                    if memory.is_too_much(process, bytes, opened_memory) {
+                    if memory.record(process, bytes, opened_memory) {
                         return Ok(SceneEnd::TooLargeTogether(opened_memory));
                     }
                 }

@@ -1,6 +1,6 @@
 //! Folder of one upload.
 
-use std::fs::{DirBuilder, File};
+use std::fs::{DirBuilder, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,9 @@ const LOCK: &str = "lock";
 
 /// Beginning of the names of folders.
 const PREFIX: &str = "glanz-upload-";
+
+/// Largest number of names that are tried for a folder: another server that starts may take a new one for abandoned.
+const ATTEMPTS: usize = 8;
 
 /// A folder that only this user may read, with an empty subfolder for the files, removed with its content when it is dropped.
 #[derive(Debug)]
@@ -36,6 +39,16 @@ impl UploadFolder {
     }
 
     fn try_new_in(parent: &Path) -> io::Result<Self> {
+        for _ in 0..ATTEMPTS {
+            if let Some(folder) = Self::try_once_in(parent)? {
+                return Ok(folder);
+            }
+        }
+        Err(io::ErrorKind::WouldBlock.into())
+    }
+
+    /// Makes a folder; `None` if another server takes it for abandoned.
+    fn try_once_in(parent: &Path) -> io::Result<Option<Self>> {
         let key = AccessKey::random().map_err(io::Error::other)?;
         let path = parent.join(format!("{PREFIX}{key}"));
         let mut builder = DirBuilder::new();
@@ -45,10 +58,19 @@ impl UploadFolder {
         builder.create(&path)?;
         let lock = File::create_new(path.join(LOCK))?;
         let folder = Self { path, _lock: lock };
-        // On systems without locks the folder of a killed server stays.
-        let _ = folder._lock.try_lock();
-        builder.create(folder.files())?;
-        Ok(folder)
+        match folder._lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Ok(None),
+            // On systems without locks the folder of a killed server stays.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(error)) => return Err(error),
+        }
+        match builder.create(folder.files()) {
+            Ok(()) => Ok(Some(folder)),
+            // It was removed before it was locked.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     /// Removes the folders of servers that were killed.
@@ -82,9 +104,13 @@ impl Drop for UploadFolder {
 fn remove_abandoned_in(parent: &Path) {
     let entries = std::fs::read_dir(parent).into_iter().flatten().flatten();
     for entry in entries.filter(|entry| entry.file_name().as_encoded_bytes().starts_with(PREFIX.as_bytes())) {
-        let path = entry.path();
+        let (path, lock) = (entry.path(), entry.path().join(LOCK));
+        // Opening a pipe of another user would wait for its writer.
+        if !lock.symlink_metadata().is_ok_and(|about| about.is_file()) {
+            continue;
+        }
         // Folders of other users cannot be opened.
-        let Ok(lock) = File::open(path.join(LOCK)) else { continue };
+        let Ok(lock) = File::open(lock) else { continue };
         if lock.try_lock().is_ok() {
             let _ = std::fs::remove_dir_all(path);
         }
@@ -126,5 +152,16 @@ mod tests {
         std::fs::create_dir(&unlocked).unwrap();
         remove_abandoned_in(parent.path());
         assert!(used.path().exists() && unlocked.exists() && !path.exists());
+    }
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_in_place_of_the_lock_is_not_opened() {
+        let parent = tempfile::TempDir::new().unwrap();
+        let folder = parent.path().join(format!("{PREFIX}x"));
+        std::fs::create_dir(&folder).unwrap();
+        let made = std::process::Command::new("mkfifo").arg(folder.join(LOCK)).status().unwrap();
+        assert!(made.success());
+        remove_abandoned_in(parent.path());
+        assert!(folder.exists());
     }
 }

@@ -18,10 +18,11 @@ use tokio::time::timeout;
 
 use super::access_key::AccessKey;
 use super::message::ServerMessage;
-use super::opened_scene::{OpenedScene, UploadPermits};
+use super::opened_scene::{OpenedScene, SceneSlot, UploadPermits};
 use super::query_value;
 use super::settings::Limits;
 use super::state::AppState;
+use super::worker::WorkerCommand;
 
 use self::body::UploadBody;
 
@@ -105,6 +106,25 @@ async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Resul
         })?,
     };
     let permits = UploadPermits { _page: page, _upload: upload };
+    let opened = tokio::select! {
+        opened = receive_and_open(app, command, body, permits, slot) => opened?,
+        () = session.gone() => return Err(UploadError::bad("the page has gone")),
+    };
+    let opened = Arc::new(opened);
+    app.models.publish_opened(&opened);
+    let message = app.opened_message(&session.key, &opened);
+    session.show_opened(opened, message.clone());
+    Ok(ServerMessage::Scene(message).to_text())
+}
+
+/// Receives the files and opens the scene among them.
+async fn receive_and_open(
+    app: &AppState,
+    command: &WorkerCommand,
+    body: Body,
+    permits: UploadPermits,
+    slot: SceneSlot,
+) -> Result<OpenedScene, UploadError> {
     let folder = UploadFolder::try_new()?;
     let files = folder.files();
     let arriving = receive(UploadBody::new(body), &files, &app.limits);
@@ -114,15 +134,7 @@ async fn receive_scene(app: &AppState, query: Option<&str>, body: Body) -> Resul
             "the upload took too long; try again, or with fewer files".to_owned(),
         )
     })??;
-    let opened = tokio::select! {
-        opened = OpenedScene::open(app, command, (folder, names), permits, slot) => opened.map_err(UploadError::Scene)?,
-        () = session.gone() => return Err(UploadError::bad("the page has gone")),
-    };
-    let opened = Arc::new(opened);
-    app.models.publish_opened(&opened);
-    let message = app.opened_message(&session.key, &opened);
-    session.show_opened(opened, message.clone());
-    Ok(ServerMessage::Scene(message).to_text())
+    OpenedScene::open(app, command, (folder, names), permits, slot).await.map_err(UploadError::Scene)
 }
 
 /// Writes the files to `folder` and returns their relative paths.

@@ -13,9 +13,11 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use axum::extract::ws::Message;
 use glanz_formats::Options;
+use glanz_job::ResourceLimits;
 use serde::{Deserialize, Serialize};
 use tokio::io::AsyncWriteExt;
 use tokio::process::Command;
@@ -24,7 +26,7 @@ use tokio::task::spawn_blocking;
 use super::message::PageRequest;
 use super::page_service::{PageService, ServiceContext};
 use super::upload::{FILES, MODEL, scene_among};
-use super::viewer_scene::ViewerScene;
+use super::viewer_scene::{ViewerScene, page_text};
 use crate::stream::{IntegratorName, ViewDenoiser};
 
 pub(crate) use self::frames::{FrameKind, WorkerFrame, receive_frames, write_frame};
@@ -60,8 +62,9 @@ impl WorkerCommand {
     pub(crate) fn to_command(&self, folder: &Path) -> Command {
         let mut command = Command::new(&self.program);
         command.args(&self.arguments).env(FOLDER_VARIABLE, folder);
+        // In a group of its own: Ctrl-C in a terminal is for the server, which then ends it.
         #[cfg(unix)]
-        command.arg0("glanz-viewer-worker");
+        command.arg0("glanz-viewer-worker").process_group(0);
         command
     }
 }
@@ -103,6 +106,8 @@ pub(crate) struct WorkerTask {
     pub(crate) names: Vec<PathBuf>,
     /// Memory that the process may have, bytes.
     pub(crate) memory: u64,
+    /// Time limit of reading the scene.
+    pub(crate) reading_time: Duration,
     /// Largest model, bytes.
     pub(crate) model_bytes: u64,
 }
@@ -130,6 +135,11 @@ pub fn run_worker(folder: &Path, settings: WorkerSettings) -> Result<(), WorkerE
     let task = WorkerTask::read(folder)?;
     let model = OpenOptions::new().write(true).open(folder.join(MODEL))?;
     let files = folder.join(FILES);
+    // The sandbox hides the limits of the processors.
+    let threads = match threads {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        threads => threads,
+    };
     sandbox::enter(&files, &libraries, &task)?;
     // From here on there are threads, which inherit what was entered.
     let runtime = tokio::runtime::Builder::new_multi_thread().worker_threads(2).enable_all().build()?;
@@ -195,9 +205,15 @@ fn read_scene(
 ) -> Result<ViewerScene, String> {
     let sentence = |message: String| format!("error: {message}\n");
     let scene = scene_among(files, &task.names).map_err(sentence)?;
-    let options = Options { folder: Some(files.to_owned()), confined: true, ..options };
+    // The server enforces its own, too, but the message of the reader names the place.
+    let limits = ResourceLimits {
+        memory: options.limits.memory.min(task.memory),
+        time: options.limits.time.min(task.reading_time),
+        ..options.limits
+    };
+    let options = Options { folder: Some(files.to_owned()), confined: true, limits, ..options };
     let mut viewer_scene = ViewerScene::read(&files.join(scene), &options, None)
-        .map_err(|diagnostics| diagnostics.to_string())?;
+        .map_err(|diagnostics| page_text(&diagnostics))?;
     // Nobody else needs them.
     let bytes = std::mem::take(&mut viewer_scene.bytes);
     if bytes.len() as u64 > task.model_bytes {

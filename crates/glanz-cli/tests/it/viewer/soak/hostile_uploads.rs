@@ -9,14 +9,20 @@ use super::visitor::{Fault, Visitor};
 use crate::viewer::http::{self, PATIENCE};
 use crate::viewer::upload::{UploadedFile, endless_includes, head, request, text_file};
 
-/// A kind of upload: its name, and the function that performs it on a page that has just connected.
-type HostileUpload = (&'static str, fn(&str, Visitor, &mut Dice) -> Result<(), Fault>);
+/// A kind of upload: its name, and the function that performs it on a page that has just connected, and returns whether the server admitted it.
+type HostileUpload = (&'static str, fn(&str, Visitor, &mut Dice) -> Result<bool, Fault>);
 
 /// Time after which a page no longer waits for others to have opened their files.
 const WAIT: Duration = Duration::from_secs(120);
 
+/// Time within which a server refuses an upload that it does not admit.
+const REFUSAL: Duration = Duration::from_millis(200);
+
 /// Response of a server with too many uploads, or too many opened scenes.
 const BUSY: u16 = 503;
+
+/// Response to files that are no scene, or beyond the limits.
+const UNREADABLE: u16 = 422;
 
 /// Response to what is no upload, or that of a page that counts as disconnected: while it waits for others it answers no pings.
 const BAD: u16 = 400;
@@ -27,7 +33,7 @@ pub(crate) const ALL: [HostileUpload; 12] = [
     ("includes without end, whose page leaves", left_includes),
     ("shapes without end", endless_shapes),
     ("a picture that unpacks to a hundred times its size", png_bomb),
-    ("a picture that declares a gigabyte", exr_bomb),
+    ("a picture that declares more than the memory of a scene", exr_bomb),
     ("a file that is cut off", truncated_file),
     ("a file with random bytes", damaged_file),
     ("names that lead out", traversal),
@@ -64,11 +70,11 @@ const SMALL: [(&str, &str); 7] = [
     ("a.step", include_str!("../../../../../glanz-viewer/tests/discs.step")),
 ];
 
-/// Uploads files in one of the ways on a page of its own.
+/// Uploads files in one of the ways on a page of its own. Returns whether the server admitted them.
 ///
 /// # Errors
 /// A page that cannot connect, or an upload without an answer.
-pub(crate) fn upload(host: &str, kind: usize, dice: &mut Dice) -> Result<(), Fault> {
+pub(crate) fn upload(host: &str, kind: usize, dice: &mut Dice) -> Result<bool, Fault> {
     let (name, does) = ALL[kind % ALL.len()];
     let page = Visitor::try_new(host)?;
     does(host, page, dice).map_err(|fault| format!("{name}: {fault}"))
@@ -86,34 +92,51 @@ fn send(host: &str, bytes: &[u8]) -> Result<http::Answer, Fault> {
     }
 }
 
-fn open(host: &str, page: &Visitor, files: &[UploadedFile]) -> Result<(), Fault> {
-    send(host, &request(host, &page.session, files)).map(drop)
+/// Whether the server has begun to serve an upload: neither were there too many, nor counts its page as disconnected.
+fn is_admitted(answer: &http::Answer) -> bool {
+    answer.status != BUSY && !answer.body.starts_with(b"?session=")
 }
 
-/// Starts an upload and leaves its answer.
-fn start(host: &str, bytes: &[u8]) -> Result<TcpStream, Fault> {
-    let mut stream = TcpStream::connect(host).map_err(|error| error.to_string())?;
-    // The server may refuse it before all has arrived.
-    let _ = stream.write_all(bytes);
-    Ok(stream)
+fn open(host: &str, page: &Visitor, files: &[UploadedFile]) -> Result<bool, Fault> {
+    send(host, &request(host, &page.session, files)).map(|answer| is_admitted(&answer))
+}
+
+/// Starts an upload, again while too many pages are opening files, and leaves its answer. Returns whether the server admitted it, too.
+fn start(host: &str, bytes: &[u8]) -> Result<(TcpStream, bool), Fault> {
+    let start = Instant::now();
+    loop {
+        let mut stream = TcpStream::connect(host).map_err(|error| error.to_string())?;
+        // The server may refuse it before all has arrived.
+        let _ = stream.write_all(bytes);
+        stream.set_read_timeout(Some(REFUSAL)).map_err(|error| error.to_string())?;
+        let mut head = [0; 12];
+        // Nothing comes of an upload that is being served.
+        let count = stream.peek(&mut head).unwrap_or(0);
+        let head = &head[..count];
+        if head != b"HTTP/1.1 503" || start.elapsed() > WAIT {
+            let is_refused = head == b"HTTP/1.1 503" || head == b"HTTP/1.1 400";
+            return Ok((stream, !is_refused));
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
 }
 
 fn pause(dice: &mut Dice) {
     std::thread::sleep(Duration::from_millis(dice.throw(500)));
 }
 
-fn abandoned_includes(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
-    let stream = start(host, &request(host, &page.session, &endless_includes()))?;
+fn abandoned_includes(host: &str, page: Visitor, dice: &mut Dice) -> Result<bool, Fault> {
+    let (stream, is_admitted) = start(host, &request(host, &page.session, &endless_includes()))?;
     pause(dice);
     drop(stream);
     // Some pages stay.
     pause(dice);
     drop(page);
-    Ok(())
+    Ok(is_admitted)
 }
 
-fn left_includes(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
-    let mut stream = start(host, &request(host, &page.session, &endless_includes()))?;
+fn left_includes(host: &str, page: Visitor, dice: &mut Dice) -> Result<bool, Fault> {
+    let (mut stream, is_admitted) = start(host, &request(host, &page.session, &endless_includes()))?;
     pause(dice);
     drop(page);
     stream.set_read_timeout(Some(PATIENCE)).map_err(|error| error.to_string())?;
@@ -121,37 +144,42 @@ fn left_includes(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault
     stream
         .read_to_end(&mut answer)
         .map_err(|error| format!("the upload of a page that has left: {error}"))?;
-    Ok(())
+    Ok(is_admitted)
 }
 
-fn endless_shapes(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
+fn endless_shapes(host: &str, page: Visitor, dice: &mut Dice) -> Result<bool, Fault> {
     let mut files = endless_includes();
     files.pop();
     files.push(text_file("30.pbrt", "Shape \"sphere\"\n"));
-    let stream = start(host, &request(host, &page.session, &files))?;
+    let (stream, is_admitted) = start(host, &request(host, &page.session, &files))?;
     pause(dice);
     pause(dice);
     drop(stream);
-    Ok(())
+    Ok(is_admitted)
 }
 
-fn png_bomb(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
+fn png_bomb(host: &str, page: Visitor, _: &mut Dice) -> Result<bool, Fault> {
     let scene = TEXTURED.replace("FILE", "bomb.png");
     open(host, &page, &[text_file("a.pbrt", &scene), ("bomb.png".to_owned(), black_png(8192))])
 }
 
-fn exr_bomb(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
+fn exr_bomb(host: &str, page: Visitor, _: &mut Dice) -> Result<bool, Fault> {
     let scene = TEXTURED.replace("FILE", "bomb.exr");
-    open(host, &page, &[text_file("a.pbrt", &scene), ("bomb.exr".to_owned(), empty_exr(16_384))])
+    let files = [text_file("a.pbrt", &scene), ("bomb.exr".to_owned(), empty_exr(40_000, DWAA))];
+    let answer = send(host, &request(host, &page.session, &files))?;
+    match answer.status {
+        UNREADABLE | BAD | BUSY => Ok(is_admitted(&answer)),
+        _ => Err(answer.head),
+    }
 }
 
-fn truncated_file(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
+fn truncated_file(host: &str, page: Visitor, dice: &mut Dice) -> Result<bool, Fault> {
     let (name, text) = SMALL[dice.throw(SMALL.len() as u64) as usize];
     let bytes = text.as_bytes()[..dice.throw(text.len() as u64) as usize].to_vec();
     open(host, &page, &[(name.to_owned(), bytes)])
 }
 
-fn damaged_file(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
+fn damaged_file(host: &str, page: Visitor, dice: &mut Dice) -> Result<bool, Fault> {
     let (name, text) = SMALL[dice.throw(SMALL.len() as u64) as usize];
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..1 + dice.throw(8) {
@@ -161,7 +189,7 @@ fn damaged_file(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault>
     open(host, &page, &[(name.to_owned(), bytes)])
 }
 
-fn traversal(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
+fn traversal(host: &str, page: Visitor, _: &mut Dice) -> Result<bool, Fault> {
     for name in ["../a.pbrt", "/tmp/a.pbrt", "a/../../a.pbrt", "..\\a.pbrt", "a\u{0}.pbrt", "."] {
         let answer = send(host, &request(host, &page.session, &[text_file(name, BALL)]))?;
         if ![BAD, BUSY].contains(&answer.status) {
@@ -172,12 +200,13 @@ fn traversal(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
         "WorldBegin\nInclude \"../model\"\nInclude \"../task.json\"\nInclude \"/proc/self/environ\"\n";
     let answer = send(host, &request(host, &page.session, &[text_file("a.pbrt", scene)]))?;
     match answer.status {
-        422 | BAD | BUSY => Ok(()),
+        UNREADABLE | BAD | BUSY => Ok(is_admitted(&answer)),
         _ => Err(format!("files outside: {}", answer.head)),
     }
 }
 
-fn huge_sizes(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
+fn huge_sizes(host: &str, page: Visitor, _: &mut Dice) -> Result<bool, Fault> {
+    let mut are_admitted = true;
     for size in ["18446744073709551615", "1000000000000", "67108865"] {
         let body = format!("[[\"a.pbrt\",{size}]]\n{BALL}");
         let bytes = [head(host, &page.session, 1 << 40).into_bytes(), body.into_bytes()].concat();
@@ -185,35 +214,36 @@ fn huge_sizes(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
         if ![0, 413, BAD, BUSY].contains(&answer.status) {
             return Err(format!("{size} bytes: {}", answer.head));
         }
+        are_admitted &= is_admitted(&answer);
     }
-    Ok(())
+    Ok(are_admitted)
 }
 
-fn slow_bytes(host: &str, page: Visitor, _: &mut Dice) -> Result<(), Fault> {
+fn slow_bytes(host: &str, page: Visitor, _: &mut Dice) -> Result<bool, Fault> {
     let bytes = request(host, &page.session, &[text_file("a.pbrt", BALL)]);
     let (quick, slow) = bytes.split_at(bytes.len() - 50);
-    let mut stream = start(host, quick)?;
+    let (mut stream, is_admitted) = start(host, quick)?;
     for byte in &slow[..40] {
         if stream.write_all(&[*byte]).is_err() {
             break;
         }
         std::thread::sleep(Duration::from_millis(20));
     }
-    Ok(())
+    Ok(is_admitted)
 }
 
-fn missing_bytes(host: &str, page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
+fn missing_bytes(host: &str, page: Visitor, dice: &mut Dice) -> Result<bool, Fault> {
     let bytes = request(host, &page.session, &endless_includes());
-    let stream = start(host, &bytes[..dice.throw(bytes.len() as u64) as usize])?;
+    let (stream, is_admitted) = start(host, &bytes[..dice.throw(bytes.len() as u64) as usize])?;
     pause(dice);
     drop(stream);
-    Ok(())
+    Ok(is_admitted)
 }
 
-fn left_rendering(host: &str, mut page: Visitor, dice: &mut Dice) -> Result<(), Fault> {
+fn left_rendering(host: &str, mut page: Visitor, dice: &mut Dice) -> Result<bool, Fault> {
     let answer = send(host, &request(host, &page.session, &[text_file("a.pbrt", BALL)]))?;
     match answer.status {
-        BAD | BUSY => return Ok(()),
+        BAD | BUSY => return Ok(false),
         200 => {}
         _ => return Err(answer.head),
     }
@@ -224,7 +254,7 @@ fn left_rendering(host: &str, mut page: Visitor, dice: &mut Dice) -> Result<(), 
         page.pick()?;
         page.stop(view)?;
     }
-    Ok(())
+    Ok(true)
 }
 
 /// A black square as PNG, about 1/158 of its size.
@@ -279,13 +309,17 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
-/// An OpenEXR file with one channel of floats that declares a square and has 6 kB of zeros for it.
-fn empty_exr(side: i32) -> Vec<u8> {
+/// Numbers of compressions of OpenEXR; a block of the lossy one can be very small.
+const UNCOMPRESSED: u8 = 0;
+const DWAA: u8 = 8;
+
+/// An OpenEXR file with one channel of floats that declares a square and has 20 kB of zeros for it.
+fn empty_exr(side: i32, compression: u8) -> Vec<u8> {
     let window: Vec<u8> = [0, 0, side - 1, side - 1].iter().flat_map(|n: &i32| n.to_le_bytes()).collect();
     let channels = [&b"Y\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0"[..], b"\0"].concat();
     let attributes: [(&str, &str, &[u8]); 8] = [
         ("channels", "chlist", &channels),
-        ("compression", "compression", &[0]),
+        ("compression", "compression", &[compression]),
         ("dataWindow", "box2i", &window),
         ("displayWindow", "box2i", &window),
         ("lineOrder", "lineOrder", &[0]),
@@ -299,7 +333,7 @@ fn empty_exr(side: i32) -> Vec<u8> {
         exr.extend((value.len() as u32).to_le_bytes());
         exr.extend(value);
     }
-    exr.resize(exr.len() + 6000, 0);
+    exr.resize(exr.len() + 20_000, 0);
     exr
 }
 
@@ -312,6 +346,6 @@ fn bombs_are_files_of_their_formats() {
     let colors = picture.pixels.to_rgb().unwrap();
     assert!(colors.len() == 90_000 && colors.iter().flatten().all(|value| *value == 0.0));
     assert!(black_png(8192).len() < 500_000);
-    let error = image::read(&empty_exr(16), Some(Path::new("a.exr")), image::Encoding::Srgb);
-    assert!(empty_exr(16_384).len() < 7000 && error.is_err());
+    let error = image::read(&empty_exr(16, UNCOMPRESSED), Some(Path::new("a.exr")), image::Encoding::Srgb);
+    assert!(empty_exr(40_000, DWAA).len() < 21_000 && error.is_err());
 }
