@@ -94,8 +94,11 @@ impl Freeform {
         }
         let [min, max] = SIZES;
         if !(extent >= min && size <= max) {
-            let (parameter, value) =
-                if extent < min { ("the size of the surface", extent) } else { ("the largest coordinate", size) };
+            let (parameter, value) = if extent < min {
+                ("the size of the surface", extent)
+            } else {
+                ("the largest coordinate", size)
+            };
             return Err(SurfaceError::OutOfRange { parameter, value, min, max });
         }
         let frame = SurfaceFrame::new(&hull, size, degrees);

@@ -121,10 +121,7 @@ fn sizes_that_overflow_are_refused() {
     };
     for size in [1e-25, 1e-200, 1e19, 1e160] {
         let refused = scaled(size);
-        assert!(
-            matches!(refused, Err(SurfaceError::OutOfRange { .. })),
-            "{size:e}"
-        );
+        assert!(matches!(refused, Err(SurfaceError::OutOfRange { .. })), "{size:e}");
     }
     for size in [1e-17, 1e17] {
         let surface = scaled(size).unwrap();

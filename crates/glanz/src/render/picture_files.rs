@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn files_of_films_in_files_are_those_of_films_in_memory() {
-        let folder = std::env::temp_dir().join(format!("glanz-rows-{}", std::process::id()));
+        let folder = env::temp_dir().join(format!("glanz-rows-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let scene = SceneBuilder::new()
             .resolution(23, 37)
