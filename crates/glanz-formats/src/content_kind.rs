@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::Path;
 
 use crate::registry::{ModelFormat, SceneFormat};
-use crate::{image, pbrt, photometry};
+use crate::{image, pbrt, photometry, stl};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,9 +150,12 @@ impl ContentKind {
         use std::io::Read;
         let file =
             std::fs::File::open(path).ok().filter(|file| file.metadata().is_ok_and(|m| m.is_file()))?;
+        let length = file.metadata().ok()?.len();
         let mut head = Vec::new();
         file.take(HEAD as u64).read_to_end(&mut head).ok()?;
-        Self::of(&head)
+        // The size of a binary mesh is a part of its signature.
+        let is_mesh = || stl::is_binary_stl(&head, length);
+        Self::of(&head).or_else(|| is_mesh().then_some(Self::Scene(SceneFormat::Model(ModelFormat::Stl))))
     }
 
     /// The kind of a file that is no scene.
@@ -241,6 +244,18 @@ impl fmt::Display for ContentKind {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_long_binary_mesh_is_named_by_the_size_of_its_file() {
+        let facets = 2000_u32;
+        let mut bytes = vec![0; 84 + 50 * facets as usize];
+        bytes[80..84].copy_from_slice(&facets.to_le_bytes());
+        assert!(bytes.len() > HEAD);
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), &bytes).unwrap();
+        let stl = ContentKind::Scene(SceneFormat::Model(ModelFormat::Stl));
+        assert_eq!(ContentKind::of_file(file.path()), Some(stl));
+    }
 
     #[test]
     fn files_are_named_by_their_content() {

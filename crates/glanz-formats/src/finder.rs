@@ -1,7 +1,8 @@
 //! Search for the files that a scene refers to.
 
 use std::collections::BTreeMap;
-use std::io;
+use std::fs::File;
+use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
 use glanz_job::{BudgetError, ContentHash, Resource, ResourceBudget};
@@ -203,28 +204,52 @@ impl FileFinder {
         if self.lists && !kind.names_files() {
             return Err(io::Error::new(io::ErrorKind::Unsupported, "the file is only listed"));
         }
-        let metadata = std::fs::metadata(path)?;
-        if !metadata.is_file() {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
-        }
-        spend_file(&self.budget, metadata.len()).map_err(io::Error::other)?;
-        let bytes = std::fs::read(path).inspect_err(|_| {
+        let read = read_file(path, &self.budget);
+        if read.is_err() && self.budget.failure().is_none() {
             self.files.entry(path.to_owned()).and_modify(|file| file.exists = false);
-        })?;
+        }
+        let bytes = read?;
         self.hash.add_file(&bytes);
         Ok(bytes)
     }
 }
 
-/// Takes a file of so many bytes off the budget before it is read. Its memory is that of what is made of it: here it only has to fit.
+/// The bytes of a file, which is taken off the budget before it is read.
+///
+/// # Errors
+/// Those of the file system, that of the budget, [`io::ErrorKind::InvalidInput`] for anything but a regular file, and a message for a file that is longer than its size, because it grows
+/// or the system makes its content.
+pub(crate) fn read_file(path: &Path, budget: &ResourceBudget) -> io::Result<Vec<u8>> {
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
+    }
+    let size = metadata.len();
+    budget.check_now().map_err(io::Error::other)?;
+    spend_file(budget, size).map_err(io::Error::other)?;
+    // Its memory is that of what is made of it: here it only has to fit.
+    budget.reserve(size).map(drop).map_err(io::Error::other)?;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(usize::try_from(size).unwrap_or(usize::MAX)).map_err(io::Error::other)?;
+    File::open(path)?.take(size.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > size {
+        return Err(io::Error::other("it has grown, or has no size"));
+    }
+    Ok(bytes)
+}
+
+/// Takes a file of so many bytes off the budget.
 ///
 /// # Errors
 /// The budget is used up.
 pub(crate) fn spend_file(budget: &ResourceBudget, bytes: u64) -> Result<(), BudgetError> {
-    budget.check()?;
     budget.spend(Resource::Files, 1)?;
-    budget.spend(Resource::Bytes, bytes)?;
-    budget.reserve(bytes).map(drop)
+    budget.spend(Resource::Bytes, bytes)
+}
+
+/// Bytes of an entry of a list of the description that grows: it is in the old list, and in one of twice the length.
+pub(crate) fn entry_bytes<T>(name: &str) -> u64 {
+    (3 * size_of::<T>() + 2 * name.len()) as u64
 }
 
 /// Takes groups of a description off the budget.
@@ -242,3 +267,14 @@ pub(crate) fn spend_groups(budget: &ResourceBudget, groups: &[GroupDescription])
 
 /// Largest number of folders of `SearchPath`.
 const MAX_FOLDERS: usize = 64;
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_without_a_size_is_refused() {
+        let error = read_file(Path::new("/proc/self/status"), &ResourceBudget::default()).unwrap_err();
+        assert_eq!(error.to_string(), "it has grown, or has no size");
+    }
+}

@@ -14,6 +14,7 @@ mod file_list;
 mod finder;
 pub mod glb;
 mod gltf;
+mod growing_memory;
 pub mod iges;
 pub mod image;
 mod model;

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glanz_job::{CancelFlag, ResourceBudget, ResourceLimits};
+use glanz_job::{BudgetError, CancelFlag, ResourceBudget, ResourceLimits};
 use glanz_scene::studio::{StudioSettings, UpAxis};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Severity};
 
 use crate::cad::CadReport;
 use crate::content_kind::ContentKind;
 use crate::file_list::SceneFileList;
-use crate::finder::spend_file;
+use crate::finder::{read_file, spend_file};
 use crate::source::{MISSING_FILE, Sources, end_of_reading};
 use crate::{gltf, iges, model, obj, pbrt, rib, stl};
 
@@ -188,14 +188,23 @@ impl SceneFormat {
         if rib::has_surface(bytes) {
             return model(ModelFormat::Rib);
         }
-        if let Some(kind) = ContentKind::of_other(bytes) {
-            return Err(Some(kind));
+        match ContentKind::of_other(bytes) {
+            // Lines of numbers in a scene or a list may look like those of a luminaire.
+            Some(ContentKind::Luminaire(_)) if pbrt::begins(bytes) || begins_with_count(bytes) => {}
+            Some(kind) => return Err(Some(kind)),
+            None => {}
         }
         if bytes.trim_ascii_start().first().is_some_and(u8::is_ascii_digit) {
             return model(ModelFormat::Newell);
         }
         Ok(None)
     }
+}
+
+/// Whether the first line is a whole number, as in lists of patches.
+fn begins_with_count(bytes: &[u8]) -> bool {
+    let line = bytes.trim_ascii_start().split(|&b| b == b'\n').next().unwrap_or_default().trim_ascii_end();
+    !line.is_empty() && line.iter().all(u8::is_ascii_digit)
 }
 
 /// Whether the beginning of a file is no text.
@@ -231,14 +240,18 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, Diagnostics> {
 /// Lists the files that the scene file at `path` needs, with those that are missing. Reads only files that may name others.
 ///
 /// # Errors
-/// Diagnostics, if the scene file itself cannot be read.
+/// Diagnostics, if the scene file itself cannot be read, or a limit ends reading before the list is complete.
 pub fn list_files(path: &Path, options: &Options) -> Result<SceneFileList, Diagnostics> {
     let budget = options.budget();
     let (name, bytes) = read(path, options, &budget)?;
-    match SceneFormat::of_file(&bytes, Some(path)) {
+    let list = match SceneFormat::of_file(&bytes, Some(path)) {
         Ok(SceneFormat::Pbrt) => pbrt::list_files(&name, path, bytes, options, &budget),
         Ok(SceneFormat::Model(format)) => model::list_files(format, &name, path, &bytes, options, &budget),
         Err(what) => Err(failure(&name, "format", format!("the file is {what}"))),
+    };
+    match budget.failure() {
+        Some(end) => Err(ended(&name, end)),
+        None => list,
     }
 }
 
@@ -256,11 +269,16 @@ fn read(path: &Path, options: &Options, budget: &ResourceBudget) -> Result<(Stri
     if options.confined && !lies_in(path, folder) {
         return Err(unreadable("the file is outside the folder of the scene".to_owned()));
     }
-    spend_file(budget, metadata.len())
-        .map_err(|end| Diagnostics::of_end(end_of_reading(name.clone(), end), end))?;
-    let bytes =
-        std::fs::read(path).map_err(|error| unreadable(format!("the file cannot be read: {error}")))?;
+    let bytes = read_file(path, budget).map_err(|error| match budget.failure() {
+        Some(end) => ended(&name, end),
+        None => unreadable(format!("the file cannot be read: {error}")),
+    })?;
     Ok((name, bytes.into()))
+}
+
+/// The message that reading of a file has ended.
+fn ended(name: &str, end: BudgetError) -> Diagnostics {
+    Diagnostics::of_end(end_of_reading(name.to_owned(), end), end)
 }
 
 /// Whether `path`, with links resolved, is in `folder`.
@@ -285,7 +303,9 @@ pub fn load_str(name: &str, text: &str, options: &Options) -> Result<Loaded, Dia
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load_bytes(name: &str, bytes: Vec<u8>, options: &Options) -> Result<Loaded, Diagnostics> {
-    load_named(name, None, bytes.into(), options, &options.budget())
+    let budget = options.budget();
+    spend_file(&budget, bytes.len() as u64).map_err(|end| ended(name, end))?;
+    load_named(name, None, bytes.into(), options, &budget)
 }
 
 fn load_named(
@@ -303,7 +323,7 @@ fn load_named(
     match (loaded, budget.failure()) {
         (loaded, None) => loaded,
         (Err(diagnostics), Some(_)) if diagnostics.end().is_some() => Err(diagnostics),
-        (_, Some(end)) => Err(Diagnostics::of_end(end_of_reading(name.to_owned(), end), end)),
+        (_, Some(end)) => Err(ended(name, end)),
     }
 }
 
@@ -337,6 +357,8 @@ mod tests {
             (b"# made by\n\nv 0 0 0\n", model(ModelFormat::Obj)),
             (b"solid x\n facet normal", model(ModelFormat::Stl)),
             (b"32\n1,2,3", model(ModelFormat::Newell)),
+            (b"5\n1\n1\n1\n0\n19\n5\n", model(ModelFormat::Newell)),
+            (b"LookAt\n1\n2\n3\n0\n1\n0\n0\n0\n1\n", Ok(SceneFormat::Pbrt)),
             (b"AttributeBegin\nPatch \"bicubic\" \"P\" [", model(ModelFormat::Rib)),
             (b"##RenderMan RIB\n# Shape\nTranslate 0 0 5 NuPatch 4", model(ModelFormat::Rib)),
             (b"Translate 0 0 5\nShape \"nurbs\" # Patch\n", Ok(SceneFormat::Pbrt)),

@@ -39,7 +39,7 @@ impl CopyBudget {
         self.left = left.unwrap_or_default();
         left.ok_or_else(|| Refusal::new(entity, "the file repeats its geometry too often"))?;
         let bytes = POINT.saturating_mul(count as u64);
-        let spent = self.resources.check().and_then(|()| self.resources.spend(Resource::Memory, bytes));
+        let spent = self.resources.check_now().and_then(|()| self.resources.spend(Resource::Memory, bytes));
         spent.map_err(|end| Refusal::new(entity, end.to_string()))
     }
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use data_encoding::BASE64_NOPAD;
+use glanz_job::MemoryReservation;
 
 use super::error::GltfError;
 use super::json::{Document, JsonObject, JsonPath};
@@ -23,6 +24,8 @@ pub(super) struct Buffers<'a> {
     buffers: Vec<BufferBytes<'a>>,
     /// Bytes of all of them; those that they share count once.
     size: usize,
+    /// Memory of those that are not a part of the file.
+    _memory: Vec<MemoryReservation>,
 }
 
 #[derive(Clone, Debug)]
@@ -51,7 +54,7 @@ impl<'a> Buffers<'a> {
         reader: &mut ModelReader,
     ) -> Result<Self, GltfError> {
         let mut known: BTreeMap<PathBuf, Rc<[u8]>> = BTreeMap::new();
-        let mut buffers = Vec::new();
+        let (mut buffers, mut memory) = (Vec::new(), Vec::new());
         for index in 0..document.length("buffers") {
             let read = |buffer: JsonObject<'_>| {
                 let length = buffer.required_count("byteLength")?;
@@ -64,6 +67,8 @@ impl<'a> Buffers<'a> {
                             None => {
                                 let bytes: Rc<[u8]> =
                                     read_address(uri, reader, FileKind::Buffer).map_err(problem)?.into();
+                                let reserved = reader.finder.budget.reserve(bytes.len() as u64);
+                                memory.push(reserved.map_err(|end| problem(end.to_string()))?);
                                 known.insert(key, Rc::clone(&bytes));
                                 bytes
                             }
@@ -83,7 +88,7 @@ impl<'a> Buffers<'a> {
             buffers.push(document.element("buffers", index, &JsonPath::ROOT, read)?);
         }
         let addressed: usize = known.values().map(|bytes| bytes.len()).sum();
-        Ok(Self { buffers, size: addressed + binary.map_or(0, <[u8]>::len) })
+        Ok(Self { buffers, size: addressed + binary.map_or(0, <[u8]>::len), _memory: memory })
     }
 
     /// Number of bytes of all buffers; those that they share count once.

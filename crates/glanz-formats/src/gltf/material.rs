@@ -100,8 +100,10 @@ impl GltfReader<'_, '_> {
                 && self.sampler_of(texture, material)?.0 == ImageWrap::Repeat;
         }
         let medium = self.volume(material, &kind)?;
+        let name = material.own_name();
+        self.reader.spend_entry::<MaterialDescription>(&name);
         let materials = &mut self.reader.description.materials;
-        materials.push(MaterialDescription { name: material.own_name(), surface_detail, ..kind.into() });
+        materials.push(MaterialDescription { name, surface_detail, ..kind.into() });
         let index = materials.len() - 1;
         Ok(GltfMaterial { index, emission, alpha, is_repeated, is_periodic, medium, uv })
     }
@@ -132,6 +134,7 @@ impl GltfReader<'_, '_> {
                 ));
             }
             let name = material.own_name();
+            self.reader.spend_entry::<MediumDescription>(&name);
             let media = &mut self.reader.description.media;
             media.push(MediumDescription { name, ..MediumDescription::new(absorption, 0.0) });
             Ok(Some(media.len() - 1))

@@ -9,6 +9,7 @@ use super::accessor::{Accessor, ElementType};
 use super::error::GltfError;
 use super::json::{JsonObject, JsonPath};
 use super::material::GltfMaterial;
+use crate::finder::entry_bytes;
 use crate::model::repetition;
 
 const SCALAR: ElementType = ElementType { names: &["SCALAR"], floats: false };
@@ -27,10 +28,10 @@ const DRACO: &str = "KHR_draco_mesh_compression";
 pub(super) const DRACO_HELP: &str =
     "compression by Draco is not read; convert the file first: gltf-transform copy FILE plain.glb";
 
-/// The message for a file whose primitives use the same elements again and again.
 /// Bytes of an element of an accessor: a vector of numbers of eight bytes.
 const BYTES_PER_ELEMENT: u64 = 24;
 
+/// The message for a file whose primitives use the same elements again and again.
 const TOO_MUCH: &str = "the elements of the file are used too often; give primitives the same mesh instead of the same accessors";
 
 /// Triangles over the vertices that they use.
@@ -106,7 +107,11 @@ impl<'a> GltfReader<'a, '_> {
             let mut shapes = Vec::new();
             for (i, primitive) in mesh.list("primitives")?.iter().enumerate() {
                 let path = path.index(i);
-                shapes.extend(self.primitive(&JsonObject::try_new(primitive, &path)?)?);
+                let shape = self.primitive(&JsonObject::try_new(primitive, &path)?)?;
+                if shape.is_some() {
+                    self.spend_object(entry_bytes::<ShapeDescription>(""), &path)?;
+                }
+                shapes.extend(shape);
             }
             Ok(shapes)
         })
@@ -286,6 +291,13 @@ impl<'a> GltfReader<'a, '_> {
         let budget = &self.reader.finder.budget;
         let spent = budget.check().and_then(|()| budget.spend(Resource::Memory, bytes));
         spent.map_err(|end| path.error(end.to_string()))
+    }
+
+    /// Takes a shape, instance or light with its memory off the budget.
+    pub(super) fn spend_object(&self, bytes: u64, path: &JsonPath<'_>) -> Result<(), GltfError> {
+        let spent = self.reader.finder.budget.spend(Resource::Objects, 1);
+        spent.map_err(|end| path.error(end.to_string()))?;
+        self.spend(bytes, path)
     }
 
     /// Counts elements that are used, so that time and memory are in proportion to the size of the file.

@@ -58,8 +58,9 @@ const READ: [&str; 16] = [
 const ELEMENTS_PER_BYTE: usize = 4;
 const FREE_ELEMENTS: usize = 10_000;
 
-/// Bytes of the parsed text per byte: 32 for a value of two.
-const JSON_PER_BYTE: u64 = 16;
+/// Bytes of a parsed object, and of a value in a list or an object, which grows.
+const JSON_OBJECT: u64 = 700;
+const JSON_VALUE: u64 = 96;
 
 /// State of the reader.
 struct GltfReader<'a, 'b> {
@@ -101,8 +102,8 @@ impl From<GltfError> for PlacedError {
 fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> {
     let parts = container::split(bytes)?;
     let budget = reader.finder.budget.clone();
-    let needed = JSON_PER_BYTE.saturating_mul(parts.json.len() as u64);
-    let _reserved = budget.reserve(needed).map_err(|end| GltfError::of_file(end.to_string()))?;
+    let _reserved =
+        budget.reserve(json_memory(parts.json)).map_err(|end| GltfError::of_file(end.to_string()))?;
     let document = Document::parse(parts.json, &budget).map_err(|error| {
         let in_text = parts.json.len() == bytes.len();
         let place = |n: usize| u32::try_from(n).unwrap_or(u32::MAX).max(1);
@@ -137,6 +138,16 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
         return Err(GltfError::of_file("the default scene of the file has no triangles").into());
     }
     Ok(())
+}
+
+/// Bytes of the parsed text.
+fn json_memory(text: &[u8]) -> u64 {
+    let of_byte = |&byte: &u8| match byte {
+        b'{' => JSON_OBJECT + JSON_VALUE,
+        b',' | b':' | b'[' => JSON_VALUE,
+        _ => 0,
+    };
+    text.iter().map(of_byte).fold(text.len() as u64, u64::saturating_add)
 }
 
 /// Checks version and required extensions, and reports what is not read.

@@ -12,6 +12,7 @@ use super::error::GltfError;
 use super::json::{JsonObject, JsonPath};
 use super::mesh::{VEC3, VEC4};
 use super::view::WATTS_PER_LUMEN;
+use crate::finder::entry_bytes;
 use crate::model::{MAX_LIGHT_COPIES, light_count};
 
 /// A use of a mesh by a node.
@@ -206,10 +207,12 @@ impl GltfReader<'_, '_> {
                 None => {
                     let shapes = self.mesh(mesh, &path)?;
                     let name = document.element("meshes", mesh, &path, |mesh| Ok(mesh.own_name()))?;
-                    let all = &mut self.reader.description.groups;
-                    let group = (!shapes.is_empty()).then(|| (all.len(), light_count(&shapes)));
+                    let next = self.reader.description.groups.len();
+                    let group = (!shapes.is_empty()).then(|| (next, light_count(&shapes)));
                     if group.is_some() {
-                        all.push(GroupDescription { name, shapes, ..GroupDescription::default() });
+                        self.spend(entry_bytes::<GroupDescription>(&name), &path)?;
+                        let group = GroupDescription { name, shapes, ..GroupDescription::default() };
+                        self.reader.description.groups.push(group);
                     }
                     groups.insert(mesh, group);
                     // The first instance is no copy.
@@ -225,7 +228,7 @@ impl GltfReader<'_, '_> {
                 return Err(path.error(message));
             }
             let instance = InstanceDescription { name, group, to_parent: to_world, location: None };
-            self.spend(instance.bytes(), &path)?;
+            self.spend_object(instance.bytes(), &path)?;
             self.reader.description.world.instances.push(instance);
         }
         Ok(())

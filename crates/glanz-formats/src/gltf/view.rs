@@ -8,6 +8,7 @@ use glanz_scene::description::{CameraDescription, CameraKind, LightDescription, 
 use super::GltfReader;
 use super::error::GltfError;
 use super::json::{JsonObject, JsonPath};
+use crate::finder::entry_bytes;
 
 /// W of light of the luminance of white per lumen.
 pub(super) const WATTS_PER_LUMEN: f32 = (1.0 / LUMINOUS_EFFICACY) as f32;
@@ -78,6 +79,9 @@ impl GltfReader<'_, '_> {
             light_of(&JsonObject::try_new(light, &path)?, to_world)
         })?;
         self.reader.own_light = true;
+        if light.is_some() {
+            self.spend_object(entry_bytes::<LightDescription>(""), from.path())?;
+        }
         self.reader.description.lights.extend(light);
         Ok(())
     }

@@ -91,7 +91,8 @@ pub(super) fn check_size(
     if samples > FREE_SAMPLES && samples / ratio > bytes as u64 {
         return Err(ImageError::Unbacked { format, width, height, bytes });
     }
-    budget.spend(Resource::Pixels, pixels).map_err(|end| ImageError::Budget { format, end })
+    let spent = budget.check_now().and_then(|()| budget.spend(Resource::Pixels, pixels));
+    spent.map_err(|end| ImageError::Budget { format, end })
 }
 
 /// Reserves the memory of decoding: `decoder` bytes, and 4 for each of `samples` values.

@@ -16,6 +16,9 @@ use crate::budget_reader::BudgetReader;
 /// Largest number of values per byte of these formats: deflate compresses 1032 to 1, JPEG stores 512 pixels of 3 values in a byte.
 const RATIO: u64 = 2048;
 
+/// Most bytes that the head of a picture may unpack to, such as a profile of its colours, beside those of the file.
+const HEAD: u64 = 16 << 20;
+
 /// Size of the parts of a PNG's data, bytes.
 const CHUNK: usize = 1 << 18;
 
@@ -39,7 +42,12 @@ pub(super) fn read(
     };
     let mut reader = ImageReader::with_format(BudgetReader::new(bytes, budget), which);
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(budget.limits().memory);
+    let head = HEAD.min(budget.limits().memory / 8).saturating_add(bytes.len() as u64);
+    // Only the decoder of PNG unpacks any of it.
+    let is_png = format == Format::Png;
+    limits.max_alloc = Some(if is_png { head } else { budget.limits().memory });
+    let reserved = budget.reserve(if is_png { head } else { 0 });
+    let _head = reserved.map_err(|end| ImageError::Budget { format, end })?;
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(|e| decoding_error(format, e))?;
     let (width, height) = decoder.dimensions();

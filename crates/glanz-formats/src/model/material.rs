@@ -38,6 +38,7 @@ impl ModelReader {
 
     /// Adds a texture and returns its index.
     pub(crate) fn add_texture(&mut self, name: String, kind: TextureKind) -> usize {
+        self.spend_entry::<TextureDescription>(&name);
         let textures = &mut self.description.textures;
         textures.push(TextureDescription { name, kind, location: None });
         textures.len() - 1

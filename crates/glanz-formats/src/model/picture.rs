@@ -41,22 +41,31 @@ pub(super) fn read_picture(
     let plane = pixels.len() * size_of::<f32>();
     let colors = || {
         // Colours, and perhaps those of normals, for a while.
-        let _copies = budget.reserve(6 * plane as u64).map_err(|end| end.to_string())?;
-        pixels.to_rgb().ok_or_else(|| "the picture has neither R, G, B nor Y".to_owned())
+        let copies = budget.reserve(6 * plane as u64).map_err(|end| end.to_string())?;
+        let colors = pixels.to_rgb().ok_or_else(|| "the picture has neither R, G, B nor Y".to_owned())?;
+        Ok::<_, String>((copies, colors))
     };
-    let (content, planes) = match content {
+    let planes = if matches!(content, PictureContent::Normals { .. }) { 3 } else { 1 };
+    let kept = (planes * plane) as u64;
+    // Normals of a grey picture have more planes than it.
+    let more = budget.reserve(kept.saturating_sub(memory.bytes())).map_err(|end| end.to_string())?;
+    let content = match content {
         PictureContent::Color => {
             colors()?;
             memory.keep();
             return Ok(pixels);
         }
-        PictureContent::Normals { scale } => (normals(&pixels, &colors()?, f32::from_bits(scale))?, 3),
-        PictureContent::Channel(number) => (split(&pixels, channel(number, grey))?, 1),
-        PictureContent::Opacity if pixels.channel("A").is_some() => (split(&pixels, "A")?, 1),
-        PictureContent::Opacity => (split(&pixels, channel(1, grey))?, 1),
+        PictureContent::Normals { scale } => {
+            let (_copies, colors) = colors()?;
+            normals(&pixels, &colors, f32::from_bits(scale))?
+        }
+        PictureContent::Channel(number) => split(&pixels, channel(number, grey))?,
+        PictureContent::Opacity if pixels.channel("A").is_some() => split(&pixels, "A")?,
+        PictureContent::Opacity => split(&pixels, channel(1, grey))?,
     };
-    memory.shrink((planes * plane) as u64);
+    memory.shrink(kept);
     memory.keep();
+    more.keep();
     Ok(content)
 }
 

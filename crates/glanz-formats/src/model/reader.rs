@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glanz_job::ResourceBudget;
+use glanz_job::{Resource, ResourceBudget};
 use glanz_light::Pixels;
 use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
 use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
@@ -12,7 +12,7 @@ use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Severity};
 use super::picture::{PictureContent, read_picture};
 use crate::cad::CadReport;
 use crate::file_list::FileKind;
-use crate::finder::{FileFinder, FindError};
+use crate::finder::{FileFinder, FindError, entry_bytes};
 use crate::registry::{Loaded, Options};
 use crate::source::{Sources, end_of_reading};
 
@@ -97,6 +97,11 @@ impl ModelReader {
 
     pub(crate) fn add(&mut self, geometry: GeometryDescription) {
         self.description.world.shapes.push(ShapeDescription::from(geometry));
+    }
+
+    /// Takes an entry of a list of the description off the budget. A failure stays in the budget, and ends reading.
+    pub(crate) fn spend_entry<T>(&self, name: &str) {
+        let _ = self.finder.budget.spend(Resource::Memory, entry_bytes::<T>(name));
     }
 
     /// `place`: line and column from 1, if the message is about a place in a text.

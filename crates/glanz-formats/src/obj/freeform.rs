@@ -62,6 +62,11 @@ impl FreeformState {
         Self { points_left: bytes, ..Self::default() }
     }
 
+    /// How many points loops may still use.
+    pub(super) fn points_left(&self) -> usize {
+        self.points_left
+    }
+
     /// Reads a statement; `false` if it is none of freeform geometry.
     pub(super) fn statement(
         &mut self,

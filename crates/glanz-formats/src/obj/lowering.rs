@@ -14,7 +14,7 @@ use glanz_scene::description::{
 use glanz_scene::studio::CAD_GREY;
 use glanz_shading::model::PrincipledMaterial;
 
-use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read_materials, read_with};
+use super::{ObjFile, ObjMaterial, ObjPicture, SkippedStatement, read_materials_with, read_with};
 use crate::file_list::FileKind;
 use crate::model::{ModelReader, PictureContent, repetition};
 use crate::source::MISSING_FILE;
@@ -160,10 +160,13 @@ impl MaterialLowering<'_> {
             Ok(bytes) => bytes,
             Err(problem) => return self.report_missing(problem),
         };
-        match read_materials(&bytes) {
+        match read_materials_with(&bytes, &self.reader.finder.budget) {
             Ok(file) => {
                 report(self.reader, name, &file.skipped);
                 for material in file.materials {
+                    if self.reader.finder.budget.check().is_err() {
+                        return;
+                    }
                     let lowered = self.material(&material, name);
                     materials.insert(material.name, lowered);
                 }
@@ -178,6 +181,7 @@ impl MaterialLowering<'_> {
         let kind = self.kind(material, diffuse);
         let emission = self.emission(material, &name);
         let alpha = if is_refracting(material) { None } else { self.alpha(material, &name) };
+        self.reader.spend_entry::<MaterialDescription>(&material.name);
         let materials = &mut self.reader.description.materials;
         materials.push(MaterialDescription { name: material.name.clone(), ..kind.into() });
         (materials.len() - 1, emission, alpha)

@@ -2,9 +2,12 @@
 
 use std::borrow::Cow;
 
+use glanz_job::ResourceBudget;
+
 use super::SkippedStatement;
 use super::error::{ObjError, ObjErrorKind};
 use super::statement::{ObjWord, Statements};
+use crate::growing_memory::GrowingReservation;
 use crate::source::shortened;
 
 /// Parameters of a material, as the file gives them.
@@ -96,10 +99,22 @@ const OPTIONS: [(&str, usize); 13] = [
 /// # Errors
 /// [`ObjError`] with line and column.
 pub fn read_materials(bytes: &[u8]) -> Result<ObjMaterials, ObjError> {
-    let mut statements = Statements::new(bytes);
+    read_materials_with(bytes, &ResourceBudget::default())
+}
+
+/// As [`read_materials`] within a budget.
+///
+/// # Errors
+/// [`ObjError`] with line and column.
+pub fn read_materials_with(bytes: &[u8], budget: &ResourceBudget) -> Result<ObjMaterials, ObjError> {
+    let mut statements = Statements::new(bytes).within(budget);
+    let mut memory = GrowingReservation::new(budget);
     let mut file = ObjMaterials::default();
     while statements.advance() {
         let s = &statements;
+        let needed = (3 * size_of::<ObjMaterial>() * (file.materials.len() + 1)) as u64;
+        let reserved = budget.check().and_then(|()| memory.reach(needed));
+        reserved.map_err(|end| s.error(None, end.into()))?;
         if s.keyword() == "newmtl" {
             file.materials.push(ObjMaterial { name: s.rest(), ..ObjMaterial::default() });
             continue;
@@ -111,6 +126,7 @@ pub fn read_materials(bytes: &[u8]) -> Result<ObjMaterials, ObjError> {
             SkippedStatement::add(&mut file.skipped, s.place(), what);
         }
     }
+    budget.check().map_err(|end| statements.error(None, end.into()))?;
     Ok(file)
 }
 

@@ -20,7 +20,7 @@ use glanz_scene::description::{NurbsDescription, TrimDescription};
 
 pub use error::{ObjError, ObjErrorKind};
 pub(crate) use lowering::read_into;
-pub use material::{ObjMaterial, ObjMaterials, ObjPicture, read_materials};
+pub use material::{ObjMaterial, ObjMaterials, ObjPicture, read_materials, read_materials_with};
 pub use reader::{read, read_with};
 pub(crate) use statement::is_obj;
 

@@ -10,6 +10,7 @@ use super::faces::{self, MAX_CONCAVE};
 use super::freeform::FreeformState;
 use super::statement::{ObjWord, Statements};
 use super::{ObjFile, ObjMesh, SkippedStatement};
+use crate::growing_memory::GrowingReservation;
 use crate::source::shortened;
 
 /// Statements without an effect here.
@@ -59,6 +60,12 @@ struct Reader {
     meshes: Vec<OpenMesh>,
     by_material: BTreeMap<(usize, Option<usize>), usize>,
     has_colors: bool,
+    /// Numbers of what is in all meshes and surfaces, and of the bytes of names.
+    vertices: usize,
+    triangles: usize,
+    freeform_values: usize,
+    names: usize,
+    memory: GrowingReservation,
 }
 
 /// Reads the bytes of a file.
@@ -69,22 +76,19 @@ pub fn read(bytes: &[u8]) -> Result<ObjFile, ObjError> {
     read_with(bytes, &ResourceBudget::default())
 }
 
-/// Bytes for each byte of a file: of a vertex such as `v 0 0 0`, a position of 32 and a vertex of a mesh of 64 with its entry in a table that grows.
-const MEMORY_PER_BYTE: u64 = 24;
-
 /// As [`read`] within a budget.
 ///
 /// # Errors
 /// [`ObjError`] with line and column.
 pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<ObjFile, ObjError> {
     let mut statements = Statements::new(bytes).within(budget);
-    let needed = MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64);
-    let _reserved = budget.reserve(needed).map_err(|end| statements.error(None, end.into()))?;
-    let budget = budget.clone();
-    let mut reader = Reader { budget, freeform: FreeformState::new(bytes.len()), ..Reader::default() };
+    let (budget, memory) = (budget.clone(), GrowingReservation::new(budget));
+    let freeform = FreeformState::new(bytes.len());
+    let mut reader = Reader { budget, memory, freeform, ..Reader::default() };
     while statements.advance() {
         reader.check(&statements)?;
         reader.statement(&statements)?;
+        reader.reserve(&statements, bytes.len())?;
     }
     reader.check(&statements)?;
     let Reader { mut file, meshes, .. } = reader;
@@ -97,6 +101,25 @@ impl Reader {
         self.budget.check().map_err(|end| s.error(None, end.into()))
     }
 
+    /// Reserves the memory of what was read so far of a file of `size` bytes: lists grow, and have a part of twice their length for a while.
+    fn reserve(&mut self, s: &Statements<'_>, size: usize) -> Result<(), ObjError> {
+        let points = size.saturating_sub(self.freeform.points_left());
+        let lists = [
+            (self.positions.len(), 96),
+            (self.uvs.len(), 48),
+            (self.normals.len(), 72),
+            // Its entry in a table, too.
+            (self.vertices, 300),
+            (self.triangles, 36),
+            (self.meshes.len(), 1000),
+            (self.freeform_values + points, 100),
+            (self.file.materials.len() + self.file.libraries.len(), 250),
+            (self.names, 3),
+        ];
+        let bytes = lists.iter().map(|&(count, each)| each * count as u64).sum();
+        self.memory.reach(bytes).map_err(|end| s.error(None, end.into()))
+    }
+
     fn statement(&mut self, s: &Statements<'_>) -> Result<(), ObjError> {
         match s.keyword() {
             "v" => self.position(s)?,
@@ -105,9 +128,15 @@ impl Reader {
             "f" | "fo" => self.face(s)?,
             "o" => self.object += 1,
             "usemtl" => self.use_material(s.rest()),
-            "mtllib" => self.file.libraries.push(s.rest()),
+            "mtllib" => {
+                let name = s.rest();
+                self.names += name.len();
+                self.file.libraries.push(name);
+            }
             ignored if IGNORED.contains(&ignored) => {}
-            _ if self.freeform.statement(s, &self.positions, self.material, &mut self.file)? => {}
+            _ if self.freeform.statement(s, &self.positions, self.material, &mut self.file)? => {
+                self.freeform_values += s.values().len();
+            }
             other => self.skip(s, format!("statement {:?} is not read and skipped", shortened(other))),
         }
         Ok(())
@@ -125,6 +154,7 @@ impl Reader {
         let next = self.file.materials.len();
         let number = *self.material_numbers.entry(name.clone()).or_insert(next);
         if number == next {
+            self.names += name.len();
             self.file.materials.push(name);
         }
         self.material = Some(number);
@@ -160,12 +190,15 @@ impl Reader {
             self.meshes.push(OpenMesh { mesh, ..OpenMesh::default() });
         }
         let Some(open) = self.meshes.get_mut(index) else { return Ok(()) };
+        self.triangles += triangles.len();
+        let before = open.mesh.positions.len();
         let mut vertices = Vec::with_capacity(corners.len());
         for (corner, point) in corners.into_iter().zip(points) {
             let vertex = open.vertex(corner, point, &self.uvs, &self.normals);
             vertices.push(vertex.ok_or_else(|| s.error(None, ObjErrorKind::TooMany))?);
         }
         open.mesh.triangles.extend(triangles.into_iter().map(|t| t.map(|i| vertices[i])));
+        self.vertices += open.mesh.positions.len() - before;
         Ok(())
     }
 

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use glanz_job::ResourceBudget;
 
 use super::error::{ObjError, ObjErrorKind};
+use crate::growing_memory::GrowingReservation;
 use crate::source::{line_and_column, shortened};
 
 /// Statements that files begin with.
@@ -15,11 +16,17 @@ const FIRST: [&str; 22] = [
 
 /// Whether the first statement of the bytes is one of OBJ.
 pub(crate) fn is_obj(bytes: &[u8]) -> bool {
-    let mut statements = Statements::new(bytes);
+    let mut statements = Statements { most_words: 2, ..Statements::new(bytes) };
     statements.advance()
         && statements.words.len() > 1
         && FIRST.iter().any(|name| statements.keyword() == *name)
 }
+
+/// The memory of words is reserved for so many at once.
+const WORDS_AT_ONCE: usize = 1024;
+
+/// Bytes of a word in a list that grows, and of the corner of a polygon that it may be.
+const BYTES_PER_WORD: u64 = 250;
 
 /// Beginnings of statements with a name, in which `#` begins no comment: exporters number materials that way.
 const NAMING: [&str; 4] = ["usemtl", "mtllib", "newmtl", "map_"];
@@ -51,18 +58,23 @@ pub(super) struct Statements<'a> {
     /// Line and column of the first word.
     place: (u32, u32),
     budget: Option<&'a ResourceBudget>,
+    /// Memory of the words.
+    memory: Option<GrowingReservation>,
+    /// Number of words after which nothing is read.
+    most_words: usize,
 }
 
 impl<'a> Statements<'a> {
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         // A byte order mark is no part of the first word.
         let at = if bytes.starts_with("\u{feff}".as_bytes()) { '\u{feff}'.len_utf8() } else { 0 };
-        Self { bytes, at, words: Vec::new(), lines: 0, place: (1, 1), budget: None }
+        let (words, most_words) = (Vec::new(), usize::MAX);
+        Self { bytes, at, words, lines: 0, place: (1, 1), budget: None, memory: None, most_words }
     }
 
     /// The same, which ends when the budget does.
     pub(super) fn within(self, budget: &'a ResourceBudget) -> Self {
-        Self { budget: Some(budget), ..self }
+        Self { budget: Some(budget), memory: Some(GrowingReservation::new(budget)), ..self }
     }
 
     /// Goes on to the next statement, if there is one.
@@ -90,7 +102,8 @@ impl<'a> Statements<'a> {
             code.get(start..).and_then(|rest| rest.iter().position(|b| !b.is_ascii_whitespace()))
         {
             start += skip;
-            if self.budget.is_some_and(|budget| budget.check().is_err()) {
+            let is_over = self.budget.is_some_and(|budget| budget.check().is_err());
+            if is_over || self.words.len() >= self.most_words {
                 self.at = self.bytes.len();
                 return false;
             }
@@ -104,6 +117,13 @@ impl<'a> Statements<'a> {
                 self.place = (self.lines.saturating_add(1), from_one(start));
             }
             self.words.push(ObjWord { text, bytes, at: self.at + start });
+            if self.words.len().is_multiple_of(WORDS_AT_ONCE)
+                && let Some(memory) = &mut self.memory
+                && memory.reach(BYTES_PER_WORD * self.words.len() as u64).is_err()
+            {
+                self.at = self.bytes.len();
+                return false;
+            }
             start += end;
         }
         self.at += length + 1;

@@ -230,6 +230,7 @@ fn files_are_recognised_by_their_first_statement() {
     for text in ["# Blender\n\nmtllib a.mtl\n", "v 0 0 0", "o x", "g default\n", "\u{feff}# x\nv 0 0 0"] {
         assert!(is_obj(text.as_bytes()), "{text}");
     }
+    assert!(is_obj(format!("v 0 0 0{}", " 1".repeat(100_000)).as_bytes()));
     for text in ["", "# v 0 0 0", "v", "Shape \"sphere\"", "WorldBegin", "32\n1,2", "{ \"asset\": 1 }"] {
         assert!(!is_obj(text.as_bytes()), "{text}");
     }

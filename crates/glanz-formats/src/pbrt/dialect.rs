@@ -83,13 +83,17 @@ const V4_FILTER: &[&str] = &["float xradius", "float yradius", "float sigma"];
 /// Detects the dialect by the first piece of evidence in the file; without any it is version 3.
 ///
 /// Every file with `WorldEnd` is of version 3, but nearly all files have evidence in their first
-/// lines. Included files are not examined.
-pub(crate) fn detect(bytes: &Arc<[u8]>) -> Dialect {
+/// lines. Included files are not examined. The search ends with the budget, as reading does then.
+pub(crate) fn detect(bytes: &Arc<[u8]>, budget: &ResourceBudget) -> Dialect {
+    // Its tokens count when they are read.
     let mut lexer = Lexer::new(Arc::clone(bytes), FileId(0), &ResourceBudget::default());
     let mut directive = String::new();
     let mut values = 0;
     let mut last_text = String::new();
     while let Some(first) = lexer.peek() {
+        if budget.check().is_err() {
+            break;
+        }
         if first != b'"' && !first.is_ascii_uppercase() {
             lexer.skip_word();
             continue;
@@ -164,7 +168,7 @@ mod tests {
             ("Option \"bool disablepixeljitter\" true", Dialect::V4),
             ("Material \"point\" \"string name\" \"point\"", Dialect::V3),
         ] {
-            assert_eq!(detect(&Arc::from(text.as_bytes())), dialect, "{text}");
+            assert_eq!(detect(&Arc::from(text.as_bytes()), &ResourceBudget::default()), dialect, "{text}");
         }
     }
 }

@@ -138,7 +138,10 @@ impl Lexer {
     /// The next token and its span; `None` at the end.
     pub(crate) fn next(&mut self) -> Result<Option<(Token, Span)>, LexError> {
         let Some(first) = self.peek() else { return Ok(None) };
-        self.count()?;
+        // A text counts itself.
+        if first != b'"' {
+            self.count()?;
+        }
         match first {
             b'[' | b']' => {
                 let place = self.place(1);
@@ -167,6 +170,13 @@ impl Lexer {
     /// Skips a bracket or an unquoted word.
     pub(crate) fn skip_word(&mut self) {
         self.offset = self.bytes.len().min(self.offset + self.word_length().max(1));
+    }
+
+    /// Skips the closing bracket that is next.
+    pub(crate) fn close(&mut self) -> Result<(), LexError> {
+        self.count()?;
+        self.skip_word();
+        Ok(())
     }
 
     /// The quoted text that starts here; its span includes the quotes.
@@ -442,6 +452,23 @@ mod tests {
         assert_eq!(found(0), ((1, 5), 1));
         assert_eq!(found(1), ((1, 7), 1));
         assert_eq!(found(2), ((2, 3), 3));
+    }
+
+    #[test]
+    fn texts_and_brackets_are_one_token_each() {
+        let budget = ResourceBudget::default();
+        let mut l = Lexer::new(Arc::from(&b"Shape \"a\" \"b\" [ 1 ]"[..]), FileId(0), &budget);
+        l.next().unwrap();
+        l.next().unwrap();
+        l.peek();
+        l.text().unwrap();
+        l.next().unwrap();
+        l.peek();
+        l.float().unwrap();
+        l.peek();
+        l.close().unwrap();
+        l.spend().unwrap();
+        assert_eq!((l.peek(), budget.used(Resource::Tokens)), (None, 6));
     }
 
     #[test]

@@ -105,7 +105,7 @@ fn lower(
 ) -> (Lowering, bool) {
     let (strict, lists, budget) = (options.strict, finder.lists, finder.budget.clone());
     let reporter = Reporter { strict, lists, budget, ..Reporter::default() };
-    let dialect = dialect::detect(&bytes);
+    let dialect = dialect::detect(&bytes, &reporter.budget);
     let lowering = Lowering { edges: options.edges, ..Lowering::new(reporter, dialect, finder) };
     let mut parser = Parser::new(lowering);
     parser.run(name, path, bytes);

@@ -19,7 +19,12 @@ fn declared(bytes: &[u8]) -> Option<(u32, u64)> {
 
 /// Whether the file has exactly the size of a binary file with facets.
 pub(super) fn has_exact_size(bytes: &[u8]) -> bool {
-    declared(bytes).is_some_and(|(count, size)| count > 0 && size == bytes.len() as u64)
+    has_size(bytes, bytes.len() as u64)
+}
+
+/// As above, of the beginning of a file of `length` bytes.
+pub(super) fn has_size(head: &[u8], length: u64) -> bool {
+    declared(head).is_some_and(|(count, size)| count > 0 && size == length)
 }
 
 /// Reads a file; bytes after the last facet are ignored.

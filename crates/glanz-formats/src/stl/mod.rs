@@ -11,6 +11,8 @@ use std::collections::HashMap;
 use glanz_job::{BudgetError, ResourceBudget};
 use glanz_math::DVec3;
 
+use crate::growing_memory::GrowingReservation;
+
 /// A mesh from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StlMesh {
@@ -81,6 +83,11 @@ pub(crate) fn is_stl(bytes: &[u8]) -> bool {
     binary::has_exact_size(bytes) || text::is_text(bytes)
 }
 
+/// Whether a file of `length` bytes that begins with `head` is a binary one, by its size.
+pub(crate) fn is_binary_stl(head: &[u8], length: u64) -> bool {
+    binary::has_size(head, length)
+}
+
 /// Reads the bytes of a file.
 ///
 /// # Errors
@@ -89,16 +96,15 @@ pub fn read(bytes: &[u8]) -> Result<StlMesh, StlError> {
     read_with(bytes, &ResourceBudget::default())
 }
 
-/// Bytes for each byte of a file: of a facet, three vertices with their entries in a table that grows.
-const MEMORY_PER_BYTE: u64 = 12;
+/// Bytes of a vertex with its entry in a table, and of a triangle, in lists that grow.
+const BYTES_PER_VERTEX: u64 = 190;
+const BYTES_PER_TRIANGLE: u64 = 36;
 
 /// As [`read`] within a budget.
 ///
 /// # Errors
 /// [`StlError`] with its place.
 pub fn read_with(bytes: &[u8], budget: &ResourceBudget) -> Result<StlMesh, StlError> {
-    let needed = MEMORY_PER_BYTE.saturating_mul(bytes.len() as u64);
-    let _reserved = budget.reserve(needed).map_err(|end| StlErrorKind::from(end).of_file())?;
     if binary::has_exact_size(bytes) || !text::is_text(bytes) {
         binary::read(bytes, budget)
     } else {
@@ -112,15 +118,25 @@ struct FacetCollector<'a> {
     mesh: StlMesh,
     /// Vertices by the bits of their coordinates.
     known: HashMap<[u64; 3], u32>,
+    memory: GrowingReservation,
 }
 
 impl<'a> FacetCollector<'a> {
     fn new(budget: &'a ResourceBudget) -> Self {
-        Self { budget, mesh: StlMesh::default(), known: HashMap::new() }
+        Self {
+            budget,
+            mesh: StlMesh::default(),
+            known: HashMap::new(),
+            memory: GrowingReservation::new(budget),
+        }
     }
 
     fn add(&mut self, corners: [DVec3; 3]) -> Result<(), StlErrorKind> {
         self.budget.check()?;
+        // With those of this facet.
+        let vertices = self.mesh.positions.len() as u64 + 3;
+        let triangles = self.mesh.triangles.len() as u64 + 1;
+        self.memory.reach(BYTES_PER_VERTEX * vertices + BYTES_PER_TRIANGLE * triangles)?;
         let mut triangle = [0; 3];
         for (index, corner) in triangle.iter_mut().zip(corners) {
             // Both zeros are one.

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use glanz_formats::{Diagnostics, Options, load, load_str};
+use glanz_formats::{Diagnostics, Options, list_files, load, load_str};
 use glanz_job::{BudgetError, CancelFlag, Resource, ResourceLimits};
 
 /// The reason of the end of reading `text`, with the only message.
@@ -93,6 +93,9 @@ fn samples(count: usize) -> Vec<(&'static str, String)> {
         ("iges", iges),
         ("shapes", repeated("WorldBegin\n", "Shape \"sphere\"\n", "")),
         ("list", repeated("WorldBegin Shape \"trianglemesh\" \"point3 P\" [", "0 0 1 1 0 1 0 1 1\n", "]")),
+        ("lights", repeated("WorldBegin\n", "LightSource \"point\"\n", "")),
+        ("materials", repeated("WorldBegin\n", "Material \"matte\"\n", "")),
+        ("empty objects", repeated("WorldBegin\n", "ObjectBegin \"a\" ObjectEnd\n", "")),
         ("names", repeated("WorldBegin\n", "Texture \"a\" \"float\" \"constant\" \"float value\" 1\n", "")),
     ]
 }
@@ -154,6 +157,51 @@ fn objects_are_shapes_instances_and_copies() {
     assert!(load_str("a", text, &limited(|limits| limits.objects = 3)).is_ok());
     let (_, message) = end(text, &limited(|limits| limits.objects = 2));
     assert!(message.starts_with("error: a:2:35: the limit of 2 objects is exceeded\n"), "{message}");
+}
+
+#[test]
+fn lights_are_objects() {
+    let text = "WorldBegin LightSource \"point\" LightSource \"infinite\"\nLightSource \"distant\"";
+    assert!(load_str("a", text, &limited(|limits| limits.objects = 3)).is_ok());
+    let (_, message) = end(text, &limited(|limits| limits.objects = 2));
+    assert!(message.starts_with("error: a:2:1: the limit of 2 objects is exceeded\n"), "{message}");
+    let light = "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"}]}}";
+    let node = "\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}";
+    let text = format!("{GLTF}{{\"mesh\":0}},{{\"mesh\":0}},{{{node}}}],{light}}}");
+    // Two instances of a shape, and the light.
+    assert!(load_str("a", &text, &limited(|limits| limits.objects = 4)).is_ok());
+    assert_eq!(resource(end(&text, &limited(|limits| limits.objects = 3))), Resource::Objects);
+}
+
+#[test]
+fn parameters_of_shapes_give_their_memory_back() {
+    let corners = "0 0 1 1 0 1 0 1 1\n".repeat(1000);
+    let shape = format!("Shape \"trianglemesh\" \"point3 P\" [{corners}] \"integer indices\" [0 1 2]\n");
+    let used = |count: usize| {
+        let text = format!("WorldBegin\n{}", shape.repeat(count));
+        load_str("a", &text, &Options::default()).unwrap().budget.used(Resource::Memory)
+    };
+    // 3000 corners of 24 bytes, once.
+    let one = used(2) - used(1);
+    assert!((72_000..100_000).contains(&one), "{one}");
+}
+
+#[test]
+fn a_file_in_memory_counts_as_one_on_a_disk() {
+    let loaded = load_str("a", "WorldBegin", &Options::default()).unwrap();
+    assert_eq!((loaded.budget.used(Resource::Files), loaded.budget.used(Resource::Bytes)), (1, 10));
+    assert_eq!(resource(end("WorldBegin", &limited(|limits| limits.bytes = 9))), Resource::Bytes);
+}
+
+#[test]
+fn a_list_of_files_that_a_limit_ends_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("a.pbrt");
+    std::fs::write(&scene, "WorldBegin Include \"b.pbrt\"").unwrap();
+    std::fs::write(folder.path().join("b.pbrt"), "").unwrap();
+    let listed = |files| list_files(&scene, &limited(|limits| limits.files = files));
+    assert_eq!(listed(2).unwrap().files.len(), 2);
+    assert_eq!(resource(only(listed(1).unwrap_err())), Resource::Files);
 }
 
 /// Thirty files of which each includes the next one twice: 2^30 files.

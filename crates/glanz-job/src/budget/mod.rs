@@ -171,6 +171,17 @@ impl ResourceBudget {
         if checks.is_multiple_of(CHECKS_PER_CLOCK) { self.check_clock() } else { Ok(()) }
     }
 
+    /// As [`ResourceBudget::check`], but reads the clock each time: before parts that take long, such as a file, a picture or a shape.
+    ///
+    /// # Errors
+    /// As of [`ResourceBudget::check`].
+    pub fn check_now(&self) -> Result<(), BudgetError> {
+        if self.cancel.is_cancelled() || self.shared.failure.get().is_some() {
+            return Err(self.stopped());
+        }
+        self.check_clock()
+    }
+
     #[cold]
     fn stopped(&self) -> BudgetError {
         *self.shared.failure.get_or_init(|| BudgetError::Interrupted)

@@ -62,8 +62,10 @@ fn time_and_flag_end_a_loop() {
     let rounds = (0..1000).take_while(|_| late.check().is_ok()).count();
     assert!(rounds <= CHECKS_PER_CLOCK as usize);
     assert!(matches!(late.failure(), Some(BudgetError::Limit(LimitError { resource: Resource::Time, .. }))));
+    let late = budget(|limits| limits.time = Duration::ZERO);
+    assert!(matches!(late.check_now(), Err(BudgetError::Limit(LimitError { resource: Resource::Time, .. }))));
     let flagged = budget(|_| {});
-    assert_eq!(flagged.check(), Ok(()));
+    assert_eq!((flagged.check(), flagged.check_now()), (Ok(()), Ok(())));
     let (next, flag) = (flagged.for_next_step(), CancelFlag::default());
     let other = next.with_cancel(flag.clone());
     flagged.cancel().cancel();

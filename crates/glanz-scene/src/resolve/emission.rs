@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use glanz_job::ResourceBudget;
 use glanz_light::{Spectrum, Wavelengths, units};
 
-use super::light::emitted_spectrum;
-use super::range_error;
+use super::light::{BYTES_PER_TEXEL, emitted_spectrum};
+use super::{range_error, spend};
 use crate::area::{area, far_field_area};
 use crate::description::{EmissionDescription, EmissionPower, ImageDescription, Location};
 use crate::error::SceneError;
@@ -55,13 +56,14 @@ pub(super) fn area_light(
 /// The pictures of surfaces that emit light, each made once.
 pub(super) struct EmissionPictures<'a> {
     images: &'a [ImageDescription],
+    budget: &'a ResourceBudget,
     made: BTreeMap<usize, Arc<FlatImage>>,
 }
 
 impl<'a> EmissionPictures<'a> {
-    /// `images`: those of the description.
-    pub(super) fn new(images: &'a [ImageDescription]) -> Self {
-        Self { images, made: BTreeMap::new() }
+    /// `images`: those of the description; `budget`: that of their memory.
+    pub(super) fn new(images: &'a [ImageDescription], budget: &'a ResourceBudget) -> Self {
+        Self { images, budget, made: BTreeMap::new() }
     }
 
     fn get(&mut self, index: usize, location: Option<Location>) -> Result<Arc<FlatImage>, SceneError> {
@@ -70,6 +72,8 @@ impl<'a> EmissionPictures<'a> {
         }
         let error = |kind| SceneError { location, kind };
         let description = image_of(self.images, index).map_err(error)?;
+        let texels = description.pixels.len() as u64;
+        spend(self.budget, 0, BYTES_PER_TEXEL.saturating_mul(texels), location)?;
         let image = FlatImage::of_pixels(&description.pixels, Spectrum::ONE);
         let image = Arc::new(image.ok_or_else(|| error(without_colors(description)))?);
         self.made.insert(index, Arc::clone(&image));

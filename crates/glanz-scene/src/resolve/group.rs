@@ -172,7 +172,7 @@ impl<'a> GroupResolver<'a> {
         let GroupParts { mut objects, emitters, instances, .. } = self.parts(world, index, warnings)?;
         let mut lights = Vec::with_capacity(emitters.len());
         let mut light_spectra = Vec::with_capacity(emitters.len());
-        let mut pictures = EmissionPictures::new(images);
+        let mut pictures = EmissionPictures::new(images, self.budget);
         for emitter in emitters {
             let mut object = emitter.object;
             let index = objects.len() as u32;

@@ -3,9 +3,25 @@
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths, units};
 
 use super::{WarningList, range_error, transform};
-use crate::description::{ImageDescription, LightDescription, Location};
+use crate::description::{ImageDescription, LightDescription, LightKind, Location};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::{Light, LightInput};
+
+/// Bytes of each texel of a light's picture: its radiance, its weight, and the sums that select it.
+pub(super) const BYTES_PER_TEXEL: u64 = 40;
+
+/// Bytes that a light makes of its picture.
+pub(super) fn picture_bytes(light: &LightDescription, images: &[ImageDescription]) -> u64 {
+    let image = match &light.kind {
+        LightKind::Projection { image, .. }
+        | LightKind::Goniometric { image, .. }
+        | LightKind::ImageInfinite { image, .. } => Some(*image),
+        LightKind::PortalInfinite { image, .. } => image.as_ref().map(|(image, _)| *image),
+        _ => None,
+    };
+    let texels = image.and_then(|image| images.get(image)).map_or(0, |image| image.pixels.len());
+    BYTES_PER_TEXEL.saturating_mul(texels as u64)
+}
 
 pub(super) fn light(
     description: &LightDescription,

@@ -85,7 +85,8 @@ impl Scene {
         let ResolvedGroups { groups, mut lights, mut light_spectra, receivers, media_ends } =
             groups.finish(description.world, &description.images, &mut warnings)?;
         for light in &description.lights {
-            spend(budget, 1, size_of::<Light>() as u64, light.location)?;
+            let memory = size_of::<Light>() as u64 + light::picture_bytes(light, &description.images);
+            spend(budget, 1, memory, light.location)?;
             lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
             light_spectra.push(EmissionSpectrum::new(&light.emission));
         }
@@ -136,7 +137,7 @@ fn spend(
     location: Option<Location>,
 ) -> Result<(), SceneError> {
     let spent = budget
-        .check()
+        .check_now()
         .and_then(|()| budget.spend(Resource::Objects, objects))
         .and_then(|()| budget.spend(Resource::Memory, bytes));
     spent.map_err(|end| SceneError { location, kind: end.into() })

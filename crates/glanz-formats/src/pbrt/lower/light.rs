@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::rc::Rc;
 
+use glanz_job::Resource;
 use glanz_light::units::LUMINOUS_EFFICACY;
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::{
@@ -52,6 +53,7 @@ impl Lowering {
             }
             _ => context.ctm,
         };
+        self.spend_light(&list.place)?;
         self.description.design.variables.extend(free);
         self.description.lights.push(LightDescription {
             kind,
@@ -63,6 +65,12 @@ impl Lowering {
         });
         list.finish(&mut self.reporter);
         Ok(())
+    }
+
+    /// Takes a light off the budget.
+    pub(super) fn spend_light(&mut self, place: &Span) -> ParseResult<()> {
+        self.reporter.spend(place, Resource::Objects, 1)?;
+        self.spend_entry::<LightDescription>("", place)
     }
 
     fn ends(&mut self, list: &mut ParameterList) -> ParseResult<(DVec3, DVec3)> {

@@ -43,6 +43,10 @@ impl Lowering {
             return Ok((LightKind::Rays { rays: rays.into(), from }, emission));
         }
         let mut photometry = self.photometry(&p, &path, &bytes)?;
+        let read = &photometry.distribution;
+        let values = read.azimuths().len().saturating_mul(read.polars().len());
+        let memory = BYTES_PER_INTENSITY.saturating_mul(values as u64).saturating_add(bytes.len() as u64);
+        self.reporter.spend(&p.value_place, Resource::Memory, memory)?;
         self.choose_lamps(list, &mut photometry)?;
         *luminaire = Some(Arc::new(photometry.description(&path)));
         self.tilt(list, &mut photometry)?;
@@ -208,6 +212,9 @@ impl Lowering {
         }
     }
 }
+
+/// Bytes for each intensity of a luminaire: itself, and once more while all are scaled.
+const BYTES_PER_INTENSITY: u64 = 16;
 
 /// Largest number of rays of a file: all are in memory, with 28 bytes each and 8 for their selection.
 const MAX_RAYS: u64 = 20_000_000;

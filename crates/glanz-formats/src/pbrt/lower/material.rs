@@ -26,9 +26,11 @@ impl Lowering {
         mut list: ParameterList,
         space: ColorSpace,
     ) -> ParseResult<usize> {
-        let location = Some(list.place.location);
+        let place = list.place;
+        let location = Some(place.location);
         let surface_detail = self.surface_detail(&mut list)?;
         let kind = self.material_kind(kind, list, space)?;
+        self.spend_entry::<MaterialDescription>("", &place)?;
         let materials = &mut self.description.materials;
         materials.push(MaterialDescription { name: String::new(), kind, surface_detail, location });
         Ok(materials.len() - 1)
@@ -41,7 +43,8 @@ impl Lowering {
         mut list: ParameterList,
         space: ColorSpace,
     ) -> ParseResult<()> {
-        let location = Some(list.place.location);
+        let place = list.place;
+        let location = Some(place.location);
         let Some(kind) = list.text("type", &mut self.reporter)? else {
             let message = format!("material {:?} has no \"string type\"", shortened(name));
             return Err(self.reporter.error(&list.place, "parameter-missing", message));
@@ -49,6 +52,7 @@ impl Lowering {
         list.subject = format!("material {kind:?}");
         let surface_detail = self.surface_detail(&mut list)?;
         let kind = self.material_kind(&kind, list, space)?;
+        self.spend_entry::<MaterialDescription>(name, &place)?;
         let material = MaterialDescription { name: name.to_owned(), kind, surface_detail, location };
         self.materials.define(name, material, &mut self.description.materials);
         Ok(())
@@ -57,7 +61,13 @@ impl Lowering {
     /// The index of the material of this name, which may be defined later.
     pub(crate) fn use_material(&mut self, name: &str, place: &Span) -> usize {
         let materials = &mut self.description.materials;
-        self.materials.index_of(name, place, materials, || grey_material(name, place))
+        let before = materials.len();
+        let index = self.materials.index_of(name, place, materials, || grey_material(name, place));
+        if materials.len() > before {
+            // A failure is reported, and ends reading at the next directive.
+            let _ = self.spend_entry::<MaterialDescription>(name, place);
+        }
+        index
     }
 
     /// The material of shapes without one.

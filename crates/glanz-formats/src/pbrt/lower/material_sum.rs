@@ -211,6 +211,8 @@ impl Lowering {
 
     /// Adds a material without a name, a part of another, and returns its index.
     fn add_part(&mut self, kind: MaterialKind, list: &ParameterList) -> usize {
+        // A failure is reported, and ends reading at the next directive.
+        let _ = self.spend_entry::<MaterialDescription>("", &list.place);
         let materials = &mut self.description.materials;
         materials.push(MaterialDescription { location: Some(list.place.location), ..kind.into() });
         materials.len() - 1
@@ -249,6 +251,8 @@ impl Lowering {
 
     /// Adds a texture without a name and returns its index.
     pub(super) fn add_texture(&mut self, kind: TextureKind, list: &ParameterList) -> usize {
+        // A failure is reported, and ends reading at the next directive.
+        let _ = self.spend_entry::<TextureDescription>("", &list.place);
         let textures = &mut self.description.textures;
         textures.push(TextureDescription { name: String::new(), kind, location: Some(list.place.location) });
         textures.len() - 1

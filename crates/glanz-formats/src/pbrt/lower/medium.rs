@@ -21,7 +21,13 @@ impl Lowering {
             return None;
         }
         let media = &mut self.description.media;
-        Some(self.media.index_of(name, place, media, || nothing(name, place)))
+        let before = media.len();
+        let index = self.media.index_of(name, place, media, || nothing(name, place));
+        if media.len() > before {
+            // A failure is reported, and ends reading at the next directive.
+            let _ = self.spend_entry::<MediumDescription>(name, place);
+        }
+        Some(index)
     }
 
     /// Reports media that are used and never defined.
@@ -51,6 +57,7 @@ impl Lowering {
                 nothing(name, &place)
             }
         };
+        self.spend_entry::<MediumDescription>(name, &place)?;
         self.media.define(name, medium, &mut self.description.media);
         Ok(())
     }

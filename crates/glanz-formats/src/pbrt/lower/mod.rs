@@ -41,6 +41,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::rc::Rc;
 
+use glanz_job::Resource;
 use glanz_math::DMat4;
 use glanz_scene::Description;
 use glanz_scene::description::{EmissionDescription, SurfaceMedia};
@@ -48,7 +49,7 @@ use glanz_scene::studio::{UpAxis, UpAxisError};
 use glanz_shading::model::SurfaceFinish;
 
 use crate::file_list::FileKind;
-use crate::finder::{FileFinder, FindError};
+use crate::finder::{FileFinder, FindError, entry_bytes};
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
 use crate::pbrt::parameters::{ParameterList, shortened};
@@ -183,6 +184,11 @@ impl Lowering {
             }
         }
         Ok(())
+    }
+
+    /// Takes an entry of a list of the description off the budget.
+    fn spend_entry<T>(&mut self, name: &str, place: &Span) -> ParseResult<()> {
+        self.reporter.spend(place, Resource::Memory, entry_bytes::<T>(name))
     }
 
     /// Finds a file that a parameter names.

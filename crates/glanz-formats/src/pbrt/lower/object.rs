@@ -39,6 +39,7 @@ impl Lowering {
             );
             self.reporter.warning(place, "object-again", message);
         }
+        self.spend_entry::<GroupDescription>(name, place)?;
         let group = GroupDescription { name: name.to_owned(), ..GroupDescription::default() };
         self.object = Some(OpenObject { group, lights: 0 });
         Ok(())

@@ -61,9 +61,11 @@ impl Lowering {
             luminaire: None,
             location: Some(place.location),
         };
+        self.spend_light(&place)?;
         self.description.lights.push(light(LightKind::Sky(sky), 1.0.into()));
         if has_sun {
             let disk = LightKind::Sun { from: towards_sun, to: DVec3::ZERO, angular_radius: SUN_RADIUS };
+            self.spend_light(&place)?;
             self.description.lights.push(light(disk, model.sun_irradiance().clone()));
         }
         Ok(())
@@ -75,6 +77,7 @@ impl Lowering {
         let scale = self.not_negative(list, "scale")?.unwrap_or(1.0) as f32;
         let illuminance = self.not_negative(list, "illuminance")?.unwrap_or(DEFAULT_ILLUMINANCE);
         let irradiance = (illuminance / LUMINOUS_EFFICACY) as f32;
+        self.spend_light(&list.place)?;
         self.description.lights.push(LightDescription {
             kind: LightKind::OvercastSky { albedo },
             emission: irradiance.into(),

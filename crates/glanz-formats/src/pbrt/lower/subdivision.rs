@@ -15,6 +15,9 @@ const LEVELS: u32 = 3;
 /// Largest number of triangles of all subdivided meshes of a scene.
 const MOST_SUBDIVIDED: usize = 1 << 24;
 
+/// Bytes while a mesh is subdivided, for each triangle of the last level.
+const BYTES_PER_TRIANGLE: u64 = 100;
+
 impl Lowering {
     /// The limit surface of a control mesh, as triangles with its normals.
     pub(super) fn loop_subdivision(&mut self, list: &mut ParameterList) -> ParseResult<GeometryDescription> {
@@ -33,6 +36,8 @@ impl Lowering {
             self.stand_in(&p.value_place, "stand-in-shape", message);
             return Ok(control_mesh(positions, triangles));
         }
+        let reserved = self.reporter.budget.reserve(BYTES_PER_TRIANGLE.saturating_mul(count as u64));
+        let _memory = reserved.map_err(|end| self.reporter.end(&p.value_place, end))?;
         match loop_subdivision(positions.clone(), triangles.clone(), levels) {
             Ok(SubdividedMesh { positions, normals, triangles: indices }) => {
                 self.subdivided += count;

@@ -87,6 +87,7 @@ impl Lowering {
             other => self.procedural_texture(other, &mut list, context)?,
         };
         let location = Some(list.place.location);
+        self.spend_entry::<TextureDescription>(name, &list.place)?;
         list.finish(&mut self.reporter);
         let index = self.description.textures.len();
         self.description.textures.push(TextureDescription { name: name.to_owned(), kind: made, location });

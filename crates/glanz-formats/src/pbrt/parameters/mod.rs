@@ -4,6 +4,7 @@ mod syntax;
 #[cfg(test)]
 mod tests;
 
+use glanz_job::MemoryReservation;
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::Severity;
 
@@ -16,7 +17,7 @@ use syntax::parse_parameter;
 pub(crate) use syntax::{Parameter, ParameterType, Values};
 
 /// The parameters of one directive. Reading a parameter removes it; those that remain at the end are unused.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct ParameterList {
     /// The owner in messages: `shape "sphere"`.
     pub(crate) subject: String,
@@ -24,6 +25,8 @@ pub(crate) struct ParameterList {
     pub(crate) place: Span,
     items: Vec<Parameter>,
     asked: Vec<&'static str>,
+    /// Memory of the list, in use until it is dropped.
+    memory: Option<MemoryReservation>,
 }
 
 /// Largest number of parameters of a directive.
@@ -43,7 +46,19 @@ impl ParameterList {
             }
             items.push(parse_parameter(lexer)?);
         }
-        Ok(Self { subject, place, items, asked: Vec::new() })
+        Ok(Self { subject, place, items, asked: Vec::new(), memory: None })
+    }
+
+    /// The list with its memory.
+    pub(crate) fn within(self, memory: MemoryReservation) -> Self {
+        Self { memory: Some(memory), ..self }
+    }
+
+    /// Leaves its memory in use, since its values become part of the description.
+    pub(crate) fn keep_memory(&mut self) {
+        if let Some(memory) = self.memory.take() {
+            memory.keep();
+        }
     }
 
     /// Bytes of the values.

@@ -162,7 +162,7 @@ fn collect<T>(
     loop {
         match lexer.peek() {
             Some(b']') => {
-                lexer.skip_word();
+                lexer.close()?;
                 return Ok(out);
             }
             Some(_) => out.push(read(lexer)?),

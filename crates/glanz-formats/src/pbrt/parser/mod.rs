@@ -7,7 +7,7 @@ mod transformations;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glanz_job::{BudgetError, MemoryReservation, Resource};
+use glanz_job::{BudgetError, MemoryReservation};
 use glanz_scene::description::FileId;
 
 use crate::nearest::nearest;
@@ -298,7 +298,7 @@ impl Parser {
         if bracket {
             next = lexer.next();
             if lexer.peek() == Some(b']') {
-                lexer.skip_word();
+                next = lexer.close().and(next);
             }
         }
         match next {
@@ -316,8 +316,11 @@ impl Parser {
     fn parameters(&mut self, subject: String, place: Span) -> ParseResult<ParameterList> {
         let result = ParameterList::parse(self.lexer(&place)?, subject, place);
         let list = result.map_err(|error| self.syntax(error))?;
-        self.lowering.reporter.spend(&place, Resource::Memory, list.bytes())?;
-        Ok(list)
+        let reporter = &mut self.lowering.reporter;
+        match reporter.budget.reserve(list.bytes()) {
+            Ok(memory) => Ok(list.within(memory)),
+            Err(end) => Err(reporter.end(&place, end)),
+        }
     }
 }
 

@@ -99,7 +99,8 @@ impl Parser {
     /// `Attribute "target" parameters`: defaults for the following objects.
     pub(super) fn attribute(&mut self, place: Span) -> ParseResult<()> {
         let (target, name_place) = self.name("Attribute", &place)?;
-        let list = self.parameters(format!("Attribute {:?}", shortened(&target)), place)?;
+        let mut list = self.parameters(format!("Attribute {:?}", shortened(&target)), place)?;
+        list.keep_memory();
         let Some(attributes) = self.state.now.attributes.of(&target) else {
             let message = format!("Attribute {:?} is unknown", shortened(&target));
             let help = Some("the targets are shape, light, material, medium and texture".to_owned());
@@ -146,6 +147,7 @@ impl Parser {
     pub(super) fn named_medium(&mut self, place: Span) -> ParseResult<()> {
         let (name, _) = self.name("MakeNamedMedium", &place)?;
         let mut list = self.parameters(format!("medium {:?}", shortened(&name)), place)?;
+        list.keep_memory();
         list.inherit(&self.state.now.attributes.medium);
         let context = self.context();
         self.lowering.named_medium(&name, list, &context)
@@ -189,6 +191,10 @@ impl Parser {
         }
         let subject = format!("{} {:?}", subject(word), shortened(&name));
         let mut list = self.parameters(subject, place)?;
+        // The memory of shapes is counted with them.
+        if word != "Shape" {
+            list.keep_memory();
+        }
         let attributes = &self.state.now.attributes;
         match word {
             "Shape" => list.inherit(&attributes.shape),
@@ -217,6 +223,7 @@ impl Parser {
         let (value_type, _) = self.name("Texture", &place)?;
         let (kind, _) = self.name("Texture", &place)?;
         let mut list = self.parameters(format!("texture {:?}", shortened(&kind)), place)?;
+        list.keep_memory();
         list.inherit(&self.state.now.attributes.texture);
         let context = self.context();
         self.lowering.texture(name, &value_type, &kind, list, &context)
