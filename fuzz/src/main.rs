@@ -15,7 +15,7 @@ use clap::Parser;
 use glanz_fuzz::measurement::{Measurement, record_panics};
 use glanz_fuzz::minimize::minimize;
 use glanz_fuzz::targets::{Target, target, targets};
-use glanz_fuzz::worker::{self, FaultReport, WorkerReport, WorkerTask, kept_path};
+use glanz_fuzz::worker::{self, FaultReport, MutantRun, WorkerReport, kept_path};
 use glanz_fuzz::{corpus, limits};
 
 /// Reads mutants of files by every reader of Glanz; the exit code is 1 if one panics, takes too long or too much memory.
@@ -78,7 +78,7 @@ fn run(arguments: &FuzzArguments) -> Result<bool, String> {
     if let Some(folder) = &arguments.worker {
         let [target] = chosen[..] else { return Err("a worker has one target".to_owned()) };
         let &FuzzArguments { cases, seconds, seed, .. } = arguments;
-        let task = WorkerTask { target, cases, seconds, seed };
+        let task = MutantRun { target, cases, seconds, seed };
         record_panics();
         return with_small_stack(|| worker::work(&task, folder)).map(|()| true);
     }
@@ -194,13 +194,13 @@ struct TargetReport {
 }
 
 /// The parts of the campaigns: one for each process if there are many cases.
-fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) -> VecDeque<WorkerTask> {
+fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) -> VecDeque<MutantRun> {
     let of_target = |target: &&'static Target| {
         let target = *target;
         let cases = arguments.cases.div_ceil(target.divisor);
         let parts = if cases < 10_000 { 1 } else { slots as u64 };
         let &FuzzArguments { seconds, seed, .. } = arguments;
-        (0..parts).map(move |part| WorkerTask {
+        (0..parts).map(move |part| MutantRun {
             target,
             cases: cases / parts + u64::from(part < cases % parts),
             seconds,
@@ -243,7 +243,7 @@ impl CaseProgress {
 
 /// Runs the tasks, `slots` at a time; returns the number of the target, the report and the time of each.
 fn run_tasks(
-    tasks: VecDeque<WorkerTask>,
+    tasks: VecDeque<MutantRun>,
     chosen: &[&'static Target],
     slots: usize,
     progress: &CaseProgress,

@@ -17,7 +17,7 @@ use crate::targets::Target;
 
 /// Part of a campaign that one process runs after the other.
 #[derive(Clone, Debug)]
-pub struct WorkerTask {
+pub struct MutantRun {
     /// Target.
     pub target: &'static Target,
     /// Number of mutants.
@@ -65,7 +65,7 @@ const SLOWEST: &str = "slowest";
 ///
 /// # Errors
 /// Files in the folder cannot be written.
-pub fn work(task: &WorkerTask, folder: &Path) -> io::Result<()> {
+pub fn work(task: &MutantRun, folder: &Path) -> io::Result<()> {
     let mut campaign = Campaign::new(task.target, task.seed);
     let mut current = File::create(folder.join(CURRENT))?;
     let (start, mut shown) = (Instant::now(), Instant::now());
@@ -191,11 +191,11 @@ fn end(child: &mut Child) {
 ///
 /// # Errors
 /// A process cannot be started, or files cannot be read.
-pub fn run(task: &WorkerTask, folder: &Path, progress: &AtomicU64) -> io::Result<WorkerReport> {
+pub fn run(task: &MutantRun, folder: &Path, progress: &AtomicU64) -> io::Result<WorkerReport> {
     let mut report = WorkerReport::default();
     let start = Instant::now();
     for process in 0..DEATHS {
-        let left = WorkerTask {
+        let left = MutantRun {
             cases: task.cases.saturating_sub(report.figures.cases),
             seconds: task.seconds.map(|seconds| seconds - start.elapsed().as_secs_f64()),
             seed: task.seed.wrapping_add(process << 32),
@@ -213,7 +213,7 @@ pub fn run(task: &WorkerTask, folder: &Path, progress: &AtomicU64) -> io::Result
     Ok(report)
 }
 
-fn spawn(task: &WorkerTask, folder: &Path) -> io::Result<Child> {
+fn spawn(task: &MutantRun, folder: &Path) -> io::Result<Child> {
     let [cases, seed, seconds] =
         [task.cases.to_string(), task.seed.to_string(), task.seconds.unwrap_or(f64::MAX).to_string()];
     let folder = folder.to_string_lossy();
@@ -225,7 +225,7 @@ fn spawn(task: &WorkerTask, folder: &Path) -> io::Result<Child> {
 /// Adds what a process prints to the report; ends a process that hangs. Returns whether it ended by itself.
 fn follow(
     child: &mut Child,
-    task: &WorkerTask,
+    task: &MutantRun,
     folder: &Path,
     progress: &AtomicU64,
     report: &mut WorkerReport,

@@ -105,9 +105,9 @@ impl Picture {
             attributes: &attributes(self),
         };
         let rows = |rows| film.rows_to_pixels(rows).map_err(io::Error::other);
-        image::write_rows(&picture, format, out, rows).or_else(|error| match error {
-            ImageError::Write(error) => Err(error),
-            other => Err(io::Error::other(refused.insert(other).to_string())),
+        image::write_rows(&picture, format, out, rows).map_err(|error| match error {
+            ImageError::Write(error) => error,
+            other => io::Error::other(refused.insert(other).to_string()),
         })
     }
 }
