@@ -190,7 +190,8 @@ impl SceneFormat {
         }
         match ContentKind::of_other(bytes) {
             // Lines of numbers in a scene or a list may look like those of a luminaire.
-            Some(ContentKind::Luminaire(_)) if pbrt::begins(bytes) || begins_with_count(bytes) => {}
+            Some(ContentKind::Luminaire(_)) if pbrt::begins(bytes) => {}
+            Some(ContentKind::Luminaire("EULUMDAT")) if begins_with_count(bytes) => {}
             Some(kind) => return Err(Some(kind)),
             None => {}
         }
@@ -249,9 +250,11 @@ pub fn list_files(path: &Path, options: &Options) -> Result<SceneFileList, Diagn
         Ok(SceneFormat::Model(format)) => model::list_files(format, &name, path, &bytes, options, &budget),
         Err(what) => Err(failure(&name, "format", format!("the file is {what}"))),
     };
-    match budget.failure() {
-        Some(end) => Err(ended(&name, end)),
-        None => list,
+    match (list, budget.failure()) {
+        (list, None) => list,
+        (Ok(list), Some(_)) if list.diagnostics.end().is_some() => Err(list.diagnostics),
+        (Err(diagnostics), Some(_)) if diagnostics.end().is_some() => Err(diagnostics),
+        (_, Some(end)) => Err(ended(&name, end)),
     }
 }
 

@@ -104,7 +104,7 @@ impl Reader {
     /// Reserves the memory of what was read so far of a file of `size` bytes: lists grow, and have a part of twice their length for a while.
     fn reserve(&mut self, s: &Statements<'_>, size: usize) -> Result<(), ObjError> {
         let points = size.saturating_sub(self.freeform.points_left());
-        let lists = [
+        let lists: [(usize, u64); 9] = [
             (self.positions.len(), 96),
             (self.uvs.len(), 48),
             (self.normals.len(), 72),
@@ -116,7 +116,7 @@ impl Reader {
             (self.file.materials.len() + self.file.libraries.len(), 250),
             (self.names, 3),
         ];
-        let bytes = lists.iter().map(|&(count, each)| each * count as u64).sum();
+        let bytes: u64 = lists.iter().map(|&(count, each)| each * count as u64).sum();
         self.memory.reach(bytes).map_err(|end| s.error(None, end.into()))
     }
 

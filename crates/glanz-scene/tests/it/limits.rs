@@ -1,10 +1,12 @@
 //! What preparing a scene may use.
 
 use glanz_job::{BudgetError, CancelFlag, Resource, ResourceBudget, ResourceLimits};
+use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::{
-    EmissionDescription, FileId, GeometryDescription, GroupDescription, InstanceDescription, Location,
-    MaterialDescription, ShapeDescription,
+    EmissionDescription, FileId, GeometryDescription, GroupDescription, ImageDescription,
+    InstanceDescription, LightDescription, LightKind, Location, MaterialDescription, ShapeDescription,
+    SphereMapping,
 };
 use glanz_scene::studio::{CAD_GREY, cad_material};
 use glanz_scene::{Description, Scene, SceneErrorKind};
@@ -92,6 +94,25 @@ fn copies_of_lights_are_counted_and_other_copies_are_not() {
     assert_eq!(few, Some((Resource::Objects, Some(50))), "fifty fit");
     let memory = resource(end(copies(Some(light())), |limits| limits.memory = 100_000));
     assert_eq!(memory.map(|(resource, _)| resource), Some(Resource::Memory));
+}
+
+#[test]
+fn pictures_of_lights_are_counted() {
+    let pixels = Pixels::try_from_rgb(100, 100, &vec![[1.0; 3]; 10_000]).unwrap();
+    let images = vec![ImageDescription { name: "sky".into(), pixels: pixels.into() }];
+    let kind = LightKind::ImageInfinite { image: 0, mapping: SphereMapping::EqualArea };
+    let light = LightDescription {
+        location: Some(place(3)),
+        ..LightDescription::new(kind, SpectralDistribution::from(1.0_f32))
+    };
+    let lit = || Description {
+        images: images.clone(),
+        lights: vec![light.clone()],
+        ..scene(shapes(vec![mesh(1)]), Vec::new())
+    };
+    // 40 bytes for each pixel.
+    assert_eq!(resource(end(lit(), |limits| limits.memory = 300_000)), Some((Resource::Memory, Some(3))));
+    assert_eq!(resource(end(lit(), |limits| limits.memory = 1_000_000)), None);
 }
 
 #[test]
