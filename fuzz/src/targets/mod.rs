@@ -14,6 +14,7 @@ use std::path::Path;
 use glanz::formats::{Diagnostics, Loaded, Options, Severity, load};
 use tempfile::TempDir;
 
+use crate::limits;
 use crate::mutation::Syntax;
 
 /// A reader, or a job that begins with one.
@@ -147,7 +148,8 @@ fn loaded(result: Result<Loaded, Diagnostics>, length: usize) -> ReadOutcome {
 /// Reads a scene file and all files that it names; `length`: bytes of all of them.
 #[must_use]
 pub fn read_scene(file: &Path, length: usize) -> ReadOutcome {
-    loaded(load(file, &Options::default()), length)
+    let options = Options { limits: limits::of_reading(), ..Options::default() };
+    loaded(load(file, &options), length)
 }
 
 /// The first error, or the kinds of the first warnings.

@@ -183,24 +183,24 @@ mod tests {
 
     #[test]
     fn polynomials_of_lower_degree_keep_their_values_and_others_their_degree() {
-        // x^2 + y^3 of degrees (20, 17), and the same with x^9 / 1000.
+        // x^2 + y^3 of degrees (20, 17), and the same with x^9 / 1000. Differences of all orders have thousands of times the rounding of the coefficients.
         let list = |extra: f64| -> Vec<f64> {
             let (x2, x9, y3) = (power(20, 2), power(20, 9), power(17, 3));
             y3.iter().flat_map(|y| x2.iter().zip(&x9).map(move |(a, b)| a + y + extra * b)).collect()
         };
         let both = [list(0.0), list(0.0)].concat();
         let mut cells = both.clone();
-        let (degrees, error) = reduce(&mut cells, 0, (20, 17), true, 1e-14).unwrap();
-        assert_eq!((degrees, error <= 1e-14), ((3, 17), true));
-        let (degrees, _) = reduce(&mut cells, 0, degrees, false, 1e-14).unwrap();
+        let (degrees, error) = reduce(&mut cells, 0, (20, 17), true, 1e-12).unwrap();
+        assert_eq!((degrees, error <= 1e-12), ((3, 17), true));
+        let (degrees, _) = reduce(&mut cells, 0, degrees, false, 1e-12).unwrap();
         assert_eq!((degrees, cells.len()), ((3, 3), 32));
         for (j, y) in power(3, 3).iter().enumerate() {
             for (i, x) in power(3, 2).iter().enumerate() {
-                assert!((cells[4 * j + i] - x - y).abs() < 1e-13);
+                assert!((cells[4 * j + i] - x - y).abs() < 1e-12);
             }
         }
         let mut uneven = [list(1e-3), list(0.0)].concat();
-        let (degrees, error) = reduce(&mut uneven, 0, (20, 17), true, 1e-14).unwrap();
-        assert!(degrees.0 >= 9 && degrees.0 < 12 && error <= 1e-14, "{degrees:?} {error}");
+        let (degrees, error) = reduce(&mut uneven, 0, (20, 17), true, 1e-12).unwrap();
+        assert!(degrees.0 >= 9 && degrees.0 < 12 && error <= 1e-12, "{degrees:?} {error}");
     }
 }
