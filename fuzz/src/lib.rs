@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
 //! # Modules
-//! [`target`] is the table of everything that takes files. [`mutation`] makes mutants of its right files, [`campaign`] reads them one after the
+//! [`targets`] is the table of everything that takes files. [`mutation`] makes mutants of its right files, [`campaign`] reads them one after the
 //! other under the [`limits`], and keeps those with a new outcome as files to mutate. [`corpus`] replays the files that were read wrongly once, and [`minimize`] makes a
 //! failing file smaller. The program `glanz-fuzz` has processes of its own for reading, which may end in any way.
 
