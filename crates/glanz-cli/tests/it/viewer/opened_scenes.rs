@@ -77,6 +77,9 @@ fn open_ball(served: &ViewServer, page: &mut Visitor) -> u32 {
 fn abandoned_uploads_leave_nothing_behind() {
     let temporary = TemporaryFolder::new("abandoned");
     let served = temporary.serve();
+    // The server says its address before all of its threads run.
+    drop(Visitor::try_new(&served.host).unwrap());
+    std::thread::sleep(Duration::from_millis(500));
     let before = Usage::of(served.id()).unwrap();
     let upload = |page: &Visitor| {
         let mut stream = TcpStream::connect(&served.host).unwrap();
