@@ -1,4 +1,6 @@
 //! Errors of the engine.
+//!
+//! One file in spite of its length: one noun, a variant per fault with its sentence, and the conversions from the errors of all crates.
 
 use std::io;
 use std::ops::Range;
