@@ -146,13 +146,8 @@ fn uploads_that_ask_for_too_much_are_refused() {
     assert_eq!(drop_on(&server, &page, &[("a.pbrt", BALL)]).status, 200);
 }
 
-#[test]
-fn an_upload_that_does_not_come_is_given_up() {
-    let server = TestServer::open_limited(
-        BALL,
-        Limits { upload_time: Duration::from_millis(100), ..Limits::default() },
-    );
-    let page = server.connect_page();
+/// The connection of an upload of which the files do not come.
+fn begun_upload(server: &TestServer, page: &TestPage) -> std::net::TcpStream {
     let head = format!(
         "POST /open?session={} HTTP/1.1\r\nHost: {}\r\nContent-Length: 1000\r\n\r\n\
          [[\"a.pbrt\",983]]\n",
@@ -161,6 +156,17 @@ fn an_upload_that_does_not_come_is_given_up() {
     );
     let mut stream = server.connect();
     std::io::Write::write_all(&mut stream, head.as_bytes()).unwrap();
+    stream
+}
+
+#[test]
+fn an_upload_that_does_not_come_is_given_up() {
+    let server = TestServer::open_limited(
+        BALL,
+        Limits { upload_time: Duration::from_millis(100), ..Limits::default() },
+    );
+    let page = server.connect_page();
+    let mut stream = begun_upload(&server, &page);
     let mut first = [0; 12];
     std::io::Read::read_exact(&mut stream, &mut first).unwrap();
     assert_eq!(&first, b"HTTP/1.1 408");
@@ -172,14 +178,7 @@ fn an_upload_ends_when_its_page_leaves() {
     let limits = Limits { uploads: 1, upload_time: Duration::from_secs(600), ..Limits::default() };
     let server = TestServer::open_limited(BALL, limits);
     let (page, other) = (server.connect_page(), server.connect_page());
-    let head = format!(
-        "POST /open?session={} HTTP/1.1\r\nHost: {}\r\nContent-Length: 1000\r\n\r\n\
-         [[\"a.pbrt\",983]]\n",
-        page.session(),
-        server.host
-    );
-    let mut stream = server.connect();
-    std::io::Write::write_all(&mut stream, head.as_bytes()).unwrap();
+    let mut stream = begun_upload(&server, &page);
     // Time for it to take the only permit.
     std::thread::sleep(Duration::from_millis(300));
     drop(page);
