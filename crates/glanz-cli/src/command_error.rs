@@ -9,7 +9,7 @@ use glanz::transport::FilmError;
 use glanz::{Error, FileFault, JoinError, PartKind};
 use glanz_terminal::messages::{CommandError, Messages};
 
-use crate::file_help::named;
+use crate::file_help::{is_guess, named};
 use crate::notes::note_diagnostics;
 
 /// Converts errors into messages with advice; the diagnostics of a scene are printed at once, with their places.
@@ -32,7 +32,7 @@ pub(crate) fn command_error(messages: Messages) -> impl Fn(Error) -> CommandErro
         match (advice(&error), &error) {
             (Some(help), _) => failure.with_help(help),
             // Another kind of file than the command takes.
-            (None, Error::File { path, fault }) if fault.is_foreign() => named(failure, path, |_| false),
+            (None, Error::File { path, fault }) if fault.is_foreign() => named(failure, path, is_guess),
             (None, _) => failure,
         }
     }

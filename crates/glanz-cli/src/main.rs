@@ -5,6 +5,7 @@ mod browser;
 mod command;
 mod command_error;
 mod file_help;
+mod input;
 mod job;
 mod notes;
 mod outputs;

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use glanz::formats::{ContentKind, Diagnostic, Diagnostics, Options, Severity};
 use glanz::job::{BudgetError, CancelFlag, IoFault, LimitError, Resource};
@@ -45,13 +45,14 @@ fn load(path: &Path, options: Options, messages: Messages) -> Result<LoadedScene
     print_diagnostics(glanz::open_bytes(INPUT_NAME, bytes, &options), messages)
 }
 
-/// The bytes of the standard input, at most as many as the limits of files and of memory allow.
+/// The bytes of the standard input, at most as many as the limits of files and of memory allow, if they come within the limit of time.
 fn read_standard_input(options: &Options, messages: Messages) -> Result<Vec<u8>, CommandError> {
     let failed =
         |error: &std::io::Error| CommandError::new(format!("{INPUT_NAME}: {}", IoFault::sentence(error)));
     let resource =
         if options.limits.bytes < options.limits.memory { Resource::Bytes } else { Resource::Memory };
     let limit = options.limits.get(resource);
+    let start = Instant::now();
     let (sender, receiver) = mpsc::channel();
     // Waiting for input cannot be interrupted: this thread then ends with the process.
     let reading = std::thread::Builder::new().spawn(move || {
@@ -64,23 +65,28 @@ fn read_standard_input(options: &Options, messages: Messages) -> Result<Vec<u8>,
     let bytes = loop {
         match receiver.recv_timeout(POLL_INTERVAL) {
             Ok(read) => break read.map_err(|error| failed(&error))?,
-            Err(RecvTimeoutError::Timeout) if !options.cancel.is_cancelled() => {}
-            Err(RecvTimeoutError::Timeout) => {
+            Err(RecvTimeoutError::Timeout) if options.cancel.is_cancelled() => {
                 return Err(CommandError::interrupted("interrupted; nothing was written"));
             }
+            Err(RecvTimeoutError::Timeout) if start.elapsed() > options.limits.time => {
+                let (resource, limit) = (Resource::Time, options.limits.get(Resource::Time));
+                let limit = LimitError { resource, limit, needed: None };
+                return Err(command_error(messages)(beyond_limit(limit)));
+            }
+            Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(CommandError::new(format!("{INPUT_NAME}: it cannot be read")));
             }
         }
     };
     if bytes.len() as u64 > limit {
-        return Err(command_error(messages)(too_long(LimitError { resource, limit, needed: None })));
+        return Err(command_error(messages)(beyond_limit(LimitError { resource, limit, needed: None })));
     }
     Ok(bytes)
 }
 
 /// The error of an input beyond a limit.
-fn too_long(limit: LimitError) -> Error {
+fn beyond_limit(limit: LimitError) -> Error {
     let diagnostic = Diagnostic {
         severity: Severity::Error,
         kind: "limit",
@@ -104,7 +110,12 @@ pub(crate) fn open(
     messages: Messages,
 ) -> Result<LoadedScene, CommandError> {
     let opened = load(path, arguments.options(cancel), messages);
-    opened.map_err(|error| with_file_help(error, path, is_scene))
+    opened.map_err(|error| with_scene_help(error, path))
+}
+
+/// The error about a scene, with advice on the content of its file; the standard input has none.
+fn with_scene_help(error: CommandError, path: &Path) -> CommandError {
+    if is_standard_input(path) { error } else { with_file_help(error, path, is_scene) }
 }
 
 /// Whether a file can be read as a scene, so that its faults are others.
@@ -126,7 +137,7 @@ pub(crate) fn open_cut_model(
     let edges = arguments.render.draws_edges();
     let options = Options { studio: settings, edges, ..arguments.render.job.reading.options(cancel) };
     let loaded = load(scene, options, messages);
-    let loaded = loaded.map_err(|error| with_file_help(error, scene, is_scene))?;
+    let loaded = loaded.map_err(|error| with_scene_help(error, scene))?;
     if loaded.studio_settings().is_none() {
         if arguments.section.is_some() {
             let message = format!("--section: {} is not a model", loaded.name());

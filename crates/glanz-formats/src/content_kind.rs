@@ -148,9 +148,9 @@ impl ContentKind {
     #[must_use]
     pub fn of_file(path: &Path) -> Option<Self> {
         use std::io::Read;
-        let file =
-            std::fs::File::open(path).ok().filter(|file| file.metadata().is_ok_and(|m| m.is_file()))?;
-        let length = file.metadata().ok()?.len();
+        // To open a pipe is to wait for its other end.
+        let length = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?.len();
+        let file = std::fs::File::open(path).ok()?;
         let mut head = Vec::new();
         file.take(HEAD as u64).read_to_end(&mut head).ok()?;
         // The size of a binary mesh is a part of its signature.

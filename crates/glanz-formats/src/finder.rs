@@ -219,7 +219,7 @@ impl FileFinder {
 /// # Errors
 /// Those of the file system, that of the budget, [`io::ErrorKind::InvalidInput`] for anything but a regular file, and a message for a file that is longer than its size, because it grows
 /// or the system makes its content.
-pub(crate) fn read_file(path: &Path, budget: &ResourceBudget) -> io::Result<Vec<u8>> {
+pub fn read_file(path: &Path, budget: &ResourceBudget) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if !metadata.is_file() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));

@@ -33,6 +33,7 @@ pub mod tessellated;
 
 pub use content_kind::{ContentKind, ForeignFile, ForeignRemedy, OwnFile};
 pub use file_list::{FileKind, SceneFile, SceneFileList};
+pub use finder::read_file;
 pub use glanz_scene::{Diagnostic, Diagnostics, Severity};
 pub use photometry::Photometry;
 pub use registry::{

@@ -115,8 +115,7 @@ impl ReadingArguments {
 /// What reading may cost.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct LimitArguments {
-    /// Largest memory for what is read, such as 2G or 512M [default: three quarters of what is available]; the film of a render
-    /// may take half of the rest, and is in a temporary file beyond
+    /// Largest memory for what is read, such as 2G or 512M [default: three quarters of what is available]
     #[arg(long, value_name = "SIZE", value_parser = byte_size)]
     memory: Option<u64>,
     /// Limit of what reading and preparing the scene may use, such as tokens=2e9 or time=30s; names: memory, bytes, files, depth,
@@ -126,14 +125,14 @@ pub(crate) struct LimitArguments {
 }
 
 impl LimitArguments {
-    /// The same for the engine.
+    /// Limits of these options, with the defaults of the machine for the others; `--memory` goes before `--limit memory=`.
     pub(crate) fn limits(&self) -> ResourceLimits {
         let mut limits = ResourceLimits::default();
-        limits.memory = self.memory.unwrap_or(limits.memory);
         for (resource, value) in &self.limits {
             // The values have been tried when the command line was parsed.
             let _ = limits.set(*resource, value);
         }
+        limits.memory = self.memory.unwrap_or(limits.memory);
         limits
     }
 }
@@ -166,7 +165,7 @@ impl ThreadArguments {
 /// The checkpoint of a job.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct CheckpointArguments {
-    /// File for the state of the job, written after a second, then every 30 seconds (less often if that takes more than 5 % of the time), and at the end
+    /// File for the state of the job, written a second after the start, then at growing intervals of up to 30 seconds (less often if that takes more than 5 % of the time), and at the end
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Resume from the checkpoint if it exists; without this option, an existing file is an error

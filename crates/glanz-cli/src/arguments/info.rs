@@ -15,7 +15,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = INFO_HELP)]
 pub(crate) struct InfoArguments {
-    /// Scene file in pbrt's language (v3 or v4), model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib, or photometric file: .ies, .ldt; - is the standard input
+    /// Scene file in pbrt's language (v3 or v4), model: .step, .igs, .glb, .gltf, .obj, .stl, .ply, .rib, or photometric file: .ies, .ldt; - is a scene or a model from the standard input
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: PathBuf,
     /// Draw the candela distribution of a photometric file: polar plot, .svg

@@ -46,6 +46,8 @@ The picture depends on the scene, the settings and the seed alone, not on the nu
 or on interruptions. Ctrl-C, SIGTERM and SIGHUP complete the current pass, write picture and
 checkpoint, and exit with status 130, 143 and 129; a second one ends the program at once.
 
+The film may take half of what the scene leaves of --memory; a larger one is in a temporary file.
+
 Examples:
   glanz render room.pbrt -o room.exr -o room.png --spp 256
   glanz render room.pbrt -o room.exr --checkpoint room.glanz --resume

@@ -31,6 +31,18 @@ fn values_are_read_as_they_are_written() {
 }
 
 #[test]
+fn memory_is_limited_by_its_own_option_first() {
+    for line in
+        ["glanz info a.pbrt --memory 2K --limit memory=1K", "glanz info a.pbrt --limit memory=4K --memory 2K"]
+    {
+        let Ok(Arguments { command: Command::Info(info) }) = parse(line) else {
+            panic!("a valid command line is refused: {line}");
+        };
+        assert_eq!(info.reading.limits().memory, 2048, "{line}");
+    }
+}
+
+#[test]
 fn nonsense_is_wrong_usage() {
     for line in [
         "glanz",

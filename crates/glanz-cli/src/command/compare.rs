@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glanz::formats::ContentKind;
 use glanz::formats::image::{self, Encoding, Format, Image, ImageError};
-use glanz::job::{BudgetError, CancelFlag, Resource, ResourceBudget};
+use glanz::job::{CancelFlag, ResourceBudget};
 use glanz::light::compare::{PictureComparison, RELATIVE_EPSILON, compare};
 use glanz::light::flip;
 use glanz_terminal::CommandOutcome;
@@ -13,8 +13,8 @@ use glanz_terminal::messages::{CommandError, Messages};
 use serde::Serialize;
 
 use crate::arguments::{CompareArguments, Metric};
-use crate::command_error::{command_error, limit_help};
-use crate::file_help::named;
+use crate::file_help::{is_guess, named};
+use crate::input::{self, with_limit_help};
 use crate::report::{self, plural};
 
 /// The output of `--json`.
@@ -93,21 +93,16 @@ pub(crate) fn run(arguments: &CompareArguments, messages: Messages) -> Result<Co
 
 fn read(path: &Path, budget: &ResourceBudget, messages: Messages) -> Result<Image, CommandError> {
     let failed = |error: &dyn std::fmt::Display| CommandError::new(format!("{}: {error}", path.display()));
-    let with_limit = |failure: CommandError, end: BudgetError| match end {
-        BudgetError::Limit(limit) => failure.with_help(limit_help(limit)),
-        BudgetError::Interrupted => failure,
-    };
-    let length = std::fs::metadata(path).map_or(0, |found| found.len());
-    let reserved = budget
-        .spend(Resource::Files, 1)
-        .and_then(|()| budget.spend(Resource::Bytes, length))
-        .and_then(|()| budget.reserve(length));
+    let bytes = input::read(path, budget, messages)?;
     // Until the bytes are decoded.
-    let _reserved = reserved.map_err(|end| with_limit(failed(&end), end))?;
-    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
+    let reserved = budget.reserve(bytes.len() as u64);
+    let _reserved = reserved.map_err(|end| with_limit_help(failed(&end), end))?;
     image::read_with(&bytes, Some(path), Encoding::Srgb, budget).map_err(|error| match error {
-        ImageError::Budget { end, .. } => with_limit(failed(&error), end),
-        _ => named(failed(&error), path, |kind| matches!(kind, ContentKind::Picture(_))),
+        ImageError::Budget { end, .. } => with_limit_help(failed(&error), end),
+        _ => {
+            let fits = |kind: &ContentKind| matches!(kind, ContentKind::Picture(_)) || is_guess(kind);
+            named(failed(&error), path, fits)
+        }
     })
 }
 

@@ -5,7 +5,8 @@ use std::path::{Component, Path, PathBuf};
 
 use glanz::Error;
 use glanz::formats::photometry;
-use glanz::formats::{Diagnostics, FileKind, SceneFile, SceneFileList, Severity};
+use glanz::formats::{Diagnostics, FileKind, SceneFile, SceneFileList, Severity, read_file};
+use glanz::job::ResourceBudget;
 use glanz_terminal::messages::{CommandError, Messages};
 use glanz_terminal::{CommandOutcome, interrupt};
 use serde::Serialize;
@@ -13,6 +14,7 @@ use serde::Serialize;
 use crate::arguments::InfoArguments;
 use crate::command::luminaire;
 use crate::command_error::command_error;
+use crate::input;
 use crate::report;
 
 /// A file in the output of `--json`.
@@ -76,22 +78,27 @@ pub(super) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
 
 fn list(arguments: &InfoArguments, messages: Messages) -> Result<SceneFileList, CommandError> {
     let path = &arguments.scene;
-    if luminaire::is_photometric(path) {
-        return of_luminaire(path).map_err(command_error(messages));
-    }
     let options = arguments.reading.options(&interrupt::listen()?);
+    if luminaire::is_photometric(path) {
+        let budget = ResourceBudget::new(options.limits, options.cancel);
+        return of_luminaire(path, &budget, messages);
+    }
     glanz::formats::list_files(path, &options).map_err(Error::Scene).map_err(command_error(messages))
 }
 
 /// A photometric file, and the file of its tilt data if it names one.
-fn of_luminaire(path: &Path) -> Result<SceneFileList, Error> {
-    let bytes = glanz::file::read(path)?;
+fn of_luminaire(
+    path: &Path,
+    budget: &ResourceBudget,
+    messages: Messages,
+) -> Result<SceneFileList, CommandError> {
+    let bytes = input::read(path, budget, messages)?;
     let file = |path: PathBuf| SceneFile { kind: FileKind::Luminaire, exists: path.is_file(), path };
     let mut files = vec![file(path.to_owned())];
     // Faults of the file matter to those who read its light.
     let _ = photometry::read_with(&bytes, &mut |name| {
         let tilt = path.with_file_name(name);
-        let bytes = std::fs::read(&tilt).map_err(|error| error.to_string());
+        let bytes = read_file(&tilt, budget).map_err(|error| error.to_string());
         files.push(file(tilt));
         bytes
     });

@@ -42,6 +42,9 @@ pub(crate) fn run(
     let mut paths: Vec<&Path> = Vec::new();
     paths.extend(arguments.scene.as_deref().or(arguments.plan.luminaire.as_deref()));
     paths.extend(arguments.compare.as_deref());
+    if paths.iter().filter(|path| scene_file::is_standard_input(path)).count() > 1 {
+        return Err(CommandError::usage("--compare: the standard input is one scene only"));
+    }
     if arguments.compare.is_some() {
         let options = arguments.job.reading.options(&cancel);
         add_named_files(&paths, &options, &mut files).map_err(command_error(messages))?;

@@ -63,7 +63,7 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<Comma
     if arguments.files {
         return files::run(arguments, messages);
     }
-    if luminaire::is_photometric(&arguments.scene) {
+    if !scene_file::is_standard_input(&arguments.scene) && luminaire::is_photometric(&arguments.scene) {
         luminaire::run(arguments, messages)?;
         return Ok(CommandOutcome::Done);
     }

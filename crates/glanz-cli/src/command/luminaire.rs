@@ -9,6 +9,7 @@ use glanz::formats::ContentKind;
 use glanz::formats::photometry::{self, AngularSystem, IntensityDistribution, Photometry, PhotometryFormat};
 use glanz::illumination::planning::{LuminaireAxis, LuminaireKind, UgrTable};
 use glanz::illumination::report::PolarPlot;
+use glanz::job::{CancelFlag, ResourceBudget};
 use glanz::report::Table;
 use glanz::report::number::significant;
 use glanz_terminal::messages::{CommandError, Messages};
@@ -17,6 +18,7 @@ use serde::Serialize;
 use crate::arguments::InfoArguments;
 use crate::command_error::command_error;
 use crate::file_help::{is_guess, named};
+use crate::input;
 use crate::report;
 
 /// Step of the angles at which the brightest direction of a plane is searched, degrees.
@@ -64,12 +66,16 @@ fn is_luminaire(kind: &ContentKind) -> bool {
     matches!(kind, ContentKind::Luminaire(format) if *format != "TM-25")
 }
 
-/// Reads a photometric file and prints its warnings, which are returned, too.
+/// Reads a photometric file within the budget and prints its warnings, which are returned, too.
 ///
 /// # Errors
 /// A file that is refused, with line and column.
-pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<String>), CommandError> {
-    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
+fn read(
+    path: &Path,
+    budget: &ResourceBudget,
+    messages: Messages,
+) -> Result<(Photometry, Vec<String>), CommandError> {
+    let bytes = input::read(path, budget, messages)?;
     let at = |fault: &photometry::PhotometryError| format!("{}:{fault}", path.display());
     let file = photometry::read(&bytes)
         .map_err(|fault| CommandError::new(at(&fault)))
@@ -79,12 +85,16 @@ pub(crate) fn read(path: &Path, messages: Messages) -> Result<(Photometry, Vec<S
     Ok((file.photometry, warnings))
 }
 
-/// The luminaire of a photometric file, for plans.
+/// The luminaire of a photometric file that is read within the budget, for plans.
 ///
 /// # Errors
 /// A file that is refused, with line and column.
-pub(crate) fn kind(path: &Path, messages: Messages) -> Result<LuminaireKind, CommandError> {
-    let (photometry, _) = read(path, messages)?;
+pub(crate) fn kind(
+    path: &Path,
+    budget: &ResourceBudget,
+    messages: Messages,
+) -> Result<LuminaireKind, CommandError> {
+    let (photometry, _) = read(path, budget, messages)?;
     Ok(LuminaireKind {
         description: Arc::new(photometry.description(path)),
         distribution: Arc::new(photometry.distribution),
@@ -104,7 +114,8 @@ pub(crate) fn run(arguments: &InfoArguments, messages: Messages) -> Result<(), C
         .as_deref()
         .map_or(Ok(()), |plot| files.add_output(plot))
         .map_err(command_error(messages))?;
-    let (photometry, warnings) = read(path, messages)?;
+    let budget = ResourceBudget::new(arguments.reading.limits(), CancelFlag::default());
+    let (photometry, warnings) = read(path, &budget, messages)?;
     if let Some(plot) = &arguments.plot {
         let svg = polar(&photometry, path).svg();
         glanz::file::write(plot, svg.as_bytes()).map_err(command_error(messages))?;

@@ -5,6 +5,7 @@ use std::path::Path;
 use glanz::LoadedScene;
 use glanz::formats::Options;
 use glanz::illumination::planning::{PlanningRequest, RoomPlan};
+use glanz::job::ResourceBudget;
 use glanz::math::DVec3;
 use glanz_terminal::messages::{CommandError, Messages};
 
@@ -22,10 +23,11 @@ pub(crate) fn planned_room(
     options: Options,
     messages: Messages,
 ) -> Result<(LoadedScene, PlanningRequest), CommandError> {
+    let budget = ResourceBudget::new(options.limits.clone(), options.cancel.clone());
     let plan = RoomPlan {
         size,
         reflectances: arguments.reflectances(),
-        luminaire: luminaire::kind(file, messages)?,
+        luminaire: luminaire::kind(file, &budget, messages)?,
         grid: arguments.grid.unwrap_or([1, 1]),
         height: arguments.height.unwrap_or(size.z),
         turn: arguments.turn.to_radians(),

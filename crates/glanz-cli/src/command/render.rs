@@ -136,7 +136,7 @@ pub(crate) fn render_scene(
         Ok(picture) => (picture, Ok(())),
         Err(Error::Unsaved { picture, error }) => (*picture, Err(*error)),
         Err(Error::Interrupted(_)) => {
-            messages.note("interrupted before the first pass; nothing was written");
+            messages.note("interrupted before the first pass; this picture was not written");
             return Ok(CommandOutcome::Interrupted);
         }
         Err(error) => return Err(render_failure(error, arguments, messages)),

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use glanz::illumination::planning::road::{LuminaireRow, RoadLayout, RoadRatingError, RoadSurface};
+use glanz::job::ResourceBudget;
 use glanz_terminal::CommandOutcome;
 use glanz_terminal::messages::{CommandError, Messages};
 
 use crate::arguments::RoadArguments;
 use crate::command::luminaire;
-use crate::command_error::command_error;
 use crate::file_help::{is_guess, named};
+use crate::input;
 use crate::report;
 
 /// Rates the road and prints its figures.
@@ -19,8 +20,9 @@ use crate::report;
 pub(crate) fn run(arguments: &RoadArguments, messages: Messages) -> Result<CommandOutcome, CommandError> {
     let width = f64::from(arguments.lanes) * arguments.lane_width;
     let RoadArguments { spacing, overhang, .. } = *arguments;
+    let budget = ResourceBudget::default();
     let layout = RoadLayout {
-        luminaire: luminaire::kind(&arguments.luminaire, messages)?,
+        luminaire: luminaire::kind(&arguments.luminaire, &budget, messages)?,
         rows: LuminaireRow::of_arrangement(arguments.arrangement(), width, spacing, overhang),
         spacing,
         height: arguments.height,
@@ -29,7 +31,7 @@ pub(crate) fn run(arguments: &RoadArguments, messages: Messages) -> Result<Comma
         lanes: arguments.lanes,
         lane_width: arguments.lane_width,
     };
-    let surface = arguments.surface.as_deref().map(|path| surface(path, messages)).transpose()?;
+    let surface = arguments.surface.as_deref().map(|path| surface(path, &budget, messages)).transpose()?;
     let rated = layout.rate(surface.as_ref(), &arguments.maintenance(), arguments.class);
     let road = rated.map_err(|error| {
         let failure = CommandError::usage(error.to_string());
@@ -47,8 +49,8 @@ pub(crate) fn run(arguments: &RoadArguments, messages: Messages) -> Result<Comma
 }
 
 /// The road surface of a file.
-fn surface(path: &Path, messages: Messages) -> Result<RoadSurface, CommandError> {
-    let bytes = glanz::file::read(path).map_err(command_error(messages))?;
+fn surface(path: &Path, budget: &ResourceBudget, messages: Messages) -> Result<RoadSurface, CommandError> {
+    let bytes = input::read(path, budget, messages)?;
     let text = String::from_utf8_lossy(&bytes);
     RoadSurface::read(&text)
         .map_err(|error| CommandError::new(format!("{}:{error}", path.display())))

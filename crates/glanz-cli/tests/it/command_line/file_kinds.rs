@@ -79,6 +79,30 @@ fn info_takes_luminaires_by_their_content() {
     assert!(!ran.stderr.contains("patches"), "{}", ran.stderr);
 }
 
+#[cfg(unix)]
+#[test]
+fn pipes_in_place_of_files_do_not_block() {
+    let folder = Folder::new();
+    assert!(
+        std::process::Command::new("mkfifo").arg(folder.path("pipe")).status().expect("mkfifo").success()
+    );
+    for command in ["render pipe -o a.png", "info pipe", "convert pipe a.obj"] {
+        folder.run(command).refused(1, &["pipe: ", "not a regular file"]);
+    }
+}
+
+#[test]
+fn text_that_begins_with_a_digit_is_no_list_of_patches_for_certain() {
+    let folder = Folder::new();
+    folder.write("figures.txt", "1 2 3\n".repeat(40));
+    for command in ["compare figures.txt figures.txt", "merge figures.txt -o a.exr"] {
+        let ran = folder.run(command);
+        assert_ne!(ran.code, Some(0), "{command}");
+        assert!(ran.stderr.contains("figures.txt"), "{command}: {}", ran.stderr);
+        assert!(!ran.stderr.contains("patches"), "{command}: {}", ran.stderr);
+    }
+}
+
 #[test]
 fn text_that_is_no_scene_has_one_error() {
     let folder = Folder::new();

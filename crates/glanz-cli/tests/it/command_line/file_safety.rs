@@ -157,6 +157,11 @@ fn scene_comes_from_the_standard_input_and_picture_goes_to_the_standard_output()
     assert!(folder.has("small.exr"));
     folder.run_script("$GLANZ render - --spp 1 --size 8x6 --turntable 2 -q < out.ply");
     assert!(folder.has("picture-1.exr") && folder.has("picture-2.exr"));
+    // A file of the same name is another one.
+    folder.write("-", "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 1 1 2 0 0 0 1 1 30\n0 45 90\n0\n1000 707 0\n");
+    assert_eq!(folder.run_script("$GLANZ info - --json < small.pbrt").json()["scene"], "standard input");
+    let ran = folder.run_script("printf 'WorldBegin\\nShap' | $GLANZ render - -o a.png");
+    assert!(!ran.stderr.contains("glanz info"), "{}", ran.stderr);
     for (line, words) in [
         ("$GLANZ render - -o a.png < /dev/null", ["standard input", "empty"]),
         ("printf 'WorldBegin\\nShap' | $GLANZ render - -o a.png", ["standard input:2:1", "Shap"]),
@@ -171,6 +176,7 @@ fn scene_comes_from_the_standard_input_and_picture_goes_to_the_standard_output()
         ("render small.pbrt -o png:- -o exr:-", ["standard output", "one picture"]),
         ("render out.ply -o png:- --turntable 2", ["standard output", "one picture"]),
         ("info - --files", ["--files", "standard input"]),
+        ("illuminate - --compare - -o lux", ["--compare", "standard input"]),
         ("optimize - -o better.pbrt", ["optimize", "standard input"]),
         ("view - --no-open", ["view", "standard input"]),
     ] {

@@ -90,6 +90,31 @@ fn standard_input_has_limits_and_ends_with_a_signal() {
     let script = "mkfifo pipe; $GLANZ info - < pipe & p=$!; exec 3> pipe; sleep 1; kill -TERM $p; wait $p";
     let ran = folder.run_script(script);
     assert!(ran.code == Some(143) && ran.stderr.contains("interrupted"), "{:?} {}", ran.code, ran.stderr);
+    let script = "$GLANZ info - --limit time=0.5s < pipe & p=$!; exec 3> pipe; wait $p";
+    folder
+        .run_script(script)
+        .refused(1, &["standard input: the limit of 0.5 s", "raise it with --limit time=1s"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn pictures_and_luminaires_keep_to_the_limits() {
+    let folder = Folder::new();
+    folder.write(
+        "lamp.ies",
+        "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 1 1 2 0 0 0 1 1 30\n0 45 90\n0\n1000 707 0\n",
+    );
+    folder.run("info lamp.ies --limit bytes=10").refused(1, &["lamp.ies: ", "raise it with --limit bytes="]);
+    folder.run("info lamp.ies --memory 10").refused(1, &["lamp.ies: ", "raise it with --memory"]);
+    folder.run("info lamp.ies --files --limit bytes=10").refused(1, &["raise it with --limit bytes="]);
+    folder.succeed("info lamp.ies --limit bytes=1K");
+    // They have no end, and no other end.
+    assert!(
+        std::process::Command::new("mkfifo").arg(folder.path("pipe.ies")).status().expect("mkfifo").success()
+    );
+    for command in ["compare /dev/zero pipe.ies", "compare pipe.ies a.exr", "info pipe.ies"] {
+        folder.run(command).refused(1, &["not a regular file"]);
+    }
 }
 
 #[cfg(unix)]
