@@ -29,7 +29,7 @@ pub fn listen() -> Result<CancelFlag, CommandError> {
     let cancel = CancelFlag::default();
     let received = RECEIVED.get_or_init(Arc::default);
     for signal in [SIGINT, SIGTERM, SIGHUP] {
-        if signal == SIGHUP && !hears_hangup() {
+        if signal == SIGHUP && !receives_hangup() {
             continue;
         }
         // In this order: the first signal finds the flag down and raises it, the second finds it up.
@@ -49,8 +49,9 @@ pub fn exit_code() -> u8 {
     u8::try_from(SIGNAL_CODE + signal).unwrap_or(u8::MAX)
 }
 
-/// Whether a hangup is not ignored. Only Linux shows that to a process; elsewhere SIGHUP is left as it is, lest `nohup` has no effect.
-fn hears_hangup() -> bool {
+/// Whether a hangup is not ignored. Only Linux shows that to a process; elsewhere SIGHUP is left as it is, so that `nohup` keeps its effect.
+#[must_use]
+pub fn receives_hangup() -> bool {
     std::fs::read_to_string("/proc/self/status").is_ok_and(|status| ignores(&status, SIGHUP) == Some(false))
 }
 
@@ -62,7 +63,7 @@ fn ignores(status: &str, signal: i32) -> Option<bool> {
 }
 
 /// Lets writing beyond the limit of the size of files fail with an error, instead of ending the process without a word.
-pub(crate) fn outlive_large_files() {
+pub(crate) fn report_large_files_as_errors() {
     #[cfg(unix)]
     {
         // The flag is of no interest: a signal with a handler does not end the process. Without one, only the message is missing.

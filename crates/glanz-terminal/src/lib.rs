@@ -79,7 +79,7 @@ impl Verbosity {
 /// # Errors
 /// The exit code, after help, version or the fault has been printed.
 pub fn parse<P: Parser>() -> Result<P, ExitCode> {
-    interrupt::outlive_large_files();
+    interrupt::report_large_files_as_errors();
     P::try_parse().map_err(|error| {
         if error.use_stderr() {
             fail_of_usage(&error.to_string());

@@ -16,7 +16,7 @@ macro_rules! job_methods {
             self
         }
 
-        /// Saves the state of the job in this file: after a second, then every 30 seconds (less often if writing takes more than 5 % of the time), and at
+        /// Saves the state of the job in this file: a second after the start, then at growing intervals of up to 30 seconds (less often if writing takes more than 5 % of the time), and at
         /// the end; by default in none. No other process may write it meanwhile.
         pub fn checkpoint(mut self, path: impl Into<Option<std::path::PathBuf>>) -> Self {
             self$(.$job)?.checkpoint = path.into();

@@ -70,14 +70,6 @@ fn noise_level_is_reached_resumed_and_not_merged() {
     assert!(!folder.has("m.exr"));
 }
 
-/// Whether this process ignores SIGHUP: bit 0 of a hexadecimal number.
-#[cfg(unix)]
-fn hangup_is_ignored() -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    mask.is_none_or(|mask| u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask & 1 == 1))
-}
-
 #[cfg(unix)]
 #[test]
 fn killed_and_resumed_is_one_run() {
@@ -87,7 +79,7 @@ fn killed_and_resumed_is_one_run() {
     folder.succeed(&format!("{RUN} -o once.exr --threads 2 -q"));
     for (signal, code) in [("TERM", 143), ("INT", 130), ("HUP", 129)] {
         // As tests run by `nohup` are, and with them the program.
-        if signal == "HUP" && hangup_is_ignored() {
+        if signal == "HUP" && !glanz_terminal::interrupt::receives_hangup() {
             println!("SIGHUP is ignored here, and not tested");
             continue;
         }

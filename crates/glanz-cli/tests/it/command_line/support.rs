@@ -139,9 +139,14 @@ pub(crate) fn finish(child: Child, line: &str) -> ProgramOutput {
 
 /// Waits until `condition` is true.
 pub(crate) fn wait_until(what: &str, condition: impl Fn() -> bool) {
+    wait_within(PATIENCE, what, condition);
+}
+
+/// Waits until `condition` is true, for `patience` at most.
+pub(crate) fn wait_within(patience: Duration, what: &str, condition: impl Fn() -> bool) {
     let start = Instant::now();
     while !condition() {
-        assert!(start.elapsed() < PATIENCE, "{what} does not happen");
+        assert!(start.elapsed() < patience, "{what} does not happen");
         std::thread::sleep(Duration::from_millis(5));
     }
 }

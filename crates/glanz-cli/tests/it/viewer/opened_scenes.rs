@@ -1,59 +1,23 @@
 //! The processes of scenes that pages have opened.
 #![cfg(target_os = "linux")]
 
-use std::ffi::OsStr;
 use std::io::Write;
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use super::server::{ViewServer, scene_file};
+use super::server::{TemporaryFolder, ViewServer};
 use super::soak::process::{Usage, children};
 use super::soak::visitor::Visitor;
-use super::upload::{ANY_FILES, endless_includes, open, request, text_file};
+use super::upload::{BALL, endless_includes, open, request, text_file};
+use crate::command_line::support::wait_within;
 
 /// Longer than anything takes on a busy machine, but shorter than the time limit of reading, which ends every process.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-const BALL: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n";
-
-/// A folder for temporary files, removed with its content when it is dropped.
-struct TemporaryFolder(PathBuf);
-
-impl TemporaryFolder {
-    fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("glanz-opened-{name}-{}", std::process::id()));
-        std::fs::create_dir(&path).unwrap();
-        Self(path)
-    }
-
-    fn serve(&self) -> ViewServer {
-        let arguments = ANY_FILES.map(OsStr::new);
-        ViewServer::start_with_arguments(
-            &scene_file("teapot.pbrt"),
-            &arguments,
-            &[("TMPDIR", self.0.as_path())],
-        )
-    }
-
-    fn entries(&self) -> usize {
-        std::fs::read_dir(&self.0).unwrap().count()
-    }
-}
-
-impl Drop for TemporaryFolder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
-    }
-}
-
 fn until(what: &str, is_so: impl Fn() -> bool) {
-    let start = Instant::now();
-    while !is_so() {
-        assert!(start.elapsed() < PATIENCE, "{what} does not come");
-        std::thread::sleep(Duration::from_millis(20));
-    }
+    wait_within(PATIENCE, what, is_so);
 }
 
 fn kill(process: u32) {

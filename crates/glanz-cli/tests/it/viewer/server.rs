@@ -7,6 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::time::Duration;
 
+use super::upload::ANY_FILES;
+
 /// Time limit until a scene is served; debug builds run in parallel with other tests.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -88,6 +90,39 @@ impl Drop for ViewServer {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
+    }
+}
+
+/// A folder for temporary files, removed with its content when it is dropped.
+pub(crate) struct TemporaryFolder(PathBuf);
+
+impl TemporaryFolder {
+    /// `name`: that of the test.
+    pub(crate) fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("glanz-test-{name}-{}", std::process::id()));
+        std::fs::create_dir(&path).expect("a folder for temporary files");
+        Self(path)
+    }
+
+    /// Serves a scene, with temporary files in this folder.
+    pub(crate) fn serve(&self) -> ViewServer {
+        let arguments = ANY_FILES.map(OsStr::new);
+        ViewServer::start_with_arguments(
+            &scene_file("teapot.pbrt"),
+            &arguments,
+            &[("TMPDIR", self.0.as_path())],
+        )
+    }
+
+    /// Number of files and folders in it.
+    pub(crate) fn entries(&self) -> usize {
+        std::fs::read_dir(&self.0).expect("the folder").count()
+    }
+}
+
+impl Drop for TemporaryFolder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -5,6 +5,9 @@ use super::http::{self, Answer};
 /// A file: its name and its bytes.
 pub(crate) type UploadedFile = (String, Vec<u8>);
 
+/// A scene of a ball.
+pub(crate) const BALL: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n";
+
 /// The request that opens files on the page of a session.
 pub(crate) fn request(host: &str, session: &str, files: &[UploadedFile]) -> Vec<u8> {
     let sizes: Vec<(&str, usize)> = files.iter().map(|(name, bytes)| (name.as_str(), bytes.len())).collect();

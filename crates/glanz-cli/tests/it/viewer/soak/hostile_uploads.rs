@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::Dice;
 use super::visitor::{Fault, Visitor};
 use crate::viewer::http::{self, PATIENCE};
-use crate::viewer::upload::{UploadedFile, endless_includes, head, request, text_file};
+use crate::viewer::upload::{BALL, UploadedFile, endless_includes, head, request, text_file};
 
 /// A kind of upload: its name, and the function that performs it on a page that has just connected, and returns whether the server admitted it.
 type HostileUpload = (&'static str, fn(&str, Visitor, &mut Dice) -> Result<bool, Fault>);
@@ -42,8 +42,6 @@ pub(crate) const ALL: [HostileUpload; 12] = [
     ("bytes that stop coming", missing_bytes),
     ("a scene that is left while it is rendered", left_rendering),
 ];
-
-const BALL: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n";
 
 const TEXTURED: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\n\
     Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"FILE\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n";
