@@ -6,8 +6,10 @@ use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
 use glanz_job::{BudgetError, ContentHash, Resource, ResourceBudget};
+use glanz_light::Pixels;
 use glanz_scene::Diagnostics;
 use glanz_scene::description::GroupDescription;
+use glanz_shading::texture::{MipMap, MipMapError, TextureCache};
 
 use crate::file_list::{FileKind, SceneFile, SceneFileList};
 use crate::registry::{Options, failure};
@@ -27,7 +29,12 @@ pub(crate) struct FileFinder {
     pub(crate) hash: ContentHash,
     /// What reading may still use.
     pub(crate) budget: ResourceBudget,
+    /// The memory of pictures.
+    textures: TextureCache,
 }
+
+/// Pictures take at most this part of the memory: 1 in 2. Those above it are in a temporary file.
+const PICTURE_SHARE: u64 = 2;
 
 /// The folder to which files are confined.
 #[derive(Clone, Debug)]
@@ -86,6 +93,7 @@ impl FileFinder {
             folder => Self::new(folder),
         };
         finder.budget = budget.clone();
+        finder.textures = TextureCache::new(budget.limits().memory / PICTURE_SHARE);
         path.into_iter().for_each(|path| finder.add(path.to_owned(), FileKind::Scene, true));
         finder.hash.add_file(bytes);
         Ok(finder)
@@ -103,6 +111,24 @@ impl FileFinder {
     pub(crate) fn confined_to(folder: &Path) -> io::Result<Self> {
         let confinement = Confinement { folder: folder.to_owned(), real: std::fs::canonicalize(folder)? };
         Ok(Self { confinement: Some(confinement), ..Self::new(Some(folder)) })
+    }
+
+    /// The picture for textures and lights, in memory or in a temporary file, of which the memory is taken off the budget.
+    ///
+    /// # Errors
+    /// The problem. If it is that of the budget or of the temporary file, the budget has failed.
+    pub(crate) fn picture(&self, pixels: &Pixels) -> Result<MipMap, String> {
+        let before = self.textures.file_size();
+        let picture = MipMap::try_new_in(pixels, &self.textures).map_err(|error| {
+            if let MipMapError::File(fault) = &error {
+                self.budget.fail_with(fault.clone().into());
+            }
+            error.to_string()
+        })?;
+        // The first picture in the file brings the memory of the tiles.
+        let tiles = if before == 0 && picture.cache().is_some() { self.textures.tile_memory() } else { 0 };
+        let spent = self.budget.spend(Resource::Memory, picture.memory().saturating_add(tiles));
+        spent.map(|()| picture).map_err(|end| end.to_string())
     }
 
     /// Adds a search folder after the others.

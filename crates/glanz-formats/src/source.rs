@@ -298,11 +298,12 @@ impl Reporter {
 
 /// The message that reading of a file has ended, without a place.
 pub(crate) fn end_of_reading(file: String, end: BudgetError) -> Diagnostic {
-    let (kind, help) = match end {
-        BudgetError::Limit(limit) => ("limit", Some(limit.help())),
-        BudgetError::Interrupted => ("interrupted", None),
+    let kind = match end {
+        BudgetError::Limit(_) => "limit",
+        BudgetError::Interrupted => "interrupted",
+        BudgetError::TemporaryFile(_) => "temporary-file",
     };
-    let message = end.to_string();
+    let (message, help) = (end.to_string(), end.help());
     Diagnostic { severity: Severity::Error, kind, file, location: None, message, excerpt: None, help }
 }
 

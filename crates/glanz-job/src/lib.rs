@@ -11,6 +11,7 @@
 //! [`IdentityMismatch`], which names the first field that differs. A [`ContentHash`] represents the scene in it, and
 //! [`write_atomically`] replaces the file of a state as a whole, which a [`CheckpointLock`] keeps from other processes. An [`IoFault`] is an error of a file in words. A [`JobPart`] is one of several parts of a job that are computed separately. Reports name the
 //! program by [`current_version`] and the machine by [`processor_name`]. A [`ResourceBudget`] bounds what the input of a job can cost: memory, files, time and so on.
+//! A [`ScratchFile`] holds data above the limit of memory.
 //!
 //! ```
 //! use std::time::{Duration, Instant};
@@ -66,6 +67,7 @@ mod io_fault;
 mod part;
 mod processor;
 mod progress;
+mod scratch_file;
 
 pub use atomic::{
     CheckpointLock, CheckpointLockError, WriteError, check_creatable, make_folder, remove_orphans,
@@ -83,3 +85,4 @@ pub use io_fault::IoFault;
 pub use part::{JobPart, JobPartError, MAX_PARTS};
 pub use processor::processor_name;
 pub use progress::{JobProgress, ProgressSink, Silent, WorkCount, grouped};
+pub use scratch_file::{ScratchFile, ScratchFileError};

@@ -6,10 +6,12 @@ use std::sync::Arc;
 
 use glanz_geometry::bvh::Bvh;
 use glanz_geometry::{Hit, RaySurface};
+use glanz_job::ScratchFileError;
 use glanz_light::{EmissionSpectrum, Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DVec2, Ray, Transform};
 use glanz_sampling::hash::{combine, unit_f64};
 use glanz_shading::parameter::TextureEvaluator;
+use glanz_shading::texture::TextureCache;
 use glanz_shading::{Material, TexturePoint, Textures};
 
 use crate::alpha::RayKind;
@@ -93,6 +95,8 @@ pub struct Scene {
     /// One per material.
     pub(crate) surface_details: Arc<[Option<SurfaceDetail>]>,
     pub(crate) textures: Arc<Textures>,
+    /// The caches of pictures that are in files.
+    pub(crate) texture_caches: Arc<[TextureCache]>,
     pub(crate) media: Arc<SceneMedia>,
     pub(crate) lights: Arc<[Light]>,
     pub(crate) infinite_lights: Arc<[LightId]>,
@@ -194,6 +198,14 @@ impl Scene {
     #[must_use]
     pub fn textures(&self) -> &Textures {
         &self.textures
+    }
+
+    /// Checks that all texels could be read so far. Where one could not, it was black: what was computed since is of no use.
+    ///
+    /// # Errors
+    /// [`ScratchFileError`] of a file of pictures.
+    pub fn check_textures(&self) -> Result<(), ScratchFileError> {
+        self.texture_caches.iter().try_for_each(TextureCache::check)
     }
 
     pub(crate) fn world(&self) -> &SceneGroup {

@@ -206,10 +206,12 @@ impl LoadedScene {
         let resolved = reserved.and_then(|()| Scene::resolve_with(description, &budget));
         let (scene, warnings) = resolved.map_err(|SceneError { location, kind }| match kind {
             SceneErrorKind::Budget(BudgetError::Interrupted) => Interrupted.into(),
-            SceneErrorKind::Budget(BudgetError::Limit(limit)) => {
-                let plain = self.diagnostic(Severity::Error, location, limit.to_string());
-                let diagnostic = Diagnostic { kind: "limit", help: Some(limit.help()), ..plain };
-                Error::Scene(Diagnostics::of_end(diagnostic, BudgetError::Limit(limit)))
+            SceneErrorKind::Budget(end) => {
+                let plain = self.diagnostic(Severity::Error, location, end.to_string());
+                Error::Scene(Diagnostics::of_end(
+                    Diagnostic { kind: "limit", help: end.help(), ..plain },
+                    end,
+                ))
             }
             kind => self.fault(location, kind.to_string()),
         })?;

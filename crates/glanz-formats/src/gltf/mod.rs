@@ -71,8 +71,6 @@ struct GltfReader<'a, 'b> {
     materials: BTreeMap<Option<usize>, GltfMaterial>,
     /// Index of each picture that was read; `None`: it cannot be read.
     pictures: BTreeMap<PictureKey, Option<usize>>,
-    /// The value that all pixels of a picture in the description have, by its index; `None`: they differ.
-    constants: BTreeMap<usize, Option<f32>>,
     /// Elements of accessors that may still be used.
     elements_left: usize,
     /// Radiance of one unit of emission, W/(m^2 sr): one lumen where the scene has lights, else that of a white surface in the light of
@@ -128,7 +126,6 @@ fn read_file(bytes: &[u8], reader: &mut ModelReader) -> Result<(), PlacedError> 
         reader,
         materials: BTreeMap::new(),
         pictures: BTreeMap::new(),
-        constants: BTreeMap::new(),
         elements_left: size.saturating_mul(ELEMENTS_PER_BYTE).saturating_add(FREE_ELEMENTS),
         radiance_unit: 1.0,
     };

@@ -5,6 +5,7 @@ use glanz_scene::description::{
     FloatParameter, ImageDescription, ImageFilter, ImageWrap, MappingDescription, SpectrumParameter,
     TextureKind,
 };
+use glanz_shading::texture::MipMap;
 
 use super::GltfReader;
 use super::buffers::read_address;
@@ -149,14 +150,8 @@ impl GltfReader<'_, '_> {
     }
 
     /// The value that all pixels and channels of a picture have, without alpha.
-    pub(super) fn constant(&mut self, image: usize) -> Option<f32> {
-        let images = &self.reader.description.images;
-        *self.constants.entry(image).or_insert_with(|| {
-            let channels = images.get(image)?.pixels.channels().iter().filter(|channel| channel.name != "A");
-            let mut values = channels.flat_map(|channel| channel.values.iter().copied());
-            let first = values.next()?;
-            values.all(|x| x == first).then_some(first)
-        })
+    pub(super) fn constant(&self, image: usize) -> Option<f32> {
+        self.reader.description.images.get(image)?.picture.uniform()
     }
 
     fn image_texture(
@@ -256,9 +251,9 @@ impl GltfReader<'_, '_> {
                 return Ok(*known);
             }
             let index = match self.picture(content, &image)? {
-                Ok(pixels) => {
+                Ok(picture) => {
                     let images = &mut self.reader.description.images;
-                    images.push(ImageDescription { name: image.own_name(), pixels: pixels.into() });
+                    images.push(ImageDescription { name: image.own_name(), picture });
                     Some(images.len() - 1)
                 }
                 Err(problem) => {
@@ -276,12 +271,12 @@ impl GltfReader<'_, '_> {
         self.reader.stand_in("gltf-picture", None, message);
     }
 
-    /// The pixels of a picture, or a problem for which there is a substitute.
+    /// The content of a picture, or a problem for which there is a substitute.
     fn picture(
         &mut self,
         content: PictureContent,
         image: &JsonObject<'_>,
-    ) -> Result<Result<glanz_light::Pixels, String>, GltfError> {
+    ) -> Result<Result<MipMap, String>, GltfError> {
         match (image.text("uri")?, image.count("bufferView")?) {
             (Some(uri), _) => {
                 let bytes = read_address(uri, self.reader, FileKind::Picture);

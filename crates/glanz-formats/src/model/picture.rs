@@ -1,6 +1,6 @@
 //! Pictures for textures of models.
 
-use glanz_job::ResourceBudget;
+use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::Pixels;
 use glanz_math::DVec2;
 
@@ -25,48 +25,38 @@ pub(crate) enum PictureContent {
 /// Coordinates of textures beyond a picture by less than this count as at its border.
 const BORDER: f64 = 1e-3;
 
-/// The content of a picture as planes for a texture, or the problem.
+/// The content of a picture as planes for a texture, with their memory, or the problem.
 ///
 /// Grey pictures have the same red, green and blue; the alpha of pictures without it is 1.
 pub(super) fn read_picture(
     bytes: &[u8],
     content: PictureContent,
     budget: &ResourceBudget,
-) -> Result<Pixels, String> {
+) -> Result<(Pixels, [MemoryReservation; 2]), String> {
     let encoding = if content == PictureContent::Color { Encoding::Srgb } else { Encoding::Linear };
-    let (picture, mut memory) =
+    let (picture, memory) =
         image::read_reserved(bytes, None, encoding, budget).map_err(|error| error.to_string())?;
     let pixels = picture.pixels;
     let grey = pixels.channel("Y").is_some();
-    let plane = pixels.len() * size_of::<f32>();
-    let colors = || {
-        // Colours, and perhaps those of normals, for a while.
-        let copies = budget.reserve(6 * plane as u64).map_err(|end| end.to_string())?;
-        let colors = pixels.to_rgb().ok_or_else(|| "the picture has neither R, G, B nor Y".to_owned())?;
-        Ok::<_, String>((copies, colors))
-    };
-    let planes = if matches!(content, PictureContent::Normals { .. }) { 3 } else { 1 };
-    let kept = (planes * plane) as u64;
-    // Normals of a grey picture have more planes than it.
-    let more = budget.reserve(kept.saturating_sub(memory.bytes())).map_err(|end| end.to_string())?;
-    let content = match content {
-        PictureContent::Color => {
-            colors()?;
-            memory.keep();
-            return Ok(pixels);
-        }
+    let plane = (pixels.len() * size_of::<f32>()) as u64;
+    let reserve = |planes: u64| budget.reserve(planes * plane).map_err(|end| end.to_string());
+    let (content, copy) = match content {
+        PictureContent::Color => (pixels, reserve(0)?),
         PictureContent::Normals { scale } => {
-            let (_copies, colors) = colors()?;
-            normals(&pixels, &colors, f32::from_bits(scale))?
+            // Three planes, and as many values in between.
+            let copies = reserve(9)?;
+            (normals(&pixels, f32::from_bits(scale))?, copies)
         }
-        PictureContent::Channel(number) => split(&pixels, channel(number, grey))?,
-        PictureContent::Opacity if pixels.channel("A").is_some() => split(&pixels, "A")?,
-        PictureContent::Opacity => split(&pixels, channel(1, grey))?,
+        PictureContent::Channel(number) => {
+            let copy = reserve(1)?;
+            (split(&pixels, channel(number, grey))?, copy)
+        }
+        PictureContent::Opacity => {
+            let (copy, has_alpha) = (reserve(1)?, pixels.channel("A").is_some());
+            (split(&pixels, if has_alpha { "A" } else { channel(1, grey) })?, copy)
+        }
     };
-    memory.shrink(kept);
-    memory.keep();
-    more.keep();
-    Ok(content)
+    Ok((content, [memory, copy]))
 }
 
 /// The name of one of the channels red, green, blue and alpha, by its number.
@@ -90,9 +80,10 @@ fn split(pixels: &Pixels, channel: &str) -> Result<Pixels, String> {
 }
 
 /// Normals with a factor on the first two components.
-fn normals(pixels: &Pixels, colors: &[[f32; 3]], scale: f32) -> Result<Pixels, String> {
+fn normals(pixels: &Pixels, scale: f32) -> Result<Pixels, String> {
     let scaled = |c: f32| 0.5 + scale * (c - 0.5);
-    let colors: Vec<[f32; 3]> = colors.iter().map(|&[r, g, b]| [scaled(r), scaled(g), b]).collect();
+    let mut colors = pixels.to_rgb().ok_or_else(|| "the picture has neither R, G, B nor Y".to_owned())?;
+    colors.iter_mut().for_each(|rgb| *rgb = [scaled(rgb[0]), scaled(rgb[1]), rgb[2]]);
     Pixels::try_from_rgb(pixels.width(), pixels.height(), &colors).map_err(|error| error.to_string())
 }
 

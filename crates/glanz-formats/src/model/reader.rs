@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glanz_job::{Resource, ResourceBudget};
-use glanz_light::Pixels;
 use glanz_scene::description::{FileId, GeometryDescription, MaterialDescription, ShapeDescription};
 use glanz_scene::studio::{CAD_GREY, StudioSettings, UpAxis, cad_material};
 use glanz_scene::{Description, Diagnostic, Diagnostics, Location, Severity};
+use glanz_shading::texture::MipMap;
 
 use super::picture::{PictureContent, read_picture};
 use crate::cad::CadReport;
@@ -168,12 +168,13 @@ impl ModelReader {
         Ok(bytes)
     }
 
-    /// The content of a picture as planes for a texture.
+    /// The content of a picture for a texture.
     ///
     /// # Errors
     /// The problem.
-    pub(crate) fn picture(&mut self, bytes: &[u8], content: PictureContent) -> Result<Pixels, String> {
-        read_picture(bytes, content, &self.finder.budget)
+    pub(crate) fn picture(&mut self, bytes: &[u8], content: PictureContent) -> Result<MipMap, String> {
+        let (pixels, _memory) = read_picture(bytes, content, &self.finder.budget)?;
+        self.finder.picture(&pixels)
     }
 }
 

@@ -285,9 +285,9 @@ impl MaterialLowering<'_> {
         }
         let read = self.reader.read_file(map, FileKind::Picture).map_err(|(problem, _)| problem);
         let index = match read.and_then(|bytes| self.reader.picture(&bytes, content)) {
-            Ok(pixels) => {
+            Ok(picture) => {
                 let images = &mut self.reader.description.images;
-                images.push(ImageDescription { name: map.to_owned(), pixels: pixels.into() });
+                images.push(ImageDescription { name: map.to_owned(), picture });
                 Some(images.len() - 1)
             }
             Err(problem) => {

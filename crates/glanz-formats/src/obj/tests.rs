@@ -155,7 +155,7 @@ fn pictures_of_light_and_opacity_have_the_coordinates_of_the_surface() {
     let (description, shape) = (&loaded.description, &loaded.description.world.shapes[0]);
     let emission = shape.emission.as_ref().unwrap();
     assert_eq!(SpectrumParameter::Value(emission.radiance.clone()), [2.0, 4.0, 6.0].into());
-    assert_eq!(description.images[emission.image.unwrap()].pixels.channel("R").unwrap(), [1.0]);
+    assert_eq!(description.images[emission.image.unwrap()].picture.to_rgb().unwrap()[0][0], 1.0);
     let GeometryDescription::Triangles { uvs: Some(found), .. } = &shape.geometry else { panic!() };
     assert_eq!(found[..], [[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]].map(DVec2::from), "moved by whole pictures");
     // Without alpha, brightness counts: the green of red is 0.
@@ -166,7 +166,7 @@ fn pictures_of_light_and_opacity_have_the_coordinates_of_the_surface() {
     };
     assert_eq!(*factor, 0.5.into());
     let TextureKind::Image { image, .. } = description.textures[*picture].kind else { panic!() };
-    assert_eq!(description.images[image].pixels.channel("Y").unwrap(), [0.0]);
+    assert_eq!(description.images[image].picture.to_rgb().unwrap(), [[0.0; 3]]);
     let loaded = with_materials(mtl, &format!("{SQUARE}{uvs}usemtl lamp\nf 1/1 2/2 3/4\n"));
     assert!(
         loaded

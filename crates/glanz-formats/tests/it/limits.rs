@@ -28,7 +28,7 @@ fn limited(change: impl FnOnce(&mut ResourceLimits)) -> Options {
 fn resource((end, _): (BudgetError, String)) -> Resource {
     match end {
         BudgetError::Limit(limit) => limit.resource,
-        BudgetError::Interrupted => panic!("interrupted"),
+        other => panic!("{other}"),
     }
 }
 

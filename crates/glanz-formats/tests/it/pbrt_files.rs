@@ -164,7 +164,7 @@ fn pictures_are_read_once_and_named_spectra_from_files() {
         .put("grey.spd", "# nm value\n700 .5\n400 .5\n");
     let d = folder.load().unwrap_or_else(|d| panic!("{d}")).description;
     assert_eq!(d.images.len(), 1);
-    assert_eq!(d.images[0].pixels.to_rgb().unwrap()[1], [4.0, 5.0, 6.0]);
+    assert_eq!(d.images[0].picture.to_rgb().unwrap()[1], [4.0, 5.0, 6.0]);
     assert!(matches!(d.textures[1].kind, TextureKind::Image { image: 0, scale: 1.0, invert: false, .. }));
     let glanz_scene::description::MaterialKind::Diffuse(diffuse) = &d.materials[0].kind else { panic!() };
     let SpectrumParameter::Value(kd) = &diffuse.reflectance else { panic!() };

@@ -7,13 +7,14 @@ mod tests;
 
 use std::error::Error;
 use std::fmt;
+use std::io;
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 pub use limits::{LimitValueError, Resource, ResourceLimits, byte_size};
 
-use crate::{CancelFlag, Interrupted};
+use crate::{CancelFlag, Interrupted, ScratchFileError};
 
 /// What a job may still use; clones share it.
 ///
@@ -56,6 +57,8 @@ pub enum BudgetError {
     Limit(LimitError),
     /// The cancel flag was raised.
     Interrupted,
+    /// The temporary file of what is above the limit of memory failed.
+    TemporaryFile(io::ErrorKind),
 }
 
 /// A limit that was reached.
@@ -154,7 +157,12 @@ impl ResourceBudget {
 
     /// Fails with a limit that the job measures itself, such as a depth.
     pub fn fail(&self, limit: LimitError) -> BudgetError {
-        *self.shared.failure.get_or_init(|| BudgetError::Limit(limit))
+        self.fail_with(BudgetError::Limit(limit))
+    }
+
+    /// Fails for this reason, if it is the first.
+    pub fn fail_with(&self, reason: BudgetError) -> BudgetError {
+        *self.shared.failure.get_or_init(|| reason)
     }
 
     /// Whether the job may go on. It costs a few loads, often enough in an inner loop; the clock is read now and then.
@@ -262,8 +270,30 @@ impl fmt::Display for BudgetError {
         match self {
             Self::Limit(limit) => limit.fmt(f),
             Self::Interrupted => Interrupted.fmt(f),
+            Self::TemporaryFile(kind) => write!(f, "the temporary file of large pictures fails: {kind}"),
         }
     }
 }
 
 impl Error for BudgetError {}
+
+impl BudgetError {
+    /// The remedy for a program that uses the library; `None` where none is needed.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::Limit(limit) => Some(limit.help()),
+            Self::Interrupted => None,
+            Self::TemporaryFile(_) => Some(
+                "set TMPDIR to a folder with more room, or allow more memory, of which pictures take half"
+                    .to_owned(),
+            ),
+        }
+    }
+}
+
+impl From<ScratchFileError> for BudgetError {
+    fn from(error: ScratchFileError) -> Self {
+        Self::TemporaryFile(error.kind)
+    }
+}

@@ -1,10 +1,8 @@
 //! Textures and their pictures, and parameters that are a texture or a value.
 
-use std::sync::Arc;
-
 use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::{DMat4, DVec3};
-use glanz_shading::texture::{FractalKind, ImageFilter, ImageWrap, TextureMapping};
+use glanz_shading::texture::{FractalKind, ImageFilter, ImageWrap, MipMap, MipMapError, TextureMapping};
 
 use super::Location;
 
@@ -14,7 +12,17 @@ pub struct ImageDescription {
     /// Its file.
     pub name: String,
     /// Linear values; row 0 is the top.
-    pub pixels: Arc<Pixels>,
+    pub picture: MipMap,
+}
+
+impl ImageDescription {
+    /// A picture in memory.
+    ///
+    /// # Errors
+    /// [`MipMapError::Channels`] if it has neither R, G and B nor Y.
+    pub fn try_new(name: impl Into<String>, pixels: &Pixels) -> Result<Self, MipMapError> {
+        Ok(Self { name: name.into(), picture: MipMap::try_new(pixels)? })
+    }
 }
 
 /// A spectrum or a texture of spectra.

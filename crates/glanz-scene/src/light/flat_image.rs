@@ -1,7 +1,9 @@
 //! Pictures on a rectangle.
 
-use glanz_light::{Pixels, Spectrum, Wavelengths};
+use glanz_job::ScratchFileError;
+use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::DVec2;
+use glanz_shading::texture::MipMap;
 
 /// Weights of a pixel and its neighbours in the mean of linear interpolation over the pixel: across half a pixel the weight of the neighbour falls
 /// from 1/2 to 0.
@@ -22,12 +24,16 @@ impl FlatImage {
         Self { width, height, texels }
     }
 
-    /// The picture times `factor`; pixels that are negative or not finite count as black. `None` if it has neither the channels R, G and B nor Y.
-    pub(crate) fn of_pixels(pixels: &Pixels, factor: Spectrum) -> Option<Self> {
+    /// The picture times `factor`; pixels that are negative or not finite count as black.
+    ///
+    /// # Errors
+    /// [`ScratchFileError`] if the picture is in a file that cannot be read.
+    pub(crate) fn of_picture(picture: &MipMap, factor: Spectrum) -> Result<Self, ScratchFileError> {
         let positive = |x: f32| if x > 0.0 && x.is_finite() { x } else { 0.0 };
         let texel = |rgb: [f32; 3]| factor * Spectrum::from_rgb(rgb.map(positive));
-        let texels = pixels.to_rgb()?.into_iter().map(texel).collect();
-        Some(Self { width: pixels.width() as usize, height: pixels.height() as usize, texels })
+        let texels = picture.to_rgb()?.into_iter().map(texel).collect();
+        let [width, height] = picture.size();
+        Ok(Self { width, height, texels })
     }
 
     /// The picture with at most `most` pixels along each side: means of equal parts.

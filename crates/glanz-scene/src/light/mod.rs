@@ -25,8 +25,10 @@ mod sun;
 mod tree;
 mod world_sphere;
 
+use glanz_job::BudgetError;
 use glanz_light::{Spectrum, Wavelengths};
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray, SolidAnglePdf, Transform};
+use glanz_shading::texture::MipMap;
 
 use crate::description::{ImageDescription, LightDescription, LightKind, SphereMapping};
 use crate::error::SceneErrorKind;
@@ -279,8 +281,7 @@ pub(crate) struct LightInput<'a> {
 impl LightInput<'_> {
     /// The picture with this index, over all directions.
     fn sphere_image(&self, index: usize, mapping: SphereMapping) -> Result<SphereImage, SceneErrorKind> {
-        let image = self.image(index)?;
-        SphereImage::new(&image.pixels, mapping).ok_or_else(|| without_colors(image))
+        SphereImage::try_new(self.picture(index)?, mapping).map_err(|error| BudgetError::from(error).into())
     }
 
     /// Its axes in the world; orthonormal, perhaps mirrored. `what`: name of the transformation in errors.
@@ -289,24 +290,15 @@ impl LightInput<'_> {
         axes.ok_or_else(|| photometric::uneven(what))
     }
 
-    fn image(&self, index: usize) -> Result<&ImageDescription, SceneErrorKind> {
-        image_of(self.images, index)
+    fn picture(&self, index: usize) -> Result<&MipMap, SceneErrorKind> {
+        picture_of(self.images, index)
     }
 }
 
 /// The picture with this index.
-pub(crate) fn image_of(
-    images: &[ImageDescription],
-    index: usize,
-) -> Result<&ImageDescription, SceneErrorKind> {
-    let count = images.len();
-    images.get(index).ok_or(SceneErrorKind::Reference { what: "picture", index, count })
-}
-
-/// The error of a picture without the channels of a light.
-pub(crate) fn without_colors(image: &ImageDescription) -> SceneErrorKind {
-    let names: Vec<&str> = image.pixels.channels().iter().map(|channel| channel.name.as_str()).collect();
-    range_error("light: list of channels of the picture", names.join(", "), "R, G and B, or Y")
+pub(crate) fn picture_of(images: &[ImageDescription], index: usize) -> Result<&MipMap, SceneErrorKind> {
+    let reference = SceneErrorKind::Reference { what: "picture", index, count: images.len() };
+    images.get(index).map(|image| &image.picture).ok_or(reference)
 }
 
 impl Light {

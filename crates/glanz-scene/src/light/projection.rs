@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glanz_job::BudgetError;
 use glanz_light::Spectrum;
 use glanz_math::{AreaPdf, DMat3, DVec2, DVec3, Ray};
 use glanz_sampling::discrete::PiecewiseConstant2;
@@ -11,7 +12,6 @@ use super::flat_image::FlatImage;
 use super::point::sample_point;
 use super::{
     IncidentLight, LightExtent, LightInput, LightModel, LightRay, LightSample, brightness, range_error,
-    without_colors,
 };
 use crate::error::SceneErrorKind;
 use crate::interaction::Interaction;
@@ -47,9 +47,8 @@ impl ProjectionLight {
             return Err(range_error("projection light: field of view", field_of_view, "between 0 and pi"));
         }
         let axes = input.axes("projection light: transformation")?;
-        let picture = input.image(image)?;
-        let intensity = FlatImage::of_pixels(&picture.pixels, input.emission);
-        let intensity = intensity.ok_or_else(|| without_colors(picture))?;
+        let intensity =
+            FlatImage::of_picture(input.picture(image)?, input.emission).map_err(BudgetError::from)?;
         let [width, height] = intensity.size();
         let half = half_sides([width as f64, height as f64], field_of_view);
         let solid_angle = |place: DVec2| solid_angle_of_unit(half, place);

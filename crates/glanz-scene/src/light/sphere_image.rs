@@ -3,9 +3,10 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glanz_light::Pixels;
+use glanz_job::ScratchFileError;
 use glanz_math::{DVec2, DVec3};
 use glanz_sampling::warp;
+use glanz_shading::texture::MipMap;
 
 use super::flat_image::CELL_WEIGHTS;
 use crate::description::SphereMapping;
@@ -37,14 +38,16 @@ pub struct SphereTexel {
 }
 
 impl SphereImage {
-    /// The picture of linear values; `None` if it has neither the channels R, G and B nor Y.
-    #[must_use]
-    pub fn new(pixels: &Pixels, mapping: SphereMapping) -> Option<Self> {
+    /// The picture over all directions.
+    ///
+    /// # Errors
+    /// [`ScratchFileError`] if the picture is in a file that cannot be read.
+    pub fn try_new(picture: &MipMap, mapping: SphereMapping) -> Result<Self, ScratchFileError> {
         let positive = |x: f32| if x > 0.0 && x.is_finite() { x } else { 0.0 };
-        let mut texels = pixels.to_rgb()?;
+        let mut texels = picture.to_rgb()?;
         texels.iter_mut().for_each(|rgb| *rgb = rgb.map(positive));
-        let (width, height) = (pixels.width() as usize, pixels.height() as usize);
-        Some(Self { mapping, width, height, texels: Arc::new(texels) })
+        let [width, height] = picture.size();
+        Ok(Self { mapping, width, height, texels: Arc::new(texels) })
     }
 
     /// A square picture of `function` of unit directions, at the middles of `size` times `size` pixels; its values are not negative.
@@ -207,11 +210,17 @@ impl SphereMapping {
 
 #[cfg(test)]
 mod tests {
+    use glanz_light::Pixels;
+
     use super::*;
 
     const MAPPINGS: [SphereMapping; 2] = [SphereMapping::LatitudeLongitude, SphereMapping::EqualArea];
 
     /// A picture of the directions themselves, moved into [0, 2].
+    fn image(pixels: &Pixels, mapping: SphereMapping) -> SphereImage {
+        SphereImage::try_new(&MipMap::try_new(pixels).unwrap(), mapping).unwrap()
+    }
+
     fn of_directions(mapping: SphereMapping, width: u32, height: u32) -> SphereImage {
         let rgb: Vec<[f32; 3]> = (0..width * height)
             .map(|i| {
@@ -220,7 +229,7 @@ mod tests {
                 (direction.as_vec3() + 1.0).to_array()
             })
             .collect();
-        SphereImage::new(&Pixels::try_from_rgb(width, height, &rgb).unwrap(), mapping).unwrap()
+        image(&Pixels::try_from_rgb(width, height, &rgb).unwrap(), mapping)
     }
 
     fn spread(i: u32) -> DVec3 {
@@ -283,8 +292,7 @@ mod tests {
     fn even_picture_has_the_irradiance_of_a_sky() {
         for mapping in MAPPINGS {
             let pixels = Pixels::try_from_rgb(64, 64, &[[1.0, 2.0, 0.0]; 4096]).unwrap();
-            for (found, expected) in
-                SphereImage::new(&pixels, mapping).unwrap().irradiance().into_iter().zip([PI, 2.0 * PI, 0.0])
+            for (found, expected) in image(&pixels, mapping).irradiance().into_iter().zip([PI, 2.0 * PI, 0.0])
             {
                 // Sums over 4096 pixels by their middles.
                 assert!((found - expected).abs() <= 2e-3 * expected, "{mapping:?}: {found} {expected}");
@@ -297,7 +305,7 @@ mod tests {
         // Two rows: light (1, 2, 3) down to 45 degrees from the pole, then less and less of it to 135. pi times the integral of sin 2t by the
         // polar angle t is pi / 2 to 45 degrees, and with the factor 3/2 - 2t / pi it is pi / 4 + 1/2 from there to the horizon.
         let pixels = Pixels::try_from_rgb(1, 2, &[[1.0, 2.0, 3.0], [0.0; 3]]).unwrap();
-        let image = SphereImage::new(&pixels, SphereMapping::LatitudeLongitude).unwrap();
+        let image = image(&pixels, SphereMapping::LatitudeLongitude);
         for (found, times) in image.irradiance().into_iter().zip([1.0, 2.0, 3.0]) {
             let expected = times * (0.75 * PI + 0.5);
             assert!((found / expected - 1.0).abs() < 1e-4, "{found} {expected}");
@@ -313,7 +321,7 @@ mod tests {
         ] {
             let rgb: Vec<[f32; 3]> =
                 (0..400).map(|i| if is_sky(i) { [2.0, 4.0, 6.0] } else { [0.0; 3] }).collect();
-            let image = SphereImage::new(&Pixels::try_from_rgb(20, 20, &rgb).unwrap(), mapping).unwrap();
+            let image = image(&Pixels::try_from_rgb(20, 20, &rgb).unwrap(), mapping);
             for (found, expected) in image.mean().iter().zip([1.0, 2.0, 3.0]) {
                 assert!((found - expected).abs() < 1e-6);
             }
@@ -326,7 +334,7 @@ mod tests {
             let count = width * height;
             let rgb: Vec<[f32; 3]> = (0..count).map(|i| [f32::from(u8::from(i < width)); 3]).collect();
             let pixels = Pixels::try_from_rgb(width, height, &rgb).unwrap();
-            f64::from(SphereImage::new(&pixels, mapping).unwrap().mean()[0])
+            f64::from(image(&pixels, mapping).mean()[0])
         };
         // The cap within 60 degrees of the pole: (1 - cos 60) / 2.
         assert!((of(6, 3, SphereMapping::LatitudeLongitude) - 0.25).abs() < 1e-7);
@@ -337,8 +345,7 @@ mod tests {
     fn pixels_that_are_no_light_are_black() {
         let rgb = [[f32::NAN, -1.0, f32::INFINITY], [1.0; 3]];
         let pixels = Pixels::try_from_rgb(2, 1, &rgb).unwrap();
-        let image = SphereImage::new(&pixels, SphereMapping::LatitudeLongitude).unwrap();
+        let image = image(&pixels, SphereMapping::LatitudeLongitude);
         assert_eq!(image.mean(), [0.5; 3]);
-        assert!(SphereImage::new(&Pixels::try_new(2, 1).unwrap(), SphereMapping::EqualArea).is_none());
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glanz_job::ResourceBudget;
+use glanz_job::{BudgetError, ResourceBudget};
 use glanz_light::{Spectrum, Wavelengths, units};
 
 use super::light::{BYTES_PER_TEXEL, emitted_spectrum};
@@ -11,7 +11,7 @@ use super::{range_error, spend};
 use crate::area::{area, far_field_area};
 use crate::description::{EmissionDescription, EmissionPower, ImageDescription, Location};
 use crate::error::SceneError;
-use crate::light::{AreaLight, FlatImage, image_of, without_colors};
+use crate::light::{AreaLight, FlatImage, picture_of};
 use crate::object::SceneObject;
 
 /// The area light of the object with the index `object_index` in the world.
@@ -71,11 +71,11 @@ impl<'a> EmissionPictures<'a> {
             return Ok(Arc::clone(made));
         }
         let error = |kind| SceneError { location, kind };
-        let description = image_of(self.images, index).map_err(error)?;
-        let texels = description.pixels.len() as u64;
-        spend(self.budget, 0, BYTES_PER_TEXEL.saturating_mul(texels), location)?;
-        let image = FlatImage::of_pixels(&description.pixels, Spectrum::ONE);
-        let image = Arc::new(image.ok_or_else(|| error(without_colors(description)))?);
+        let picture = picture_of(self.images, index).map_err(error)?;
+        let [width, height] = picture.size();
+        spend(self.budget, 0, BYTES_PER_TEXEL.saturating_mul((width * height) as u64), location)?;
+        let image = FlatImage::of_picture(picture, Spectrum::ONE);
+        let image = Arc::new(image.map_err(|fault| error(BudgetError::from(fault).into()))?);
         self.made.insert(index, Arc::clone(&image));
         Ok(image)
     }

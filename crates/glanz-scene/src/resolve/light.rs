@@ -19,7 +19,8 @@ pub(super) fn picture_bytes(light: &LightDescription, images: &[ImageDescription
         LightKind::PortalInfinite { image, .. } => image.as_ref().map(|(image, _)| *image),
         _ => None,
     };
-    let texels = image.and_then(|image| images.get(image)).map_or(0, |image| image.pixels.len());
+    let size = image.and_then(|image| images.get(image)).map_or([0, 0], |image| image.picture.size());
+    let texels = size[0] * size[1];
     BYTES_PER_TEXEL.saturating_mul(texels as u64)
 }
 

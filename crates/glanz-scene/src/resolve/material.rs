@@ -2,12 +2,12 @@
 
 use glanz_light::Wavelengths;
 use glanz_shading::Material;
-use glanz_shading::texture::MipMap;
 
 use super::WarningList;
 use super::texture::ResolvedTextures;
 use crate::description::{Description, MaterialDescription, SurfaceDetailDescription};
 use crate::error::{SceneError, SceneErrorKind};
+use crate::light::picture_of;
 use crate::surface_detail::SurfaceDetail;
 
 pub(super) fn materials(
@@ -76,8 +76,6 @@ pub(super) fn surface_details(
     textures: &ResolvedTextures,
     wavelengths: &Wavelengths,
 ) -> Result<Vec<Option<SurfaceDetail>>, SceneError> {
-    // Materials that share a picture share its copy.
-    let mut pictures: Vec<Option<MipMap>> = vec![None; description.images.len()];
     let resolve = |material: &MaterialDescription| {
         let Some(detail) = &material.surface_detail else { return Ok(None) };
         let location = material.location;
@@ -86,19 +84,14 @@ pub(super) fn surface_details(
                 SurfaceDetail::Bump(textures.inputs(wavelengths, location).number(&height)?)
             }
             SurfaceDetailDescription::NormalMap(index) => {
-                let count = description.images.len();
-                let kind = SceneErrorKind::Reference { what: "picture", index, count };
-                let source = description.images.get(index).ok_or(SceneError { location, kind })?;
-                if let Some(Some(picture)) = pictures.get(index) {
-                    return Ok(Some(SurfaceDetail::NormalMap(picture.clone())));
-                }
-                let picture = MipMap::try_new(&source.pixels).map_err(|reason| {
+                let picture = picture_of(&description.images, index);
+                let picture = picture.map_err(|kind| SceneError { location, kind })?;
+                picture.check_finite().map_err(|reason| {
                     let name = name_in_messages(&material.name);
                     let (what, reason) = (format!("normal map of material {name}"), reason.to_string());
                     SceneError { location, kind: SceneErrorKind::Texture { name: what, reason } }
                 })?;
-                pictures[index] = Some(picture.clone());
-                SurfaceDetail::NormalMap(picture)
+                SurfaceDetail::NormalMap(picture.clone())
             }
         }))
     };

@@ -14,6 +14,7 @@ use glanz_geometry::RaySurface;
 use glanz_job::{Resource, ResourceBudget};
 use glanz_light::{EmissionSpectrum, Wavelengths};
 use glanz_math::{Bounds3, DMat4, Transform};
+use glanz_shading::texture::TextureCache;
 
 use crate::camera::Camera;
 use crate::description::{Description, GeometryDescription, Location};
@@ -109,12 +110,19 @@ impl Scene {
         });
         let light_tree = LightTree::new(&extents.collect::<Vec<_>>(), radius);
         let emitters = LightSelector::new(&importance);
+        let mut texture_caches: Vec<TextureCache> = Vec::new();
+        for cache in description.images.iter().filter_map(|image| image.picture.cache()) {
+            if !texture_caches.iter().any(|known| known.is_same(cache)) {
+                texture_caches.push(cache.clone());
+            }
+        }
         let scene = Self {
             camera,
             groups: groups.into(),
             materials: materials.into(),
             surface_details: surface_details.into(),
             textures: textures.textures,
+            texture_caches: texture_caches.into(),
             media: media.finish(description.camera_medium, media_ends)?.into(),
             lights: lights.into(),
             light_spectra: light_spectra.into(),

@@ -18,6 +18,7 @@ use crate::description::{
     SpectrumParameter, TextureDescription, TextureKind,
 };
 use crate::error::{SceneError, SceneErrorKind};
+use crate::light::picture_of;
 
 /// The textures of a scene, and their ids by the index in the description.
 pub(super) struct ResolvedTextures {
@@ -113,7 +114,6 @@ pub(super) fn textures(
     wavelengths: &Wavelengths,
     budget: &ResourceBudget,
 ) -> Result<ResolvedTextures, SceneError> {
-    let mut images: Vec<Option<MipMap>> = vec![None; description.images.len()];
     let (mut textures, mut ids) = (Textures::new(), Vec::new());
     for texture in &description.textures {
         spend(budget, 0, size_of::<Texture>() as u64, texture.location)?;
@@ -121,8 +121,6 @@ pub(super) fn textures(
             description,
             texture,
             &InputResolver { ids: &ids, wavelengths, location: texture.location },
-            &mut images,
-            budget,
         )?;
         ids.push(textures.add(built).map_err(|reason| texture_error(texture, reason))?);
     }
@@ -138,8 +136,6 @@ fn texture(
     description: &Description,
     texture: &TextureDescription,
     inputs: &InputResolver<'_>,
-    images: &mut [Option<MipMap>],
-    budget: &ResourceBudget,
 ) -> Result<Texture, SceneError> {
     Ok(match &texture.kind {
         TextureKind::Constant(value) => match inputs.unbounded(value)? {
@@ -156,7 +152,7 @@ fn texture(
             mapping: self::mapping(mapping, texture.location)?,
         }),
         TextureKind::Image { image, mapping, wrap, filter, scale, invert } => {
-            let image = self::image(description, texture, *image, images, budget)?;
+            let image = self::image(description, texture, *image)?;
             Texture::Image(ImageTexture {
                 image,
                 mapping: self::mapping(mapping, texture.location)?,
@@ -193,30 +189,16 @@ fn texture(
     })
 }
 
-/// Three numbers of 4 bytes, and a third as much for the pyramid.
-const BYTES_PER_TEXEL: u64 = 16;
-
-/// The picture with this index, shared between the textures that use it.
+/// The picture with this index, whose values must be finite.
 fn image(
     description: &Description,
     texture: &TextureDescription,
     index: usize,
-    images: &mut [Option<MipMap>],
-    budget: &ResourceBudget,
 ) -> Result<MipMap, SceneError> {
-    let count = description.images.len();
-    let missing = || SceneError {
-        location: texture.location,
-        kind: SceneErrorKind::Reference { what: "picture", index, count },
-    };
-    let source = description.images.get(index).ok_or_else(missing)?;
-    let slot = images.get_mut(index).ok_or_else(missing)?;
-    if let Some(image) = slot {
-        return Ok(image.clone());
-    }
-    spend(budget, 0, BYTES_PER_TEXEL * source.pixels.len() as u64, texture.location)?;
-    let image = MipMap::try_new(&source.pixels).map_err(|reason| texture_error(texture, reason))?;
-    Ok(slot.insert(image).clone())
+    let located = |kind| SceneError { location: texture.location, kind };
+    let picture = picture_of(&description.images, index).map_err(located)?;
+    picture.check_finite().map_err(|reason| texture_error(texture, reason))?;
+    Ok(picture.clone())
 }
 
 fn mapping(mapping: &MappingDescription, location: Option<Location>) -> Result<TextureMapping, SceneError> {

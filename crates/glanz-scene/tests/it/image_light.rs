@@ -3,7 +3,6 @@
 //! Seeds are fixed; a chi-square test fails where p < 0.001.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 use glanz_light::{Pixels, Spectrum, Wavelengths};
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
@@ -34,7 +33,7 @@ pub(crate) fn uneven(width: u32, height: u32) -> Pixels {
 
 /// The scene with this picture as its first.
 pub(crate) fn with_picture(builder: SceneBuilder, pixels: Pixels) -> Scene {
-    let image = ImageDescription { name: "picture".to_owned(), pixels: Arc::new(pixels) };
+    let image = ImageDescription::try_new("picture", &pixels).unwrap();
     builder.edit(|scene| scene.images.push(image)).resolve().unwrap().0
 }
 
@@ -238,7 +237,7 @@ fn stretched_light_and_picture_without_colours_are_refused() {
     let kind = LightKind::ImageInfinite { image: 0, mapping: SphereMapping::EqualArea };
     let refused = |to_world, pixels: Pixels| {
         let light = LightDescription { to_world, ..LightDescription::new(kind.clone(), 1.0) };
-        let image = ImageDescription { name: "picture".to_owned(), pixels: Arc::new(pixels) };
+        let image = ImageDescription::try_new("picture", &pixels).unwrap();
         let builder = SceneBuilder::new().light(light).edit(|scene| scene.images.push(image));
         builder.resolve().unwrap_err().to_string()
     };

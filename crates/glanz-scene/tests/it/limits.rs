@@ -54,7 +54,7 @@ fn end(
 fn resource(end: Option<(BudgetError, Option<u32>)>) -> Option<(Resource, Option<u32>)> {
     end.map(|(end, line)| match end {
         BudgetError::Limit(limit) => (limit.resource, line),
-        BudgetError::Interrupted => unreachable!("interrupted"),
+        other => unreachable!("{other}"),
     })
 }
 
@@ -99,7 +99,7 @@ fn copies_of_lights_are_counted_and_other_copies_are_not() {
 #[test]
 fn pictures_of_lights_are_counted() {
     let pixels = Pixels::try_from_rgb(100, 100, &vec![[1.0; 3]; 10_000]).unwrap();
-    let images = vec![ImageDescription { name: "sky".into(), pixels: pixels.into() }];
+    let images = vec![ImageDescription::try_new("sky", &pixels).unwrap()];
     let kind = LightKind::ImageInfinite { image: 0, mapping: SphereMapping::EqualArea };
     let light = LightDescription {
         location: Some(place(3)),

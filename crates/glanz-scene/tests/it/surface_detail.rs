@@ -1,7 +1,5 @@
 //! Bumps and maps of normals against derived normals.
 
-use std::sync::Arc;
-
 use glanz_light::Pixels;
 use glanz_math::{DMat4, DVec2, DVec3, Ray};
 use glanz_scene::description::*;
@@ -132,8 +130,8 @@ fn turned_mesh() -> GeometryDescription {
 fn mapped(shape: impl Into<ShapeDescription>, rgb: [f32; 3], ray: &Ray) -> (DVec3, DVec3) {
     let detail = Some(SurfaceDetailDescription::NormalMap(0));
     let scene = builder(detail, TextureKind::Constant(0.0.into())).edit(|description| {
-        let pixels = Arc::new(Pixels::try_from_rgb(1, 1, &[rgb]).unwrap());
-        description.images.push(ImageDescription { name: "normals".to_owned(), pixels });
+        let pixels = Pixels::try_from_rgb(1, 1, &[rgb]).unwrap();
+        description.images.push(ImageDescription::try_new("normals", &pixels).unwrap());
     });
     let (scene, _) = scene.shape(shape, "detail").resolve().unwrap();
     let point = scene.intersect(ray, f64::INFINITY).unwrap().point;

@@ -2,12 +2,22 @@
 
 use std::sync::{Arc, OnceLock};
 
+use glanz_job::ScratchFileError;
 use glanz_light::Pixels;
 use glanz_math::DVec2;
 
 use super::footprint::FootprintEllipse;
+use super::mip_level::MipLevel;
+use super::texels::TexelBlock;
+use super::texture_cache::TextureCache;
 
-/// An error of [`MipMap::try_new`].
+/// Smaller levels of pictures in a file are stored from this one on; those above take most of the room, and a tile of them is made of few of the full size.
+const FIRST_STORED: usize = 3;
+
+/// Levels with at most so many texels along both sides are always in memory.
+const SMALL: usize = 32;
+
+/// An error of a [`MipMap`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MipMapError {
@@ -22,6 +32,9 @@ pub enum MipMapError {
         /// Its row, from the top.
         row: usize,
     },
+    /// The picture is to be in a temporary file, which failed.
+    #[error(transparent)]
+    File(#[from] ScratchFileError),
 }
 
 /// Values outside a picture.
@@ -66,58 +79,124 @@ impl ImageFilter {
     pub const ANISOTROPIC: Self = Self::Anisotropic { most: 8 };
 }
 
-#[derive(Debug)]
-struct MipLevel {
-    width: usize,
-    height: usize,
-    /// Rows from the top.
-    texels: Vec<[f32; 3]>,
-}
-
-/// A picture with its mipmap levels; cheap to clone.
+/// A picture of linear values with its mipmap levels; cheap to clone.
 ///
 /// Levels halve in both directions, rounding down, to one pixel; each pixel is the exact mean over its area of the level before, so that all
-/// levels have the mean of the picture.
+/// levels have the mean of the picture. A picture without more than 256 different values per colour takes a byte for each, its smaller levels four.
 #[derive(Clone, Debug)]
 pub struct MipMap(Arc<MipLevels>);
 
 #[derive(Debug)]
 struct MipLevels {
-    full: MipLevel,
-    /// The levels below the full size, which take a third of its memory: made when one is read for the first time.
-    smaller: OnceLock<Vec<MipLevel>>,
+    full: Arc<MipLevel>,
+    /// The levels below the full size: of a picture in memory made when one is read for the first time.
+    smaller: OnceLock<Vec<Arc<MipLevel>>>,
+    /// The cache of a picture in a file.
+    cache: Option<TextureCache>,
+    /// The value that all texels and colours have.
+    uniform: Option<f32>,
+    /// Column and row of the first pixel that is not finite.
+    not_finite: Option<[usize; 2]>,
 }
 
 impl MipMap {
-    /// A picture of linear values.
+    /// A picture in memory. Its pixels may be infinite or not a number: see [`MipMap::check_finite`].
     ///
     /// # Errors
-    /// [`MipMapError`] if the channels are missing or a pixel is not finite.
+    /// [`MipMapError::Channels`] if it has neither R, G and B nor Y.
     pub fn try_new(pixels: &Pixels) -> Result<Self, MipMapError> {
-        let texels = pixels.to_rgb().ok_or_else(|| {
-            MipMapError::Channels(pixels.channels().iter().map(|c| c.name.clone()).collect())
-        })?;
+        Self::try_new_in(pixels, &TextureCache::default())
+    }
+
+    /// A picture in memory or in the file of `cache`, as there is room.
+    ///
+    /// # Errors
+    /// [`MipMapError::Channels`] if it has neither R, G and B nor Y; [`MipMapError::File`].
+    pub fn try_new_in(pixels: &Pixels, cache: &TextureCache) -> Result<Self, MipMapError> {
+        let names = || pixels.channels().iter().map(|channel| channel.name.clone()).collect();
+        let planes = match ["R", "G", "B"].map(|name| pixels.channel(name)) {
+            [Some(r), Some(g), Some(b)] => vec![r, g, b],
+            _ => vec![pixels.channel("Y").ok_or_else(|| MipMapError::Channels(names()))?],
+        };
         let (width, height) = (pixels.width() as usize, pixels.height() as usize);
-        if let Some(i) = texels.iter().position(|t| t.iter().any(|x| !x.is_finite())) {
-            return Err(MipMapError::NotFinite { column: i % width, row: i / width });
+        let not_finite = planes.iter().filter_map(|plane| plane.iter().position(|x| !x.is_finite())).min();
+        let not_finite = not_finite.map(|i| [i % width, i / width]);
+        let first = planes.first().and_then(|plane| plane.first()).copied();
+        let uniform = first.filter(|first| planes.iter().all(|plane| plane.iter().all(|x| x == first)));
+        let full = Arc::new(MipLevel::new(width, height, TexelBlock::of_planes(&planes)));
+        // The smaller levels are floats, a third as many as there are texels.
+        let smaller_bytes = (size_of::<f32>() * full.planes() * pixels.len() / 3) as u64;
+        let is_small = width.max(height) <= SMALL;
+        let levels = if is_small || cache.take(full.memory() + smaller_bytes) {
+            MipLevels { full, smaller: OnceLock::new(), cache: None, uniform, not_finite }
+        } else {
+            let (full, smaller) = in_file(&full, cache)?;
+            let cache = Some(cache.clone());
+            MipLevels { full, smaller: smaller.into(), cache, uniform, not_finite }
+        };
+        Ok(Self(Arc::new(levels)))
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        [self.0.full.width, self.0.full.height]
+    }
+
+    /// Memory of the picture and of its smaller levels, bytes, without what a cache holds of it.
+    #[must_use]
+    pub fn memory(&self) -> u64 {
+        let full = &self.0.full;
+        match self.0.cache {
+            Some(_) => {
+                self.0.smaller.get().map_or(0, |levels| levels.iter().map(|level| level.memory()).sum())
+            }
+            None => full.memory() + (size_of::<f32>() * full.planes() * full.width * full.height / 3) as u64,
         }
-        let full = MipLevel { width, height, texels };
-        Ok(Self(Arc::new(MipLevels { full, smaller: OnceLock::new() })))
+    }
+
+    /// The cache of the picture, if it is in a file.
+    #[must_use]
+    pub fn cache(&self) -> Option<&TextureCache> {
+        self.0.cache.as_ref()
+    }
+
+    /// Checks that all values are finite, as a texture needs them.
+    ///
+    /// # Errors
+    /// [`MipMapError::NotFinite`].
+    pub fn check_finite(&self) -> Result<(), MipMapError> {
+        self.0.not_finite.map_or(Ok(()), |[column, row]| Err(MipMapError::NotFinite { column, row }))
+    }
+
+    /// The value that all pixels and colours have, if there is one.
+    #[must_use]
+    pub fn uniform(&self) -> Option<f32> {
+        self.0.uniform
+    }
+
+    /// All pixels, row by row from the top left.
+    ///
+    /// # Errors
+    /// [`ScratchFileError`] if the file of its cache fails.
+    pub fn to_rgb(&self) -> Result<Vec<[f32; 3]>, ScratchFileError> {
+        let all = self.0.full.to_rgb();
+        self.0.cache.as_ref().map_or(Ok(()), TextureCache::check).map(|()| all)
     }
 
     /// Number of levels.
     #[must_use]
     pub fn levels(&self) -> usize {
-        let MipLevel { width, height, .. } = self.0.full;
+        let [width, height] = self.size();
         width.max(height).checked_ilog2().map_or(1, |halvings| halvings as usize + 1)
     }
 
     /// The level with this number, or the last one; the full size is level 0.
     fn level(&self, number: usize) -> &MipLevel {
-        let MipLevels { full, smaller } = &*self.0;
+        let MipLevels { full, smaller, .. } = &*self.0;
         let Some(index) = number.checked_sub(1) else { return full };
-        let smaller =
-            smaller.get_or_init(|| std::iter::successors(Some(full.halved()), MipLevel::next).collect());
+        let smaller = smaller
+            .get_or_init(|| std::iter::successors(full.next(), MipLevel::next).map(Arc::new).collect());
         smaller.get(index).or(smaller.last()).unwrap_or(full)
     }
 
@@ -175,95 +254,23 @@ impl MipMap {
     }
 }
 
-impl MipLevel {
-    fn texel(&self, column: i64, row: i64, wrap: ImageWrap) -> [f32; 3] {
-        let (width, height) = (self.width as i64, self.height as i64);
-        let (column, row) = match wrap {
-            ImageWrap::Repeat => (column.rem_euclid(width), row.rem_euclid(height)),
-            ImageWrap::Clamp => (column.clamp(0, width - 1), row.clamp(0, height - 1)),
-            ImageWrap::Black if (0..width).contains(&column) && (0..height).contains(&row) => (column, row),
-            ImageWrap::Black => return [0.0; 3],
-            ImageWrap::OctahedralSphere => {
-                let is_beyond = |i: i64, count: i64| i.div_euclid(count) & 1 != 0;
-                let (across, along) = (is_beyond(column, width), is_beyond(row, height));
-                // Over a border both coordinates are mirrored; the one across it continues in itself.
-                let mirrored = |i: i64, count: i64| {
-                    if across != along { count - 1 - i.rem_euclid(count) } else { i.rem_euclid(count) }
-                };
-                (mirrored(column, width), mirrored(row, height))
-            }
+/// The full size and the smaller levels of a picture in the file of `cache`.
+fn in_file(
+    picture: &MipLevel,
+    cache: &TextureCache,
+) -> Result<(Arc<MipLevel>, Vec<Arc<MipLevel>>), ScratchFileError> {
+    let full = Arc::new(picture.stored(cache)?);
+    let mut levels: Vec<Arc<MipLevel>> = Vec::new();
+    let in_memory = std::iter::successors(picture.next(), MipLevel::next);
+    for (number, level) in (1..).zip(in_memory) {
+        let kept = match levels.last().unwrap_or(&full) {
+            _ if level.width.max(level.height) <= SMALL => level,
+            larger if number < FIRST_STORED => larger.halved_in(cache),
+            _ => level.stored(cache)?,
         };
-        self.texels.get((row * width + column) as usize).copied().unwrap_or([0.0; 3])
+        levels.push(Arc::new(kept));
     }
-
-    /// Position in columns and rows from the top left corner, with fractions.
-    fn place(&self, st: DVec2, wrap: ImageWrap) -> DVec2 {
-        // The fraction is taken first, to keep its digits where the coordinates are large.
-        let st = if wrap == ImageWrap::Repeat { st - st.floor() } else { st };
-        DVec2::new(st.x * self.width as f64, (1.0 - st.y) * self.height as f64)
-    }
-
-    fn point(&self, st: DVec2, wrap: ImageWrap) -> [f32; 3] {
-        let p = self.place(st, wrap);
-        // Rows count downwards: a value on the border between two belongs to the upper one, as columns do to
-        // the right.
-        self.texel(p.x.floor() as i64, (p.y.ceil() as i64).saturating_sub(1), wrap)
-    }
-
-    fn bilinear(&self, st: DVec2, wrap: ImageWrap) -> [f32; 3] {
-        let p = self.place(st, wrap) - 0.5;
-        let corner = p.floor();
-        let (column, row) = (corner.x as i64, corner.y as i64);
-        let (fx, fy) = ((p.x - corner.x) as f32, (p.y - corner.y) as f32);
-        let at = |dc: i64, dr: i64| self.texel(column.saturating_add(dc), row.saturating_add(dr), wrap);
-        let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
-        std::array::from_fn(|i| {
-            let (top, bottom) = (a[i] + fx * (b[i] - a[i]), c[i] + fx * (d[i] - c[i]));
-            top + fy * (bottom - top)
-        })
-    }
-
-    /// The next smaller level; `None` after one pixel.
-    fn next(&self) -> Option<Self> {
-        (self.width.max(self.height) > 1).then(|| self.halved())
-    }
-
-    fn halved(&self) -> Self {
-        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
-        let (columns, rows) = (overlaps(self.width, width), overlaps(self.height, height));
-        let mut texels = Vec::with_capacity(width * height);
-        for row in &rows {
-            for column in &columns {
-                let mut sum = [0.0_f64; 3];
-                for &(r, wr) in row {
-                    for &(c, wc) in column {
-                        let texel = self.texel(c as i64, r as i64, ImageWrap::Clamp);
-                        for (s, t) in sum.iter_mut().zip(texel) {
-                            *s += wr * wc * f64::from(t);
-                        }
-                    }
-                }
-                texels.push(sum.map(|s| s as f32));
-            }
-        }
-        Self { width, height, texels }
-    }
-}
-
-/// For each of `to` equal intervals, the indices of the `from` equal intervals that overlap it, with their fractions of it.
-fn overlaps(from: usize, to: usize) -> Vec<Vec<(usize, f64)>> {
-    (0..to)
-        .map(|i| {
-            // In units of 1 / (from * to) everything is an integer.
-            let (low, high) = (i * from, (i + 1) * from);
-            (low / to..high.div_ceil(to))
-                .map(|j| {
-                    let shared = high.min((j + 1) * to) - low.max(j * to);
-                    (j, shared as f64 / from as f64)
-                })
-                .collect()
-        })
-        .collect()
+    Ok((full, levels))
 }
 
 #[cfg(test)]
@@ -363,7 +370,8 @@ mod tests {
         let image = image(7, 5, &values);
         assert_eq!(image.levels(), 3, "7 x 5, 3 x 2, 1 x 1");
         for level in (0..3).map(|number| image.level(number)) {
-            let m = level.texels.iter().map(|t| t[0]).sum::<f32>() / level.texels.len() as f32;
+            let texels = level.to_rgb();
+            let m = texels.iter().map(|t| t[0]).sum::<f32>() / texels.len() as f32;
             assert!((m - mean).abs() < 1e-5, "{} x {}", level.width, level.height);
         }
         let whole =
@@ -435,7 +443,49 @@ mod tests {
         assert_eq!(MipMap::try_new(&depth).unwrap_err(), MipMapError::Channels(vec!["Z".to_owned()]));
         depth.add_channel("Y", vec![0.5]).unwrap();
         assert_eq!(MipMap::try_new(&depth).unwrap().levels(), 1);
-        let bad = Pixels::try_from_rgb(2, 1, &[[0.0; 3], [f32::NAN; 3]]).unwrap();
-        assert_eq!(MipMap::try_new(&bad).unwrap_err(), MipMapError::NotFinite { column: 1, row: 0 });
+        let bad = Pixels::try_from_rgb(2, 1, &[[0.0; 3], [0.0, f32::NAN, 0.0]]).unwrap();
+        let bad = MipMap::try_new(&bad).unwrap();
+        assert_eq!(bad.check_finite(), Err(MipMapError::NotFinite { column: 1, row: 0 }));
+        assert_eq!(six().check_finite(), Ok(()));
+    }
+
+    #[test]
+    fn a_picture_of_one_value_says_so() {
+        let of =
+            |rgb: [f32; 3]| MipMap::try_new(&Pixels::try_from_rgb(2, 1, &[[0.5; 3], rgb]).unwrap()).unwrap();
+        assert_eq!([of([0.5; 3]), of([0.5, 0.5, 0.6])].map(|picture| picture.uniform()), [Some(0.5), None]);
+    }
+
+    /// Bytes and floats, grey and colours, sides that are no multiples of a tile, and memory for a few tiles only.
+    #[test]
+    fn pictures_in_a_file_have_the_values_of_those_in_memory() {
+        let (width, height) = (700, 333);
+        let count = width * height;
+        let steps = |i: usize, k: usize| ((i * (37 + k)) % 251) as f32 / 250.0;
+        let grey = |i: usize| [steps(i, 0); 3];
+        let bytes = |i: usize| [steps(i, 0), steps(i, 1), steps(i, 2)];
+        let floats = |i: usize| [(i as f32).sqrt(), steps(i, 1), -steps(i, 2)];
+        for (kind, texel) in [&grey as &dyn Fn(usize) -> [f32; 3], &bytes, &floats].into_iter().enumerate() {
+            let rgb: Vec<_> = (0..count).map(texel).collect();
+            let pixels = Pixels::try_from_rgb(width as u32, height as u32, &rgb).unwrap();
+            let (whole, cache) = (MipMap::try_new(&pixels).unwrap(), TextureCache::new(400_000));
+            let stored = MipMap::try_new_in(&pixels, &cache).unwrap();
+            assert!(whole.cache().is_none() && stored.cache().is_some());
+            assert!(cache.file_size() > [count, 3 * count, 12 * count][kind] as u64);
+            assert!(stored.memory() < 20_000, "{}", stored.memory());
+            assert_eq!(stored.to_rgb().unwrap(), rgb);
+            for number in 0..whole.levels() {
+                assert_eq!(whole.level(number).to_rgb(), stored.level(number).to_rgb(), "{kind}: {number}");
+            }
+            for i in 0..2000 {
+                let [s, t, side] = [12.9898, 78.233, 37.719].map(|k: f64| (f64::from(i) * k).fract());
+                let look = |picture: &MipMap| {
+                    let (footprint, filter) = (square(side.powi(4)), ImageFilter::ANISOTROPIC);
+                    picture.lookup(DVec2::new(s, t), footprint, ImageWrap::Repeat, filter)
+                };
+                assert_eq!(look(&whole), look(&stored));
+            }
+            assert_eq!(cache.check(), Ok(()));
+        }
     }
 }

@@ -12,9 +12,12 @@ pub mod fractal;
 pub mod image;
 pub mod mapping;
 pub mod marble;
+mod mip_level;
 pub mod mip_map;
 pub mod noise;
 pub mod spectral_constant;
+mod texels;
+mod texture_cache;
 
 use std::sync::Arc;
 
@@ -32,6 +35,7 @@ pub use mapping::{TextureCoordinates, TextureMapping};
 pub use marble::Marble;
 pub use mip_map::{ImageFilter, ImageWrap, MipMap, MipMapError};
 pub use spectral_constant::SpectralConstant;
+pub use texture_cache::TextureCache;
 
 /// A point at which a texture is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,6 @@
 //! The format of a film.
 
-use std::path::PathBuf;
-
+use glanz_job::ScratchFileError;
 use glanz_light::PixelsError;
 use glanz_sampling::exact::MAX_TERMS;
 
@@ -45,16 +44,9 @@ pub enum FilmError {
         /// Memory that it may take, bytes.
         limit: u64,
     },
-    /// The temporary file of the sums failed.
-    #[error("the temporary file of a large film, in {}: {fault}; set TMPDIR to a folder with room for {} MB", .folder.display(), .bytes.div_ceil(1_000_000))]
-    File {
-        /// Its folder.
-        folder: PathBuf,
-        /// The fault, as a sentence.
-        fault: String,
-        /// Size of the file.
-        bytes: u64,
-    },
+    /// The temporary file of the sums or of the scene's pictures failed.
+    #[error(transparent)]
+    File(#[from] ScratchFileError),
     /// The picture cannot be made of the film.
     #[error(transparent)]
     Pixels(#[from] PixelsError),

@@ -1,14 +1,10 @@
 //! The sums of a film: in memory, or in a file.
 
 use std::borrow::Cow;
-use std::env;
-use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
-use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use glanz_job::IoFault;
+use glanz_job::ScratchFile;
 
 use super::FilmError;
 
@@ -34,82 +30,27 @@ pub(super) enum FilmSums {
 /// Words in a file that has no name and ends with the program. Clones share it until one of them is changed.
 #[derive(Clone, Debug)]
 pub(super) struct SumFile {
-    file: Arc<Mutex<File>>,
+    file: Arc<ScratchFile>,
     length: usize,
     /// Number of words that may be in memory at a time.
     in_memory: usize,
-    folder: PathBuf,
-}
-
-/// The folders for a temporary file that may be larger than the memory. On many systems, the usual one is in memory.
-fn scratch_folders() -> impl Iterator<Item = PathBuf> {
-    let large = env::var_os("TMPDIR").is_none().then(|| PathBuf::from("/var/tmp"));
-    large.into_iter().chain([env::temp_dir()])
-}
-
-fn file_error(folder: PathBuf, error: &io::Error, bytes: u64) -> FilmError {
-    FilmError::File { folder, fault: IoFault::sentence(error).to_string(), bytes }
-}
-
-/// Reserves room on the disk, so that a lack of it shows before the work. Where the file system cannot, it shows when the file is written.
-#[cfg(target_os = "linux")]
-fn reserve(file: &File, bytes: u64) -> io::Result<()> {
-    use rustix::fs::{FallocateFlags, fallocate};
-    use rustix::io::{Errno, retry_on_intr};
-    match retry_on_intr(|| fallocate(file, FallocateFlags::empty(), 0, bytes)) {
-        Ok(()) | Err(Errno::OPNOTSUPP | Errno::NOSYS) => Ok(()),
-        Err(error) => Err(error.into()),
-    }
-}
-
-#[cfg(not(target_os = "linux"))]
-fn reserve(_: &File, _: u64) -> io::Result<()> {
-    Ok(())
 }
 
 impl SumFile {
     /// A file of `length` zeros, of which `in_memory` may be in memory at a time.
     fn try_new(length: usize, in_memory: usize) -> Result<Self, FilmError> {
-        let bytes = 8 * length as u64;
-        let mut fault = None;
-        for folder in scratch_folders() {
-            let made = tempfile::tempfile_in(&folder).and_then(|file| {
-                reserve(&file, bytes)?;
-                file.set_len(bytes)?;
-                Ok(file)
-            });
-            match made {
-                Ok(file) => return Ok(Self { file: Arc::new(Mutex::new(file)), length, in_memory, folder }),
-                Err(error) => fault = Some(file_error(folder, &error, bytes)),
-            }
-        }
-        Err(fault.unwrap_or(FilmError::Memory(bytes)))
-    }
-
-    /// The error of a call of the system.
-    fn fault(&self) -> impl Fn(io::Error) -> FilmError {
-        |error| file_error(self.folder.clone(), &error, 8 * self.length as u64)
-    }
-
-    /// Calls `work` with the file at the word `start`.
-    fn at<T>(&self, start: usize, work: impl FnOnce(&mut File) -> io::Result<T>) -> Result<T, FilmError> {
-        // Every call begins with its own position.
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = file.seek(SeekFrom::Start(8 * start as u64));
-        found.and_then(|_| work(&mut file)).map_err(self.fault())
+        Ok(Self { file: Arc::new(ScratchFile::try_new(8 * length as u64)?), length, in_memory })
     }
 
     fn read(&self, words: &mut [u64], start: usize) -> Result<(), FilmError> {
         let mut bytes = vec![0; 8 * BLOCK.min(words.len())];
-        self.at(start, |file| {
-            words.chunks_mut(BLOCK).try_for_each(|words| {
-                let bytes = &mut bytes[..8 * words.len()];
-                file.read_exact(bytes)?;
-                let read = bytes.as_chunks::<8>().0;
-                words.iter_mut().zip(read).for_each(|(word, bytes)| *word = u64::from_le_bytes(*bytes));
-                Ok(())
-            })
-        })
+        for (words, start) in words.chunks_mut(BLOCK).zip((start..).step_by(BLOCK)) {
+            let bytes = &mut bytes[..8 * words.len()];
+            self.file.read(bytes, 8 * start as u64)?;
+            let read = bytes.as_chunks::<8>().0;
+            words.iter_mut().zip(read).for_each(|(word, bytes)| *word = u64::from_le_bytes(*bytes));
+        }
+        Ok(())
     }
 
     fn write(&mut self, words: &[u64], start: usize) -> Result<(), FilmError> {
@@ -117,13 +58,12 @@ impl SumFile {
             *self = self.copy()?;
         }
         let mut bytes = vec![0; 8 * BLOCK.min(words.len())];
-        self.at(start, |file| {
-            words.chunks(BLOCK).try_for_each(|words| {
-                let bytes = &mut bytes[..8 * words.len()];
-                to_bytes(words, bytes);
-                file.write_all(bytes)
-            })
-        })
+        for (words, start) in words.chunks(BLOCK).zip((start..).step_by(BLOCK)) {
+            let bytes = &mut bytes[..8 * words.len()];
+            to_bytes(words, bytes);
+            self.file.write(bytes, 8 * start as u64)?;
+        }
+        Ok(())
     }
 
     /// A file of its own with the same words.

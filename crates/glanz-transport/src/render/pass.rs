@@ -11,7 +11,7 @@ use glanz_scene::Scene;
 use rayon::prelude::*;
 
 use super::{RenderError, RenderSettings};
-use crate::film::{Film, FilmFormat};
+use crate::film::{Film, FilmError, FilmFormat};
 use crate::guide::Training;
 use crate::integrator::{Context, ContextOptions, Counters, FIRST_DIMENSION, Integrator};
 use crate::photon::PhotonMap;
@@ -86,8 +86,8 @@ impl<'a> PassRenderer<'a> {
     /// Renders one pass: the samples of `range` for every pixel.
     ///
     /// # Errors
-    /// [`RenderError::Interrupted`] if `sink` abandons the film, which is then incomplete, and [`RenderError::Film`] if a film in a file cannot be
-    /// read or written.
+    /// [`RenderError::Interrupted`] if `sink` abandons the film, which is then incomplete, and [`RenderError::Film`] if the file of a film or of
+    /// pictures fails.
     pub(super) fn expose(
         &self,
         film: &'a mut Film,
@@ -105,11 +105,14 @@ impl<'a> PassRenderer<'a> {
             let strips = film.update_strips(|tiles| {
                 self.expose_tiles(tiles, &format, range, samples, &state, sink).map_err(RenderError::from)
             })?;
+            self.scene.check_textures().map_err(FilmError::from)?;
             return Ok(strips.into_iter().fold(PassWork::default(), PassWork::merged));
         }
         let parts = film.parts_mut();
         let state = PassState { splats: parts.splats, training: parts.training, photons, batches };
-        Ok(self.expose_tiles(parts.tiles, &format, range, samples, &state, sink)?)
+        let work = self.expose_tiles(parts.tiles, &format, range, samples, &state, sink)?;
+        self.scene.check_textures().map_err(FilmError::from)?;
+        Ok(work)
     }
 
     /// Renders one pass over some tiles. `samples`: number of samples of each pixel after it.

@@ -59,11 +59,12 @@ pub(crate) fn under_picture(
         (x, y) => 0.2 + 0.1 * ((x + 2 * y) % 5) as f32,
     };
     let rgb: Vec<[f32; 3]> = (0..width * height).map(|i| [value(i); 3]).collect();
-    let pixels = Arc::new(Pixels::try_from_rgb(width, height, &rgb).unwrap());
+    let image =
+        ImageDescription::try_new("picture", &Pixels::try_from_rgb(width, height, &rgb).unwrap()).unwrap();
     let kind = LightKind::ImageInfinite { image: 0, mapping };
     let light = LightDescription::new(kind, 1.0);
     builder
-        .edit(|scene| scene.images.push(ImageDescription { name: "picture".to_owned(), pixels }))
+        .edit(|scene| scene.images.push(image))
         .light(LightDescription { to_world: DMat4::from_rotation_z(FRAC_PI_2), ..light })
 }
 
@@ -76,10 +77,10 @@ pub(crate) fn checkered(
 ) -> SceneBuilder {
     let value = |i: u32| if (i / side + i % side).is_multiple_of(2) { 0.0 } else { 0.8 };
     let rgb: Vec<[f32; 3]> = (0..side * side).map(|i| [value(i); 3]).collect();
-    let pixels = Arc::new(Pixels::try_from_rgb(side, side, &rgb).unwrap());
+    let pixels = Pixels::try_from_rgb(side, side, &rgb).unwrap();
     builder.edit(move |scene| {
         let name = "checkered".to_owned();
-        scene.images.push(ImageDescription { name: name.clone(), pixels });
+        scene.images.push(ImageDescription::try_new(&name, &pixels).unwrap());
         let image = scene.images.len() - 1;
         let mapping = MappingDescription::Uv { scale: DVec2::splat(repeated), offset: DVec2::ZERO };
         let wrap = ImageWrap::Repeat;

@@ -1,7 +1,6 @@
 //! Integrators under infinite lights with pictures, against integrals over the picture.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc;
 
 use crate::common::*;
 use glanz_light::Pixels;
@@ -22,7 +21,8 @@ fn plane_under_a_picture_reflects_its_share_of_the_irradiance() {
         let scene = under_picture(scene, mapping, size);
         // Radiance of the picture times cosine over the directions around z, by the midpoint rule on a fine grid; the light is turned
         // by a quarter about z, which changes nothing.
-        let picture = SphereImage::new(&scene.clone().describe().unwrap().images[0].pixels, mapping).unwrap();
+        let picture =
+            SphereImage::try_new(&scene.clone().describe().unwrap().images[0].picture, mapping).unwrap();
         let n = 800;
         let mut irradiance = 0.0;
         for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
@@ -42,8 +42,8 @@ fn plane_under_a_picture_reflects_its_share_of_the_irradiance() {
 #[test]
 fn picture_is_seen_itself_and_in_mirrors() {
     let sky = |scene| under_picture(scene, SphereMapping::LatitudeLongitude, [16, 8]);
-    let picture = sky(SceneBuilder::new()).describe().unwrap().images.remove(0).pixels;
-    let picture = SphereImage::new(&picture, SphereMapping::LatitudeLongitude).unwrap();
+    let picture = sky(SceneBuilder::new()).describe().unwrap().images.remove(0).picture;
+    let picture = SphereImage::try_new(&picture, SphereMapping::LatitudeLongitude).unwrap();
     let towards = DVec3::new(1.0, 0.4, 0.3).normalize();
     // The picture is turned by a quarter about z.
     let seen = |wi: DVec3| f64::from(picture.lookup(DVec3::new(wi.y, -wi.x, wi.z))[0]);
@@ -63,7 +63,7 @@ fn even_picture_is_a_furnace() {
     for mapping in [SphereMapping::LatitudeLongitude, SphereMapping::EqualArea] {
         let pixels = Pixels::try_from_rgb(6, 6, &[[1.5; 3]; 36]).unwrap();
         let light = LightDescription::new(LightKind::ImageInfinite { image: 0, mapping }, [2.0; 3]);
-        let image = ImageDescription { name: "even".to_owned(), pixels: Arc::new(pixels) };
+        let image = ImageDescription::try_new("even", &pixels).unwrap();
         let scene = looking(DVec3::new(0.0, 0.0, -2.0), DVec3::ZERO, [6, 6], 0.5)
             .shape(ShapeDescription::sphere(1.0), diffuse(0.6))
             .edit(|scene| scene.images.push(image))

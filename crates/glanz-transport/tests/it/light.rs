@@ -79,8 +79,8 @@ fn with_lamp(builder: SceneBuilder, kind: LightKind) -> SceneBuilder {
         // The spot would be found so rarely by scattered rays that `path` does not know its own error.
         let image = &mut scene.images[0];
         let rgb: Vec<[f32; 3]> =
-            image.pixels.to_rgb().unwrap().iter().map(|p| p.map(|x| x.min(0.6))).collect();
-        image.pixels = Arc::new(Pixels::try_from_rgb(16, 8, &rgb).unwrap());
+            image.picture.to_rgb().unwrap().iter().map(|p| p.map(|x| x.min(0.6))).collect();
+        *image = ImageDescription::try_new("dimmed", &Pixels::try_from_rgb(16, 8, &rgb).unwrap()).unwrap();
     })
 }
 

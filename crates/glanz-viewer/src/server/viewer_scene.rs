@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::body::Bytes;
 use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
-use glanz_job::{BudgetError, Resource, ResourceBudget};
+use glanz_job::{Resource, ResourceBudget};
 use glanz_scene::studio::add_studio;
 use glanz_scene::{Description, Scene, SceneError, SceneErrorKind};
 
@@ -59,10 +59,7 @@ impl ViewerScene {
         let resolved = Scene::resolve_with(Description::clone(&description), &loaded.budget.for_next_step());
         let (scene, repairs) = resolved.map_err(|SceneError { location, kind }| match kind {
             SceneErrorKind::Budget(end) => {
-                let help = match end {
-                    BudgetError::Limit(limit) => Some(limit.help()),
-                    BudgetError::Interrupted => None,
-                };
+                let help = end.help();
                 let plain = sources.diagnostic(Severity::Error, "limit", location, end.to_string());
                 Diagnostics::of_end(Diagnostic { help, ..plain }, end)
             }

@@ -20,6 +20,7 @@ use glanz_radiosity::bake::{
 use glanz_radiosity::elements::{ElementSettings, Elements};
 use glanz_scene::Scene;
 use glanz_shading::Material;
+use glanz_transport::FilmError;
 
 use crate::error::Error;
 use crate::event::{JobEvent, ResumedState, Warning};
@@ -109,6 +110,7 @@ impl<'a> BakeBuilder<'a> {
             };
             Ok((maps, count))
         })?;
+        scene.check_textures().map_err(FilmError::from)?;
         let coarse = maps.iter().filter(|map| map.chart.is_coarse && !map.is_dark()).count();
         if coarse > 0 {
             job.warn(Warning::CoarseCharts { charts: coarse });
@@ -147,7 +149,9 @@ impl BakeBuilder<'_> {
         let scene = resolved(scene, &mut job)?;
         job.in_pool(|job| {
             let elements = started_elements(&scene, &settings, job)?;
-            light_state::computed(identity, &elements, &settings, part, light_input, job)
+            let computed = light_state::computed(identity, &elements, &settings, part, light_input, job)?;
+            scene.check_textures().map_err(FilmError::from)?;
+            Ok(computed)
         })
     }
 }

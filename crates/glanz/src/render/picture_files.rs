@@ -1,13 +1,12 @@
 //! Picture files.
 
 use std::collections::BTreeMap;
-use std::env;
 use std::fs::File;
 use std::io::{self, Seek};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glanz_formats::image::{self, Format, ImageError, RowPicture};
-use glanz_job::IoFault;
+use glanz_job::ScratchFile;
 use glanz_light::Tone;
 use glanz_transport::{FilmError, FilmFormat, channel_names};
 
@@ -73,14 +72,11 @@ impl Picture {
     /// A temporary file without a name that holds the bytes of the picture, at its beginning; written with some rows in memory at a time. Some formats
     /// return to earlier bytes, which streams cannot.
     fn spooled(&self, name: &Path, format: Format, tone: &Tone) -> Result<File, Error> {
-        let (folder, made) = temporary_file();
         let FilmFormat { crop, aovs, .. } = *self.film().format();
         let bytes = 4 * channel_names(aovs).len() as u64 * crop.len();
-        let failed = |error: io::Error| {
-            let fault = IoFault::sentence(&error).to_string();
-            Error::Film(FilmError::File { folder: folder.clone(), fault, bytes })
-        };
-        let mut file = made.map_err(failed)?;
+        let scratch = ScratchFile::try_new(0).map_err(FilmError::from)?;
+        let failed = |error: io::Error| Error::Film(scratch.error(&error, bytes).into());
+        let mut file = scratch.stream().map_err(FilmError::from)?;
         let mut refused = None;
         let written = self.write_rows(&mut file, format, tone, &mut refused).and_then(|()| file.rewind());
         match refused {
@@ -109,18 +105,6 @@ impl Picture {
             ImageError::Write(error) => error,
             other => io::Error::other(refused.insert(other).to_string()),
         })
-    }
-}
-
-/// A file without a name, and its folder. On many systems, the usual folder is in memory.
-fn temporary_file() -> (PathBuf, io::Result<File>) {
-    let made = |folder: PathBuf| {
-        let file = tempfile::tempfile_in(&folder);
-        (folder, file)
-    };
-    match env::var_os("TMPDIR").is_none().then(|| made(PathBuf::from("/var/tmp"))) {
-        Some((folder, Ok(file))) => (folder, Ok(file)),
-        _ => made(env::temp_dir()),
     }
 }
 
@@ -156,6 +140,8 @@ pub fn picture_format(path: &Path) -> Result<Format, Error> {
 
 #[cfg(test)]
 mod tests {
+    use std::env;
+
     use glanz_scene::SceneBuilder;
     use glanz_scene::description::{LightDescription, MaterialKind, ShapeDescription};
     use glanz_transport::AovSet;

@@ -1,13 +1,13 @@
 //! Lights with pictures.
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
+use glanz_light::SpectralDistribution;
 use glanz_light::units::LUMINOUS_EFFICACY;
-use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{LightKind, SphereMapping};
 use glanz_scene::light::{ProjectionLight, SphereImage};
+use glanz_shading::texture::MipMap;
 
 use super::light::LightParts;
 use super::spectrum::{EmissionParameters, within_gamut};
@@ -81,8 +81,8 @@ impl Lowering {
 
     /// The mapping of a picture over all directions: in version 4, square pictures have equal areas.
     fn mapping_of(&self, image: usize) -> SphereMapping {
-        let pixels = self.description.images.get(image).map(|image| &image.pixels);
-        let is_square = pixels.is_some_and(|pixels| pixels.width() == pixels.height());
+        let size = self.description.images.get(image).map(|image| image.picture.size());
+        let is_square = size.is_some_and(|[width, height]| width == height);
         match self.dialect {
             Dialect::V4 if is_square => SphereMapping::EqualArea,
             _ => SphereMapping::LatitudeLongitude,
@@ -97,8 +97,9 @@ impl Lowering {
         image: usize,
         mapping: SphereMapping,
     ) -> ParseResult<()> {
-        self.picture_target(list, "illuminance", light, image, |pixels| {
-            let irradiance = SphereImage::new(pixels, mapping).map_or([0.0; 3], |image| image.irradiance());
+        self.picture_target(list, "illuminance", light, image, |picture| {
+            let image = SphereImage::try_new(picture, mapping);
+            let irradiance = image.map_or([0.0; 3], |image| image.irradiance());
             irradiance.map(|x| LUMINOUS_EFFICACY * x)
         })
     }
@@ -110,11 +111,11 @@ impl Lowering {
         name: &'static str,
         light: &mut EmissionParameters,
         image: usize,
-        integral: impl FnOnce(&Pixels) -> [f64; 3],
+        integral: impl FnOnce(&MipMap) -> [f64; 3],
     ) -> ParseResult<()> {
-        let pixels = self.description.images.get(image).map(|image| Arc::clone(&image.pixels));
-        let Some(pixels) = pixels.filter(|_| list.has(name)) else { return Ok(()) };
-        let (color, integral) = (within_gamut(&light.spectrum), integral(&pixels));
+        let picture = self.description.images.get(image).map(|image| image.picture.clone());
+        let Some(picture) = picture.filter(|_| list.has(name)) else { return Ok(()) };
+        let (color, integral) = (within_gamut(&light.spectrum), integral(&picture));
         let lit = std::array::from_fn(|i| color[i] * integral[i] as f32);
         // The target is relative to the luminance of the light's own spectrum.
         let luminance = f64::from(SpectralDistribution::Rgb(lit).luminance());
@@ -145,8 +146,8 @@ impl Lowering {
         }
         let field_of_view = degrees.to_radians();
         let mut light = self.emission(list, "I", context.color_space)?;
-        self.picture_target(list, "power", &mut light, image, |pixels| {
-            projected_power(pixels, field_of_view)
+        self.picture_target(list, "power", &mut light, image, |picture| {
+            projected_power(picture, field_of_view)
         })?;
         Ok((LightKind::Projection { image, field_of_view }, light))
     }
@@ -162,8 +163,8 @@ impl Lowering {
         };
         let mapping = self.mapping_of(image);
         let mut light = self.emission(list, "I", context.color_space)?;
-        self.picture_target(list, "power", &mut light, image, |pixels| {
-            let mean = SphereImage::new(pixels, mapping).map_or([0.0; 3], |image| image.mean());
+        self.picture_target(list, "power", &mut light, image, |picture| {
+            let mean = SphereImage::try_new(picture, mapping).map_or([0.0; 3], |image| image.mean());
             mean.map(|x| 4.0 * PI * f64::from(x))
         })?;
         Ok((LightKind::Goniometric { image, mapping }, light))
@@ -171,10 +172,10 @@ impl Lowering {
 }
 
 /// Integral over solid angle of a picture that is projected.
-fn projected_power(pixels: &Pixels, field_of_view: f64) -> [f64; 3] {
-    let size = [pixels.width(), pixels.height()];
-    let (width, count) = (size[0] as usize, pixels.len() as f64);
-    let texels = pixels.to_rgb().unwrap_or_default().into_iter().enumerate();
+fn projected_power(picture: &MipMap, field_of_view: f64) -> [f64; 3] {
+    let [width, height] = picture.size();
+    let (size, count) = ([width as u32, height as u32], (width * height) as f64);
+    let texels = picture.to_rgb().unwrap_or_default().into_iter().enumerate();
     integral(texels.map(|(i, rgb)| {
         let place = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
         let place = place / DVec2::new(f64::from(size[0]), f64::from(size[1]));
@@ -192,6 +193,8 @@ fn integral(values: impl Iterator<Item = (f64, [f32; 3])>) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use glanz_light::Pixels;
+
     use super::*;
 
     #[test]
@@ -199,7 +202,7 @@ mod tests {
         // The side of a cube, seen from its middle.
         let pixels = Pixels::try_from_rgb(64, 64, &[[1.0, 3.0, -1.0]; 4096]).unwrap();
         let sixth = 4.0 * PI / 6.0;
-        let found = projected_power(&pixels, 0.5 * PI);
+        let found = projected_power(&MipMap::try_new(&pixels).unwrap(), 0.5 * PI);
         for (found, expected) in found.into_iter().zip([sixth, 3.0 * sixth, 0.0]) {
             assert!((found - expected).abs() < 1e-3, "{found} {expected}");
         }

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use glanz_math::{DMat4, DVec2, DVec3};
 use glanz_scene::description::{
@@ -292,17 +291,15 @@ impl Lowering {
             return Err(format!("picture {name:?}: {problem}").into());
         }
         let (path, bytes) = self.read_file(name, FileKind::Picture)?;
-        let read = image::read_with(&bytes, Some(&path), encoding, &self.finder.budget);
-        let pixels = read.map(|picture| picture.pixels).map_err(|error| {
-            let problem = error.to_string();
+        let read = image::read_reserved(&bytes, Some(&path), encoding, &self.finder.budget);
+        let picture = read.map_err(|error| error.to_string());
+        let picture = picture.and_then(|(read, _memory)| self.finder.picture(&read.pixels));
+        let picture = picture.map_err(|problem| {
             self.refused_pictures.extend(key.as_ref().map(|key| (key.path.clone(), problem.clone())));
             format!("picture {name:?}: {problem}")
         })?;
-        if pixels.to_rgb().is_none() {
-            return Err(format!("picture {name:?} has neither the channels R, G, B nor the channel Y").into());
-        }
         let images = &mut self.description.images;
-        images.push(ImageDescription { name: name.to_owned(), pixels: Arc::new(pixels) });
+        images.push(ImageDescription { name: name.to_owned(), picture });
         let index = images.len() - 1;
         if let Some(key) = key {
             self.images.insert(key, index);
