@@ -64,8 +64,13 @@ impl EdgeNormals {
     }
 }
 
-/// Points along the edges of a model; `None` for those without a curve.
-pub(super) fn polylines(model: &BrepModel, edges: &[BoundedEdge]) -> Vec<Option<EdgePolyline>> {
+/// Points along the edges of a model, `None` for those without a curve, as long as `proceed` allows it, which is asked for each edge; `None` if
+/// it did not.
+pub(super) fn polylines(
+    model: &BrepModel,
+    edges: &[BoundedEdge],
+    proceed: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Option<EdgePolyline>>> {
     let size = Bounds3::from_points(model.vertices.iter().copied()).diagonal().length();
     let polyline = |edge: &BoundedEdge| {
         let own = EDGE_DEVIATION * edge.bounds.diagonal().length();
@@ -74,5 +79,5 @@ pub(super) fn polylines(model: &BrepModel, edges: &[BoundedEdge]) -> Vec<Option<
         let tolerance = if size > 0.0 { own.min(MODEL_DEVIATION * size) } else { own };
         curve.polyline(tolerance).ok().filter(|polyline| polyline.points.iter().all(|p| p.is_finite()))
     };
-    edges.par_iter().map(polyline).collect()
+    edges.par_iter().map(|edge| proceed().then(|| polyline(edge))).collect()
 }

@@ -82,6 +82,6 @@ pub fn trimmed_faces_while(
     }
     let close = |face: Result<LaidFace, FaceRefusal>| face?.close(model, &edges, &widths);
     let faces = laid.into_par_iter().map(|face| proceed().then(|| close(face))).collect::<Option<_>>()?;
-    let edges = with_edges.then(|| polylines(model, &edges));
+    let edges = if with_edges { Some(polylines(model, &edges, proceed)?) } else { None };
     Some(TrimmedFaces { faces, widths, edges })
 }

@@ -14,7 +14,7 @@ use super::polynomial_patches::PolynomialPatches;
 use super::ray_space::SurfaceFrame;
 use super::subpatches::{Subpatch, SubpatchList, SubpatchLocation};
 use super::surface_patch::PatchPlacement;
-use super::{Freeform, HardSearches, SurfacePatch};
+use super::{Freeform, SubdivisionCounters, SurfacePatch};
 use crate::bezier::TensorPatch;
 use crate::bvh::{BuildOptions, Bvh, PARALLEL_CHUNK, parallel_flat_map, parallel_map};
 use crate::error::SurfaceError;
@@ -190,7 +190,7 @@ impl Freeform {
         let ordered = parallel_map(&order, PARALLEL_CHUNK, |&&leaf| leaves[leaf as usize]);
         drop((leaves, order));
         bvh.forget_items();
-        let (hard, areas) = (HardSearches::default(), OnceLock::new());
+        let (counters, areas) = (SubdivisionCounters::default(), OnceLock::new());
         Self {
             patches,
             region,
@@ -200,7 +200,7 @@ impl Freeform {
             subpatches,
             locations,
             frame,
-            hard,
+            counters,
             areas,
             bvh,
         }
@@ -214,7 +214,7 @@ fn moved(patches: &[SurfacePatch], frame: &SurfaceFrame) -> Result<Vec<SurfacePa
         let net = frame.own_net(patch.patch.control_points());
         Ok(SurfacePatch { patch: TensorPatch::try_new(p, q, net)?, placement: patch.placement.clone() })
     };
-    patches.iter().map(of).collect()
+    parallel_map(patches, PARALLEL_CHUNK, of).into_iter().collect()
 }
 
 /// Properties of the patches that determine how they are stored.
@@ -311,7 +311,7 @@ struct OpenLeaf {
 #[derive(Default)]
 pub(super) struct PatchLeaves {
     pub(super) leaves: Vec<LeafBuilder>,
-    /// Parts that are lines or points to within rounding, which no ray needs to search.
+    /// Parts that are lines or points to within rounding, which no ray needs to search unless the surface has no others.
     pub(super) lines: Vec<LeafBuilder>,
 }
 
@@ -338,11 +338,6 @@ impl LeafRules<'_> {
             before: [f64::INFINITY; 2],
         }];
         while let Some(OpenLeaf { part, net, halvings, mut inside, before }) = open.pop() {
-            if is_line(&net) {
-                let crossed = self.region.is_some();
-                done.lines.push(LeafBuilder { crossed, ..LeafBuilder::new(index, part, net, degrees) });
-                continue;
-            }
             let mut crossed = false;
             if let Some(region) = self.region.filter(|_| !inside) {
                 let [low, high] = placement.range(&part.within(subpatch.location.part).rect());
@@ -352,7 +347,12 @@ impl LeafRules<'_> {
                     Containment::Crossed => crossed = true,
                 }
             }
+            let is_line = is_line(&net);
             let leaf = LeafBuilder { crossed, ..LeafBuilder::new(index, part, net, degrees) };
+            if is_line {
+                done.lines.push(leaf);
+                continue;
+            }
             let large = leaf.bounds.diagonal().length() > self.smallest;
             // NaN, of a leaf without area, is above every limit.
             let deviation = leaf.parallelogram.jacobian_deviation();

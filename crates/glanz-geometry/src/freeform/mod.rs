@@ -117,22 +117,22 @@ pub struct Freeform {
     /// Positions of the subpatches in their patches; none if every patch is one of them, in the same order.
     locations: Arc<[SubpatchLocation]>,
     frame: SurfaceFrame,
-    /// Counters of hard searches: see [`Freeform::undecided`] and [`Freeform::cells`].
-    hard: HardSearches,
+    /// See [`Freeform::undecided`] and [`Freeform::subdivision_cells`].
+    counters: SubdivisionCounters,
     /// Computed on first use: only emitters need it.
     areas: OnceLock<LeafAreas>,
 }
 
 /// Counters of the searches that need subdivision.
 #[derive(Debug, Default)]
-struct HardSearches {
+struct SubdivisionCounters {
     /// Leaves that were given up.
     undecided: AtomicU64,
     /// Cells that were examined.
     cells: AtomicU64,
 }
 
-impl HardSearches {
+impl SubdivisionCounters {
     /// Adds the counters of a query, and clears them.
     #[inline(always)]
     fn add(&self, scratch: &mut SearchScratch) {
@@ -169,14 +169,14 @@ impl Freeform {
     /// rays may search leaves that single rays skip behind a closer hit, and count those too, but none that all hits do not need.
     #[must_use]
     pub fn undecided(&self) -> u64 {
-        self.hard.undecided.load(Ordering::Relaxed)
+        self.counters.undecided.load(Ordering::Relaxed)
     }
 
     /// Number of cells that subdivisions have examined since the surface was built: those of rays near tangencies, singular points and
     /// curves in the surface, a few hundred each; almost all other rays need none.
     #[must_use]
-    pub fn cells(&self) -> u64 {
-        self.hard.cells.load(Ordering::Relaxed)
+    pub fn subdivision_cells(&self) -> u64 {
+        self.counters.cells.load(Ordering::Relaxed)
     }
 
     /// The position of a subpatch in its patch.
@@ -202,7 +202,8 @@ impl Freeform {
         self.areas().total()
     }
 
-    /// Numbers of the patches that are lines or points to within rounding, in whole or in part, ascending. No ray meets those parts.
+    /// Numbers of the patches that are lines or points to within rounding, in whole or in part, ascending. No ray meets those
+    /// parts, unless the surface has no others.
     #[must_use]
     pub fn patches_without_area(&self) -> &[u32] {
         &self.without_area

@@ -65,7 +65,7 @@ impl Freeform {
     /// Appends the points of up to eight hits of one patch.
     #[inline(always)]
     fn append_points<S: Simd>(&self, simd: S, hits: &[Hit], points: &mut Vec<SurfacePoint>) {
-        // Surfaces with coordinates of their own are rare.
+        // The lanes do not add the origin of a surface with coordinates of its own.
         let first = hits.first().filter(|_| hits.len() >= LEAST_HITS && !self.frame.is_moved());
         let in_lanes = first.and_then(|&Hit { face, .. }| {
             let (placement, coefficients) = (self.patches.placement(face)?, self.coefficients(face)?);

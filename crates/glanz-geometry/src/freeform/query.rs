@@ -98,7 +98,7 @@ impl<C: RootCollector> LeafVisitor for &mut QueryVisitor<'_, C> {
 impl Drop for LeafSearcher<'_> {
     #[inline(always)]
     fn drop(&mut self) {
-        self.surface.hard.add(&mut self.scratch);
+        self.surface.counters.add(&mut self.scratch);
     }
 }
 

@@ -76,7 +76,7 @@ impl Freeform {
         hits.clear();
         hits.resize(rays.len(), None);
         self.bvh.isa().run(BatchQuery { surface: self, rays, any, hits, memory });
-        self.hard.add(&mut memory.search);
+        self.counters.add(&mut memory.search);
     }
 }
 

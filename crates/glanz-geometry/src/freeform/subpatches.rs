@@ -42,7 +42,7 @@ pub(super) struct SubpatchLocation {
 /// The subpatches of a surface, all in one representation, so that the branch on it is predicted.
 #[derive(Debug)]
 pub(super) enum SubpatchList {
-    /// Degrees up to (3, 3), all weights 1: control points are restored with that weight.
+    /// Degrees up to (3, 3), all weights 1. Where patches have no control points of their own, these are restored with that weight.
     Polynomial(Vec<Bicubic<3>>),
     /// Degrees up to (3, 3), weights that vary little.
     Rational(Vec<Bicubic<4>>),
@@ -125,12 +125,18 @@ impl Subpatch {
 }
 
 impl SubpatchList {
-    /// The list of subpatches that are not all polynomial of low degrees.
+    /// The list of subpatches in the form that their degrees and weights allow.
     pub(super) fn new(mut subpatches: Vec<Subpatch>) -> Self {
         let rational = subpatches.iter().any(|subpatch| subpatch.rational);
         if subpatches.iter().all(Subpatch::is_simple) {
-            let powers = |subpatch: &Subpatch| Bicubic::new(&subpatch.net, subpatch.degrees);
-            Self::Rational(parallel_map(&subpatches, PARALLEL_CHUNK, powers))
+            if rational {
+                let powers = |subpatch: &Subpatch| Bicubic::new(&subpatch.net, subpatch.degrees);
+                Self::Rational(parallel_map(&subpatches, PARALLEL_CHUNK, powers))
+            } else {
+                // Those of a surface with coordinates of its own.
+                let powers = |subpatch: &Subpatch| Bicubic::new(&subpatch.net, subpatch.degrees);
+                Self::Polynomial(parallel_map(&subpatches, PARALLEL_CHUNK, powers))
+            }
         } else {
             // All of them in one way, so that pairs of any two can be solved side by side.
             subpatches.iter_mut().for_each(|subpatch| subpatch.rational = rational);

@@ -47,10 +47,7 @@ impl NurbsCurve {
     /// [`SurfaceError::CountMismatch`] for the number of points, [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a
     /// weight, [`SurfaceError::KnotMultiplicity`] if the curve jumps.
     pub fn from_knots(knots: KnotVector, points: Vec<DVec4>) -> Result<Self, SurfaceError> {
-        if let Some((value, multiplicity)) = knots.jump() {
-            let max = knots.degree();
-            return Err(SurfaceError::KnotMultiplicity { parameter: "knot", value, multiplicity, max });
-        }
+        knots.check_continuous()?;
         check(&points, knots.count())?;
         Ok(Self { knots, points })
     }

@@ -55,11 +55,24 @@ impl KnotVector {
             .map_err(|error| knot_error(parameter, error))
     }
 
-    /// The knot inside the domain, if there is one, at which the spline jumps, and its multiplicity.
-    pub(crate) fn jump(&self) -> Option<(f64, usize)> {
+    /// The knots inside the domain at which the spline jumps, ascending, with their multiplicities.
+    #[must_use]
+    pub fn jumps(&self) -> Vec<(f64, usize)> {
         let [start, end] = self.domain();
-        let inside = |&(knot, count): &(f64, usize)| knot > start && knot < end && count > self.degree();
-        self.distinct().into_iter().find(inside)
+        let is_jump = |&(knot, count): &(f64, usize)| knot > start && knot < end && count > self.degree();
+        self.distinct().into_iter().filter(is_jump).collect()
+    }
+
+    /// Checks that the spline does not jump.
+    ///
+    /// # Errors
+    /// [`SurfaceError::KnotMultiplicity`] with the first knot at which it does.
+    pub(crate) fn check_continuous(&self) -> Result<(), SurfaceError> {
+        self.jumps().first().map_or(Ok(()), |&jump| Err(self.jump_error(jump)))
+    }
+
+    fn jump_error(&self, (value, multiplicity): (f64, usize)) -> SurfaceError {
+        SurfaceError::KnotMultiplicity { parameter: "knot", value, multiplicity, max: self.degree() }
     }
 
     /// The clamped knot vector over [0, 1] with `count` control points and inner knots at equal distances.
@@ -111,7 +124,12 @@ impl KnotVector {
                 image.clamp(start, end)
             }
         };
-        Self::try_with_jumps(self.degree(), self.knots().iter().rev().map(mirror).collect())
+        let reversed = Self::try_with_jumps(self.degree(), self.knots().iter().rev().map(mirror).collect())?;
+        // Images that coincide by rounding would tear the spline, and leave out the piece between them.
+        let images: Vec<f64> = self.jumps().iter().map(|(knot, _)| mirror(knot)).collect();
+        let new_jump = reversed.jumps().into_iter().find(|(knot, _)| !images.contains(knot));
+        new_jump.map_or(Ok(()), |jump| Err(self.jump_error(jump)))?;
+        Ok(reversed)
     }
 }
 

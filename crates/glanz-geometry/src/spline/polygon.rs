@@ -100,10 +100,7 @@ pub fn restrict<P: ControlPoint>(
 /// # Errors
 /// Those of [`restrict`], and [`SurfaceError::KnotMultiplicity`] if the spline jumps.
 pub fn bezier<P: ControlPoint>(knots: &KnotVector, points: &[P]) -> Result<(Vec<f64>, Vec<P>), SurfaceError> {
-    if let Some((value, multiplicity)) = knots.jump() {
-        let max = knots.degree();
-        return Err(SurfaceError::KnotMultiplicity { parameter: "knot", value, multiplicity, max });
-    }
+    knots.check_continuous()?;
     let BezierRow { breaks, points, .. } = bezier_row(knots, points)?;
     Ok((breaks, points))
 }

@@ -232,11 +232,13 @@ impl NurbsSurface {
     ///
     /// In a periodic direction with `n` control points there are `n + 1` knots: one period, whose first and last knot
     /// coincide. Point i acts between the knots `i - degree` and `i + 1`, modulo the period. In the other direction, knots
-    /// are as in [`Self::try_new`]. The result is clamped; its control points on both sides of the seam are equal to the
+    /// are as in [`KnotVector::try_new`], without jumps. The result is clamped; its control points on both sides of the seam are equal to the
     /// last bit.
     ///
     /// # Errors
-    /// Those of [`Self::try_new`], and [`SurfaceError::TooFew`] with fewer than 2 knots in a periodic direction.
+    /// Those of [`KnotVector::try_new`] for each direction, [`SurfaceError::CountMismatch`] for the number of points,
+    /// [`SurfaceError::NotFinite`], [`SurfaceError::NotPositive`] for a weight, and [`SurfaceError::TooFew`] with fewer than 2 knots in a
+    /// periodic direction.
     pub fn try_new_periodic(
         degrees: [usize; 2],
         knots: [Vec<f64>; 2],

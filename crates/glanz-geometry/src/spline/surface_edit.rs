@@ -103,6 +103,26 @@ impl NurbsSurface {
         Ok((part([start, value])?, part([value, end])?))
     }
 
+    /// The pieces of the surface between its jumps, those of equal u next to each other, with clamped knots; a copy of the surface if it does
+    /// not jump.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NotPositive`] if knots are so close together that a weight underflows.
+    pub fn continuous_pieces(&self) -> Result<Vec<Self>, SurfaceError> {
+        let [ranges_u, ranges_v] = [self.knots_u(), self.knots_v()].map(|knots| {
+            let [start, end] = knots.domain();
+            let jumps: Vec<f64> = knots.jumps().into_iter().map(|(knot, _)| knot).collect();
+            let starts = std::iter::once(start).chain(jumps.iter().copied());
+            let ends = jumps.iter().copied().chain([end]);
+            starts.zip(ends).map(|(from, to)| [from, to]).collect::<Vec<_>>()
+        });
+        if ranges_u.len() == 1 && ranges_v.len() == 1 {
+            return Ok(vec![self.clone()]);
+        }
+        let rectangles = ranges_u.iter().flat_map(|&u| ranges_v.iter().map(move |&v| [u, v]));
+        rectangles.map(|rectangle| self.restrict(rectangle)).collect()
+    }
+
     /// The same surface over the same domain, reversed in one direction; its normal points to the other side.
     ///
     /// # Errors
@@ -115,7 +135,8 @@ impl NurbsSurface {
     /// it.
     ///
     /// # Errors
-    /// [`SurfaceError::NotPositive`] if a weight underflows.
+    /// [`SurfaceError::NotPositive`] if a weight underflows, [`SurfaceError::KnotMultiplicity`] if the curve jumps: where the surface does
+    /// in the other parameter.
     pub fn isocurve(&self, fixed: ParameterDirection, value: f64) -> Result<NurbsCurve, SurfaceError> {
         let oriented = match fixed {
             ParameterDirection::U => self.clone(),

@@ -40,7 +40,8 @@ pub(super) struct LocalFrame {
 }
 
 impl SurfaceBasis {
-    /// The parts of a freeform shape of the world; `None` for another shape, or one that no scene can have.
+    /// The parts of a freeform shape of the world, those of a spline between its jumps; `None` for another shape, a spline with control points
+    /// that act nowhere, or one that no scene can have.
     pub(super) fn of_shape(shape: &ShapeDescription) -> Option<Vec<Self>> {
         let placed = |points: &[[f64; 4]]| -> Vec<(DVec3, f64)> {
             let place =
@@ -49,11 +50,18 @@ impl SurfaceBasis {
         };
         match &shape.geometry {
             GeometryDescription::Nurbs(nurbs) => {
-                let u = KnotVector::try_new(nurbs.degree_u, nurbs.knots_u.clone()).ok()?;
-                let v = KnotVector::try_new(nurbs.degree_v, nurbs.knots_v.clone()).ok()?;
-                let domain = nurbs.domain.unwrap_or([u.domain(), v.domain()]);
-                let functions = BasisKind::Tensor { u, v, domain };
-                Some(vec![Self { functions, first: 0, points: placed(&nurbs.points) }])
+                let u = KnotVector::try_with_jumps(nurbs.degree_u, nurbs.knots_u.clone()).ok()?;
+                let v = KnotVector::try_with_jumps(nurbs.degree_v, nurbs.knots_v.clone()).ok()?;
+                let [range_u, range_v] = nurbs.domain.unwrap_or([u.domain(), v.domain()]);
+                let ranges_v = continuous_ranges(&v, range_v);
+                let points = placed(&nurbs.points);
+                let part = |domain| Self {
+                    functions: BasisKind::Tensor { u: u.clone(), v: v.clone(), domain },
+                    first: 0,
+                    points: points.clone(),
+                };
+                let ranges_u = continuous_ranges(&u, range_u);
+                Some(ranges_u.iter().flat_map(|&u| ranges_v.iter().map(move |&v| [u, v])).map(part).collect())
             }
             GeometryDescription::BezierPatches(patches) => {
                 let knots = |degree: usize| {
@@ -137,10 +145,22 @@ impl LocalFrame {
     }
 }
 
+/// The parts of a range of parameters between the jumps of a spline, ascending. At a jump a spline has the point of the piece that starts there,
+/// so that the piece before ends at the next smaller number.
+fn continuous_ranges(knots: &KnotVector, [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
+    let jumps: Vec<f64> = knots.jumps().into_iter().map(|(knot, _)| knot).collect();
+    let inside: Vec<f64> = jumps.iter().copied().filter(|&knot| knot > from && knot < to).collect();
+    let starts = std::iter::once(from).chain(inside.iter().copied());
+    let ends = inside.iter().copied().chain([to]);
+    let before_jump = |end: f64| if jumps.contains(&end) { end.next_down() } else { end };
+    starts.zip(ends).map(|(start, end)| [start, before_jump(end)]).collect()
+}
+
 fn tensor_factors(u: &KnotVector, v: &KnotVector, domain: [[f64; 2]; 2], at: DVec2) -> Vec<PointFactors> {
     let [[u0, u1], [v0, v1]] = domain;
-    let along_u = BasisFunctions::at(u, u0 + at.x * (u1 - u0));
-    let along_v = BasisFunctions::at(v, v0 + at.y * (v1 - v0));
+    // Rounding must not reach the piece behind a jump.
+    let along_u = BasisFunctions::at(u, (u0 + at.x * (u1 - u0)).min(u1));
+    let along_v = BasisFunctions::at(v, (v0 + at.y * (v1 - v0)).min(v1));
     let ([bu, du], [bv, dv]) = (along_u.rows::<2>(), along_v.rows::<2>());
     let mut factors = Vec::with_capacity((u.degree() + 1) * (v.degree() + 1));
     for (i, (bu, du)) in bu.iter().zip(&du).take(u.degree() + 1).enumerate() {
@@ -225,6 +245,26 @@ mod tests {
         assert_frames(ShapeDescription::bezier_triangles(std::slice::from_ref(&triangle)), |u, v| {
             triangle.point_and_tangents(u, v)
         });
+    }
+
+    #[test]
+    fn a_spline_that_jumps_has_a_part_on_each_side() {
+        // Of degree 1: z = u from 0 to 1, and z = 4 + u from there to 2.
+        let profile = [(0.0, 0.0), (1.0, 1.0), (1.0, 5.0), (2.0, 6.0)];
+        let points = profile.into_iter().flat_map(|(x, z)| [0.0, 1.0].map(|y| DVec4::new(x, y, z, 1.0)));
+        let knots = [vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0], vec![0.0, 0.0, 1.0, 1.0]];
+        let nurbs = NurbsSurface::try_new([1, 1], knots, points.collect()).unwrap();
+        let parts = SurfaceBasis::of_shape(&ShapeDescription::nurbs(&nurbs)).unwrap();
+        assert_eq!(parts.len(), 2);
+        // A part that ends at the jump ends in front of it.
+        assert_eq!(continuous_ranges(nurbs.knots_u(), [0.5, 1.0]), [[0.5, 1.0_f64.next_down()]]);
+        for (part, start, end) in [(&parts[0], 0.0, 1.0), (&parts[1], 5.0, 6.0)] {
+            for (u, z) in [(0.0, start), (0.5, 0.5 * (start + end)), (1.0, end)] {
+                let frame = part.frame(&part.factors(DVec2::new(u, 0.5)));
+                assert!((frame.position.z - z).abs() < 1e-14, "{u} {frame:?}");
+                assert!((frame.tangents[0].z - 1.0).abs() < 1e-14, "{u} {frame:?}");
+            }
+        }
     }
 
     #[test]

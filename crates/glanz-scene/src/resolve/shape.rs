@@ -6,6 +6,7 @@ use glanz_geometry::algebraic::{AlgebraicSurface, PolynomialTerm};
 use glanz_geometry::bilinear::BilinearPatch;
 use glanz_geometry::cuboid::Cuboid;
 use glanz_geometry::curve::FacingCurve;
+use glanz_geometry::freeform::Freeform;
 use glanz_geometry::mesh::Mesh;
 use glanz_geometry::polyhedron::{HalfSpace, Polyhedron};
 use glanz_geometry::quadric::{
@@ -80,7 +81,15 @@ pub(super) fn objects(
                 .collect::<Result<_, _>>()
                 .map_err(at)?
         }
-        other => placed(surface(other, region.as_ref()).map_err(at)?),
+        other => {
+            let quads =
+                if matches!(other, GeometryDescription::BezierTriangles(_)) { QUADS_PER_TRIANGLE } else { 1 };
+            let surface = surface(other, region.as_ref()).map_err(at)?;
+            if let Surface::Freeform(freeform) = &surface {
+                note_patches_without_area(freeform, quads, location, warnings);
+            }
+            placed(surface)
+        }
     })
 }
 
@@ -93,6 +102,27 @@ fn note_degenerate(dropped: usize, location: Option<Location>, warnings: &mut Wa
         let (noun, omitted) =
             if dropped == 1 { ("triangle has", "it is") } else { ("triangles have", "they are") };
         warnings.warn(location, format!("{dropped} {noun} no area; {omitted} left out"));
+    }
+}
+
+/// Number of quadrilateral patches of a triangular one.
+const QUADS_PER_TRIANGLE: usize = 3;
+
+/// `quads`: the number of patches of the surface that are one of the description.
+fn note_patches_without_area(
+    freeform: &Freeform,
+    quads: usize,
+    location: Option<Location>,
+    warnings: &mut WarningList,
+) {
+    let mut numbers: Vec<usize> =
+        freeform.patches_without_area().iter().map(|&face| face as usize / quads).collect();
+    numbers.dedup();
+    if !numbers.is_empty() {
+        let (count, all) = (numbers.len(), freeform.patch_count() / quads);
+        let verb = if count == 1 { "has" } else { "have" };
+        let message = format!("{count} of {all} patches {verb} parts without area, which no ray meets");
+        warnings.warn(location, message);
     }
 }
 

@@ -66,7 +66,13 @@ impl MeshPatch {
             TensorPatch::try_new(degree_u, degree_v, points).map(|patch| parts.tensor(patch)).map_err(invalid)
         };
         match &shape.geometry {
-            GeometryDescription::Nurbs(nurbs) => Ok(vec![parts.spline(spline(nurbs).map_err(invalid)?)]),
+            GeometryDescription::Nurbs(nurbs) => {
+                let pieces = spline(nurbs).and_then(|whole| whole.continuous_pieces()).map_err(invalid)?;
+                if trimmed && pieces.len() > 1 {
+                    return Err(TessellationFaultKind::Unsupported("a trimmed surface that jumps"));
+                }
+                Ok(pieces.into_iter().map(|piece| parts.spline(piece)).collect())
+            }
             GeometryDescription::BezierPatches(patches) => {
                 let degrees = [patches.degree_u, patches.degree_v];
                 patches.patches.iter().map(|points| tensor(homogeneous(points), degrees)).collect()

@@ -7,8 +7,8 @@ use glanz_math::DMat4;
 
 use super::*;
 use crate::description::{
-    BezierPatchesDescription, GeometryDescription, GroupDescription, ShapeDescription, TrimCurveDescription,
-    TrimDescription, TrimEdgeDescription, TrimLoopDescription,
+    BezierPatchesDescription, GeometryDescription, GroupDescription, NurbsDescription, ShapeDescription,
+    TrimCurveDescription, TrimDescription, TrimEdgeDescription, TrimLoopDescription,
 };
 
 fn settings(deviation: f64) -> TessellationSettings {
@@ -377,4 +377,42 @@ fn the_deviation_is_that_of_chords_where_surfaces_are_flat() {
         // Halved chords deviate by a quarter.
         assert!((0.2 * deviation..=deviation).contains(&measured), "{measured} of {deviation}");
     }
+}
+
+/// z = u^2 for u from 0 to 1, and z = 4 + u from there to 2, over x = u, y = v in [0, 1].
+fn step() -> ShapeDescription {
+    let profile = [(0.0, 0.0), (0.5, 0.0), (1.0, 1.0), (1.0, 5.0), (1.5, 5.5), (2.0, 6.0)];
+    let points = profile.into_iter().flat_map(|(x, z)| [0.0, 1.0].map(|y| [x, y, z, 1.0])).collect();
+    ShapeDescription::from(GeometryDescription::Nurbs(NurbsDescription {
+        degree_u: 2,
+        degree_v: 1,
+        knots_u: [0, 0, 0, 1, 1, 1, 2, 2, 2].map(f64::from).to_vec(),
+        knots_v: [0, 0, 1, 1].map(f64::from).to_vec(),
+        points,
+        domain: None,
+    }))
+}
+
+#[test]
+fn a_surface_that_jumps_has_no_triangles_between_its_pieces() {
+    let (mesh, deviation) = tessellate(vec![step()], 1e-3);
+    assert!(deviation <= 1e-3, "{deviation}");
+    for corners in mesh.position_triangles([0]) {
+        let heights = corners.map(|i| mesh.positions[i as usize].z);
+        assert!(heights.iter().all(|z| *z < 2.0) || heights.iter().all(|z| *z > 4.0), "{heights:?}");
+    }
+    // The parabola's length: sqrt(5) / 2 + asinh(2) / 4, the line's sqrt(2); one wide.
+    let expected = 5.0_f64.sqrt() / 2.0 + 2.0_f64.asinh() / 4.0 + 2.0_f64.sqrt();
+    let area = mesh.area(0..1);
+    assert!((area - expected).abs() < 0.01 * expected, "{area} {expected}");
+}
+
+#[test]
+fn a_trimmed_surface_that_jumps_is_refused() {
+    let shape =
+        ShapeDescription { trim: Some(trim(vec![vec![circle([0.5, 0.5], [0.3, 0.3], true)]])), ..step() };
+    assert!(matches!(
+        super::patch::MeshPatch::of_shape(0, &shape),
+        Err(TessellationFaultKind::Unsupported("a trimmed surface that jumps"))
+    ));
 }

@@ -346,6 +346,23 @@ fn degenerate_triangles_are_left_out_with_a_warning() {
 }
 
 #[test]
+fn patches_without_area_are_counted_in_a_warning() {
+    let patch = |x: f64, height: f64| {
+        [[0.0, 0.0], [0.0, height], [1.0, 0.0], [1.0, height]].map(|[u, y]| [x + u, y, 0.0, 1.0]).to_vec()
+    };
+    let patches = |heights: [f64; 3]| {
+        let patches = [0.0, 1.0, 2.0].into_iter().zip(heights).map(|(x, height)| patch(x, height)).collect();
+        let patches = BezierPatchesDescription { degree_u: 1, degree_v: 1, patches };
+        located(GeometryDescription::BezierPatches(patches).into())
+    };
+    let (_, warnings) = with_shapes([patches([1.0, 0.0, 1.0])]).resolve().unwrap();
+    assert_eq!(warnings.len(), 1);
+    assert_eq!(warnings[0].location, Some(HERE));
+    assert_eq!(warnings[0].message, "1 of 3 patches has parts without area, which no ray meets");
+    assert!(with_shapes([patches([1.0; 3])]).resolve().unwrap().1.is_empty());
+}
+
+#[test]
 fn spectra_outside_the_gamut_are_clipped_and_negative_light_is_refused() {
     let infinite = |emission: SpectralDistribution, scale: f32| {
         let light = LightDescription { scale, location: Some(HERE), ..LightDescription::infinite(emission) };

@@ -2,6 +2,7 @@ mod border;
 mod revolution;
 
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glanz_geometry::spline::NurbsSurface;
 use glanz_math::glam::DVec4;
@@ -301,6 +302,25 @@ fn normals_along_an_edge_tell_whether_faces_continue_each_other() {
     let polyline = edges[rim].as_ref().unwrap();
     assert!((polyline.length - TAU).abs() < 1e-9 && polyline.points.len() > 49);
     assert!(polyline.points.iter().all(|p| (p.truncate().length() - 1.0).abs() < 1e-12 && p.z == 2.0));
+}
+
+#[test]
+fn polylines_end_when_they_may_not_proceed() {
+    let mut model = ModelBuilder::default();
+    let (bottom, top) = (model.circle(1.0, 0.0), model.circle(1.0, 2.0));
+    model.face(
+        FaceSurface::Cylinder { placement: WORLD, radius: 1.0 },
+        true,
+        &[(bottom, true), (top, false)],
+    );
+    let within = |with_edges: bool, questions: usize| {
+        let asked = AtomicUsize::new(0);
+        let proceed = || asked.fetch_add(1, Ordering::Relaxed) < questions;
+        trimmed_faces_while(&model.0, with_edges, &proceed).is_some()
+    };
+    // Two edges, one face twice, and two polylines.
+    assert!(within(false, 4) && !within(false, 3));
+    assert!(within(true, 6) && !within(true, 5) && !within(true, 4));
 }
 
 #[test]

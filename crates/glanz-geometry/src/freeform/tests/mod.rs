@@ -371,3 +371,26 @@ fn weights_do_not_hide_roots_next_to_the_border_of_a_leaf() {
         assert!(hits.iter().any(|h| (h.t - 1.0).abs() < 1e-9), "{u} {v} {direction}: {hits:?}");
     }
 }
+
+#[test]
+fn patches_without_area_count_where_the_region_keeps_them() {
+    // Over [0, 1] in u a square, over [1, 2] a line.
+    let bilinear = |u: f64, height: f64| {
+        let points =
+            [0.0, 1.0].into_iter().flat_map(|x| [0.0, height].map(|y| DVec4::new(u + x, y, 0.0, 1.0)));
+        let patch = TensorPatch::try_new(1, 1, points.collect()).unwrap();
+        SurfacePatch::over_rectangle(patch, [u, u + 1.0], [0.0, 1.0]).unwrap()
+    };
+    let patches = vec![bilinear(0.0, 1.0), bilinear(1.0, 0.0)];
+    let whole = Freeform::try_new(patches.clone()).unwrap();
+    assert_eq!(whole.patches_without_area(), [1_u32]);
+    for (center, expected) in [(0.5, &[][..]), (1.5, &[1_u32][..])] {
+        let circle = TrimCurve::try_circle(DVec2::new(center, 0.5), 0.3).unwrap();
+        let domain = [DVec2::ZERO, DVec2::new(2.0, 1.0)];
+        let loops = vec![TrimLoop::try_closed(circle, 1e-9).unwrap()];
+        let region = Arc::new(TrimRegion::try_new(loops, domain).unwrap());
+        assert_eq!(whole.trimmed(Arc::clone(&region)).patches_without_area(), expected);
+        let trimmed = Freeform::try_trimmed(patches.clone(), region).unwrap();
+        assert_eq!(trimmed.patches_without_area(), expected);
+    }
+}

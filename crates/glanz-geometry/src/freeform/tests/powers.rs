@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use glanz_math::glam::DVec4;
-use glanz_math::{DVec2, DVec3};
+use glanz_math::{DVec2, DVec3, Ray};
 
 use super::super::control_net::second_order_jet;
 use super::super::patch_list::PatchList;
+use super::super::subpatches::SubpatchList;
 use super::super::{Freeform, SurfacePatch};
+use crate::RaySurface;
 use crate::bezier::TensorPatch;
 use crate::trim::TrimRegion;
 
@@ -92,6 +94,26 @@ fn points_by_powers_are_those_by_control_points_up_to_rounding() {
                 assert_eq!([first.s, first.su, first.sv], [found.s, found.su, found.sv]);
             }
         }
+    }
+}
+
+#[test]
+fn polynomial_patches_far_from_the_origin_are_searched_without_weights() {
+    let mut random = Random(17);
+    let patches: Vec<_> =
+        (0..3_u32).map(|k| random.patch((3, 2), DVec3::new(1e5, 3.0 * f64::from(k), 0.0), 1.0)).collect();
+    let surface = Freeform::try_new(patches.clone()).unwrap();
+    assert!(matches!(*surface.patches, PatchList::Moved { .. }));
+    assert!(matches!(*surface.subpatches, SubpatchList::Polynomial(_)));
+    for given in &patches {
+        let point = given.patch().point(0.4, 0.7);
+        let mut hits = Vec::new();
+        let ray = Ray::new(point + DVec3::new(0.0, 0.0, 5.0), DVec3::NEG_Z);
+        surface.all_hits(&ray, f64::INFINITY, &mut hits);
+        assert!(hits.iter().any(|hit| (hit.t - 5.0).abs() < 1e-6), "{point}: {hits:?}");
+    }
+    for (given, stored) in patches.iter().zip(surface.patches()) {
+        assert_eq!(bits(given), bits(&stored));
     }
 }
 

@@ -102,3 +102,47 @@ fn edits_keep_the_jump() {
     let v = surface.isocurve(ParameterDirection::V, 0.5);
     assert!(matches!(v, Err(SurfaceError::KnotMultiplicity { multiplicity: 3, max: 2, .. })));
 }
+
+#[test]
+fn reversal_does_not_tear_a_surface_whose_knots_coincide_by_rounding() {
+    // The mirror images of both inner knots are 0, and the piece between them has the points from x = 1 to 2.
+    let knots_u = vec![-1.0, -1.0, 1e-17, 2e-17, 1.0, 1.0];
+    let points: Vec<DVec3> =
+        [0.0, 1.0, 2.0, 3.0].into_iter().flat_map(|x| [0.0, 1.0].map(|y| DVec3::new(x, y, 0.0))).collect();
+    let surface =
+        NurbsSurface::try_from_points([1, 1], [knots_u, vec![0.0, 0.0, 1.0, 1.0]], &points, None).unwrap();
+    assert!(matches!(
+        surface.reversed(ParameterDirection::U),
+        Err(SurfaceError::KnotMultiplicity { multiplicity: 2, max: 1, .. })
+    ));
+    // Beside a jump, too.
+    let knots = KnotVector::try_with_jumps(1, vec![-1.0, -1.0, -0.5, -0.5, 1e-17, 2e-17, 1.0, 1.0]).unwrap();
+    assert!(matches!(knots.reversed(), Err(SurfaceError::KnotMultiplicity { value: 0.0, .. })));
+    let knots = KnotVector::try_with_jumps(1, vec![-1.0, -1.0, -0.5, -0.5, 0.25, 1.0, 1.0]).unwrap();
+    assert_eq!(knots.reversed().unwrap().knots(), [-1.0, -1.0, -0.25, 0.5, 0.5, 1.0, 1.0]);
+}
+
+#[test]
+fn continuous_pieces_end_at_the_jumps() {
+    let surface = step(3).unwrap();
+    let pieces = surface.continuous_pieces().unwrap();
+    let domains: Vec<_> = pieces.iter().map(|piece| piece.knots_u().domain()).collect();
+    assert_eq!(domains, [[0.0, 1.0], [1.0, 2.0]]);
+    // The height at the jump belongs to both sides, each with its own.
+    assert_eq!([pieces[0].point(1.0, 0.5).z, pieces[1].point(1.0, 0.5).z], [1.0, 5.0]);
+    assert_eq!(pieces[1].continuous_pieces().unwrap(), [pieces[1].clone()]);
+    // In both directions: two rows of three.
+    let knots_u = vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0];
+    let knots_v = vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0];
+    let points: Vec<DVec3> =
+        (0..4).flat_map(|i| (0..6).map(move |j| DVec3::new(f64::from(i), f64::from(j), 0.0))).collect();
+    let grid = NurbsSurface::try_from_points([1, 1], [knots_u, knots_v], &points, None).unwrap();
+    let corners: Vec<_> = grid
+        .continuous_pieces()
+        .unwrap()
+        .iter()
+        .map(|piece| piece.point(piece.knots_u().domain()[0], piece.knots_v().domain()[0]))
+        .collect();
+    let expected = [0.0, 2.0].into_iter().flat_map(|x| [0.0, 2.0, 4.0].map(|y| DVec3::new(x, y, 0.0)));
+    assert_eq!(corners, expected.collect::<Vec<_>>());
+}

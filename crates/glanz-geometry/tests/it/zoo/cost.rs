@@ -95,9 +95,9 @@ fn hardest(tested: &TestSurface, count: u64) -> HardestRay {
             Some(family) => family.ray(tested, &mut random),
             None => asymptotic(tested, &mut random),
         };
-        let (cells, undecided) = (tested.surface.cells(), tested.surface.undecided());
+        let (cells, undecided) = (tested.surface.subdivision_cells(), tested.surface.undecided());
         let first = seconds(tested, &ray, 1);
-        let cells = tested.surface.cells() - cells;
+        let cells = tested.surface.subdivision_cells() - cells;
         let was_undecided = tested.surface.undecided() > undecided;
         hardest.rays += 1;
         hardest.undecided += u64::from(was_undecided);
