@@ -53,7 +53,7 @@ pub(crate) fn merge(
 
 /// Joins checkpoints of parts of a picture, a calculation of illuminance or a bake into the file ``checkpoint``, from which the job is resumed.
 ///
-/// Parameters and exceptions are those of `merge`. The whole and one part are in memory.
+/// Parameters and exceptions are those of `merge`. The whole and one part are in memory, sums of a picture that take more than half of it in temporary files.
 #[pyfunction]
 #[pyo3(signature = (paths, checkpoint, *, partial=false, threads=None, progress=None))]
 pub(crate) fn merge_checkpoints(

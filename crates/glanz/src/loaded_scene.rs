@@ -146,10 +146,10 @@ impl LoadedScene {
     }
 
     /// Limits of what preparing the scene for a job may use, those of reading if this is not called, and the flag that ends [`LoadedScene::resolve`]; a job ends by its
-    /// own flag.
+    /// own flag. The memory that reading has used counts.
     #[must_use]
     pub fn limits(mut self, limits: ResourceLimits, cancel: CancelFlag) -> Self {
-        self.budget = ResourceBudget::new(limits, cancel);
+        self.budget = self.budget.for_next_step_within(limits, cancel);
         self
     }
 
@@ -301,5 +301,18 @@ impl Write for HashedText {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         self.0.add(text.as_bytes());
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn new_limits_count_the_memory_that_reading_has_used() {
+        let scene = LoadedScene::from_description("empty", Description::default());
+        scene.budget.spend(Resource::Memory, 600).unwrap();
+        let limits = ResourceLimits { memory: 1000, ..ResourceLimits::default() };
+        assert_eq!(scene.limits(limits, CancelFlag::default()).memory_left(), 400);
     }
 }

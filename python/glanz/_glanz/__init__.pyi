@@ -491,7 +491,7 @@ def merge_checkpoints(
 ) -> None:
     """Joins checkpoints of parts of a picture, a calculation of illuminance or a bake into the file ``checkpoint``, from which the job is resumed.
 
-    Parameters and exceptions are those of `merge`. The whole and one part are in memory.
+    Parameters and exceptions are those of `merge`. The whole and one part are in memory, sums of a picture that take more than half of it in temporary files.
     """
 
 def compare(picture: Image | ArrayLike | _Path, reference: Image | ArrayLike | _Path) -> Comparison:

@@ -93,7 +93,13 @@ impl ResourceBudget {
     /// It serves the steps after reading, each of which may be repeated.
     #[must_use]
     pub fn for_next_step(&self) -> Self {
-        let next = Self::new(self.shared.limits.clone(), self.cancel.clone());
+        self.for_next_step_within(self.shared.limits.clone(), self.cancel.clone())
+    }
+
+    /// As [`ResourceBudget::for_next_step`], with other limits and another flag.
+    #[must_use]
+    pub fn for_next_step_within(&self, limits: ResourceLimits, cancel: CancelFlag) -> Self {
+        let next = Self::new(limits, cancel);
         let memory = Resource::Memory as usize;
         next.shared.used[memory].store(self.used(Resource::Memory), Ordering::Relaxed);
         next

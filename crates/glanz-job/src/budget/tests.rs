@@ -31,6 +31,10 @@ fn clones_share_the_budget_and_steps_after_it_do_not() {
     assert_eq!((next.check(), next.spend(Resource::Tokens, 1)), (Ok(()), Ok(())));
     assert!(next.spend(Resource::Memory, 6).is_err(), "the memory is still in use");
     assert_eq!(other.check(), Ok(()));
+    let limits = ResourceLimits { memory: 30, ..ResourceLimits::default() };
+    let wider = first.for_next_step_within(limits, CancelFlag::default());
+    assert_eq!((wider.used(Resource::Memory), wider.spend(Resource::Memory, 15)), (15, Ok(())));
+    assert!(wider.spend(Resource::Memory, 1).is_err());
 }
 
 #[test]

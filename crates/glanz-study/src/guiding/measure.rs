@@ -18,7 +18,7 @@ use crate::study::{StudyError, StudyProgress};
 /// share samples.
 const SEED_STEP: u64 = 1 << 32;
 
-/// Time between two checkpoints.
+/// Longest time between two checkpoints.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
 /// Completed share of the work, in samples per pixel.

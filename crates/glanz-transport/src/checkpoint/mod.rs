@@ -48,7 +48,7 @@ pub enum CheckpointError {
     /// An intact file with content that this program does not write.
     #[error("the checkpoint is invalid: {0}")]
     Content(&'static str),
-    /// The film cannot be created.
+    /// The film cannot be created, or its temporary file failed.
     #[error("the checkpoint cannot be used: {0}")]
     Film(#[from] FilmError),
     /// The file cannot be read: the kind of the error, and its text.
@@ -107,20 +107,21 @@ impl Checkpoint {
         sums::write(film, crc32fast::Hasher::new_with_initial(crc), out)
     }
 
-    /// Reads the output of [`Checkpoint::write`].
+    /// Reads the output of [`Checkpoint::write`]. The film is in a temporary file if it takes more than `memory` bytes, see [`Film::try_new_within`].
     ///
     /// # Errors
-    /// [`CheckpointError`] if any bit differs from the written file.
-    pub fn read(input: impl Read) -> Result<Self, CheckpointError> {
-        Self::read_within(input, u64::MAX)
-    }
-
-    /// As [`Checkpoint::read`], of a film that is in a temporary file if it takes more than `memory` bytes, see [`Film::try_new_within`].
-    ///
-    /// # Errors
-    /// As [`Checkpoint::read`]; [`CheckpointError::Film`] if the film has to be in memory.
+    /// [`CheckpointError`] if any bit differs from the written file; [`CheckpointError::Film`] if the film takes more than `memory` and has to be in
+    /// memory, there is no memory for it, or its temporary file failed.
     pub fn read_within(mut input: impl Read, memory: u64) -> Result<Self, CheckpointError> {
         let head = CheckpointHead::read(&mut input)?;
+        Self::read_sums(head, input, memory)
+    }
+
+    /// Reads the rest of a checkpoint, of which `head` was read from `input`, as [`Checkpoint::read_within`] does.
+    ///
+    /// # Errors
+    /// As [`Checkpoint::read_within`].
+    pub fn read_sums(head: CheckpointHead, input: impl Read, memory: u64) -> Result<Self, CheckpointError> {
         let format = head.film.format();
         format.check_memory(memory)?;
         let mut words = FilmSumsWriter::try_new(format.words()?, memory)?;
@@ -141,9 +142,9 @@ impl Checkpoint {
     /// Reads the output of [`Checkpoint::to_bytes`]. Memory is limited to a few times the size of `bytes`, whatever their content.
     ///
     /// # Errors
-    /// As [`Checkpoint::read`].
+    /// As [`Checkpoint::read_within`].
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, CheckpointError> {
-        Self::read(bytes)
+        Self::read_within(bytes, u64::MAX)
     }
 }
 

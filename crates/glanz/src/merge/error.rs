@@ -86,7 +86,7 @@ pub enum JoinError {
         /// The reason.
         error: FilmError,
     },
-    /// The film of all parts cannot be created.
+    /// The film of all parts cannot be created, or its temporary file failed.
     #[error("the parts cannot be joined: {0}")]
     Whole(FilmError),
     /// Parts that are not among those given.

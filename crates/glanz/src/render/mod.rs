@@ -22,7 +22,8 @@ use glanz_sampling::SamplerKind;
 use glanz_scene::Scene;
 use glanz_scene::description::GuideSettings;
 use glanz_transport::{
-    AovSet, Checkpoint, Film, Integrator, Rejects, RenderError, RenderOutcome, RenderSink, render,
+    AovSet, Checkpoint, CheckpointHead, Film, Integrator, Rejects, RenderError, RenderOutcome, RenderSink,
+    render,
 };
 
 use crate::error::Error;
@@ -227,9 +228,12 @@ fn starting_film(plan: &RenderPlan, job: &mut RunningJob<'_>) -> Result<Film, Er
         film.add_plans(plan.part_of.clone());
         return Ok(film);
     };
-    let file = File::open(&path).map_err(Error::of_file(&path))?;
-    let mut checkpoint = Checkpoint::read_within(file, plan.film_memory).map_err(Error::of_file(&path))?;
-    checkpoint.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
+    let mut file = File::open(&path).map_err(Error::of_file(&path))?;
+    let head = CheckpointHead::read(&mut file).map_err(Error::of_file(&path))?;
+    // Before the sums, which may be large, and need not fit this job's memory.
+    head.identity.check(&plan.identity).map_err(Error::of_file(&path))?;
+    let mut checkpoint =
+        Checkpoint::read_sums(head, file, plan.film_memory).map_err(Error::of_file(&path))?;
     let is_counted = plan.time_limit.is_none() && plan.identity.film.noise.is_none();
     let wanted = is_counted.then(|| plan.samples.clone());
     let state = &ResumedState::Samples { done: checkpoint.film.samples().clone(), wanted };
@@ -288,3 +292,29 @@ fn finish(
 }
 
 impl<W: FnMut(&Path, &Film) -> Result<(), Error>> RenderSink for JobSink<'_, '_, W> {}
+
+#[cfg(test)]
+mod tests {
+    use glanz_scene::SceneBuilder;
+
+    use super::*;
+    use crate::error::FileFault;
+
+    #[test]
+    fn checkpoint_of_another_integrator_is_refused_before_its_sums_are_read() {
+        let path = std::env::temp_dir().join(format!("glanz-other-integrator-{}", std::process::id()));
+        let description = SceneBuilder::new().resolution(2, 2).describe().unwrap();
+        let scene = LoadedScene::from_description("empty", description);
+        // The sums of one that learns cannot be in a file.
+        scene.clone().render().integrator("guided").samples(1).checkpoint(path.clone()).run().unwrap();
+        let options = RenderOptions {
+            integrator: Some("path".to_owned()),
+            samples: Some(1),
+            film_memory: Some(0),
+            ..RenderOptions::default()
+        };
+        let refused = scene.render().options(options).checkpoint(path.clone()).resume(true).run();
+        std::fs::remove_file(&path).unwrap();
+        assert!(matches!(refused, Err(Error::File { fault: FileFault::Identity(_), .. })));
+    }
+}

@@ -97,7 +97,7 @@ impl Picture {
     /// The planes of the picture, linear light; the colours without noise, if it was removed (variances stay those of the noisy colours).
     ///
     /// # Errors
-    /// [`Error::Pixels`] if two channels have the same name.
+    /// [`Error::Pixels`] if two channels have the same name, [`Error::Film`] if the temporary file of a large picture failed.
     pub fn pixels(&self) -> Result<Pixels, Error> {
         let mut pixels = self.film.to_pixels()?;
         if let Some(colors) = &self.denoised {
