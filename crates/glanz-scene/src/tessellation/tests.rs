@@ -412,7 +412,7 @@ fn a_trimmed_surface_that_jumps_is_refused() {
     let shape =
         ShapeDescription { trim: Some(trim(vec![vec![circle([0.5, 0.5], [0.3, 0.3], true)]])), ..step() };
     assert!(matches!(
-        super::patch::MeshPatch::of_shape(0, &shape),
+        patch::MeshPatch::of_shape(0, &shape),
         Err(TessellationFaultKind::Unsupported("a trimmed surface that jumps"))
     ));
 }
