@@ -4,9 +4,11 @@
 use std::ffi::OsStr;
 use std::io::Write;
 use std::net::TcpStream;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
 
 use super::server::{ViewServer, scene_file};
 use super::soak::process::{Usage, children};
@@ -19,32 +21,20 @@ const PATIENCE: Duration = Duration::from_secs(20);
 const BALL: &str = "LookAt 0 -4 0  0 0 0  0 0 1\nCamera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n";
 
 /// A folder for temporary files, removed with its content when it is dropped.
-struct TemporaryFolder(PathBuf);
+struct TemporaryFolder(TempDir);
 
 impl TemporaryFolder {
     fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("glanz-opened-{name}-{}", std::process::id()));
-        std::fs::create_dir(&path).unwrap();
-        Self(path)
+        Self(TempDir::with_prefix(format!("glanz-opened-{name}-")).unwrap())
     }
 
     fn serve(&self) -> ViewServer {
         let arguments = ANY_FILES.map(OsStr::new);
-        ViewServer::start_with_arguments(
-            &scene_file("teapot.pbrt"),
-            &arguments,
-            &[("TMPDIR", self.0.as_path())],
-        )
+        ViewServer::start_with_arguments(&scene_file("teapot.pbrt"), &arguments, &[("TMPDIR", self.0.path())])
     }
 
     fn entries(&self) -> usize {
-        std::fs::read_dir(&self.0).unwrap().count()
-    }
-}
-
-impl Drop for TemporaryFolder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        std::fs::read_dir(self.0.path()).unwrap().count()
     }
 }
 
@@ -115,6 +105,26 @@ fn abandoned_uploads_leave_nothing_behind() {
     assert!(after.memory < before.memory + 16.0, "{before} {after}");
     let mut page = Visitor::try_new(&served.host).unwrap();
     open_ball(&served, &mut page);
+}
+
+#[test]
+fn process_of_an_opened_scene_is_confined() {
+    let temporary = TemporaryFolder::new("confined");
+    let served = temporary.serve();
+    let mut page = Visitor::try_new(&served.host).unwrap();
+    let process = open_ball(&served, &mut page);
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let value = |name: &str| status.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
+    match value("Seccomp:") {
+        Some(mode) => assert_eq!((mode, value("NoNewPrivs:")), ("2", Some("1"))),
+        None => println!("this system has no seccomp"),
+    }
+    let limits = std::fs::read_to_string(format!("/proc/{process}/limits")).unwrap();
+    for (name, most) in [("Max open files", 256), ("Max core file size", 0)] {
+        let line = limits.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+        let values: Vec<u64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        assert!(values.len() == 2 && values.iter().all(|value| *value <= most), "{name}{line}");
+    }
 }
 
 #[test]

@@ -13,6 +13,8 @@ use std::ffi::OsStr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use tempfile::TempDir;
+
 use crate::viewer::server::{ViewServer, scene_file};
 use crate::viewer::upload::ANY_FILES;
 use process::Usage;
@@ -120,11 +122,10 @@ fn setting(name: &str, otherwise: u64) -> u64 {
 fn pages_that_come_and_go_leave_nothing_behind() {
     let (pages, seconds) = (setting("GLANZ_SOAK_PAGES", 4), setting("GLANZ_SOAK_SECONDS", 6));
     let uploads = setting("GLANZ_SOAK_UPLOADS", hostile_uploads::ALL.len() as u64);
-    let folder = std::env::temp_dir().join(format!("glanz-soak-{}", std::process::id()));
-    std::fs::create_dir(&folder).expect("a folder for temporary files");
+    let folder = TempDir::with_prefix("glanz-soak-").expect("a folder for temporary files");
     let arguments = ANY_FILES.map(OsStr::new);
     let scene = scene_file("teapot.pbrt");
-    let mut served = ViewServer::start_with_arguments(&scene, &arguments, &[("TMPDIR", folder.as_path())]);
+    let mut served = ViewServer::start_with_arguments(&scene, &arguments, &[("TMPDIR", folder.path())]);
     // One visit, so that everything allocated once is allocated.
     let mut warm = Tally::default();
     visit(&served.host, &mut Dice(0), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
@@ -140,7 +141,7 @@ fn pages_that_come_and_go_leave_nothing_behind() {
         assert!(faults.is_empty(), "{} faults, first {:?}\n{}", faults.len(), faults.first(), served.said());
         assert!(tally.admitted >= tally.uploads / 2, "{} of {} uploads", tally.admitted, tally.uploads);
         let left = Usage::settled(served.id(), before, PATIENCE).expect("the server runs");
-        let entries = std::fs::read_dir(&folder).expect("the folder").count();
+        let entries = std::fs::read_dir(folder.path()).expect("the folder").count();
         println!("after round {number}: {left}, {entries} temporary files");
         assert_eq!(entries, 0, "temporary files stay");
         left
@@ -152,7 +153,7 @@ fn pages_that_come_and_go_leave_nothing_behind() {
     assert!(second.memory <= most, "memory grows from {:.1} to {:.1} MiB", first.memory, second.memory);
     visit(&served.host, &mut Dice(1), &mut warm).unwrap_or_else(|fault| panic!("{fault}\n{}", served.said()));
     drop(served);
-    std::fs::remove_dir(&folder).expect("an empty folder");
+    std::fs::remove_dir(folder.path()).expect("an empty folder");
 }
 
 /// Runs `pages` simultaneous clients that connect and disconnect for some time, and until the hostile uploads up to a number are done.
