@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 #[cfg(feature = "formats")]
 use glanz_formats::cad::CadReport;
 use glanz_job::{
-    BudgetError, CancelFlag, ContentHash, Interrupted, Resource, ResourceBudget, ResourceLimits,
+    BudgetError, CancelFlag, ContentHash, Interrupted, LimitError, Resource, ResourceBudget, ResourceLimits,
 };
 use glanz_scene::studio::{StudioSettings, add_studio};
 use glanz_scene::{
@@ -206,11 +206,7 @@ impl LoadedScene {
         let resolved = reserved.and_then(|()| Scene::resolve_with(description, &budget));
         let (scene, warnings) = resolved.map_err(|SceneError { location, kind }| match kind {
             SceneErrorKind::Budget(BudgetError::Interrupted) => Interrupted.into(),
-            SceneErrorKind::Budget(BudgetError::Limit(limit)) => {
-                let plain = self.diagnostic(Severity::Error, location, limit.to_string());
-                let diagnostic = Diagnostic { kind: "limit", help: Some(limit.help()), ..plain };
-                Error::Scene(Diagnostics::of_end(diagnostic, BudgetError::Limit(limit)))
-            }
+            SceneErrorKind::Budget(BudgetError::Limit(limit)) => Error::Scene(self.limit(location, limit)),
             kind => self.fault(location, kind.to_string()),
         })?;
         let severity = if self.strict { Severity::Error } else { Severity::Warning };
@@ -288,6 +284,19 @@ impl LoadedScene {
     fn diagnostic(&self, severity: Severity, location: Option<Location>, message: String) -> Diagnostic {
         let file = String::new();
         Diagnostic { severity, kind: KIND, file, location, message, excerpt: None, help: None }
+    }
+
+    /// The message that resolving the scene has reached a limit.
+    #[cfg(feature = "formats")]
+    fn limit(&self, location: Option<Location>, limit: LimitError) -> Diagnostics {
+        self.sources.end_of_resolving(location, BudgetError::Limit(limit))
+    }
+
+    #[cfg(not(feature = "formats"))]
+    fn limit(&self, location: Option<Location>, limit: LimitError) -> Diagnostics {
+        let plain = self.diagnostic(Severity::Error, location, limit.to_string());
+        let diagnostic = Diagnostic { kind: "limit", help: Some(limit.help()), ..plain };
+        Diagnostics::of_end(diagnostic, BudgetError::Limit(limit))
     }
 }
 
