@@ -3,7 +3,7 @@
 use glanz::denoise::DenoiseError;
 use glanz::formats::{Diagnostic, Diagnostics, Severity};
 use glanz::illumination::optimize::OptimizeError;
-use glanz::job::{BudgetError, CheckpointLockError, IoFault, LimitError, Resource};
+use glanz::job::{BudgetError, CheckpointLockError, IoFault, LimitError};
 use glanz::radiosity::bake::BakeError;
 use glanz::transport::FilmError;
 use glanz::{Error, FileFault, JoinError, PartKind};
@@ -49,11 +49,7 @@ pub(crate) fn note_limit(diagnostics: &Diagnostics, limit: LimitError, messages:
 
 /// The option that raises a limit.
 pub(crate) fn limit_help(limit: LimitError) -> String {
-    let value = limit.suggestion();
-    match limit.resource {
-        Resource::Memory => format!("raise it with --memory {value}"),
-        resource => format!("raise it with --limit {}={value}", resource.name()),
-    }
+    format!("raise it with {}", limit.option())
 }
 
 /// Advice on an error.

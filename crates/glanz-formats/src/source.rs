@@ -77,6 +77,14 @@ impl Sources {
         Diagnostic { severity, kind, file, location, message, excerpt, help: None }
     }
 
+    /// The message that resolving the scene has ended at a position in one of the files.
+    #[must_use]
+    pub fn end_of_resolving(&self, location: Option<Location>, end: BudgetError) -> Diagnostics {
+        let place = self.diagnostic(Severity::Error, "scene", location, String::new());
+        let diagnostic = Diagnostic { location, excerpt: place.excerpt, ..end_of_reading(place.file, end) };
+        Diagnostics::of_end(diagnostic, end)
+    }
+
     /// Makes the bytes of a file available under a new number or, for a known name, its old number.
     pub(crate) fn open(&mut self, name: &str, path: Option<&Path>, bytes: &Arc<[u8]>) -> FileId {
         let bytes = Some(Arc::clone(bytes));
@@ -317,7 +325,24 @@ pub(crate) fn shortened(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use glanz_job::LimitError;
+
     use super::*;
+
+    #[test]
+    fn interruption_is_no_limit() {
+        let sources = Sources::default();
+        let limit = LimitError { resource: Resource::Objects, limit: 1, needed: None };
+        for (end, kind, help) in [
+            (BudgetError::Interrupted, "interrupted", None),
+            (BudgetError::Limit(limit), "limit", Some(limit.help())),
+        ] {
+            let ended = sources.end_of_resolving(None, end);
+            assert_eq!(ended.end(), Some(end));
+            let diagnostics: Vec<_> = ended.iter().map(|d| (d.kind, d.help.clone())).collect();
+            assert_eq!(diagnostics, [(kind, help)]);
+        }
+    }
 
     #[test]
     fn a_later_message_shows_the_word_at_its_location() {

@@ -83,6 +83,19 @@ test("new scene rejects what was asked about the one before", async () => {
   assert.deepEqual(heard.at(-1), ["scene", scene]);
 });
 
+test("scene that cannot be read again leaves requests to be answered, one that is lost rejects them", async () => {
+  const { session, socket, heard } = connected();
+  const first = session.request({ type: "pick" });
+  const refused = { type: "scene", model: null, name: "a.pbrt", error: "error: 1:1", lost: false };
+  socket.onmessage({ data: JSON.stringify(refused) });
+  assert.deepEqual(heard.at(-1), ["scene", refused]);
+  socket.onmessage({ data: JSON.stringify({ type: "hit", id: socket.sent[0].id, hit: null }) });
+  assert.equal((await first).hit, null);
+  const second = session.request({ type: "pick" });
+  socket.onmessage({ data: JSON.stringify({ ...refused, lost: true }) });
+  await assert.rejects(second, /scene has changed/);
+});
+
 test("file comes as its bytes to the request that it answers", async () => {
   const { session, socket } = connected();
   const request = session.request({ type: "save" });

@@ -20,7 +20,8 @@
 
 /**
  * `label`: what tells it from the other one of two designs. `compared`: whether the page shows it beside the other one of two designs. `denoiser`: missing if the server offers none; `error`: why it cannot be used.
- * @typedef {{ type: "scene", model: string | null, name: string, label: string, error: string | null, compared?: boolean, session?: string, integrator?: "path" | "guided",
+ * `lost`: whether the process of a scene that the page has opened has ended.
+ * @typedef {{ type: "scene", model: string | null, name: string, label: string, error: string | null, lost?: boolean, compared?: boolean, session?: string, integrator?: "path" | "guided",
  *   denoiser?: { error: string | null } }} SceneMessage
  */
 /** @typedef {{ type: "progress", id: number, samples: number, noise: number | null, seconds: number, done: boolean }} Progress */
@@ -175,7 +176,7 @@ export class Session {
     switch (message.type) {
       case "scene":
         // What was asked about the scene before is not answered any more.
-        if (message.model !== null || message.error !== null) this.abandon("the scene has changed");
+        if (message.model !== null || message.lost) this.abandon("the scene has changed");
         return this.listener.scene(message);
       case "progress":
         return this.listener.progress(message);

@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 #[cfg(feature = "formats")]
 use glanz_formats::cad::CadReport;
 use glanz_job::{
-    BudgetError, CancelFlag, ContentHash, Interrupted, Resource, ResourceBudget, ResourceLimits,
+    BudgetError, CancelFlag, ContentHash, Interrupted, LimitError, Resource, ResourceBudget, ResourceLimits,
 };
 use glanz_scene::studio::{StudioSettings, add_studio};
 use glanz_scene::{
@@ -290,6 +290,19 @@ impl LoadedScene {
     fn diagnostic(&self, severity: Severity, location: Option<Location>, message: String) -> Diagnostic {
         let file = String::new();
         Diagnostic { severity, kind: KIND, file, location, message, excerpt: None, help: None }
+    }
+
+    /// The message that resolving the scene has reached a limit.
+    #[cfg(feature = "formats")]
+    fn limit(&self, location: Option<Location>, limit: LimitError) -> Diagnostics {
+        self.sources.end_of_resolving(location, BudgetError::Limit(limit))
+    }
+
+    #[cfg(not(feature = "formats"))]
+    fn limit(&self, location: Option<Location>, limit: LimitError) -> Diagnostics {
+        let plain = self.diagnostic(Severity::Error, location, limit.to_string());
+        let diagnostic = Diagnostic { kind: "limit", help: Some(limit.help()), ..plain };
+        Diagnostics::of_end(diagnostic, BudgetError::Limit(limit))
     }
 }
 

@@ -43,18 +43,18 @@ pub(crate) fn run(arguments: &ViewArguments, messages: Messages) -> Result<Comma
     let (lux, second_lux) = lux_folders(arguments)?;
     let second = arguments.compare.as_ref().or_else(|| second_lux.as_ref().map(|_| &arguments.scene));
     let overlay = overlay(arguments, lux.as_deref()).map_err(command_error(messages))?;
-    let read = |scene: &Path, overlay: &Option<Arc<dyn SceneOverlay>>| {
-        ViewerScene::read(scene, &options, overlay.as_deref())
+    let read = |scene: &Path, overlay: &Option<Arc<dyn SceneOverlay>>, others: u64| {
+        ViewerScene::read_beside(scene, &options, overlay.as_deref(), others)
             .map_err(|diagnostics| command_error(messages)(glanz::Error::Scene(diagnostics)))
             .map_err(|error| with_file_help(error, scene, is_scene))
     };
     let scene = &arguments.scene;
-    let viewer_scene = read(scene, &overlay)?;
+    let viewer_scene = read(scene, &overlay, 0)?;
     note_diagnostics(viewer_scene.warnings(), messages);
     let compared = match second {
         Some(path) => {
             let overlay = self::overlay(arguments, second_lux.as_deref()).map_err(command_error(messages))?;
-            let viewer_scene = read(path, &overlay)?;
+            let viewer_scene = read(path, &overlay, viewer_scene.memory())?;
             // Those of the same file are known.
             if path != scene {
                 note_diagnostics(viewer_scene.warnings(), messages);

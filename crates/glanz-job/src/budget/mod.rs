@@ -256,6 +256,16 @@ impl LimitError {
         let twice = self.limit.saturating_mul(2).max(1);
         self.resource.value_above(self.needed.map_or(twice, |needed| needed.saturating_add(needed / 4)))
     }
+
+    /// The option of the command line that sets the limit to the [suggestion](Self::suggestion).
+    #[must_use]
+    pub fn option(&self) -> String {
+        let value = self.suggestion();
+        match self.resource {
+            Resource::Memory => format!("--memory {value}"),
+            resource => format!("--limit {}={value}", resource.name()),
+        }
+    }
 }
 
 impl fmt::Display for LimitError {

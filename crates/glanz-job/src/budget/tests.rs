@@ -157,3 +157,11 @@ fn cached_files_are_no_memory_that_a_control_group_lacks() {
     assert_eq!(machine::rest(10_000, 9_500, 3_000), 3_500);
     assert_eq!((machine::rest(10, 4, 5), machine::rest(10, 12, 1)), (10, 0));
 }
+
+#[test]
+fn options_set_the_suggestion() {
+    for (resource, name) in [(Resource::Memory, "--memory "), (Resource::Objects, "--limit objects=")] {
+        let error = LimitError { resource, limit: 1 << 20, needed: None };
+        assert_eq!(error.option(), format!("{name}{}", error.suggestion()));
+    }
+}

@@ -77,6 +77,11 @@ impl PageRequest {
         }
     }
 
+    /// Whether it is a query, which concerns no view being rendered; requests about views must not wait behind many of these.
+    pub(crate) fn is_query(&self) -> bool {
+        matches!(self, Self::Pick { .. } | Self::Measure { .. } | Self::Save { .. })
+    }
+
     /// Reads a message.
     ///
     /// # Errors
@@ -130,6 +135,8 @@ pub(crate) struct SceneMessage {
     pub(crate) compared: bool,
     /// Messages about a file that cannot be read.
     pub(crate) error: Option<String>,
+    /// Whether the process of a scene that the page has opened has ended, which answers no more requests.
+    pub(crate) lost: bool,
 }
 
 /// Whether the noise of views can be removed.
@@ -194,6 +201,20 @@ mod tests {
         };
         let hidden = BTreeSet::from([1, 2]);
         assert_eq!(filter, PickFilter { hidden, section: None, see_through: true, maps: true });
+    }
+
+    #[test]
+    fn queries_are_no_requests_about_views() {
+        let kinds = [
+            (PageRequest::Stop { id: 1 }, false),
+            (PageRequest::Pause { id: 1 }, false),
+            (PageRequest::Resume { id: 1 }, false),
+            (PageRequest::Measure { id: 1, leaves: BTreeSet::new() }, true),
+            (PageRequest::Save { id: 1 }, true),
+        ];
+        for (request, is_query) in kinds {
+            assert_eq!(request.is_query(), is_query, "{request:?}");
+        }
     }
 
     #[test]

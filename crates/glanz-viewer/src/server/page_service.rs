@@ -24,7 +24,7 @@ const MOST_WORKERS: usize = 4;
 /// Largest number of queries of a page that are worked on or wait for it.
 const MOST_QUERIES: usize = 64;
 
-/// What the services of all pages share.
+/// Data that the services of all pages share.
 #[derive(Clone, Debug)]
 pub(crate) struct ServiceContext {
     /// Default integrator.
@@ -184,6 +184,13 @@ impl PageService {
                 None => Err("this server does not remove noise".to_owned()),
             },
         }
+    }
+}
+
+/// Ends the building of a scene that nobody waits for when the page leaves.
+impl Drop for PageService {
+    fn drop(&mut self) {
+        self.visible.abandon();
     }
 }
 

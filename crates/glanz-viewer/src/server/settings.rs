@@ -19,9 +19,10 @@ pub struct ServerSettings {
     pub host: Option<String>,
     /// The port: 0 selects any free port, `None` [`DEFAULT_PORT`] or, if that is taken, any free port.
     pub port: Option<u16>,
-    /// Threads of a render; 0 means as many as the machine has.
+    /// Threads of a render of the scenes of the server; 0 means as many as the machine has. The program that reads uploaded ones has its own:
+    /// [`WorkerSettings::threads`](super::WorkerSettings::threads).
     pub threads: usize,
-    /// Default integrator of pages.
+    /// Default integrator of pages. The program that reads uploaded scenes has its own, which should be the same: [`WorkerSettings::integrator`](super::WorkerSettings::integrator).
     pub integrator: IntegratorName,
     /// Options of reading the scenes of the server. The program that reads uploaded ones has its own: [`WorkerSettings::options`](super::WorkerSettings::options).
     pub options: Options,

@@ -127,12 +127,13 @@ impl PageConnection {
         sent
     }
 
-    /// Tells the page that the process of its scene has ended.
+    /// Notifies the page that the process of its scene has ended.
     async fn lose_scene(&mut self, reason: String) -> Result<(), ConnectionEnd> {
         let ShownScene::Opened(opened) = &self.shown else { return Ok(()) };
         let message = SceneMessage {
             model: None,
             error: Some(reason.clone()),
+            lost: true,
             ..self.app.opened_message(&self.session.key, opened)
         };
         opened.release_slot();
@@ -170,7 +171,7 @@ impl PageConnection {
                 self.service.serve(request, &viewer_scene).await
             }
             ShownScene::Opened(opened) => {
-                let is_forwarded = opened.forward(message);
+                let is_forwarded = opened.forward(message, request.is_query());
                 (!is_forwarded)
                     .then(|| failed(request.id(), "too many requests are open; wait for answers".to_owned()))
             }

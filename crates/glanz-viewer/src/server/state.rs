@@ -144,6 +144,7 @@ impl AppState {
             denoiser: self.denoiser_message(),
             compared: false,
             error: None,
+            lost: false,
         }
     }
 
@@ -176,7 +177,8 @@ impl AppState {
                     integrator: self.service.integrator,
                     denoiser: self.denoiser_message(),
                     compared: self.designs.len() > 1,
-                    error: Some(page_text(diagnostics)),
+                    error: Some(page_text(diagnostics, &self.options.limits)),
+                    lost: false,
                 });
             }
             // Without a key for the new model, pages keep the old one.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::body::Bytes;
 use glanz_formats::{Diagnostic, Diagnostics, Options, Severity, load};
-use glanz_job::{Resource, ResourceBudget};
+use glanz_job::{BudgetError, LimitError, Resource, ResourceBudget, ResourceLimits};
 use glanz_scene::studio::add_studio;
 use glanz_scene::{Description, Scene, SceneError, SceneErrorKind};
 
@@ -24,7 +24,7 @@ pub struct ViewerScene {
     pub(crate) bytes: Bytes,
     /// The files that it was read from.
     pub(crate) paths: Vec<PathBuf>,
-    /// What reading has used, for scenes of parts of it.
+    /// Budget of the scene, with the memory of reading and resolving it.
     pub(crate) budget: ResourceBudget,
     warnings: Diagnostics,
     is_model: bool,
@@ -36,6 +36,32 @@ impl ViewerScene {
     /// # Errors
     /// Diagnostics with at least one error.
     pub fn read(
+        path: &Path,
+        options: &Options,
+        overlay: Option<&dyn SceneOverlay>,
+    ) -> Result<Self, Diagnostics> {
+        Self::read_beside(path, options, overlay, 0)
+    }
+
+    /// As [`ViewerScene::read`], beside other scenes that use `others` bytes of the memory that the options allow ([`ViewerScene::memory`]).
+    ///
+    /// # Errors
+    /// As of [`ViewerScene::read`].
+    pub fn read_beside(
+        path: &Path,
+        options: &Options,
+        overlay: Option<&dyn SceneOverlay>,
+        others: u64,
+    ) -> Result<Self, Diagnostics> {
+        let mut options = options.clone();
+        options.limits.memory = options.limits.memory.saturating_sub(others);
+        Self::read_within(path, &options, overlay).map_err(|diagnostics| match others {
+            0 => diagnostics,
+            _ => with_others(diagnostics, others),
+        })
+    }
+
+    fn read_within(
         path: &Path,
         options: &Options,
         overlay: Option<&dyn SceneOverlay>,
@@ -56,13 +82,10 @@ impl ViewerScene {
             overlay.add_shapes(&mut description);
         }
         let description = Arc::new(description);
-        let resolved = Scene::resolve_with(Description::clone(&description), &loaded.budget.for_next_step());
+        let budget = loaded.budget.for_next_step();
+        let resolved = Scene::resolve_with(Description::clone(&description), &budget);
         let (scene, repairs) = resolved.map_err(|SceneError { location, kind }| match kind {
-            SceneErrorKind::Budget(end) => {
-                let help = end.help();
-                let plain = sources.diagnostic(Severity::Error, "limit", location, end.to_string());
-                Diagnostics::of_end(Diagnostic { help, ..plain }, end)
-            }
+            SceneErrorKind::Budget(end) => sources.end_of_resolving(location, end),
             kind => refuse(location, kind.to_string()),
         })?;
         let mut warnings = loaded.diagnostics;
@@ -90,7 +113,6 @@ impl ViewerScene {
         let bytes = Bytes::from(model.to_bytes().map_err(broken)?);
         let (scene, paths) = (Arc::new(scene), sources.paths().to_vec());
         let is_model = loaded.studio.is_some();
-        let budget = loaded.budget;
         Ok(Self { name, description, scene, model, bytes, paths, budget, warnings, is_model })
     }
 
@@ -98,6 +120,12 @@ impl ViewerScene {
     #[must_use]
     pub fn is_model(&self) -> bool {
         self.is_model
+    }
+
+    /// Memory that reading and resolving it has used of its limit, bytes.
+    #[must_use]
+    pub fn memory(&self) -> u64 {
+        self.budget.used(Resource::Memory)
     }
 
     /// Repairs and omissions.
@@ -113,15 +141,29 @@ impl ViewerScene {
     }
 }
 
-/// The messages about a scene that is refused, as pages show them: what raises a limit is an option of the program.
-pub(crate) fn page_text(diagnostics: &Diagnostics) -> String {
-    let Some(limit) = diagnostics.limit() else { return diagnostics.to_string() };
-    let value = limit.suggestion();
-    let option = match limit.resource {
-        Resource::Memory => format!("--memory {value}"),
-        resource => format!("--limit {}={value}", resource.name()),
+/// The messages about a scene that was read beside others, which use `others` bytes: the limit of the memory is that of all.
+fn with_others(diagnostics: Diagnostics, others: u64) -> Diagnostics {
+    let Some(LimitError { resource: Resource::Memory, limit, needed }) = diagnostics.limit() else {
+        return diagnostics;
     };
-    let help = format!("open the file by `glanz view FILE {option}`");
+    let Some(diagnostic) = diagnostics.iter().next().cloned() else { return diagnostics };
+    let limit = limit.saturating_add(others);
+    let needed = needed.map(|needed| needed.saturating_add(others));
+    let limit = LimitError { resource: Resource::Memory, limit, needed };
+    Diagnostics::of_end(Diagnostic { message: limit.to_string(), ..diagnostic }, BudgetError::Limit(limit))
+}
+
+/// Remedy for limits that only scenes have that pages open.
+pub(crate) const VIEW_REMEDY: &str = "open the file by `glanz view FILE`, which has no such limit";
+
+/// The messages about a scene that is refused, as pages show them. A limit of the program, one of its `own`, is raised by an option.
+pub(crate) fn page_text(diagnostics: &Diagnostics, own: &ResourceLimits) -> String {
+    let Some(limit) = diagnostics.limit() else { return diagnostics.to_string() };
+    let help = if own.get(limit.resource) > limit.limit {
+        VIEW_REMEDY.to_owned()
+    } else {
+        format!("open the file by `glanz view FILE {}`", limit.option())
+    };
     let with_help =
         |diagnostic: &Diagnostic| Diagnostic { help: Some(help.clone()), ..diagnostic.clone() }.to_string();
     diagnostics.iter().map(with_help).collect()
@@ -145,8 +187,6 @@ pub(crate) fn refusal(name: &str, message: String) -> Diagnostics {
 
 #[cfg(test)]
 mod tests {
-    use glanz_job::ResourceLimits;
-
     use super::*;
 
     const BALLS: &str = "WorldBegin\nShape \"sphere\"\nShape \"sphere\"\n";
@@ -163,11 +203,32 @@ mod tests {
             let options = Options { limits, ..Options::default() };
             let refused = ViewerScene::read(&path, &options, None).unwrap_err();
             assert!(refused.limit().is_some(), "{refused}");
-            let text = page_text(&refused);
+            let text = page_text(&refused, &options.limits);
             assert!(text.contains(&format!("help: open the file by `glanz view FILE {option}")), "{text}");
             assert!(!text.contains("ResourceLimits"), "{text}");
+            // The limit of a page.
+            let text = page_text(&refused, &ResourceLimits::default());
+            assert!(text.contains(&format!("help: {VIEW_REMEDY}\n")), "{text}");
         }
         let refused = refusal("a.pbrt", "the file is empty".to_owned());
-        assert_eq!(page_text(&refused), refused.to_string());
+        assert_eq!(page_text(&refused, &ResourceLimits::default()), refused.to_string());
+    }
+
+    #[test]
+    fn second_of_two_scenes_has_the_memory_that_the_first_leaves() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("a.pbrt");
+        std::fs::write(&path, BALLS).unwrap();
+        let read = |memory, others| {
+            let limits = ResourceLimits { memory, ..ResourceLimits::default() };
+            ViewerScene::read_beside(&path, &Options { limits, ..Options::default() }, None, others)
+        };
+        let memory = read(1 << 30, 0).unwrap().memory();
+        assert!(memory > 0);
+        // Reading takes more for a while than it keeps.
+        assert_eq!(read(1 << 30, 1 << 29).unwrap().memory(), memory);
+        let limit = read(1 << 30, (1 << 30) - 1).unwrap_err().limit().unwrap();
+        assert_eq!((limit.resource, limit.limit), (Resource::Memory, 1 << 30));
+        assert!(limit.needed.is_none_or(|needed| needed > 1 << 30));
     }
 }

@@ -58,7 +58,7 @@ pub(crate) async fn watch(app: Arc<AppState>, number: usize) {
         if !debouncer.observe(snapshot(&paths)) {
             continue;
         }
-        let update = read(&app, design).await;
+        let update = read(&app, number, design).await;
         if let SceneUpdate::Reloaded(viewer_scene) = &update {
             let same = viewer_scene.paths() == paths;
             if !same {
@@ -70,9 +70,13 @@ pub(crate) async fn watch(app: Arc<AppState>, number: usize) {
     }
 }
 
-async fn read(app: &AppState, design: &ServedDesign) -> SceneUpdate {
+/// Reads a design within the memory that the other one leaves.
+async fn read(app: &AppState, number: usize, design: &ServedDesign) -> SceneUpdate {
+    let others = app.designs.iter().enumerate().filter(|(other, _)| *other != number);
+    let others: u64 = others.map(|(_, other)| other.published().viewer_scene.memory()).sum();
     let (path, options, overlay) = (design.path.clone(), app.options.clone(), design.overlay.clone());
-    match spawn_blocking(move || ViewerScene::read(&path, &options, overlay.as_deref())).await {
+    let read = move || ViewerScene::read_beside(&path, &options, overlay.as_deref(), others);
+    match spawn_blocking(read).await {
         Ok(Ok(viewer_scene)) => SceneUpdate::Reloaded(Arc::new(viewer_scene)),
         Ok(Err(diagnostics)) => SceneUpdate::Refused(diagnostics),
         Err(error) => SceneUpdate::Refused(refusal(&design.path.display().to_string(), error.to_string())),

@@ -31,7 +31,7 @@ pub struct StreamContext {
     pub description: Arc<Description>,
     /// The resolved scene.
     pub scene: Arc<Scene>,
-    /// What reading the scene has used.
+    /// Budget of the scene, with the memory of reading and resolving it.
     pub budget: ResourceBudget,
     /// Cache of the scene without hidden leaves.
     pub visible: Arc<VisibleScene>,

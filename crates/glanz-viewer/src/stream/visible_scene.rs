@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use glanz_job::ResourceBudget;
+use glanz_job::{CancelFlag, ResourceBudget};
 use glanz_scene::{Description, Scene};
 use tokio::task::spawn_blocking;
 
@@ -14,8 +14,10 @@ use crate::model;
 #[derive(Debug, Default)]
 pub struct VisibleScene {
     last: Mutex<Option<ResolvedSubset>>,
-    /// Held while a scene is built, which cannot be interrupted: one at a time.
+    /// Held while a scene is built: one at a time.
     building: Arc<tokio::sync::Mutex<()>>,
+    /// Raised when the page has left, which ends a build.
+    abandoned: CancelFlag,
 }
 
 #[derive(Debug)]
@@ -37,10 +39,10 @@ impl VisibleScene {
         Some(Arc::clone(&subset.scene))
     }
 
-    /// The scene of `description`, which is `whole`, without the leaves `hidden`; building it uses `budget`. Takes as long as building the scene if it is not cached.
+    /// The scene of `description`, which is `whole`, without the leaves `hidden`; building it uses `budget`, without its flag. Takes as long as building the scene if it is not cached.
     ///
     /// # Errors
-    /// [`RenderRequestError::Scene`] if the remaining scene is invalid, or a limit was reached.
+    /// [`RenderRequestError::Scene`] if the remaining scene is invalid, a limit was reached, or this was [abandoned](Self::abandon).
     pub(crate) async fn scene(
         self: Arc<Self>,
         whole: Arc<Scene>,
@@ -55,6 +57,7 @@ impl VisibleScene {
         if let Some(scene) = self.known(&whole, &hidden) {
             return Ok(scene);
         }
+        let budget = budget.with_cancel(self.abandoned.clone());
         let build = move || {
             let _guard = guard;
             let (scene, _) = Scene::resolve_with(model::without(&description, &hidden), &budget)?;
@@ -65,8 +68,38 @@ impl VisibleScene {
         spawn_blocking(build).await.map_err(|error| RenderRequestError::Scene(error.to_string()))?
     }
 
+    /// Ends the build of a scene, and all later ones.
+    pub(crate) fn abandon(&self) {
+        self.abandoned.cancel();
+    }
+
     /// Drops the cached scene.
     pub(crate) fn forget(&self) {
         *self.last() = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glanz_formats::{Options, load_str};
+
+    use super::*;
+
+    #[test]
+    fn abandoned_scenes_are_not_built() {
+        let text = "WorldBegin\nShape \"sphere\"\nShape \"sphere\"\n";
+        let description = Arc::new(load_str("a.pbrt", text, &Options::default()).unwrap().description);
+        let whole = Arc::new(Scene::resolve(Description::clone(&description)).unwrap().0);
+        let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+        let visible = Arc::new(VisibleScene::default());
+        let build = |leaf| {
+            let (whole, description) = (Arc::clone(&whole), Arc::clone(&description));
+            let hidden = BTreeSet::from([leaf]);
+            let budget = ResourceBudget::default();
+            runtime.block_on(Arc::clone(&visible).scene(whole, description, hidden, budget))
+        };
+        assert!(build(0).is_ok());
+        visible.abandon();
+        assert!(matches!(build(1), Err(RenderRequestError::Scene(_))));
     }
 }

@@ -42,7 +42,7 @@ impl TestServer {
     /// Shows a scene with these settings, and opens files.
     pub(crate) fn open_with(scene: &str, settings: ServerSettings) -> Self {
         let program = env!("CARGO_BIN_EXE_glanz-viewer-worker").into();
-        let worker = Some(WorkerCommand { program, arguments: vec![] });
+        let worker = Some(WorkerCommand { program, arguments: vec!["2".into()] });
         Self::open_with_listener(scene, ServerSettings { worker, ..settings }, Box::new(|_, _| {}))
     }
 

@@ -133,7 +133,7 @@ fn reading_ends_in_time() {
     let expected = "error: reading the scene took longer than 0.3 s; open the file by `glanz view FILE`, which has no such limit\n";
     // The process measures the time, too.
     let is_of_reader = answer.text().contains("the limit of 0.3 s is exceeded")
-        && answer.text().contains("help: open the file by `glanz view FILE --limit time=1s`");
+        && answer.text().contains("help: open the file by `glanz view FILE`, which has no such limit");
     assert!(answer.text() == expected || is_of_reader, "{}", answer.text());
     assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     // The page can open others.
@@ -163,7 +163,7 @@ fn a_scene_that_needs_too_much_memory_is_given_up() {
         assert_eq!(answer.status, 422, "{}", answer.text());
         // The reader may notice it before.
         let is_of_reader = answer.text().contains("of memory is exceeded")
-            && answer.text().contains("help: open the file by `glanz view FILE --memory ");
+            && answer.text().contains("help: open the file by `glanz view FILE`, which has no such limit");
         let is_alone = limits.scene_memory == 100_000_000;
         assert!(answer.text().starts_with(said) || is_alone && is_of_reader, "{}", answer.text());
         open(&server, &mut page, BALL);
@@ -216,6 +216,22 @@ fn a_lost_scene_makes_room_for_that_of_another_page() {
     assert!(
         first.receive_text("failed")["message"].as_str().is_some_and(|text| text.contains("needs more than"))
     );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_program_that_cannot_begin_is_reported_as_one_that_cannot_be_started() {
+    use glanz_viewer::server::{ServerSettings, WorkerCommand};
+
+    let script = "echo 'the process of an opened scene cannot begin: it has no task' >&2; exit 1";
+    let arguments = vec!["-c".into(), script.into()];
+    let worker = Some(WorkerCommand { program: "/bin/sh".into(), arguments });
+    let settings = ServerSettings { worker, ..ServerSettings::default() };
+    let server = TestServer::open_with_listener(BALL, settings, Box::new(|_, _| {}));
+    let page = server.connect_page();
+    let answer = drop_on(&server, &page, &[("a.pbrt", BALL)]);
+    let expected = "error: the program that reads files cannot be started; start glanz view again\n";
+    assert_eq!((answer.status, answer.text().as_str()), (422, expected));
 }
 
 #[test]

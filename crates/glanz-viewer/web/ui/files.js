@@ -72,7 +72,7 @@ async function collect(entry, prefix, found) {
     found.push({ name: entry.fullPath.slice(prefix.length), file });
   } else if (entry instanceof FileSystemDirectoryEntry) {
     const reader = entry.createReader();
-    // Folders are read in subpatches, the last of which is empty.
+    // Folders are read in batches, the last of which is empty.
     for (;;) {
       /** @type {FileSystemEntry[]} */
       const piece = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));

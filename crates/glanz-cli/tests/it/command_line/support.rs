@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
 use glanz_formats::image;
 use glanz_light::Pixels;
+use tempfile::TempDir;
 
 use crate::PROGRAM;
 
@@ -14,19 +14,15 @@ use crate::PROGRAM;
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A temporary folder, deleted at the end of the test.
-pub(crate) struct Folder(PathBuf);
+pub(crate) struct Folder(TempDir);
 
 impl Folder {
     pub(crate) fn new() -> Self {
-        static COUNTER: AtomicU32 = AtomicU32::new(0);
-        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-        let path = std::env::temp_dir().join(format!("glanz-test-{}-{number}", std::process::id()));
-        std::fs::create_dir_all(&path).expect("a folder for the test");
-        Self(path)
+        Self(TempDir::with_prefix("glanz-test-").expect("a folder for the test"))
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+        self.0.path().join(name)
     }
 
     pub(crate) fn write(&self, name: &str, content: impl AsRef<[u8]>) {
@@ -43,7 +39,7 @@ impl Folder {
 
     /// The names of all files, sorted.
     pub(crate) fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(&self.0).expect("the folder of the test");
+        let entries = std::fs::read_dir(self.0.path()).expect("the folder of the test");
         let mut names: Vec<String> = entries
             .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
             .collect();
@@ -59,7 +55,7 @@ impl Folder {
     /// The program with the blank-separated arguments of `line`, in this folder.
     fn command(&self, line: &str) -> Command {
         let mut command = Command::new(PROGRAM);
-        command.current_dir(&self.0).args(line.split_whitespace()).stdin(Stdio::null());
+        command.current_dir(self.0.path()).args(line.split_whitespace()).stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
@@ -85,12 +81,6 @@ impl Folder {
         let ran = self.run(line);
         assert_eq!(ran.code, Some(0), "glanz {line}\n{}{}", ran.stdout, ran.stderr);
         ran
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 

@@ -82,6 +82,26 @@ fn abandoned_uploads_leave_nothing_behind() {
 }
 
 #[test]
+fn process_of_an_opened_scene_is_confined() {
+    let temporary = TemporaryFolder::new("confined");
+    let served = temporary.serve();
+    let mut page = Visitor::try_new(&served.host).unwrap();
+    let process = open_ball(&served, &mut page);
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let value = |name: &str| status.lines().find_map(|line| line.strip_prefix(name)).map(str::trim);
+    match value("Seccomp:") {
+        Some(mode) => assert_eq!((mode, value("NoNewPrivs:")), ("2", Some("1"))),
+        None => println!("this system has no seccomp"),
+    }
+    let limits = std::fs::read_to_string(format!("/proc/{process}/limits")).unwrap();
+    for (name, most) in [("Max open files", 256), ("Max core file size", 0)] {
+        let line = limits.lines().find_map(|line| line.strip_prefix(name)).unwrap();
+        let values: Vec<u64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        assert!(values.len() == 2 && values.iter().all(|value| *value <= most), "{name}{line}");
+    }
+}
+
+#[test]
 fn page_is_told_that_the_process_of_its_scene_was_killed() {
     let temporary = TemporaryFolder::new("killed");
     let mut served = temporary.serve();

@@ -26,7 +26,7 @@ impl SceneMemory {
     }
 }
 
-/// Bytes of a running process that are its own, not those of files; 0 where the system does not tell.
+/// Bytes of a running process that are its own, not those of files; 0 where the system does not report them.
 pub(super) fn own_memory(process: u32) -> u64 {
     let names = ["RssAnon:", "RssShmem:", "VmSwap:"];
     let text = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();

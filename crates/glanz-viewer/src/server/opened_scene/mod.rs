@@ -29,7 +29,7 @@ pub(crate) use self::memory::SceneMemory;
 /// A page's share of the scenes that may be open, kept until their processes have ended.
 pub(crate) type SceneSlot = Arc<OwnedSemaphorePermit>;
 
-/// What an upload holds until its scene is read, or the process that reads it has ended.
+/// Permits of an upload, held until its scene is read or the process that reads it has ended.
 #[derive(Debug)]
 pub(crate) struct UploadPermits {
     pub(crate) _page: OwnedMutexGuard<()>,
@@ -115,10 +115,10 @@ impl OpenedScene {
         self.model.body()
     }
 
-    /// Passes a request of the page on. Returns false if too many wait.
-    pub(crate) fn forward(&self, message: Message) -> bool {
+    /// Passes a request of the page on, which may be a [query](super::message::PageRequest::is_query). Returns false if too many wait.
+    pub(crate) fn forward(&self, message: Message, is_query: bool) -> bool {
         match message {
-            Message::Text(text) => self.process.send(text.as_str()),
+            Message::Text(text) => self.process.send(text.as_str(), is_query),
             _ => true,
         }
     }

@@ -17,7 +17,10 @@ use super::memory::{SceneMemory, own_memory};
 use super::{SceneSlot, UploadPermits};
 use crate::server::settings::Limits;
 use crate::server::upload::UploadFolder;
-use crate::server::worker::{FrameKind, WorkerCommand, WorkerFrame, receive_frames, write_frame};
+use crate::server::viewer_scene::VIEW_REMEDY;
+use crate::server::worker::{
+    FrameKind, START_FAILURE, WorkerCommand, WorkerFrame, receive_frames, write_frame,
+};
 
 /// Interval between measurements of a process. What it can allocate within that is bounded by its own limits, too.
 const WATCH_INTERVAL: Duration = Duration::from_millis(50);
@@ -27,6 +30,9 @@ const EXIT_TIME: Duration = Duration::from_secs(5);
 
 /// Largest number of requests that wait for the process.
 const MOST_REQUESTS: usize = 256;
+
+/// Number of them that queries leave to requests about views.
+const RESERVED_REQUESTS: usize = 32;
 
 /// Largest number of bytes of the error output of a process that are kept.
 const MOST_ERRORS: usize = 4096;
@@ -42,6 +48,8 @@ pub(super) enum SceneEnd {
     TooLargeTogether(u64),
     /// It has not read the scene within this time.
     TooSlow(Duration),
+    /// It cannot begin.
+    Unstarted,
     /// It has ended by itself.
     Stopped,
 }
@@ -50,19 +58,21 @@ pub(super) enum SceneEnd {
 impl fmt::Display for SceneEnd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let gigabytes = |bytes: u64| bytes as f64 / 1e9;
-        let remedy = "open the file by `glanz view FILE`, which has no such limit";
         match *self {
             Self::Left => write!(f, "the page has left its scene"),
             Self::TooLarge(most) => {
-                write!(f, "the scene needs more than {:.1} GB of memory; {remedy}", gigabytes(most))
+                write!(f, "the scene needs more than {:.1} GB of memory; {VIEW_REMEDY}", gigabytes(most))
             }
             Self::TooLargeTogether(most) => write!(
                 f,
-                "the scenes that pages have opened need more than {:.1} GB of memory together; close other pages, or {remedy}",
+                "the scenes that pages have opened need more than {:.1} GB of memory together; close other pages, or {VIEW_REMEDY}",
                 gigabytes(most)
             ),
             Self::TooSlow(time) => {
-                write!(f, "reading the scene took longer than {} s; {remedy}", time.as_secs_f64())
+                write!(f, "reading the scene took longer than {} s; {VIEW_REMEDY}", time.as_secs_f64())
+            }
+            Self::Unstarted => {
+                write!(f, "the program that reads files cannot be started; start glanz view again")
             }
             Self::Stopped => {
                 write!(f, "the program that reads the scene stopped unexpectedly; open the file again")
@@ -133,7 +143,10 @@ impl SceneProcess {
     }
 
     /// Sends a request. Returns false if too many wait.
-    pub(super) fn send(&self, text: &str) -> bool {
+    pub(super) fn send(&self, text: &str, is_query: bool) -> bool {
+        if is_query && !self.requests.is_closed() && self.requests.capacity() <= RESERVED_REQUESTS {
+            return false;
+        }
         let frame = WorkerFrame { kind: FrameKind::Text, bytes: text.as_bytes().to_vec() };
         // A process that has ended takes no more, which `next` reports.
         !matches!(self.requests.try_send(frame), Err(mpsc::error::TrySendError::Full(_)))
@@ -196,6 +209,7 @@ impl Supervisor {
                 Ok(Ok(text)) if text.contains("memory allocation of") => {
                     SceneEnd::TooLarge(self.limits.scene_memory)
                 }
+                Ok(Ok(text)) if text.contains(START_FAILURE) => SceneEnd::Unstarted,
                 _ => SceneEnd::Stopped,
             },
         }

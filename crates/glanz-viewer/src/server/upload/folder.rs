@@ -7,10 +7,10 @@ use std::path::{Path, PathBuf};
 use crate::server::access_key::AccessKey;
 
 /// Name of the subfolder of the uploaded files.
-pub(crate) const FILES: &str = "files";
+pub(crate) const FILES_FOLDER: &str = "files";
 
 /// Name of the file of the model.
-pub(crate) const MODEL: &str = "model";
+pub(crate) const MODEL_FILE: &str = "model";
 
 /// Name of the file that is locked as long as the folder is in use.
 const LOCK: &str = "lock";
@@ -56,7 +56,9 @@ impl UploadFolder {
         std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
         // An error if anything of this name exists.
         builder.create(&path)?;
-        let lock = File::create_new(path.join(LOCK))?;
+        let lock = File::create_new(path.join(LOCK)).inspect_err(|_| {
+            let _ = std::fs::remove_dir(&path);
+        })?;
         let folder = Self { path, _lock: lock };
         match folder._lock.try_lock() {
             Ok(()) => {}
@@ -84,12 +86,12 @@ impl UploadFolder {
 
     /// Folder of the uploaded files.
     pub(crate) fn files(&self) -> PathBuf {
-        self.path.join(FILES)
+        self.path.join(FILES_FOLDER)
     }
 
     /// Path of the model.
     pub(crate) fn model(&self) -> PathBuf {
-        self.path.join(MODEL)
+        self.path.join(MODEL_FILE)
     }
 }
 

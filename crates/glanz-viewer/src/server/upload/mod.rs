@@ -26,7 +26,7 @@ use super::worker::WorkerCommand;
 
 use self::body::UploadBody;
 
-pub(crate) use self::folder::{FILES, MODEL, UploadFolder};
+pub(crate) use self::folder::{FILES_FOLDER, MODEL_FILE, UploadFolder};
 
 /// Largest depth of folders of a file.
 const MAX_DEPTH: usize = 8;

@@ -8,8 +8,9 @@ use tokio::task::JoinHandle;
 
 use crate::stream::MAX_SIDE;
 
-/// Largest frame, bytes: a picture of the largest size with four floats in each pixel.
-const MAX_FRAME: u32 = 16 * MAX_SIDE * MAX_SIDE;
+/// Largest frame, bytes: a saved picture of the largest size with twelve floats in each pixel (three channels each of colour, variance, albedo and normal),
+/// and its header.
+pub(crate) const MAX_FRAME: u32 = 48 * MAX_SIDE * MAX_SIDE + (1 << 20);
 
 /// Kinds of frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -24,11 +24,12 @@ use tokio::process::Command;
 use tokio::task::spawn_blocking;
 
 use super::message::PageRequest;
-use super::page_service::{PageService, ServiceContext};
-use super::upload::{FILES, MODEL, scene_among};
+use super::page_service::{PageService, ServiceContext, failed};
+use super::upload::{FILES_FOLDER, MODEL_FILE, scene_among};
 use super::viewer_scene::{ViewerScene, page_text};
 use crate::stream::{IntegratorName, ViewDenoiser};
 
+use self::frames::MAX_FRAME;
 pub(crate) use self::frames::{FrameKind, WorkerFrame, receive_frames, write_frame};
 
 /// Environment variable with the folder of the scene.
@@ -90,16 +91,19 @@ pub struct WorkerSettings {
     pub libraries: Vec<PathBuf>,
 }
 
+/// Beginning of the message of [`WorkerError::Start`], by which the server knows it.
+pub(crate) const START_FAILURE: &str = "the process of an opened scene cannot begin";
+
 /// Errors of the process of an opened scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WorkerError {
     /// The folder has no task, or the process cannot be confined.
-    #[error("the process of an opened scene cannot begin: {0}")]
+    #[error("{START_FAILURE}: {0}")]
     Start(#[from] io::Error),
 }
 
-/// What a process is to do.
+/// Task of a process.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct WorkerTask {
     /// Relative paths of the uploaded files.
@@ -133,8 +137,8 @@ impl WorkerTask {
 pub fn run_worker(folder: &Path, settings: WorkerSettings) -> Result<(), WorkerError> {
     let WorkerSettings { options, threads, integrator, denoiser, libraries } = settings;
     let task = WorkerTask::read(folder)?;
-    let model = OpenOptions::new().write(true).open(folder.join(MODEL))?;
-    let files = folder.join(FILES);
+    let model = OpenOptions::new().write(true).open(folder.join(MODEL_FILE))?;
+    let files = folder.join(FILES_FOLDER);
     // The sandbox hides the limits of the processors.
     let threads = match threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -183,12 +187,25 @@ async fn serve(
             }
             message = service.next() => message,
         };
-        match message {
+        match sendable(message, MAX_FRAME as usize) {
             Message::Text(text) => send(&mut output, FrameKind::Text, text.as_str().into()).await?,
             Message::Binary(bytes) => send(&mut output, FrameKind::Binary, bytes.into()).await?,
             _ => {}
         }
     }
+}
+
+/// The message, or instead of a binary one of more than `most` bytes the reply that it is too large.
+fn sendable(message: Message, most: usize) -> Message {
+    let reply = match &message {
+        Message::Binary(bytes) if bytes.len() > most => {
+            let id =
+                bytes.get(4..8).and_then(|id| <[u8; 4]>::try_from(id).ok()).map_or(0, u32::from_le_bytes);
+            Some(failed(id, "the picture is too large to be sent; render a smaller one".to_owned()))
+        }
+        _ => None,
+    };
+    reply.unwrap_or(message)
 }
 
 async fn send(output: &mut tokio::io::Stdout, kind: FrameKind, bytes: Vec<u8>) -> io::Result<()> {
@@ -206,14 +223,12 @@ fn read_scene(
     let sentence = |message: String| format!("error: {message}\n");
     let scene = scene_among(files, &task.names).map_err(sentence)?;
     // The server enforces its own, too, but the message of the reader names the place.
-    let limits = ResourceLimits {
-        memory: options.limits.memory.min(task.memory),
-        time: options.limits.time.min(task.reading_time),
-        ..options.limits
-    };
+    let own = options.limits.clone();
+    let limits =
+        ResourceLimits { memory: own.memory.min(task.memory), time: own.time.min(task.reading_time), ..own };
     let options = Options { folder: Some(files.to_owned()), confined: true, limits, ..options };
     let mut viewer_scene = ViewerScene::read(&files.join(scene), &options, None)
-        .map_err(|diagnostics| page_text(&diagnostics))?;
+        .map_err(|diagnostics| page_text(&diagnostics, &own))?;
     // Nobody else needs them.
     let bytes = std::mem::take(&mut viewer_scene.bytes);
     if bytes.len() as u64 > task.model_bytes {
@@ -225,4 +240,28 @@ fn read_scene(
     }
     model.write_all(&bytes).map_err(|error| sentence(format!("the model cannot be stored: {error}")))?;
     Ok(viewer_scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_that_are_too_large_are_answered_under_their_number() {
+        let file = Message::binary(vec![2, 0, 0, 0, 7, 1, 0, 0, 9]);
+        assert_eq!(sendable(file.clone(), 9), file);
+        let Message::Text(text) = sendable(file, 8) else { panic!("a text comes") };
+        let reply: serde_json::Value = serde_json::from_str(text.as_str()).unwrap();
+        assert_eq!(reply["type"], "failed");
+        assert_eq!(reply["id"], 263);
+        assert!(reply["message"].as_str().is_some_and(|message| message.contains("render a smaller one")));
+        let short = Message::binary(vec![2; 6]);
+        assert!(matches!(sendable(short, 5), Message::Text(_)));
+    }
+
+    #[test]
+    fn saved_pictures_of_the_largest_size_can_be_sent() {
+        let pixels = u64::from(crate::stream::MAX_SIDE).pow(2);
+        assert!(u64::from(MAX_FRAME) > 48 * pixels);
+    }
 }

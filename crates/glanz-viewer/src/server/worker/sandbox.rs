@@ -11,7 +11,7 @@ use super::WorkerTask;
 /// Confines this process, whose threads must not have begun, to the uploaded `files` and the `libraries` of a denoiser.
 ///
 /// # Errors
-/// If a limit cannot be set. Landlock and seccomp are left out where the system has none.
+/// If a limit cannot be set. Of landlock and seccomp, errors are ignored: a system without them has the other limits.
 pub(super) fn enter(files: &Path, libraries: &[PathBuf], task: &WorkerTask) -> io::Result<()> {
     #[cfg(unix)]
     limits::set(task)?;

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
 
 use super::devtools::DevTools;
 
@@ -26,7 +27,7 @@ pub(crate) struct Browser {
 
 struct Process {
     child: Child,
-    profile: PathBuf,
+    profile: TempDir,
 }
 
 impl Browser {
@@ -34,7 +35,7 @@ impl Browser {
     pub(crate) fn start() -> Self {
         let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
         let program = find();
-        let profile = fresh_folder();
+        let profile = TempDir::with_prefix("glanz-browser-").expect("a folder for the browser");
         let child = Command::new(&program)
             .args([
                 "--headless=new",
@@ -50,7 +51,7 @@ impl Browser {
                 "--disable-background-networking",
             ])
             .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--force-device-scale-factor=1"])
-            .arg(format!("--user-data-dir={}", profile.display()))
+            .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg("about:blank")
             .stdin(Stdio::null())
             .stdout(Stdio::null())
@@ -64,7 +65,7 @@ impl Browser {
 
     /// A folder for downloads, deleted with the browser.
     pub(crate) fn downloads(&self) -> PathBuf {
-        self.process.profile.join("saved by pages")
+        self.process.profile.path().join("saved by pages")
     }
 }
 
@@ -76,7 +77,8 @@ impl Process {
             if let Some(status) = self.child.try_wait().map_err(|error| error.to_string())? {
                 return Err(format!("it ended at once: {status}"));
             }
-            let text = std::fs::read_to_string(self.profile.join("DevToolsActivePort")).unwrap_or_default();
+            let text =
+                std::fs::read_to_string(self.profile.path().join("DevToolsActivePort")).unwrap_or_default();
             if let Some((port, path)) = text.split_once('\n')
                 && let Ok(port) = port.trim().parse()
                 && !path.trim().is_empty()
@@ -96,7 +98,7 @@ impl Drop for Process {
         let _ = self.child.wait();
         // They may still write files until then.
         for _ in 0..50 {
-            if std::fs::remove_dir_all(&self.profile).is_ok() {
+            if std::fs::remove_dir_all(self.profile.path()).is_ok() {
                 return;
             }
             std::thread::sleep(Duration::from_millis(20));
@@ -116,12 +118,4 @@ fn find() -> PathBuf {
             "Chromium is missing: cargo xtask test installs one; or name one in the environment variable CHROMIUM"
         )
     })
-}
-
-fn fresh_folder() -> PathBuf {
-    static COUNTER: AtomicU32 = AtomicU32::new(0);
-    let number = COUNTER.fetch_add(1, Ordering::Relaxed);
-    let folder = std::env::temp_dir().join(format!("glanz-browser-{}-{number}", std::process::id()));
-    std::fs::create_dir_all(&folder).expect("a folder for the browser");
-    folder
 }
