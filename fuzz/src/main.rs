@@ -347,3 +347,16 @@ fn report_fault(fault: FaultReport, keep: &Path) -> Result<(), String> {
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_alone_limits_no_number_of_cases() {
+        let cases = |line: &str| FuzzArguments::parse_from(line.split(' ')).limited_cases();
+        assert_eq!(cases("glanz-fuzz"), Some(10_000));
+        assert_eq!(cases("glanz-fuzz --seconds 5"), None);
+        assert_eq!(cases("glanz-fuzz --seconds 5 --cases 7"), Some(7));
+    }
+}

@@ -35,6 +35,17 @@ pub(super) const TARGETS: &[Target] = &[
     faulty!("faulty-memory", || drop(std::hint::black_box(Vec::<u8>::with_capacity(
         limits::MEMORY + (1 << 20)
     )))),
+    Target {
+        name: "faulty-seeds",
+        syntax: SYNTAX,
+        seeds: || {
+            assert!(std::hint::black_box(false), "on purpose");
+            seeds()
+        },
+        run: |_| ReadOutcome::Read(String::new()),
+        memory_factor: 1,
+        divisor: 1,
+    },
     faulty!("faulty-stack", || assert!(std::hint::black_box(deep(u64::MAX)) > 0)),
 ];
 
