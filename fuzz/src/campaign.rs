@@ -11,7 +11,7 @@ use crate::targets::Target;
 /// Largest number of files that are mutated.
 const POOL: usize = 1000;
 
-/// Largest file that is added to the seeds, bytes: small files take less time.
+/// Largest file that is added to the seeds, bytes, if no seed is half as large: small files take less time.
 const LARGEST: usize = 1 << 14;
 
 /// Mutants of the right files of a target, of its corpus, and of mutants whose outcome was new.
@@ -21,6 +21,8 @@ const LARGEST: usize = 1 << 14;
 pub struct Campaign {
     target: &'static Target,
     pool: Vec<Vec<u8>>,
+    /// Largest file that is added to the pool, bytes.
+    largest: usize,
     /// Number of files at the beginning of the pool that were there at first.
     seeds: usize,
     classes: HashSet<u64>,
@@ -42,7 +44,7 @@ pub struct CampaignFigures {
     pub slowest: Duration,
     /// Largest peak of memory, bytes.
     pub peak: usize,
-    /// Largest peak per byte of the file, above the limit that each file has, bytes.
+    /// Largest peak per byte of the file, above one MiB, bytes.
     pub peak_factor: f64,
 }
 
@@ -64,12 +66,13 @@ impl Campaign {
     #[must_use]
     pub fn new(target: &'static Target, seed: u64) -> Self {
         let mut pool = (target.seeds)();
+        let largest = LARGEST.max(2 * pool.iter().map(Vec::len).max().unwrap_or_default());
         let entries = corpus::entries(target.name).into_iter();
         let files = entries.filter_map(|entry| std::fs::read(entry.file).ok());
-        pool.extend(files.filter(|bytes| bytes.len() <= LARGEST));
+        pool.extend(files.filter(|bytes| bytes.len() <= largest));
         let seeds = pool.len();
         let (classes, figures) = Default::default();
-        Self { target, pool, seeds, classes, random: RandomStream::new(seed), figures }
+        Self { target, pool, largest, seeds, classes, random: RandomStream::new(seed), figures }
     }
 
     /// The next mutant.
@@ -93,7 +96,7 @@ impl Campaign {
         figures.read += u64::from(outcome.is_read());
         let is_new = self.classes.insert(outcome.class());
         figures.classes += u64::from(is_new);
-        if is_new && self.pool.len() < POOL && bytes.len() <= LARGEST {
+        if is_new && self.pool.len() < POOL && bytes.len() <= self.largest {
             self.pool.push(bytes.to_vec());
         }
         is_new

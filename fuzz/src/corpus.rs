@@ -31,6 +31,16 @@ pub fn pending(target: &str) -> Vec<CorpusEntry> {
     of_folder(&root().join("pending"), target)
 }
 
+/// Whether a file is the scene of an entry that is a folder.
+#[must_use]
+pub fn is_scene_of_folder(target: &str, file: &Path) -> bool {
+    let is_same = |entry: &CorpusEntry| {
+        let [own, other] = [entry.file.as_path(), file].map(std::fs::canonicalize);
+        own.is_ok_and(|own| other.is_ok_and(|other| own == other))
+    };
+    entries(target).iter().chain(&pending(target)).any(|entry| entry.is_folder && is_same(entry))
+}
+
 fn of_folder(folder: &Path, target: &str) -> Vec<CorpusEntry> {
     let mut entries: Vec<CorpusEntry> = files(&folder.join(target))
         .into_iter()
@@ -50,4 +60,18 @@ fn of_folder(folder: &Path, target: &str) -> Vec<CorpusEntry> {
 /// What is in a folder, if there is one.
 fn files(folder: &Path) -> Vec<PathBuf> {
     std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_folders_of_the_corpus_have_scenes() {
+        let folders: Vec<CorpusEntry> = entries("pbrt").into_iter().filter(|entry| entry.is_folder).collect();
+        assert!(!folders.is_empty());
+        assert!(folders.iter().all(|entry| is_scene_of_folder("pbrt", &entry.file)));
+        assert!(folders.iter().all(|entry| !is_scene_of_folder("render", &entry.file)));
+        assert!(!is_scene_of_folder("pbrt", Path::new("scene.pbrt")));
+    }
 }

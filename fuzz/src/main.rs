@@ -7,16 +7,17 @@ use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::Parser;
+use glanz_fuzz::corpus::{self, CorpusEntry};
+use glanz_fuzz::limits;
 use glanz_fuzz::measurement::{Measurement, record_panics};
 use glanz_fuzz::minimize::minimize;
-use glanz_fuzz::targets::{Target, target, targets};
+use glanz_fuzz::targets::{Target, memory_folder, target, targets};
 use glanz_fuzz::worker::{self, FaultReport, MutantRun, WorkerReport, kept_path};
-use glanz_fuzz::{corpus, limits};
 
 /// Reads mutants of files by every reader of Glanz; the exit code is 1 if one panics, takes too long or too much memory.
 #[derive(Debug, Parser)]
@@ -24,9 +25,9 @@ use glanz_fuzz::{corpus, limits};
 struct FuzzArguments {
     /// Names of targets; all without one.
     targets: Vec<String>,
-    /// Number of mutants of each target; jobs behind readers take a part of it.
-    #[arg(long, value_name = "N", default_value_t = 10_000)]
-    cases: u64,
+    /// Number of mutants of each target; jobs behind readers take a part of it. By default 10,000, or any number within `--seconds`.
+    #[arg(long, value_name = "N")]
+    cases: Option<u64>,
     /// Longest time for each target.
     #[arg(long, value_name = "S")]
     seconds: Option<f64>,
@@ -57,6 +58,13 @@ struct FuzzArguments {
     worker: Option<PathBuf>,
 }
 
+impl FuzzArguments {
+    /// Number of mutants of each target; `None`: only the time is limited.
+    fn limited_cases(&self) -> Option<u64> {
+        self.cases.or_else(|| self.seconds.is_none().then_some(10_000))
+    }
+}
+
 fn main() -> ExitCode {
     match run(&FuzzArguments::parse()) {
         Ok(true) => ExitCode::SUCCESS,
@@ -77,7 +85,8 @@ fn run(arguments: &FuzzArguments) -> Result<bool, String> {
     }
     if let Some(folder) = &arguments.worker {
         let [target] = chosen[..] else { return Err("a worker has one target".to_owned()) };
-        let &FuzzArguments { cases, seconds, seed, .. } = arguments;
+        let &FuzzArguments { seconds, seed, .. } = arguments;
+        let cases = arguments.limited_cases().unwrap_or(u64::MAX);
         let task = MutantRun { target, cases, seconds, seed };
         record_panics();
         return with_small_stack(|| worker::work(&task, folder)).map(|()| true);
@@ -97,8 +106,7 @@ fn run(arguments: &FuzzArguments) -> Result<bool, String> {
             .iter()
             .flat_map(|target| of_target(target.name).into_iter().map(|e| (target.name, e)))
             .collect();
-        let results = entries.iter().map(|(target, entry)| replayed(target, &entry.name, &entry.file));
-        let faults = results.collect::<Result<Vec<_>, _>>()?.into_iter().filter(|is_fine| !is_fine).count();
+        let faults = replayed_at_a_time(&entries, slots(arguments))?;
         println!("{} files, {faults} with a fault", entries.len());
         return Ok(faults == 0);
     }
@@ -129,8 +137,7 @@ fn with_small_stack(work: impl FnOnce() -> io::Result<()> + Send) -> Result<(), 
 
 /// Reads a file in this process, with the files that belong to it if it is the scene of a folder of the corpus.
 fn read_here(target: &Target, file: &Path) -> io::Result<()> {
-    let is_scene = file.file_stem().is_some_and(|stem| stem == "scene");
-    let measurement = if is_scene {
+    let measurement = if corpus::is_scene_of_folder(target.name, file) {
         Measurement::of_scene(target, file)
     } else {
         Measurement::of(target, &fs::read(file)?)
@@ -148,19 +155,43 @@ fn replayed(target: &str, name: &str, file: &Path) -> Result<bool, String> {
     Ok(fault.is_none())
 }
 
+/// Reads the entries of these targets, several at a time; returns the number of those with a fault.
+fn replayed_at_a_time(entries: &[(&str, CorpusEntry)], slots: usize) -> Result<usize, String> {
+    let (next, faults) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || -> Result<(), String> {
+        while let Some((target, entry)) = entries.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let is_fine = replayed(target, &entry.name, &entry.file)?;
+            faults.fetch_add(usize::from(!is_fine), Ordering::Relaxed);
+        }
+        Ok(())
+    };
+    let results: Vec<_> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..slots).map(|_| scope.spawn(work)).collect();
+        let stopped = |_| Err("a thread stopped".to_owned());
+        threads.into_iter().map(|thread| thread.join().unwrap_or_else(stopped)).collect()
+    });
+    results.into_iter().collect::<Result<(), String>>()?;
+    Ok(faults.into_inner())
+}
+
+/// Number of processes at a time.
+fn slots(arguments: &FuzzArguments) -> usize {
+    arguments.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)).max(1)
+}
+
 /// Runs mutants of the targets, and prints a line for each target and each fault.
 fn mutants(chosen: &[&'static Target], arguments: &FuzzArguments) -> Result<bool, String> {
-    let slots =
-        arguments.jobs.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from)).max(1);
+    let slots = slots(arguments);
     let keep = arguments.keep.clone().unwrap_or_else(|| PathBuf::from("target/fuzz"));
     fs::create_dir_all(&keep).map_err(|error| format!("{}: {error}", keep.display()))?;
     let mut is_fine = true;
     let start = Instant::now();
     let tasks = tasks(chosen, arguments, slots);
-    let total = tasks.iter().map(|task| task.cases).sum();
+    let total = arguments.limited_cases().map(|_| tasks.iter().map(|task| task.cases).sum());
     let progress = CaseProgress { done: AtomicU64::new(0), total, is_over: AtomicBool::new(false) };
     let mut reports: Vec<TargetReport> = chosen.iter().map(|_| TargetReport::default()).collect();
-    for (index, report, took) in run_tasks(tasks, chosen, slots, &progress)? {
+    let (found, failure) = run_tasks(tasks, chosen, slots, &progress);
+    for (index, report, took) in found {
         if let Some(target) = reports.get_mut(index) {
             target.report.add(report);
             target.took += took;
@@ -183,7 +214,7 @@ fn mutants(chosen: &[&'static Target], arguments: &FuzzArguments) -> Result<bool
         }
     }
     println!("{} mutants in {:.1} s", progress.done.load(Ordering::Relaxed), start.elapsed().as_secs_f64());
-    Ok(is_fine)
+    failure.map_or(Ok(is_fine), |error| Err(error.to_string()))
 }
 
 /// What all processes of a target found, and their time.
@@ -197,7 +228,7 @@ struct TargetReport {
 fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) -> VecDeque<MutantRun> {
     let of_target = |target: &&'static Target| {
         let target = *target;
-        let cases = arguments.cases.div_ceil(target.divisor);
+        let cases = arguments.limited_cases().map_or(u64::MAX, |cases| cases.div_ceil(target.divisor));
         let parts = if cases < 10_000 { 1 } else { slots as u64 };
         let &FuzzArguments { seconds, seed, .. } = arguments;
         (0..parts).map(move |part| MutantRun {
@@ -212,7 +243,8 @@ fn tasks(chosen: &[&'static Target], arguments: &FuzzArguments, slots: usize) ->
 
 struct CaseProgress {
     done: AtomicU64,
-    total: u64,
+    /// `None`: only the time is limited.
+    total: Option<u64>,
     is_over: AtomicBool,
 }
 
@@ -227,11 +259,8 @@ impl CaseProgress {
                 shown = Instant::now();
                 let done = self.done.load(Ordering::Relaxed);
                 let [before, after] = if is_terminal { ["\r", ""] } else { ["", "\n"] };
-                eprint!(
-                    "{before}{done} of {} mutants, {:.0} s{after}",
-                    self.total,
-                    start.elapsed().as_secs_f64()
-                );
+                let total = self.total.map(|total| format!(" of {total}")).unwrap_or_default();
+                eprint!("{before}{done}{total} mutants, {:.0} s{after}", start.elapsed().as_secs_f64());
                 let _ = io::stderr().flush();
             }
         }
@@ -241,24 +270,30 @@ impl CaseProgress {
     }
 }
 
-/// Runs the tasks, `slots` at a time; returns the number of the target, the report and the time of each.
+/// Runs the tasks, `slots` at a time; returns the number of the target, the report and the time of each, and the first failure. Those that fail have a
+/// report, too, and the others go on.
 fn run_tasks(
     tasks: VecDeque<MutantRun>,
     chosen: &[&'static Target],
     slots: usize,
     progress: &CaseProgress,
-) -> Result<Vec<(usize, WorkerReport, Duration)>, String> {
+) -> (Vec<(usize, WorkerReport, Duration)>, Option<io::Error>) {
     let (queue, reports) = (Mutex::new(tasks), Mutex::new(Vec::new()));
+    let run = |task: &MutantRun| -> io::Result<()> {
+        let folder = memory_folder()?;
+        let (start, mut report) = (Instant::now(), WorkerReport::default());
+        let result = worker::run(task, folder.path(), &progress.done, &mut report);
+        let index = chosen.iter().position(|target| target.name == task.target.name).unwrap_or_default();
+        reports.lock().unwrap_or_else(PoisonError::into_inner).push((index, report, start.elapsed()));
+        result
+    };
     let work = || -> io::Result<()> {
+        let mut first = Ok(());
         loop {
             let Some(task) = queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front() else {
-                return Ok(());
+                return first;
             };
-            let folder = tempfile::tempdir()?;
-            let start = Instant::now();
-            let report = worker::run(&task, folder.path(), &progress.done)?;
-            let index = chosen.iter().position(|target| target.name == task.target.name).unwrap_or_default();
-            reports.lock().unwrap_or_else(PoisonError::into_inner).push((index, report, start.elapsed()));
+            first = first.and(run(&task));
         }
     };
     let results: Vec<io::Result<()>> = std::thread::scope(|scope| {
@@ -270,8 +305,8 @@ fn run_tasks(
         let _ = show.join();
         results
     });
-    results.into_iter().collect::<io::Result<()>>().map_err(|error| error.to_string())?;
-    Ok(reports.into_inner().unwrap_or_else(PoisonError::into_inner))
+    let failure = results.into_iter().find_map(Result::err);
+    (reports.into_inner().unwrap_or_else(PoisonError::into_inner), failure)
 }
 
 fn print_figures(target: &Target, report: &WorkerReport, took: Duration) {
@@ -311,4 +346,17 @@ fn report_fault(fault: FaultReport, keep: &Path) -> Result<(), String> {
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_alone_limits_no_number_of_cases() {
+        let cases = |line: &str| FuzzArguments::parse_from(line.split(' ')).limited_cases();
+        assert_eq!(cases("glanz-fuzz"), Some(10_000));
+        assert_eq!(cases("glanz-fuzz --seconds 5"), None);
+        assert_eq!(cases("glanz-fuzz --seconds 5 --cases 7"), Some(7));
+    }
 }

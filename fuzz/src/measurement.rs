@@ -100,11 +100,12 @@ impl Measurement {
         Self::least(target.memory_factor.saturating_mul(size), || read_scene(file, size))
     }
 
-    /// The shortest of up to three readings, if the first is slow, since the machine may have been busy. `memory`: peak that the size permits, bytes.
+    /// The shortest of up to three readings, if the first is slow, since the machine may have been busy; one that is very slow is not repeated, since the process
+    /// would be ended meanwhile. `memory`: peak that the size permits, bytes.
     fn least(memory: usize, run: impl Fn() -> ReadOutcome) -> Self {
         let mut found = Self::once(memory, &run);
         for _ in 0..2 {
-            if !matches!(found.fault, Some(CaseFault::Time(_))) {
+            if !matches!(found.fault, Some(CaseFault::Time(time)) if time <= limits::HANG / 4) {
                 break;
             }
             let again = Self::once(memory, &run);

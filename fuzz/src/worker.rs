@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use crate::campaign::{Campaign, CampaignFigures};
 use crate::limits;
 use crate::measurement::Measurement;
-use crate::targets::Target;
+use crate::targets::{FOLDER_VARIABLE, Target, memory_folder};
 
 /// Part of a campaign that one process runs after the other.
 #[derive(Clone, Debug)]
@@ -44,13 +44,16 @@ pub struct FaultReport {
 /// What the processes of a task found.
 #[derive(Clone, Debug, Default)]
 pub struct WorkerReport {
-    /// Figures of all processes that ended by themselves.
+    /// Figures of all processes that ended by themselves, and the numbers of cases of the others.
     pub figures: CampaignFigures,
     /// Faults, one of each signature.
     pub faults: Vec<FaultReport>,
     /// The slowest file.
     pub slowest: Vec<u8>,
 }
+
+/// Longest time before the first case of a process, in which it makes its seeds.
+const START: Duration = Duration::from_secs(120);
 
 /// Number of processes that may die for one task.
 const DEATHS: u64 = 8;
@@ -127,8 +130,9 @@ fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(2000).collect()
 }
 
-/// This program with these arguments and a limited memory, with one thread wherever readers divide their work.
-fn command(arguments: &[&str]) -> io::Result<Command> {
+/// This program with these arguments and a limited memory, with one thread wherever readers divide their work. `files`: folder for its files,
+/// which stay behind if it is killed.
+fn command(arguments: &[&str], files: &Path) -> io::Result<Command> {
     let program = std::env::current_exe()?;
     let mut command = if cfg!(unix) {
         let mut shell = Command::new("sh");
@@ -138,7 +142,9 @@ fn command(arguments: &[&str]) -> io::Result<Command> {
     } else {
         Command::new(program)
     };
-    command.args(arguments).env("RAYON_NUM_THREADS", "1");
+    command.args(arguments).env("RAYON_NUM_THREADS", "1").env(FOLDER_VARIABLE, files);
+    // Seeds that Glanz writes have the same date in all processes.
+    command.env("SOURCE_DATE_EPOCH", "1700000000");
     command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
     Ok(command)
 }
@@ -148,7 +154,8 @@ fn command(arguments: &[&str]) -> io::Result<Command> {
 /// # Errors
 /// The process cannot be started.
 pub fn replay(target: &str, file: &Path) -> io::Result<Option<[String; 2]>> {
-    let mut child = command(&[target, "--replay-here", &file.to_string_lossy()])?.spawn()?;
+    let files = memory_folder()?;
+    let mut child = command(&[target, "--replay-here", &file.to_string_lossy()], files.path())?.spawn()?;
     let start = Instant::now();
     let status = loop {
         match child.try_wait()? {
@@ -187,12 +194,16 @@ fn end(child: &mut Child) {
     let _ = child.wait();
 }
 
-/// Runs a task in processes with files in `folder`, and counts its cases in `progress`.
+/// Runs a task in processes with files in `folder`, counts its cases in `progress`, and adds what it finds to the report.
 ///
 /// # Errors
-/// A process cannot be started, or files cannot be read.
-pub fn run(task: &MutantRun, folder: &Path, progress: &AtomicU64) -> io::Result<WorkerReport> {
-    let mut report = WorkerReport::default();
+/// A process cannot be started, it ends before its first case, or files cannot be read.
+pub fn run(
+    task: &MutantRun,
+    folder: &Path,
+    progress: &AtomicU64,
+    report: &mut WorkerReport,
+) -> io::Result<()> {
     let start = Instant::now();
     for process in 0..DEATHS {
         let left = MutantRun {
@@ -204,22 +215,33 @@ pub fn run(task: &MutantRun, folder: &Path, progress: &AtomicU64) -> io::Result<
         if left.cases == 0 || left.seconds.is_some_and(|seconds| seconds <= 0.0) {
             break;
         }
-        let mut child = spawn(&left, folder)?;
-        let is_complete = follow(&mut child, &left, folder, progress, &mut report)?;
-        if is_complete {
+        // Removed with the process, however it ends.
+        let files = tempfile::tempdir_in(folder)?;
+        let mut child = spawn(&left, folder, files.path())?;
+        let result = follow(&mut child, &left, folder, progress, report);
+        if result.is_err() {
+            end(&mut child);
+        }
+        if result? {
             break;
         }
     }
-    Ok(report)
+    Ok(())
 }
 
-fn spawn(task: &MutantRun, folder: &Path) -> io::Result<Child> {
+fn spawn(task: &MutantRun, folder: &Path, files: &Path) -> io::Result<Child> {
+    // The case of the process before is not one of this.
+    if let Err(error) = fs::remove_file(folder.join(CURRENT))
+        && error.kind() != io::ErrorKind::NotFound
+    {
+        return Err(error);
+    }
     let [cases, seed, seconds] =
         [task.cases.to_string(), task.seed.to_string(), task.seconds.unwrap_or(f64::MAX).to_string()];
     let folder = folder.to_string_lossy();
     let arguments =
         [task.target.name, "--worker", &folder, "--cases", &cases, "--seed", &seed, "--seconds", &seconds];
-    command(&arguments)?.spawn()
+    command(&arguments, files)?.spawn()
 }
 
 /// Adds what a process prints to the report; ends a process that hangs. Returns whether it ended by itself.
@@ -276,9 +298,10 @@ fn follow(
             Err(RecvTimeoutError::Disconnected) => break,
         }
         let now = current(folder).map(|(number, _)| number);
+        let longest = if case.is_none() { START } else { limits::HANG };
         if now != case {
             (case, since) = (now, Instant::now());
-        } else if since.elapsed() > limits::HANG && !is_complete {
+        } else if since.elapsed() > longest && !is_complete {
             is_hanging = true;
             end(child);
         }
@@ -286,7 +309,10 @@ fn follow(
     let status = child.wait()?;
     // It ends with the output of the process.
     let _ = reader.join();
-    if !is_complete && let Some((number, bytes)) = current(folder) {
+    if !is_complete {
+        let Some((number, bytes)) = current(folder) else {
+            return Err(io::Error::other(format!("{}: no case began ({status})", task.target.name)));
+        };
         add(if is_hanging { hang() } else { death(status) }, bytes);
         count(number + 1);
         report.figures.cases += number + 1;

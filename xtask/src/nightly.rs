@@ -269,7 +269,10 @@ impl NightlyPart {
 
     /// The command that runs it, its tests' figures printed.
     fn command(&self, mut options: &[&str]) -> Result<Command, String> {
-        let mut command = workspace::cargo(["test", "--release", "--package", self.package, "--test", "it"]);
+        // Mutants also look for overflows, which `release` does not check.
+        let profile = if self.name == "mutants" { "fuzz" } else { "release" };
+        let mut command =
+            workspace::cargo(["test", "--profile", profile, "--package", self.package, "--test", "it"]);
         command.args([self.filter, "--", "--nocapture"]);
         for setting in self.settings {
             command.env(setting.variable, setting.number.to_string());
@@ -335,6 +338,16 @@ mod tests {
         {
             assert!(variable("soak", wrong, "GLANZ_SOAK_PAGES").is_err(), "{wrong:?}");
         }
+    }
+
+    #[test]
+    fn mutants_have_overflow_checks() {
+        let profile = |name: &str| {
+            let part = PARTS.iter().find(|part| part.name == name).expect("a part");
+            let command = part.command(&[]).expect("a command");
+            command.get_args().any(|argument| argument == "fuzz")
+        };
+        assert!(profile("mutants") && !profile("seam"));
     }
 
     #[test]

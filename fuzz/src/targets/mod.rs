@@ -9,6 +9,7 @@ mod self_test;
 mod stored;
 
 use std::cell::RefCell;
+use std::io;
 use std::path::Path;
 
 use glanz::formats::{Diagnostics, Loaded, Options, Severity, load};
@@ -91,6 +92,17 @@ pub fn target(name: &str) -> Option<&'static Target> {
     targets().chain(self_test::TARGETS).find(|target| target.name == name)
 }
 
+/// The variable that names the folder for the files of a process; its parent removes it.
+pub(crate) const FOLDER_VARIABLE: &str = "GLANZ_FUZZ_FOLDER";
+
+/// A folder for temporary files. In memory, if the system has such a folder: disks take ten times as long as reading.
+///
+/// # Errors
+/// There is no space for temporary files.
+pub fn memory_folder() -> io::Result<TempDir> {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir())
+}
+
 thread_local! {
     static FOLDER: RefCell<Option<TempDir>> = const { RefCell::new(None) };
 }
@@ -101,8 +113,7 @@ thread_local! {
 /// There is no space for temporary files.
 fn with_folder<T>(work: impl FnOnce(&Path) -> T) -> T {
     let path = FOLDER.with_borrow_mut(|folder| {
-        // In memory, if the system has such a folder: disks take ten times as long as reading.
-        let new = || tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir());
+        let new = || std::env::var_os(FOLDER_VARIABLE).map_or_else(memory_folder, tempfile::tempdir_in);
         let folder = folder.get_or_insert_with(|| new().unwrap_or_else(|error| unusable(&error)));
         folder.path().to_owned()
     });
@@ -121,8 +132,16 @@ fn with_file<T>(name: &str, bytes: &[u8], work: impl FnOnce(&Path) -> T) -> T {
 }
 
 #[expect(clippy::panic, reason = "a case that cannot be made says nothing about the reader")]
-fn unusable(error: &std::io::Error) -> ! {
+fn unusable(error: &io::Error) -> ! {
     panic!("temporary files cannot be written: {error}")
+}
+
+/// Reads bytes as they are and with right checksums; the outcome is the second.
+fn of_both(bytes: &[u8], sealed: &[u8], read: fn(&[u8]) -> ReadOutcome) -> ReadOutcome {
+    if sealed != bytes {
+        read(bytes);
+    }
+    read(sealed)
 }
 
 /// Checks a scene against the length of its file.
@@ -171,7 +190,9 @@ mod tests {
     #[test]
     fn every_target_reads_its_seeds() {
         for target in targets() {
-            for (i, seed) in (target.seeds)().iter().enumerate() {
+            let seeds = (target.seeds)();
+            assert!(!seeds.is_empty(), "{} has no seeds", target.name);
+            for (i, seed) in seeds.iter().enumerate() {
                 let outcome = (target.run)(seed);
                 assert!(outcome.is_read(), "{} {i}: {outcome:?}", target.name);
             }

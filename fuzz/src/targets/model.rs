@@ -1,7 +1,8 @@
-//! Models: meshes, patches and CAD. Each is read by itself, and as a file that a user opens.
+//! Models: meshes, patches and CAD. Each is read by itself, and as a file that a user opens; CAD has a target for each of the two.
 
-use glanz::formats::cad::BrepFile;
-use glanz::formats::{Options, iges, load, newell, obj, ply, rib, step, stl};
+use glanz::formats::cad::{BrepFile, ReadingReport};
+use glanz::formats::{Diagnostics, Loaded, Options, iges, load, newell, obj, ply, rib, step, stl};
+use glanz::job::{CancelFlag, ResourceBudget};
 use glanz::math::DVec3;
 
 use super::{ReadOutcome, Target, loaded, model_seeds as seeds, with_file};
@@ -18,24 +19,29 @@ macro_rules! model {
             run: |bytes| {
                 ($check)(bytes);
                 with_file($file, bytes, |path| {
-                    let options = Options { edges: true, limits: limits::of_reading(), ..Options::default() };
-                    let result = load(path, &options);
-                    if let Ok(scene) = &result
-                        && let Some(cad) = &scene.cad
-                    {
-                        let description = &scene.description;
-                        let groups: usize = description.groups.iter().map(|group| group.shapes.len()).sum();
-                        assert_eq!(cad.shapes.len(), groups + description.world.shapes.len());
-                        // Points along edges and the parts of surfaces are as many as their curvature needs.
-                        return ReadOutcome::Read(format!("{:?}", cad.reading.omissions.notes().first()));
-                    }
-                    loaded(result, bytes.len())
+                    let limits = limits::of_reading();
+                    let options = Options { edges: true, confined: true, limits, ..Options::default() };
+                    opened(load(path, &options), bytes.len())
                 })
             },
             memory_factor: FACTOR,
             divisor: $divisor,
         }
     };
+}
+
+/// The number of shapes is that of the CAD report, if there is one.
+fn opened(result: Result<Loaded, Diagnostics>, length: usize) -> ReadOutcome {
+    if let Ok(scene) = &result
+        && let Some(cad) = &scene.cad
+    {
+        let description = &scene.description;
+        let groups: usize = description.groups.iter().map(|group| group.shapes.len()).sum();
+        assert_eq!(cad.shapes.len(), groups + description.world.shapes.len());
+        // Points along edges and the parts of surfaces are as many as their curvature needs.
+        return noted(&cad.reading);
+    }
+    loaded(result, length)
 }
 
 /// Bytes of memory per byte of a model: a point in a text takes few bytes, and becomes control points, parts of surfaces and names.
@@ -66,8 +72,25 @@ pub(super) const TARGETS: &[Target] = &[
     ),
     model!("gltf", "a.gltf", Syntax::Text(GLTF), || vec![seeds::gltf()], |_: &[u8]| (), 1),
     model!("glb", "a.glb", Syntax::Binary(24), || vec![seeds::glb()], |_: &[u8]| (), 1),
-    model!("step", "a.step", Syntax::Text(STEP), seeds::step, |bytes| cad(step::read(bytes)), 20),
-    model!("iges", "a.iges", Syntax::Text(IGES), seeds::iges, |bytes| cad(iges::read(bytes)), 20),
+    Target {
+        name: "step",
+        syntax: Syntax::Text(STEP),
+        seeds: seeds::step,
+        run: |bytes| cad(step::read_with(bytes, &budget())),
+        memory_factor: FACTOR,
+        divisor: 1,
+    },
+    Target {
+        name: "iges",
+        syntax: Syntax::Text(IGES),
+        seeds: seeds::iges,
+        run: |bytes| cad(iges::read_with(bytes, &budget())),
+        memory_factor: FACTOR,
+        divisor: 1,
+    },
+    // Faces are trimmed and their edges sampled, which takes many times as long as reading.
+    model!("step-faces", "a.step", Syntax::Text(STEP), seeds::step_faces, |_: &[u8]| (), 20),
+    model!("iges-faces", "a.iges", Syntax::Text(IGES), seeds::iges_faces, |_: &[u8]| (), 20),
 ];
 
 const PLY: &[&str] = &[
@@ -217,9 +240,16 @@ fn surfaces(bytes: &[u8]) {
     assert!(file.skipped.len() <= bytes.len());
 }
 
+fn budget() -> ResourceBudget {
+    ResourceBudget::new(limits::of_reading(), CancelFlag::default())
+}
+
 /// Every face is counted, and what is referred to exists.
-fn cad<E>(result: Result<BrepFile, E>) {
-    let Ok(file) = result else { return };
+fn cad<E: std::fmt::Display>(result: Result<BrepFile, E>) -> ReadOutcome {
+    let file = match result {
+        Ok(file) => file,
+        Err(error) => return Err::<(), E>(error).into(),
+    };
     let faces = file.report.faces;
     assert_eq!(faces.total, faces.read + faces.refused + faces.hidden + faces.unreachable);
     let model = &file.model;
@@ -227,4 +257,12 @@ fn cad<E>(result: Result<BrepFile, E>) {
     for (i, part) in model.parts.iter().enumerate() {
         assert!(part.occurrences.iter().all(|occurrence| occurrence.part < i), "a part in itself");
     }
+    noted(&file.report)
+}
+
+/// The last note of each kind.
+fn noted(report: &ReadingReport) -> ReadOutcome {
+    let lists = [&report.faults, &report.omissions, &report.repairs];
+    let notes = lists.map(|list| list.notes().last().map_or("", |note| note.reason.as_str()));
+    ReadOutcome::Read(notes.join("; "))
 }

@@ -100,12 +100,51 @@ pub(super) fn glb() -> Vec<u8> {
 
 /// Faces on all kinds of surfaces; the second file has them in a product that occurs twice, with colours and mapped items.
 pub(super) fn step() -> Vec<Vec<u8>> {
-    vec![
-        include_bytes!("../../seeds/entities.step").to_vec(),
-        include_bytes!("../../seeds/assembly.step").to_vec(),
-    ]
+    files(&[include_bytes!("../../seeds/entities.step"), include_bytes!("../../seeds/assembly.step")])
 }
 
 pub(super) fn iges() -> Vec<Vec<u8>> {
-    vec![include_bytes!("../../seeds/entities.iges").to_vec()]
+    files(&[include_bytes!("../../seeds/entities.iges")])
+}
+
+fn files(files: &[&[u8]]) -> Vec<Vec<u8>> {
+    files.iter().map(|bytes| bytes.to_vec()).collect()
+}
+
+/// Faces of one kind of surface with one kind of border, and a small assembly.
+pub(super) fn step_faces() -> Vec<Vec<u8>> {
+    files(&[
+        include_bytes!("../../seeds/step-faces/assembly-of-disks.step"),
+        include_bytes!("../../seeds/step-faces/bounded-plane.step"),
+        include_bytes!("../../seeds/step-faces/cone.step"),
+        include_bytes!("../../seeds/step-faces/cylinder-with-parameters.step"),
+        include_bytes!("../../seeds/step-faces/cylinder.step"),
+        include_bytes!("../../seeds/step-faces/disk.step"),
+        include_bytes!("../../seeds/step-faces/extrusion.step"),
+        include_bytes!("../../seeds/step-faces/half-sphere.step"),
+        include_bytes!("../../seeds/step-faces/offset-spline.step"),
+        include_bytes!("../../seeds/step-faces/quarter-torus.step"),
+        include_bytes!("../../seeds/step-faces/revolution.step"),
+        include_bytes!("../../seeds/step-faces/sphere.step"),
+        include_bytes!("../../seeds/step-faces/spline.step"),
+        include_bytes!("../../seeds/step-faces/torus.step"),
+        include_bytes!("../../seeds/step-faces/triangle.step"),
+        include_bytes!("../../seeds/step-faces/trimmed-cylinder.step"),
+        include_bytes!("../../seeds/step-faces/whole-offset.step"),
+        include_bytes!("../../seeds/step-faces/whole-revolution.step"),
+    ])
+}
+
+/// The same of IGES.
+pub(super) fn iges_faces() -> Vec<Vec<u8>> {
+    files(&[
+        include_bytes!("../../seeds/iges-faces/assembly-of-solids.iges"),
+        include_bytes!("../../seeds/iges-faces/bounded-spline.iges"),
+        include_bytes!("../../seeds/iges-faces/revolution.iges"),
+        include_bytes!("../../seeds/iges-faces/ruled.iges"),
+        include_bytes!("../../seeds/iges-faces/subfigures.iges"),
+        include_bytes!("../../seeds/iges-faces/tabulated-cylinder.iges"),
+        include_bytes!("../../seeds/iges-faces/trimmed-in-space.iges"),
+        include_bytes!("../../seeds/iges-faces/trimmed-spline.iges"),
+    ])
 }

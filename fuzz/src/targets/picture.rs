@@ -11,7 +11,7 @@ use glanz::job::{CancelFlag, ResourceBudget};
 use glanz::light::{Pixels, Tone};
 use image::{DynamicImage, ImageFormat, RgbaImage};
 
-use super::{ReadOutcome, Target};
+use super::{ReadOutcome, Target, of_both};
 use crate::limits;
 use crate::mutation::{RandomStream, Syntax};
 
@@ -36,10 +36,14 @@ pub(super) const TARGETS: &[Target] = &[
         written(Format::Pfm),
         b"Pf 2 1 1.0\n\0\0\0\0\0\0\0\0".to_vec()
     ]),
-    picture!("png", "a.png", Syntax::Binary(64), || vec![
-        written(Format::Png),
-        foreign(true, ImageFormat::Png)
-    ]),
+    Target {
+        name: "png",
+        syntax: Syntax::Binary(64),
+        seeds: || vec![written(Format::Png), foreign(true, ImageFormat::Png)],
+        run: |bytes| of_both(bytes, &sealed_png(bytes), |bytes| read(bytes, "a.png")),
+        memory_factor: 16,
+        divisor: 1,
+    },
     picture!("jpeg", "a.jpg", Syntax::Binary(700), || vec![foreign(false, ImageFormat::Jpeg)]),
     picture!("bmp", "a.bmp", Syntax::Binary(60), || vec![foreign(false, ImageFormat::Bmp)]),
     picture!("tga", "a.tga", Syntax::Binary(20), || vec![foreign(true, ImageFormat::Tga)]),
@@ -61,6 +65,21 @@ fn read(bytes: &[u8], name: &str) -> ReadOutcome {
         return ReadOutcome::Read(format!("{} {}", image.format, "c".repeat(pixels.channels().len().min(9))));
     }
     result.into()
+}
+
+/// The bytes with the checksums of all whole chunks corrected, without which no mutant of a chunk is decoded.
+fn sealed_png(bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    // A chunk is its length, its kind, its data, and the checksum of the last two.
+    let mut rest = bytes.get_mut(8..).unwrap_or_default();
+    while let Some((length, chunk)) = rest.split_first_chunk_mut::<4>() {
+        let covered = usize::try_from(u32::from_be_bytes(*length)).unwrap_or(usize::MAX).saturating_add(4);
+        let Some((covered, behind)) = chunk.split_at_mut_checked(covered) else { break };
+        let Some((crc, next)) = behind.split_first_chunk_mut::<4>() else { break };
+        *crc = crc32fast::hash(covered).to_be_bytes();
+        rest = next;
+    }
+    bytes
 }
 
 /// A picture of this size in random colours, some of them bright.
@@ -121,4 +140,22 @@ fn exr_file(compression: Compression, blocks: Blocks) -> Option<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer).write().to_buffered(&mut bytes).ok()?;
     Some(bytes.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changed_chunks_get_their_checksum() {
+        let png = written(Format::Png);
+        assert_eq!(sealed_png(&png), png);
+        // The head begins with the width, and ends with its checksum.
+        let mut wrong = png.clone();
+        wrong[29..33].fill(0);
+        assert_eq!(sealed_png(&wrong), png);
+        for length in 0..png.len() {
+            assert_eq!(sealed_png(&png[..length]).len(), length);
+        }
+    }
 }

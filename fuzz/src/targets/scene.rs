@@ -259,21 +259,20 @@ fn resolved(bytes: &[u8]) -> ReadOutcome {
     opened(bytes).and_then(LoadedScene::resolve).into()
 }
 
-/// Width and height of rendered pictures, pixels.
-const SIZE: [u32; 2] = [6, 4];
-
-/// Samples of each pixel.
-const SAMPLES: u32 = 4;
+/// Width and height, in pixels, and samples of each pixel of a picture.
+#[derive(Clone, Copy)]
+struct PictureSize(u32, u32, u32);
 
 fn picture(
     scene: LoadedScene,
+    PictureSize(width, height, samples): PictureSize,
     range: Option<std::ops::Range<u32>>,
     job: JobOptions<'_>,
 ) -> Result<Picture, Error> {
     let options = RenderOptions {
         integrator: Some("path".to_owned()),
-        size: Some(SIZE),
-        samples: Some(SAMPLES),
+        size: Some([width, height]),
+        samples: Some(samples),
         sample_range: range,
         ..RenderOptions::default()
     };
@@ -282,11 +281,12 @@ fn picture(
 
 /// All samples are counted, and no pixel is infinite or not a number.
 fn rendered(bytes: &[u8]) -> ReadOutcome {
-    let result = opened(bytes).and_then(|scene| picture(scene, None, JobOptions::default()));
+    let size = PictureSize(6, 4, 4);
+    let result = opened(bytes).and_then(|scene| picture(scene, size, None, JobOptions::default()));
     if let Ok(picture) = &result {
         let film = picture.film();
         let pixels: u64 = film.format().crop.size.iter().map(|side| u64::from(*side)).product();
-        assert_eq!(picture.statistics().samples, pixels * u64::from(SAMPLES), "samples are lost");
+        assert_eq!(picture.statistics().samples, pixels * u64::from(size.2), "samples are lost");
         assert!(film.rejects().dropped <= picture.statistics().samples, "{:?}", film.rejects());
         if let Ok(planes) = picture.pixels() {
             let values = planes.channels().iter().flat_map(|channel| &channel.values);
@@ -297,16 +297,17 @@ fn rendered(bytes: &[u8]) -> ReadOutcome {
     result.into()
 }
 
-/// Two samples, a checkpoint and two samples have the bits of four samples.
+/// A sample, a checkpoint and a sample have the bits of two samples.
 fn resumed(bytes: &[u8]) -> ReadOutcome {
+    let size = PictureSize(2, 2, 2);
     let result = opened(bytes).and_then(|scene| {
-        let whole = picture(scene.clone(), None, JobOptions::default())?;
+        let whole = picture(scene.clone(), size, None, JobOptions::default())?;
         with_folder(|folder| {
             let path = folder.join("film.checkpoint");
             let _ = std::fs::remove_file(&path);
             let job = || JobOptions::default().checkpoint(path.clone()).resume(true);
-            picture(scene.clone(), Some(0..SAMPLES / 2), job())?;
-            let resumed = picture(scene, None, job())?;
+            picture(scene.clone(), size, Some(0..1), job())?;
+            let resumed = picture(scene, size, None, job())?;
             assert!(resumed.film() == whole.film(), "the resumed film differs");
             Ok(())
         })

@@ -32,7 +32,20 @@ macro_rules! faulty {
 pub(super) const TARGETS: &[Target] = &[
     faulty!("faulty-panic", || assert!(std::hint::black_box(false), "on purpose")),
     faulty!("faulty-time", || std::thread::sleep(limits::TIME + limits::TIME / 8)),
-    faulty!("faulty-memory", || drop(std::hint::black_box(vec![1_u8; limits::MEMORY + (1 << 20)]))),
+    faulty!("faulty-memory", || drop(std::hint::black_box(Vec::<u8>::with_capacity(
+        limits::MEMORY + (1 << 20)
+    )))),
+    Target {
+        name: "faulty-seeds",
+        syntax: SYNTAX,
+        seeds: || {
+            assert!(std::hint::black_box(false), "on purpose");
+            seeds()
+        },
+        run: |_| ReadOutcome::Read(String::new()),
+        memory_factor: 1,
+        divisor: 1,
+    },
     faulty!("faulty-stack", || assert!(std::hint::black_box(deep(u64::MAX)) > 0)),
 ];
 

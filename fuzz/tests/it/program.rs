@@ -33,6 +33,14 @@ fn exhausted_stacks_are_found_and_the_next_process_continues() {
 }
 
 #[test]
+fn process_that_ends_before_its_first_case_is_an_error_and_other_targets_have_their_reports() {
+    let (output, _) = run("faulty-seeds", &["faulty-seeds", "mtl", "--cases", "100", "--jobs", "1"]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(text(&output).contains("faulty-seeds: no case began"), "{}", text(&output));
+    assert!(text(&output).contains("mtl               100 mutants"), "{}", text(&output));
+}
+
+#[test]
 fn slow_files_are_found() {
     let file = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("slow");
     std::fs::write(&file, "fault").unwrap();

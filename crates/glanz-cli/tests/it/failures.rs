@@ -5,7 +5,10 @@
 //! that are tried, `GLANZ_FAILURES_KILLS` the number of kills at random moments per command.
 
 use std::collections::BTreeMap;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
+
+use glanz::transport::codec::PREFIX_LENGTH;
 
 use crate::PROGRAM;
 use crate::command_line::small_scene::SCENE;
@@ -38,7 +41,7 @@ struct Writer {
     replaces: &'static [&'static str],
 }
 
-const WRITERS: [Writer; 9] = [
+const WRITERS: [Writer; 11] = [
     Writer {
         line: "render small.pbrt --spp 2 -o a.exr -o a.png --checkpoint a.glanz",
         again: "--resume",
@@ -59,6 +62,14 @@ const WRITERS: [Writer; 9] = [
         again: "--resume",
         replaces: &["lux/report.html", "l.ldt"],
     },
+    // The folder is new.
+    Writer {
+        line: "illuminate small.pbrt --room 20 20 20 --cells 2 --rays 1000 -o lux2",
+        again: "",
+        replaces: &[],
+    },
+    // The film is in a file.
+    Writer { line: "render small.pbrt --spp 2 -o d.exr --memory 40K", again: "", replaces: &["d.exr"] },
     Writer {
         line: "optimize design.pbrt -o better.pbrt --rays 50 --steps 3 --checkpoint o.glanz",
         again: "--resume",
@@ -82,10 +93,7 @@ impl Writer {
 
     /// Restores the files as they are before the command: its inputs, and old content of some of its outputs.
     fn prepare(&self, folder: &Folder, inputs: &Content) {
-        for name in folder.content().keys() {
-            std::fs::remove_file(folder.path(name)).expect("a file of the test");
-        }
-        inputs.iter().for_each(|(name, bytes)| folder.write(name, bytes));
+        restore(folder, inputs);
         for name in self.replaces {
             if let Some((inner, _)) = name.split_once('/') {
                 std::fs::create_dir_all(folder.path(inner)).expect("a folder");
@@ -95,8 +103,23 @@ impl Writer {
     }
 }
 
-/// The files that the commands read.
-fn inputs() -> Content {
+/// Removes everything, and writes the inputs again.
+fn restore(folder: &Folder, inputs: &Content) {
+    for name in folder.names() {
+        let path = folder.path(&name);
+        let removed = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+        removed.expect("a file of the test");
+    }
+    inputs.iter().for_each(|(name, bytes)| folder.write(name, bytes));
+}
+
+/// The files that the commands read, made once.
+fn inputs() -> &'static Content {
+    static INPUTS: LazyLock<Content> = LazyLock::new(new_inputs);
+    &INPUTS
+}
+
+fn new_inputs() -> Content {
     let folder = Folder::with_scene();
     folder.write("design.pbrt", DESIGN);
     folder.write("room.pbrt", ROOM);
@@ -147,7 +170,8 @@ fn check(writer: &Writer, folder: &Folder, inputs: &Content, wanted: &Content, m
             || writer.replaces.contains(&name.as_str()) && bytes == b"old";
         // A checkpoint may be of a part of the work, which resuming shows.
         let is_new = wanted.get(&name).is_some_and(|new| {
-            *new == bytes || writer.again == "--resume" && name.ends_with(".glanz")
+            *new == bytes
+                || writer.again == "--resume" && name.ends_with(".glanz") && is_whole_state(&bytes)
         })
             // Reports are written once more with the facts of the ray file.
             || is_whole_report(&name, &bytes);
@@ -157,6 +181,19 @@ fn check(writer: &Writer, folder: &Folder, inputs: &Content, wanted: &Content, m
     for name in writer.replaces {
         assert!(folder.has(name), "{}: {point} loses {name}", writer.line);
     }
+}
+
+/// Whether these are as many bytes as the beginning of a file of Glanz says.
+fn is_whole_state(bytes: &[u8]) -> bool {
+    let length = bytes.get(PREFIX_LENGTH - 8..PREFIX_LENGTH);
+    length.is_some_and(|length| length == (bytes.len() as u64).to_le_bytes())
+}
+
+#[test]
+fn parts_of_a_state_are_not_whole() {
+    let state = &inputs()["1.glanz"];
+    assert!(is_whole_state(state));
+    assert!((0..state.len()).all(|length| !is_whole_state(&state[..length])));
 }
 
 /// Whether these are all bytes of a report of `glanz illuminate`.
@@ -193,35 +230,42 @@ fn number(variable: &str, otherwise: u64) -> u64 {
 /// The limit on the size of files cuts a block short, and fails the next: at every size until all files fit.
 #[test]
 fn files_that_may_grow_to_any_size_are_old_or_new() {
-    let (folder, inputs) = (Folder::new(), inputs());
-    let mut points = 0;
-    for writer in &WRITERS {
-        let wanted = undisturbed(writer, &folder, &inputs);
-        let outputs = wanted.iter().filter(|(name, _)| !inputs.contains_key(*name));
-        let largest = outputs.map(|(_, bytes)| bytes.len().div_ceil(512)).max().unwrap_or_default();
-        // Sizes from nothing to the largest file, in blocks of 512 bytes.
-        let steps = number("GLANZ_FAILURES_CALLS", 3).min(largest as u64);
-        for step in 0..steps {
-            let blocks = largest as u64 * step / steps;
-            writer.prepare(&folder, &inputs);
-            let (name, value) = DATE;
-            let script = format!("ulimit -f {blocks}; {name}={value} exec $GLANZ {}", writer.line());
-            let ran = folder.run_script(&script);
-            let point = format!("a limit of {blocks} blocks");
-            assert_eq!(ran.code, Some(1), "{}: {point}: {}", writer.line, ran.stderr);
-            assert!(ran.stderr.contains("larger than the system permits"), "{}: {}", writer.line, ran.stderr);
-            check(writer, &folder, &inputs, &wanted, false, &point);
-            points += 1;
-            if step == 0 || steps > 10 {
-                run_again(writer, &folder, &wanted, &point);
-            }
-        }
-    }
+    let points: u64 = std::thread::scope(|scope| {
+        let threads: Vec<_> =
+            WRITERS.iter().map(|writer| scope.spawn(move || limited_sizes(writer))).collect();
+        threads.into_iter().map(|thread| thread.join().expect("a command without losses")).sum::<u64>()
+    });
     println!("{points} limits of the size of files");
 }
 
+/// Number of limits under which the command was run.
+fn limited_sizes(writer: &Writer) -> u64 {
+    let (folder, inputs) = (Folder::new(), inputs());
+    let wanted = undisturbed(writer, &folder, inputs);
+    let outputs = wanted.iter().filter(|(name, _)| !inputs.contains_key(*name));
+    let largest = outputs.map(|(_, bytes)| bytes.len().div_ceil(512)).max().unwrap_or_default();
+    // Sizes from nothing to the largest file, in blocks of 512 bytes.
+    let steps = number("GLANZ_FAILURES_CALLS", 3).min(largest as u64);
+    for step in 0..steps {
+        let blocks = largest as u64 * step / steps;
+        writer.prepare(&folder, inputs);
+        let (name, value) = DATE;
+        let script = format!("ulimit -f {blocks}; {name}={value} exec $GLANZ {}", writer.line());
+        let ran = folder.run_script(&script);
+        let point = format!("a limit of {blocks} blocks");
+        assert_eq!(ran.code, Some(1), "{}: {point}: {}", writer.line, ran.stderr);
+        assert!(ran.stderr.contains("larger than the system permits"), "{}: {}", writer.line, ran.stderr);
+        check(writer, &folder, inputs, &wanted, false, &point);
+        if step + 1 == steps || steps > 10 {
+            run_again(writer, &folder, &wanted, &point);
+        }
+    }
+    steps
+}
+
 /// System calls that change files, and what is done to them.
-const CALLS: [&str; 8] = ["openat", "write", "fsync", "rename", "unlink", "fchmod", "mkdir", "flock"];
+const CALLS: [&str; 10] =
+    ["openat", "write", "fsync", "rename", "unlink", "fchmod", "mkdir", "flock", "fallocate", "ftruncate"];
 const FAULTS: [&str; 4] = ["error=ENOSPC", "error=EIO", "error=EINTR", "signal=KILL"];
 
 /// Every call of the system that changes files fails or is the last one, by strace.
@@ -232,12 +276,8 @@ fn calls_that_fail_or_are_the_last_leave_files_old_or_new() {
         println!("no calls of the system are made to fail; `cargo xtask failures` does so");
         return;
     }
-    let inputs = inputs();
     let counts: Vec<u64> = std::thread::scope(|scope| {
-        let run = |writer| {
-            let inputs = &inputs;
-            scope.spawn(move || failing_calls(writer, inputs, most))
-        };
+        let run = |writer| scope.spawn(move || failing_calls(writer, inputs(), most));
         let threads: Vec<_> = WRITERS.iter().map(run).collect();
         threads.into_iter().map(|thread| thread.join().expect("a command without losses")).collect()
     });
@@ -307,18 +347,23 @@ const LONG_WRITERS: [LongWriter; 4] = [
     LongWriter { line: "optimize design.pbrt -o better.pbrt --rays N --checkpoint state", least: 200 },
 ];
 
-/// Kills each command at random moments of a run of `seconds`, so many times.
+/// Number of kills of a command, unless a variable sets it.
+const FEW_KILLS: u64 = 2;
+
+/// Kills each command at random moments of a run of `seconds`, so many times; few kills come after a part of the time that is always the same.
 fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f64) {
     let folder = Folder::new();
-    inputs.iter().for_each(|(name, bytes)| folder.write(name, bytes));
+    restore(&folder, inputs);
     let line = |count: u64| format!("{} --threads 1 -q", writer.line.replace('N', &count.to_string()));
     let start = Instant::now();
     assert_eq!(run(&folder, &line(writer.least)).code, Some(0), "{}", writer.line);
     let count = (writer.least as f64 * seconds / start.elapsed().as_secs_f64()).max(1.0) as u64;
-    folder.remove("state");
+    restore(&folder, inputs);
     let (line, start) = (line(count), Instant::now());
     assert_eq!(run(&folder, &line).code, Some(0), "{line}");
     let (whole, duration) = (folder.content(), start.elapsed());
+    // Nothing of the whole run, or else a missing file would not be noticed.
+    restore(&folder, inputs);
     let (mut done, mut ends, mut seed) = (0, 0, 1_u64);
     while done < kills || ends == 0 {
         // After the last kill the run goes on to its end.
@@ -327,7 +372,8 @@ fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f6
         let mut child = command.spawn().expect("the program starts");
         if done < kills {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let moment = (seed >> 40) as f64 / f64::from(1 << 24) * 1.2;
+            let random = (seed >> 40) as f64 / f64::from(1 << 24) * 1.2;
+            let moment = if kills > FEW_KILLS { random } else { 0.4 };
             std::thread::sleep(Duration::from_secs_f64(moment * duration.as_secs_f64()));
             // It may have ended.
             done += u64::from(child.try_wait().expect("a child").is_none());
@@ -338,7 +384,7 @@ fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f6
             assert_eq!(ran.code, Some(0), "{line}: {}", ran.stderr);
             assert!(folder.content() == whole, "{line} after {done} kills: {:?}", folder.content().keys());
             ends += 1;
-            folder.remove("state");
+            restore(&folder, inputs);
         }
     }
     println!("{done} kills, {ends} ends with the same bits, {:.1} s: glanz {line}", duration.as_secs_f64());
@@ -346,11 +392,11 @@ fn kill_at_random(writer: &LongWriter, inputs: &Content, kills: u64, seconds: f6
 
 fn killed(number: usize) {
     let kills = number_of_kills();
-    kill_at_random(&LONG_WRITERS[number], &inputs(), kills, if kills > 2 { 3.0 } else { 0.7 });
+    kill_at_random(&LONG_WRITERS[number], inputs(), kills, if kills > FEW_KILLS { 3.0 } else { 0.7 });
 }
 
 fn number_of_kills() -> u64 {
-    number("GLANZ_FAILURES_KILLS", 2)
+    number("GLANZ_FAILURES_KILLS", FEW_KILLS)
 }
 
 #[test]
