@@ -101,7 +101,7 @@ impl Resource {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResourceLimits {
     /// Bytes of memory, as far as readers and the scene account for it: pictures, meshes, surfaces, parameters. Default: three quarters of what is available when the process first asks,
-    /// of the machine or of its control group, where cached files count as free; 4 GiB where neither can be asked, as on systems other than Linux.
+    /// of the machine or of the control groups around the process, where cached files count as free; 4 GiB where neither can be asked, as on systems other than Linux.
     pub memory: u64,
     /// Bytes of the files that are read. Default: 2^40.
     pub bytes: u64,
