@@ -47,7 +47,13 @@ pub(crate) fn diagnostics<'py>(
     origins: &LineOrigins,
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let class = class(py, "Diagnostic")?;
+    let limit = list.limit().map(|limit| {
+        format!("raise it with limits={{\"{}\": \"{}\"}}", limit.resource.name(), limit.suggestion())
+    });
     let of = |diagnostic: &Diagnostic| {
+        let help = if diagnostic.kind == "limit" { limit.clone() } else { None };
+        let help = help.or_else(|| diagnostic.help.clone());
+        let diagnostic = &Diagnostic { help, ..diagnostic.clone() };
         let place = diagnostic.location.map(|location| (location.line, location.column)).unzip();
         let Diagnostic { severity, file, message, help, .. } = diagnostic;
         let text = diagnostic.to_string();

@@ -198,6 +198,9 @@ def test_limits_end_reading_with_a_place(tmp_path: Path) -> None:
         with pytest.raises(glanz.SceneError, match=message) as raised:
             glanz.load(tmp_path / "0.pbrt", limits=limits)
         assert raised.value.line is not None
+        advice = {"files": 'limits={"files": "600"}', "tokens": 'limits={"tokens": "600"}'}[next(iter(limits))]
+        assert raised.value.diagnostics[0].help == f"raise it with {advice}"
+        assert advice in str(raised.value)
     with pytest.raises(ValueError, match="limits: memory is much"):
         glanz.loads("WorldBegin", limits={"memory": "much"})
     with pytest.raises(ValueError, match="limits"):

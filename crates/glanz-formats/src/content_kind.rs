@@ -80,7 +80,7 @@ const OWN: [(&[u8], OwnFile); 7] = [
 ];
 
 /// Files that are not read, by their first bytes.
-const FOREIGN: [(&[u8], &str, ForeignRemedy); 22] = [
+const FOREIGN: [(&[u8], &str, ForeignRemedy); 21] = [
     (b"#usda", "a USD stage", ForeignRemedy::ExportMeshes),
     (b"PXR-USDC", "a USD stage", ForeignRemedy::ExportMeshes),
     (b"BLENDER", "a file of Blender", ForeignRemedy::ExportMeshes),
@@ -92,7 +92,6 @@ const FOREIGN: [(&[u8], &str, ForeignRemedy); 22] = [
     (b"AC10", "a DWG drawing", ForeignRemedy::ExportCad),
     (b"AutoCAD Binary DXF", "a DXF drawing", ForeignRemedy::ExportCad),
     (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "a document of a CAD or office program", ForeignRemedy::ExportCad),
-    (b"newmtl", "a library of materials (MTL), without surfaces", ForeignRemedy::None),
     (b"PK\x03\x04", "a ZIP archive", ForeignRemedy::Unpack),
     (b"\x1f\x8b", "compressed (gzip)", ForeignRemedy::Unpack),
     (b"\x28\xb5\x2f\xfd", "compressed (Zstandard)", ForeignRemedy::Unpack),
@@ -106,15 +105,17 @@ const FOREIGN: [(&[u8], &str, ForeignRemedy); 22] = [
 ];
 
 /// Files of XML that are not read, by their first element in lower case.
-const XML: [(&str, &str, ForeignRemedy); 7] = [
+const XML: [(&str, &str, ForeignRemedy); 6] = [
     ("scene", "a scene of Mitsuba (XML)", ForeignRemedy::ExportMeshes),
     ("collada", "a COLLADA file", ForeignRemedy::ExportMeshes),
     ("x3d", "an X3D file", ForeignRemedy::ExportMeshes),
     ("materialx", "materials of MaterialX (XML), without surfaces", ForeignRemedy::None),
-    ("!doctype html", "a page (HTML)", ForeignRemedy::Download),
     ("html", "a page (HTML)", ForeignRemedy::Download),
     ("svg", "a drawing (SVG)", ForeignRemedy::None),
 ];
+
+/// The name of a RIB file of which nothing is read.
+const RIB_WITHOUT_PATCHES: &str = "a RIB file without Patch, PatchMesh or NuPatch";
 
 /// Requests that begin a RIB file and are no directives of pbrt.
 const RIB: [&[u8]; 12] = [
@@ -155,7 +156,16 @@ impl ContentKind {
         file.take(HEAD as u64).read_to_end(&mut head).ok()?;
         // The size of a binary mesh is a part of its signature.
         let is_mesh = || stl::is_binary_stl(&head, length);
-        Self::of(&head).or_else(|| is_mesh().then_some(Self::Scene(SceneFormat::Model(ModelFormat::Stl))))
+        match Self::of(&head) {
+            // The first patch may be behind the head.
+            Some(Self::Foreign(foreign))
+                if foreign.name == RIB_WITHOUT_PATCHES && length > head.len() as u64 =>
+            {
+                Some(Self::Scene(SceneFormat::Model(ModelFormat::Rib)))
+            }
+            None if is_mesh() => Some(Self::Scene(SceneFormat::Model(ModelFormat::Stl))),
+            kind => kind,
+        }
     }
 
     /// The kind of a file that is no scene.
@@ -180,10 +190,8 @@ fn foreign(head: &[u8]) -> Option<(&'static str, ForeignRemedy)> {
     }
     let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
     if text.starts_with(b"<") {
-        let elements = text.split(|&b| b == b'<').skip(1);
-        let mut elements =
-            elements.filter(|element| !element.starts_with(b"?") && !element.starts_with(b"!--"));
-        let first = elements.next().unwrap_or_default().to_ascii_lowercase();
+        let first = first_element(text).to_ascii_lowercase();
+        let first = first.strip_prefix(b"!doctype ").unwrap_or(&first).trim_ascii_start();
         let is = |name: &str| {
             let rest = first.strip_prefix(name.as_bytes());
             rest.is_some_and(|rest| !rest.first().is_some_and(u8::is_ascii_alphanumeric))
@@ -198,12 +206,28 @@ fn foreign(head: &[u8]) -> Option<(&'static str, ForeignRemedy)> {
     let is_rib = |word: &[u8]| RIB.contains(&word);
     let mut code = text.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
     let first = code.find(|line| !line.is_empty() && !line.starts_with(b"#")).unwrap_or_default();
-    if text.starts_with(b"##RenderMan")
-        || is_rib(first.split(u8::is_ascii_whitespace).next().unwrap_or_default())
-    {
-        return Some(("a RIB file without Patch, PatchMesh or NuPatch", ForeignRemedy::None));
+    let word = first.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+    if text.starts_with(b"##RenderMan") || is_rib(word) {
+        return Some((RIB_WITHOUT_PATCHES, ForeignRemedy::None));
     }
-    None
+    let is_mtl = word == b"newmtl";
+    is_mtl.then_some(("a library of materials (MTL), without surfaces", ForeignRemedy::None))
+}
+
+/// What follows the `<` of the first element or declaration of XML; empty without one.
+fn first_element(text: &[u8]) -> &[u8] {
+    let mut rest = text;
+    while let Some(start) = rest.iter().position(|&b| b == b'<') {
+        let element = rest.get(start + 1..).unwrap_or_default();
+        let end: &[u8] = match element {
+            [b'!', b'-', b'-', ..] => b"-->",
+            [b'?', ..] => b"?>",
+            _ => return element,
+        };
+        let Some(length) = element.windows(end.len()).position(|window| window == end) else { break };
+        rest = element.get(length + end.len()..).unwrap_or_default();
+    }
+    &[]
 }
 
 impl ModelFormat {
@@ -258,6 +282,18 @@ mod tests {
     }
 
     #[test]
+    fn a_long_rib_file_may_have_patches_behind_its_head() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let header = "##RenderMan RIB\nversion 3.03\n";
+        std::fs::write(file.path(), header).unwrap();
+        let foreign = ContentKind::of_file(file.path());
+        assert!(matches!(foreign, Some(ContentKind::Foreign(_))), "{foreign:?}");
+        std::fs::write(file.path(), format!("{header}{}", "# a comment\n".repeat(HEAD / 8))).unwrap();
+        let rib = ContentKind::Scene(SceneFormat::Model(ModelFormat::Rib));
+        assert_eq!(ContentKind::of_file(file.path()), Some(rib));
+    }
+
+    #[test]
     fn files_are_named_by_their_content() {
         let ldt = "Maker\n1\n1\n1\n0\n19\n5\nreport\n";
         for (bytes, name) in [
@@ -268,6 +304,11 @@ mod tests {
             (b"\xef\xbb\xbf<scene>", "a scene of Mitsuba (XML)"),
             (b"<sceneries>", "an XML file"),
             (b"<!DOCTYPE html><html>", "a page (HTML)"),
+            (b"<!-- <scene> --><html>", "a page (HTML)"),
+            (b"<?xml version=\"1.0\"?><!DOCTYPE X3D PUBLIC \"x\">", "an X3D file"),
+            (b"<!DOCTYPE svg>", "a drawing (SVG)"),
+            (b"# made by\nnewmtl a\n", "a library of materials (MTL), without surfaces"),
+            (b"newmtl a\n", "a library of materials (MTL), without surfaces"),
             (b"<COLLADA xmlns=\"x\">", "a COLLADA file"),
             (b"#usda 1.0\n", "a USD stage"),
             (b"PXR-USDC\0\0", "a USD stage"),

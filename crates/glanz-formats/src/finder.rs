@@ -231,7 +231,10 @@ impl FileFinder {
             return Err(io::Error::new(io::ErrorKind::Unsupported, "the file is only listed"));
         }
         let read = read_file(path, &self.budget);
-        if read.is_err() && self.budget.failure().is_none() {
+        // A folder or a file that grows is there, and so is one for which the budget does not suffice.
+        let is_there =
+            |error: &io::Error| matches!(error.kind(), io::ErrorKind::InvalidInput | io::ErrorKind::Other);
+        if read.as_ref().is_err_and(|error| !is_there(error)) {
             self.files.entry(path.to_owned()).and_modify(|file| file.exists = false);
         }
         let bytes = read?;

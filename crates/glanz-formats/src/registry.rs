@@ -298,7 +298,7 @@ fn lies_in(path: &Path, folder: Option<&Path>) -> bool {
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load_str(name: &str, text: &str, options: &Options) -> Result<Loaded, Diagnostics> {
-    load_bytes(name, text.as_bytes().to_vec(), options)
+    load_shared(name, Arc::from(text.as_bytes()), options)
 }
 
 /// As [`load_str`], of the bytes of a scene file or a model, whose content shows its format.
@@ -306,9 +306,13 @@ pub fn load_str(name: &str, text: &str, options: &Options) -> Result<Loaded, Dia
 /// # Errors
 /// Diagnostics with at least one error.
 pub fn load_bytes(name: &str, bytes: Vec<u8>, options: &Options) -> Result<Loaded, Diagnostics> {
+    load_shared(name, bytes.into(), options)
+}
+
+fn load_shared(name: &str, bytes: Arc<[u8]>, options: &Options) -> Result<Loaded, Diagnostics> {
     let budget = options.budget();
     spend_file(&budget, bytes.len() as u64).map_err(|end| ended(name, end))?;
-    load_named(name, None, bytes.into(), options, &budget)
+    load_named(name, None, bytes, options, &budget)
 }
 
 fn load_named(

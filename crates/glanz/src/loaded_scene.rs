@@ -196,6 +196,11 @@ impl LoadedScene {
         self.resolve_for(&cancel)
     }
 
+    /// What reading has used, with the limits of later steps.
+    pub(crate) fn budget(&self) -> &ResourceBudget {
+        &self.budget
+    }
+
     /// As [`LoadedScene::resolve`], for a job with this flag.
     pub(crate) fn resolve_for(mut self, cancel: &CancelFlag) -> Result<(Scene, Vec<Warning>), Error> {
         let description = std::mem::take(&mut self.description);

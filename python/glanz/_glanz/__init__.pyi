@@ -303,9 +303,11 @@ class Scene:
             Whether noise is removed by Open Image Denoise, if it is installed.
         threads
             Number of threads; by default all processors.
-        checkpoint, resume
-            File for the state, written after a second, every 30 seconds (less often if that takes more than 5 % of the time) and at the end, by no other
-            process meanwhile; whether an existing one is resumed.
+        checkpoint
+            File for the state. It is written after one second, then at doubling intervals up to 30 seconds (longer if writing would take more than 5 % of
+            the time), and at the end. Another process that names the same file is refused.
+        resume
+            Whether an existing checkpoint is resumed.
         progress
             True for a bar (of tqdm, if installed), or a function of a `Progress`.
 

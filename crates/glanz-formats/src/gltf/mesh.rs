@@ -1,6 +1,6 @@
 //! Meshes: primitives as triangles.
 
-use glanz_job::Resource;
+use glanz_job::{MemoryReservation, Resource};
 use glanz_math::{DVec2, DVec3};
 use glanz_scene::description::{GeometryDescription, ShapeDescription, SurfaceMedia};
 
@@ -31,6 +31,12 @@ pub(super) const DRACO_HELP: &str =
 /// Bytes of an element of an accessor: a vector of numbers of eight bytes.
 const BYTES_PER_ELEMENT: u64 = 24;
 
+/// Bytes of a corner: the number of its vertex.
+const BYTES_PER_CORNER: u64 = 4;
+
+/// Bytes of a triangle.
+const BYTES_PER_TRIANGLE: u64 = 12;
+
 /// The message for a file whose primitives use the same elements again and again.
 const TOO_MUCH: &str = "the elements of the file are used too often; give primitives the same mesh instead of the same accessors";
 
@@ -51,6 +57,11 @@ impl UsedVertices {
         let all_used = used.len() == count;
         let triangles = corners.iter().map(|t| if all_used { *t } else { t.map(position) }).collect();
         Self { used, triangles }
+    }
+
+    /// Bytes of a value for each vertex.
+    fn bytes<T>(&self) -> u64 {
+        (size_of::<T>() as u64).saturating_mul(self.used.len() as u64)
     }
 
     /// The values of an accessor at the vertices.
@@ -139,6 +150,11 @@ impl<'a> GltfReader<'a, '_> {
             }
             let count = positions.count();
             let corners = self.corners(primitive, count)?;
+            let most = if mode == TRIANGLES { corners.len() / 3 } else { corners.len() };
+            // The corners, their triangles twice, and the sorted vertices.
+            let working = BYTES_PER_CORNER.saturating_mul(corners.len() as u64)
+                + (3 * BYTES_PER_TRIANGLE).saturating_mul(most as u64);
+            let _working = self.reserve(working, primitive.path())?;
             let (triangles, has_rest) = triangles(mode, &corners);
             if has_rest {
                 left_out(self, "corners that make no triangle are left out")?;
@@ -146,6 +162,7 @@ impl<'a> GltfReader<'a, '_> {
             if triangles.is_empty() {
                 return Ok(None);
             }
+            self.spend(BYTES_PER_TRIANGLE.saturating_mul(triangles.len() as u64), primitive.path())?;
             let vertices = UsedVertices::new(&triangles, count);
             let material = self.material(primitive.count("material")?, primitive)?;
             self.report_attributes(primitive, &attributes, &vertices, count)?;
@@ -170,12 +187,15 @@ impl<'a> GltfReader<'a, '_> {
     /// Numbers of the vertices at the corners, all below `count`.
     fn corners(&mut self, primitive: &JsonObject<'_>, count: usize) -> Result<Vec<u32>, GltfError> {
         let Some(number) = primitive.count("indices")? else {
-            self.use_elements(count, primitive.path())?;
+            self.count_elements(count, primitive.path())?;
+            self.reserve(BYTES_PER_CORNER.saturating_mul(count as u64), primitive.path())?;
             return Ok((0..count as u32).collect());
         };
         let path = primitive.path().name("indices");
         let indices = self.accessor(number, SCALAR, &path)?;
-        self.use_elements(indices.count(), &path)?;
+        self.count_elements(indices.count(), &path)?;
+        // Here they only have to fit.
+        self.reserve(BYTES_PER_CORNER.saturating_mul(indices.count() as u64), &path)?;
         let corners: Vec<u32> = (0..indices.count()).map(|i| indices.number(i)).collect();
         match corners.iter().position(|&corner| corner as usize >= count) {
             Some(wrong) => {
@@ -198,6 +218,7 @@ impl<'a> GltfReader<'a, '_> {
         let normals = match self.attribute(attributes, "NORMAL", VEC3)? {
             Some(accessor) => {
                 of_vertices(&accessor, "NORMAL")?;
+                self.spend(vertices.bytes::<DVec3>(), attributes.path())?;
                 let finite = |n: DVec3| if n.is_finite() { n } else { DVec3::ZERO };
                 Some(vertices.values(&accessor, [0.0; 3], |n| finite(n.into())))
             }
@@ -209,6 +230,7 @@ impl<'a> GltfReader<'a, '_> {
                 match self.attribute(attributes, &name, VEC2)? {
                     Some(accessor) => {
                         of_vertices(&accessor, &name)?;
+                        self.spend(vertices.bytes::<DVec2>(), attributes.path())?;
                         let mut uvs = vertices.values(&accessor, [0.0; 2], |found| {
                             let DVec2 { x, y } = uv.transform.apply(found.into());
                             // Pictures have their origin at the top here.
@@ -226,6 +248,7 @@ impl<'a> GltfReader<'a, '_> {
             }
             None => None,
         };
+        self.spend(vertices.bytes::<DVec3>(), attributes.path())?;
         let points: Vec<DVec3> = vertices.values(positions, [0.0; 3], DVec3::from);
         if let Some(wrong) = points.iter().position(|point| !point.is_finite()) {
             let vertex = vertices.used.get(wrong).copied().unwrap_or_default();
@@ -300,9 +323,20 @@ impl<'a> GltfReader<'a, '_> {
         self.spend(bytes, path)
     }
 
-    /// Counts elements that are used, so that time and memory are in proportion to the size of the file.
-    pub(super) fn use_elements(&mut self, count: usize, path: &JsonPath<'_>) -> Result<(), GltfError> {
+    /// Reserves memory of the budget.
+    fn reserve(&self, bytes: u64, path: &JsonPath<'_>) -> Result<MemoryReservation, GltfError> {
+        self.reader.finder.budget.reserve(bytes).map_err(|end| path.error(end.to_string()))
+    }
+
+    /// Counts elements that are used, so that the time is in proportion to the size of the file.
+    fn count_elements(&mut self, count: usize, path: &JsonPath<'_>) -> Result<(), GltfError> {
         self.elements_left = self.elements_left.checked_sub(count).ok_or_else(|| path.error(TOO_MUCH))?;
+        Ok(())
+    }
+
+    /// Counts elements that are used, and takes their memory off the budget.
+    pub(super) fn use_elements(&mut self, count: usize, path: &JsonPath<'_>) -> Result<(), GltfError> {
+        self.count_elements(count, path)?;
         self.spend(BYTES_PER_ELEMENT.saturating_mul(count as u64), path)
     }
 }

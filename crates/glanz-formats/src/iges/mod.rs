@@ -52,8 +52,8 @@ pub fn read(bytes: &[u8]) -> Result<BrepFile, IgesError> {
     read_with(bytes, &ResourceBudget::default())
 }
 
-/// Bytes for each byte of a file, beside the geometry, which is counted as it is made: 16 for a value of two.
-const MEMORY_PER_BYTE: u64 = 12;
+/// Bytes for each byte of a file, beside the geometry, which is counted as it is made: 16 for a value of two, in a list that grows.
+const MEMORY_PER_BYTE: u64 = 24;
 
 /// As [`read`] within a budget.
 ///

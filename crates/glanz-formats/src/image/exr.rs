@@ -11,9 +11,9 @@ use ::exr::image::write::WritableImage;
 use ::exr::image::write::channels::{ChannelsWriter, WritableChannels};
 use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer};
 use ::exr::math::{RoundingMode, Vec2};
-use ::exr::meta::MetaData;
 use ::exr::meta::attribute::{AttributeValue, ChannelDescription, ChannelList, LevelMode, SampleType, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
+use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{Compression, LineOrder, ReadChannels, ReadLayers, SmallVec, read as exr_read};
 use glanz_job::{MemoryReservation, ResourceBudget};
 use glanz_light::Pixels;
@@ -115,7 +115,19 @@ fn float_samples(header: &Header) -> u64 {
 /// Bytes of the decoder beside the planes: values of other types than those of the planes, and blocks, of which it makes copies.
 fn decoder_bytes(header: &Header) -> u64 {
     let others = samples(header, |kind| kind != SampleType::F32).saturating_mul(4);
-    others.saturating_add((header.max_block_byte_size() as u64).saturating_mul(BLOCK_COPIES))
+    others.saturating_add(block_bytes(header).saturating_mul(BLOCK_COPIES))
+}
+
+/// Bytes of the largest block: a tile, of which no more than the picture holds values, or some lines.
+fn block_bytes(header: &Header) -> u64 {
+    let (width, height) = (header.layer_size.0 as u64, header.layer_size.1 as u64);
+    let (width, height) = match header.blocks {
+        BlockDescription::Tiles(tiles) => {
+            (width.min(tiles.tile_size.0 as u64), height.min(tiles.tile_size.1 as u64))
+        }
+        BlockDescription::ScanLines => (width, height.min(header.compression.scan_lines_per_block() as u64)),
+    };
+    width.saturating_mul(height).saturating_mul(header.channels.bytes_per_pixel as u64)
 }
 
 /// Adds the channels of a layer under unused names.

@@ -6,6 +6,7 @@ use glanz_job::{Resource, ResourceBudget};
 use glanz_scene::Location;
 use glanz_scene::description::FileId;
 
+use crate::growing_memory::GrowingReservation;
 use crate::source::Span;
 
 /// A token of the file.
@@ -35,6 +36,13 @@ const TOKENS_AT_ONCE: u64 = 256;
 const QUOTED: usize = 40;
 /// Largest number of bytes of a quoted text; a longer one lacks its closing quote.
 const MAX_TEXT: usize = 1 << 16;
+
+/// Bytes of a list that are too few to be reserved.
+const SHORT_LIST: u64 = 1 << 16;
+
+/// Memory of a list that grows while its values are read.
+#[derive(Debug, Default)]
+pub(crate) struct ListMemory(Option<GrowingReservation>);
 
 /// Lexer of the bytes of a file, which stores no tokens.
 #[derive(Clone, Debug)]
@@ -92,6 +100,16 @@ impl Lexer {
         let tokens = std::mem::take(&mut self.unspent);
         let spent = self.budget.check().and_then(|()| self.budget.spend(Resource::Tokens, tokens));
         spent.map_err(|end| LexError { place: self.place(1), message: end.to_string(), help: None })
+    }
+
+    /// Reserves memory for a list of `count` values: all are in the old list, and the new one has room for twice as many.
+    pub(crate) fn reserve_list<T>(&mut self, memory: &mut ListMemory, count: usize) -> Result<(), LexError> {
+        let bytes = (3 * size_of::<T>() as u64).saturating_mul(count as u64);
+        if bytes < SHORT_LIST {
+            return Ok(());
+        }
+        let reserved = memory.0.get_or_insert_with(|| GrowingReservation::new(&self.budget)).reach(bytes);
+        reserved.map_err(|end| LexError { place: self.place(1), message: end.to_string(), help: None })
     }
 
     /// The file being read.

@@ -5,6 +5,13 @@ use glanz_math::{DVec2, DVec3};
 
 use super::header::{PlyElement, PlyEncoding, PlyHeader, ScalarType};
 use super::{PlyError, PlyErrorKind, PlyMesh, PlyPosition};
+use crate::growing_memory::GrowingReservation;
+
+/// Bytes of a triangle in a list that grows: it is in the old list, and in one of twice the length.
+const BYTES_PER_TRIANGLE: u64 = 36;
+
+/// Bytes of a corner of the face being read, in such a list.
+const BYTES_PER_CORNER: u64 = 12;
 
 /// Cursor that reads successive numbers in any encoding.
 struct PlyNumberReader<'a> {
@@ -14,6 +21,11 @@ struct PlyNumberReader<'a> {
     line: u32,
     line_start: usize,
     budget: &'a ResourceBudget,
+    memory: GrowingReservation,
+    /// Bytes of the vertices so far.
+    vertex_bytes: u64,
+    /// Bytes of the triangles so far, and of the largest face.
+    face_bytes: u64,
 }
 
 impl<'a> PlyNumberReader<'a> {
@@ -33,6 +45,12 @@ impl<'a> PlyNumberReader<'a> {
 
     fn error(&self, kind: PlyErrorKind) -> PlyError {
         PlyError { position: self.position(), kind }
+    }
+
+    /// Reserves the memory of vertices and triangles.
+    fn reserve(&mut self) -> Result<(), PlyError> {
+        let reached = self.memory.reach(self.vertex_bytes.saturating_add(self.face_bytes));
+        reached.map_err(|end| self.error(end.into()))
     }
 
     /// The next number; `None` at the end of the file.
@@ -172,6 +190,9 @@ pub(super) fn read(bytes: &[u8], header: &PlyHeader, budget: &ResourceBudget) ->
         line: header.line,
         line_start: header.body,
         budget,
+        memory: GrowingReservation::new(budget),
+        vertex_bytes: 0,
+        face_bytes: 0,
     };
     if !header.elements.iter().any(|e| e.name == "vertex") {
         let position = PlyPosition::Text { line: header.line, column: 1 };
@@ -231,6 +252,12 @@ fn vertices(
         return Err(records.cursor.error(PlyErrorKind::TooMany(element.count)));
     }
     let (with_normals, with_uvs) = (has(3) && has(4) && has(5), has(6) && has(7));
+    let each = size_of::<DVec3>()
+        + if with_normals { size_of::<DVec3>() } else { 0 }
+        + if with_uvs { size_of::<DVec2>() } else { 0 };
+    let bytes = element.count.saturating_mul(each as u64);
+    records.cursor.vertex_bytes = records.cursor.vertex_bytes.saturating_add(bytes);
+    records.cursor.reserve()?;
     let count = element.count as usize;
     let mut positions = Vec::with_capacity(count);
     let mut normals = Vec::with_capacity(if with_normals { count } else { 0 });
@@ -318,6 +345,7 @@ fn faces(mut records: RecordReader<'_, '_>, corners: &mut TriangleBuilder) -> Re
         return records.skip();
     }
     let mut polygon = Vec::new();
+    let mut largest = 0;
     for face in 0..element.count {
         for p in &element.properties {
             let n = match p.list {
@@ -326,6 +354,13 @@ fn faces(mut records: RecordReader<'_, '_>, corners: &mut TriangleBuilder) -> Re
             };
             let wanted = p.list.is_some() && is_corners(&p.name);
             polygon.clear();
+            if wanted {
+                largest = largest.max(n);
+                let triangles = corners.triangles.len().saturating_add(n) as u64;
+                records.cursor.face_bytes = (BYTES_PER_TRIANGLE.saturating_mul(triangles))
+                    .saturating_add(BYTES_PER_CORNER.saturating_mul(largest as u64));
+                records.cursor.reserve()?;
+            }
             for _ in 0..n {
                 let value = records.number(p.scalar, face)?;
                 if !wanted {

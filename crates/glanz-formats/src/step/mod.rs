@@ -59,8 +59,8 @@ pub fn read(bytes: &[u8]) -> Result<BrepFile, StepError> {
     read_with(bytes, &ResourceBudget::default())
 }
 
-/// Bytes for each byte of a file, beside the geometry, which is counted as it is made: 16 for a token of two, and the list of instances.
-const MEMORY_PER_BYTE: u64 = 12;
+/// Bytes for each byte of a file, beside the geometry, which is counted as it is made: 16 for a token of two, in a list that grows, and the list of instances.
+const MEMORY_PER_BYTE: u64 = 24;
 
 /// As [`read`] within a budget.
 ///

@@ -187,6 +187,42 @@ fn parameters_of_shapes_give_their_memory_back() {
 }
 
 #[test]
+fn a_list_that_grows_is_taken_off_the_memory() {
+    // The list has 160 kB in the end, and three times as much while it is copied.
+    let text = format!("Film \"image\" \"float a\" [{}]", "1 ".repeat(20_000));
+    assert_eq!(resource(end(&text, &limited(|limits| limits.memory = 300_000))), Resource::Memory);
+}
+
+/// A STEP file with an open shell of so many whole spheres.
+fn step_faces(count: usize) -> String {
+    let (mut faces, mut names) = (String::new(), Vec::new());
+    for i in 100..100 + count {
+        writeln!(faces, "#{i}=ADVANCED_FACE('',(),#10,.T.);").unwrap();
+        names.push(format!("#{i}"));
+    }
+    format!(
+        "ISO-10303-21;HEADER;FILE_SCHEMA(('AUTOMOTIVE_DESIGN'));ENDSEC;DATA;
+         #1=SHAPE_REPRESENTATION('r',(#2),#50);#2=SHELL_BASED_SURFACE_MODEL('',(#3));#3=OPEN_SHELL('',({}));
+         #10=SPHERICAL_SURFACE('',#11,50.);#11=AXIS2_PLACEMENT_3D('',#12,$,$);#12=CARTESIAN_POINT('',(0.,0.,0.));
+         #51=(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));
+         #52=(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));
+         #50=(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNIT_ASSIGNED_CONTEXT((#51,#52))REPRESENTATION_CONTEXT('',''));
+         {faces}ENDSEC;END-ISO-10303-21;",
+        names.join(",")
+    )
+}
+
+#[test]
+fn faces_of_cad_files_are_taken_off_the_budget() {
+    let text = step_faces(200);
+    assert!(load_str("a", &text, &Options::default()).is_ok());
+    // Little more than what is reserved for the size of the file.
+    let memory = 24 * text.len() as u64 + 1000;
+    assert_eq!(resource(end(&text, &limited(|limits| limits.memory = memory))), Resource::Memory);
+    assert_eq!(resource(end(&text, &limited(|limits| limits.objects = 199))), Resource::Objects);
+}
+
+#[test]
 fn a_file_in_memory_counts_as_one_on_a_disk() {
     let loaded = load_str("a", "WorldBegin", &Options::default()).unwrap();
     assert_eq!((loaded.budget.used(Resource::Files), loaded.budget.used(Resource::Bytes)), (1, 10));

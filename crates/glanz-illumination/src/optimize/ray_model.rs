@@ -1,5 +1,6 @@
 //! Rays of a scene by their parameters on lights and mirrors, and the merits of their light with its derivatives.
 
+use glanz_job::{CancelFlag, ResourceBudget};
 use glanz_light::Wavelengths;
 use glanz_math::{DVec2, DVec3, Ray};
 use glanz_sampling::sequence::owen::{ScrambledSobol, unit};
@@ -36,6 +37,8 @@ pub(super) struct RayModel {
     merits: Vec<(Merit, f64)>,
     /// For each ray and merit.
     passages: Vec<Passage>,
+    /// Limits of each resolved scene.
+    budget: ResourceBudget,
 }
 
 /// Losses of a ray at its mirror and behind it.
@@ -82,8 +85,13 @@ impl RayModel {
     ///
     /// # Errors
     /// [`OptimizeError`] if lights, mirrors or targets are not of the supported kinds.
-    pub(super) fn new(description: &Description, count: usize, seed: u64) -> Result<Self, OptimizeError> {
-        let scene = resolved(description, &[])?;
+    pub(super) fn new(
+        description: &Description,
+        count: usize,
+        seed: u64,
+        budget: &ResourceBudget,
+    ) -> Result<Self, OptimizeError> {
+        let scene = resolved(description, &[], budget)?;
         let placed = scene.placed_surfaces();
         let (emitters, emitted) = emitters(&scene, &placed)?;
         let mirrors = mirrors(description, &scene, &placed);
@@ -98,6 +106,7 @@ impl RayModel {
             light_variables: light_variables(description, &scene, &placed),
             merits: merits.collect::<Result<_, OptimizeError>>()?,
             passages: Vec::new(),
+            budget: budget.clone(),
         };
         if model.merits.is_empty() {
             return Err(OptimizeError::NoTarget);
@@ -238,7 +247,7 @@ impl RayModel {
         description: &Description,
         displacements: &[f64],
     ) -> Result<(), OptimizeError> {
-        let scene = resolved(description, displacements)?;
+        let scene = resolved(description, displacements, &self.budget)?;
         self.aim(&scene, displacements);
         Ok(())
     }
@@ -368,8 +377,14 @@ impl RaySample {
     }
 }
 
-fn resolved(description: &Description, displacements: &[f64]) -> Result<Scene, OptimizeError> {
-    let scene = Scene::resolve(description.displaced(displacements));
+fn resolved(
+    description: &Description,
+    displacements: &[f64],
+    budget: &ResourceBudget,
+) -> Result<Scene, OptimizeError> {
+    // Each scene replaces the one before. The flag ends the search, which then still measures what it has found.
+    let budget = budget.for_next_step().with_cancel(CancelFlag::default());
+    let scene = Scene::resolve_with(description.displaced(displacements), &budget);
     scene.map(|(scene, _)| scene).map_err(|error| OptimizeError::Scene {
         displacements: displacements.to_vec(),
         error: Box::new(error),

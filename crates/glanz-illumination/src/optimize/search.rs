@@ -7,7 +7,7 @@ use argmin::core::{IterState, Problem, Solver, State};
 use argmin::solver::linesearch::MoreThuenteLineSearch;
 use argmin::solver::neldermead::NelderMead;
 use argmin::solver::quasinewton::LBFGS;
-use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobProgress, ProgressSink, WorkCount};
+use glanz_job::{CancelFlag, CheckpointTimer, JobEnd, JobProgress, ProgressSink, ResourceBudget, WorkCount};
 use glanz_math::Bounds3;
 use glanz_scene::Description;
 use glanz_scene::description::{GeometryDescription, GroupDescription, TargetKind, VariableQuantity};
@@ -110,7 +110,7 @@ pub struct OptimizeOutcome {
 
 /// Moves the variables of the scene until its targets are met as well as possible, from `state` if a search is resumed.
 ///
-/// A cancelled search returns the best displacements so far.
+/// A cancelled search returns the best displacements so far. The limits of `budget`, whose flag does not count, hold for each scene on the way.
 ///
 /// # Errors
 /// [`OptimizeError`] if the scene has no variable, target or reflected light, or something that is not supported, or if `state` has another number of displacements.
@@ -120,6 +120,7 @@ pub fn optimize(
     state: Option<OptimizeState>,
     sink: &mut (dyn ProgressSink<OptimizeState> + '_),
     cancel: &CancelFlag,
+    budget: &ResourceBudget,
 ) -> Result<OptimizeOutcome, OptimizeError> {
     let variables = &description.design.variables;
     if variables.is_empty() {
@@ -134,10 +135,11 @@ pub fn optimize(
     let mut search = Search {
         description,
         settings,
-        model: RayModel::new(description, settings.rays, settings.seed)?,
+        model: RayModel::new(description, settings.rays, settings.seed, budget)?,
         by_gradient: is_smooth(description),
         scales: scales(description),
         cancel,
+        budget,
         start: Instant::now(),
         first_iteration: state.as_ref().map_or(0, |state| state.iterations),
         skipped: 0,
@@ -207,6 +209,7 @@ struct Search<'a> {
     by_gradient: bool,
     scales: Vec<VariableScale>,
     cancel: &'a CancelFlag,
+    budget: &'a ResourceBudget,
     start: Instant,
     /// Steps before this run.
     first_iteration: u32,
@@ -229,7 +232,7 @@ impl Search<'_> {
     /// The model with displacements that its rays do not know.
     fn rebuilt(&self, displacements: &[f64]) -> Result<RayModel, OptimizeError> {
         let displaced = self.description.displaced(displacements);
-        let mut model = RayModel::new(&displaced, self.settings.rays, self.settings.seed)?;
+        let mut model = RayModel::new(&displaced, self.settings.rays, self.settings.seed, self.budget)?;
         model.skip_levels(self.skipped);
         Ok(model)
     }

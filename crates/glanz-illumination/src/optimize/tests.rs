@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use glanz_job::{CancelFlag, JobEnd, JobProgress, ProgressSink, Silent};
+use glanz_job::{CancelFlag, JobEnd, JobProgress, ProgressSink, ResourceBudget, Silent};
 use glanz_math::DVec3;
 use glanz_scene::Description;
 use glanz_scene::SceneBuilder;
@@ -74,7 +74,7 @@ fn bent_paraboloid() -> (Description, Vec<f64>) {
 }
 
 fn run(description: &Description, settings: &OptimizeSettings) -> Result<OptimizeOutcome, OptimizeError> {
-    optimize(description, settings, None, &mut Silent, &CancelFlag::default())
+    optimize(description, settings, None, &mut Silent, &CancelFlag::default(), &ResourceBudget::default())
 }
 
 #[test]
@@ -125,7 +125,8 @@ fn gradient_agrees_with_differences() {
     ];
     for only in 0..=targets.len() {
         let own = targets.get(only).map_or(targets.clone(), |target| vec![target.clone()]);
-        let model = RayModel::new(&reflector(own, variables.clone()), 3000, 1).unwrap();
+        let model =
+            RayModel::new(&reflector(own, variables.clone()), 3000, 1, &ResourceBudget::default()).unwrap();
         let at = [0.003, -0.002, 0.001, 0.004, -0.002, 0.001];
         let value = model.value(&at, true);
         for (i, slope) in value.gradient.iter().enumerate() {
@@ -156,7 +157,7 @@ fn flux_on_a_receiver_is_that_of_the_image_of_the_lamp() {
         variables: vec![variable(VariableQuantity::LightPosition { light: 0 }, DVec3::Z)],
         targets: vec![target(1, TargetKind::Flux)],
     };
-    let model = RayModel::new(&described(builder, design), 1 << 14, 0).unwrap();
+    let model = RayModel::new(&described(builder, design), 1 << 14, 0, &ResourceBudget::default()).unwrap();
     // The solid angle of a rectangle with the half sides a, a from a distance d is 4 asin(a^2 / (a^2 + d^2)).
     let expected = (0.25_f64 / (0.25 + 2.25)).asin() / std::f64::consts::PI;
     let TargetMeasure::Flux { share } = model.value(&[0.0], false).measures[0] else { panic!() };
@@ -244,12 +245,20 @@ fn interrupted_search_returns_its_best_and_resumes_to_the_same_bits() {
     let whole = run(&description, &settings).unwrap();
     let cancel = CancelFlag::default();
     let mut recorder = Recorder { states: Vec::new(), steps: 0, last: 75, cancel: cancel.clone() };
-    let broken = optimize(&description, &settings, None, &mut recorder, &cancel).unwrap();
+    let broken =
+        optimize(&description, &settings, None, &mut recorder, &cancel, &ResourceBudget::default()).unwrap();
     assert_eq!((broken.end, recorder.steps), (JobEnd::Interrupted, 75));
     // Better than the scene, and than the beginning of the round that was broken off.
     assert_eq!(recorder.states.last(), Some(&broken.state));
     assert!(broken.merit[1] < broken.merit[0] && broken.displacements != broken.state.displacements);
-    let resumed = optimize(&description, &settings, Some(broken.state), &mut Silent, &CancelFlag::default());
+    let resumed = optimize(
+        &description,
+        &settings,
+        Some(broken.state),
+        &mut Silent,
+        &CancelFlag::default(),
+        &ResourceBudget::default(),
+    );
     assert_eq!(resumed.unwrap(), whole);
 }
 
@@ -310,7 +319,7 @@ fn displacements_into_the_dark_are_given_up() {
         targets: vec![target(0, TargetKind::Collimation { direction: DVec3::Z })],
     };
     let description = described(builder, design);
-    let model = RayModel::new(&description, 500, 0).unwrap();
+    let model = RayModel::new(&description, 500, 0, &ResourceBudget::default()).unwrap();
     let mut dark = model.clone();
     dark.refresh(&description, &[-0.01]).unwrap();
     // With the shadows of the beginning, the focus is ideal; with its own, it is the worst.
@@ -340,8 +349,12 @@ fn all_patches_of_a_lamp_move_with_it() {
         targets: vec![target(0, TargetKind::Collimation { direction: DVec3::NEG_Z })],
     };
     let description = described(builder, design);
-    let moved = RayModel::new(&description, 1000, 3).unwrap().value(&[0.01], false).merit;
-    let anew = RayModel::new(&description.displaced(&[0.01]), 1000, 3).unwrap().value(&[], false).merit;
+    let moved =
+        RayModel::new(&description, 1000, 3, &ResourceBudget::default()).unwrap().value(&[0.01], false).merit;
+    let anew = RayModel::new(&description.displaced(&[0.01]), 1000, 3, &ResourceBudget::default())
+        .unwrap()
+        .value(&[], false)
+        .merit;
     assert!((moved / anew - 1.0).abs() < 1e-12, "{moved} {anew}");
 
     // Its control points are not followed by rays with fixed flux.
@@ -368,7 +381,7 @@ fn receivers_count_light_on_their_side_and_are_whole_rectangles() {
         for other in others {
             builder = builder.shape(other, MaterialKind::diffuse(0.0));
         }
-        RayModel::new(&described(builder, design()), 4000, 0)
+        RayModel::new(&described(builder, design()), 4000, 0, &ResourceBudget::default())
     };
     let share = |receiver: ShapeDescription| {
         let TargetMeasure::Flux { share } =
@@ -423,7 +436,8 @@ fn blocked_light_is_missing_in_the_share() {
             variables: vec![variable(VariableQuantity::LightPosition { light: 0 }, DVec3::Z)],
             targets: vec![target(1, TargetKind::Even { margin: 0.0 })],
         };
-        let model = RayModel::new(&described(builder, design), 1 << 14, 0).unwrap();
+        let model =
+            RayModel::new(&described(builder, design), 1 << 14, 0, &ResourceBudget::default()).unwrap();
         let value = model.value(&[], false);
         let TargetMeasure::Distribution { share, .. } = value.measures[0] else { panic!() };
         (share, value.merit)
@@ -459,7 +473,14 @@ fn scenes_without_a_task_or_light_are_refused() {
     let error = changed(&|d| d.design.targets = vec![target(0, TargetKind::Peak)]);
     assert!(matches!(error, OptimizeError::NoRectangle { index: 0 }), "{error}");
     let state = OptimizeState { displacements: vec![0.0; 4], ..OptimizeState::default() };
-    let search = optimize(&bent_paraboloid().0, &settings, Some(state), &mut Silent, &CancelFlag::default());
+    let search = optimize(
+        &bent_paraboloid().0,
+        &settings,
+        Some(state),
+        &mut Silent,
+        &CancelFlag::default(),
+        &ResourceBudget::default(),
+    );
     assert!(matches!(search, Err(OptimizeError::State { found: 4, expected: 5 })));
     // No ray is as good as one.
     assert!(run(&bent_paraboloid().0, &OptimizeSettings { rays: 0, iterations: 1, ..settings }).is_ok());

@@ -84,11 +84,11 @@ pub(super) fn lock(file: &File) -> io::Result<FileLock> {
 }
 
 fn is_unsupported(error: &Error) -> bool {
-    // ENOTSUP and EOPNOTSUPP, which have no kind in some versions of the standard library: of Linux; of macOS and the BSDs.
+    // ENOTSUP and EOPNOTSUPP, and ENOLCK of network folders without locks, which have no kind in some versions of the standard library: of Linux; of macOS and the BSDs.
     let numbers: &[i32] = if cfg!(target_os = "linux") {
-        &[95]
+        &[37, 95]
     } else if cfg!(unix) {
-        &[45, 102]
+        &[45, 77, 102]
     } else {
         &[]
     };

@@ -200,31 +200,3 @@ fn lock_errors_are_sentences() {
     let error = CheckpointLockError::Io(io::Error::from(io::ErrorKind::StorageFull));
     assert!(error.to_string().starts_with("cannot be locked: the disk is full ("), "{error}");
 }
-
-/// Every write of a file fails once, at each byte, with each error: the old file stays, and nothing else.
-#[test]
-fn writing_that_fails_at_any_call_keeps_the_old_file() {
-    let folder = Folder::new("every-call");
-    let file = folder.0.join("state");
-    write_atomically(&file, b"old").unwrap();
-    let mut points = 0;
-    for kind in [io::ErrorKind::StorageFull, io::ErrorKind::Other, io::ErrorKind::WriteZero] {
-        for call in 0..8 {
-            let failed = write_atomically_with(&file, |out| {
-                for number in 0..8 {
-                    if number == call {
-                        // A part of the block arrives.
-                        out.write_all(&[0; 2])?;
-                        return Err(io::Error::from(kind));
-                    }
-                    out.write_all(&[1; 5])?;
-                }
-                Ok(())
-            });
-            assert_eq!(failed.unwrap_err().source.kind(), kind);
-            assert_eq!((fs::read(&file).unwrap(), folder.entries()), (b"old".to_vec(), 1));
-            points += 1;
-        }
-    }
-    assert_eq!(points, 24);
-}

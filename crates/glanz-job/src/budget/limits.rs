@@ -60,14 +60,15 @@ impl Resource {
     /// An amount with its unit, for messages.
     pub(super) fn amount(self, amount: u64) -> String {
         let count = grouped(amount);
+        let s = if amount == 1 { "" } else { "s" };
         match self {
             Self::Memory => format!("{} of memory", readable_bytes(amount)),
             Self::Bytes => format!("{} of files", readable_bytes(amount)),
-            Self::Files => format!("{count} files"),
-            Self::Depth => format!("{count} files within one another"),
-            Self::Tokens => format!("{count} tokens"),
-            Self::Objects => format!("{count} objects"),
-            Self::Pixels => format!("{count} pixels"),
+            Self::Files => format!("{count} file{s}"),
+            Self::Depth => format!("{count} file{s} within one another"),
+            Self::Tokens => format!("{count} token{s}"),
+            Self::Objects => format!("{count} object{s}"),
+            Self::Pixels => format!("{count} pixel{s}"),
             Self::Time => format!("{} s", Duration::from_millis(amount).as_secs_f64()),
         }
     }
@@ -100,7 +101,7 @@ impl Resource {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ResourceLimits {
     /// Bytes of memory, as far as readers and the scene account for it: pictures, meshes, surfaces, parameters. Default: three quarters of what is available when the process first asks,
-    /// of the machine or of its control group, where cached files count as free; 4 GiB where neither can be asked, as on systems other than Linux.
+    /// of the machine or of the control groups around the process, where cached files count as free; 4 GiB where neither can be asked, as on systems other than Linux.
     pub memory: u64,
     /// Bytes of the files that are read. Default: 2^40.
     pub bytes: u64,
@@ -227,9 +228,9 @@ fn whole(text: &str, unit: f64) -> Option<u64> {
     (1.0..1.8e19).contains(&value).then_some(value as u64)
 }
 
-/// Bytes with two or three digits and a unit: `3.4 GB`.
+/// Bytes with two or three digits and a unit: `3.4 GiB`.
 fn readable_bytes(bytes: u64) -> String {
-    let units = [(1_u64 << 40, "TB"), (1 << 30, "GB"), (1 << 20, "MB"), (1 << 10, "kB")];
+    let units = [(1_u64 << 40, "TiB"), (1 << 30, "GiB"), (1 << 20, "MiB"), (1 << 10, "KiB")];
     match units.into_iter().find(|(unit, _)| bytes >= *unit) {
         Some((unit, name)) => {
             let value = bytes as f64 / unit as f64;
@@ -239,6 +240,7 @@ fn readable_bytes(bytes: u64) -> String {
                 format!("{value:.0} {name}")
             }
         }
+        None if bytes == 1 => "1 byte".to_owned(),
         None => format!("{bytes} bytes"),
     }
 }

@@ -68,7 +68,7 @@ pub struct LimitError {
     pub resource: Resource,
     /// Its limit, in the unit of [`ResourceLimits::get`].
     pub limit: u64,
-    /// The total that is needed, if it is known.
+    /// What is needed in all, at least, if it is known.
     pub needed: Option<u64>,
 }
 
@@ -250,11 +250,12 @@ impl LimitError {
         format!("raise ResourceLimits::{}", self.resource.name())
     }
 
-    /// A value of the limit that is worth a try, as [`ResourceLimits::set`] takes it: enough for what is needed as far as it is known, else twice as much.
+    /// A value of the limit that is worth a try, as [`ResourceLimits::set`] takes it: at least twice as much, and enough for what is needed as far as it is known.
     #[must_use]
     pub fn suggestion(&self) -> String {
         let twice = self.limit.saturating_mul(2).max(1);
-        self.resource.value_above(self.needed.map_or(twice, |needed| needed.saturating_add(needed / 4)))
+        let needed = self.needed.map_or(0, |needed| needed.saturating_add(needed / 4));
+        self.resource.value_above(twice.max(needed))
     }
 
     /// The option of the command line that sets the limit to the [suggestion](Self::suggestion).
@@ -273,7 +274,7 @@ impl fmt::Display for LimitError {
         let Self { resource, limit, needed } = self;
         write!(f, "the limit of {} is exceeded", resource.amount(*limit))?;
         match needed {
-            Some(needed) => write!(f, ": {} are needed", resource.amount(*needed)),
+            Some(needed) => write!(f, ": at least {} are needed", resource.amount(*needed)),
             None => Ok(()),
         }
     }

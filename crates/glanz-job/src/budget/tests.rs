@@ -130,7 +130,14 @@ fn suggestions_lift_the_limit_and_can_be_set() {
         }
     }
     let error = LimitError { resource: Resource::Memory, limit: 64 << 20, needed: Some(3_650_722_202) };
-    assert_eq!(error.to_string(), "the limit of 64 MB of memory is exceeded: 3.4 GB of memory are needed");
+    assert_eq!(
+        error.to_string(),
+        "the limit of 64 MiB of memory is exceeded: at least 3.4 GiB of memory are needed"
+    );
+    let little = LimitError { needed: Some((64 << 20) + 1), ..error };
+    assert_eq!(little.suggestion(), "128M", "what comes piece by piece needs more");
+    let one = LimitError { resource: Resource::Files, limit: 1, needed: None };
+    assert_eq!(one.to_string(), "the limit of 1 file is exceeded");
     assert_eq!((error.help(), error.suggestion()), ("raise ResourceLimits::memory".into(), "5G".into()));
     let tokens = LimitError { resource: Resource::Tokens, limit: 1_000_000_000, needed: None };
     assert_eq!(
@@ -145,6 +152,40 @@ fn available_memory_is_that_of_the_machine() {
     assert_eq!(machine::available_in(text), Some(8_192_000_000));
     assert_eq!(machine::available_in("MemTotal: 1 kB"), None);
     assert!(ResourceLimits::default().memory > 1 << 20);
+}
+
+#[test]
+fn the_least_of_the_control_groups_around_a_process_counts() {
+    let rest = |own: &str, files: &[(&str, &str)]| {
+        machine::group_rest(|path| {
+            let text = match path.to_str() {
+                Some("/proc/self/cgroup") => Some(own),
+                Some(path) => files.iter().find(|(name, _)| *name == path).map(|(_, text)| *text),
+                None => None,
+            };
+            text.map(str::to_owned)
+        })
+    };
+    // As of a job of Slurm, whose steps have no limit of their own.
+    let files = [
+        ("/sys/fs/cgroup/system.slice/job_1/memory.max", "5000\n"),
+        ("/sys/fs/cgroup/system.slice/job_1/memory.current", "1000\n"),
+        ("/sys/fs/cgroup/system.slice/job_1/step_0/memory.max", "max\n"),
+        ("/sys/fs/cgroup/system.slice/job_1/step_0/memory.current", "900\n"),
+        ("/sys/fs/cgroup/system.slice/memory.max", "9000\n"),
+        ("/sys/fs/cgroup/system.slice/memory.current", "6500\n"),
+    ];
+    assert_eq!(rest("0::/system.slice/job_1/step_0\n", &files), Some(2500));
+    let files = [
+        ("/sys/fs/cgroup/memory/slurm/job_1/memory.limit_in_bytes", "700\n"),
+        ("/sys/fs/cgroup/memory/slurm/job_1/memory.usage_in_bytes", "300\n"),
+        ("/sys/fs/cgroup/memory/slurm/job_1/memory.stat", "total_inactive_file 50\n"),
+    ];
+    assert_eq!(rest("9:cpu,cpuacct:/a\n4:memory:/slurm/job_1\n0::/\n", &files), Some(450));
+    assert_eq!(rest("4:cpu:/slurm/job_1\n", &files), None);
+    // Within a container, the paths are those outside.
+    let files = [("/sys/fs/cgroup/memory.max", "80"), ("/sys/fs/cgroup/memory.current", "30")];
+    assert_eq!((rest("0::/docker/a\n", &files), rest("", &files)), (Some(50), Some(50)));
 }
 
 #[test]

@@ -48,6 +48,7 @@ pub use incident::IncidentLight;
 pub use infinite::InfiniteLight;
 pub use photometric::PhotometricLight;
 pub use point::PointLight;
+pub(crate) use portal::LEAST_SIDE as LEAST_PORTAL_SIDE;
 pub use portal::PortalInfiniteLight;
 pub use projection::ProjectionLight;
 pub use rays::RayLight;

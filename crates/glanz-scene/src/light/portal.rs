@@ -20,7 +20,7 @@ use crate::scene::Scene;
 const RECTANGLE: f64 = 1e-3;
 
 /// Least number of pixels along the sides of the resampled picture.
-const LEAST_SIDE: usize = 128;
+pub(crate) const LEAST_SIDE: usize = 128;
 
 /// Radiance by direction from infinitely far that arrives through a rectangle only.
 ///

@@ -28,6 +28,9 @@ pub(crate) struct DensityGrid {
 }
 
 impl DensityGrid {
+    /// Memory of the bounds.
+    pub(crate) const BOUND_BYTES: usize = BOUNDS.pow(3) * size_of::<f32>();
+
     /// `values`: as many as the product of the `resolution`, x fastest, finite and at least 0.
     pub(crate) fn from_checked(resolution: [usize; 3], values: Arc<[f32]>, to_box: Transform) -> Self {
         // The longest axis first: the others then have few densities left.

@@ -5,10 +5,18 @@ use glanz_light::{SpectralDistribution, Spectrum, Wavelengths, units};
 use super::{WarningList, range_error, transform};
 use crate::description::{ImageDescription, LightDescription, LightKind, Location};
 use crate::error::{SceneError, SceneErrorKind};
-use crate::light::{Light, LightInput};
+use crate::light::{LEAST_PORTAL_SIDE, Light, LightInput};
 
 /// Bytes of each texel of a light's picture: its radiance, its weight, and the sums that select it.
 pub(super) const BYTES_PER_TEXEL: u64 = 40;
+
+/// Bytes that a light makes for its portal, however small its picture.
+pub(super) fn portal_bytes(light: &LightDescription) -> u64 {
+    match light.kind {
+        LightKind::PortalInfinite { .. } => BYTES_PER_TEXEL * (LEAST_PORTAL_SIDE * LEAST_PORTAL_SIDE) as u64,
+        _ => 0,
+    }
+}
 
 /// Bytes that a light makes of its picture.
 pub(super) fn picture_bytes(light: &LightDescription, images: &[ImageDescription]) -> u64 {

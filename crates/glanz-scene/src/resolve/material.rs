@@ -1,10 +1,11 @@
 //! Materials.
 
+use glanz_job::ResourceBudget;
 use glanz_light::Wavelengths;
 use glanz_shading::Material;
 
-use super::WarningList;
 use super::texture::ResolvedTextures;
+use super::{WarningList, spend};
 use crate::description::{Description, MaterialDescription, SurfaceDetailDescription};
 use crate::error::{SceneError, SceneErrorKind};
 use crate::light::picture_of;
@@ -14,9 +15,11 @@ pub(super) fn materials(
     description: &Description,
     textures: &ResolvedTextures,
     wavelengths: &Wavelengths,
+    budget: &ResourceBudget,
     warnings: &mut WarningList,
 ) -> Result<Vec<Material>, SceneError> {
     let resolve = |MaterialDescription { name, kind, location, .. }: &MaterialDescription| {
+        spend(budget, 0, size_of::<Material>() as u64, *location)?;
         let name = name_in_messages(name);
         match kind.resolve(&textures.inputs(wavelengths, *location)) {
             Ok(material) => {

@@ -1,12 +1,13 @@
 //! Participating media.
 
+use glanz_job::ResourceBudget;
 use glanz_light::{SpectralDistribution, Spectrum, Wavelengths};
 use glanz_math::{Bounds3, DMat4, DVec3};
 use glanz_shading::HenyeyGreenstein;
 
 use super::group::reference;
 use super::light::emitted_spectrum;
-use super::{range_error, transform};
+use super::{range_error, spend, transform};
 use crate::description::{DensityDescription, Description, Location, MediumDescription, SurfaceMedia};
 use crate::error::SceneError;
 use crate::medium::{
@@ -29,13 +30,19 @@ pub(super) struct MediaEnds {
 }
 
 impl ResolvedMedia {
-    pub(super) fn new(description: &Description, wavelengths: &Wavelengths) -> Result<Self, SceneError> {
+    pub(super) fn new(
+        description: &Description,
+        wavelengths: &Wavelengths,
+        budget: &ResourceBudget,
+    ) -> Result<Self, SceneError> {
         let count = description.media.len();
         if count > MAX_MEDIA {
             return Err(range_error(None, "number of media", count, "at most 65535"));
         }
         let (mut media, mut ids) = (Vec::new(), Vec::with_capacity(count));
         for described in &description.media {
+            let bounds = described.density.as_ref().map_or(0, |_| DensityGrid::BOUND_BYTES);
+            spend(budget, 0, (size_of::<Medium>() + bounds) as u64, described.location)?;
             ids.push(match medium(described, wavelengths)? {
                 Some(medium) => {
                     media.push(medium);

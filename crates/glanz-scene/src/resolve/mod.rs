@@ -52,12 +52,12 @@ impl Scene {
     /// The warnings name the parts that were repaired or left out.
     ///
     /// # Errors
-    /// [`SceneError`] with the place in the input for the first part that is invalid.
+    /// [`SceneError`] with the place in the input for the first part that is invalid, and [`SceneErrorKind::Budget`] at the default limits.
     pub fn resolve(description: Description) -> Result<(Self, Vec<SceneWarning>), SceneError> {
         Self::resolve_with(description, &ResourceBudget::default())
     }
 
-    /// As [`Scene::resolve`] within a budget, of which objects, lights and the memory of surfaces and pictures are taken.
+    /// As [`Scene::resolve`] within a budget, of which objects, lights and the memory of surfaces, materials, media and pictures are taken.
     ///
     /// # Errors
     /// [`SceneError`] as above, and [`SceneErrorKind::Budget`].
@@ -69,9 +69,9 @@ impl Scene {
         let mut warnings = WarningList::default();
         let camera = Camera::try_new(&description.camera, &description.film)?;
         let textures = texture::textures(&description, &wavelengths, budget)?;
-        let materials = material::materials(&description, &textures, &wavelengths, &mut warnings)?;
+        let materials = material::materials(&description, &textures, &wavelengths, budget, &mut warnings)?;
         let surface_details = material::surface_details(&description, &textures, &wavelengths)?;
-        let media = ResolvedMedia::new(&description, &wavelengths)?;
+        let media = ResolvedMedia::new(&description, &wavelengths, budget)?;
         let mut groups =
             GroupResolver::new(&materials, &surface_details, &media, &textures, &wavelengths, budget);
         if let Some(section) = &description.section {
@@ -86,7 +86,8 @@ impl Scene {
         let ResolvedGroups { groups, mut lights, mut light_spectra, receivers, media_ends } =
             groups.finish(description.world, &description.images, &mut warnings)?;
         for light in &description.lights {
-            let memory = size_of::<Light>() as u64 + light::picture_bytes(light, &description.images);
+            let picture = light::picture_bytes(light, &description.images).max(light::portal_bytes(light));
+            let memory = size_of::<Light>() as u64 + picture;
             spend(budget, 1, memory, light.location)?;
             lights.push(light::light(light, &description.images, &wavelengths, &mut warnings)?);
             light_spectra.push(EmissionSpectrum::new(&light.emission));

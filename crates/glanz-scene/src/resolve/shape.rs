@@ -93,6 +93,24 @@ pub(super) fn objects(
     })
 }
 
+/// Least number of bytes that the objects of a shape will have, as far as it is known before they are built.
+pub(super) fn least_bytes(geometry: &GeometryDescription) -> u64 {
+    let bytes = match geometry {
+        GeometryDescription::Triangles { positions, indices, .. } => {
+            positions.len() * LEAST_PER_VERTEX + indices.len() * LEAST_PER_TRIANGLE
+        }
+        GeometryDescription::Bilinear { indices, .. } => indices.len() * size_of::<SceneObject>(),
+        _ => 0,
+    };
+    bytes as u64
+}
+
+/// Bytes of the coordinates of a vertex of a mesh: three single numbers.
+const LEAST_PER_VERTEX: usize = 12;
+
+/// Bytes of a triangle of a mesh: the numbers of its vertices, and their coordinates once more.
+const LEAST_PER_TRIANGLE: usize = 48;
+
 fn mirrors(to_parent: &Transform) -> bool {
     to_parent.forward().matrix3.determinant() < 0.0
 }

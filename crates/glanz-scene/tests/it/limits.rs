@@ -4,9 +4,9 @@ use glanz_job::{BudgetError, CancelFlag, Resource, ResourceBudget, ResourceLimit
 use glanz_light::{Pixels, SpectralDistribution};
 use glanz_math::{DMat4, DVec3};
 use glanz_scene::description::{
-    EmissionDescription, FileId, GeometryDescription, GroupDescription, ImageDescription,
-    InstanceDescription, LightDescription, LightKind, Location, MaterialDescription, ShapeDescription,
-    SphereMapping,
+    DensityDescription, EmissionDescription, FileId, GeometryDescription, GroupDescription, ImageDescription,
+    InstanceDescription, LightDescription, LightKind, Location, MaterialDescription, MediumDescription,
+    ShapeDescription, SphereMapping,
 };
 use glanz_scene::studio::{CAD_GREY, cad_material};
 use glanz_scene::{Description, Scene, SceneErrorKind};
@@ -116,11 +116,42 @@ fn pictures_of_lights_are_counted() {
 }
 
 #[test]
+fn media_materials_and_portals_are_counted() {
+    let density = DensityDescription {
+        resolution: [1; 3],
+        values: vec![1.0].into(),
+        corners: [DVec3::ZERO, DVec3::ONE],
+        to_world: DMat4::IDENTITY,
+    };
+    let medium = MediumDescription {
+        density: Some(density),
+        location: Some(place(4)),
+        ..MediumDescription::new(0.1_f32, 0.2_f32)
+    };
+    let smoke =
+        || Description { media: vec![medium.clone(); 10], ..scene(shapes(vec![mesh(1)]), Vec::new()) };
+    // 16 kB of bounds for each.
+    assert_eq!(resource(end(smoke(), |limits| limits.memory = 150_000)), Some((Resource::Memory, Some(4))));
+    assert_eq!(resource(end(smoke(), |limits| limits.memory = 400_000)), None);
+    let portal = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+    let kind = LightKind::PortalInfinite { image: None, portal };
+    let light = LightDescription {
+        location: Some(place(3)),
+        ..LightDescription::new(kind, SpectralDistribution::from(1.0_f32))
+    };
+    let lit = || Description { lights: vec![light.clone()], ..scene(shapes(vec![mesh(1)]), Vec::new()) };
+    // 40 bytes for each of 128 x 128 texels.
+    assert_eq!(resource(end(lit(), |limits| limits.memory = 300_000)), Some((Resource::Memory, Some(3))));
+    assert_eq!(resource(end(lit(), |limits| limits.memory = 1_000_000)), None);
+}
+
+#[test]
 fn time_and_flag_end_preparing() {
     let meshes = || scene(shapes(vec![mesh(10)]), Vec::new());
+    // The first part is the material, which has no place.
     assert_eq!(
         resource(end(meshes(), |limits| limits.time = std::time::Duration::ZERO)),
-        Some((Resource::Time, Some(7)))
+        Some((Resource::Time, None))
     );
     let cancel = CancelFlag::default();
     cancel.cancel();

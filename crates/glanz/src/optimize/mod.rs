@@ -77,7 +77,7 @@ impl<'a> OptimizeBuilder<'a> {
         let write = |path: &Path, state: &OptimizeState| StateFile::write(path, &identity, state);
         let outcome = job.in_pool(|job| {
             let mut sink = JobSink::new(job, path.clone(), write);
-            let searched = optimize(description, &settings, state, &mut sink, &cancel);
+            let searched = optimize(description, &settings, state, &mut sink, &cancel, scene.budget());
             searched.map_err(|error| optimize_error(&scene, error))
         })?;
         if let Some(path) = &path {

@@ -37,7 +37,7 @@ fn limits_are_named_with_the_option_that_raises_them() {
             ["the limit of 300 files is exceeded", "raise it with --limit files=600"],
         ),
         ("bake 0.pbrt -o a.glb --limit tokens=300", ["the limit of 300 tokens", "--limit tokens=600"]),
-        ("optimize 0.pbrt -o a.pbrt --memory 1K", ["1 kB of memory is exceeded", "raise it with --memory"]),
+        ("optimize 0.pbrt -o a.pbrt --memory 1K", ["1 KiB of memory is exceeded", "raise it with --memory"]),
     ] {
         let ran = folder.run(command);
         ran.refused(1, &words);
@@ -82,7 +82,7 @@ fn standard_input_has_limits_and_ends_with_a_signal() {
     let folder = Folder::new();
     for (limit, words) in [
         ("--limit bytes=1000", ["standard input: the limit of 1000 bytes", "raise it with --limit bytes=2K"]),
-        ("--memory 4K", ["standard input: the limit of 4 kB of memory", "raise it with --memory 8K"]),
+        ("--memory 4K", ["standard input: the limit of 4 KiB of memory", "raise it with --memory 8K"]),
     ] {
         folder.run_script(&format!("yes | $GLANZ info - {limit}")).refused(1, &words);
     }

@@ -219,6 +219,9 @@ const BYTES_PER_INTENSITY: u64 = 16;
 /// Largest number of rays of a file: all are in memory, with 28 bytes each and 8 for their selection.
 const MAX_RAYS: u64 = 20_000_000;
 
+/// Least number of bytes of a ray in a file: position, direction and flux as single numbers.
+const LEAST_RECORD: u64 = 28;
+
 /// The rays of a file, each with its fraction of the flux, and the lumens stated in the file.
 fn read_rays(bytes: &[u8], budget: &ResourceBudget) -> Result<(Vec<SourceRay>, Option<f64>), String> {
     let rays = RayReader::new(bytes).map_err(|error| error.to_string())?;
@@ -226,8 +229,10 @@ fn read_rays(bytes: &[u8], budget: &ResourceBudget) -> Result<(Vec<SourceRay>, O
     if header.ray_count > MAX_RAYS {
         return Err(format!("it has {} rays, at most {MAX_RAYS} can be used", header.ray_count));
     }
-    let memory = header.ray_count.saturating_mul(size_of::<SourceRay>() as u64);
-    budget.spend(Resource::Memory, memory).map_err(|end| end.to_string())?;
+    let bytes_of = |rays: u64| rays.saturating_mul(size_of::<SourceRay>() as u64);
+    // The header may state more than there are. The list grows: all are in the old one, and there is room for twice as many in the new one.
+    let most = header.ray_count.min(bytes.len() as u64 / LEAST_RECORD);
+    let mut memory = budget.reserve(bytes_of(most).saturating_mul(3)).map_err(|end| end.to_string())?;
     let single = |v: DVec3| v.as_vec3().to_array();
     let read = rays.map(|ray| {
         budget.check().map_err(|end| end.to_string())?;
@@ -236,7 +241,10 @@ fn read_rays(bytes: &[u8], budget: &ResourceBudget) -> Result<(Vec<SourceRay>, O
         let lumens = ray.luminous_flux.or(ray.radiant_flux).unwrap_or(0.0);
         Ok(SourceRay { origin: single(ray.position), direction: single(ray.direction), lumens })
     });
-    let read: Vec<SourceRay> = read.collect::<Result<_, String>>()?;
+    let mut read: Vec<SourceRay> = read.collect::<Result<_, String>>()?;
+    read.shrink_to_fit();
+    memory.shrink(bytes_of(read.len() as u64));
+    memory.keep();
     let of_rays = || read.iter().map(|ray| f64::from(ray.lumens)).sum();
     let stated = header.luminous_flux.map(f64::from).or_else(|| header.has_luminous_flux.then(of_rays));
     Ok((read, stated))

@@ -1,5 +1,6 @@
 //! `Material`, `MakeNamedMaterial`, `NamedMaterial`.
 
+use glanz_job::Resource;
 use glanz_light::named;
 use glanz_scene::description::{
     DescriptionForm, FloatParameter, MaterialDescription, MaterialKind, SpectrumParameter,
@@ -217,6 +218,7 @@ impl Lowering {
         if let Some(finish) = self.finishes.get(&key) {
             return Ok(Some(finish.clone()).filter(scatters));
         }
+        self.reporter.spend(&parameter.value_place, Resource::Memory, BYTES_PER_FINISH)?;
         let finish = SurfaceFinish::try_new(model).map_err(|error| {
             let wrong = match error {
                 FinishError::Range { parameter, .. } => parameter,
@@ -254,6 +256,9 @@ impl Lowering {
         }))
     }
 }
+
+/// Bytes of the tables of a finish: 4097 rings of two numbers, and 1025 angles of incidence.
+const BYTES_PER_FINISH: u64 = 16 * 4097 + 8 * 1025;
 
 /// The material of shapes without one, and of a name until it is defined.
 fn grey_material(name: &str, place: &Span) -> MaterialDescription {

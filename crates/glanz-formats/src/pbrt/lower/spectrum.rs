@@ -11,7 +11,7 @@ use super::named::{at_d_line, suggestion};
 use crate::file_list::FileKind;
 use crate::pbrt::color_space::ColorSpace;
 use crate::pbrt::dialect::Dialect;
-use crate::pbrt::lexer::Lexer;
+use crate::pbrt::lexer::{LexError, Lexer, ListMemory};
 use crate::pbrt::parameters::{Parameter, ParameterList, ParameterType, Values, shortened};
 use crate::source::{MISSING_FILE, ParseResult};
 
@@ -155,14 +155,17 @@ impl Lowering {
 
     /// The numbers of a text with comments; `path`: its path for the message of the error.
     pub(super) fn floats_of_file(&self, path: &Path, bytes: Vec<u8>) -> Result<Vec<f64>, String> {
-        let mut values = Vec::new();
+        let problem = |error: LexError| {
+            let at = error.place.location;
+            format!("{}:{}:{}: {}", path.display(), at.line, at.column, error.message)
+        };
+        let (mut values, mut memory) = (Vec::new(), ListMemory::default());
         let mut lexer = Lexer::new(bytes.into(), self.description_file(), &self.finder.budget);
         while lexer.peek().is_some() {
-            values.push(lexer.float().map_err(|error| {
-                let at = error.place.location;
-                format!("{}:{}:{}: {}", path.display(), at.line, at.column, error.message)
-            })?);
+            lexer.reserve_list::<f64>(&mut memory, values.len() + 1).map_err(problem)?;
+            values.push(lexer.float().map_err(problem)?);
         }
+        lexer.spend().map_err(problem)?;
         Ok(values)
     }
 

@@ -1,7 +1,7 @@
 //! Syntax of parameters: declarations and values.
 
 use crate::nearest::nearest;
-use crate::pbrt::lexer::{LexError, Lexer, Token};
+use crate::pbrt::lexer::{LexError, Lexer, ListMemory, Token};
 use crate::source::{Span, shortened};
 
 /// The declared type of a parameter; synonyms of the dialects are the same type.
@@ -159,13 +159,17 @@ fn collect<T>(
         return read(lexer).map(|value| vec![value]);
     }
     let mut out = Vec::new();
+    let mut memory = ListMemory::default();
     loop {
         match lexer.peek() {
             Some(b']') => {
                 lexer.close()?;
                 return Ok(out);
             }
-            Some(_) => out.push(read(lexer)?),
+            Some(_) => {
+                lexer.reserve_list::<T>(&mut memory, out.len() + 1)?;
+                out.push(read(lexer)?);
+            }
             None => {
                 let place = lexer.place(1);
                 let message = "the file ends before a bracket is closed".to_owned();

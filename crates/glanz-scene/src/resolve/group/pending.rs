@@ -71,7 +71,11 @@ impl PendingShape {
     pub(super) fn build_within(self, budget: &ResourceBudget) -> Result<BuiltShape, SceneError> {
         let location = self.entry.location;
         budget.check().map_err(|end| SceneError { location, kind: end.into() })?;
+        // What does not fit is not built; afterwards, what was built counts instead.
+        let reserved = budget.reserve(shape::least_bytes(&self.shape.geometry));
+        let reserved = reserved.map_err(|end| SceneError { location, kind: end.into() })?;
         let built = self.build();
+        drop(reserved);
         let objects = built.objects.as_deref().unwrap_or_default();
         let bytes: u64 = objects.iter().map(object_bytes).sum();
         spend(budget, objects.len() as u64, bytes, location)?;
