@@ -5,7 +5,7 @@ use std::fmt::{self, Write};
 #[cfg(feature = "formats")]
 use glanz_formats::cad::CadReport;
 use glanz_job::{
-    BudgetError, CancelFlag, ContentHash, Interrupted, LimitError, Resource, ResourceBudget, ResourceLimits,
+    BudgetError, CancelFlag, ContentHash, Interrupted, Resource, ResourceBudget, ResourceLimits,
 };
 use glanz_scene::studio::{StudioSettings, add_studio};
 use glanz_scene::{
@@ -211,13 +211,7 @@ impl LoadedScene {
         let resolved = reserved.and_then(|()| Scene::resolve_with(description, &budget));
         let (scene, warnings) = resolved.map_err(|SceneError { location, kind }| match kind {
             SceneErrorKind::Budget(BudgetError::Interrupted) => Interrupted.into(),
-            SceneErrorKind::Budget(end) => {
-                let plain = self.diagnostic(Severity::Error, location, end.to_string());
-                Error::Scene(Diagnostics::of_end(
-                    Diagnostic { kind: "limit", help: end.help(), ..plain },
-                    end,
-                ))
-            }
+            SceneErrorKind::Budget(end) => Error::Scene(self.ended(location, end)),
             kind => self.fault(location, kind.to_string()),
         })?;
         let severity = if self.strict { Severity::Error } else { Severity::Warning };
@@ -297,17 +291,16 @@ impl LoadedScene {
         Diagnostic { severity, kind: KIND, file, location, message, excerpt: None, help: None }
     }
 
-    /// The message that resolving the scene has reached a limit.
+    /// The message that resolving the scene has ended.
     #[cfg(feature = "formats")]
-    fn limit(&self, location: Option<Location>, limit: LimitError) -> Diagnostics {
-        self.sources.end_of_resolving(location, BudgetError::Limit(limit))
+    fn ended(&self, location: Option<Location>, end: BudgetError) -> Diagnostics {
+        self.sources.end_of_resolving(location, end)
     }
 
     #[cfg(not(feature = "formats"))]
-    fn limit(&self, location: Option<Location>, limit: LimitError) -> Diagnostics {
-        let plain = self.diagnostic(Severity::Error, location, limit.to_string());
-        let diagnostic = Diagnostic { kind: "limit", help: Some(limit.help()), ..plain };
-        Diagnostics::of_end(diagnostic, BudgetError::Limit(limit))
+    fn ended(&self, location: Option<Location>, end: BudgetError) -> Diagnostics {
+        let plain = self.diagnostic(Severity::Error, location, end.to_string());
+        Diagnostics::of_end(Diagnostic { kind: "limit", help: end.help(), ..plain }, end)
     }
 }
 

@@ -42,6 +42,22 @@ pub(crate) fn binomials(n: usize) -> impl Iterator<Item = f64> {
     })
 }
 
+/// The first `N` rows of Pascal's triangle, for tables of constants.
+pub(crate) const fn pascal_triangle<const N: usize>() -> [[f64; N]; N] {
+    let mut rows = [[0.0; N]; N];
+    let mut n = 0;
+    while n < N {
+        rows[n][0] = 1.0;
+        let mut k = 1;
+        while k <= n {
+            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k];
+            k += 1;
+        }
+        n += 1;
+    }
+    rows
+}
+
 /// The falling factorial n (n - 1) ... (n - k + 1).
 pub(super) fn falling(n: usize, k: usize) -> f64 {
     (0..k).fold(1.0, |f, i| f * n.saturating_sub(i) as f64)

@@ -10,6 +10,8 @@
 
 use glanz_math::DVec2;
 
+use crate::bezier::bernstein::pascal_triangle;
+
 /// Largest degree of a cell whose contact curve is searched, in both directions.
 pub(super) const MOST_DEGREE: usize = 7;
 
@@ -25,6 +27,9 @@ const SIGNIFICANT: f64 = 8.0;
 /// Values of the eliminant, in units of its uncertainty, up to which a part of the curve is in contact with the ray. One that is partly
 /// above has a range of three units or no root: halving ends.
 const CONTACT: f64 = 4.0;
+
+/// Accuracy of the places at which the eliminant is searched for values, in units of its uncertainty.
+const RESOLUTION: f64 = 1.0 / 64.0;
 
 /// Steps of the search for a root of the eliminant: bisection to the last bit.
 const MOST_STEPS: usize = 64;
@@ -144,20 +149,7 @@ fn along_curve(
 }
 
 /// Rows of Pascal's triangle up to the degree of the longest eliminant.
-static BINOMIALS: [[f64; LONGEST]; LONGEST] = {
-    let mut rows = [[0.0; LONGEST]; LONGEST];
-    let mut n = 0;
-    while n < LONGEST {
-        rows[n][0] = 1.0;
-        let mut k = 1;
-        while k <= n {
-            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k];
-            k += 1;
-        }
-        n += 1;
-    }
-    rows
-};
+static BINOMIALS: [[f64; LONGEST]; LONGEST] = pascal_triangle();
 
 /// Value and derivative of Bernstein coefficients.
 fn value(row: &[f64], x: f64) -> (f64, f64) {
@@ -181,8 +173,9 @@ fn value(row: &[f64], x: f64) -> (f64, f64) {
     (sum, n as f64 * slope)
 }
 
-/// Where `f`, with its derivative, changes from negative at `from` to positive at `to`; the end if it does not.
-fn crossing(f: impl Fn(f64) -> (f64, f64), [from, to]: [f64; 2]) -> f64 {
+/// Where `f`, with its derivative, changes from negative at `from` to positive at `to`, to within `accuracy` of `f`; the end if it does not.
+/// The search begins at `start`, between both.
+fn crossing(f: impl Fn(f64) -> (f64, f64), [from, to]: [f64; 2], start: f64, accuracy: f64) -> f64 {
     if f(from).0 >= 0.0 {
         return from;
     }
@@ -190,11 +183,11 @@ fn crossing(f: impl Fn(f64) -> (f64, f64), [from, to]: [f64; 2]) -> f64 {
         return to;
     }
     let (mut below, mut above) = (from, to);
-    let mut x = 0.5 * (below + above);
+    let mut x = start;
     let mut last = (to - from).abs();
     for _ in 0..MOST_STEPS {
         let (y, slope) = f(x);
-        if y == 0.0 {
+        if y.abs() <= accuracy {
             return x;
         }
         *(if y < 0.0 { &mut below } else { &mut above }) = x;
@@ -282,12 +275,11 @@ pub(super) fn classify(
             cell.g[row][column] = d.perp_dot(f);
         }
     }
-    let point = |x: f64, y: f64| if by_second { DVec2::new(x, y) } else { DVec2::new(y, x) };
-    cell.examine(noise, by_second, point)
+    cell.examine(noise, by_second)
 }
 
 impl ContactCell {
-    fn examine(&self, noise: f64, across_first: bool, point: impl Fn(f64, f64) -> DVec2) -> ArcClass {
+    fn examine(&self, noise: f64, by_second: bool) -> ArcClass {
         let q = self.q;
         let (least, most) = self.slopes();
         let mean = 0.5 * (least + most);
@@ -295,11 +287,15 @@ impl ContactCell {
         if least < REGULAR * mean || mean < SIGNIFICANT * noise {
             return ArcClass::Irregular;
         }
-        let open = ArcClass::Open { across_first };
         // The cubic through four points of the curve.
         let nodes = [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].map(|x| self.curve(x));
         let [Some(a), Some(b), Some(c), Some(d)] = nodes else {
-            return if nodes.iter().any(Option::is_some) { open } else { ArcClass::Irregular };
+            let is_partly_inside = nodes.iter().any(Option::is_some);
+            return if is_partly_inside {
+                ArcClass::Open { across_first: by_second }
+            } else {
+                ArcClass::Irregular
+            };
         };
         let y = [
             a,
@@ -317,102 +313,171 @@ impl ContactCell {
         let (curve, rest) = (Scaled::of(y.into_iter()), Scaled::of(y.map(|y| 1.0 - y).into_iter()));
         let [h, h_y] = along_curve(&self.h, self.p, q, &curve, &rest);
         let [g, g_y] = along_curve(&self.g, self.p, q, &curve, &rest);
-        let mut eliminant: Scaled<LONGEST> = Scaled { length: h.length + h_y.length - 1, ..Scaled::ZERO };
-        eliminant.add_product(&g, &h_y, 1.0);
-        eliminant.add_product(&g_y, &h, -1.0);
-        let psi = eliminant.unscaled();
-        let psi = &psi.coefficients[..psi.length];
+        let mut scaled: Scaled<LONGEST> = Scaled { length: h.length + h_y.length - 1, ..Scaled::ZERO };
+        scaled.add_product(&g, &h_y, 1.0);
+        scaled.add_product(&g_y, &h, -1.0);
         let [rises, steep] = [h_y.largest(), g_y.largest()];
         let distance = (h.largest() + noise) / slope;
         let bend = beyond(q.saturating_sub(2)) * (rises * self.bend(&self.g) + steep * self.bend(&self.h));
         let (curved, rounded) = (0.5 * distance * distance * bend, 1.5 * noise * (rises + steep));
         let limit = curved + rounded;
-        let (low, high) =
-            psi.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
+        // Products of very large or small numbers are none.
+        if !limit.is_finite() || limit <= 0.0 {
+            return ArcClass::Irregular;
+        }
+        let eliminant = Eliminant {
+            cell: self,
+            y,
+            psi: scaled.unscaled(),
+            limit,
+            offset: 2.0 * noise / slope,
+            by_second,
+        };
+        let (low, high) = eliminant.range();
         if low > limit || high < -limit {
             return ArcClass::Excluded;
         }
-        let at = |x: f64| self.curve(x).unwrap_or_else(|| value(&y, x).0);
-        let part = |x0: f64, x1: f64, x: f64, uncertainty: f64| {
-            let run = (value(&y, x).1.abs() * uncertainty).min(1.0);
-            ArcRoot {
-                at: point(x, at(x)),
-                uncertainty: point(uncertainty, run + 2.0 * noise / slope),
-                ends: [point(x0, at(x0)), point(x1, at(x1))],
-                contact: true,
-            }
-        };
         // Halving x divides the distance of the cubic by 16; a curve that is exact to rounding gains nothing by being shorter.
         if curved > rounded {
-            let across_first = if h.largest() > noise { across_first } else { !across_first };
-            return ArcClass::Open { across_first };
+            return ArcClass::Open { across_first: by_second == (h.largest() > noise) };
         }
+        eliminant.classify()
+    }
+}
+
+/// The eliminant of a cell along its contact curve.
+struct Eliminant<'a> {
+    cell: &'a ContactCell,
+    /// The cubic along which it is the eliminant.
+    y: [f64; 4],
+    /// Bernstein coefficients.
+    psi: Scaled<LONGEST>,
+    /// Uncertainty of the values at roots.
+    limit: f64,
+    /// Bound on the shift of a root across the curve by rounding.
+    offset: f64,
+    /// Whether x is the first parameter.
+    by_second: bool,
+}
+
+impl Eliminant<'_> {
+    fn coefficients(&self) -> &[f64] {
+        &self.psi.coefficients[..self.psi.length]
+    }
+
+    fn range(&self) -> (f64, f64) {
+        self.coefficients().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)))
+    }
+
+    /// Accuracy of values at the places that are searched.
+    fn accuracy(&self) -> f64 {
+        RESOLUTION * self.limit
+    }
+
+    fn point(&self, x: f64, y: f64) -> DVec2 {
+        if self.by_second { DVec2::new(x, y) } else { DVec2::new(y, x) }
+    }
+
+    /// The point of the contact curve at x.
+    fn at(&self, x: f64) -> DVec2 {
+        self.point(x, self.cell.curve(x).unwrap_or_else(|| value(&self.y, x).0))
+    }
+
+    /// The part of the curve between x0 and x1, around a root at x.
+    fn arc(&self, [x0, x1]: [f64; 2], x: f64, uncertainty: f64) -> ArcRoot {
+        let run = (value(&self.y, x).1.abs() * uncertainty).min(1.0);
+        ArcRoot {
+            at: self.at(x),
+            uncertainty: self.point(uncertainty, run + self.offset),
+            ends: [self.at(x0), self.at(x1)],
+            contact: true,
+        }
+    }
+
+    /// All roots, if the eliminant is within rounding, monotone or convex.
+    fn classify(&self) -> ArcClass {
+        let ((low, high), limit) = (self.range(), self.limit);
         if low >= -CONTACT * limit && high <= CONTACT * limit {
-            return ArcClass::Roots([Some(part(0.0, 1.0, 0.5, 1.0)), None]);
+            return ArcClass::Roots([Some(self.arc([0.0, 1.0], 0.5, 1.0)), None]);
         }
-        let signed = |k: usize, order: usize| match order {
-            1 => psi[k + 1] - psi[k],
-            _ => psi[k + 2] - 2.0 * psi[k + 1] + psi[k],
+        if let Some(sign) = self.sign(1) {
+            return ArcClass::Roots([self.ascending(sign, [0.0, 1.0]), None]);
+        }
+        match self.sign(2) {
+            Some(sign) => self.convex(sign),
+            None => ArcClass::Open { across_first: self.by_second },
+        }
+    }
+
+    /// Difference of the first or second order.
+    fn difference(&self, k: usize, order: usize) -> f64 {
+        let psi = self.coefficients();
+        if order == 1 { psi[k + 1] - psi[k] } else { psi[k + 2] - 2.0 * psi[k + 1] + psi[k] }
+    }
+
+    /// The sign of all differences of an order, if they have the same.
+    fn sign(&self, order: usize) -> Option<f64> {
+        let count = self.psi.length.saturating_sub(order);
+        let (mut up, mut down) = (count > 0, count > 0);
+        for k in 0..count {
+            let s = self.difference(k, order);
+            (up, down) = (up && s >= 0.0, down && s <= 0.0);
+        }
+        if up {
+            Some(1.0)
+        } else if down {
+            Some(-1.0)
+        } else {
+            None
+        }
+    }
+
+    /// The root between two places between which the eliminant ascends, multiplied by `sign`.
+    fn ascending(&self, sign: f64, [from, to]: [f64; 2]) -> Option<ArcRoot> {
+        let limit = self.limit;
+        let above = |x: f64, level: f64| {
+            let (f, slope) = value(self.coefficients(), x);
+            (sign * f - level, sign * slope)
         };
-        let sign = |order: usize| {
-            let count = psi.len().saturating_sub(order);
-            let (mut up, mut down) = (count > 0, count > 0);
-            for k in 0..count {
-                let s = signed(k, order);
-                (up, down) = (up && s >= 0.0, down && s <= 0.0);
-            }
-            if up {
-                Some(1.0)
-            } else if down {
-                Some(-1.0)
-            } else {
-                None
-            }
-        };
-        // The root between two places between which the eliminant ascends, multiplied by `sign`.
-        let ascending = |sign: f64, [from, to]: [f64; 2]| {
-            let above = |x: f64, level: f64| {
-                let (f, slope) = value(psi, x);
-                (sign * f - level, sign * slope)
+        if above(from, 0.0).0 > limit || above(to, 0.0).0 < -limit {
+            return None;
+        }
+        let level =
+            |level: f64, start: f64| crossing(|x| above(x, level), [from, to], start, self.accuracy());
+        let x = level(0.0, 0.5 * (from + to));
+        let (x0, x1) = (level(-limit, x), level(limit, x));
+        // At an end of the curve it may be the end of a contact in the next cell.
+        let contact = x0.min(x1) <= 0.0 || x0.max(x1) >= 1.0;
+        let found = ArcRoot { contact, ..self.arc([x0, x1], x, (x1 - x0).abs().max(f64::EPSILON)) };
+        let outside = (found.at - DVec2::splat(0.5)).abs() - 0.5;
+        let beside = outside.cmpgt(4.0 * found.uncertainty + 1e-12).any();
+        (!beside).then_some(found)
+    }
+
+    /// The roots of an eliminant that is convex, multiplied by `sign`: it ascends from the least value to both ends.
+    fn convex(&self, sign: f64) -> ArcClass {
+        let (psi, limit) = (self.coefficients(), self.limit);
+        let degree = psi.len() - 1;
+        let rises: [f64; LONGEST] =
+            std::array::from_fn(|k| if k < degree { sign * self.difference(k, 1) } else { 0.0 });
+        // Differences are derivatives over the degree. The value there is above the least one by no more than the accuracy.
+        let flat = self.accuracy() / degree as f64;
+        let x = crossing(|x| value(&rises[..degree], x), [0.0, 1.0], 0.5, flat);
+        let least = sign * value(psi, x).0;
+        if least > limit + self.accuracy() {
+            return ArcClass::Excluded;
+        }
+        if least < -limit {
+            return ArcClass::Roots([self.ascending(sign, [x, 0.0]), self.ascending(sign, [x, 1.0])]);
+        }
+        let [x0, x1] = [0.0, 1.0].map(|end| {
+            let above = |z: f64| {
+                let (f, slope) = value(psi, z);
+                (sign * f - 2.0 * limit, sign * slope)
             };
-            if above(from, 0.0).0 > limit || above(to, 0.0).0 < -limit {
-                return None;
-            }
-            let [x0, x, x1] = [-limit, 0.0, limit].map(|level| crossing(|x| above(x, level), [from, to]));
-            // At an end of the curve it may be the end of a contact in the next cell.
-            let contact = x0.min(x1) <= 0.0 || x0.max(x1) >= 1.0;
-            let found = ArcRoot { contact, ..part(x0, x1, x, (x1 - x0).abs().max(f64::EPSILON)) };
-            let outside = (found.at - DVec2::splat(0.5)).abs() - 0.5;
-            let beside = outside.cmpgt(4.0 * found.uncertainty + 1e-12).any();
-            (!beside).then_some(found)
-        };
-        if let Some(sign) = sign(1) {
-            return ArcClass::Roots([ascending(sign, [0.0, 1.0]), None]);
-        }
-        if let Some(sign) = sign(2) {
-            // Convex, if multiplied by the sign: it ascends from the least value to both ends.
-            let rises: [f64; LONGEST] =
-                std::array::from_fn(|k| if k + 1 < psi.len() { sign * signed(k, 1) } else { 0.0 });
-            let rises = &rises[..psi.len() - 1];
-            let x = crossing(|x| value(rises, x), [0.0, 1.0]);
-            let least = sign * value(psi, x).0;
-            if least > limit {
-                return ArcClass::Excluded;
-            }
-            if least < -limit {
-                return ArcClass::Roots([ascending(sign, [x, 0.0]), ascending(sign, [x, 1.0])]);
-            }
-            let [x0, x1] = [0.0, 1.0].map(|end| {
-                let above = |z: f64| {
-                    let (f, slope) = value(psi, z);
-                    (sign * f - 2.0 * limit, sign * slope)
-                };
-                crossing(above, [x, end])
-            });
-            let contact = part(x0, x1, x, (x1 - x0).max(f64::EPSILON));
-            return ArcClass::Roots([Some(contact), None]);
-        }
-        open
+            crossing(above, [x, end], 0.5 * (x + end), self.accuracy())
+        });
+        ArcClass::Roots([Some(self.arc([x0, x1], x, (x1 - x0).max(f64::EPSILON))), None])
     }
 }
 

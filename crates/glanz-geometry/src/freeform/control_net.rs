@@ -3,7 +3,7 @@
 use glanz_math::DVec3;
 use glanz_math::glam::DVec4;
 
-use crate::bezier::bernstein::{BernsteinCoefficient, ROW_DEGREE, halve};
+use crate::bezier::bernstein::{BernsteinCoefficient, ROW_DEGREE, halve, pascal_triangle};
 use crate::bvh::simd::{Isa, Simd, Task};
 
 /// The largest degree of a patch in one direction; that of the common CAD kernels.
@@ -31,20 +31,7 @@ macro_rules! with_room {
 pub(super) use with_room;
 
 /// Rows of Pascal's triangle.
-pub(super) const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = {
-    let mut rows = [[0.0; MAX_DEGREE + 1]; MAX_DEGREE + 1];
-    let mut n = 0;
-    while n <= MAX_DEGREE {
-        rows[n][0] = 1.0;
-        let mut k = 1;
-        while k <= n {
-            rows[n][k] = rows[n - 1][k - 1] + rows[n - 1][k];
-            k += 1;
-        }
-        n += 1;
-    }
-    rows
-};
+pub(super) const BINOMIALS: [[f64; MAX_DEGREE + 1]; MAX_DEGREE + 1] = pascal_triangle();
 
 /// The powers of x and of 1 - x in Bernstein polynomials of a degree less than `N`.
 pub(super) struct BernsteinPowers<const N: usize> {

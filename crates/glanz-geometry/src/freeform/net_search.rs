@@ -57,6 +57,10 @@ impl SubdividablePatch for NetLeaf<'_> {
         }
         if rational {
             cells.extend(points.iter().map(|h| h.w));
+            // Products of very large or small weights would overflow.
+            let largest = points.iter().fold(f64::MIN_POSITIVE, |most, h| most.max(h.w));
+            let per = 1.0 / power_of_two_below(largest);
+            cells.iter_mut().for_each(|x| *x *= per);
         }
         cell_coefficients::restrict(cells, degrees, self.part);
         2.0 * space.noise
@@ -71,6 +75,11 @@ impl SubdividablePatch for NetLeaf<'_> {
     fn noise(&self, space: &RaySpace) -> f64 {
         space.noise
     }
+}
+
+/// The largest power of two up to `x`, a positive normal number.
+fn power_of_two_below(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & f64::INFINITY.to_bits())
 }
 
 /// A leaf of any degree as a map to the plane across the ray.

@@ -158,6 +158,16 @@ impl<S: Simd> ProjectedBicubic<S> {
         Self { first: simd.transpose64(first), second: simd.transpose64(second) }
     }
 
+    /// Whether both polynomials are zero on one of the edges, to within `noise`.
+    #[inline(always)]
+    fn vanishes_on_an_edge(&self, simd: S, noise: f64) -> bool {
+        let [a, b] = edge_sizes(simd, self.first);
+        let [c, d] = edge_sizes(simd, self.second);
+        let [e, f] = edge_sizes(simd, simd.transpose64(self.first));
+        let [g, h] = edge_sizes(simd, simd.transpose64(self.second));
+        a.max(c).min(b.max(d)).min(e.max(g)).min(f.max(h)) <= noise
+    }
+
     /// Appends every root in the square to `found`, those on the border of two cells possibly twice. `weight` is the
     /// weight of the surface at a point.
     #[inline(always)]
@@ -190,6 +200,11 @@ impl<S: Simd> ProjectedBicubic<S> {
                     }
                 }
                 BicubicCellClass::Open => {
+                    // Halves of an edge that is one point, or along the ray, are as hard as the whole.
+                    if cell.halvings == 0 && self.vanishes_on_an_edge(simd, bounds.noise * bounds.weights[1])
+                    {
+                        return Err(NoConvergence);
+                    }
                     let Some(slot) = stack.get_mut(height).filter(|_| cell.halvings < MOST_HALVINGS) else {
                         return Err(NoConvergence);
                     };
@@ -208,6 +223,15 @@ impl<S: Simd> ProjectedBicubic<S> {
         }
         Err(NoConvergence)
     }
+}
+
+/// Bounds on a polynomial on the edges s = -1 and s = 1: the sums of the coefficients of the powers of t.
+#[inline(always)]
+fn edge_sizes<S: Simd>(simd: S, [a, b, c, d]: [S::F64; 4]) -> [f64; 2] {
+    let (even, odd) = (simd.add64(a, c), simd.add64(b, d));
+    let minus = simd.store64(simd.abs64(simd.sub64(even, odd)));
+    let plus = simd.store64(simd.abs64(simd.add64(even, odd)));
+    [minus.iter().sum(), plus.iter().sum()]
 }
 
 /// Coefficients of higher order than one, and the orders of all of them: the sums of the derivatives by s and t have these

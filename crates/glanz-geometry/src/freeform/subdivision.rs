@@ -40,6 +40,13 @@ const DEFLATED: f64 = 4.0;
 /// apexes and curves in the surface, and four times as many as maps with a double point over a whole patch.
 const MOST_CELLS: usize = 2000;
 
+/// Number of cells of a leaf that are only halved: most leaves need no more, and for them the tests by `degree_reduction` and `contact_arc`
+/// cost more than they save.
+const EASY_CELLS: usize = 6;
+
+/// Degree from which lower degrees save more than their test costs, in any cell.
+const HIGH_DEGREE: usize = 8;
+
 /// Distance in the parameters within which tangencies are one root.
 const TANGENT_UNCERTAINTY: f64 = 1.0 / (1 << 18) as f64;
 
@@ -68,7 +75,7 @@ pub(super) struct SubdivisionCell {
     factor: f64,
     /// Error of the coefficients by lower degrees.
     reduction: f64,
-    /// Whether it is a half across x, or one across y; none for a whole leaf.
+    /// Whether it is a half across x, or one across y, of a cell whose degrees were reduced as far as possible.
     halved: Option<bool>,
 }
 
@@ -111,7 +118,8 @@ pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &
         reduction: 0.0,
         halved: None,
     };
-    let mut search = LeafSubdivision { patch, space, noise, lists, stack: vec![whole], flats: Vec::new() };
+    let mut search =
+        LeafSubdivision { patch, space, noise, lists, stack: vec![whole], flats: Vec::new(), is_hard: false };
     let mut count = 0;
     while let Some(cell) = search.stack.pop() {
         count += 1;
@@ -121,6 +129,7 @@ pub(super) fn roots(patch: &impl SubdividablePatch, space: &RaySpace, scratch: &
             scratch.undecided += 1;
             break;
         }
+        search.is_hard = count > EASY_CELLS;
         search.examine(cell, scratch);
     }
     join(search.flats, patch, space, &mut scratch.roots);
@@ -136,6 +145,8 @@ struct LeafSubdivision<'a, P> {
     lists: usize,
     stack: Vec<SubdivisionCell>,
     flats: Vec<FlatCell>,
+    /// Whether so many cells were examined that the expensive tests pay.
+    is_hard: bool,
 }
 
 impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
@@ -173,7 +184,8 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
             }
             CellClass::Open { across_x, slopes } => (across_x, slopes),
         };
-        for along_x in [true, false] {
+        let is_reducible = self.is_reducible(&cell);
+        for along_x in [true, false].into_iter().filter(|_| is_reducible) {
             // Only halving lowers the degree.
             if cell.halved.is_some_and(|across_x| across_x != along_x) {
                 continue;
@@ -188,6 +200,10 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
         let noise = exact + cell.reduction;
         if self.deflate(&mut cell, noise, scratch) {
             self.stack.push(cell);
+            return;
+        }
+        if !self.is_hard {
+            self.halve(cell, across_x, scratch);
             return;
         }
         let both = &scratch.cells[cell.start..cell.start + 2 * cell.length()];
@@ -210,9 +226,15 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
         self.halve(cell, across_x, scratch);
     }
 
+    /// Whether a lower degree of the cell is searched for.
+    fn is_reducible(&self, cell: &SubdivisionCell) -> bool {
+        self.is_hard || cell.degrees.0.max(cell.degrees.1) >= HIGH_DEGREE
+    }
+
     /// Puts the halves of the last cell in memory on the stack; one that is as small as parameters can be is a root.
     fn halve(&mut self, cell: SubdivisionCell, across_x: bool, scratch: &mut SearchScratch) {
-        let [low, high] = halve(&cell, across_x, self.lists * cell.length());
+        let halved = self.is_reducible(&cell).then_some(across_x);
+        let [low, high] = halve(&SubdivisionCell { halved, ..cell }, across_x, self.lists * cell.length());
         if low.width.min_element() < f64::EPSILON {
             let middle = cell.at(DVec2::splat(0.5));
             self.add(middle, DVec2::splat(TANGENT_UNCERTAINTY), &cell, scratch);
@@ -284,7 +306,7 @@ impl<P: SubdividablePatch> LeafSubdivision<'_, P> {
 }
 
 fn halve(cell: &SubdivisionCell, across_x: bool, size: usize) -> [SubdivisionCell; 2] {
-    let mut low = SubdivisionCell { halved: Some(across_x), ..*cell };
+    let mut low = *cell;
     let mut high = low;
     if across_x {
         low.width.x *= 0.5;

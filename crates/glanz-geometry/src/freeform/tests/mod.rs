@@ -394,3 +394,38 @@ fn patches_without_area_count_where_the_region_keeps_them() {
         assert_eq!(trimmed.patches_without_area(), expected);
     }
 }
+
+#[test]
+fn a_factor_of_all_weights_changes_no_hit() {
+    // A rational wave of degree 5 whose tangent rays need subdivision and contact curves.
+    let surface = |factor: f64| {
+        let points = (0..36).map(|k| {
+            let (i, j) = (f64::from(k / 6), f64::from(k % 6));
+            let (point, weight) =
+                (DVec3::new(i, j, (1.3 * i).sin() * (1.7 * j).cos()), 1.0 + 0.1 * (i * j).sin());
+            (point * weight).extend(weight) * factor
+        });
+        let patch = TensorPatch::try_new(5, 5, points.collect()).unwrap();
+        Freeform::try_new(vec![SurfacePatch::over_rectangle(patch, [0.0, 1.0], [0.0, 1.0]).unwrap()]).unwrap()
+    };
+    let plain = surface(1.0);
+    let mut rays = Vec::new();
+    for k in 0..200 {
+        let part = |a: f64| (f64::from(k) * a).fract();
+        let probe = Ray::new(DVec3::new(5.0 * part(0.618), 5.0 * part(0.733), 9.0), -DVec3::Z);
+        for hit in all(&plain, &probe) {
+            let at = plain.point(&probe, &hit);
+            let along = at.normal.cross(DVec3::new(part(0.377) - 0.5, part(0.541) - 0.5, 0.1)).normalize();
+            rays.push(Ray::new(at.position - 20.0 * along, along));
+        }
+    }
+    let expected: Vec<Vec<Hit>> = rays.iter().map(|ray| all(&plain, ray)).collect();
+    assert!(plain.subdivision_cells() > 1000, "{}", plain.subdivision_cells());
+    for exponent in [-560, 560] {
+        let scaled = surface(2.0_f64.powi(exponent));
+        for (ray, expected) in rays.iter().zip(&expected) {
+            assert_eq!(all(&scaled, ray), *expected, "{exponent} {ray:?}");
+        }
+        assert_eq!(scaled.undecided(), 0);
+    }
+}
