@@ -21,7 +21,7 @@ const LAYERS: &[LayeredCrate] = &[
     LayeredCrate { layer: 1, name: "glanz-sampling", may_use: "math" },
     LayeredCrate { layer: 2, name: "glanz-brep", may_use: "math, geometry" },
     LayeredCrate { layer: 2, name: "glanz-report", may_use: "job, light" },
-    LayeredCrate { layer: 2, name: "glanz-shading", may_use: "math, light, sampling" },
+    LayeredCrate { layer: 2, name: "glanz-shading", may_use: "math, job, light, sampling" },
     LayeredCrate { layer: 3, name: "glanz-scene", may_use: "0-2" },
     LayeredCrate { layer: 4, name: "glanz-formats", may_use: "0-3" },
     LayeredCrate { layer: 4, name: "glanz-transport", may_use: "0-3" },

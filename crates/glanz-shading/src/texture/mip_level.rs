@@ -7,7 +7,7 @@ use glanz_job::ScratchFileError;
 use glanz_math::DVec2;
 
 use super::mip_map::ImageWrap;
-use super::texels::{TexelBlock, TexelFormat};
+use super::texels::{TexelFormat, TexelValues};
 use super::texture_cache::TextureCache;
 
 /// Texels along a side of a tile.
@@ -26,7 +26,7 @@ pub(super) struct MipLevel {
 
 #[derive(Clone, Debug)]
 enum LevelTexels {
-    Memory(Arc<TexelBlock>),
+    Memory(Arc<TexelValues>),
     /// Those that were in use lately.
     Cached(CachedLevel),
 }
@@ -50,7 +50,7 @@ enum TileSource {
 
 impl MipLevel {
     /// The full size of a picture, whole in memory.
-    pub(super) fn new(width: usize, height: usize, texels: TexelBlock) -> Self {
+    pub(super) fn new(width: usize, height: usize, texels: TexelValues) -> Self {
         Self { width, height, texels: LevelTexels::Memory(Arc::new(texels)) }
     }
 
@@ -179,7 +179,7 @@ impl MipLevel {
     }
 
     /// Texels of the next smaller level, each the mean of this one over its area.
-    fn halved(&self, columns: Range<usize>, rows: Range<usize>) -> TexelBlock {
+    fn halved(&self, columns: Range<usize>, rows: Range<usize>) -> TexelValues {
         let [width, height] = self.halved_size();
         let columns: Vec<_> = columns.map(|i| overlaps(i, self.width, width)).collect();
         let (mut reader, planes) = (TexelReader::new(self), self.planes());
@@ -198,13 +198,13 @@ impl MipLevel {
                 values.extend(sum.iter().take(planes).map(|s| *s as f32));
             }
         }
-        TexelBlock::Floats { values, planes }
+        TexelValues::Floats { values, planes }
     }
 }
 
 impl CachedLevel {
     /// The tile with this number of the level, of which `columns` lie beside each other.
-    fn tile(&self, number: usize, columns: usize, level: &MipLevel) -> Arc<TexelBlock> {
+    fn tile(&self, number: usize, columns: usize, level: &MipLevel) -> Arc<TexelValues> {
         self.cache.tile(self.first + number as u64, || match &self.source {
             TileSource::File { start, format } => {
                 let bytes = TILE_TEXELS * format.texel_bytes();
@@ -223,7 +223,7 @@ impl CachedLevel {
 /// Reads the texels of a level; those near the one before are found at once.
 struct TexelReader<'a> {
     level: &'a MipLevel,
-    tile: Option<(usize, Arc<TexelBlock>)>,
+    tile: Option<(usize, Arc<TexelValues>)>,
 }
 
 impl<'a> TexelReader<'a> {

@@ -8,7 +8,7 @@ use glanz_math::DVec2;
 
 use super::footprint::FootprintEllipse;
 use super::mip_level::MipLevel;
-use super::texels::TexelBlock;
+use super::texels::TexelValues;
 use super::texture_cache::TextureCache;
 
 /// Smaller levels of pictures in a file are stored from this one on; those above take most of the room, and a tile of them is made of few of the full size.
@@ -123,7 +123,7 @@ impl MipMap {
         let not_finite = not_finite.map(|i| [i % width, i / width]);
         let first = planes.first().and_then(|plane| plane.first()).copied();
         let uniform = first.filter(|first| planes.iter().all(|plane| plane.iter().all(|x| x == first)));
-        let full = Arc::new(MipLevel::new(width, height, TexelBlock::of_planes(&planes)));
+        let full = Arc::new(MipLevel::new(width, height, TexelValues::of_planes(&planes)));
         // The smaller levels are floats, a third as many as there are texels.
         let smaller_bytes = (size_of::<f32>() * full.planes() * pixels.len() / 3) as u64;
         let is_small = width.max(height) <= SMALL;

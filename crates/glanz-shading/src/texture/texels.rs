@@ -9,13 +9,13 @@ const BYTE_VALUES: usize = 256;
 const PLACES: usize = 4 * BYTE_VALUES;
 
 /// The values of the bytes of each plane.
-pub(super) type Palette = Vec<[f32; BYTE_VALUES]>;
+pub(super) type TexelPalette = Vec<[f32; BYTE_VALUES]>;
 
 /// Texels in rows, with one value for grey or three for red, green and blue.
 #[derive(Debug)]
-pub(super) enum TexelBlock {
-    /// A byte for each value, as in most files; the values themselves are as exact as with [`TexelBlock::Floats`].
-    Bytes { bytes: Vec<u8>, palette: Arc<Palette> },
+pub(super) enum TexelValues {
+    /// A byte for each value, as in most files; the values themselves are as exact as with [`TexelValues::Floats`].
+    Bytes { bytes: Vec<u8>, palette: Arc<TexelPalette> },
     /// The values.
     Floats { values: Vec<f32>, planes: usize },
 }
@@ -26,7 +26,7 @@ pub(super) struct TexelFormat {
     /// Values of a texel: one or three.
     planes: usize,
     /// `None`: values are stored as floats.
-    palette: Option<Arc<Palette>>,
+    palette: Option<Arc<TexelPalette>>,
 }
 
 impl TexelFormat {
@@ -40,19 +40,19 @@ impl TexelFormat {
         self.planes * if self.palette.is_some() { 1 } else { size_of::<f32>() }
     }
 
-    /// The block that [`TexelBlock::append`] made of texels.
-    pub(super) fn block(&self, bytes: Vec<u8>) -> TexelBlock {
+    /// The block that [`TexelValues::append`] made of texels.
+    pub(super) fn block(&self, bytes: Vec<u8>) -> TexelValues {
         match &self.palette {
-            Some(palette) => TexelBlock::Bytes { bytes, palette: Arc::clone(palette) },
+            Some(palette) => TexelValues::Bytes { bytes, palette: Arc::clone(palette) },
             None => {
                 let values = bytes.as_chunks().0.iter().map(|value| f32::from_le_bytes(*value)).collect();
-                TexelBlock::Floats { values, planes: self.planes }
+                TexelValues::Floats { values, planes: self.planes }
             }
         }
     }
 }
 
-impl TexelBlock {
+impl TexelValues {
     /// The block of planes, one for grey or three, of the same length; as bytes if no plane has more than 256 values.
     pub(super) fn of_planes(planes: &[&[f32]]) -> Self {
         let planes = match planes {
@@ -180,7 +180,7 @@ fn numbered(values: &[f32]) -> Option<(Vec<u8>, [f32; BYTE_VALUES])> {
 mod tests {
     use super::*;
 
-    fn texels(block: &TexelBlock, count: usize) -> Vec<[f32; 3]> {
+    fn texels(block: &TexelValues, count: usize) -> Vec<[f32; 3]> {
         (0..count).map(|i| block.texel(i)).collect()
     }
 
@@ -195,7 +195,7 @@ mod tests {
             ([&few, &many, &few], 12_000),
             ([&many, &many, &many], 4000),
         ] {
-            let block = TexelBlock::of_planes(&planes);
+            let block = TexelValues::of_planes(&planes);
             assert_eq!(block.memory(), bytes);
             let expected: Vec<_> = (0..1000).map(|i| planes.map(|plane| plane[i])).collect();
             assert_eq!(texels(&block, 1000), expected);
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn zeros_of_both_signs_and_values_that_are_not_finite_are_kept() {
         let plane = [0.0, -0.0, f32::INFINITY, f32::NAN, 0.0];
-        let block = TexelBlock::of_planes(&[&plane]);
+        let block = TexelValues::of_planes(&[&plane]);
         assert_eq!(block.memory(), 5);
         for (i, value) in plane.iter().enumerate() {
             assert_eq!(block.texel(i).map(f32::to_bits), [value.to_bits(); 3]);

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use glanz_job::{ScratchFile, ScratchFileError};
 
-use super::texels::TexelBlock;
+use super::texels::TexelValues;
 
 /// Parts of the cache with a lock each.
 const PARTS: usize = 64;
@@ -46,7 +46,7 @@ struct CachePart {
 #[derive(Debug)]
 struct CachedTile {
     number: u64,
-    texels: Arc<TexelBlock>,
+    texels: Arc<TexelValues>,
     is_used: bool,
 }
 
@@ -141,7 +141,7 @@ impl TextureCache {
     }
 
     /// The tile with this number, which `make` makes if it is not in memory.
-    pub(super) fn tile(&self, number: u64, make: impl FnOnce() -> TexelBlock) -> Arc<TexelBlock> {
+    pub(super) fn tile(&self, number: u64, make: impl FnOnce() -> TexelValues) -> Arc<TexelValues> {
         if let Some(texels) = self.part(number).find(number) {
             return texels;
         }
@@ -157,13 +157,13 @@ impl TextureCache {
 }
 
 impl CachePart {
-    fn find(&mut self, number: u64) -> Option<Arc<TexelBlock>> {
+    fn find(&mut self, number: u64) -> Option<Arc<TexelValues>> {
         let tile = self.tiles.get_mut(*self.places.get(&number)?)?;
         tile.is_used = true;
         Some(Arc::clone(&tile.texels))
     }
 
-    fn insert(&mut self, number: u64, texels: &Arc<TexelBlock>, most: u64) {
+    fn insert(&mut self, number: u64, texels: &Arc<TexelValues>, most: u64) {
         if self.places.contains_key(&number) {
             return;
         }
@@ -199,8 +199,8 @@ impl CachePart {
 mod tests {
     use super::*;
 
-    fn tile(value: u64) -> TexelBlock {
-        TexelBlock::Floats { values: vec![value as f32; 25], planes: 1 }
+    fn tile(value: u64) -> TexelValues {
+        TexelValues::Floats { values: vec![value as f32; 25], planes: 1 }
     }
 
     #[test]
