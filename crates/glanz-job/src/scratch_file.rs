@@ -53,8 +53,8 @@ fn folders() -> impl Iterator<Item = PathBuf> {
 /// Checks that the file system is on a disk, as that of the usual folder is not on many systems. A folder that `TMPDIR` names is taken as it is.
 #[cfg(target_os = "linux")]
 fn check_disk(file: &File) -> io::Result<()> {
-    const TMPFS_MAGIC: i64 = 0x0102_1994;
-    let is_in_memory = rustix::fs::fstatfs(file).is_ok_and(|found| i64::from(found.f_type) == TMPFS_MAGIC);
+    // TMPFS_MAGIC; the type of this number differs between processors.
+    let is_in_memory = rustix::fs::fstatfs(file).is_ok_and(|found| found.f_type == 0x0102_1994);
     match env::var_os("TMPDIR") {
         None if is_in_memory => Err(io::Error::other("the folder is in memory")),
         _ => Ok(()),

@@ -1,12 +1,15 @@
 //! Limits of resources: what each reader may use, and where its end is reported.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use glanz_formats::image::{self, Format};
 use glanz_formats::{Diagnostics, Options, list_files, load, load_str};
 use glanz_job::{BudgetError, CancelFlag, Resource, ResourceLimits};
+use glanz_light::{Pixels, Tone};
 
 /// The reason of the end of reading `text`, with the only message.
 fn end(text: &str, options: &Options) -> (BudgetError, String) {
@@ -289,4 +292,30 @@ fn a_flag_that_is_raised_before_ends_at_once() {
     cancel.cancel();
     let options = Options { cancel, ..Options::default() };
     assert_eq!(end("WorldBegin", &options).0, BudgetError::Interrupted);
+}
+
+/// A picture of 1.8 MB with its levels does not fit in a quarter of 6 MB, and its pixels come from the temporary file.
+#[test]
+fn pictures_above_their_share_of_the_memory_are_in_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let rgb: Vec<[f32; 3]> =
+        (0..512 * 512).map(|i| [i % 7, i % 11, i % 13].map(|x| x as f32 / 16.0)).collect();
+    let pixels = Pixels::try_from_rgb(512, 512, &rgb).unwrap();
+    let png = image::write(&pixels, Format::Png, &Tone::default(), &BTreeMap::new()).unwrap();
+    std::fs::write(folder.path().join("a.png"), png).unwrap();
+    let scene = folder.path().join("a.pbrt");
+    std::fs::write(
+        &scene,
+        "WorldBegin Texture \"a\" \"spectrum\" \"imagemap\" \"string filename\" \"a.png\"",
+    )
+    .unwrap();
+    let pictures = [6 << 20, 1 << 30].map(|memory| {
+        let loaded =
+            load(&scene, &limited(|limits| limits.memory = memory)).unwrap_or_else(|end| panic!("{end}"));
+        loaded.description.images[0].picture.clone()
+    });
+    assert!(
+        pictures[0].cache().is_some_and(|cache| cache.file_size() > 3 << 18) && pictures[1].cache().is_none()
+    );
+    assert_eq!(pictures[0].to_rgb().unwrap(), pictures[1].to_rgb().unwrap());
 }

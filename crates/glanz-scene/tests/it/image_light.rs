@@ -235,18 +235,16 @@ fn black_picture_is_never_sampled() {
 #[test]
 fn stretched_light_and_picture_without_colours_are_refused() {
     let kind = LightKind::ImageInfinite { image: 0, mapping: SphereMapping::EqualArea };
-    let refused = |to_world, pixels: Pixels| {
-        let light = LightDescription { to_world, ..LightDescription::new(kind.clone(), 1.0) };
-        let image = ImageDescription::try_new("picture", &pixels).unwrap();
-        let builder = SceneBuilder::new().light(light).edit(|scene| scene.images.push(image));
-        builder.resolve().unwrap_err().to_string()
-    };
-    let message = refused(DMat4::from_scale(DVec3::new(1.0, 2.0, 1.0)), uneven(4, 4));
+    let to_world = DMat4::from_scale(DVec3::new(1.0, 2.0, 1.0));
+    let light = LightDescription { to_world, ..LightDescription::new(kind, 1.0) };
+    let image = ImageDescription::try_new("picture", &uneven(4, 4)).unwrap();
+    let builder = SceneBuilder::new().light(light).edit(|scene| scene.images.push(image));
+    let message = builder.resolve().unwrap_err().to_string();
     assert!(message.starts_with("infinite light: transformation is anisotropic"), "{message}");
     let mut depth = Pixels::try_new(1, 1).unwrap();
     depth.add_channel("Z", vec![1.0]).unwrap();
-    let message = refused(DMat4::IDENTITY, depth);
-    assert_eq!(message, "light: list of channels of the picture is Z; it must be R, G and B, or Y");
+    let message = ImageDescription::try_new("depth", &depth).unwrap_err().to_string();
+    assert_eq!(message, "the picture has the channels [\"Z\"]; textures and lights need R, G and B, or Y");
 }
 
 #[test]

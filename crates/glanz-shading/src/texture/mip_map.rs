@@ -22,7 +22,7 @@ const SMALL: usize = 32;
 #[non_exhaustive]
 pub enum MipMapError {
     /// The picture has neither R, G and B nor Y.
-    #[error("the picture has the channels {0:?}; a texture needs R, G and B, or Y")]
+    #[error("the picture has the channels {0:?}; textures and lights need R, G and B, or Y")]
     Channels(Vec<String>),
     /// A pixel is infinite or not a number.
     #[error("the picture's pixel at column {column}, row {row} is not finite")]
